@@ -1,0 +1,29 @@
+"""The command line. Each command lives in its own module and imports what it needs when it runs."""
+
+from __future__ import annotations
+
+import typer
+
+from fingertip._version import __version__
+from fingertip.cli.params import params
+
+app = typer.Typer(
+    name="fingertip",
+    help="A bioinspired prosthetic fingertip from one file of parameters.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+app.command()(params)
+
+
+@app.callback(invoke_without_command=True)
+def _version(version: bool = typer.Option(False, "--version", help="Print the version and exit.")) -> None:
+    if version:
+        print(__version__)
+        raise typer.Exit()
+
+
+def main() -> None:
+    """Entry point of the `fingertip` command."""
+    app()

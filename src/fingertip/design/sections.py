@@ -1,0 +1,111 @@
+"""The tables of a design file. Every parameter stands here once: default (the FSR 400 finger), unit, bounds, meaning."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from fingertip.design.fields import Section, choice, quantity
+
+
+class Sensor(Section):
+    """Which force-sensing resistor, and how it is let into the bone."""
+
+    model: Literal["fsr400", "fsr400_short", "fsr402", "fsr402_short"] = choice(
+        "fsr400", "Force-sensing resistor of the catalogue."
+    )
+    distance_from_tip_mm: float = quantity(
+        11.5, "mm", "From the skin's tip to the middle of the active area.", least=3, most=60
+    )
+    clearance_mm: float = quantity(0.15, "mm", "Gap around the sensor in its pocket and slot.", least=0.02, most=1)
+    adhesive_thickness_mm: float = quantity(
+        0.13, "mm", "Adhesive film under the sensor; the pocket is deeper by this.", least=0, most=0.5, verified=False
+    )
+
+
+class Bone(Section):
+    """The rigid core that carries the sensor, and its interface to the proximal phalanx."""
+
+    base_length_mm: float = quantity(19.5, "mm", "Bone between the skin's end and the interface.", least=4, most=60)
+    squareness_palmar: float = quantity(
+        1.3, "", "Conic weight of the palmar edges: 0.71 round, 2 nearly a box.", least=0.5, most=8
+    )
+    rim_mm: float = quantity(0.6, "mm", "Flat bone left around the sensor's head.", least=0.2, most=5)
+    wall_mm: float = quantity(
+        1.0, "mm", "Thinnest bone left between channel, slot and outside.", least=0.4, most=5
+    )
+    channel_diameter_mm: float = quantity(2.4, "mm", "Cable channel from the solder tabs to the back.", least=0.8, most=10)
+    channel_bend_radius_mm: float = quantity(
+        3.0, "mm", "Bend radius of the channel's centre line.", least=1, most=20
+    )
+    relief_length_mm: float = quantity(
+        5.0, "mm", "Recess around the end of the tail for the solder joints.", least=2, most=20
+    )
+    post_diameter_mm: float = quantity(7.0, "mm", "Post that enters the proximal phalanx.", least=2, most=25)
+    post_length_mm: float = quantity(8.0, "mm", "Length of the post.", least=2, most=40)
+    cross_bolt_diameter_mm: float = quantity(2.2, "mm", "Hole through the post for the cross bolt.", least=0.8, most=6)
+
+
+class Skin(Section):
+    """The silicone's outer form and its thickness over the bone."""
+
+    width_mm: float = quantity(17.0, "mm", "Full width where the skin begins.", least=6, most=60)
+    semi_axis_palmar_mm: float = quantity(6.0, "mm", "Height of the pad below the parting plane.", least=2, most=40)
+    semi_axis_dorsal_mm: float = quantity(7.0, "mm", "Height of the back above the parting plane.", least=2, most=40)
+    length_mm: float = quantity(34.0, "mm", "From the skin's end to its tip.", least=8, most=120)
+    tip_length_mm: float = quantity(10.0, "mm", "Length of the rounded tip within the length.", least=2, most=60)
+    taper_ratio: float = quantity(
+        0.94, "", "Scale of the section where the tip begins, against the skin's end.", least=0.4, most=1
+    )
+    squareness_palmar: float = quantity(0.8, "", "Conic weight of the pad's arcs (0.71: ellipse).", least=0.4, most=4)
+    squareness_dorsal: float = quantity(0.75, "", "Conic weight of the back's arcs (0.71: ellipse).", least=0.4, most=4)
+    squareness_tip: float = quantity(0.75, "", "Conic weight of the tip's profile (0.71: ellipse).", least=0.4, most=4)
+    thickness_side_mm: float = quantity(2.0, "mm", "Silicone at the sides.", least=0.4, most=15)
+    thickness_palmar_mm: float = quantity(
+        3.0, "mm", "Silicone over the middle of the sensor, from the bone's flat to the pad.", least=0.4, most=20
+    )
+    thickness_dorsal_mm: float = quantity(1.5, "mm", "Silicone on the back.", least=0.4, most=15)
+    thickness_tip_mm: float = quantity(2.5, "mm", "Silicone in front of the bone.", least=0.4, most=20)
+
+
+class Mold(Section):
+    """Two halves parted at the plane through the silhouette, cast around the bone (overmolding)."""
+
+    wall_mm: float = quantity(4.0, "mm", "Mold below, above and behind the cavity.", least=1.2, most=30)
+    land_mm: float = quantity(3.0, "mm", "Flat left between the cavity and bolts or keys.", least=1, most=20)
+    draft_deg: float = quantity(3.0, "degree", "Draft of the registration keys.", least=0, most=15)
+    fit_clearance_mm: float = quantity(0.15, "mm", "Gap between the bone's base and its recess.", least=0.02, most=1)
+    recess_length_mm: float = quantity(8.0, "mm", "Length of the recess that holds the bone's base.", least=2, most=60)
+    gate_diameter_mm: float = quantity(3.0, "mm", "Gate into the cavity, beside the apex.", least=0.8, most=12)
+    funnel_diameter_mm: float = quantity(7.0, "mm", "Mouth of the sprue's funnel.", least=1, most=30)
+    funnel_depth_mm: float = quantity(4.0, "mm", "Depth of the funnel.", least=0.5, most=30)
+    vent_diameter_mm: float = quantity(1.2, "mm", "Vent at the apex and opposite the gate.", least=0.4, most=5)
+    bolt_diameter_mm: float = quantity(3.4, "mm", "Clearance hole of the clamp bolts (M3).", least=1.5, most=9)
+    nut_width_mm: float = quantity(5.8, "mm", "Nut trap across flats, with clearance.", least=2, most=16)
+    nut_depth_mm: float = quantity(2.6, "mm", "Depth of the nut trap.", least=0.5, most=10)
+    key_diameter_mm: float = quantity(5.0, "mm", "Root of the larger registration key.", least=1.5, most=20)
+    key_height_mm: float = quantity(2.5, "mm", "Height of the registration keys.", least=0.5, most=10)
+    key_clearance_mm: float = quantity(0.15, "mm", "Gap around the registration keys.", least=0.02, most=1)
+
+
+class Board(Section):
+    """The analog slip filter (article, eqs. 1 to 11 and figure 3)."""
+
+    cutoff_hz: float = quantity(67.0, "Hz", "Cutoff of the third-order Butterworth high-pass.", above=0, most=10000)
+    capacitor_uf: float = quantity(1.0, "uF", "C1 = C2 = C3 of both filters.", least=1e-6, most=1000)
+    passband_gain: float = quantity(
+        1 + 100 / 1.5, "", "G = 1 + R5/R4; the article prints 66.7, which is R5/R4 alone.", above=1, most=10000
+    )
+    r5_ohm: float = quantity(100e3, "ohm", "Feedback resistor of the first stage.", least=1000, most=10e6)
+    envelope_cutoff_hz: float = quantity(36.17, "Hz", "1 / (2 pi R_LP C_LP) of the envelope.", above=0, most=10000)
+    envelope_capacitor_uf: float = quantity(2.2, "uF", "C_LP of the envelope.", least=1e-6, most=1000)
+    series: Literal["E12", "E24", "E96"] = choice("E24", "Preferred values for resistors (IEC 60063).")
+    gain_bandwidth_hz: float = quantity(3e6, "Hz", "Gain-bandwidth product of the amplifier (TL082).", least=1e4, most=1e9)
+    supply_v: float = quantity(5.0, "V", "Half of the split supply: the board runs on plus and minus this.", least=2, most=18)
+
+
+class Detector(Section):
+    """From the enveloped signal to ON and OFF (article, eq. 12)."""
+
+    sample_rate_hz: float = quantity(2000.0, "Hz", "Sampling rate of the traces.", least=1000, most=20000)
+    window_samples: int = quantity(60, "samples", "Length L of the averaging window.", least=1, most=10000)
+    threshold_v: float = quantity(0.1, "V", "Mean of the envelope above which slip is ON.", above=0, most=10)

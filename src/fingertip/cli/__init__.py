@@ -5,6 +5,8 @@ from __future__ import annotations
 import typer
 
 from fingertip._version import __version__
+from fingertip.cli.build import build
+from fingertip.cli.board import board
 from fingertip.cli.params import params
 
 app = typer.Typer(
@@ -14,7 +16,9 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+app.command()(build)
 app.command()(params)
+app.command()(board)
 
 
 @app.callback(invoke_without_command=True)

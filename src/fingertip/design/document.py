@@ -53,16 +53,16 @@ def to_toml(design: Design, heading: str = "") -> str:
         if not isinstance(value, Section):
             document.add(name, value)
             continue
-        document.add(tomlkit.nl())
-        for line in (type(value).__doc__ or "").splitlines():
-            document.add(tomlkit.comment(line))
         table = tomlkit.table()
+        for line in (type(value).__doc__ or "").splitlines():
+            table.add(tomlkit.comment(line))
         for key, field in type(value).model_fields.items():
             parameter = _parameter(f"{name}.{key}", field)
             item = tomlkit.item(getattr(value, key))
             limits = f" [{parameter.bounds}]" if parameter.bounds else ""
             item.comment(parameter.description + limits)
             table.add(key, item)
+        document.add(tomlkit.nl())
         document.add(name, table)
     return tomlkit.dumps(document)
 

@@ -1,0 +1,191 @@
+"""Build: a design in, files and a report out."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fingertip._version import __version__
+from fingertip.cad import checks, stl, threemf
+from fingertip.cad.checks import Check
+from fingertip.cad.mesh import Evaluator, Mesh
+from fingertip.cad.parts import PARTS, Part
+from fingertip.cad.step import StepFiles, StepRequest
+from fingertip.cad.step_worker import StepJob
+from fingertip.design import Design
+from fingertip.design.document import to_toml
+from fingertip.design.faults import nearest
+from fingertip.errors import DesignError, Fault
+from fingertip.files import write_whole
+
+FORMATS = ("stl", "3mf", "step")
+_MESH_FORMATS = {"stl": stl, "3mf": threemf}
+
+
+@dataclass(frozen=True)
+class BuiltPart:
+    """One part as built."""
+
+    part: Part
+    mesh: Mesh
+    files: Mapping[str, str]
+    """Format -> file name."""
+    brep_volume_mm3: float | None
+
+
+@dataclass(frozen=True)
+class Build:
+    """What a build gave: every file, every check."""
+
+    design: Design
+    folder: Path
+    tolerance_mm: float
+    parts: tuple[BuiltPart, ...]
+    contents: Mapping[str, bytes]
+    checks: tuple[Check, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every check passed."""
+        return all(check.passed for check in self.checks)
+
+    def report(self) -> dict[str, Any]:
+        """The content of report.json: nothing in it depends on when or where it was made."""
+        return {
+            "fingertip": __version__,
+            "design": self.design.name,
+            "tolerance_mm": self.tolerance_mm,
+            "passed": self.passed,
+            "parts": {built.part.name: self._part(built) for built in self.parts},
+            "checks": [
+                {"name": c.name, "value": c.value, "limit": c.limit, "unit": c.unit, "passed": c.passed}
+                for c in self.checks
+            ],
+        }
+
+    def _part(self, built: BuiltPart) -> dict[str, Any]:
+        entry: dict[str, Any] = {
+            "volume_mm3": built.mesh.volume(),
+            "area_mm2": built.mesh.area(),
+            "triangles": len(built.mesh.triangles),
+            "files": dict(built.files),
+            "sha256": {
+                kind: hashlib.sha256(self.contents[file]).hexdigest() for kind, file in built.files.items()
+            },
+        }
+        if built.brep_volume_mm3 is not None:
+            entry["brep_volume_mm3"] = built.brep_volume_mm3
+        return entry
+
+
+def build(
+    design: Design,
+    out: str | Path | None = None,
+    *,
+    parts: Iterable[str] = tuple(PARTS),
+    formats: Iterable[str] = FORMATS,
+    tolerance_mm: float = 0.01,
+    say: Callable[[str], None] = lambda message: None,
+) -> Build:
+    """Build parts, check them, and write them with `design.toml` and `report.json`.
+
+    Only what is asked for is built, and cadquery is loaded (in a process of its own) only for "step".
+
+    Parameters
+    ----------
+    design
+        The fingertip.
+    out
+        Folder to write to; `out/<design name>` if None.
+    parts
+        Names from `PARTS`.
+    formats
+        Any of "stl", "3mf", "step".
+    tolerance_mm
+        Most a facet strays from the exact surface [mm], 0.0005 to 1.
+    say
+        Called with a sentence at each step.
+
+    Raises
+    ------
+    DesignError
+        If a part, a format or the tolerance is not to be had.
+    MissingLibraryError
+        If STEP is asked for and cadquery cannot be loaded.
+    GeometryError, OutputError
+        If a kernel refuses a solid; if the folder cannot be written. Nothing has been written then.
+    """
+    folder = Path("out") / design.name if out is None else Path(out)
+    chosen, kinds = _ordered("--parts", parts, tuple(PARTS)), _ordered("--formats", formats, FORMATS)
+    if not 0.0005 <= tolerance_mm <= 1.0:
+        bounds = "choose 0.0005 to 1 mm; 0.01 is finer than a printer draws."
+        raise DesignError(Fault("--tolerance-mm", f"{tolerance_mm:g} mm is out of bounds; {bounds}"))
+    expressions = {name: PARTS[name].describe(design) for name in chosen}
+
+    with contextlib.ExitStack() as stack:
+        request = None
+        if "step" in kinds:
+            say("starting the B-rep kernel beside the mesh kernel")
+            job = StepJob(design.name, tuple((n, expressions[n], PARTS[n].colour) for n in chosen))
+            request = stack.enter_context(StepRequest(job))
+        evaluator = Evaluator(tolerance_mm)
+        meshes = {}
+        for name, expression in expressions.items():
+            meshes[name] = evaluator.mesh(expression)
+            say(f"{name}: {len(meshes[name].triangles)} triangles, {meshes[name].volume() / 1000:.2f} cm3")
+        contents = {
+            f"{name}.{kind}": _MESH_FORMATS[kind].to_bytes(mesh, name)
+            for name, mesh in meshes.items()
+            for kind in kinds
+            if kind in _MESH_FORMATS
+        }
+        found = [
+            check
+            for file, data in contents.items()
+            for check in _of_file(*file.rsplit(".", 1), data)
+        ]
+        solids = {name: evaluator.manifold(expression) for name, expression in expressions.items()}
+        found += checks.of_assembly(design, evaluator, solids)
+        step = StepFiles({}, {})
+        if request:
+            say("waiting for the B-rep kernel")
+            step = request.result()
+            found += (
+                checks.against_brep(PARTS[name], meshes[name], volume, tolerance_mm)
+                for name, volume in step.volumes_mm3.items()
+            )
+        contents |= step.contents
+
+    built = tuple(
+        BuiltPart(
+            PARTS[name], meshes[name], {kind: f"{name}.{kind}" for kind in kinds}, step.volumes_mm3.get(name)
+        )
+        for name in chosen
+    )
+    heading = "The design these files were built from; `fingertip build` takes it as it is."
+    contents["design.toml"] = to_toml(design, heading).encode()
+    result = Build(design, folder, tolerance_mm, built, contents, tuple(found))
+    contents["report.json"] = (json.dumps(result.report(), indent=2) + "\n").encode()
+    write_whole(folder, contents)
+    say(f"{len(contents)} files in {folder}")
+    return result
+
+
+def _of_file(name: str, kind: str, data: bytes) -> Iterable[Check]:
+    """Checks on the mesh a reader gets from the file, not on the one in memory."""
+    return checks.of_file(PARTS[name], _MESH_FORMATS[kind].from_bytes(data), kind)
+
+
+def _ordered(option: str, asked: Iterable[str], known: tuple[str, ...]) -> list[str]:
+    """What was asked for, in the fixed order and without repeats, so that the order of asking changes nothing."""
+    wanted = set(asked)
+    if unknown := sorted(wanted - set(known)):
+        raise DesignError([Fault(option, f"there is no {word!r}; {nearest(word, known)}") for word in unknown])
+    if not wanted:
+        raise DesignError(Fault(option, f"nothing was asked for; choose from {', '.join(known)}."))
+    return [name for name in known if name in wanted]

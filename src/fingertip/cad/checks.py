@@ -1,0 +1,110 @@
+"""Checks of the parts: named lines with a value, a limit and a verdict. Each is an identity or a topological count,
+so that a wrong solid cannot pass for a roundish one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fingertip.cad import bone, mold
+from fingertip.cad.mesh import Evaluator, Mesh, to_manifold
+from fingertip.cad.parts import Part
+from fingertip.cad.solids import Form, union
+from fingertip.design import Design
+from fingertip.design.mold_layout import lay_out
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+NO_VOLUME_MM3 = 1e-3
+"""Volumes below this are nothing: the rounding of 10 000 mm2 of surface to a grid of 8 nm stays below it."""
+PULL_DISTANCES_MM = (0.02, 0.2, 1.0, 4.0, 12.0)
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of the report: it passes if `value` is at most `limit`, or equals it where `exact`."""
+
+    name: str
+    value: float
+    limit: float
+    unit: str
+    exact: bool = False
+
+    @property
+    def passed(self) -> bool:
+        """The verdict."""
+        return self.value == self.limit if self.exact else self.value <= self.limit
+
+
+def of_file(part: Part, mesh: Mesh, file_format: str) -> Iterator[Check]:
+    """Topology of a part as re-read from its file: closed, one body, the expected genus, right side out."""
+    where = f"{part.name}.{file_format}"
+    yield Check(f"{where}.open_edges", open_edges(mesh), 0, "edges", exact=True)
+    yield Check(f"{where}.inside_out", float(mesh.volume() <= 0.0), 0, "", exact=True)
+    solid = to_manifold(mesh.vertices, mesh.triangles)
+    yield Check(f"{where}.bodies", len(solid.decompose()), 1, "bodies", exact=True)
+    yield Check(f"{where}.genus", solid.genus(), part.genus, "holes", exact=True)
+
+
+def open_edges(mesh: Mesh) -> int:
+    """Directed edges that are not matched by exactly one in the opposite direction."""
+    forward = np.concatenate([mesh.triangles[:, pair] for pair in ((0, 1), (1, 2), (2, 0))])
+    size = len(mesh.vertices)
+    keys, counts = np.unique(forward[:, 0] * size + forward[:, 1], return_counts=True)
+    backward = np.sort(forward[:, 1] * size + forward[:, 0])
+    matched = np.isin(keys, backward) & (counts == 1)
+    return int(len(keys) - matched.sum())
+
+
+def against_brep(part: Part, mesh: Mesh, exact_volume_mm3: float, tolerance_mm: float) -> Check:
+    """Mesh against exact volume: no further apart than the tolerance times the surface."""
+    difference = abs(mesh.volume() - exact_volume_mm3)
+    return Check(f"{part.name}.volume_against_brep", difference, tolerance_mm * mesh.area(), "mm3")
+
+
+def of_assembly(design: Design, evaluator: Evaluator, solids: Mapping[str, Manifold]) -> Iterator[Check]:
+    """Identities between the parts that were asked for."""
+    if "skin" in solids:
+        cavity, core = evaluator.manifold(Form(design.dimensions.outer)), evaluator.manifold(bone.core(design))
+        expected = cavity.volume() - (cavity ^ core).volume()
+        yield _nothing("cavity_less_core_is_skin", abs(expected - solids["skin"].volume()))
+    for first, second in _pairs(solids):
+        yield _nothing(f"overlap.{first}.{second}", (solids[first] ^ solids[second]).volume())
+    halves = [name for name in ("mold_palmar", "mold_dorsal") if name in solids]
+    cast = [solids[name] for name in ("bone", "skin") if name in solids]
+    for name in halves:
+        yield _nothing(f"pull.{name}", _caught(solids[name], cast, -1.0 if name == "mold_palmar" else 1.0))
+    if len(halves) == 2:
+        yield _nothing("halves_and_hollows_are_block", _block_defect(design, evaluator, solids))
+
+
+def _nothing(name: str, volume: float) -> Check:
+    return Check(name, volume, NO_VOLUME_MM3, "mm3")
+
+
+def _pairs(names: Iterable[str]) -> Iterator[tuple[str, str]]:
+    listed = list(names)
+    return ((a, b) for i, a in enumerate(listed) for b in listed[i + 1 :])
+
+
+def _caught(half: Manifold, cast: list[Manifold], direction: float) -> float:
+    """Most volume [mm3] a half drags through what lies in the mold while it is pulled off."""
+    moved = (half.translate((0.0, direction * distance, 0.0)) for distance in PULL_DISTANCES_MM)
+    return max((float((there ^ solid).volume()) for there in moved for solid in cast), default=0.0)
+
+
+def _block_defect(design: Design, evaluator: Evaluator, solids: Mapping[str, Manifold]) -> float:
+    """|block - (halves + everything hollow)| [mm3]; the hollows are built apart from the halves."""
+    m = lay_out(design, design.dimensions)
+    block = evaluator.manifold(mold.block(design))
+    tools = union(mold.openings(design), *mold.bolts(design, m), *mold.nut_traps(design, m))
+    hollow = (evaluator.manifold(tools) ^ block).volume()
+    below = block.trim_by_plane((0.0, -1.0, 0.0), 0.0)
+    for grown, key in zip(mold.keys(design, m, design.mold.key_clearance_mm), mold.keys(design, m), strict=True):
+        hollow += (evaluator.manifold(grown) ^ below).volume() - (evaluator.manifold(key) ^ below).volume()
+    halves = solids["mold_palmar"].volume() + solids["mold_dorsal"].volume()
+    return abs(float(block.volume() - hollow - halves))

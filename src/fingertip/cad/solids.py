@@ -1,0 +1,117 @@
+"""Parts as plain expressions: primitives and booleans that know no kernel.
+
+Each part is described once as a tree of these frozen values and evaluated by two kernels that share no geometry
+code: `cad.mesh` (numpy and manifold3d) and `cad.brep` (cadquery). All lengths in mm, all axes along x, y or z;
+expressions compare and hash by value, so equal solids are recognised and evaluated once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from fingertip.conic import ConicBody
+
+Axis = Literal["x", "y", "z"]
+
+
+@dataclass(frozen=True)
+class Box:
+    """Axis-parallel box between two corners [mm]."""
+
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Cone:
+    """Frustum about an axis-parallel line; equal radii make a cylinder.
+
+    `centre` is the line's two other coordinates in cyclic order: (y, z) for x, (z, x) for y, (x, y) for z [mm].
+    """
+
+    axis: Axis
+    centre: tuple[float, float]
+    low: float
+    high: float
+    low_radius: float
+    high_radius: float
+
+
+def cylinder(axis: Axis, centre: tuple[float, float], low: float, high: float, radius: float) -> Cone:
+    """Cylinder about an axis-parallel line; see `Cone` for `centre` [mm]."""
+    return Cone(axis, centre, low, high, radius, radius)
+
+
+@dataclass(frozen=True)
+class HexPrism:
+    """Hexagonal prism along y around (x, z), its corners at +-x: a nut trap. Width across flats [mm]."""
+
+    x: float
+    z: float
+    low: float
+    high: float
+    width: float
+
+
+@dataclass(frozen=True)
+class ElbowTube:
+    """Round tube in the plane x = 0: down along -z, a quarter turn, then up along +y [mm].
+
+    The centre line starts at (`start_y`, `start_z`), turns with `bend_radius`, and ends at (`end_y`, `exit_z`).
+    """
+
+    start_y: float
+    start_z: float
+    exit_z: float
+    end_y: float
+    bend_radius: float
+    radius: float
+
+
+@dataclass(frozen=True)
+class Form:
+    """A superconic body."""
+
+    body: ConicBody
+
+
+@dataclass(frozen=True)
+class Union:
+    """What any of `solids` covers."""
+
+    solids: tuple[Solid, ...]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """What `solid` covers and none of `without` does."""
+
+    solid: Solid
+    without: tuple[Solid, ...]
+
+
+@dataclass(frozen=True)
+class Intersection:
+    """What all of `solids` cover."""
+
+    solids: tuple[Solid, ...]
+
+
+Primitive: TypeAlias = Box | Cone | HexPrism | ElbowTube | Form
+Solid: TypeAlias = Primitive | Union | Difference | Intersection
+
+
+def union(*solids: Solid) -> Solid:
+    """What any of the solids covers."""
+    return solids[0] if len(solids) == 1 else Union(solids)
+
+
+def difference(solid: Solid, *without: Solid) -> Solid:
+    """`solid` with the others taken away."""
+    return Difference(solid, without) if without else solid
+
+
+def intersection(*solids: Solid) -> Solid:
+    """What all of the solids cover."""
+    return solids[0] if len(solids) == 1 else Intersection(solids)

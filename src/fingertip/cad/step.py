@@ -1,0 +1,80 @@
+"""Asks the STEP process for files, beside whatever else is being done, and within a time limit."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+
+from fingertip import errors
+from fingertip.cad.step_worker import StepJob
+from fingertip.errors import Fault, GeometryError
+
+TIME_LIMIT_S = 180.0
+
+
+@dataclass(frozen=True)
+class StepFiles:
+    """What came back: file name -> bytes, and the exact volume of each part [mm3]."""
+
+    contents: dict[str, bytes]
+    volumes_mm3: dict[str, float]
+
+
+class StepRequest:
+    """A STEP job under way; a context manager, so that the process never outlives its use."""
+
+    def __init__(self, job: StepJob) -> None:
+        self._job = job
+
+    def __enter__(self) -> StepRequest:
+        self._folder = tempfile.TemporaryDirectory(prefix="fingertip-step-")
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "fingertip.cad.step_worker", self._folder.name],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,  # the kernel prints there
+            stderr=subprocess.PIPE,
+        )
+        assert self._process.stdin is not None
+        self._process.stdin.write(pickle.dumps(self._job))
+        self._process.stdin.flush()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._process.kill()
+        self._process.communicate()
+        self._folder.cleanup()
+
+    def result(self, time_limit_s: float = TIME_LIMIT_S) -> StepFiles:
+        """Wait for the files.
+
+        Raises
+        ------
+        GeometryError
+            If the kernel fails, crashes, or takes longer than `time_limit_s` [s].
+        MissingLibraryError
+            If cadquery cannot be loaded; the sentence names the packages to install.
+        """
+        try:
+            _, words = self._process.communicate(timeout=time_limit_s)
+        except subprocess.TimeoutExpired:
+            parts = ", ".join(name for name, _, _ in self._job.parts)
+            sentence = f"the B-rep of {parts} was not done after {time_limit_s:g} s; use --formats stl,3mf."
+            raise GeometryError(Fault("STEP", sentence)) from None
+        folder = Path(self._folder.name)
+        answer_file = folder / "answer.json"
+        if not answer_file.exists():
+            last = words.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
+            raise GeometryError(Fault("STEP", f"the B-rep process ended without an answer ({last[0]})."))
+        answer = json.loads(answer_file.read_text(encoding="utf-8"))
+        if "error" in answer:
+            raise getattr(errors, answer["error"])([Fault(*fault) for fault in answer["faults"]])
+        contents = {path.name: path.read_bytes() for path in sorted(folder.glob("*.step"))}
+        return StepFiles(contents, answer["volumes_mm3"])

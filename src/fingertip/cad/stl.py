@@ -1,0 +1,38 @@
+"""Binary STL, written and read back with its vertices merged by equality."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fingertip.cad.mesh import Mesh
+from fingertip.errors import Fault, GeometryError
+
+_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def to_bytes(mesh: Mesh, name: str) -> bytes:
+    """Binary STL of a mesh, in mm; the header names the part and holds no date."""
+    corners = mesh.vertices[mesh.triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.sqrt((normal * normal).sum(axis=1, keepdims=True))
+    records = np.zeros(len(corners), dtype=_RECORD)
+    records["normal"] = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0) + 0.0
+    records["corners"] = corners
+    header = f"fingertip {name}, unit mm".encode("ascii")[:80].ljust(80, b" ")  # must not begin with "solid"
+    return header + np.uint32(len(records)).astype("<u4").tobytes() + records.tobytes()
+
+
+def from_bytes(data: bytes) -> Mesh:
+    """The mesh a reader gets from a binary STL: equal corners become one vertex.
+
+    Raises
+    ------
+    GeometryError
+        If the length does not match the stated number of triangles.
+    """
+    count = int(np.frombuffer(data[80:84], "<u4")[0]) if len(data) >= 84 else -1
+    if len(data) != 84 + count * _RECORD.itemsize:
+        raise GeometryError(Fault("STL", f"{len(data)} bytes do not hold the {count} triangles it states."))
+    corners = np.frombuffer(data, _RECORD, offset=84)["corners"].astype(np.float64).reshape(-1, 3)
+    vertices, index = np.unique(corners, axis=0, return_inverse=True)
+    return Mesh(vertices, index.reshape(-1, 3).astype(np.int64))

@@ -47,10 +47,7 @@ def arc_area(w: float) -> float:
     d = 1.0 - w * w
     if abs(d) < 1e-4:  # both forms cancel here; the series of their common limit (the parabola) does not
         return 0.5 + 0.5 * (2.0 / 3.0 + 2.0 / 15.0 * 2.0 * (w - 1.0))
-    if d > 0.0:
-        integral = w / d * (math.acos(w) / math.sqrt(d) - w)
-    else:
-        integral = w / -d * (w - math.acosh(w) / math.sqrt(-d))
+    integral = w / d * (math.acos(w) / math.sqrt(d) - w) if d > 0.0 else w / -d * (w - math.acosh(w) / math.sqrt(-d))
     return 0.5 + 0.5 * integral
 
 

@@ -36,7 +36,8 @@ CATALOGUE: dict[str, ForceSensor] = {
     for sensor in (
         ForceSensor("fsr400", "FSR 400", 5.08, 7.62, 0.30, 38.0, 6.4, 2.54, "[D] FSR 400", ("tail_width_mm",)),
         ForceSensor(
-            "fsr400_short", "FSR 400 short tail", 5.08, 7.62, 0.30, 20.0, 6.4, 2.54, "[D] FSR 400 Short", ("tail_width_mm",)
+            "fsr400_short", "FSR 400 short tail", 5.08, 7.62, 0.30, 20.0, 6.4, 2.54, "[D] FSR 400 Short",
+            ("tail_width_mm",)
         ),
         ForceSensor(
             "fsr402", "FSR 402", 12.7, 18.28, 0.46, 56.0, 7.6, 2.54, "[D] FSR 402",

@@ -59,9 +59,7 @@ def post(design: Design) -> tuple[Solid, Solid]:
     end = -bone.base_length_mm - bone.post_length_mm
     radius = bone.post_diameter_mm / 2
     stem = cylinder("z", (0.0, y), end, -bone.base_length_mm + bone.wall_mm / 2, radius)
-    hole = cylinder(
-        "x", (y, end + bone.post_length_mm / 2), -2 * radius, 2 * radius, bone.cross_bolt_diameter_mm / 2
-    )
+    hole = cylinder("x", (y, end + bone.post_length_mm / 2), -2 * radius, 2 * radius, bone.cross_bolt_diameter_mm / 2)
     return stem, hole
 
 
@@ -69,3 +67,12 @@ def bone(design: Design) -> Solid:
     """The printable bone."""
     stem, hole = post(design)
     return difference(union(core(design), stem), sensor_recess(design), cable_channel(design), hole)
+
+
+def sensor_body(design: Design) -> Solid:
+    """The sensor itself as it lies in the bone: for pictures and assemblies, never printed."""
+    dims = design.dimensions
+    back = -dims.flat_depth + dims.pocket_depth - design.sensor.adhesive_thickness_mm
+    front, half_tail = back - dims.sensor.thickness_mm, dims.sensor.tail_width_mm / 2
+    head = cylinder("y", (dims.sensor_z, 0.0), front, back, dims.sensor.head_diameter_mm / 2)
+    return union(head, Box((-half_tail, front, dims.tail_end_z), (half_tail, back, dims.sensor_z)))

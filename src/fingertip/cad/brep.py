@@ -6,6 +6,7 @@ tori. No lofts and no fillets: both return wrong solids without a word.
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 from fingertip.cad.solids import Box, Cone, Difference, ElbowTube, Form, HexPrism, Intersection, Solid, Union
@@ -119,7 +120,10 @@ def _hexagon(h: HexPrism) -> Any:
 
 def _elbow(e: ElbowTube) -> Any:
     down = cq.Solid.makeCylinder(
-        e.radius, e.start_z - e.exit_z - e.bend_radius, cq.Vector(0, e.start_y, e.start_z), cq.Vector(0, 0, -1)
+        e.radius,
+        e.start_z - e.exit_z - e.bend_radius,
+        cq.Vector(0, e.start_y, e.start_z),
+        cq.Vector(0, 0, -1),
     )
     turn_y, turn_z = e.start_y + e.bend_radius, e.exit_z + e.bend_radius
     circle = cq.Wire.makeCircle(e.radius, cq.Vector(0, e.start_y, turn_z), cq.Vector(0, 0, -1))
@@ -135,7 +139,7 @@ def _form(body: ConicBody) -> Any:
     faces = []
     for quadrant in _quadrants(body.section):
         levels = [(z, s, 1.0) for z, s in body.stations]
-        for rows in zip(levels, levels[1:], strict=False):
+        for rows in itertools.pairwise(levels):
             faces.append(_patch(quadrant, rows))
         if body.tip:
             z, s, _ = levels[-1]

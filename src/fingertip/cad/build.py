@@ -74,9 +74,7 @@ class Build:
             "area_mm2": built.mesh.area(),
             "triangles": len(built.mesh.triangles),
             "files": dict(built.files),
-            "sha256": {
-                kind: hashlib.sha256(self.contents[file]).hexdigest() for kind, file in built.files.items()
-            },
+            "sha256": {kind: hashlib.sha256(self.contents[file]).hexdigest() for kind, file in built.files.items()},
         }
         if built.brep_volume_mm3 is not None:
             entry["brep_volume_mm3"] = built.brep_volume_mm3
@@ -144,11 +142,7 @@ def build(
             for kind in kinds
             if kind in _MESH_FORMATS
         }
-        found = [
-            check
-            for file, data in contents.items()
-            for check in _of_file(*file.rsplit(".", 1), data)
-        ]
+        found = [check for file, data in contents.items() for check in _of_file(file, data)]
         solids = {name: evaluator.manifold(expression) for name, expression in expressions.items()}
         found += checks.of_assembly(design, evaluator, solids)
         step = StepFiles({}, {})
@@ -162,9 +156,7 @@ def build(
         contents |= step.contents
 
     built = tuple(
-        BuiltPart(
-            PARTS[name], meshes[name], {kind: f"{name}.{kind}" for kind in kinds}, step.volumes_mm3.get(name)
-        )
+        BuiltPart(PARTS[name], meshes[name], {kind: f"{name}.{kind}" for kind in kinds}, step.volumes_mm3.get(name))
         for name in chosen
     )
     heading = "The design these files were built from; `fingertip build` takes it as it is."
@@ -176,8 +168,9 @@ def build(
     return result
 
 
-def _of_file(name: str, kind: str, data: bytes) -> Iterable[Check]:
+def _of_file(file: str, data: bytes) -> Iterable[Check]:
     """Checks on the mesh a reader gets from the file, not on the one in memory."""
+    name, kind = file.rsplit(".", 1)
     return checks.of_file(PARTS[name], _MESH_FORMATS[kind].from_bytes(data), kind)
 
 

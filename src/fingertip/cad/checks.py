@@ -69,7 +69,10 @@ def against_brep(part: Part, mesh: Mesh, exact_volume_mm3: float, tolerance_mm: 
 def of_assembly(design: Design, evaluator: Evaluator, solids: Mapping[str, Manifold]) -> Iterator[Check]:
     """Identities between the parts that were asked for."""
     if "skin" in solids:
-        cavity, core = evaluator.manifold(Form(design.dimensions.outer)), evaluator.manifold(bone.core(design))
+        cavity, core = (
+            evaluator.manifold(Form(design.dimensions.outer)),
+            evaluator.manifold(bone.core(design)),
+        )
         expected = cavity.volume() - (cavity ^ core).volume()
         yield _nothing("cavity_less_core_is_skin", abs(expected - solids["skin"].volume()))
     for first, second in _pairs(solids):

@@ -52,9 +52,7 @@ def runners(design: Design, m: MoldLayout) -> tuple[Solid, ...]:
     gate = cylinder("z", (m.gate_x, 0.0), m.inlet_z, past, mold.gate_diameter_mm / 2)
     # The cone runs on past the block at the same slope: its mouth has the stated diameter at the block's face.
     mouth, throat = mold.funnel_diameter_mm / 2, mold.gate_diameter_mm / 2
-    funnel = Cone(
-        "z", (m.gate_x, 0.0), m.distal_z - mold.funnel_depth_mm, past, throat, mouth + (mouth - throat)
-    )
+    funnel = Cone("z", (m.gate_x, 0.0), m.distal_z - mold.funnel_depth_mm, past, throat, mouth + (mouth - throat))
     vents = (cylinder("z", (x, 0.0), m.inlet_z, past, mold.vent_diameter_mm / 2) for x in m.vents_x)
     return (gate, funnel, *vents)
 

@@ -16,7 +16,6 @@ from fingertip.cad.solids import Solid
 from fingertip.errors import FingertipError
 
 
-
 @dataclass(frozen=True)
 class StepJob:
     """Parts to make: (name, expression, colour); `title` names the assembly."""

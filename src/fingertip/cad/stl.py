@@ -19,7 +19,7 @@ def to_bytes(mesh: Mesh, name: str) -> bytes:
     records["normal"] = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0) + 0.0
     records["corners"] = corners
     header = f"fingertip {name}, unit mm".encode("ascii")[:80].ljust(80, b" ")  # must not begin with "solid"
-    return header + np.uint32(len(records)).astype("<u4").tobytes() + records.tobytes()
+    return header + len(records).to_bytes(4, "little") + records.tobytes()
 
 
 def from_bytes(data: bytes) -> Mesh:

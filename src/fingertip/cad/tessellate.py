@@ -14,7 +14,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.cad.solids import Box, Cone, ElbowTube, Form, HexPrism, Primitive
+from fingertip.cad.solids import Axis, Box, Cone, ElbowTube, Form, HexPrism, Primitive
 from fingertip.conic import ELLIPSE, ConicBody, arc_point
 
 Vertices: TypeAlias = NDArray[np.float64]
@@ -84,15 +84,32 @@ def _circle(radius: float, tolerance: float) -> list[Point2]:
 def _cone(c: Cone, tolerance: float) -> tuple[Vertices, Triangles]:
     unit = _circle(1.0, tolerance / max(c.low_radius, c.high_radius))
     u0, v0 = c.centre
-    place = {"x": lambda u, v, w: (w, u, v), "y": lambda u, v, w: (v, w, u), "z": lambda u, v, w: (u, v, w)}[c.axis]
     ends = ((c.low, c.low_radius), (c.high, c.high_radius))
-    return _stack([[place(u0 + r * u, v0 + r * v, w) for u, v in unit] for w, r in ends])
+    return _stack([[_place(c.axis, u0 + r * u, v0 + r * v, w) for u, v in unit] for w, r in ends])
+
+
+def _place(axis: Axis, u: float, v: float, w: float) -> Point3:
+    """The point at w along the axis and (u, v) across it, in cyclic order."""
+    match axis:
+        case "x":
+            return w, u, v
+        case "y":
+            return v, w, u
+        case "z":
+            return u, v, w
 
 
 def _hexagon(h: HexPrism) -> tuple[Vertices, Triangles]:
     r = h.width / math.sqrt(3.0)
     half, side = r / 2, h.width / 2
-    corners = [(0.0, r), (-side, half), (-side, -half), (0.0, -r), (side, -half), (side, half)]  # (z, x), as cones
+    corners = [
+        (0.0, r),
+        (-side, half),
+        (-side, -half),
+        (0.0, -r),
+        (side, -half),
+        (side, half),
+    ]  # (z, x), as cones
     return _stack([[(h.x + x, y, h.z + z) for z, x in corners] for y in (h.low, h.high)])
 
 

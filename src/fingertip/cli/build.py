@@ -36,7 +36,9 @@ def build(
     ]
     failed = [check for check in result.checks if not check.passed]
     lines += [f"FAILED {c.name}: {c.value:g} {c.unit}, limit {c.limit:g}" for c in failed]
-    lines.append(f"{len(result.checks) - len(failed)} of {len(result.checks)} checks passed; written to {result.folder}")
+    lines.append(
+        f"{len(result.checks) - len(failed)} of {len(result.checks)} checks passed; written to {result.folder}"
+    )
     console.result(result.report() | {"folder": str(result.folder)}, "\n".join(lines))
     if failed:
         raise typer.Exit(CHECK_FAILED)

@@ -15,7 +15,9 @@ def params(
     design: Annotated[Path | None, typer.Argument(help="Show this design's values; without it, the defaults.")] = None,
     changes: SetOption = None,
     toml: Annotated[bool, typer.Option("--toml", help="Print a complete, commented design file.")] = False,
-    schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of design files, for editors.")] = False,
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Print the JSON schema of design files, for editors.")
+    ] = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:

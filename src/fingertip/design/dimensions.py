@@ -80,9 +80,7 @@ def derive(design: Sections) -> Dimensions:
     section = CrossSection(
         a, skin.semi_axis_palmar_mm, skin.semi_axis_dorsal_mm, skin.squareness_palmar, skin.squareness_dorsal
     )
-    outer = ConicBody(
-        section, ((0.0, 1.0), (join, skin.taper_ratio)), Tip(skin.length_mm, skin.squareness_tip)
-    )
+    outer = ConicBody(section, ((0.0, 1.0), (join, skin.taper_ratio)), Tip(skin.length_mm, skin.squareness_tip))
     sensor_z = skin.length_mm - sensor.distance_from_tip_mm
     flat_depth = skin.semi_axis_palmar_mm * outer.scale_at(sensor_z) - skin.thickness_palmar_mm
 

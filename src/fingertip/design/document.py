@@ -48,7 +48,7 @@ def to_toml(design: Design, heading: str = "") -> str:
     document = tomlkit.document()
     for line in heading.splitlines():
         document.add(tomlkit.comment(line) if line else tomlkit.nl())
-    for name, info in Design.model_fields.items():
+    for name, _info in Design.model_fields.items():
         value = getattr(design, name)
         if not isinstance(value, Section):
             document.add(name, value)
@@ -76,7 +76,12 @@ def _parameter(path: str, field: FieldInfo) -> Parameter:
 def _bounds(field: FieldInfo) -> str:
     if get_origin(field.annotation) is Literal:
         return " | ".join(get_args(field.annotation))
-    limit = {name: value for item in field.metadata for name in ("ge", "gt", "le") if (value := getattr(item, name, None)) is not None}
+    limit = {
+        name: value
+        for item in field.metadata
+        for name in ("ge", "gt", "le")
+        if (value := getattr(item, name, None)) is not None
+    }
     low = f">= {limit['ge']:g}" if "ge" in limit else f"> {limit['gt']:g}" if "gt" in limit else ""
     high = f"<= {limit['le']:g}" if "le" in limit else ""
     return ", ".join(part for part in (low, high) if part)

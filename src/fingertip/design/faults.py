@@ -64,7 +64,7 @@ def _nearest_path(location: Sequence[str], model: type[BaseModel]) -> str:
     word = location[-1]
     if not difflib.get_close_matches(word, known, n=1, cutoff=0.5):
         for table, info in model.model_fields.items():
-            if hasattr(info.annotation, "model_fields") and word in info.annotation.model_fields:
+            if word in getattr(info.annotation, "model_fields", {}):
                 return f"did you mean {table}.{word}?"
     return nearest(word, known)
 

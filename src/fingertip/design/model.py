@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from fingertip.design import sections
 from fingertip.design.dimensions import Dimensions, derive
 from fingertip.design.faults import from_pydantic
+from fingertip.design.fields import Section
 from fingertip.design.rules import broken
 from fingertip.errors import DesignError, Fault
 
@@ -69,7 +70,7 @@ def _rules_beside(tables: Mapping[str, Any], faults: Iterable[Fault]) -> list[Fa
     fields: dict[str, Any] = {}
     for name, info in Design.model_fields.items():
         table, default = tables.get(name), info.default
-        if isinstance(default, sections.Section):
+        if isinstance(default, Section):
             given = table if isinstance(table, Mapping) else {}
             known = type(default).model_fields
             kept = {k: v for k, v in given.items() if k in known and f"{name}.{k}" not in faulty}

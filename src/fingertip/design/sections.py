@@ -1,4 +1,4 @@
-"""The tables of a design file. Every parameter stands here once: default (the FSR 400 finger), unit, bounds, meaning."""
+"""The tables of a design file. Every parameter stands here once: default (FSR 400), unit, bounds, meaning."""
 
 from __future__ import annotations
 
@@ -18,7 +18,12 @@ class Sensor(Section):
     )
     clearance_mm: float = quantity(0.15, "mm", "Gap around the sensor in its pocket and slot.", least=0.02, most=1)
     adhesive_thickness_mm: float = quantity(
-        0.13, "mm", "Adhesive film under the sensor; the pocket is deeper by this.", least=0, most=0.5, verified=False
+        0.13,
+        "mm",
+        "Adhesive film under the sensor; the pocket is deeper by this.",
+        least=0,
+        most=0.5,
+        verified=False,
     )
 
 
@@ -30,13 +35,11 @@ class Bone(Section):
         1.3, "", "Conic weight of the palmar edges: 0.71 round, 2 nearly a box.", least=0.5, most=8
     )
     rim_mm: float = quantity(0.6, "mm", "Flat bone left around the sensor's head.", least=0.2, most=5)
-    wall_mm: float = quantity(
-        1.0, "mm", "Thinnest bone left between channel, slot and outside.", least=0.4, most=5
+    wall_mm: float = quantity(1.0, "mm", "Thinnest bone left between channel, slot and outside.", least=0.4, most=5)
+    channel_diameter_mm: float = quantity(
+        2.4, "mm", "Cable channel from the solder tabs to the back.", least=0.8, most=10
     )
-    channel_diameter_mm: float = quantity(2.4, "mm", "Cable channel from the solder tabs to the back.", least=0.8, most=10)
-    channel_bend_radius_mm: float = quantity(
-        3.0, "mm", "Bend radius of the channel's centre line.", least=1, most=20
-    )
+    channel_bend_radius_mm: float = quantity(3.0, "mm", "Bend radius of the channel's centre line.", least=1, most=20)
     relief_length_mm: float = quantity(
         5.0, "mm", "Recess around the end of the tail for the solder joints.", least=2, most=20
     )
@@ -61,7 +64,11 @@ class Skin(Section):
     squareness_tip: float = quantity(0.75, "", "Conic weight of the tip's profile (0.71: ellipse).", least=0.4, most=4)
     thickness_side_mm: float = quantity(2.0, "mm", "Silicone at the sides.", least=0.4, most=15)
     thickness_palmar_mm: float = quantity(
-        3.0, "mm", "Silicone over the middle of the sensor, from the bone's flat to the pad.", least=0.4, most=20
+        3.0,
+        "mm",
+        "Silicone over the middle of the sensor, from the bone's flat to the pad.",
+        least=0.4,
+        most=20,
     )
     thickness_dorsal_mm: float = quantity(1.5, "mm", "Silicone on the back.", least=0.4, most=15)
     thickness_tip_mm: float = quantity(2.5, "mm", "Silicone in front of the bone.", least=0.4, most=20)
@@ -93,14 +100,22 @@ class Board(Section):
     cutoff_hz: float = quantity(67.0, "Hz", "Cutoff of the third-order Butterworth high-pass.", above=0, most=10000)
     capacitor_uf: float = quantity(1.0, "uF", "C1 = C2 = C3 of both filters.", least=1e-6, most=1000)
     passband_gain: float = quantity(
-        1 + 100 / 1.5, "", "G = 1 + R5/R4; the article prints 66.7, which is R5/R4 alone.", above=1, most=10000
+        1 + 100 / 1.5,
+        "",
+        "G = 1 + R5/R4; the article prints 66.7, which is R5/R4 alone.",
+        above=1,
+        most=10000,
     )
     r5_ohm: float = quantity(100e3, "ohm", "Feedback resistor of the first stage.", least=1000, most=10e6)
     envelope_cutoff_hz: float = quantity(36.17, "Hz", "1 / (2 pi R_LP C_LP) of the envelope.", above=0, most=10000)
     envelope_capacitor_uf: float = quantity(2.2, "uF", "C_LP of the envelope.", least=1e-6, most=1000)
     series: Literal["E12", "E24", "E96"] = choice("E24", "Preferred values for resistors (IEC 60063).")
-    gain_bandwidth_hz: float = quantity(3e6, "Hz", "Gain-bandwidth product of the amplifier (TL082).", least=1e4, most=1e9)
-    supply_v: float = quantity(5.0, "V", "Half of the split supply: the board runs on plus and minus this.", least=2, most=18)
+    gain_bandwidth_hz: float = quantity(
+        3e6, "Hz", "Gain-bandwidth product of the amplifier (TL082).", least=1e4, most=1e9
+    )
+    supply_v: float = quantity(
+        5.0, "V", "Half of the split supply: the board runs on plus and minus this.", least=2, most=18
+    )
 
 
 class Detector(Section):
@@ -108,4 +123,20 @@ class Detector(Section):
 
     sample_rate_hz: float = quantity(2000.0, "Hz", "Sampling rate of the traces.", least=1000, most=20000)
     window_samples: int = quantity(60, "samples", "Length L of the averaging window.", least=1, most=10000)
-    threshold_v: float = quantity(0.1, "V", "Mean of the envelope above which slip is ON.", above=0, most=10)
+    threshold_v: float = quantity(
+        0.022,
+        "V",
+        "Mean of the envelope above which slip is ON; default: noise level plus six deviations.",
+        above=0,
+        most=10,
+    )
+    noise_v: float = quantity(
+        0.4e-3,
+        "V",
+        "Noise of the sampled voltage, rms, without the converter's steps.",
+        least=0,
+        most=1,
+        verified=False,
+    )
+    adc_bits: int = quantity(16, "bit", "Resolution of the converter.", least=8, most=24)
+    adc_range_v: float = quantity(10.0, "V", "The converter takes plus and minus this.", above=0, most=100)

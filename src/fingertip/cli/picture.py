@@ -1,0 +1,31 @@
+"""`fingertip picture`: look at a design before it is printed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
+
+
+@command
+def picture(
+    design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
+    out: Annotated[Path | None, typer.Option(help="PNG to write; out/<design name>/exploded.png if left out.")] = None,
+    width_px: Annotated[int, typer.Option(min=400, max=6000, help="Width of the picture.")] = 1600,
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Draw the exploded fingertip and a section through the closed mold."""
+    from fingertip.design import Design
+    from fingertip.files import write_whole
+    from fingertip.view.picture import draw
+
+    console = Console(as_json, quiet)
+    loaded = Design.load(design, changes=changes or ())
+    path = out or Path("out") / loaded.name / "exploded.png"
+    write_whole(path.parent, {path.name: draw(loaded, width_px, console.say)})
+    console.result({"picture": str(path)}, f"drawn to {path}")

@@ -1,0 +1,87 @@
+"""Rules between the board's parameters: resistors that can be bought, an amplifier fast enough."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from fingertip.design import filter_components
+from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, farad
+from fingertip.design.ruleset import Ruleset, rounded_down, rounded_up
+from fingertip.design.sections import Board
+
+if TYPE_CHECKING:
+    from fingertip.design.model import Design
+
+RULES = Ruleset()
+
+BANDWIDTH_MARGIN = 10.0
+"""Least closed-loop bandwidth GBW / G in cutoffs: the amplifier then costs 0.5% of the gain at the cutoff."""
+
+
+@RULES.rule("board.capacitor_uf", "board.cutoff_hz")
+def _filter_resistors_in_range(d: Design) -> str | None:
+    c_f, f_c = farad(d.board.capacitor_uf), d.board.cutoff_hz
+    # R2 is the smallest of the three and R3 the largest.
+    smallest, largest = filter_components.r2_ohm(f_c, c_f), filter_components.r3_ohm(f_c, c_f)
+    return _capacitor_in_range("capacitor_uf", "cutoff_hz", ("R2", smallest), ("R3", largest), d)
+
+
+@RULES.rule("board.envelope_capacitor_uf", "board.envelope_cutoff_hz")
+def _envelope_resistor_in_range(d: Design) -> str | None:
+    c_f, f_lp = farad(d.board.envelope_capacitor_uf), d.board.envelope_cutoff_hz
+    r_lp = ("R_LP", filter_components.r_lp_ohm(f_lp, c_f))
+    return _capacitor_in_range("envelope_capacitor_uf", "envelope_cutoff_hz", r_lp, r_lp, d)
+
+
+@RULES.rule("board.passband_gain", "board.r5_ohm")
+def _gain_resistor_in_range(d: Design) -> str | None:
+    R5 = d.board.r5_ohm
+    R4 = filter_components.r4_ohm(d.board.passband_gain, R5)
+    if LEAST_OHM <= R4 <= MOST_OHM:
+        return None
+    # R4 = R5 / (G - 1) at its bound.
+    if R4 < LEAST_OHM:
+        remedy = f"at most {rounded_down(1 + R5 / LEAST_OHM)} with this r5_ohm"
+    else:
+        remedy = f"at least {rounded_up(1 + R5 / MOST_OHM)} with this r5_ohm"
+    asked = f"{d.board.passband_gain:.10g} with R5 of {R5:g} ohm asks for R4 of {R4:.4g} ohm"
+    return f"{asked}, {_outside(R4)}; {remedy}."
+
+
+@RULES.rule("board.gain_bandwidth_hz", "board.passband_gain", "board.cutoff_hz")
+def _amplifier_fast_enough(d: Design) -> str | None:
+    GBW, G, f_c = d.board.gain_bandwidth_hz, d.board.passband_gain, d.board.cutoff_hz
+    least = BANDWIDTH_MARGIN * G * f_c
+    if least <= GBW:
+        return None
+    return (
+        f"{GBW:g} Hz leaves {GBW / G:.4g} Hz at a gain of {G:.6g}, less than {BANDWIDTH_MARGIN:g} cutoffs of "
+        f"{f_c:g} Hz; at least {rounded_up(least)} Hz, or lower board.passband_gain."
+    )
+
+
+def _capacitor_in_range(
+    capacitor: str, cutoff: str, smallest: tuple[str, float], largest: tuple[str, float], d: Design
+) -> str | None:
+    """The fault of a capacitor whose resistors, proportional to 1 / (C f), leave the range."""
+    too_small = smallest[1] < LEAST_OHM
+    name, ohm = smallest if too_small else largest
+    if LEAST_OHM <= ohm <= MOST_OHM:
+        return None
+    value, f = getattr(d.board, capacitor), getattr(d.board, cutoff)
+    # R C f is the same for every C and f, so each bound on R is a bound on C at this f.
+    rcf = ohm * value * f if math.isfinite(ohm) else 0.0
+    bound = rcf / f / (LEAST_OHM if too_small else MOST_OHM)
+    info = Board.model_fields[capacitor]
+    least, most = (next(getattr(m, kind) for m in info.metadata if hasattr(m, kind)) for kind in ("ge", "le"))
+    if least <= bound <= most:
+        limit = f"at most {rounded_down(bound)}" if too_small else f"at least {rounded_up(bound)}"
+        remedy = f"{limit} uF at this cutoff"
+    else:
+        remedy = f"no capacitor passes there: {'lower' if too_small else 'raise'} board.{cutoff}"
+    return f"{value:g} uF at {f:g} Hz asks for {name} of {ohm:.4g} ohm, {_outside(ohm)}; {remedy}."
+
+
+def _outside(ohm: float) -> str:
+    return f"below {LEAST_OHM:g} ohm" if ohm < LEAST_OHM else f"above {MOST_OHM / 1e6:g} Mohm"

@@ -1,0 +1,217 @@
+"""Rules between skin, bone and sensor: the sensor fits the bone, the bone fits the skin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from fingertip.design.dimensions import derive
+from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
+
+if TYPE_CHECKING:
+    from fingertip.design.model import Design
+
+RULES = Ruleset()
+
+_WIDTHS = ("skin.width_mm", "skin.thickness_side_mm", "skin.taper_ratio")
+_HEIGHTS = (
+    "skin.semi_axis_palmar_mm",
+    "skin.semi_axis_dorsal_mm",
+    "skin.thickness_dorsal_mm",
+    "skin.thickness_side_mm",
+)
+_LENGTHS = ("skin.length_mm", "skin.tip_length_mm")
+_FLAT = (
+    *_WIDTHS, *_HEIGHTS, *_LENGTHS, "skin.thickness_palmar_mm", "skin.thickness_tip_mm", "bone.squareness_palmar",
+    "skin.squareness_tip", "sensor.model", "sensor.distance_from_tip_mm",
+)  # fmt: skip
+_BONE_LEFT = 1.0  # half width and half height of bone [mm] below which no other rule makes sense
+
+
+@RULES.rule("skin.tip_length_mm", "skin.length_mm")
+def _tip_within_skin(d: Design) -> str | None:
+    most = d.skin.length_mm - 2.0
+    if d.skin.tip_length_mm <= most + SLACK:
+        return None
+    return (
+        f"{d.skin.tip_length_mm:g} mm leaves no straight part in {d.skin.length_mm:g} mm of skin; at most {most:g} mm."
+    )
+
+
+@RULES.rule("skin.thickness_side_mm", "skin.width_mm", "skin.semi_axis_palmar_mm", "skin.taper_ratio")
+def _bone_left_at_sides(d: Design) -> str | None:
+    half = min(d.skin.width_mm / 2 * d.skin.taper_ratio, d.skin.semi_axis_palmar_mm)
+    most = half - _BONE_LEFT
+    if d.skin.thickness_side_mm <= most + SLACK:
+        return None
+    return f"{d.skin.thickness_side_mm:g} mm leaves less than {_BONE_LEFT:g} mm of bone; at most {floor2(most)} mm."
+
+
+@RULES.rule("skin.thickness_dorsal_mm", "skin.semi_axis_dorsal_mm")
+def _bone_left_dorsally(d: Design) -> str | None:
+    most = d.skin.semi_axis_dorsal_mm - _BONE_LEFT
+    if d.skin.thickness_dorsal_mm <= most + SLACK:
+        return None
+    return f"{d.skin.thickness_dorsal_mm:g} mm leaves less than {_BONE_LEFT:g} mm of bone; at most {floor2(most)} mm."
+
+
+@RULES.rule("skin.thickness_tip_mm", "skin.tip_length_mm")
+def _bone_reaches_tip(d: Design) -> str | None:
+    most = d.skin.tip_length_mm - _BONE_LEFT
+    if d.skin.thickness_tip_mm <= most + SLACK:
+        return None
+    return f"{d.skin.thickness_tip_mm:g} mm is more than the rounded tip holds; at most {floor2(most)} mm."
+
+
+@RULES.rule("skin.squareness_tip", "skin.taper_ratio", *_LENGTHS)
+def _tip_tangent(d: Design) -> str | None:
+    if min(derive(d).outer.tip_control(), derive(d).envelope.tip_control()) > 0.05:
+        return None
+    return "the taper closes the finger before its tip; raise skin.taper_ratio or shorten skin.tip_length_mm."
+
+
+@RULES.rule("sensor.distance_from_tip_mm", "skin.length_mm", "sensor.model")
+def _sensor_within_skin(d: Design) -> str | None:
+    most = d.skin.length_mm - derive(d).sensor.head_diameter_mm / 2 - 1.0
+    if d.sensor.distance_from_tip_mm <= most + SLACK:
+        return None
+    return (
+        f"{d.sensor.distance_from_tip_mm:g} mm puts the sensor's head outside the skin of {d.skin.length_mm:g} mm; "
+        f"at most {floor2(most)} mm."
+    )
+
+
+@RULES.rule("skin.thickness_palmar_mm", "skin.semi_axis_palmar_mm", *_FLAT)
+def _flat_within_bone(d: Design) -> str | None:
+    dims = derive(d)
+    height = d.skin.semi_axis_palmar_mm * dims.outer.scale_at(dims.sensor_z)
+    bone = dims.envelope.section.palmar * dims.envelope.scale_at(dims.sensor_z)
+    most, least = height - 0.5, height - bone + 0.2
+    if least <= d.skin.thickness_palmar_mm <= most + SLACK:
+        return None
+    return (
+        f"{d.skin.thickness_palmar_mm:g} mm puts the palmar flat outside the bone's palmar half; "
+        f"between {ceil2(least)} and {floor2(most)} mm with this pad and position of the sensor."
+    )
+
+
+@RULES.rule("skin.width_mm", "bone.rim_mm", "sensor.clearance_mm", *_FLAT)
+def _sensor_fits_flat(d: Design) -> str | None:
+    if _flat_within_bone(d) or _bone_left_at_sides(d) or _tip_within_skin(d) or _sensor_within_skin(d):
+        return None  # those rules say it
+    if _sensor_margin(d) >= 0:
+        return None
+    sensor = derive(d).sensor
+    needed = sensor.head_diameter_mm + 2 * (d.sensor.clearance_mm + d.bone.rim_mm)
+    wider = _least_passing(d.skin.width_mm, 60.0, lambda width: _sensor_margin(d, width) >= 0)
+    remedy = (
+        f"needs at least {wider:g} mm with this skin and rim"
+        if wider
+        else "no width up to 60 mm passes: raise sensor.distance_from_tip_mm or bone.squareness_palmar"
+    )
+    return (
+        f"an {sensor.label} and its rim take a flat {needed:.2f} mm across, which a finger of "
+        f"{d.skin.width_mm:g} mm does not have; {remedy}."
+    )
+
+
+def _sensor_margin(d: Design, width_mm: float | None = None) -> float:
+    if width_mm is not None:
+        d = d.model_copy(update={"skin": d.skin.model_copy(update={"width_mm": width_mm})})
+    return derive(d).sensor_rim(d.bone.rim_mm, d.sensor.clearance_mm)
+
+
+@RULES.rule("bone.wall_mm", "sensor.clearance_mm", *_FLAT)
+def _slot_fits_flat(d: Design) -> str | None:
+    if _sensor_fits_flat(d):
+        return None
+    dims = derive(d)
+    half = dims.sensor.tail_width_mm / 2 + d.sensor.clearance_mm
+    room = min(dims.envelope.half_width_at(-dims.flat_depth, z) for z in (0.0, max(0.0, dims.sensor_z)))
+    if half + d.bone.wall_mm <= room or room == 0.0:
+        return None
+    return (
+        f"{d.bone.wall_mm:g} mm beside the tail's slot ({2 * half:.2f} mm wide) do not fit the flat "
+        f"({2 * room:.2f} mm); at most {floor2(max(0.0, room - half))} mm, or widen the finger."
+    )
+
+
+@RULES.rule("bone.channel_diameter_mm", "bone.wall_mm", *_FLAT)
+def _channel_within_base(d: Design) -> str | None:
+    section, flat = derive(d).envelope.section, derive(d).flat_depth
+    height, wall = flat + section.dorsal, d.bone.wall_mm
+    width = 2 * min(section.half_width_at(-flat), section.half_width_at(section.dorsal / 2))
+    most = min(width, height) - 2 * wall
+    if d.bone.channel_diameter_mm <= most + SLACK:
+        return None
+    return (
+        f"{d.bone.channel_diameter_mm:g} mm is wider than the base allows ({width:.2f} x {height:.2f} mm with "
+        f"{wall:g} mm walls); at most {floor2(max(0.0, most))} mm."
+    )
+
+
+@RULES.rule("bone.channel_bend_radius_mm", "bone.channel_diameter_mm")
+def _bend_wider_than_channel(d: Design) -> str | None:
+    least = d.bone.channel_diameter_mm / 2 + 0.3
+    if d.bone.channel_bend_radius_mm >= least - SLACK:
+        return None
+    return (
+        f"{d.bone.channel_bend_radius_mm:g} mm folds a channel of {d.bone.channel_diameter_mm:g} mm into itself; "
+        f"at least {ceil2(least)} mm."
+    )
+
+
+@RULES.rule(
+    "bone.base_length_mm", "bone.channel_diameter_mm", "bone.channel_bend_radius_mm", "bone.wall_mm",
+    "bone.relief_length_mm", "sensor.model", "sensor.distance_from_tip_mm", *_LENGTHS,
+)  # fmt: skip
+def _base_holds_exit(d: Design) -> str | None:
+    dims = derive(d)
+    least = -dims.channel_exit_z + d.bone.channel_diameter_mm / 2 + d.bone.wall_mm
+    if d.bone.base_length_mm >= least - SLACK:
+        return None
+    return (
+        f"{d.bone.base_length_mm:g} mm ends before the posterior hole (the {dims.sensor.label} is "
+        f"{dims.sensor.length_mm:g} mm long); at least {ceil2(least)} mm."
+    )
+
+
+@RULES.rule("bone.relief_length_mm", "sensor.model", "sensor.distance_from_tip_mm", *_LENGTHS)
+def _relief_clear_of_pocket(d: Design) -> str | None:
+    dims = derive(d)
+    pocket = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - d.sensor.clearance_mm
+    most = 2 * (pocket - dims.tail_end_z)
+    if d.bone.relief_length_mm <= most + SLACK:
+        return None
+    return f"{d.bone.relief_length_mm:g} mm reaches under the sensor's head; at most {floor2(max(0.0, most))} mm."
+
+
+@RULES.rule("bone.post_diameter_mm", *_FLAT)
+def _post_within_base(d: Design) -> str | None:
+    section, flat = derive(d).envelope.section, derive(d).flat_depth
+    most = min(flat + section.dorsal, 2 * section.half_width_at(-flat))
+    if d.bone.post_diameter_mm <= most + SLACK:
+        return None
+    return f"{d.bone.post_diameter_mm:g} mm is wider than the base; at most {floor2(max(0.0, most))} mm."
+
+
+@RULES.rule("bone.cross_bolt_diameter_mm", "bone.post_diameter_mm", "bone.post_length_mm", "bone.wall_mm")
+def _bolt_within_post(d: Design) -> str | None:
+    most = min(d.bone.post_diameter_mm, d.bone.post_length_mm) - 2 * d.bone.wall_mm
+    if d.bone.cross_bolt_diameter_mm <= most + SLACK:
+        return None
+    return (
+        f"{d.bone.cross_bolt_diameter_mm:g} mm leaves less than {d.bone.wall_mm:g} mm of post around it; "
+        f"at most {floor2(max(0.0, most))} mm."
+    )
+
+
+def _least_passing(low: float, high: float, passes: Callable[[float], bool]) -> float | None:
+    """Least value in [low, high] that passes, rounded up to 0.1, by bisection; None if `high` does not pass."""
+    if not passes(high):
+        return None
+    while high - low > 0.01:
+        middle = (low + high) / 2
+        low, high = (low, middle) if passes(middle) else (middle, high)
+    return math.ceil(high * 10 - 1e-9) / 10

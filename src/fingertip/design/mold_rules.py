@@ -1,0 +1,95 @@
+"""Rules of the mold: everything around the cavity finds room, and the halves can be made."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from fingertip.design.dimensions import derive
+from fingertip.design.mold_layout import lay_out
+from fingertip.design.ruleset import Ruleset, floor2
+
+if TYPE_CHECKING:
+    from fingertip.design.model import Design
+
+RULES = Ruleset()
+_WIDTHS = ("skin.width_mm", "skin.taper_ratio")
+
+
+@RULES.rule("mold.recess_length_mm", "bone.base_length_mm")
+def _recess_within_base(d: Design) -> str | None:
+    if d.mold.recess_length_mm <= d.bone.base_length_mm:
+        return None
+    return (
+        f"{d.mold.recess_length_mm:g} mm is longer than the bone's base; "
+        f"at most {d.bone.base_length_mm:g} mm (bone.base_length_mm)."
+    )
+
+
+@RULES.rule("mold.fit_clearance_mm", "skin.thickness_side_mm", "skin.thickness_dorsal_mm")
+def _recess_within_cavity(d: Design) -> str | None:
+    most = min(d.skin.thickness_side_mm, d.skin.thickness_dorsal_mm) / 2
+    if d.mold.fit_clearance_mm <= most + SLACK:
+        return None
+    return f"{d.mold.fit_clearance_mm:g} mm opens the recess past the skin's edge; at most {floor2(most)} mm."
+
+
+@RULES.rule("mold.gate_diameter_mm", "mold.funnel_diameter_mm")
+def _gate_within_funnel(d: Design) -> str | None:
+    if d.mold.gate_diameter_mm <= d.mold.funnel_diameter_mm:
+        return None
+    return f"{d.mold.gate_diameter_mm:g} mm is wider than its funnel; at most {d.mold.funnel_diameter_mm:g} mm."
+
+
+@RULES.rule("mold.funnel_diameter_mm", "mold.gate_diameter_mm", "mold.vent_diameter_mm", *_WIDTHS)
+def _gate_within_cavity(d: Design) -> str | None:
+    reach = -lay_out(d, derive(d)).gate_x + d.mold.gate_diameter_mm / 2
+    room = d.skin.width_mm / 2 * d.skin.taper_ratio - 0.2
+    if reach <= room + SLACK:
+        return None
+    return (
+        f"{d.mold.funnel_diameter_mm:g} mm pushes the gate {reach:.2f} mm to the side, past the cavity's "
+        f"{room:.2f} mm; at most {floor2(max(0.0, d.mold.funnel_diameter_mm - 2 * (reach - room)))} mm."
+    )
+
+
+@RULES.rule("mold.draft_deg", "mold.key_diameter_mm", "mold.key_height_mm")
+def _keys_keep_a_top(d: Design) -> str | None:
+    radius = 0.4 * d.mold.key_diameter_mm  # the smaller of the two keys
+    most = math.degrees(math.atan((radius - 0.4) / d.mold.key_height_mm)) if radius > 0.4 else 0.0
+    if d.mold.draft_deg <= most + SLACK:
+        return None
+    return f"{d.mold.draft_deg:g} degrees bring the registration keys to a point; at most {floor2(most)} degrees."
+
+
+@RULES.rule("mold.key_diameter_mm", "mold.land_mm", "mold.nut_width_mm", "mold.recess_length_mm", "skin.length_mm")
+def _keys_between_bolts(d: Design) -> str | None:
+    layout = lay_out(d, derive(d))
+    most = layout.key_space - 2 * d.mold.land_mm
+    if d.mold.key_diameter_mm <= most + SLACK:
+        return None
+    return f"{d.mold.key_diameter_mm:g} mm does not fit between the bolts; at most {floor2(max(0.0, most))} mm."
+
+
+@RULES.rule("mold.key_height_mm", "mold.key_clearance_mm", "skin.semi_axis_palmar_mm", "mold.wall_mm")
+def _key_socket_keeps_afloor2(d: Design) -> str | None:
+    most = d.skin.semi_axis_palmar_mm + d.mold.wall_mm - d.mold.key_clearance_mm - 1.0
+    if d.mold.key_height_mm <= most + SLACK:
+        return None
+    return f"{d.mold.key_height_mm:g} mm goes through the palmar half; at most {floor2(max(0.0, most))} mm."
+
+
+@RULES.rule("mold.nut_depth_mm", "skin.semi_axis_palmar_mm", "mold.wall_mm")
+def _nut_trap_keeps_afloor2(d: Design) -> str | None:
+    most = d.skin.semi_axis_palmar_mm + d.mold.wall_mm - 2.0
+    if d.mold.nut_depth_mm <= most + SLACK:
+        return None
+    return f"{d.mold.nut_depth_mm:g} mm leaves less than 2 mm under the nut; at most {floor2(max(0.0, most))} mm."
+
+
+@RULES.rule("mold.nut_width_mm", "mold.bolt_diameter_mm")
+def _nut_wider_than_bolt(d: Design) -> str | None:
+    least = d.mold.bolt_diameter_mm + 1.0
+    if d.mold.nut_width_mm >= least - SLACK:
+        return None
+    return f"{d.mold.nut_width_mm:g} mm holds no nut of a {d.mold.bolt_diameter_mm:g} mm bolt; at least {least:g} mm."

@@ -1,0 +1,56 @@
+"""Rules between sampling, filters and detector: what cannot be sampled, averaged or reached is refused."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from fingertip.design.ruleset import Ruleset, rounded_down, rounded_up
+
+if TYPE_CHECKING:
+    from fingertip.design.model import Design
+
+RULES = Ruleset()
+
+SAMPLES_PER_CYCLE = 4.0
+"""Least samples per cycle of a cutoff: twice Nyquist's, so that an octave of passband is left above the
+cutoff."""
+LONGEST_WINDOW_S = 1.0
+"""A window as long as a whole slide of the article's. Its own bound for a useful reaction is 0.1 s."""
+
+
+@RULES.rule("detector.sample_rate_hz", "board.cutoff_hz", "board.envelope_cutoff_hz")
+def _rate_above_cutoffs(d: Design) -> str | None:
+    name, cutoff = max(
+        ("board.cutoff_hz", d.board.cutoff_hz),
+        ("board.envelope_cutoff_hz", d.board.envelope_cutoff_hz),
+        key=lambda pair: pair[1],
+    )
+    least = SAMPLES_PER_CYCLE * cutoff
+    if d.detector.sample_rate_hz >= least:
+        return None
+    return (
+        f"{d.detector.sample_rate_hz:g} Hz is too slow for {name} of {cutoff:g} Hz; "
+        f"at least {rounded_up(least)} Hz, or lower {name}."
+    )
+
+
+@RULES.rule("detector.window_samples", "detector.sample_rate_hz")
+def _window_not_too_long(d: Design) -> str | None:
+    most = math.floor(LONGEST_WINDOW_S * d.detector.sample_rate_hz)
+    if d.detector.window_samples <= most:
+        return None
+    return (
+        f"{d.detector.window_samples} samples at {d.detector.sample_rate_hz:g} Hz last longer than "
+        f"{LONGEST_WINDOW_S:g} s; at most {most} samples."
+    )
+
+
+@RULES.rule("detector.threshold_v", "board.supply_v")
+def _threshold_within_supply(d: Design) -> str | None:
+    if d.detector.threshold_v < d.board.supply_v:
+        return None
+    return (
+        f"{d.detector.threshold_v:g} V is never reached by a board supplied with {d.board.supply_v:g} V; "
+        f"at most {rounded_down(0.99 * d.board.supply_v)} V."
+    )

@@ -1,0 +1,140 @@
+"""A depth-buffered orthographic rasteriser for meshes of some ten thousand triangles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.cad.mesh import Mesh
+
+Colour = tuple[float, float, float]
+_CREASE_COSINE = math.cos(math.radians(35.0))  # facets of one smooth surface meet below this angle
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Orthographic view: the picture's right, up and towards-the-viewer directions, orthonormal (3, 3)."""
+
+    axes: NDArray[np.float64]
+
+    @classmethod
+    def looking(cls, azimuth_deg: float, elevation_deg: float) -> Camera:
+        """Distal (z) to the right, dorsal (y) up; turned about y by the azimuth, then tilted by the elevation."""
+        a, e = math.radians(azimuth_deg), math.radians(elevation_deg)
+        right = np.array([math.sin(a), 0.0, math.cos(a)])
+        towards = np.array([-math.cos(a) * math.cos(e), math.sin(e), math.sin(a) * math.cos(e)])
+        return cls(np.array([right, np.cross(towards, right), towards]))
+
+
+class Canvas:
+    """An RGB picture with a depth buffer, `oversample` times finer than what `image` returns."""
+
+    def __init__(self, width: int, height: int, pixels_per_mm: float, camera: Camera, oversample: int = 2) -> None:
+        self._k = oversample
+        self._camera, self._scale = camera, pixels_per_mm * oversample
+        shape = (height * oversample, width * oversample)
+        self._colour = np.ones((*shape, 3))
+        self._depth = np.full(shape, -np.inf)
+
+    def draw(self, mesh: Mesh, colour: Colour, centre: NDArray[np.float64]) -> None:
+        """Draw a mesh; `centre` [mm] is the point that lies in the middle of the picture."""
+        height, width = self._depth.shape
+        seen = (mesh.vertices - centre) @ self._camera.axes.T * self._scale
+        seen[:, 0] += width / 2
+        seen[:, 1] = height / 2 - seen[:, 1]
+        corners = seen[mesh.triangles]
+        shades = _shades(mesh, self._camera)
+        facing = shades[:, 0, 1] > 0
+        base = np.array(colour)
+        for triangle, shade in zip(corners[facing], shades[facing, :, 0], strict=True):
+            self._fill(triangle, shade, base)
+
+    def _fill(self, p: NDArray[np.float64], shade: NDArray[np.float64], base: NDArray[np.float64]) -> None:
+        height, width = self._depth.shape
+        x0, x1 = max(math.ceil(p[:, 0].min()), 0), min(math.floor(p[:, 0].max()), width - 1)
+        y0, y1 = max(math.ceil(p[:, 1].min()), 0), min(math.floor(p[:, 1].max()), height - 1)
+        if x0 > x1 or y0 > y1:
+            return
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = p.tolist()
+        det = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
+        if det == 0.0:
+            return
+        x = np.arange(x0, x1 + 1)[None, :]
+        y = np.arange(y0, y1 + 1)[:, None]
+        v = ((x - ax) * (cy - ay) - (cx - ax) * (y - ay)) / det
+        w = ((bx - ax) * (y - ay) - (x - ax) * (by - ay)) / det
+        u = 1.0 - v - w
+        depth = u * az + v * bz + w * cz
+        window = self._depth[y0 : y1 + 1, x0 : x1 + 1]
+        visible = (u >= -1e-9) & (v >= -1e-9) & (w >= -1e-9) & (depth > window)
+        if visible.any():
+            window[visible] = depth[visible]
+            light = (u * shade[0] + v * shade[1] + w * shade[2])[visible]
+            self._colour[y0 : y1 + 1, x0 : x1 + 1][visible] = light[:, None] * base
+
+    def image(self) -> NDArray[np.uint8]:
+        """The picture (height, width, 3), with the edges of depth drawn in and averaged down."""
+        colour = self._colour.copy()
+        colour[_outline(self._depth, self._scale)] *= 0.45
+        k = self._k
+        height, width = self._depth.shape
+        small = colour.reshape(height // k, k, width // k, k, 3).mean(axis=(1, 3))
+        picture: NDArray[np.uint8] = (np.clip(small, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
+        return picture
+
+
+def _outline(depth: NDArray[np.float64], scale: float) -> NDArray[np.bool_]:
+    """Pixels behind which the depth falls away by more than 1 mm, or where the background begins."""
+    step = np.zeros(depth.shape, dtype=bool)
+    near = np.where(np.isfinite(depth), depth, -1e9)
+    for axis in (0, 1):
+        jump = np.diff(near, axis=axis)
+        ahead = [slice(None), slice(None)]
+        behind = [slice(None), slice(None)]
+        ahead[axis], behind[axis] = slice(1, None), slice(None, -1)
+        step[tuple(ahead)] |= jump > scale
+        step[tuple(behind)] |= jump < -scale
+    return step
+
+
+def _shades(mesh: Mesh, camera: Camera) -> NDArray[np.float64]:
+    """(m, 3, 2): at each corner the light, and the cosine between the facet's normal and the view."""
+    corners = mesh.vertices[mesh.triangles]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(cross, axis=1, keepdims=True)
+    facet = np.divide(cross, length, out=np.zeros_like(cross), where=length > 0)
+    normal = _smooth_normals(mesh, cross, facet)
+    # A lamp over the viewer's left shoulder, and light from all sides.
+    lamp = camera.axes.T @ (np.array([-0.45, 0.6, 0.66]))
+    light = 0.42 + 0.58 * np.clip(normal @ lamp, 0.0, 1.0)
+    towards = np.repeat((facet @ camera.axes[2])[:, None], 3, axis=1)
+    return np.stack((light, towards), axis=2)
+
+
+def _smooth_normals(mesh: Mesh, weighted: NDArray[np.float64], facet: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(m, 3, 3): at each corner the mean normal of those facets around its vertex that meet it without a crease."""
+    vertex = mesh.triangles.ravel()
+    order = np.argsort(vertex, kind="stable")
+    count = np.bincount(vertex, minlength=len(mesh.vertices))
+    start = np.concatenate(([0], np.cumsum(count)[:-1]))
+    each = count[vertex]  # every corner is paired with all corners at its vertex
+    corner = np.repeat(np.arange(len(vertex)), each)
+    within = np.arange(len(corner)) - np.repeat(np.cumsum(each) - each, each)
+    other = order[np.repeat(start[vertex], each) + within] // 3
+    smooth = np.einsum("ij,ij->i", facet[corner // 3], facet[other]) > _CREASE_COSINE
+    total = np.zeros((len(vertex), 3))
+    np.add.at(total, corner[smooth], weighted[other[smooth]])
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    unit: NDArray[np.float64] = np.divide(total, length, out=np.zeros_like(total), where=length > 0)
+    return unit.reshape(-1, 3, 3)
+
+
+def bounds(meshes: Iterable[Mesh], camera: Camera) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Middle [mm, in space] and size [mm, right and up] of what the camera sees of the meshes."""
+    seen = np.concatenate([mesh.vertices for mesh in meshes]) @ camera.axes.T
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    return (low + high) / 2 @ camera.axes, (high - low)[:2]

@@ -1,0 +1,130 @@
+"""Every exported file, read back from disk by readers that share no code with the writers."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import zipfile
+
+import numpy as np
+import pytest
+import trimesh
+from manifold3d import Error, Manifold, Mesh64
+
+from fingertip.cad.build import Build
+from fingertip.cad.parts import PARTS
+from tests.conftest import design_file, run_fingertip
+
+MESHES = [(name, kind) for name in PARTS for kind in ("stl", "3mf")]
+
+
+def load(built: Build, name: str, kind: str) -> trimesh.Trimesh:
+    loaded = trimesh.load(built.folder / f"{name}.{kind}", force="mesh")
+    assert isinstance(loaded, trimesh.Trimesh)
+    return loaded
+
+
+def test_all_files_are_there_and_nothing_else(built: Build) -> None:
+    expected = {f"{name}.{kind}" for name in PARTS for kind in ("stl", "3mf", "step")}
+    assert {path.name for path in built.folder.iterdir()} == expected | {
+        "assembly.step",
+        "design.toml",
+        "report.json",
+    }
+
+
+@pytest.mark.parametrize(("name", "kind"), MESHES)
+def test_trimesh_finds_a_watertight_solid_of_the_expected_genus(built: Build, name: str, kind: str) -> None:
+    mesh = load(built, name, kind)
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.volume > 0
+    assert mesh.body_count == 1
+    assert 1 - mesh.euler_number / 2 == PARTS[name].genus
+
+
+@pytest.mark.parametrize(("name", "kind"), MESHES)
+def test_manifold3d_finds_the_same(built: Build, name: str, kind: str) -> None:
+    mesh = load(built, name, kind)
+    solid = Manifold(Mesh64(np.array(mesh.vertices, order="C"), np.array(mesh.faces, dtype=np.uint64, order="C")))
+    assert solid.status() == Error.NoError
+    assert solid.volume() > 0
+    assert len(solid.decompose()) == 1
+    assert solid.genus() == PARTS[name].genus
+    assert solid.volume() == pytest.approx(mesh.volume, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_stl_and_3mf_hold_the_same_mesh(built: Build, name: str) -> None:
+    stl, packed = load(built, name, "stl"), load(built, name, "3mf")
+    assert len(stl.faces) == len(packed.faces)
+    assert stl.volume == pytest.approx(packed.volume, rel=1e-9)
+    assert np.array_equal(np.unique(stl.vertices, axis=0), np.unique(packed.vertices, axis=0))
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_no_facet_is_degenerate_in_topology(built: Build, name: str) -> None:
+    faces = load(built, name, "stl").faces
+    assert (faces[:, 0] != faces[:, 1]).all()
+    assert (faces[:, 1] != faces[:, 2]).all()
+    assert (faces[:, 2] != faces[:, 0]).all()
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_step_holds_one_valid_named_solid_of_the_meshes_volume(built: Build, name: str) -> None:
+    import cadquery as cq
+
+    from fingertip.cad import brep
+
+    path = built.folder / f"{name}.step"
+    solids = cq.importers.importStep(str(path)).solids().vals()
+    assert len(solids) == 1
+    assert solids[0].isValid()
+    exact = brep.volume(solids[0])
+    mesh = load(built, name, "stl")
+    assert abs(exact - mesh.volume) <= built.tolerance_mm * mesh.area
+    assert f"PRODUCT('{name}','{name}'" in path.read_text()
+
+
+def test_assembly_holds_all_parts_named_and_coloured(built: Build) -> None:
+    import cadquery as cq
+
+    path = built.folder / "assembly.step"
+    assembly = cq.Assembly.importStep(str(path))
+    found = {child.name: child.color.toTuple()[:3] for child in assembly.children}
+    assert set(found) == set(PARTS)
+    for name, colour in found.items():
+        assert colour == pytest.approx(PARTS[name].colour, abs=1e-6)
+    assert len(cq.importers.importStep(str(path)).solids().vals()) == len(PARTS)
+
+
+def test_report_is_true_of_the_files(built: Build) -> None:
+    report = json.loads((built.folder / "report.json").read_text())
+    assert report["passed"]
+    assert report["checks"]
+    for name, entry in report["parts"].items():
+        assert entry["volume_mm3"] == pytest.approx(load(built, name, "stl").volume, rel=1e-9)
+        for kind, file in entry["files"].items():
+            assert entry["sha256"][kind] == hashlib.sha256((built.folder / file).read_bytes()).hexdigest()
+    for check in report["checks"]:
+        assert set(check) == {"name", "value", "limit", "unit", "passed"}
+
+
+def test_effective_design_builds_the_same_again(built: Build) -> None:
+    from fingertip.design import Design
+
+    assert Design.load(built.folder / "design.toml") == built.design
+
+
+def test_two_builds_in_two_processes_are_byte_identical(built: Build, tmp_path) -> None:
+    """The hash seed differs on purpose: nothing may depend on the order of a set."""
+    done = run_fingertip("build", design_file(built.design.name), "--out", tmp_path, "-q", PYTHONHASHSEED="4711")
+    assert done.returncode == 0, done.stderr
+    for path in built.folder.iterdir():
+        assert path.read_bytes() == (tmp_path / path.name).read_bytes(), path.name
+
+
+def test_files_carry_no_date(built: Build) -> None:
+    with zipfile.ZipFile(built.folder / "bone.3mf") as bundle:
+        assert {entry.date_time for entry in bundle.infolist()} == {(1980, 1, 1, 0, 0, 0)}
+    assert "1970-01-01T00:00:00" in (built.folder / "bone.step").read_text()[:600]

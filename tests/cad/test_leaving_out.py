@@ -1,0 +1,65 @@
+"""What is not asked for is not built, not written and not imported."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fingertip.cad import mesh
+from fingertip.cad.build import build
+from fingertip.design import Design
+from tests.conftest import design_file, run_python
+
+HEAVY = ("cadquery", "OCP", "trimesh", "vtk", "matplotlib", "scipy", "numba")
+
+
+def test_only_the_parts_asked_for_are_evaluated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    evaluated = []
+    original = mesh.Evaluator.manifold
+
+    def spy(self: mesh.Evaluator, solid: object) -> object:
+        evaluated.append(solid)
+        return original(self, solid)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(mesh.Evaluator, "manifold", spy)
+    design = Design()
+    result = build(design, tmp_path, parts=["bone"], formats=["stl"])
+    assert {path.name for path in tmp_path.iterdir()} == {"bone.stl", "design.toml", "report.json"}
+    assert [built.part.name for built in result.parts] == ["bone"]
+    from fingertip.cad.parts import PARTS
+    from fingertip.cad.solids import Form
+
+    assert Form(design.dimensions.outer) not in evaluated
+    assert not {PARTS[name].describe(design) for name in ("skin", "mold_palmar", "mold_dorsal")} & set(evaluated)
+
+
+def test_a_mesh_build_imports_no_brep_and_starts_no_process(tmp_path: Path) -> None:
+    script = f"""
+import subprocess, sys
+subprocess.Popen = None
+from fingertip.cli import app
+try:
+    app(["build", {str(design_file("fsr400"))!r}, "--out", {str(tmp_path)!r}, "--formats", "stl,3mf", "-q"])
+except SystemExit as stop:
+    assert not stop.code, stop.code
+print(sorted({{name.split(".")[0] for name in sys.modules}} & set({HEAVY!r})))
+"""
+    done = run_python("-c", script)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_step_alone_writes_step_alone(tmp_path: Path) -> None:
+    build(Design(), tmp_path, parts=["skin"], formats=["step"])
+    assert {p.name for p in tmp_path.iterdir()} == {
+        "skin.step",
+        "assembly.step",
+        "design.toml",
+        "report.json",
+    }
+
+
+def test_importing_fingertip_is_light() -> None:
+    done = run_python("-c", "import fingertip, sys; print(len({'numpy','pydantic','typer'} & set(sys.modules)))")
+    assert done.stdout.strip() == "0", done.stderr

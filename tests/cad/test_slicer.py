@@ -1,0 +1,41 @@
+"""The real slicer reads what a user would print."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from fingertip.cad.build import Build
+from fingertip.cad.parts import PARTS
+from tests.tools import require_tool
+
+
+@pytest.fixture(scope="module")
+def slicer() -> Path:
+    return require_tool("prusa-slicer", "apt-get install prusa-slicer")
+
+
+@pytest.mark.parametrize("kind", ["stl", "3mf"])
+@pytest.mark.parametrize("name", PARTS)
+def test_slicer_sees_one_manifold_part(slicer: Path, built: Build, name: str, kind: str) -> None:
+    """Its exit code says nothing about manifoldness; its text does."""
+    told = subprocess.run(
+        [slicer, "--info", built.folder / f"{name}.{kind}"], capture_output=True, text=True, check=True
+    )
+    facts = dict(line.split(" = ", 1) for line in told.stdout.splitlines() if " = " in line)
+    assert facts["manifold"].strip() == "yes"
+    assert facts["number_of_parts"].strip() == "1"
+    part = next(p for p in built.parts if p.part.name == name)
+    assert float(facts["volume"]) == pytest.approx(part.mesh.volume(), rel=1e-5)
+
+
+@pytest.mark.parametrize("name", [name for name, part in PARTS.items() if part.printed])
+def test_slicer_slices_what_is_printed(slicer: Path, built: Build, name: str, tmp_path: Path) -> None:
+    code = tmp_path / f"{name}.gcode"
+    command = [slicer, "--export-gcode", "--layer-height", "0.15", "-o", code, built.folder / f"{name}.3mf"]
+    subprocess.run(command, capture_output=True, text=True, check=True)
+    text = code.read_text()
+    assert text.count("\nG1 ") > 1000
+    assert "filament used [mm]" in text

@@ -1,0 +1,94 @@
+"""The mesh kernel's primitives: on the surface, within the tolerance, converging at order two."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from fingertip.cad.checks import open_edges
+from fingertip.cad.mesh import Mesh
+from fingertip.cad.solids import Box, Cone, ElbowTube, Form, HexPrism, Primitive, cylinder
+from fingertip.cad.tessellate import arc_segments, tessellate
+from fingertip.conic import ConicBody, CrossSection, Tip, arc_point
+
+SECTION = CrossSection(8.5, 6.0, 7.0, 0.8, 0.75)
+PRISM = Form(ConicBody(SECTION, ((-3.0, 1.0), (24.0, 0.94))))
+# A round tip on a straight body of elliptic section: half a prolate spheroid on a cylinder, in closed form.
+SPHEROID = Form(
+    ConicBody(CrossSection(4.0, 3.0, 3.0, 0.5**0.5, 0.5**0.5), ((0.0, 1.0), (5.0, 1.0)), Tip(11.0, 0.5**0.5))
+)
+ELBOW = ElbowTube(start_y=-1.0, start_z=5.0, exit_z=-4.0, end_y=6.0, bend_radius=3.0, radius=1.2)
+
+EXACT: list[tuple[Primitive, float]] = [
+    (Box((-1.0, 0.0, 2.0), (3.0, 5.0, 4.0)), 40.0),
+    (cylinder("x", (1.0, 2.0), -3.0, 4.0, 1.5), math.pi * 1.5**2 * 7),
+    (Cone("y", (1.0, 2.0), 0.0, 3.0, 1.0, 2.0), math.pi * 3 * (1 + 2 + 4) / 3),
+    (HexPrism(2.0, 3.0, -1.0, 1.0, 5.5), 2 * math.sqrt(3) / 2 * 5.5**2),
+    (ELBOW, math.pi * 1.2**2 * (6.0 + math.pi / 2 * 3.0 + 4.0)),
+    (PRISM, SECTION.area() * 27 * (1 + 0.94 + 0.94**2) / 3),
+    (SPHEROID, math.pi * 12 * 5 + math.pi * 12 * 6 * 2 / 3),
+]
+
+
+def mesh(solid: Primitive, tolerance_mm: float) -> Mesh:
+    return Mesh(*tessellate(solid, tolerance_mm))
+
+
+@pytest.mark.parametrize(("solid", "volume"), EXACT)
+def test_closed_and_of_the_exact_volume(solid: Primitive, volume: float) -> None:
+    m = mesh(solid, 0.001)
+    assert open_edges(m) == 0
+    assert abs(m.volume() - volume) <= 0.001 * m.area()
+    assert m.volume() > 0
+
+
+@pytest.mark.parametrize(("solid", "volume"), EXACT[1:3] + EXACT[4:])
+def test_volume_converges_at_order_two_in_the_chord(solid: Primitive, volume: float) -> None:
+    """Chords shrink with the root of the tolerance, so the volume's error falls in proportion to it."""
+    errors = [abs(mesh(solid, tolerance).volume() - volume) for tolerance in (0.04, 0.01, 0.0025)]
+    for coarse, fine in itertools.pairwise(errors):
+        assert 3.0 < coarse / fine < 5.4
+
+
+@pytest.mark.parametrize("weight", [0.5, 0.7071, 1.3, 4.0])
+@pytest.mark.parametrize("tolerance", [0.1, 0.01, 0.001])
+def test_no_chord_strays_further_than_the_tolerance(weight: float, tolerance: float) -> None:
+    a, b = 8.5, 6.0
+    n = arc_segments(a, b, weight, tolerance)
+    ends = [np.array(arc_point(i / n, weight)) * (a, b) for i in range(n + 1)]
+    worst = 0.0
+    for i in range(n):
+        chord = ends[i + 1] - ends[i]
+        for f in np.linspace(0.02, 0.98, 49):
+            off = np.array(arc_point((i + f) / n, weight)) * (a, b) - ends[i]
+            worst = max(worst, abs(off[0] * chord[1] - off[1] * chord[0]) / np.hypot(*chord))
+    assert worst <= tolerance * 1.02
+    assert n == 2 or worst >= tolerance / 4, "finer than asked for"
+
+
+@pytest.mark.parametrize("tolerance", [0.05, 0.005])
+def test_facets_of_a_tip_stay_within_the_tolerance(tolerance: float) -> None:
+    """The spheroid's facets against its implicit equation, in the middle of every triangle."""
+    m = mesh(SPHEROID, tolerance)
+    tip = m.vertices[m.triangles]
+    tip = tip[(tip[:, :, 2] >= 5.0).all(axis=1)]
+    middle = tip.mean(axis=1) - (0, 0, 5)
+    axes = np.array([4.0, 3.0, 6.0])
+    level = np.sqrt(((middle / axes) ** 2).sum(axis=1))
+    gradient = np.linalg.norm(middle / axes**2, axis=1) / level
+    assert np.abs((1 - level) / gradient).max() <= tolerance
+
+
+def test_only_exactly_rounded_arithmetic_places_vertices() -> None:
+    """No sine, cosine or power in the mesher: their last bits differ between machines."""
+    import inspect
+
+    from fingertip.cad import tessellate as module
+
+    source = inspect.getsource(module)
+    assert not any(
+        word in source for word in ("math.sin", "math.cos", "math.tan", "np.sin", "np.cos", "np.exp", "** 0.5")
+    )

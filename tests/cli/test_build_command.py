@@ -1,0 +1,167 @@
+"""`fingertip build` as a user meets it: exit codes, what is printed where, what is left behind when it fails."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import design_file, run_fingertip
+
+FSR400 = design_file("fsr400")
+
+
+def snapshot(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_json_is_one_object_and_nothing_else(tmp_path: Path) -> None:
+    done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--json")
+    assert done.returncode == 0
+    told = json.loads(done.stdout)
+    assert told["passed"] is True
+    assert told["parts"]["bone"]["files"] == {"stl": "bone.stl"}
+    assert "bone:" in done.stderr, "progress goes to stderr"
+
+
+def test_quiet_says_nothing_on_stderr(tmp_path: Path) -> None:
+    done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--quiet")
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert "checks passed" in done.stdout
+
+
+def test_default_folder_is_out_and_the_designs_name(tmp_path: Path) -> None:
+    done = run_fingertip(
+        "build", FSR400, "--formats", "stl", "--parts", "bone", "--set", "name=mine", PWD=str(tmp_path)
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "mine" / "bone.stl").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--set", "skin.width_mm=10"], "skin.width_mm"),
+        (["--set", "bone.channel_diameter_mm=9.5"], "wider than the base allows"),
+        (["--set", "skin.width=17"], "did you mean width_mm?"),
+        (["--set", "skin.width_mm=nan"], "not a finite number"),
+        (["--parts", "bone,skinn"], "did you mean skin?"),
+        (["--parts", ","], "nothing was asked for"),
+        (["--formats", "stl,obj"], "there is no 'obj'"),
+        (["--tolerance-mm", "5"], "out of bounds"),
+        (["--tolerance-mm", "nan"], "out of bounds"),
+    ],
+)
+def test_bad_input_exits_2_with_a_sentence_and_changes_nothing(
+    tmp_path: Path, arguments: list[str], sentence: str
+) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "bone.stl").write_bytes(b"precious")
+    done = run_fingertip("build", FSR400, "--out", out, *arguments)
+    assert done.returncode == 2
+    assert sentence in done.stderr
+    assert "Traceback" not in done.stderr
+    assert done.stdout == ""
+    assert snapshot(out) == {"bone.stl": b"precious"}
+
+
+def test_faults_are_json_too(tmp_path: Path) -> None:
+    done = run_fingertip("build", tmp_path / "none.toml", "--json")
+    assert done.returncode == 2
+    assert json.loads(done.stdout)["faults"][0]["sentence"].startswith("cannot be read")
+
+
+def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    done = run_fingertip("build", FSR400, "--formats", "stl", "--out", tmp_path / "file" / "deeper")
+    assert done.returncode == 2
+    assert "choose another folder with --out" in done.stderr
+    assert snapshot(tmp_path) == {"file": b"in the way"}
+
+
+def test_a_failed_check_exits_1(tmp_path: Path) -> None:
+    script = (
+        "import sys\nfrom dataclasses import replace\nfrom fingertip.cad.parts import PARTS\n"
+        "PARTS['skin'] = replace(PARTS['skin'], genus=3)\nfrom fingertip.cli import app\napp(sys.argv[1:])\n"
+    )
+    from tests.conftest import run_python
+
+    done = run_python("-c", script, "build", str(FSR400), "--out", str(tmp_path), "--parts", "skin", "--formats", "stl")
+    assert done.returncode == 1, done.stderr
+    assert "FAILED skin.stl.genus" in done.stdout
+    assert json.loads((tmp_path / "report.json").read_text())["passed"] is False
+
+
+def without_cadquery(tmp_path: Path) -> str:
+    """A PYTHONPATH on which cadquery fails as it does on a Debian without libGL."""
+    fake = tmp_path / "fake"
+    fake.mkdir()
+    (fake / "cadquery.py").write_text("raise ImportError('libGL.so.1: cannot open shared object file')\n")
+    return str(fake)
+
+
+def test_without_libgl_step_says_what_to_install(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = run_fingertip("build", FSR400, "--out", out, PYTHONPATH=without_cadquery(tmp_path))
+    assert done.returncode == 2
+    errors = [line for line in done.stderr.splitlines() if line.startswith("error")]
+    assert len(errors) == 1
+    assert "libGL.so.1" in errors[0]
+    assert "apt-get install libgl1" in errors[0]
+    assert "--formats stl,3mf" in errors[0]
+    assert not out.exists()
+
+
+def test_without_libgl_stl_and_3mf_work(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = run_fingertip("build", FSR400, "--out", out, "--formats", "stl,3mf", PYTHONPATH=without_cadquery(tmp_path))
+    assert done.returncode == 0, done.stderr
+    assert (out / "mold_dorsal.3mf").exists()
+
+
+def test_a_step_process_that_dies_leaves_nothing(tmp_path: Path) -> None:
+    fake, out = tmp_path / "fake", tmp_path / "out"
+    fake.mkdir()
+    (fake / "cadquery.py").write_text("import os\nos.kill(os.getpid(), 9)\n")
+    done = run_fingertip("build", FSR400, "--out", out, PYTHONPATH=str(fake))
+    assert done.returncode == 2
+    assert "ended without an answer" in done.stderr
+    assert not out.exists()
+
+
+def test_a_step_process_that_hangs_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from fingertip.cad import build as module
+    from fingertip.cad.step import StepRequest
+    from fingertip.design import Design
+    from fingertip.errors import GeometryError
+
+    fake = tmp_path / "fake"
+    fake.mkdir()
+    (fake / "cadquery.py").write_text("import time\ntime.sleep(600)\n")
+    monkeypatch.setenv("PYTHONPATH", str(fake) + os.pathsep + os.environ.get("PYTHONPATH", ""))
+    monkeypatch.setattr(StepRequest.result, "__defaults__", (1.0,))
+    with pytest.raises(GeometryError, match="was not done after 1 s"):
+        module.build(Design(), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_nothing_half_written_when_the_disk_is_full(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from fingertip.errors import OutputError
+    from fingertip.files import write_whole
+
+    write_whole(tmp_path, {"a": b"old", "b": b"old"})
+    original = Path.write_bytes
+
+    def full(self: Path, data: bytes) -> int:
+        if self.name == "b":
+            raise OSError(28, "No space left on device")
+        return original(self, data)
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(OutputError, match="No space left on device"):
+        write_whole(tmp_path, {"a": b"new", "b": b"new"})
+    assert snapshot(tmp_path) == {"a": b"old", "b": b"old"}

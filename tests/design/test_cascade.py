@@ -1,0 +1,141 @@
+"""Reading designs: defaults < files < changes; everything wrong is said at once, in sentences."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fingertip.design import Design
+from fingertip.design.document import parameters, schema, to_toml
+from fingertip.errors import DesignError
+from tests.conftest import DESIGNS, design_file
+
+
+def faults(*files: Path, changes: tuple[str, ...] = ()) -> dict[str, str]:
+    with pytest.raises(DesignError) as caught:
+        Design.load(*files, changes=changes)
+    return {fault.field: fault.sentence for fault in caught.value.faults}
+
+
+def test_later_wins(tmp_path: Path) -> None:
+    first, second = tmp_path / "a.toml", tmp_path / "b.toml"
+    first.write_text("[mold]\ndraft_deg = 2\nwall_mm = 5\n")
+    second.write_text("[mold]\ndraft_deg = 4\n")
+    design = Design.load(first, second, changes=["mold.land_mm=3.5"])
+    assert (design.mold.draft_deg, design.mold.wall_mm, design.mold.land_mm) == (4, 5, 3.5)
+    assert design.skin == Design().skin
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_bundled_designs_are_complete_and_commented(name: str) -> None:
+    """The file is what `fingertip params --toml` prints of it, under a heading of its own."""
+    text = design_file(name).read_text()
+    heading, _, body = text.partition("\n\n")
+    assert all(line.startswith("#") for line in heading.splitlines())
+    assert body == to_toml(Design.load(design_file(name)))
+
+
+@pytest.mark.parametrize(("name", "low", "high"), [("fsr400", 16.5, 17.5), ("fsr402", 23.8, 24.8)])
+def test_bundled_designs_have_the_articles_sizes(name: str, low: float, high: float) -> None:
+    assert low <= Design.load(design_file(name)).skin.width_mm <= high
+
+
+def test_writing_and_reading_gives_the_same_design(tmp_path: Path) -> None:
+    design = Design.load(changes=["skin.width_mm=17.3", "name=mine", "detector.window_samples=40"])
+    path = tmp_path / "d.toml"
+    path.write_text(to_toml(design, "A heading\nof two lines"))
+    assert Design.load(path) == design
+
+
+def test_every_parameter_has_a_meaning_and_its_unit_in_its_name() -> None:
+    suffix = {
+        "mm": "_mm", "degree": "_deg", "Hz": "_hz", "uF": "_uf", "ohm": "_ohm", "V": "_v",
+        "samples": "_samples", "bit": "_bits",
+    }  # fmt: skip
+    for parameter in parameters():
+        assert parameter.description, parameter.path
+        if parameter.unit:
+            assert parameter.path.endswith(suffix[parameter.unit]), parameter.path
+
+
+def test_schema_is_for_editors() -> None:
+    described = schema()
+    assert described["title"] == "fingertip design"
+    assert described["$defs"]["Mold"]["properties"]["draft_deg"]["maximum"] == 15
+    assert described["additionalProperties"] is False
+
+
+def test_all_faults_come_at_once() -> None:
+    found = faults(
+        changes=(
+            "skin.widht_mm=17", "mold.draft_deg=nan", "bone.rim_mm=-1", "sensor.model=fsr4o2", "bone.draft_deg=1",
+            "detector.window_samples=2.5", "board.cutoff_hz=-67", "bone.channel_diameter_mm=9", "name=a/b", "mould.x=1",
+            "skin.length_mm='long'",
+        )
+    )  # fmt: skip
+    assert found["skin.widht_mm"] == "there is no such parameter; did you mean width_mm?"
+    assert found["mold.draft_deg"] == "nan is not a finite number; give one in degree."
+    assert found["bone.rim_mm"] == "-1 mm is too small; at least 0.2 mm."
+    assert "choose 'fsr400'" in found["sensor.model"]
+    assert found["bone.draft_deg"] == "there is no such parameter; did you mean mold.draft_deg?"
+    assert "whole number" in found["detector.window_samples"]
+    assert found["board.cutoff_hz"].startswith("-67 Hz is too small")
+    assert found["mould"] == "there is no such parameter; did you mean mold?"
+    assert found["skin.length_mm"] == "'long' is not a number; write a number in mm, without quotes."
+    assert "cannot name a folder" in found["name"]
+    # a rule between parameters that are in bounds is told beside the faults of single ones
+    assert "folds a channel of 9 mm" in found["bone.channel_bend_radius_mm"]
+    # and a rule that reads a faulty parameter is not asked
+    assert "skin.width_mm" not in found
+
+
+def test_a_sensor_wider_than_the_bone() -> None:
+    sentence = faults(design_file("fsr402"), changes=("skin.width_mm=20",))["skin.width_mm"]
+    assert "FSR 402" in sentence
+    assert "finger of 20 mm" in sentence
+    least = sentence.split("at least ")[1].split(" mm")[0]
+    Design.load(design_file("fsr402"), changes=(f"skin.width_mm={least}",))
+    assert float(least) == pytest.approx(24.2, abs=0.3)
+
+
+@pytest.mark.parametrize("value", ["inf", "-inf", "nan", "true", "[1]", "{a=1}", "''"])
+def test_what_is_no_number_is_refused(value: str) -> None:
+    assert set(faults(changes=(f"skin.width_mm={value}",))) >= {"skin.width_mm"} or value == "{a=1}"
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    broken, binary = tmp_path / "broken.toml", tmp_path / "binary.toml"
+    broken.write_text("[mold\n")
+    binary.write_bytes(b"\xff\xfe\x00")
+    found = faults(tmp_path / "none.toml", broken, binary, tmp_path, changes=("mold.draft_deg",))
+    assert "No such file" in found[str(tmp_path / "none.toml")]
+    assert "no valid TOML" in found[str(broken)]
+    assert "UTF-8" in found[str(binary)]
+    assert "directory" in found[str(tmp_path)]
+    assert "table.key=value" in found["--set mold.draft_deg"]
+
+
+def test_a_table_given_as_a_value(tmp_path: Path) -> None:
+    assert "is not a table" in faults(changes=("mold=3",))["mold"]
+    assert "table.key=value" in faults(changes=("=3",))["--set =3"]
+
+
+def test_python_face_raises_the_same() -> None:
+    with pytest.raises(DesignError, match="at least 6 mm"):
+        Design(skin={"width_mm": 1.0})
+
+
+@given(
+    key=st.sampled_from([p.path for p in parameters() if p.unit == "mm"]),
+    value=st.floats(allow_nan=True, allow_infinity=True),
+)
+def test_any_number_is_accepted_or_refused_with_a_sentence(key: str, value: float) -> None:
+    with contextlib.suppress(DesignError):
+        Design.load(changes=[f"{key}={value!r}"])
+        return
+    found = faults(changes=(f"{key}={value!r}",))
+    assert all(field and len(sentence) > 20 for field, sentence in found.items())

@@ -1,0 +1,58 @@
+"""The closed forms of the superconic body against each other and against plain numerics."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fingertip.conic import ELLIPSE, ConicBody, CrossSection, Tip, arc_abscissa, arc_area, arc_point
+
+weights = st.floats(0.4, 8.0)
+BODY = ConicBody(CrossSection(8.5, 6.0, 7.0, 0.8, 0.75), ((0.0, 1.0), (24.0, 0.94)), Tip(34.0, 0.75))
+
+
+@given(t=st.floats(0, 1), w=weights)
+def test_abscissa_is_on_the_arc(t: float, w: float) -> None:
+    x, y = arc_point(t, w)
+    # Near its top the arc is level: there y says little about x.
+    assert arc_abscissa(y, w) == pytest.approx(x, abs=1e-7)
+
+
+@pytest.mark.parametrize("y", [0.0, 0.3, 0.9, 1.0])
+def test_the_ellipse_weight_gives_the_circle(y: float) -> None:
+    assert arc_abscissa(y, ELLIPSE) == pytest.approx(math.sqrt(1 - y * y), abs=1e-12)
+
+
+@pytest.mark.parametrize(("w", "area"), [(ELLIPSE, math.pi / 4), (1e-9, 0.5), (1.0, 5 / 6), (1e9, 1.0)])
+def test_area_of_known_arcs(w: float, area: float) -> None:
+    assert arc_area(w) == pytest.approx(area, abs=1e-8)
+
+
+@given(w=weights)
+def test_area_by_shoelace(w: float) -> None:
+    n = 2000
+    points = [arc_point(i / n, w) for i in range(n + 1)]
+    shoelace = sum(a[0] * b[1] - b[0] * a[1] for a, b in itertools.pairwise(points)) / 2
+    assert arc_area(w) == pytest.approx(shoelace, abs=3e-6)
+
+
+def test_tip_continues_the_taper_without_a_kink() -> None:
+    (z0, s0), (z1, s1) = BODY.stations
+    h = 1e-6
+    assert (BODY.scale_at(z1 + h) - s1) / h == pytest.approx((s1 - s0) / (z1 - z0), abs=1e-5)
+
+
+@given(t=st.floats(0.001, 0.999))
+def test_tip_scale_agrees_with_its_points(t: float) -> None:
+    z, scale = BODY.tip_point(t)
+    assert BODY.scale_at(z) == pytest.approx(scale, abs=1e-9)
+
+
+@given(y=st.floats(-6, 7), z=st.floats(0, 34))
+def test_sections_widen_towards_the_parting_plane(y: float, z: float) -> None:
+    """What lets both halves of a mold pull: nothing is wider than what lies nearer to y = 0."""
+    assert BODY.half_width_at(y, z) <= BODY.half_width_at(y * 0.9, z) + 1e-12

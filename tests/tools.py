@@ -1,0 +1,23 @@
+"""Programs that some tests need beside Python: found, or the test is skipped loudly, or it fails where it must run."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+
+def require_tool(name: str, how_to_install: str) -> Path:
+    """Path of a program or of a file or folder given by an absolute path.
+
+    Skips the test if it is missing; fails it instead where FINGERTIP_REQUIRE_TOOLS=1 is set (as in CI).
+    """
+    found = shutil.which(name) if not os.path.isabs(name) else name if os.path.exists(name) else None
+    if found:
+        return Path(found)
+    message = f"{name} IS MISSING, THIS IS NOT TESTED: {how_to_install}"
+    if os.environ.get("FINGERTIP_REQUIRE_TOOLS") == "1":
+        pytest.fail(message, pytrace=False)
+    pytest.skip(message)

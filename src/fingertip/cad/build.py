@@ -15,8 +15,7 @@ from fingertip.cad import checks, stl, threemf
 from fingertip.cad.checks import Check
 from fingertip.cad.mesh import Evaluator, Mesh
 from fingertip.cad.parts import PARTS, Part
-from fingertip.cad.step import StepFiles, StepRequest
-from fingertip.cad.step_worker import StepJob
+from fingertip.cad.step import StepFiles, StepJob, StepRequest
 from fingertip.design import Design
 from fingertip.design.document import to_toml
 from fingertip.design.faults import nearest

@@ -12,10 +12,18 @@ from pathlib import Path
 from types import TracebackType
 
 from fingertip import errors
-from fingertip.cad.step_worker import StepJob
+from fingertip.cad.solids import Solid
 from fingertip.errors import Fault, GeometryError
 
 TIME_LIMIT_S = 180.0
+
+
+@dataclass(frozen=True)
+class StepJob:
+    """Parts to make: (name, expression, colour); `title` names the assembly."""
+
+    title: str
+    parts: tuple[tuple[str, Solid, tuple[float, float, float]], ...]
 
 
 @dataclass(frozen=True)

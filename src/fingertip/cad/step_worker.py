@@ -9,19 +9,10 @@ from __future__ import annotations
 import json
 import pickle
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.cad.solids import Solid
+from fingertip.cad.step import StepJob
 from fingertip.errors import FingertipError
-
-
-@dataclass(frozen=True)
-class StepJob:
-    """Parts to make: (name, expression, colour); `title` names the assembly."""
-
-    title: str
-    parts: tuple[tuple[str, Solid, tuple[float, float, float]], ...]
 
 
 def work(job: StepJob, folder: Path) -> dict[str, float]:

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import io
 import zipfile
-from xml.etree import ElementTree
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
@@ -32,14 +30,13 @@ _RELATIONS = (
 
 
 def to_bytes(mesh: Mesh, name: str) -> bytes:
-    """3MF archive of a mesh, in mm."""
+    """3MF archive of a mesh, in mm. The name is a part's: letters, digits and underscores."""
     vertices = "".join(f'<vertex x="{x!r}" y="{y!r}" z="{z!r}"/>\n' for x, y, z in mesh.vertices.tolist())
     triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>\n' for a, b, c in mesh.triangles.tolist())
-    title = quoteattr(name)
     model = (
         f'<?xml version="1.0" encoding="UTF-8"?>\n<model unit="millimeter" xml:lang="en-US" xmlns="{_CORE}">\n'
         f'<metadata name="Title">{name}</metadata>\n<metadata name="Application">fingertip</metadata>\n'
-        f'<resources><object id="1" type="model" name={title}><mesh>\n<vertices>\n{vertices}</vertices>\n'
+        f'<resources><object id="1" type="model" name="{name}"><mesh>\n<vertices>\n{vertices}</vertices>\n'
         f"<triangles>\n{triangles}</triangles>\n</mesh></object></resources>\n"
         '<build><item objectid="1"/></build>\n</model>\n'
     )
@@ -59,6 +56,8 @@ def to_bytes(mesh: Mesh, name: str) -> bytes:
 
 def from_bytes(data: bytes) -> Mesh:
     """The mesh of the one object in a 3MF archive written by `to_bytes`."""
+    from xml.etree import ElementTree
+
     with zipfile.ZipFile(io.BytesIO(data)) as bundle:
         root = ElementTree.fromstring(bundle.read("3D/3dmodel.model"))
     vertices = [[float(v.attrib[axis]) for axis in "xyz"] for v in root.iter(f"{{{_CORE}}}vertex")]

@@ -20,6 +20,7 @@ BROKEN = {
     "sensor.distance_from_tip_mm": ["sensor.distance_from_tip_mm=31"],
     "skin.thickness_palmar_mm": ["skin.thickness_palmar_mm=6"],
     "skin.width_mm": ["skin.width_mm=15"],
+    "bone.squareness_palmar": ["skin.thickness_side_mm=0.6", "bone.squareness_palmar=8"],
     "bone.wall_mm": ["bone.wall_mm=4"],
     "bone.channel_diameter_mm": ["bone.channel_diameter_mm=9"],
     "bone.channel_bend_radius_mm": ["bone.channel_bend_radius_mm=1.2"],

@@ -26,6 +26,7 @@ _FLAT = (
     *_WIDTHS, *_HEIGHTS, *_LENGTHS, "skin.thickness_palmar_mm", "skin.thickness_tip_mm", "bone.squareness_palmar",
     "skin.squareness_tip", "sensor.model", "sensor.distance_from_tip_mm",
 )  # fmt: skip
+_EDGE_COVER = 0.5  # silicone beside the edges of the bone's flat [mm], along x: thinner, the edges cut through
 _BONE_LEFT = 1.0  # half width and half height of bone [mm] below which no other rule makes sense
 
 
@@ -120,6 +121,33 @@ def _sensor_margin(d: Design, width_mm: float | None = None) -> float:
     if width_mm is not None:
         d = d.model_copy(update={"skin": d.skin.model_copy(update={"width_mm": width_mm})})
     return derive(d).sensor_rim(d.bone.rim_mm, d.sensor.clearance_mm)
+
+
+@RULES.rule("bone.squareness_palmar", *_FLAT)
+def _edges_within_skin(d: Design) -> str | None:
+    if _sensor_fits_flat(d) or _flat_within_bone(d) or _edge_cover(d) >= _EDGE_COVER:
+        return None
+    rounder = _least_passing(
+        -d.bone.squareness_palmar, -0.5, lambda w: _edge_cover(d, -w) >= _EDGE_COVER
+    )  # bisection runs upwards: the negative of the weight does
+    remedy = f"at most {floor2(-rounder)}" if rounder else "raise skin.thickness_side_mm or skin.squareness_palmar"
+    return (
+        f"{d.bone.squareness_palmar:g} brings the edges of the bone's flat to {_edge_cover(d):.2f} mm "
+        f"(sideways) from the skin's surface, and {_EDGE_COVER:g} mm are needed; {remedy}."
+    )
+
+
+def _edge_cover(d: Design, weight: float | None = None) -> float:
+    """Least silicone [mm] beside the edges of the flat, along x, over the length of the bone in the skin."""
+    if weight is not None:
+        d = d.model_copy(update={"bone": d.bone.model_copy(update={"squareness_palmar": weight})})
+    dims = derive(d)
+    end = dims.envelope.tip.z if dims.envelope.tip else 0.0
+    heights = (end * i / 64 for i in range(65))
+    return min(
+        dims.outer.half_width_at(-dims.flat_depth, z) - dims.envelope.half_width_at(-dims.flat_depth, z)
+        for z in heights
+    )
 
 
 @RULES.rule("bone.wall_mm", "sensor.clearance_mm", *_FLAT)

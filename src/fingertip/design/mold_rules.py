@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fingertip.design.dimensions import derive
 from fingertip.design.mold_layout import lay_out
-from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
+from fingertip.design.ruleset import SLACK, Ruleset, floor2
 
 if TYPE_CHECKING:
     from fingertip.design.model import Design

@@ -124,7 +124,7 @@ class Detector(Section):
     sample_rate_hz: float = quantity(2000.0, "Hz", "Sampling rate of the traces.", least=1000, most=20000)
     window_samples: int = quantity(60, "samples", "Length L of the averaging window.", least=1, most=10000)
     threshold_v: float = quantity(
-        0.022,
+        0.017,
         "V",
         "Mean of the envelope above which slip is ON; default: noise level plus six deviations.",
         above=0,

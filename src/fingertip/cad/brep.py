@@ -26,7 +26,7 @@ except ImportError as error:
     raise MissingLibraryError(
         Fault(
             "STEP",
-            f"cadquery cannot be loaded ({error}); on Debian or Ubuntu: apt-get install libgl1 libx11-6 libxrender1, "
+            f"cadquery cannot be loaded ({error}); on Debian or Ubuntu: apt-get install libgl1 libx11-6 libexpat1, "
             "or leave STEP out with --formats stl,3mf.",
         )
     ) from error

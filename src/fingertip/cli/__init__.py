@@ -5,9 +5,12 @@ from __future__ import annotations
 import typer
 
 from fingertip._version import __version__
-from fingertip.cli.build import build
 from fingertip.cli.board import board
+from fingertip.cli.build import build
+from fingertip.cli.detect import detect
 from fingertip.cli.params import params
+from fingertip.cli.picture import picture
+from fingertip.cli.simulate import simulate
 
 app = typer.Typer(
     name="fingertip",
@@ -18,7 +21,10 @@ app = typer.Typer(
 )
 app.command()(build)
 app.command()(params)
+app.command()(picture)
 app.command()(board)
+app.command()(simulate)
+app.command()(detect)
 
 
 @app.callback(invoke_without_command=True)

@@ -1,0 +1,78 @@
+"""`fingertip board`: component values of the slip filter, and its netlist for KiCad."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
+
+if TYPE_CHECKING:
+    from fingertip.board.values import BoardValues
+    from fingertip.design import Design
+
+
+@command
+def board(
+    design: Annotated[Path | None, typer.Argument(help="Design file; without it, the defaults.")] = None,
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="Folder for slip_filter.net and values.json.")
+    ] = Path("pcb"),
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Compute the slip filter's component values and write its KiCad netlist."""
+    from fingertip.board import board_values, write_board
+    from fingertip.design import Design
+
+    console = Console(as_json, quiet)
+    loaded = Design.load(*([design] if design else []), changes=changes or ())
+    values = board_values(loaded)
+    paths = write_board(loaded, out)
+    for path in paths:
+        console.say(f"wrote {path}")
+    console.result({**values.as_data(), "files": [path.as_posix() for path in paths]}, _table(loaded, values))
+
+
+def _table(design: Design, values: BoardValues) -> str:
+    from fingertip.board.circuit import engineering
+
+    ideal, preferred = values.ideal, values.preferred
+    resistors = [
+        ("R1", ideal.r1_ohm, preferred.r1_ohm, "first stage, pole"),
+        ("R2", ideal.r2_ohm, preferred.r2_ohm, "Sallen-Key, feedback"),
+        ("R3", ideal.r3_ohm, preferred.r3_ohm, "Sallen-Key, to ground"),
+        ("R4", ideal.r4_ohm, preferred.r4_ohm, "gain, to ground"),
+        ("R5", ideal.r5_ohm, preferred.r5_ohm, "gain, feedback"),
+        ("R6", ideal.r_lp_ohm, preferred.r_lp_ohm, "R_LP, envelope"),
+    ]
+    lines = [f"{'part':10} {'ideal':>14} {design.board.series:>10} {'off by':>9}  what it does"]
+    lines += [
+        f"{name:10} {ohm:10.1f} ohm {engineering(fitted):>10} {100 * (fitted / ohm - 1):+8.2f}%  {role}"
+        for name, ohm, fitted, role in resistors
+    ]
+    lines += [
+        f"{'C1 C2 C3':10} {'':14} {engineering(preferred.c_f):>10} {'':9}  both filters",
+        f"{'C4':10} {'':14} {engineering(preferred.c_lp_f):>10} {'':9}  C_LP, envelope",
+    ]
+    wanted, achieved = values.wanted, values.achieved
+    quantities = [
+        ("passband gain", wanted.passband_gain, achieved.passband_gain, ""),
+        ("passband gain", wanted.passband_gain_db, achieved.passband_gain_db, "dB"),
+        ("first pole", wanted.first_pole_hz, achieved.first_pole_hz, "Hz"),
+        ("Sallen-Key f0", wanted.section_hz, achieved.section_hz, "Hz"),
+        ("Sallen-Key Q", wanted.section_quality, achieved.section_quality, ""),
+        ("-3 dB overall", wanted.cutoff_hz, achieved.cutoff_hz, "Hz"),
+        ("envelope pole", wanted.envelope_pole_hz, achieved.envelope_pole_hz, "Hz"),
+        ("envelope decay", 1e3 * wanted.envelope_decay_s, 1e3 * achieved.envelope_decay_s, "ms"),
+        ("amplifier bandwidth", wanted.amplifier_bandwidth_hz, achieved.amplifier_bandwidth_hz, "Hz"),
+    ]
+    lines += ["", f"{'response':20} {'ideal':>12} {'achieved':>12}"]
+    lines += [f"{name:20} {was:12.6g} {now:12.6g} {unit}".rstrip() for name, was, now, unit in quantities]
+    lines += ["", "The article's own figures:"]
+    for finding in values.findings:
+        lines += [f"  {finding.subject}", f"    says:  {finding.says}", f"    right: {finding.right}"]
+    return "\n".join(lines)

@@ -1,0 +1,89 @@
+"""`fingertip detect`: find slip in a trace, and judge it where the trace knows the truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
+
+if TYPE_CHECKING:
+    from fingertip.slip import Detection, Interval
+
+
+@command
+def detect(
+    trace: Annotated[Path, typer.Argument(help="Trace (CSV): time_s, voltage_v, and force_n and slip where known.")],
+    design: Annotated[Path | None, typer.Option("--design", help="Design file; without it, the defaults.")] = None,
+    plot: Annotated[Path | None, typer.Option("--plot", help="Picture of the detection to write (PNG).")] = None,
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Find slip in a trace with the article's chain."""
+    from fingertip import slip
+    from fingertip.design import Design
+    from fingertip.slip.trace_file import read_csv
+
+    console = Console(as_json, quiet)
+    loaded = Design.load(*([design] if design else []), changes=changes or ())
+    read = read_csv(trace, loaded.detector)
+    found = slip.detect(read, loaded)
+    if found.settings.threshold_v < found.noise.mean_v:
+        console.say(
+            f"warning: detector.threshold_v of {found.settings.threshold_v:g} V is below the level of the "
+            f"noise alone ({found.noise.mean_v:.3g} V); {found.noise.threshold_v:.3g} V stands clear of it."
+        )
+    if plot is not None:
+        from fingertip.slip.plot import draw
+
+        console.say(f"drawing {plot}")
+        _write_plot(plot, draw(read, found, trace.name))
+    console.result(_data(found), _text(found))
+
+
+def _write_plot(path: Path, data: bytes) -> None:
+    from fingertip.errors import Fault, OutputError
+    from fingertip.files import write_whole
+
+    if path.is_dir():
+        raise OutputError(Fault(str(path), "is a folder; give --plot the name of a file, such as detection.png."))
+    try:
+        write_whole(path.parent, {path.name: data})
+    except OutputError as error:
+        reason = getattr(error.__cause__, "strerror", None) or "no access"
+        raise OutputError(
+            Fault(str(path), f"cannot be written ({reason}); choose another file with --plot.")
+        ) from error
+
+
+def _data(found: Detection) -> dict[str, Any]:
+    score = found.score
+    return {
+        "intervals": [_interval(i) for i in found.intervals],
+        "slips": None if score is None else [_interval(i) for i in score.slips],
+        "delays_s": None if score is None else [None if d is None else round(d, 7) for d in score.delays_s],
+        "missed_slips": None if score is None else [_interval(i) for i in score.missed],
+        "false_intervals": None if score is None else [_interval(i) for i in score.false_intervals],
+        "threshold_v": found.settings.threshold_v,
+        "noise_threshold_v": round(found.noise.threshold_v, 6),
+    }
+
+
+def _interval(interval: Interval) -> dict[str, float]:
+    return {"onset_s": round(interval.onset_s, 7), "end_s": round(interval.end_s, 7)}
+
+
+def _text(found: Detection) -> str:
+    lines = [f"ON   {i.onset_s:9.4f} s to {i.end_s:9.4f} s" for i in found.intervals] or ["never ON"]
+    if found.score is None:
+        return "\n".join(lines)
+    score = found.score
+    for slip, delay in zip(score.slips, score.delays_s, strict=True):
+        verdict = "missed" if delay is None else f"found after {1000 * delay:.1f} ms"
+        lines.append(f"slip {slip.onset_s:9.4f} s to {slip.end_s:9.4f} s: {verdict}")
+    lines.append(f"false intervals: {len(score.false_intervals)}")
+    lines.extend(f"     {i.onset_s:9.4f} s to {i.end_s:9.4f} s" for i in score.false_intervals)
+    return "\n".join(lines)

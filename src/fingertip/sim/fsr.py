@@ -1,0 +1,90 @@
+"""From the force on the sensor to the sampled voltage: force-sensing resistor, bridge and amplifier,
+converter."""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.design import Design
+
+Array = NDArray[np.float64]
+
+FIT_POINTS = ((0.2, 4.3), (0.8, 4.0), (1.3, 3.85))
+"""Force [N] and voltage [V]: light contact at the sensor's turn-on, and the two figures of the article's
+IV.A."""
+HYSTERESIS = 0.10
+"""Most by which the force reads high after a higher one, of its value (article, III.B: at most 10 %)."""
+TURN_ON_WIDTH_N = 0.1
+"""Half width of the turn-on around its force [N]: the traces short one after the other as the pad's patch of contact
+grows, not all at once. Assumption; that contacts show nothing above 30 Hz (article, III.A) rules out a sharp one."""
+_PLAY_SHARE = 0.2
+# Share of the force that goes through the play. A play alone would swallow every vibration smaller than
+# itself, and the article's vibrations do get through. Assumption.
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Voltage over force: ``open_v - scale g(F - turn_on)^exponent``.
+
+    g is the excess over the turn-on force, 0 well below it, and a parabola across the turn-on's width. The bridge is
+    not drawn in the article. Over the article's range this is a power law of the conductance, shown by a circuit
+    whose voltage falls in proportion to it.
+    """
+
+    turn_on_n: float
+    open_v: float
+    scale: float
+    exponent: float
+
+    def voltage_v(self, force_n: float) -> float:
+        """Voltage [V] at a force [N] that only ever grew."""
+        excess, w = force_n - self.turn_on_n, TURN_ON_WIDTH_N
+        if excess <= -w:
+            return self.open_v
+        if excess < w:
+            excess = (excess + w) * (excess + w) / (4 * w)
+        return self.open_v - self.scale * math.pow(excess, self.exponent)
+
+
+def fit(points: tuple[tuple[float, float], ...] = FIT_POINTS) -> Curve:
+    """The curve that is open below the first point's force, and goes through the two others.
+
+    The article's give an exponent of 0.669; Interlink's curve (50 g: 10 kohm, 1 kg: 1.25 kohm), which took
+    no part, 0.694.
+    """
+    (f0, v0), (f1, v1), (f2, v2) = points
+    exponent = math.log((v0 - v2) / (v0 - v1)) / math.log((f2 - f0) / (f1 - f0))
+    return Curve(f0, v0, (v0 - v1) / (f1 - f0) ** exponent, exponent)
+
+
+def with_hysteresis(force_n: Array) -> Array:
+    """Force as the sensor shows it [N]: growing it shows the force itself, falling up to `HYSTERESIS` more.
+
+    A play operator on the force's ratio, p in [F, F (1 + H/s)], mixed in with the share s.
+    """
+    room = 1 + HYSTERESIS / _PLAY_SHARE
+    p, shown = 0.0, []
+    for force in force_n.tolist():
+        p = min(max(p, force), force * room)
+        shown.append(force + _PLAY_SHARE * (p - force))
+    return np.array(shown)
+
+
+def sample(design: Design, shown_n: Array, rng: random.Random) -> Array:
+    """Raw tactile voltage [V], with the design's noise, as its converter delivers it."""
+    curve, noise, d = fit(), design.detector.noise_v, design.detector
+    return np.array(
+        [quantise(curve.voltage_v(f) + rng.gauss(0.0, noise), d.adc_bits, d.adc_range_v) for f in shown_n.tolist()]
+    )
+
+
+def quantise(voltage_v: float, bits: int, range_v: float) -> float:
+    """The converter's nearest step [V] for ``-range_v <= V < range_v``; its ends beyond."""
+    half: int = 2 ** (bits - 1)
+    code = math.floor(voltage_v / range_v * half + 0.5)
+    return max(-half, min(half - 1, code)) * range_v / half

@@ -1,0 +1,105 @@
+"""Normal vibration: the surface's profile passes under the pad and shakes it through its resonance.
+
+A wavelength lambda passing at v excites v/lambda. Its height times the contact's normal stiffness is the
+force that drives the resonance, so vibration grows with roughness and, by the stiffness, with load. The pad
+is taken to follow the profile at its summits, without averaging over the patch: an upper bound (assumption).
+"""
+
+from __future__ import annotations
+
+import math
+import random
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+HURST = 0.8
+"""Exponent of the self-affine profile (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1)."""
+_ROUGH_OCTAVES = 5
+"""Octaves of roughness below the cutoff wavelength: up to 0.5 kHz and more at 4 cm/s, far above the resonance."""
+_WAVY_OCTAVES = 2
+"""Octaves of waviness above it, where the self-affine spectrum is taken to go on. Assumption."""
+_PER_OCTAVE = 6
+_SPACING_M = 5e-6
+
+
+def profile(rng: random.Random, roughness_um: float, cutoff_m: float, length_m: float) -> Array:
+    """Heights [m] of one line across a surface, every `_SPACING_M`.
+
+    Waves of random phase, amplitudes as lambda^H, scaled so that those up to the cutoff wavelength [m] have
+    the roughness: a Gaussian profile's rms is ``Ra sqrt(pi / 2)``.
+    """
+    count = math.ceil(length_m / _SPACING_M) + 2
+    waves, square = [], 0.0
+    for i in range(-_WAVY_OCTAVES * _PER_OCTAVE, _ROUGH_OCTAVES * _PER_OCTAVE):
+        octave = (i + rng.random()) / _PER_OCTAVE  # not on a lattice: no beats of a common period
+        amplitude = 2.0 ** (-HURST * octave)
+        square += amplitude * amplitude / 2 if octave >= 0.0 else 0.0
+        waves.append((amplitude, 2 * math.pi * 2.0**octave / cutoff_m, 2 * math.pi * rng.random()))
+    scale = roughness_um * 1e-6 * math.sqrt(math.pi / 2) / math.sqrt(square)
+    heights = np.zeros(count)
+    for amplitude, wavenumber, phase in waves:
+        # The rotation by one spacing needs no cosine per point, and no vector cosine, whose last bit varies.
+        turn = complex(math.cos(wavenumber * _SPACING_M), math.sin(wavenumber * _SPACING_M))
+        pointer = scale * amplitude * complex(math.cos(phase), math.sin(phase))
+        line = []
+        for _ in range(count):
+            line.append(pointer.real)
+            pointer *= turn
+        heights += line
+    return heights
+
+
+def height_m(heights: Array, position_m: Array) -> Array:
+    """The profile's height [m] under the pad, linear between its points, held beyond its ends."""
+    return np.interp(position_m, np.arange(len(heights)) * _SPACING_M, heights)
+
+
+def left_by_hand(height_m: Array, step_s: float, follow_hz: float) -> Array:
+    """What a compliant hand leaves of a height for the pad to take up [m].
+
+    Below the frequency [Hz] at which the finger's mass swings on the hand, the hand rides up and down with the
+    surface; above it the mass stays and the pad yields. A first-order follower stands for that swing (assumption: the
+    hand is well damped).
+    """
+    share = 1 - math.exp(-2 * math.pi * follow_hz * step_s)
+    heights = height_m.tolist()
+    hand, out = heights[0], []
+    for height in heights:
+        out.append(height - hand)
+        hand += share * (height - hand)
+    return np.array(out)
+
+
+def resonate(
+    drive_n: Array, touching: NDArray[np.bool_], step_s: float, frequency_hz: float, damping_ratio: float
+) -> Array:
+    """Contact force [N] from the force that drives the pad: a second-order low-pass of unit gain at rest.
+
+    Exact for a drive that is linear between grid points. Where the finger does not touch, the force is
+    exactly 0 and the resonance starts anew; where the surface would have to pull, it is 0.
+    """
+    w, zeta, h = 2 * math.pi * frequency_hz, damping_ratio, step_s
+    wd = w * math.sqrt(1 - zeta * zeta)
+    decay = math.exp(-zeta * w * h)
+    C, S = decay * math.cos(wd * h), decay * math.sin(wd * h) / wd
+    # e = y - (particular solution of the ramp), which swings freely: e'' + 2 zeta w e' + w^2 e = 0.
+    a11, a12, a21, a22 = C + zeta * w * S, S, -w * w * S, C - zeta * w * S
+    lag = 2 * zeta / w
+    y = rate = 0.0
+    out = []
+    drive = drive_n.tolist()
+    before = 0.0
+    for now, touches in zip(drive, touching.tolist(), strict=True):
+        if touches:
+            ramp = (now - before) / h
+            e, de = y - (before - lag * ramp), rate - ramp
+            y = a11 * e + a12 * de + now - lag * ramp
+            rate = a21 * e + a22 * de + ramp
+        else:
+            y = rate = 0.0
+        before = now
+        out.append(y if y > 0.0 else 0.0)
+    return np.array(out)

@@ -1,0 +1,52 @@
+"""What the chain shows when nothing happens, and the threshold that follows from it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.design import Design
+from fingertip.slip.chain import ChainSettings, SlipChain
+
+DEVIATIONS = 6.0
+"""Standard deviations of the window mean between its noise level and the threshold: as Gaussian noise,
+crossed less than once in a year of independent windows of 30 ms (1e-9 each)."""
+
+
+@dataclass(frozen=True)
+class NoiseLevel:
+    """Mean and standard deviation [V] of the window mean in noise alone."""
+
+    mean_v: float
+    deviation_v: float
+
+    @property
+    def threshold_v(self) -> float:
+        """The threshold of the rule: the level plus `DEVIATIONS` standard deviations [V]."""
+        return self.mean_v + DEVIATIONS * self.deviation_v
+
+
+def noise_level(design: Design) -> NoiseLevel:
+    """Noise of the design's voltage (``detector.noise_v`` and the converter's steps) after its chain.
+
+    White Gaussian noise of deviation sigma leaves the high-pass with ``sigma sqrt(sum h^2)``, and its half wave
+    has the mean ``sigma / sqrt(2 pi)``. The half wave is ``x/2 + |x|/2``: of the first part the high-pass has left
+    nothing slow enough for the window to pass, the second has the variance ``sigma^2 (1 - 2/pi) / 4`` and is
+    averaged as if its samples were independent (a test compares with noise itself: within 10 %).
+    """
+    detector, settings = design.detector, ChainSettings.of(design)
+    step = 2 * detector.adc_range_v / 2**detector.adc_bits
+    sigma = math.hypot(detector.noise_v, step / math.sqrt(12))
+
+    memory = math.ceil(settings.sample_rate_hz / min(settings.cutoff_hz, settings.envelope_cutoff_hz) * 4)
+    impulse = [0.0, 1.0] + [0.0] * memory
+    h = SlipChain(settings).process(impulse).filtered_v
+    sigma *= math.sqrt(float(h @ h))
+
+    share = 1 - math.exp(-2 * math.pi * settings.envelope_cutoff_hz / settings.sample_rate_hz)
+    envelope = share * (1 - share) ** np.arange(memory)
+    weights = np.convolve(envelope, np.full(settings.window_samples, 1 / settings.window_samples))
+    deviation = sigma * math.sqrt((1 - 2 / math.pi) / 4 * float(weights @ weights))
+    return NoiseLevel(sigma / math.sqrt(2 * math.pi), deviation)

@@ -1,0 +1,105 @@
+"""A detection as a picture. The only module of `slip` that imports matplotlib."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from fingertip.slip.detection import Detection
+from fingertip.slip.intervals import Interval, intervals
+from fingertip.slip.trace import Trace
+
+_VOLTAGE, _FORCE, _ENVELOPE, _MEAN, _ON, _TRUTH = (
+    "#1f4e79",
+    "#b0b7bf",
+    "#f0b27a",
+    "#b03a2e",
+    "#c0392b",
+    "#7fb3a6",
+)
+
+
+def draw(trace: Trace, detection: Detection, title: str) -> bytes:
+    """Draw voltage, enveloped signal and ON/OFF over one time axis.
+
+    Returns
+    -------
+    bytes
+        A PNG, 1500 x 1050 pixels, the same for the same data (no date, no version in it).
+    """
+    figure = Figure(figsize=(10, 7), dpi=150, layout="constrained")
+    top, middle, bottom = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 1))
+    truth = None if trace.slip is None else intervals(trace.time_s, trace.slip)
+    for axes in (top, middle):
+        for slip in truth or ():
+            axes.axvspan(slip.onset_s, slip.end_s, color=_TRUTH, alpha=0.25, linewidth=0)
+        axes.grid(True, color="#e5e8eb", linewidth=0.7)
+    figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
+    _voltage(top, trace)
+    _enveloped(middle, trace, detection)
+    _on_off(bottom, detection, truth)
+    bottom.set_xlabel("time [s]")
+    bottom.set_xlim(float(trace.time_s[0]), float(trace.time_s[-1]))
+    figure.align_ylabels()
+    for axes in (top, middle, bottom):
+        axes.spines[["top", "right"]].set_visible(False)
+    out = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
+    return out.getvalue()
+
+
+def _voltage(axes: Axes, trace: Trace) -> None:
+    axes.plot(trace.time_s, trace.voltage_v, color=_VOLTAGE, linewidth=0.8)
+    axes.set_ylabel("tactile voltage [V]", color=_VOLTAGE)
+    if trace.force_n is None:
+        return
+    twin = axes.twinx()
+    twin.plot(trace.time_s, trace.force_n, color=_FORCE, linewidth=0.8)
+    twin.set_ylabel("normal force [N]", color="#7b848d")
+    twin.set_ylim(0.0, max(0.1, 1.15 * float(np.max(trace.force_n))))
+    twin.spines["top"].set_visible(False)
+    axes.set_zorder(twin.get_zorder() + 1)
+    axes.patch.set_visible(False)
+
+
+def _enveloped(axes: Axes, trace: Trace, detection: Detection) -> None:
+    settings, output = detection.settings, detection.output
+    window_ms = 1000 * settings.window_samples / settings.sample_rate_hz
+    axes.plot(trace.time_s, 1000 * output.envelope_v, color=_ENVELOPE, linewidth=0.7, label="envelope")
+    axes.plot(trace.time_s, 1000 * output.mean_v, color=_MEAN, linewidth=1.4, label=f"mean over {window_ms:g} ms")
+    axes.axhline(
+        1000 * settings.threshold_v,
+        color="black",
+        linestyle="--",
+        linewidth=1,
+        label=f"threshold {1000 * settings.threshold_v:g} mV",
+    )
+    # Contact and release tower above everything: the mean decides, so the axis follows the mean.
+    axes.set_ylim(0.0, max(2.5 * 1000 * settings.threshold_v, 1.35 * 1000 * float(np.max(output.mean_v))))
+    axes.set_ylabel("enveloped signal [mV]")
+    axes.legend(loc="upper right", frameon=False, ncols=3, fontsize=9)
+
+
+def _on_off(axes: Axes, detection: Detection, truth: Sequence[Interval] | None) -> None:
+    rows = [("detected", detection.intervals, _ON)]
+    if truth is not None:
+        rows.append(("true slip", tuple(truth), _TRUTH))
+    for row, (_, parts, color) in enumerate(rows):
+        axes.broken_barh([(p.onset_s, p.end_s - p.onset_s) for p in parts], (row - 0.35, 0.7), color=color, linewidth=0)
+    axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
+    axes.set_ylim(-0.6, len(rows) - 0.4)
+    axes.invert_yaxis()
+    axes.tick_params(axis="y", length=0)
+    axes.grid(True, axis="x", color="#e5e8eb", linewidth=0.7)
+    axes.set_axisbelow(True)
+    if detection.score is not None:
+        delays = [d for d in detection.score.delays_s if d is not None]
+        words = [f"found after {1000 * d:.1f} ms" for d in delays]
+        words += ["missed"] * len(detection.score.missed)
+        words.append(f"false intervals: {len(detection.score.false_intervals)}")
+        axes.set_title("; ".join(words), loc="left", fontsize=9, color="#4a5157")

@@ -1,0 +1,129 @@
+"""A trace: sampled tactile voltage over time, with the true force and slip where they are known; and what
+is wrong with one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.design.sections import Detector
+from fingertip.errors import Fault
+
+RATE_TOLERANCE = 0.005
+"""Most by which a trace's mean rate may differ from the detector's: as much as it moves the cutoff
+frequency."""
+STEP_TOLERANCE = 0.5
+"""Most by which one time step may differ from the mean, as a share of it: more is a gap or a wrong stamp."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """Columns of equal length."""
+
+    time_s: NDArray[np.float64]
+    voltage_v: NDArray[np.float64]
+    """Raw tactile voltage [V]: bridge and instrumentation amplifier, before the filter board."""
+    force_n: NDArray[np.float64] | None = None
+    """True normal force [N]."""
+    slip: NDArray[np.bool_] | None = None
+    """True gross slip."""
+
+
+def faults(trace: Trace, detector: Detector) -> list[Fault]:
+    """Everything that keeps a trace from being detected on, one sentence each; samples are counted from 0.
+
+    Parameters
+    ----------
+    trace
+        The trace.
+    detector
+        Gives the rate [Hz] and the least length: one window.
+    """
+    found = [*length_faults(trace, detector, "trace"), *column_faults(trace, "trace", None)]
+    if np.isfinite(trace.time_s).all() and trace.time_s.ndim == 1 and len(trace.time_s) > 1:
+        found.extend(time_faults(trace.time_s, detector, "trace", None))
+    return found
+
+
+def length_faults(trace: Trace, detector: Detector, name: str) -> Iterator[Fault]:
+    """A trace too short for one window."""
+    count, least = len(trace.time_s), max(2, detector.window_samples)
+    if count < least:
+        yield Fault(
+            name,
+            f"holds {count} sample{'s' * (count != 1)}; at least one window of {least}, record for longer.",
+        )
+
+
+def column_faults(trace: Trace, name: str, first_line: int | None) -> Iterator[Fault]:
+    """Columns of unequal length, values that are not finite.
+
+    Parameters
+    ----------
+    trace
+        The trace.
+    name
+        What the sentences call the trace, such as its file.
+    first_line
+        Line of the file that holds the first sample; without it the sentences count samples from 0.
+    """
+    for column in ("time_s", "voltage_v", "force_n", "slip"):
+        values = getattr(trace, column)
+        if values is None:
+            continue
+        field = f"{name}, {column}"
+        if values.shape != trace.time_s.shape or values.ndim != 1:
+            shapes = f"has shape {values.shape}, time_s {trace.time_s.shape}"
+            yield Fault(field, f"{shapes}; give one value per sample.")
+        elif (bad := np.flatnonzero(~np.isfinite(values))).size:
+            first = int(bad[0])
+            more = f", and {bad.size - 1} more after it," if bad.size > 1 else ""
+            yield Fault(
+                field,
+                f"{values[first]} {_where(first, first_line)}{more} is not a finite number; "
+                "record again or cut it out.",
+            )
+
+
+def time_faults(time_s: NDArray[np.float64], detector: Detector, name: str, first_line: int | None) -> Iterator[Fault]:
+    """Finite times that go backwards, repeat, leave gaps, or come at another rate than the detector's."""
+    steps = np.diff(time_s)
+    # The median is the recording's own step, whatever single gaps do to the mean.
+    usual = float(np.median(steps))
+    field = f"{name}, time_s"
+    if usual <= 0.0:
+        yield Fault(field, "does not advance in most of its steps; write the time of each sample in seconds.")
+        return
+    even = True
+    for bad, what in (
+        (steps < 0.0, "goes backwards"),
+        (steps == 0.0, "repeats the time before it"),
+        (steps > usual * (1 + STEP_TOLERANCE), "comes after a gap"),
+        ((steps > 0.0) & (steps < usual * (1 - STEP_TOLERANCE)), "comes too early"),
+    ):
+        places = np.flatnonzero(bad)
+        if places.size:
+            even = False
+            i = int(places[0]) + 1
+            more = f", and {places.size - 1} more like it" if places.size > 1 else ""
+            yield Fault(
+                field,
+                f"{time_s[i]:.9g} s {_where(i, first_line)} {what} (before it {time_s[i - 1]:.9g} s, "
+                f"usual step {usual:.4g} s){more}; detection needs evenly spaced samples.",
+            )
+    rate = float(len(steps) / (time_s[-1] - time_s[0])) if even else 1 / usual
+    wanted = detector.sample_rate_hz
+    if abs(rate / wanted - 1) > RATE_TOLERANCE:
+        yield Fault(
+            field,
+            f"is sampled at {rate:.6g} Hz, the detector is designed for {wanted:g} Hz "
+            f"(within {100 * RATE_TOLERANCE:g} %); use --set detector.sample_rate_hz={rate:.6g} "
+            "or sample the trace anew.",
+        )
+
+
+def _where(sample: int, first_line: int | None) -> str:
+    return f"at sample {sample}" if first_line is None else f"in line {first_line + sample}"

@@ -1,0 +1,139 @@
+"""The whole trial: what comes out of the physics, and the same bytes every time."""
+
+from __future__ import annotations
+
+import hashlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from fingertip.design import Design
+from fingertip.errors import TraceError
+from fingertip.sim import SURFACES, Trial, simulate
+from fingertip.slip.trace_file import to_csv
+
+DESIGN = Design()
+
+
+@pytest.fixture(scope="module")
+def gross():
+    return simulate(DESIGN, Trial("gross", 0.04, 1.0, 3))
+
+
+def test_the_trial_of_the_article(gross):
+    assert (gross.time_s[1] - gross.time_s[0]) == 0.0005
+    assert gross.voltage_v[:200].mean() == pytest.approx(4.3, abs=1e-3)
+    holding = (gross.time_s > 1.4) & (gross.time_s < 1.8)
+    assert gross.force_n[holding].mean() == pytest.approx(1.0, rel=1e-3)
+    assert gross.force_n.min() == 0.0
+    assert not gross.force_n[-2000:].any()
+    assert not gross.force_n[:700].any()
+
+
+def test_truth_begins_after_the_command_and_lasts_the_slide(gross):
+    begins = gross.time_s[gross.slip][0]
+    command = 1.0 + np.flatnonzero(gross.force_n > 0.99)[0] / 2000  # a second after the touch settled
+    assert command < begins < command + 0.1
+    assert gross.slip.sum() / 2000 == pytest.approx(1.0, abs=0.06)
+
+
+def test_a_heavier_load_sticks_longer():
+    onsets = []
+    for force in (0.3, 1.0, 3.0):
+        trial = Trial("gross", 0.04, force, 3)
+        trace = simulate(DESIGN, trial)
+        from fingertip.sim.pad import Pad
+        from fingertip.sim.scene import sliding_finger
+
+        command = sliding_finger(0.04, Pad.of(DESIGN).depth_m(force)).slide.start_s
+        onsets.append(trace.time_s[trace.slip][0] - command)
+    assert 0.0 < onsets[0] < onsets[1] < onsets[2]
+
+
+def test_no_slip_without_sliding_far_enough():
+    """A stage that moves less than the pad shears gives no gross slip: the truth is physics, not the command."""
+    import fingertip.sim.trial as module
+
+    saved = module.sliding_finger
+
+    def barely(speed, depth):
+        from dataclasses import replace
+
+        scene = saved(speed, depth)
+        return replace(scene, slide=type(scene.slide).at(scene.slide.start_s, 5e-5, 5e-3))
+
+    module.sliding_finger = barely
+    try:
+        trace = simulate(DESIGN, Trial("gross", 0.04, 2.0, 3))
+    finally:
+        module.sliding_finger = saved
+    assert not trace.slip.any()
+
+
+def test_vibration_grows_with_roughness_and_load_and_stays_low():
+    def shaking(surface, force):
+        trace = simulate(DESIGN, Trial(surface, 0.06, force, 5))
+        during = trace.force_n[trace.slip][100:1100]
+        return during - during.mean()
+
+    rms = {key: shaking(*key).std() for key in [("smooth", 1.0), ("medium", 1.0), ("gross", 1.0), ("medium", 0.3)]}
+    assert rms["smooth", 1.0] < rms["medium", 1.0] < rms["gross", 1.0]
+    assert rms["medium", 0.3] < rms["medium", 1.0]
+    for surface in SURFACES:
+        power = np.abs(np.fft.rfft(shaking(surface, 1.0) * np.hanning(1000))) ** 2
+        above = np.fft.rfftfreq(1000, 1 / 2000) > 100
+        assert power[above].sum() < 0.15 * power.sum(), surface
+
+
+def test_the_hand_keeps_the_force_over_a_wavy_surface():
+    trace = simulate(DESIGN, Trial("wood", 0.08, 1.3, 2))
+    end = trace.time_s[trace.slip][-1]
+    after = (trace.time_s > end + 0.3) & (trace.time_s < end + 0.8)
+    assert trace.force_n[after].mean() == pytest.approx(1.3, rel=0.01)
+
+
+def test_force_by_seed_lies_in_the_articles_range():
+    forces = [Trial(seed=seed).holding_force_n for seed in range(200)]
+    assert 0.2 <= min(forces) < 0.25
+    assert 1.95 < max(forces) <= 2.0
+
+
+def test_the_same_seed_gives_the_same_bytes_in_fresh_processes(tmp_path):
+    code = (
+        "import hashlib; from fingertip.design import Design; from fingertip.sim import *\n"
+        "from fingertip.slip.trace_file import to_csv\n"
+        "print(hashlib.sha256(to_csv(simulate(Design(), Trial(seed=7)))).hexdigest())"
+    )
+    runs = {
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout for _ in "ab"
+    }
+    assert len(runs) == 1
+    other = hashlib.sha256(to_csv(simulate(DESIGN, Trial(seed=8)))).hexdigest()
+    assert runs != {other + "\n"}
+
+
+@pytest.mark.parametrize("rate", [1000.0, 3000.0, 10000.0])
+def test_other_rates_give_the_same_motion(rate):
+    trace = simulate(Design(detector={"sample_rate_hz": rate}), Trial("gross", 0.04, 1.0, 3))
+    assert trace.time_s[trace.slip][0] == pytest.approx(1.8745, abs=0.003)
+
+
+@pytest.mark.parametrize(
+    ("asked", "field", "words"),
+    [
+        ({"surface": "woood"}, "--surface", "did you mean wood?"),
+        ({"speed_m_s": -0.04}, "--speed-m-s", "-0.04 m/s is refused; choose 0.005 to 0.2 m/s"),
+        ({"speed_m_s": float("nan")}, "--speed-m-s", "nan m/s"),
+        ({"force_n": -1.0}, "--force-n", "-1 N is refused; choose above 0 and at most 4 N"),
+        ({"force_n": float("inf")}, "--force-n", "inf N"),
+        ({"seed": -1}, "--seed", "at least 0"),
+    ],
+)
+def test_what_cannot_be_simulated_is_refused(asked, field, words):
+    with pytest.raises(TraceError) as caught:
+        Trial(**asked)
+    (fault,) = caught.value.faults
+    assert fault.field == field
+    assert words in fault.sentence

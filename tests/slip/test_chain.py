@@ -1,0 +1,132 @@
+"""The chain against closed forms, and streaming against batch."""
+
+from __future__ import annotations
+
+import cmath
+import math
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fingertip.design import Design
+from fingertip.slip.chain import ChainOutput, ChainSettings, SlipChain, analog_response, response
+from fingertip.slip.noise import noise_level
+
+SETTINGS = ChainSettings.of(Design())
+FIELDS = ("filtered_v", "envelope_v", "mean_v", "on")
+
+
+def test_exact_at_the_cutoff():
+    assert cmath.isclose(response(SETTINGS, 67.0), analog_response(SETTINGS, 67.0), rel_tol=1e-12)
+    assert abs(response(SETTINGS, 67.0)) == pytest.approx((1 + 100 / 1.5) / math.sqrt(2), rel=1e-12)
+
+
+@pytest.mark.parametrize("cutoff", [5.0, 67.0, 200.0, 499.0])
+def test_exact_at_any_cutoff(cutoff):
+    settings = replace(SETTINGS, cutoff_hz=cutoff)
+    assert cmath.isclose(response(settings, cutoff), analog_response(settings, cutoff), rel_tol=1e-11)
+
+
+def test_close_to_the_analog_filter_where_fingertips_vibrate():
+    for frequency in (10.0, 30.0, 67.0, 90.0, 150.0):
+        digital, analog = abs(response(SETTINGS, frequency)), abs(analog_response(SETTINGS, frequency))
+        assert digital == pytest.approx(analog, rel=0.03)
+    assert abs(response(SETTINGS, 0.0)) == 0.0
+
+
+@pytest.mark.parametrize("frequency", [30.0, 67.0, 120.0])
+def test_what_the_stream_does_is_the_response(frequency):
+    time = np.arange(8000) / 2000
+    out = SlipChain(SETTINGS).process(np.sin(2 * math.pi * frequency * time)).filtered_v[4000:]
+    assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(abs(response(SETTINGS, frequency)), rel=1e-9)
+
+
+def test_a_constant_voltage_is_silence_from_the_first_sample():
+    out = SlipChain(SETTINGS).process([4.3] * 500)
+    assert np.abs(out.filtered_v).max() < 1e-10
+    assert not out.on.any()
+
+
+def test_envelope_step_is_that_of_the_analog_pole():
+    chain = SlipChain(replace(SETTINGS, cutoff_hz=1e-4, gain=1.0, window_samples=1))
+    out = chain.process([0.0] + [1.0] * 200).envelope_v[1:]
+    tau = 1 / (2 * math.pi * 36.17)
+    expected = [1 - math.exp(-(n + 1) / 2000 / tau) for n in range(200)]
+    assert out == pytest.approx(np.array(expected), abs=2e-4)
+
+
+def test_only_one_half_wave_counts():
+    falling = SlipChain(replace(SETTINGS, cutoff_hz=1e-4)).process([1.0] + [0.0] * 100)
+    assert falling.filtered_v[1:].max() < 0.0
+    assert not falling.envelope_v.any()
+
+
+@given(st.lists(st.floats(-10, 10), min_size=1, max_size=300), st.integers(1, 40))
+def test_window_mean_is_the_mean_of_the_last_samples(samples, length):
+    out = SlipChain(replace(SETTINGS, window_samples=length)).process(samples)
+    padded = np.concatenate((np.zeros(length - 1), out.envelope_v))
+    means = [math.fsum(padded[i : i + length]) / length for i in range(len(samples))]
+    assert out.mean_v == pytest.approx(np.array(means), abs=1e-11)
+    assert np.array_equal(out.on, out.mean_v > SETTINGS.threshold_v)
+
+
+def glued(parts: list[ChainOutput]) -> dict[str, bytes]:
+    return {name: np.concatenate([getattr(part, name) for part in parts]).tobytes() for name in FIELDS}
+
+
+@given(
+    st.lists(st.floats(-10, 10), max_size=400),
+    st.lists(st.integers(0, 90), max_size=12),
+    st.sampled_from([1, 7, 60]),
+)
+def test_any_chunking_gives_the_same_bits(samples, sizes, length):
+    settings = replace(SETTINGS, window_samples=length)
+    whole = SlipChain(settings).process(np.array(samples))
+    chain, parts, start = SlipChain(settings), [], 0
+    for size in [*sizes, len(samples)]:
+        parts.append(chain.process(samples[start : start + size]))
+        start += size
+        chain = pickle.loads(pickle.dumps(chain))
+    assert glued(parts) == glued([whole])
+    single = SlipChain(settings)
+    if samples:
+        assert glued([single.process([x]) for x in samples]) == glued([whole])
+
+
+@given(st.integers(1, 299))
+def test_causal(cut):
+    rng = np.random.default_rng(1)
+    one, other = rng.normal(size=300), rng.normal(size=300)
+    other[:cut] = one[:cut]
+    a, b = SlipChain(SETTINGS).process(one), SlipChain(SETTINGS).process(other)
+    for name in FIELDS:
+        assert np.array_equal(getattr(a, name)[:cut], getattr(b, name)[:cut])
+
+
+def test_running_sum_does_not_drift():
+    chain = SlipChain(SETTINGS)
+    rng = np.random.default_rng(2)
+    chain.process(rng.normal(0, 5, 100_000))
+    out = chain.process([0.0] * 4000)
+    assert abs(out.mean_v[-1]) < 1e-15
+
+
+def test_noise_level_is_what_noise_gives():
+    design = Design()
+    level = noise_level(design)
+    rng = np.random.default_rng(3)
+    step = 20 / 65536
+    noise = np.round((4.3 + rng.normal(0, design.detector.noise_v, 200_000)) / step) * step
+    means = SlipChain(ChainSettings.of(design)).process(noise).mean_v[200:]
+    assert means.mean() == pytest.approx(level.mean_v, rel=0.03)
+    assert means.std() == pytest.approx(level.deviation_v, rel=0.10)
+    assert means.max() < level.threshold_v
+
+
+def test_the_default_threshold_follows_the_rule():
+    rule = noise_level(Design()).threshold_v
+    assert Design().detector.threshold_v == math.ceil(rule * 1000) / 1000

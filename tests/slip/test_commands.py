@@ -1,0 +1,219 @@
+"""`fingertip simulate` and `fingertip detect` as a user meets them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fingertip.cli import app
+
+GOOD = [f"{i / 2000:.4f},4.0,0.8,0" for i in range(200)]
+HEADER = "time_s,voltage_v,force_n,slip"
+
+
+def run(*words):
+    return CliRunner().invoke(app, [str(word) for word in words])
+
+
+@pytest.fixture
+def trace(tmp_path):
+    def write(lines, header=HEADER):
+        path = tmp_path / "t.csv"
+        path.write_text("\n".join([header, *lines]) + "\n")
+        return path
+
+    return write
+
+
+def edited(changes):
+    lines = list(GOOD)
+    for at, line in changes.items():
+        lines[at] = line
+    return lines
+
+
+@pytest.mark.parametrize("surface", ["smooth", "medium", "gross", "wood", "paper", "plastic"])
+def test_simulate_then_detect_finds_the_slip(tmp_path, surface):
+    out = tmp_path / "new" / "trace.csv"
+    done = run("simulate", "--out", out, "--surface", surface, "--force-n", 1.0, "--seed", 5, "--json", "--quiet")
+    assert done.exit_code == 0
+    told = json.loads(done.stdout)
+    lines = out.read_text().splitlines()
+    assert lines[0] == HEADER
+    assert len(lines) == told["samples"] + 1
+    found = run("detect", out, "--json", "--quiet")
+    assert found.exit_code == 0
+    data = json.loads(found.stdout)
+    assert data["slips"] == told["slips"]
+    assert len(data["delays_s"]) == 1
+    # The smoothest surface barely leaves the noise of a 16-bit converter ahead of the gain.
+    assert 0.0 < data["delays_s"][0] < (0.2 if surface == "smooth" else 0.05)
+    assert set(data["intervals"][0]) == {"onset_s", "end_s"}
+    assert data["missed_slips"] == []
+
+
+def test_a_quieter_converter_finds_the_smoothest_surface_sooner(tmp_path):
+    quiet = ["--set", "detector.noise_v=2e-5", "--set", "detector.adc_bits=24", "--set", "detector.threshold_v=0.005"]
+    out = tmp_path / "trace.csv"
+    assert run("simulate", "--out", out, "--surface", "smooth", "--force-n", 1, "--seed", 5, *quiet).exit_code == 0
+    (delay,) = json.loads(run("detect", out, "--json", *quiet).stdout)["delays_s"]
+    assert 0.0 < delay < 0.05
+
+
+def test_detect_without_truth_and_with_text(trace):
+    path = trace([",".join(line.split(",")[:2]) for line in GOOD], "time_s,voltage_v")
+    data = json.loads(run("detect", path, "--json").stdout)
+    assert data["intervals"] == []
+    assert data["slips"] is None
+    assert run("detect", path).stdout == "never ON\n"
+
+
+BAD = {
+    "no column": (GOOD, "time_s,volts,force_n,slip", ["there is no column voltage_v; did you mean volts?"]),
+    "no header": (GOOD, "1,2,3,4", ["is no header of a trace"]),
+    "doubled column": (GOOD, "time_s,voltage_v,voltage_v,slip", ["column voltage_v stands there 2 times"]),
+    "nan": (edited({7: "0.0035,nan,0.8,0"}), HEADER, ["nan in line 9 is not a finite number"]),
+    "inf": (edited({7: "0.0035,4,-inf,0"}), HEADER, ["force_n: -inf in line 9 is not a finite number"]),
+    "word": (edited({7: "0.0035,4 V,0.8,0"}), HEADER, ["'4 V' in line 9 is not a number"]),
+    "slip": (edited({7: "0.0035,4,0.8,2"}), HEADER, ["2 in line 9 is neither 0 nor 1"]),
+    "cells": (edited({7: "0.0035,4"}), HEADER, ["line 9: has 2 cells, the header 4"]),
+    "gap": (GOOD[:50] + GOOD[60:], HEADER, ["0.03 s in line 52 comes after a gap"]),
+    "repeated": (GOOD[:50] + GOOD[49:], HEADER, ["0.0245 s in line 52 repeats the time before it"]),
+    "backwards": (
+        GOOD[:50] + GOOD[40:],
+        HEADER,
+        ["0.02 s in line 52 goes backwards (before it 0.0245 s, usual step 0.0005 s)"],
+    ),
+    "rate": (
+        [f"{i / 1000:.4f},4,0,0" for i in range(200)],
+        HEADER,
+        ["sampled at 1000 Hz, the detector is designed for 2000 Hz", "use --set detector.sample_rate_hz=1000"],
+    ),
+    "still": (["0,4,0,0"] * 100, HEADER, ["does not advance"]),
+    "header only": ([], HEADER, ["holds 0 samples; at least one window of 60"]),
+    "short": (GOOD[:59], HEADER, ["holds 59 samples; at least one window of 60"]),
+    "several": (
+        edited({3: "0.0015,nan,0.8,0", 7: "0.0035,4,x,0", 9: "0.0020,4,0.8,0"}),
+        HEADER,
+        ["nan in line 5", "'x' in line 9", "0.002 s in line 11 goes backwards"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_traces_are_refused_with_sentences(trace, tmp_path, name):
+    lines, header, sentences = BAD[name]
+    picture = tmp_path / "p.png"
+    picture.write_text("mine")
+    done = run("detect", trace(lines, header), "--plot", picture)
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    for sentence in sentences:
+        assert sentence in done.stderr
+    assert all(line.startswith("error: ") for line in done.stderr.splitlines())
+    assert picture.read_text() == "mine"
+
+
+@pytest.mark.parametrize("content", [b"", b"\x89PNG\x00\xff\xfe", b"hello\nworld\n", b"\n\n"])
+def test_what_is_no_csv(tmp_path, content):
+    path = tmp_path / "t.csv"
+    path.write_bytes(content)
+    done = run("detect", path, "--json")
+    assert done.exit_code == 2
+    (fault,) = json.loads(done.stdout)["faults"]
+    assert str(path) in fault["field"]
+
+
+def test_missing_trace_and_folder(tmp_path):
+    assert "cannot be read" in run("detect", tmp_path / "none.csv").stderr
+    assert run("detect", tmp_path).exit_code == 2
+
+
+def test_simulate_tells_every_fault_and_writes_nothing(tmp_path):
+    out = tmp_path / "t.csv"
+    done = run(
+        "simulate", "--out", out, "--surface", "ice", "--speed-m-s", -1, "--force-n", 99, "--seed", -3,
+        "--set", "detector.window_samples=3000", "--set", "detector.threshold_v=9",
+    )  # fmt: skip
+    assert done.exit_code == 2
+    fields = [line.split(": ")[1] for line in done.stderr.splitlines()]
+    assert fields == [
+        "detector.window_samples", "detector.threshold_v", "--surface", "--speed-m-s", "--force-n", "--seed",
+    ]  # fmt: skip
+    assert not out.exists()
+
+
+def test_unwritable_places(tmp_path, trace):
+    wall = tmp_path / "wall"
+    wall.write_text("mine")
+    for done in (
+        run("simulate", "--out", wall / "t.csv"),
+        run("simulate", "--out", tmp_path),
+        run("detect", trace(GOOD), "--plot", wall / "p.png"),
+        run("detect", trace(GOOD), "--plot", tmp_path),
+    ):
+        assert done.exit_code == 2
+        assert done.stderr.splitlines()[-1].startswith("error: ")
+    assert wall.read_text() == "mine"
+
+
+def test_rate_rule_names_the_remedy():
+    done = run("simulate", "--set", "board.cutoff_hz=700")
+    assert done.exit_code == 2
+    assert "detector.sample_rate_hz: 2000 Hz is too slow for board.cutoff_hz of 700 Hz; at least 2800 Hz" in done.stderr
+
+
+def test_a_plot_is_a_png_without_metadata_and_always_the_same(tmp_path):
+    out = tmp_path / "t.csv"
+    run("simulate", "--out", out)
+    pictures = []
+    for name in ("a.png", "b.png"):
+        assert run("detect", out, "--plot", tmp_path / name).exit_code == 0
+        pictures.append((tmp_path / name).read_bytes())
+    assert pictures[0] == pictures[1]
+    assert pictures[0].startswith(b"\x89PNG")
+    assert b"tEXt" not in pictures[0]
+
+
+def test_threshold_below_the_noise_is_said(trace):
+    done = run("detect", trace(GOOD), "--set", "detector.threshold_v=0.001")
+    assert done.exit_code == 0
+    assert "is below the level of the noise alone" in done.stderr
+    assert "warning" not in run("detect", trace(GOOD), "--set", "detector.threshold_v=0.001", "--quiet").stderr
+
+
+def test_neither_command_imports_what_it_does_not_need(tmp_path):
+    code = (
+        "import sys; from fingertip.cli import app\n"
+        "for words in (['simulate', '--quiet'], ['detect', 'trace.csv', '--quiet']):\n"
+        "    app(words, standalone_mode=False)\n"
+        "bad = {'cadquery', 'OCP', 'trimesh', 'vtk', 'vtkmodules', 'matplotlib', 'scipy', 'manifold3d'}\n"
+        "print(sorted(bad & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_detection_never_imports_the_simulation():
+    code = "import sys, fingertip.slip, fingertip.slip.plot; print([m for m in sys.modules if 'fingertip.sim' in m])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_csv_round_trip(tmp_path):
+    from fingertip.design import Design
+    from fingertip.slip.trace import Trace
+    from fingertip.slip.trace_file import read_csv, to_csv
+
+    time = np.arange(100) / 2000
+    trace = Trace(time, np.round(np.sin(time), 6), np.round(np.cos(time), 6), time > 0.02)
+    (tmp_path / "t.csv").write_bytes(to_csv(trace))
+    read = read_csv(tmp_path / "t.csv", Design().detector)
+    for column in ("time_s", "voltage_v", "force_n", "slip"):
+        assert np.array_equal(getattr(read, column), getattr(trace, column))
+    assert to_csv(read) == to_csv(trace)

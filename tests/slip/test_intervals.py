@@ -1,0 +1,83 @@
+"""Flags to intervals, delays, missed slips and false intervals, on traces made by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fingertip.design import Design
+from fingertip.errors import TraceError
+from fingertip.slip import Interval, Trace, detect
+from fingertip.slip.intervals import intervals, merged, score
+
+TIME = np.arange(10) / 10
+
+
+def flags(text: str) -> np.ndarray:
+    return np.array([c == "1" for c in text])
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("0000000000", []),
+        ("0011100000", [(0.2, 0.5)]),
+        ("1100000011", [(0.0, 0.2), (0.8, 0.9)]),
+        ("1111111111", [(0.0, 0.9)]),
+        ("0101000000", [(0.1, 0.2), (0.3, 0.4)]),
+    ],
+)
+def test_intervals(text, expected):
+    assert [(i.onset_s, i.end_s) for i in intervals(TIME, flags(text))] == expected
+
+
+def test_close_parts_are_one_slip():
+    parts = [Interval(0.0, 0.1), Interval(0.12, 0.2), Interval(0.3, 0.4)]
+    assert merged(parts, 0.03) == (Interval(0.0, 0.2), Interval(0.3, 0.4))
+
+
+def test_score():
+    truth = [Interval(1.0, 2.0), Interval(3.0, 3.5), Interval(5.0, 6.0)]
+    found = [
+        Interval(0.2, 0.3),  # false
+        Interval(1.025, 2.03), Interval(2.02, 2.04),  # the slip, and an echo within its window
+        Interval(2.5, 2.6),  # false
+        Interval(4.9, 5.5),  # ON before the slip
+    ]  # fmt: skip
+    judged = score(found, truth, 0.03)
+    assert judged.delays_s == (pytest.approx(0.025), None, pytest.approx(-0.1))
+    assert judged.missed == (truth[1],)
+    assert judged.false_intervals == (found[0], found[3])
+
+
+def burst(length: int = 4000, start: int = 2000, stop: int = 3000) -> Trace:
+    time = np.arange(length) / 2000
+    slip = (np.arange(length) >= start) & (np.arange(length) < stop)
+    voltage = 4.0 + np.where(slip, 0.01 * np.sin(2 * np.pi * 90 * time), 0.0)
+    return Trace(time, voltage, None, slip)
+
+
+def test_a_burst_is_found_within_the_window():
+    found = detect(burst(), Design())
+    assert len(found.intervals) == 1
+    (delay,) = found.score.delays_s
+    assert 0.0 < delay < 0.030
+    assert found.intervals[0].onset_s == pytest.approx(1.0 + delay)
+    assert 1.5 < found.intervals[0].end_s < 1.55
+    assert not found.score.missed
+    assert not found.score.false_intervals
+
+
+def test_without_truth_nothing_is_judged():
+    trace = burst()
+    assert detect(Trace(trace.time_s, trace.voltage_v), Design()).score is None
+
+
+def test_a_trace_in_memory_is_checked_too():
+    trace = burst()
+    broken = Trace(trace.time_s * 2, np.where(np.arange(4000) == 7, np.nan, trace.voltage_v))
+    with pytest.raises(TraceError) as caught:
+        detect(broken, Design())
+    assert [fault.field for fault in caught.value.faults] == ["trace, voltage_v", "trace, time_s"]
+    assert "at sample 7 is not a finite number" in str(caught.value)
+    assert "--set detector.sample_rate_hz=1000" in str(caught.value)

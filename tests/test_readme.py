@@ -1,0 +1,79 @@
+"""Every command the README shows is run, every picture and file it names is there."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT, run_fingertip, run_python
+
+README = (ROOT / "README.md").read_text()
+BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
+COMMANDS = [
+    command.strip()
+    for language, block in BLOCKS
+    if language == "sh"
+    for line in block.splitlines()
+    for command in line.split("&&")
+]
+OURS = [command for command in COMMANDS if command.startswith(".venv/bin/fingertip")]
+
+
+@pytest.fixture(scope="module")
+def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that looks like a clone to the commands."""
+    folder = tmp_path_factory.mktemp("clone")
+    (folder / "params").symlink_to(ROOT / "params")
+    return folder
+
+
+def test_only_install_pytest_and_fingertip_are_shown() -> None:
+    others = {command for command in COMMANDS if command not in OURS}
+    assert others == {"sh install.sh", "sh install.sh test", ".venv/bin/pytest"}
+    assert len(OURS) >= 10
+
+
+def test_the_first_two_blocks_set_up_build_and_test() -> None:
+    shell = [block for language, block in BLOCKS if language == "sh"]
+    assert shell[0].startswith("sh install.sh && .venv/bin/fingertip build params/fsr400.toml")
+    assert shell[1] == "sh install.sh test && .venv/bin/pytest\n"
+    assert all(block.count("\n") == 1 for block in shell[:2]), "one pasteable line each"
+
+
+@pytest.mark.parametrize("command", OURS)
+def test_command_runs(command: str, workplace: Path) -> None:
+    done = run_fingertip(*shlex.split(command)[1:], PWD=str(workplace))
+    assert done.returncode == 0, done.stderr
+
+
+def test_files_the_readme_promises(workplace: Path) -> None:
+    """After the commands above, in the order of this module."""
+    made = {str(path.relative_to(workplace)) for path in workplace.rglob("*") if path.is_file()}
+    for part in ("bone", "skin", "mold_palmar", "mold_dorsal"):
+        assert {f"out/fsr400/{part}.{kind}" for kind in ("stl", "3mf", "step")} <= made
+    named = {"assembly.step", "report.json", "design.toml", "trace.csv", "slip.png"}
+    assert {f"out/fsr400/{file}" for file in named} <= made
+    assert {"pcb/slip_filter.net", "pcb/values.json", "out/wider/exploded.png", "out/wider/bone.stl"} <= made
+
+
+def test_python_block_runs(workplace: Path) -> None:
+    (script,) = (block for language, block in BLOCKS if language == "python")
+    done = run_python("-c", script, PWD=str(workplace))
+    assert done.returncode == 0, done.stderr
+    assert (workplace / "out/mine/bone.stl").exists()
+
+
+def test_the_sentence_quoted_is_the_sentence_said(workplace: Path) -> None:
+    quoted = re.search(r"`(skin\.width_mm: [^`]*)`", README)
+    assert quoted
+    done = run_fingertip("build", "params/fsr400.toml", "--set", "skin.width_mm=15", PWD=str(workplace))
+    assert done.returncode == 2
+    assert f"error: {' '.join(quoted[1].split())}" in done.stderr
+
+
+@pytest.mark.parametrize("target", re.findall(r"\]\(([^)]+)\)", README))
+def test_links_lead_somewhere(target: str) -> None:
+    assert (ROOT / target).exists()

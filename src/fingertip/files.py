@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from fingertip.errors import Fault, OutputError
@@ -26,29 +26,39 @@ def write_whole(folder: Path, contents: Mapping[str, bytes]) -> None:
     OutputError
         If the folder or a file cannot be written; nothing that was there has changed then.
     """
-    with _aside(folder) as aside:
-        for name, data in contents.items():
-            (aside / name).write_bytes(data)
-        for name in contents:
-            os.replace(aside / name, folder / name)
+    _write(folder, contents, str(folder), "choose another folder with --out")
 
 
-@contextlib.contextmanager
-def _aside(folder: Path) -> Iterator[Path]:
-    """A folder on the same file system as `folder` (a rename across two is not atomic), gone afterwards."""
+def write_file(path: Path, data: bytes, option: str = "--out") -> None:
+    """Write one file whole; `option` is the command's word for where it goes, for the error's remedy.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written; what was there has not changed then.
+    """
+    if path.is_dir():
+        raise OutputError(Fault(str(path), f"is a folder; give {option} the name of a file."))
+    _write(path.parent, {path.name: data}, str(path), f"choose another file with {option}")
+
+
+def _write(folder: Path, contents: Mapping[str, bytes], field: str, remedy: str) -> None:
     made = _missing_folders(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        # Written aside on the same file system: a rename across two is not atomic.
         with tempfile.TemporaryDirectory(prefix=".fingertip-", dir=folder) as name:
-            yield Path(name)
+            aside = Path(name)
+            for file, data in contents.items():
+                (aside / file).write_bytes(data)
+            for file in contents:
+                os.replace(aside / file, folder / file)
     except OSError as error:
         for path in made:
             with contextlib.suppress(OSError):
                 path.rmdir()
         reason = error.strerror or str(error)
-        raise OutputError(
-            Fault(str(folder), f"cannot be written ({reason}); choose another folder with --out.")
-        ) from error
+        raise OutputError(Fault(field, f"cannot be written ({reason}); {remedy}.")) from error
 
 
 def _missing_folders(folder: Path) -> list[Path]:

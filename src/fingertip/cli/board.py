@@ -17,9 +17,7 @@ if TYPE_CHECKING:
 @command
 def board(
     design: Annotated[Path | None, typer.Argument(help="Design file; without it, the defaults.")] = None,
-    out: Annotated[
-        Path, typer.Option("--out", "-o", help="Folder for slip_filter.net and values.json.")
-    ] = Path("pcb"),
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for slip_filter.net and values.json.")] = Path("pcb"),
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,

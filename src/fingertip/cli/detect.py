@@ -37,26 +37,12 @@ def detect(
             f"noise alone ({found.noise.mean_v:.3g} V); {found.noise.threshold_v:.3g} V stands clear of it."
         )
     if plot is not None:
+        from fingertip.files import write_file
         from fingertip.slip.plot import draw
 
         console.say(f"drawing {plot}")
-        _write_plot(plot, draw(read, found, trace.name))
+        write_file(plot, draw(read, found, trace.name), "--plot")
     console.result(_data(found), _text(found))
-
-
-def _write_plot(path: Path, data: bytes) -> None:
-    from fingertip.errors import Fault, OutputError
-    from fingertip.files import write_whole
-
-    if path.is_dir():
-        raise OutputError(Fault(str(path), "is a folder; give --plot the name of a file, such as detection.png."))
-    try:
-        write_whole(path.parent, {path.name: data})
-    except OutputError as error:
-        reason = getattr(error.__cause__, "strerror", None) or "no access"
-        raise OutputError(
-            Fault(str(path), f"cannot be written ({reason}); choose another file with --plot.")
-        ) from error
 
 
 def _data(found: Detection) -> dict[str, Any]:

@@ -21,11 +21,11 @@ def picture(
 ) -> None:
     """Draw the exploded fingertip and a section through the closed mold."""
     from fingertip.design import Design
-    from fingertip.files import write_whole
+    from fingertip.files import write_file
     from fingertip.view.picture import draw
 
     console = Console(as_json, quiet)
     loaded = Design.load(design, changes=changes or ())
     path = out or Path("out") / loaded.name / "exploded.png"
-    write_whole(path.parent, {path.name: draw(loaded, width_px, console.say)})
+    write_file(path, draw(loaded, width_px, console.say))
     console.result({"picture": str(path)}, f"drawn to {path}")

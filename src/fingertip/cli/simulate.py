@@ -30,8 +30,8 @@ def simulate(
     """Simulate one sliding-finger trial and write its trace."""
     from fingertip import sim
     from fingertip.design import Design
-    from fingertip.errors import Fault, FingertipError, OutputError
-    from fingertip.files import write_whole
+    from fingertip.errors import Fault, FingertipError
+    from fingertip.files import write_file
     from fingertip.slip.intervals import intervals
     from fingertip.slip.trace_file import to_csv
 
@@ -48,11 +48,9 @@ def simulate(
         faults.extend(error.faults)
     if loaded is None or trial is None:
         raise FingertipError(faults)
-    if out.is_dir():
-        raise OutputError(Fault(str(out), "is a folder; give --out the name of a file, such as trace.csv."))
 
     trace = sim.simulate(loaded, trial)
-    write_whole(out.parent, {out.name: to_csv(trace)})
+    write_file(out, to_csv(trace))
     console.say(f"wrote {out}")
     slips = intervals(trace.time_s, trace.slip) if trace.slip is not None else ()
     data = {

@@ -1,0 +1,125 @@
+"""A circuit as data: parts, pins, nets. Everything that leaves for KiCad is written from this alone."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from fingertip.errors import BoardError, Fault
+
+_REFERENCE = re.compile(r"[A-Za-z]+[1-9][0-9]*")
+
+
+@dataclass(frozen=True)
+class Pin:
+    """A pin of a symbol, as KiCad's library has it."""
+
+    number: str
+    name: str
+    """"~" where the library gives none."""
+    kind: str
+    """KiCad's electrical type: passive, input, output, power_in."""
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """A symbol of KiCad's own libraries."""
+
+    library: str
+    name: str
+    description: str
+    pins: tuple[Pin, ...]
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part on the board."""
+
+    reference: str
+    value: str
+    symbol: Symbol
+    footprint: str
+    """library:name, of KiCad's own libraries."""
+    role: str
+    """What it does here, in words; with the article's name where that differs from the reference."""
+
+
+Node = tuple[str, str]
+"""Reference and pin number."""
+
+
+@dataclass(frozen=True)
+class Net:
+    """Pins that are connected."""
+
+    name: str
+    nodes: tuple[Node, ...]
+
+
+@dataclass(frozen=True)
+class Circuit:
+    """Parts and nets. Construct it with `connected`, which checks it."""
+
+    name: str
+    parts: tuple[Part, ...]
+    nets: tuple[Net, ...]
+
+    def part(self, reference: str) -> Part:
+        """The part of this reference; KeyError if there is none."""
+        for part in self.parts:
+            if part.reference == reference:
+                return part
+        raise KeyError(reference)
+
+
+def connected(name: str, wiring: Mapping[Part, Mapping[str, str]]) -> Circuit:
+    """A checked circuit from each part's wiring, pin number -> net name; nets come in the order first named.
+
+    Raises
+    ------
+    BoardError
+        With every fault `faults` finds.
+    """
+    nodes: dict[str, list[Node]] = {}
+    for part, pins in wiring.items():
+        for number, net in pins.items():
+            nodes.setdefault(net, []).append((part.reference, number))
+    circuit = Circuit(name, tuple(wiring), tuple(Net(net, tuple(found)) for net, found in nodes.items()))
+    if found := list(faults(circuit)):
+        raise BoardError(found)
+    return circuit
+
+
+def faults(circuit: Circuit) -> Iterator[Fault]:
+    """What is inconsistent: doubled references, unknown pins, pins in two nets or none, nets of one pin."""
+    for reference, count in Counter(part.reference for part in circuit.parts).items():
+        if count > 1:
+            yield Fault(reference, f"names {count} parts; give each its own reference.")
+        if not _REFERENCE.fullmatch(reference):
+            yield Fault(reference, "is not letters and a number, such as R6; KiCad would number it anew.")
+    for name, count in Counter(net.name for net in circuit.nets).items():
+        if count > 1:
+            yield Fault(name, f"names {count} nets; KiCad would join them.")
+
+    known = {(part.reference, pin.number) for part in circuit.parts for pin in part.symbol.pins}
+    uses = Counter(node for net in circuit.nets for node in net.nodes)
+    for net in circuit.nets:
+        if len(set(net.nodes)) < 2:
+            yield Fault(net.name, f"connects {len(set(net.nodes))} pin; a net needs two at least.")
+    for (reference, number), count in uses.items():
+        if (reference, number) not in known:
+            yield Fault(f"{reference}.{number}", "is connected, but there is no such part or pin.")
+        if count > 1:
+            yield Fault(f"{reference}.{number}", f"is connected {count} times; a pin lies in one net.")
+    for reference, number in sorted(known - set(uses)):
+        yield Fault(f"{reference}.{number}", "is not connected; connect it or take the part out.")
+
+
+def engineering(value: float, unit: str = "") -> str:
+    """A part's value as a schematic prints it: 4700 -> "4.7k", 2.2e-6 -> "2.2u"; ten digits at most."""
+    for prefix, scale in (("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("u", 1e-6), ("n", 1e-9)):
+        if value >= scale * (1 - 1e-12):
+            return f"{value / scale:.10g}{prefix}{unit}"
+    return f"{value / 1e-12:.10g}p{unit}"

@@ -1,0 +1,48 @@
+"""The board's files: what each holds, and writing them whole."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from fingertip.board.circuit import Circuit
+from fingertip.board.netlist import kicad_netlist
+from fingertip.board.paper_circuit import paper_circuit
+from fingertip.board.values import BoardValues, board_values
+from fingertip.design import Design
+from fingertip.files import write_whole
+
+NETLIST = "slip_filter.net"
+VALUES = "values.json"
+
+
+def board_circuit(values: BoardValues) -> Circuit:
+    """The circuit with the preferred values. Raises BoardError if it is inconsistent."""
+    return paper_circuit(values.preferred)
+
+
+def board_files(design: Design) -> dict[str, bytes]:
+    """File name -> content, for KiCad (`slip_filter.net`) and for people and programs (`values.json`).
+
+    The same design gives the same bytes. Raises BoardError if the values cannot be computed.
+    """
+    values = board_values(design)
+    record = {"parameters": design.board.model_dump(), **values.as_data()}
+    text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return {NETLIST: kicad_netlist(board_circuit(values)), VALUES: text.encode()}
+
+
+def write_board(design: Design, out: str | Path = "pcb") -> tuple[Path, ...]:
+    """Write the board's files into the folder `out`, all or none; returns their paths.
+
+    Raises
+    ------
+    BoardError
+        If the values cannot be computed.
+    OutputError
+        If `out` cannot be written; what was there is unchanged then.
+    """
+    files = board_files(design)
+    folder = Path(out)
+    write_whole(folder, files)
+    return tuple(folder / name for name in files)

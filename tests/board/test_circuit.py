@@ -1,0 +1,83 @@
+"""The circuit is consistent, and what is not is found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fingertip.board import board_circuit, board_values, symbols
+from fingertip.board.circuit import Circuit, Net, Part, connected, engineering, faults
+from fingertip.design import Design
+from fingertip.errors import BoardError
+from tests.board.nodal import number
+
+CIRCUIT = board_circuit(board_values(Design()))
+
+
+def test_the_articles_circuit() -> None:
+    assert not list(faults(CIRCUIT))
+    values = {part.reference: part.value for part in CIRCUIT.parts if part.reference[0] in "RC"}
+    assert values == {
+        "R1": "2.4k", "R2": "1.2k", "R3": "4.7k", "R4": "1.5k", "R5": "100k", "R6": "2k",
+        "C1": "1u", "C2": "1u", "C3": "1u", "C4": "2.2u", "C5": "100n", "C6": "100n",
+    }  # fmt: skip
+    others = {part.reference: part.symbol.name for part in CIRCUIT.parts if part.reference[0] not in "RC"}
+    assert others == {"U1": "TL082", "D1": "1N4148", "J1": "Conn_01x02", "J2": "Conn_01x03", "J3": "Conn_01x02"}
+
+
+def test_every_pin_in_one_net_and_two_pins_in_every_net() -> None:
+    """Said again without the package's own check."""
+    nodes = [node for net in CIRCUIT.nets for node in net.nodes]
+    assert len(nodes) == len(set(nodes))
+    assert set(nodes) == {(part.reference, pin.number) for part in CIRCUIT.parts for pin in part.symbol.pins}
+    assert all(len(net.nodes) >= 2 for net in CIRCUIT.nets)
+    assert len({part.reference for part in CIRCUIT.parts}) == len(CIRCUIT.parts)
+    assert all(part.reference[-1].isdigit() for part in CIRCUIT.parts)
+
+
+def _resistor(reference: str) -> Part:
+    return Part(reference, "1k", symbols.RESISTOR, symbols.R_0603, "")
+
+
+def _without_node(circuit: Circuit) -> Circuit:
+    first, *rest = circuit.nets
+    return replace(circuit, nets=(replace(first, nodes=first.nodes[1:]), *rest))
+
+
+@pytest.mark.parametrize(
+    ("spoil", "expected"),
+    [
+        (lambda c: replace(c, parts=(*c.parts, c.part("R1"))), "R1: names 2 parts"),
+        (lambda c: replace(c, nets=(*c.nets, Net("EXTRA", (("R1", "1"), ("R2", "1"))))), "R1.1: is connected 2 times"),
+        (lambda c: replace(c, nets=(*c.nets, Net("LONE", (("R9", "1"),)))), "LONE: connects 1 pin"),
+        (lambda c: replace(c, nets=(*c.nets, Net("GHOST", (("R9", "1"), ("U1", "9"))))), "U1.9: is connected, but"),
+        (lambda c: replace(c, parts=(*c.parts, _resistor("R9"))), "R9.2: is not connected"),
+        (lambda c: replace(c, parts=(*c.parts, _resistor("R_LP"))), "R_LP: is not letters and a number"),
+        (lambda c: replace(c, nets=(*c.nets, Net("GND", (("R9", "1"), ("R9", "2"))))), "GND: names 2 nets"),
+        (_without_node, "is not connected"),
+    ],
+)
+def test_faults_are_found(spoil, expected: str) -> None:  # type: ignore[no-untyped-def]
+    assert any(expected in str(fault) for fault in faults(spoil(CIRCUIT)))
+
+
+def test_connected_refuses() -> None:
+    with pytest.raises(BoardError, match="A: connects 1 pin"):
+        connected("bad", {_resistor("R1"): {"1": "A", "2": "B"}, _resistor("R2"): {"1": "B", "2": "B"}})
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(4700, "4.7k"), (1180, "1.18k"), (10e6, "10M"), (47, "47"), (1e-6, "1u"), (2.2e-6, "2.2u"), (1e-7, "100n"),
+     (1e-12, "1p"), (1e-3, "1m"), (0.99999999999999e-6, "1u")],
+)  # fmt: skip
+def test_values_as_a_schematic_prints_them(value: float, text: str) -> None:
+    assert engineering(value) == text
+
+
+@given(st.floats(1e-12, 1e8))
+def test_printed_values_read_back(value: float) -> None:
+    assert number(engineering(value)) == pytest.approx(value, rel=1e-9)

@@ -1,0 +1,156 @@
+"""The netlist file: what another parser reads back, what the wiring does, and the same bytes each time."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import uuid
+from pathlib import Path
+
+import pytest
+
+from fingertip.board import board_circuit, board_values, write_board
+from fingertip.board.filters import filter_network
+from fingertip.board.netlist import part_uuid
+from fingertip.board.output import NETLIST
+from fingertip.design import Design
+from tests.board.nodal import NetlistCircuit, parse
+from tests.conftest import ROOT, run_fingertip
+
+FREQUENCIES = [10 ** (i / 20) for i in range(101)]  # 1 Hz to 100 kHz
+DESIGNS = {
+    "article": [],
+    "E96": ["board.series=E96"],
+    "another": ["board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.passband_gain=21", "board.series=E12"],
+}
+
+
+def written(folder: Path, changes: list[str]) -> tuple[Design, Path]:
+    design = Design.load(changes=changes)
+    write_board(design, folder)
+    return design, folder / NETLIST
+
+
+def worst(circuit: NetlistCircuit, design: Design) -> float:
+    """Largest relative deviation of the wired circuit from eq. (9), 1 Hz to 100 kHz."""
+    values = board_values(design).preferred
+    wanted = [(f, filter_network(f, values)) for f in FREQUENCIES]
+    return max(abs(circuit.gain(f, "TACTILE", "FILTERED") / H - 1) for f, H in wanted)
+
+
+@pytest.mark.parametrize("changes", DESIGNS.values(), ids=DESIGNS)
+def test_the_wiring_is_the_filter(tmp_path: Path, changes: list[str]) -> None:
+    design, path = written(tmp_path, changes)
+    assert worst(NetlistCircuit(path), design) < 1e-9
+
+
+SWAPS = [
+    (("R1", "1"), ("R3", "1")), (("R2", "1"), ("C3", "2")), (("C2", "2"), ("C3", "2")), (("R4", "1"), ("R5", "1")),
+    (("R2", "2"), ("R3", "2")), (("U1", "3"), ("U1", "5")), (("U1", "2"), ("U1", "6")),
+    (("U1", "1"), ("U1", "7")), (("U1", "2"), ("U1", "3")), (("U1", "5"), ("U1", "6")),
+]  # fmt: skip
+
+
+def swapped(path: Path, one: tuple[str, str], two: tuple[str, str]) -> NetlistCircuit:
+    """The netlist file with two pins exchanged."""
+    text = path.read_text(encoding="utf-8")
+    nodes = [f'(node (ref "{ref}") (pin "{pin}")' for ref, pin in (one, two)]
+    assert all(text.count(node) == 1 for node in nodes)
+    path.write_text(text.replace(nodes[0], "@").replace(nodes[1], nodes[0]).replace("@", nodes[1]), encoding="utf-8")
+    return NetlistCircuit(path)
+
+
+def test_the_feedback_is_negative(tmp_path: Path) -> None:
+    _, path = written(tmp_path, [])
+    poles = NetlistCircuit(path).poles("TACTILE")
+    assert len(poles) == 6  # one for each of C1 to C4, one for each amplifier
+    assert max(poles.real) < 0
+
+
+@pytest.mark.parametrize("swap", SWAPS)
+def test_a_miswired_netlist_is_caught(tmp_path: Path, swap: tuple[tuple[str, str], tuple[str, str]]) -> None:
+    design, path = written(tmp_path, [])
+    circuit = swapped(path, *swap)
+    assert not worst(circuit, design) < 1e-2 or max(circuit.poles("TACTILE").real) > 0
+
+
+@pytest.mark.parametrize("reference", ["C1", "R2"])
+def test_a_part_turned_around_is_the_same_circuit(tmp_path: Path, reference: str) -> None:
+    """The oracle does not cry wolf."""
+    design, path = written(tmp_path, [])
+    assert worst(swapped(path, (reference, "1"), (reference, "2")), design) < 1e-9
+
+
+def test_diode_and_envelope(tmp_path: Path) -> None:
+    """The diode lets positive voltages through to R_LP parallel to C_LP, which are all that is on the output."""
+    _, path = written(tmp_path, [])
+    circuit = NetlistCircuit(path)
+    assert circuit.nodes("D1", "2", "1") == ("FILTERED", "ENVELOPE")  # anode, cathode
+    assert {node for node, net in circuit.net.items() if net == "ENVELOPE"} == {
+        ("D1", "1"), ("R6", "1"), ("C4", "1"), ("J3", "1"),
+    }  # fmt: skip
+    assert circuit.nodes("R6", "2") == circuit.nodes("C4", "2") == circuit.nodes("J3", "2") == ("GND",)
+    assert circuit.nodes("U1", "8", "4") == circuit.nodes("J2", "1", "3") == ("VCC", "VEE")
+
+
+def test_another_parser_reads_what_the_circuit_says(tmp_path: Path) -> None:
+    design, path = written(tmp_path, [])
+    circuit, parsed = board_circuit(board_values(design)), parse(path)
+    assert {(p.ref, p.value, p.lib, p.name, p.footprint) for p in parsed.parts} == {
+        (p.reference, p.value, p.symbol.library, p.symbol.name, p.footprint) for p in circuit.parts
+    }
+    assert {n.name: {(pin.ref, pin.num) for pin in n.pins} for n in parsed.nets} == {
+        n.name: set(n.nodes) for n in circuit.nets
+    }
+    libparts = {(p.lib, p.name): {(pin.num, pin.name, pin.type) for pin in p.pins} for p in parsed.libparts}
+    assert libparts == {
+        (p.symbol.library, p.symbol.name): {(pin.number, pin.name, pin.kind) for pin in p.symbol.pins}
+        for p in circuit.parts
+    }
+
+
+def test_what_kicads_reader_insists_on(tmp_path: Path) -> None:
+    design, path = written(tmp_path, [])
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith('(export (version "E")\n')  # recognized by "(export " on the first line
+    sections = [text.index(f"\n  ({name}") for name in ("design", "components", "libparts", "nets")]
+    assert sections == sorted(sections)
+    assert [int(code) for code in re.findall(r'\(code "(\d+)"\)', text)] == list(range(1, 12))
+    assert text.count('(sheetpath (names "/") (tstamps "/"))') == len(board_circuit(board_values(design)).parts)
+    stamps = re.findall(r'\(tstamps "([^/"]+)"\)', text)
+    assert len(stamps) == len(set(stamps)) == text.count("(comp\n")
+    assert all(str(uuid.UUID(stamp)) == stamp and uuid.UUID(stamp).version == 5 for stamp in stamps)
+    assert text.count("(") == text.count(")")
+
+
+def test_identifiers_survive_new_values() -> None:
+    first, second = (board_circuit(board_values(Design.load(changes=c))) for c in ([], ["board.series=E96"]))
+    assert first != second
+    assert part_uuid(first, "R1") == part_uuid(second, "R1") == "0954e7c3-2994-54f4-a8ff-12cb4395b0e6"
+
+
+def test_same_bytes_in_two_processes(tmp_path: Path) -> None:
+    digests = []
+    for seed in ("1", "2"):
+        out = tmp_path / seed / "pcb"
+        run = run_fingertip("board", "--out", out, "--quiet", PYTHONHASHSEED=seed)
+        assert run.returncode == 0, run.stderr
+        digests.append({p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in sorted(out.iterdir())})
+    assert digests[0] == digests[1]
+    assert list(digests[0]) == ["slip_filter.net", "values.json"]
+
+
+def test_bundled_files_are_current(tmp_path: Path) -> None:
+    """pcb/ holds what the default design gives today."""
+    _, path = written(tmp_path, [])
+    for file in path.parent.iterdir():
+        assert (ROOT / "pcb" / file.name).read_bytes() == file.read_bytes(), f"run: fingertip board ({file.name})"
+
+
+def test_no_date_and_no_path_in_the_files(tmp_path: Path) -> None:
+    written(tmp_path, [])
+    for file in tmp_path.iterdir():
+        text = file.read_text(encoding="utf-8")
+        assert str(tmp_path) not in text
+        assert not re.search(r"\b20\d\d-\d\d", text)
+        assert not re.search(r'"/[a-z]', text)

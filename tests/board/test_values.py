@@ -1,0 +1,128 @@
+"""From a design to ideal, preferred and achieved values, and the rules between the board's parameters."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fingertip.board import board_values
+from fingertip.board.filters import response
+from fingertip.design import Design
+from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, Components
+from fingertip.errors import DesignError
+
+
+def resistors(c: Components) -> tuple[float, ...]:
+    return (c.r1_ohm, c.r2_ohm, c.r3_ohm, c.r4_ohm, c.r5_ohm, c.r_lp_ohm)
+
+
+def test_defaults_are_the_articles() -> None:
+    values = board_values(Design())
+    assert values.preferred == Components(2400.0, 1200.0, 4700.0, 1500.0, 100e3, 2000.0, 1e-6, 2.2e-6)
+    assert values.achieved == response(values.preferred, 3e6)
+    assert values.wanted.cutoff_hz == pytest.approx(67, rel=1e-12)
+    assert round(values.achieved.cutoff_hz, 2) == 67.26
+
+
+def test_finer_series_come_nearer() -> None:
+    cutoff = {s: board_values(Design.load(changes=[f"board.series={s}"])).achieved for s in ("E12", "E24", "E96")}
+    assert round(cutoff["E96"].cutoff_hz, 2) == 67.06
+    assert round(cutoff["E96"].section_quality, 3) == 1.003
+    error = [abs(math.log(cutoff[s].cutoff_hz / 67)) for s in ("E12", "E24", "E96")]
+    assert error == sorted(error, reverse=True)
+
+
+def test_findings_are_sentences_with_both_sides() -> None:
+    findings = board_values(Design()).findings
+    assert len(findings) == len({f.subject for f in findings}) >= 7
+    assert all(f.says and f.right and f.says != f.right for f in findings)
+    said = " ".join(f.right for f in findings)
+    values = board_values(Design())
+    for figure in (
+        f"{values.achieved.passband_gain:.2f}",
+        f"{values.achieved.passband_gain_db:.2f} dB",
+        f"{values.achieved.section_hz:.2f} Hz",
+        f"{values.achieved.section_quality:.4f}",
+        f"{values.achieved.first_pole_hz:.2f} Hz",
+        f"{values.achieved.cutoff_hz:.2f} Hz",
+        f"{1e3 * values.achieved.envelope_decay_s:.2f} ms",
+        f"{3 * values.achieved.passband_gain:.0f} mV",  # 3 mV of offset
+        f"{450 / values.achieved.passband_gain:.1f} mV",  # the diode's 0.45 V at the input
+    ):
+        assert figure in said
+
+
+def attempt(board: dict[str, object]) -> tuple[Design | None, set[str]]:
+    """A design with this board, or the fields for which it is refused."""
+    try:
+        return Design(board=board), set()
+    except DesignError as error:
+        return None, {fault.field for fault in error.faults}
+
+
+@given(
+    st.floats(0.001, 1e4), st.floats(1e-6, 1e3), st.floats(1.0001, 1e4), st.floats(1e3, 10e6), st.floats(0.001, 1e4),
+    st.floats(1e-6, 1e3), st.floats(1e4, 1e9), st.sampled_from(["E12", "E24", "E96"]),
+)  # fmt: skip
+def test_every_accepted_design_has_a_board(
+    f: float, c: float, gain: float, r5: float, f_lp: float, c_lp: float, gbw: float, series: str
+) -> None:
+    board = {
+        "cutoff_hz": f, "capacitor_uf": c, "passband_gain": gain, "r5_ohm": r5, "envelope_cutoff_hz": f_lp,
+        "envelope_capacitor_uf": c_lp, "gain_bandwidth_hz": gbw, "series": series,
+    }  # fmt: skip
+    design, refused = attempt(board)
+    assert {field.split(".")[0] for field in refused} <= {"board", "detector"}
+    if design is None:
+        return
+    values = board_values(design)
+    assert all(LEAST_OHM <= r <= MOST_OHM for r in resistors(values.ideal) + resistors(values.preferred))
+    # Half a step of E12 in every resistor is 10.6%, and the cutoff moves by no more.
+    assert abs(math.log(values.achieved.section_hz / f)) < 0.12
+
+
+REFUSED = {
+    "board.capacitor_uf=1000": ("board.capacitor_uf", "at most 118.7 uF"),
+    "board.capacitor_uf=1e-6": ("board.capacitor_uf", "at least 0.0004751 uF"),
+    "board.cutoff_hz=1e-9": ("board.capacitor_uf", "raise board.cutoff_hz"),
+    "board.cutoff_hz=1e-310": ("board.capacitor_uf", "raise board.cutoff_hz"),
+    "board.envelope_capacitor_uf=1e-6": ("board.envelope_capacitor_uf", "above 10 Mohm"),
+    "board.envelope_cutoff_hz=10000": ("board.envelope_capacitor_uf", "below 10 ohm"),
+    "board.passband_gain=1.001": ("board.passband_gain", "at least 1.01"),
+    "board.passband_gain=10000": ("board.gain_bandwidth_hz", "at least 6.7e+06 Hz"),
+    "board.gain_bandwidth_hz=10000": ("board.gain_bandwidth_hz", "lower board.passband_gain"),
+}
+
+
+@pytest.mark.parametrize("change", REFUSED)
+def test_refused_with_bound_and_remedy(change: str) -> None:
+    field, remedy = REFUSED[change]
+    with pytest.raises(DesignError) as caught:
+        Design.load(changes=[change])
+    sentences = {fault.field: fault.sentence for fault in caught.value.faults if fault.field.startswith("board.")}
+    assert list(sentences) == [field]
+    assert remedy in sentences[field]
+
+
+@pytest.mark.parametrize(
+    "change",
+    ["board.capacitor_uf=118.7", "board.capacitor_uf=0.0004751", "board.passband_gain=1.01",
+     "board.gain_bandwidth_hz=4.534e4"],
+)  # fmt: skip
+def test_printed_bounds_pass(change: str) -> None:
+    assert board_values(Design.load(changes=[change]))
+
+
+def test_gain_of_a_small_r5() -> None:
+    with pytest.raises(DesignError, match=r"R4 of 0\.1 ohm, below 10 ohm; at most 101 with"):
+        Design.load(changes=["board.r5_ohm=1000", "board.passband_gain=1e4"])
+
+
+def test_faults_of_the_parts_and_of_the_board_come_together() -> None:
+    with pytest.raises(DesignError) as caught:
+        Design.load(changes=["board.capacitor_uf=1000", "skin.tip_length_mm=33", "board.series=E6"])
+    fields = {fault.field for fault in caught.value.faults}
+    assert {"board.capacitor_uf", "skin.tip_length_mm", "board.series"} <= fields

@@ -10,7 +10,7 @@ import pytest
 
 from fingertip.cad.checks import open_edges
 from fingertip.cad.mesh import Mesh
-from fingertip.cad.solids import Box, Cone, ElbowTube, Form, HexPrism, Primitive, cylinder
+from fingertip.cad.solids import Box, Cone, ElbowTube, Form, Primitive, cylinder, hexagon
 from fingertip.cad.tessellate import arc_segments, tessellate
 from fingertip.conic import ConicBody, CrossSection, Tip, arc_point
 
@@ -26,7 +26,7 @@ EXACT: list[tuple[Primitive, float]] = [
     (Box((-1.0, 0.0, 2.0), (3.0, 5.0, 4.0)), 40.0),
     (cylinder("x", (1.0, 2.0), -3.0, 4.0, 1.5), math.pi * 1.5**2 * 7),
     (Cone("y", (1.0, 2.0), 0.0, 3.0, 1.0, 2.0), math.pi * 3 * (1 + 2 + 4) / 3),
-    (HexPrism(2.0, 3.0, -1.0, 1.0, 5.5), 2 * math.sqrt(3) / 2 * 5.5**2),
+    (hexagon(2.0, 3.0, 5.5, -1.0, 1.0), 2 * math.sqrt(3) / 2 * 5.5**2),
     (ELBOW, math.pi * 1.2**2 * (6.0 + math.pi / 2 * 3.0 + 4.0)),
     (PRISM, SECTION.area() * 27 * (1 + 0.94 + 0.94**2) / 3),
     (SPHEROID, math.pi * 12 * 5 + math.pi * 12 * 6 * 2 / 3),

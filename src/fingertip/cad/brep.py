@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 from typing import Any
 
-from fingertip.cad.solids import Box, Cone, Difference, ElbowTube, Form, HexPrism, Intersection, Solid, Union
+from fingertip.cad.solids import Box, Cone, Difference, ElbowTube, Form, Prism, Intersection, Solid, Union
 from fingertip.conic import ConicBody, CrossSection
 from fingertip.errors import Fault, GeometryError, MissingLibraryError
 
@@ -79,8 +79,8 @@ class Evaluator:
                 return cq.Solid.makeBox(*size, cq.Vector(*low))
             case Cone():
                 return _cone(solid)
-            case HexPrism():
-                return _hexagon(solid)
+            case Prism():
+                return _prism(solid)
             case ElbowTube():
                 return _elbow(solid)
             case Form(body):
@@ -111,11 +111,10 @@ def _cone(c: Cone) -> Any:
     return cq.Solid.makeCone(c.low_radius, c.high_radius, height, origin, direction)
 
 
-def _hexagon(h: HexPrism) -> Any:
-    plane = cq.Plane(origin=(h.x, h.low, h.z), xDir=(1, 0, 0), normal=(0, 1, 0))
-    flats_to_corners = 2 / 3**0.5
-    prism = cq.Workplane(plane).polygon(6, h.width * flats_to_corners).extrude(h.high - h.low)
-    return prism.val()
+def _prism(p: Prism) -> Any:
+    corners = [cq.Vector(x, p.low, z) for z, x in p.corners]
+    outline = cq.Wire.makePolygon(corners, close=True)
+    return cq.Solid.extrudeLinear(outline, [], cq.Vector(0, p.high - p.low, 0))
 
 
 def _elbow(e: ElbowTube) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from fingertip.cad.solids import Box, Cone, Form, HexPrism, Solid, cylinder, difference, union
+from fingertip.cad.solids import Box, Cone, Form, Solid, cylinder, difference, hexagon, union
 from fingertip.conic import ConicBody
 from fingertip.design import Design
 from fingertip.design.mold_layout import MoldLayout, lay_out
@@ -66,7 +66,7 @@ def bolts(design: Design, m: MoldLayout) -> tuple[Solid, ...]:
 def nut_traps(design: Design, m: MoldLayout) -> tuple[Solid, ...]:
     """Hexagonal pockets in the palmar half's outer face."""
     low, high = -2 * m.palmar_height, -m.palmar_height + design.mold.nut_depth_mm
-    return tuple(HexPrism(x, z, low, high, design.mold.nut_width_mm) for x, z in m.bolts)
+    return tuple(hexagon(z, x, design.mold.nut_width_mm, low, high) for x, z in m.bolts)
 
 
 def keys(design: Design, m: MoldLayout, gap_mm: float = 0.0) -> tuple[Solid, ...]:

@@ -7,6 +7,7 @@ expressions compare and hash by value, so equal solids are recognised and evalua
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -44,14 +45,23 @@ def cylinder(axis: Axis, centre: tuple[float, float], low: float, high: float, r
 
 
 @dataclass(frozen=True)
-class HexPrism:
-    """Hexagonal prism along y around (x, z), its corners at +-x: a nut trap. Width across flats [mm]."""
+class Prism:
+    """Convex polygon in the plane of z and x, drawn out along y [mm].
 
-    x: float
-    z: float
+    `corners` are (z, x), counter-clockwise in that order of axes (clockwise seen from the back of the finger).
+    """
+
+    corners: tuple[tuple[float, float], ...]
     low: float
     high: float
-    width: float
+
+
+def hexagon(z: float, x: float, width: float, low: float, high: float) -> Prism:
+    """Hexagonal prism along y around (z, x), its corners towards +-x: a nut trap. `width` is across flats [mm]."""
+    r = width / math.sqrt(3.0)
+    half, side = r / 2, width / 2
+    ring = ((0.0, r), (-side, half), (-side, -half), (0.0, -r), (side, -half), (side, half))
+    return Prism(tuple((z + dz, x + dx) for dz, dx in ring), low, high)
 
 
 @dataclass(frozen=True)
@@ -98,7 +108,7 @@ class Intersection:
     solids: tuple[Solid, ...]
 
 
-Primitive: TypeAlias = Box | Cone | HexPrism | ElbowTube | Form
+Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | Form
 Solid: TypeAlias = Primitive | Union | Difference | Intersection
 
 

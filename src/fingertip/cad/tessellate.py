@@ -14,7 +14,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.cad.solids import Axis, Box, Cone, ElbowTube, Form, HexPrism, Primitive
+from fingertip.cad.solids import Axis, Box, Cone, ElbowTube, Form, Prism, Primitive
 from fingertip.conic import ELLIPSE, ConicBody, arc_point
 
 Vertices: TypeAlias = NDArray[np.float64]
@@ -37,8 +37,8 @@ def tessellate(solid: Primitive, tolerance_mm: float) -> tuple[Vertices, Triangl
             return _stack([[(x, y, z) for x, y in ring] for z in (low[2], high[2])])
         case Cone():
             return _cone(solid, tolerance_mm)
-        case HexPrism():
-            return _hexagon(solid)
+        case Prism(corners, bottom, top):
+            return _stack([[(x, y, z) for z, x in corners] for y in (bottom, top)])
         case ElbowTube():
             return _elbow(solid, tolerance_mm)
         case Form(body):
@@ -97,20 +97,6 @@ def _place(axis: Axis, u: float, v: float, w: float) -> Point3:
             return v, w, u
         case "z":
             return u, v, w
-
-
-def _hexagon(h: HexPrism) -> tuple[Vertices, Triangles]:
-    r = h.width / math.sqrt(3.0)
-    half, side = r / 2, h.width / 2
-    corners = [
-        (0.0, r),
-        (-side, half),
-        (-side, -half),
-        (0.0, -r),
-        (side, -half),
-        (side, half),
-    ]  # (z, x), as cones
-    return _stack([[(h.x + x, y, h.z + z) for z, x in corners] for y in (h.low, h.high)])
 
 
 def _elbow(e: ElbowTube, tolerance: float) -> tuple[Vertices, Triangles]:

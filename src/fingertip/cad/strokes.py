@@ -1,0 +1,56 @@
+"""A stroke font for engraving: straight strokes on a 4 x 6 grid, so that both kernels cut the same letters and no
+system font is needed. Small letters are cut as capitals."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+Point = tuple[float, float]
+
+ADVANCE = 6.0
+HEIGHT = 6.0
+
+# Each letter is some polylines, each polyline digits "xy" on the grid: x 0 to 4, y 0 (foot) to 6 (head).
+_GLYPHS = {
+    "0": "10 30 41 45 36 16 05 01 10", "1": "14 26 20|10 30", "2": "05 16 36 45 44 00 40",
+    "3": "05 16 36 45 44 33 13|33 42 41 30 10 01", "4": "30 36 02 42", "5": "46 06 03 33 42 41 30 10 01",
+    "6": "36 16 05 01 10 30 41 42 33 03", "7": "06 46 10", "8": "13 04 05 16 36 45 44 33 13 02 01 10 30 41 42 33",
+    "9": "43 13 04 05 16 36 45 41 30 10", "A": "00 26 40|12 32", "B": "00 06 36 45 44 33 03|33 42 41 30 00",
+    "C": "45 36 16 05 01 10 30 41", "D": "00 06 26 44 42 20 00", "E": "46 06 00 40|03 33", "F": "46 06 00|03 33",
+    "G": "45 36 16 05 01 10 30 41 43 23", "H": "00 06|40 46|03 43", "I": "10 30|20 26|16 36", "J": "46 41 30 10 01",
+    "K": "00 06|46 03 40", "L": "06 00 40", "M": "00 06 23 46 40", "N": "00 06 40 46",
+    "O": "10 30 41 45 36 16 05 01 10", "P": "00 06 36 45 44 33 03", "Q": "10 30 41 45 36 16 05 01 10|22 40",
+    "R": "00 06 36 45 44 33 03|23 40", "S": "45 36 16 05 04 13 33 42 41 30 10 01", "T": "06 46|26 20",
+    "U": "06 01 10 30 41 46", "V": "06 20 46", "W": "06 10 23 30 46", "X": "00 46|06 40", "Y": "06 23 46|23 20",
+    "Z": "06 46 00 40", "-": "13 33", "_": "00 40",
+}  # fmt: skip
+
+
+def text_width(text: str) -> float:
+    """Width of a line of text in grid units, from the first stroke to the last."""
+    return ADVANCE * len(text) - (ADVANCE - 4.0)
+
+
+def quads(text: str, stroke: float) -> list[tuple[Point, Point, Point, Point]]:
+    """The strokes of a line of text as rectangles in grid units, counter-clockwise, x to the right and y up.
+
+    Each stroke is `stroke` wide and longer by half of that at both ends, so that the strokes of a corner overlap.
+    """
+    found = []
+    for place, letter in enumerate(text.upper()):
+        for polyline in _GLYPHS[letter].split("|"):
+            points = [(int(xy[0]) + ADVANCE * place, float(xy[1])) for xy in polyline.split()]
+            found += [_quad(a, b, stroke / 2) for a, b in pairwise(points)]
+    return found
+
+
+def _quad(a: Point, b: Point, half: float) -> tuple[Point, Point, Point, Point]:
+    length = math.hypot(b[0] - a[0], b[1] - a[1])
+    ux, uy = half * (b[0] - a[0]) / length, half * (b[1] - a[1]) / length
+    return (
+        (a[0] - ux + uy, a[1] - uy - ux),
+        (b[0] + ux + uy, b[1] + uy - ux),
+        (b[0] + ux - uy, b[1] + uy + ux),
+        (a[0] - ux - uy, a[1] - uy + ux),
+    )

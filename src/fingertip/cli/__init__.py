@@ -7,6 +7,7 @@ import typer
 from fingertip._version import __version__
 from fingertip.cli.board import board
 from fingertip.cli.build import build
+from fingertip.cli.check import check
 from fingertip.cli.detect import detect
 from fingertip.cli.params import params
 from fingertip.cli.picture import picture
@@ -20,6 +21,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command()(build)
+app.command()(check)
 app.command()(params)
 app.command()(picture)
 app.command()(board)

@@ -1,0 +1,58 @@
+"""The JUnit report as its readers read it."""
+
+from __future__ import annotations
+
+import io
+from xml.etree import ElementTree
+
+import pytest
+
+from fingertip.cad.checks import Check
+from fingertip.cad.junit import to_bytes
+
+HOLDS = Check("bone.stl.genus", 2, 2, "holes", exact=True)
+FAILS = Check("overlap.bone.skin", 0.5, 1e-3, "mm3")
+# Attributes that the schema of Jenkins' xUnit plug-in (junit-10.xsd) requires or allows, and the others read.
+ALLOWED = {
+    "testsuites": ({"name", "tests", "failures", "errors"}, {"name", "time", "tests", "failures", "errors"}),
+    "testsuite": ({"name", "tests", "failures", "errors"}, {"name", "tests", "failures", "errors", "skipped", "time"}),
+    "testcase": ({"name", "classname"}, {"name", "classname", "time"}),
+    "failure": ({"message", "type"}, {"message", "type"}),
+    "system-out": (set(), set()),
+}
+
+
+def test_counts_are_those_of_the_cases() -> None:
+    root = ElementTree.fromstring(to_bytes({"one": [HOLDS, FAILS], "two": [HOLDS]}))
+    assert (root.get("tests"), root.get("failures"), root.get("errors")) == ("3", "1", "0")
+    assert [(s.get("name"), s.get("tests"), s.get("failures")) for s in root] == [("one", "2", "1"), ("two", "1", "0")]
+    (failure,) = root.iter("failure")
+    assert failure.get("message") == "value 0.5 mm3, at most 0.001"
+    assert [case.get("name") for case in root.iter("testcase") if case.find("failure") is not None] == [FAILS.name]
+
+
+def test_elements_and_attributes_are_those_of_the_schema() -> None:
+    root = ElementTree.fromstring(to_bytes({"one": [HOLDS, FAILS]}))
+    for element in root.iter():
+        required, allowed = ALLOWED[element.tag]
+        assert required <= set(element.attrib) <= allowed, element.tag
+
+
+def test_junitparser_reads_it() -> None:
+    junitparser = pytest.importorskip("junitparser")
+    report = junitparser.JUnitXml.fromroot(ElementTree.parse(io.BytesIO(to_bytes({"one": [HOLDS, FAILS]}))).getroot())
+    (suite,) = report
+    assert (suite.tests, suite.failures, suite.errors) == (2, 1, 0)
+    assert [case.is_passed for case in suite] == [True, False]
+
+
+def test_names_that_xml_has_no_way_to_write() -> None:
+    root = ElementTree.fromstring(to_bytes({'a<&"\x00\x1b.toml': [HOLDS]}))
+    assert root[0].get("name") == 'a<&"??.toml'
+    (case,) = root.iter("testcase")
+    assert case.get("classname", "").count(".") == 1, "readers make a folder of every dot"
+
+
+def test_a_value_that_is_no_number_is_a_failure() -> None:
+    root = ElementTree.fromstring(to_bytes({"one": [Check("pull", float("nan"), 1.0, "mm3")]}))
+    assert root.get("failures") == "1"

@@ -1,0 +1,1 @@
+"""From a mold to a skin: silicones, quantities and the casting sheet."""

@@ -1,0 +1,75 @@
+"""Loops that numba compiles where many of them are run; without numba, or for one run, they are plain Python.
+
+A kernel is a function of floats and sequences that writes into the sequences it is given. Plain Python is fastest
+on lists, compiled code on arrays, so `Kernel` converts. Both take the same operations in the same order.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+_fast = False
+
+
+def available() -> bool:
+    """Whether numba is installed; looking does not import it."""
+    return importlib.util.find_spec("numba") is not None
+
+
+@contextlib.contextmanager
+def compiled(wanted: bool = True) -> Iterator[None]:
+    """Run kernels compiled within this block, where numba is installed.
+
+    Compiling takes seconds, once: the result is kept beside the source, or in the user's cache folder.
+    """
+    global _fast
+    before, _fast = _fast, wanted and available()
+    try:
+        yield
+    finally:
+        _fast = before
+
+
+class Kernel:
+    """A function and, once it is wanted, its compiled form.
+
+    Parameters
+    ----------
+    function
+        The loop. Arrays among its arguments are sequences of floats to it.
+    helpers
+        Functions of the same module that it calls.
+    outputs
+        How many of its last arguments it writes into.
+    """
+
+    def __init__(self, function: Callable[..., Any], *helpers: Callable[..., Any], outputs: int) -> None:
+        self.plain = function
+        self._outputs = outputs
+        self._helpers = helpers
+        self._compiled: Callable[..., Any] | None = None
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call it, compiled within `compiled()`."""
+        if _fast:
+            return self._compile()(*arguments)
+        lists = [a.tolist() if isinstance(a, np.ndarray) else a for a in arguments]
+        result = self.plain(*lists)
+        for array, values in list(zip(arguments, lists, strict=True))[len(lists) - self._outputs :]:
+            array[...] = values
+        return result
+
+    def _compile(self) -> Callable[..., Any]:
+        if self._compiled is None:
+            import numba
+            from numba.extending import register_jitable
+
+            for helper in self._helpers:
+                register_jitable(helper)
+            self._compiled = numba.njit(cache=True, error_model="numpy")(self.plain)
+        return self._compiled

@@ -1,0 +1,282 @@
+"""Contact with error control: against another solver, against the fixed step, and on stiff and extreme cases."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from fingertip.design import Design
+from fingertip.errors import TraceError
+from fingertip.sim import coupled, coupled_loop
+from fingertip.sim.contact import Mount, drag
+from fingertip.sim.coupled import Coupled, Press, integrate
+from fingertip.sim.friction import ELASTO_PLASTIC, Friction
+from fingertip.sim.jit import compiled
+from fingertip.sim.pad import DAMPING_RATIO, Pad
+from fingertip.sim.scene import Ramp
+
+FORCE_N = 0.8
+PAD = Pad.of(Design())
+STIFFNESS = PAD.tangential_stiffness_n_per_m(FORCE_N)
+MOUNT = Mount(PAD.mass_kg, STIFFNESS, 2 * DAMPING_RATIO * math.sqrt(STIFFNESS * PAD.mass_kg))
+FRICTION = Friction(0.6, 0.48)
+PRESS = Press(90.0, 0.15)
+RATE_HZ = 2000.0
+LIGHT_KG = 1e-5
+
+
+def grid(seconds: float, rate_hz: float = RATE_HZ) -> np.ndarray:
+    return np.arange(round(seconds * rate_hz) + 1) / rate_hz
+
+
+def slide(friction=FRICTION, mount=MOUNT, tolerance=1e-6, seconds=1.4, speed=0.04, rate=RATE_HZ, **more) -> Coupled:
+    """0.2 s of rest, a slide of 4 cm that ends, a shaken load that never leaves the surface."""
+    time, ramp = grid(seconds, rate), Ramp.at(0.2, 0.04, speed)
+    load = FORCE_N * (1 + 0.1 * np.sin(2 * math.pi * 53 * time))
+    return integrate(
+        friction, mount, PRESS, 1 / rate, ramp.position_m(time), ramp.velocity_m_s(time), load, tolerance, **more
+    )
+
+
+def test_agrees_with_another_solver():
+    """scipy's Radau on its own copy of the equations, restarted at the drive's kinks."""
+    from scipy.integrate import solve_ivp
+
+    f, omega, until = FRICTION, 2 * math.pi * 90, 0.4
+    time, ramp = grid(until), Ramp.at(0.05, 0.04, 0.04)
+    load = FORCE_N * (1 + 0.1 * time / until)
+    ours = integrate(f, MOUNT, PRESS, 1 / RATE_HZ, ramp.position_m(time), ramp.velocity_m_s(time), load, 1e-9)
+
+    def rates(t, s):
+        x, v, z, y, w = s
+        g = f.mu_c + (f.mu_s - f.mu_c) / (1 + (v / f.stribeck_m_s) ** 2)
+        dz = v - f.sigma0 * abs(v) * z / g
+        at = np.array([t])
+        pull = STIFFNESS * (ramp.position_m(at)[0] - x) + MOUNT.damping_n_s_per_m * (ramp.velocity_m_s(at)[0] - v)
+        dv = (pull - y * (f.sigma0 * z + f.sigma1 * dz + f.sigma2 * v)) / MOUNT.mass_kg
+        return [v, dv, dz, w, omega**2 * (FORCE_N * (1 + 0.1 * t / until) - y) - 0.3 * omega * w]
+
+    state, worst = [0.0, 0.0, 0.0, FORCE_N, 0.0], 0.0
+    for start, end in pairwise((0.0, 0.05, 0.09, until)):
+        at = (time > start + 1e-9) & (time < end + 1e-9)
+        part = solve_ivp(rates, (start, end), state, "Radau", time[at], rtol=1e-9, atol=1e-13, max_step=2e-3)
+        state = part.y[:, -1]
+        worst = max(worst, float(np.abs(part.y[1] - ours.velocity_m_s[at]).max()))
+        assert np.abs(part.y[3] - ours.force_n[at]).max() < 1e-7
+    assert worst < 2e-7
+
+
+def test_the_tolerance_is_an_error_in_newtons():
+    reference = slide(tolerance=1e-11)
+    pull = [STIFFNESS * np.abs(slide(tolerance=t).position_m - reference.position_m).max() for t in (1e-6, 1e-7, 1e-8)]
+    assert pull[0] < 5e-6
+    assert pull[1] < 5e-7
+    assert pull[2] < 5e-8
+
+
+def test_the_fixed_step_of_a_trial_agrees():
+    rate = 8000.0
+    time, ramp = grid(1.4, rate), Ramp.at(0.2, 0.04, 0.04)
+    stage, speed, load = ramp.position_m(time), ramp.velocity_m_s(time), np.full_like(time, FORCE_N)
+    fixed = drag(FRICTION, MOUNT, 1 / rate, stage, speed, load)
+    controlled = integrate(FRICTION, MOUNT, PRESS, 1 / rate, stage, speed, load, 1e-8)
+    assert np.abs(fixed.velocity_m_s - controlled.velocity_m_s).max() < 1e-5
+
+
+def test_steps_are_few():
+    """A wrong coefficient or solve first shows as steps that are refused again and again."""
+    found = slide()
+    assert found.steps < 2 * 2800
+    assert found.rejected < 0.2 * found.steps
+    assert found.evaluations == 6 * (found.steps + found.rejected)
+    tight = slide(tolerance=1e-8)
+    assert tight.steps < 4 * found.steps  # order 3 of the estimate: 100^(1/4) = 3.2
+
+
+def test_compiled_gives_the_same_numbers():
+    pytest.importorskip("numba")
+    plain = slide(seconds=0.4)
+    with compiled():
+        fast = slide(seconds=0.4)
+    assert np.array_equal(plain.velocity_m_s, fast.velocity_m_s)
+    assert np.array_equal(plain.force_n, fast.force_n)
+    assert (plain.steps, plain.rejected) == (fast.steps, fast.rejected)
+
+
+@pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
+@pytest.mark.parametrize("mass_kg", [PAD.mass_kg, LIGHT_KG])
+@pytest.mark.parametrize(
+    "stiff",
+    [
+        {"sigma0": 1e8},
+        {"stribeck_m_s": 1e-5},
+        {"sigma0": 1e8, "stribeck_m_s": 1e-5},
+        {"sigma0": 1.0},
+    ],
+    ids=str,
+)
+def test_stiff_bristles_and_light_pads(stiff, mass_kg, elastic):
+    friction = Friction(0.6, 0.48, elastic=elastic, **stiff)
+    mount = Mount(mass_kg, STIFFNESS, MOUNT.damping_n_s_per_m)
+    with compiled():
+        found = slide(friction, mount)
+    middle = round(0.8 * RATE_HZ)
+    assert found.steps + found.rejected < 80_000
+    assert np.isfinite(found.position_m).all()
+    assert np.abs(found.velocity_m_s).max() < 0.15
+    if stiff != {"sigma0": 1.0}:  # bristles of 0.5 m never break loose within 4 cm
+        assert found.velocity_m_s[middle - 400 : middle + 400].mean() == pytest.approx(0.04, rel=0.02)
+        assert found.position_m[-1] == pytest.approx(0.04, abs=3e-4)
+        # Friction as the spring shows it, against the closed form.
+        time = grid(1.4)
+        shear = Ramp.at(0.2, 0.04, 0.04).position_m(time) - found.position_m
+        mu = STIFFNESS * shear[middle - 400 : middle + 400].mean() / FORCE_N
+        assert mu == pytest.approx(friction.steady(0.04), rel=0.02)
+
+
+def test_a_stage_that_never_moves_leaves_everything_at_exactly_zero():
+    still = np.zeros(401)
+    found = integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, still, still, still + FORCE_N)
+    assert not found.velocity_m_s.any()
+    assert not found.position_m.any()
+    assert np.abs(found.force_n - FORCE_N).max() < 1e-12
+    assert found.steps == 400
+    nothing = integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, still, still, still)
+    assert not nothing.force_n.any()
+
+
+def test_without_load_the_pad_only_follows_its_spring():
+    time = grid(0.5)
+    found = integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, 0.01 * time, np.full_like(time, 0.01), np.zeros_like(time))
+    assert found.velocity_m_s[-1] == pytest.approx(0.01, rel=1e-3)
+    assert STIFFNESS * (0.005 - found.position_m[-1]) == pytest.approx(0.0, abs=1e-4)
+
+
+def test_denormals_pass():
+    tiny = np.full(401, 5e-324)
+    found = integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, tiny, tiny, np.full(401, 1e-310))
+    assert np.isfinite(found.position_m).all()
+    assert np.abs(found.velocity_m_s).max() < 1e-300
+    assert found.steps < 900
+
+
+def test_a_bouncing_pad_by_its_statistics():
+    """In flight 0.78 of the time. Single points of such a motion need not agree, its mean and spread must."""
+    time = grid(8.0)
+    shaken = 0.5 + 3.0 * np.sin(2 * math.pi * 90 * time)
+    with compiled():
+        runs = [
+            integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, 0.02 * time, np.full_like(time, 0.02), shaken, tolerance)
+            for tolerance in (1e-4, 1e-6, 1e-8)
+        ]
+    flying = [float((run.force_n == 0.0).mean()) for run in runs]
+    assert all(0.3 < share < 0.95 for share in flying)
+    for share, run in zip(flying, runs, strict=True):
+        assert share == pytest.approx(flying[-1], abs=0.01)
+        assert run.force_n.mean() == pytest.approx(runs[-1].force_n.mean(), rel=0.01)
+        assert run.force_n.std() == pytest.approx(runs[-1].force_n.std(), rel=0.01)
+        assert run.force_n.min() == 0.0
+        assert run.steps + run.rejected < 700_000
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
+def test_a_knock_of_a_millisecond(tolerance):
+    """100 N for 1 ms is an impulse: the linear contact answers with omega times it, less the damping's share."""
+    time = grid(0.3)
+    knock = FORCE_N + np.where(np.abs(time - 0.1) < 0.75e-3, 100.0, 0.0)  # 3 samples: a trapezoid of 1.5 ms area
+    still = np.zeros_like(time)
+    found = integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, still, still, knock, tolerance)
+    omega, zeta = 2 * math.pi * 90, 0.15
+    fine = np.arange(0, 0.05, 1e-6)
+    wd = omega * math.sqrt(1 - zeta**2)
+    impulse = omega**2 / wd * np.exp(-zeta * omega * fine) * np.sin(wd * fine)
+    drive = np.interp(fine, time[190:230] - time[190], knock[190:230] - FORCE_N)
+    peak = FORCE_N + np.convolve(drive, impulse)[: len(fine)].max() * 1e-6
+    assert found.force_n.max() == pytest.approx(peak, rel=2e-3)
+    assert found.force_n[round(0.13 * RATE_HZ) :].max() < peak
+
+
+@pytest.mark.parametrize("rate", [2000.0, 8000.0])
+def test_drift_below_breakaway_is_the_models_not_the_solvers(rate):
+    """Plain bristles creep under vibration, by as much at four times the rate; elasto-plastic ones stay."""
+    time = grid(3.0, rate)
+    hold = 0.5 * FRICTION.mu_c * FORCE_N / STIFFNESS
+    shaking = np.where(time > 0.3, 0.3 * hold, 0.0)
+    angle = 2 * math.pi * 40 * (time - 0.3)
+    stage = hold * np.clip(time / 0.2, 0, 1) + shaking * np.sin(angle)
+    speed = np.where(time < 0.2, hold / 0.2, 0.0) + shaking * 2 * math.pi * 40 * np.cos(angle)
+    creep = {}
+    for elastic in (0.0, ELASTO_PLASTIC):
+        friction = Friction(0.6, 0.48, elastic=elastic)
+        with compiled():
+            run = integrate(friction, MOUNT, PRESS, 1 / rate, stage, speed, np.full_like(time, FORCE_N), 1e-9)
+        creep[elastic] = (run.position_m[-1] - run.position_m[-1 - round(rate)]) / 40
+    assert creep[0.0] == pytest.approx(1.264e-8, rel=0.01)  # metres per cycle
+    assert abs(creep[ELASTO_PLASTIC]) < creep[0.0] / 300
+
+
+@pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
+def test_bristles_never_give_back_more_than_they_store(elastic):
+    """Work taken up less energy stored, at every instant, for a velocity that shakes across zero."""
+    f = Friction(0.6, 0.48, sigma1=2.3, elastic=elastic)
+    curve, sigma = (f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.elastic), (f.sigma0, f.sigma1, f.sigma2)
+    h, z, work, least = 2e-6, 0.0, 0.0, math.inf
+    for i in range(100_000):
+        t = i * h
+        v = 0.004 * math.sin(2 * math.pi * 37 * t) + 0.003 * math.sin(2 * math.pi * 211 * t + 1)
+        _, dz, _ = coupled_loop.rates(curve, sigma, (1, 0, 0), (1, 1, 1), 0, 0, 1.0, 0.0, v, z, 1.0, 0.0)
+        work += h * v * (f.sigma0 * z + f.sigma1 * dz + f.sigma2 * v)
+        z += h * dz
+        least = min(least, work - f.sigma0 * z * z / 2)
+    assert least > -1e-9
+
+
+@pytest.mark.parametrize(
+    ("broken", "words"),
+    [
+        ({"stage_m": (7, math.nan)}, r"stage_m: nan at sample 7 is not a finite number"),
+        ({"pressing_n": (3, math.inf)}, r"pressing_n: inf at sample 3"),
+        ({"stage_m_s": (0, -math.inf)}, r"stage_m_s: -inf at sample 0"),
+    ],
+    ids=str,
+)
+def test_input_that_is_not_finite_is_named_with_its_sample(broken, words):
+    columns = {name: np.zeros(20) for name in ("stage_m", "stage_m_s", "pressing_n")}
+    for name, (sample, value) in broken.items():
+        columns[name][sample] = value
+    with pytest.raises(TraceError, match=words):
+        integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, **columns)
+    columns = {"normal_n" if name == "pressing_n" else name: values for name, values in columns.items()}
+    with pytest.raises(TraceError, match=words.split(":")[1]):
+        drag(FRICTION, MOUNT, 1 / RATE_HZ, **columns)
+
+
+def test_all_faults_at_once_before_anything_runs():
+    still = np.zeros(5)
+    with pytest.raises(TraceError) as caught:
+        integrate(FRICTION, MOUNT, PRESS, 0.0, still, still * math.nan, still[:3], -1.0)
+    assert [fault.field for fault in caught.value.faults] == ["step_s", "tolerance_n", "stage_m_s", "pressing_n"]
+
+
+@pytest.mark.parametrize("mass", [0.0, -1.0, math.nan, math.inf])
+def test_impossible_masses_are_refused(mass):
+    with pytest.raises(TraceError, match=r"mount\.mass_kg: .* give a finite number above 0, such as 0\.002 kg"):
+        Mount(mass, 1.0, 0.0)
+
+
+def test_impossible_contacts_are_refused():
+    with pytest.raises(TraceError, match=r"press\.resonance_hz: 0 Hz"):
+        Press(0.0, 0.15)
+    with pytest.raises(TraceError, match=r"friction\.elastic: 1 is refused"):
+        Friction(0.6, 0.48, elastic=1.0)
+    with pytest.raises(TraceError, match="use coupled"):
+        drag(Friction(0.6, 0.48, elastic=0.7), MOUNT, 1e-4, *(np.zeros(3) for _ in range(3)))
+
+
+def test_a_sample_that_takes_too_many_steps_is_an_error_and_no_hang(monkeypatch):
+    monkeypatch.setattr(coupled, "STEPS_CAP", 3)
+    with pytest.raises(TraceError, match=r"sample \d+: needs more than 3 steps .* choose a larger tolerance_n"):
+        slide(tolerance=1e-10)

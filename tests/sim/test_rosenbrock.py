@@ -1,0 +1,60 @@
+"""The order of RODAS, also where stiffness takes it away (Prothero and Robinson, Math. Comp. 28, 1974)."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from fingertip.sim.rosenbrock import fixed_steps
+
+
+def errors(stiffness: float, steps: tuple[int, ...]) -> list[float]:
+    """y' = lambda (y - sin t) + cos t from 0 to 2, whose solution is sin t for every lambda."""
+    found = []
+    for n in steps:
+        y = fixed_steps(
+            lambda t, y: stiffness * (y - math.sin(t)) + math.cos(t),
+            lambda t, y: np.array([[stiffness]]),
+            lambda t, y: np.array([-stiffness * math.cos(t) - math.sin(t)]),
+            np.array([0.0]), 2.0, n,
+        )  # fmt: skip
+        found.append(abs(float(y[0]) - math.sin(2.0)))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "order"),
+    [
+        (-1.0, 4.0),  # the order it is named after
+        (-1e3, 1.1),  # |lambda| h above 10: almost 3 orders are lost
+        (-1e6, 0.9),  # and here no step size in use brings them back; the error is small all the same
+    ],
+)
+def test_order_as_found(stiffness, order):
+    found = errors(stiffness, (10, 20, 40))
+    for coarse, fine in pairwise(found):
+        assert math.log2(coarse / fine) == pytest.approx(order, abs=0.15)
+    assert found[0] < 5e-6
+
+
+def test_two_states_with_a_full_jacobian():
+    """Van der Pol, mu 2: order 4 with a Jacobian that changes with the state."""
+    from scipy.integrate import solve_ivp
+
+    def rates(t, y):
+        return np.array([y[1], 2 * (1 - y[0] * y[0]) * y[1] - y[0]])
+
+    exact = solve_ivp(rates, (0, 2), [2.0, 0.0], "DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
+    found = []
+    for n in (20, 40, 80, 160):
+        y = fixed_steps(
+            rates,
+            lambda t, y: np.array([[0, 1], [-4 * y[0] * y[1] - 1, 2 * (1 - y[0] * y[0])]]),
+            lambda t, y: np.zeros(2),
+            np.array([2.0, 0.0]), 2.0, n,
+        )  # fmt: skip
+        found.append(float(np.abs(y - exact).max()))
+    assert math.log2(found[-2] / found[-1]) == pytest.approx(4.0, abs=0.5)

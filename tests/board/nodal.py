@@ -40,9 +40,11 @@ class NetlistCircuit:
     def __init__(self, path: Path) -> None:
         parsed = parse(path)
         self.parts: dict[str, tuple[str, str]] = {p.ref: (p.name, p.value) for p in parsed.parts}
+        # The bridge and its amplifier are not solved here: their output is where the tests' source is.
         self.net: dict[tuple[str, str], str] = {(pin.ref, pin.num): n.name for n in parsed.nets for pin in n.pins}
-        # Supplies do not move, so for signals they are ground.
-        grounds = {"GND", *self.nodes("J2", "1", "2", "3")}
+        # Supplies do not move, so for signals they are ground; so is the resistor between U2's gain pins, which
+        # would otherwise float.
+        grounds = {"GND", *self.nodes("J2", "1", "2", "3"), *self.nodes("U2", "1", "8")}
         self.index = {net: i for i, net in enumerate(sorted(set(self.net.values()) - grounds))}
 
     def nodes(self, reference: str, *pins: str) -> tuple[str, ...]:
@@ -67,7 +69,7 @@ class NetlistCircuit:
     def _equations(self, source: str, bandwidth_hz: float | None) -> tuple[Any, Any]:
         """G and C of (G + s C) x = b; x is the nets' voltages, the amplifiers' and the source's currents.
 
-        The diode carries no current: the far side of it only holds R6 and C4 up.
+        Diodes carry no current: behind D1 R6 and C4 are held up, and the clamps are open.
         """
         amplifiers = [(ref, pins) for ref, (part, _) in self.parts.items() if part == "TL082" for pins in AMPLIFIERS]
         n = len(self.index)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.board.test_netlist import FILES
 from tests.conftest import run_fingertip, run_python
 
 FORBIDDEN = ("cadquery", "OCP", "trimesh", "vtk", "numba", "scipy", "matplotlib", "numpy", "manifold3d")
@@ -17,8 +18,8 @@ def test_table_and_files(tmp_path: Path) -> None:
     assert run.returncode == 0
     for figure in ("2375.4", "1187.7", "4750.9", "2.4k", "1.2k", "4.7k", "67.2552", "0.989529", "67.67 (36.61 dB)"):
         assert figure in run.stdout
-    assert run.stderr.count("wrote ") == 2
-    assert sorted(p.name for p in (tmp_path / "deep" / "pcb").iterdir()) == ["slip_filter.net", "values.json"]
+    assert run.stderr.count("wrote ") == len(FILES)
+    assert sorted(p.name for p in (tmp_path / "deep" / "pcb").iterdir()) == FILES
 
 
 def test_json_and_quiet(tmp_path: Path) -> None:
@@ -31,7 +32,7 @@ def test_json_and_quiet(tmp_path: Path) -> None:
     assert data["preferred"]["r1_ohm"] == 2370.0
     assert round(data["achieved"]["cutoff_hz"], 2) == 67.06
     assert all({"subject", "says", "right"} == set(finding) for finding in data["findings"])
-    assert [Path(name).name for name in data["files"]] == ["slip_filter.net", "values.json"]
+    assert sorted(Path(name).name for name in data["files"]) == FILES
     assert all(Path(name).is_file() for name in data["files"])
     kept = json.loads((tmp_path / "values.json").read_text())
     assert kept["parameters"]["series"] == "E96"

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
+from fingertip.board.circuit import kicad_name
 from fingertip.board.filters import filter_network
 from fingertip.board.netlist import part_uuid
 from fingertip.board.output import NETLIST
@@ -17,6 +18,7 @@ from fingertip.design import Design
 from tests.board.nodal import NetlistCircuit, parse
 from tests.conftest import ROOT, run_fingertip
 
+FILES = ["bom.csv", "slip_filter.cir", "slip_filter.net", "values.json"]
 FREQUENCIES = [10 ** (i / 20) for i in range(101)]  # 1 Hz to 100 kHz
 DESIGNS = {
     "article": [],
@@ -35,7 +37,7 @@ def worst(circuit: NetlistCircuit, design: Design) -> float:
     """Largest relative deviation of the wired circuit from eq. (9), 1 Hz to 100 kHz."""
     values = board_values(design).preferred
     wanted = [(f, filter_network(f, values)) for f in FREQUENCIES]
-    return max(abs(circuit.gain(f, "TACTILE", "FILTERED") / H - 1) for f, H in wanted)
+    return max(abs(circuit.gain(f, "/TACTILE", "/FILTERED") / H - 1) for f, H in wanted)
 
 
 @pytest.mark.parametrize("changes", DESIGNS.values(), ids=DESIGNS)
@@ -62,8 +64,8 @@ def swapped(path: Path, one: tuple[str, str], two: tuple[str, str]) -> NetlistCi
 
 def test_the_feedback_is_negative(tmp_path: Path) -> None:
     _, path = written(tmp_path, [])
-    poles = NetlistCircuit(path).poles("TACTILE")
-    assert len(poles) == 6  # one for each of C1 to C4, one for each amplifier
+    poles = NetlistCircuit(path).poles("/TACTILE")
+    assert len(poles) == 9  # one for each of C1 to C4 and C7 to C9, one for each amplifier
     assert max(poles.real) < 0
 
 
@@ -71,7 +73,7 @@ def test_the_feedback_is_negative(tmp_path: Path) -> None:
 def test_a_miswired_netlist_is_caught(tmp_path: Path, swap: tuple[tuple[str, str], tuple[str, str]]) -> None:
     design, path = written(tmp_path, [])
     circuit = swapped(path, *swap)
-    assert not worst(circuit, design) < 1e-2 or max(circuit.poles("TACTILE").real) > 0
+    assert not worst(circuit, design) < 1e-2 or max(circuit.poles("/TACTILE").real) > 0
 
 
 @pytest.mark.parametrize("reference", ["C1", "R2"])
@@ -85,9 +87,9 @@ def test_diode_and_envelope(tmp_path: Path) -> None:
     """The diode lets positive voltages through to R_LP parallel to C_LP, which are all that is on the output."""
     _, path = written(tmp_path, [])
     circuit = NetlistCircuit(path)
-    assert circuit.nodes("D1", "2", "1") == ("FILTERED", "ENVELOPE")  # anode, cathode
-    assert {node for node, net in circuit.net.items() if net == "ENVELOPE"} == {
-        ("D1", "1"), ("R6", "1"), ("C4", "1"), ("J3", "1"),
+    assert circuit.nodes("D1", "2", "1") == ("/FILTERED", "/ENVELOPE")  # anode, cathode
+    assert {node for node, net in circuit.net.items() if net == "/ENVELOPE"} == {
+        ("D1", "1"), ("R6", "1"), ("C4", "1"), ("R7", "1"), ("TP4", "1"),
     }  # fmt: skip
     assert circuit.nodes("R6", "2") == circuit.nodes("C4", "2") == circuit.nodes("J3", "2") == ("GND",)
     assert circuit.nodes("U1", "8", "4") == circuit.nodes("J2", "1", "3") == ("VCC", "VEE")
@@ -100,7 +102,7 @@ def test_another_parser_reads_what_the_circuit_says(tmp_path: Path) -> None:
         (p.reference, p.value, p.symbol.library, p.symbol.name, p.footprint) for p in circuit.parts
     }
     assert {n.name: {(pin.ref, pin.num) for pin in n.pins} for n in parsed.nets} == {
-        n.name: set(n.nodes) for n in circuit.nets
+        kicad_name(n.name): set(n.nodes) for n in circuit.nets
     }
     libparts = {(p.lib, p.name): {(pin.num, pin.name, pin.type) for pin in p.pins} for p in parsed.libparts}
     assert libparts == {
@@ -115,7 +117,7 @@ def test_what_kicads_reader_insists_on(tmp_path: Path) -> None:
     assert text.startswith('(export (version "E")\n')  # recognized by "(export " on the first line
     sections = [text.index(f"\n  ({name}") for name in ("design", "components", "libparts", "nets")]
     assert sections == sorted(sections)
-    assert [int(code) for code in re.findall(r'\(code "(\d+)"\)', text)] == list(range(1, 12))
+    assert [int(code) for code in re.findall(r'\(code "(\d+)"\)', text)] == list(range(1, 18))
     assert text.count('(sheetpath (names "/") (tstamps "/"))') == len(board_circuit(board_values(design)).parts)
     stamps = re.findall(r'\(tstamps "([^/"]+)"\)', text)
     assert len(stamps) == len(set(stamps)) == text.count("(comp\n")
@@ -137,7 +139,7 @@ def test_same_bytes_in_two_processes(tmp_path: Path) -> None:
         assert run.returncode == 0, run.stderr
         digests.append({p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in sorted(out.iterdir())})
     assert digests[0] == digests[1]
-    assert list(digests[0]) == ["slip_filter.net", "values.json"]
+    assert list(digests[0]) == FILES
 
 
 def test_bundled_files_are_current(tmp_path: Path) -> None:

@@ -44,6 +44,17 @@ class Part:
     """library:name, of KiCad's own libraries."""
     role: str
     """What it does here, in words; with the article's name where that differs from the reference."""
+    rating: str = ""
+    """What to look for when buying it, no maker's name; empty for what is not bought."""
+
+
+RAILS = ("GND", "VCC", "VEE")
+"""Nets that power symbols name in a schematic."""
+
+
+def kicad_name(net: str) -> str:
+    """A net as KiCad names it: labels on a sheet get the sheet's path, which is "/" here; power symbols do not."""
+    return net if net in RAILS else f"/{net}"
 
 
 Node = tuple[str, str]
@@ -115,6 +126,12 @@ def faults(circuit: Circuit) -> Iterator[Fault]:
             yield Fault(f"{reference}.{number}", f"is connected {count} times; a pin lies in one net.")
     for reference, number in sorted(known - set(uses)):
         yield Fault(f"{reference}.{number}", "is not connected; connect it or take the part out.")
+
+
+def by_reference(part: Part) -> tuple[str, int]:
+    """Sorting key: R2 before R10."""
+    letters = part.reference.rstrip("0123456789")
+    return letters, int(part.reference[len(letters) :])
 
 
 def engineering(value: float, unit: str = "") -> str:

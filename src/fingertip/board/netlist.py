@@ -13,7 +13,7 @@ from __future__ import annotations
 import json
 import uuid
 
-from fingertip.board.circuit import Circuit, Part, Symbol
+from fingertip.board.circuit import Circuit, Part, Symbol, by_reference, kicad_name
 
 # Any fixed identifier does; it keeps this project's references apart from others'.
 _NAMESPACE = uuid.uuid5(uuid.NAMESPACE_OID, "fingertip.board")
@@ -23,7 +23,7 @@ Expression = tuple["str | Expression", ...]
 
 def kicad_netlist(circuit: Circuit) -> bytes:
     """The netlist of a checked circuit, UTF-8, parts sorted by reference and nets by name."""
-    parts = sorted(circuit.parts, key=_by_reference)
+    parts = sorted(circuit.parts, key=by_reference)
     symbols = sorted({part.symbol for part in parts}, key=lambda s: (s.library, s.name))
     sections: tuple[Expression, ...] = (
         _design(circuit),
@@ -97,22 +97,17 @@ def _libpart(symbol: Symbol) -> Expression:
 
 def _nets(circuit: Circuit) -> list[Expression]:
     pins = {(part.reference, pin.number): pin for part in circuit.parts for pin in part.symbol.pins}
-    references = {part.reference: _by_reference(part) for part in circuit.parts}
+    references = {part.reference: by_reference(part) for part in circuit.parts}
     nets: list[Expression] = []
-    for code, net in enumerate(sorted(circuit.nets, key=lambda net: net.name), start=1):
+    for code, net in enumerate(sorted(circuit.nets, key=lambda net: kicad_name(net.name)), start=1):
         nodes: list[Expression] = []
         for reference, number in sorted(net.nodes, key=lambda node: (references[node[0]], int(node[1]))):
             pin = pins[reference, number]
             name = () if pin.name == "~" else (("pinfunction", _quoted(pin.name)),)
             kind = ("pintype", _quoted(pin.kind))
             nodes.append(("node", ("ref", _quoted(reference)), ("pin", _quoted(number)), *name, kind))
-        nets.append(("net", ("code", _quoted(str(code))), ("name", _quoted(net.name)), *nodes))
+        nets.append(("net", ("code", _quoted(str(code))), ("name", _quoted(kicad_name(net.name))), *nodes))
     return nets
-
-
-def _by_reference(part: Part) -> tuple[str, int]:
-    letters = part.reference.rstrip("0123456789")
-    return letters, int(part.reference[len(letters) :])
 
 
 def _quoted(word: str) -> str:

@@ -5,31 +5,41 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from fingertip.board.bom import bill_of_materials
 from fingertip.board.circuit import Circuit
 from fingertip.board.netlist import kicad_netlist
 from fingertip.board.paper_circuit import paper_circuit
+from fingertip.board.spice import spice_deck
 from fingertip.board.values import BoardValues, board_values
 from fingertip.design import Design
 from fingertip.files import write_whole
 
 NETLIST = "slip_filter.net"
 VALUES = "values.json"
+DECK = "slip_filter.cir"
+PARTS = "bom.csv"
 
 
 def board_circuit(values: BoardValues) -> Circuit:
     """The circuit with the preferred values. Raises BoardError if it is inconsistent."""
-    return paper_circuit(values.preferred)
+    return paper_circuit(values.preferred, values.bridge)
 
 
 def board_files(design: Design) -> dict[str, bytes]:
-    """File name -> content, for KiCad (`slip_filter.net`) and for people and programs (`values.json`).
+    """File name -> content: netlist for KiCad, SPICE deck, bill of materials, and the values of all.
 
     The same design gives the same bytes. Raises BoardError if the values cannot be computed.
     """
     values = board_values(design)
     record = {"parameters": design.board.model_dump(), **values.as_data()}
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    return {NETLIST: kicad_netlist(board_circuit(values)), VALUES: text.encode()}
+    circuit = board_circuit(values)
+    return {
+        NETLIST: kicad_netlist(circuit),
+        DECK: spice_deck(circuit, design.board.gain_bandwidth_hz, design.board.supply_v),
+        PARTS: bill_of_materials(circuit),
+        VALUES: text.encode(),
+    }
 
 
 def write_board(design: Design, out: str | Path = "pcb") -> tuple[Path, ...]:

@@ -72,6 +72,14 @@ def nearest(value: float, series: str, least: float = LEAST_OHM, most: float = M
     return min(neighbours(value, series, least, most), key=lambda v: abs(math.log(v / value)))
 
 
+def spread(value: float, series: str) -> tuple[float, ...]:
+    """The preferred values from half of `value` to twice it. Raises as `neighbours` does."""
+    mantissas = decade(series)
+    exponent = math.floor(math.log10(value)) - (len(str(mantissas[0])) - 1)
+    values = (_scaled(m, e) for e in (exponent - 1, exponent, exponent + 1) for m in mantissas)
+    return tuple(v for v in values if value / 2 <= v <= 2 * value and LEAST_OHM <= v <= MOST_OHM)
+
+
 def section_error(r2_ohm: float, r3_ohm: float, c_f: float, section_hz: float, quality: float) -> float:
     """How far R2 and R3 miss a Sallen-Key section's f0 and Q: hypot(ln(f0' / f0), ln(Q' / Q)).
 

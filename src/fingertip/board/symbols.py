@@ -14,9 +14,15 @@ def _passive(*names: str) -> tuple[Pin, ...]:
 
 RESISTOR = Symbol("Device", "R", "Resistor", _passive("~", "~"))
 CAPACITOR = Symbol("Device", "C", "Unpolarized capacitor", _passive("~", "~"))
-DIODE_1N4148 = Symbol("Diode", "1N4148", "Standard switching diode, DO-35", _passive("K", "A"))
+DIODE_1N4148W = Symbol("Diode", "1N4148W", "Fast switching diode, SOD-123", _passive("K", "A"))
+BAT54S = Symbol("Diode", "BAT54S", "Dual Schottky diode in series, SOT-23", _passive("A", "K", "COM"))
+TEST_POINT = Symbol("Connector", "TestPoint", "test point", _passive("1"))
+MOUNTING_HOLE = Symbol("Mechanical", "MountingHole", "Mounting Hole without connection", ())
 CONNECTOR_2 = Symbol("Connector_Generic", "Conn_01x02", "Generic connector, 1x2", _passive("Pin_1", "Pin_2"))
 CONNECTOR_3 = Symbol("Connector_Generic", "Conn_01x03", "Generic connector, 1x3", _passive("Pin_1", "Pin_2", "Pin_3"))
+CONNECTOR_4 = Symbol(
+    "Connector_Generic", "Conn_01x04", "Generic connector, 1x4", _passive("Pin_1", "Pin_2", "Pin_3", "Pin_4")
+)
 TL082 = Symbol(
     "Amplifier_Operational",
     "TL082",
@@ -32,11 +38,32 @@ TL082 = Symbol(
         Pin("8", "V+", "power_in"),
     ),
 )
+AD623 = Symbol(
+    "Amplifier_Instrumentation",
+    "AD623ARMZ",
+    "Rail to rail instrumentation amplifier, MSOP-8",
+    (
+        Pin("1", "Rg", "passive"),
+        Pin("2", "-", "input"),
+        Pin("3", "+", "input"),
+        Pin("4", "Vs-", "power_in"),
+        Pin("5", "Ref", "passive"),
+        Pin("6", "~", "output"),
+        Pin("7", "Vs+", "power_in"),
+        Pin("8", "Rg", "passive"),
+    ),
+)
 
 R_0603 = "Resistor_SMD:R_0603_1608Metric"
 C_0603 = "Capacitor_SMD:C_0603_1608Metric"
 C_1206 = "Capacitor_SMD:C_1206_3216Metric"
-DO_35 = "Diode_THT:D_DO-35_SOD27_P7.62mm_Horizontal"
+C_0805 = "Capacitor_SMD:C_0805_2012Metric"
+SOD_123 = "Diode_SMD:D_SOD-123"
+SOT_23 = "Package_TO_SOT_SMD:SOT-23"
+MSOP_8 = "Package_SO:MSOP-8_3x3mm_P0.65mm"
 SOIC_8 = "Package_SO:SOIC-8_3.9x4.9mm_P1.27mm"
 HEADER_2 = "Connector_PinHeader_2.54mm:PinHeader_1x02_P2.54mm_Vertical"
+HEADER_4 = "Connector_PinHeader_2.54mm:PinHeader_1x04_P2.54mm_Vertical"
 HEADER_3 = "Connector_PinHeader_2.54mm:PinHeader_1x03_P2.54mm_Vertical"
+TEST_PAD = "TestPoint:TestPoint_Pad_D1.0mm"
+M2_HOLE = "MountingHole:MountingHole_2.2mm_M2"

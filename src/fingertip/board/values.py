@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from fingertip.board.bridge import Bridge, fit_bridge
 from fingertip.board.filters import Response, response
 from fingertip.board.findings import FINDINGS, Finding
 from fingertip.board.preferred import preferred_components
@@ -24,6 +25,8 @@ class BoardValues:
     """The response of the ideal values."""
     achieved: Response
     """The response of the preferred values."""
+    bridge: Bridge
+    """What is fitted ahead of the filter, preferred values."""
     findings: tuple[Finding, ...] = FINDINGS
     """Slips of the article; the same for every design."""
 
@@ -47,4 +50,5 @@ def board_values(design: Design) -> BoardValues:
         preferred=preferred,
         wanted=response(ideal, design.board.gain_bandwidth_hz),
         achieved=response(preferred, design.board.gain_bandwidth_hz),
+        bridge=fit_bridge(design.board.supply_v, design.board.series, design.dimensions.sensor.active_diameter_mm),
     )

@@ -1,4 +1,4 @@
-"""`fingertip board`: component values of the slip filter, and its netlist for KiCad."""
+"""`fingertip board`: component values of the board, and its files for KiCad and SPICE."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 @command
 def board(
     design: Annotated[Path | None, typer.Argument(help="Design file; without it, the defaults.")] = None,
-    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for slip_filter.net and values.json.")] = Path("pcb"),
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the files.")] = Path("pcb"),
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Compute the slip filter's component values and write its KiCad netlist."""
+    """Compute the board's component values; write netlist, SPICE deck and bill of materials."""
     from fingertip.board import board_values, write_board
     from fingertip.design import Design
 
@@ -36,6 +36,7 @@ def board(
 
 
 def _table(design: Design, values: BoardValues) -> str:
+    from fingertip.board.bridge import sensor_conductance_s
     from fingertip.board.circuit import engineering
 
     ideal, preferred = values.ideal, values.preferred
@@ -56,6 +57,17 @@ def _table(design: Design, values: BoardValues) -> str:
         f"{'C1 C2 C3':10} {'':14} {engineering(preferred.c_f):>10} {'':9}  both filters",
         f"{'C4':10} {'':14} {engineering(preferred.c_lp_f):>10} {'':9}  C_LP, envelope",
     ]
+    bridge = values.bridge
+    lines += [
+        f"{name:10} {'':14} {engineering(ohm):>10} {'':9}  bridge, {role}"
+        for name, ohm, role in (
+            ("R10", bridge.top_ohm, "supply to sensor"),
+            ("R11", bridge.shunt_ohm, "parallel to the sensor"),
+            ("R12", bridge.high_ohm, "supply to reference"),
+            ("R13", bridge.low_ohm, "reference to ground"),
+            ("R14", bridge.gain_ohm, f"gain of {bridge.gain:.2f}"),
+        )
+    ]
     wanted, achieved = values.wanted, values.achieved
     quantities = [
         ("passband gain", wanted.passband_gain, achieved.passband_gain, ""),
@@ -70,6 +82,11 @@ def _table(design: Design, values: BoardValues) -> str:
     ]
     lines += ["", f"{'response':20} {'ideal':>12} {'achieved':>12}"]
     lines += [f"{name:20} {was:12.6g} {now:12.6g} {unit}".rstrip() for name, was, now, unit in quantities]
+    lines += ["", f"{'force':>8} {'sensor':>10} {'tactile voltage':>16}"]
+    for force in (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0):
+        conductance = sensor_conductance_s(force)
+        ohm = f"{1 / conductance:.0f} ohm" if conductance else "open"
+        lines.append(f"{force:6g} N {ohm:>10} {bridge.tactile_v(conductance, design.board.supply_v):14.2f} V")
     lines += ["", "The article's own figures:"]
     for finding in values.findings:
         lines += [f"  {finding.subject}", f"    says:  {finding.says}", f"    right: {finding.right}"]

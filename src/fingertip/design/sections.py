@@ -114,7 +114,7 @@ class Board(Section):
         3e6, "Hz", "Gain-bandwidth product of the amplifier (TL082).", least=1e4, most=1e9
     )
     supply_v: float = quantity(
-        5.0, "V", "Half of the split supply: the board runs on plus and minus this.", least=2, most=18
+        5.0, "V", "Half of the split supply: the board runs on plus and minus this.", least=5, most=6
     )
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from fingertip.cad import brep, checks
 from fingertip.cad.mesh import Evaluator
-from fingertip.cad.parts import PARTS
+from fingertip.cad.parts import parts_of
 from fingertip.design import Design
 from fingertip.design.document import parameters
 from fingertip.errors import DesignError
@@ -31,6 +31,8 @@ def accepted(seed: int) -> Iterator[Design]:
             section, key = path.split(".")
             changes.append(f"{path}={getattr(getattr(base, section), key) * rng.uniform(0.5, 2.0)}")
         changes.append(f"bone.base_length_mm={rng.uniform(8, 45)}")
+        changes.append(f"mold.method={rng.choice(('overmold', 'sleeve'))}")
+        changes.append(f"bone.interface={rng.choice(('plain', 'socket'))}")
         with contextlib.suppress(DesignError):
             yield Design.load(file, changes=changes)
 
@@ -38,17 +40,18 @@ def accepted(seed: int) -> Iterator[Design]:
 @pytest.mark.parametrize("seed", range(20))
 def test_meshes_of_a_random_design_pass_every_check(seed: int) -> None:
     design, evaluator = next(accepted(seed)), Evaluator(TOLERANCE)
-    solids = {name: evaluator.manifold(part.describe(design)) for name, part in PARTS.items()}
+    parts = parts_of(design)
+    solids = {name: evaluator.manifold(part.describe(design)) for name, part in parts.items()}
     found = list(checks.of_assembly(design, evaluator, solids))
-    for part in PARTS.values():
-        found += checks.of_file(part, evaluator.mesh(part.describe(design)), "mesh")
+    for part in parts.values():
+        found += checks.of_file(design, part, evaluator.mesh(part.describe(design)), "mesh")
     assert [check for check in found if not check.passed] == []
 
 
 @pytest.mark.parametrize("seed", range(100, 105))
 def test_both_kernels_agree_on_a_random_design(seed: int) -> None:
     design, evaluator, exact = next(accepted(seed)), Evaluator(TOLERANCE), brep.Evaluator()
-    for part in PARTS.values():
+    for part in parts_of(design).values():
         expression = part.describe(design)
         check = checks.against_brep(part, evaluator.mesh(expression), brep.volume(exact.solid(expression)), TOLERANCE)
         assert check.passed, check

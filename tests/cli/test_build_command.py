@@ -86,7 +86,8 @@ def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
 def test_a_failed_check_exits_1(tmp_path: Path) -> None:
     script = (
         "import sys\nfrom dataclasses import replace\nfrom fingertip.cad.parts import PARTS\n"
-        "PARTS['skin'] = replace(PARTS['skin'], genus=3)\nfrom fingertip.cli import app\napp(sys.argv[1:])\n"
+        "PARTS['skin'] = replace(PARTS['skin'], genus=lambda design: 3)\n"
+        "from fingertip.cli import app\napp(sys.argv[1:])\n"
     )
     from tests.conftest import run_python
 

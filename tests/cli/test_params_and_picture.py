@@ -36,7 +36,8 @@ def test_params_prints_a_design_and_a_schema() -> None:
 def test_picture_shows_all_colours(tmp_path: Path) -> None:
     from PIL import Image
 
-    from fingertip.cad.parts import PARTS
+    from fingertip.cad.parts import parts_of
+    from fingertip.design import Design
 
     path = tmp_path / "p.png"
     done = run_fingertip("picture", design_file("fsr400"), "--out", path, "--width-px", "700", "-q")
@@ -46,6 +47,6 @@ def test_picture_shows_all_colours(tmp_path: Path) -> None:
     drawn = pixels[(pixels < 250).any(axis=2)]
     assert 0.1 < len(drawn) / pixels[..., 0].size < 0.9
     hue = drawn / drawn.sum(axis=1, keepdims=True)
-    for part in PARTS.values():
+    for part in parts_of(Design()).values():
         own = np.array(part.colour) / sum(part.colour)
         assert (np.abs(hue - own).max(axis=1) < 0.01).mean() > 0.01, part.name

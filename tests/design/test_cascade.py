@@ -54,7 +54,7 @@ def test_writing_and_reading_gives_the_same_design(tmp_path: Path) -> None:
 def test_every_parameter_has_a_meaning_and_its_unit_in_its_name() -> None:
     suffix = {
         "mm": "_mm", "degree": "_deg", "Hz": "_hz", "uF": "_uf", "ohm": "_ohm", "V": "_v",
-        "samples": "_samples", "bit": "_bits",
+        "samples": "_samples", "bit": "_bits", "%": "_percent",
     }  # fmt: skip
     for parameter in parameters():
         assert parameter.description, parameter.path

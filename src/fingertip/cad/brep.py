@@ -9,7 +9,18 @@ from __future__ import annotations
 import itertools
 from typing import Any
 
-from fingertip.cad.solids import Box, Cone, Difference, ElbowTube, Form, Prism, Intersection, Solid, Union
+from fingertip.cad.solids import (
+    Box,
+    Cone,
+    Difference,
+    ElbowTube,
+    Form,
+    Intersection,
+    Prism,
+    Scaled,
+    Solid,
+    Union,
+)
 from fingertip.conic import ConicBody, CrossSection
 from fingertip.errors import Fault, GeometryError, MissingLibraryError
 
@@ -74,6 +85,8 @@ class Evaluator:
                 return first
             case Difference(first, without):
                 return self.shape(first).cut(*(self.shape(s) for s in without))
+            case Scaled(inner, factor):
+                return self.shape(inner).scale(factor)
             case Box(low, high):
                 size = [b - a for a, b in zip(low, high, strict=True)]
                 return cq.Solid.makeBox(*size, cq.Vector(*low))

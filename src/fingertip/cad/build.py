@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from fingertip._version import __version__
-from fingertip.cad import checks, stl, threemf
+from fingertip.cad import checks
 from fingertip.cad.checks import Check
-from fingertip.cad.mesh import Evaluator, Mesh
-from fingertip.cad.parts import PARTS, Part
+from fingertip.cad.mesh import Mesh
+from fingertip.cad.parts import PARTS, Part, parts_of
 from fingertip.cad.step import StepFiles, StepJob, StepRequest
+from fingertip.cad.verify import as_data, refuse_tolerance, verify
 from fingertip.design import Design
 from fingertip.design.document import to_toml
 from fingertip.design.faults import nearest
@@ -23,7 +24,6 @@ from fingertip.errors import DesignError, Fault
 from fingertip.files import write_whole
 
 FORMATS = ("stl", "3mf", "step")
-_MESH_FORMATS = {"stl": stl, "3mf": threemf}
 
 
 @dataclass(frozen=True)
@@ -61,10 +61,7 @@ class Build:
             "tolerance_mm": self.tolerance_mm,
             "passed": self.passed,
             "parts": {built.part.name: self._part(built) for built in self.parts},
-            "checks": [
-                {"name": c.name, "value": c.value, "limit": c.limit, "unit": c.unit, "passed": c.passed}
-                for c in self.checks
-            ],
+            "checks": [as_data(check) for check in self.checks],
         }
 
     def _part(self, built: BuiltPart) -> dict[str, Any]:
@@ -84,7 +81,7 @@ def build(
     design: Design,
     out: str | Path | None = None,
     *,
-    parts: Iterable[str] = tuple(PARTS),
+    parts: Iterable[str] | None = None,
     formats: Iterable[str] = FORMATS,
     tolerance_mm: float = 0.01,
     say: Callable[[str], None] = lambda message: None,
@@ -100,7 +97,7 @@ def build(
     out
         Folder to write to; `out/<design name>` if None.
     parts
-        Names from `PARTS`.
+        Names from `PARTS`; None for all that the design has.
     formats
         Any of "stl", "3mf", "step".
     tolerance_mm
@@ -118,32 +115,21 @@ def build(
         If a kernel refuses a solid; if the folder cannot be written. Nothing has been written then.
     """
     folder = Path("out") / design.name if out is None else Path(out)
-    chosen, kinds = _ordered("--parts", parts, tuple(PARTS)), _ordered("--formats", formats, FORMATS)
-    if not 0.0005 <= tolerance_mm <= 1.0:
-        bounds = "choose 0.0005 to 1 mm; 0.01 is finer than a printer draws."
-        raise DesignError(Fault("--tolerance-mm", f"{tolerance_mm:g} mm is out of bounds; {bounds}"))
-    expressions = {name: PARTS[name].describe(design) for name in chosen}
+    known = tuple(parts_of(design))
+    chosen, kinds = (
+        _ordered("--parts", known if parts is None else parts, known),
+        _ordered("--formats", formats, FORMATS),
+    )
+    refuse_tolerance(tolerance_mm)
 
     with contextlib.ExitStack() as stack:
         request = None
         if "step" in kinds:
             say("starting the B-rep kernel beside the mesh kernel")
-            job = StepJob(design.name, tuple((n, expressions[n], PARTS[n].colour) for n in chosen))
+            job = StepJob(design.name, tuple((n, PARTS[n].describe(design), PARTS[n].colour) for n in chosen))
             request = stack.enter_context(StepRequest(job))
-        evaluator = Evaluator(tolerance_mm)
-        meshes = {}
-        for name, expression in expressions.items():
-            meshes[name] = evaluator.mesh(expression)
-            say(f"{name}: {len(meshes[name].triangles)} triangles, {meshes[name].volume() / 1000:.2f} cm3")
-        contents = {
-            f"{name}.{kind}": _MESH_FORMATS[kind].to_bytes(mesh, name)
-            for name, mesh in meshes.items()
-            for kind in kinds
-            if kind in _MESH_FORMATS
-        }
-        found = [check for file, data in contents.items() for check in _of_file(file, data)]
-        solids = {name: evaluator.manifold(expression) for name, expression in expressions.items()}
-        found += checks.of_assembly(design, evaluator, solids)
+        verified = verify(design, chosen, kinds, tolerance_mm, say)
+        meshes, found = verified.meshes, list(verified.checks)
         step = StepFiles({}, {})
         if request:
             say("waiting for the B-rep kernel")
@@ -152,7 +138,7 @@ def build(
                 checks.against_brep(PARTS[name], meshes[name], volume, tolerance_mm)
                 for name, volume in step.volumes_mm3.items()
             )
-        contents |= step.contents
+        contents = dict(verified.contents) | step.contents
 
     built = tuple(
         BuiltPart(PARTS[name], meshes[name], {kind: f"{name}.{kind}" for kind in kinds}, step.volumes_mm3.get(name))
@@ -165,12 +151,6 @@ def build(
     write_whole(folder, contents)
     say(f"{len(contents)} files in {folder}")
     return result
-
-
-def _of_file(file: str, data: bytes) -> Iterable[Check]:
-    """Checks on the mesh a reader gets from the file, not on the one in memory."""
-    name, kind = file.rsplit(".", 1)
-    return checks.of_file(PARTS[name], _MESH_FORMATS[kind].from_bytes(data), kind)
 
 
 def _ordered(option: str, asked: Iterable[str], known: tuple[str, ...]) -> list[str]:

@@ -5,14 +5,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from fingertip.cad import bone, mold
+from fingertip.cad import core, mold
+from fingertip.cad import skin as skin_part
 from fingertip.cad.mesh import Evaluator, Mesh, to_manifold
 from fingertip.cad.parts import Part
-from fingertip.cad.solids import Form, union
+from fingertip.cad.solids import union
 from fingertip.design import Design
 from fingertip.design.mold_layout import lay_out
 
@@ -24,30 +25,44 @@ NO_VOLUME_MM3 = 1e-3
 PULL_DISTANCES_MM = (0.02, 0.2, 1.0, 4.0, 12.0)
 
 
+Relation = Literal["at most", "at least", "exactly"]
+
+
 @dataclass(frozen=True)
 class Check:
-    """One line of the report: it passes if `value` is at most `limit`, or equals it where `exact`."""
+    """One line of the report: `value` must be `relation` `limit`."""
 
     name: str
     value: float
     limit: float
     unit: str
-    exact: bool = False
+    relation: Relation = "at most"
+
+    @property
+    def sign(self) -> str:
+        """The relation as a sign, for tables."""
+        return {"at most": "<=", "at least": ">=", "exactly": "="}[self.relation]
 
     @property
     def passed(self) -> bool:
         """The verdict."""
-        return self.value == self.limit if self.exact else self.value <= self.limit
+        match self.relation:
+            case "at most":
+                return self.value <= self.limit
+            case "at least":
+                return self.value >= self.limit
+            case "exactly":
+                return self.value == self.limit
 
 
-def of_file(part: Part, mesh: Mesh, file_format: str) -> Iterator[Check]:
+def of_file(design: Design, part: Part, mesh: Mesh, file_format: str) -> Iterator[Check]:
     """Topology of a part as re-read from its file: closed, one body, the expected genus, right side out."""
     where = f"{part.name}.{file_format}"
-    yield Check(f"{where}.open_edges", open_edges(mesh), 0, "edges", exact=True)
-    yield Check(f"{where}.inside_out", float(mesh.volume() <= 0.0), 0, "", exact=True)
+    yield Check(f"{where}.open_edges", open_edges(mesh), 0, "edges", "exactly")
+    yield Check(f"{where}.inside_out", float(mesh.volume() <= 0.0), 0, "", "exactly")
     solid = to_manifold(mesh.vertices, mesh.triangles)
-    yield Check(f"{where}.bodies", len(solid.decompose()), 1, "bodies", exact=True)
-    yield Check(f"{where}.genus", solid.genus(), part.genus, "holes", exact=True)
+    yield Check(f"{where}.bodies", len(solid.decompose()), 1, "bodies", "exactly")
+    yield Check(f"{where}.genus", solid.genus(), part.genus(design), "holes", "exactly")
 
 
 def open_edges(mesh: Mesh) -> int:
@@ -68,21 +83,37 @@ def against_brep(part: Part, mesh: Mesh, exact_volume_mm3: float, tolerance_mm: 
 
 def of_assembly(design: Design, evaluator: Evaluator, solids: Mapping[str, Manifold]) -> Iterator[Check]:
     """Identities between the parts that were asked for."""
+    growth = design.dimensions.shrinkage
     if "skin" in solids:
-        cavity, core = (
-            evaluator.manifold(Form(design.dimensions.outer)),
-            evaluator.manifold(bone.core(design)),
-        )
-        expected = cavity.volume() - (cavity ^ core).volume()
-        yield _nothing("cavity_less_core_is_skin", abs(expected - solids["skin"].volume()))
-    for first, second in _pairs(solids):
-        yield _nothing(f"overlap.{first}.{second}", (solids[first] ^ solids[second]).volume())
-    halves = [name for name in ("mold_palmar", "mold_dorsal") if name in solids]
-    cast = [solids[name] for name in ("bone", "skin") if name in solids]
+        yield _nothing("cavity_less_core_is_skin", _cast_defect(design, evaluator, solids["skin"]))
+    together = dict(solids)
+    if design.mold.method == "sleeve":
+        together.pop("bone", None)  # it is not in the mold, and the skin is smaller than it on purpose
+        if "skin" in together:
+            together["skin"] = together["skin"].scale((growth,) * 3)  # its size before it shrinks
+    for first, second in _pairs(together):
+        yield _nothing(f"overlap.{first}.{second}", (together[first] ^ together[second]).volume())
+    halves = [name for name in ("mold_palmar", "mold_dorsal") if name in together]
+    cast = [solid for name, solid in together.items() if name not in halves]
     for name in halves:
-        yield _nothing(f"pull.{name}", _caught(solids[name], cast, -1.0 if name == "mold_palmar" else 1.0))
+        yield _nothing(f"pull.{name}", _caught(together[name], cast, -1.0 if name == "mold_palmar" else 1.0))
     if len(halves) == 2:
         yield _nothing("halves_and_hollows_are_block", _block_defect(design, evaluator, solids))
+
+
+def _cast_defect(design: Design, evaluator: Evaluator, skin: Manifold) -> float:
+    """|cavity - core - what shrinks to the skin| [mm3].
+
+    A sleeve shrinks with its core. Overmolded silicone does not shrink the bone: what the cavity is larger by around
+    it is silicone too.
+    """
+    cavity, around = evaluator.manifold(skin_part.cavity(design)), evaluator.manifold(core.cast_around(design))
+    cast = cavity.volume() - (cavity ^ around).volume()
+    growth = design.dimensions.shrinkage**3
+    expected = growth * skin.volume()
+    if design.mold.method == "overmold":
+        expected += (growth - 1.0) * (cavity.scale((1.0 / design.dimensions.shrinkage,) * 3) ^ around).volume()
+    return abs(float(cast - expected))
 
 
 def _nothing(name: str, volume: float) -> Check:
@@ -104,7 +135,9 @@ def _block_defect(design: Design, evaluator: Evaluator, solids: Mapping[str, Man
     """|block - (halves + everything hollow)| [mm3]; the hollows are built apart from the halves."""
     m = lay_out(design, design.dimensions)
     block = evaluator.manifold(mold.block(design))
-    tools = union(mold.openings(design), *mold.bolts(design, m), *mold.nut_traps(design, m))
+    engraved = (*mold.engraving(design, m, "palmar"), *mold.engraving(design, m, "dorsal"))
+    cut = (*mold.bolts(design, m), *mold.nut_traps(design, m), *mold.pry_slots(design, m), *engraved)
+    tools = union(mold.openings(design), *cut)
     hollow = (evaluator.manifold(tools) ^ block).volume()
     below = block.trim_by_plane((0.0, -1.0, 0.0), 0.0)
     for grown, key in zip(mold.keys(design, m, design.mold.key_clearance_mm), mold.keys(design, m), strict=True):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fingertip.cad.mesh import Evaluator, Mesh
-from fingertip.cad.parts import PARTS
+from fingertip.cad.parts import parts_of
 from fingertip.cad.solids import Solid
 from fingertip.design import Design
 from fingertip.design.faults import nearest
@@ -58,6 +58,7 @@ def part_trimesh(design: Design, name: str, tolerance_mm: float = 0.01) -> trime
 
 
 def _expression(design: Design, name: str) -> Solid:
-    if name not in PARTS:
-        raise DesignError(Fault("part", f"there is no {name!r}; {nearest(name, tuple(PARTS))}"))
-    return PARTS[name].describe(design)
+    parts = parts_of(design)
+    if name not in parts:
+        raise DesignError(Fault("part", f"there is no {name!r}; {nearest(name, tuple(parts))}"))
+    return parts[name].describe(design)

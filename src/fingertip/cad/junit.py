@@ -30,7 +30,7 @@ def to_bytes(suites: Mapping[str, Iterable[Check]]) -> bytes:
 
 def sentence(check: Check) -> str:
     """What was found, against what: `value 3 edges, must be 0`."""
-    must = f"must be {check.limit:g}" if check.exact else f"at most {check.limit:g}"
+    must = f"{check.relation} {check.limit:g}"
     return f"value {check.value:g} {check.unit}".rstrip() + f", {must}"
 
 

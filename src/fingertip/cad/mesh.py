@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fingertip.cad.solids import Difference, Intersection, Solid, Union
+from fingertip.cad.solids import Difference, Intersection, Scaled, Solid, Union
 from fingertip.cad.tessellate import Triangles, Vertices, tessellate
 from fingertip.errors import Fault, GeometryError
 
@@ -72,6 +72,8 @@ class Evaluator:
                 result = Manifold.batch_boolean([self.manifold(s) for s in solids], OpType.Intersect)
             case Difference(first, without):
                 result = Manifold.batch_boolean([self.manifold(s) for s in (first, *without)], OpType.Subtract)
+            case Scaled(inner, factor):
+                result = self.manifold(inner).scale((factor, factor, factor))
             case primitive:
                 result = to_manifold(*tessellate(primitive, self.tolerance_mm))
                 if result.volume() <= 0.0:  # the kernel itself takes a mesh turned inside out without a word

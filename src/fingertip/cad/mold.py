@@ -1,15 +1,18 @@
-"""The two mold halves, parted at y = 0: cavity, recess of the base, gate, vents, keys and bolts."""
+"""The two mold halves, parted at y = 0: cavity, recess of the base, gate, vents, keys, bolts, pry slots, name."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
 
-from fingertip.cad.solids import Box, Cone, Form, Solid, cylinder, difference, hexagon, union
-from fingertip.conic import ConicBody
+from fingertip.cad import strokes
+from fingertip.cad.skin import cavity
+from fingertip.cad.solids import Box, Cone, Form, Prism, Solid, cylinder, difference, hexagon, union
+from fingertip.conic import ConicBody, CrossSection
 from fingertip.design import Design
 from fingertip.design.mold_layout import MoldLayout, lay_out
 
+_STROKE = 0.8  # width of the letters' strokes, in units of their grid
 _OVERLAP_MM = 0.25  # solids that are united reach into each other by this, so that no faces merely touch
 
 
@@ -22,27 +25,29 @@ def block(design: Design) -> Solid:
 def openings(design: Design) -> Solid:
     """Everything hollow when the mold is closed, but for bolts, nut traps and the keys' clearance."""
     m = lay_out(design, design.dimensions)
-    return union(Form(design.dimensions.outer), base_recess(design, m), *runners(design, m))
+    return union(cavity(design), *base_recess(design, m), *runners(design, m))
 
 
-def base_recess(design: Design, m: MoldLayout) -> Solid:
-    """Recess that holds and locates the bone's base, with the fit's clearance all round."""
+def base_recess(design: Design, m: MoldLayout) -> tuple[Solid, ...]:
+    """Recess that holds and locates the bone's base and its collar, with the fit's clearance all round."""
     dims, gap = design.dimensions, design.mold.fit_clearance_mm
-    section = dims.envelope.section
-    wider = replace(
-        section,
-        half_width=section.half_width + gap,
-        palmar=section.palmar + gap,
-        dorsal=section.dorsal + gap,
-    )
-    past = section.half_width
+    wider = _grown(dims.envelope.section, gap)
+    past = wider.half_width
     low = m.proximal_z - past
-    base = Form(ConicBody(wider, ((low, 1.0), (_OVERLAP_MM, 1.0))))
+    base = Form(ConicBody(wider, ((low, 1.0), (0.0, 1.0))))
     below = Box(
         (-wider.half_width - past, -wider.palmar - past, low - past),
         (wider.half_width + past, -dims.flat_depth - gap, past),
     )
-    return difference(base, below)
+    foot = dims.collar.stations[0][0] - gap
+    collar = Form(ConicBody(_grown(dims.collar.section, gap), ((foot, 1.0), (_OVERLAP_MM, 1.0))))
+    return difference(base, below), collar
+
+
+def _grown(section: CrossSection, gap: float) -> CrossSection:
+    return replace(
+        section, half_width=section.half_width + gap, palmar=section.palmar + gap, dorsal=section.dorsal + gap
+    )
 
 
 def runners(design: Design, m: MoldLayout) -> tuple[Solid, ...]:
@@ -81,16 +86,50 @@ def keys(design: Design, m: MoldLayout, gap_mm: float = 0.0) -> tuple[Solid, ...
     )
 
 
+def pry_slots(design: Design, m: MoldLayout) -> tuple[Solid, ...]:
+    """Slots for a screwdriver across the parting line, on both sides; half of each lies in either mold half."""
+    mold = design.mold
+    z0, z1 = m.pry_z - mold.pry_width_mm / 2, m.pry_z + mold.pry_width_mm / 2
+    inner, outer = m.half_width - mold.pry_depth_mm, 2 * m.half_width
+    below, above = -mold.pry_height_mm, mold.pry_height_mm
+    return Box((inner, below, z0), (outer, above, z1)), Box((-outer, below, z0), (-inner, above, z1))
+
+
+def engraving(design: Design, m: MoldLayout, half: str) -> tuple[Solid, ...]:
+    """The design's name and the half's, cut into the outer face so that they read from outside."""
+    mold = design.mold
+    if mold.engraving_depth_mm == 0.0:
+        return ()
+    dorsal = half == "dorsal"
+    height = m.dorsal_height if dorsal else m.palmar_height
+    floor, past = height - mold.engraving_depth_mm, 2 * height
+    low, high = (floor, past) if dorsal else (-past, -floor)
+    prisms = []
+    for line, text in enumerate((design.name, half)):
+        unit = min(
+            mold.engraving_height_mm / strokes.HEIGHT, 0.8 * (m.distal_z - m.proximal_z) / strokes.text_width(text)
+        )
+        start_z = (m.proximal_z + m.distal_z - unit * strokes.text_width(text)) / 2
+        foot_x = unit * (2.0 if line == 0 else -2.0 - strokes.HEIGHT)
+        for quad in strokes.quads(text, _STROKE):
+            # Seen from the back x points up where z points right, seen from the palm it points down.
+            corners = [(start_z + unit * u, (foot_x + unit * v) * (1 if dorsal else -1)) for u, v in quad]
+            prisms.append(Prism(tuple(corners if dorsal else corners[::-1]), low, high))
+    return tuple(prisms)
+
+
 def mold_palmar(design: Design) -> Solid:
     """The half below the parting plane: key sockets and nut traps."""
     m = lay_out(design, design.dimensions)
     half = Box((-m.half_width, -m.palmar_height, m.proximal_z), (m.half_width, 0.0, m.distal_z))
     sockets = keys(design, m, design.mold.key_clearance_mm)
-    return difference(half, openings(design), *bolts(design, m), *nut_traps(design, m), *sockets)
+    hollows = (openings(design), *bolts(design, m), *nut_traps(design, m), *sockets, *pry_slots(design, m))
+    return difference(half, *hollows, *engraving(design, m, "palmar"))
 
 
 def mold_dorsal(design: Design) -> Solid:
     """The half above the parting plane: registration keys."""
     m = lay_out(design, design.dimensions)
     half = Box((-m.half_width, 0.0, m.proximal_z), (m.half_width, m.dorsal_height, m.distal_z))
-    return difference(union(half, *keys(design, m)), openings(design), *bolts(design, m))
+    hollows = (openings(design), *bolts(design, m), *pry_slots(design, m))
+    return difference(union(half, *keys(design, m)), *hollows, *engraving(design, m, "dorsal"))

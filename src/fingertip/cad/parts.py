@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from fingertip.cad import bone, mold, skin
+from fingertip.cad import bone, core, mold, skin
 from fingertip.cad.solids import Solid
 from fingertip.design import Design
 
@@ -16,19 +16,34 @@ class Part:
 
     name: str
     describe: Callable[[Design], Solid]
-    genus: int
-    """Number of through holes: the strongest single sign that a channel broke through a wall."""
+    genus: Callable[[Design], int]
+    """Number of through holes its solid must have."""
     colour: tuple[float, float, float]
     printed: bool
     """False for what is cast."""
+    needed: Callable[[Design], bool] = lambda design: True
+    """Whether a design has this part."""
+
+
+def _bolts(design: Design) -> int:
+    return 4
 
 
 PARTS: dict[str, Part] = {
     part.name: part
     for part in (
-        Part("bone", bone.bone, 2, (0.93, 0.89, 0.80), True),  # cable channel, cross bolt
-        Part("skin", skin.skin, 0, (0.87, 0.62, 0.52), False),
-        Part("mold_palmar", mold.mold_palmar, 4, (0.45, 0.58, 0.70), True),  # the four bolts
-        Part("mold_dorsal", mold.mold_dorsal, 4, (0.62, 0.72, 0.80), True),
+        Part("bone", bone.bone, bone.genus, (0.93, 0.89, 0.80), True),
+        Part("skin", skin.skin, lambda design: 0, (0.87, 0.62, 0.52), False),
+        Part("mold_palmar", mold.mold_palmar, _bolts, (0.45, 0.58, 0.70), True),
+        Part("mold_dorsal", mold.mold_dorsal, _bolts, (0.62, 0.72, 0.80), True),
+        Part(
+            "core", core.dummy_core, lambda design: 0, (0.70, 0.78, 0.62), True,
+            needed=lambda design: design.mold.method == "sleeve",
+        ),
     )
-}
+}  # fmt: skip
+
+
+def parts_of(design: Design) -> dict[str, Part]:
+    """The parts a design has, by name: all of `PARTS` but the core, which only a sleeve needs."""
+    return {name: part for name, part in PARTS.items() if part.needed(design)}

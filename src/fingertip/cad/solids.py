@@ -108,8 +108,16 @@ class Intersection:
     solids: tuple[Solid, ...]
 
 
+@dataclass(frozen=True)
+class Scaled:
+    """`solid` scaled about the origin."""
+
+    solid: Solid
+    factor: float
+
+
 Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | Form
-Solid: TypeAlias = Primitive | Union | Difference | Intersection
+Solid: TypeAlias = Primitive | Union | Difference | Intersection | Scaled
 
 
 def union(*solids: Solid) -> Solid:
@@ -125,3 +133,8 @@ def difference(solid: Solid, *without: Solid) -> Solid:
 def intersection(*solids: Solid) -> Solid:
     """What all of the solids cover."""
     return solids[0] if len(solids) == 1 else Intersection(solids)
+
+
+def scaled(solid: Solid, factor: float) -> Solid:
+    """`solid` scaled about the origin; itself at a factor of one."""
+    return solid if factor == 1.0 else Scaled(solid, factor)

@@ -14,7 +14,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.cad.solids import Axis, Box, Cone, ElbowTube, Form, Prism, Primitive
+from fingertip.cad.solids import Axis, Box, Cone, ElbowTube, Form, Primitive, Prism
 from fingertip.conic import ELLIPSE, ConicBody, arc_point
 
 Vertices: TypeAlias = NDArray[np.float64]

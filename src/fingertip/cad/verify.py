@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from fingertip.cad import checks, stl, threemf
+from fingertip.cad import checks, measures, stl, threemf
 from fingertip.cad.checks import Check
 from fingertip.cad.mesh import Evaluator, Mesh
 from fingertip.cad.parts import PARTS
@@ -64,9 +64,10 @@ def verify(
     contents = {
         f"{name}.{kind}": MESH_FORMATS[kind].to_bytes(mesh, name) for name, mesh in meshes.items() for kind in kinds
     }
-    found = [check for file, data in contents.items() for check in _of_file(file, data)]
+    found = [check for file, data in contents.items() for check in _of_file(design, file, data)]
     solids = {name: evaluator.manifold(expression) for name, expression in expressions.items()}
     found += checks.of_assembly(design, evaluator, solids)
+    found += measures.of_parts(design, evaluator, meshes)
     return Verified(meshes, contents, tuple(found))
 
 
@@ -88,7 +89,7 @@ def as_data(check: Check) -> dict[str, Any]:
     }
 
 
-def _of_file(file: str, data: bytes) -> Iterator[Check]:
+def _of_file(design: Design, file: str, data: bytes) -> Iterator[Check]:
     """Checks on the mesh a reader gets from the file, not on the one in memory."""
     name, kind = file.rsplit(".", 1)
-    return checks.of_file(PARTS[name], MESH_FORMATS[kind].from_bytes(data), kind)
+    return checks.of_file(design, PARTS[name], MESH_FORMATS[kind].from_bytes(data), kind)

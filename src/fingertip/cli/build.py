@@ -14,7 +14,7 @@ from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption
 def build(
     design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
     out: Annotated[Path | None, typer.Option(help="Folder to write to; out/<design name> if left out.")] = None,
-    parts: Annotated[str, typer.Option(help="Which parts, separated by commas.")] = "bone,skin,mold_palmar,mold_dorsal",
+    parts: Annotated[str | None, typer.Option(help="Which parts, separated by commas; all if left out.")] = None,
     formats: Annotated[str, typer.Option(help="Which formats, separated by commas.")] = "stl,3mf,step",
     tolerance_mm: Annotated[float, typer.Option(help="Most a facet strays from the exact surface.")] = 0.01,
     changes: SetOption = None,
@@ -28,7 +28,7 @@ def build(
     console = Console(as_json, quiet)
     loaded = Design.load(design, changes=changes or ())
     result = build_parts(
-        loaded, out, parts=_words(parts), formats=_words(formats), tolerance_mm=tolerance_mm, say=console.say
+        loaded, out, parts=None if parts is None else _words(parts), formats=_words(formats), tolerance_mm=tolerance_mm, say=console.say
     )
     lines = [
         f"{built.part.name:12} {built.mesh.volume() / 1000:8.2f} cm3   {', '.join(built.files.values())}"

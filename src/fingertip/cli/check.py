@@ -29,7 +29,7 @@ def check(
     The checks read the STL each part would have. If any file is refused, all its faults and those of the other files
     are told, no design is checked and no report is written.
     """
-    from fingertip.cad.parts import PARTS
+    from fingertip.cad.parts import parts_of
     from fingertip.cad.verify import as_data, refuse_tolerance, verify
 
     console = Console(as_json, quiet)
@@ -38,7 +38,7 @@ def check(
     found: dict[str, tuple[Check, ...]] = {}
     for label, design in loaded.items():
         console.say(f"checking {label}")
-        found[label] = verify(design, PARTS, ("stl",), tolerance_mm, console.say).checks
+        found[label] = verify(design, parts_of(design), ("stl",), tolerance_mm, console.say).checks
     if junit is not None:
         from fingertip.cad.junit import to_bytes
         from fingertip.files import write_file
@@ -85,7 +85,7 @@ def _table(label: str, checks: Sequence[Check]) -> str:
     failed = sum(not c.passed for c in checks)
     lines = [label, f"  {'check':{width}} {'value':>12} {'limit':>12} unit   verdict"]
     lines += [
-        f"  {c.name:{width}} {c.value:12.6g} {'=' if c.exact else '<='} {c.limit:>9.6g} {c.unit:6} "
+        f"  {c.name:{width}} {c.value:12.6g} {c.sign} {c.limit:>9.6g} {c.unit:6} "
         f"{'ok' if c.passed else 'FAILED'}"
         for c in checks
     ]

@@ -13,12 +13,17 @@ from fingertip.conic import ConicBody, CrossSection, Tip
 from fingertip.design import sections
 from fingertip.sensors import CATALOGUE, ForceSensor
 
+TUNNEL_MM = 0.8
+"""Least height of the tail's passage through the collar [mm]: lower ones close up in printing. An assumption."""
+
 
 class Sections(Protocol):
     """What the dimensions are derived from: the tables of a design that concern the parts."""
 
     @property
     def sensor(self) -> sections.Sensor: ...  # noqa: D102
+    @property
+    def custom_sensor(self) -> sections.CustomSensor: ...  # noqa: D102
     @property
     def bone(self) -> sections.Bone: ...  # noqa: D102
     @property
@@ -53,6 +58,17 @@ class Dimensions:
         return self.tail_end_z - self.relief_half_length
 
     relief_half_length: float
+    collar: ConicBody
+    """Flange below the skin: the skin ends on it, and it locates the bone in the mold."""
+    shrinkage: float
+    """Size of the cavity against the skin's."""
+
+    tie_hole_z: float
+
+    @property
+    def tail_passes_collar(self) -> bool:
+        """Whether the tail runs out through the collar (a long one) or ends under the skin (a short one)."""
+        return self.tail_end_z < 0.0
 
     def sensor_rim(self, rim_mm: float, clearance_mm: float) -> float:
         """Least margin [mm] between the flat's edge and the circle the sensor's head and rim need.
@@ -74,7 +90,7 @@ def derive(design: Sections) -> Dimensions:
     Never raises for parameters within their bounds: what cannot be made shows as lengths that the rules refuse.
     """
     sensor, bone, skin = design.sensor, design.bone, design.skin
-    part = CATALOGUE[sensor.model]
+    part = _sensor(design)
     join = skin.length_mm - skin.tip_length_mm
     a = skin.width_mm / 2
     section = CrossSection(
@@ -100,8 +116,9 @@ def derive(design: Sections) -> Dimensions:
     )
     tail_end_z = sensor_z + part.head_diameter_mm / 2 - part.length_mm
     channel_radius = bone.channel_diameter_mm / 2
-    exit_below_skin = -(channel_radius + bone.wall_mm)
+    exit_below_skin = -(bone.collar_length_mm + channel_radius + bone.wall_mm)
     after_bend = tail_end_z - bone.relief_length_mm / 2 - bone.channel_bend_radius_mm
+    channel_exit_z = min(exit_below_skin, after_bend)
     return Dimensions(
         sensor=part,
         outer=outer,
@@ -111,6 +128,28 @@ def derive(design: Sections) -> Dimensions:
         pocket_depth=part.thickness_mm + sensor.adhesive_thickness_mm,
         tail_end_z=tail_end_z,
         channel_depth=bone.wall_mm + channel_radius,
-        channel_exit_z=min(exit_below_skin, after_bend),
+        channel_exit_z=channel_exit_z,
+        tie_hole_z=channel_exit_z - channel_radius - bone.wall_mm - bone.tie_hole_diameter_mm / 2,
         relief_half_length=bone.relief_length_mm / 2,
+        collar=ConicBody(
+            CrossSection(
+                a - bone.collar_inset_mm,
+                skin.semi_axis_palmar_mm - bone.collar_inset_mm,
+                skin.semi_axis_dorsal_mm - bone.collar_inset_mm,
+                skin.squareness_palmar,
+                skin.squareness_dorsal,
+            ),
+            ((-bone.collar_length_mm, 1.0), (0.0, 1.0)),
+        ),
+        shrinkage=1.0 / (1.0 - design.mold.silicone_shrinkage_percent / 100.0),
     )
+
+
+def _sensor(design: Sections) -> ForceSensor:
+    if design.sensor.model != "custom":
+        return CATALOGUE[design.sensor.model]
+    own = design.custom_sensor
+    return ForceSensor(
+        "custom", "custom sensor", own.active_diameter_mm, own.head_diameter_mm, own.thickness_mm, own.length_mm,
+        own.tail_width_mm, 2.54, "the design file", (),
+    )  # fmt: skip

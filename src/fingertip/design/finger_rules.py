@@ -190,51 +190,6 @@ def _bend_wider_than_channel(d: Design) -> str | None:
     )
 
 
-@RULES.rule(
-    "bone.base_length_mm", "bone.channel_diameter_mm", "bone.channel_bend_radius_mm", "bone.wall_mm",
-    "bone.relief_length_mm", "sensor.model", "sensor.distance_from_tip_mm", *_LENGTHS,
-)  # fmt: skip
-def _base_holds_exit(d: Design) -> str | None:
-    dims = derive(d)
-    least = -dims.channel_exit_z + d.bone.channel_diameter_mm / 2 + d.bone.wall_mm
-    if d.bone.base_length_mm >= least - SLACK:
-        return None
-    return (
-        f"{d.bone.base_length_mm:g} mm ends before the posterior hole (the {dims.sensor.label} is "
-        f"{dims.sensor.length_mm:g} mm long); at least {ceil2(least)} mm."
-    )
-
-
-@RULES.rule("bone.relief_length_mm", "sensor.model", "sensor.distance_from_tip_mm", *_LENGTHS)
-def _relief_clear_of_pocket(d: Design) -> str | None:
-    dims = derive(d)
-    pocket = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - d.sensor.clearance_mm
-    most = 2 * (pocket - dims.tail_end_z)
-    if d.bone.relief_length_mm <= most + SLACK:
-        return None
-    return f"{d.bone.relief_length_mm:g} mm reaches under the sensor's head; at most {floor2(max(0.0, most))} mm."
-
-
-@RULES.rule("bone.post_diameter_mm", *_FLAT)
-def _post_within_base(d: Design) -> str | None:
-    section, flat = derive(d).envelope.section, derive(d).flat_depth
-    most = min(flat + section.dorsal, 2 * section.half_width_at(-flat))
-    if d.bone.post_diameter_mm <= most + SLACK:
-        return None
-    return f"{d.bone.post_diameter_mm:g} mm is wider than the base; at most {floor2(max(0.0, most))} mm."
-
-
-@RULES.rule("bone.cross_bolt_diameter_mm", "bone.post_diameter_mm", "bone.post_length_mm", "bone.wall_mm")
-def _bolt_within_post(d: Design) -> str | None:
-    most = min(d.bone.post_diameter_mm, d.bone.post_length_mm) - 2 * d.bone.wall_mm
-    if d.bone.cross_bolt_diameter_mm <= most + SLACK:
-        return None
-    return (
-        f"{d.bone.cross_bolt_diameter_mm:g} mm leaves less than {d.bone.wall_mm:g} mm of post around it; "
-        f"at most {floor2(max(0.0, most))} mm."
-    )
-
-
 def _least_passing(low: float, high: float, passes: Callable[[float], bool]) -> float | None:
     """Least value in [low, high] that passes, rounded up to 0.1, by bisection; None if `high` does not pass."""
     if not passes(high):

@@ -30,9 +30,11 @@ class Design(BaseModel):
 
     name: str = Field("fsr400", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the output folder.")
     sensor: sections.Sensor = sections.Sensor()
+    custom_sensor: sections.CustomSensor = sections.CustomSensor()
     bone: sections.Bone = sections.Bone()
     skin: sections.Skin = sections.Skin()
     mold: sections.Mold = sections.Mold()
+    printer: sections.Printer = sections.Printer()
     board: sections.Board = sections.Board()
     detector: sections.Detector = sections.Detector()
 

@@ -29,6 +29,8 @@ class MoldLayout:
     """(x, z) of each clamp bolt."""
     keys: tuple[tuple[float, float, float], ...]
     """(x, z, root diameter) of each key: unequal, so that the halves close in one way only."""
+    pry_z: float
+    """Middle of the pry slots."""
     nut_circumradius: float
     key_space: float
     """Length along z left for the keys between the nut traps."""
@@ -38,10 +40,10 @@ def lay_out(design: Sections, dims: Dimensions) -> MoldLayout:
     """Place everything around the cavity."""
     mold, skin = design.mold, design.skin
     nut = mold.nut_width_mm / math.sqrt(3)
-    column = skin.width_mm / 2 + mold.land_mm + max(nut, mold.key_diameter_mm / 2)
+    column = skin.width_mm / 2 * dims.shrinkage + mold.land_mm + max(nut, mold.key_diameter_mm / 2)
     half_width = column + max(nut, mold.key_diameter_mm / 2) + mold.land_mm
     proximal = -mold.recess_length_mm
-    distal = skin.length_mm + mold.wall_mm + mold.funnel_depth_mm
+    distal = skin.length_mm * dims.shrinkage + mold.wall_mm + mold.funnel_depth_mm
     low, high = proximal + mold.land_mm + nut, distal - mold.land_mm - nut
     key_space = high - low - 2 * nut
     gate_x = -(mold.vent_diameter_mm / 2 + 1.2 + mold.funnel_diameter_mm / 2)
@@ -51,8 +53,8 @@ def lay_out(design: Sections, dims: Dimensions) -> MoldLayout:
     middle = (low + high) / 2
     return MoldLayout(
         half_width=half_width,
-        palmar_height=skin.semi_axis_palmar_mm + mold.wall_mm,
-        dorsal_height=skin.semi_axis_dorsal_mm + mold.wall_mm,
+        palmar_height=skin.semi_axis_palmar_mm * dims.shrinkage + mold.wall_mm,
+        dorsal_height=skin.semi_axis_dorsal_mm * dims.shrinkage + mold.wall_mm,
         proximal_z=proximal,
         distal_z=distal,
         gate_x=gate_x,
@@ -60,6 +62,7 @@ def lay_out(design: Sections, dims: Dimensions) -> MoldLayout:
         inlet_z=skin.length_mm - skin.tip_length_mm,
         bolts=tuple((x, z) for x in (-column, column) for z in (low, high)),
         keys=((-column, middle - shift, mold.key_diameter_mm), (column, middle + shift / 2, second)),
+        pry_z=middle,
         nut_circumradius=nut,
         key_space=key_space,
     )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fingertip.design.dimensions import derive
 from fingertip.design.mold_layout import lay_out
-from fingertip.design.ruleset import SLACK, Ruleset, floor2
+from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
 
 if TYPE_CHECKING:
     from fingertip.design.model import Design
@@ -26,12 +26,48 @@ def _recess_within_base(d: Design) -> str | None:
     )
 
 
-@RULES.rule("mold.fit_clearance_mm", "skin.thickness_side_mm", "skin.thickness_dorsal_mm")
+@RULES.rule("mold.fit_clearance_mm", "bone.collar_inset_mm")
 def _recess_within_cavity(d: Design) -> str | None:
-    most = min(d.skin.thickness_side_mm, d.skin.thickness_dorsal_mm) / 2
+    most = d.bone.collar_inset_mm - 0.05
     if d.mold.fit_clearance_mm <= most + SLACK:
         return None
-    return f"{d.mold.fit_clearance_mm:g} mm opens the recess past the skin's edge; at most {floor2(most)} mm."
+    return (
+        f"{d.mold.fit_clearance_mm:g} mm opens the collar's recess past the skin's edge; at most {floor2(most)} mm "
+        "(bone.collar_inset_mm)."
+    )
+
+
+@RULES.rule("mold.recess_length_mm", "bone.collar_length_mm", "mold.fit_clearance_mm")
+def _recess_holds_collar(d: Design) -> str | None:
+    least = d.bone.collar_length_mm + d.mold.fit_clearance_mm + 1.0
+    if d.mold.recess_length_mm >= least - SLACK:
+        return None
+    return f"{d.mold.recess_length_mm:g} mm does not hold the collar and a wall behind it; at least {ceil2(least)} mm."
+
+
+@RULES.rule("mold.pry_depth_mm", "mold.land_mm")
+def _pry_slot_clear_of_bolts(d: Design) -> str | None:
+    most = d.mold.land_mm - 0.4
+    if d.mold.pry_depth_mm <= most + SLACK:
+        return None
+    return f"{d.mold.pry_depth_mm:g} mm reaches the keys; at most {floor2(most)} mm (mold.land_mm)."
+
+
+@RULES.rule("mold.pry_width_mm", "skin.length_mm", "mold.recess_length_mm")
+def _pry_slot_within_side(d: Design) -> str | None:
+    layout = lay_out(d, derive(d))
+    most = layout.distal_z - layout.proximal_z - 2.0
+    if d.mold.pry_width_mm <= most + SLACK:
+        return None
+    return f"{d.mold.pry_width_mm:g} mm is longer than the mold's side; at most {floor2(most)} mm."
+
+
+@RULES.rule("mold.engraving_depth_mm", "mold.wall_mm")
+def _engraving_keeps_a_wall(d: Design) -> str | None:
+    most = d.mold.wall_mm - 1.0
+    if d.mold.engraving_depth_mm <= most + SLACK:
+        return None
+    return f"{d.mold.engraving_depth_mm:g} mm leaves less than 1 mm of mold.wall_mm; at most {floor2(most)} mm."
 
 
 @RULES.rule("mold.gate_diameter_mm", "mold.funnel_diameter_mm")

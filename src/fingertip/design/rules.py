@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from fingertip.design import board_rules, finger_rules, mold_rules, signal_rules
+from fingertip.design import board_rules, bone_rules, finger_rules, mold_rules, signal_rules
 from fingertip.design.ruleset import broken_rules
 from fingertip.errors import Fault
 
@@ -18,6 +18,6 @@ if TYPE_CHECKING:
 
 
 def broken(design: Design) -> Iterator[tuple[Fault, frozenset[str]]]:
-    """Each broken rule's fault, with the fields the rule reads: the finger's, the mold's, the board's, the signal's."""
-    rules = (*finger_rules.RULES, *mold_rules.RULES, *board_rules.RULES, *signal_rules.RULES)
+    """Each broken rule's fault, with the fields the rule reads: finger, bone, mold, board, signal."""
+    rules = (*finger_rules.RULES, *bone_rules.RULES, *mold_rules.RULES, *board_rules.RULES, *signal_rules.RULES)
     yield from broken_rules(rules, design)

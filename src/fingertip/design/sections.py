@@ -10,8 +10,8 @@ from fingertip.design.fields import Section, choice, quantity
 class Sensor(Section):
     """Which force-sensing resistor, and how it is let into the bone."""
 
-    model: Literal["fsr400", "fsr400_short", "fsr402", "fsr402_short"] = choice(
-        "fsr400", "Force-sensing resistor of the catalogue."
+    model: Literal["fsr400", "fsr400_short", "fsr402", "fsr402_short", "custom"] = choice(
+        "fsr400", "Force-sensing resistor of the catalogue, or custom: then [custom_sensor] holds its outline."
     )
     distance_from_tip_mm: float = quantity(
         11.5, "mm", "From the skin's tip to the middle of the active area.", least=3, most=60
@@ -27,10 +27,20 @@ class Sensor(Section):
     )
 
 
+class CustomSensor(Section):
+    """Outline of a sensor that is not in the catalogue; read only where sensor.model is "custom"."""
+
+    active_diameter_mm: float = quantity(5.08, "mm", "Diameter of the active area.", least=1, most=40)
+    head_diameter_mm: float = quantity(7.62, "mm", "Diameter of the round head.", least=2, most=50)
+    thickness_mm: float = quantity(0.3, "mm", "Thickness of head and tail.", least=0.05, most=3)
+    length_mm: float = quantity(38.0, "mm", "From the far edge of the head to the end of the tail.", least=5, most=150)
+    tail_width_mm: float = quantity(6.4, "mm", "Width of the tail.", least=1, most=30)
+
+
 class Bone(Section):
     """The rigid core that carries the sensor, and its interface to the proximal phalanx."""
 
-    base_length_mm: float = quantity(19.5, "mm", "Bone between the skin's end and the interface.", least=4, most=60)
+    base_length_mm: float = quantity(22.0, "mm", "Bone between the skin's end and the interface.", least=4, most=60)
     squareness_palmar: float = quantity(
         1.3, "", "Conic weight of the palmar edges: 0.71 round, 2 nearly a box.", least=0.5, most=8
     )
@@ -43,9 +53,32 @@ class Bone(Section):
     relief_length_mm: float = quantity(
         5.0, "mm", "Recess around the end of the tail for the solder joints.", least=2, most=20
     )
-    post_diameter_mm: float = quantity(7.0, "mm", "Post that enters the proximal phalanx.", least=2, most=25)
-    post_length_mm: float = quantity(8.0, "mm", "Length of the post.", least=2, most=40)
-    cross_bolt_diameter_mm: float = quantity(2.2, "mm", "Hole through the post for the cross bolt.", least=0.8, most=6)
+    tie_hole_diameter_mm: float = quantity(
+        1.6,
+        "mm",
+        "Hole across the back below the posterior hole: a tie through it takes the pull off the cables.",
+        least=0.8,
+        most=6,
+    )
+    collar_length_mm: float = quantity(2.0, "mm", "Collar on which the skin ends.", least=0.8, most=10)
+    collar_inset_mm: float = quantity(
+        0.3, "mm", "How far the collar stays inside the skin's outline.", least=0.1, most=5
+    )
+    groove_depth_mm: float = quantity(
+        0.6, "mm", "Groove around the bone that holds the skin; 0: none.", least=0, most=3
+    )
+    groove_width_mm: float = quantity(3.0, "mm", "Width of the groove at its floor.", least=0.5, most=15)
+    groove_distance_mm: float = quantity(2.0, "mm", "From the collar to the groove.", least=0.5, most=60)
+    interface: Literal["plain", "socket"] = choice(
+        "plain", "To the proximal phalanx: plain, a post that enters it; socket, a hole that takes its post."
+    )
+    post_diameter_mm: float = quantity(7.0, "mm", "Diameter of the post (plain).", least=2, most=25)
+    post_length_mm: float = quantity(8.0, "mm", "Length of the post (plain).", least=2, most=40)
+    socket_diameter_mm: float = quantity(5.0, "mm", "Diameter of the socket (socket).", least=2, most=25)
+    socket_depth_mm: float = quantity(8.0, "mm", "Depth of the socket (socket).", least=2, most=40)
+    cross_bolt_diameter_mm: float = quantity(
+        2.2, "mm", "Hole through post or socket for the cross bolt.", least=0.8, most=6
+    )
 
 
 class Skin(Section):
@@ -72,11 +105,30 @@ class Skin(Section):
     )
     thickness_dorsal_mm: float = quantity(1.5, "mm", "Silicone on the back.", least=0.4, most=15)
     thickness_tip_mm: float = quantity(2.5, "mm", "Silicone in front of the bone.", least=0.4, most=20)
+    least_thickness_mm: float = quantity(
+        0.8, "mm", "Thinnest place allowed, measured between bone and surface.", least=0.2, most=10
+    )
 
 
 class Mold(Section):
-    """Two halves parted at the plane through the silhouette, cast around the bone (overmolding)."""
+    """Two halves parted at the plane through the silhouette, and how the skin is cast in them."""
 
+    method: Literal["overmold", "sleeve"] = choice(
+        "overmold", "overmold: cast around bone and sensor; sleeve: around a dummy core, then pulled over the bone."
+    )
+    sleeve_interference_mm: float = quantity(
+        0.15,
+        "mm",
+        "How much smaller than the bone the core is all round, so that a sleeve sits tight.",
+        least=0,
+        most=1,
+    )
+    most_stretch_percent: float = quantity(
+        100.0, "%", "Most a sleeve may stretch while it is pulled over the bone.", least=5, most=500, verified=False
+    )
+    silicone_shrinkage_percent: float = quantity(
+        0.2, "%", "Linear shrinkage of the silicone; the cavity (and a sleeve's core) is larger by it.", least=0, most=5
+    )
     wall_mm: float = quantity(4.0, "mm", "Mold below, above and behind the cavity.", least=1.2, most=30)
     land_mm: float = quantity(3.0, "mm", "Flat left between the cavity and bolts or keys.", least=1, most=20)
     draft_deg: float = quantity(3.0, "degree", "Draft of the registration keys.", least=0, most=15)
@@ -92,6 +144,25 @@ class Mold(Section):
     key_diameter_mm: float = quantity(5.0, "mm", "Root of the larger registration key.", least=1.5, most=20)
     key_height_mm: float = quantity(2.5, "mm", "Height of the registration keys.", least=0.5, most=10)
     key_clearance_mm: float = quantity(0.15, "mm", "Gap around the registration keys.", least=0.02, most=1)
+    pry_width_mm: float = quantity(8.0, "mm", "Width of the slots to pry the halves apart.", least=2, most=40)
+    pry_depth_mm: float = quantity(2.5, "mm", "Depth of the pry slots.", least=0.5, most=15)
+    pry_height_mm: float = quantity(1.2, "mm", "Height of the pry slots at their mouth.", least=0.4, most=6)
+    engraving_height_mm: float = quantity(5.0, "mm", "Height of the engraved letters.", least=1, most=20)
+    engraving_depth_mm: float = quantity(0.5, "mm", "Depth of the letters; 0: none.", least=0, most=2)
+
+
+class Printer(Section):
+    """The printer: what it can hold, what it can draw, and how far off its prints are."""
+
+    scale_percent: float = quantity(
+        100.0, "%", "Scale of the printed parts' STL and 3MF against the design; STEP stays at 100.", least=95, most=105
+    )
+    bed_x_mm: float = quantity(120.0, "mm", "Width of the bed.", least=20, most=2000)
+    bed_y_mm: float = quantity(68.0, "mm", "Depth of the bed.", least=20, most=2000)
+    bed_z_mm: float = quantity(150.0, "mm", "Height that can be printed.", least=20, most=2000)
+    least_wall_mm: float = quantity(
+        0.8, "mm", "Thinnest wall that prints (SLA 0.6 to 0.8, FDM 0.8 to 1).", least=0.1, most=5
+    )
 
 
 class Board(Section):

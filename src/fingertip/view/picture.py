@@ -10,7 +10,7 @@ import numpy as np
 
 from fingertip.cad.bone import sensor_body
 from fingertip.cad.mesh import Evaluator, Mesh, canonical
-from fingertip.cad.parts import PARTS
+from fingertip.cad.parts import PARTS, parts_of
 from fingertip.design import Design
 from fingertip.view.raster import Camera, Canvas, Colour, bounds
 
@@ -43,7 +43,7 @@ def draw(design: Design, width_px: int = 1600, say: Callable[[str], None] = lamb
     from PIL import Image
 
     evaluator = Evaluator(_TOLERANCE_MM)
-    parts = {name: evaluator.mesh(part.describe(design)) for name, part in PARTS.items()}
+    parts = {name: evaluator.mesh(part.describe(design)) for name, part in parts_of(design).items()}
     parts["sensor"] = evaluator.mesh(sensor_body(design))
     exploded = _explode(parts)
     half = width_px // 2
@@ -77,6 +77,8 @@ def _explode(parts: Mapping[str, Mesh]) -> list[Placed]:
         "sensor": (0.0, 2.0 - gap, -size["skin"][2] * 0.55),
         "mold_palmar": (0.0, -back, 0.0),
     }
+    if "core" in parts:
+        shift["core"] = (0.0, 2.0, shift["bone"][2] - size["bone"][2] - 2 * gap)
     colours = {name: part.colour for name, part in PARTS.items()} | {"sensor": _SENSOR_COLOUR}
     return [
         Placed(name, Mesh(parts[name].vertices + np.array(offset), parts[name].triangles), colours[name])
@@ -85,8 +87,12 @@ def _explode(parts: Mapping[str, Mesh]) -> list[Placed]:
 
 
 def _cut(design: Design, evaluator: Evaluator) -> list[Placed]:
-    """Everything in its place, less the half nearer to the viewer."""
-    expressions = {name: part.describe(design) for name, part in PARTS.items()} | {"sensor": sensor_body(design)}
+    """What lies in the closed mold, less the half nearer to the viewer."""
+    expressions = {name: part.describe(design) for name, part in parts_of(design).items()}
+    if "core" in expressions:  # a sleeve is cast around it, without bone and sensor
+        del expressions["bone"]
+    else:
+        expressions["sensor"] = sensor_body(design)
     colours = {name: part.colour for name, part in PARTS.items()} | {"sensor": _SENSOR_COLOUR}
     return [
         Placed(name, canonical(evaluator.manifold(solid).trim_by_plane((1.0, 0.0, 0.0), 0.0)), colours[name])

@@ -1,0 +1,73 @@
+"""The core: the bone's outer form with everything let into it filled. The silicone flows around it.
+
+Overmolding casts around the bone itself; a sleeve is cast around a dummy core, smaller by the interference that makes
+the skin sit tight, and pulled over the bone afterwards.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from fingertip.cad.solids import Box, Form, Solid, difference, scaled, union
+from fingertip.conic import ConicBody
+from fingertip.design import Design
+
+
+def core(design: Design, inset_mm: float = 0.0) -> Solid:
+    """Envelope with palmar flat, groove and collar; smaller by `inset_mm` all round, but for the collar."""
+    dims = design.dimensions
+    body = _smaller(dims.envelope, inset_mm)
+    section = body.section
+    # The cutting box reaches past the envelope by a length of its own size, never by a literal "big" number.
+    past = section.half_width
+    below = Box(
+        (-section.half_width - past, -section.palmar - past, body.stations[0][0] - past),
+        (section.half_width + past, -dims.flat_depth + inset_mm, design.skin.length_mm + past),
+    )
+    return union(difference(Form(body), below, *_groove(design, body)), Form(dims.collar))
+
+
+def dummy_core(design: Design) -> Solid:
+    """The core a sleeve is cast around: printed, without the bone's hollows, larger by the silicone's shrinkage."""
+    return scaled(core(design, design.mold.sleeve_interference_mm), design.dimensions.shrinkage)
+
+
+def cast_around(design: Design) -> Solid:
+    """What lies in the closed mold while the silicone cures, its hollows filled."""
+    return dummy_core(design) if design.mold.method == "sleeve" else core(design)
+
+
+def inside_skin(design: Design) -> Solid:
+    """What the finished skin, relaxed, surrounds."""
+    return core(design, design.mold.sleeve_interference_mm if design.mold.method == "sleeve" else 0.0)
+
+
+def _smaller(body: ConicBody, inset: float) -> ConicBody:
+    section = body.section
+    smaller = replace(
+        section, half_width=section.half_width - inset, palmar=section.palmar - inset, dorsal=section.dorsal - inset
+    )
+    assert body.tip is not None
+    return replace(body, section=smaller, tip=replace(body.tip, z=body.tip.z - inset))
+
+
+def _groove(design: Design, body: ConicBody) -> tuple[Solid, ...]:
+    """A ring whose silicone keeps the skin from slipping off; its flanks rise at 45 degrees, so that it prints."""
+    bone, section = design.bone, body.section
+    if bone.groove_depth_mm == 0.0:
+        return ()
+    depth = bone.groove_depth_mm
+    floor = 1.0 - depth / section.half_width  # scale of the section at the groove's floor
+    low = bone.groove_distance_mm
+    z0, z1 = low + depth, low + depth + bone.groove_width_mm
+    s0, s1 = (body.scale_at(z) * floor for z in (z0, z1))
+    ring = Form(ConicBody(section, ((low - depth, 1.0 + depth / section.half_width), (z1 + 2 * depth, 1.0))))
+    # Lines of equal scale per length run on from floor to surface and past it, so no edge merely touches.
+    slope = (1.0 - floor) / depth
+    waist = Form(
+        ConicBody(
+            section,
+            ((low - 2 * depth, s0 + 3 * depth * slope), (z0, s0), (z1, s1), (z1 + 3 * depth, s1 + 3 * depth * slope)),
+        )
+    )
+    return (difference(ring, waist),)

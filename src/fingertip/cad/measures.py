@@ -56,10 +56,8 @@ def _skin(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     """Thinnest silicone between bone and surface; only above the plane where the skin ends, where it is cut square."""
     inside = _above(evaluator.manifold(inside_skin(design)), _CLEAR_MM)
     outside = _above(_around(evaluator, Form(design.dimensions.outer)), _CLEAR_MM)
-    reach = design.skin.width_mm
-    thinnest = inside.min_gap(outside, reach)
     least = design.skin.least_thickness_mm - evaluator.tolerance_mm
-    yield Check("skin.thinnest", thinnest, least, "mm", "at least")
+    yield _apart("skin.thinnest", inside, outside, least)
 
 
 def _bone(design: Design, evaluator: Evaluator) -> Iterator[Check]:
@@ -71,27 +69,25 @@ def _bone(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     channel, recess = (evaluator.manifold(s(design)) for s in (bone.cable_channel, bone.sensor_recess))
     _, minus = bone.interface(design)
     others = [evaluator.manifold(s) for s in (bone.tie_hole(design), *minus)]
-    reach = design.skin.width_mm
 
     # The channel where it is inside on all sides: behind the relief, and below its mouth in the back.
     buried = channel.trim_by_plane((0.0, 0.0, -1.0), -(dims.relief_proximal_z - 1e-3))
     mouth = dims.envelope.section.dorsal - wall - d
     buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
-    yield Check("bone.wall.channel_to_outside", buried.min_gap(outside, reach), wall, "mm", "at least")
+    yield _apart("bone.wall.channel_to_outside", buried, outside, wall)
     for name, other in zip(("tie_hole", "interface"), others, strict=False):
-        yield Check(f"bone.wall.channel_to_{name}", buried.min_gap(other, reach), wall, "mm", "at least")
+        yield _apart(f"bone.wall.channel_to_{name}", buried, other, wall)
 
     # Beside pocket and slot: in the plane of the flat both are open, so only what lies above it counts.
     let_in = recess.trim_by_plane((0.0, 1.0, 0.0), y_flat + _CLEAR_MM) ^ whole
     beside = outside.trim_by_plane((0.0, 1.0, 0.0), y_flat + _CLEAR_MM)
     rim = min(design.bone.rim_mm, wall)
-    yield Check("bone.wall.beside_sensor", let_in.min_gap(beside, reach), 0.95 * rim, "mm", "at least")
-    yield Check("bone.wall.sensor_to_tie_hole", recess.min_gap(others[0], reach), wall, "mm", "at least")
+    yield _apart("bone.wall.beside_sensor", let_in, beside, 0.95 * rim)
+    yield _apart("bone.wall.sensor_to_tie_hole", recess, others[0], wall)
     if design.bone.interface == "socket":
         deep = others[1].trim_by_plane((0.0, 0.0, 1.0), -design.bone.base_length_mm + wall)
-        sides = deep.min_gap(outside, reach)
-        yield Check("bone.wall.socket_to_outside", sides, wall, "mm", "at least")
-        yield Check("bone.wall.socket_to_sensor", deep.min_gap(recess, reach), wall, "mm", "at least")
+        yield _apart("bone.wall.socket_to_outside", deep, outside, wall)
+        yield _apart("bone.wall.socket_to_sensor", deep, recess, wall)
 
 
 def _vent_open(design: Design, evaluator: Evaluator) -> Check:
@@ -118,21 +114,20 @@ def _mold(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     vented = (cavity ^ runners).bounding_box()[5]
     yield Check("mold.unvented_height", highest - vented, 2 * evaluator.tolerance_mm, "mm")
 
-    wall, reach = design.printer.least_wall_mm - evaluator.tolerance_mm, m.half_width
+    wall = design.printer.least_wall_mm - evaluator.tolerance_mm
     outer = _around(evaluator, mold.block(design))
     engraved = (*mold.engraving(design, m, "palmar"), *mold.engraving(design, m, "dorsal"))
     cuts = union(*mold.nut_traps(design, m), *mold.pry_slots(design, m), *engraved)
-    thinnest = min(cavity.min_gap(outer, reach), cavity.min_gap(evaluator.manifold(cuts), reach))
-    yield Check("mold.wall.thinnest", thinnest, wall, "mm", "at least")
+    yield _apart("mold.wall.cavity_to_outside", cavity, outer, wall)
+    yield _apart("mold.wall.cavity_to_cuts", cavity, evaluator.manifold(cuts), wall)
     fasteners = {
         "bolts": (*mold.bolts(design, m), *mold.nut_traps(design, m)),
         "keys": mold.keys(design, m, design.mold.key_clearance_mm),
     }
     for name, solids in fasteners.items():
-        land = cavity.min_gap(evaluator.manifold(union(*solids)), reach)
         # sockets are wider than keys by their clearance
         least = design.mold.land_mm - 2 * design.mold.key_clearance_mm
-        yield Check(f"mold.land.{name}_to_cavity", land, least, "mm", "at least")
+        yield _apart(f"mold.land.{name}_to_cavity", cavity, evaluator.manifold(union(*solids)), least)
 
 
 def _stretch(design: Design, evaluator: Evaluator) -> Check:
@@ -152,6 +147,14 @@ def _perimeter(solid: Manifold, z: float) -> float:
     for outline in solid.slice(z).to_polygons():
         total += sum(math.dist(a, b) for a, b in zip(outline, [*outline[1:], outline[0]], strict=True))
     return total
+
+
+def _apart(name: str, first: Manifold, second: Manifold, least_mm: float) -> Check:
+    """The gap between two solids must be at least `least_mm`.
+
+    Gaps beyond twice that are not searched for (the search costs with its radius): the value then is twice the limit.
+    """
+    return Check(name, first.min_gap(second, 2.0 * least_mm), least_mm, "mm", "at least")
 
 
 def _around(evaluator: Evaluator, solid: Solid) -> Manifold:

@@ -28,7 +28,12 @@ def build(
     console = Console(as_json, quiet)
     loaded = Design.load(design, changes=changes or ())
     result = build_parts(
-        loaded, out, parts=None if parts is None else _words(parts), formats=_words(formats), tolerance_mm=tolerance_mm, say=console.say
+        loaded,
+        out,
+        parts=None if parts is None else _words(parts),
+        formats=_words(formats),
+        tolerance_mm=tolerance_mm,
+        say=console.say,
     )
     lines = [
         f"{built.part.name:12} {built.mesh.volume() / 1000:8.2f} cm3   {', '.join(built.files.values())}"

@@ -1,0 +1,105 @@
+#!/bin/sh
+# Make .venv beside this file, with fingertip in it. `sh install.sh test` adds what the tests need.
+# Run again after a change of the dependencies; if there was none it ends in a second. PYTHON=python3.12 sh install.sh
+# takes that Python for a new .venv.
+set -eu
+unset CDPATH
+cd "$(dirname "$0")"
+
+say() { echo "install: $1"; }
+fail() {
+    echo "install: $1" >&2
+    exit 1
+}
+
+case "${1-}" in '' | test) extra=${1-} ;; *) fail "the only word it takes is 'test'" ;; esac
+
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+trap 'exit 1' HUP INT TERM
+
+# What a command prints is shown only if the command fails.
+quietly() { "$@" >"$log" 2>&1 </dev/null || { cat "$log" >&2; return 1; }; }
+
+# System packages are installed only by root: a container has nobody to ask, a laptop's owner wants to be asked.
+can_install() { [ "$(id -u)" -eq 0 ] && command -v apt-get >/dev/null; }
+install_packages() {
+    apt-get -q update || echo "apt-get update failed; trying with the lists at hand"
+    DEBIAN_FRONTEND=noninteractive apt-get -q -y --no-install-recommends install "$@"
+}
+
+# --- .venv ---------------------------------------------------------------------------------------------------------
+# Made anew if its Python is gone (an upgrade of the system) or if the folder was moved or copied (scripts in .venv
+# name the place where they were made).
+usable() {
+    .venv/bin/python -m pip --version && grep -qF "$(pwd -P)/.venv/bin/python" .venv/bin/pip
+} >/dev/null 2>&1
+
+if ! usable; then
+    python=
+    for candidate in ${PYTHON-} python3 python3.11 python3.12 python3.13 python3.14; do
+        if "$candidate" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+            python=$candidate
+            break
+        fi
+    done
+    [ -n "$python" ] || fail "Python 3.11 or newer is needed; install it (Debian and Ubuntu: apt-get install python3 \
+python3-venv, macOS: brew install python) and run this again."
+
+    # Debian and Ubuntu ship Python without the part that puts pip into a venv.
+    if ! "$python" -c 'import ensurepip, venv' 2>/dev/null; then
+        package=$("$python" -c 'import sys; print("python%d.%d-venv" % sys.version_info[:2])')
+        sentence="$python cannot make a venv; install what is missing (Debian and Ubuntu: apt-get install $package) \
+and run this again."
+        can_install || fail "$sentence"
+        say "installing $package: $python cannot make a venv without it"
+        quietly install_packages "$package" || fail "$sentence"
+    fi
+    say "making .venv with $("$python" --version)"
+    quietly "$python" -m venv --clear .venv || fail "$python cannot make a venv."
+fi
+
+# --- fingertip -----------------------------------------------------------------------------------------------------
+# Editable: after a git pull the new code is there even if nobody runs this again, and the tests test the files one
+# edits. Then only a change of these files needs pip; what pip did last is noted in .venv.
+done_with="$(cat pyproject.toml constraints.txt src/fingertip/_version.py | cksum) "
+noted=$(cat .venv/installed 2>/dev/null || true)
+case "$noted" in
+    "$done_with$extra"*) say "fingertip is installed in .venv" ;;
+    *)
+        size=$([ -n "$noted" ] || echo ': some 0.5 GB to fetch, 1.9 GB in .venv')
+        say "installing fingertip${extra:+ and what its tests need}$size"
+        quietly .venv/bin/python -m pip install -q -c constraints.txt -e ".${extra:+[$extra]}" ||
+            fail "pip failed, see above; run this again when its cause is gone."
+        echo "$done_with$extra" >.venv/installed
+        ;;
+esac
+
+# --- shared libraries ----------------------------------------------------------------------------------------------
+# cadquery's wheels are built to draw on a screen and bring everything but these. Only STEP needs them.
+libraries="libGL.so.1 libX11.so.6 libexpat.so.1"
+packages="libgl1 libx11-6 libexpat1"
+missing() {
+    [ "$(uname -s)" = Linux ] || return 0
+    # shellcheck disable=SC2086 # several names
+    .venv/bin/python - $libraries <<'EOF'
+import ctypes, sys
+
+for name in sys.argv[1:]:
+    try:
+        ctypes.CDLL(name)
+    except OSError:
+        print(name)
+EOF
+}
+
+if [ -n "$(missing)" ] && can_install; then
+    say "installing $packages: STEP needs them"
+    # shellcheck disable=SC2086 # several packages
+    quietly install_packages $packages || true
+fi
+if [ -n "$(missing)" ]; then
+    say "STEP needs $(missing | paste -s -d ' ' -) (Debian and Ubuntu: apt-get install $packages); STL, 3MF and \
+everything else work without."
+fi
+say "done; try .venv/bin/fingertip --help"

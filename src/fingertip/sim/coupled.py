@@ -46,15 +46,15 @@ class Press:
 
     resonance_hz: float
     damping_ratio: float
-    hand_share: float = 0.05
-    """Stiffness of the hand behind the pad, as a share of the contact's (design note: 90 N/m against 1 to 2 kN/m)."""
+    hand_share: float = 0.02
+    """Stiffness of the hand behind the pad, as a share of the contact's: 90 N/m of some 5 kN/m (`sim.pad`)."""
 
     def __post_init__(self) -> None:
         refuse(
             [
                 *positive("press.resonance_hz", self.resonance_hz, "Hz", "90"),
                 *not_negative("press.damping_ratio", self.damping_ratio, ""),
-                *positive("press.hand_share", self.hand_share, "", "0.05"),
+                *positive("press.hand_share", self.hand_share, "", "0.02"),
             ]
         )
 

@@ -1,0 +1,123 @@
+"""The board in the time domain: sampled voltage in, filtered and enveloped voltage out, for one board or thousands.
+
+Between samples the input is linear, which the linear stages follow exactly (`sim.linear`); the diode is solved with
+error control (`sim.envelope_loop`). A jump is given as two values at one sample.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.sim import envelope_loop
+from fingertip.sim.circuit import Analog, system
+from fingertip.sim.envelope_loop import ABSCISSAE, LEVELS, WIDTH
+from fingertip.sim.inputs import columns, positive, refuse
+from fingertip.sim.linear import augmented, exponentials
+
+Array = NDArray[np.float64]
+
+_CHUNK = 256  # boards whose matrices are held at a time: 4 MB
+
+
+@dataclass(frozen=True)
+class Response:
+    """Voltages at the samples [V], along a first axis of boards if there are many; and what it took."""
+
+    filtered_v: Array
+    """Output of the second stage, ahead of the diode."""
+    envelope_v: Array
+    steps: int
+    rejected: int
+    implicit: int
+    """Steps in which the diode conducted; the others are closed forms."""
+
+
+def respond(
+    board: Analog, step_s: float, voltage_v: Array, tolerance_v: float = 1e-4, after_v: Array | None = None
+) -> Response:
+    """What the board makes of a voltage, starting settled on its first sample.
+
+    Parameters
+    ----------
+    board
+        One board, or many: any of its values may be an array.
+    step_s
+        Time between samples [s].
+    voltage_v
+        Voltage at the samples [V].
+    tolerance_v
+        Error of one step of the envelope [V].
+    after_v
+        Voltage right after each sample [V], where the input jumps there.
+
+    Raises
+    ------
+    TraceError
+        If the step or the tolerance is not above 0, or a sample is not finite (the first such is named).
+    """
+    after = voltage_v if after_v is None else after_v
+    refuse(
+        [
+            *positive("step_s", step_s, "s", "0.0005"),
+            *positive("tolerance_v", tolerance_v, "V", "1e-4"),
+            *columns(voltage_v=voltage_v, after_v=after),
+        ]
+    )
+    d = board.diode
+    names = [f for f in vars(board) if f[-2:] in ("_f", "hm")]
+    values = [
+        d.saturation_a,
+        np.multiply(d.emission, d.thermal_v),
+        d.series_ohm,
+        board.r_lp_ohm,
+        board.c_lp_f,
+        board.gain,
+    ]
+    values += [getattr(board, name) for name in names]
+    single = all(np.ndim(value) == 0 for value in values)
+    table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, values)), axis=1).astype(np.float64)
+    filtered = np.zeros((len(table), len(voltage_v)))
+    enveloped = np.zeros_like(filtered)
+    counts = np.zeros(3)
+    for start in range(0, len(table), _CHUNK):
+        part = table[start : start + _CHUNK]
+        chunk = board.changed(**{name: part[:, 6 + i] for i, name in enumerate(names)})
+        n, steps, rows, out = _matrices(chunk, step_s)
+        for i, (saturation, nvt, series, r, c, gain) in enumerate(part[:, :6].tolist()):
+            count, z = np.zeros(3), np.zeros(WIDTH)
+            z[0] = voltage_v[0]
+            envelope_loop.run(
+                tolerance_v, step_s, n, LEVELS, board.rail_v or 0.0, gain, (saturation, nvt, series), (r, c),
+                voltage_v, after, steps[i], rows[i], out[i],
+                z, np.zeros(WIDTH), filtered[start + i], enveloped[start + i], count,
+            )  # fmt: skip
+            counts += count
+    if single:
+        filtered, enveloped = filtered[0], enveloped[0]
+    return Response(filtered, enveloped, *(int(count) for count in counts))
+
+
+def _matrices(board: Analog, step_s: float) -> tuple[int, Array, Array, Array]:
+    """For each board, flat: rows of the state's steps and of the output within them, by mode and level."""
+    steps, rows = [], []
+    outs: Array = np.zeros(0)
+    n = 0
+    for mode in range(9 if board.rail_v else 1):
+        A, b, k, out = system(board, mode)
+        n = A.shape[-1]
+        if mode == 0:
+            outs = np.pad(out, ((0, 0), (0, WIDTH - n - 3)))
+        M = augmented(A, b, k)
+        whole = exponentials(M, step_s, LEVELS + 2)
+        odd = exponentials(M, step_s * 0.55, LEVELS)
+        quarter, half, full = whole[:, 2:], whole[:, 1:-1], whole[:, :-2]
+        at = {0.25: quarter, 0.5: half, 0.75: quarter @ half, 0.55: odd, 1.0: full}
+        row = np.stack([(out[:, None, None, :] @ at[c])[:, :, 0] for c in ABSCISSAE], axis=2)
+        pad = ((0, 0), (0, 0), (0, 0), (0, WIDTH - n - 3))
+        steps.append(np.pad(full[:, :, :n], pad))
+        rows.append(np.pad(row, pad))
+    count = len(outs)
+    return n, np.stack(steps, axis=1).reshape(count, -1), np.stack(rows, axis=1).reshape(count, -1), outs

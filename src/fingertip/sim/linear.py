@@ -1,0 +1,47 @@
+"""Exact steps of linear circuits: x' = A x + b u + k, with an input u that is linear in time over the step.
+
+The state is carried as z = (x, u, slope of u, 1), so one matrix exponential of that larger system holds everything
+(C. Van Loan, IEEE Trans. Automatic Control 23(3), 1978, doi:10.1109/TAC.1978.1101743). The shortest step's
+exponential is a Taylor series; each longer one is the square of the one before (scaling and squaring).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_TERMS = 10  # of the series, for a norm of at most 1/16: the next one is below 1e-20
+
+
+def augmented(A: Array, b: Array, k: Array) -> Array:
+    """The matrix of z' = M z; leading dimensions are a batch. A: (..., n, n), b and k: (..., n)."""
+    n = A.shape[-1]
+    M = np.zeros((*A.shape[:-2], n + 3, n + 3))
+    M[..., :n, :n] = A
+    M[..., :n, n] = b
+    M[..., :n, n + 2] = k
+    M[..., n, n + 1] = 1.0
+    return M
+
+
+def exponentials(M: Array, step_s: float, levels: int) -> Array:
+    """exp(M step / 2^l) for l = 0 .. levels - 1, in a new axis before the last two."""
+    shortest = M * (step_s * 2.0 ** (1 - levels))
+    norm = float(np.abs(shortest).sum(axis=-1).max())
+    extra = max(0, math.ceil(math.log2(norm * 16.0))) if norm > 0.0 else 0
+    X = shortest * 2.0**-extra
+    E = term = np.broadcast_to(np.eye(M.shape[-1]), M.shape)
+    for i in range(1, _TERMS + 1):
+        term = term @ X / i
+        E = E + term
+    for _ in range(extra):
+        E = E @ E
+    found = [E]
+    for _ in range(levels - 1):
+        E = E @ E
+        found.append(E)
+    return np.stack(found[::-1], axis=-3)

@@ -1,0 +1,281 @@
+"""The board in the time domain: against closed forms, scipy, ngspice, and on extreme parts and inputs."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from fingertip.board.filters import filter_network
+from fingertip.board.values import board_values
+from fingertip.design import Design
+from fingertip.errors import TraceError
+from fingertip.sim.analog import respond
+from fingertip.sim.circuit import Analog, Diode, system
+from fingertip.sim.envelope_loop import omega
+from fingertip.sim.jit import compiled
+from fingertip.sim.linear import augmented, exponentials
+from tests.tools import require_tool
+
+DESIGN = Design()
+BOARD = Analog.of(DESIGN)
+STEP_S = 1 / 2000
+STIFF_DIODES = {
+    "as fitted": {},
+    "Is 1e-14": {"diode": Diode(1e-14, 1.0)},
+    "Is 1e-6": {"diode": Diode(1e-6, 1.0)},
+    "Rs 0": {"diode": Diode(series_ohm=0.0)},
+    "Rs 1G": {"diode": Diode(series_ohm=1e9)},
+    "R 1G": {"r_lp_ohm": 1e9},
+    "C 1p": {"c_lp_f": 1e-12},
+    "C 1p, Rs 0, Is 1e-14": {"c_lp_f": 1e-12, "diode": Diode(1e-14, 1.0, 0.0)},
+    "all C 1p": {"c1_f": 1e-12, "c2_f": 1e-12, "c3_f": 1e-12, "c_lp_f": 1e-12},
+    "R 1G, C 1p": {"r1_ohm": 1e9, "r2_ohm": 1e9, "r3_ohm": 1e9, "r_lp_ohm": 1e9, "c_lp_f": 1e-12},
+    "rails": {"rail_v": 3.5},
+    "gain-bandwidth": {"gain_bandwidth_hz": 3e6},
+}
+
+
+def burst(seconds: float = 0.5) -> np.ndarray:
+    """90 Hz that comes and goes, on a constant, bent between samples as converters see it."""
+    time = np.arange(round(seconds / STEP_S) + 1) * STEP_S
+    return 4.0 + np.where((time > 0.1) & (time < 0.35), 0.02 * np.sin(2 * math.pi * 90 * time), 0.0)
+
+
+@pytest.mark.parametrize("y", [-800.0, -60.0, -40.0, -5.0, -2.0, -1.0, 0.0, 1.0, 3.0, 50.0, 1e5])
+def test_omega_solves_its_equation(y):
+    from scipy.special import wrightomega
+
+    assert omega(y) == pytest.approx(float(wrightomega(y)), rel=1e-14)
+
+
+def test_omega_everywhere():
+    from scipy.special import wrightomega
+
+    y = np.linspace(-45, 60, 20_001)
+    assert np.abs(np.array([omega(a) for a in y.tolist()]) / wrightomega(y) - 1).max() < 1e-14
+
+
+@pytest.mark.parametrize("capacitor_f", [1e-6, 1e-12])
+def test_exponentials_against_scipy(capacitor_f):
+    from scipy.linalg import expm
+
+    A, b, k, _ = system(BOARD.changed(c1_f=capacitor_f, c2_f=capacitor_f, c3_f=capacitor_f))
+    M = augmented(A, b, k)
+    for level, ours in enumerate(exponentials(M, STEP_S, 6)[0]):
+        theirs = expm(M[0] * STEP_S / 2**level)
+        assert np.abs(ours - theirs).max() < 1e-9 * np.abs(theirs).max()
+
+
+@pytest.mark.parametrize("frequency", [20.0, 67.0, 90.0, 200.0])
+def test_a_tone_comes_out_as_the_formulas_have_it(frequency):
+    """Finely sampled, so that straight lines between samples are a sine; below the diode's reach."""
+    step = 1 / 32_000
+    time = np.arange(32_000) * step
+    out = respond(BOARD, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[16_000:]
+    gain = abs(filter_network(frequency, board_values(DESIGN).preferred))
+    assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * gain, rel=2e-3)
+
+
+def test_agrees_with_another_solver():
+    """scipy's Radau on the circuit's own equations, restarted at every sample, where the input bends."""
+    from scipy.integrate import solve_ivp
+    from scipy.optimize import brentq
+
+    b, d, voltage = BOARD, BOARD.diode, burst(0.15)
+    ours = respond(b, STEP_S, voltage, 1e-8)
+    nvt = d.emission * d.thermal_v
+
+    def current(v):
+        if v < -0.5:  # what is missing to the reverse current is below 1e-4 of it
+            return -d.saturation_a
+        return brentq(lambda i: v - i * d.series_ohm - nvt * math.log1p(i / d.saturation_a), -0.999999 * 2.52e-9, 1.0,
+                      xtol=1e-18)  # fmt: skip
+
+    state = [voltage[0], 0.0, 0.0, 0.0]
+    for i in range(190, len(voltage) - 1):
+
+        def rates(t, s, i=i):
+            u = voltage[i] + (voltage[i + 1] - voltage[i]) * t / STEP_S
+            p = u - s[0]
+            behind = b.gain * p - s[1] - s[2]
+            q3 = behind / b.r3_ohm / b.c3_f
+            q2 = (behind / b.r3_ohm + s[2] / b.r2_ohm) / b.c2_f
+            return [p / b.r1_ohm / b.c1_f, q2, q3, (current(behind - s[3]) - s[3] / b.r_lp_ohm) / b.c_lp_f]
+
+        state = solve_ivp(rates, (0, STEP_S), state, "Radau", rtol=1e-8, atol=1e-10).y[:, -1]
+        assert state[3] == pytest.approx(ours.envelope_v[i + 1], abs=3e-7)
+        behind = b.gain * (voltage[i + 1] - state[0]) - state[1] - state[2]
+        assert behind == pytest.approx(ours.filtered_v[i + 1], abs=1e-6)
+    assert ours.envelope_v.max() > 0.3
+
+
+def test_agrees_with_ngspice(tmp_path):
+    from benchmarks.sim_spice import run_ngspice
+
+    voltage = burst()
+    ours = respond(BOARD, STEP_S, voltage, 1e-8)
+    program = require_tool("ngspice", "run `sh .ci/install-ngspice` as root on Debian, or install ngspice")
+    filtered, envelope = run_ngspice(program, tmp_path, BOARD, STEP_S, voltage, reltol=1e-6, longest_s=2e-5)
+    assert np.abs(filtered - ours.filtered_v).max() < 1e-4
+    assert np.abs(envelope - ours.envelope_v).max() < 2e-4
+    assert ours.envelope_v.max() > 0.5
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5])
+def test_the_tolerance_is_kept(tolerance):
+    voltage = burst()
+    exact = respond(BOARD, STEP_S, voltage, 1e-10).envelope_v
+    assert np.abs(respond(BOARD, STEP_S, voltage, tolerance).envelope_v - exact).max() < tolerance
+
+
+def test_steps_are_few_and_rest_is_free():
+    rest = respond(BOARD, STEP_S, np.full(1001, 4.3))
+    assert (rest.steps, rest.rejected, rest.implicit) == (1000, 0, 0)
+    assert np.abs(rest.envelope_v).max() < 1e-9
+    found = respond(BOARD, STEP_S, burst())
+    assert found.steps < 1.8 * 1000
+    assert found.rejected < 0.15 * found.steps
+    assert found.implicit < 0.9 * 1000
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+@pytest.mark.parametrize("what", ["burst", "100 V jump", "100 V ramp", "zero", "denormal"])
+@pytest.mark.parametrize("parts", STIFF_DIODES)
+def test_extremes(parts, what, tolerance):
+    board, voltage = BOARD.changed(**STIFF_DIODES[parts]), burst()
+    late = np.arange(len(voltage)) > 200
+    after = None
+    if what == "100 V jump":
+        voltage = np.where(late, 100.0, 0.0)
+        after = np.where(np.arange(len(voltage)) >= 200, 100.0, 0.0)
+    elif what == "100 V ramp":
+        voltage = np.where(late, 100.0, 0.0)
+    elif what == "zero":
+        voltage = np.zeros_like(voltage)
+    elif what == "denormal":
+        voltage = np.where(late, 1e-310, 0.0)
+    with compiled():
+        found = respond(board, STEP_S, voltage, tolerance, after)
+        finer = respond(board, STEP_S, voltage, tolerance / 10, after)
+    assert np.isfinite(found.envelope_v).all()
+    assert np.isfinite(found.filtered_v).all()
+    # The envelope stays below the most the filter gives, above what reverse current can do, and never rings.
+    most = float(np.max(board.gain)) * np.ptp(np.append(voltage, after if after is not None else voltage))
+    if board.rail_v:
+        most = min(most, board.rail_v)
+    assert np.abs(found.envelope_v - finer.envelope_v).max() < 3 * tolerance + 1e-8 * most
+    assert found.envelope_v.max() <= most + tolerance
+    assert found.envelope_v.min() >= -board.diode.saturation_a * board.r_lp_ohm - tolerance
+    assert found.steps < 100_000
+    if what in ("zero", "denormal"):
+        assert np.abs(found.envelope_v).max() < tolerance
+
+
+def test_a_jump_charges_the_envelope_to_its_top():
+    """No Rs, no load to speak of: the peak is the jump times the gain, less the diode's drop."""
+    board = BOARD.changed(diode=Diode(1e-6, 1.0, 0.0), r_lp_ohm=1e9)
+    voltage = np.where(np.arange(50) > 20, 1.0, 0.0)
+    after = np.where(np.arange(50) >= 20, 1.0, 0.0)
+    out = respond(board, STEP_S, voltage, 1e-6, after).envelope_v
+    assert out[20] == pytest.approx(0.0, abs=1e-6)
+    assert float(board.gain) - 0.8 < out[21] < float(board.gain)
+    ramp = respond(board, STEP_S, voltage, 1e-6).envelope_v
+    assert ramp[21] < 0.9 * out[21]
+
+
+def test_rails_hold_the_output_and_leave_small_signals_alone():
+    strong = 50 * (burst() - 4.0)
+    clipped = respond(BOARD.changed(rail_v=3.5), STEP_S, strong)
+    assert np.abs(clipped.filtered_v).max() == 3.5
+    assert np.abs(respond(BOARD, STEP_S, strong).filtered_v).max() > 50
+    small = 0.5 * burst()
+    free, railed = respond(BOARD, STEP_S, small), respond(BOARD.changed(rail_v=3.5), STEP_S, small)
+    assert np.abs(free.envelope_v - railed.envelope_v).max() < 1e-12
+
+
+def test_rails_against_small_steps():
+    """Both amplifiers clip: Euler's rule with a step of 0.1 us, on equations of its own."""
+    b, rail = BOARD, 3.5
+    voltage = (12 * (burst() - 4.0))[200:320]
+    ours = respond(b.changed(rail_v=rail), STEP_S, voltage, 1e-7).filtered_v
+    q1, q2, q3, h, inner = voltage[0], 0.0, 0.0, 1e-6, 500
+    for i in range(len(voltage) - 1):
+        for j in range(inner):
+            u = voltage[i] + (voltage[i + 1] - voltage[i]) * (j + 0.5) / inner
+            o1 = min(max(b.gain * (u - q1), -rail), rail)
+            n = o1 - q2 - q3
+            o2 = min(max(n, -rail), rail)
+            q1, q2, q3 = (
+                q1 + h * (u - q1) / b.r1_ohm / b.c1_f,
+                q2 + h * (n / b.r3_ohm + (n + q3 - o2) / b.r2_ohm) / b.c2_f,
+                q3 + h * n / b.r3_ohm / b.c3_f,
+            )
+        n = min(max(b.gain * (voltage[i + 1] - q1), -rail), rail) - q2 - q3
+        assert ours[i + 1] == pytest.approx(min(max(n, -rail), rail), abs=0.01)
+
+
+def test_a_finite_gain_bandwidth_changes_little_and_only_so_much():
+    fast, slow = (respond(BOARD.changed(gain_bandwidth_hz=f), STEP_S, burst()).filtered_v for f in (1e9, 3e4))
+    ideal = respond(BOARD, STEP_S, burst()).filtered_v
+    assert np.abs(fast - ideal).max() < 1e-4 * np.abs(ideal).max()
+    assert 0.01 < np.abs(slow - ideal).max() / np.abs(ideal).max() < 0.5  # 30 kHz / 67.7 = 443 Hz of bandwidth
+
+
+def test_a_million_samples():
+    voltage = np.tile(burst(0.5)[:-1], 1000)
+    pytest.importorskip("numba")
+    with compiled():
+        found = respond(BOARD, STEP_S, voltage)
+    period = found.envelope_v.reshape(1000, 1000)
+    assert np.abs(period[1:] - period[-1]).max() < 1e-4  # as in its second period, so in its last
+    assert np.isfinite(found.envelope_v).all()
+
+
+def test_many_boards_at_once_are_the_single_ones():
+    caps = np.array([0.9e-6, 1e-6, 1.1e-6])
+    many = respond(BOARD.changed(c2_f=caps), STEP_S, burst(0.2))
+    for row, c in zip(many.envelope_v, caps.tolist(), strict=True):
+        assert np.array_equal(row, respond(BOARD.changed(c2_f=c), STEP_S, burst(0.2)).envelope_v)
+    assert many.envelope_v.shape == (3, 401)
+
+
+def test_compiled_gives_the_same_numbers():
+    pytest.importorskip("numba")
+    plain = respond(BOARD, STEP_S, burst())
+    with compiled():
+        fast = respond(BOARD, STEP_S, burst())
+    assert np.array_equal(plain.envelope_v, fast.envelope_v)
+    assert plain.steps == fast.steps
+
+
+def test_input_that_is_not_finite_is_named_with_its_sample():
+    for bad in (math.nan, math.inf):
+        voltage = burst()
+        voltage[[17, 30]] = bad
+        with pytest.raises(TraceError, match=rf"voltage_v: {bad} at sample 17, and 1 more after it, is not a finite"):
+            respond(BOARD, STEP_S, voltage)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"c1_f": 0.0}, r"board\.c1_f: 0 F is refused; give a finite number above 0, such as 1e-6 F"),
+        ({"r_lp_ohm": -1.0}, r"board\.r_lp_ohm: -1 ohm"),
+        ({"diode": Diode(saturation_a=0.0)}, r"diode\.saturation_a: 0 A"),
+        ({"diode": Diode(series_ohm=-1.0)}, r"diode\.series_ohm: -1 ohm .* at least 0"),
+        ({"rail_v": math.nan}, r"board\.rail_v: nan V"),
+        ({"rail_v": 3.0, "gain_bandwidth_hz": 1e6}, r"board\.rail_v: .*not modelled together"),
+    ],
+    ids=str,
+)
+def test_impossible_parts_are_refused(change, words):
+    with pytest.raises(TraceError, match=words):
+        BOARD.changed(**change)
+
+
+@pytest.mark.parametrize("step", [0.0, -1.0, math.nan])
+def test_a_rate_of_nothing_is_refused(step):
+    with pytest.raises(TraceError, match=r"step_s: .* above 0, such as 0\.0005 s"):
+        respond(BOARD, step, burst())

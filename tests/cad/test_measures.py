@@ -161,6 +161,15 @@ def test_a_key_at_the_cavitys_edge(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "mold.land.keys_to_cavity" in failures()
 
 
+def test_a_hollow_that_looks_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ball-ended groove below the parting plane: the palmar half would hold what flows into it."""
+    original = mold.openings
+    groove = cylinder("z", (8.0, -3.0), 5.0, 15.0, 0.7)
+    monkeypatch.setattr(mold, "openings", lambda design: union(original(design), groove))
+    assert "mold_palmar.undercut" in failures()
+    assert "mold_dorsal.undercut" not in failures()
+
+
 def test_parts_larger_than_the_printer() -> None:
     assert failures("printer.bed_x_mm=40", "printer.bed_y_mm=60", "printer.bed_z_mm=50") == {
         "bone.past_the_printer",

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from fingertip.cad import bone, mold
 from fingertip.cad import skin as skin_part
@@ -24,6 +26,7 @@ from fingertip.design.mold_layout import lay_out
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
+_NO_AREA_MM2 = 1e-4
 _CLEAR_MM = 0.02  # a cut on a plane that both solids share would leave them touching there
 
 
@@ -110,6 +113,8 @@ def _mold(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     yield Check("mold.hollows_connected", len(hollow.decompose()), 1, "bodies", "exactly")
     face = hollow.trim_by_plane((0.0, 0.0, 1.0), m.distal_z - 0.01)
     yield Check("mold.gate_and_vents_reach_outside", len(face.decompose()), 1 + len(m.vents_x), "mouths", "exactly")
+    for half, opens in (("mold_palmar", -1.0), ("mold_dorsal", 1.0)):
+        yield Check(f"{half}.undercut", _undercut(hollow, opens), _NO_AREA_MM2, "mm2")
     highest = cavity.bounding_box()[5]
     vented = (cavity ^ runners).bounding_box()[5]
     yield Check("mold.unvented_height", highest - vented, 2 * evaluator.tolerance_mm, "mm")
@@ -128,6 +133,19 @@ def _mold(design: Design, evaluator: Evaluator) -> Iterator[Check]:
         # sockets are wider than keys by their clearance
         least = design.mold.land_mm - 2 * design.mold.key_clearance_mm
         yield _apart(f"mold.land.{name}_to_cavity", cavity, evaluator.manifold(union(*solids)), least)
+
+
+def _undercut(hollow: Manifold, opens: float) -> float:
+    """Area [mm2] of the hollow's surface on one side of the parting plane that looks back at it.
+
+    There the mold holds what was cast. `opens` is the side's direction: the half is pulled off that way.
+    """
+    raw: Any = hollow.trim_by_plane((0.0, opens, 0.0), 0.0).to_mesh64()
+    corners = np.asarray(raw.vert_properties)[:, :3][np.asarray(raw.tri_verts, dtype=np.int64)]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
+    area = np.linalg.norm(normal, axis=1)
+    backwards = (normal[:, 1] * opens < -1e-4 * area) & (np.abs(corners[:, :, 1]).max(axis=1) > 1e-6)
+    return float(area[backwards].sum())
 
 
 def _stretch(design: Design, evaluator: Evaluator) -> Check:

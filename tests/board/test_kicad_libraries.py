@@ -6,7 +6,6 @@ import fnmatch
 import functools
 import json
 import os
-import re
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -17,43 +16,16 @@ import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.circuit import kicad_name
-from fingertip.board.netlist import part_uuid
+from fingertip.board.identity import part_uuid
 from fingertip.board.output import NETLIST
 from fingertip.design import Design
+from tests.board.expressions import Expression, children, everywhere, parse
+from tests.board.kicad import HOW
 from tests.tools import require_tool
 
-HOW = "run `sh .ci/install-kicad` as root on Debian 12, or install KiCad 9 with its symbols and footprints"
 CIRCUIT = board_circuit(board_values(Design()))
 SYMBOLS = sorted({part.symbol for part in CIRCUIT.parts}, key=lambda s: (s.library, s.name))
 FOOTPRINTS = sorted({part.footprint for part in CIRCUIT.parts})
-
-Expression = list[Any]
-
-
-def parse(text: str) -> Expression:
-    """An s-expression as nested lists of words."""
-    stack: list[Expression] = [[]]
-    for quoted, bracket, word in re.findall(r'"((?:[^"\\]|\\.)*)"|([()])|([^\s()"]+)', text):
-        if bracket == "(":
-            stack.append([])
-        elif bracket == ")":
-            done = stack.pop()
-            stack[-1].append(done)
-        else:
-            stack[-1].append(word or quoted)
-    return stack[0][0]  # type: ignore[no-any-return]
-
-
-def children(expression: Expression, head: str) -> Iterator[Expression]:
-    return (item for item in expression if isinstance(item, list) and item and item[0] == head)
-
-
-def everywhere(expression: Expression, head: str) -> Iterator[Expression]:
-    for item in expression:
-        if isinstance(item, list):
-            if item and item[0] == head:
-                yield item
-            yield from everywhere(item, head)
 
 
 @functools.cache

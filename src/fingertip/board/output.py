@@ -9,6 +9,9 @@ from fingertip.board.bom import bill_of_materials
 from fingertip.board.circuit import Circuit
 from fingertip.board.netlist import kicad_netlist
 from fingertip.board.paper_circuit import paper_circuit
+from fingertip.board.paper_sheet import PAPER_SHEET
+from fingertip.board.project import kicad_project
+from fingertip.board.schematic import kicad_schematic
 from fingertip.board.spice import spice_deck
 from fingertip.board.values import BoardValues, board_values
 from fingertip.design import Design
@@ -18,6 +21,8 @@ NETLIST = "slip_filter.net"
 VALUES = "values.json"
 DECK = "slip_filter.cir"
 PARTS = "bom.csv"
+SCHEMATIC = "slip_filter.kicad_sch"
+PROJECT = "slip_filter.kicad_pro"
 
 
 def board_circuit(values: BoardValues) -> Circuit:
@@ -36,6 +41,8 @@ def board_files(design: Design) -> dict[str, bytes]:
     circuit = board_circuit(values)
     return {
         NETLIST: kicad_netlist(circuit),
+        SCHEMATIC: kicad_schematic(circuit, PAPER_SHEET),
+        PROJECT: kicad_project(circuit),
         DECK: spice_deck(circuit, design.board.gain_bandwidth_hz, design.board.supply_v),
         PARTS: bill_of_materials(circuit),
         VALUES: text.encode(),

@@ -26,7 +26,7 @@ GAIN_A = "GAIN_A"
 GAIN_B = "GAIN_B"
 TACTILE = "TACTILE"
 STAGE1_IN = "STAGE1_IN"
-STAGE1_FEEDBACK = "STAGE1_FEEDBACK"
+FEEDBACK = "FEEDBACK"
 STAGE1_OUT = "STAGE1_OUT"
 STAGE2_MID = "STAGE2_MID"
 STAGE2_IN = "STAGE2_IN"
@@ -101,10 +101,10 @@ def _filters(values: Components) -> Wiring:
         # First-order high-pass, gain 1 + R5/R4 (eqs. 1, 2).
         capacitor("C1", values.c_f, "first stage: in series"): {"1": TACTILE, "2": STAGE1_IN},
         resistor("R1", values.r1_ohm, "first stage: pole, with C1"): {"1": STAGE1_IN, "2": GND},
-        resistor("R4", values.r4_ohm, "first stage: to ground"): {"1": STAGE1_FEEDBACK, "2": GND},
-        resistor("R5", values.r5_ohm, "first stage: feedback"): {"1": STAGE1_OUT, "2": STAGE1_FEEDBACK},
+        resistor("R4", values.r4_ohm, "first stage: to ground"): {"1": FEEDBACK, "2": GND},
+        resistor("R5", values.r5_ohm, "first stage: feedback"): {"1": STAGE1_OUT, "2": FEEDBACK},
         amplifier: {
-            "3": STAGE1_IN, "2": STAGE1_FEEDBACK, "1": STAGE1_OUT,
+            "3": STAGE1_IN, "2": FEEDBACK, "1": STAGE1_OUT,
             "5": STAGE2_IN, "6": FILTERED, "7": FILTERED,
             "8": VCC, "4": VEE,
         },
@@ -122,7 +122,7 @@ def _filters(values: Components) -> Wiring:
 
 def _converter() -> Wiring:
     """Anti-alias poles and clamps to ground and VCC, for the envelope and for the tactile voltage."""
-    output = _part("J3", "ADC", symbols.CONNECTOR_4, symbols.HEADER_4, "to the converter: envelope, tactile voltage")
+    output = _part("J3", "ADC", symbols.CONNECTOR_4, symbols.HEADER_4, "to the converter: tactile voltage, envelope")
     return {
         _resistor("R7", ALIAS_OHM, "anti-alias of the envelope", _FILTER_RATING): {"1": ENVELOPE, "2": ADC_ENVELOPE},
         _capacitor("C8", ALIAS_F, "anti-alias of the envelope", symbols.C_0603): {"1": ADC_ENVELOPE, "2": GND},
@@ -132,7 +132,7 @@ def _converter() -> Wiring:
         },
         _capacitor("C9", ALIAS_F, "anti-alias of the tactile voltage", symbols.C_0603): {"1": ADC_TACTILE, "2": GND},
         _clamp("D3", "clamp of the tactile voltage"): {"1": GND, "2": VCC, "3": ADC_TACTILE},
-        output: {"1": ADC_ENVELOPE, "2": GND, "3": ADC_TACTILE, "4": GND},
+        output: {"1": ADC_TACTILE, "2": ADC_ENVELOPE, "3": GND, "4": GND},
     }  # fmt: skip
 
 

@@ -1,0 +1,45 @@
+"""KiCad project file: names the schematic's and board's settings, and which checks do not apply."""
+
+from __future__ import annotations
+
+import json
+
+from fingertip.board.circuit import Circuit
+
+CLEARANCE_MM = 0.15
+TRACK_MM = 0.2
+VIA_MM = 0.6
+VIA_DRILL_MM = 0.3
+
+_IGNORED_IN_SCHEMATIC = ("lib_symbol_mismatch", "lib_symbol_issues", "footprint_link_issues")
+_IGNORED_ON_BOARD = ("lib_footprint_mismatch", "lib_footprint_issues")
+# Symbols and footprints are drawn by this package with the libraries' pins and pads, but other lines; and a machine
+# may have no libraries at all.
+
+
+def kicad_project(circuit: Circuit) -> bytes:
+    """The project's file, JSON."""
+    netclass = {
+        "name": "Default", "priority": 2147483647, "clearance": CLEARANCE_MM, "track_width": TRACK_MM,
+        "via_diameter": VIA_MM, "via_drill": VIA_DRILL_MM, "microvia_diameter": 0.3, "microvia_drill": 0.1,
+        "diff_pair_gap": 0.25, "diff_pair_via_gap": 0.25, "diff_pair_width": 0.2, "bus_width": 12, "line_style": 0,
+        "wire_width": 6, "pcb_color": "rgba(0, 0, 0, 0.000)", "schematic_color": "rgba(0, 0, 0, 0.000)",
+    }  # fmt: skip
+    rules = {
+        "min_clearance": CLEARANCE_MM, "min_track_width": 0.15, "min_via_diameter": 0.5, "min_via_annular_width": 0.1,
+        "min_through_hole_diameter": 0.3, "min_hole_clearance": 0.2, "min_hole_to_hole": 0.25,
+        "min_copper_edge_clearance": 0.3, "min_silk_clearance": 0.0, "min_text_height": 0.5,
+        "min_text_thickness": 0.08, "solder_mask_to_copper_clearance": 0.0,
+    }  # fmt: skip
+    data = {
+        "board": {
+            "design_settings": {
+                "rules": rules,
+                "rule_severities": dict.fromkeys(_IGNORED_ON_BOARD, "ignore"),
+            }
+        },
+        "erc": {"meta": {"version": 0}, "rule_severities": dict.fromkeys(_IGNORED_IN_SCHEMATIC, "ignore")},
+        "meta": {"filename": f"{circuit.name}.kicad_pro", "version": 3},
+        "net_settings": {"classes": [netclass], "meta": {"version": 4}},
+    }
+    return (json.dumps(data, indent=2) + "\n").encode()

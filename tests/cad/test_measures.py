@@ -35,7 +35,8 @@ def test_nothing_fails_untouched(changes: list[str]) -> None:
 def test_the_thinnest_skin_is_found_where_it_is() -> None:
     """1.5 mm on the back, less what the taper takes: nowhere else is this skin thinner."""
     assert measured()["skin.thinnest"].value == pytest.approx(1.5, abs=0.01)
-    assert measured("skin.least_thickness_mm=1.6")["skin.thinnest"].passed is False
+    edges = measured("skin.thickness_side_mm=1.2", "skin.least_thickness_mm=1.2", "bone.squareness_palmar=2.5")
+    assert not edges["skin.thinnest"].passed, "the bone's squarer edges come nearer than its sides"
 
 
 def test_a_bump_under_the_skin(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,6 +14,7 @@ from tests.conftest import design_file
 BROKEN = {
     "skin.tip_length_mm": ["skin.tip_length_mm=33"],
     "skin.thickness_side_mm": ["skin.thickness_side_mm=5.5"],
+    "skin.least_thickness_mm": ["skin.least_thickness_mm=1.7"],
     "skin.thickness_dorsal_mm": ["skin.thickness_dorsal_mm=6.5"],
     "skin.thickness_tip_mm": ["skin.thickness_tip_mm=9.5"],
     "skin.squareness_tip": ["skin.taper_ratio=0.4", "skin.tip_length_mm=20"],
@@ -52,6 +53,7 @@ BROKEN = {
 }
 MORE = [  # fields that a second rule blames too
     ("sensor.distance_from_tip_mm", ["sensor.model=fsr400_short", "sensor.distance_from_tip_mm=18"]),
+    ("bone.wall_mm", ["bone.wall_mm=0.6"]),
     ("mold.recess_length_mm", ["mold.recess_length_mm=2.5"]),
     (
         "bone.cross_bolt_diameter_mm",

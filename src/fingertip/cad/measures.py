@@ -88,7 +88,7 @@ def _bone(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     yield _apart("bone.wall.beside_sensor", let_in, beside, 0.95 * rim)
     yield _apart("bone.wall.sensor_to_tie_hole", recess, others[0], wall)
     if design.bone.interface == "socket":
-        deep = others[1].trim_by_plane((0.0, 0.0, 1.0), -design.bone.base_length_mm + wall)
+        deep = others[1].trim_by_plane((0.0, 0.0, 1.0), -design.bone.base_length_mm + 2 * wall)  # off its mouth
         yield _apart("bone.wall.socket_to_outside", deep, outside, wall)
         yield _apart("bone.wall.socket_to_sensor", deep, recess, wall)
 

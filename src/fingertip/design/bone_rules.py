@@ -21,6 +21,13 @@ _FLAT = (
 )  # fmt: skip
 
 
+@RULES.rule("bone.wall_mm", "printer.least_wall_mm")
+def _walls_print(d: Design) -> str | None:
+    if d.bone.wall_mm >= d.printer.least_wall_mm - SLACK:
+        return None
+    return f"{d.bone.wall_mm:g} mm does not print; at least {d.printer.least_wall_mm:g} mm (printer.least_wall_mm)."
+
+
 @RULES.rule(
     "bone.base_length_mm", "bone.channel_diameter_mm", "bone.channel_bend_radius_mm", "bone.wall_mm",
     "bone.relief_length_mm", "bone.collar_length_mm", "bone.tie_hole_diameter_mm", "bone.interface",

@@ -49,6 +49,17 @@ def _bone_left_at_sides(d: Design) -> str | None:
     return f"{d.skin.thickness_side_mm:g} mm leaves less than {_BONE_LEFT:g} mm of bone; at most {floor2(most)} mm."
 
 
+@RULES.rule(
+    "skin.least_thickness_mm", "skin.thickness_side_mm", "skin.thickness_dorsal_mm", "skin.thickness_palmar_mm",
+    "skin.thickness_tip_mm",
+)  # fmt: skip
+def _thinnest_below_nominal(d: Design) -> str | None:
+    most = min(getattr(d.skin, f"thickness_{side}_mm") for side in ("side", "dorsal", "palmar", "tip"))
+    if d.skin.least_thickness_mm <= most + SLACK:
+        return None
+    return f"{d.skin.least_thickness_mm:g} mm is more than the skin's own {most:g} mm; at most {floor2(most)} mm."
+
+
 @RULES.rule("skin.thickness_dorsal_mm", "skin.semi_axis_dorsal_mm")
 def _bone_left_dorsally(d: Design) -> str | None:
     most = d.skin.semi_axis_dorsal_mm - _BONE_LEFT

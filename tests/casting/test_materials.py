@@ -17,7 +17,7 @@ class TestEachCard:
         assert len(card.figures()) == 9
         for name, figure in card.figures().items():
             assert figure.source in SOURCES, name
-            assert figure.source not in ("", "brief") or not figure.verified, f"{name} has no source and no mark"
+            assert figure.source not in ("", "common") or not figure.verified, f"{name} has no source and no mark"
             assert 0.0 < figure.low <= figure.high, name
 
     def test_it_is_a_silicone_of_about_40_shore_a(self, card: Silicone) -> None:

@@ -14,7 +14,7 @@ from fingertip.errors import DesignError, Fault
 
 SOURCES = {
     "article": "Method for Automatic Slippage Detection With Tactile Sensors Embedded in Prosthetic Hands, III.B",
-    "brief": "the brief of this project: what suppliers state for silicones of this hardness",
+    "common": "commonly stated for silicones of this hardness; no document found",
     "ruess": "Ruess' relation lg E = 0.0235 S - 0.6403 (josephborrello.com/shore-a-to-modulus)",
     "neat": "D. Neat, Silicone rubber: usual ranges (davidneat.wordpress.com/materials/mouldmaking/silicone-rubber)",
     "troll": "trollfactory.de/lexikon/kondensationsvernetzend",
@@ -84,11 +84,11 @@ MATERIALS: dict[str, Silicone] = {
         Silicone(
             "addition_40a", "addition-cure (platinum) silicone, 40 Shore A", "addition",
             shore_a=_one(40.0, "article"),
-            modulus_mpa=_unverified(0.7, 2.0, "brief"),  # the upper end is Ruess' 1.99 MPa at 40 Shore A
-            density_g_cm3=_unverified(1.08, 1.08, "brief"),
-            parts_a=_unverified(10.0, 10.0, "brief"),
-            parts_b=_unverified(1.0, 1.0, "brief"),
-            shrinkage_percent=_unverified(0.2, 0.2, "brief"),
+            modulus_mpa=_unverified(0.7, 2.0, "common"),  # the upper end is Ruess' 1.99 MPa at 40 Shore A
+            density_g_cm3=_unverified(1.08, 1.08, "common"),
+            parts_a=_unverified(10.0, 10.0, "common"),
+            parts_b=_unverified(1.0, 1.0, "common"),
+            shrinkage_percent=_unverified(0.2, 0.2, "common"),
             pot_life_min=Figure(5.0, 40.0, "neat"),
             cure_h=Figure(2.0, 24.0, "neat"),
             elongation_percent=_unverified(250.0, 400.0),
@@ -96,10 +96,10 @@ MATERIALS: dict[str, Silicone] = {
         Silicone(
             "condensation_40a", "condensation-cure (tin) silicone, 40 Shore A", "condensation",
             shore_a=_one(40.0, "article"),
-            modulus_mpa=_unverified(0.7, 2.0, "brief"),
+            modulus_mpa=_unverified(0.7, 2.0, "common"),
             density_g_cm3=Figure(1.07, 1.09, "stmpro"),
-            parts_a=_unverified(10.0, 10.0, "brief"),
-            parts_b=_unverified(1.0, 1.0, "brief"),
+            parts_a=_unverified(10.0, 10.0, "common"),
+            parts_b=_unverified(1.0, 1.0, "common"),
             shrinkage_percent=Figure(0.8, 1.2, "troll"),
             pot_life_min=Figure(5.0, 40.0, "neat"),
             cure_h=Figure(2.0, 24.0, "neat"),
@@ -112,7 +112,7 @@ MATERIALS: dict[str, Silicone] = {
             density_g_cm3=_unverified(1.03, 1.03),
             parts_a=_one(10.0, "psi2022"),
             parts_b=_one(1.0, "psi2022"),
-            shrinkage_percent=_unverified(0.2, 0.2, "brief"),
+            shrinkage_percent=_unverified(0.2, 0.2, "common"),
             pot_life_min=_unverified(90.0, 90.0),
             cure_h=_one(48.0, "niml"),
             elongation_percent=_one(140.0, "pmc"),

@@ -11,6 +11,7 @@ from fingertip.cli.check import check
 from fingertip.cli.detect import detect
 from fingertip.cli.params import params
 from fingertip.cli.picture import picture
+from fingertip.cli.sheet import sheet
 from fingertip.cli.simulate import simulate
 
 app = typer.Typer(
@@ -22,6 +23,7 @@ app = typer.Typer(
 )
 app.command()(build)
 app.command()(check)
+app.command()(sheet)
 app.command()(params)
 app.command()(picture)
 app.command()(board)

@@ -1,0 +1,75 @@
+"""Volumes and hardware of a mold against closed forms and identities."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from fingertip.cad.mesh import Evaluator
+from fingertip.cad.parts import PARTS
+from fingertip.casting.hardware import clamp_bolts, thread_mm
+from fingertip.casting.volumes import Volumes, measure
+from fingertip.design import Design
+from fingertip.design.mold_layout import lay_out
+from tests.conftest import design_file
+
+TOLERANCE = 0.005
+
+
+def fsr400(*changes: str) -> Design:
+    return Design.load(design_file("fsr400"), changes=changes)
+
+
+def test_a_deeper_funnel_adds_a_frustum_and_longer_vents() -> None:
+    shallow, deep = (fsr400(f"mold.funnel_depth_mm={depth}") for depth in (4.0, 6.0))
+    mold, vents = deep.mold, len(lay_out(deep, deep.dimensions).vents_x)
+    throat, mouth = mold.gate_diameter_mm / 2, mold.funnel_diameter_mm / 2
+    frustum = math.pi / 3 * (throat**2 + throat * mouth + mouth**2) * 2.0
+    longer = vents * math.pi * (mold.vent_diameter_mm / 2) ** 2 * 2.0
+    added = 1000 * (measure(deep, TOLERANCE).runners_cm3 - measure(shallow, TOLERANCE).runners_cm3)
+    assert added == pytest.approx(frustum + longer, rel=4 * TOLERANCE / (mold.vent_diameter_mm / 2))
+
+
+def test_without_shrinkage_the_cavity_is_filled_by_the_skin() -> None:
+    still = fsr400("mold.silicone_shrinkage_percent=0")
+    skin = Evaluator(TOLERANCE).manifold(PARTS["skin"].describe(still)).volume() / 1000
+    assert measure(still, TOLERANCE).skin_cm3 == pytest.approx(skin, rel=1e-9)
+
+
+def test_a_sleeve_is_poured_larger_by_the_cube_of_its_shrinkage() -> None:
+    still, shrinking = (
+        fsr400("mold.method=sleeve", f"mold.silicone_shrinkage_percent={percent}") for percent in (0.0, 1.0)
+    )
+    ratio = measure(shrinking, TOLERANCE).skin_cm3 / measure(still, TOLERANCE).skin_cm3
+    assert ratio == pytest.approx(shrinking.dimensions.shrinkage**3, rel=1e-3)
+    assert shrinking.dimensions.shrinkage == pytest.approx(1.01, abs=2e-4)
+
+
+def test_the_gap_grows_with_the_fit() -> None:
+    tight, loose = (measure(fsr400(f"mold.fit_clearance_mm={gap}")) for gap in (0.1, 0.2))
+    assert 0.0 < tight.gap_cm3 < loose.gap_cm3
+    assert loose.gap_cm3 / tight.gap_cm3 == pytest.approx(2.0, rel=0.1)
+
+
+def test_the_total_is_the_sum() -> None:
+    assert Volumes(1.5, 0.25, 0.125).total_cm3 == 1.875
+
+
+@pytest.mark.parametrize(("hole", "thread"), [(3.4, 3.0), (3.2, 3.0), (3.19, 2.5), (2.2, 2.0), (9.0, 8.0), (1.5, 1.6)])
+def test_the_largest_thread_that_passes_the_hole(hole: float, thread: float) -> None:
+    assert thread_mm(hole) == thread
+
+
+@pytest.mark.parametrize("change", ["name=same", "mold.wall_mm=9", "mold.bolt_diameter_mm=4.5", "mold.nut_depth_mm=4"])
+def test_bolts_reach_through_the_nut_and_not_much_further(change: str) -> None:
+    design = fsr400(change)
+    bolts, layout = clamp_bolts(design), lay_out(design, design.dimensions)
+    assert bolts.count == len(layout.bolts)
+    nut_floor = layout.dorsal_height + layout.palmar_height - design.mold.nut_depth_mm
+    assert nut_floor + 0.8 * bolts.thread_mm <= bolts.length_mm < nut_floor + 0.8 * bolts.thread_mm + 6.0
+
+
+def test_the_bundled_mold_takes_four_m3_x_25() -> None:
+    bolts = clamp_bolts(fsr400())
+    assert (bolts.count, bolts.thread_mm, bolts.length_mm) == (4, 3.0, 25.0)

@@ -81,12 +81,11 @@ def _load(files: Sequence[Path], changes: Sequence[str]) -> dict[str, Design]:
 
 
 def _table(label: str, checks: Sequence[Check]) -> str:
-    width = max(len(c.name) for c in checks)
+    width, unit = max(len(c.name) for c in checks), max(4, *(len(c.unit) for c in checks))
     failed = sum(not c.passed for c in checks)
-    lines = [label, f"  {'check':{width}} {'value':>12} {'limit':>12} unit   verdict"]
+    lines = [label, f"  {'check':{width}} {'value':>12} {'limit':>12} {'unit':{unit}} verdict"]
     lines += [
-        f"  {c.name:{width}} {c.value:12.6g} {c.sign} {c.limit:>9.6g} {c.unit:6} "
-        f"{'ok' if c.passed else 'FAILED'}"
+        f"  {c.name:{width}} {c.value:12.6g} {c.sign:2} {c.limit:>9.6g} {c.unit:{unit}} {'ok' if c.passed else 'FAILED'}"
         for c in checks
     ]
     return "\n".join([*lines, f"  {len(checks) - failed} of {len(checks)} checks passed"])

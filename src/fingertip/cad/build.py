@@ -14,7 +14,7 @@ from fingertip._version import __version__
 from fingertip.cad import checks
 from fingertip.cad.checks import Check
 from fingertip.cad.mesh import Mesh
-from fingertip.cad.parts import PARTS, Part, parts_of
+from fingertip.cad.parts import PARTS, Part, parts_of, print_scale
 from fingertip.cad.step import StepFiles, StepJob, StepRequest
 from fingertip.cad.verify import as_data, refuse_tolerance, verify
 from fingertip.design import Design
@@ -135,7 +135,9 @@ def build(
             say("waiting for the B-rep kernel")
             step = request.result()
             found += (
-                checks.against_brep(PARTS[name], meshes[name], volume, tolerance_mm)
+                checks.against_brep(
+                    PARTS[name], meshes[name], volume * print_scale(design, PARTS[name]) ** 3, tolerance_mm
+                )
                 for name, volume in step.volumes_mm3.items()
             )
         contents = dict(verified.contents) | step.contents

@@ -47,3 +47,8 @@ PARTS: dict[str, Part] = {
 def parts_of(design: Design) -> dict[str, Part]:
     """The parts a design has, by name: all of `PARTS` but the core, which only a sleeve needs."""
     return {name: part for name, part in PARTS.items() if part.needed(design)}
+
+
+def print_scale(design: Design, part: Part) -> float:
+    """Size of a part's STL and 3MF against the design: the printer's compensation, one for what is cast."""
+    return design.printer.scale_percent / 100.0 if part.printed else 1.0

@@ -9,7 +9,8 @@ from typing import Any
 from fingertip.cad import checks, measures, stl, threemf
 from fingertip.cad.checks import Check
 from fingertip.cad.mesh import Evaluator, Mesh
-from fingertip.cad.parts import PARTS
+from fingertip.cad.parts import PARTS, print_scale
+from fingertip.cad.solids import scaled
 from fingertip.design import Design
 from fingertip.errors import DesignError, Fault
 
@@ -59,7 +60,7 @@ def verify(
     expressions = {name: PARTS[name].describe(design) for name in parts}
     meshes = {}
     for name, expression in expressions.items():
-        meshes[name] = evaluator.mesh(expression)
+        meshes[name] = evaluator.mesh(scaled(expression, print_scale(design, PARTS[name])))
         say(f"{name}: {len(meshes[name].triangles)} triangles, {meshes[name].volume() / 1000:.2f} cm3")
     contents = {
         f"{name}.{kind}": MESH_FORMATS[kind].to_bytes(mesh, name) for name, mesh in meshes.items() for kind in kinds

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from fingertip.design import filter_components
 from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, farad
 from fingertip.design.ruleset import Ruleset, rounded_down, rounded_up
 from fingertip.design.sections import Board
-
-if TYPE_CHECKING:
-    from fingertip.design.model import Design
+from fingertip.design.tables import Tables
 
 RULES = Ruleset()
 
@@ -20,7 +17,7 @@ BANDWIDTH_MARGIN = 10.0
 
 
 @RULES.rule("board.capacitor_uf", "board.cutoff_hz")
-def _filter_resistors_in_range(d: Design) -> str | None:
+def _filter_resistors_in_range(d: Tables) -> str | None:
     c_f, f_c = farad(d.board.capacitor_uf), d.board.cutoff_hz
     # R2 is the smallest of the three and R3 the largest.
     smallest, largest = filter_components.r2_ohm(f_c, c_f), filter_components.r3_ohm(f_c, c_f)
@@ -28,14 +25,14 @@ def _filter_resistors_in_range(d: Design) -> str | None:
 
 
 @RULES.rule("board.envelope_capacitor_uf", "board.envelope_cutoff_hz")
-def _envelope_resistor_in_range(d: Design) -> str | None:
+def _envelope_resistor_in_range(d: Tables) -> str | None:
     c_f, f_lp = farad(d.board.envelope_capacitor_uf), d.board.envelope_cutoff_hz
     r_lp = ("R_LP", filter_components.r_lp_ohm(f_lp, c_f))
     return _capacitor_in_range("envelope_capacitor_uf", "envelope_cutoff_hz", r_lp, r_lp, d)
 
 
 @RULES.rule("board.passband_gain", "board.r5_ohm")
-def _gain_resistor_in_range(d: Design) -> str | None:
+def _gain_resistor_in_range(d: Tables) -> str | None:
     R5 = d.board.r5_ohm
     R4 = filter_components.r4_ohm(d.board.passband_gain, R5)
     if LEAST_OHM <= R4 <= MOST_OHM:
@@ -50,7 +47,7 @@ def _gain_resistor_in_range(d: Design) -> str | None:
 
 
 @RULES.rule("board.gain_bandwidth_hz", "board.passband_gain", "board.cutoff_hz")
-def _amplifier_fast_enough(d: Design) -> str | None:
+def _amplifier_fast_enough(d: Tables) -> str | None:
     GBW, G, f_c = d.board.gain_bandwidth_hz, d.board.passband_gain, d.board.cutoff_hz
     least = BANDWIDTH_MARGIN * G * f_c
     if least <= GBW:
@@ -62,7 +59,7 @@ def _amplifier_fast_enough(d: Design) -> str | None:
 
 
 def _capacitor_in_range(
-    capacitor: str, cutoff: str, smallest: tuple[str, float], largest: tuple[str, float], d: Design
+    capacitor: str, cutoff: str, smallest: tuple[str, float], largest: tuple[str, float], d: Tables
 ) -> str | None:
     """The fault of a capacitor whose resistors, proportional to 1 / (C f), leave the range."""
     too_small = smallest[1] < LEAST_OHM

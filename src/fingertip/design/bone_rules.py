@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from fingertip.design.dimensions import TUNNEL_MM, derive
 from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
-
-if TYPE_CHECKING:
-    from fingertip.design.model import Design
+from fingertip.design.tables import Tables
 
 RULES = Ruleset()
 
@@ -22,7 +19,7 @@ _FLAT = (
 
 
 @RULES.rule("bone.wall_mm", "printer.least_wall_mm")
-def _walls_print(d: Design) -> str | None:
+def _walls_print(d: Tables) -> str | None:
     if d.bone.wall_mm >= d.printer.least_wall_mm - SLACK:
         return None
     return f"{d.bone.wall_mm:g} mm does not print; at least {d.printer.least_wall_mm:g} mm (printer.least_wall_mm)."
@@ -33,7 +30,7 @@ def _walls_print(d: Design) -> str | None:
     "bone.relief_length_mm", "bone.collar_length_mm", "bone.tie_hole_diameter_mm", "bone.interface",
     "bone.socket_depth_mm", "sensor.model", "sensor.distance_from_tip_mm", *_LENGTHS,
 )  # fmt: skip
-def _base_holds_everything(d: Design) -> str | None:
+def _base_holds_everything(d: Tables) -> str | None:
     dims, bone = derive(d), d.bone
     socket = bone.socket_depth_mm if bone.interface == "socket" else 0.0
     least = -dims.tie_hole_z + bone.tie_hole_diameter_mm / 2 + bone.wall_mm + socket
@@ -47,7 +44,7 @@ def _base_holds_everything(d: Design) -> str | None:
 
 
 @RULES.rule("bone.relief_length_mm", "sensor.model", "sensor.distance_from_tip_mm", *_LENGTHS)
-def _relief_clear_of_pocket(d: Design) -> str | None:
+def _relief_clear_of_pocket(d: Tables) -> str | None:
     dims = derive(d)
     pocket = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - d.sensor.clearance_mm
     most = 2 * (pocket - dims.tail_end_z)
@@ -59,7 +56,7 @@ def _relief_clear_of_pocket(d: Design) -> str | None:
 @RULES.rule(
     "sensor.distance_from_tip_mm", "bone.relief_length_mm", "bone.collar_length_mm", "sensor.model", *_LENGTHS,
 )  # fmt: skip
-def _relief_clear_of_collar(d: Design) -> str | None:
+def _relief_clear_of_collar(d: Tables) -> str | None:
     dims = derive(d)
     low, high = dims.relief_proximal_z, dims.tail_end_z + dims.relief_half_length
     if high <= -d.bone.collar_length_mm + SLACK or low >= -SLACK:
@@ -75,7 +72,7 @@ def _relief_clear_of_collar(d: Design) -> str | None:
 
 
 @RULES.rule("bone.collar_inset_mm", "skin.thickness_side_mm", "skin.thickness_dorsal_mm", "bone.wall_mm", *_FLAT)
-def _collar_stands_proud(d: Design) -> str | None:
+def _collar_stands_proud(d: Tables) -> str | None:
     dims = derive(d)
     sides = min(d.skin.thickness_side_mm, d.skin.thickness_dorsal_mm) - 0.1
     passage = dims.flat_depth - dims.pocket_depth + max(TUNNEL_MM, dims.pocket_depth)
@@ -91,7 +88,7 @@ def _collar_stands_proud(d: Design) -> str | None:
     "bone.groove_depth_mm", "bone.groove_width_mm", "bone.groove_distance_mm", "bone.wall_mm", "sensor.clearance_mm",
     *_FLAT,
 )  # fmt: skip
-def _groove_beside_slot(d: Design) -> str | None:
+def _groove_beside_slot(d: Tables) -> str | None:
     dims = derive(d)
     depth, section = d.bone.groove_depth_mm, dims.envelope.section
     low = d.bone.groove_distance_mm
@@ -114,7 +111,7 @@ def _groove_beside_slot(d: Design) -> str | None:
 
 
 @RULES.rule("bone.tie_hole_diameter_mm", "bone.wall_mm", "skin.semi_axis_dorsal_mm", "skin.thickness_dorsal_mm")
-def _tie_hole_within_back(d: Design) -> str | None:
+def _tie_hole_within_back(d: Tables) -> str | None:
     most = (d.skin.semi_axis_dorsal_mm - d.skin.thickness_dorsal_mm) / 2 - d.bone.wall_mm
     if d.bone.tie_hole_diameter_mm <= most + SLACK:
         return None
@@ -122,7 +119,7 @@ def _tie_hole_within_back(d: Design) -> str | None:
 
 
 @RULES.rule("bone.post_diameter_mm", "bone.interface", *_FLAT)
-def _post_within_base(d: Design) -> str | None:
+def _post_within_base(d: Tables) -> str | None:
     most = _base_room(d)
     if d.bone.interface != "plain" or d.bone.post_diameter_mm <= most + SLACK:
         return None
@@ -130,7 +127,7 @@ def _post_within_base(d: Design) -> str | None:
 
 
 @RULES.rule("bone.socket_diameter_mm", "bone.interface", "bone.wall_mm", *_FLAT)
-def _socket_within_base(d: Design) -> str | None:
+def _socket_within_base(d: Tables) -> str | None:
     most = _base_room(d) - 2 * d.bone.wall_mm
     if d.bone.interface != "socket" or d.bone.socket_diameter_mm <= most + SLACK:
         return None
@@ -140,7 +137,7 @@ def _socket_within_base(d: Design) -> str | None:
     )
 
 
-def _base_room(d: Design) -> float:
+def _base_room(d: Tables) -> float:
     """Diameter [mm] of the largest circle about the middle of the base's height that stays inside its section.
 
     Sampled at 64 places of the circle and found by bisection.
@@ -164,7 +161,7 @@ def _base_room(d: Design) -> float:
     "bone.cross_bolt_diameter_mm", "bone.post_diameter_mm", "bone.post_length_mm", "bone.wall_mm", "bone.interface",
     "bone.socket_depth_mm", "bone.socket_diameter_mm",
 )  # fmt: skip
-def _bolt_within_interface(d: Design) -> str | None:
+def _bolt_within_interface(d: Tables) -> str | None:
     bone = d.bone
     socket = bone.interface == "socket"
     across, along = (bone.socket_diameter_mm + bone.wall_mm, bone.socket_depth_mm) if socket else (

@@ -7,29 +7,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
 
 from fingertip.conic import ConicBody, CrossSection, Tip
-from fingertip.design import sections
+from fingertip.design.tables import Tables
 from fingertip.sensors import CATALOGUE, ForceSensor
 
 TUNNEL_MM = 0.8
 """Least height of the tail's passage through the collar [mm]: lower ones close up in printing. An assumption."""
-
-
-class Sections(Protocol):
-    """What the dimensions are derived from: the tables of a design that concern the parts."""
-
-    @property
-    def sensor(self) -> sections.Sensor: ...  # noqa: D102
-    @property
-    def custom_sensor(self) -> sections.CustomSensor: ...  # noqa: D102
-    @property
-    def bone(self) -> sections.Bone: ...  # noqa: D102
-    @property
-    def skin(self) -> sections.Skin: ...  # noqa: D102
-    @property
-    def mold(self) -> sections.Mold: ...  # noqa: D102
 
 
 @dataclass(frozen=True)
@@ -52,18 +36,20 @@ class Dimensions:
     channel_exit_z: float
     """Centre of the posterior hole."""
 
-    @property
-    def relief_proximal_z(self) -> float:
-        """Proximal face of the recess for the solder joints, where the channel begins."""
-        return self.tail_end_z - self.relief_half_length
-
     relief_half_length: float
+    """Of the recess for the solder joints, around the end of the tail."""
     collar: ConicBody
     """Flange below the skin: the skin ends on it, and it locates the bone in the mold."""
     shrinkage: float
     """Size of the cavity against the skin's."""
 
     tie_hole_z: float
+    """Middle of the hole for the cables' tie."""
+
+    @property
+    def relief_proximal_z(self) -> float:
+        """Proximal face of the recess for the solder joints, where the channel begins."""
+        return self.tail_end_z - self.relief_half_length
 
     @property
     def tail_passes_collar(self) -> bool:
@@ -84,7 +70,7 @@ class Dimensions:
         return min(margins)
 
 
-def derive(design: Sections) -> Dimensions:
+def derive(design: Tables) -> Dimensions:
     """Derive every length that follows from the parameters.
 
     Never raises for parameters within their bounds: what cannot be made shows as lengths that the rules refuse.
@@ -145,7 +131,7 @@ def derive(design: Sections) -> Dimensions:
     )
 
 
-def _sensor(design: Sections) -> ForceSensor:
+def _sensor(design: Tables) -> ForceSensor:
     if design.sensor.model != "custom":
         return CATALOGUE[design.sensor.model]
     own = design.custom_sensor

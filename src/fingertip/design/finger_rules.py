@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from fingertip.design.dimensions import derive
 from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
-
-if TYPE_CHECKING:
-    from fingertip.design.model import Design
+from fingertip.design.tables import Tables
 
 RULES = Ruleset()
 
@@ -31,7 +28,7 @@ _BONE_LEFT = 1.0  # half width and half height of bone [mm] below which no other
 
 
 @RULES.rule("skin.tip_length_mm", "skin.length_mm")
-def _tip_within_skin(d: Design) -> str | None:
+def _tip_within_skin(d: Tables) -> str | None:
     most = d.skin.length_mm - 2.0
     if d.skin.tip_length_mm <= most + SLACK:
         return None
@@ -41,7 +38,7 @@ def _tip_within_skin(d: Design) -> str | None:
 
 
 @RULES.rule("skin.thickness_side_mm", "skin.width_mm", "skin.semi_axis_palmar_mm", "skin.taper_ratio")
-def _bone_left_at_sides(d: Design) -> str | None:
+def _bone_left_at_sides(d: Tables) -> str | None:
     half = min(d.skin.width_mm / 2 * d.skin.taper_ratio, d.skin.semi_axis_palmar_mm)
     most = half - _BONE_LEFT
     if d.skin.thickness_side_mm <= most + SLACK:
@@ -53,7 +50,7 @@ def _bone_left_at_sides(d: Design) -> str | None:
     "skin.least_thickness_mm", "skin.thickness_side_mm", "skin.thickness_dorsal_mm", "skin.thickness_palmar_mm",
     "skin.thickness_tip_mm",
 )  # fmt: skip
-def _thinnest_below_nominal(d: Design) -> str | None:
+def _thinnest_below_nominal(d: Tables) -> str | None:
     most = min(getattr(d.skin, f"thickness_{side}_mm") for side in ("side", "dorsal", "palmar", "tip"))
     if d.skin.least_thickness_mm <= most + SLACK:
         return None
@@ -61,7 +58,7 @@ def _thinnest_below_nominal(d: Design) -> str | None:
 
 
 @RULES.rule("skin.thickness_dorsal_mm", "skin.semi_axis_dorsal_mm")
-def _bone_left_dorsally(d: Design) -> str | None:
+def _bone_left_dorsally(d: Tables) -> str | None:
     most = d.skin.semi_axis_dorsal_mm - _BONE_LEFT
     if d.skin.thickness_dorsal_mm <= most + SLACK:
         return None
@@ -69,7 +66,7 @@ def _bone_left_dorsally(d: Design) -> str | None:
 
 
 @RULES.rule("skin.thickness_tip_mm", "skin.tip_length_mm")
-def _bone_reaches_tip(d: Design) -> str | None:
+def _bone_reaches_tip(d: Tables) -> str | None:
     most = d.skin.tip_length_mm - _BONE_LEFT
     if d.skin.thickness_tip_mm <= most + SLACK:
         return None
@@ -77,14 +74,14 @@ def _bone_reaches_tip(d: Design) -> str | None:
 
 
 @RULES.rule("skin.squareness_tip", "skin.taper_ratio", *_LENGTHS)
-def _tip_tangent(d: Design) -> str | None:
+def _tip_tangent(d: Tables) -> str | None:
     if min(derive(d).outer.tip_control(), derive(d).envelope.tip_control()) > 0.05:
         return None
     return "the taper closes the finger before its tip; raise skin.taper_ratio or shorten skin.tip_length_mm."
 
 
 @RULES.rule("sensor.distance_from_tip_mm", "skin.length_mm", "sensor.model")
-def _sensor_within_skin(d: Design) -> str | None:
+def _sensor_within_skin(d: Tables) -> str | None:
     most = d.skin.length_mm - derive(d).sensor.head_diameter_mm / 2 - 1.0
     if d.sensor.distance_from_tip_mm <= most + SLACK:
         return None
@@ -95,7 +92,7 @@ def _sensor_within_skin(d: Design) -> str | None:
 
 
 @RULES.rule("skin.thickness_palmar_mm", "skin.semi_axis_palmar_mm", *_FLAT)
-def _flat_within_bone(d: Design) -> str | None:
+def _flat_within_bone(d: Tables) -> str | None:
     dims = derive(d)
     height = d.skin.semi_axis_palmar_mm * dims.outer.scale_at(dims.sensor_z)
     bone = dims.envelope.section.palmar * dims.envelope.scale_at(dims.sensor_z)
@@ -109,7 +106,7 @@ def _flat_within_bone(d: Design) -> str | None:
 
 
 @RULES.rule("skin.width_mm", "bone.rim_mm", "sensor.clearance_mm", *_FLAT)
-def _sensor_fits_flat(d: Design) -> str | None:
+def _sensor_fits_flat(d: Tables) -> str | None:
     if _flat_within_bone(d) or _bone_left_at_sides(d) or _tip_within_skin(d) or _sensor_within_skin(d):
         return None  # those rules say it
     if _sensor_margin(d) >= 0:
@@ -128,14 +125,14 @@ def _sensor_fits_flat(d: Design) -> str | None:
     )
 
 
-def _sensor_margin(d: Design, width_mm: float | None = None) -> float:
+def _sensor_margin(d: Tables, width_mm: float | None = None) -> float:
     if width_mm is not None:
         d = d.model_copy(update={"skin": d.skin.model_copy(update={"width_mm": width_mm})})
     return derive(d).sensor_rim(d.bone.rim_mm, d.sensor.clearance_mm)
 
 
 @RULES.rule("bone.squareness_palmar", *_FLAT)
-def _edges_within_skin(d: Design) -> str | None:
+def _edges_within_skin(d: Tables) -> str | None:
     if _sensor_fits_flat(d) or _flat_within_bone(d) or _edge_cover(d) >= _EDGE_COVER:
         return None
     rounder = _least_passing(
@@ -148,7 +145,7 @@ def _edges_within_skin(d: Design) -> str | None:
     )
 
 
-def _edge_cover(d: Design, weight: float | None = None) -> float:
+def _edge_cover(d: Tables, weight: float | None = None) -> float:
     """Least silicone [mm] beside the edges of the flat, along x, over the length of the bone in the skin."""
     if weight is not None:
         d = d.model_copy(update={"bone": d.bone.model_copy(update={"squareness_palmar": weight})})
@@ -162,7 +159,7 @@ def _edge_cover(d: Design, weight: float | None = None) -> float:
 
 
 @RULES.rule("bone.wall_mm", "sensor.clearance_mm", *_FLAT)
-def _slot_fits_flat(d: Design) -> str | None:
+def _slot_fits_flat(d: Tables) -> str | None:
     if _sensor_fits_flat(d):
         return None
     dims = derive(d)
@@ -177,7 +174,7 @@ def _slot_fits_flat(d: Design) -> str | None:
 
 
 @RULES.rule("bone.channel_diameter_mm", "bone.wall_mm", *_FLAT)
-def _channel_within_base(d: Design) -> str | None:
+def _channel_within_base(d: Tables) -> str | None:
     section, flat = derive(d).envelope.section, derive(d).flat_depth
     height, wall = flat + section.dorsal, d.bone.wall_mm
     width = 2 * min(section.half_width_at(-flat), section.half_width_at(section.dorsal / 2))
@@ -191,7 +188,7 @@ def _channel_within_base(d: Design) -> str | None:
 
 
 @RULES.rule("bone.channel_bend_radius_mm", "bone.channel_diameter_mm")
-def _bend_wider_than_channel(d: Design) -> str | None:
+def _bend_wider_than_channel(d: Tables) -> str | None:
     least = d.bone.channel_diameter_mm / 2 + 0.3
     if d.bone.channel_bend_radius_mm >= least - SLACK:
         return None

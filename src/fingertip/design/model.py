@@ -7,17 +7,17 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import ValidationError
 
-from fingertip.design import sections
 from fingertip.design.dimensions import Dimensions, derive
 from fingertip.design.faults import from_pydantic
 from fingertip.design.fields import Section
 from fingertip.design.rules import broken
+from fingertip.design.tables import Tables
 from fingertip.errors import DesignError, Fault
 
 
-class Design(BaseModel):
+class Design(Tables):
     """One fingertip. Constructing it checks every bound and every rule, and raises all faults at once.
 
     Raises
@@ -25,18 +25,6 @@ class Design(BaseModel):
     DesignError
         With one sentence for each parameter out of bounds, unknown name or broken rule.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip design")
-
-    name: str = Field("fsr400", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the output folder.")
-    sensor: sections.Sensor = sections.Sensor()
-    custom_sensor: sections.CustomSensor = sections.CustomSensor()
-    bone: sections.Bone = sections.Bone()
-    skin: sections.Skin = sections.Skin()
-    mold: sections.Mold = sections.Mold()
-    printer: sections.Printer = sections.Printer()
-    board: sections.Board = sections.Board()
-    detector: sections.Detector = sections.Detector()
 
     def __init__(self, **tables: Any) -> None:
         try:
@@ -70,7 +58,7 @@ def _rules_beside(tables: Mapping[str, Any], faults: Iterable[Fault]) -> list[Fa
     """Broken rules among the parameters that are in bounds, so that one run tells everything that is wrong."""
     faulty = {fault.field for fault in faults}
     fields: dict[str, Any] = {}
-    for name, info in Design.model_fields.items():
+    for name, info in Tables.model_fields.items():
         table, default = tables.get(name), info.default
         if isinstance(default, Section):
             given = table if isinstance(table, Mapping) else {}
@@ -79,4 +67,4 @@ def _rules_beside(tables: Mapping[str, Any], faults: Iterable[Fault]) -> list[Fa
             fields[name] = default.model_copy(update=kept)
         else:
             fields[name] = default
-    return [fault for fault, reads in broken(Design.model_construct(**fields)) if not reads & faulty]
+    return [fault for fault, reads in broken(Tables.model_construct(**fields)) if not reads & faulty]

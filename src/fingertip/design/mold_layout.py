@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fingertip.design.dimensions import Dimensions, Sections
+from fingertip.design.dimensions import Dimensions
+from fingertip.design.tables import Tables
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class MoldLayout:
     """Length along z left for the keys between the nut traps."""
 
 
-def lay_out(design: Sections, dims: Dimensions) -> MoldLayout:
+def lay_out(design: Tables, dims: Dimensions) -> MoldLayout:
     """Place everything around the cavity."""
     mold, skin = design.mold, design.skin
     nut = mold.nut_width_mm / math.sqrt(3)

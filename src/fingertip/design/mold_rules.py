@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from fingertip.design.dimensions import derive
 from fingertip.design.mold_layout import lay_out
 from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
-
-if TYPE_CHECKING:
-    from fingertip.design.model import Design
+from fingertip.design.tables import Tables
 
 RULES = Ruleset()
 _WIDTHS = ("skin.width_mm", "skin.taper_ratio")
 
 
 @RULES.rule("mold.recess_length_mm", "bone.base_length_mm")
-def _recess_within_base(d: Design) -> str | None:
+def _recess_within_base(d: Tables) -> str | None:
     if d.mold.recess_length_mm <= d.bone.base_length_mm:
         return None
     return (
@@ -27,7 +24,7 @@ def _recess_within_base(d: Design) -> str | None:
 
 
 @RULES.rule("mold.fit_clearance_mm", "bone.collar_inset_mm")
-def _recess_within_cavity(d: Design) -> str | None:
+def _recess_within_cavity(d: Tables) -> str | None:
     most = d.bone.collar_inset_mm - 0.05
     if d.mold.fit_clearance_mm <= most + SLACK:
         return None
@@ -38,7 +35,7 @@ def _recess_within_cavity(d: Design) -> str | None:
 
 
 @RULES.rule("mold.recess_length_mm", "bone.collar_length_mm", "mold.fit_clearance_mm")
-def _recess_holds_collar(d: Design) -> str | None:
+def _recess_holds_collar(d: Tables) -> str | None:
     least = d.bone.collar_length_mm + d.mold.fit_clearance_mm + 1.0
     if d.mold.recess_length_mm >= least - SLACK:
         return None
@@ -46,7 +43,7 @@ def _recess_holds_collar(d: Design) -> str | None:
 
 
 @RULES.rule("mold.pry_depth_mm", "mold.land_mm")
-def _pry_slot_clear_of_bolts(d: Design) -> str | None:
+def _pry_slot_clear_of_bolts(d: Tables) -> str | None:
     most = d.mold.land_mm - 0.4
     if d.mold.pry_depth_mm <= most + SLACK:
         return None
@@ -54,7 +51,7 @@ def _pry_slot_clear_of_bolts(d: Design) -> str | None:
 
 
 @RULES.rule("mold.pry_width_mm", "skin.length_mm", "mold.recess_length_mm")
-def _pry_slot_within_side(d: Design) -> str | None:
+def _pry_slot_within_side(d: Tables) -> str | None:
     layout = lay_out(d, derive(d))
     most = layout.distal_z - layout.proximal_z - 2.0
     if d.mold.pry_width_mm <= most + SLACK:
@@ -63,7 +60,7 @@ def _pry_slot_within_side(d: Design) -> str | None:
 
 
 @RULES.rule("mold.engraving_depth_mm", "mold.wall_mm")
-def _engraving_keeps_a_wall(d: Design) -> str | None:
+def _engraving_keeps_a_wall(d: Tables) -> str | None:
     most = d.mold.wall_mm - 1.0
     if d.mold.engraving_depth_mm <= most + SLACK:
         return None
@@ -71,14 +68,14 @@ def _engraving_keeps_a_wall(d: Design) -> str | None:
 
 
 @RULES.rule("mold.gate_diameter_mm", "mold.funnel_diameter_mm")
-def _gate_within_funnel(d: Design) -> str | None:
+def _gate_within_funnel(d: Tables) -> str | None:
     if d.mold.gate_diameter_mm <= d.mold.funnel_diameter_mm:
         return None
     return f"{d.mold.gate_diameter_mm:g} mm is wider than its funnel; at most {d.mold.funnel_diameter_mm:g} mm."
 
 
 @RULES.rule("mold.funnel_diameter_mm", "mold.gate_diameter_mm", "mold.vent_diameter_mm", *_WIDTHS)
-def _gate_within_cavity(d: Design) -> str | None:
+def _gate_within_cavity(d: Tables) -> str | None:
     reach = -lay_out(d, derive(d)).gate_x + d.mold.gate_diameter_mm / 2
     room = d.skin.width_mm / 2 * d.skin.taper_ratio - 0.2
     if reach <= room + SLACK:
@@ -90,7 +87,7 @@ def _gate_within_cavity(d: Design) -> str | None:
 
 
 @RULES.rule("mold.draft_deg", "mold.key_diameter_mm", "mold.key_height_mm")
-def _keys_keep_a_top(d: Design) -> str | None:
+def _keys_keep_a_top(d: Tables) -> str | None:
     radius = 0.4 * d.mold.key_diameter_mm  # the smaller of the two keys
     most = math.degrees(math.atan((radius - 0.4) / d.mold.key_height_mm)) if radius > 0.4 else 0.0
     if d.mold.draft_deg <= most + SLACK:
@@ -99,7 +96,7 @@ def _keys_keep_a_top(d: Design) -> str | None:
 
 
 @RULES.rule("mold.key_diameter_mm", "mold.land_mm", "mold.nut_width_mm", "mold.recess_length_mm", "skin.length_mm")
-def _keys_between_bolts(d: Design) -> str | None:
+def _keys_between_bolts(d: Tables) -> str | None:
     layout = lay_out(d, derive(d))
     most = layout.key_space - 2 * d.mold.land_mm
     if d.mold.key_diameter_mm <= most + SLACK:
@@ -108,7 +105,7 @@ def _keys_between_bolts(d: Design) -> str | None:
 
 
 @RULES.rule("mold.key_height_mm", "mold.key_clearance_mm", "skin.semi_axis_palmar_mm", "mold.wall_mm")
-def _key_socket_keeps_afloor2(d: Design) -> str | None:
+def _key_socket_keeps_afloor2(d: Tables) -> str | None:
     most = d.skin.semi_axis_palmar_mm + d.mold.wall_mm - d.mold.key_clearance_mm - 1.0
     if d.mold.key_height_mm <= most + SLACK:
         return None
@@ -116,7 +113,7 @@ def _key_socket_keeps_afloor2(d: Design) -> str | None:
 
 
 @RULES.rule("mold.nut_depth_mm", "skin.semi_axis_palmar_mm", "mold.wall_mm")
-def _nut_trap_keeps_afloor2(d: Design) -> str | None:
+def _nut_trap_keeps_afloor2(d: Tables) -> str | None:
     most = d.skin.semi_axis_palmar_mm + d.mold.wall_mm - 2.0
     if d.mold.nut_depth_mm <= most + SLACK:
         return None
@@ -124,7 +121,7 @@ def _nut_trap_keeps_afloor2(d: Design) -> str | None:
 
 
 @RULES.rule("mold.nut_width_mm", "mold.bolt_diameter_mm")
-def _nut_wider_than_bolt(d: Design) -> str | None:
+def _nut_wider_than_bolt(d: Tables) -> str | None:
     least = d.mold.bolt_diameter_mm + 1.0
     if d.mold.nut_width_mm >= least - SLACK:
         return None

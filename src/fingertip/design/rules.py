@@ -7,17 +7,14 @@ sentence, and every other rule still speaks.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from fingertip.design import board_rules, bone_rules, finger_rules, mold_rules, signal_rules
 from fingertip.design.ruleset import broken_rules
+from fingertip.design.tables import Tables
 from fingertip.errors import Fault
 
-if TYPE_CHECKING:
-    from fingertip.design.model import Design
 
-
-def broken(design: Design) -> Iterator[tuple[Fault, frozenset[str]]]:
+def broken(design: Tables) -> Iterator[tuple[Fault, frozenset[str]]]:
     """Each broken rule's fault, with the fields the rule reads: finger, bone, mold, board, signal."""
     rules = (*finger_rules.RULES, *bone_rules.RULES, *mold_rules.RULES, *board_rules.RULES, *signal_rules.RULES)
     yield from broken_rules(rules, design)

@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from fingertip.design.tables import Tables
 from fingertip.errors import Fault
 
-if TYPE_CHECKING:
-    from fingertip.design.model import Design
-
-Check = Callable[["Design"], str | None]
+Check = Callable[[Tables], str | None]
 
 
 @dataclass(frozen=True)
@@ -43,7 +40,7 @@ class Ruleset:
         return iter(self._rules)
 
 
-def broken_rules(rules: Iterable[Rule], design: Design) -> Iterator[tuple[Fault, frozenset[str]]]:
+def broken_rules(rules: Iterable[Rule], design: Tables) -> Iterator[tuple[Fault, frozenset[str]]]:
     """Each broken rule's fault and the fields the rule reads; the first to break for a field speaks."""
     blamed: set[str] = set()
     for rule in rules:

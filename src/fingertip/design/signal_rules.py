@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from fingertip.design.ruleset import Ruleset, rounded_down, rounded_up
-
-if TYPE_CHECKING:
-    from fingertip.design.model import Design
+from fingertip.design.tables import Tables
 
 RULES = Ruleset()
 
@@ -20,7 +17,7 @@ LONGEST_WINDOW_S = 1.0
 
 
 @RULES.rule("detector.sample_rate_hz", "board.cutoff_hz", "board.envelope_cutoff_hz")
-def _rate_above_cutoffs(d: Design) -> str | None:
+def _rate_above_cutoffs(d: Tables) -> str | None:
     name, cutoff = max(
         ("board.cutoff_hz", d.board.cutoff_hz),
         ("board.envelope_cutoff_hz", d.board.envelope_cutoff_hz),
@@ -36,7 +33,7 @@ def _rate_above_cutoffs(d: Design) -> str | None:
 
 
 @RULES.rule("detector.window_samples", "detector.sample_rate_hz")
-def _window_not_too_long(d: Design) -> str | None:
+def _window_not_too_long(d: Tables) -> str | None:
     most = math.floor(LONGEST_WINDOW_S * d.detector.sample_rate_hz)
     if d.detector.window_samples <= most:
         return None
@@ -47,7 +44,7 @@ def _window_not_too_long(d: Design) -> str | None:
 
 
 @RULES.rule("detector.threshold_v", "board.supply_v")
-def _threshold_within_supply(d: Design) -> str | None:
+def _threshold_within_supply(d: Tables) -> str | None:
     if d.detector.threshold_v < d.board.supply_v:
         return None
     return (

@@ -85,7 +85,7 @@ def _table(label: str, checks: Sequence[Check]) -> str:
     failed = sum(not c.passed for c in checks)
     lines = [label, f"  {'check':{width}} {'value':>12} {'limit':>12} {'unit':{unit}} verdict"]
     lines += [
-        f"  {c.name:{width}} {c.value:12.6g} {c.sign:2} {c.limit:>9.6g} {c.unit:{unit}} {'ok' if c.passed else 'FAILED'}"
-        for c in checks
+        f"  {c.name:{width}} {c.value:12.6g} {c.sign:2} {c.limit:>9.6g} {c.unit:{unit}} {verdict}"
+        for c, verdict in zip(checks, ("ok" if c.passed else "FAILED" for c in checks), strict=True)
     ]
     return "\n".join([*lines, f"  {len(checks) - failed} of {len(checks)} checks passed"])

@@ -16,6 +16,8 @@ from fingertip.cad.solids import Solid
 from fingertip.errors import Fault, GeometryError
 
 TIME_LIMIT_S = 180.0
+DOING = "doing.txt"
+"""Where the process leaves word of what it is doing."""
 
 
 @dataclass(frozen=True)
@@ -73,8 +75,9 @@ class StepRequest:
         try:
             _, words = self._process.communicate(timeout=time_limit_s)
         except subprocess.TimeoutExpired:
-            parts = ", ".join(name for name, _, _ in self._job.parts)
-            sentence = f"the B-rep of {parts} was not done after {time_limit_s:g} s; use --formats stl,3mf."
+            doing = Path(self._folder.name) / DOING
+            last = doing.read_text(encoding="utf-8") if doing.exists() else "starting"
+            sentence = f"the B-rep kernel was still {last} after {time_limit_s:g} s; use --formats stl,3mf."
             raise GeometryError(Fault("STEP", sentence)) from None
         folder = Path(self._folder.name)
         answer_file = folder / "answer.json"

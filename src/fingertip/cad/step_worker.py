@@ -11,7 +11,7 @@ import pickle
 import sys
 from pathlib import Path
 
-from fingertip.cad.step import StepJob
+from fingertip.cad.step import DOING, StepJob
 from fingertip.errors import FingertipError
 
 
@@ -25,14 +25,24 @@ def work(job: StepJob, folder: Path) -> dict[str, float]:
     GeometryError
         If a part is not one valid solid.
     """
+    note(folder, "loading cadquery")
     from fingertip.cad import brep, step_file
 
     evaluator = brep.Evaluator()
-    solids = [(name, evaluator.solid(expression), colour) for name, expression, colour in job.parts]
+    solids = []
+    for name, expression, colour in job.parts:
+        note(folder, f"making {name}")
+        solids.append((name, evaluator.solid(expression), colour))
+    note(folder, "writing the files")
     for part in solids:
         step_file.write_part(folder / f"{part[0]}.step", part)
     step_file.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", solids)
     return {name: brep.volume(solid) for name, solid, _ in solids}
+
+
+def note(folder: Path, doing: str) -> None:
+    """Leave word of what is being done, for whoever stops this process."""
+    (folder / DOING).write_text(doing, encoding="utf-8")
 
 
 def main() -> int:

@@ -76,8 +76,8 @@ class StepRequest:
             _, words = self._process.communicate(timeout=time_limit_s)
         except subprocess.TimeoutExpired:
             doing = Path(self._folder.name) / DOING
-            last = doing.read_text(encoding="utf-8") if doing.exists() else "starting"
-            sentence = f"the B-rep kernel was still {last} after {time_limit_s:g} s; use --formats stl,3mf."
+            stage = doing.read_text(encoding="utf-8") if doing.exists() else "starting"
+            sentence = f"the B-rep kernel was still {stage} after {time_limit_s:g} s; use --formats stl,3mf."
             raise GeometryError(Fault("STEP", sentence)) from None
         folder = Path(self._folder.name)
         answer_file = folder / "answer.json"

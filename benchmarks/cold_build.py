@@ -50,7 +50,8 @@ def main() -> None:
         wall, cpu = (statistics.median(column) for column in zip(*pairs, strict=True))
         print(f"{name:20}{wall:18.2f}{cpu:18.2f}{error:16.1e}")
     ratios = sorted(a[0] / b[0] for a, b in zip(times["stl"], times["stl + 3mf + step"], strict=True))
-    print(f"STL alone takes {statistics.median(ratios):.2f} of the build with STEP (pairs {ratios[0]:.2f} to {ratios[-1]:.2f})")
+    spread = f"pairs {ratios[0]:.2f} to {ratios[-1]:.2f}"
+    print(f"STL alone takes {statistics.median(ratios):.2f} of the build with STEP ({spread})")
 
 
 if __name__ == "__main__":

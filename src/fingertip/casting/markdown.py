@@ -95,7 +95,7 @@ def steps(data: Data) -> list[str]:
         "air under vacuum if you can.",
         f"Stand the mold on the end the {'core' if sleeve else 'bone'} comes out of. Within "
         f"{figures['pot_life_min']['low']:g} min of the first stirring pour a thin stream into the funnel until "
-        f"silicone stands in both ({data['mold']['vents']}) vents; tap the mold, and top up.",
+        f"silicone stands in the {data['mold']['vents']} vents; tap the mold, and top up.",
         f"Leave it for {figures['cure_h']['high']:g} h at room temperature. Press a nail into what is left in the cup "
         "before you open the mold.",
         "Take the bolts out, turn a screwdriver in the pry slots on both sides in turn, lift the halves off straight, "

@@ -166,7 +166,7 @@ def _bill(data: Data) -> str:
         if "across_flats_at_most_mm" in entry:
             sizes.append(f"across flats at most {entry['across_flats_at_most_mm']:g} mm")
         if "longer_than_mm" in entry:
-            sizes.append(f"longer than {entry['longer_than_mm']:g} mm by the walls of the proximal phalanx and the nut")
+            sizes.append(f"longer than {entry['longer_than_mm']:g} mm by what else it passes and the nut")
         sizes += [f"{entry[key]:g} mm" for key in ("thickness_mm", "diameter_mm") if key in entry]
         rows.append((f"{entry['count']:g}", entry["item"], ", ".join(sizes)))
     batch = data["batch"]

@@ -12,7 +12,8 @@ from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim.contact import Friction, Motion, Mount, drag
 from fingertip.sim.pad import DAMPING_RATIO, Pad
-from fingertip.sim.scene import sliding_finger
+from fingertip.sim.timeline import plan
+from fingertip.sim.trial import Trial
 
 FRICTION = Friction(0.6, 0.48)
 FORCE_N = 0.8
@@ -100,12 +101,12 @@ def test_impossible_friction_is_refused(bad):
 
 
 def sliding(substeps: int, seconds: float = 2.1) -> Motion:
-    scene = sliding_finger(0.04, PAD.depth_m(FORCE_N))
+    scene = plan(Trial().scene, PAD, FORCE_N)
     h = 1 / (2000 * substeps)
     time = np.arange(round(seconds * 2000) * substeps + 1) * h
     motion = drag(
         FRICTION, MOUNT, h, scene.slide.position_m(time), scene.slide.velocity_m_s(time),
-        PAD.force_n(scene.depth_m(time)),
+        scene.load_n(PAD, time),
     )  # fmt: skip
     every = slice(None, None, substeps)
     return Motion(motion.position_m[every], motion.velocity_m_s[every], motion.bristle_m[every])
@@ -122,7 +123,7 @@ def test_halving_the_step_quarters_the_error():
 def test_agrees_with_another_solver():
     from scipy.integrate import solve_ivp
 
-    scene = sliding_finger(0.04, PAD.depth_m(FORCE_N))
+    scene = plan(Trial().scene, PAD, FORCE_N)
     start, end = scene.slide.start_s, scene.slide.start_s + 0.12
 
     def rates(t, y):

@@ -11,7 +11,9 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.errors import TraceError
-from fingertip.sim import SURFACES, Trial, simulate
+from fingertip.sim import SURFACES, SceneFile, Trial, run_scene, simulate
+from fingertip.sim.pad import Pad
+from fingertip.sim.timeline import plan
 from fingertip.slip.trace_file import to_csv
 
 DESIGN = Design()
@@ -44,32 +46,22 @@ def test_a_heavier_load_sticks_longer():
     for force in (0.3, 1.0, 3.0):
         trial = Trial("gross", 0.04, force, 3)
         trace = simulate(DESIGN, trial)
-        from fingertip.sim.pad import Pad
-        from fingertip.sim.scene import sliding_finger
-
-        command = sliding_finger(0.04, Pad.of(DESIGN).depth_m(force)).slide.start_s
+        command = plan(trial.scene, Pad.of(DESIGN), force).slide.start_s
         onsets.append(trace.time_s[trace.slip][0] - command)
     assert 0.0 < onsets[0] < onsets[1] < onsets[2]
 
 
 def test_no_slip_without_sliding_far_enough():
     """A stage that moves less than the pad shears gives no gross slip: the truth is physics, not the command."""
-    import fingertip.sim.trial as module
-
-    saved = module.sliding_finger
-
-    def barely(speed, depth):
-        from dataclasses import replace
-
-        scene = saved(speed, depth)
-        return replace(scene, slide=type(scene.slide).at(scene.slide.start_s, 5e-5, 5e-3))
-
-    module.sliding_finger = barely
-    try:
-        trace = simulate(DESIGN, Trial("gross", 0.04, 2.0, 3))
-    finally:
-        module.sliding_finger = saved
-    assert not trace.slip.any()
+    slides = {}
+    for distance in (5e-5, 5e-3):
+        scene = SceneFile(
+            contact={"surface": "gross"},
+            hold={"force_least_n": 2.0, "force_most_n": 2.0},
+            slide={"distance_m": distance, "speed_m_s": 0.04},
+        )
+        slides[distance] = run_scene(DESIGN, scene, 3).trace.slip.any()
+    assert slides == {5e-5: False, 5e-3: True}
 
 
 def test_vibration_grows_with_roughness_and_load_and_stays_low():

@@ -1,73 +1,117 @@
-"""`fingertip simulate`: one sliding-finger trial of the article, as the voltage a converter would have
+"""`fingertip simulate`: a sliding-finger trial of the article, or any scene, as the voltage a converter would have
 sampled."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
 
+if TYPE_CHECKING:
+    from fingertip.design import Design
+    from fingertip.sim import SceneFile
+
 
 @command
 def simulate(
-    design: Annotated[Path | None, typer.Argument(help="Design file; without it, the defaults.")] = None,
-    out: Annotated[Path, typer.Option("--out", "-o", help="Trace to write (CSV).")] = Path("trace.csv"),
+    file: Annotated[Path | None, typer.Argument(help="Design file or scene file; without it, the defaults.")] = None,
+    design: Annotated[Path | None, typer.Option("--design", "-d", help="Design file, beside a scene file.")] = None,
+    out: Annotated[Path, typer.Option("--out", "-o", help="Trace to write: .csv, or .npz.")] = Path("trace.csv"),
     seed: Annotated[int, typer.Option(help="Seed of force, surface and noise.")] = 0,
     speed_m_s: Annotated[
-        float, typer.Option("--speed-m-s", help="Peak sliding velocity; the article's: 0.04, 0.06, 0.08.")
-    ] = 0.04,
-    surface: Annotated[str, typer.Option(help="smooth, medium, gross, wood, paper or plastic.")] = "medium",
+        float | None, typer.Option("--speed-m-s", help="Peak sliding velocity; the article's: 0.04, 0.06, 0.08.")
+    ] = None,
+    surface: Annotated[str | None, typer.Option(help="smooth, medium, gross, wood, paper or plastic.")] = None,
     force_n: Annotated[
-        float | None, typer.Option("--force-n", help="Holding force; 0.2 to 2 N by the seed if left out.")
+        float | None, typer.Option("--force-n", help="Holding force; by the seed if left out, 0.2 to 2 N in a trial.")
     ] = None,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Simulate one sliding-finger trial and write its trace."""
+    """Simulate one trial of a design, or a scene with --design, and write its trace."""
     from fingertip import sim
     from fingertip.design import Design
     from fingertip.errors import Fault, FingertipError
     from fingertip.files import write_file
+    from fingertip.sim.kinds import kind_of, split
+    from fingertip.sim.result import file_bytes
     from fingertip.slip.intervals import intervals
-    from fingertip.slip.trace_file import to_csv
 
     console = Console(as_json, quiet)
     faults: list[Fault] = []
-    loaded = trial = None
+    for_scene, for_design = split(changes or ())
+    is_scene = file is not None and kind_of(file) == "scene"
+    if design and not is_scene:
+        faults.append(Fault("--design", f"stands beside {file or 'no file'}, which is no scene; leave --design out."))
+    if for_scene and not is_scene:
+        faults.append(
+            Fault(f"--set {for_scene[0]}", "changes a scene; give a scene file, such as params/scenes/*.toml.")
+        )
+    if out.suffix.lower() not in (".csv", ".npz"):
+        faults.append(Fault("--out", f"{out.name!r} is no kind of trace file known here; end it in .csv or .npz."))
+    if is_scene and seed < 0:  # a trial says so itself
+        faults.append(Fault("--seed", f"{seed} is negative; choose a whole number of at least 0."))
+    loaded: Design | None = None
+    scene: SceneFile | None = None
+    design_file = design if is_scene else file
     try:
-        loaded = Design.load(*([design] if design else []), changes=changes or ())
+        loaded = Design.load(*([design_file] if design_file else []), changes=for_design)
     except FingertipError as error:
         faults.extend(error.faults)
     try:
-        trial = sim.Trial(surface, speed_m_s, force_n, seed)
+        if is_scene and file:
+            scene = sim.SceneFile.load(file, changes=[*for_scene, *_options(surface, speed_m_s, force_n)])
+        else:
+            default = sim.Trial()
+            scene = sim.Trial(
+                default.surface if surface is None else surface,
+                default.speed_m_s if speed_m_s is None else speed_m_s,
+                force_n,
+                seed,
+            ).scene
     except FingertipError as error:
         faults.extend(error.faults)
-    if loaded is None or trial is None:
+    if faults or loaded is None or scene is None:
         raise FingertipError(faults)
 
-    trace = sim.simulate(loaded, trial)
-    write_file(out, to_csv(trace))
+    found = sim.run_scene(loaded, scene, seed)
+    write_file(out, file_bytes(found, out))
     console.say(f"wrote {out}")
-    slips = intervals(trace.time_s, trace.slip) if trace.slip is not None else ()
+    slips = intervals(found.time_s, found.columns["slip"].astype(bool)) if "slip" in found.columns else ()
     data = {
         "trace": out.as_posix(),
-        "samples": len(trace.time_s),
+        "scene": scene.scene,
+        "columns": ["time_s", *found.columns],
+        "samples": len(found.time_s),
         "sample_rate_hz": loaded.detector.sample_rate_hz,
-        "duration_s": round(float(trace.time_s[-1]), 7),
-        "surface": trial.surface,
-        "speed_m_s": trial.speed_m_s,
-        "force_n": round(trial.holding_force_n, 6),
-        "seed": trial.seed,
+        "duration_s": round(float(found.time_s[-1]), 7),
+        "surface": scene.contact.surface,
+        "speed_m_s": scene.slide.speed_m_s if scene.slide.distance_m else 0.0,
+        "force_n": round(found.force_n, 6),
+        "seed": seed,
+        "stages": [{"name": r.name, "states": r.states, "evaluations": r.evaluations} for r in found.ran],
         "slips": [{"onset_s": round(s.onset_s, 7), "end_s": round(s.end_s, 7)} for s in slips],
     }
+    what = f"{sim.SURFACES[scene.contact.surface].label}, {scene.slide.speed_m_s:g} m/s"
     lines = [
-        f"{sim.SURFACES[trial.surface].label}, {trial.speed_m_s:g} m/s, "
-        f"{trial.holding_force_n:.2f} N, seed {trial.seed}: "
-        f"{len(trace.time_s)} samples, {trace.time_s[-1]:.2f} s",
+        f"{what if scene.slide.distance_m else scene.scene}, {found.force_n:.2f} N, seed {seed}: "
+        f"{len(found.time_s)} samples, {found.time_s[-1]:.2f} s",
         *(f"gross slip from {s.onset_s:.4f} s to {s.end_s:.4f} s" for s in slips),
     ]
     console.result(data, "\n".join(lines))
+
+
+def _options(surface: str | None, speed_m_s: float | None, force_n: float | None) -> Iterable[str]:
+    """The trial's options as changes of a scene."""
+    if surface is not None:
+        yield f'contact.surface="{surface}"'
+    if speed_m_s is not None:
+        yield f"slide.speed_m_s={speed_m_s!r}"
+    if force_n is not None:
+        yield f"hold.force_least_n={force_n!r}"
+        yield f"hold.force_most_n={force_n!r}"

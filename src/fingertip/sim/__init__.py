@@ -1,7 +1,8 @@
-"""What happens to a sliding finger, up to the voltage that is sampled: scene, contact, vibration, sensor,
-trial."""
+"""What happens to a finger, up to the voltage that is sampled: scenes, contact, sensor, board."""
 
+from fingertip.sim.result import Simulated, run_scene
+from fingertip.sim.scene_file import SceneFile
 from fingertip.sim.surfaces import SURFACES
 from fingertip.sim.trial import Trial, simulate
 
-__all__ = ["SURFACES", "Trial", "simulate"]
+__all__ = ["SURFACES", "SceneFile", "Simulated", "Trial", "run_scene", "simulate"]

@@ -4,13 +4,12 @@ converter."""
 from __future__ import annotations
 
 import math
-import random
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design import Design
+from fingertip.board.bridge import sensor_conductance_s
 
 Array = NDArray[np.float64]
 
@@ -43,12 +42,28 @@ class Curve:
 
     def voltage_v(self, force_n: float) -> float:
         """Voltage [V] at a force [N] that only ever grew."""
-        excess, w = force_n - self.turn_on_n, TURN_ON_WIDTH_N
-        if excess <= -w:
-            return self.open_v
-        if excess < w:
-            excess = (excess + w) * (excess + w) / (4 * w)
-        return self.open_v - self.scale * math.pow(excess, self.exponent)
+        return self.open_v - self.scale * math.pow(beyond(force_n, self.turn_on_n), self.exponent)
+
+
+@dataclass(frozen=True)
+class Conductance:
+    """Conductance over force: ``scale g(F - turn_on)^exponent`` [S], with the g of `Curve`."""
+
+    turn_on_n: float
+    scale: float
+    exponent: float
+
+    def siemens(self, force_n: float) -> float:
+        """Conductance [S] at a force [N] that only ever grew."""
+        return self.scale * math.pow(beyond(force_n, self.turn_on_n), self.exponent)
+
+
+def beyond(force_n: float, turn_on_n: float) -> float:
+    """What a force has beyond the turn-on [N]: 0 below it, a parabola across its width, then the difference."""
+    excess, w = force_n - turn_on_n, TURN_ON_WIDTH_N
+    if excess <= -w:
+        return 0.0
+    return (excess + w) * (excess + w) / (4 * w) if excess < w else excess
 
 
 def fit(points: tuple[tuple[float, float], ...] = FIT_POINTS) -> Curve:
@@ -60,6 +75,14 @@ def fit(points: tuple[tuple[float, float], ...] = FIT_POINTS) -> Curve:
     (f0, v0), (f1, v1), (f2, v2) = points
     exponent = math.log((v0 - v2) / (v0 - v1)) / math.log((f2 - f0) / (f1 - f0))
     return Curve(f0, v0, (v0 - v1) / (f1 - f0) ** exponent, exponent)
+
+
+def fit_conductance() -> Conductance:
+    """Interlink's curve at the article's two forces, from the turn-on at which the board's own curve begins."""
+    (f0, _), (f1, _), (f2, _) = FIT_POINTS
+    g1, g2 = sensor_conductance_s(f1), sensor_conductance_s(f2)
+    exponent = math.log(g2 / g1) / math.log((f2 - f0) / (f1 - f0))
+    return Conductance(f0, g1 / (f1 - f0) ** exponent, exponent)
 
 
 def with_hysteresis(force_n: Array) -> Array:
@@ -75,16 +98,8 @@ def with_hysteresis(force_n: Array) -> Array:
     return np.array(shown)
 
 
-def sample(design: Design, shown_n: Array, rng: random.Random) -> Array:
-    """Raw tactile voltage [V], with the design's noise, as its converter delivers it."""
-    curve, noise, d = fit(), design.detector.noise_v, design.detector
-    return np.array(
-        [quantise(curve.voltage_v(f) + rng.gauss(0.0, noise), d.adc_bits, d.adc_range_v) for f in shown_n.tolist()]
-    )
-
-
-def quantise(voltage_v: float, bits: int, range_v: float) -> float:
-    """The converter's nearest step [V] for ``-range_v <= V < range_v``; its ends beyond."""
+def quantise(voltage_v: Array, bits: int, range_v: float) -> Array:
+    """The converter's nearest steps [V] for ``-range_v <= V < range_v``; its ends beyond."""
     half: int = 2 ** (bits - 1)
-    code = math.floor(voltage_v / range_v * half + 0.5)
-    return max(-half, min(half - 1, code)) * range_v / half
+    codes = np.floor(voltage_v / range_v * half + 0.5)
+    return np.clip(codes, -half, half - 1) * range_v / half

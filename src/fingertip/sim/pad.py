@@ -37,12 +37,13 @@ class Pad:
 
     radius_m: float
     """Radius of curvature across the finger [m], taken in both directions (assumption)."""
+    resonance_at_1n_hz: float = RESONANCE_HZ
 
     @classmethod
-    def of(cls, design: Design) -> Pad:
+    def of(cls, design: Design, resonance_hz: float = RESONANCE_HZ) -> Pad:
         """The pad of a design: curvature of its palmar conic arc, ``R = 2 w^2 a^2 / b``."""
         a, b = design.skin.width_mm / 2, design.skin.semi_axis_palmar_mm
-        return cls(2 * design.skin.squareness_palmar**2 * a * a / b * 1e-3)
+        return cls(2 * design.skin.squareness_palmar**2 * a * a / b * 1e-3, resonance_hz)
 
     @property
     def _modulus_pa(self) -> float:
@@ -58,8 +59,8 @@ class Pad:
 
     @property
     def mass_kg(self) -> float:
-        """Mass that moves with the pad [kg]: the one that resonates at `RESONANCE_HZ` under 1 N."""
-        return self.normal_stiffness_n_per_m(1.0) / (2 * math.pi * RESONANCE_HZ) ** 2
+        """Mass that moves with the pad [kg]: the one with its resonance under 1 N."""
+        return self.normal_stiffness_n_per_m(1.0) / (2 * math.pi * self.resonance_at_1n_hz) ** 2
 
     def resonance_hz(self, force_n: float) -> float:
         """Normal resonance at a holding force [Hz]; it grows with the sixth root of the force."""

@@ -1,8 +1,7 @@
-"""What the robot does: the article's sliding-finger trial (section III.C, figures 8 and 9) as motion over
-time.
+"""What the robot does: moves with a trapezoidal velocity profile, and the article's figures for them (section III.C,
+figures 8 and 9). `fingertip.sim.timeline` puts them together.
 
-Approach and contact, one second's wait, 4 cm of sliding with a trapezoidal velocity profile, one second's
-wait, lift by 5 cm in 2 s. Only sums, products and square roots are used, so that every processor gives the
+Only sums, products and square roots are used, so that every processor gives the
 same bits.
 """
 
@@ -19,15 +18,12 @@ Array = NDArray[np.float64]
 SLIDE_M = 0.04
 LIFT_M = 0.05
 LIFT_S = 2.0
-WAIT_S = 1.0
 ACCELERATION_M_S2 = 1.0
 """Of every ramp. Assumption: the article only says that 4 cm at 4 cm/s took about one second; this gives
 1.04 s."""
 APPROACH_M = 0.01
 """Free way before the touch. Assumption: half of the article's 2 cm, the rest of which presses the finger
 on."""
-AFTER_S = 0.2
-"""Recorded after the lift. Assumption."""
 
 
 @dataclass(frozen=True)
@@ -41,9 +37,9 @@ class Ramp:
     peak_m_s: float
 
     @classmethod
-    def at(cls, start_s: float, distance_m: float, speed_m_s: float) -> Ramp:
+    def at(cls, start_s: float, distance_m: float, speed_m_s: float, acceleration_m_s2: float | None = None) -> Ramp:
         """Cruise at `speed_m_s` where the way allows."""
-        a = ACCELERATION_M_S2
+        a = ACCELERATION_M_S2 if acceleration_m_s2 is None else acceleration_m_s2
         return cls(start_s, distance_m, a, min(speed_m_s, math.sqrt(a * distance_m)))
 
     @classmethod
@@ -79,34 +75,3 @@ class Ramp:
         even = np.clip(t - ramp, 0.0, cruise)
         down = np.clip(t - ramp - cruise, 0.0, ramp)
         return a * up * up / 2 + v * even + (v * down - a * down * down / 2)
-
-
-@dataclass(frozen=True)
-class Scene:
-    """One sliding-finger trial as the robot moves."""
-
-    approach: Ramp
-    slide: Ramp
-    lift: Ramp
-    duration_s: float
-
-    def depth_m(self, time_s: Array) -> Array:
-        """How far the hand is pressed beyond the first touch [m]; negative while the finger is clear."""
-        return self.approach.position_m(time_s) - APPROACH_M - self.lift.position_m(time_s)
-
-
-def sliding_finger(speed_m_s: float, depth_m: float) -> Scene:
-    """Plan a trial.
-
-    Parameters
-    ----------
-    speed_m_s
-        Peak sliding velocity [m/s]; the article's are 0.04, 0.06 and 0.08.
-    depth_m
-        How far the hand is pressed on beyond the first touch [m].
-    """
-    # Down as fast as up (assumption; the article gives the lift's time only).
-    approach = Ramp.at(0.0, APPROACH_M + depth_m, Ramp.within(0.0, LIFT_M, LIFT_S).peak_m_s)
-    slide = Ramp.at(approach.end_s + WAIT_S, SLIDE_M, speed_m_s)
-    lift = Ramp.within(slide.end_s + WAIT_S, LIFT_M, LIFT_S)
-    return Scene(approach, slide, lift, lift.end_s + AFTER_S)

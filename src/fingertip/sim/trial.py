@@ -1,20 +1,16 @@
-"""One simulated trial: request, checks, and the stages put together."""
+"""One sliding-finger trial of the article: request, checks, and the scene it is."""
 
 from __future__ import annotations
 
-import math
 import random
 from dataclasses import dataclass
-
-import numpy as np
 
 from fingertip.design import Design
 from fingertip.design.faults import nearest
 from fingertip.errors import Fault, TraceError
-from fingertip.sim import fsr, vibration
-from fingertip.sim.contact import Mount, drag
-from fingertip.sim.pad import DAMPING_RATIO, Pad
-from fingertip.sim.scene import SLIDE_M, sliding_finger
+from fingertip.sim.result import run_scene
+from fingertip.sim.scene import SLIDE_M
+from fingertip.sim.scene_file import SceneFile
 from fingertip.sim.surfaces import SURFACES
 from fingertip.slip.trace import Trace
 
@@ -24,17 +20,6 @@ MOST_FORCE_N = 4.0
 """More would need so much travel of the hand that the lift of 5 cm did not end the contact."""
 SPEEDS_M_S = (0.005, 0.2)
 """Slower takes minutes of computing time; faster is not reached within 4 cm."""
-GROSS_SLIP_M_S = 1e-3
-"""Velocity of the pad over the surface above which slip is gross [m/s]. Assumption: 1/40 of the slowest
-sliding."""
-LOAD_SHIFT_PER_M = (1 - 0.035 / 0.32) / 6e-3
-"""Share of the force the sensor loses per metre by which the pad is sheared towards the base [1/m].
-
-From a linear finite-element trial of such a finger: a pad load moved by 6 mm towards the base left 0.035 of
-it on the active area instead of 0.32. That the article's slide shears the pad towards the base is an
-assumption.
-"""
-_LONGEST_STEP_S = 1.25e-4  # velocities are then within 1e-5 m/s of the limit (the convergence test holds that)
 
 
 @dataclass(frozen=True)
@@ -83,11 +68,19 @@ class Trial:
         if self.force_n is not None:
             return self.force_n
         low, high = FORCES_N
-        return low + (high - low) * self.stream("force").random()
+        return low + (high - low) * random.Random(f"{self.seed}:force").random()
 
-    def stream(self, what: str) -> random.Random:
-        """Random numbers for one purpose: setting the force changes neither the surface nor the noise."""
-        return random.Random(f"{self.seed}:{what}")
+    @property
+    def scene(self) -> SceneFile:
+        """The trial as a scene."""
+        low, high = FORCES_N if self.force_n is None else (self.force_n, self.force_n)
+        return SceneFile(
+            scene="sliding_finger",
+            contact={"surface": self.surface},
+            hold={"force_least_n": low, "force_most_n": high},
+            slide={"distance_m": SLIDE_M, "speed_m_s": self.speed_m_s},
+            sensing={"bridge": "article"},
+        )
 
 
 def simulate(design: Design, trial: Trial | None = None) -> Trace:
@@ -111,30 +104,4 @@ def simulate(design: Design, trial: Trial | None = None) -> Trace:
         With voltage, true normal force and true gross slip. The same design and trial give the same trace.
     """
     trial = trial or Trial()
-    surface, pad, force = SURFACES[trial.surface], Pad.of(design), trial.holding_force_n
-    scene = sliding_finger(trial.speed_m_s, pad.depth_m(force))
-    rate = design.detector.sample_rate_hz
-    substeps = math.ceil(1 / (rate * _LONGEST_STEP_S) - 1e-9)
-    h = 1 / (rate * substeps)
-    time = np.arange(math.ceil(scene.duration_s * rate) * substeps + 1, dtype=np.float64) * h
-
-    normal = pad.force_n(scene.depth_m(time))
-    stage = scene.slide.position_m(time)
-    k = pad.tangential_stiffness_n_per_m(force)
-    mount = Mount(pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * pad.mass_kg))
-    motion = drag(surface.friction, mount, h, stage, scene.slide.velocity_m_s(time), normal)
-
-    line = vibration.profile(trial.stream("surface"), surface.roughness_um, surface.cutoff_wavelength_m, SLIDE_M)
-    height = vibration.height_m(line, motion.position_m)
-    felt = vibration.left_by_hand(height, h, pad.hand_hz)
-    # The load presses the pad into the profile: stiffness at the force of the moment, none without contact.
-    stiffness = pad.normal_stiffness_n_per_m(1.0) * np.cbrt(normal)
-    drive = normal + stiffness * felt
-    contact = vibration.resonate(drive, normal > 0.0, h, pad.resonance_hz(force), DAMPING_RATIO)
-
-    shear = stage - motion.position_m
-    sensed = contact * np.clip(1 - LOAD_SHIFT_PER_M * shear, 0.0, None)
-    every = slice(None, None, substeps)
-    shown = fsr.with_hysteresis(sensed[every])
-    slip = (np.abs(motion.velocity_m_s) > GROSS_SLIP_M_S) & (normal > 0.0)
-    return Trace(time[every], fsr.sample(design, shown, trial.stream("noise")), contact[every], slip[every])
+    return run_scene(design, trial.scene, trial.seed).trace

@@ -7,12 +7,15 @@ from pathlib import Path
 
 from fingertip.board.bom import bill_of_materials
 from fingertip.board.circuit import Circuit
+from fingertip.board.layout import kicad_board
 from fingertip.board.netlist import kicad_netlist
 from fingertip.board.paper_circuit import paper_circuit
+from fingertip.board.paper_placement import PAPER_PLACEMENT
 from fingertip.board.paper_sheet import PAPER_SHEET
 from fingertip.board.project import kicad_project
 from fingertip.board.schematic import kicad_schematic
 from fingertip.board.spice import spice_deck
+from fingertip.board.tracks import load_template
 from fingertip.board.values import BoardValues, board_values
 from fingertip.design import Design
 from fingertip.files import write_whole
@@ -22,6 +25,7 @@ VALUES = "values.json"
 DECK = "slip_filter.cir"
 PARTS = "bom.csv"
 SCHEMATIC = "slip_filter.kicad_sch"
+LAYOUT = "slip_filter.kicad_pcb"
 PROJECT = "slip_filter.kicad_pro"
 
 
@@ -42,6 +46,7 @@ def board_files(design: Design) -> dict[str, bytes]:
     return {
         NETLIST: kicad_netlist(circuit),
         SCHEMATIC: kicad_schematic(circuit, PAPER_SHEET),
+        LAYOUT: kicad_board(circuit, PAPER_PLACEMENT, load_template("paper", circuit, PAPER_PLACEMENT)),
         PROJECT: kicad_project(circuit),
         DECK: spice_deck(circuit, design.board.gain_bandwidth_hz, design.board.supply_v),
         PARTS: bill_of_materials(circuit),

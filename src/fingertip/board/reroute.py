@@ -1,0 +1,72 @@
+"""Makes a board's template anew: `python -m fingertip.board.reroute`. Needs KiCad's Python module for the pour.
+
+Run it after a change of placement, footprints or nets; it takes about a minute. KiCad's module belongs to the system's
+Python, which `--python` names.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import tempfile
+from pathlib import Path
+
+from fingertip.board.layout import CORNER_MM, EDGE_CLEARANCE_MM, kicad_board
+from fingertip.board.output import board_circuit
+from fingertip.board.paper_placement import PAPER_PLACEMENT
+from fingertip.board.placement import crowded, placed_pads
+from fingertip.board.project import CLEARANCE_MM, TRACK_MM, VIA_MM, kicad_project
+from fingertip.board.router import Rules, route
+from fingertip.board.tracks import TEMPLATES, Template, template_text
+from fingertip.board.values import board_values
+from fingertip.design import Design
+
+_FILL = """
+import json, sys
+import pcbnew
+board = pcbnew.LoadBoard(sys.argv[1])
+pcbnew.ZONE_FILLER(board).Fill(board.Zones())
+fills = {}
+for zone in board.Zones():
+    layer = zone.GetLayer()
+    shapes = zone.GetFilledPolysList(layer)
+    outlines = []
+    for i in range(shapes.OutlineCount()):
+        line = shapes.Outline(i)
+        points = [line.CPoint(j) for j in range(line.PointCount())]
+        outlines.append([[p.x / 1e6, p.y / 1e6] for p in points])
+    fills[board.GetLayerName(layer)] = outlines
+print("FILLS" + json.dumps(fills))
+"""
+
+
+def main() -> None:
+    """Route, pour, write the template."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--python", default="/usr/bin/python3", help="a Python that has KiCad's module pcbnew")
+    python = parser.parse_args().python
+    circuit, placement = board_circuit(board_values(Design())), PAPER_PLACEMENT
+    if found := list(crowded(circuit, placement)):
+        raise SystemExit(f"these parts overlap: {found}")
+    rules = Rules(TRACK_MM, CLEARANCE_MM, VIA_MM, EDGE_CLEARANCE_MM)
+    tracks = route(placement.width, placement.height, list(placed_pads(circuit, placement)), rules, tell=print)
+    with tempfile.TemporaryDirectory() as name:
+        board = Path(name) / f"{circuit.name}.kicad_pcb"
+        board.write_bytes(kicad_board(circuit, placement, Template(tracks, {})))
+        board.with_suffix(".kicad_pro").write_bytes(kicad_project(circuit))
+        run = subprocess.run([python, "-c", _FILL, str(board)], capture_output=True, text=True, check=True)
+    words = next(line for line in run.stdout.splitlines() if line.startswith("FILLS"))
+    fills = {
+        layer: tuple(
+            tuple((round(x - CORNER_MM[0], 4), round(y - CORNER_MM[1], 4)) for x, y in outline) for outline in outlines
+        )
+        for layer, outlines in json.loads(words.removeprefix("FILLS")).items()
+    }
+    path = TEMPLATES / "paper.json"
+    path.write_text(template_text(Template(tracks, fills), circuit, placement), encoding="utf-8")
+    print(f"wrote {path.name}: {path.stat().st_size} bytes")
+
+
+if __name__ == "__main__":
+    main()

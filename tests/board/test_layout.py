@@ -1,0 +1,191 @@
+"""The board: KiCad's design rules, parity with the schematic, and the tracks without KiCad."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from fingertip.board import board_circuit, board_values, write_board
+from fingertip.board.footprints import FOOTPRINTS, ROUND_RATIO
+from fingertip.board.layout import EDGE_CLEARANCE_MM
+from fingertip.board.names import name_places
+from fingertip.board.output import LAYOUT
+from fingertip.board.paper_placement import PAPER_PLACEMENT
+from fingertip.board.placement import PlacedPad, Spot, crowded, placed_pads
+from fingertip.board.project import CLEARANCE_MM, TRACK_MM, VIA_MM
+from fingertip.board.router import Rules, route
+from fingertip.board.tracks import load_template
+from fingertip.design import Design
+from fingertip.errors import BoardError
+from tests.board.expressions import children, parse
+from tests.board.kicad import HOW, kicad_cli
+from tests.tools import require_tool
+
+CIRCUIT = board_circuit(board_values(Design()))
+RULES = Rules(TRACK_MM, CLEARANCE_MM, VIA_MM, EDGE_CLEARANCE_MM)
+
+
+def findings(folder: Path) -> dict[str, list[str]]:
+    """What KiCad's check of the board finds: violations, unconnected items, differences from the schematic."""
+    run = kicad_cli(
+        folder, "pcb", "drc", LAYOUT, "--schematic-parity", "--severity-all", "--exit-code-violations",
+        "--all-track-errors", "--format", "json", "-o", "drc.json",
+    )  # fmt: skip
+    report = json.loads((folder / "drc.json").read_text("utf-8"))
+    found = {key: [v["type"] for v in report[key]] for key in ("violations", "unconnected_items", "schematic_parity")}
+    assert (run.returncode == 0) == (not any(found.values()))
+    return found
+
+
+NOTHING: dict[str, list[str]] = {"violations": [], "unconnected_items": [], "schematic_parity": []}
+
+
+@pytest.mark.parametrize("changes", [[], ["board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.series=E96"]])
+def test_design_rules_are_kept_and_the_schematic_is_matched(tmp_path: Path, changes: list[str]) -> None:
+    write_board(Design.load(changes=changes), tmp_path / "pcb")
+    assert findings(tmp_path / "pcb") == NOTHING
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "key"),
+    [
+        ('(property "Value" "4.7k"', '(property "Value" "47k"', "schematic_parity"),
+        ('(footprint "Diode_SMD:D_SOD-123"', '(footprint "Diode_SMD:D_SOD-323"', "schematic_parity"),
+        ("(width 0.2)", "(width 0.6)", "violations"),
+        ('(layer "B.Cu") (net', '(layer "F.Cu") (net', "unconnected_items"),
+    ],
+    ids=["value", "footprint", "width", "layer"],
+)  # fmt: skip
+def test_a_spoiled_board_is_noticed(tmp_path: Path, right: str, wrong: str, key: str) -> None:
+    write_board(Design(), tmp_path / "pcb")
+    path = tmp_path / "pcb" / LAYOUT
+    assert right in path.read_text("utf-8")
+    path.write_text(path.read_text("utf-8").replace(right, wrong), encoding="utf-8")
+    assert findings(tmp_path / "pcb")[key]
+
+
+def test_size_and_holes() -> None:
+    assert (PAPER_PLACEMENT.width, PAPER_PLACEMENT.height) == (40.0, 25.0)
+    assert sum(reference[0] == "H" for reference in PAPER_PLACEMENT.spots) == 4
+    assert list(crowded(CIRCUIT, PAPER_PLACEMENT)) == []
+
+
+def test_crowded_parts_are_noticed() -> None:
+    spots = PAPER_PLACEMENT.spots
+    close = replace(PAPER_PLACEMENT, spots={**spots, "R1": Spot(spots["R4"].x, spots["R4"].y + 1.0)})
+    assert ("R4", "R1") in list(crowded(CIRCUIT, close)) or ("R1", "R4") in list(crowded(CIRCUIT, close))
+    outside = replace(PAPER_PLACEMENT, spots={**spots, "R1": Spot(39.5, 12.0)})
+    assert ("R1", "edge") in list(crowded(CIRCUIT, outside))
+
+
+def islands(pads: list[PlacedPad], tracks: object) -> int:
+    """Groups of one net's pads that its tracks leave apart, with vias joining the layers."""
+    segments, vias = tracks.segments, tracks.vias  # type: ignore[attr-defined]
+    items: list[tuple[set[int], object]] = [({0, 1} if p.pad.drill else {0}, p) for p in pads]
+    items += [({s[0]}, s) for s in segments] + [({0, 1}, v) for v in vias]
+    parent = list(range(len(items)))
+
+    def root(i: int) -> int:
+        while parent[i] != i:
+            i = parent[i]
+        return i
+
+    def touches(point: tuple[float, float], item: object) -> bool:
+        if isinstance(item, PlacedPad):
+            return abs(point[0] - item.x) <= item.half_width and abs(point[1] - item.y) <= item.half_height
+        if len(item) == 2:  # type: ignore[arg-type]
+            return math.dist(point, item) < 1e-6  # type: ignore[arg-type]
+        _, a, b = item  # type: ignore[misc]
+        along = math.dist(a, point) + math.dist(point, b) - math.dist(a, b)
+        return along < 1e-6
+
+    def ends(item: object) -> list[tuple[float, float]]:
+        if isinstance(item, PlacedPad):
+            return [(item.x, item.y)]
+        return [item] if len(item) == 2 else list(item[1:])  # type: ignore[arg-type, list-item, index]
+
+    for i, (layers, item) in enumerate(items):
+        for j, (others, other) in enumerate(items[:i]):
+            if layers & others and any(touches(p, other) for p in ends(item)) | any(
+                touches(p, item) for p in ends(other)
+            ):
+                parent[root(i)] = root(j)
+    return len({root(i) for i in range(len(pads))})
+
+
+def test_tracks_join_every_net() -> None:
+    """Said again without KiCad; ground is joined by the pour, so there every pad has a via of its own."""
+    template = load_template("paper", CIRCUIT, PAPER_PLACEMENT)
+    pads = list(placed_pads(CIRCUIT, PAPER_PLACEMENT))
+    for net in CIRCUIT.nets:
+        mine = [p for p in pads if p.net == net.name]
+        if net.name != "GND":
+            assert islands(mine, template.tracks[net.name]) == 1, net.name
+    front = [p for p in pads if p.net == "GND" and not p.pad.drill]
+    assert len(template.tracks["GND"].vias) == len(front)
+    assert set(template.fills) == {"F.Cu", "B.Cu"}
+    assert len(template.fills["B.Cu"]) == 1  # one piece behind
+
+
+def test_a_missing_track_is_noticed() -> None:
+    tracks = load_template("paper", CIRCUIT, PAPER_PLACEMENT).tracks["TACTILE"]
+    pads = [p for p in placed_pads(CIRCUIT, PAPER_PLACEMENT) if p.net == "TACTILE"]
+    assert islands(pads, replace(tracks, segments=tracks.segments[1:])) > 1
+    assert islands(pads, replace(tracks, vias=())) > 1
+
+
+def test_a_template_of_another_placement_is_refused() -> None:
+    moved = replace(PAPER_PLACEMENT, spots={**PAPER_PLACEMENT.spots, "R1": Spot(11.4, 16.4)})
+    with pytest.raises(BoardError, match=r"another placement: run python -m fingertip\.board\.reroute"):
+        load_template("paper", CIRCUIT, moved)
+
+
+def test_every_part_has_its_name_on_the_board() -> None:
+    template = load_template("paper", CIRCUIT, PAPER_PLACEMENT)
+    vias = [via for tracks in template.tracks.values() for via in tracks.vias]
+    assert set(name_places(CIRCUIT, PAPER_PLACEMENT, vias, VIA_MM)) == {
+        part.reference for part in CIRCUIT.parts if part.reference[0] != "H"
+    }
+
+
+def test_the_router_joins_and_keeps_clear() -> None:
+    """Four parts whose nets cross on one layer: one must go behind."""
+    names = {"R1": (2.0, 6.0), "R2": (10.0, 6.0), "R4": (6.0, 2.0), "R5": (6.0, 10.0)}
+    pads = [p for p in placed_pads(CIRCUIT, PAPER_PLACEMENT) if p.reference in names and p.pad.number == "1"]
+    moved = [
+        replace(p, x=names[p.reference][0], y=names[p.reference][1], net="A" if p.reference in ("R1", "R2") else "B")
+        for p in pads
+    ]
+    found = route(12.0, 12.0, moved, RULES)
+    assert set(found) == {"A", "B"}
+    for net, tracks in found.items():
+        assert islands([p for p in moved if p.net == net], tracks) == 1
+    assert len(found["A"].vias) + len(found["B"].vias) in (0, 2)
+
+
+@pytest.mark.parametrize("footprint", sorted(FOOTPRINTS))
+def test_pads_are_those_of_kicads_library(footprint: str) -> None:
+    folder = require_tool("/usr/share/kicad/footprints", HOW)
+    library, name = footprint.split(":")
+    module = parse((folder / f"{library}.pretty" / f"{name}.kicad_mod").read_text("utf-8"))
+    theirs = set()
+    for pad in children(module, "pad"):
+        x, y = (float(word) for word in next(children(pad, "at"))[1:3])
+        w, h = (float(word) for word in next(children(pad, "size"))[1:3])
+        drill = next((float(d[1]) for d in children(pad, "drill")), 0.0)
+        ratio = next((float(r[1]) for r in children(pad, "roundrect_rratio")), 0.0)
+        paste = any("Paste" in layer for layer in next(children(pad, "layers")))
+        theirs.add((pad[1], pad[3], x, y, w, h, drill, ratio, paste))
+    shape = FOOTPRINTS[footprint]
+    ratio = ROUND_RATIO.get(footprint, 0.25)
+    ours = {
+        (p.number, p.shape, p.x, p.y, p.width, p.height, p.drill, ratio if p.shape == "roundrect" else 0.0,
+         shape.paste and not p.drill)
+        for p in shape.pads
+    }  # fmt: skip
+    rounded = [{tuple(round(v, 4) if isinstance(v, float) else v for v in pad) for pad in s} for s in (ours, theirs)]
+    assert rounded[0] == rounded[1]

@@ -1,7 +1,7 @@
 """Checks as JUnit XML, in the dialect that Jenkins, GitLab and GitHub's readers share.
 
-One suite for each design, one test case for each check. No times, dates, host or path stand in it: the same designs
-give the same bytes.
+One suite for each design, one test case for each check. No times, dates or host stand in it: the same designs give
+the same bytes.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -50,21 +51,23 @@ def test_design_rules_are_kept_and_the_schematic_is_matched(tmp_path: Path, chan
     assert findings(tmp_path / "pcb") == NOTHING
 
 
-@pytest.mark.parametrize(
-    ("right", "wrong", "key"),
-    [
-        ('(property "Value" "4.7k"', '(property "Value" "47k"', "schematic_parity"),
-        ('(footprint "Diode_SMD:D_SOD-123"', '(footprint "Diode_SMD:D_SOD-323"', "schematic_parity"),
-        ("(width 0.2)", "(width 0.6)", "violations"),
-        ('(layer "B.Cu") (net', '(layer "F.Cu") (net', "unconnected_items"),
-    ],
-    ids=["value", "footprint", "width", "layer"],
-)  # fmt: skip
+SPOILED = {
+    "value": ('(property "Value" "4.7k"', '(property "Value" "47k"', "schematic_parity"),
+    "footprint": ('(footprint "Diode_SMD:D_SOD-123"', '(footprint "Diode_SMD:D_SOD-323"', "schematic_parity"),
+    "width": (r"\(width 0.2\)", "(width 0.6)", "violations"),
+    "layer": (r'\(layer "B.Cu"\)', '(layer "F.Cu")', "violations"),
+    "no tracks": (r'\n  \(segment.*?\(uuid "[^"]*"\)\)', "", "unconnected_items"),
+}
+
+
+@pytest.mark.parametrize(("right", "wrong", "key"), SPOILED.values(), ids=SPOILED)
 def test_a_spoiled_board_is_noticed(tmp_path: Path, right: str, wrong: str, key: str) -> None:
     write_board(Design(), tmp_path / "pcb")
     path = tmp_path / "pcb" / LAYOUT
-    assert right in path.read_text("utf-8")
-    path.write_text(path.read_text("utf-8").replace(right, wrong), encoding="utf-8")
+    pattern = right if "\\" in right else re.escape(right)
+    text, count = re.subn(pattern, wrong, path.read_text("utf-8"), flags=re.DOTALL)
+    assert count
+    path.write_text(text, encoding="utf-8")
     assert findings(tmp_path / "pcb")[key]
 
 

@@ -92,7 +92,7 @@ def respond(
             envelope_loop.run(
                 tolerance_v, step_s, n, LEVELS, board.rail_v or 0.0, gain, (saturation, nvt, series), (r, c),
                 voltage_v, after, steps[i], rows[i], out[i],
-                z, np.zeros(WIDTH), filtered[start + i], enveloped[start + i], count,
+                z, np.zeros(WIDTH), np.zeros(LEVELS), filtered[start + i], enveloped[start + i], count,
             )  # fmt: skip
             counts += count
     if single:

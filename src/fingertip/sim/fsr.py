@@ -4,12 +4,14 @@ converter."""
 from __future__ import annotations
 
 import math
+from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.board.bridge import sensor_conductance_s
+from fingertip.sim.jit import Kernel
 
 Array = NDArray[np.float64]
 
@@ -90,12 +92,20 @@ def with_hysteresis(force_n: Array) -> Array:
 
     A play operator on the force's ratio, p in [F, F (1 + H/s)], mixed in with the share s.
     """
-    room = 1 + HYSTERESIS / _PLAY_SHARE
-    p, shown = 0.0, []
-    for force in force_n.tolist():
+    shown = np.zeros(len(force_n))
+    _play(1 + HYSTERESIS / _PLAY_SHARE, force_n, shown)
+    return shown
+
+
+def _play_loop(room: float, forces: Sequence[float], shown: MutableSequence[float]) -> None:
+    p = 0.0
+    for i in range(len(forces)):
+        force = forces[i]
         p = min(max(p, force), force * room)
-        shown.append(force + _PLAY_SHARE * (p - force))
-    return np.array(shown)
+        shown[i] = force + _PLAY_SHARE * (p - force)
+
+
+_play = Kernel(_play_loop, outputs=1)
 
 
 def quantise(voltage_v: Array, bits: int, range_v: float) -> Array:

@@ -9,9 +9,12 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import MutableSequence, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+
+from fingertip.sim.jit import Kernel
 
 Array = NDArray[np.float64]
 
@@ -39,17 +42,20 @@ def profile(rng: random.Random, roughness_um: float, cutoff_m: float, length_m: 
         square += amplitude * amplitude / 2 if octave >= 0.0 else 0.0
         waves.append((amplitude, 2 * math.pi * 2.0**octave / cutoff_m, 2 * math.pi * rng.random()))
     scale = roughness_um * 1e-6 * math.sqrt(math.pi / 2) / math.sqrt(square)
+    # The rotation by one spacing needs no cosine per point, and no vector cosine, whose last bit varies.
+    turns = [complex(math.cos(k * _SPACING_M), math.sin(k * _SPACING_M)) for _, k, _ in waves]
+    starts = [scale * amplitude * complex(math.cos(phase), math.sin(phase)) for amplitude, _, phase in waves]
     heights = np.zeros(count)
-    for amplitude, wavenumber, phase in waves:
-        # The rotation by one spacing needs no cosine per point, and no vector cosine, whose last bit varies.
-        turn = complex(math.cos(wavenumber * _SPACING_M), math.sin(wavenumber * _SPACING_M))
-        pointer = scale * amplitude * complex(math.cos(phase), math.sin(phase))
-        line = []
-        for _ in range(count):
-            line.append(pointer.real)
-            pointer *= turn
-        heights += line
+    _rotate(np.array(starts), np.array(turns), heights)
     return heights
+
+
+def _rotate_loop(starts: Sequence[complex], turns: Sequence[complex], heights: MutableSequence[float]) -> None:
+    for wave in range(len(starts)):
+        pointer, turn = starts[wave], turns[wave]
+        for i in range(len(heights)):
+            heights[i] += pointer.real
+            pointer *= turn
 
 
 def height_m(heights: Array, position_m: Array) -> Array:
@@ -65,12 +71,16 @@ def left_by_hand(height_m: Array, step_s: float, follow_hz: float) -> Array:
     hand is well damped).
     """
     share = 1 - math.exp(-2 * math.pi * follow_hz * step_s)
-    heights = height_m.tolist()
-    hand, out = heights[0], []
-    for height in heights:
-        out.append(height - hand)
-        hand += share * (height - hand)
-    return np.array(out)
+    out = np.zeros(len(height_m))
+    _follow(share, height_m, out)
+    return out
+
+
+def _follow_loop(share: float, heights: Sequence[float], out: MutableSequence[float]) -> None:
+    hand = heights[0]
+    for i in range(len(heights)):
+        out[i] = heights[i] - hand
+        hand += share * (heights[i] - hand)
 
 
 def resonate(
@@ -88,12 +98,24 @@ def resonate(
     # e = y - (particular solution of the ramp), which swings freely: e'' + 2 zeta w e' + w^2 e = 0.
     a11, a12, a21, a22 = C + zeta * w * S, S, -w * w * S, C - zeta * w * S
     lag = 2 * zeta / w
-    y = rate = 0.0
-    out = []
-    drive = drive_n.tolist()
-    before = 0.0
-    for now, touches in zip(drive, touching.tolist(), strict=True):
-        if touches:
+    out = np.zeros(len(drive_n))
+    _swing((a11, a12, a21, a22), lag, h, drive_n, touching, out)
+    return out
+
+
+def _swing_loop(
+    free: tuple[float, float, float, float],
+    lag: float,
+    h: float,
+    drive: Sequence[float],
+    touching: Sequence[bool],
+    out: MutableSequence[float],
+) -> None:
+    a11, a12, a21, a22 = free
+    y = rate = before = 0.0
+    for i in range(len(drive)):
+        now = drive[i]
+        if touching[i]:
             ramp = (now - before) / h
             e, de = y - (before - lag * ramp), rate - ramp
             y = a11 * e + a12 * de + now - lag * ramp
@@ -101,5 +123,9 @@ def resonate(
         else:
             y = rate = 0.0
         before = now
-        out.append(y if y > 0.0 else 0.0)
-    return np.array(out)
+        out[i] = y if y > 0.0 else 0.0
+
+
+_rotate = Kernel(_rotate_loop, outputs=1)
+_follow = Kernel(_follow_loop, outputs=1)
+_swing = Kernel(_swing_loop, outputs=1)

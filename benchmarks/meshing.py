@@ -228,7 +228,7 @@ def draw(rows: list[Row], path: Path) -> None:
     for axis in axes:
         axis.set_xlabel("CPU time of meshing [s]")
         axis.grid(True, which="major", color="0.85")
-        axis.legend()
+    axes[1].legend(loc="upper right")  # for both: in the left picture it would hide a mesh
     figure.suptitle("Meshing the outer form of the FSR 400 fingertip: lower and further left is better")
     figure.savefig(path, dpi=110, metadata={"Software": None})
 

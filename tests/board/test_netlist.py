@@ -19,6 +19,7 @@ from tests.board.nodal import NetlistCircuit, parse
 from tests.conftest import ROOT, run_fingertip
 
 FILES = [
+    "README.md",
     "bom.csv",
     "slip_filter.cir",
     "slip_filter.kicad_pcb",

@@ -1,6 +1,14 @@
-"""The slip-filter board: from a design to component values, a circuit and a netlist for KiCad."""
+"""The slip-filter board: from a design to component values, a circuit, a schematic and a layout for KiCad."""
 
-from fingertip.board.output import board_circuit, board_files, write_board
+from fingertip.board.output import board_circuit, board_files, differences, write_board, write_fabrication
 from fingertip.board.values import BoardValues, board_values
 
-__all__ = ["BoardValues", "board_circuit", "board_files", "board_values", "write_board"]
+__all__ = [
+    "BoardValues",
+    "board_circuit",
+    "board_files",
+    "board_values",
+    "differences",
+    "write_board",
+    "write_fabrication",
+]

@@ -1,8 +1,10 @@
-"""The board's files: what each holds, and writing them whole."""
+"""The board's files: what each holds, writing them whole, comparing them with a folder's."""
 
 from __future__ import annotations
 
+import difflib
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 from fingertip.board.bom import bill_of_materials
@@ -13,6 +15,7 @@ from fingertip.board.paper_circuit import paper_circuit
 from fingertip.board.paper_placement import PAPER_PLACEMENT
 from fingertip.board.paper_sheet import PAPER_SHEET
 from fingertip.board.project import kicad_project
+from fingertip.board.readme import HEADING, folder_readme
 from fingertip.board.schematic import kicad_schematic
 from fingertip.board.spice import spice_deck
 from fingertip.board.tracks import load_template
@@ -27,6 +30,10 @@ PARTS = "bom.csv"
 SCHEMATIC = "slip_filter.kicad_sch"
 LAYOUT = "slip_filter.kicad_pcb"
 PROJECT = "slip_filter.kicad_pro"
+README = "README.md"
+
+FAB_FOLDER = "fab"
+_SHOWN_LINES = 12
 
 
 def board_circuit(values: BoardValues) -> Circuit:
@@ -35,7 +42,7 @@ def board_circuit(values: BoardValues) -> Circuit:
 
 
 def board_files(design: Design) -> dict[str, bytes]:
-    """File name -> content: netlist for KiCad, SPICE deck, bill of materials, and the values of all.
+    """File name -> content: KiCad project, netlist, SPICE deck, bill of materials, the values of all, a README.
 
     The same design gives the same bytes. Raises BoardError if the values cannot be computed.
     """
@@ -51,11 +58,14 @@ def board_files(design: Design) -> dict[str, bytes]:
         DECK: spice_deck(circuit, design.board.gain_bandwidth_hz, design.board.supply_v),
         PARTS: bill_of_materials(circuit),
         VALUES: text.encode(),
+        README: folder_readme(circuit, PAPER_PLACEMENT, values, design.board.supply_v),
     }
 
 
 def write_board(design: Design, out: str | Path = "pcb") -> tuple[Path, ...]:
     """Write the board's files into the folder `out`, all or none; returns their paths.
+
+    A README.md that is not of this kind is left alone.
 
     Raises
     ------
@@ -66,5 +76,65 @@ def write_board(design: Design, out: str | Path = "pcb") -> tuple[Path, ...]:
     """
     files = board_files(design)
     folder = Path(out)
+    if _foreign(folder / README):
+        del files[README]
     write_whole(folder, files)
     return tuple(folder / name for name in files)
+
+
+def write_fabrication(
+    design: Design, out: str | Path = "pcb", tell: Callable[[str], None] = lambda _words: None
+) -> tuple[Path, ...]:
+    """Write what is sent to a board house into `out`/fab, all or none; returns the paths. Needs KiCad.
+
+    Raises
+    ------
+    MissingLibraryError
+        If KiCad is not installed.
+    BoardError
+        If KiCad's checks find something.
+    OutputError
+        If the folder cannot be written.
+    """
+    from fingertip.board.fab import fabrication_files
+
+    circuit = board_circuit(board_values(design))
+    files = fabrication_files(board_files(design), circuit, PAPER_PLACEMENT, tell)
+    folder = Path(out) / FAB_FOLDER
+    write_whole(folder, files)
+    return tuple(folder / name for name in files)
+
+
+def differences(design: Design, folder: str | Path) -> list[str]:
+    """What a folder's files differ in from those of the design, as sentences and lines; empty if they are current."""
+    found: list[str] = []
+    for name, data in board_files(design).items():
+        path = Path(folder) / name
+        if name == README and _foreign(path):
+            continue
+        try:
+            kept = path.read_bytes()
+        except OSError as error:
+            found.append(f"{path}: cannot be read ({error.strerror}).")
+            continue
+        if kept != data:
+            found.append(f"{path}: differs from what this design gives.")
+            found += _first_lines(kept, data)
+    return found
+
+
+def _first_lines(kept: bytes, data: bytes) -> list[str]:
+    old, new = (text.decode(errors="replace").splitlines() for text in (kept, data))
+    # Files of thousands of lines: from the first that differs on, that is enough.
+    first = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), min(len(old), len(new)))
+    window = slice(first, first + _SHOWN_LINES)
+    lines = difflib.unified_diff(old[window], new[window], "folder", "design", n=0, lineterm="")
+    return [f"    line {first + 1}:", *(f"    {line}" for line in list(lines)[3 : 3 + _SHOWN_LINES])]
+
+
+def _foreign(path: Path) -> bool:
+    """Whether this is somebody else's README."""
+    try:
+        return not path.read_bytes().startswith(HEADING.encode())
+    except OSError:
+        return False

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, command
 
 if TYPE_CHECKING:
     from fingertip.board.values import BoardValues
@@ -18,20 +18,38 @@ if TYPE_CHECKING:
 def board(
     design: Annotated[Path | None, typer.Argument(help="Design file; without it, the defaults.")] = None,
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the files.")] = Path("pcb"),
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; compare the folder with the design, exit 1 if it differs.")
+    ] = False,
+    fab: Annotated[
+        bool, typer.Option("--fab", help="Also gerbers, drill, placement, parts, pictures into OUT/fab; needs KiCad 9.")
+    ] = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Compute the board's component values; write netlist, SPICE deck and bill of materials."""
-    from fingertip.board import board_values, write_board
+    from fingertip.board import board_values, differences, write_board, write_fabrication
     from fingertip.design import Design
 
     console = Console(as_json, quiet)
     loaded = Design.load(*([design] if design else []), changes=changes or ())
+    if check:
+        found = differences(loaded, out)
+        current = "" if found else f"{out} is what this design gives"
+        console.result({"current": not found, "differences": found}, "\n".join(found) or current)
+        if found:
+            raise typer.Exit(CHECK_FAILED)
+        return
     values = board_values(loaded)
     paths = write_board(loaded, out)
     for path in paths:
         console.say(f"wrote {path}")
+    if fab:
+        made = write_fabrication(loaded, out, console.say)
+        for path in made:
+            console.say(f"wrote {path}")
+        paths += made
     console.result({**values.as_data(), "files": [path.as_posix() for path in paths]}, _table(loaded, values))
 
 

@@ -1,0 +1,116 @@
+"""`fingertip board --check` and `--fab`: what differs is said; what is sent away is whole and the same each time."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from fingertip.board import board_circuit, board_values, differences, write_board
+from fingertip.board.fab import PARTS_COLUMNS, PLACEMENT_COLUMNS, parts_file, placement_file
+from fingertip.board.output import LAYOUT, README
+from fingertip.board.paper_placement import PAPER_PLACEMENT
+from fingertip.design import Design
+from tests.board.kicad import HOW, kicad_cli
+from tests.conftest import run_fingertip
+from tests.tools import require_tool
+
+CIRCUIT = board_circuit(board_values(Design()))
+
+
+def test_check_of_a_current_folder(tmp_path: Path) -> None:
+    write_board(Design(), tmp_path)
+    run = run_fingertip("board", "--check", "--out", tmp_path)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert "is what this design gives" in run.stdout
+
+
+def test_check_says_what_differs_and_writes_nothing(tmp_path: Path) -> None:
+    write_board(Design(), tmp_path)
+    (tmp_path / "slip_filter.net").write_bytes((tmp_path / "slip_filter.net").read_bytes().replace(b'"4.7k"', b'"47k"'))
+    (tmp_path / "bom.csv").unlink()
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    run = run_fingertip("board", "--check", "--json", "--out", tmp_path)
+    assert run.returncode == 1
+    data = json.loads(run.stdout)
+    assert data["current"] is False
+    text = "\n".join(data["differences"])
+    assert "slip_filter.net: differs" in text
+    assert '(value "47k")' in text
+    assert '(value "4.7k")' in text
+    assert "bom.csv: cannot be read" in text
+    assert "kicad_pcb" not in text
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_check_notices_another_design(tmp_path: Path) -> None:
+    write_board(Design(), tmp_path)
+    assert differences(Design.load(changes=["board.cutoff_hz=80"]), tmp_path)
+
+
+def test_a_readme_of_somebody_else_stays(tmp_path: Path) -> None:
+    (tmp_path / README).write_text("# Mine\n")
+    write_board(Design(), tmp_path)
+    assert (tmp_path / README).read_text() == "# Mine\n"
+    assert differences(Design(), tmp_path) == []
+
+
+def rows(data: bytes) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(data.decode())))
+
+
+def test_parts_and_placement_have_the_columns_houses_take() -> None:
+    parts, places = rows(parts_file(CIRCUIT)), rows(placement_file(CIRCUIT, PAPER_PLACEMENT))
+    assert tuple(parts[0]) == PARTS_COLUMNS == ("Comment", "Designator", "Footprint", "Part Number")
+    assert tuple(places[0]) == PLACEMENT_COLUMNS == ("Designator", "Mid X", "Mid Y", "Layer", "Rotation")
+    named = [reference for row in parts for reference in row["Designator"].split(",")]
+    assert len(named) == len(set(named))
+    assert set(named) == {p.reference for p in CIRCUIT.parts if p.reference[0] in "RCDUJ"}
+    assert {row["Designator"] for row in places} == {r for r in named if r[0] != "J"}
+
+
+def test_placement_is_where_kicad_has_it(tmp_path: Path) -> None:
+    write_board(Design(), tmp_path / "pcb")
+    run = kicad_cli(
+        tmp_path / "pcb", "pcb", "export", "pos", LAYOUT, "--use-drill-file-origin", "--format", "csv", "--units", "mm",
+        "-o", "pos.csv",
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    theirs = {r["Ref"]: r for r in rows((tmp_path / "pcb" / "pos.csv").read_bytes())}
+    ours = rows(placement_file(CIRCUIT, PAPER_PLACEMENT))
+    assert {r["Designator"] for r in ours} == {ref for ref in theirs if ref[0] != "J"}
+    for row in ours:
+        their = theirs[row["Designator"]]
+        assert float(row["Mid X"].removesuffix("mm")) == pytest.approx(float(their["PosX"]), abs=1e-4)
+        assert float(row["Mid Y"].removesuffix("mm")) == pytest.approx(float(their["PosY"]), abs=1e-4)
+        assert float(row["Rotation"]) % 360 == float(their["Rot"]) % 360
+        assert their["Side"] == row["Layer"].lower()
+
+
+def test_fabrication_files_are_whole_and_the_same_each_time(tmp_path: Path) -> None:
+    require_tool("kicad-cli", HOW)
+    for name in ("one", "two"):
+        run = run_fingertip("board", "--fab", "--quiet", "--out", tmp_path / name)
+        assert (run.returncode, run.stderr) == (0, "")
+    one, two = (tmp_path / name / "fab" for name in ("one", "two"))
+    archive = zipfile.ZipFile(one / "slip_filter_gerbers.zip")
+    assert (two / "slip_filter_gerbers.zip").read_bytes() == (one / "slip_filter_gerbers.zip").read_bytes()
+    names = {name.removeprefix("slip_filter").split(".")[0] for name in archive.namelist()}
+    assert {"-F_Cu", "-B_Cu", "-F_Mask", "-B_Mask", "-F_Silkscreen", "-F_Paste", "-Edge_Cuts", ""} <= names
+    for layer in ("F_Cu.gtl", "B_Cu.gbl"):
+        assert archive.read(f"slip_filter-{layer}").count(b"D01*") > 20  # copper is drawn, the pour with it
+    assert b"T1C0.300" in archive.read("slip_filter.drl")
+    assert (one / "slip_filter_front.png").read_bytes().startswith(b"\x89PNG")
+    assert (one / "slip_filter_schematic.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_without_kicad_it_says_how_to_install_it(tmp_path: Path) -> None:
+    run = run_fingertip("board", "--fab", "--quiet", "--out", tmp_path / "pcb", PATH=str(tmp_path))
+    assert run.returncode == 2
+    assert len(run.stderr.splitlines()) == 1
+    assert "apt-get install -t bookworm-backports kicad" in run.stderr
+    assert not (tmp_path / "pcb" / "fab").exists()

@@ -92,7 +92,7 @@ def of_assembly(design: Design, evaluator: Evaluator, solids: Mapping[str, Manif
         if "skin" in together:
             together["skin"] = together["skin"].scale((growth,) * 3)  # its size before it shrinks
     for first, second in _pairs(together):
-        yield _nothing(f"overlap.{first}.{second}", (together[first] ^ together[second]).volume())
+        yield _nothing(f"overlap.{first}.{second}", (together[second] ^ together[first]).volume())
     halves = [name for name in ("mold_palmar", "mold_dorsal") if name in together]
     cast = [solid for name, solid in together.items() if name not in halves]
     for name in halves:

@@ -93,7 +93,7 @@ def steps(data: Data) -> list[str]:
         f"the {_bolts(data)['count']} bolts until the parting line shows no gap, no further.",
         f"Weigh {batch['a_g']:g} g of A, add {batch['b_g']:g} g of B, stir slowly and scrape walls and bottom; remove "
         "air under vacuum if you can.",
-        f"Stand the mold on the end the {'core' if sleeve else 'bone'} comes out of. Within "
+        f"Hold the mold upright, in a vise or over a cup, the {'core' if sleeve else 'bone'} down. Within "
         f"{figures['pot_life_min']['low']:g} min of the first stirring pour a thin stream into the funnel until "
         f"silicone stands in the {data['mold']['vents']} vents; tap the mold, and top up.",
         f"Leave it for {figures['cure_h']['high']:g} h at room temperature. Press a nail into what is left in the cup "

@@ -1,7 +1,7 @@
 """Where gate, vents, bolts and keys sit around the cavity: derived, so that nothing is placed twice.
 
-The mold is held with its proximal face down while it is filled, so the tip's apex is the cavity's highest point. Gate and
-vents lie on the parting plane: they open with the mold, and the cured sprue lifts out.
+The mold is held with its proximal face down while it is filled, so the tip's apex is the cavity's highest point. Gate
+and vents lie on the parting plane: they open with the mold, and the cured sprue lifts out.
 """
 
 from __future__ import annotations

@@ -140,3 +140,9 @@ def engineering(value: float, unit: str = "") -> str:
         if value >= scale * (1 - 1e-12):
             return f"{value / scale:.10g}{prefix}{unit}"
     return f"{value / 1e-12:.10g}p{unit}"
+
+
+def farads_or_ohms(text: str) -> float:
+    """The number of a printed value: "4.7k" -> 4700, "2.2u" -> 2.2e-6."""
+    scales = {"M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12}
+    return float(text[:-1]) * scales[text[-1]] if text[-1] in scales else float(text)

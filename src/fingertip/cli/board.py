@@ -24,6 +24,12 @@ def board(
     fab: Annotated[
         bool, typer.Option("--fab", help="Also gerbers, drill, placement, parts, pictures into OUT/fab; needs KiCad 9.")
     ] = False,
+    analysis: Annotated[
+        bool, typer.Option("--analysis", help="Also noise, offsets, tolerances (10 000 boards) and sensitivities.")
+    ] = False,
+    bode: Annotated[
+        Path | None, typer.Option("--bode", metavar="FILE", help="Write the Bode table of each stage as CSV.")
+    ] = None,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -50,7 +56,22 @@ def board(
         for path in made:
             console.say(f"wrote {path}")
         paths += made
-    console.result({**values.as_data(), "files": [path.as_posix() for path in paths]}, _table(loaded, values))
+    data, text = values.as_data(), _table(loaded, values)
+    if bode:
+        from fingertip.board.analysis import bode_table
+        from fingertip.files import write_file
+
+        write_file(bode, bode_table(loaded).encode(), "--bode")
+        console.say(f"wrote {bode}")
+        paths += (bode,)
+    if analysis:
+        from fingertip.board.analysis import analyse
+        from fingertip.board.report import analysis_text
+
+        found_figures = analyse(loaded)
+        data["analysis"] = found_figures.as_data()
+        text += "\n\n" + analysis_text(found_figures)
+    console.result({**data, "files": [path.as_posix() for path in paths]}, text)
 
 
 def _table(design: Design, values: BoardValues) -> str:

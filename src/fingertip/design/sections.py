@@ -181,6 +181,12 @@ class Board(Section):
     envelope_cutoff_hz: float = quantity(36.17, "Hz", "1 / (2 pi R_LP C_LP) of the envelope.", above=0, most=10000)
     envelope_capacitor_uf: float = quantity(2.2, "uF", "C_LP of the envelope.", least=1e-6, most=1000)
     series: Literal["E12", "E24", "E96"] = choice("E24", "Preferred values for resistors (IEC 60063).")
+    resistor_tolerance_percent: float = quantity(
+        1.0, "%", "Tolerance of the filter's resistors, for the analysis.", least=0, most=20
+    )
+    capacitor_tolerance_percent: float = quantity(
+        5.0, "%", "Tolerance of its capacitors, for the analysis.", least=0, most=20
+    )
     gain_bandwidth_hz: float = quantity(
         3e6, "Hz", "Gain-bandwidth product of the amplifier (TL082).", least=1e4, most=1e9
     )

@@ -1,0 +1,149 @@
+"""Analysis without a simulator, against formulas, ngspice, and itself said otherwise."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import random
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.board import board_circuit, board_values, nodal
+from fingertip.board.analysis import NETS, analyse, bode_table
+from fingertip.board.bridge import sensor_conductance_s
+from fingertip.board.built import network, open_loop
+from fingertip.board.figures import FIGURES, NAMES, figures, monte_carlo, nominal, sensitivities
+from fingertip.board.filters import decibel, overall_cutoff_hz, response
+from fingertip.design import Design
+from tests.board.test_spice import deck_of, simulate
+from tests.conftest import run_fingertip
+
+VALUES = board_values(Design())
+CIRCUIT = board_circuit(VALUES)
+
+
+def test_bode_of_the_circuit_is_the_formulas() -> None:
+    f = np.logspace(0, 5, 101)
+    found = nodal.equations(CIRCUIT, 3e6, 1e-4, "TACTILE").response(f, "FILTERED")
+    wanted = np.array([network(float(x), VALUES.preferred, 3e6) for x in f])
+    assert np.max(np.abs(found / wanted - 1)) < 1e-9
+
+
+def test_bode_table() -> None:
+    rows = list(csv.DictReader(io.StringIO(bode_table(Design()))))
+    assert len(rows) == 201
+    assert (float(rows[0]["frequency_hz"]), float(rows[-1]["frequency_hz"])) == (1.0, 1e5)
+    for row in rows[::20]:
+        f = float(row["frequency_hz"])
+        assert float(row["whole_db"]) == pytest.approx(decibel(network(f, VALUES.preferred, 3e6)), abs=2e-3)
+        assert float(row["stage1_db"]) + float(row["stage2_db"]) == pytest.approx(float(row["whole_db"]), abs=2e-4)
+        # Between the amplifier's corner and its gain-bandwidth, as the article draws it.
+        if f > 100:
+            assert float(row["open_loop_db"]) == pytest.approx(decibel(open_loop(f, 3e6)), abs=0.1)
+            assert float(row["whole_db"]) < float(row["open_loop_db"])
+
+
+def test_noise_of_resistors_is_ngspices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Per resistor, 1 Hz to 100 kHz at the filter's end; the deck's instrumentation amplifier has no pole."""
+    monkeypatch.setattr(nodal, "AD623_BANDWIDTH_HZ", 1e12)
+    system = nodal.equations(CIRCUIT, 3e6, sensor_conductance_s(0.8))
+    f = np.logspace(0, 5, 2001)
+    density = np.array([source.noise for source in system.sources])
+    square = np.trapezoid(np.abs(system.transfers(f, "FILTERED") * density) ** 2, f, axis=0)
+    ours = {source.name: math.sqrt(v) for source, v in zip(system.sources, square, strict=True)}
+    resistors = ["R1", "R2", "R3", "R4", "R5", "R10", "R11", "R12", "R13"]
+    _, deck = deck_of(tmp_path, [])
+    names = " ".join(f"onoise_total_{name.lower()}" for name in resistors)
+    rows = simulate(tmp_path, deck, f"noise v(filtered) IJ1 dec 200 1 100k 1\nsetplot noise2\nwrdata out {names}")
+    for name, theirs in zip(resistors, rows[0][-len(resistors) :], strict=True):
+        assert ours[name] == pytest.approx(theirs, rel=0.01), name
+
+
+def test_budgets_name_what_matters() -> None:
+    found = analyse(Design(), boards=100)
+    assert found.noise[0].cause == "U2"
+    assert found.noise_total_v[NETS.index("FILTERED")] == pytest.approx(19.4e-3, rel=0.02)
+    offsets = {item.cause: item.volts for item in found.offset}
+    # The article's slip: 3 mV become 203 mV ahead of C2, and nothing behind it.
+    assert offsets["U1a"][1] == pytest.approx(0.203, abs=0.001)
+    assert offsets["U1a"][2] == 0
+    assert offsets["U1b"][2] == pytest.approx(3e-3, rel=1e-3)
+    assert offsets["U2"][0] == pytest.approx(200e-6 * VALUES.bridge.gain, rel=1e-6)
+
+
+def test_figures_of_the_fitted_values_are_the_formulas() -> None:
+    found = figures(nominal(VALUES.preferred))
+    wanted = response(VALUES.preferred, 3e6)
+    for name in FIGURES:
+        assert float(found[name]) == pytest.approx(getattr(wanted, name), rel=1e-12)
+
+
+def test_unequal_capacitors_by_the_network(tmp_path: Path) -> None:
+    """The cutoff with three different capacitors, looked up in ngspice's own sweep."""
+    _, deck = deck_of(tmp_path, [])
+    for name, value in {"C1 tactile stage1_in": "1.05u", "C2 stage1_out stage2_mid": "0.93u",
+                        "C3 stage2_mid stage2_in": "1.08u"}.items():  # fmt: skip
+        assert f"{name} 1u" in deck
+        deck = deck.replace(f"{name} 1u", f"{name} {value}")
+    rows = simulate(tmp_path, deck, "ac dec 5000 50 90\nwrdata out vr(tactile) vi(tactile) vr(filtered) vi(filtered)")
+    gain = [(f, abs(complex(fr, fi) / complex(tr, ti))) for f, tr, ti, fr, fi in rows]
+    level = (1 + 100 / 1.5) / math.sqrt(2)
+    crossing = next(f for f, g in gain if g >= level)
+    values = nominal(VALUES.preferred) * np.array([1, 1, 1, 1, 1, 1.05, 0.93, 1.08])
+    assert float(figures(values)["cutoff_hz"]) == pytest.approx(crossing, rel=1e-3)
+
+
+def test_monte_carlo_against_drawing_one_by_one() -> None:
+    """Plain Python, one board after the other, with the scalar formulas; both are estimates of the same spread."""
+    draw = random.Random(5)
+    base = [float(v) for v in nominal(VALUES.preferred)]
+    found = []
+    for _ in range(4000):
+        r1, r2, r3, _, _, c1, c2, c3 = (
+            v * (1 + (0.01 if i < 5 else 0.05) * draw.uniform(-1, 1)) for i, v in enumerate(base)
+        )
+        f0 = 1 / (2 * math.pi * math.sqrt(r2 * r3 * c2 * c3))
+        q = math.sqrt(r3 / r2) * math.sqrt(c2 * c3) / (c2 + c3)
+        found.append(overall_cutoff_hz(1 / (2 * math.pi * r1 * c1), f0, q))
+    mean = math.fsum(found) / len(found)
+    deviation = math.sqrt(math.fsum((f - mean) ** 2 for f in found) / (len(found) - 1))
+    spread = monte_carlo(VALUES.preferred, 1.0, 5.0)["cutoff_hz"]
+    assert spread.mean == pytest.approx(mean, abs=5 * deviation / math.sqrt(4000))
+    assert spread.deviation == pytest.approx(deviation, rel=0.06)
+    assert spread.worst_low < min(found) < spread.low_95 < spread.high_95 < max(found) < spread.worst_high
+
+
+def test_monte_carlo_repeats_and_shrinks() -> None:
+    one = monte_carlo(VALUES.preferred, 1.0, 5.0)
+    assert one == monte_carlo(VALUES.preferred, 1.0, 5.0)
+    assert one != monte_carlo(VALUES.preferred, 1.0, 5.0, seed=2)
+    exact = monte_carlo(VALUES.preferred, 0.0, 0.0, boards=10)["cutoff_hz"]
+    assert exact.deviation < 1e-9
+    assert exact.low_95 == exact.worst_high == exact.nominal
+
+
+def test_sensitivities_follow_from_dimensions() -> None:
+    """Every resistor up by 1 % lowers all frequencies by 1 %, and so does every capacitor."""
+    found = sensitivities(VALUES.preferred)
+    for name in ("cutoff_hz", "section_hz", "first_pole_hz"):
+        assert sum(found[name][part] for part in ("R1", "R2", "R3")) == pytest.approx(-1, abs=1e-5)
+        assert sum(found[name][part] for part in ("C1", "C2", "C3")) == pytest.approx(-1, abs=1e-5)
+    assert found["section_quality"]["R3"] == -found["section_quality"]["R2"] == pytest.approx(0.5, abs=1e-5)
+    assert list(found["passband_gain"]) == list(NAMES)
+
+
+def test_command(tmp_path: Path) -> None:
+    table = tmp_path / "bode.csv"
+    run = run_fingertip("board", "--analysis", "--bode", table, "--json", "--quiet", "--out", tmp_path / "pcb")
+    assert (run.returncode, run.stderr) == (0, "")
+    data = json.loads(run.stdout)
+    assert set(data["analysis"]["spread"]) == set(FIGURES)
+    assert table.read_text().startswith("frequency_hz,")
+    assert str(table) in data["files"]
+    text = run_fingertip("board", "--analysis", "--quiet", "--out", tmp_path / "pcb").stdout
+    for words in ("noise, 0.1 Hz to 1 MHz", "202.93 mV", "-3 dB overall [Hz]", "% for 1 % of"):
+        assert words in text

@@ -65,7 +65,7 @@ def test_exponentials_against_scipy(capacitor_f):
     M = augmented(A, b, k)
     for level, ours in enumerate(exponentials(M, STEP_S, 6)[0]):
         theirs = expm(M[0] * STEP_S / 2**level)
-        assert np.abs(ours - theirs).max() < 1e-9 * np.abs(theirs).max()
+        assert np.abs(ours - theirs).max() < 1e-12 * np.abs(theirs).max()
 
 
 @pytest.mark.parametrize("frequency", [20.0, 67.0, 90.0, 200.0])
@@ -112,7 +112,7 @@ def test_agrees_with_another_solver():
 
 
 def test_agrees_with_ngspice(tmp_path):
-    from benchmarks.sim_spice import run_ngspice
+    from fingertip.sim.bench.ngspice import run_ngspice
 
     voltage = burst()
     ours = respond(BOARD, STEP_S, voltage, 1e-8)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from fingertip._version import __version__
+from fingertip.cli.bench import bench
 from fingertip.cli.board import board
 from fingertip.cli.build import build
 from fingertip.cli.check import check
@@ -29,6 +30,7 @@ app.command()(picture)
 app.command()(board)
 app.command()(simulate)
 app.command()(detect)
+app.command()(bench)
 
 
 @app.callback(invoke_without_command=True)

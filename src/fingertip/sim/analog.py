@@ -6,7 +6,9 @@ error control (`sim.envelope_loop`). A jump is given as two values at one sample
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +60,25 @@ def respond(
     TraceError
         If the step or the tolerance is not above 0, or a sample is not finite (the first such is named).
     """
+    single = all(np.ndim(value) == 0 for value in _values(board))
+    parts = list(respond_in_parts(board, step_s, voltage_v, tolerance_v, after_v))
+    filtered = np.concatenate([part.filtered_v for part in parts])
+    enveloped = np.concatenate([part.envelope_v for part in parts])
+    if single:
+        filtered, enveloped = filtered[0], enveloped[0]
+    return Response(
+        filtered,
+        enveloped,
+        sum(part.steps for part in parts),
+        sum(part.rejected for part in parts),
+        sum(part.implicit for part in parts),
+    )
+
+
+def respond_in_parts(
+    board: Analog, step_s: float, voltage_v: Array, tolerance_v: float = 1e-4, after_v: Array | None = None
+) -> Iterator[Response]:
+    """The same for more boards than memory holds: 256 of them at a time."""
     after = voltage_v if after_v is None else after_v
     refuse(
         [
@@ -66,38 +87,33 @@ def respond(
             *columns(voltage_v=voltage_v, after_v=after),
         ]
     )
-    d = board.diode
-    names = [f for f in vars(board) if f[-2:] in ("_f", "hm")]
-    values = [
-        d.saturation_a,
-        np.multiply(d.emission, d.thermal_v),
-        d.series_ohm,
-        board.r_lp_ohm,
-        board.c_lp_f,
-        board.gain,
-    ]
-    values += [getattr(board, name) for name in names]
-    single = all(np.ndim(value) == 0 for value in values)
-    table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, values)), axis=1).astype(np.float64)
-    filtered = np.zeros((len(table), len(voltage_v)))
-    enveloped = np.zeros_like(filtered)
-    counts = np.zeros(3)
+    table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, _values(board))), axis=1).astype(np.float64)
     for start in range(0, len(table), _CHUNK):
         part = table[start : start + _CHUNK]
-        chunk = board.changed(**{name: part[:, 6 + i] for i, name in enumerate(names)})
+        chunk = board.changed(**{name: part[:, 6 + i] for i, name in enumerate(_names(board))})
         n, steps, rows, out = _matrices(chunk, step_s)
+        filtered, enveloped = np.zeros((len(part), len(voltage_v))), np.zeros((len(part), len(voltage_v)))
+        counts = np.zeros(3)
         for i, (saturation, nvt, series, r, c, gain) in enumerate(part[:, :6].tolist()):
             count, z = np.zeros(3), np.zeros(WIDTH)
             z[0] = voltage_v[0]
             envelope_loop.run(
                 tolerance_v, step_s, n, LEVELS, board.rail_v or 0.0, gain, (saturation, nvt, series), (r, c),
                 voltage_v, after, steps[i], rows[i], out[i],
-                z, np.zeros(WIDTH), np.zeros(LEVELS), filtered[start + i], enveloped[start + i], count,
+                z, np.zeros(WIDTH), np.zeros(LEVELS), filtered[i], enveloped[i], count,
             )  # fmt: skip
             counts += count
-    if single:
-        filtered, enveloped = filtered[0], enveloped[0]
-    return Response(filtered, enveloped, *(int(count) for count in counts))
+        yield Response(filtered, enveloped, *(int(count) for count in counts))
+
+
+def _names(board: Analog) -> list[str]:
+    return [name for name in vars(board) if name.endswith(("_f", "_ohm"))]
+
+
+def _values(board: Analog) -> list[Any]:
+    d = board.diode
+    fixed = [d.saturation_a, d.emission * d.thermal_v, d.series_ohm, board.r_lp_ohm, board.c_lp_f, board.gain]
+    return fixed + [getattr(board, name) for name in _names(board)]
 
 
 def _matrices(board: Analog, step_s: float) -> tuple[int, Array, Array, Array]:

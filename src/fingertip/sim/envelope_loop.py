@@ -192,4 +192,4 @@ def _loop(
 
 
 run = Kernel(_loop, omega, dot, outputs=6)
-"""Fills z, new, decays (scratch; z holds the states at the start), filtered, enveloped, (steps, rejected, implicit steps)."""
+"""Fills z (the states), new, decays (scratch), filtered, enveloped, and (steps, rejected, implicit steps)."""

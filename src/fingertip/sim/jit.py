@@ -7,6 +7,7 @@ on lists, compiled code on arrays, so `Kernel` converts. Both take the same oper
 from __future__ import annotations
 
 import contextlib
+import importlib
 import importlib.util
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 
 _fast = False
+_say: Callable[[str], None] | None = None
 
 
 def available() -> bool:
@@ -21,18 +23,28 @@ def available() -> bool:
     return importlib.util.find_spec("numba") is not None
 
 
+def compile_now(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function compiled, where numba is installed; else itself."""
+    compiled_function: Callable[..., Any] = function
+    if available():
+        compiled_function = importlib.import_module("numba").njit(function)
+    return compiled_function
+
+
 @contextlib.contextmanager
-def compiled(wanted: bool = True) -> Iterator[None]:
+def compiled(say: Callable[[str], None] | None = None) -> Iterator[None]:
     """Run kernels compiled within this block, where numba is installed.
 
-    Compiling takes seconds, once: the result is kept beside the source, or in the user's cache folder.
+    Compiling takes seconds, once: the result is kept beside the source, or in the user's cache folder. `say` is told
+    before each loop is made ready.
     """
-    global _fast
-    before, _fast = _fast, wanted and available()
+    global _fast, _say
+    before = _fast, _say
+    _fast, _say = available(), say
     try:
         yield
     finally:
-        _fast = before
+        _fast, _say = before
 
 
 class Kernel:
@@ -66,10 +78,9 @@ class Kernel:
 
     def _compile(self) -> Callable[..., Any]:
         if self._compiled is None:
-            import numba
-            from numba.extending import register_jitable
-
+            if _say:
+                _say(f"preparing the loop of {self.plain.__module__.rpartition('.')[2]} (compiled once, then kept)")
             for helper in self._helpers:
-                register_jitable(helper)
-            self._compiled = numba.njit(cache=True, error_model="numpy")(self.plain)
+                importlib.import_module("numba.extending").register_jitable(helper)
+            self._compiled = importlib.import_module("numba").njit(cache=True, error_model="numpy")(self.plain)
         return self._compiled

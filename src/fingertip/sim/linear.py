@@ -34,14 +34,15 @@ def exponentials(M: Array, step_s: float, levels: int) -> Array:
     norm = float(np.abs(shortest).sum(axis=-1).max())
     extra = max(0, math.ceil(math.log2(norm * 16.0))) if norm > 0.0 else 0
     X = shortest * 2.0**-extra
-    E = term = np.broadcast_to(np.eye(M.shape[-1]), M.shape)
-    for i in range(1, _TERMS + 1):
+    # D = exp - 1 is squared as 2 D + D^2: so many squarings of exp itself would lose eight digits to the 1 in it.
+    D = term = X
+    for i in range(2, _TERMS + 1):
         term = term @ X / i
-        E = E + term
+        D = D + term
     for _ in range(extra):
-        E = E @ E
-    found = [E]
+        D = 2 * D + D @ D
+    found = [D]
     for _ in range(levels - 1):
-        E = E @ E
-        found.append(E)
-    return np.stack(found[::-1], axis=-3)
+        D = 2 * D + D @ D
+        found.append(D)
+    return np.stack(found[::-1], axis=-3) + np.eye(M.shape[-1])

@@ -1,0 +1,145 @@
+"""Work-precision of the contact: a pad dragged to and fro under a changing load, by us and by scipy.
+
+scipy gets compiled right sides and Jacobians of its own, is restarted at the drive's few kinks (we land on every
+sample), and gives its dense output at the samples.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.design import Design
+from fingertip.sim.bench.measure import Diagram
+from fingertip.sim.contact import Mount
+from fingertip.sim.coupled import Press, integrate
+from fingertip.sim.friction import Friction
+from fingertip.sim.jit import compile_now
+from fingertip.sim.pad import DAMPING_RATIO, Pad
+
+Array = NDArray[np.float64]
+
+RATE_HZ = 2000.0
+TARGET_N = 5e-6
+OURS = "fingertip (RODAS)"
+_FRICTION = Friction(0.6, 0.48)
+_LOAD_N = 0.8
+# Knots of the drive: time [s] and stage velocity [m/s]; time [s] and load [N]. Straight between them.
+_VELOCITY = ((0.0, 0.0), (0.2, 0.0), (0.24, 0.04), (1.0, 0.04), (1.04, 0.0), (1.3, 0.0), (1.36, -0.06), (1.9, -0.06),
+             (1.96, 0.0), (2.2, 0.0), (2.21, 0.004), (4.2, 0.004), (4.25, 0.0), (5.0, 0.0))  # fmt: skip
+_LOADS = ((0.0, 0.8), (0.5, 0.8), (0.6, 1.2), (1.5, 1.2), (1.6, 0.5), (3.0, 0.5), (3.1, 0.9), (5.0, 0.9))
+
+
+def problem(seconds: float) -> tuple[Array, Array, Array, Array]:
+    """Time [s], stage position [m] and velocity [m/s], load [N] at the samples: exact for our interpolation."""
+    t = np.arange(round(seconds * RATE_HZ) + 1) / RATE_HZ
+    velocity = np.interp(t, [x for x, _ in _VELOCITY], [y for _, y in _VELOCITY])
+    load = np.interp(t, [x for x, _ in _LOADS], [y for _, y in _LOADS])
+    position = np.concatenate(([0.0], np.cumsum((velocity[1:] + velocity[:-1]) / 2) / RATE_HZ))
+    return t, position, velocity, load
+
+
+def diagram(seconds: float, solvers: tuple[str, ...] = ("LSODA", "Radau", "BDF")) -> Diagram:
+    """Measure all solvers on the same problem."""
+    pad = Pad.of(Design())
+    k = pad.tangential_stiffness_n_per_m(_LOAD_N)
+    mount = Mount(pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * pad.mass_kg))
+    press = Press(pad.resonance_hz(_LOAD_N), DAMPING_RATIO)
+    found = Diagram(f"contact, {seconds:g} s to and fro", "N", TARGET_N)
+    start = time.process_time()
+    t, X, V, load = problem(seconds)
+    found.input_s = time.process_time() - start
+
+    def forces(position: Array, normal: Array) -> Array:
+        return np.concatenate((k * (X - position), normal))
+
+    def ours(tolerance: float) -> Array:
+        run = integrate(_FRICTION, mount, press, 1 / RATE_HZ, X, V, load, tolerance)
+        return forces(run.position_m, run.force_n)
+
+    rates, jacobian = _theirs(mount, press)
+    knots = sorted({x for x, _ in (*_VELOCITY, *_LOADS) if x < seconds} | {seconds})
+
+    def theirs(method: str, tolerance: float) -> Array:
+        from scipy.integrate import solve_ivp
+
+        state, place = np.array([0.0, 0.0, 0.0, load[0], 0.0]), 0
+        out = np.zeros((5, len(t)))
+        # Its tolerances by component: the same newtons, through the same stiffnesses as ours.
+        scale = np.array([1 / k, 1 / math.sqrt(k * mount.mass_kg), 1 / _FRICTION.sigma0, 1.0, 600.0])
+        for begin, end in pairwise(knots):
+            last = round(end * RATE_HZ)
+            i = round(begin * RATE_HZ)
+            drive = (begin, X[i], V[i], (V[i + 1] - V[i]) * RATE_HZ, load[i], (load[i + 1] - load[i]) * RATE_HZ)
+            part = solve_ivp(
+                rates, (begin, end), state, method, t[place : last + 1].clip(begin, end),
+                args=(np.array(drive),), rtol=tolerance, atol=tolerance * scale, jac=jacobian,
+            )  # fmt: skip
+            if not part.success:
+                raise ArithmeticError(part.message)
+            out[:, place : last + 1] = part.y
+            state, place = part.y[:, -1], last
+        return forces(out[0], np.maximum(out[3], 0.0))
+
+    ours(1e-3)  # compiled before anything is measured
+    reference = ours(1e-12)
+    found.agreement = float(np.abs(theirs("Radau", 1e-11) - reference).max())
+    for exponent in range(-3, -10, -1):
+        found.add(OURS, f"1e{exponent} N", lambda e=exponent: ours(10.0**e), reference)  # type: ignore[misc]
+    for solver in solvers:
+        for exponent in (-3, -4, -5, -6, -7, -8, -9):
+            run: Callable[[], Array] = lambda s=solver, e=exponent: theirs(s, 10.0**e)  # type: ignore[misc]  # noqa: E731
+            found.add(f"scipy {solver}", f"rtol 1e{exponent}", run, reference)
+    found.omissions.append("ngspice: knows no friction, so it is not asked")
+    return found
+
+
+def _theirs(mount: Mount, press: Press) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Right side and Jacobian for scipy, written for themselves; compiled where numba is there, as ours are."""
+    f = _FRICTION
+    mu_c, drop, vs, s0, s1, s2 = f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.sigma0, f.sigma1, f.sigma2
+    m, k, c = mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m
+    w2, damp = (2 * math.pi * press.resonance_hz) ** 2, 4 * math.pi * press.resonance_hz * press.damping_ratio
+
+    def rates(t: float, s: Array, drive: Array) -> Array:
+        x, v, z, y, w = s
+        T = t - drive[0]
+        X, V = drive[1] + T * (drive[2] + T * drive[3] / 2), drive[2] + T * drive[3]
+        g = mu_c + drop / (1 + (v / vs) ** 2)
+        dz = v - s0 * abs(v) * z / g
+        out = np.empty(5)
+        out[0] = v
+        out[1] = (k * (X - x) + c * (V - v) - y * (s0 * z + s1 * dz + s2 * v)) / m
+        out[2] = dz
+        out[3] = w
+        out[4] = w2 * (drive[4] + T * drive[5] - y) - damp * w
+        return out
+
+    def jacobian(t: float, s: Array, drive: Array) -> Array:
+        v, z, y = s[1], s[2], s[3]
+        b = 1 + (v / vs) ** 2
+        g = mu_c + drop / b
+        dg = -2 * drop * v / (vs * vs * b * b)
+        a = -s0 * abs(v) / g
+        dv = 1 - s0 * z * ((1.0 if v >= 0 else -1.0) - abs(v) * dg / g) / g
+        mu = s0 * z + s1 * (v + a * z) + s2 * v
+        out = np.zeros((5, 5))
+        out[0, 1] = 1.0
+        out[1, 0] = -k / m
+        out[1, 1] = -(c + y * (s1 * dv + s2)) / m
+        out[1, 2] = -y * (s0 + s1 * a) / m
+        out[1, 3] = -mu / m
+        out[2, 1] = dv
+        out[2, 2] = a
+        out[3, 4] = 1.0
+        out[4, 3] = -w2
+        out[4, 4] = -damp
+        return out
+
+    return compile_now(rates), compile_now(jacobian)

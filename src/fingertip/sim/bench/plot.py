@@ -1,0 +1,47 @@
+"""Work-precision diagrams as a picture. The only module of `sim` that imports matplotlib."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from fingertip.sim.bench.measure import Diagram
+
+_STYLES = (("#b03a2e", "o"), ("#1f4e79", "s"), ("#2e8b57", "^"), ("#b8860b", "D"), ("#6c5b7b", "v"))
+
+
+def draw(diagrams: Sequence[Diagram], footnote: str) -> bytes:
+    """One panel for each problem, error to the right and CPU time upwards, both logarithmic.
+
+    Returns
+    -------
+    bytes
+        A PNG, 1800 x 975 pixels.
+    """
+    figure = Figure(figsize=(12, 6.5), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(1, len(diagrams), squeeze=False)[0]
+    for axes, diagram in zip(panels, diagrams, strict=True):
+        solvers = list(dict.fromkeys(point.solver for point in diagram.points))
+        for solver, (colour, marker) in zip(solvers, _STYLES, strict=False):
+            points = sorted((p.error, p.cpu_s) for p in diagram.points if p.solver == solver)
+            axes.loglog(*zip(*points, strict=True), color=colour, marker=marker, markersize=5, label=solver)
+        axes.axvline(diagram.target, color="#7f8c8d", linestyle="--", linewidth=1)
+        axes.annotate(
+            f"target {diagram.target:g} {diagram.unit}", (diagram.target, 0.02), xycoords=("data", "axes fraction"),
+            xytext=(-4, 0), textcoords="offset points", rotation=90, ha="right", va="bottom", fontsize=8,
+            color="#5d6d7e",
+        )  # fmt: skip
+        axes.set_title(diagram.problem, loc="left", fontweight="bold")
+        axes.set_xlabel(f"largest error at a sample [{diagram.unit}]")
+        axes.set_ylabel("CPU time [s]")
+        axes.grid(True, which="major", color="#e5e8eb", linewidth=0.7)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.legend(frameon=False, fontsize=9, loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=3)
+    figure.supxlabel(footnote, x=0.01, ha="left", fontsize=8, color="#5d6d7e")
+    out = io.BytesIO()
+    figure.savefig(out, format="png", metadata={"Software": None})
+    return out.getvalue()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import zipfile
 
 import numpy as np
@@ -129,3 +130,9 @@ def test_files_carry_no_date(built: Build) -> None:
     with zipfile.ZipFile(built.folder / "bone.3mf") as bundle:
         assert {entry.date_time for entry in bundle.infolist()} == {(1980, 1, 1, 0, 0, 0)}
     assert "1970-01-01T00:00:00" in (built.folder / "bone.step").read_text()[:600]
+
+
+def test_report_keeps_no_bits_that_differ_between_processors(built: Build) -> None:
+    for line in (built.folder / "report.json").read_text().splitlines():
+        digits = re.search(r"\.(\d+)(e[-+]?\d+)?,?$", line)
+        assert digits is None or len(digits[1]) <= 6, line

@@ -16,7 +16,7 @@ from fingertip.cad.checks import Check
 from fingertip.cad.mesh import Mesh
 from fingertip.cad.parts import PARTS, Part, parts_of, print_scale
 from fingertip.cad.step import StepFiles, StepJob, StepRequest
-from fingertip.cad.verify import as_data, refuse_tolerance, verify
+from fingertip.cad.verify import as_data, refuse_tolerance, settled, verify
 from fingertip.design import Design
 from fingertip.design.document import to_toml
 from fingertip.design.faults import nearest
@@ -66,14 +66,14 @@ class Build:
 
     def _part(self, built: BuiltPart) -> dict[str, Any]:
         entry: dict[str, Any] = {
-            "volume_mm3": built.mesh.volume(),
-            "area_mm2": built.mesh.area(),
+            "volume_mm3": settled(built.mesh.volume()),
+            "area_mm2": settled(built.mesh.area()),
             "triangles": len(built.mesh.triangles),
             "files": dict(built.files),
             "sha256": {kind: hashlib.sha256(self.contents[file]).hexdigest() for kind, file in built.files.items()},
         }
         if built.brep_volume_mm3 is not None:
-            entry["brep_volume_mm3"] = built.brep_volume_mm3
+            entry["brep_volume_mm3"] = settled(built.brep_volume_mm3)
         return entry
 
 

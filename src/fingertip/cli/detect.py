@@ -17,12 +17,15 @@ if TYPE_CHECKING:
 def detect(
     trace: Annotated[Path, typer.Argument(help="Trace (CSV): time_s, voltage_v, and force_n and slip where known.")],
     design: Annotated[Path | None, typer.Option("--design", help="Design file; without it, the defaults.")] = None,
+    detector: Annotated[
+        str, typer.Option("--detector", help="paper (the article's chain), fft (its baseline) or fast (ours).")
+    ] = "paper",
     plot: Annotated[Path | None, typer.Option("--plot", help="Picture of the detection to write (PNG).")] = None,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Find slip in a trace with the article's chain."""
+    """Find slip in a trace, with the article's chain or another detector."""
     from fingertip import slip
     from fingertip.design import Design
     from fingertip.slip.trace_file import read_csv
@@ -30,10 +33,10 @@ def detect(
     console = Console(as_json, quiet)
     loaded = Design.load(*([design] if design else []), changes=changes or ())
     read = read_csv(trace, loaded.detector)
-    found = slip.detect(read, loaded)
-    if found.settings.threshold_v < found.noise.mean_v:
+    found = slip.detect(read, loaded, detector)
+    if detector == "paper" and found.threshold_v < found.noise.mean_v:
         console.say(
-            f"warning: detector.threshold_v of {found.settings.threshold_v:g} V is below the level of the "
+            f"warning: detector.threshold_v of {found.threshold_v:g} V is below the level of the "
             f"noise alone ({found.noise.mean_v:.3g} V); {found.noise.threshold_v:.3g} V stands clear of it."
         )
     if plot is not None:
@@ -53,7 +56,8 @@ def _data(found: Detection) -> dict[str, Any]:
         "delays_s": None if score is None else [None if d is None else round(d, 7) for d in score.delays_s],
         "missed_slips": None if score is None else [_interval(i) for i in score.missed],
         "false_intervals": None if score is None else [_interval(i) for i in score.false_intervals],
-        "threshold_v": found.settings.threshold_v,
+        "detector": found.detector,
+        "threshold_v": round(found.threshold_v, 6),
         "noise_threshold_v": round(found.noise.threshold_v, 6),
     }
 

@@ -1,5 +1,9 @@
-"""The article's chain, digitally and sample by sample: high-pass, rectification, envelope, window mean,
-threshold.
+"""Detector `paper`: the article's chain, sample by sample: high-pass, rectification, envelope, window mean, threshold.
+
+In the article the first three are analog (its board) and only window and threshold are software. Here the input is
+the raw tactile voltage and all five are digital: the board's ideal filters by the bilinear transform, an ideal diode
+without a dead zone, and the envelope's pole as a follower without the board's faster attack. So it is what the
+article's predecessor ran in software, with the article's numbers.
 
 Every sample takes the same scalar operations in the same order, so the output is the same to the last bit
 however the input is cut into chunks. Nothing looks ahead, and the state between chunks can be pickled.
@@ -9,13 +13,15 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, MutableSequence, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
+from fingertip.slip.kernel import Loop
+from fingertip.slip.stream import Output, as_samples
 
 Array = NDArray[np.float64]
 
@@ -49,14 +55,16 @@ class ChainSettings:
 
 
 @dataclass(frozen=True, eq=False)
-class ChainOutput:
+class ChainOutput(Output):
     """One value per input sample."""
 
     filtered_v: Array
     envelope_v: Array
-    mean_v: Array
-    """Mean of the envelope over the window that ends with the sample (article, eq. 12)."""
-    on: NDArray[np.bool_]
+
+    @property
+    def mean_v(self) -> Array:
+        """Mean of the envelope over the window that ends with the sample (article, eq. 12)."""
+        return self.level_v
 
 
 class SlipChain:
@@ -65,63 +73,83 @@ class SlipChain:
 
     def __init__(self, settings: ChainSettings) -> None:
         self.settings = settings
-        self._first, self._second = high_pass(settings)
+        first, second = high_pass(settings)
         # The pole of the analog envelope, sampled: its step response is exact at the samples.
-        self._share = 1 - math.exp(-2 * math.pi * settings.envelope_cutoff_hz / settings.sample_rate_hz)
-        self._states: tuple[float, float, float] | None = None
-        self._envelope = 0.0
+        share = 1 - math.exp(-2 * math.pi * settings.envelope_cutoff_hz / settings.sample_rate_hz)
+        self._coefficients = (*first, *second, share)
+        self._state = [0.0] * 6
         self._window = [0.0] * settings.window_samples
-        self._place = 0
-        self._sum = 0.0
+        self._seen = 0
+
+    @property
+    def threshold_v(self) -> float:
+        """Mean above which slip is ON [V]."""
+        return self.settings.threshold_v
+
+    @property
+    def memory_s(self) -> float:
+        """The window [s]."""
+        return self.settings.window_samples / self.settings.sample_rate_hz
 
     def process(self, voltage_v: Iterable[float]) -> ChainOutput:
         """Take the next samples [V], any number of them, and return as many outputs."""
-        samples: list[float] = voltage_v.tolist() if isinstance(voltage_v, np.ndarray) else list(voltage_v)
-        if self._states is None:
-            if not samples:
-                return _output([], [], [], self.settings.threshold_v)
-            self._states = self._settled(samples[0])
-        g0, g1, p1 = self._first
-        b0, b1, b2, a1, a2 = self._second
-        s1, s2, s3 = self._states
-        envelope, share, window, place, total = (
-            self._envelope,
-            self._share,
-            self._window,
-            self._place,
-            self._sum,
-        )
-        length = len(window)
-        filtered, envelopes, means = [], [], []
-        for x in samples:
-            # Both sections in transposed direct form II.
-            w = g0 * x + s1
-            s1 = g1 * x - p1 * w
-            y = b0 * w + s2
-            s2 = b1 * w - a1 * y + s3
-            s3 = b2 * w - a2 * y
-            envelope += share * ((y if y > 0.0 else 0.0) - envelope)
-            total += envelope - window[place]
-            window[place] = envelope
-            place += 1
-            if place == length:  # the running sum's rounding errors end here instead of adding up for ever
-                place, total = 0, math.fsum(window)
-            filtered.append(y)
-            envelopes.append(envelope)
-            means.append(total / length)
-        self._states, self._envelope, self._place, self._sum = (s1, s2, s3), envelope, place, total
-        return _output(filtered, envelopes, means, self.settings.threshold_v)
+        samples = as_samples(voltage_v)
+        if len(samples):
+            self._settle(float(samples[0]))
+        filtered, envelope, mean = _LOOP.run(self._coefficients, self._state, self._window, samples, self._seen)
+        self._seen += len(samples)
+        bar = self.settings.threshold_v
+        return ChainOutput(mean, np.full(len(mean), bar), mean > bar, filtered, envelope)
 
-    def _settled(self, x: float) -> tuple[float, float, float]:
-        """State in which a constant input `x` leaves both sections at exactly zero."""
-        return -self._first[0] * x, 0.0, 0.0
+    def step(self, voltage_v: float) -> bool:
+        """Take one sample [V] and return whether slip is ON."""
+        self._settle(voltage_v)
+        self._seen += 1
+        mean = [0.0]
+        _LOOP.plain(self._coefficients, self._state, self._window, (voltage_v,), [0.0], [0.0], mean)
+        return mean[0] > self.settings.threshold_v
+
+    def _settle(self, x: float) -> None:
+        """Before the first sample: the state in which a constant input `x` leaves both sections at exactly zero."""
+        if not self._seen:
+            self._state[0] = -self._coefficients[0] * x
 
 
-def _output(filtered: list[float], envelope: list[float], mean: list[float], threshold_v: float) -> ChainOutput:
-    means = np.array(mean, dtype=np.float64)
-    return ChainOutput(
-        np.array(filtered, dtype=np.float64), np.array(envelope, dtype=np.float64), means, means > threshold_v
-    )
+def _chain_loop(
+    coefficients: tuple[float, ...],
+    state: MutableSequence[float],
+    ring: MutableSequence[float],
+    samples: Sequence[float],
+    filtered: MutableSequence[float],
+    envelopes: MutableSequence[float],
+    means: MutableSequence[float],
+) -> None:
+    g0, g1, p1, b0, b1, b2, a1, a2, share = coefficients
+    s1, s2, s3, envelope, total = state[0], state[1], state[2], state[3], state[4]
+    place, length = int(state[5]), len(ring)
+    for i in range(len(samples)):
+        x = samples[i]
+        # Both sections in transposed direct form II.
+        w = g0 * x + s1
+        s1 = g1 * x - p1 * w
+        y = b0 * w + s2
+        s2 = b1 * w - a1 * y + s3
+        s3 = b2 * w - a2 * y
+        envelope += share * ((y if y > 0.0 else 0.0) - envelope)
+        total += envelope - ring[place]
+        ring[place] = envelope
+        place += 1
+        if place == length:  # the running sum's rounding errors end here instead of adding up for ever
+            place, total = 0, 0.0
+            for j in range(length):
+                total += ring[j]
+        filtered[i] = y
+        envelopes[i] = envelope
+        means[i] = total / length
+    state[0], state[1], state[2], state[3], state[4], state[5] = s1, s2, s3, envelope, total, float(place)
+
+
+_LOOP = Loop(_chain_loop, outputs=3)
 
 
 def high_pass(

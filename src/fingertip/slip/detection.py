@@ -1,4 +1,4 @@
-"""A whole trace through the chain, judged where the truth is known."""
+"""A whole trace through a detector, judged where the truth is known."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from fingertip.design import Design
 from fingertip.errors import TraceError
-from fingertip.slip.chain import ChainOutput, ChainSettings, SlipChain
 from fingertip.slip.intervals import Interval, Score, intervals, score
 from fingertip.slip.noise import NoiseLevel, noise_level
+from fingertip.slip.registry import make
+from fingertip.slip.stream import Output
 from fingertip.slip.trace import Trace, faults
 
 
@@ -16,29 +17,45 @@ from fingertip.slip.trace import Trace, faults
 class Detection:
     """What was found in a trace, and with which settings."""
 
-    settings: ChainSettings
+    detector: str
+    threshold_v: float
+    """The bar in noise alone [V]."""
+    memory_s: float
+    """How long ON may outlast slip [s]."""
     noise: NoiseLevel
-    output: ChainOutput
+    """What the article's chain shows in this noise."""
+    output: Output
     intervals: tuple[Interval, ...]
     score: Score | None
     """None where the trace does not say when it slipped."""
 
 
-def detect(trace: Trace, design: Design) -> Detection:
-    """Detect slip in a trace with the article's chain.
+def detect(trace: Trace, design: Design, detector: str = "paper", noise_v: float | None = None) -> Detection:
+    """Detect slip in a trace.
+
+    Parameters
+    ----------
+    trace
+        The trace; its voltage may be any signal that follows the force, if `noise_v` is given in the same unit.
+    design
+        Gives rate, filters, window and threshold.
+    detector
+        Name of one of the detectors; by default the article's chain.
+    noise_v
+        White noise of the signal, rms [V]; without it, the design's.
 
     Raises
     ------
     TraceError
         With one sentence for each fault of the trace, among them another sampling rate than the design's.
     """
-    settings = ChainSettings.of(design)
     if found := faults(trace, design.detector):
         raise TraceError(found)
-    output = SlipChain(settings).process(trace.voltage_v)
+    made = make(detector, design, noise_v)
+    threshold = made.threshold_v
+    output = made.process(trace.voltage_v)
     detected = intervals(trace.time_s, output.on)
     judged = None
     if trace.slip is not None:
-        window_s = settings.window_samples / settings.sample_rate_hz
-        judged = score(detected, intervals(trace.time_s, trace.slip), window_s)
-    return Detection(settings, noise_level(design), output, detected, judged)
+        judged = score(detected, intervals(trace.time_s, trace.slip), made.memory_s)
+    return Detection(detector, threshold, made.memory_s, noise_level(design, noise_v), output, detected, judged)

@@ -28,17 +28,23 @@ class NoiseLevel:
         return self.mean_v + DEVIATIONS * self.deviation_v
 
 
-def noise_level(design: Design) -> NoiseLevel:
-    """Noise of the design's voltage (``detector.noise_v`` and the converter's steps) after its chain.
+def input_noise_v(design: Design) -> float:
+    """Noise of the sampled voltage, rms [V]: ``detector.noise_v`` and the converter's steps."""
+    detector = design.detector
+    step = 2 * detector.adc_range_v / 2**detector.adc_bits
+    return math.hypot(detector.noise_v, step / math.sqrt(12))
+
+
+def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
+    """Noise of the design's voltage, or of the given rms [V], after its chain.
 
     White Gaussian noise of deviation sigma leaves the high-pass with ``sigma sqrt(sum h^2)``, and its half wave
     has the mean ``sigma / sqrt(2 pi)``. The half wave is ``x/2 + |x|/2``: of the first part the high-pass has left
     nothing slow enough for the window to pass, the second has the variance ``sigma^2 (1 - 2/pi) / 4`` and is
     averaged as if its samples were independent (a test compares with noise itself: within 10 %).
     """
-    detector, settings = design.detector, ChainSettings.of(design)
-    step = 2 * detector.adc_range_v / 2**detector.adc_bits
-    sigma = math.hypot(detector.noise_v, step / math.sqrt(12))
+    settings = ChainSettings.of(design)
+    sigma = input_noise_v(design) if noise_v is None else noise_v
 
     memory = math.ceil(settings.sample_rate_hz / min(settings.cutoff_hz, settings.envelope_cutoff_hz) * 4)
     impulse = [0.0, 1.0] + [0.0] * memory

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from fingertip.slip.chain import ChainOutput
 from fingertip.slip.detection import Detection
 from fingertip.slip.intervals import Interval, intervals
 from fingertip.slip.trace import Trace
@@ -68,20 +69,17 @@ def _voltage(axes: Axes, trace: Trace) -> None:
 
 
 def _enveloped(axes: Axes, trace: Trace, detection: Detection) -> None:
-    settings, output = detection.settings, detection.output
-    window_ms = 1000 * settings.window_samples / settings.sample_rate_hz
-    axes.plot(trace.time_s, 1000 * output.envelope_v, color=_ENVELOPE, linewidth=0.7, label="envelope")
-    axes.plot(trace.time_s, 1000 * output.mean_v, color=_MEAN, linewidth=1.4, label=f"mean over {window_ms:g} ms")
-    axes.axhline(
-        1000 * settings.threshold_v,
-        color="black",
-        linestyle="--",
-        linewidth=1,
-        label=f"threshold {1000 * settings.threshold_v:g} mV",
-    )
-    # Contact and release tower above everything: the mean decides, so the axis follows the mean.
-    axes.set_ylim(0.0, max(2.5 * 1000 * settings.threshold_v, 1.35 * 1000 * float(np.max(output.mean_v))))
-    axes.set_ylabel("enveloped signal [mV]")
+    output, what = detection.output, "level"
+    if isinstance(output, ChainOutput):
+        axes.plot(trace.time_s, 1000 * output.envelope_v, color=_ENVELOPE, linewidth=0.7, label="envelope")
+        what = f"mean over {1000 * detection.memory_s:g} ms"
+    axes.plot(trace.time_s, 1000 * output.level_v, color=_MEAN, linewidth=1.4, label=what)
+    bar = 1000 * output.bar_v
+    still = f"threshold {1000 * detection.threshold_v:.3g} mV"
+    axes.plot(trace.time_s, bar, color="black", linestyle="--", linewidth=1, label=still)
+    # Contact and release tower above everything: the level decides, so the axis follows it.
+    axes.set_ylim(0.0, max(2500 * detection.threshold_v, 1350 * float(np.max(output.level_v))))
+    axes.set_ylabel("enveloped signal [mV]" if isinstance(output, ChainOutput) else f"{detection.detector} [mV]")
     axes.legend(loc="upper right", frameon=False, ncols=3, fontsize=9)
 
 

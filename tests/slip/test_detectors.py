@@ -1,0 +1,174 @@
+"""All detectors behind one face: any chunks, causal, pickled midway; thresholds that keep what their rule promises."""
+
+from __future__ import annotations
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fingertip.design import Design
+from fingertip.errors import TraceError
+from fingertip.slip import DETECTORS, make
+from fingertip.slip.kernel import available
+from fingertip.slip.noise import input_noise_v
+from fingertip.slip.quadratic import ALARMS_PER_HOUR, bar_for, tail
+
+DESIGN = Design()
+NAMES = list(DETECTORS)
+FIELDS = ("level_v", "bar_v", "on")
+
+
+def signal(count: int, seed: int = 0) -> np.ndarray:
+    """Noise with a contact, a burst of 90 Hz and a jump, so that every branch is taken."""
+    t = np.arange(count) / 2000
+    volts = 4.3 + np.random.default_rng(seed).normal(0, 4e-4, count) - 0.3 * np.clip(t - 0.1, 0, 0.2) / 0.2
+    return volts + 0.02 * np.sin(2 * math.pi * 90 * t) * ((t > 0.4) & (t < 0.6)) + 0.2 * (t > 0.7)
+
+
+WHOLE = signal(1700)
+
+
+def same(name: str, parts: list) -> None:
+    whole = make(name, DESIGN).process(WHOLE)
+    assert whole.on.any()
+    assert not whole.on.all()
+    for field in FIELDS:
+        assert np.concatenate([getattr(part, field) for part in parts]).tobytes() == getattr(whole, field).tobytes()
+
+
+@pytest.mark.parametrize("name", NAMES)
+@settings(max_examples=25, deadline=None)
+@given(sizes=st.lists(st.integers(0, 499), max_size=12))
+def test_any_chunking_gives_the_same_bits_though_pickled_between(name, sizes):
+    detector, parts, start = make(name, DESIGN), [], 0
+    for size in [*sizes, len(WHOLE)]:
+        parts.append(detector.process(WHOLE[start : start + size]))
+        start += size
+        detector = pickle.loads(pickle.dumps(detector))
+    same(name, parts)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_sample_by_sample_gives_the_same_flags(name):
+    detector, stepping = make(name, DESIGN), make(name, DESIGN)
+    same(name, [detector.process([x]) for x in WHOLE.tolist()])
+    flags = [stepping.step(x) for x in WHOLE.tolist()]
+    assert flags == make(name, DESIGN).process(WHOLE).on.tolist()
+    # and a stream may change from one to the other
+    mixed = make(name, DESIGN)
+    head = [mixed.step(x) for x in WHOLE[:777].tolist()]
+    assert head + mixed.process(WHOLE[777:]).on.tolist() == flags
+
+
+@pytest.mark.parametrize("name", NAMES)
+@given(cut=st.integers(1, 1699))
+@settings(max_examples=25, deadline=None)
+def test_causal(name, cut):
+    other = np.concatenate((WHOLE[:cut], signal(1700 - cut, 9)))
+    a, b = make(name, DESIGN).process(WHOLE), make(name, DESIGN).process(other)
+    for field in FIELDS:
+        assert np.array_equal(getattr(a, field)[:cut], getattr(b, field)[:cut])
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("volts", [0.0, 4.3, -10.0])
+def test_a_constant_voltage_is_silence_from_the_first_sample(name, volts):
+    out = make(name, DESIGN).process([volts] * 3000)
+    assert not out.on.any()
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("rate", [1000.0, 2000.0, 5000.0, 20000.0])
+def test_a_burst_is_found_at_any_rate(name, rate):
+    design = Design(detector={"sample_rate_hz": rate, "window_samples": int(0.03 * rate)})
+    t = np.arange(int(rate)) / rate
+    volts = 4.0 + np.random.default_rng(2).normal(0, 4e-4, len(t))
+    volts += 0.01 * np.sin(2 * math.pi * 90 * t) * ((t > 0.5) & (t < 0.8))
+    on = make(name, design).process(volts).on
+    first = int(np.flatnonzero(on)[0])
+    assert 0.5 < t[first] < 0.5 + {"paper": 0.02, "fft": 0.04, "fast": 0.006}[name]
+    assert on[t > 0.9].sum() == 0
+
+
+@pytest.mark.parametrize("name", ["fft", "fast"])
+def test_noise_alarms_as_often_as_the_rule_says(name):
+    """At a bar lowered until noise crosses it often enough to be counted."""
+    scale, minutes = 0.8, 20
+    noise = np.random.default_rng(5).normal(4.0, input_noise_v(DESIGN), 2000 * 60 * minutes)
+    on = make(name, DESIGN, None, scale).process(noise).on
+    starts = np.flatnonzero(np.diff(on.astype(np.int8)) > 0)
+    counted = 60 / minutes * float(np.sum(np.diff(starts, prepend=-999) > 200))
+    # The rule itself says how many: the same energy, at the lowered bar.
+    low, high = ALARMS_PER_HOUR, 1e6
+    detector = make(name, DESIGN)
+    for _ in range(50):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if bar_at(detector, middle) > (scale * detector.threshold_v) ** 2 else (low, middle)
+    assert counted == pytest.approx(high, rel=0.7), (counted, high)
+
+
+def bar_at(detector, alarms_per_hour: float) -> float:
+    """Energy of the bar [V^2] for so many alarms per hour."""
+    weights, excursion_s, volts = detector.noise_weights()
+    return bar_for(weights, excursion_s, alarms_per_hour) * volts**2
+
+
+def test_tail_of_a_sum_of_squares():
+    # two equal weights: an exponential; one: a normal squared
+    assert tail(np.array([2.0, 2.0]), 60.0) == pytest.approx(math.exp(-15.0), rel=0.05)
+    assert tail(np.array([3.0]), 75.0) == pytest.approx(math.erfc(5 / math.sqrt(2)), rel=0.1)
+    rng = np.random.default_rng(0)
+    weights = np.array([1.0, 0.5, 0.2, 0.1])
+    drawn = rng.normal(size=(400_000, 4)) ** 2 @ weights
+    assert tail(weights, 8.0) == pytest.approx(float(np.mean(drawn > 8.0)), rel=0.1)
+
+
+def test_contact_and_release_move_the_bar_but_not_the_flag():
+    t = np.arange(6000) / 2000
+    x = np.clip((t - 1.0) / 0.15, 0, 1) - np.clip((t - 2.0) / 0.15, 0, 1)
+    volts = 4.3 - 0.25 * x * x * (3 - 2 * x) + np.random.default_rng(1).normal(0, 4e-4, len(t))
+    out = make("fast", DESIGN).process(volts)
+    assert not out.on.any()
+    assert out.bar_v.max() > 4 * out.bar_v[1900]
+    # It is the slope's bar that does it: the level alone crosses the bar of the noise.
+    assert out.level_v.max() > out.bar_v[1900]
+
+
+def test_the_floor_learns_noise_and_freezes_while_on():
+    rng = np.random.default_rng(4)
+    detector = make("fast", DESIGN)
+    before = detector.threshold_v
+    detector.process(4.0 + rng.normal(0, 6e-4, 40_000))
+    learnt = detector.threshold_v
+    assert learnt == pytest.approx(before * 6e-4 / input_noise_v(DESIGN), rel=0.15)
+    t = np.arange(20_000) / 2000
+    out = detector.process(4.0 + 0.02 * np.sin(2 * math.pi * 90 * t) + rng.normal(0, 6e-4, len(t)))
+    assert out.on[100:].all()
+    assert detector.threshold_v == pytest.approx(learnt, rel=1e-3)
+
+
+@pytest.mark.skipif(not available(), reason="numba is not installed")
+@pytest.mark.parametrize("name", ["paper", "fast"])
+def test_compiled_and_plain_give_the_same_bits(name, monkeypatch):
+    import numba  # noqa: F401
+
+    compiled = make(name, DESIGN).process(WHOLE)
+    monkeypatch.setattr("fingertip.slip.kernel.available", lambda: False)
+    plain = make(name, DESIGN).process(WHOLE)
+    for field in FIELDS:
+        assert getattr(compiled, field).tobytes() == getattr(plain, field).tobytes()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_twice_the_noise_twice_the_threshold(name):
+    one, two = make(name, DESIGN, 1e-3).threshold_v, make(name, DESIGN, 2e-3).threshold_v
+    assert two == pytest.approx(2 * one, rel=0.06 if name == "paper" else 1e-9)
+
+
+def test_an_unknown_detector_is_refused():
+    with pytest.raises(TraceError, match="--detector: 'fats' is not known; did you mean fast"):
+        make("fats", DESIGN)

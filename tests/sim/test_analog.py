@@ -34,6 +34,8 @@ STIFF_DIODES = {
     "R 1G, C 1p": {"r1_ohm": 1e9, "r2_ohm": 1e9, "r3_ohm": 1e9, "r_lp_ohm": 1e9, "c_lp_f": 1e-12},
     "rails": {"rail_v": 3.5},
     "gain-bandwidth": {"gain_bandwidth_hz": 3e6},
+    "precision": {"rectifier": "precision", "blocking_capacitor": 66e-6},
+    "precision, C 1p, rails": {"rectifier": "precision", "c_lp_f": 1e-12, "rail_v": 3.5, "blocking_capacitor": 66e-6},
 }
 
 
@@ -61,7 +63,7 @@ def test_omega_everywhere():
 def test_exponentials_against_scipy(capacitor_f):
     from scipy.linalg import expm
 
-    A, b, k, _ = system(BOARD.changed(c1_f=capacitor_f, c2_f=capacitor_f, c3_f=capacitor_f))
+    A, b, k, _, _ = system(BOARD.changed(c1_f=capacitor_f, c2_f=capacitor_f, c3_f=capacitor_f))
     M = augmented(A, b, k)
     for level, ours in enumerate(exponentials(M, STEP_S, 6)[0]):
         theirs = expm(M[0] * STEP_S / 2**level)
@@ -216,6 +218,40 @@ def test_rails_against_small_steps():
         assert ours[i + 1] == pytest.approx(min(max(n, -rail), rail), abs=0.01)
 
 
+def test_precision_follows_the_positive_half_waves():
+    """The mean of a half-wave rectified sine is its peak / pi, however small: there is no dead zone."""
+    board = BOARD.changed(rectifier="precision")
+    time = np.arange(64_000) / 32_000
+    for volt in (1e-6, 1e-2):
+        out = respond(board, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
+        peak = out.filtered_v[32_000:].max()
+        assert out.envelope_v[32_000:].mean() == pytest.approx(peak / math.pi, rel=1e-3)
+        paper = respond(BOARD, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
+        assert (paper.envelope_v[32_000:].mean() < 1e-3 * peak) == (volt == 1e-6)
+
+
+def test_precision_decays_with_one_pole():
+    board = BOARD.changed(rectifier="precision", c1_f=1.0, c2_f=1.0, c3_f=1.0)  # the filter passes a step
+    voltage = np.where(np.arange(40) >= 1, 0.01, 0.0)
+    after = np.where(np.arange(40) >= 0, 0.01, 0.0)
+    out = respond(board, STEP_S, voltage, 1e-8, after).envelope_v
+    top, tau = 0.01 * float(board.gain), 2000 * 2.2e-6
+    assert out == pytest.approx(top * (1 - np.exp(-np.arange(40) * STEP_S / tau)), abs=1e-4 * top)
+
+
+def test_the_blocking_capacitor_takes_the_gain_away_at_rest_only():
+    """1 + R5 / (R4 + 1/(s C)) against a tone."""
+    board, c = BOARD.changed(blocking_capacitor=66e-6), 66e-6
+    step = 1 / 16_000
+    time = np.arange(64_000) * step
+    for frequency in (2.0, 100.0):
+        s = 2j * math.pi * frequency
+        first = 1 + board.r5_ohm / (board.r4_ohm + 1 / (s * c))
+        gain = abs(filter_network(frequency, board_values(DESIGN).preferred) * first / board.gain)
+        out = respond(board, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[32_000:]
+        assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * gain, rel=3e-3)
+
+
 def test_a_finite_gain_bandwidth_changes_little_and_only_so_much():
     fast, slow = (respond(BOARD.changed(gain_bandwidth_hz=f), STEP_S, burst()).filtered_v for f in (1e9, 3e4))
     ideal = respond(BOARD, STEP_S, burst()).filtered_v
@@ -266,7 +302,9 @@ def test_input_that_is_not_finite_is_named_with_its_sample():
         ({"diode": Diode(saturation_a=0.0)}, r"diode\.saturation_a: 0 A"),
         ({"diode": Diode(series_ohm=-1.0)}, r"diode\.series_ohm: -1 ohm .* at least 0"),
         ({"rail_v": math.nan}, r"board\.rail_v: nan V"),
-        ({"rail_v": 3.0, "gain_bandwidth_hz": 1e6}, r"board\.rail_v: .*not modelled together"),
+        ({"rail_v": 3.0, "gain_bandwidth_hz": 1e6}, r"board\.rail_v: 3 V .*not modelled; leave one out"),
+        ({"blocking_capacitor": 0.0}, r"board\.blocking_capacitor: 0 F"),
+        ({"blocking_capacitor": 1e-6, "gain_bandwidth_hz": 1e6}, r"board\.gain_bandwidth_hz: .*leave one out"),
     ],
     ids=str,
 )

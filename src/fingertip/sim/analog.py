@@ -90,16 +90,17 @@ def respond_in_parts(
     table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, _values(board))), axis=1).astype(np.float64)
     for start in range(0, len(table), _CHUNK):
         part = table[start : start + _CHUNK]
-        chunk = board.changed(**{name: part[:, 6 + i] for i, name in enumerate(_names(board))})
-        n, steps, rows, out = _matrices(chunk, step_s)
+        chunk = board.changed(**{name: part[:, 5 + i] for i, name in enumerate(_names(board))})
+        n, steps, rows, out, first = _matrices(chunk, step_s)
         filtered, enveloped = np.zeros((len(part), len(voltage_v))), np.zeros((len(part), len(voltage_v)))
         counts = np.zeros(3)
-        for i, (saturation, nvt, series, r, c, gain) in enumerate(part[:, :6].tolist()):
+        for i, (saturation, nvt, series, r, c) in enumerate(part[:, :5].tolist()):
             count, z = np.zeros(3), np.zeros(WIDTH)
             z[0] = voltage_v[0]
+            precise = board.rectifier == "precision"
             envelope_loop.run(
-                tolerance_v, step_s, n, LEVELS, board.rail_v or 0.0, gain, (saturation, nvt, series), (r, c),
-                voltage_v, after, steps[i], rows[i], out[i],
+                tolerance_v, step_s, n, LEVELS, board.rail_v or 0.0, precise, (saturation, nvt, series), (r, c),
+                voltage_v, after, steps[i], rows[i], out[i], first[i],
                 z, np.zeros(WIDTH), np.zeros(LEVELS), filtered[i], enveloped[i], count,
             )  # fmt: skip
             counts += count
@@ -112,20 +113,20 @@ def _names(board: Analog) -> list[str]:
 
 def _values(board: Analog) -> list[Any]:
     d = board.diode
-    fixed = [d.saturation_a, d.emission * d.thermal_v, d.series_ohm, board.r_lp_ohm, board.c_lp_f, board.gain]
+    fixed = [d.saturation_a, d.emission * d.thermal_v, d.series_ohm, board.r_lp_ohm, board.c_lp_f]
     return fixed + [getattr(board, name) for name in _names(board)]
 
 
-def _matrices(board: Analog, step_s: float) -> tuple[int, Array, Array, Array]:
+def _matrices(board: Analog, step_s: float) -> tuple[int, Array, Array, Array, Array]:
     """For each board, flat: rows of the state's steps and of the output within them, by mode and level."""
     steps, rows = [], []
-    outs: Array = np.zeros(0)
+    outs = firsts = np.zeros(0)
     n = 0
     for mode in range(9 if board.rail_v else 1):
-        A, b, k, out = system(board, mode)
+        A, b, k, out, first = system(board, mode)
         n = A.shape[-1]
         if mode == 0:
-            outs = np.pad(out, ((0, 0), (0, WIDTH - n - 3)))
+            outs, firsts = (np.pad(row, ((0, 0), (0, WIDTH - n - 3))) for row in (out, first))
         M = augmented(A, b, k)
         whole = exponentials(M, step_s, LEVELS + 2)
         odd = exponentials(M, step_s * 0.55, LEVELS)
@@ -136,4 +137,4 @@ def _matrices(board: Analog, step_s: float) -> tuple[int, Array, Array, Array]:
         steps.append(np.pad(full[:, :, :n], pad))
         rows.append(np.pad(row, pad))
     count = len(outs)
-    return n, np.stack(steps, axis=1).reshape(count, -1), np.stack(rows, axis=1).reshape(count, -1), outs
+    return n, np.stack(steps, axis=1).reshape(count, -1), np.stack(rows, axis=1).reshape(count, -1), outs, firsts

@@ -7,12 +7,14 @@ batched: every value may be an array over many boards.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.board import board_values
 from fingertip.design import Design
+from fingertip.errors import Fault
 from fingertip.sim.inputs import not_negative, positive, refuse
 
 Array = NDArray[np.float64]
@@ -57,6 +59,10 @@ class Analog:
     """Both amplifiers' outputs stop at plus and minus this [V]; None: they never do."""
     gain_bandwidth_hz: float | None = None
     """Of both amplifiers [Hz]; None: infinite."""
+    rectifier: Literal["diode", "precision"] = "diode"
+    """A diode that charges R_LP parallel to C_LP (article), or amplifiers that rectify and follow with one pole."""
+    blocking_capacitor: float | None = None
+    """In series with R4 [F], so that the first stage amplifies no offset; None: R4 goes to ground."""
 
     def __post_init__(self) -> None:
         faults = []
@@ -75,9 +81,13 @@ class Analog:
         if self.gain_bandwidth_hz is not None:
             faults.extend(positive("board.gain_bandwidth_hz", self.gain_bandwidth_hz, "Hz", "3e6"))
             if self.rail_v is not None:
-                faults.extend(
-                    positive("board.rail_v", -1.0, "V", "none: rails and gain-bandwidth are not modelled together, in")
-                )
+                words = "stands beside gain_bandwidth_hz, and both together are not modelled; leave one out."
+                faults.append(Fault("board.rail_v", f"{self.rail_v:g} V {words}"))
+        if self.blocking_capacitor is not None:
+            faults.extend(positive("board.blocking_capacitor", self.blocking_capacitor, "F", "66e-6"))
+            if self.gain_bandwidth_hz is not None:
+                words = "stands beside blocking_capacitor, and both together are not modelled; leave one out."
+                faults.append(Fault("board.gain_bandwidth_hz", f"{self.gain_bandwidth_hz:g} Hz {words}"))
         refuse(faults)
 
     @classmethod
@@ -97,8 +107,9 @@ class Analog:
         return 1 + self.r5_ohm / self.r4_ohm
 
 
-def system(board: Analog, mode: int = 0) -> tuple[Array, Array, Array, Array]:
-    """A (B, n, n), b and k (B, n), and the output's row (B, n + 3) over (x, u, slope, 1).
+def system(board: Analog, mode: int = 0) -> tuple[Array, Array, Array, Array, Array]:
+    """A (B, n, n), b and k (B, n), and rows (B, n + 3) over (x, u, slope, 1): the output, and the first amplifier's
+    output as it would be without rails.
 
     Parameters
     ----------
@@ -112,14 +123,16 @@ def system(board: Analog, mode: int = 0) -> tuple[Array, Array, Array, Array]:
         *(columns[name] for name in ("r1_ohm", "r2_ohm", "r3_ohm", "c1_f", "c2_f", "c3_f")), np.atleast_1d(board.gain)
     )
     finite = board.gain_bandwidth_hz is not None
-    n = 5 if finite else 3
+    blocked = board.blocking_capacitor is not None
+    n = 5 if finite else 4 if blocked else 3
     # Every voltage is a row over (x, u, slope, 1), one for each board.
     unit = np.broadcast_to(np.eye(n + 3)[:, None, :], (n + 3, len(R1), n + 3))
     u, one = unit[n], unit[n + 2]
     p = u - unit[0]
     rails = [0.0, board.rail_v or 0.0, -(board.rail_v or 0.0)]
     first, second = divmod(mode, 3)
-    o1 = unit[3] if finite else one * rails[first] if first else G[:, None] * p
+    free = G[:, None] * p - ((G - 1)[:, None] * unit[3] if blocked else 0.0)
+    o1 = unit[3] if finite else one * rails[first] if first else free
     behind = o1 - unit[1] - unit[2]  # behind C3: the second amplifier's input
     o2 = unit[4] if finite else one * rails[second] if second else behind
     rates = [
@@ -130,5 +143,8 @@ def system(board: Analog, mode: int = 0) -> tuple[Array, Array, Array, Array]:
     if finite:
         w = 2 * np.pi * float(board.gain_bandwidth_hz or 0.0)
         rates += [w * (p - o1 / G[:, None]), w * (behind - o2)]
+    if blocked:
+        R4, R5 = (np.broadcast_to(columns[name], R1.shape) for name in ("r4_ohm", "r5_ohm"))
+        rates.append((o1 - unit[3]) / ((R4 + R5) * float(board.blocking_capacitor or 0.0))[:, None])
     M = np.stack(rates, axis=1)
-    return M[:, :, :n], M[:, :, n], M[:, :, n + 2], o2
+    return M[:, :, :n], M[:, :, n], M[:, :, n + 2], o2, free

@@ -31,7 +31,7 @@ def draw(diagrams: Sequence[Diagram], footnote: str) -> bytes:
             axes.loglog(*zip(*points, strict=True), color=colour, marker=marker, markersize=5, label=solver)
         axes.axvline(diagram.target, color="#7f8c8d", linestyle="--", linewidth=1)
         axes.annotate(
-            f"target {diagram.target:g} {diagram.unit}", (diagram.target, 0.02), xycoords=("data", "axes fraction"),
+            f"target {diagram.target:g} {diagram.unit}", (diagram.target, 0.14), xycoords=("data", "axes fraction"),
             xytext=(-4, 0), textcoords="offset points", rotation=90, ha="right", va="bottom", fontsize=8,
             color="#5d6d7e",
         )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import get_args
 
 import pytest
 from hypothesis import given
@@ -10,7 +11,9 @@ from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values, symbols
 from fingertip.board.circuit import Circuit, Net, Part, connected, engineering, faults
+from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
+from fingertip.design.sections import Board
 from fingertip.errors import BoardError
 from tests.board.nodal import number
 
@@ -32,8 +35,14 @@ def test_the_articles_circuit() -> None:
     }  # fmt: skip
 
 
-def test_every_pin_in_one_net_and_two_pins_in_every_net() -> None:
+def test_variants_are_those_the_design_file_takes() -> None:
+    assert tuple(VARIANTS) == get_args(Board.model_fields["variant"].annotation)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_every_pin_in_one_net_and_two_pins_in_every_net(variant: str) -> None:
     """Said again without the package's own check."""
+    CIRCUIT = board_circuit(board_values(Design.load(changes=[f"board.variant={variant}"])))
     nodes = [node for net in CIRCUIT.nets for node in net.nodes]
     assert len(nodes) == len(set(nodes))
     assert set(nodes) == {(part.reference, pin.number) for part in CIRCUIT.parts for pin in part.symbol.pins}

@@ -13,7 +13,7 @@ import pytest
 from fingertip.board import board_circuit, board_values, differences, write_board
 from fingertip.board.fab import PARTS_COLUMNS, PLACEMENT_COLUMNS, parts_file, placement_file
 from fingertip.board.output import LAYOUT, README
-from fingertip.board.paper_placement import PAPER_PLACEMENT
+from fingertip.board.placements import PAPER_PLACEMENT
 from fingertip.design import Design
 from tests.board.kicad import HOW, kicad_cli
 from tests.conftest import run_fingertip

@@ -11,15 +11,17 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
+from fingertip.board.circuit import Circuit
 from fingertip.board.footprints import FOOTPRINTS, ROUND_RATIO
 from fingertip.board.layout import EDGE_CLEARANCE_MM
 from fingertip.board.names import name_places
 from fingertip.board.output import LAYOUT
-from fingertip.board.paper_placement import PAPER_PLACEMENT
-from fingertip.board.placement import PlacedPad, Spot, crowded, placed_pads
+from fingertip.board.placement import PlacedPad, Placement, Spot, crowded, placed_pads
+from fingertip.board.placements import PAPER_PLACEMENT
 from fingertip.board.project import CLEARANCE_MM, TRACK_MM, VIA_MM
 from fingertip.board.router import Rules, route
 from fingertip.board.tracks import load_template
+from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 from fingertip.errors import BoardError
 from tests.board.expressions import children, parse
@@ -27,6 +29,14 @@ from tests.board.kicad import HOW, kicad_cli
 from tests.tools import require_tool
 
 CIRCUIT = board_circuit(board_values(Design()))
+
+
+def made(variant: str) -> tuple[Circuit, Placement]:
+    """A variant's circuit and placement."""
+    values = board_values(Design())
+    return VARIANTS[variant].circuit(values.preferred, values.bridge), VARIANTS[variant].placement
+
+
 RULES = Rules(TRACK_MM, CLEARANCE_MM, VIA_MM, EDGE_CLEARANCE_MM)
 
 
@@ -45,7 +55,9 @@ def findings(folder: Path) -> dict[str, list[str]]:
 NOTHING: dict[str, list[str]] = {"violations": [], "unconnected_items": [], "schematic_parity": []}
 
 
-@pytest.mark.parametrize("changes", [[], ["board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.series=E96"]])
+@pytest.mark.parametrize(
+    "changes", [[], ["board.variant=precision"], ["board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.series=E96"]]
+)
 def test_design_rules_are_kept_and_the_schematic_is_matched(tmp_path: Path, changes: list[str]) -> None:
     write_board(Design.load(changes=changes), tmp_path / "pcb")
     assert findings(tmp_path / "pcb") == NOTHING
@@ -71,10 +83,12 @@ def test_a_spoiled_board_is_noticed(tmp_path: Path, right: str, wrong: str, key:
     assert findings(tmp_path / "pcb")[key]
 
 
-def test_size_and_holes() -> None:
-    assert (PAPER_PLACEMENT.width, PAPER_PLACEMENT.height) == (40.0, 25.0)
-    assert sum(reference[0] == "H" for reference in PAPER_PLACEMENT.spots) == 4
-    assert list(crowded(CIRCUIT, PAPER_PLACEMENT)) == []
+@pytest.mark.parametrize("name", VARIANTS)
+def test_size_and_holes(name: str) -> None:
+    circuit, placement = made(name)
+    assert (placement.width, placement.height) == (40.0, 25.0)
+    assert sum(part.reference[0] == "H" for part in circuit.parts) == 4
+    assert list(crowded(circuit, placement)) == []
 
 
 def test_crowded_parts_are_noticed() -> None:
@@ -120,11 +134,13 @@ def islands(pads: list[PlacedPad], tracks: object) -> int:
     return len({root(i) for i in range(len(pads))})
 
 
-def test_tracks_join_every_net() -> None:
+@pytest.mark.parametrize("name", VARIANTS)
+def test_tracks_join_every_net(name: str) -> None:
     """Said again without KiCad; ground is joined by the pour, so there every pad has a via of its own."""
-    template = load_template("paper", CIRCUIT, PAPER_PLACEMENT)
-    pads = list(placed_pads(CIRCUIT, PAPER_PLACEMENT))
-    for net in CIRCUIT.nets:
+    circuit, placement = made(name)
+    template = load_template(name, circuit, placement)
+    pads = list(placed_pads(circuit, placement))
+    for net in circuit.nets:
         mine = [p for p in pads if p.net == net.name]
         if net.name != "GND":
             assert islands(mine, template.tracks[net.name]) == 1, net.name

@@ -9,9 +9,9 @@ import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.output import NETLIST, SCHEMATIC
-from fingertip.board.paper_sheet import PAPER_SHEET
 from fingertip.board.schematic import pin_point
 from fingertip.board.symbol_shapes import SHAPES
+from fingertip.board.variants import VARIANTS, Variant
 from fingertip.design import Design
 from tests.board.expressions import children, everywhere
 from tests.board.kicad import HOW, kicad_cli, nets_and_parts
@@ -34,14 +34,22 @@ def exported(folder: Path) -> tuple[object, object]:
     return nets_and_parts(folder / "kicad.net")
 
 
-@pytest.mark.parametrize("changes", [[], ["board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.series=E96"]])
+DESIGNS = [
+    [],
+    ["board.variant=precision"],
+    ["board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.series=E96"],
+]
+
+
+@pytest.mark.parametrize("changes", DESIGNS)
 def test_kicads_netlist_of_the_drawing_is_ours(tmp_path: Path, changes: list[str]) -> None:
     write_board(Design.load(changes=changes), tmp_path / "pcb")
     assert exported(tmp_path / "pcb") == nets_and_parts(tmp_path / "pcb" / NETLIST)
 
 
-def test_electrical_rules_are_kept(tmp_path: Path) -> None:
-    write_board(Design(), tmp_path / "pcb")
+@pytest.mark.parametrize("changes", DESIGNS[:2])
+def test_electrical_rules_are_kept(tmp_path: Path, changes: list[str]) -> None:
+    write_board(Design.load(changes=changes), tmp_path / "pcb")
     assert violations(tmp_path / "pcb") == []
 
 
@@ -63,13 +71,16 @@ def test_a_spoiled_drawing_is_noticed(tmp_path: Path, right: str, wrong: str) ->
     assert exported(tmp_path / "pcb") != nets_and_parts(tmp_path / "pcb" / NETLIST)
 
 
-def test_every_unit_is_placed_once_on_the_grid() -> None:
-    placed = [(p.reference, p.unit) for p in PAPER_SHEET.placed]
-    wanted = {(part.reference, unit) for part in CIRCUIT.parts for unit in range(1, len(SHAPES[part.symbol.name]) + 1)}
+@pytest.mark.parametrize("variant", VARIANTS.values(), ids=VARIANTS)
+def test_every_unit_is_placed_once_on_the_grid(variant: Variant) -> None:
+    values = board_values(Design())
+    circuit = variant.circuit(values.preferred, values.bridge)
+    placed = [(p.reference, p.unit) for p in variant.sheet.placed]
+    wanted = {(part.reference, unit) for part in circuit.parts for unit in range(1, len(SHAPES[part.symbol.name]) + 1)}
     assert len(placed) == len(set(placed))
     assert set(placed) == wanted
-    for p in PAPER_SHEET.placed:
-        for pin in SHAPES[CIRCUIT.part(p.reference).symbol.name][p.unit - 1].pins.values():
+    for p in variant.sheet.placed:
+        for pin in SHAPES[circuit.part(p.reference).symbol.name][p.unit - 1].pins.values():
             x, y = pin_point(p, pin)
             assert (x, y) == (int(x), int(y))
 

@@ -83,6 +83,104 @@ def test_the_bridges_voltage(tmp_path: Path, force_n: float) -> None:
     assert rows[0][-1] == pytest.approx(board_values(design).bridge.tactile_v(conductance, 5.0), abs=1e-5)
 
 
+def test_the_precision_deck_is_the_filter_with_its_series_capacitor(tmp_path: Path) -> None:
+    design, deck = deck_of(tmp_path, ["board.variant=precision"])
+    assert "C14 0 series 22u" in deck  # 16 uF at least
+    rows = simulate(tmp_path, deck, "ac dec 40 1 100k\nwrdata out vr(tactile) vi(tactile) vr(filtered) vi(filtered)")
+    values = board_values(design).preferred
+    for f, tr, ti, fr, fi in rows:
+        wanted = decibel(network(f, values, design.board.gain_bandwidth_hz, 22e-6))
+        assert decibel(complex(fr, fi) / complex(tr, ti)) == pytest.approx(wanted, abs=1e-2)
+    # A decade above its corner the capacitor costs little; the offset is no longer amplified.
+    assert abs(network(67.0, values, 3e6, 22e-6) / network(67.0, values, 3e6)) == pytest.approx(1, abs=5e-3)
+    assert abs(network(1e-3, values, 3e6, 22e-6)) < abs(network(1e-3, values, 3e6)) / 60
+
+
+TONE_V, TONE_HZ, END_S, FROM_S, STEP_S = 1.0, 100.0, 0.06, 0.02, 2e-5
+
+
+def tone(t: float) -> float:
+    return TONE_V * math.sin(2 * math.pi * TONE_HZ * t)
+
+
+def transient(folder: Path, deck: str, drop: tuple[str, ...]) -> list[tuple[float, float]]:
+    """Envelope [V] over time [s] for a tone at FILTERED, with what drives that net taken out."""
+    alone = "\n".join(line for line in deck.splitlines() if not line.startswith(drop))
+    alone = alone.replace("\n.ac", f"\nVtest filtered 0 sin(0 {TONE_V} {TONE_HZ})\n.ac") + "\n"
+    rows = simulate(
+        folder, alone, f"tran {STEP_S} {END_S} {FROM_S} 5u uic\nlinearize v(envelope)\nwrdata out v(envelope)"
+    )
+    return [(t, v) for t, v in rows]
+
+
+def diode_and_rc(until: float) -> list[tuple[float, float]]:
+    """Our own simulation of the paper variant: the diode's exponential with its resistance, R_LP parallel to C_LP.
+
+    Implicit Euler in steps of 1 us, the node solved by bisection: slow and simple.
+    """
+    R, C, dt = 2000.0, 2.2e-6, 1e-6
+    saturation, series, thermal = 2.52e-9, 0.568, 1.752 * 8.617333e-5 * 300.15
+
+    def current(volt: float) -> float:
+        """Of diode and its resistance in series."""
+        if volt <= 0:
+            return saturation * (math.exp(volt / thermal) - 1)
+        i = 0.0
+        low, high = 0.0, volt / series
+        for _ in range(40):
+            i = 0.5 * (low + high)
+            low, high = (i, high) if series * i + thermal * math.log1p(i / saturation) < volt else (low, i)
+        return i
+
+    v, found = 0.0, []
+    for n in range(1, round(until / dt) + 1):
+        u = tone(n * dt)
+        low, high = min(v, u, 0.0), max(v, u)
+        if u - v < 0.2:  # off: 2 uA at most
+            v = (v + dt * current(u - v) / C) / (1 + dt / (R * C))
+        else:
+            for _ in range(25):
+                middle = 0.5 * (low + high)
+                residue = C * (middle - v) / dt + middle / R - current(u - middle)
+                low, high = (middle, high) if residue < 0 else (low, middle)
+            v = high
+        if n % 20 == 0:
+            found.append((n * dt, v))
+    return found
+
+
+def one_pole_of_half_waves(until: float) -> list[tuple[float, float]]:
+    """Our own simulation of the precision variant: an ideal rectifier, one pole, exact between steps of 1 us."""
+    dt = 1e-6
+    keep, v, found = math.exp(-dt / 4.4e-3), 0.0, []
+    for n in range(1, round(until / dt) + 1):
+        v = keep * v + (1 - keep) * max(tone((n - 0.5) * dt), 0.0)
+        if n % 20 == 0:
+            found.append((n * dt, v))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("variant", "simulated", "drop", "mean_v"),
+    [
+        # R7 loads the envelope by 1 % of C_LP; left out on both sides.
+        ("paper", diode_and_rc, ("XU1", "R2 ", "R7 "), 0.24),
+        # An ideal half wave's mean is 1/pi of its peak: no dead zone.
+        ("precision", one_pole_of_half_waves, ("XU1", "R2 ", "R7 "), 1 / math.pi),
+    ],
+    ids=["paper", "precision"],
+)
+def test_transient_of_each_rectifier(tmp_path: Path, variant: str, simulated, drop, mean_v: float) -> None:  # type: ignore[no-untyped-def]
+    _, deck = deck_of(tmp_path, [f"board.variant={variant}"])
+    theirs = transient(tmp_path, deck, drop)
+    ours = {round(t / STEP_S): v for t, v in simulated(END_S)}
+    pairs = [(v, ours[round(t / STEP_S)]) for t, v in theirs if round(t / STEP_S) in ours and t > FROM_S + STEP_S]
+    assert len(pairs) > 1500
+    assert max(abs(a - b) for a, b in pairs) < 5e-3
+    settled = [a for a, _ in pairs][len(pairs) // 2 :]
+    assert math.fsum(settled) / len(settled) == pytest.approx(mean_v, abs=0.01)
+
+
 def test_the_rectifier_is_a_peak_detector_behind_a_dead_zone(tmp_path: Path) -> None:
     """100 Hz of 1 V ahead of the diode come out with 0.23 V of mean and 0.35 V of ripple; an ideal mean is 0.32 V."""
     _, deck = deck_of(tmp_path, [])

@@ -93,6 +93,14 @@ REFUSED = {
     "board.envelope_cutoff_hz=10000": ("board.envelope_capacitor_uf", "below 10 ohm"),
     "board.passband_gain=1.001": ("board.passband_gain", "at least 1.01"),
     "board.passband_gain=10000": ("board.gain_bandwidth_hz", "at least 6.7e+06 Hz"),
+    "board.cutoff_hz=0": ("board.cutoff_hz", "0"),
+    "board.cutoff_hz=-67": ("board.cutoff_hz", "-67"),
+    "board.cutoff_hz=5000": ("board.gain_bandwidth_hz", "at least 3.384e+06 Hz"),
+    "board.capacitor_uf=0.9e-6": ("board.capacitor_uf", "1e-06"),
+    "board.capacitor_uf=1001": ("board.capacitor_uf", "1000"),
+    "board.series=E48": ("board.series", "E96"),
+    "board.variant=comparator": ("board.variant", "precision"),
+    "board.supply_v=3.3": ("board.supply_v", "5"),
     "board.gain_bandwidth_hz=10000": ("board.gain_bandwidth_hz", "lower board.passband_gain"),
 }
 
@@ -126,3 +134,17 @@ def test_faults_of_the_parts_and_of_the_board_come_together() -> None:
         Design.load(changes=["board.capacitor_uf=1000", "skin.tip_length_mm=33", "board.series=E6"])
     fields = {fault.field for fault in caught.value.faults}
     assert {"board.capacitor_uf", "skin.tip_length_mm", "board.series"} <= fields
+
+
+def test_precision_needs_a_series_capacitor_that_exists() -> None:
+    changes = ["board.variant=precision", "board.r5_ohm=10000"]
+    with pytest.raises(DesignError, match=r"above 100 uF; at least 1\.584e\+04 ohm, or board\.variant=paper") as caught:
+        Design.load(changes=changes)
+    assert [fault.field for fault in caught.value.faults] == ["board.r5_ohm"]
+    assert Design.load(changes=[changes[0], "board.r5_ohm=1.584e4"])
+    assert Design.load(changes=changes[1:])
+
+
+def test_threshold_outside_the_supply() -> None:
+    with pytest.raises(DesignError, match=r"6 V is never reached by a board supplied with 5 V; at most 4\.95 V"):
+        Design.load(changes=["detector.threshold_v=6"])

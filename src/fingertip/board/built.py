@@ -19,10 +19,15 @@ def open_loop(f_hz: float, gain_bandwidth_hz: float) -> complex:
     return OPEN_LOOP_GAIN / (1.0 + 1j * f_hz * OPEN_LOOP_GAIN / gain_bandwidth_hz)
 
 
-def first_stage(f_hz: float, c: Components, gain_bandwidth_hz: float) -> complex:
-    """H1 at f [Hz]: the high-pass C1, R1, then G / (1 + G / A)."""
+def first_stage(f_hz: float, c: Components, gain_bandwidth_hz: float, series_f: float = math.inf) -> complex:
+    """H1 at f [Hz]: the high-pass C1, R1, then G / (1 + G / A).
+
+    A capacitor in series with R4 (`series_f` [F], variant `precision`) makes G = 1 + R5 / (R4 + 1 / (s C)).
+    """
     s = 2j * math.pi * f_hz
-    G = passband_gain(c.r4_ohm, c.r5_ohm)
+    G: complex = passband_gain(c.r4_ohm, c.r5_ohm)
+    if not math.isinf(series_f):
+        G = 1.0 + c.r5_ohm / (c.r4_ohm + 1.0 / (s * series_f))
     return s / (s + 1.0 / (c.r1_ohm * c.c_f)) * G / (1.0 + G / open_loop(f_hz, gain_bandwidth_hz))
 
 
@@ -39,6 +44,6 @@ def second_stage(f_hz: float, c: Components, gain_bandwidth_hz: float) -> comple
     return K * square / (square + s * c.c_f * (2.0 * c.r2_ohm + c.r3_ohm / (1.0 + A)) + 1.0)
 
 
-def network(f_hz: float, c: Components, gain_bandwidth_hz: float) -> complex:
+def network(f_hz: float, c: Components, gain_bandwidth_hz: float, series_f: float = math.inf) -> complex:
     """Hc = H1 H2 at f [Hz]: from the tactile voltage to the diode. The article's figure 4."""
-    return first_stage(f_hz, c, gain_bandwidth_hz) * second_stage(f_hz, c, gain_bandwidth_hz)
+    return first_stage(f_hz, c, gain_bandwidth_hz, series_f) * second_stage(f_hz, c, gain_bandwidth_hz)

@@ -63,10 +63,9 @@ class System:
     def response(self, f_hz: Array, net: str) -> Spectrum:
         """Voltage at a net for the drive, at these frequencies [Hz]."""
         matrices = self.G[None] + 2j * math.pi * f_hz[:, None, None] * self.C[None]
-        solution: Spectrum = np.linalg.solve(
-            matrices, np.broadcast_to(self.drive[:, None], (len(f_hz), len(self.drive), 1))
-        )
-        return solution[:, self.index[net], 0]
+        right = np.broadcast_to(self.drive[:, None], (len(f_hz), len(self.drive), 1)).astype(np.complex128)
+        solution = np.linalg.solve(matrices.astype(np.complex128), right)
+        return np.asarray(solution[:, self.index[net], 0], dtype=np.complex128)
 
     def transfers(self, f_hz: Array, net: str) -> Spectrum:
         """Voltage at a net for 1 A or 1 V of each source: rows are frequencies, columns sources."""

@@ -11,15 +11,13 @@ from fingertip.board.bom import bill_of_materials
 from fingertip.board.circuit import Circuit
 from fingertip.board.layout import kicad_board
 from fingertip.board.netlist import kicad_netlist
-from fingertip.board.paper_circuit import paper_circuit
-from fingertip.board.paper_placement import PAPER_PLACEMENT
-from fingertip.board.paper_sheet import PAPER_SHEET
 from fingertip.board.project import kicad_project
 from fingertip.board.readme import HEADING, folder_readme
 from fingertip.board.schematic import kicad_schematic
 from fingertip.board.spice import spice_deck
 from fingertip.board.tracks import load_template
 from fingertip.board.values import BoardValues, board_values
+from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 from fingertip.files import write_whole
 
@@ -38,7 +36,7 @@ _SHOWN_LINES = 12
 
 def board_circuit(values: BoardValues) -> Circuit:
     """The circuit with the preferred values. Raises BoardError if it is inconsistent."""
-    return paper_circuit(values.preferred, values.bridge)
+    return VARIANTS[values.variant].circuit(values.preferred, values.bridge)
 
 
 def board_files(design: Design) -> dict[str, bytes]:
@@ -49,16 +47,17 @@ def board_files(design: Design) -> dict[str, bytes]:
     values = board_values(design)
     record = {"parameters": design.board.model_dump(), **values.as_data()}
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    circuit = board_circuit(values)
+    circuit, variant = board_circuit(values), VARIANTS[values.variant]
+    template = load_template(variant.name, circuit, variant.placement)
     return {
         NETLIST: kicad_netlist(circuit),
-        SCHEMATIC: kicad_schematic(circuit, PAPER_SHEET),
-        LAYOUT: kicad_board(circuit, PAPER_PLACEMENT, load_template("paper", circuit, PAPER_PLACEMENT)),
+        SCHEMATIC: kicad_schematic(circuit, variant.sheet, f"Slip filter: variant {variant.name}, split supply"),
+        LAYOUT: kicad_board(circuit, variant.placement, template),
         PROJECT: kicad_project(circuit),
         DECK: spice_deck(circuit, design.board.gain_bandwidth_hz, design.board.supply_v),
         PARTS: bill_of_materials(circuit),
         VALUES: text.encode(),
-        README: folder_readme(circuit, PAPER_PLACEMENT, values, design.board.supply_v),
+        README: folder_readme(circuit, variant, values, design.board.supply_v),
     }
 
 
@@ -98,8 +97,9 @@ def write_fabrication(
     """
     from fingertip.board.fab import fabrication_files
 
-    circuit = board_circuit(board_values(design))
-    files = fabrication_files(board_files(design), circuit, PAPER_PLACEMENT, tell)
+    values = board_values(design)
+    placement = VARIANTS[values.variant].placement
+    files = fabrication_files(board_files(design), board_circuit(values), placement, tell)
     folder = Path(out) / FAB_FOLDER
     write_whole(folder, files)
     return tuple(folder / name for name in files)

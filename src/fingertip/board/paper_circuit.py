@@ -58,8 +58,13 @@ _SUPPLY_RATING = "X7R 25 V 10 %"
 
 def paper_circuit(values: Components, bridge: Bridge) -> Circuit:
     """The board with these component values, checked."""
+    return whole_board(bridge, {**high_passes(values), **_peak_detector(values)})
+
+
+def whole_board(bridge: Bridge, signal_path: Wiring) -> Circuit:
+    """A variant's parts from TACTILE to ENVELOPE, with what all variants have around them; checked."""
     wiring: dict[Part, Mapping[str, str]] = {}
-    for block in (_front_end(bridge), _filters(values), _converter(), _supply(), _test_points(), _holes()):
+    for block in (_front_end(bridge), signal_path, _converter(), _supply(), _test_points(), _holes()):
         wiring.update(block)
     return connected(NAME, wiring)
 
@@ -70,8 +75,8 @@ def _front_end(bridge: Bridge) -> Wiring:
     def arm(reference: str, ohm: float, role: str) -> Part:
         return _resistor(reference, ohm, role, _BRIDGE_RATING)
 
-    sensor = _part("J1", "FSR", symbols.CONNECTOR_2, symbols.HEADER_2, "force-sensing resistor")
-    amplifier = _part("U2", "AD623ARMZ", symbols.AD623, symbols.MSOP_8, "instrumentation amplifier of the bridge")
+    sensor = part("J1", "FSR", symbols.CONNECTOR_2, symbols.HEADER_2, "force-sensing resistor")
+    amplifier = part("U2", "AD623ARMZ", symbols.AD623, symbols.MSOP_8, "instrumentation amplifier of the bridge")
     return {
         sensor: {"1": SENSOR, "2": GND},
         arm("R10", bridge.top_ohm, "bridge: supply to sensor"): {"1": VCC, "2": SENSOR},
@@ -86,48 +91,46 @@ def _front_end(bridge: Bridge) -> Wiring:
     }  # fmt: skip
 
 
-def _filters(values: Components) -> Wiring:
-    """The article's figure 3."""
-
-    def resistor(reference: str, ohm: float, role: str) -> Part:
-        return _resistor(reference, ohm, role, _FILTER_RATING)
-
-    def capacitor(reference: str, farad: float, role: str) -> Part:
-        return _capacitor(reference, farad, role, symbols.C_1206, _SIGNAL_RATING)
-
-    amplifier = _part("U1", "TL082", symbols.TL082, symbols.SOIC_8, "first stage and Sallen-Key stage")
-    diode = _part("D1", "1N4148W", symbols.DIODE_1N4148W, symbols.SOD_123, "half-wave rectifier")
+def high_passes(values: Components, r4_returns_to: str = GND) -> Wiring:
+    """Both filters of the article's figure 3."""
+    amplifier = part("U1", "TL082", symbols.TL082, symbols.SOIC_8, "first stage and Sallen-Key stage")
     return {
         # First-order high-pass, gain 1 + R5/R4 (eqs. 1, 2).
-        capacitor("C1", values.c_f, "first stage: in series"): {"1": TACTILE, "2": STAGE1_IN},
-        resistor("R1", values.r1_ohm, "first stage: pole, with C1"): {"1": STAGE1_IN, "2": GND},
-        resistor("R4", values.r4_ohm, "first stage: to ground"): {"1": FEEDBACK, "2": GND},
-        resistor("R5", values.r5_ohm, "first stage: feedback"): {"1": STAGE1_OUT, "2": FEEDBACK},
+        signal_capacitor("C1", values.c_f, "first stage: in series"): {"1": TACTILE, "2": STAGE1_IN},
+        filter_resistor("R1", values.r1_ohm, "first stage: pole, with C1"): {"1": STAGE1_IN, "2": GND},
+        filter_resistor("R4", values.r4_ohm, "first stage: to ground"): {"1": FEEDBACK, "2": r4_returns_to},
+        filter_resistor("R5", values.r5_ohm, "first stage: feedback"): {"1": STAGE1_OUT, "2": FEEDBACK},
         amplifier: {
             "3": STAGE1_IN, "2": FEEDBACK, "1": STAGE1_OUT,
             "5": STAGE2_IN, "6": FILTERED, "7": FILTERED,
             "8": VCC, "4": VEE,
         },
         # Unity-gain Sallen-Key high-pass (eqs. 3, 4): R2 from between the capacitors to the output.
-        capacitor("C2", values.c_f, "second stage: first in series"): {"1": STAGE1_OUT, "2": STAGE2_MID},
-        capacitor("C3", values.c_f, "second stage: last in series"): {"1": STAGE2_MID, "2": STAGE2_IN},
-        resistor("R2", values.r2_ohm, "second stage: feedback"): {"1": STAGE2_MID, "2": FILTERED},
-        resistor("R3", values.r3_ohm, "second stage: to ground"): {"1": STAGE2_IN, "2": GND},
-        # Peak detector (eq. 11): the diode feeds R_LP parallel to C_LP.
+        signal_capacitor("C2", values.c_f, "second stage: first in series"): {"1": STAGE1_OUT, "2": STAGE2_MID},
+        signal_capacitor("C3", values.c_f, "second stage: last in series"): {"1": STAGE2_MID, "2": STAGE2_IN},
+        filter_resistor("R2", values.r2_ohm, "second stage: feedback"): {"1": STAGE2_MID, "2": FILTERED},
+        filter_resistor("R3", values.r3_ohm, "second stage: to ground"): {"1": STAGE2_IN, "2": GND},
+    }  # fmt: skip
+
+
+def _peak_detector(values: Components) -> Wiring:
+    """The diode feeds R_LP parallel to C_LP (eq. 11)."""
+    diode = part("D1", "1N4148W", symbols.DIODE_1N4148W, symbols.SOD_123, "half-wave rectifier")
+    return {
         diode: {"2": FILTERED, "1": ENVELOPE},
-        resistor("R6", values.r_lp_ohm, "envelope: R_LP"): {"1": ENVELOPE, "2": GND},
-        capacitor("C4", values.c_lp_f, "envelope: C_LP"): {"1": ENVELOPE, "2": GND},
+        filter_resistor("R6", values.r_lp_ohm, "envelope: R_LP"): {"1": ENVELOPE, "2": GND},
+        signal_capacitor("C4", values.c_lp_f, "envelope: C_LP"): {"1": ENVELOPE, "2": GND},
     }  # fmt: skip
 
 
 def _converter() -> Wiring:
     """Anti-alias poles and clamps to ground and VCC, for the envelope and for the tactile voltage."""
-    output = _part("J3", "ADC", symbols.CONNECTOR_4, symbols.HEADER_4, "to the converter: tactile voltage, envelope")
+    output = part("J3", "ADC", symbols.CONNECTOR_4, symbols.HEADER_4, "to the converter: tactile voltage, envelope")
     return {
-        _resistor("R7", ALIAS_OHM, "anti-alias of the envelope", _FILTER_RATING): {"1": ENVELOPE, "2": ADC_ENVELOPE},
+        filter_resistor("R7", ALIAS_OHM, "anti-alias of the envelope"): {"1": ENVELOPE, "2": ADC_ENVELOPE},
         _capacitor("C8", ALIAS_F, "anti-alias of the envelope", symbols.C_0603): {"1": ADC_ENVELOPE, "2": GND},
         _clamp("D2", "clamp of the envelope"): {"1": GND, "2": VCC, "3": ADC_ENVELOPE},
-        _resistor("R8", ALIAS_OHM, "anti-alias of the tactile voltage", _FILTER_RATING): {
+        filter_resistor("R8", ALIAS_OHM, "anti-alias of the tactile voltage"): {
             "1": TACTILE, "2": ADC_TACTILE,
         },
         _capacitor("C9", ALIAS_F, "anti-alias of the tactile voltage", symbols.C_0603): {"1": ADC_TACTILE, "2": GND},
@@ -139,7 +142,7 @@ def _converter() -> Wiring:
 def _supply() -> Wiring:
     """Connector and decoupling."""
     plus, minus = {"1": VCC, "2": GND}, {"1": GND, "2": VEE}
-    power = _part("J2", "POWER", symbols.CONNECTOR_3, symbols.HEADER_3, "supply: plus, ground, minus")
+    power = part("J2", "POWER", symbols.CONNECTOR_3, symbols.HEADER_3, "supply: plus, ground, minus")
     return {
         power: {"1": VCC, "2": GND, "3": VEE},
         _capacitor("C10", BULK_F, "plus supply, at its entry", symbols.C_0805): plus,
@@ -163,9 +166,25 @@ def _holes() -> Wiring:
     return {Part(f"H{i}", "M2", symbols.MOUNTING_HOLE, symbols.M2_HOLE, "mounting hole"): {} for i in range(1, 5)}
 
 
-def _part(reference: str, value: str, symbol: Symbol, footprint: str, role: str) -> Part:
+def part(reference: str, value: str, symbol: Symbol, footprint: str, role: str) -> Part:
+    """A part bought by its name."""
     rating = _HEADER_RATING if reference.startswith("J") else symbol.description
     return Part(reference, value, symbol, footprint, role, rating)
+
+
+def filter_resistor(reference: str, ohm: float, role: str) -> Part:
+    """A resistor of the signal path."""
+    return _resistor(reference, ohm, role, _FILTER_RATING)
+
+
+def signal_capacitor(reference: str, farad: float, role: str) -> Part:
+    """A capacitor of the signal path."""
+    return _capacitor(reference, farad, role, symbols.C_1206, _SIGNAL_RATING)
+
+
+def supply_capacitor(reference: str, farad: float, role: str, footprint: str) -> Part:
+    """A capacitor between rails."""
+    return _capacitor(reference, farad, role, footprint)
 
 
 def _resistor(reference: str, ohm: float, role: str, rating: str) -> Part:
@@ -177,4 +196,4 @@ def _capacitor(reference: str, farad: float, role: str, footprint: str, rating: 
 
 
 def _clamp(reference: str, role: str) -> Part:
-    return _part(reference, "BAT54S", symbols.BAT54S, symbols.SOT_23, role)
+    return part(reference, "BAT54S", symbols.BAT54S, symbols.SOT_23, role)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fingertip.board.sheet import Label, Mark, Placed, Sheet
 
 # A row's parts, wires, power symbols and labels stand together, as they are looked at together.
-_BRIDGE = Sheet(
+BRIDGE = Sheet(
     placed=(
         Placed("J1", 16, 46, mirrored=True), Placed("C7", 28, 53), Placed("R11", 36, 53), Placed("R10", 36, 39),
         Placed("R12", 50, 23), Placed("R13", 50, 33), Placed("R14", 58, 40), Placed("U2", 78, 40),
@@ -76,7 +76,6 @@ _SUPPLY = Sheet(
         Placed("J2", 16, 124, mirrored=True), Placed("C10", 36, 120), Placed("C11", 36, 128), Placed("C5", 48, 120),
         Placed("C6", 48, 128), Placed("C12", 60, 120), Placed("C13", 60, 128), Placed("U1", 86, 124, unit=3),
         Placed("TP5", 74, 124),
-        Placed("H1", 102, 124), Placed("H2", 112, 124), Placed("H3", 122, 124), Placed("H4", 132, 124),
     ),
     wires=(
         ((20, 122), (24, 122), (24, 114), (84, 114), (84, 118)), ((20, 124), (74, 124)),
@@ -90,16 +89,28 @@ _SUPPLY = Sheet(
         Mark("VEE", 28, 134, 180), Mark("PWR_FLAG", 70, 134, 180),
     ),
     labels=(),
-    words=(("Supply and decoupling: one pair at the entry, at U1 and at U2", 12, 107), ("Mounting", 100, 114)),
+    words=(("Supply and decoupling: one pair at the entry, at U1 and at U2", 12, 107),),
 )  # fmt: skip
 
-_ROWS = (_BRIDGE, _FILTERS, _SUPPLY)
-
-PAPER_SHEET = Sheet(
-    placed=tuple(item for row in _ROWS for item in row.placed),
-    wires=tuple(item for row in _ROWS for item in row.wires),
-    marks=tuple(item for row in _ROWS for item in row.marks),
-    labels=tuple(item for row in _ROWS for item in row.labels),
-    words=tuple(item for row in _ROWS for item in row.words),
+MOUNTING = Sheet(
+    placed=tuple(Placed(f"H{i}", 92 + 10 * i, 146) for i in range(1, 5)),
+    wires=(),
+    marks=(),
+    labels=(),
+    words=(("Mounting", 100, 138),),
 )
+
+
+def joined(*rows: Sheet) -> Sheet:
+    """Several rows as one sheet."""
+    return Sheet(
+        placed=tuple(item for row in rows for item in row.placed),
+        wires=tuple(item for row in rows for item in row.wires),
+        marks=tuple(item for row in rows for item in row.marks),
+        labels=tuple(item for row in rows for item in row.labels),
+        words=tuple(item for row in rows for item in row.words),
+    )
+
+
+PAPER_SHEET = joined(BRIDGE, _FILTERS, _SUPPLY, MOUNTING)
 """The whole sheet."""

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from fingertip.board.circuit import Circuit, by_reference
-from fingertip.board.placement import Placement
 from fingertip.board.values import BoardValues
+from fingertip.board.variants import Variant
 
 HEADING = "# The slip-filter board\n"
 
 _TEXT = """
-The whole board: bridge and amplifier for the force-sensing resistor, the article's two filters, rectifier and envelope
-(its figure 3), the way to the converter, the supply. {width:g} x {height:g} mm, two layers, all {count} parts in front.
+Variant `{variant}`: bridge and amplifier for the force-sensing resistor; {summary};
+the way to the converter; the supply. {width:g} x {height:g} mm, two layers, all {count} parts in front.
 Achieved: -3 dB at {cutoff:.2f} Hz, gain {gain:.2f} ({gain_db:.2f} dB), Q {quality:.4f}, envelope decay {decay:.2f} ms.
 
 | file | what it is |
@@ -56,13 +56,15 @@ A converter for plus and minus 10 V sees the signals as they are. D2 and D3 keep
 """
 
 
-def folder_readme(circuit: Circuit, placement: Placement, values: BoardValues, supply_v: float) -> bytes:
+def folder_readme(circuit: Circuit, variant: Variant, values: BoardValues, supply_v: float) -> bytes:
     """Markdown, UTF-8."""
     bought = sorted((part for part in circuit.parts if part.rating), key=by_reference)
     text = _TEXT.format(
         name=circuit.name,
-        width=placement.width,
-        height=placement.height,
+        variant=variant.name,
+        summary=variant.summary,
+        width=variant.placement.width,
+        height=variant.placement.height,
         count=len(bought),
         cutoff=values.achieved.cutoff_hz,
         gain=values.achieved.passband_gain,

@@ -14,12 +14,12 @@ from pathlib import Path
 
 from fingertip.board.layout import CORNER_MM, EDGE_CLEARANCE_MM, kicad_board
 from fingertip.board.output import board_circuit
-from fingertip.board.paper_placement import PAPER_PLACEMENT
 from fingertip.board.placement import crowded, placed_pads
 from fingertip.board.project import CLEARANCE_MM, TRACK_MM, VIA_MM, kicad_project
 from fingertip.board.router import Rules, route
 from fingertip.board.tracks import TEMPLATES, Template, template_text
 from fingertip.board.values import board_values
+from fingertip.board.variants import VARIANTS, Variant
 from fingertip.design import Design
 
 _FILL = """
@@ -45,8 +45,15 @@ def main() -> None:
     """Route, pour, write the template."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--python", default="/usr/bin/python3", help="a Python that has KiCad's module pcbnew")
-    python = parser.parse_args().python
-    circuit, placement = board_circuit(board_values(Design())), PAPER_PLACEMENT
+    parser.add_argument("variant", nargs="*", default=list(VARIANTS), help="which; without any, all")
+    arguments = parser.parse_args()
+    for name in arguments.variant:
+        _reroute(VARIANTS[name], arguments.python)
+
+
+def _reroute(variant: Variant, python: str) -> None:
+    design = Design.load(changes=[f"board.variant={variant.name}"])
+    circuit, placement = board_circuit(board_values(design)), variant.placement
     if found := list(crowded(circuit, placement)):
         raise SystemExit(f"these parts overlap: {found}")
     rules = Rules(TRACK_MM, CLEARANCE_MM, VIA_MM, EDGE_CLEARANCE_MM)
@@ -63,7 +70,7 @@ def main() -> None:
         )
         for layer, outlines in json.loads(words.removeprefix("FILLS")).items()
     }
-    path = TEMPLATES / "paper.json"
+    path = TEMPLATES / f"{variant.name}.json"
     path.write_text(template_text(Template(tracks, fills), circuit, placement), encoding="utf-8")
     print(f"wrote {path.name}: {path.stat().st_size} bytes")
 

@@ -17,6 +17,8 @@ from fingertip.design.filter_components import Components, ideal_components
 class BoardValues:
     """Component values of one design's board and what they do."""
 
+    variant: str
+    """Name of the board's variant."""
     ideal: Components
     """What the formulas give (article, eqs. 2, 5, 6, 7, 11)."""
     preferred: Components
@@ -46,6 +48,7 @@ def board_values(design: Design) -> BoardValues:
     ideal = ideal_components(design.board)
     preferred = preferred_components(ideal, design.board.series)
     return BoardValues(
+        variant=design.board.variant,
         ideal=ideal,
         preferred=preferred,
         wanted=response(ideal, design.board.gain_bandwidth_hz),

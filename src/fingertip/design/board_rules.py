@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from fingertip.design import filter_components
-from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, farad
+from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, SERIES_DECADE, farad
 from fingertip.design.ruleset import Ruleset, rounded_down, rounded_up
 from fingertip.design.sections import Board
 from fingertip.design.tables import Tables
@@ -55,6 +55,22 @@ def _amplifier_fast_enough(d: Tables) -> str | None:
     return (
         f"{GBW:g} Hz leaves {GBW / G:.4g} Hz at a gain of {G:.6g}, less than {BANDWIDTH_MARGIN:g} cutoffs of "
         f"{f_c:g} Hz; at least {rounded_up(least)} Hz, or lower board.passband_gain."
+    )
+
+
+@RULES.rule("board.r5_ohm", "board.variant", "board.passband_gain", "board.cutoff_hz")
+def _series_capacitor_exists(d: Tables) -> str | None:
+    if d.board.variant != "precision":
+        return None
+    R4, f_c = filter_components.r4_ohm(d.board.passband_gain, d.board.r5_ohm), d.board.cutoff_hz
+    most_uf = filter_components.SERIES_CAPACITORS_UF[-1]
+    least_r4 = SERIES_DECADE / (math.tau * farad(most_uf) * f_c)
+    if least_r4 <= R4:
+        return None
+    least = least_r4 * (d.board.passband_gain - 1.0)
+    return (
+        f"{d.board.r5_ohm:g} ohm at a gain of {d.board.passband_gain:.6g} asks for R4 of {R4:.4g} ohm, whose series "
+        f"capacitor would be above {most_uf:g} uF; at least {rounded_up(least)} ohm, or board.variant=paper."
     )
 
 

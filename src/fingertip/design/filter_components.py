@@ -85,3 +85,18 @@ def farad(microfarad: float) -> float:
 
 def _ratio(numerator: float, denominator: float) -> float:
     return numerator / denominator if denominator else math.inf
+
+
+SERIES_CAPACITORS_UF = (1.0, 2.2, 4.7, 10.0, 22.0, 47.0, 100.0)
+"""Ceramic capacitors of these values fit the board (1206)."""
+SERIES_DECADE = 10.0
+"""Least cutoff in corners of R4 and its series capacitor: the gain at the cutoff then loses 0.5 % at most."""
+
+
+def series_capacitor_f(r4_ohm: float, cutoff_hz: float) -> float:
+    """C in series with R4 [F]: the least whose corner with R4 lies a decade or more below the cutoff [Hz].
+
+    At the article's 1.5k and 67 Hz that is 16 uF, 22 uF as bought. The largest there is where none is enough.
+    """
+    least_uf = 1e6 * SERIES_DECADE / (math.tau * r4_ohm * cutoff_hz)
+    return farad(next((c for c in SERIES_CAPACITORS_UF if c >= least_uf), SERIES_CAPACITORS_UF[-1]))

@@ -1,4 +1,4 @@
-"""The board of variant `paper`: 40 x 25 mm, all parts in front; sensor and supply enter left, signals leave right."""
+"""The boards: 40 x 25 mm, all parts in front; sensor and supply enter left, signals leave right."""
 
 from __future__ import annotations
 
@@ -37,3 +37,20 @@ PAPER_PLACEMENT = Placement(
         ("fingertip slip filter", 13.0, 23.6),
     ),
 )  # fmt: skip
+
+PRECISION_PLACEMENT = Placement(
+    40.0,
+    25.0,
+    {
+        **PAPER_PLACEMENT.spots,
+        # First stage's capacitor.
+        "C14": Spot(7.2, 15.6),
+        # Rectifier left of U3, envelope right of it.
+        "U3": Spot(20.6, 21.9), "C6": Spot(15.2, 19.3), "R3": Spot(24.2, 18.35), "D1": Spot(7.6, 21.3),
+        "D4": Spot(7.6, 23.7), "R15": Spot(12.0, 21.2), "R16": Spot(12.0, 23.0), "C16": Spot(15.2, 23.6),
+        "R17": Spot(29.4, 16.6), "R6": Spot(29.0, 18.6), "C4": Spot(28.5, 21.0), "C15": Spot(26.6, 23.6),
+        "TP3": Spot(30.4, 10.8), "TP4": Spot(31.6, 13.6), "TP5": Spot(23.6, 8.6),
+    },
+    (*PAPER_PLACEMENT.words[:-1], ("precision", 27.6, 7.2)),
+)  # fmt: skip
+"""The board of variant `precision`, with U3 and its parts along the lower edge."""

@@ -163,6 +163,18 @@ def test_denormals_pass():
     assert found.steps < 900
 
 
+def test_a_million_samples():
+    pytest.importorskip("numba")
+    time = np.arange(1_000_001) / RATE_HZ
+    to_and_fro = 1e-3 * np.sin(2 * math.pi * time)
+    speed = 2e-3 * math.pi * np.cos(2 * math.pi * time)
+    with compiled():
+        found = integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, to_and_fro, speed, np.full_like(time, FORCE_N), 1e-5)
+    second, last = (found.position_m[n * 2000 : (n + 1) * 2000] for n in (1, 499))
+    assert np.abs(second - last).max() < 1e-5 / STIFFNESS * 50  # as in its second period, so in its last
+    assert found.steps + found.rejected < 1.3e6
+
+
 def test_a_bouncing_pad_by_its_statistics():
     """In flight 0.78 of the time. Single points of such a motion need not agree, its mean and spread must."""
     time = grid(8.0)

@@ -120,6 +120,45 @@ def test_a_touched_cable_changes_the_voltage_and_not_the_force():
     assert jump == pytest.approx(0.02, abs=0.004)
 
 
+def test_jitter_shows_where_the_voltage_moves():
+    steady = {"hold.force_least_n": 1.0, "hold.force_most_n": 1.0}
+    runs = [
+        run_scene(Design(detector={"noise_v": 0.0}), scene("load_change", **steady | {"sensing.jitter_s": jitter}))
+        for jitter in (0.0, 1e-5)
+    ]
+    start = held(runs[0], scene("load_change"))
+    calm, jittered = (run.columns["voltage_v"] for run in runs)
+    time, off = runs[0].time_s, np.abs(jittered - calm)
+    slope = np.abs(np.gradient(calm, time))
+    changing = (time > start + 1.02) & (time < start + 1.13)
+    # Gaussian: mean |x| is 0.8 of the deviation; a converter's step of 305 uV blurs it.
+    assert off[changing].mean() == pytest.approx(0.8e-5 * slope[changing].mean(), rel=0.5)
+    assert off[(time > start + 0.5) & (time < start + 0.9)].max() <= 20 / 65536 + 1e-12
+
+
+def test_a_long_scene_reports_its_progress():
+    said: list[str] = []
+    run_scene(DESIGN, scene("contact"), 0, said.append)
+    assert said == []
+    run_scene(DESIGN, SceneFile(scene="long", hold={"least_s": 20.0}, outputs=["force_n"]), 0, said.append)
+    assert said[0].startswith("long, 2")
+    assert said[1:] == ["hand", "contact", "force"]
+
+
+def test_parameters_are_listed_with_unit_and_bounds():
+    file = ROOT / "params/scenes/hard_tap.toml"
+    done = run_fingertip("simulate", file, "--parameters", "--set", "tap.count=7")
+    assert done.returncode == 0, done.stderr
+    line = next(line for line in done.stdout.splitlines() if line.startswith("tap.force_n"))
+    assert line.split()[1:3] == ["2.0", "N"]
+    assert ">= 0, <= 50" in line
+    rows = json.loads(run_fingertip("simulate", file, "--parameters", "--json").stdout)["parameters"]
+    names = {row["name"] for row in rows}
+    assert {name.split(".")[0] for name in names} == set(SceneFile.model_fields)
+    assert all(row["description"] for row in rows)
+    assert all(row["unit"] for row in rows if row["name"].endswith(("_s", "_n", "_hz", "_m", "_v")))
+
+
 def test_creep_is_a_share_for_each_decade():
     steady = {"hold.force_least_n": 1.0, "hold.force_most_n": 1.0, "drift.volt_per_s": 0.0}
     creeping = run_scene(DESIGN, scene("drift", **steady)).columns["voltage_v"]

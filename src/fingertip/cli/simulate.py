@@ -30,6 +30,9 @@ def simulate(
         float | None, typer.Option("--force-n", help="Holding force; by the seed if left out, 0.2 to 2 N in a trial.")
     ] = None,
     changes: SetOption = None,
+    parameters: Annotated[
+        bool, typer.Option("--parameters", help="Print the scene's parameters, with unit, bounds and meaning.")
+    ] = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -38,6 +41,7 @@ def simulate(
     from fingertip.design import Design
     from fingertip.errors import Fault, FingertipError
     from fingertip.files import write_file
+    from fingertip.sim import scene_table
     from fingertip.sim.kinds import kind_of, split
     from fingertip.sim.result import file_bytes
     from fingertip.slip.intervals import intervals
@@ -79,7 +83,11 @@ def simulate(
     if faults or loaded is None or scene is None:
         raise FingertipError(faults)
 
-    found = sim.run_scene(loaded, scene, seed)
+    if parameters:
+        console.result({"parameters": list(scene_table.parameters(scene))}, "\n".join(scene_table.as_text(scene)))
+        return
+
+    found = sim.run_scene(loaded, scene, seed, console.say)
     write_file(out, file_bytes(found, out))
     console.say(f"wrote {out}")
     slips = intervals(found.time_s, found.columns["slip"].astype(bool)) if "slip" in found.columns else ()

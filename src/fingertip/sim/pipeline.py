@@ -278,8 +278,13 @@ def _bridge(c: Context, given: Given) -> dict[str, Any]:
 
 
 def _converter(c: Context, given: Given) -> dict[str, Any]:
-    d = c.design.detector
-    return {"voltage_v": fsr.quantise(given["tactile_v"], d.adc_bits, d.adc_range_v)}
+    d, jitter = c.design.detector, c.scene.sensing.jitter_s
+    voltage = given["tactile_v"]
+    if jitter:
+        rng, time = c.stream("jitter"), c.time_s[c.every]
+        # The voltage is taken a little early or late, on the straight line between samples.
+        voltage = np.interp(time + [rng.gauss(0.0, jitter) for _ in range(len(time))], time, voltage)
+    return {"voltage_v": fsr.quantise(voltage, d.adc_bits, d.adc_range_v)}
 
 
 def _board(c: Context, given: Given) -> dict[str, Any]:

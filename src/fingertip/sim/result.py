@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,6 +22,8 @@ Array = NDArray[np.float64]
 
 DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
 """Of a column by the end of its name, so that the same numbers give the same bytes: 1 uV, 1 uN, 1 nm, 0.1 um/s."""
+LONG_S = 15.0
+"""Scenes longer than this report their progress."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +55,7 @@ class Simulated:
         return Trace(self.time_s, self.columns["voltage_v"], self.columns.get("force_n"), slip)
 
 
-def run_scene(design: Design, scene: SceneFile, seed: int = 0) -> Simulated:
+def run_scene(design: Design, scene: SceneFile, seed: int = 0, say: Callable[[str], None] | None = None) -> Simulated:
     """Simulate a scene: only the stages its outputs need are run.
 
     Parameters
@@ -63,6 +66,8 @@ def run_scene(design: Design, scene: SceneFile, seed: int = 0) -> Simulated:
         What happens, and which outputs are wanted.
     seed
         Of force, surface, motors and noise. The same design, scene and seed give the same columns.
+    say
+        Told of progress, where a scene is long enough to need it.
 
     Raises
     ------
@@ -72,7 +77,10 @@ def run_scene(design: Design, scene: SceneFile, seed: int = 0) -> Simulated:
     if seed < 0:
         raise TraceError(Fault("--seed", f"{seed} is negative; choose a whole number of at least 0."))
     context = Context(design, scene, seed)
-    values, ran = run(stages_of(scene), context, scene.outputs)
+    long = say and context.timeline.duration_s > LONG_S
+    if say and long:
+        say(f"{scene.scene}, {context.timeline.duration_s:.1f} s:")
+    values, ran = run(stages_of(scene), context, scene.outputs, say if long else None)
     columns = {name: values[name] for name in scene.outputs}
     return Simulated(scene, seed, context.force_n, context.time_s[context.every], columns, tuple(ran))
 

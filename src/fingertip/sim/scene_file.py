@@ -125,6 +125,13 @@ class Sensing(Section):
     bridge: Literal["board", "article"] = choice(
         "board", "The design's bridge and amplifier, or a curve through the article's voltages."
     )
+    jitter_s: float = quantity(
+        0.0,
+        "s",
+        "Of the converter's instants, rms; 0: none (assumption: a data acquisition card's).",
+        least=0,
+        most=1e-3,
+    )
 
 
 class SceneFile(BaseModel):

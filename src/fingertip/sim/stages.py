@@ -66,11 +66,18 @@ def on_the_way(stages: Sequence[Stage[C]], wanted: Iterable[str]) -> list[Stage[
     return order
 
 
-def run(stages: Sequence[Stage[C]], context: C, wanted: Iterable[str]) -> tuple[Values, list[Ran]]:
-    """Run what is needed for the wanted values; returns all values made, and what each stage took."""
+def run(
+    stages: Sequence[Stage[C]], context: C, wanted: Iterable[str], say: Callable[[str], None] | None = None
+) -> tuple[Values, list[Ran]]:
+    """Run what is needed for the wanted values; returns all values made, and what each stage took.
+
+    `say` is told the name of each stage before it runs.
+    """
     values: Values = {}
     ran = []
     for stage in on_the_way(stages, wanted):
+        if say:
+            say(stage.name)
         start = time.process_time()
         made = stage.run(context, {name: values[name] for name in stage.needs})
         count = int(made.pop("evaluations", 0))

@@ -89,11 +89,6 @@ BAD = {
         HEADER,
         ["0.02 s in line 52 goes backwards (before it 0.0245 s, usual step 0.0005 s)"],
     ),
-    "rate": (
-        [f"{i / 1000:.4f},4,0,0" for i in range(200)],
-        HEADER,
-        ["sampled at 1000 Hz, the detector is designed for 2000 Hz", "use --set detector.sample_rate_hz=1000"],
-    ),
     "still": (["0,4,0,0"] * 100, HEADER, ["does not advance"]),
     "header only": ([], HEADER, ["holds 0 samples; at least one window of 60"]),
     "short": (GOOD[:59], HEADER, ["holds 59 samples; at least one window of 60"]),

@@ -80,4 +80,4 @@ def test_a_trace_in_memory_is_checked_too():
         detect(broken, Design())
     assert [fault.field for fault in caught.value.faults] == ["trace, voltage_v", "trace, time_s"]
     assert "at sample 7 is not a finite number" in str(caught.value)
-    assert "--set detector.sample_rate_hz=1000" in str(caught.value)
+    assert "--rate-hz 1000" in str(caught.value)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,16 +11,33 @@ import typer
 from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
 
 if TYPE_CHECKING:
+    from fingertip.design import Design
     from fingertip.slip import Detection, Interval
+    from fingertip.slip.parsed import Wanted
 
 
 @command
 def detect(
-    trace: Annotated[Path, typer.Argument(help="Trace (CSV): time_s, voltage_v, and force_n and slip where known.")],
+    trace: Annotated[
+        Path,
+        typer.Argument(help="Trace (.csv, .npz, .npy, .tdms): time_s, voltage_v; - reads CSV lines as they come."),
+    ],
     design: Annotated[Path | None, typer.Option("--design", help="Design file; without it, the defaults.")] = None,
     detector: Annotated[
         str, typer.Option("--detector", help="paper (the article's chain), fft (its baseline) or fast (ours).")
     ] = "paper",
+    rate_hz: Annotated[
+        float | None, typer.Option("--rate-hz", help="Make the filters for this rate; times in a file must agree.")
+    ] = None,
+    quiet_s: Annotated[
+        float | None,
+        typer.Option("--quiet-s", help="Nothing happens for so long at the start: thresholds from the noise there."),
+    ] = None,
+    scale: Annotated[float, typer.Option(help="Volts for each unit of the file's voltage, as 0.00030518.")] = 1.0,
+    columns: Annotated[
+        list[str] | None,
+        typer.Option("--column", metavar="COLUMN=NAME", help="The file's name for a column, as voltage_v=AI0."),
+    ] = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="Picture of the detection to write (PNG).")] = None,
     changes: SetOption = None,
     as_json: JsonOption = False,
@@ -28,12 +46,41 @@ def detect(
     """Find slip in a trace, with the article's chain or another detector."""
     from fingertip import slip
     from fingertip.design import Design
-    from fingertip.slip.trace_file import read_csv
+    from fingertip.errors import Fault, FingertipError, TraceError
+    from fingertip.slip import noise, rate, registry
+    from fingertip.slip.parsed import Wanted
+    from fingertip.slip.read import parse
+    from fingertip.slip.trace import remarks
 
     console = Console(as_json, quiet)
     loaded = Design.load(*([design] if design else []), changes=changes or ())
-    read = read_csv(trace, loaded.detector)
-    found = slip.detect(read, loaded, detector)
+    if rate_hz is not None:
+        loaded = rate.at_rate(loaded, rate_hz)
+    wanted = Wanted(_names(columns or []), rate_hz, scale)
+    registry.known(detector)
+    if not wanted.in_volts and quiet_s is None:
+        raise TraceError(Fault("--quiet-s", "is missing: the design's thresholds are in volts, this column is not."))
+    if str(trace) == "-":
+        _live(console, loaded, detector, wanted, plot, quiet_s)
+        return
+    parsed = parse(trace, wanted)
+    stated = rate_hz is not None or design is not None or any("sample_rate_hz" in c for c in changes or ())
+    found_hz = parsed.rate_hz
+    if found_hz and not stated and abs(found_hz / loaded.detector.sample_rate_hz - 1) > 0.005 and not parsed.faults:
+        try:
+            loaded = rate.at_rate(loaded, found_hz)
+        except FingertipError as error:
+            why = " ".join(fault.sentence for fault in error.faults)
+            sentence = f"is sampled at {found_hz:g} Hz, which no detector is made for: {why}"
+            raise TraceError(Fault(f"{trace}, time_s", sentence)) from None
+        console.say(f"{trace} is sampled at {found_hz:g} Hz: filters, window and threshold are made for that")
+    read = parsed.checked(loaded.detector)
+    noise_v = None
+    if quiet_s is not None:
+        noise_v = noise.measured_v(read.voltage_v[read.time_s < read.time_s[0] + quiet_s], trace.name)
+    found = slip.detect(read, loaded, detector, noise_v)
+    for remark in remarks(read, loaded.detector):
+        console.say(f"warning: {remark}")
     if detector == "paper" and found.threshold_v < found.noise.mean_v:
         console.say(
             f"warning: detector.threshold_v of {found.threshold_v:g} V is below the level of the "
@@ -46,6 +93,37 @@ def detect(
         console.say(f"drawing {plot}")
         write_file(plot, draw(read, found, trace.name), "--plot")
     console.result(_data(found), _text(found))
+
+
+def _names(columns: list[str]) -> dict[str, str]:
+    from fingertip.errors import Fault, TraceError
+
+    pairs = [column.partition("=") for column in columns]
+    if wrong := ["".join(pair) for pair in pairs if not (pair[0] and pair[2])]:
+        raise TraceError([Fault(f"--column {w}", "names no column; write it as voltage_v=AI0.") for w in wrong])
+    return {column: name for column, _, name in pairs}
+
+
+def _live(
+    console: Console, design: Design, detector: str, wanted: Wanted, plot: Path | None, quiet_s: float | None
+) -> None:
+    """Lines from standard input: each change is printed when it is found."""
+    from fingertip.errors import Fault, TraceError
+    from fingertip.slip import make
+    from fingertip.slip.live import follow
+
+    if not sys.stdin or sys.stdin.closed:
+        raise TraceError(Fault("-", "standard input is closed; pipe lines into it."))
+    if refused := [name for name, value in (("--plot", plot), ("--quiet-s", quiet_s)) if value is not None]:
+        raise TraceError([Fault(name, "needs the whole trace; save the lines in a file first.") for name in refused])
+    rate_hz = design.detector.sample_rate_hz
+    changes: list[dict[str, Any]] = []
+    for change in follow(sys.stdin, make(detector, design), rate_hz, wanted):
+        if console.as_json:
+            changes.append({"on": change.on, "time_s": round(change.time_s, 7)})
+        else:
+            print(f"{'ON ' if change.on else 'OFF'}  {change.time_s:9.4f} s", flush=True)
+    console.result({"detector": detector, "changes": changes}, "")
 
 
 def _data(found: Detection) -> dict[str, Any]:

@@ -49,7 +49,7 @@ def detect(trace: Trace, design: Design, detector: str = "paper", noise_v: float
     TraceError
         With one sentence for each fault of the trace, among them another sampling rate than the design's.
     """
-    if found := faults(trace, design.detector):
+    if found := faults(trace, design.detector, in_volts=noise_v is None):
         raise TraceError(found)
     made = make(detector, design, noise_v)
     threshold = made.threshold_v

@@ -6,8 +6,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.design import Design
+from fingertip.errors import Fault, TraceError
 from fingertip.slip.chain import ChainSettings, SlipChain
 
 DEVIATIONS = 6.0
@@ -56,3 +58,20 @@ def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
     weights = np.convolve(envelope, np.full(settings.window_samples, 1 / settings.window_samples))
     deviation = sigma * math.sqrt((1 - 2 / math.pi) / 4 * float(weights @ weights))
     return NoiseLevel(sigma / math.sqrt(2 * math.pi), deviation)
+
+
+def measured_v(voltage_v: NDArray[np.float64], name: str) -> float:
+    """Noise of a signal in which nothing happens, rms, in its own unit: from second differences, to which drift and a
+    constant load are nothing and white noise is six times its variance.
+
+    Raises
+    ------
+    TraceError
+        If there are fewer than 100 samples, or they do not change at all.
+    """
+    if len(voltage_v) < 100:
+        raise TraceError(Fault("--quiet-s", f"takes in {len(voltage_v)} samples of {name}; at least 100."))
+    sigma = float(np.sqrt(np.mean(np.diff(voltage_v, 2) ** 2) / 6))
+    if not sigma > 0.0:
+        raise TraceError(Fault("--quiet-s", f"takes in a part of {name} that never changes; choose a longer one."))
+    return sigma

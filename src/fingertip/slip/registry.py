@@ -69,6 +69,17 @@ def make(name: str, design: Design, noise_v: float | None = None, scale: float =
     TraceError
         If there is no detector of that name.
     """
+    return known(name).make(design, noise_v, scale)
+
+
+def known(name: str) -> Kind:
+    """The kind of detector of a name.
+
+    Raises
+    ------
+    TraceError
+        If there is none.
+    """
     if name not in DETECTORS:
         raise TraceError(Fault("--detector", f"{name!r} is not known; {nearest(name, list(DETECTORS))}"))
-    return DETECTORS[name].make(design, noise_v, scale)
+    return DETECTORS[name]

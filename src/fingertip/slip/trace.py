@@ -32,7 +32,7 @@ class Trace:
     """True gross slip."""
 
 
-def faults(trace: Trace, detector: Detector) -> list[Fault]:
+def faults(trace: Trace, detector: Detector, in_volts: bool = True) -> list[Fault]:
     """Everything that keeps a trace from being detected on, one sentence each; samples are counted from 0.
 
     Parameters
@@ -40,9 +40,13 @@ def faults(trace: Trace, detector: Detector) -> list[Fault]:
     trace
         The trace.
     detector
-        Gives the rate [Hz] and the least length: one window.
+        Gives the rate [Hz], the least length: one window, and the converter's range [V].
+    in_volts
+        Whether the signal is a voltage, so that the range means something.
     """
     found = [*length_faults(trace, detector, "trace"), *column_faults(trace, "trace", None)]
+    if in_volts:
+        found.extend(range_faults(trace, detector, "trace", None))
     if np.isfinite(trace.time_s).all() and trace.time_s.ndim == 1 and len(trace.time_s) > 1:
         found.extend(time_faults(trace.time_s, detector, "trace", None))
     return found
@@ -88,6 +92,34 @@ def column_faults(trace: Trace, name: str, first_line: int | None) -> Iterator[F
             )
 
 
+def range_faults(trace: Trace, detector: Detector, name: str, first_line: int | None) -> Iterator[Fault]:
+    """Voltages that the converter cannot have given; whole numbers among them are its counts."""
+    volts, most = trace.voltage_v, detector.adc_range_v
+    beyond = np.flatnonzero(np.isfinite(volts) & (np.abs(volts) > most)) if volts.ndim == 1 else np.zeros(0)
+    if not beyond.size:
+        return
+    first = int(beyond[0])
+    said = f"{volts[first]:g} {_where(first, first_line)} is beyond the converter's {most:g} V"
+    if np.all(volts[np.isfinite(volts)] % 1 == 0):
+        step = 2 * most / 2**detector.adc_bits
+        remedy = f"whole numbers throughout look like its counts: --scale {step:.8g} makes volts of them"
+    else:
+        remedy = "give --scale if the column is not in volts, or --set detector.adc_range_v"
+    yield Fault(f"{name}, voltage_v", f"{said}; {remedy}.")
+
+
+def remarks(trace: Trace, detector: Detector) -> Iterator[str]:
+    """What makes an answer doubtful without making it wrong: a voltage that never changes, or stands at an end."""
+    volts = trace.voltage_v
+    if np.ptp(volts) == 0.0:
+        yield f"the voltage is {volts[0]:g} V throughout: is a sensor connected?"
+        return
+    step = 2 * detector.adc_range_v / 2**detector.adc_bits
+    ends = int(np.sum((volts >= detector.adc_range_v - 1.5 * step) | (volts <= step / 2 - detector.adc_range_v)))
+    if ends:
+        yield f"{ends} of {len(volts)} samples stand at an end of the converter's range: slip does not show there."
+
+
 def time_faults(time_s: NDArray[np.float64], detector: Detector, name: str, first_line: int | None) -> Iterator[Fault]:
     """Finite times that go backwards, repeat, leave gaps, or come at another rate than the detector's."""
     steps = np.diff(time_s)
@@ -120,8 +152,8 @@ def time_faults(time_s: NDArray[np.float64], detector: Detector, name: str, firs
         yield Fault(
             field,
             f"is sampled at {rate:.6g} Hz, the detector is designed for {wanted:g} Hz "
-            f"(within {100 * RATE_TOLERANCE:g} %); use --set detector.sample_rate_hz={rate:.6g} "
-            "or sample the trace anew.",
+            f"(within {100 * RATE_TOLERANCE:g} %); use --rate-hz {rate:.6g} to make its filters "
+            "for that, or sample the trace anew.",
         )
 
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from fingertip.board import board_circuit
 from fingertip.board.filters import filter_network
 from fingertip.board.values import board_values
 from fingertip.design import Design
@@ -220,7 +221,8 @@ def test_rails_against_small_steps():
 
 def test_precision_follows_the_positive_half_waves():
     """The mean of a half-wave rectified sine is its peak / pi, however small: there is no dead zone."""
-    board = BOARD.changed(rectifier="precision")
+    board = Analog.of(Design(board={"variant": "precision"}))
+    assert board.rectifier == "precision"
     time = np.arange(64_000) / 32_000
     for volt in (1e-6, 1e-2):
         out = respond(board, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
@@ -228,6 +230,24 @@ def test_precision_follows_the_positive_half_waves():
         assert out.envelope_v[32_000:].mean() == pytest.approx(peak / math.pi, rel=1e-3)
         paper = respond(BOARD, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
         assert (paper.envelope_v[32_000:].mean() < 1e-3 * peak) == (volt == 1e-6)
+
+
+@pytest.mark.parametrize("variant", ["paper", "precision"])
+def test_the_parts_are_those_of_the_netlist(variant):
+    design = Design(board={"variant": variant, "cutoff_hz": 80.0})
+    circuit, board = board_circuit(board_values(design)), Analog.of(design)
+    scale = {"M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9}
+
+    def fitted(reference: str) -> float:
+        value = circuit.part(reference).value
+        return float(value.rstrip("Mkmun")) * scale.get(value[-1], 1.0)
+
+    ours = {f"R{i}": getattr(board, f"r{i}_ohm") for i in range(1, 6)} | {"R6": board.r_lp_ohm, "C4": board.c_lp_f}
+    ours |= {f"C{i}": getattr(board, f"c{i}_f") for i in range(1, 4)}
+    if variant == "precision":
+        ours["C14"] = board.blocking_capacitor
+    for reference, value in ours.items():
+        assert fitted(reference) == pytest.approx(value, rel=1e-9), reference
 
 
 def test_precision_decays_with_one_pole():

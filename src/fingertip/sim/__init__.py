@@ -1,8 +1,10 @@
 """What happens to a finger, up to the voltage that is sampled: scenes, contact, sensor, board."""
 
+from fingertip.sim.campaign import trials
+from fingertip.sim.jit import compiled
 from fingertip.sim.result import Simulated, run_scene
 from fingertip.sim.scene_file import SceneFile
 from fingertip.sim.surfaces import SURFACES
 from fingertip.sim.trial import Trial, simulate
 
-__all__ = ["SURFACES", "SceneFile", "Simulated", "Trial", "run_scene", "simulate"]
+__all__ = ["SURFACES", "SceneFile", "Simulated", "Trial", "compiled", "run_scene", "simulate", "trials"]

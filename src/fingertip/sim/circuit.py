@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.board import board_values
+from fingertip.board.filters import pole_hz
 from fingertip.design import Design
+from fingertip.design.filter_components import series_capacitor_f
 from fingertip.errors import Fault
 from fingertip.sim.inputs import not_negative, positive, refuse
 
@@ -95,7 +97,11 @@ class Analog:
         """The board of a design with the values that are fitted."""
         c = board_values(design).preferred
         resistors = (c.r1_ohm, c.r2_ohm, c.r3_ohm, c.r4_ohm, c.r5_ohm, c.r_lp_ohm)
-        return cls(*resistors, c.c_f, c.c_f, c.c_f, c.c_lp_f)
+        paper = cls(*resistors, c.c_f, c.c_f, c.c_f, c.c_lp_f)
+        if design.board.variant == "paper":
+            return paper
+        blocking = series_capacitor_f(c.r4_ohm, pole_hz(c.r1_ohm, c.c_f))
+        return paper.changed(rectifier="precision", blocking_capacitor=blocking)
 
     def changed(self, **values: object) -> Analog:
         """The same board with other values."""

@@ -18,14 +18,21 @@ from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.circuit import kicad_name
 from fingertip.board.identity import part_uuid
 from fingertip.board.output import NETLIST
+from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 from tests.board.expressions import Expression, children, everywhere, parse
 from tests.board.kicad import HOW
 from tests.tools import require_tool
 
 CIRCUIT = board_circuit(board_values(Design()))
-SYMBOLS = sorted({part.symbol for part in CIRCUIT.parts}, key=lambda s: (s.library, s.name))
-FOOTPRINTS = sorted({part.footprint for part in CIRCUIT.parts})
+# Of all variants; the comparator's board has a part of every kind.
+PARTS = {
+    part.reference: part
+    for variant in VARIANTS
+    for part in board_circuit(board_values(Design.load(changes=[f"board.variant={variant}"]))).parts
+}.values()
+SYMBOLS = sorted({part.symbol for part in PARTS}, key=lambda s: (s.library, s.name))
+FOOTPRINTS = sorted({part.footprint for part in PARTS})
 
 
 @functools.cache
@@ -60,12 +67,12 @@ def test_footprint_is_in_the_library_with_a_pad_for_each_pin(footprint: str) -> 
     library, name = footprint.split(":")
     module = parse((folder / f"{library}.pretty" / f"{name}.kicad_mod").read_text("utf-8"))
     pads = {pad[1] for pad in children(module, "pad")} - {""}  # a hole is a pad without a number
-    for part in CIRCUIT.parts:
+    for part in PARTS:
         if part.footprint == footprint:
             assert {pin.number for pin in part.symbol.pins} == pads
 
 
-@pytest.mark.parametrize("part", CIRCUIT.parts, ids=lambda p: p.reference)
+@pytest.mark.parametrize("part", PARTS, ids=lambda p: p.reference)
 def test_footprint_is_one_the_symbol_is_meant_for(part) -> None:  # type: ignore[no-untyped-def]
     properties, _ = library_symbol(part.symbol.library, part.symbol.name)
     filters = properties["ki_fp_filters"].split()

@@ -33,8 +33,8 @@ CIRCUIT = board_circuit(board_values(Design()))
 
 def made(variant: str) -> tuple[Circuit, Placement]:
     """A variant's circuit and placement."""
-    values = board_values(Design())
-    return VARIANTS[variant].circuit(values.preferred, values.bridge), VARIANTS[variant].placement
+    values = board_values(Design.load(changes=[f"board.variant={variant}"]))
+    return VARIANTS[variant].circuit(values), VARIANTS[variant].placement
 
 
 RULES = Rules(TRACK_MM, CLEARANCE_MM, VIA_MM, EDGE_CLEARANCE_MM)
@@ -56,7 +56,13 @@ NOTHING: dict[str, list[str]] = {"violations": [], "unconnected_items": [], "sch
 
 
 @pytest.mark.parametrize(
-    "changes", [[], ["board.variant=precision"], ["board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.series=E96"]]
+    "changes",
+    [
+        [],
+        ["board.variant=precision"],
+        ["board.variant=comparator"],
+        ["board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.series=E96"],
+    ],
 )
 def test_design_rules_are_kept_and_the_schematic_is_matched(tmp_path: Path, changes: list[str]) -> None:
     write_board(Design.load(changes=changes), tmp_path / "pcb")

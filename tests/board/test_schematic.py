@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_values, write_board
+from fingertip.board import board_values, write_board
 from fingertip.board.output import NETLIST, SCHEMATIC
 from fingertip.board.schematic import pin_point
 from fingertip.board.symbol_shapes import SHAPES
@@ -15,10 +15,8 @@ from fingertip.board.variants import VARIANTS, Variant
 from fingertip.design import Design
 from tests.board.expressions import children, everywhere
 from tests.board.kicad import HOW, kicad_cli, nets_and_parts
-from tests.board.test_kicad_libraries import all_symbols
+from tests.board.test_kicad_libraries import PARTS, all_symbols
 from tests.tools import require_tool
-
-CIRCUIT = board_circuit(board_values(Design()))
 
 
 def violations(folder: Path) -> list[str]:
@@ -37,6 +35,7 @@ def exported(folder: Path) -> tuple[object, object]:
 DESIGNS = [
     [],
     ["board.variant=precision"],
+    ["board.variant=comparator"],
     ["board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.series=E96"],
 ]
 
@@ -47,7 +46,7 @@ def test_kicads_netlist_of_the_drawing_is_ours(tmp_path: Path, changes: list[str
     assert exported(tmp_path / "pcb") == nets_and_parts(tmp_path / "pcb" / NETLIST)
 
 
-@pytest.mark.parametrize("changes", DESIGNS[:2])
+@pytest.mark.parametrize("changes", DESIGNS[:3])
 def test_electrical_rules_are_kept(tmp_path: Path, changes: list[str]) -> None:
     write_board(Design.load(changes=changes), tmp_path / "pcb")
     assert violations(tmp_path / "pcb") == []
@@ -73,8 +72,7 @@ def test_a_spoiled_drawing_is_noticed(tmp_path: Path, right: str, wrong: str) ->
 
 @pytest.mark.parametrize("variant", VARIANTS.values(), ids=VARIANTS)
 def test_every_unit_is_placed_once_on_the_grid(variant: Variant) -> None:
-    values = board_values(Design())
-    circuit = variant.circuit(values.preferred, values.bridge)
+    circuit = variant.circuit(board_values(Design.load(changes=[f"board.variant={variant.name}"])))
     placed = [(p.reference, p.unit) for p in variant.sheet.placed]
     wanted = {(part.reference, unit) for part in circuit.parts for unit in range(1, len(SHAPES[part.symbol.name]) + 1)}
     assert len(placed) == len(set(placed))
@@ -89,7 +87,7 @@ def test_every_unit_is_placed_once_on_the_grid(variant: Variant) -> None:
 def test_pins_lie_where_kicads_library_has_them(name: str) -> None:
     """So that somebody can update the symbols from the library without tearing wires off."""
     folder = require_tool("/usr/share/kicad/symbols", HOW)
-    libraries = {part.symbol.name: part.symbol.library for part in CIRCUIT.parts}
+    libraries = {part.symbol.name: part.symbol.library for part in PARTS}
     symbols = all_symbols(folder / f"{libraries.get(name, 'power')}.kicad_sym")
     symbol = symbols[name]
     while extended := next(children(symbol, "extends"), None):

@@ -191,3 +191,20 @@ def test_the_rectifier_is_a_peak_detector_behind_a_dead_zone(tmp_path: Path) -> 
     mean = math.fsum(volts) / len(volts)
     assert mean == pytest.approx(0.23, abs=0.02)
     assert max(volts) - min(volts) == pytest.approx(0.35, abs=0.04)
+
+
+def test_the_comparator_switches_where_it_should(tmp_path: Path) -> None:
+    """The mean moves slowly up and down through both thresholds; the deck's SLIP is low in between."""
+    design, deck = deck_of(tmp_path, ["board.variant=comparator"])
+    decision = board_values(design).decision
+    assert decision is not None
+    assert decision.mean_s == pytest.approx(0.015, rel=0.05)  # half of the article's window of 30 ms
+    alone = "\n".join(line for line in deck.splitlines() if not line.startswith(("R18 ", "C17 ")))
+    alone = alone.replace("\n.ac", "\nVmean mean 0 pwl(0 0 1 0.04 2 0)\n.ac") + "\n"
+    rows = simulate(tmp_path, alone, "tran 0.2m 2 0 0.2m\nwrdata out v(slip)")
+    low = [t for t, v in rows if t > 0.01 and v < 1]
+    on, off = 0.04 * low[0], 0.04 * (2 - low[-1])
+    assert (on, off) == pytest.approx(decision.thresholds_v(5.0), abs=2e-4)
+    assert on == pytest.approx(0.017 * 1.25, rel=0.05)
+    assert off == pytest.approx(0.017, rel=0.05)
+    assert all(v > 4.9 for t, v in rows if 0.04 * t < off - 1e-3)

@@ -99,7 +99,7 @@ REFUSED = {
     "board.capacitor_uf=0.9e-6": ("board.capacitor_uf", "1e-06"),
     "board.capacitor_uf=1001": ("board.capacitor_uf", "1000"),
     "board.series=E48": ("board.series", "E96"),
-    "board.variant=comparator": ("board.variant", "precision"),
+    "board.variant=digital": ("board.variant", "precision"),
     "board.supply_v=3.3": ("board.supply_v", "5"),
     "board.gain_bandwidth_hz=10000": ("board.gain_bandwidth_hz", "lower board.passband_gain"),
 }
@@ -148,3 +148,34 @@ def test_precision_needs_a_series_capacitor_that_exists() -> None:
 def test_threshold_outside_the_supply() -> None:
     with pytest.raises(DesignError, match=r"6 V is never reached by a board supplied with 5 V; at most 4\.95 V"):
         Design.load(changes=["detector.threshold_v=6"])
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ("board.supply_v=6", "board.supply_v: 6 V is too much for variant comparator's LMV331; at most 5.5 V."),
+        ("detector.threshold_v=0.005", "0.011 to 1.25 V with this supply"),
+        ("detector.threshold_v=2", "0.011 to 1.25 V with this supply"),
+    ],
+)
+def test_comparators_bounds(change: str, sentence: str) -> None:
+    with pytest.raises(DesignError) as caught:
+        Design.load(changes=["board.variant=comparator", change])
+    assert len(caught.value.faults) == 1
+    assert sentence in str(caught.value)
+    assert Design.load(changes=[change])
+
+
+@pytest.mark.parametrize("threshold", ["0.011", "1.25"])
+@pytest.mark.parametrize("series", ["E12", "E96"])
+def test_comparator_values_stay_within_range(threshold: str, series: str) -> None:
+    changes = ["board.variant=comparator", f"detector.threshold_v={threshold}", f"board.series={series}"]
+    decision = board_values(Design.load(changes=changes)).decision
+    assert decision is not None
+    for ohm in (decision.mean_ohm, decision.top_ohm, decision.hysteresis_ohm):
+        assert LEAST_OHM <= ohm <= MOST_OHM
+    on, off = decision.thresholds_v(5.0)
+    assert off < on < 2 * float(threshold)
+    # The values carry the series' rounding, of 10 % each in E12.
+    assert off == pytest.approx(float(threshold), rel=0.25)
+    assert (on - off) / float(threshold) == pytest.approx(0.25, rel=0.25)

@@ -121,6 +121,9 @@ def equations(circuit: Circuit, gain_bandwidth_hz: float, sensor_s: float, drive
     gains = {net[p.reference, pin] for p in bridges for pin in ("1", "8")}
     for part in circuit.parts:
         kind = part.symbol.name
+        if kind == "R_Potentiometer":  # at its middle
+            for end in ("1", "3"):
+                admit(G, at(part.reference, end), at(part.reference, "2"), 2.0 / farads_or_ohms(part.value))
         if kind not in ("R", "C"):
             continue
         one, two = at(part.reference, "1"), at(part.reference, "2")

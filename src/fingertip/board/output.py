@@ -36,7 +36,7 @@ _SHOWN_LINES = 12
 
 def board_circuit(values: BoardValues) -> Circuit:
     """The circuit with the preferred values. Raises BoardError if it is inconsistent."""
-    return VARIANTS[values.variant].circuit(values.preferred, values.bridge)
+    return VARIANTS[values.variant].circuit(values)
 
 
 def board_files(design: Design) -> dict[str, bytes]:

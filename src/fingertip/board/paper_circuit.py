@@ -61,10 +61,10 @@ def paper_circuit(values: Components, bridge: Bridge) -> Circuit:
     return whole_board(bridge, {**high_passes(values), **_peak_detector(values)})
 
 
-def whole_board(bridge: Bridge, signal_path: Wiring) -> Circuit:
-    """A variant's parts from TACTILE to ENVELOPE, with what all variants have around them; checked."""
+def whole_board(bridge: Bridge, signal_path: Wiring, fourth_pin: str = GND) -> Circuit:
+    """A variant's parts from TACTILE on, with what all variants have around them; checked."""
     wiring: dict[Part, Mapping[str, str]] = {}
-    for block in (_front_end(bridge), signal_path, _converter(), _supply(), _test_points(), _holes()):
+    for block in (_front_end(bridge), signal_path, _converter(fourth_pin), _supply(), _test_points(), _holes()):
         wiring.update(block)
     return connected(NAME, wiring)
 
@@ -123,7 +123,7 @@ def _peak_detector(values: Components) -> Wiring:
     }  # fmt: skip
 
 
-def _converter() -> Wiring:
+def _converter(fourth_pin: str) -> Wiring:
     """Anti-alias poles and clamps to ground and VCC, for the envelope and for the tactile voltage."""
     output = part("J3", "ADC", symbols.CONNECTOR_4, symbols.HEADER_4, "to the converter: tactile voltage, envelope")
     return {
@@ -135,7 +135,7 @@ def _converter() -> Wiring:
         },
         _capacitor("C9", ALIAS_F, "anti-alias of the tactile voltage", symbols.C_0603): {"1": ADC_TACTILE, "2": GND},
         _clamp("D3", "clamp of the tactile voltage"): {"1": GND, "2": VCC, "3": ADC_TACTILE},
-        output: {"1": ADC_TACTILE, "2": ADC_ENVELOPE, "3": GND, "4": GND},
+        output: {"1": ADC_TACTILE, "2": ADC_ENVELOPE, "3": GND, "4": fourth_pin},
     }  # fmt: skip
 
 

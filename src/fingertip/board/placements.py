@@ -54,3 +54,17 @@ PRECISION_PLACEMENT = Placement(
     (*PAPER_PLACEMENT.words[:-1], ("precision", 27.6, 7.2)),
 )  # fmt: skip
 """The board of variant `precision`, with U3 and its parts along the lower edge."""
+
+COMPARATOR_PLACEMENT = Placement(
+    40.0,
+    25.0,
+    {
+        **PRECISION_PLACEMENT.spots,
+        "RV1": Spot(24.0, 7.6), "U4": Spot(29.0, 7.4), "R18": Spot(29.0, 10.3), "C17": Spot(29.0, 12.0),
+        "R19": Spot(18.6, 9.0), "R20": Spot(22.4, 2.6), "R21": Spot(33.8, 8.2), "C18": Spot(33.8, 9.8),
+        "TP1": Spot(20.0, 6.6), "TP3": Spot(28.6, 13.9), "TP4": Spot(31.4, 14.2), "TP5": Spot(12.6, 10.2),
+        "TP2": Spot(15.4, 10.4), "R7": Spot(33.8, 12.2), "C8": Spot(33.8, 16.4),
+    },
+    (*PRECISION_PLACEMENT.words[:-2], ("S", 39.4, 16.32), ("comparator", 29.4, 1.4)),
+)  # fmt: skip
+"""The board of variant `comparator`, with U4 and the trimmer where `precision` is empty."""

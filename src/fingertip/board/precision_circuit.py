@@ -20,6 +20,7 @@ from fingertip.board.paper_circuit import (
     SUPPLY_F,
     VCC,
     VEE,
+    Wiring,
     filter_resistor,
     high_passes,
     part,
@@ -41,6 +42,11 @@ RECTIFIER_OHM = 10e3
 
 def precision_circuit(values: Components, bridge: Bridge) -> Circuit:
     """The board with these component values, checked."""
+    return whole_board(bridge, precision_path(values))
+
+
+def precision_path(values: Components) -> Wiring:
+    """From TACTILE to ENVELOPE."""
     cutoff_hz = 1.0 / (math.tau * values.r1_ohm * values.c_f)
     amplifier = part("U3", "TL082", symbols.TL082, symbols.SOIC_8, "rectifier and envelope")
     diodes = [
@@ -64,4 +70,4 @@ def precision_circuit(values: Components, bridge: Bridge) -> Circuit:
         supply_capacitor("C15", SUPPLY_F, "plus supply, at U3", symbols.C_0603): {"1": VCC, "2": GND},
         supply_capacitor("C16", SUPPLY_F, "minus supply, at U3", symbols.C_0603): {"1": GND, "2": VEE},
     }  # fmt: skip
-    return whole_board(bridge, {**high_passes(values, SERIES), **rectifier})
+    return {**high_passes(values, SERIES), **rectifier}

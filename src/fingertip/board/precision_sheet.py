@@ -5,7 +5,7 @@ from __future__ import annotations
 from fingertip.board.paper_sheet import BRIDGE, MOUNTING, joined
 from fingertip.board.sheet import Label, Mark, Placed, Sheet
 
-_FILTERS = Sheet(
+FILTERS = Sheet(
     placed=(
         Placed("C1", 28, 80, 90), Placed("R1", 36, 87), Placed("U1", 54, 82, unit=1), Placed("R5", 56, 92, 270),
         Placed("R4", 46, 99), Placed("C14", 35, 102, 90), Placed("TP2", 64, 82), Placed("C2", 82, 82, 90),
@@ -39,7 +39,7 @@ _FILTERS = Sheet(
     ),
 )  # fmt: skip
 
-_RECTIFIER = Sheet(
+RECTIFIER = Sheet(
     placed=(
         Placed("R15", 112, 116, 90), Placed("U3", 130, 114, unit=1), Placed("D4", 130, 123), Placed("D1", 153, 114),
         Placed("R16", 134, 128, 90), Placed("R17", 165, 114, 90), Placed("U3", 185, 112, unit=2),
@@ -61,7 +61,7 @@ _RECTIFIER = Sheet(
     words=(("Half-wave rectifier without dead zone", 126, 104), ("Envelope: one pole (eq. 11)", 181, 104)),
 )  # fmt: skip
 
-_SUPPLY = Sheet(
+SUPPLY = Sheet(
     placed=(
         Placed("J2", 16, 124, mirrored=True), Placed("C10", 34, 120), Placed("C11", 34, 128), Placed("C5", 45, 120),
         Placed("C6", 45, 128), Placed("C12", 56, 120), Placed("C13", 56, 128), Placed("C15", 67, 120),
@@ -83,5 +83,5 @@ _SUPPLY = Sheet(
     words=(("Supply and decoupling", 12, 108),),
 )  # fmt: skip
 
-PRECISION_SHEET = joined(BRIDGE, _FILTERS, _RECTIFIER, _SUPPLY, MOUNTING)
+PRECISION_SHEET = joined(BRIDGE, FILTERS, RECTIFIER, SUPPLY, MOUNTING)
 """The whole sheet."""

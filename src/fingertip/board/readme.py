@@ -34,7 +34,7 @@ board house: gerbers and drill file in one zip, parts and placement for the asse
 | --- | --- | --- | --- | --- |
 | J1, sensor | FSR | FSR, ground | | |
 | J2, supply | + {supply:g} V | 0 | - {supply:g} V | |
-| J3, to the converter | T: tactile voltage | E: envelope | 0 | 0 |
+| J3, to the converter | T: tactile voltage | E: envelope | 0 | {fourth} |
 
 A converter for plus and minus 10 V sees the signals as they are. D2 and D3 keep them between ground and + {supply:g} V
 (and a diode's drop beyond), R7 and R8 limit what flows then.
@@ -72,6 +72,7 @@ def folder_readme(circuit: Circuit, variant: Variant, values: BoardValues, suppl
         quality=values.achieved.section_quality,
         decay=1e3 * values.achieved.envelope_decay_s,
         supply=supply_v,
+        fourth="S: low while it slips" if any(part.reference == "U4" for part in circuit.parts) else "0",
         parts="\n".join(f"| {part.reference} | {part.value} | {part.role} |" for part in bought),
     )
     return (HEADING + text).encode()

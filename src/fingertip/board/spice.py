@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 
 from fingertip.board.bridge import GAIN_CONSTANT_OHM, sensor_conductance_s
 from fingertip.board.built import OPEN_LOOP_GAIN
-from fingertip.board.circuit import Circuit, Part
+from fingertip.board.circuit import Circuit, Part, farads_or_ohms
 
 SENSOR_FORCE_N = 0.8
 """Force the deck's sensor stands under: the middle of the article's three voltages."""
@@ -32,6 +32,8 @@ E3 x 0 plus minus 1
 H1 y x V1 {constant:.10g}
 E4 out ref y 0 1
 .ends
+* LMV331: no offset, no delay; 10 uV of its own hysteresis for the solver's sake.
+.model open_collector SW(Vt=0 Vh=5u Ron=50 Roff=1G)
 * 1N4148: forward 0.62 V at 1 mA, 4 pF; figures of a common model, not measured.
 .model D1N4148 D(Is=2.52n Rs=0.568 N=1.752 Cjo=4p M=0.4 tt=20n)
 * BAT54: Schottky, forward 0.24 V at 0.1 mA, 10 pF; figures of a common model, not measured.
@@ -97,6 +99,17 @@ def _instrumentation(part: Part, pins: Pins, _supply_v: float) -> Iterator[str]:
     yield f"X{part.reference} {order} instrumentation"
 
 
+def _trimmer(part: Part, pins: Pins, _supply_v: float) -> Iterator[str]:
+    half = f"{farads_or_ohms(part.value) / 2:.10g}"
+    yield f"{part.reference}a {pins['1']} {pins['2']} {half}"
+    yield f"{part.reference}b {pins['2']} {pins['3']} {half}"
+
+
+def _comparator(part: Part, pins: Pins, _supply_v: float) -> Iterator[str]:
+    # An open collector: closed while the inverting input is above the other.
+    yield f"S{part.reference} {pins['4']} {pins['2']} {pins['3']} {pins['1']} open_collector"
+
+
 def _sensor(part: Part, pins: Pins, _supply_v: float) -> Iterator[str]:
     yield f"R{part.reference} {pins['1']} {pins['2']} {1 / sensor_conductance_s(SENSOR_FORCE_N):.6g}"
     yield f"I{part.reference} {pins['2']} {pins['1']} dc 0 ac 1u"
@@ -118,6 +131,8 @@ _ELEMENTS: dict[str, Callable[[Part, Pins, float], Iterator[str]]] = {
     "BAT54S": _clamp,
     "TL082": _amplifiers,
     "AD623ARMZ": _instrumentation,
+    "R_Potentiometer": _trimmer,
+    "LMV331": _comparator,
     "Conn_01x02": _sensor,
     "Conn_01x03": _power,
     "Conn_01x04": _nothing,

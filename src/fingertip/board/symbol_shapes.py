@@ -131,6 +131,25 @@ SHAPES: dict[str, tuple[Shape, ...]] = {
             show_numbers=True, show_names=True, reference_at=(10.16, 8.4), value_at=(10.16, 6.4),
         ),
     ),
+    "R_Potentiometer": (
+        Shape(
+            {"1": PinShape(0.0, 3.81, 270, 1.27), "3": PinShape(0.0, -3.81, 90, 1.27),
+             "2": PinShape(3.81, 0.0, 180, 1.27)},
+            (_box(-1.016, -2.54, 1.016, 2.54), ((2.54, 0.0), (1.2, 0.0)), ((1.7, 0.4), (1.2, 0.0), (1.7, -0.4))),
+            reference_at=(-3.6, 1.016), value_at=(-3.6, -1.016),
+        ),
+    ),
+    "LMV331": (
+        Shape(
+            {
+                "1": PinShape(-7.62, 2.54, 0, 2.54), "3": PinShape(-7.62, -2.54, 0, 2.54),
+                "4": PinShape(7.62, 0.0, 180, 2.54), "5": PinShape(-2.54, 7.62, 270, 3.81),
+                "2": PinShape(-2.54, -7.62, 90, 3.81),
+            },
+            filled=(((-5.08, 5.08), (5.08, 0.0), (-5.08, -5.08), (-5.08, 5.08)),),
+            show_numbers=True, show_names=True, reference_at=(3.4, 4.4), value_at=(5.08, -4.4),
+        ),
+    ),
     "Conn_01x02": (_connector(2, 0.0),),
     "Conn_01x03": (_connector(3, 2.54),),
     "Conn_01x04": (_connector(4, 2.54),),

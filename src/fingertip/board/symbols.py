@@ -53,7 +53,24 @@ AD623 = Symbol(
         Pin("8", "Rg", "passive"),
     ),
 )
+TRIMMER = Symbol("Device", "R_Potentiometer", "Potentiometer", (
+    Pin("1", "1", "passive"), Pin("2", "2", "passive"), Pin("3", "3", "passive"),
+))  # fmt: skip
+LMV331 = Symbol(
+    "Comparator",
+    "LMV331",
+    "Comparator with open collector, SOT-23-5",
+    (
+        Pin("1", "+", "input"),
+        Pin("2", "V-", "power_in"),
+        Pin("3", "-", "input"),
+        Pin("4", "~", "open_collector"),
+        Pin("5", "V+", "power_in"),
+    ),
+)
 
+SOT_23_5 = "Package_TO_SOT_SMD:SOT-23-5"
+TC33X = "Potentiometer_SMD:Potentiometer_Bourns_TC33X_Vertical"
 R_0603 = "Resistor_SMD:R_0603_1608Metric"
 C_0603 = "Capacitor_SMD:C_0603_1608Metric"
 C_1206 = "Capacitor_SMD:C_1206_3216Metric"

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from fingertip.board.bridge import Bridge, fit_bridge
+from fingertip.board.decision import Decision, fit_decision
 from fingertip.board.filters import Response, response
 from fingertip.board.findings import FINDINGS, Finding
 from fingertip.board.preferred import preferred_components
@@ -29,6 +30,8 @@ class BoardValues:
     """The response of the preferred values."""
     bridge: Bridge
     """What is fitted ahead of the filter, preferred values."""
+    decision: Decision | None
+    """Around the comparator; None in variants without."""
     findings: tuple[Finding, ...] = FINDINGS
     """Slips of the article; the same for every design."""
 
@@ -47,11 +50,16 @@ def board_values(design: Design) -> BoardValues:
     """
     ideal = ideal_components(design.board)
     preferred = preferred_components(ideal, design.board.series)
+    detector, decision = design.detector, None
+    if design.board.variant == "comparator":
+        window_s = detector.window_samples / detector.sample_rate_hz
+        decision = fit_decision(detector.threshold_v, window_s, design.board.supply_v, design.board.series)
     return BoardValues(
         variant=design.board.variant,
         ideal=ideal,
         preferred=preferred,
         wanted=response(ideal, design.board.gain_bandwidth_hz),
         achieved=response(preferred, design.board.gain_bandwidth_hz),
+        decision=decision,
         bridge=fit_bridge(design.board.supply_v, design.board.series, design.dimensions.sensor.active_diameter_mm),
     )

@@ -16,6 +16,12 @@ BANDWIDTH_MARGIN = 10.0
 """Least closed-loop bandwidth GBW / G in cutoffs: the amplifier then costs 0.5% of the gain at the cutoff."""
 
 
+COMPARATOR_MOST_V = 5.5
+"""The LMV331's highest supply (its data sheet)."""
+COMPARATOR_LEAST_V = 0.011
+"""Least threshold: below it the hysteresis would ask for more than 10 Mohm, and offsets of 7 mV would be most of it."""
+
+
 @RULES.rule("board.capacitor_uf", "board.cutoff_hz")
 def _filter_resistors_in_range(d: Tables) -> str | None:
     c_f, f_c = farad(d.board.capacitor_uf), d.board.cutoff_hz
@@ -60,7 +66,7 @@ def _amplifier_fast_enough(d: Tables) -> str | None:
 
 @RULES.rule("board.r5_ohm", "board.variant", "board.passband_gain", "board.cutoff_hz")
 def _series_capacitor_exists(d: Tables) -> str | None:
-    if d.board.variant != "precision":
+    if d.board.variant == "paper":
         return None
     R4, f_c = filter_components.r4_ohm(d.board.passband_gain, d.board.r5_ohm), d.board.cutoff_hz
     most_uf = filter_components.SERIES_CAPACITORS_UF[-1]
@@ -71,6 +77,24 @@ def _series_capacitor_exists(d: Tables) -> str | None:
     return (
         f"{d.board.r5_ohm:g} ohm at a gain of {d.board.passband_gain:.6g} asks for R4 of {R4:.4g} ohm, whose series "
         f"capacitor would be above {most_uf:g} uF; at least {rounded_up(least)} ohm, or board.variant=paper."
+    )
+
+
+@RULES.rule("board.supply_v", "board.variant")
+def _comparator_stands_the_supply(d: Tables) -> str | None:
+    if d.board.variant != "comparator" or d.board.supply_v <= COMPARATOR_MOST_V:
+        return None
+    return f"{d.board.supply_v:g} V is too much for variant comparator's LMV331; at most {COMPARATOR_MOST_V:g} V."
+
+
+@RULES.rule("detector.threshold_v", "board.variant", "board.supply_v")
+def _threshold_can_be_trimmed(d: Tables) -> str | None:
+    most = d.board.supply_v / 4.0
+    if d.board.variant != "comparator" or COMPARATOR_LEAST_V <= d.detector.threshold_v <= most:
+        return None
+    return (
+        f"{d.detector.threshold_v:g} V lies outside what variant comparator's trimmer is made for; "
+        f"{COMPARATOR_LEAST_V:g} to {rounded_down(most)} V with this supply."
     )
 
 

@@ -168,8 +168,8 @@ class Printer(Section):
 class Board(Section):
     """The analog slip filter (article, eqs. 1 to 11 and figure 3)."""
 
-    variant: Literal["paper", "precision"] = choice(
-        "paper", "paper: the article's circuit; precision: a rectifier without dead zone, an envelope of one pole."
+    variant: Literal["paper", "precision", "comparator"] = choice(
+        "paper", "paper: the article's circuit; precision: no dead zone, one pole; comparator: also an ON/OFF pin."
     )
     cutoff_hz: float = quantity(67.0, "Hz", "Cutoff of the third-order Butterworth high-pass.", above=0, most=10000)
     capacitor_uf: float = quantity(1.0, "uF", "C1 = C2 = C3 of both filters.", least=1e-6, most=1000)

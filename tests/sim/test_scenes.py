@@ -247,6 +247,7 @@ def test_files_are_told_apart_by_their_tables(tmp_path):
     with pytest.raises(TraceError, match="holds slide of a scene and skin of a design; write them in two files"):
         kind_of(tmp_path / "a.toml")
     assert split(["tap.force_n=1", "skin.width_mm=18"]) == (["tap.force_n=1"], ["skin.width_mm=18"])
+    assert split(["tp.force_n=1", "skn.width_mm=18", "x=1"]) == (["tp.force_n=1"], ["skn.width_mm=18", "x=1"])
 
 
 def test_the_command_takes_scenes(tmp_path):

@@ -82,5 +82,9 @@ class Kernel:
                 _say(f"preparing the loop of {self.plain.__module__.rpartition('.')[2]} (compiled once, then kept)")
             for helper in self._helpers:
                 importlib.import_module("numba.extending").register_jitable(helper)
-            self._compiled = importlib.import_module("numba").njit(cache=True, error_model="numpy")(self.plain)
+            njit = importlib.import_module("numba").njit
+            try:
+                self._compiled = njit(cache=True, error_model="numpy")(self.plain)
+            except RuntimeError:  # nowhere to keep it: neither beside the source nor in the user's folder
+                self._compiled = njit(error_model="numpy")(self.plain)
         return self._compiled

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
@@ -32,10 +33,14 @@ def kind_of(path: Path) -> Literal["scene", "design"]:
 
 
 def split(changes: Iterable[str]) -> tuple[list[str], list[str]]:
-    """Changes of the scene, and all others, by the name before the first dot."""
+    """Changes of the scene, and all others, by the name before the first dot; an unknown name goes to whichever
+    knows a similar one, to be refused there.
+    """
     scene: list[str] = []
     design: list[str] = []
+    known = [*Design.model_fields, *SceneFile.model_fields]
     for change in changes:
         name = change.partition("=")[0].partition(".")[0].strip()
-        (scene if name in SceneFile.model_fields else design).append(change)
+        close = name if name in known else next(iter(difflib.get_close_matches(name, known, n=1, cutoff=0.5)), "")
+        (scene if close in SceneFile.model_fields else design).append(change)
     return scene, design

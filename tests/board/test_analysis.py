@@ -147,3 +147,29 @@ def test_command(tmp_path: Path) -> None:
     text = run_fingertip("board", "--analysis", "--quiet", "--out", tmp_path / "pcb").stdout
     for words in ("noise, 0.1 Hz to 1 MHz", "202.93 mV", "-3 dB overall [Hz]", "% for 1 % of"):
         assert words in text
+
+
+def test_monte_carlo_is_ngspices_board_by_board(tmp_path: Path) -> None:
+    """Forty boards drawn here, each swept by ngspice: every one's cutoff is ours, and so the spread is."""
+    rng = np.random.default_rng(3)
+    tolerance = np.array([0.01] * 5 + [0.05] * 3)
+    boards = nominal(VALUES.preferred) * (1 + tolerance * rng.uniform(-1, 1, (40, len(NAMES))))
+    _, deck = deck_of(tmp_path, [])
+    commands = []
+    for i, board in enumerate(boards):
+        commands += [f"alter {name} = {value:.12g}" for name, value in zip(NAMES, board, strict=True)]
+        commands += ["ac dec 4000 60 75", f"wrdata out{i} vr(tactile) vi(tactile) vr(filtered) vi(filtered)"]
+    simulate(tmp_path, deck, "\n".join([*commands, "wrdata out v(filtered)"]))
+    theirs = []
+    for i, board in enumerate(boards):
+        level = (1 + board[4] / board[3]) / math.sqrt(2)
+        for line in (tmp_path / f"out{i}").read_text().splitlines():
+            f, tr, ti, fr, fi = (float(word) for word in line.split())
+            if abs(complex(fr, fi) / complex(tr, ti)) >= level:
+                theirs.append(f)
+                break
+    ours = figures(boards)["cutoff_hz"]
+    assert len(theirs) == len(ours)
+    assert np.max(np.abs(ours / np.array(theirs) - 1)) < 1e-3
+    assert float(ours.std()) == pytest.approx(float(np.std(theirs)), rel=0.01)
+    assert float(ours.std()) > 0.8

@@ -51,6 +51,9 @@ A converter for plus and minus 10 V sees the signals as they are. D2 and D3 keep
 - C1 to C4 are in the signal path: take film or C0G parts where the size allows, because X7R capacitors lose value with
   voltage and move the cutoff.
 - R6 and C4 are the article's R_LP and C_LP; KiCad wants references that end in a digit.
+- `--analysis` gives noise, offsets and tolerances. With the default values the bridge's amplifier alone leaves 0.3 mV
+  of noise (rms, typical), which the filters make 19 mV. Variant `paper` does not see it for its diode's dead zone, nor
+  weak slip; the mean of the other variants' rectifier then rests at 8 mV, below the threshold of 17 mV.
 - Assembly houses turn some parts otherwise than KiCad: compare their preview with the picture.
 - Nobody has built this board yet. Checked so far: KiCad's electrical and design rules, ngspice against the formulas.
 """

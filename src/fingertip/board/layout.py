@@ -5,7 +5,7 @@ The origin of places and tracks is the board's upper left corner; on KiCad's pag
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from fingertip.board.circuit import Circuit, Part, by_reference, kicad_name
 from fingertip.board.footprints import FOOTPRINTS, ROUND_RATIO, Footprint, Pad
@@ -157,12 +157,12 @@ def _effects(size: float) -> Expression:
     return ("effects", ("font", ("size", number(size), number(size)), ("thickness", number(round(size * 0.15, 3)))))
 
 
-def _lines(shape: Footprint, name: object) -> Iterator[Expression]:
+def _lines(shape: Footprint, name: Callable[[str], str]) -> Iterator[Expression]:
     def rectangle(box: tuple[float, float, float, float], layer: str, width: float, what: str) -> Expression:
         return (
             "fp_rect", ("start", number(box[0]), number(box[1])), ("end", number(box[2]), number(box[3])),
             ("stroke", ("width", number(width)), ("type", "solid")), ("fill", "no"), ("layer", quoted(layer)),
-            ("uuid", name(what)),  # type: ignore[operator]
+            ("uuid", name(what)),
         )  # fmt: skip
 
     if shape.pads[0].plated:
@@ -173,13 +173,13 @@ def _lines(shape: Footprint, name: object) -> Iterator[Expression]:
         yield (
             "fp_circle", ("center", "0", "0"), ("end", number(radius), "0"),
             ("stroke", ("width", "0.05"), ("type", "solid")), ("fill", "no"), ("layer", quoted("F.CrtYd")),
-            ("uuid", name("courtyard")),  # type: ignore[operator]
+            ("uuid", name("courtyard")),
         )  # fmt: skip
     for i, (a, b) in enumerate(shape.silk):
         yield (
             "fp_line", ("start", number(a[0]), number(a[1])), ("end", number(b[0]), number(b[1])),
             ("stroke", ("width", "0.12"), ("type", "solid")), ("layer", quoted("F.SilkS")),
-            ("uuid", name(f"silk {i}")),  # type: ignore[operator]
+            ("uuid", name(f"silk {i}")),
         )  # fmt: skip
 
 

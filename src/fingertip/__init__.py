@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from fingertip.cad.interop import part_mesh, part_solid, part_trimesh
     from fingertip.design import Design
     from fingertip.errors import FingertipError
-    from fingertip.sim import Trial, simulate
+    from fingertip.sim import SceneFile, Trial, run_scene, simulate
     from fingertip.slip import Detection, SlipChain, Trace, detect
 
 _HOME = {
@@ -32,6 +32,7 @@ _HOME = {
     "Design": "fingertip.design",
     "Detection": "fingertip.slip",
     "FingertipError": "fingertip.errors",
+    "SceneFile": "fingertip.sim",
     "SlipChain": "fingertip.slip",
     "Trace": "fingertip.slip",
     "Trial": "fingertip.sim",
@@ -41,6 +42,7 @@ _HOME = {
     "part_mesh": "fingertip.cad.interop",
     "part_solid": "fingertip.cad.interop",
     "part_trimesh": "fingertip.cad.interop",
+    "run_scene": "fingertip.sim",
     "simulate": "fingertip.sim",
     "write_board": "fingertip.board",
 }
@@ -51,6 +53,7 @@ __all__ = [
     "Design",
     "Detection",
     "FingertipError",
+    "SceneFile",
     "SlipChain",
     "Trace",
     "Trial",
@@ -61,6 +64,7 @@ __all__ = [
     "part_mesh",
     "part_solid",
     "part_trimesh",
+    "run_scene",
     "simulate",
     "write_board",
 ]

@@ -16,7 +16,7 @@ from fingertip.board.footprints import FOOTPRINTS, ROUND_RATIO
 from fingertip.board.layout import EDGE_CLEARANCE_MM
 from fingertip.board.names import name_places
 from fingertip.board.output import LAYOUT
-from fingertip.board.placement import PlacedPad, Placement, Spot, crowded, placed_pads
+from fingertip.board.placement import PlacedPad, Placement, Spot, crowded, placed_pads, turned
 from fingertip.board.placements import PAPER_PLACEMENT
 from fingertip.board.project import CLEARANCE_MM, TRACK_MM, VIA_MM
 from fingertip.board.router import Rules, route
@@ -214,3 +214,11 @@ def test_pads_are_those_of_kicads_library(footprint: str) -> None:
     }  # fmt: skip
     rounded = [{tuple(round(v, 4) if isinstance(v, float) else v for v in pad) for pad in s} for s in (ours, theirs)]
     assert rounded[0] == rounded[1]
+
+
+def test_turning_left_moves_a_pad_on_the_right_to_the_top() -> None:
+    """y runs downwards; no part of these boards is turned by 90 degrees yet, but the next one may be."""
+    assert turned(0, 1.0, 0.5) == (1.0, 0.5)
+    assert turned(90, 1.0, 0.5) == (0.5, -1.0)
+    assert turned(180, 1.0, 0.5) == (-1.0, -0.5)
+    assert turned(270, 1.0, 0.5) == (-0.5, 1.0)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fingertip.cad import bone, mold
+from fingertip.cad import bone, deviation, mold
 from fingertip.cad import skin as skin_part
 from fingertip.cad.checks import Check
 from fingertip.cad.core import core, inside_skin
@@ -35,6 +35,8 @@ def of_parts(design: Design, evaluator: Evaluator, meshes: Mapping[str, Mesh]) -
     yield from _on_the_bed(design, meshes)
     if "skin" in meshes:
         yield from _skin(design, evaluator)
+        strays = deviation.of_facets(design.dimensions.outer, meshes["skin"].vertices, meshes["skin"].triangles)
+        yield Check("skin.deviation_from_form", strays, evaluator.tolerance_mm, "mm")
     if "bone" in meshes:
         yield from _bone(design, evaluator)
     if "bone" in meshes and "skin" in meshes:

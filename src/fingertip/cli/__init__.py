@@ -14,6 +14,7 @@ from fingertip.cli.params import params
 from fingertip.cli.picture import picture
 from fingertip.cli.sheet import sheet
 from fingertip.cli.simulate import simulate
+from fingertip.cli.validate import validate
 
 app = typer.Typer(
     name="fingertip",
@@ -30,6 +31,7 @@ app.command()(picture)
 app.command()(board)
 app.command()(simulate)
 app.command()(detect)
+app.command()(validate)
 app.command()(bench)
 
 

@@ -11,9 +11,10 @@ sensor begins lower than 67 Hz and rarely exceeds 100 Hz (article, III.A and fig
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable, MutableSequence, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -76,7 +77,7 @@ class Fast:
         high, low = _band(settings)
         shares = [1 - math.exp(-1 / (rate * t)) for t in (settings.energy_s, settings.slope_s, settings.floor_s)]
         keep = math.exp(-1 / (rate * settings.slope_hold_s))
-        self._noise = noise = _Noise.of(settings)
+        self._noise = noise = _noise_of(replace(settings, noise_v=0.0, scale=1.0))
         self._ratio = noise.bar_ratio * settings.scale**2
         self._coefficients = (
             *high[0], *high[1], *low, *shares, keep, rate, self._ratio, settings.stay**2,
@@ -148,31 +149,32 @@ class _Noise:
     slope_ratio: float
     """Slope [1/s] that noise alone keeps up, over the square root of the mean energy."""
 
-    @classmethod
-    def of(cls, settings: FastSettings) -> _Noise:
-        rate, energy_s = settings.sample_rate_hz, settings.energy_s
-        count = math.ceil(8 * rate / settings.low_hz)
-        h = _impulse(settings, count)
-        full = np.correlate(h, h, "full")[count - 1 :]
-        # The energy's memory, in steps that still resolve the band.
-        every = max(1, int(rate / (8 * settings.high_hz)))
-        steps = np.arange(0, math.ceil(6 * energy_s * rate), every)
-        weight = np.exp(-steps / (energy_s * rate))
-        weight /= weight.sum()
-        root = np.sqrt(weight)
-        lags = np.abs(steps[:, None] - steps[None, :])
-        spread = np.where(lags < count, full[np.minimum(lags, count - 1)], 0.0) * root[:, None] * root[None, :]
-        weights = np.linalg.eigvalsh(spread)
-        mean = float(weights.sum())
-        # A stay above the bar ends when the energy, which decays with energy_s, has lost its excess: about the share
-        # 2 w_max / bar of it. A third of the time constant stands for that (a test counts alarms in noise).
-        weights, excursion_s = weights[weights > 1e-9 * weights.max()], energy_s / 3
-        bar = bar_for(weights, excursion_s)
-        share = 1 - math.exp(-1 / (rate * settings.slope_s))
-        k = np.arange(math.ceil(12 * rate * settings.slope_s))
-        smooth = share * share * (k + 1) * (1 - share) ** k
-        slope = np.diff(smooth, prepend=0.0) * rate
-        return cls(weights, excursion_s, mean, bar / mean, 4.0 * math.sqrt(float(slope @ slope) / mean))
+
+@functools.lru_cache(maxsize=64)
+def _noise_of(settings: FastSettings) -> _Noise:
+    rate, energy_s = settings.sample_rate_hz, settings.energy_s
+    count = math.ceil(8 * rate / settings.low_hz)
+    h = _impulse(settings, count)
+    full = np.correlate(h, h, "full")[count - 1 :]
+    # The energy's memory, in steps that still resolve the band.
+    every = max(1, int(rate / (8 * settings.high_hz)))
+    steps = np.arange(0, math.ceil(6 * energy_s * rate), every)
+    weight = np.exp(-steps / (energy_s * rate))
+    weight /= weight.sum()
+    root = np.sqrt(weight)
+    lags = np.abs(steps[:, None] - steps[None, :])
+    spread = np.where(lags < count, full[np.minimum(lags, count - 1)], 0.0) * root[:, None] * root[None, :]
+    weights = np.linalg.eigvalsh(spread)
+    mean = float(weights.sum())
+    # A stay above the bar ends when the energy, which decays with energy_s, has lost its excess: about the share
+    # 2 w_max / bar of it. A third of the time constant stands for that (a test counts alarms in noise).
+    weights, excursion_s = weights[weights > 1e-9 * weights.max()], energy_s / 3
+    bar = bar_for(weights, excursion_s)
+    share = 1 - math.exp(-1 / (rate * settings.slope_s))
+    k = np.arange(math.ceil(12 * rate * settings.slope_s))
+    smooth = share * share * (k + 1) * (1 - share) ** k
+    slope = np.diff(smooth, prepend=0.0) * rate
+    return _Noise(weights, excursion_s, mean, bar / mean, 4.0 * math.sqrt(float(slope @ slope) / mean))
 
 
 def _impulse(settings: FastSettings, count: int) -> Array:

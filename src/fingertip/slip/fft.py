@@ -7,6 +7,7 @@ cutoff to three times that; and the threshold follows from the noise by the same
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -45,6 +46,11 @@ class FftSettings:
         return cls(rate, round(WINDOW_S * rate), max(1, round(HOP_S * rate)), cutoff, 3 * cutoff, noise)
 
 
+@functools.lru_cache(maxsize=64)
+def _bar(weights: tuple[float, ...], excursion_s: float) -> float:
+    return math.sqrt(bar_for(np.array(weights), excursion_s))
+
+
 class Fft:
     """The detector with its state. It starts as if the first sample had always been there."""
 
@@ -58,7 +64,7 @@ class Fft:
         kept = [k for k in bins if settings.low_hz <= k * settings.sample_rate_hz / n <= settings.high_hz]
         self._low, self._high = kept[0], kept[-1] + 1
         weights, excursion_s, noise_v = self.noise_weights()
-        self._bar = math.sqrt(bar_for(weights, excursion_s)) * noise_v * settings.scale
+        self._bar = _bar(tuple(weights.tolist()), excursion_s) * noise_v * settings.scale
         self._past = np.zeros(0)
         self._until_next = 0
         self._level = 0.0

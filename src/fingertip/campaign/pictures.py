@@ -1,0 +1,112 @@
+"""A study as pictures like the article's: delays (figure 14), surfaces and velocities (figure 15), and a comparison."""
+
+from __future__ import annotations
+
+import io
+import math
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from fingertip.campaign.study import Study, speed_m_s, surface
+
+COLORS = {"paper": "#1f4e79", "fft": "#d98c2b", "fast": "#b03a2e"}
+_SPEED_COLORS = ("#9ecae1", "#4292c6", "#08519c")
+_NOTE = "simulated, on seeds that tuned nothing"
+
+
+def delays(study: Study) -> bytes:
+    """Histogram of the delays in bins of 5 ms centred on multiples of 5, one row for each detector: a PNG."""
+    figure = Figure(figsize=(10, 2.4 * len(study.totals) + 0.8), dpi=150, layout="constrained")
+    rows = figure.subplots(len(study.totals), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, name in zip(rows, study.totals, strict=True):
+        total = study.at_design(name)
+        ms = [1000 * d for d in total.delays_s]
+        counts: dict[int, int] = {}
+        for d in ms:
+            at = min(5 * math.floor(d / 5 + 0.5), 155)
+            counts[at] = counts.get(at, 0) + 1
+        axes.bar(list(counts), list(counts.values()), width=4.4, color=COLORS.get(name, "#555555"))
+        below = sum(d < 30 for d in ms)
+        said = (
+            f"{name}: {len(ms)} of {total.slips} found, {below} below 30 ms, median {1000 * total.delay_s(0.5):.1f} ms"
+        )
+        axes.set_title(said, loc="left", fontsize=10)
+        axes.axvline(30, color="#4a5157", linestyle="--", linewidth=1)
+        axes.set_ylabel("trials")
+        _plain(axes)
+    rows[-1].set_xlim(-2.5, 160)
+    rows[-1].set_xlabel(f"delay [ms], the last bin holds all beyond ({_NOTE})")
+    return _png(figure)
+
+
+def surfaces(study: Study, detector: str) -> bytes:
+    """Mean delay by surface and velocity, and by surface with its standard deviation: a PNG."""
+    total = study.at_design(detector)
+    figure = Figure(figsize=(10, 7), dpi=150, layout="constrained")
+    top, bottom = figure.subplots(2, 1, sharex=True)
+    names = list(total.by(surface))
+    speeds = sorted({speed_m_s(v) for v in total.verdicts if v.slips})
+    both = total.by(lambda v: (surface(v), speed_m_s(v)))
+    for i, speed in enumerate(speeds):
+        values = [1000 * both[(name, speed)][0] if (name, speed) in both else math.nan for name in names]
+        x = [n + 0.25 * (i - (len(speeds) - 1) / 2) for n in range(len(names))]
+        label = f"{100 * speed:g} cm/s"
+        top.bar(x, [v if math.isfinite(v) else 0 for v in values], 0.22, label=label, color=_SPEED_COLORS[i % 3])
+    groups = total.by(surface)
+    means = [1000 * groups[name][0] for name in names]
+    spread = [1000 * groups[name][1] for name in names]
+    bottom.errorbar(range(len(names)), means, spread, fmt="o", capsize=5, color=COLORS.get(detector, "#555555"))
+    bottom.axhline(60, color="#4a5157", linestyle="--", linewidth=1, label="60 ms (article)")
+    bottom.set_ylim(0, max(70.0, 1.1 * max((m + s for m, s in zip(means, spread, strict=True)), default=0.0)))
+    bottom.set_xticks(range(len(names)), names, rotation=20, ha="right")
+    top.set_title(f"{detector}: delay by surface and velocity ({_NOTE})", loc="left", fontsize=10)
+    for axes, what in ((top, "mean delay [ms]"), (bottom, "mean and deviation [ms]")):
+        axes.set_ylabel(what)
+        axes.legend(frameon=False, ncols=3, fontsize=9)
+        _plain(axes)
+    return _png(figure)
+
+
+def comparison(study: Study) -> bytes:
+    """Median (line) and 90th percentile (dashed) of the delay against false alarms per minute: a PNG."""
+    figure = Figure(figsize=(10, 6), dpi=150, layout="constrained")
+    axes = figure.subplots()
+    least = 0.02  # where none was counted
+    for name, totals in study.totals.items():
+        color = COLORS.get(name, "#555555")
+        # Where nothing is counted any more, a higher threshold only adds delay: the first such one is drawn.
+        silent = [t for t in totals if not t.alarms_per_minute][:1]
+        totals = tuple([t for t in totals if t.alarms_per_minute] + silent)
+        rates = [max(t.alarms_per_minute, least) for t in totals]
+        for share, style in ((0.5, "-"), (0.9, "--")):
+            values = [1000 * t.delay_s(share) for t in totals]
+            kept = [(r, v) for r, v in zip(rates, values, strict=True) if math.isfinite(v)]
+            label = f"{name}, {'median' if share == 0.5 else 'nine in ten'}"
+            axes.plot([r for r, _ in kept], [v for _, v in kept], style, marker=".", color=color, label=label)
+        own = study.at_design(name)
+        if math.isfinite(own.delay_s(0.5)):
+            at = (max(own.alarms_per_minute, least), 1000 * own.delay_s(0.5))
+            axes.plot(*at, "o", markersize=11, markerfacecolor="none", color=color)
+    axes.axvline(0.1, color="#4a5157", linewidth=1, linestyle=":")
+    axes.set_xscale("log")
+    axes.set_ylim(0, 160)
+    axes.set_xlabel(f"false alarms per minute of contact, release, load change and drift; {least:g}: none ({_NOTE})")
+    axes.set_ylabel("delay of all slips [ms]")
+    axes.set_title("Each line: one detector at thresholds from noisy to deaf; circle: its own", loc="left", fontsize=10)
+    axes.legend(frameon=False, ncols=3, fontsize=9)
+    _plain(axes)
+    return _png(figure)
+
+
+def _plain(axes: Axes) -> None:
+    axes.grid(True, axis="y", color="#e5e8eb", linewidth=0.7)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def _png(figure: Figure) -> bytes:
+    out = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
+    return out.getvalue()

@@ -1,0 +1,116 @@
+"""A study as one JSON object: what was tried, what came out, and what was taken for granted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from fingertip.campaign.plan import APART, TUNING_SEEDS
+from fingertip.campaign.requirements import Check
+from fingertip.campaign.study import Study, Total, speed_m_s, surface
+
+MATCHED = 0.1
+"""False alarms per minute at which detectors are compared."""
+ASSUMPTIONS = (
+    "All traces are simulated; friction, vibration, noise and what is not slip are assumptions marked in fingertip.sim "
+    "and in params/scenes. A real finger will differ.",
+    "Slip begins when the pad moves over the surface at 1 mm/s; the surface starts with 1 m/s2.",
+    f"The seeds from {TUNING_SEEDS.start} to {TUNING_SEEDS.stop - 1} tuned the detector fast; none of them is among "
+    "those used here. Paper and fft were not tuned; their thresholds follow from the noise.",
+    f"Counted apart: {', '.join(APART)}. They shake finger or wire in the band of slip.",
+)
+
+
+def as_data(study: Study, detector: str, checked: Sequence[Check]) -> dict[str, Any]:
+    """Everything that was found, in seconds and shares; what was never found is null."""
+    return {
+        "detector": detector,
+        "passed": all(check.passed for check in checked),
+        "requirements": [
+            {
+                "name": check.name,
+                "value": _number(check.value),
+                "bound": check.bound,
+                "passed": check.passed,
+                "sentence": check.sentence,
+            }
+            for check in checked
+        ],
+        "matched_alarms_per_minute": MATCHED,
+        "matched": {name: _line(total) if total else None for name, total in _matched(study).items()},
+        "trials": study.amount.trials,
+        "quiet_minutes": study.amount.quiet_minutes,
+        "first_seed": study.first_seed,
+        "detectors": {name: _detector(study, name) for name in study.totals},
+        "assumptions": list(ASSUMPTIONS),
+    }
+
+
+def _matched(study: Study) -> dict[str, Total | None]:
+    return {name: study.matched(name, MATCHED) for name in study.totals}
+
+
+def _detector(study: Study, name: str) -> dict[str, Any]:
+    total = study.at_design(name)
+    minutes = total.minutes()
+    return {
+        **_line(total),
+        "below_30_ms": round(sum(d < 0.03 for d in total.delays_s) / max(1, total.slips), 4),
+        "surfaces": {str(k): _group(v) for k, v in total.by(surface).items()},
+        "speeds_m_s": {str(k): _group(v) for k, v in total.by(speed_m_s).items()},
+        "alarms": {
+            cause: {"count": count, "minutes": round(minutes.get(cause, 0.0), 3), "apart": cause in APART}
+            for cause, count in total.alarms().items()
+            if cause != "slip"
+        },
+        "trial_minutes": round(minutes.get("slip", 0.0), 3),
+        "delays_s": [round(d, 7) for d in total.delays_s],
+        "trade_off": [_line(t) for t in study.totals[name]],
+    }
+
+
+def _line(total: Total) -> dict[str, Any]:
+    return {
+        "scale": total.scale,
+        "found_share": round(total.found_share, 5),
+        "median_s": _number(total.delay_s(0.5)),
+        "p90_s": _number(total.delay_s(0.9)),
+        "on_share": round(total.on_share, 4),
+        "alarms_per_minute": round(total.alarms_per_minute, 4),
+    }
+
+
+def _group(values: tuple[float, float, int]) -> dict[str, Any]:
+    mean, deviation, count = values
+    return {"mean_s": _number(mean), "deviation_s": _number(deviation), "found": count}
+
+
+def _number(value: float) -> float | None:
+    return round(value, 7) if math.isfinite(value) else None
+
+
+def as_text(study: Study, checked: Sequence[Check]) -> str:
+    """For people: a line for each detector, then the requirements."""
+    lines = ["detector   found   median      p90   < 30 ms   ON    alarms/min   " + "   ".join(APART)]
+    for name in study.totals:
+        t = study.at_design(name)
+        alarms, minutes = t.alarms(), t.minutes()
+        apart = "   ".join(f"{alarms[c] / minutes[c]:{len(c)}.1f}" for c in APART if c in minutes)
+        below = sum(d < 0.03 for d in t.delays_s) / max(1, t.slips)
+        lines.append(
+            f"{name:8} {100 * t.found_share:6.1f}% {1000 * t.delay_s(0.5):6.1f} ms {1000 * t.delay_s(0.9):6.1f} ms "
+            f"{100 * below:6.1f}% {100 * t.on_share:6.1f}% {t.alarms_per_minute:10.2f}   {apart}"
+        )
+    lines += ["", f"thresholds raised to {MATCHED:g} alarms per minute:"]
+    for name, total in _matched(study).items():
+        if total is None:
+            lines.append(f"{name:8} none of the thresholds tried is that quiet")
+        else:
+            lines.append(
+                f"{name:8} {100 * total.found_share:6.1f}% {1000 * total.delay_s(0.5):6.1f} ms "
+                f"{1000 * total.delay_s(0.9):6.1f} ms   threshold times {total.scale:g}"
+            )
+    lines.append("")
+    lines += [f"{'met   ' if check.passed else 'MISSED'}  {check.sentence}" for check in checked]
+    return "\n".join(lines)

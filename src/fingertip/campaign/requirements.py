@@ -1,0 +1,72 @@
+"""What a design must reach, and what it does not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from fingertip.campaign.plan import APART
+from fingertip.campaign.study import Study, surface
+
+
+@dataclass(frozen=True)
+class Requirements:
+    """Bounds on one detector. Those of the article hold for its trials; the alarms' is ours."""
+
+    least_found: float = 0.995
+    """Share of the slips (article, IV.A: all of 120)."""
+    most_mean_s: float = 0.060
+    """Mean delay on every surface [s] (article, IV.A)."""
+    most_p90_s: float = 0.100
+    """Delay by which nine of ten slips are found [s] (article, III.A: a signal is useful below 100 ms)."""
+    most_alarms_per_minute: float = 0.1
+    """Of contacts, releases, changes of grip and drift."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One requirement against what was measured."""
+
+    name: str
+    value: float
+    bound: float
+    passed: bool
+    sentence: str
+
+
+def checks(study: Study, detector: str, required: Requirements) -> Iterator[Check]:
+    """Every requirement, met or missed."""
+    total = study.at_design(detector)
+    yield Check(
+        "found",
+        total.found_share,
+        required.least_found,
+        total.found_share >= required.least_found,
+        f"{100 * total.found_share:.1f} % of {total.slips} slips found; at least {100 * required.least_found:g} %",
+    )
+    means = {name: mean for name, (mean, _, _) in total.by(surface).items()}
+    worst = max(means, key=lambda name: means[name])
+    yield Check(
+        "mean delay",
+        means[worst],
+        required.most_mean_s,
+        means[worst] <= required.most_mean_s,
+        f"{1000 * means[worst]:.1f} ms mean delay on the worst surface ({worst}); "
+        f"at most {1000 * required.most_mean_s:g} ms",
+    )
+    p90 = total.delay_s(0.9)
+    yield Check(
+        "p90 delay",
+        p90,
+        required.most_p90_s,
+        p90 <= required.most_p90_s,
+        f"{1000 * p90:.1f} ms delay of nine in ten; at most {1000 * required.most_p90_s:g} ms",
+    )
+    rate = total.alarms_per_minute
+    yield Check(
+        "alarms",
+        rate,
+        required.most_alarms_per_minute,
+        rate <= required.most_alarms_per_minute,
+        f"{rate:.2f} false alarms per minute, without {', '.join(APART)}; at most {required.most_alarms_per_minute:g}",
+    )

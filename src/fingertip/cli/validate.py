@@ -1,0 +1,55 @@
+"""`fingertip validate`: will this design's detector see slip in time? Simulated trials, before anything is printed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, command
+
+
+@command
+def validate(
+    design: Annotated[Path | None, typer.Argument(help="Design file; without it, the defaults.")] = None,
+    trials: Annotated[int, typer.Option(help="Slips; the article's are 120.")] = 120,
+    minutes: Annotated[float, typer.Option(help="Minutes in which nothing slips.")] = 40.0,
+    detector: Annotated[
+        str, typer.Option("--detector", help="The one the requirements are asked of; all are compared.")
+    ] = "fast",
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Folder; without it, out/NAME/validation.")] = None,
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Try a design's detectors on simulated slips, and on minutes without any. Exit code 1: a requirement is missed."""
+    from fingertip.campaign import plan, report, requirements, study
+    from fingertip.design import Design
+    from fingertip.files import write_whole
+    from fingertip.slip import registry
+
+    console = Console(as_json, quiet)
+    loaded = Design.load(*([design] if design else []), changes=changes or ())
+    registry.known(detector)
+    amount = plan.Amount(trials, minutes)
+    found = study.run(loaded, amount, say=console.say)
+    checked = list(requirements.checks(found, detector, requirements.Requirements()))
+    data = report.as_data(found, detector, checked)
+
+    from fingertip.campaign import pictures
+
+    console.say("drawing")
+    folder = out or Path("out") / loaded.name / "validation"
+    files = {
+        "validation.json": (json.dumps(data, indent=2, allow_nan=False) + "\n").encode(),
+        "delays.png": pictures.delays(found),
+        "surfaces.png": pictures.surfaces(found, detector),
+        "comparison.png": pictures.comparison(found),
+    }
+    write_whole(folder, files)
+    console.say(f"wrote {', '.join(files)} to {folder}")
+    console.result(data, report.as_text(found, checked))
+    if not data["passed"]:
+        raise typer.Exit(CHECK_FAILED)

@@ -1,0 +1,192 @@
+"""The campaign: seeds kept apart, verdicts by hand, requirements that can be missed, files that say their grounds."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fingertip.campaign.judge import Verdict, judge
+from fingertip.campaign.plan import APART, HELD_OUT_FROM, QUIET, TUNING_SEEDS, Amount, Case, cases
+from fingertip.campaign.requirements import Requirements, checks
+from fingertip.campaign.study import Study, Total, run, surface
+from fingertip.cli import app
+from fingertip.design import Design
+from fingertip.errors import TraceError
+from fingertip.sim.campaign import trials
+from fingertip.slip import Trace
+
+SLIDE = next(trials())[0]
+SLIP = Case("slip", SLIDE, 1)
+
+
+def verdict(delays=(0.02,), slips=1, alarms=(), case=SLIP, duration=60.0) -> Verdict:
+    return Verdict(case, duration, 1.0, slips, tuple(delays), 0.9, tuple(alarms))
+
+
+def test_seeds_are_held_out_and_never_used_twice():
+    seeds = [case.seed for case in cases(Amount())]
+    assert len(set(seeds)) == len(seeds)
+    assert min(seeds) == HELD_OUT_FROM > max(TUNING_SEEDS)
+
+
+def test_the_default_is_the_articles_trials_and_forty_quiet_minutes():
+    planned = list(cases(Amount()))
+    slides = [case.scene for case in planned if case.cause == "slip"]
+    assert [scene.scene for scene in slides].count("sliding_finger") == 90
+    assert [scene.scene for scene in slides].count("sliding_surface") == 30
+    assert {case.cause for case in planned} == {"slip", *QUIET}
+    assert sum(share for _, share in QUIET.values()) == pytest.approx(1.0)
+
+
+def test_a_few_trials_are_spread_over_the_surfaces():
+    slides = [case.scene for case in cases(Amount(8, 0.5)) if case.cause == "slip"]
+    assert len({(s.scene, s.contact.surface) for s in slides}) == 8
+
+
+def test_amounts_are_refused_with_all_their_faults():
+    with pytest.raises(TraceError) as caught:
+        Amount(0, -1)
+    assert [fault.field for fault in caught.value.faults] == ["--trials", "--minutes"]
+
+
+def trace_with(slips, knocks, length=8000) -> Trace:
+    """Bursts in and outside of slips [s]."""
+    t = np.arange(length) / 2000
+    volts = 4.0 + np.random.default_rng(3).normal(0, 4e-4, length)
+    for start, stop in [*slips, *knocks]:
+        volts += 0.02 * np.sin(2 * np.pi * 90 * t) * ((t >= start) & (t < stop))
+    slip = np.zeros(length, dtype=bool)
+    for start, stop in slips:
+        slip |= (t >= start) & (t < stop)
+    return Trace(t, volts, None, slip)
+
+
+@pytest.mark.parametrize("detector", ["paper", "fft", "fast"])
+def test_alarms_have_causes_and_those_of_one_event_count_once(detector):
+    trace = trace_with([(1.5, 2.0)], [(0.5, 0.53), (0.6, 0.63), (3.0, 3.05), (3.5, 3.55)])
+    (found,) = judge(SLIP, trace, 1.0, detector, Design(), [1.0])
+    assert found.alarms == ("contact", "release", "release")
+    assert found.slips == 1
+    assert 0.0 < found.delays_s[0] < 0.06
+    assert found.on_share == 1.0
+    (tap,) = judge(Case("hard tap", SLIDE, 1), trace_with([], [(1.0, 1.1)]), 1.0, detector, Design(), [1.0])
+    assert tap.alarms == ("hard tap",)
+    assert tap.slips == 0
+
+
+def test_on_before_the_slip_is_an_alarm_and_no_finding():
+    trace = trace_with([(1.5, 2.0)], [(1.0, 1.5)])
+    (found,) = judge(SLIP, trace, 1.0, "fast", Design(), [1.0])
+    assert found.delays_s == ()
+    assert found.alarms == ("before slip",)
+
+
+@pytest.mark.parametrize("detector", ["paper", "fft", "fast"])
+def test_a_scaled_threshold_is_the_detector_made_with_it(detector):
+    from fingertip.slip import make
+    from fingertip.slip.intervals import intervals
+
+    trace = trace_with([(1.5, 2.0)], [])
+    (found,) = judge(SLIP, trace, 1.0, detector, Design(), [3.0])
+    on = make(detector, Design(), scale=3.0).process(trace.voltage_v).on
+    assert found.delays_s == (intervals(trace.time_s, on)[0].onset_s - 1.5,)
+
+
+def test_totals():
+    quiet = Case("contact", SLIDE, 2)
+    apart = Case("motor", SLIDE, 3)
+    total = Total(
+        1.0,
+        (
+            verdict((0.01,)),
+            verdict((0.03,)),
+            verdict((), alarms=("contact",)),
+            verdict((), 0, ("contact", "contact"), quiet),
+            verdict((), 0, ("motor",) * 9, apart),
+        ),
+    )
+    assert total.slips == 3
+    assert total.found_share == pytest.approx(2 / 3)
+    assert total.delay_s(0.5) == 0.03
+    assert total.delay_s(0.9) == np.inf
+    assert total.alarms() == {"slip": 0, "contact": 3, "motor": 9}
+    assert total.alarms_per_minute == pytest.approx(3 / 4)  # motor, its minute and its alarms, stand apart
+    mean, deviation, count = total.by(surface)[SLIDE.contact.surface]
+    assert (mean, deviation, count) == (pytest.approx(0.02), pytest.approx(0.01), 2)
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "missed"),
+    [
+        ([verdict()], set()),
+        ([verdict(), verdict(())], {"found", "p90 delay"}),
+        ([verdict((0.07,))], {"mean delay"}),
+        ([verdict((0.2,))], {"mean delay", "p90 delay"}),
+        ([verdict(alarms=("contact",))], {"alarms"}),
+    ],
+)
+def test_requirements_can_be_missed(verdicts, missed):
+    study = Study(Amount(), 0, {"fast": (Total(1.0, tuple(verdicts)),)})
+    assert {check.name for check in checks(study, "fast", Requirements()) if not check.passed} == missed
+
+
+def test_matched_is_the_lowest_threshold_that_is_quiet_enough():
+    noisy, quiet, deaf = (Total(s, (verdict(alarms=("contact",) * n),)) for s, n in ((1.0, 5), (2.0, 0), (3.0, 0)))
+    study = Study(Amount(), 0, {"fast": (noisy, quiet, deaf)})
+    assert study.matched("fast", 0.1) is quiet
+    assert Study(Amount(), 0, {"fast": (noisy,)}).matched("fast", 0.1) is None
+
+
+@pytest.fixture(scope="module")
+def validated(tmp_path_factory):
+    out = tmp_path_factory.mktemp("validation")
+    words = ["validate", "--trials", "8", "--minutes", "1", "--json", "--out"]
+    return out, words, CliRunner().invoke(app, [*words, str(out)])
+
+
+def test_validate_finds_what_it_should_and_says_what_it_stands_on(validated):
+    out, _, done = validated
+    assert done.exit_code == 0, done.stdout
+    data = json.loads(done.stdout)
+    assert data == json.loads((out / "validation.json").read_text())
+    assert data["passed"]
+    assert set(data["detectors"]) == {"paper", "fft", "fast"}
+    fast, paper = data["detectors"]["fast"], data["detectors"]["paper"]
+    assert fast["found_share"] == paper["found_share"] == 1.0
+    assert fast["median_s"] < paper["median_s"] < 0.06
+    assert fast["alarms_per_minute"] == 0.0
+    assert fast["on_share"] > 0.95
+    assert {cause for cause, count in fast["alarms"].items() if count["apart"]} == set(APART)
+    assert any(str(TUNING_SEEDS.start) in line for line in data["assumptions"])
+    for name in ("delays.png", "surfaces.png", "comparison.png"):
+        assert (out / name).read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_design_that_misses_its_requirements_ends_with_1(validated, tmp_path):
+    _, words, _ = validated
+    done = CliRunner().invoke(app, [*words, str(tmp_path), "--detector", "paper"])
+    assert done.exit_code == 1
+    assert not json.loads(done.stdout)["passed"]
+    assert (tmp_path / "validation.json").exists()
+
+
+def test_the_same_campaign_gives_the_same_figures():
+    first, second = (run(Design(), Amount(2, 0.5), ("fast",), (1.0,)) for _ in range(2))
+    assert first.at_design("fast").delays_s == second.at_design("fast").delays_s
+    other = run(Design(), Amount(2, 0.5), ("fast",), (1.0,), first_seed=77)
+    assert other.at_design("fast").delays_s != first.at_design("fast").delays_s
+
+
+def test_validate_refuses_before_it_computes(tmp_path):
+    for words, sentence in (
+        (["--trials", "0"], "--trials: 0 is refused"),
+        (["--detector", "fats"], "did you mean fast"),
+        (["--set", "detector.window_samples=3000"], "detector.window_samples"),
+    ):
+        done = CliRunner().invoke(app, ["validate", "--out", str(tmp_path / "no"), *words])
+        assert done.exit_code == 2
+        assert sentence in done.stderr
+    assert not (tmp_path / "no").exists()

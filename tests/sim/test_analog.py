@@ -60,15 +60,16 @@ def test_omega_everywhere():
     assert np.abs(np.array([omega(a) for a in y.tolist()]) / wrightomega(y) - 1).max() < 1e-14
 
 
-@pytest.mark.parametrize("capacitor_f", [1e-6, 1e-12])
-def test_exponentials_against_scipy(capacitor_f):
+# At 1 pF the rates span nine decades, and scipy's own result moves by 1.5e-11 with the BLAS of the processor.
+@pytest.mark.parametrize(("capacitor_f", "bound"), [(1e-6, 1e-12), (1e-12, 1e-10)])
+def test_exponentials_against_scipy(capacitor_f, bound):
     from scipy.linalg import expm
 
     A, b, k, _, _ = system(BOARD.changed(c1_f=capacitor_f, c2_f=capacitor_f, c3_f=capacitor_f))
     M = augmented(A, b, k)
     for level, ours in enumerate(exponentials(M, STEP_S, 6)[0]):
         theirs = expm(M[0] * STEP_S / 2**level)
-        assert np.abs(ours - theirs).max() < 1e-12 * np.abs(theirs).max()
+        assert np.abs(ours - theirs).max() < bound * np.abs(theirs).max()
 
 
 @pytest.mark.parametrize("frequency", [20.0, 67.0, 90.0, 200.0])

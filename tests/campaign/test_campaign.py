@@ -9,8 +9,10 @@ import pytest
 from typer.testing import CliRunner
 
 from fingertip.campaign.judge import Verdict, judge
+from fingertip.campaign.limit import limits_s
 from fingertip.campaign.plan import APART, HELD_OUT_FROM, QUIET, TUNING_SEEDS, Amount, Case, cases
 from fingertip.campaign.requirements import Requirements, checks
+from fingertip.campaign.sensitivity import Change, table
 from fingertip.campaign.study import Study, Total, run, surface
 from fingertip.cli import app
 from fingertip.design import Design
@@ -140,6 +142,28 @@ def test_matched_is_the_lowest_threshold_that_is_quiet_enough():
     assert Study(Amount(), 0, {"fast": (noisy,)}).matched("fast", 0.1) is None
 
 
+def test_nobody_knows_sooner_than_the_limit_and_quiet_noise_lowers_it():
+    amount = Amount(8, 0.5)
+    limits = np.array(limits_s(Design(), amount))
+    assert len(limits) == 8
+    delays = np.array(run(Design(), amount, ("fast",), (1.0,)).at_design("fast").delays_s)
+    assert np.median(delays) >= np.median(limits)  # a single delay may be lucky; the bound is on the average
+    assert np.median(delays) < 2 * np.median(limits)
+    quieter = limits_s(Design(detector={"noise_v": 1e-4, "adc_bits": 20}), amount)
+    assert np.median(quieter) < np.median(limits)
+
+
+def test_sensitivity_moves_what_it_says():
+    harder = Change("harder start", "slide", "acceleration_m_s2", 10.0)
+    noisier = Change("noisier", "detector", "noise_v", 8.0)
+    weaker = Change("weaker", "hold", "force", 0.5)
+    base, fast, noisy, weak = table(Design(), "fast", 8, changes=[harder, noisier, weaker])
+    assert base.by_s == 0.0
+    assert fast.by_s < -0.003
+    assert noisy.by_s > 0.003
+    assert weak.median_s != base.median_s
+
+
 @pytest.fixture(scope="module")
 def validated(tmp_path_factory):
     out = tmp_path_factory.mktemp("validation")
@@ -159,6 +183,8 @@ def test_validate_finds_what_it_should_and_says_what_it_stands_on(validated):
     assert fast["median_s"] < paper["median_s"] < 0.06
     assert fast["alarms_per_minute"] == 0.0
     assert fast["on_share"] > 0.95
+    assert 0.005 < data["limit"]["median_s"] <= fast["median_s"]
+    assert len(data["sensitivity"]) > 5
     assert {cause for cause, count in fast["alarms"].items() if count["apart"]} == set(APART)
     assert any(str(TUNING_SEEDS.start) in line for line in data["assumptions"])
     for name in ("delays.png", "surfaces.png", "comparison.png"):

@@ -69,8 +69,9 @@ def surfaces(study: Study, detector: str) -> bytes:
     return _png(figure)
 
 
-def comparison(study: Study) -> bytes:
-    """Median (line) and 90th percentile (dashed) of the delay against false alarms per minute: a PNG."""
+def comparison(study: Study, limit_s: float) -> bytes:
+    """Median (line) and 90th percentile (dashed) of the delay against false alarms per minute, and the median's bound
+    [s]: a PNG."""
     figure = Figure(figsize=(10, 6), dpi=150, layout="constrained")
     axes = figure.subplots()
     least = 0.02  # where none was counted
@@ -89,6 +90,7 @@ def comparison(study: Study) -> bytes:
         if math.isfinite(own.delay_s(0.5)):
             at = (max(own.alarms_per_minute, least), 1000 * own.delay_s(0.5))
             axes.plot(*at, "o", markersize=11, markerfacecolor="none", color=color)
+    axes.axhline(1000 * limit_s, color="#2e7d5b", linewidth=1, label="bound on the median")
     axes.axvline(0.1, color="#4a5157", linewidth=1, linestyle=":")
     axes.set_xscale("log")
     axes.set_ylim(0, 160)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from fingertip.campaign.plan import APART, TUNING_SEEDS
 from fingertip.campaign.requirements import Check
+from fingertip.campaign.sensitivity import Moved
 from fingertip.campaign.study import Study, Total, speed_m_s, surface
 
 MATCHED = 0.1
@@ -22,7 +24,22 @@ ASSUMPTIONS = (
 )
 
 
-def as_data(study: Study, detector: str, checked: Sequence[Check]) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Grounds:
+    """What a study is to be read beside."""
+
+    limits_s: Sequence[float]
+    """Bound on the delay of each slip (`fingertip.campaign.limit`)."""
+    moved: Sequence[Moved]
+    """Of the detector's delay by the simulation's assumptions."""
+
+    def limit_s(self, share: float) -> float:
+        """Bound by which that share of the slips can be found [s]."""
+        ranked = sorted(self.limits_s)
+        return ranked[min(len(ranked) - 1, int(share * len(ranked)))]
+
+
+def as_data(study: Study, detector: str, checked: Sequence[Check], grounds: Grounds) -> dict[str, Any]:
     """Everything that was found, in seconds and shares; what was never found is null."""
     return {
         "detector": detector,
@@ -43,6 +60,11 @@ def as_data(study: Study, detector: str, checked: Sequence[Check]) -> dict[str, 
         "quiet_minutes": study.amount.quiet_minutes,
         "first_seed": study.first_seed,
         "detectors": {name: _detector(study, name) for name in study.totals},
+        "limit": {"median_s": _number(grounds.limit_s(0.5)), "p90_s": _number(grounds.limit_s(0.9))},
+        "sensitivity": [
+            {"change": m.label, "found_share": m.found_share, "median_s": _number(m.median_s), "by_s": _number(m.by_s)}
+            for m in grounds.moved
+        ],
         "assumptions": list(ASSUMPTIONS),
     }
 
@@ -90,8 +112,8 @@ def _number(value: float) -> float | None:
     return round(value, 7) if math.isfinite(value) else None
 
 
-def as_text(study: Study, checked: Sequence[Check]) -> str:
-    """For people: a line for each detector, then the requirements."""
+def as_text(study: Study, detector: str, checked: Sequence[Check], grounds: Grounds) -> str:
+    """For people: a line for each detector, the bound, what moves the delay, then the requirements."""
     lines = ["detector   found   median      p90   < 30 ms   ON    alarms/min   " + "   ".join(APART)]
     for name in study.totals:
         t = study.at_design(name)
@@ -102,6 +124,10 @@ def as_text(study: Study, checked: Sequence[Check]) -> str:
             f"{name:8} {100 * t.found_share:6.1f}% {1000 * t.delay_s(0.5):6.1f} ms {1000 * t.delay_s(0.9):6.1f} ms "
             f"{100 * below:6.1f}% {100 * t.on_share:6.1f}% {t.alarms_per_minute:10.2f}   {apart}"
         )
+    lines.append(
+        f"no one     {'':6} {1000 * grounds.limit_s(0.5):6.1f} ms {1000 * grounds.limit_s(0.9):6.1f} ms   "
+        "sooner than this, in this band (Lorden's bound)"
+    )
     lines += ["", f"thresholds raised to {MATCHED:g} alarms per minute:"]
     for name, total in _matched(study).items():
         if total is None:
@@ -111,6 +137,8 @@ def as_text(study: Study, checked: Sequence[Check]) -> str:
                 f"{name:8} {100 * total.found_share:6.1f}% {1000 * total.delay_s(0.5):6.1f} ms "
                 f"{1000 * total.delay_s(0.9):6.1f} ms   threshold times {total.scale:g}"
             )
+    lines += ["", f"what moves the median of {detector}:"]
+    lines += [f"{1000 * m.by_s:+7.1f} ms  {m.label}" for m in sorted(grounds.moved[1:], key=lambda m: -abs(m.by_s))]
     lines.append("")
     lines += [f"{'met   ' if check.passed else 'MISSED'}  {check.sentence}" for check in checked]
     return "\n".join(lines)

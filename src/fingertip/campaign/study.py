@@ -138,7 +138,7 @@ def run(
             if case.cause != last:
                 say(f"{case.cause}: simulating and judging")
                 last = case.cause
-            scene = case.scene.model_copy(update={"outputs": ("voltage_v", "force_n", "slip")})
+            scene = case.scene.model_copy(update={"outputs": ["voltage_v", "force_n", "slip"]})
             made = run_scene(design, scene, case.seed)
             for name in detectors:
                 judged = judge(case, made.trace, made.force_n, name, design, scales)

@@ -25,7 +25,7 @@ def validate(
     quiet: QuietOption = False,
 ) -> None:
     """Try a design's detectors on simulated slips, and on minutes without any. Exit code 1: a requirement is missed."""
-    from fingertip.campaign import plan, report, requirements, study
+    from fingertip.campaign import limit, plan, report, requirements, sensitivity, study
     from fingertip.design import Design
     from fingertip.files import write_whole
     from fingertip.slip import registry
@@ -36,7 +36,9 @@ def validate(
     amount = plan.Amount(trials, minutes)
     found = study.run(loaded, amount, say=console.say)
     checked = list(requirements.checks(found, detector, requirements.Requirements()))
-    data = report.as_data(found, detector, checked)
+    console.say("the limit for this spectrum and noise; what moves the delay")
+    grounds = report.Grounds(limit.limits_s(loaded, amount), sensitivity.table(loaded, detector))
+    data = report.as_data(found, detector, checked, grounds)
 
     from fingertip.campaign import pictures
 
@@ -46,10 +48,10 @@ def validate(
         "validation.json": (json.dumps(data, indent=2, allow_nan=False) + "\n").encode(),
         "delays.png": pictures.delays(found),
         "surfaces.png": pictures.surfaces(found, detector),
-        "comparison.png": pictures.comparison(found),
+        "comparison.png": pictures.comparison(found, grounds.limit_s(0.5)),
     }
     write_whole(folder, files)
     console.say(f"wrote {', '.join(files)} to {folder}")
-    console.result(data, report.as_text(found, checked))
+    console.result(data, report.as_text(found, detector, checked, grounds))
     if not data["passed"]:
         raise typer.Exit(CHECK_FAILED)

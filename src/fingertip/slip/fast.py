@@ -100,6 +100,11 @@ class Fast:
         """The energy falls from a hundred bars to where ON ends within this [s]."""
         return 2 * math.log(100 / self.settings.stay) * self.settings.energy_s
 
+    @property
+    def noise_energy_v2(self) -> float:
+        """Mean power of the stated noise in the band [V^2]."""
+        return self._noise.energy * self.settings.noise_v**2
+
     def noise_weights(self) -> tuple[Array, float, float]:
         """What `quadratic.bar_for` made the bar of: weights, time above the bar [s], noise [V]."""
         return self._noise.weights, self._noise.excursion_s, self.settings.noise_v

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from fingertip.campaign import windows
 from fingertip.campaign.judge import Verdict, judge
 from fingertip.campaign.limit import limits_s
 from fingertip.campaign.plan import APART, HELD_OUT_FROM, QUIET, TUNING_SEEDS, Amount, Case, cases
@@ -164,6 +165,15 @@ def test_sensitivity_moves_what_it_says():
     assert weak.median_s != base.median_s
 
 
+def test_a_longer_window_is_later_and_calmer_at_contacts():
+    short, long = windows.table(Design(), 4, 1.0, windows_s=(0.005, 0.1))
+    assert short.threshold_v > long.threshold_v
+    assert short.median_s < long.median_s
+    assert short.contact_alarms_per_minute > 0.0
+    article = windows.with_window(Design(), 0.03).detector
+    assert (article.window_samples, article.threshold_v) == (60, pytest.approx(0.017, rel=0.06))
+
+
 @pytest.fixture(scope="module")
 def validated(tmp_path_factory):
     out = tmp_path_factory.mktemp("validation")
@@ -187,7 +197,7 @@ def test_validate_finds_what_it_should_and_says_what_it_stands_on(validated):
     assert len(data["sensitivity"]) > 5
     assert {cause for cause, count in fast["alarms"].items() if count["apart"]} == set(APART)
     assert any(str(TUNING_SEEDS.start) in line for line in data["assumptions"])
-    for name in ("delays.png", "surfaces.png", "comparison.png"):
+    for name in ("delays.png", "surfaces.png", "windows.png", "comparison.png"):
         assert (out / name).read_bytes().startswith(b"\x89PNG")
 
 

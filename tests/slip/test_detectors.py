@@ -145,10 +145,11 @@ def test_the_floor_learns_noise_and_freezes_while_on():
     detector.process(4.0 + rng.normal(0, 6e-4, 40_000))
     learnt = detector.threshold_v
     assert learnt == pytest.approx(before * 6e-4 / input_noise_v(DESIGN), rel=0.15)
-    t = np.arange(20_000) / 2000
-    out = detector.process(4.0 + 0.02 * np.sin(2 * math.pi * 90 * t) + rng.normal(0, 6e-4, len(t)))
-    assert out.on[100:].all()
-    assert detector.threshold_v == pytest.approx(learnt, rel=1e-3)
+    # Weak slip, no steeper than noise: only being ON keeps it from being learnt as the new noise.
+    t = np.arange(40_000) / 2000
+    out = detector.process(4.0 + 0.0016 * np.sin(2 * math.pi * 50 * t) + rng.normal(0, 6e-4, len(t)))
+    assert out.on[-2000:].mean() > 0.9
+    assert detector.threshold_v == pytest.approx(learnt, rel=0.05)
 
 
 @pytest.mark.skipif(not available(), reason="numba is not installed")

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import io
 import math
+from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from fingertip.campaign.study import Study, speed_m_s, surface
+from fingertip.campaign.windows import Row
 
 COLORS = {"paper": "#1f4e79", "fft": "#d98c2b", "fast": "#b03a2e"}
 _SPEED_COLORS = ("#9ecae1", "#4292c6", "#08519c")
@@ -99,6 +101,28 @@ def comparison(study: Study, limit_s: float) -> bytes:
     axes.set_title("Each line: one detector at thresholds from noisy to deaf; circle: its own", loc="left", fontsize=10)
     axes.legend(frameon=False, ncols=3, fontsize=9)
     _plain(axes)
+    return _png(figure)
+
+
+def windows(rows: Sequence[Row]) -> bytes:
+    """Delay and alarms of the article's chain by its window: a PNG."""
+    figure = Figure(figsize=(10, 5), dpi=150, layout="constrained")
+    left, right = figure.subplots(1, 2)
+    ms = [1000 * row.window_s for row in rows]
+    for share, style, color in (("median", "-", "#1f4e79"), ("nine in ten", "--", "#1f4e79")):
+        delays_s = [row.median_s if share == "median" else row.p90_s for row in rows]
+        kept = [(w, 1000 * d) for w, d in zip(ms, delays_s, strict=True) if math.isfinite(d)]
+        left.plot([w for w, _ in kept], [d for _, d in kept], style, marker=".", color=color, label=share)
+    right.plot(ms, [row.contact_alarms_per_minute for row in rows], marker=".", color="#b03a2e")
+    left.set_ylabel("delay [ms]")
+    left.legend(frameon=False, fontsize=9)
+    right.set_ylabel("false alarms per minute of contact, release, load change")
+    left.set_title(f"paper, by its window ({_NOTE})", loc="left", fontsize=10)
+    for axes in (left, right):
+        axes.axvline(30, color="#4a5157", linestyle=":", linewidth=1)
+        axes.set_ylim(bottom=0)
+        axes.set_xlabel("window [ms]; dotted: the article's")
+        _plain(axes)
     return _png(figure)
 
 

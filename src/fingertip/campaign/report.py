@@ -11,6 +11,7 @@ from fingertip.campaign.plan import APART, TUNING_SEEDS
 from fingertip.campaign.requirements import Check
 from fingertip.campaign.sensitivity import Moved
 from fingertip.campaign.study import Study, Total, speed_m_s, surface
+from fingertip.campaign.windows import Row
 
 MATCHED = 0.1
 """False alarms per minute at which detectors are compared."""
@@ -32,6 +33,8 @@ class Grounds:
     """Bound on the delay of each slip (`fingertip.campaign.limit`)."""
     moved: Sequence[Moved]
     """Of the detector's delay by the simulation's assumptions."""
+    windows: Sequence[Row]
+    """Of the article's chain by its window."""
 
     def limit_s(self, share: float) -> float:
         """Bound by which that share of the slips can be found [s]."""
@@ -64,6 +67,17 @@ def as_data(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
         "sensitivity": [
             {"change": m.label, "found_share": m.found_share, "median_s": _number(m.median_s), "by_s": _number(m.by_s)}
             for m in grounds.moved
+        ],
+        "windows": [
+            {
+                "window_s": row.window_s,
+                "threshold_v": round(row.threshold_v, 6),
+                "found_share": round(row.found_share, 5),
+                "median_s": _number(row.median_s),
+                "p90_s": _number(row.p90_s),
+                "contact_alarms_per_minute": round(row.contact_alarms_per_minute, 4),
+            }
+            for row in grounds.windows
         ],
         "assumptions": list(ASSUMPTIONS),
     }
@@ -139,6 +153,11 @@ def as_text(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
             )
     lines += ["", f"what moves the median of {detector}:"]
     lines += [f"{1000 * m.by_s:+7.1f} ms  {m.label}" for m in sorted(grounds.moved[1:], key=lambda m: -abs(m.by_s))]
+    lines += ["", "window of paper, median delay, alarms per minute at contacts, releases and changes of grip:"]
+    lines += [
+        f"{1000 * row.window_s:7.0f} ms {1000 * row.median_s:7.1f} ms {row.contact_alarms_per_minute:8.1f}"
+        for row in grounds.windows
+    ]
     lines.append("")
     lines += [f"{'met   ' if check.passed else 'MISSED'}  {check.sentence}" for check in checked]
     return "\n".join(lines)

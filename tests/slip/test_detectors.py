@@ -138,6 +138,25 @@ def test_contact_and_release_move_the_bar_but_not_the_flag():
     assert out.level_v.max() > out.bar_v[1900]
 
 
+def knocked(volts_high: float) -> np.ndarray:
+    """A knock of 8 ms at 0.5 s that rings at 90 Hz, and slip from 1 s on."""
+    t = np.arange(3000) / 2000
+    since = np.clip(t - 0.5, 0, None)
+    ring = volts_high * np.sin(2 * math.pi * 90 * since) * np.exp(-since / 0.01)
+    slip = 0.01 * np.sin(2 * math.pi * 90 * t) * (t >= 1.0)
+    return 4.0 + ring + slip + np.random.default_rng(6).normal(0, 4e-4, len(t))
+
+
+def test_a_hard_knock_is_no_slip_but_a_slip_after_it_is():
+    on = make("fast", DESIGN).process(knocked(0.3)).on
+    assert not on[:2000].any()
+    assert 2000 < np.flatnonzero(on)[0] < 2020
+    # A weak knock is not told from slip: known, and not hidden.
+    assert make("fast", DESIGN).process(knocked(0.01)).on[:2000].any()
+    # A signal in another unit has no such slope.
+    assert make("fast", DESIGN, input_noise_v(DESIGN)).process(knocked(0.3)).on[:2000].any()
+
+
 def test_the_floor_learns_noise_and_freezes_while_on():
     rng = np.random.default_rng(4)
     detector = make("fast", DESIGN)

@@ -56,8 +56,8 @@ QUIET: dict[str, tuple[SceneFile, float]] = {
 assumptions."""
 APART = ("hard tap", "motor", "cable")
 """Causes that shake the finger, or its wire, in the very band of slip: one force axis cannot tell them from slip before
-several periods have passed, whatever the detector. They are counted, each by itself, and not among the alarms that a
-requirement limits."""
+several periods have passed, unless they are stronger than slip ever is. They are counted, each by itself, and not among
+the alarms that a requirement limits."""
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from fingertip.campaign.limit import limits_s
 from fingertip.campaign.plan import APART, HELD_OUT_FROM, QUIET, TUNING_SEEDS, Amount, Case, cases
 from fingertip.campaign.requirements import Requirements, checks
 from fingertip.campaign.sensitivity import Change, table
+from fingertip.campaign.spectra import spectra
 from fingertip.campaign.study import Study, Total, run, surface
 from fingertip.cli import app
 from fingertip.design import Design
@@ -174,6 +175,15 @@ def test_a_longer_window_is_later_and_calmer_at_contacts():
     assert (article.window_samples, article.threshold_v) == (60, pytest.approx(0.017, rel=0.06))
 
 
+def test_the_skin_keeps_high_frequencies_from_the_sensor():
+    embedded, bare = spectra(Design())
+    assert embedded.beyond(200.0) < 0.02 < bare.beyond(200.0)
+    assert embedded.beyond(20.0) == pytest.approx(1.0)
+    # the density is that of the noise where nothing else is: its rms is the voltage's
+    noise = float(np.median(embedded.power_v2_hz[embedded.frequency_hz > 600]))
+    assert noise * 1000 == pytest.approx(4e-4**2 + (20 / 65536) ** 2 / 12, rel=0.3)
+
+
 @pytest.fixture(scope="module")
 def validated(tmp_path_factory):
     out = tmp_path_factory.mktemp("validation")
@@ -197,7 +207,7 @@ def test_validate_finds_what_it_should_and_says_what_it_stands_on(validated):
     assert len(data["sensitivity"]) > 5
     assert {cause for cause, count in fast["alarms"].items() if count["apart"]} == set(APART)
     assert any(str(TUNING_SEEDS.start) in line for line in data["assumptions"])
-    for name in ("delays.png", "surfaces.png", "windows.png", "comparison.png"):
+    for name in ("delays.png", "surfaces.png", "spectra.png", "windows.png", "comparison.png"):
         assert (out / name).read_bytes().startswith(b"\x89PNG")
 
 

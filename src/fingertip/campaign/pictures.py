@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from fingertip.campaign.spectra import Spectrum
 from fingertip.campaign.study import Study, speed_m_s, surface
 from fingertip.campaign.windows import Row
 
@@ -123,6 +124,22 @@ def windows(rows: Sequence[Row]) -> bytes:
         axes.set_ylim(bottom=0)
         axes.set_xlabel("window [ms]; dotted: the article's")
         _plain(axes)
+    return _png(figure)
+
+
+def spectra(found: Sequence[Spectrum]) -> bytes:
+    """Power spectral densities, one row for each sensor: a PNG."""
+    figure = Figure(figsize=(10, 6), dpi=150, layout="constrained")
+    rows = figure.subplots(len(found), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    for axes, one in zip(rows, found, strict=True):
+        axes.semilogy(one.frequency_hz, one.power_v2_hz, color="#1f4e79", linewidth=1)
+        shares = ", ".join(f"{100 * one.beyond(f):.1f} % beyond {f} Hz" for f in (67, 100, 200))
+        axes.set_title(f"{one.label}: of the power from 20 Hz on {shares}", loc="left", fontsize=10)
+        axes.set_ylabel("voltage [V\u00b2/Hz]")
+        axes.axvline(67, color="#4a5157", linestyle=":", linewidth=1)
+        _plain(axes)
+    rows[-1].set_xlim(0, 400)
+    rows[-1].set_xlabel(f"frequency [Hz]; dotted: the article's cutoff ({_NOTE})")
     return _png(figure)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 from fingertip.campaign.plan import APART, TUNING_SEEDS
 from fingertip.campaign.requirements import Check
 from fingertip.campaign.sensitivity import Moved
+from fingertip.campaign.spectra import Spectrum
 from fingertip.campaign.study import Study, Total, speed_m_s, surface
 from fingertip.campaign.windows import Row
 
@@ -35,6 +36,8 @@ class Grounds:
     """Of the detector's delay by the simulation's assumptions."""
     windows: Sequence[Row]
     """Of the article's chain by its window."""
+    spectra: Sequence[Spectrum]
+    """Of slip, by sensor."""
 
     def limit_s(self, share: float) -> float:
         """Bound by which that share of the slips can be found [s]."""
@@ -78,6 +81,10 @@ def as_data(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
                 "contact_alarms_per_minute": round(row.contact_alarms_per_minute, 4),
             }
             for row in grounds.windows
+        ],
+        "spectra": [
+            {"sensor": one.label, **{f"beyond_{f}_hz": round(one.beyond(f), 4) for f in (67, 100, 200)}}
+            for one in grounds.spectra
         ],
         "assumptions": list(ASSUMPTIONS),
     }
@@ -126,6 +133,10 @@ def _number(value: float) -> float | None:
     return round(value, 7) if math.isfinite(value) else None
 
 
+def _ms(seconds: float) -> str:
+    return f"{1000 * seconds:6.1f} ms" if math.isfinite(seconds) else "    never"
+
+
 def as_text(study: Study, detector: str, checked: Sequence[Check], grounds: Grounds) -> str:
     """For people: a line for each detector, the bound, what moves the delay, then the requirements."""
     lines = ["detector   found   median      p90   < 30 ms   ON    alarms/min   " + "   ".join(APART)]
@@ -135,7 +146,7 @@ def as_text(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
         apart = "   ".join(f"{alarms[c] / minutes[c]:{len(c)}.1f}" for c in APART if c in minutes)
         below = sum(d < 0.03 for d in t.delays_s) / max(1, t.slips)
         lines.append(
-            f"{name:8} {100 * t.found_share:6.1f}% {1000 * t.delay_s(0.5):6.1f} ms {1000 * t.delay_s(0.9):6.1f} ms "
+            f"{name:8} {100 * t.found_share:6.1f}% {_ms(t.delay_s(0.5))} {_ms(t.delay_s(0.9))} "
             f"{100 * below:6.1f}% {100 * t.on_share:6.1f}% {t.alarms_per_minute:10.2f}   {apart}"
         )
     lines.append(
@@ -148,8 +159,8 @@ def as_text(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
             lines.append(f"{name:8} none of the thresholds tried is that quiet")
         else:
             lines.append(
-                f"{name:8} {100 * total.found_share:6.1f}% {1000 * total.delay_s(0.5):6.1f} ms "
-                f"{1000 * total.delay_s(0.9):6.1f} ms   threshold times {total.scale:g}"
+                f"{name:8} {100 * total.found_share:6.1f}% {_ms(total.delay_s(0.5))} "
+                f"{_ms(total.delay_s(0.9))}   threshold times {total.scale:g}"
             )
     lines += ["", f"what moves the median of {detector}:"]
     lines += [f"{1000 * m.by_s:+7.1f} ms  {m.label}" for m in sorted(grounds.moved[1:], key=lambda m: -abs(m.by_s))]

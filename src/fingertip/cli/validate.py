@@ -25,19 +25,26 @@ def validate(
     quiet: QuietOption = False,
 ) -> None:
     """Try a design's detectors on simulated slips, and on minutes without any. Exit code 1: a requirement is missed."""
-    from fingertip.campaign import limit, plan, report, requirements, sensitivity, study, windows
+    from fingertip.campaign import limit, plan, report, requirements, sensitivity, spectra, study, windows
     from fingertip.design import Design
     from fingertip.files import write_whole
-    from fingertip.slip import registry
+    from fingertip.slip import kernel, registry
 
     console = Console(as_json, quiet)
     loaded = Design.load(*([design] if design else []), changes=changes or ())
     registry.known(detector)
     amount = plan.Amount(trials, minutes)
+    if not kernel.available():
+        console.say("numba is not installed (pip install 'fingertip[fast]'): this takes some twenty times longer")
     found = study.run(loaded, amount, say=console.say)
     checked = list(requirements.checks(found, detector, requirements.Requirements()))
     console.say("the limit for this spectrum and noise; what moves the delay; the window")
-    grounds = report.Grounds(limit.limits_s(loaded, amount), sensitivity.table(loaded, detector), windows.table(loaded))
+    grounds = report.Grounds(
+        limit.limits_s(loaded, amount),
+        sensitivity.table(loaded, detector),
+        windows.table(loaded),
+        spectra.spectra(loaded),
+    )
     data = report.as_data(found, detector, checked, grounds)
 
     from fingertip.campaign import pictures
@@ -48,6 +55,7 @@ def validate(
         "validation.json": (json.dumps(data, indent=2, allow_nan=False) + "\n").encode(),
         "delays.png": pictures.delays(found),
         "surfaces.png": pictures.surfaces(found, detector),
+        "spectra.png": pictures.spectra(grounds.spectra),
         "windows.png": pictures.windows(grounds.windows),
         "comparison.png": pictures.comparison(found, grounds.limit_s(0.5)),
     }

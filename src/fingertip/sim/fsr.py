@@ -10,14 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board.bridge import sensor_conductance_s
+from fingertip.board.bridge import ARTICLE_POINTS, sensor_conductance_s
 from fingertip.sim.jit import Kernel
 
 Array = NDArray[np.float64]
 
-FIT_POINTS = ((0.2, 4.3), (0.8, 4.0), (1.3, 3.85))
-"""Force [N] and voltage [V]: light contact at the sensor's turn-on, and the two figures of the article's
-IV.A."""
 HYSTERESIS = 0.10
 """Most by which the force reads high after a higher one, of its value (article, III.B: at most 10 %)."""
 TURN_ON_WIDTH_N = 0.1
@@ -68,7 +65,7 @@ def beyond(force_n: float, turn_on_n: float) -> float:
     return (excess + w) * (excess + w) / (4 * w) if excess < w else excess
 
 
-def fit(points: tuple[tuple[float, float], ...] = FIT_POINTS) -> Curve:
+def fit(points: tuple[tuple[float, float], ...] = ARTICLE_POINTS) -> Curve:
     """The curve that is open below the first point's force, and goes through the two others.
 
     The article's give an exponent of 0.669; Interlink's curve (50 g: 10 kohm, 1 kg: 1.25 kohm), which took
@@ -81,7 +78,7 @@ def fit(points: tuple[tuple[float, float], ...] = FIT_POINTS) -> Curve:
 
 def fit_conductance() -> Conductance:
     """Interlink's curve at the article's two forces, from the turn-on at which the board's own curve begins."""
-    (f0, _), (f1, _), (f2, _) = FIT_POINTS
+    (f0, _), (f1, _), (f2, _) = ARTICLE_POINTS
     g1, g2 = sensor_conductance_s(f1), sensor_conductance_s(f2)
     exponent = math.log(g2 / g1) / math.log((f2 - f0) / (f1 - f0))
     return Conductance(f0, g1 / (f1 - f0) ** exponent, exponent)

@@ -88,6 +88,54 @@ def test_a_socket_through_the_side(monkeypatch: pytest.MonkeyPatch) -> None:
     assert failures(*SOCKET) == {"bone.wall.socket_to_outside"}
 
 
+def test_a_cross_bolt_in_the_way_of_the_channel(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = bone.interface
+
+    def higher(design: Design) -> object:
+        plus, (hole,) = original(design)
+        assert isinstance(hole, Cone)
+        return plus, (replace(hole, centre=(3.0, -20.0)),)
+
+    monkeypatch.setattr(bone, "interface", higher)
+    assert "bone.wall.channel_to_interface" in failures()
+
+
+def test_a_tie_hole_into_the_relief(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = bone.tie_hole
+
+    def lower(design: Design) -> Cone:
+        hole = original(design)
+        assert isinstance(hole, Cone)
+        return replace(hole, centre=(1.8, -11.0))
+
+    monkeypatch.setattr(bone, "tie_hole", lower)
+    assert failures() == {"bone.wall.sensor_to_tie_hole"}
+
+
+def test_a_socket_into_the_relief(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = bone.interface
+
+    def deeper(design: Design) -> object:
+        plus, (socket, *rest) = original(design)
+        assert isinstance(socket, Cone)
+        return plus, (replace(socket, high=-14.5), *rest)
+
+    monkeypatch.setattr(bone, "interface", deeper)
+    assert "bone.wall.socket_to_sensor" in failures(*SOCKET)
+
+
+def test_a_bolt_at_the_cavitys_edge(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = mold.bolts
+
+    def inwards(design: Design, m: object) -> tuple[object, ...]:
+        first, *others = original(design, m)  # type: ignore[arg-type]
+        assert isinstance(first, Cone)
+        return replace(first, centre=(10.0, -11.5)), *others
+
+    monkeypatch.setattr(mold, "bolts", inwards)
+    assert failures() == {"mold.land.bolts_to_cavity"}
+
+
 def test_a_vent_that_is_shut(monkeypatch: pytest.MonkeyPatch) -> None:
     """The tail's passage through the collar is filled: air stays behind the sensor."""
     part = parts.PARTS["bone"]

@@ -202,13 +202,15 @@ def test_detection_never_imports_the_simulation():
 
 def test_csv_round_trip(tmp_path):
     from fingertip.design import Design
+    from fingertip.slip.parsed import Wanted
+    from fingertip.slip.read import parse
     from fingertip.slip.trace import Trace
-    from fingertip.slip.trace_file import read_csv, to_csv
+    from fingertip.slip.trace_file import to_csv
 
     time = np.arange(100) / 2000
     trace = Trace(time, np.round(np.sin(time), 6), np.round(np.cos(time), 6), time > 0.02)
     (tmp_path / "t.csv").write_bytes(to_csv(trace))
-    read = read_csv(tmp_path / "t.csv", Design().detector)
+    read = parse(tmp_path / "t.csv", Wanted()).checked(Design().detector)
     for column in ("time_s", "voltage_v", "force_n", "slip"):
         assert np.array_equal(getattr(read, column), getattr(trace, column))
     assert to_csv(read) == to_csv(trace)

@@ -105,7 +105,7 @@ def _keys_between_bolts(d: Tables) -> str | None:
 
 
 @RULES.rule("mold.key_height_mm", "mold.key_clearance_mm", "skin.semi_axis_palmar_mm", "mold.wall_mm")
-def _key_socket_keeps_afloor2(d: Tables) -> str | None:
+def _key_socket_keeps_a_floor(d: Tables) -> str | None:
     most = d.skin.semi_axis_palmar_mm + d.mold.wall_mm - d.mold.key_clearance_mm - 1.0
     if d.mold.key_height_mm <= most + SLACK:
         return None
@@ -113,7 +113,7 @@ def _key_socket_keeps_afloor2(d: Tables) -> str | None:
 
 
 @RULES.rule("mold.nut_depth_mm", "skin.semi_axis_palmar_mm", "mold.wall_mm")
-def _nut_trap_keeps_afloor2(d: Tables) -> str | None:
+def _nut_trap_keeps_a_floor(d: Tables) -> str | None:
     most = d.skin.semi_axis_palmar_mm + d.mold.wall_mm - 2.0
     if d.mold.nut_depth_mm <= most + SLACK:
         return None

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design.faults import nearest
-from fingertip.design.sections import Detector
 from fingertip.errors import Fault, TraceError
 from fingertip.slip.parsed import COLUMNS, Parsed, Wanted
 from fingertip.slip.trace import Trace
@@ -38,18 +37,6 @@ def to_csv(trace: Trace) -> bytes:
         names.append("slip")
     lines = [",".join(names), *map(",".join, zip(*columns, strict=True))]
     return ("\n".join(lines) + "\n").encode("ascii")
-
-
-def read_csv(path: Path, detector: Detector) -> Trace:
-    """Read a trace and check it against the detector's rate and window. Further columns are ignored.
-
-    Raises
-    ------
-    TraceError
-        With one sentence for each fault: no such file, no CSV, a column missing, cells that are no numbers,
-        and all that `fingertip.slip.trace.faults` finds.
-    """
-    return parse_csv(path, Wanted()).checked(detector)
 
 
 def parse_csv(path: Path, wanted: Wanted) -> Parsed:

@@ -210,6 +210,20 @@ def test_a_key_at_the_cavitys_edge(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "mold.land.keys_to_cavity" in failures()
 
 
+def test_cables_that_come_out_into_the_mold(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Overmolding closes the mold with the cables in place; a sleeve's core has none."""
+    original = bone.cable_channel
+
+    def nearer(design: Design) -> ElbowTube:
+        tube = original(design)
+        assert isinstance(tube, ElbowTube)
+        return replace(tube, start_z=-1.0, exit_z=-6.0)
+
+    monkeypatch.setattr(bone, "cable_channel", nearer)
+    assert "mold.across_the_cables" in failures()
+    assert "mold.across_the_cables" not in failures(*SLEEVE)
+
+
 def test_a_hollow_that_looks_back(monkeypatch: pytest.MonkeyPatch) -> None:
     """A ball-ended groove below the parting plane: the palmar half would hold what flows into it."""
     original = mold.openings

@@ -12,7 +12,7 @@ from fingertip.design import Design
 VARIANTS = {
     "sleeve": ["mold.method=sleeve", "mold.silicone_shrinkage_percent=1.2"],
     "socket": ["bone.interface=socket", "bone.base_length_mm=31"],
-    "short tail": ["sensor.model=fsr400_short", "bone.base_length_mm=12"],
+    "short tail": ["sensor.model=fsr400_short", "bone.base_length_mm=15"],
     "plain": ["bone.groove_depth_mm=0", "mold.engraving_depth_mm=0", "mold.silicone_shrinkage_percent=0"],
     "own sensor": ["sensor.model=custom", "custom_sensor.head_diameter_mm=6", "custom_sensor.length_mm=30"],
     "no draft": ["mold.draft_deg=0"],

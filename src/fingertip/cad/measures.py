@@ -15,7 +15,7 @@ import numpy as np
 
 from fingertip.cad import bone, deviation, mold
 from fingertip.cad import skin as skin_part
-from fingertip.cad.checks import Check
+from fingertip.cad.checks import NO_VOLUME_MM3, Check
 from fingertip.cad.core import core, inside_skin
 from fingertip.cad.mesh import Evaluator, Mesh
 from fingertip.cad.parts import PARTS
@@ -117,6 +117,10 @@ def _mold(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     yield Check("mold.gate_and_vents_reach_outside", len(face.decompose()), 1 + len(m.vents_x), "mouths", "exactly")
     for half, opens in (("mold_palmar", -1.0), ("mold_dorsal", 1.0)):
         yield Check(f"{half}.undercut", _undercut(hollow, opens), _NO_AREA_MM2, "mm2")
+    if design.mold.method == "overmold":
+        in_the_way = (evaluator.manifold(bone.cable_channel(design)) ^ block).volume()
+        inside = (evaluator.manifold(bone.cable_channel(design)) ^ evaluator.manifold(core(design)) ^ block).volume()
+        yield Check("mold.across_the_cables", in_the_way - inside, NO_VOLUME_MM3, "mm3")
     highest = cavity.bounding_box()[5]
     vented = (cavity ^ runners).bounding_box()[5]
     yield Check("mold.unvented_height", highest - vented, 2 * evaluator.tolerance_mm, "mm")

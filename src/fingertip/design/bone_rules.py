@@ -28,7 +28,7 @@ def _walls_print(d: Tables) -> str | None:
 @RULES.rule(
     "bone.base_length_mm", "bone.channel_diameter_mm", "bone.channel_bend_radius_mm", "bone.wall_mm",
     "bone.relief_length_mm", "bone.collar_length_mm", "bone.tie_hole_diameter_mm", "bone.interface",
-    "bone.socket_depth_mm", "sensor.model", "sensor.distance_from_tip_mm", *_LENGTHS,
+    "bone.socket_depth_mm", "sensor.model", "sensor.distance_from_tip_mm", "mold.recess_length_mm", *_LENGTHS,
 )  # fmt: skip
 def _base_holds_everything(d: Tables) -> str | None:
     dims, bone = derive(d), d.bone
@@ -38,7 +38,7 @@ def _base_holds_everything(d: Tables) -> str | None:
         return None
     what = "posterior hole, tie hole and socket" if socket else "posterior hole and tie hole"
     return (
-        f"{bone.base_length_mm:g} mm does not hold {what} (the {dims.sensor.label} is "
+        f"{bone.base_length_mm:g} mm does not hold {what} below the mold's recess (the {dims.sensor.label} is "
         f"{dims.sensor.length_mm:g} mm long); at least {ceil2(least)} mm."
     )
 

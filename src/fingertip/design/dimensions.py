@@ -102,7 +102,9 @@ def derive(design: Tables) -> Dimensions:
     )
     tail_end_z = sensor_z + part.head_diameter_mm / 2 - part.length_mm
     channel_radius = bone.channel_diameter_mm / 2
-    exit_below_skin = -(bone.collar_length_mm + channel_radius + bone.wall_mm)
+    # The cables leave the bone below the mold too: overmolding closes it with them in place.
+    covered = max(bone.collar_length_mm, design.mold.recess_length_mm)
+    exit_below_skin = -(covered + channel_radius + bone.wall_mm)
     after_bend = tail_end_z - bone.relief_length_mm / 2 - bone.channel_bend_radius_mm
     channel_exit_z = min(exit_below_skin, after_bend)
     return Dimensions(

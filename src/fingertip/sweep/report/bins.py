@@ -1,0 +1,80 @@
+"""A column of a sweep in bins: what the tables and pictures of many points are counted over."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Column = NDArray[Any]
+"""Values of one axis or output over all points, shape (points,): numbers, or words."""
+
+
+@dataclass(frozen=True)
+class Bins:
+    """A column cut into bins that hold at least one point each, in ascending order."""
+
+    code: NDArray[np.intp]
+    """Bin of each point, shape (points,)."""
+    low: Column
+    """Least value found in each bin, shape (bins,)."""
+    high: Column
+    """Greatest value found in each bin, shape (bins,)."""
+
+    @property
+    def count(self) -> int:
+        """Number of bins."""
+        return len(self.low)
+
+    @property
+    def each_value(self) -> bool:
+        """Whether every bin holds a single value."""
+        return bool(np.all(self.low == self.high))
+
+
+def is_words(column: Column) -> bool:
+    """Whether a column holds words (a choice) and no numbers: it has no order and no distances."""
+    return column.dtype.kind in "OUS"
+
+
+def by_count(column: Column, most: int) -> Bins:
+    """Each value its bin, or at most `most` bins of about as many points each; equal values share one."""
+    return _merged(column, most, lambda values, counts: most * (np.cumsum(counts) - counts / 2) / counts.sum())
+
+
+def by_value(column: Column, most: int) -> Bins:
+    """Each value its bin, or at most `most` bins of equal width; of equal ratio where the values are spread so."""
+
+    def place(values: Column, counts: NDArray[np.intp]) -> NDArray[np.float64]:
+        scale = np.log(values) if is_spread_by_ratio(values) else values.astype(float)
+        return most * (scale - scale[0]) / (scale[-1] - scale[0])
+
+    return _merged(column, most, place)
+
+
+def is_spread_by_ratio(column: Column) -> bool:
+    """Whether a logarithmic scale suits a column: positive, over more than a decade, half of it below the geometric
+    mean of its ends rather than below the arithmetic one."""
+    if is_words(column) or not len(column) or not np.min(column) > 0:
+        return False
+    least, most, middle = float(np.min(column)), float(np.max(column)), float(np.median(column))
+    return most > 10 * least and abs(np.log(middle**2 / (least * most))) < abs(np.log(2 * middle / (least + most)))
+
+
+def ranks(column: Column) -> NDArray[np.float64]:
+    """Rank of each value from 1; equal values share the mean of theirs."""
+    _, code, counts = np.unique(column, return_inverse=True, return_counts=True)
+    return np.asarray((np.cumsum(counts) - (counts - 1) / 2)[code])
+
+
+def _merged(column: Column, most: int, place: Any) -> Bins:
+    values, code, counts = np.unique(column, return_inverse=True, return_counts=True)
+    if len(values) <= most or is_words(column):
+        return Bins(code, values, values)
+    wanted = np.clip(np.floor(place(values, counts)).astype(int), 0, most - 1)
+    first = np.flatnonzero(np.diff(wanted, prepend=-1))  # bins that would be empty are left out
+    last = np.append(first[1:], len(values)) - 1
+    bin_of_value = np.repeat(np.arange(len(first)), last - first + 1)
+    return Bins(bin_of_value[code], values[first], values[last])

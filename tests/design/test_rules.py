@@ -53,6 +53,10 @@ BROKEN = {
 }
 MORE = [  # fields that a second rule blames too
     ("sensor.distance_from_tip_mm", ["sensor.model=fsr400_short", "sensor.distance_from_tip_mm=18"]),
+    (
+        "skin.least_thickness_mm",
+        ["skin.thickness_side_mm=1.2", "skin.least_thickness_mm=1.2", "bone.squareness_palmar=2.5"],
+    ),
     ("bone.wall_mm", ["bone.wall_mm=0.6"]),
     ("mold.recess_length_mm", ["mold.recess_length_mm=2.5"]),
     (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from fingertip.design.cover import least_cover
 from fingertip.design.dimensions import derive
 from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
 from fingertip.design.tables import Tables
@@ -24,6 +25,8 @@ _FLAT = (
     "skin.squareness_tip", "sensor.model", "sensor.distance_from_tip_mm",
 )  # fmt: skip
 _EDGE_COVER = 0.5  # silicone beside the edges of the bone's flat [mm], along x: thinner, the edges cut through
+_COVER_SLACK = 2e-3  # [mm] the cover is found to 1e-3 mm, and a nominal thickness must not fail by it
+_LEAST_THICKNESS = 0.2  # lower bound of skin.least_thickness_mm [mm]
 _BONE_LEFT = 1.0  # half width and half height of bone [mm] below which no other rule makes sense
 
 
@@ -44,17 +47,6 @@ def _bone_left_at_sides(d: Tables) -> str | None:
     if d.skin.thickness_side_mm <= most + SLACK:
         return None
     return f"{d.skin.thickness_side_mm:g} mm leaves less than {_BONE_LEFT:g} mm of bone; at most {floor2(most)} mm."
-
-
-@RULES.rule(
-    "skin.least_thickness_mm", "skin.thickness_side_mm", "skin.thickness_dorsal_mm", "skin.thickness_palmar_mm",
-    "skin.thickness_tip_mm",
-)  # fmt: skip
-def _thinnest_below_nominal(d: Tables) -> str | None:
-    most = min(getattr(d.skin, f"thickness_{side}_mm") for side in ("side", "dorsal", "palmar", "tip"))
-    if d.skin.least_thickness_mm <= most + SLACK:
-        return None
-    return f"{d.skin.least_thickness_mm:g} mm is more than the skin's own {most:g} mm; at most {floor2(most)} mm."
 
 
 @RULES.rule("skin.thickness_dorsal_mm", "skin.semi_axis_dorsal_mm")
@@ -142,6 +134,25 @@ def _edges_within_skin(d: Tables) -> str | None:
     return (
         f"{d.bone.squareness_palmar:g} brings the edges of the bone's flat to {_edge_cover(d):.2f} mm "
         f"(sideways) from the skin's surface, and {_EDGE_COVER:g} mm are needed; {remedy}."
+    )
+
+
+@RULES.rule(
+    "skin.least_thickness_mm", "mold.method", "mold.sleeve_interference_mm", "skin.squareness_palmar",
+    "skin.squareness_dorsal", *_FLAT,
+)  # fmt: skip
+def _thinnest_place(d: Tables) -> str | None:
+    others = (_sensor_fits_flat, _flat_within_bone, _edges_within_skin, _bone_left_at_sides, _bone_left_dorsally)
+    if any(rule(d) for rule in (*others, _tip_within_skin)):
+        return None  # those rules say it
+    cover = least_cover(derive(d), d.mold.sleeve_interference_mm if d.mold.method == "sleeve" else 0.0)
+    thinnest = min(cover, d.skin.thickness_tip_mm)
+    if d.skin.least_thickness_mm <= thinnest + _COVER_SLACK:
+        return None
+    bound = f"at most {floor2(thinnest)} mm, or " if thinnest >= _LEAST_THICKNESS else ""
+    return (
+        f"{d.skin.least_thickness_mm:g} mm is more than the {thinnest:.2f} mm at the skin's thinnest place; {bound}"
+        "lower bone.squareness_palmar or raise the skin's thickness."
     )
 
 

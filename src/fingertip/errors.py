@@ -46,6 +46,10 @@ class TraceError(FingertipError):
     """A recorded or simulated trace cannot be read."""
 
 
+class SweepError(FingertipError):
+    """A sweep file, or the folder of a sweep, cannot be used."""
+
+
 class OutputError(FingertipError):
     """A result could not be written."""
 

@@ -29,15 +29,15 @@ class Volumes:
         return self.skin_cm3 + self.runners_cm3 + self.gap_cm3
 
 
-def measure(design: Design, tolerance_mm: float = 0.01) -> Volumes:
-    """Volumes of a design's mold, on meshes of this tolerance [mm].
+def measure(design: Design, tolerance_mm: float = 0.01, evaluator: Evaluator | None = None) -> Volumes:
+    """Volumes of a design's mold, on meshes of this tolerance [mm], or those of an evaluator that has others too.
 
     Raises
     ------
     GeometryError
         If the mesh kernel refuses a solid.
     """
-    evaluator = Evaluator(tolerance_mm)
+    evaluator = evaluator or Evaluator(tolerance_mm)
     block, cavity = evaluator.manifold(mold.block(design)), evaluator.manifold(skin.cavity(design))
     inside = evaluator.manifold(cast_around(design))
     runners = evaluator.manifold(union(*mold.runners(design, lay_out(design, design.dimensions))))

@@ -14,6 +14,7 @@ from fingertip.cli.params import params
 from fingertip.cli.picture import picture
 from fingertip.cli.sheet import sheet
 from fingertip.cli.simulate import simulate
+from fingertip.cli.sweep import sweep
 from fingertip.cli.validate import validate
 
 app = typer.Typer(
@@ -32,6 +33,7 @@ app.command()(board)
 app.command()(simulate)
 app.command()(detect)
 app.command()(validate)
+app.command()(sweep)
 app.command()(bench)
 
 

@@ -104,13 +104,13 @@ def parameter_names(model: type[BaseModel], before: str = "") -> list[str]:
     return names
 
 
-def read_axis(name: str, given: Any, sampled: bool, scene: type[BaseModel]) -> tuple[Axis | None, list[Fault]]:
+def read_axis(name: str, given: Any, sampled: bool) -> tuple[Axis | None, list[Fault]]:
     """An axis as the file gives it, or what is wrong with it.
 
     Parameters
     ----------
     name
-        Dotted; `scene.` before a parameter of the scene, the model of which is `scene`.
+        Dotted; `scene.` before a parameter of the scene.
     given
         A list of values, or a table of `KEYS`.
     sampled
@@ -120,9 +120,9 @@ def read_axis(name: str, given: Any, sampled: bool, scene: type[BaseModel]) -> t
     model: type[BaseModel] = Tables
     path = name
     if name.startswith("scene."):
-        model, path = scene, name.removeprefix("scene.")
+        model, path = _scene(), name.removeprefix("scene.")
     if path not in parameter_names(model):
-        known = parameter_names(Tables) + parameter_names(scene, "scene.")
+        known = parameter_names(Tables) + parameter_names(_scene(), "scene.")
         return None, [Fault(field, f"there is no such parameter; {nearest(name, known)}")]
     axis, faults = _read(name, field, given, sampled, _annotation(model, path))
     if axis is None or faults:
@@ -188,6 +188,12 @@ def _range(
             Fault(f"{field}.steps", f"{steps} steps give a whole number twice; at most {most}, or list them.")
         ]
     return axis, []
+
+
+def _scene() -> type[BaseModel]:
+    from fingertip.sim.scene_file import SceneFile  # loads the whole simulation, which most sweeps do without
+
+    return SceneFile
 
 
 def _annotation(model: type[BaseModel], path: str) -> Any:

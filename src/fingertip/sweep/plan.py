@@ -158,12 +158,10 @@ class Plan:
 
 
 def _axes(given: Mapping[str, Any], sampled: bool) -> tuple[list[Axis], list[Fault]]:
-    from fingertip.sim.scene_file import SceneFile
-
     axes: list[Axis] = []
     faults: list[Fault] = []
     for name, inner in flatten(given):
-        axis, found = read_axis(name, inner, sampled, SceneFile)
+        axis, found = read_axis(name, inner, sampled)
         faults += found
         if axis:
             axes.append(axis)

@@ -1,0 +1,116 @@
+"""`fingertip sweep`: many designs from one file, on all processors or a cluster; stopped at any moment, it goes on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, command
+
+if TYPE_CHECKING:
+    from fingertip.sweep.plan import Plan
+    from fingertip.sweep.store import Store
+
+INTERRUPTED = 130
+
+
+@command
+def sweep(
+    file: Annotated[Path | None, typer.Argument(metavar="[SWEEP.toml]", help="Sweep file; see params/sweeps.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Folder for the rows; without it, out/sweeps/NAME.")
+    ] = None,
+    jobs: Annotated[int | None, typer.Option(help="Processes; without it, one for each processor.")] = None,
+    cluster: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler's, such as tcp://127.0.0.1:8786.")
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with a sweep that was stopped.")] = False,
+    outputs: Annotated[bool, typer.Option("--outputs", help="Print what can be computed, and exit.")] = False,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Change the sweep file, its design (skin.width_mm=18) or scene (scene.tap.force_n=2); repeatable.",
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Compute outputs of many designs. Exit code 0: every point has its row; 1: some failed or took too long."""
+    from fingertip.errors import Fault, SweepError
+    from fingertip.sweep.plan import Plan
+
+    console = Console(as_json, quiet)
+    if outputs:
+        _list_outputs(console)
+        return
+    if file is None:
+        raise SweepError(Fault("SWEEP.toml", "is missing; give a sweep file, such as params/sweeps/board.toml."))
+    if jobs is not None and not 1 <= jobs <= 1024:
+        raise SweepError(Fault("--jobs", f"{jobs} is refused; choose 1 to 1024, or leave it out."))
+    if jobs is not None and cluster:
+        raise SweepError(Fault("--jobs", "stands beside --cluster, which has its own workers; leave one of them out."))
+    plan = Plan.load(file, changes or ())
+    folder = out or Path("out") / "sweeps" / plan.file.name
+    store = _open(console, folder, plan, resume)
+    with store:
+        code = _run(console, plan, store, folder, jobs, cluster)
+    if code:
+        raise typer.Exit(code)
+
+
+def _open(console: Console, folder: Path, plan: Plan, resume: bool) -> Store:
+    from fingertip.sweep.store import Store
+
+    if resume and folder.is_dir() and Store.exists(folder):
+        return Store.resume(folder, plan)
+    if resume:
+        console.say(f"nothing to go on with in {folder}: beginning there")
+    return Store.create(folder, plan)
+
+
+def _run(console: Console, plan: Plan, store: Store, folder: Path, jobs: int | None, cluster: str | None) -> int:
+    from fingertip.cli.progress import progress
+    from fingertip.sweep.engines import Cluster, Engine, Processes, default_jobs
+    from fingertip.sweep.run import run
+
+    engine: Engine = Cluster(cluster) if cluster else Processes(jobs or default_jobs())
+    where = f"{engine.workers} workers of {cluster}" if cluster else f"{engine.workers} processes"
+    console.say(f"{plan.file.name}: {plan.size} points, {len(plan.outputs)} outputs, {where}")
+    interrupted = False
+    with progress(console, plan.size) as told:
+        try:
+            state = run(plan, store, engine, told)
+        except KeyboardInterrupt:
+            interrupted = True
+    counts: dict[str, int] = {**store.counts()}
+    rows = sum(counts.values())
+    if interrupted:
+        console.say(f"stopped with {rows} of {plan.size} points in {folder}; go on with --resume")
+        console.result({"folder": folder.as_posix(), "points": plan.size, "rows": rows, **counts}, "")
+        return INTERRUPTED
+    data: dict[str, Any] = {
+        "name": plan.file.name,
+        "folder": folder.as_posix(),
+        "points": plan.size,
+        "rows": rows,
+        **counts,
+        "computed_now": state.written,
+    }
+    text = f"{rows} of {plan.size} points in {folder}: " + ", ".join(
+        f"{n} {status}" for status, n in counts.items() if n
+    )
+    console.say(f"{state.points_per_s:.3g} points/s" if state.written else "every point had its row already")
+    console.result(data, text)
+    return CHECK_FAILED if counts["failed"] + counts["timeout"] or rows < plan.size else 0
+
+
+def _list_outputs(console: Console) -> None:
+    from fingertip.sweep.outputs import OUTPUTS
+
+    data = [{"name": o.name, "stage": o.stage, "meaning": o.meaning} for o in OUTPUTS.values()]
+    text = "\n".join(f"{o.name:24} {o.stage:10} {o.meaning}" for o in OUTPUTS.values())
+    console.result({"outputs": data}, text)

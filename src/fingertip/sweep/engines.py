@@ -1,0 +1,128 @@
+"""Who computes the parts of a sweep: workers behind `concurrent.futures.Executor`, of this machine or a cluster."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+from collections.abc import Collection
+from concurrent.futures import Executor, ProcessPoolExecutor
+from typing import Any, Protocol
+
+from fingertip.errors import Fault, MissingLibraryError, SweepError
+from fingertip.sweep.watch import end_with_parent
+
+_slots: Any = None
+_slot = -1
+NOBODY = -1
+
+
+class Engine(Protocol):
+    """Gives executors, and says what it knows of workers that died."""
+
+    @property
+    def workers(self) -> int:
+        """How many there are."""
+
+    def executor(self) -> Executor:
+        """Workers that are ready; after a breakdown, new ones."""
+
+    def suspects(self) -> Collection[int] | None:
+        """Points that were being computed when the workers broke down; None if nobody knows."""
+
+    def close(self) -> None:
+        """Let the workers go, busy or not."""
+
+
+class Processes:
+    """Processes of this machine, started afresh (never forked: a fork after a geometry kernel's threads hangs)."""
+
+    def __init__(self, jobs: int) -> None:
+        self.workers = jobs
+        self._context = multiprocessing.get_context("spawn")
+        self._pool: ProcessPoolExecutor | None = None
+        self._marks: Any = None
+
+    def executor(self) -> Executor:
+        """A pool; after a breakdown, a new one."""
+        self.close()
+        # Each worker marks the point it is at: a breakdown then accuses as many points as there are workers.
+        self._marks = self._context.Array("q", [NOBODY] * self.workers)
+        free = self._context.Value("i", 0)
+        self._pool = ProcessPoolExecutor(self.workers, self._context, _begin, (self._marks, free))
+        return self._pool
+
+    def suspects(self) -> Collection[int] | None:
+        """Where the workers were when the pool broke."""
+        return {point for point in self._marks if point != NOBODY} if self._marks is not None else None
+
+    def close(self) -> None:
+        """End the workers; what they compute is lost, and nobody waits for it."""
+        if self._pool is None:
+            return
+        started = list((self._pool._processes or {}).values())
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        for process in started:
+            process.terminate()
+        for process in started:
+            process.join()
+        self._pool = None
+
+
+def _begin(marks: Any, free: Any) -> None:
+    """A worker's first act: an interrupt is the parent's business, and nobody outlives it."""
+    global _slots, _slot
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent()
+    with free.get_lock():
+        _slot = free.value
+        free.value += 1
+    _slots = marks
+
+
+def mark(point: int) -> None:
+    """Say which point this worker is at (`NOBODY`: none)."""
+    if _slots is not None and 0 <= _slot < len(_slots):
+        _slots[_slot] = point
+
+
+class Cluster:
+    """The workers of a running Dask cluster, through `distributed`'s own executor."""
+
+    def __init__(self, address: str) -> None:
+        try:
+            import distributed
+        except ImportError:
+            raise MissingLibraryError(
+                Fault("--cluster", "needs Dask's distributed; pip install 'fingertip[cluster]', or leave it out.")
+            ) from None
+        try:
+            self._client = distributed.Client(address, timeout=10, set_as_default=False)
+        except (OSError, ValueError, TimeoutError) as error:
+            raise SweepError(
+                Fault("--cluster", f"nobody answers at {address} ({error}); start dask scheduler there.")
+            ) from None
+        self.address = address
+
+    @property
+    def workers(self) -> int:
+        """Those connected now; a cluster may grow while it works."""
+        return max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
+
+    def executor(self) -> Executor:
+        """The cluster; it replaces workers by itself."""
+        executor: Executor = self._client.get_executor(pure=False)
+        return executor
+
+    def suspects(self) -> Collection[int] | None:
+        """Dask tells which tasks were lost by itself."""
+        return None
+
+    def close(self) -> None:
+        """Leave the cluster; what it still computes for us is dropped."""
+        self._client.close()
+
+
+def default_jobs() -> int:
+    """Processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,238 @@
+"""A sweep from its plan to its rows: parts handed to workers, rows written as they come, the lost ones tried again.
+
+A point is suspected when its worker died or its time ran out. All suspects are computed once more at the end, each
+alone, so that whoever breaks down then is known; it is recorded with its reason, and nobody else's row is lost.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fingertip.errors import Fault, SweepError
+from fingertip.sweep import part as parts
+from fingertip.sweep.engines import Engine
+from fingertip.sweep.part import Done, Part, Work
+from fingertip.sweep.plan import Plan
+from fingertip.sweep.store import Store, Stored, stored
+
+PART_S = 0.5
+"""About how long a worker computes before it reports."""
+MOST_IN_PART = 8192
+WRITE_S, WRITE_ROWS = 1.0, 50_000
+"""Rows are committed this often; what a kill -9 costs is computed again."""
+AHEAD = 2
+"""Parts in flight for each worker: one computed, one waiting."""
+_BLOCK = 65_536
+
+
+@dataclass
+class State:
+    """How far a sweep is."""
+
+    size: int
+    before: int
+    """Rows that were there when it began."""
+    written: int = 0
+    """Rows since then."""
+    failures: int = 0
+    """Failed points and timeouts among them."""
+    refused: int = 0
+    started_s: float = field(default_factory=time.perf_counter)
+
+    @property
+    def done(self) -> int:
+        """All rows."""
+        return self.before + self.written
+
+    @property
+    def points_per_s(self) -> float:
+        """Since it began."""
+        return self.written / max(1e-9, time.perf_counter() - self.started_s)
+
+    @property
+    def left_s(self) -> float:
+        """Until it is done, at this pace [s]; infinite before the first row."""
+        return (self.size - self.done) / self.points_per_s if self.written else float("inf")
+
+
+def run(
+    plan: Plan, store: Store, engine: Engine, told: Callable[[State], None] = lambda _: None, work: Work = parts.work
+) -> State:
+    """Compute every point of a plan that has no row yet.
+
+    Parameters
+    ----------
+    plan, store
+        What, and where its rows go.
+    engine
+        Who computes.
+    told
+        Called as rows are written, and while nothing comes.
+    work
+        What workers do with a part.
+
+    Raises
+    ------
+    OutputError
+        If rows cannot be written any more; those before are safe.
+    SweepError
+        If the cluster is gone.
+    """
+    missing = store.missing()
+    state = State(plan.size, int(plan.size - missing.sum()))
+    sweep = _Sweep(plan, store, engine, told, work, state)
+    try:
+        sweep.all_of(_parts(plan, missing, sweep))
+    finally:
+        engine.close()
+        sweep.write(at_once=True)
+    return state
+
+
+def _parts(plan: Plan, missing: np.ndarray, sweep: _Sweep) -> Iterator[Part]:
+    """The missing points in the plan's order, in parts of the size that suits just then."""
+    text = plan.to_toml()
+    for start in range(0, plan.size, _BLOCK):
+        points = plan.in_order(start, start + _BLOCK)
+        points = points[missing[points]]
+        while len(points):
+            now, points = points[: sweep.part_size], points[sweep.part_size :]
+            columns = {name: column.tolist() for name, column in plan.columns(now).items()}
+            yield Part(text, tuple(now.tolist()), columns)
+
+
+class _Sweep:
+    """The loop's state: parts in flight, rows not yet written, suspects."""
+
+    def __init__(
+        self, plan: Plan, store: Store, engine: Engine, told: Callable[[State], None], work: Work, state: State
+    ) -> None:
+        self.plan, self.store, self.engine, self.told, self.work, self.state = plan, store, engine, told, work, state
+        self.part_size = 1
+        self._executor: Executor | None = None
+        self._flying: dict[Future[Done], Part] = {}
+        self._again: deque[Part] = deque()
+        self._suspects: list[Part] = []
+        self._rows: list[Stored] = []
+        self._written_at = time.perf_counter()
+
+    def all_of(self, todo: Iterator[Part]) -> None:
+        """Compute everything, then the suspects one by one."""
+        exhausted = False
+        while not exhausted or self._flying or self._again:
+            while not exhausted and len(self._flying) < AHEAD * self.engine.workers:
+                part = self._again.popleft() if self._again else next(todo, None)
+                if part is None:
+                    exhausted = True
+                else:
+                    self._send(part)
+            while self._again and len(self._flying) < AHEAD * self.engine.workers:
+                self._send(self._again.popleft())
+            self._receive()
+        for part in self._suspects:
+            self._alone(part)
+
+    def _send(self, part: Part) -> None:
+        if self._executor is None:
+            self._executor = self.engine.executor()
+        try:
+            self._flying[self._executor.submit(self.work, part)] = part
+        except BrokenExecutor:
+            self._again.appendleft(part)
+            self._broken([])
+
+    def _receive(self) -> None:
+        done, _ = wait(self._flying, timeout=0.5, return_when=FIRST_COMPLETED)
+        lost: list[Part] = []
+        broken = False
+        for future in done:
+            part = self._flying.pop(future)
+            error = future.exception() if not future.cancelled() else CancelledError()
+            if error is None:
+                self._take(part, future.result())
+            elif isinstance(error, BrokenExecutor):
+                lost.append(part)
+                broken = True
+            else:
+                self._lost(part, error)
+        if broken:
+            self._broken(lost)
+        self.write()
+        self.told(self.state)
+
+    def _take(self, part: Part, done: Done) -> None:
+        late = {outcome[0] for outcome in done.outcomes if outcome[1] == "timeout"}
+        places = {point: i for i, point in enumerate(part.points)}
+        self._suspects += (part.single(places[point]) for point in sorted(late))
+        self._keep(part, done, late)
+        pace = done.took_s / len(part.points)
+        wanted = round(PART_S / pace) if pace > 0 else MOST_IN_PART
+        self.part_size = max(1, min(wanted, 4 * self.part_size, MOST_IN_PART))
+
+    def _keep(self, part: Part, done: Done, but: set[int]) -> None:
+        values = zip(*part.columns.values(), strict=True)
+        for (point, status, field_, reason, outputs), axes in zip(done.outcomes, values, strict=True):
+            if point not in but:
+                self._rows.append((point, status, field_, reason, *axes, *stored(outputs)))
+                self.state.failures += status in ("failed", "timeout")
+                self.state.refused += status == "refused"
+
+    def _broken(self, lost: list[Part]) -> None:
+        """The pool broke: everything in flight is lost, what was being computed is suspected."""
+        lost += self._flying.values()
+        self._flying.clear()
+        accused = self.engine.suspects()
+        self._executor = None
+        for part in lost:
+            at = range(len(part.points))
+            guilty = [i for i in at if accused is None or part.points[i] in accused]
+            self._suspects += (part.single(i) for i in guilty)
+            rest = [i for i in at if i not in set(guilty)]
+            if rest:
+                columns = {name: [column[i] for i in rest] for name, column in part.columns.items()}
+                self._again.append(Part(part.text, tuple(part.points[i] for i in rest), columns))
+
+    def _lost(self, part: Part, error: BaseException) -> None:
+        if isinstance(error, CancelledError):
+            raise SweepError(Fault("--cluster", "is gone; what was written is safe, go on with --resume.")) from None
+        self._suspects += (part.single(i) for i in range(len(part.points)))
+
+    def _alone(self, part: Part) -> None:
+        """Compute one suspect with nobody beside it."""
+        if self._executor is None:
+            self._executor = self.engine.executor()
+        start = time.perf_counter()
+        future = self._executor.submit(self.work, part)
+        while not wait([future], timeout=0.5).done:
+            self.told(self.state)
+        limit, outputs = self.plan.file.time_limit_s, len(self.plan.outputs)
+        error = future.exception() if not future.cancelled() else CancelledError()
+        if error is None:
+            done = future.result()
+        elif isinstance(error, CancelledError):
+            self._lost(part, error)
+            return
+        else:
+            late = time.perf_counter() - start > limit
+            row = parts.too_long(part.points[0], limit, outputs) if late else parts.died(part.points[0], outputs)
+            done = Done([row], 0.0)
+            if isinstance(error, BrokenExecutor):
+                self._executor = None
+        self._keep(part, done, set())
+        self.write()
+        self.told(self.state)
+
+    def write(self, at_once: bool = False) -> None:
+        """Commit the rows that wait, if it is time."""
+        now = time.perf_counter()
+        if self._rows and (at_once or now - self._written_at > WRITE_S or len(self._rows) >= WRITE_ROWS):
+            rows, self._rows = self._rows, []
+            self.store.add(rows)
+            self.state.written += len(rows)
+            self._written_at = now

@@ -2,9 +2,26 @@
 
 from fingertip.sim.campaign import trials
 from fingertip.sim.jit import compiled
+from fingertip.sim.manipulation import Controller, FixedGrip, Manipulated, Seen, run_manipulation
+from fingertip.sim.manipulation_file import ManipulationFile
 from fingertip.sim.result import Simulated, run_scene
 from fingertip.sim.scene_file import SceneFile
 from fingertip.sim.surfaces import SURFACES
 from fingertip.sim.trial import Trial, simulate
 
-__all__ = ["SURFACES", "SceneFile", "Simulated", "Trial", "compiled", "run_scene", "simulate", "trials"]
+__all__ = [
+    "SURFACES",
+    "Controller",
+    "FixedGrip",
+    "Manipulated",
+    "ManipulationFile",
+    "SceneFile",
+    "Seen",
+    "Simulated",
+    "Trial",
+    "compiled",
+    "run_manipulation",
+    "run_scene",
+    "simulate",
+    "trials",
+]

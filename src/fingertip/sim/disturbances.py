@@ -8,7 +8,7 @@ import random
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.sim.scene_file import Cable, Drift, Motor, Tap
+from fingertip.sim.scene_sections import Cable, Drift, Motor, Tap
 from fingertip.sim.timeline import rise
 
 Array = NDArray[np.float64]

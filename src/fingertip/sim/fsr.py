@@ -84,25 +84,29 @@ def fit_conductance() -> Conductance:
     return Conductance(f0, g1 / (f1 - f0) ** exponent, exponent)
 
 
-def with_hysteresis(force_n: Array) -> Array:
+def with_hysteresis(force_n: Array, state: Array | None = None) -> Array:
     """Force as the sensor shows it [N]: growing it shows the force itself, falling up to `HYSTERESIS` more.
 
-    A play operator on the force's ratio, p in [F, F (1 + H/s)], mixed in with the share s.
+    A play operator on the force's ratio, p in [F, F (1 + H/s)], mixed in with the share s. `state` of shape (1,), at
+    first 0, carries p from chunk to chunk.
     """
     shown = np.zeros(len(force_n))
-    _play(1 + HYSTERESIS / _PLAY_SHARE, force_n, shown)
+    _play(1 + HYSTERESIS / _PLAY_SHARE, force_n, np.zeros(1) if state is None else state, shown)
     return shown
 
 
-def _play_loop(room: float, forces: Sequence[float], shown: MutableSequence[float]) -> None:
-    p = 0.0
+def _play_loop(
+    room: float, forces: Sequence[float], state: MutableSequence[float], shown: MutableSequence[float]
+) -> None:
+    p = state[0]
     for i in range(len(forces)):
         force = forces[i]
         p = min(max(p, force), force * room)
         shown[i] = force + _PLAY_SHARE * (p - force)
+    state[0] = p
 
 
-_play = Kernel(_play_loop, outputs=1)
+_play = Kernel(_play_loop, outputs=2)
 
 
 def quantise(voltage_v: Array, bits: int, range_v: float) -> Array:

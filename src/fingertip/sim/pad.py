@@ -73,7 +73,7 @@ class Pad:
 
     def depth_m(self, force_n: float) -> float:
         """How far the hand has to be pressed on for a force [m]: the hand's give plus Hertz's indentation."""
-        return force_n / HAND_N_PER_M + self._hertz_m_per_n23 * math.cbrt(force_n) ** 2
+        return force_n / HAND_N_PER_M + self.hertz_m_per_n23 * math.cbrt(force_n) ** 2
 
     def force_n(self, depth_m: Array) -> Array:
         """Quasi-static normal force [N], the inverse of `depth_m`; exactly 0 where `depth_m` is not above 0.
@@ -81,7 +81,7 @@ class Pad:
         Newton's method on ``n^3/k + c n^2 = depth`` for n, the cube root of the force. It starts above the
         root of a convex function and so falls monotonically.
         """
-        k, c = HAND_N_PER_M, self._hertz_m_per_n23
+        k, c = HAND_N_PER_M, self.hertz_m_per_n23
         depth = np.maximum(depth_m, 0.0)
         n = np.sqrt(depth / c)
         for _ in range(12):
@@ -89,5 +89,6 @@ class Pad:
         return np.where(depth > 0.0, n * n * n, 0.0)
 
     @property
-    def _hertz_m_per_n23(self) -> float:
+    def hertz_m_per_n23(self) -> float:
+        """Hertz's indentation under 1 N [m]; it grows with the force to the power 2/3."""
         return math.cbrt(9 / (16 * self.radius_m * self._modulus_pa**2))

@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.sim import analog, coupled, disturbances, fsr, vibration
 from fingertip.sim.circuit import Analog
@@ -24,6 +23,7 @@ from fingertip.sim.contact import Mount, drag
 from fingertip.sim.friction import ELASTO_PLASTIC, Friction
 from fingertip.sim.pad import DAMPING_RATIO, HAND_N_PER_M, Pad
 from fingertip.sim.scene_file import SceneFile
+from fingertip.sim.sensing import on_sensor_n, voltage_of
 from fingertip.sim.stages import Stage
 from fingertip.sim.surfaces import SURFACES, Surface
 from fingertip.sim.timeline import Timeline, plan
@@ -34,13 +34,6 @@ Given = Mapping[str, Any]
 GROSS_SLIP_M_S = 1e-3
 """Velocity of the pad over the surface above which slip is gross [m/s]. Assumption: 1/40 of the slowest
 sliding."""
-LOAD_SHIFT_PER_M = (1 - 0.035 / 0.32) / 6e-3
-"""Share of the force the sensor loses per metre by which the pad is sheared towards the base [1/m].
-
-From a linear finite-element trial of such a finger: a pad load moved by 6 mm towards the base left 0.035 of
-it on the active area instead of 0.32. That the article's slide shears the pad towards the base is an
-assumption.
-"""
 _LONGEST_STEP_S = 1.25e-4  # velocities are then within 1e-5 m/s of the limit (the convergence test holds that)
 
 
@@ -249,7 +242,7 @@ def _still(c: Context, given: Given) -> dict[str, Any]:
 def _sensor(c: Context, given: Given) -> dict[str, Any]:
     sensed = given["contact_n"]
     if "grid_shear_m" in given:
-        sensed = sensed * np.clip(1 - LOAD_SHIFT_PER_M * given["grid_shear_m"], 0.0, None)
+        sensed = on_sensor_n(sensed, given["grid_shear_m"])
     shown = fsr.with_hysteresis(sensed[c.every])
     if c.scene.drift.share_per_decade:
         shown = disturbances.creep(c.scene.drift, shown, 1 / c.design.detector.sample_rate_hz)
@@ -262,13 +255,7 @@ def _cable(c: Context, given: Given) -> dict[str, Any]:
 
 def _bridge(c: Context, given: Given) -> dict[str, Any]:
     d, rng = c.design.detector, c.stream("noise")
-    if c.scene.sensing.bridge == "article":
-        curve = fsr.fit()
-        clean = [curve.voltage_v(force) for force in given["shown_n"].tolist()]
-    else:
-        values, supply = board_values(c.design).bridge, c.design.board.supply_v
-        conductance = fsr.fit_conductance()
-        clean = [values.tactile_v(conductance.siemens(force), supply) for force in given["shown_n"].tolist()]
+    clean = map(voltage_of(c.design, c.scene.sensing.bridge), given["shown_n"].tolist())
     voltage = np.array([v + rng.gauss(0.0, d.noise_v) for v in clean])
     if "cable_v" in given:
         voltage = voltage + given["cable_v"]

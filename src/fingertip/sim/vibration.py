@@ -63,33 +63,42 @@ def height_m(heights: Array, position_m: Array) -> Array:
     return np.interp(position_m, np.arange(len(heights)) * _SPACING_M, heights)
 
 
-def left_by_hand(height_m: Array, step_s: float, follow_hz: float) -> Array:
+def left_by_hand(height_m: Array, step_s: float, follow_hz: float, state: Array | None = None) -> Array:
     """What a compliant hand leaves of a height for the pad to take up [m].
 
     Below the frequency [Hz] at which the finger's mass swings on the hand, the hand rides up and down with the
     surface; above it the mass stays and the pad yields. A first-order follower stands for that swing (assumption: the
-    hand is well damped).
+    hand is well damped). `state` of shape (1,), at first the first height, carries the hand's from chunk to chunk.
     """
     share = 1 - math.exp(-2 * math.pi * follow_hz * step_s)
     out = np.zeros(len(height_m))
-    _follow(share, height_m, out)
+    _follow(share, height_m, height_m[:1].copy() if state is None else state, out)
     return out
 
 
-def _follow_loop(share: float, heights: Sequence[float], out: MutableSequence[float]) -> None:
-    hand = heights[0]
+def _follow_loop(
+    share: float, heights: Sequence[float], state: MutableSequence[float], out: MutableSequence[float]
+) -> None:
+    hand = state[0]
     for i in range(len(heights)):
         out[i] = heights[i] - hand
         hand += share * (heights[i] - hand)
+    state[0] = hand
 
 
 def resonate(
-    drive_n: Array, touching: NDArray[np.bool_], step_s: float, frequency_hz: float, damping_ratio: float
+    drive_n: Array,
+    touching: NDArray[np.bool_],
+    step_s: float,
+    frequency_hz: float,
+    damping_ratio: float,
+    state: Array | None = None,
 ) -> Array:
     """Contact force [N] from the force that drives the pad: a second-order low-pass of unit gain at rest.
 
     Exact for a drive that is linear between grid points. Where the finger does not touch, the force is
-    exactly 0 and the resonance starts anew; where the surface would have to pull, it is 0.
+    exactly 0 and the resonance starts anew; where the surface would have to pull, it is 0. `state` of shape (3,), at
+    first 0, carries force, rate and drive from chunk to chunk.
     """
     w, zeta, h = 2 * math.pi * frequency_hz, damping_ratio, step_s
     wd = w * math.sqrt(1 - zeta * zeta)
@@ -99,7 +108,7 @@ def resonate(
     a11, a12, a21, a22 = C + zeta * w * S, S, -w * w * S, C - zeta * w * S
     lag = 2 * zeta / w
     out = np.zeros(len(drive_n))
-    _swing((a11, a12, a21, a22), lag, h, drive_n, touching, out)
+    _swing((a11, a12, a21, a22), lag, h, drive_n, touching, np.zeros(3) if state is None else state, out)
     return out
 
 
@@ -109,10 +118,11 @@ def _swing_loop(
     h: float,
     drive: Sequence[float],
     touching: Sequence[bool],
+    state: MutableSequence[float],
     out: MutableSequence[float],
 ) -> None:
     a11, a12, a21, a22 = free
-    y = rate = before = 0.0
+    y, rate, before = state[0], state[1], state[2]
     for i in range(len(drive)):
         now = drive[i]
         if touching[i]:
@@ -124,8 +134,9 @@ def _swing_loop(
             y = rate = 0.0
         before = now
         out[i] = y if y > 0.0 else 0.0
+    state[0], state[1], state[2] = y, rate, before
 
 
 _rotate = Kernel(_rotate_loop, outputs=1)
-_follow = Kernel(_follow_loop, outputs=1)
-_swing = Kernel(_swing_loop, outputs=1)
+_follow = Kernel(_follow_loop, outputs=2)
+_swing = Kernel(_swing_loop, outputs=2)

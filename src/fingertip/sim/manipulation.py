@@ -1,0 +1,226 @@
+"""Real manipulation: an object is grasped, knocked, and held or lost, with a controller in the loop or none.
+
+`run_manipulation` steps hand, contact and sensors from one command to the next. The controller is handed what a real
+one would be, `Seen`: sampled voltages and the motors' closing, and nothing of the truth. It is any object with a method
+``step``; detectors and grip laws are the caller's, this package knows none.
+
+Taken for simple, all assumptions: the object moves along one line, in which it would slip and its weight pulls (whoever
+holds it first lets go), does not turn, and is rigid; of a power grasp the palm carries nothing; a finger is stiff along
+that line up to its pad; vibration does not act back on friction; a pad's stiffness and resonance stay those of the
+force it was to hold with.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.design import Design
+from fingertip.design.faults import nearest
+from fingertip.errors import Fault, TraceError
+from fingertip.sim.analog import respond
+from fingertip.sim.circuit import Analog
+from fingertip.sim.inputs import refuse
+from fingertip.sim.manipulation_file import OUTPUTS, ManipulationFile
+from fingertip.sim.manipulation_plan import GRAVITY_M_S2, Plan, plan
+from fingertip.sim.manipulation_run import GROSS_SLIP_M_S, Run
+from fingertip.sim.pad import Pad
+from fingertip.sim.stages import Ran
+from fingertip.sim.surfaces import SURFACES
+from fingertip.slip.trace import Trace
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What a controller is handed at the end of a period."""
+
+    time_s: float
+    """Now; the first time 0, before any sample but the first."""
+    voltage_v: Array
+    """Samples since the last time, (fingers, samples), as the converters gave them."""
+    closing_m: Array
+    """Closing of each finger now, as its motor's encoder shows it."""
+    planned_m: Array
+    """Closing of each finger that a hand without control would be told now: it closes and keeps its grip."""
+
+
+class Controller(Protocol):
+    """What closes the loop."""
+
+    def step(self, seen: Seen) -> Array:
+        """The closing [m] each finger is told, (fingers,), in force until the next command."""
+        ...
+
+
+class FixedGrip:
+    """No control: the planned closing."""
+
+    def step(self, seen: Seen) -> Array:
+        """As planned."""
+        return seen.planned_m
+
+
+@dataclass(frozen=True, eq=False)
+class Manipulated:
+    """What came of it."""
+
+    scene: ManipulationFile
+    seed: int
+    plan: Plan
+    """Moments and forces as drawn."""
+    time_s: Array
+    signals: dict[str, NDArray[Any]]
+    """Output -> (fingers, samples); object_m and pin_n have samples only."""
+    lost_s: float | None
+    """When the object left the fingers; None: it was held to the end."""
+    ran: tuple[Ran, ...]
+    """The stages that ran, and what each took."""
+
+    @property
+    def fingers(self) -> tuple[str, ...]:
+        """The fingers, the thumb first."""
+        return self.scene.fingers
+
+    @property
+    def force_n(self) -> float:
+        """The thumb's force before anything happens [N]."""
+        return float(self.plan.force_n[0])
+
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The outputs as columns: the thumb's and the object's by their own names, others as index_force_n."""
+        found = {}
+        for name in self.scene.outputs:
+            signal = self.signals[name]
+            found[name] = signal if signal.ndim == 1 else signal[0]
+        for i, finger in list(enumerate(self.fingers))[1:]:
+            shared = {f"{finger}_{name}": self.signals[name] for name in self.scene.outputs}
+            found |= {name: signal[i] for name, signal in shared.items() if signal.ndim == 2}
+        return found
+
+    def trace(self, finger: str = "thumb") -> Trace:
+        """What a detector is given of one finger, and judged by.
+
+        Raises
+        ------
+        TraceError
+            If the finger does not touch, or the scene does not name the voltage among its outputs.
+        """
+        if finger not in self.fingers:
+            raise TraceError(Fault("finger", f"{finger!r} does not touch; {nearest(finger, self.fingers)}"))
+        if "voltage_v" not in self.signals:
+            raise TraceError(Fault("outputs", "does not name voltage_v; a trace needs it."))
+        of = {name: signal[self.fingers.index(finger)] for name, signal in self.signals.items() if signal.ndim == 2}
+        return Trace(self.time_s, of["voltage_v"], of.get("force_n"), of.get("slip"))
+
+
+def run_manipulation(
+    design: Design,
+    scene: ManipulationFile,
+    controller: Controller | None = None,
+    seed: int = 0,
+    say: Callable[[str], None] | None = None,
+) -> Manipulated:
+    """Simulate a manipulation.
+
+    Parameters
+    ----------
+    design
+        Gives the pads' form, the board, the converter and its noise; all fingers are alike.
+    scene
+        Object, grasp, knock and hand, and which outputs are wanted.
+    controller
+        Closes the loop; None keeps the planned grip.
+    seed
+        Of grip, friction, surfaces and noise. The same design, scene, seed and commands give the same columns.
+    say
+        Told of progress.
+
+    Raises
+    ------
+    TraceError
+        If the seed is negative, the plan asks more than a finger can press with, or a controller's command is none.
+    """
+    pad = Pad.of(design)
+    _refuse(scene, seed)
+    made = plan(scene, pad, seed)
+    if say:
+        say(f"{scene.scene}, {made.duration_s:.1f} s")
+    wanted = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
+    run = Run(design, scene, made, pad, seed, wanted)
+    rate = design.detector.sample_rate_hz
+    count = math.ceil(made.duration_s * rate)
+    period, delay = max(1, round(scene.hand.period_s * rate)), round(scene.hand.delay_s * rate)
+    starts = range(0, count, period)
+    if controller is None:
+        # Nobody looks on the way, so it is stepped at once.
+        told = made.planned_m(np.array(starts) / rate)
+        run.advance(_in_force(told, 0, count, period, delay))
+    else:
+        told = np.zeros((len(scene.fingers), len(starts)))
+        voltage = run.parts["voltage_v"][0]
+        for i, start in enumerate(starts):
+            planned = made.planned_m(np.array([start / rate]))[:, 0]
+            seen = Seen(start / rate, voltage, run.motors.closing_m.copy(), planned)
+            told[:, i] = _command(controller.step(seen), start / rate, len(scene.fingers))
+            fresh = run.advance(_in_force(told, start, min(start + period, count), period, delay))
+            assert fresh is not None
+            voltage = fresh
+    return _result(design, scene, seed, made, run, count)
+
+
+def _in_force(told: Array, start: int, end: int, period: int, delay: int) -> Array:
+    """The command in force before each sample after `start`: told at i * period, it takes `delay` samples."""
+    latest = (np.arange(start, end) - delay) // period
+    return np.where(latest >= 0, told[:, np.maximum(latest, 0)], 0.0)
+
+
+def _command(given: Array, time_s: float, count: int) -> Array:
+    command = np.asarray(given, dtype=np.float64)
+    if command.shape != (count,):
+        sentence = f"gave shape {command.shape} at {time_s:g} s, needed is ({count},); give one closing per finger."
+        raise TraceError(Fault("controller", sentence))
+    if not np.isfinite(command).all():
+        bad = int(np.flatnonzero(~np.isfinite(command))[0])
+        sentence = f"gave {command[bad]} for finger {bad} at {time_s:g} s; give finite closings [m]."
+        raise TraceError(Fault("controller", sentence))
+    return command
+
+
+def _result(design: Design, scene: ManipulationFile, seed: int, made: Plan, run: Run, count: int) -> Manipulated:
+    signals: dict[str, NDArray[Any]] = {name: np.concatenate(parts, axis=-1) for name, parts in run.parts.items()}
+    step = 1 / design.detector.sample_rate_hz
+    time_s = np.arange(count + 1, dtype=np.float64) * step
+    signals["slip"] = np.abs(signals["velocity_m_s"]) > GROSS_SLIP_M_S
+    if "envelope_v" in scene.outputs:
+        board = Analog.of(design)
+        signals["envelope_v"] = np.stack([respond(board, step, v).envelope_v for v in signals["tactile_v"]])
+    gone = np.flatnonzero(signals["object_m"] >= scene.object.length_m)
+    lost_s = float(time_s[gone[0]]) if run.lost else None
+    if "force_n" not in scene.outputs:
+        signals.pop("force_n")
+    signals = {name: signals[name] for name in OUTPUTS if name in signals}
+    return Manipulated(scene, seed, made, time_s, signals, lost_s, tuple(run.ran.values()))
+
+
+def _refuse(scene: ManipulationFile, seed: int) -> None:
+    faults = []
+    if seed < 0:
+        faults.append(Fault("--seed", f"{seed} is negative; choose a whole number of at least 0."))
+    held, grasp = scene.object, scene.grasp
+    mu = SURFACES[held.surface].friction.mu_s
+    most = max(grasp.force_least_n, grasp.margin_most * held.mass_kg * GRAVITY_M_S2 / (2 * mu))
+    if most > scene.hand.force_most_n:
+        sentence = (
+            f"{scene.hand.force_most_n:g} N is less than the thumb needs for {held.mass_kg:g} kg of {held.surface}; "
+            f"at least {most:g} N."
+        )
+        faults.append(Fault("hand.force_most_n", sentence))
+    refuse(faults)

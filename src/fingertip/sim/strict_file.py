@@ -1,0 +1,83 @@
+"""What every scene file has in common: all faults at once, rules between parameters among them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Self
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from fingertip.design.cascade import gather
+from fingertip.design.faults import from_pydantic, nearest
+from fingertip.design.fields import Section
+from fingertip.errors import Fault, FingertipError, TraceError
+
+NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$"
+
+
+class StrictFile(BaseModel):
+    """A frozen file of tables; an unknown name, a value out of bounds or a broken rule is refused.
+
+    Raises
+    ------
+    TraceError
+        With one sentence for each fault.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    def __init__(self, **tables: Any) -> None:
+        try:
+            super().__init__(**tables)
+        except ValidationError as error:
+            faults = from_pydantic(error, type(self))
+            raise TraceError([*faults, *self._broken_beside(tables, faults)]) from None
+        if faults := [fault for fault, _ in self.broken()]:
+            raise TraceError(faults)
+
+    def broken(self) -> Iterator[tuple[Fault, set[str]]]:
+        """Rules between parameters that do not hold, and the parameters each reads."""
+        yield from ()
+
+    @classmethod
+    def load(cls, *files: str | Path, changes: Iterable[str] = ()) -> Self:
+        """Read a scene: defaults, then each file, then changes such as ``"tap.force_n=5"``.
+
+        Raises
+        ------
+        TraceError
+            If a file is missing or no valid TOML, or the scene it gives is refused.
+        """
+        try:
+            tables = gather(files, changes)
+        except FingertipError as error:
+            raise TraceError(error.faults) from None
+        return cls(**tables)
+
+    @classmethod
+    def _broken_beside(cls, tables: Mapping[str, Any], faults: Iterable[Fault]) -> list[Fault]:
+        """Broken rules among the parameters that are in bounds, so that one run tells everything that is wrong."""
+        faulty = {fault.field for fault in faults}
+        fields: dict[str, Any] = {}
+        for name, info in cls.model_fields.items():
+            given, default = tables.get(name), info.default
+            if isinstance(default, Section):
+                known = type(default).model_fields
+                table = given if isinstance(given, Mapping) else {}
+                kept = {k: v for k, v in table.items() if k in known and f"{name}.{k}" not in faulty}
+                fields[name] = default.model_copy(update=kept)
+            else:
+                fields[name] = default if given is None or any(f.startswith(name) for f in faulty) else given
+        return [fault for fault, reads in cls.model_construct(**fields).broken() if not reads & faulty]
+
+
+def outputs_broken(outputs: Sequence[str], known: Sequence[str]) -> Iterator[tuple[Fault, set[str]]]:
+    """Faults of a list of outputs."""
+    if not outputs:
+        yield Fault("outputs", f"is empty; name at least one of {', '.join(known)}."), {"outputs"}
+    for name in dict.fromkeys(outputs):
+        if name not in known:
+            yield Fault("outputs", f"{name!r} is no output; {nearest(name, known)}"), {"outputs"}
+        elif outputs.count(name) > 1:
+            yield Fault("outputs", f"{name!r} is named {outputs.count(name)} times; name it once."), {"outputs"}

@@ -5,8 +5,9 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import BinaryIO
 
 from fingertip.errors import Fault, OutputError
 
@@ -42,21 +43,49 @@ def write_file(path: Path, data: bytes, option: str = "--out") -> None:
     _write(path.parent, {path.name: data}, str(path), f"choose another file with {option}")
 
 
+@contextlib.contextmanager
+def open_whole(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
+    """A file to write piece by piece, for what does not fit in memory; it appears whole when the block ends.
+
+    An error within the block leaves what was there. `option` as in `write_file`.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    if path.is_dir():
+        raise OutputError(Fault(str(path), f"is a folder; give {option} the name of a file."))
+    with _aside(path.parent, str(path), f"choose another file with {option}") as aside:
+        with (aside / path.name).open("wb") as file:
+            yield file
+        os.replace(aside / path.name, path)
+
+
 def _write(folder: Path, contents: Mapping[str, bytes], field: str, remedy: str) -> None:
+    with _aside(folder, field, remedy) as aside:
+        for file, data in contents.items():
+            (aside / file).write_bytes(data)
+        for file in contents:
+            os.replace(aside / file, folder / file)
+
+
+@contextlib.contextmanager
+def _aside(folder: Path, field: str, remedy: str) -> Iterator[Path]:
+    """A place within `folder`, which is made, for what is not done yet. After an error nothing is left of it, nor of
+    folders that were made; the system's errors become one sentence."""
     made = _missing_folders(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        # Written aside on the same file system: a rename across two is not atomic.
+        # On the same file system: a rename across two is not atomic.
         with tempfile.TemporaryDirectory(prefix=".fingertip-", dir=folder) as name:
-            aside = Path(name)
-            for file, data in contents.items():
-                (aside / file).write_bytes(data)
-            for file in contents:
-                os.replace(aside / file, folder / file)
-    except OSError as error:
+            yield Path(name)
+    except BaseException as error:
         for path in made:
             with contextlib.suppress(OSError):
                 path.rmdir()
+        if not isinstance(error, OSError):
+            raise
         reason = error.strerror or str(error)
         raise OutputError(Fault(field, f"cannot be written ({reason}); {remedy}.")) from error
 

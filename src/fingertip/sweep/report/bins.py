@@ -39,6 +39,11 @@ def is_words(column: Column) -> bool:
     return column.dtype.kind in "OUS"
 
 
+def plain(column: Column) -> Column:
+    """A column that can be sorted: words next to numbers become words."""
+    return column.astype(str) if column.dtype == object else column
+
+
 def by_count(column: Column, most: int) -> Bins:
     """Each value its bin, or at most `most` bins of about as many points each; equal values share one."""
     return _merged(column, most, lambda values, counts: most * (np.cumsum(counts) - counts / 2) / counts.sum())
@@ -49,18 +54,18 @@ def by_value(column: Column, most: int) -> Bins:
 
     def place(values: Column, counts: NDArray[np.intp]) -> NDArray[np.float64]:
         scale = np.log(values) if is_spread_by_ratio(values) else values.astype(float)
-        return most * (scale - scale[0]) / (scale[-1] - scale[0])
+        return np.asarray(most * (scale - scale[0]) / (scale[-1] - scale[0]))
 
     return _merged(column, most, place)
 
 
 def is_spread_by_ratio(column: Column) -> bool:
-    """Whether a logarithmic scale suits a column: positive, over more than a decade, half of it below the geometric
-    mean of its ends rather than below the arithmetic one."""
+    """Whether a logarithmic scale suits a column: positive, the greatest at least five times the
+    least, and the median nearer to the geometric than to the arithmetic mean of both."""
     if is_words(column) or not len(column) or not np.min(column) > 0:
         return False
     least, most, middle = float(np.min(column)), float(np.max(column)), float(np.median(column))
-    return most > 10 * least and abs(np.log(middle**2 / (least * most))) < abs(np.log(2 * middle / (least + most)))
+    return most >= 5 * least and abs(np.log(middle**2 / (least * most))) < abs(np.log(2 * middle / (least + most)))
 
 
 def ranks(column: Column) -> NDArray[np.float64]:
@@ -70,7 +75,7 @@ def ranks(column: Column) -> NDArray[np.float64]:
 
 
 def _merged(column: Column, most: int, place: Any) -> Bins:
-    values, code, counts = np.unique(column, return_inverse=True, return_counts=True)
+    values, code, counts = np.unique(plain(column), return_inverse=True, return_counts=True)
     if len(values) <= most or is_words(column):
         return Bins(code, values, values)
     wanted = np.clip(np.floor(place(values, counts)).astype(int), 0, most - 1)

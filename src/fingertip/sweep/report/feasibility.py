@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,21 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.sweep.report.bins import Bins, by_count, by_value
-from fingertip.sweep.report.sensitivity import LEAST_POINTS, chance, explained
+from fingertip.sweep.report.variance import LEAST_POINTS, chance, explained
 
 if TYPE_CHECKING:
     from fingertip.sweep.table import Table
 
-OK = "ok"
+FEASIBLE = "feasible"
+CHECKS = "checks_failed"
+"""The output that counts failed checks: a design whose parts are not sound cannot be made, whatever else it is."""
 _BINS = 12
 
 
 @dataclass(frozen=True)
 class Verdicts:
-    """One word for each point: ok, the parameter a rule blames, or what became of the point."""
+    """One word for each point: feasible, the parameter a rule blames, checks_failed, or what became of the point."""
 
     names: tuple[str, ...]
-    """`ok` first, then by the number of points, the greatest first."""
+    """`feasible` first, then by the number of points, the greatest first."""
     code: NDArray[np.intp]
     """Index into `names`, shape (points,)."""
 
@@ -63,15 +64,22 @@ class Limit:
     """What was said of its first point."""
 
 
+def feasible(table: Table) -> NDArray[np.bool_]:
+    """Which points can be made: computed, and no check failed where checks were asked; shape (points,)."""
+    ok = np.asarray(table.status == "ok")
+    return ok & ~(table.outputs[CHECKS] > 0) if CHECKS in table.outputs else ok
+
+
 def verdicts(table: Table) -> Verdicts:
     """The verdict on every point of a sweep."""
     refused = (table.status == "refused") & (table.field != "")
-    words = np.where(refused, table.field, table.status).astype(object)
+    words = np.where(refused, table.field, table.status)
+    words = np.where(feasible(table), FEASIBLE, np.where(words == "ok", CHECKS, words))
     names, code = np.unique(words, return_inverse=True)
     counts = np.bincount(code)
-    order = sorted(range(len(names)), key=lambda i: (names[i] != OK, -counts[i], names[i]))
-    if OK not in names:
-        names, order = np.append(names, OK), [len(names), *order]
+    order = sorted(range(len(names)), key=lambda i: (names[i] != FEASIBLE, -counts[i], names[i]))
+    if FEASIBLE not in names:
+        names, order = np.append(names, FEASIBLE), [len(names), *order]
     place = np.empty(len(names), dtype=np.intp)
     place[order] = np.arange(len(order))
     return Verdicts(tuple(str(names[i]) for i in order), place[code])
@@ -86,7 +94,7 @@ def limits(table: Table, found: Verdicts) -> tuple[Limit, ...]:
     even = {name: by_count(column, _BINS) for name, column in table.axes.items()}
     told = []
     for i, rule in enumerate(found.names):
-        if rule == OK or not counts[i]:
+        if rule == FEASIBLE or not counts[i]:
             continue
         hit = found.code == i
         places = [Place(name, _weight(hit, even[name]), _ranges(cuts[name], over[name], i)) for name in table.axes]
@@ -111,12 +119,3 @@ def _ranges(bins: Bins, counts: NDArray[np.intp], rule: int) -> tuple[tuple[Any,
     low, high = bins.low.tolist(), bins.high.tolist()
     runs = np.split(limiting, np.flatnonzero(np.diff(limiting) > 1) + 1) if len(limiting) else []
     return tuple((low[run[0]], high[run[-1]]) for run in runs)
-
-
-def least_blamed(found: Sequence[Limit]) -> str:
-    """What to move where no point is feasible: the rule that refuses most, its most telling axis, and its words."""
-    worst = found[0]
-    place = worst.places[0] if worst.places else None
-    move = f"; it depends most on {place.axis}" if place and place.share > 0 else ""
-    words = f" It says: {worst.example}" if worst.example else ""
-    return f"{worst.rule} refuses most, {worst.points} points ({100 * worst.share:.0f} %){move}.{words}"

@@ -1,4 +1,4 @@
-"""The best of many: who is first, and whom nobody beats in every respect."""
+"""The best of many: whom nobody beats in every respect, and who of those comes nearest to the best of each."""
 
 from __future__ import annotations
 
@@ -6,22 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 Costs = NDArray[np.float64]
-"""Shape (points, objectives): every objective to be as low as possible."""
+"""Shape (points, objectives): every objective to be as low as possible, and finite."""
 
 
 def front(costs: Costs) -> NDArray[np.intp]:
     """Rows that no other row beats: none is as low in every objective and lower in one. Ascending; equal rows stay.
 
-    Exact: compares ranks, never sums of costs.
+    Exact: costs are compared, never added.
     """
     rows, same = np.unique(costs, axis=0, return_inverse=True)
-    same = same.reshape(-1)
     kept = _front_of_two(rows) if rows.shape[1] == 2 else _front_of_many(rows)
-    return np.flatnonzero(kept[same])
+    return np.flatnonzero(kept[same.reshape(-1)])
 
 
 def _front_of_two(rows: Costs) -> NDArray[np.bool_]:
-    """`rows` are unique and sorted by the first column, then by the second."""
+    """`rows` differ and are sorted by the first column, then by the second."""
     least_before = np.minimum.accumulate(np.append(np.inf, rows[:-1, 1]))
     return np.asarray(rows[:, 1] < least_before)
 
@@ -38,17 +37,11 @@ def _front_of_many(rows: Costs) -> NDArray[np.bool_]:
     return kept
 
 
-def first(costs: Costs) -> int:
-    """The row whose first objective is lowest; the next objectives break ties, and at last the row's place."""
-    places = np.arange(len(costs))
-    return int(np.lexsort((places, *costs.T[::-1]))[0])
+def nearest_to_ideal(costs: Costs, on_front: NDArray[np.intp]) -> int:
+    """The row of the front nearest to the ideal, which has the lowest of every objective; the first of equals.
 
-
-def compromise(costs: Costs, on_front: NDArray[np.intp]) -> int:
-    """The row of the front nearest to the ideal, which has the lowest of every objective.
-
-    Each objective counts in units of its range over the front (the utopia point of compromise programming, Zeleny
-    1973); the first of equals.
+    Each objective counts in units of its range over the front (compromise programming, Zeleny 1973). Of a single
+    objective this is its lowest row.
     """
     rows = costs[on_front]
     span = np.ptp(rows, axis=0)

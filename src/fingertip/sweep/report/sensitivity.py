@@ -14,15 +14,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fingertip.sweep.report.bins import Bins, Column, by_count, is_words, ranks
+from fingertip.sweep.report.bins import Column, by_count, is_words, ranks
+from fingertip.sweep.report.feasibility import FEASIBLE, feasible
+from fingertip.sweep.report.variance import LEAST_POINTS, chance, correlation, explained
 
 if TYPE_CHECKING:
     from fingertip.sweep.table import Table
 
-LEAST_POINTS = 20
-"""Fewer points say nothing about shares of a variance."""
 MOST_BINS = 32
 
 
@@ -55,9 +54,10 @@ class Sensitivity:
 
 
 def sensitivities(table: Table) -> Iterator[Sensitivity]:
-    """Of every output that varies, over the points that have it; of being `ok` first, over all points."""
-    ok = (table.status == "ok").astype(float)
-    for name, column in {"ok": ok, **table.outputs}.items():
+    """Of being feasible, over all points, then of every output that varies, over the feasible points that have it."""
+    ok = feasible(table)
+    columns = {name: np.where(ok, column, np.nan) for name, column in table.outputs.items()}
+    for name, column in {FEASIBLE: ok.astype(float), **columns}.items():
         found = sensitivity(name, column, table.axes)
         if found is not None:
             yield found
@@ -95,30 +95,10 @@ def sensitivity(output: str, column: Column, axes: dict[str, Column]) -> Sensiti
         own = chance(bins.count, len(y))
         noise = max(noise, own)
         share = explained(y, bins)
-        correlation = math.nan if is_words(x) else _correlation(ranks(x), y_ranks)
-        weights.append(Weight(name, share if share > 2 * own else 0.0, correlation))
+        with_rank = math.nan if is_words(x) else correlation(ranks(x), y_ranks)
+        weights.append(Weight(name, share if share > 2 * own else 0.0, with_rank))
     weights.sort(key=lambda w: -w.share)
     return Sensitivity(output, len(y), noise, tuple(weights))
-
-
-def explained(y: NDArray[np.float64], bins: Bins) -> float:
-    """Epsilon squared: share of the variance of `y` between bins, less what chance gives; may be slightly negative."""
-    centred = y - y.mean()
-    counts = np.bincount(bins.code, minlength=bins.count)
-    means = np.bincount(bins.code, centred, minlength=bins.count) / counts
-    between, total = float(np.sum(counts * means**2)), float(np.sum(centred**2))
-    return 1.0 - (1.0 - between / total) * (len(y) - 1) / (len(y) - bins.count)
-
-
-def chance(bins: int, points: int) -> float:
-    """Standard deviation of `explained` for an axis without any influence (chi-squared with bins - 1 degrees)."""
-    return math.sqrt(2.0 * (bins - 1)) / (points - bins)
-
-
-def _correlation(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
-    a, b = a - a.mean(), b - b.mean()
-    scale = math.sqrt(float(np.sum(a**2)) * float(np.sum(b**2)))
-    return float(np.sum(a * b)) / scale if scale else math.nan
 
 
 def strongest(found: Sensitivity | None, axes: Sequence[str], count: int) -> list[str]:

@@ -1,0 +1,1 @@
+"""Pictures of a sweep. The only modules of `sweep` that import matplotlib."""

@@ -45,7 +45,7 @@ def the_onset(done) -> float:
 
 
 T, V = burst()
-ONSET = float(T[np.flatnonzero(make("paper", Design()).process(np.round(V, 6)).on)[0]])
+ONSET = float(T[np.flatnonzero(make("digital", Design()).process(np.round(V, 6)).on)[0]])
 
 
 @pytest.mark.parametrize(("delimiter", "comma"), [(",", False), (";", False), (";", True), ("\t", False), ("\t", True)])
@@ -111,13 +111,13 @@ def test_tdms_without_its_library(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("rate", [1000, 5000, 20000])
-@pytest.mark.parametrize("detector", ["paper", "fft", "fast"])
+@pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
 def test_other_rates(tmp_path, rate, detector):
     t, v = burst(rate)
     (tmp_path / "t.csv").write_text(csv(t, v))
     done = run("detect", tmp_path / "t.csv", "--detector", detector, "--json")
     assert f"is sampled at {rate} Hz: filters, window and threshold are made for that" in done.stderr
-    assert 0.5 < the_onset(done) < {"paper": 0.525, "fft": 0.54, "fast": 0.506}[detector]
+    assert 0.5 < the_onset(done) < {"digital": 0.525, "fft": 0.54, "fast": 0.506}[detector]
     given = run("detect", tmp_path / "t.csv", "--detector", detector, "--rate-hz", rate, "--json", "--design", DESIGN)
     assert given.stdout == done.stdout
     # A rate that was stated is kept to.
@@ -144,7 +144,7 @@ def test_a_force_and_a_noise_that_was_measured(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, 50 * (V - 3.9), header=("time_s", "force_n")))
     words = ("detect", tmp_path / "t.csv", "--column", "voltage_v=force_n")
     assert "thresholds are in volts" in run(*words).stderr
-    for detector in ("paper", "fft", "fast"):
+    for detector in ("digital", "fft", "fast"):
         onset = the_onset(run(*words, "--quiet-s", 0.4, "--detector", detector, "--json"))
         assert 0.5 < onset < 0.535
 
@@ -234,7 +234,7 @@ def test_options_that_say_nothing(tmp_path):
         assert sentence in done.stderr, words
 
 
-@pytest.mark.parametrize("detector", ["paper", "fft", "fast"])
+@pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
 def test_lines_from_standard_input(tmp_path, detector):
     (tmp_path / "t.csv").write_text(csv(T, V))
     whole = json.loads(run("detect", tmp_path / "t.csv", "--detector", detector, "--json").stdout)["intervals"]
@@ -260,3 +260,65 @@ def test_a_line_that_is_wrong_ends_the_stream_after_what_was_found():
         assert done.stdout.splitlines()[0].startswith("ON ")
     assert "is empty" in run("detect", "-", lines="").stderr
     assert "needs the whole trace" in run("detect", "-", "--plot", "p.png", lines=csv(T, V)).stderr
+
+
+PRECISION = ("--set", "board.variant=precision")
+
+
+def test_paper_simulates_the_board_where_no_envelope_was_recorded(tmp_path):
+    (tmp_path / "t.csv").write_text(csv(T, V))
+    done = run("detect", tmp_path / "t.csv", "--detector", "paper", *PRECISION, "--json")
+    assert the_onset(done) == pytest.approx(ONSET, abs=0.003)
+    assert "holds no column envelope_v: simulating the design's board on voltage_v" in done.stderr
+    # a burst of 10 mV hardly opens a bare diode, and the noise does not at all
+    shut = run("detect", tmp_path / "t.csv", "--detector", "paper", "--json")
+    assert json.loads(shut.stdout)["noise_threshold_v"] == pytest.approx(20 / 65536, abs=1e-6)
+    assert "times what the noise here asks for" in shut.stderr
+
+
+def test_paper_takes_a_recorded_envelope(tmp_path):
+    envelope = np.where((T >= 0.5) & (T < 0.7), 0.2, 0.001)
+    np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, envelope_v=envelope)
+    done = run("detect", tmp_path / "t.npz", "--detector", "paper", "--json")
+    assert "simulating" not in done.stderr
+    assert the_onset(done) == 0.5 + 4 / 2000  # five of sixty samples of 0.2 V: 17.6 mV
+    quiet = run("detect", tmp_path / "t.npz", "--detector", "paper", "--quiet-s", 0.4, "--json")
+    assert json.loads(quiet.stdout)["threshold_v"] == pytest.approx(0.001 + 20 / 65536, abs=1e-4)
+    assert "takes in 600 samples" in run("detect", tmp_path / "t.npz", "--detector", "paper", "--quiet-s", 0.3).stderr
+    # a recording of the board's output alone
+    (tmp_path / "e.csv").write_text(csv(T, envelope, header=("time_s", "AI1")))
+    both = ("--column", "voltage_v=AI1", "--column", "envelope_v=AI1")
+    assert the_onset(run("detect", tmp_path / "e.csv", "--detector", "paper", *both, "--json")) == 0.502
+    # and lines of it
+    lines = run("detect", "-", "--detector", "paper", "--json", lines=csv(T, envelope, header=("time_s", "envelope_v")))
+    assert json.loads(lines.stdout)["changes"][0] == {"on": True, "time_s": 0.502}
+    assert "there is no column envelope_v" in run("detect", "-", "--detector", "paper", lines=csv(T, V)).stderr
+
+
+def test_paper_takes_a_force_through_the_designs_bridge(tmp_path):
+    force = 1.0 + 0.05 * np.sin(2 * np.pi * 90 * T) * ((T >= 0.5) & (T < 0.7))
+    (tmp_path / "t.csv").write_text(csv(T, force, header=("time_s", "force_n")))
+    words = ("--column", "voltage_v=force_n", "--detector", "paper", *PRECISION, "--json")
+    assert 0.5 < the_onset(run("detect", tmp_path / "t.csv", *words)) < 0.52
+
+
+def test_an_envelope_that_is_not_there_is_missed_in_python():
+    from fingertip.errors import TraceError
+    from fingertip.slip import Trace, detect
+
+    with pytest.raises(TraceError, match="envelope_v: is missing: paper works on the board's output"):
+        detect(Trace(T, V), Design(), "paper")
+
+
+def test_digital_and_a_board_without_dead_zone_agree():
+    """On the same trace: means within 5 % of each other's, flags within 1 % of the samples. The board is linear between
+    samples where the bilinear transform is not, and is built of preferred values."""
+    from fingertip.sim import board_output
+
+    design = Design(board={"variant": "precision"})
+    digital = make("digital", design).process(V)
+    paper = make("paper", design).process(board_output.envelope_v(design, V))
+    during = (T >= 0.53) & (T < 0.7)
+    off = paper.level_v[during] - digital.level_v[during]
+    assert np.sqrt(np.mean(off**2)) < 0.05 * np.sqrt(np.mean(digital.level_v[during] ** 2))
+    assert np.mean(paper.on != digital.on) < 0.01

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.campaign.plan import Case
+from fingertip.campaign.record import samples
 from fingertip.design import Design
 from fingertip.slip import Trace, make
 from fingertip.slip.intervals import Interval, intervals, score
@@ -40,8 +41,8 @@ def judge(
 
     Where the bar never moves, the level is the same for every factor, and is computed once.
     """
-    whole = make(detector, design)
-    output = whole.process(trace.voltage_v)
+    whole, signal = make(detector, design), samples(trace, detector)
+    output = whole.process(signal)
     fixed = float(np.ptp(output.bar_v)) == 0.0
     found = []
     for scale in scales:
@@ -50,7 +51,7 @@ def judge(
         elif fixed:
             on = output.level_v > scale * output.bar_v
         else:
-            on = make(detector, design, scale=scale).process(trace.voltage_v).on
+            on = make(detector, design, scale=scale).process(signal).on
         found.append(_verdict(case, trace, force_n, on, whole.memory_s))
     return found
 

@@ -14,12 +14,13 @@ tell slip from a change of grip, and it knows beforehand how strong this slip wi
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from fingertip.campaign.plan import HELD_OUT_FROM, Amount, cases
 from fingertip.design import Design
-from fingertip.sim import run_scene
+from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.jit import compiled
 from fingertip.slip.fast import Fast, FastSettings
 
@@ -28,8 +29,20 @@ _SMOOTH_S = 0.002
 """Over which the power of the moment is averaged."""
 
 
-def limits_s(design: Design, amount: Amount, first_seed: int = HELD_OUT_FROM) -> list[float]:
-    """The bound on the delay of each slip of a campaign [s]; infinite where it never knows enough."""
+def quantile_s(delays_s: Sequence[float], slips: int, share: float) -> float:
+    """Delay by which that share of all slips was found [s]; infinite if fewer were."""
+    ranked = sorted(delays_s) + [math.inf] * (slips - len(delays_s))
+    return float(ranked[min(len(ranked) - 1, int(share * len(ranked)))]) if ranked else math.inf
+
+
+def limits_s(
+    design: Design,
+    amount: Amount,
+    first_seed: int = HELD_OUT_FROM,
+    altered: Callable[[SceneFile], SceneFile] = lambda scene: scene,
+) -> list[float]:
+    """The bound on the delay of each slip of a campaign [s], each scene altered first; infinite where it never knows
+    enough."""
     settings = FastSettings.of(design)
     rate, width = settings.sample_rate_hz, settings.high_hz - settings.low_hz
     wanted = math.log(2 * width * 60 / ALARMS_PER_MINUTE)
@@ -43,7 +56,7 @@ def limits_s(design: Design, amount: Amount, first_seed: int = HELD_OUT_FROM) ->
         for case in cases(amount, first_seed):
             if case.cause != "slip":
                 break
-            scene = case.scene.model_copy(update={"outputs": ["voltage_v", "slip"]})
+            scene = altered(case.scene).model_copy(update={"outputs": ["voltage_v", "slip"]})
             trace = run_scene(silent, scene, case.seed).trace
             assert trace.slip is not None
             moving = np.flatnonzero(trace.slip)

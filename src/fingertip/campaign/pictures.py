@@ -14,9 +14,9 @@ from fingertip.campaign.spectra import Spectrum
 from fingertip.campaign.study import Study, speed_m_s, surface
 from fingertip.campaign.windows import Row
 
-COLORS = {"paper": "#1f4e79", "fft": "#d98c2b", "fast": "#b03a2e"}
+COLORS = {"paper": "#1f4e79", "digital": "#5b8fb9", "fft": "#d98c2b", "fast": "#b03a2e"}
 _SPEED_COLORS = ("#9ecae1", "#4292c6", "#08519c")
-_NOTE = "simulated, on seeds that tuned nothing"
+NOTE = "simulated, on seeds that tuned nothing"
 
 
 def delays(study: Study) -> bytes:
@@ -38,10 +38,10 @@ def delays(study: Study) -> bytes:
         axes.set_title(said, loc="left", fontsize=10)
         axes.axvline(30, color="#4a5157", linestyle="--", linewidth=1)
         axes.set_ylabel("trials")
-        _plain(axes)
+        plain(axes)
     rows[-1].set_xlim(-2.5, 160)
-    rows[-1].set_xlabel(f"delay [ms], the last bin holds all beyond ({_NOTE})")
-    return _png(figure)
+    rows[-1].set_xlabel(f"delay [ms], the last bin holds all beyond ({NOTE})")
+    return png(figure)
 
 
 def surfaces(study: Study, detector: str) -> bytes:
@@ -58,18 +58,21 @@ def surfaces(study: Study, detector: str) -> bytes:
         label = f"{100 * speed:g} cm/s"
         top.bar(x, [v if math.isfinite(v) else 0 for v in values], 0.22, label=label, color=_SPEED_COLORS[i % 3])
     groups = total.by(surface)
-    means = [1000 * groups[name][0] for name in names]
-    spread = [1000 * groups[name][1] for name in names]
-    bottom.errorbar(range(len(names)), means, spread, fmt="o", capsize=5, color=COLORS.get(detector, "#555555"))
+    found = [(n, 1000 * groups[name][0], 1000 * groups[name][1]) for n, name in enumerate(names) if groups[name][2]]
+    means, spread = [mean for _, mean, _ in found], [deviation for _, _, deviation in found]
+    bottom.errorbar([n for n, _, _ in found], means, spread, fmt="o", capsize=5, color=COLORS.get(detector, "#555555"))
+    for n, name in enumerate(names):
+        if not groups[name][2]:
+            bottom.annotate("none found", (n, 2), ha="center", fontsize=9, color="#4a5157")
     bottom.axhline(60, color="#4a5157", linestyle="--", linewidth=1, label="60 ms (article)")
     bottom.set_ylim(0, max(70.0, 1.1 * max((m + s for m, s in zip(means, spread, strict=True)), default=0.0)))
     bottom.set_xticks(range(len(names)), names, rotation=20, ha="right")
-    top.set_title(f"{detector}: delay by surface and velocity ({_NOTE})", loc="left", fontsize=10)
+    top.set_title(f"{detector}: delay by surface and velocity ({NOTE})", loc="left", fontsize=10)
     for axes, what in ((top, "mean delay [ms]"), (bottom, "mean and deviation [ms]")):
         axes.set_ylabel(what)
         axes.legend(frameon=False, ncols=3, fontsize=9)
-        _plain(axes)
-    return _png(figure)
+        plain(axes)
+    return png(figure)
 
 
 def comparison(study: Study, limit_s: float) -> bytes:
@@ -97,12 +100,12 @@ def comparison(study: Study, limit_s: float) -> bytes:
     axes.axvline(0.1, color="#4a5157", linewidth=1, linestyle=":")
     axes.set_xscale("log")
     axes.set_ylim(0, 160)
-    axes.set_xlabel(f"false alarms per minute of contact, release, load change and drift; {least:g}: none ({_NOTE})")
+    axes.set_xlabel(f"false alarms per minute of contact, release, load change and drift; {least:g}: none ({NOTE})")
     axes.set_ylabel("delay of all slips [ms]")
     axes.set_title("Each line: one detector at thresholds from noisy to deaf; circle: its own", loc="left", fontsize=10)
     axes.legend(frameon=False, ncols=3, fontsize=9)
-    _plain(axes)
-    return _png(figure)
+    plain(axes)
+    return png(figure)
 
 
 def windows(rows: Sequence[Row]) -> bytes:
@@ -118,13 +121,13 @@ def windows(rows: Sequence[Row]) -> bytes:
     left.set_ylabel("delay [ms]")
     left.legend(frameon=False, fontsize=9)
     right.set_ylabel("false alarms per minute of contact, release, load change")
-    left.set_title(f"paper, by its window ({_NOTE})", loc="left", fontsize=10)
+    left.set_title(f"digital, by its window ({NOTE})", loc="left", fontsize=10)
     for axes in (left, right):
         axes.axvline(30, color="#4a5157", linestyle=":", linewidth=1)
         axes.set_ylim(bottom=0)
         axes.set_xlabel("window [ms]; dotted: the article's")
-        _plain(axes)
-    return _png(figure)
+        plain(axes)
+    return png(figure)
 
 
 def spectra(found: Sequence[Spectrum]) -> bytes:
@@ -137,19 +140,21 @@ def spectra(found: Sequence[Spectrum]) -> bytes:
         axes.set_title(f"{one.label}: of the power from 20 Hz on {shares}", loc="left", fontsize=10)
         axes.set_ylabel("voltage [V\u00b2/Hz]")
         axes.axvline(67, color="#4a5157", linestyle=":", linewidth=1)
-        _plain(axes)
+        plain(axes)
     rows[-1].set_xlim(0, 400)
-    rows[-1].set_xlabel(f"frequency [Hz]; dotted: the article's cutoff ({_NOTE})")
-    return _png(figure)
+    rows[-1].set_xlabel(f"frequency [Hz]; dotted: the article's cutoff ({NOTE})")
+    return png(figure)
 
 
-def _plain(axes: Axes) -> None:
+def plain(axes: Axes) -> None:
+    """Grid and frame of every picture."""
     axes.grid(True, axis="y", color="#e5e8eb", linewidth=0.7)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
 
 
-def _png(figure: Figure) -> bytes:
+def png(figure: Figure) -> bytes:
+    """The picture as a file without date or version."""
     out = io.BytesIO()
     FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
     return out.getvalue()

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
+from fingertip.campaign.boards import Board
 from fingertip.campaign.plan import APART, TUNING_SEEDS
 from fingertip.campaign.requirements import Check
 from fingertip.campaign.sensitivity import Moved
 from fingertip.campaign.spectra import Spectrum
+from fingertip.campaign.starts import ASSUMED_M_S2, Start
 from fingertip.campaign.study import Study, Total, speed_m_s, surface
+from fingertip.campaign.tones import Told
 from fingertip.campaign.windows import Row
 
 MATCHED = 0.1
@@ -19,9 +22,12 @@ MATCHED = 0.1
 ASSUMPTIONS = (
     "All traces are simulated; friction, vibration, noise and what is not slip are assumptions marked in fingertip.sim "
     "and in params/scenes. A real finger will differ.",
-    "Slip begins when the pad moves over the surface at 1 mm/s; the surface starts with 1 m/s2.",
+    "Slip begins when the pad moves over the surface at 1 mm/s; the surface starts with 1 m/s2. How much this start "
+    "matters stands in the table of starts.",
+    "The detector paper takes the output of the design's simulated board. The variant paper has a bare 1N4148; the "
+    "article does not say which diode it had. The table of boards shows one without dead zone beside it.",
     f"The seeds from {TUNING_SEEDS.start} to {TUNING_SEEDS.stop - 1} tuned the detector fast; none of them is among "
-    "those used here. Paper and fft were not tuned; their thresholds follow from the noise.",
+    "those used here. Paper, digital and fft were not tuned; thresholds follow from the noise.",
     f"Counted apart: {', '.join(APART)}. They shake finger or wire in the band of slip.",
 )
 
@@ -38,6 +44,12 @@ class Grounds:
     """Of the article's chain by its window."""
     spectra: Sequence[Spectrum]
     """Of slip, by sensor."""
+    starts: Sequence[Start]
+    """Delays by how hard the surface starts."""
+    boards: Sequence[Board]
+    """The article's detector by its board."""
+    tones: Sequence[Told]
+    """How long motors look like slip."""
 
     def limit_s(self, share: float) -> float:
         """Bound by which that share of the slips can be found [s]."""
@@ -86,6 +98,9 @@ def as_data(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
             {"sensor": one.label, **{f"beyond_{f}_hz": round(one.beyond(f), 4) for f in (67, 100, 200)}}
             for one in grounds.spectra
         ],
+        "starts": [_plain(row) for row in grounds.starts],
+        "boards": [_plain(row) for row in grounds.boards],
+        "tones": [_plain(row) for row in grounds.tones],
         "assumptions": list(ASSUMPTIONS),
     }
 
@@ -129,6 +144,11 @@ def _group(values: tuple[float, float, int]) -> dict[str, Any]:
     return {"mean_s": _number(mean), "deviation_s": _number(deviation), "found": count}
 
 
+def _plain(row: Start | Board | Told) -> dict[str, Any]:
+    """A row's fields by name, rounded; what was never reached is null."""
+    return {k: _number(v) if isinstance(v, float) else v for k, v in asdict(row).items()}
+
+
 def _number(value: float) -> float | None:
     return round(value, 7) if math.isfinite(value) else None
 
@@ -153,7 +173,7 @@ def as_text(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
         f"no one     {'':6} {1000 * grounds.limit_s(0.5):6.1f} ms {1000 * grounds.limit_s(0.9):6.1f} ms   "
         "sooner than this, in this band (Lorden's bound)"
     )
-    lines += ["", f"thresholds raised to {MATCHED:g} alarms per minute:"]
+    lines += ["", f"each at its lowest threshold that keeps {MATCHED:g} alarms per minute:"]
     for name, total in _matched(study).items():
         if total is None:
             lines.append(f"{name:8} none of the thresholds tried is that quiet")
@@ -162,9 +182,16 @@ def as_text(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
                 f"{name:8} {100 * total.found_share:6.1f}% {_ms(total.delay_s(0.5))} "
                 f"{_ms(total.delay_s(0.9))}   threshold times {total.scale:g}"
             )
+    lines += _tables(grounds)
     lines += ["", f"what moves the median of {detector}:"]
-    lines += [f"{1000 * m.by_s:+7.1f} ms  {m.label}" for m in sorted(grounds.moved[1:], key=lambda m: -abs(m.by_s))]
-    lines += ["", "window of paper, median delay, alarms per minute at contacts, releases and changes of grip:"]
+    moved = sorted(grounds.moved[1:], key=lambda m: -abs(m.by_s) if math.isfinite(m.by_s) else -math.inf)
+    lines += [
+        f"{1000 * m.by_s:+7.1f} ms  {m.label}"
+        if math.isfinite(m.by_s)
+        else f"  {_never(m, grounds.moved[0])}  {m.label}"
+        for m in moved
+    ]
+    lines += ["", "window of digital, median delay, alarms per minute at contacts, releases and changes of grip:"]
     lines += [
         f"{1000 * row.window_s:7.0f} ms {1000 * row.median_s:7.1f} ms {row.contact_alarms_per_minute:8.1f}"
         for row in grounds.windows
@@ -172,3 +199,34 @@ def as_text(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
     lines.append("")
     lines += [f"{'met   ' if check.passed else 'MISSED'}  {check.sentence}" for check in checked]
     return "\n".join(lines)
+
+
+def _tables(grounds: Grounds) -> list[str]:
+    """The article's detector by its board, delays by the surface's start, and how long motors look like slip."""
+    lines = ["", "paper by board and threshold, found, median, nine in ten, alarms per minute:"]
+    lines += [
+        f"{b.variant:10} {1000 * b.threshold_v:7.2f} mV {'(rule)  ' if b.by_rule else '(design)'} "
+        f"{100 * b.found_share:6.1f}% {_ms(b.median_s)} {_ms(b.p90_s)} {b.alarms_per_minute:8.2f}"
+        for b in grounds.boards
+    ]
+    who = list(dict.fromkeys(s.who for s in grounds.starts))
+    lines += ["", "median delay and that of nine in ten by the surface's start:"]
+    lines.append("m/s2    " + "".join(f"{name:>18}" for name in who))
+    for a in dict.fromkeys(s.acceleration_m_s2 for s in grounds.starts):
+        row = {s.who: s for s in grounds.starts if s.acceleration_m_s2 == a}
+        cells = "".join(f"{_short(row[name].median_s)} /{_short(row[name].p90_s)} ms" for name in who)
+        lines.append(f"{a:4g}{'*' if a == ASSUMED_M_S2 else ' '}   {cells}")
+    lines += ["", "slips that can be told from a motor's tones by what the best pair of tones leaves:"]
+    lines += [f"{1000 * t.stretch_s:7.0f} ms {100 * t.told_share:6.0f}%" for t in grounds.tones]
+    return lines
+
+
+def _moved(moved: Moved, base: Moved) -> str:
+    """By how much; where a median was infinite, before or after the change, a word for it."""
+    if math.isfinite(moved.by_s):
+        return f"{1000 * moved.by_s:+7.1f} ms"
+    return "  found   " if math.isfinite(moved.median_s) > math.isfinite(base.median_s) else "  never   "
+
+
+def _short(seconds: float) -> str:
+    return f"{1000 * seconds:6.1f}" if math.isfinite(seconds) else " never"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -51,8 +52,7 @@ def checks(study: Study, detector: str, required: Requirements) -> Iterator[Chec
         means[worst],
         required.most_mean_s,
         means[worst] <= required.most_mean_s,
-        f"{1000 * means[worst]:.1f} ms mean delay on the worst surface ({worst}); "
-        f"at most {1000 * required.most_mean_s:g} ms",
+        f"{_ms(means[worst])} mean delay on the worst surface ({worst}); at most {1000 * required.most_mean_s:g} ms",
     )
     p90 = total.delay_s(0.9)
     yield Check(
@@ -60,7 +60,7 @@ def checks(study: Study, detector: str, required: Requirements) -> Iterator[Chec
         p90,
         required.most_p90_s,
         p90 <= required.most_p90_s,
-        f"{1000 * p90:.1f} ms delay of nine in ten; at most {1000 * required.most_p90_s:g} ms",
+        f"{_ms(p90)} delay of nine in ten; at most {1000 * required.most_p90_s:g} ms",
     )
     rate = total.alarms_per_minute
     yield Check(
@@ -70,3 +70,7 @@ def checks(study: Study, detector: str, required: Requirements) -> Iterator[Chec
         rate <= required.most_alarms_per_minute,
         f"{rate:.2f} false alarms per minute, without {', '.join(APART)}; at most {required.most_alarms_per_minute:g}",
     )
+
+
+def _ms(seconds: float) -> str:
+    return f"{1000 * seconds:.1f} ms" if math.isfinite(seconds) else "no"

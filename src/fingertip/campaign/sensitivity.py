@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from fingertip.campaign.judge import judge
 from fingertip.campaign.plan import HELD_OUT_FROM, Amount, cases
+from fingertip.campaign.record import reads_board, record
 from fingertip.design import Design
-from fingertip.sim import SceneFile, run_scene
+from fingertip.sim import SceneFile
 from fingertip.sim.jit import compiled
 
 
@@ -77,8 +78,9 @@ def _delay(design: Design, detector: str, change: Change | None, trials: int, fi
         for case in cases(Amount(trials, 0.5), first_seed):
             if case.cause != "slip":
                 break
-            made = run_scene(changed, _scene(case.scene, change), case.seed)
-            (verdict,) = judge(case, made.trace, made.force_n, detector, changed, [1.0])
+            changed_case = replace(case, scene=_scene(case.scene, change))
+            trace, force_n = record(changed, changed_case, reads_board(detector))
+            (verdict,) = judge(changed_case, trace, force_n, detector, changed, [1.0])
             delays.extend(verdict.delays_s)
             slips += verdict.slips
     ranked = sorted(delays) + [np.inf] * (slips - len(delays))
@@ -91,5 +93,4 @@ def _scene(scene: SceneFile, change: Change | None) -> SceneFile:
         keys = ["force_least_n", "force_most_n"] if change.key == "force" else [change.key]
         for key in keys:
             tables[change.table][key] *= change.factor
-    tables["outputs"] = ["voltage_v", "force_n", "slip"]
     return SceneFile(**tables)

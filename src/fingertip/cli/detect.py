@@ -12,7 +12,8 @@ from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, c
 
 if TYPE_CHECKING:
     from fingertip.design import Design
-    from fingertip.slip import Detection, Interval
+    from fingertip.slip import Detection, Interval, Trace
+    from fingertip.slip.noise import NoiseLevel
     from fingertip.slip.parsed import Wanted
 
 
@@ -20,12 +21,19 @@ if TYPE_CHECKING:
 def detect(
     trace: Annotated[
         Path,
-        typer.Argument(help="Trace (.csv, .npz, .npy, .tdms): time_s, voltage_v; - reads CSV lines as they come."),
+        typer.Argument(
+            help="Trace (.csv, .npz, .npy, .tdms): time_s, voltage_v, and envelope_v if the filter board was there; "
+            "- reads CSV lines as they come."
+        ),
     ],
     design: Annotated[Path | None, typer.Option("--design", help="Design file; without it, the defaults.")] = None,
     detector: Annotated[
-        str, typer.Option("--detector", help="paper (the article's chain), fft (its baseline) or fast (ours).")
-    ] = "paper",
+        str,
+        typer.Option(
+            "--detector",
+            help="digital (the article's chain in software), paper (on the board's output), fft or fast (ours).",
+        ),
+    ] = "digital",
     rate_hz: Annotated[
         float | None, typer.Option("--rate-hz", help="Make the filters for this rate; times in a file must agree.")
     ] = None,
@@ -43,7 +51,11 @@ def detect(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Find slip in a trace, with the article's chain or another detector."""
+    """Find slip in a trace, with the article's chain or another detector.
+
+    The detector paper takes the board's output: the trace's envelope_v or, without one, what a simulation of the
+    design's board makes of the voltage.
+    """
     from fingertip import slip
     from fingertip.design import Design
     from fingertip.errors import Fault, FingertipError, TraceError
@@ -58,7 +70,7 @@ def detect(
         loaded = rate.at_rate(loaded, rate_hz)
     wanted = Wanted(_names(columns or []), rate_hz, scale)
     registry.known(detector)
-    if not wanted.in_volts and quiet_s is None:
+    if not wanted.in_volts and quiet_s is None and detector != "paper":
         raise TraceError(Fault("--quiet-s", "is missing: the design's thresholds are in volts, this column is not."))
     if str(trace) == "-":
         _live(console, loaded, detector, wanted, plot, quiet_s)
@@ -75,24 +87,54 @@ def detect(
             raise TraceError(Fault(f"{trace}, time_s", sentence)) from None
         console.say(f"{trace} is sampled at {found_hz:g} Hz: filters, window and threshold are made for that")
     read = parsed.checked(loaded.detector)
-    noise_v = None
+    noise_v, level = None, None
+    early = slice(0, 0)
     if quiet_s is not None:
-        noise_v = noise.measured_v(read.voltage_v[read.time_s < read.time_s[0] + quiet_s], trace.name)
+        early = slice(0, int((read.time_s < read.time_s[0] + quiet_s).sum()))
+    if detector == "paper":
+        read, loaded, level = _board(console, read, loaded, wanted, early, trace.name)
+    elif quiet_s is not None:
+        noise_v = noise.measured_v(read.voltage_v[early], trace.name)
     found = slip.detect(read, loaded, detector, noise_v)
-    for remark in remarks(read, loaded.detector):
-        console.say(f"warning: {remark}")
-    if detector == "paper" and found.threshold_v < found.noise.mean_v:
-        console.say(
-            f"warning: detector.threshold_v of {found.threshold_v:g} V is below the level of the "
-            f"noise alone ({found.noise.mean_v:.3g} V); {found.noise.threshold_v:.3g} V stands clear of it."
-        )
+    level = level or found.noise
+    if wanted.in_volts:
+        for remark in remarks(read, loaded.detector):
+            console.say(f"warning: {remark}")
+    if level:
+        for remark in noise.remarks(found.threshold_v, level):
+            console.say(f"warning: {remark}")
     if plot is not None:
         from fingertip.files import write_file
         from fingertip.slip.plot import draw
 
         console.say(f"drawing {plot}")
         write_file(plot, draw(read, found, trace.name), "--plot")
-    console.result(_data(found), _text(found))
+    console.result(_data(found, level), _text(found))
+
+
+def _board(
+    console: Console, read: Trace, design: Design, wanted: Wanted, early: slice, name: str
+) -> tuple[Trace, Design, NoiseLevel]:
+    """A trace with the board's output, a design with the threshold that a quiet start asks for, and the noise."""
+    from dataclasses import replace
+
+    from fingertip.design import Design
+    from fingertip.sim import board_output
+    from fingertip.slip.noise import quiet_level
+
+    if read.envelope_v is None:
+        column = wanted.of("voltage_v")
+        volts = read.voltage_v if wanted.in_volts else board_output.bridge_v(design, read.voltage_v)
+        through = "the design's board" if wanted.in_volts else "the design's bridge and board"
+        console.say(f"{name} holds no column {wanted.of('envelope_v')}: simulating {through} on {column}")
+        read = replace(read, voltage_v=volts, envelope_v=board_output.envelope_v(design, volts))
+    assert read.envelope_v is not None
+    if early.stop:
+        level = quiet_level(read.envelope_v[early], design, name)
+        changed = design.model_dump()
+        changed["detector"]["threshold_v"] = level.rounded_v
+        return read, Design(**changed), level
+    return read, design, board_output.noise_level(design)
 
 
 def _names(columns: list[str]) -> dict[str, str]:
@@ -109,8 +151,9 @@ def _live(
 ) -> None:
     """Lines from standard input: each change is printed when it is found."""
     from fingertip.errors import Fault, TraceError
-    from fingertip.slip import make
+    from fingertip.slip import make, registry
     from fingertip.slip.live import follow
+    from fingertip.slip.parsed import Wanted
 
     if not sys.stdin or sys.stdin.closed:
         raise TraceError(Fault("-", "standard input is closed; pipe lines into it."))
@@ -118,6 +161,9 @@ def _live(
         raise TraceError([Fault(name, "needs the whole trace; save the lines in a file first.") for name in refused])
     rate_hz = design.detector.sample_rate_hz
     changes: list[dict[str, Any]] = []
+    column = registry.known(detector).reads
+    if column != "voltage_v":
+        wanted = Wanted({**wanted.names, "voltage_v": wanted.of(column)}, wanted.rate_hz)
     for change in follow(sys.stdin, make(detector, design), rate_hz, wanted):
         if console.as_json:
             changes.append({"on": change.on, "time_s": round(change.time_s, 7)})
@@ -126,7 +172,7 @@ def _live(
     console.result({"detector": detector, "changes": changes}, "")
 
 
-def _data(found: Detection) -> dict[str, Any]:
+def _data(found: Detection, level: NoiseLevel | None) -> dict[str, Any]:
     score = found.score
     return {
         "intervals": [_interval(i) for i in found.intervals],
@@ -136,7 +182,7 @@ def _data(found: Detection) -> dict[str, Any]:
         "false_intervals": None if score is None else [_interval(i) for i in score.false_intervals],
         "detector": found.detector,
         "threshold_v": round(found.threshold_v, 6),
-        "noise_threshold_v": round(found.noise.threshold_v, 6),
+        "noise_threshold_v": round(level.threshold_v, 6) if level else None,
     }
 
 

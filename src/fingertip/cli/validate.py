@@ -10,6 +10,9 @@ import typer
 
 from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, command
 
+FEW = 24
+"""Trials of each table beside the campaign: three for each surface and object."""
+
 
 @command
 def validate(
@@ -25,7 +28,19 @@ def validate(
     quiet: QuietOption = False,
 ) -> None:
     """Try a design's detectors on simulated slips, and on minutes without any. Exit code 1: a requirement is missed."""
-    from fingertip.campaign import limit, plan, report, requirements, sensitivity, spectra, study, windows
+    from fingertip.campaign import (
+        boards,
+        limit,
+        plan,
+        report,
+        requirements,
+        sensitivity,
+        spectra,
+        starts,
+        study,
+        tones,
+        windows,
+    )
     from fingertip.design import Design
     from fingertip.files import write_whole
     from fingertip.slip import kernel, registry
@@ -38,16 +53,20 @@ def validate(
         console.say("numba is not installed (pip install 'fingertip[fast]'): this takes some twenty times longer")
     found = study.run(loaded, amount, say=console.say)
     checked = list(requirements.checks(found, detector, requirements.Requirements()))
+    few = min(FEW, trials)
     console.say("the limit for this spectrum and noise; what moves the delay; the window")
     grounds = report.Grounds(
         limit.limits_s(loaded, amount),
-        sensitivity.table(loaded, detector),
-        windows.table(loaded),
+        sensitivity.table(loaded, detector, few),
+        windows.table(loaded, few),
         spectra.spectra(loaded),
+        starts.starts(loaded, few),
+        boards.boards(loaded, few),
+        tones.tones(loaded, few),
     )
     data = report.as_data(found, detector, checked, grounds)
 
-    from fingertip.campaign import pictures
+    from fingertip.campaign import pictures, trial_pictures
 
     console.say("drawing")
     folder = out or Path("out") / loaded.name / "validation"
@@ -58,6 +77,7 @@ def validate(
         "spectra.png": pictures.spectra(grounds.spectra),
         "windows.png": pictures.windows(grounds.windows),
         "comparison.png": pictures.comparison(found, grounds.limit_s(0.5)),
+        **trial_pictures.files(loaded),
     }
     write_whole(folder, files)
     console.say(f"wrote {', '.join(files)} to {folder}")

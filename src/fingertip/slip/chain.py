@@ -1,9 +1,8 @@
-"""Detector `paper`: the article's chain, sample by sample: high-pass, rectification, envelope, window mean, threshold.
+"""Detector `digital`: the article's chain in software: high-pass, rectification, envelope, window mean, threshold.
 
-In the article the first three are analog (its board) and only window and threshold are software. Here the input is
-the raw tactile voltage and all five are digital: the board's ideal filters by the bilinear transform, an ideal diode
-without a dead zone, and the envelope's pole as a follower without the board's faster attack. So it is what the
-article's predecessor ran in software, with the article's numbers.
+In the article the first three are analog (its board; see `fingertip.slip.window`), in its predecessor all were digital.
+Here the input is the raw tactile voltage: the board's ideal filters by the bilinear transform, an ideal diode without a
+dead zone, and the envelope's pole as a follower without the board's faster attack.
 
 Every sample takes the same scalar operations in the same order, so the output is the same to the last bit
 however the input is cut into chunks. Nothing looks ahead, and the state between chunks can be pickled.

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fingertip.design import Design
-from fingertip.errors import TraceError
+from fingertip.errors import Fault, TraceError
 from fingertip.slip.intervals import Interval, Score, intervals, score
 from fingertip.slip.noise import NoiseLevel, noise_level
-from fingertip.slip.registry import make
+from fingertip.slip.registry import known, make
 from fingertip.slip.stream import Output
 from fingertip.slip.trace import Trace, faults
 
@@ -22,15 +22,15 @@ class Detection:
     """The bar in noise alone [V]."""
     memory_s: float
     """How long ON may outlast slip [s]."""
-    noise: NoiseLevel
-    """What the article's chain shows in this noise."""
+    noise: NoiseLevel | None
+    """What the article's digital chain shows in this noise; None for other detectors."""
     output: Output
     intervals: tuple[Interval, ...]
     score: Score | None
     """None where the trace does not say when it slipped."""
 
 
-def detect(trace: Trace, design: Design, detector: str = "paper", noise_v: float | None = None) -> Detection:
+def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: float | None = None) -> Detection:
     """Detect slip in a trace.
 
     Parameters
@@ -40,22 +40,30 @@ def detect(trace: Trace, design: Design, detector: str = "paper", noise_v: float
     design
         Gives rate, filters, window and threshold.
     detector
-        Name of one of the detectors; by default the article's chain.
+        Name of one of the detectors; by default the article's chain in digital filters. `paper` takes the trace's
+        `envelope_v`, which `fingertip.sim.board_output` makes where no board was there.
     noise_v
         White noise of the signal, rms [V]; without it, the design's.
 
     Raises
     ------
     TraceError
-        With one sentence for each fault of the trace, among them another sampling rate than the design's.
+        With one sentence for each fault of the trace, among them another sampling rate than the design's, and no
+        envelope where the detector takes one.
     """
-    if found := faults(trace, design.detector, in_volts=noise_v is None):
+    found = faults(trace, design.detector, in_volts=noise_v is None)
+    samples = getattr(trace, known(detector).reads)
+    if samples is None:
+        remedy = "record it, or take --detector digital, which needs no board"
+        found.append(Fault("trace, envelope_v", f"is missing: {detector} works on the board's output; {remedy}."))
+    if found:
         raise TraceError(found)
     made = make(detector, design, noise_v)
     threshold = made.threshold_v
-    output = made.process(trace.voltage_v)
+    output = made.process(samples)
     detected = intervals(trace.time_s, output.on)
     judged = None
     if trace.slip is not None:
         judged = score(detected, intervals(trace.time_s, trace.slip), made.memory_s)
-    return Detection(detector, threshold, made.memory_s, noise_level(design, noise_v), output, detected, judged)
+    level = noise_level(design, noise_v) if detector == "digital" else None
+    return Detection(detector, threshold, made.memory_s, level, output, detected, judged)

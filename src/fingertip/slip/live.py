@@ -35,7 +35,7 @@ def follow(lines: Iterable[str], detector: Detector, rate_hz: float, wanted: Wan
     rate_hz
         The rate it is made for.
     wanted
-        Names of the columns.
+        Names of the columns; the one for the voltage is what the detector takes.
 
     Raises
     ------

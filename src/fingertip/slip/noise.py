@@ -1,8 +1,9 @@
-"""What the chain shows when nothing happens, and the threshold that follows from it."""
+"""What the article's chain shows when nothing happens, and the threshold that follows from it."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from fingertip.design import Design
 from fingertip.errors import Fault, TraceError
 from fingertip.slip.chain import ChainSettings, SlipChain
+from fingertip.slip.window import Window
 
 DEVIATIONS = 6.0
 """Standard deviations of the window mean between its noise level and the threshold: as Gaussian noise,
@@ -28,6 +30,13 @@ class NoiseLevel:
     def threshold_v(self) -> float:
         """The threshold of the rule: the level plus `DEVIATIONS` standard deviations [V]."""
         return self.mean_v + DEVIATIONS * self.deviation_v
+
+    @property
+    def rounded_v(self) -> float:
+        """The rule's threshold, rounded up to two digits [V]."""
+        rule = self.threshold_v
+        digit = 10.0 ** (math.floor(math.log10(rule)) - 1) if rule > 0.0 else 1.0
+        return float(f"{math.ceil(rule / digit) * digit:.9g}")
 
 
 def input_noise_v(design: Design) -> float:
@@ -58,6 +67,41 @@ def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
     weights = np.convolve(envelope, np.full(settings.window_samples, 1 / settings.window_samples))
     deviation = sigma * math.sqrt((1 - 2 / math.pi) / 4 * float(weights @ weights))
     return NoiseLevel(sigma / math.sqrt(2 * math.pi), deviation)
+
+
+def quiet_level(envelope_v: NDArray[np.float64], design: Design, name: str) -> NoiseLevel:
+    """Level of a board's output in which nothing happens, after the design's window.
+
+    Raises
+    ------
+    TraceError
+        If it is shorter than ten windows, whose deviation would not be known to a quarter.
+    """
+    d = design.detector
+    least = 11 * d.window_samples
+    if len(envelope_v) < least:
+        raise TraceError(Fault("--quiet-s", f"takes in {len(envelope_v)} samples of {name}; at least {least}."))
+    means = Window.of(design).process(envelope_v).level_v[d.window_samples :]
+    step = 2 * d.adc_range_v / 2**d.adc_bits
+    return NoiseLevel(float(means.mean()), max(float(means.std()), step / DEVIATIONS))
+
+
+FAR = 3.0
+"""A threshold so many times above the rule's is worth a word."""
+
+
+def remarks(threshold_v: float, level: NoiseLevel) -> Iterator[str]:
+    """Where a threshold stands in, or far above, the noise."""
+    if threshold_v < level.mean_v:
+        yield (
+            f"detector.threshold_v of {threshold_v:g} V is below the level of the noise alone ({level.mean_v:.3g} V); "
+            f"{level.threshold_v:.3g} V stands clear of it."
+        )
+    elif threshold_v > FAR * level.threshold_v:
+        yield (
+            f"detector.threshold_v of {threshold_v:g} V is {threshold_v / level.rounded_v:.0f} times what the noise "
+            f"here asks for: --set detector.threshold_v={level.rounded_v:g} finds weaker slip."
+        )
 
 
 def measured_v(voltage_v: NDArray[np.float64], name: str) -> float:

@@ -12,7 +12,7 @@ from fingertip.design.sections import Detector
 from fingertip.errors import Fault, TraceError
 from fingertip.slip.trace import Trace, column_faults, length_faults, range_faults, time_faults
 
-COLUMNS = ("time_s", "voltage_v", "force_n", "slip")
+COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v")
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,8 @@ class Wanted:
             time = np.arange(len(voltage)) / self.rate_hz
         slip = columns.get("slip")
         volts = voltage if self.scale == 1.0 else voltage * self.scale
-        return Trace(time, volts, columns.get("force_n"), None if slip is None else slip == 1.0)
+        flags = None if slip is None else slip == 1.0
+        return Trace(time, volts, columns.get("force_n"), flags, columns.get("envelope_v"))
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -14,6 +13,7 @@ from fingertip.slip.fast import Fast, FastSettings
 from fingertip.slip.fft import Fft, FftSettings
 from fingertip.slip.noise import noise_level
 from fingertip.slip.stream import Detector
+from fingertip.slip.window import Window
 
 
 @dataclass(frozen=True)
@@ -21,17 +21,24 @@ class Kind:
     """One kind of detector."""
 
     label: str
+    reads: str
+    """The trace's column that it takes: ``voltage_v``, or the board's output ``envelope_v``."""
     make: Callable[[Design, float | None, float], Detector]
     """From a design, the input's noise [V] (None: the design's), and a factor of the threshold that follows."""
 
 
-def _paper(design: Design, noise_v: float | None, scale: float) -> SlipChain:
+def _paper(design: Design, noise_v: float | None, scale: float) -> Window:
+    if noise_v is not None:
+        said = "its threshold stands on the board's output; set detector.threshold_v"
+        raise TraceError(Fault("noise_v", f"{noise_v:g} V of the input tells paper nothing: {said}."))
+    return Window.of(design, scale)
+
+
+def _digital(design: Design, noise_v: float | None, scale: float) -> SlipChain:
     settings = ChainSettings.of(design)
     threshold = settings.threshold_v
-    if noise_v is not None:  # as the design's default: the rule, rounded up to whole millivolts or two digits
-        rule = noise_level(design, noise_v).threshold_v
-        digit = 10.0 ** (math.floor(math.log10(rule)) - 1) if rule > 0.0 else 1.0
-        threshold = math.ceil(rule / digit) * digit
+    if noise_v is not None:  # as the design's default: the rule, rounded up
+        threshold = noise_level(design, noise_v).rounded_v
     return SlipChain(replace(settings, threshold_v=threshold * scale))
 
 
@@ -44,9 +51,10 @@ def _fast(design: Design, noise_v: float | None, scale: float) -> Fast:
 
 
 DETECTORS: dict[str, Kind] = {
-    "paper": Kind("the article's chain", _paper),
-    "fft": Kind("spectrum of 64 ms", _fft),
-    "fast": Kind("energy of 5 ms against the force's slope", _fast),
+    "paper": Kind("the board's output, window and threshold", "envelope_v", _paper),
+    "digital": Kind("the article's chain in digital filters", "voltage_v", _digital),
+    "fft": Kind("spectrum of 64 ms", "voltage_v", _fft),
+    "fast": Kind("energy of 5 ms against the force's slope", "voltage_v", _fast),
 }
 
 

@@ -30,6 +30,8 @@ class Trace:
     """True normal force [N]."""
     slip: NDArray[np.bool_] | None = None
     """True gross slip."""
+    envelope_v: NDArray[np.float64] | None = None
+    """Output of the filter board [V], which the detector `paper` takes."""
 
 
 def faults(trace: Trace, detector: Detector, in_volts: bool = True) -> list[Fault]:
@@ -74,7 +76,7 @@ def column_faults(trace: Trace, name: str, first_line: int | None) -> Iterator[F
     first_line
         Line of the file that holds the first sample; without it the sentences count samples from 0.
     """
-    for column in ("time_s", "voltage_v", "force_n", "slip"):
+    for column in ("time_s", "voltage_v", "force_n", "slip", "envelope_v"):
         values = getattr(trace, column)
         if values is None:
             continue

@@ -185,12 +185,7 @@ def as_text(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
     lines += _tables(grounds)
     lines += ["", f"what moves the median of {detector}:"]
     moved = sorted(grounds.moved[1:], key=lambda m: -abs(m.by_s) if math.isfinite(m.by_s) else -math.inf)
-    lines += [
-        f"{1000 * m.by_s:+7.1f} ms  {m.label}"
-        if math.isfinite(m.by_s)
-        else f"  {_never(m, grounds.moved[0])}  {m.label}"
-        for m in moved
-    ]
+    lines += [f"{_moved(m, grounds.moved[0])}  {m.label}" for m in moved]
     lines += ["", "window of digital, median delay, alarms per minute at contacts, releases and changes of grip:"]
     lines += [
         f"{1000 * row.window_s:7.0f} ms {1000 * row.median_s:7.1f} ms {row.contact_alarms_per_minute:8.1f}"

@@ -86,7 +86,7 @@ def _run(console: Console, plan: Plan, store: Store, folder: Path, jobs: int | N
             state = run(plan, store, engine, told)
         except KeyboardInterrupt:
             interrupted = True
-    counts: dict[str, int] = {**store.counts()}
+    counts = store.counts()
     rows = sum(counts.values())
     if interrupted:
         console.say(f"stopped with {rows} of {plan.size} points in {folder}; go on with --resume")

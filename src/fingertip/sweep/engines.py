@@ -47,7 +47,7 @@ class Processes:
         """A pool; after a breakdown, a new one."""
         self.close()
         # Each worker marks the point it is at: a breakdown then accuses as many points as there are workers.
-        self._marks = self._context.Array("q", [NOBODY] * self.workers)
+        self._marks = self._context.RawArray("q", [NOBODY] * self.workers)
         free = self._context.Value("i", 0)
         self._pool = ProcessPoolExecutor(self.workers, self._context, _begin, (self._marks, free))
         return self._pool

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -50,26 +50,34 @@ def work(part: Part) -> Done:
 
     with _one_at_a_time:
         start = time.perf_counter()
-        outcomes = list(bench_of(part.text).outcomes(part))
+        outcomes = bench_of(part.text).outcomes(part)
         return Done(outcomes, time.perf_counter() - start)
 
 
 def each_limited(
-    part: Part, limit_s: float, outputs: int, outcome: Callable[[int, dict[str, Any]], Outcome]
-) -> Iterator[Outcome]:
-    """Outcomes of a part's points, one after the other, each within its limit [s]."""
-    names = list(part.columns)
-    for i, point in enumerate(part.points):
-        changes = {name: part.columns[name][i] for name in names}
-        mark(point)
+    part: Part, limit_s: float, outputs: int, together: int, outcome: Callable[[int, dict[str, Any]], Outcome]
+) -> list[Outcome]:
+    """Outcomes of a part's points, one after the other, each within its limit [s].
+
+    `together` points share a limit, because setting one takes longer than a quick point does. If it passes, the one
+    that was reached gets a limit of its own.
+    """
+    names, columns = list(part.columns), list(part.columns.values())
+    given = list(zip(*columns, strict=True))
+    found: list[Outcome] = []
+    while len(found) < len(part.points):
+        first = len(found)
         try:
             with limited(limit_s):
-                result = outcome(point, changes)
+                for i in range(first, min(first + together, len(part.points))):
+                    mark(part.points[i])
+                    found.append(outcome(part.points[i], dict(zip(names, given[i], strict=True))))
         except OutOfTimeError:
-            result = too_long(point, limit_s, outputs)
+            if len(found) == first:
+                found.append(too_long(part.points[first], limit_s, outputs))
         finally:
             mark(NOBODY)
-        yield result
+    return found
 
 
 def too_long(point: int, limit_s: float, outputs: int) -> Outcome:

@@ -10,8 +10,9 @@ from fingertip.design.model import Design
 from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
-    from fingertip.cad.mesh import Evaluator, Mesh
+    from fingertip.cad.mesh import Mesh
     from fingertip.sim.scene_file import SceneFile
+    from fingertip.sweep.solids import RememberingEvaluator
 
 Figures = dict[str, float]
 _CLEAR_MM = 0.02
@@ -25,7 +26,7 @@ class Asked:
     design: Design
     scene: SceneFile | None
     file: SweepFile
-    evaluator: Callable[[], Evaluator]
+    evaluator: Callable[[], RememberingEvaluator]
     """Made when the first stage asks for it: a sweep of boards loads no mesh kernel."""
 
 
@@ -149,10 +150,9 @@ def thickness(asked: Asked) -> Figures:
 
 def checks(asked: Asked) -> Figures:
     """Every check of `fingertip check`, at the sweep's tolerance."""
-    from fingertip.cad.parts import parts_of
-    from fingertip.cad.verify import verify
+    from fingertip.sweep.checking import checks_of
 
-    found = verify(asked.design, parts_of(asked.design), ("stl",), asked.file.tolerance_mm).checks
+    found = checks_of(asked.design, asked.evaluator())
     return {"checks_failed": sum(not check.passed for check in found), "checks_made": len(found)}
 
 

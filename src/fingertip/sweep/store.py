@@ -176,7 +176,7 @@ class Store:
 
         _said(self.folder, write)
 
-    def counts(self) -> dict[Status, int]:
+    def counts(self) -> dict[str, int]:
         """How many rows there are of each status."""
         found = dict(self._query("SELECT status, count(*) FROM rows GROUP BY status"))
         return {status: int(found.get(status, 0)) for status in STATUSES}

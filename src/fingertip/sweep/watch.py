@@ -18,6 +18,7 @@ from typing import IO
 GRACE_SHARE, GRACE_S = 0.25, 1.0
 """The worker is ended this much of the limit, and this long, after the alarm."""
 _nowhere: IO[str] | None = None
+_armed = False
 
 
 class OutOfTimeError(BaseException):
@@ -33,16 +34,20 @@ def limited(limit_s: float) -> Iterator[None]:
     OutOfTimeError
         In a main thread, once the limit has passed. The process ends soon after if that does not stop the block.
     """
-    global _nowhere
+    global _nowhere, _armed
     if _nowhere is None:
         _nowhere = open(os.devnull, "w")  # noqa: SIM115 (faulthandler writes there until the process ends)
     alarmed = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
-    faulthandler.dump_traceback_later(limit_s * (1.0 + GRACE_SHARE) + GRACE_S, exit=True, file=_nowhere)
     before = signal.signal(signal.SIGALRM, _out_of_time) if alarmed else None
+    faulthandler.dump_traceback_later(limit_s * (1.0 + GRACE_SHARE) + GRACE_S, exit=True, file=_nowhere)
     try:
-        if alarmed:
-            signal.setitimer(signal.ITIMER_REAL, limit_s)
-        yield
+        try:
+            if alarmed:
+                _armed = True
+                signal.setitimer(signal.ITIMER_REAL, limit_s)
+            yield
+        finally:
+            _armed = False  # an alarm after this is late and ignored; one before it is raised, and rings only once
     finally:
         if alarmed:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
@@ -51,7 +56,8 @@ def limited(limit_s: float) -> Iterator[None]:
 
 
 def _out_of_time(*_: object) -> None:
-    raise OutOfTimeError
+    if _armed:
+        raise OutOfTimeError
 
 
 def end_with_parent() -> None:

@@ -13,8 +13,10 @@ from fingertip.design.ruleset import broken_rules
 from fingertip.design.tables import Tables
 from fingertip.errors import Fault
 
+RULES = (*finger_rules.RULES, *bone_rules.RULES, *mold_rules.RULES, *board_rules.RULES, *signal_rules.RULES)
+"""In the order they are asked: finger, bone, mold, board, signal."""
+
 
 def broken(design: Tables) -> Iterator[tuple[Fault, frozenset[str]]]:
-    """Each broken rule's fault, with the fields the rule reads: finger, bone, mold, board, signal."""
-    rules = (*finger_rules.RULES, *bone_rules.RULES, *mold_rules.RULES, *board_rules.RULES, *signal_rules.RULES)
-    yield from broken_rules(rules, design)
+    """Each broken rule's fault, with the fields the rule reads."""
+    yield from broken_rules(RULES, design)

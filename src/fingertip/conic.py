@@ -68,6 +68,16 @@ class CrossSection:
             return 0.0
         return scale * self.half_width * arc_abscissa(abs(y) / (height * scale), weight)
 
+    def leaning(self, height: float, weight: float, slope: float) -> tuple[float, float]:
+        """Point (x, y) [mm] of an arc over `half_width` and `height` where it leans by -dx/dy = `slope` >= 0.
+
+        With r = t / (1 - t), the arc's derivatives -2 t (u + w t) and 2 u (t + w u) make that a quadratic in r.
+        """
+        a, b = self.half_width, slope * height
+        r = (b - a + math.sqrt((b - a) ** 2 + 4.0 * a * b * weight * weight)) / (2.0 * a * weight)
+        x, y = arc_point(r / (1.0 + r), weight)
+        return a * x, height * y
+
     def area(self) -> float:
         """Area [mm2] at scale 1."""
         halves = self.palmar * arc_area(self.palmar_weight) + self.dorsal * arc_area(self.dorsal_weight)

@@ -6,26 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from fingertip.cad import bone, measures, mold, parts
+from fingertip.cad import bone, measures, parts
 from fingertip.cad.core import inside_skin
-from fingertip.cad.mesh import Evaluator
-from fingertip.cad.solids import Box, Cone, ElbowTube, cylinder, union
+from fingertip.cad.solids import Box, Cone, ElbowTube, cylinder, difference, union
 from fingertip.design import Design
 from fingertip.design.cover import least_cover
-
-TOLERANCE = 0.02
-SOCKET = ["bone.interface=socket", "bone.base_length_mm=32"]
-SLEEVE = ["mold.method=sleeve"]
-
-
-def measured(*changes: str) -> dict[str, measures.Check]:
-    design, evaluator = Design.load(changes=changes), Evaluator(TOLERANCE)
-    meshes = {name: evaluator.mesh(part.describe(design)) for name, part in parts.parts_of(design).items()}
-    return {check.name: check for check in measures.of_parts(design, evaluator, meshes)}
-
-
-def failures(*changes: str) -> set[str]:
-    return {name for name, check in measured(*changes).items() if not check.passed}
+from tests.cad.measured import SLEEVE, SOCKET, failures, measured
 
 
 @pytest.mark.parametrize("changes", [[], SOCKET, SLEEVE, ["sensor.model=fsr400_short"]], ids=str)
@@ -83,6 +69,27 @@ def test_a_pocket_that_leaves_no_rim(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "bone.wall.beside_sensor" in failures()
 
 
+def test_a_pocket_that_squeezes_the_sensor(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = bone.sensor_recess
+    cheek = Box((3.85, -9.0, 20.0), (4.5, 9.0, 25.0))
+    monkeypatch.setattr(bone, "sensor_recess", lambda design: difference(original(design), cheek))
+    assert failures() == {"sensor.room_in_pocket"}
+
+
+def test_a_burr_on_the_seat(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = bone.sensor_recess
+    burr = Box((-0.3, -2.6, 22.0), (0.3, 0.0, 22.6))
+    monkeypatch.setattr(bone, "sensor_recess", lambda design: difference(original(design), burr))
+    assert failures() == {"sensor.room_in_pocket", "overlap.bone.sensor"}
+
+
+def test_a_hole_in_the_seat(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = bone.sensor_recess
+    hole = cylinder("y", (21.0, 1.0), -5.0, -1.5, 0.5)
+    monkeypatch.setattr(bone, "sensor_recess", lambda design: union(original(design), hole))
+    assert failures() == {"sensor.unsupported"}
+
+
 def test_a_socket_through_the_side(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.interface
 
@@ -131,113 +138,12 @@ def test_a_socket_into_the_relief(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "bone.wall.socket_to_sensor" in failures(*SOCKET)
 
 
-def test_a_bolt_at_the_cavitys_edge(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.bolts
-
-    def inwards(design: Design, m: object) -> tuple[object, ...]:
-        first, *others = original(design, m)  # type: ignore[arg-type]
-        assert isinstance(first, Cone)
-        return replace(first, centre=(10.0, -11.5)), *others
-
-    monkeypatch.setattr(mold, "bolts", inwards)
-    assert failures() == {"mold.land.bolts_to_cavity"}
-
-
 def test_a_vent_that_is_shut(monkeypatch: pytest.MonkeyPatch) -> None:
     """The tail's passage through the collar is filled: air stays behind the sensor."""
     part = parts.PARTS["bone"]
     plug = Box((-4.0, -5.0, -3.0), (4.0, 1.0, 1.0))
     monkeypatch.setitem(parts.PARTS, "bone", replace(part, describe=lambda d: union(part.describe(d), plug)))
-    assert failures() == {"sensor.vent_open_to_outside"}
-
-
-def test_a_vent_that_does_not_reach(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.runners
-
-    def short(design: Design, m: object) -> tuple[object, ...]:
-        *others, last = original(design, m)  # type: ignore[arg-type]
-        assert isinstance(last, Cone)
-        return (*others, replace(last, high=36.0))
-
-    monkeypatch.setattr(mold, "runners", short)
-    assert failures() == {"mold.gate_and_vents_reach_outside"}
-
-
-def test_a_vent_that_misses_the_cavity(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.runners
-
-    def high(design: Design, m: object) -> tuple[object, ...]:
-        *others, last = original(design, m)  # type: ignore[arg-type]
-        assert isinstance(last, Cone)
-        return (*others, replace(last, low=36.0))
-
-    monkeypatch.setattr(mold, "runners", high)
-    assert failures() == {"mold.hollows_connected"}
-
-
-def test_an_apex_without_a_vent(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.runners
-
-    def moved(design: Design, m: object) -> tuple[object, ...]:
-        gate, funnel, apex, second = original(design, m)  # type: ignore[arg-type]
-        assert isinstance(apex, Cone)
-        return gate, funnel, replace(apex, centre=(2.4, 0.0)), second
-
-    monkeypatch.setattr(mold, "runners", moved)
-    assert failures() == {"mold.unvented_height"}
-
-
-def test_nut_traps_into_the_cavity_and_keys_beside_it() -> None:
-    assert measured("mold.wall_mm=1.2", "mold.engraving_depth_mm=0")["mold.wall.cavity_to_outside"].value == (
-        pytest.approx(1.2, abs=0.01)
-    )
-    assert measured()["mold.land.keys_to_cavity"].value > 3.0
-
-
-def test_an_engraving_too_deep(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.engraving
-
-    def deep(design: Design, m: object, half: str) -> tuple[object, ...]:
-        deeper = 3.6 if half == "palmar" else 0.0
-        return tuple(replace(p, high=p.high + deeper) for p in original(design, m, half))  # type: ignore[arg-type, union-attr, type-var]
-
-    monkeypatch.setattr(mold, "engraving", deep)
-    assert failures() == {"mold.wall.cavity_to_cuts"}
-
-
-def test_a_key_at_the_cavitys_edge(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.keys
-
-    def inwards(design: Design, m: object, gap_mm: float = 0.0) -> tuple[object, ...]:
-        first, second = original(design, m, gap_mm)  # type: ignore[arg-type]
-        assert isinstance(first, Cone)
-        return replace(first, centre=(first.centre[0], first.centre[1] + 2.5)), second
-
-    monkeypatch.setattr(mold, "keys", inwards)
-    assert "mold.land.keys_to_cavity" in failures()
-
-
-def test_cables_that_come_out_into_the_mold(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Overmolding closes the mold with the cables in place; a sleeve's core has none."""
-    original = bone.cable_channel
-
-    def nearer(design: Design) -> ElbowTube:
-        tube = original(design)
-        assert isinstance(tube, ElbowTube)
-        return replace(tube, start_z=-1.0, exit_z=-6.0)
-
-    monkeypatch.setattr(bone, "cable_channel", nearer)
-    assert "mold.across_the_cables" in failures()
-    assert "mold.across_the_cables" not in failures(*SLEEVE)
-
-
-def test_a_hollow_that_looks_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A ball-ended groove below the parting plane: the palmar half would hold what flows into it."""
-    original = mold.openings
-    groove = cylinder("z", (8.0, -3.0), 5.0, 15.0, 0.7)
-    monkeypatch.setattr(mold, "openings", lambda design: union(original(design), groove))
-    assert "mold_palmar.undercut" in failures()
-    assert "mold_dorsal.undercut" not in failures()
+    assert failures() == {"sensor.vent_open_to_outside", "overlap.bone.sensor", "sensor.room_in_pocket"}
 
 
 def test_parts_larger_than_the_printer() -> None:

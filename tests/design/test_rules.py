@@ -27,6 +27,7 @@ BROKEN = {
     "bone.channel_bend_radius_mm": ["bone.channel_bend_radius_mm=1.2"],
     "bone.base_length_mm": ["bone.base_length_mm=15"],
     "bone.relief_length_mm": ["sensor.model=fsr402_short", "bone.relief_length_mm=18"],
+    "bone.collar_length_mm": ["bone.collar_length_mm=0.8"],
     "bone.collar_inset_mm": ["bone.collar_inset_mm=1.45"],
     "bone.groove_depth_mm": ["bone.groove_depth_mm=2.5"],
     "bone.tie_hole_diameter_mm": ["bone.tie_hole_diameter_mm=3"],

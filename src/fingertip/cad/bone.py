@@ -29,11 +29,12 @@ def sensor_recess(design: Design) -> Solid:
     relief_floor = flat + dims.channel_depth + bone.channel_diameter_mm / 2
     relief_top = dims.tail_end_z + dims.relief_half_length
     pocket = cylinder("y", (dims.sensor_z, 0.0), above, floor, head)
+    tail_top = dims.sensor_z + design.sensor.clearance_mm  # room for a tail that is wider than its head, too
     relief = Box((-tail, above, dims.relief_proximal_z), (tail, relief_floor, relief_top))
     if not dims.tail_passes_collar:
-        return union(pocket, Box((-tail, above, dims.tail_end_z), (tail, floor, dims.sensor_z)), relief)
-    passage = Box((-tail, floor - max(TUNNEL_MM, dims.pocket_depth), dims.tail_end_z), (tail, floor, dims.sensor_z))
-    under_skin = Box((-tail, above, 0.0), (tail, floor, dims.sensor_z))
+        return union(pocket, Box((-tail, above, dims.tail_end_z), (tail, floor, tail_top)), relief)
+    passage = Box((-tail, floor - max(TUNNEL_MM, dims.pocket_depth), dims.tail_end_z), (tail, floor, tail_top))
+    under_skin = Box((-tail, above, 0.0), (tail, floor, tail_top))
     return union(pocket, passage, under_skin, relief)
 
 

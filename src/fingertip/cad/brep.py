@@ -20,6 +20,7 @@ from fingertip.cad.solids import (
     Scaled,
     Solid,
     Union,
+    place,
 )
 from fingertip.conic import ConicBody, CrossSection
 from fingertip.errors import Fault, GeometryError, MissingLibraryError
@@ -112,12 +113,7 @@ def volume(shape: Any) -> float:
 
 
 def _cone(c: Cone) -> Any:
-    u, v = c.centre
-    origin, direction = {
-        "x": (cq.Vector(c.low, u, v), cq.Vector(1, 0, 0)),
-        "y": (cq.Vector(v, c.low, u), cq.Vector(0, 1, 0)),
-        "z": (cq.Vector(u, v, c.low), cq.Vector(0, 0, 1)),
-    }[c.axis]
+    origin, direction = cq.Vector(*place(c.axis, *c.centre, c.low)), cq.Vector(*place(c.axis, 0.0, 0.0, 1.0))
     height = c.high - c.low
     if c.low_radius == c.high_radius:  # makeCone refuses equal radii
         return cq.Solid.makeCylinder(c.low_radius, height, origin, direction)
@@ -125,9 +121,8 @@ def _cone(c: Cone) -> Any:
 
 
 def _prism(p: Prism) -> Any:
-    corners = [cq.Vector(x, p.low, z) for z, x in p.corners]
-    outline = cq.Wire.makePolygon(corners, close=True)
-    return cq.Solid.extrudeLinear(outline, [], cq.Vector(0, p.high - p.low, 0))
+    outline = cq.Wire.makePolygon([cq.Vector(*place(p.axis, u, v, p.low)) for u, v in p.corners], close=True)
+    return cq.Solid.extrudeLinear(outline, [], cq.Vector(*place(p.axis, 0.0, 0.0, p.high - p.low)))
 
 
 def _elbow(e: ElbowTube) -> Any:

@@ -6,10 +6,11 @@ the skin sit tight, and pulled over the bone afterwards.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
-from fingertip.cad.solids import Box, Form, Solid, difference, scaled, union
-from fingertip.conic import ConicBody
+from fingertip.cad.solids import Box, Form, Prism, Solid, difference, intersection, scaled, union
+from fingertip.conic import ConicBody, CrossSection
 from fingertip.design import Design
 
 
@@ -24,7 +25,41 @@ def core(design: Design, inset_mm: float = 0.0) -> Solid:
         (-section.half_width - past, -section.palmar - past, body.stations[0][0] - past),
         (section.half_width + past, -dims.flat_depth + inset_mm, design.skin.length_mm + past),
     )
-    return union(difference(Form(body), below, *_groove(design, body)), Form(dims.collar))
+    return union(difference(Form(body), below, *_groove(design, body)), collar(design))
+
+
+def collar(design: Design) -> Solid:
+    """The flange the skin ends on."""
+    dims = design.dimensions
+    section = dims.collar.section
+    low = dims.collar.stations[0][0] - section.half_width  # past the foot, which the intersection cuts
+    flange = Form(ConicBody(section, ((low, 1.0), (0.0, 1.0))))
+    return intersection(flange, above_foot(design))
+
+
+def above_foot(design: Design, gap_mm: float = 0.0) -> Solid:
+    """Everything above the foot of the collar, or above its recess's, which lies `gap_mm` lower.
+
+    The foot falls towards the parting plane from both sides: the recess's is parallel to it, and leaves it at once
+    when a half is pulled off.
+    """
+    dims, slope = design.dimensions, design.dimensions.draft_slope
+    lowest = dims.collar.stations[0][0] - gap_mm * math.hypot(1.0, slope)
+    section = dims.collar.section
+    reach, top = section.palmar + section.dorsal, section.half_width
+    side = lowest + slope * reach
+    outline = ((0.0, lowest), (reach, side), (reach, side + top), (-reach, side + top), (-reach, side))
+    return Prism("x", outline, -2 * section.half_width, 2 * section.half_width)
+
+
+def grown(section: CrossSection, gap_mm: float) -> CrossSection:
+    """The section with `gap_mm` more half width and half heights [mm]."""
+    return replace(
+        section,
+        half_width=section.half_width + gap_mm,
+        palmar=section.palmar + gap_mm,
+        dorsal=section.dorsal + gap_mm,
+    )
 
 
 def dummy_core(design: Design) -> Solid:
@@ -43,12 +78,8 @@ def inside_skin(design: Design) -> Solid:
 
 
 def _smaller(body: ConicBody, inset: float) -> ConicBody:
-    section = body.section
-    smaller = replace(
-        section, half_width=section.half_width - inset, palmar=section.palmar - inset, dorsal=section.dorsal - inset
-    )
     assert body.tip is not None
-    return replace(body, section=smaller, tip=replace(body.tip, z=body.tip.z - inset))
+    return replace(body, section=grown(body.section, -inset), tip=replace(body.tip, z=body.tip.z - inset))
 
 
 def _groove(design: Design, body: ConicBody) -> tuple[Solid, ...]:

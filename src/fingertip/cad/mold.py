@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from fingertip.cad import strokes
+from fingertip.cad.core import above_foot, grown
 from fingertip.cad.skin import cavity
-from fingertip.cad.solids import Box, Cone, Form, Prism, Solid, cylinder, difference, hexagon, union
-from fingertip.conic import ConicBody, CrossSection
+from fingertip.cad.solids import Box, Cone, Form, Prism, Solid, cylinder, difference, hexagon, intersection, union
+from fingertip.conic import ConicBody
 from fingertip.design import Design
+from fingertip.design.draft import drafted_outline
 from fingertip.design.mold_layout import MoldLayout, lay_out
 
 _STROKE = 0.8  # width of the letters' strokes, in units of their grid
@@ -29,25 +30,26 @@ def openings(design: Design) -> Solid:
 
 
 def base_recess(design: Design, m: MoldLayout) -> tuple[Solid, ...]:
-    """Recess that holds and locates the bone's base and its collar, with the fit's clearance all round."""
-    dims, gap = design.dimensions, design.mold.fit_clearance_mm
-    wider = _grown(dims.envelope.section, gap)
+    """Recess that holds and locates the bone's base and its collar: the fit's clearance all round, and draft.
+
+    Where the outlines stand steeper than the draft, beside the parting plane, straight walls take their place.
+    """
+    dims, gap, slope = design.dimensions, design.mold.fit_clearance_mm, design.dimensions.draft_slope
+    wider, flat = grown(dims.envelope.section, gap), dims.flat_depth + gap
     past = wider.half_width
     low = m.proximal_z - past
     base = Form(ConicBody(wider, ((low, 1.0), (0.0, 1.0))))
-    below = Box(
-        (-wider.half_width - past, -wider.palmar - past, low - past),
-        (wider.half_width + past, -dims.flat_depth - gap, past),
-    )
-    foot = dims.collar.stations[0][0] - gap
-    collar = Form(ConicBody(_grown(dims.collar.section, gap), ((foot, 1.0), (_OVERLAP_MM, 1.0))))
-    return difference(base, below), collar
-
-
-def _grown(section: CrossSection, gap: float) -> CrossSection:
-    return replace(
-        section, half_width=section.half_width + gap, palmar=section.palmar + gap, dorsal=section.dorsal + gap
-    )
+    below = Box((-wider.half_width - past, -wider.palmar - past, low - past), (wider.half_width + past, -flat, past))
+    section, top = grown(dims.collar.section, gap), _OVERLAP_MM
+    foot = dims.collar.stations[0][0] - past
+    base_walls: list[Solid] = [difference(base, below)]
+    collar_walls: list[Solid] = [Form(ConicBody(section, ((foot, 1.0), (top, 1.0))))]
+    if slope > 0.0:
+        base_walls.append(
+            Prism("z", drafted_outline(wider, slope, flat), low, _OVERLAP_MM - design.bone.collar_length_mm)
+        )
+        collar_walls.append(Prism("z", drafted_outline(section, slope), foot, top))
+    return *base_walls, intersection(union(*collar_walls), above_foot(design, gap))
 
 
 def runners(design: Design, m: MoldLayout) -> tuple[Solid, ...]:
@@ -76,12 +78,11 @@ def nut_traps(design: Design, m: MoldLayout) -> tuple[Solid, ...]:
 
 def keys(design: Design, m: MoldLayout, gap_mm: float = 0.0) -> tuple[Solid, ...]:
     """Registration keys on the dorsal half; grown by `gap_mm` all round, their sockets in the palmar half."""
-    mold = design.mold
-    slope = math.tan(math.radians(mold.draft_deg))
-    inside, top = m.dorsal_height / 2, -mold.key_height_mm - gap_mm
-    grown = gap_mm * math.hypot(1.0, slope)  # so that the gap is `gap_mm` at right angles to the drafted wall
+    slope = design.dimensions.draft_slope
+    inside, top = m.dorsal_height / 2, -design.mold.key_height_mm - gap_mm
+    wider = gap_mm * math.hypot(1.0, slope)  # so that the gap is `gap_mm` at right angles to the drafted wall
     return tuple(
-        Cone("y", (z, x), top, inside, root / 2 + grown + slope * top, root / 2 + grown + slope * inside)
+        Cone("y", (z, x), top, inside, root / 2 + wider + slope * top, root / 2 + wider + slope * inside)
         for x, z, root in m.keys
     )
 
@@ -114,7 +115,7 @@ def engraving(design: Design, m: MoldLayout, half: str) -> tuple[Solid, ...]:
         for quad in strokes.quads(text, _STROKE):
             # Seen from the back x points up where z points right, seen from the palm it points down.
             corners = [(start_z + unit * u, (foot_x + unit * v) * (1 if dorsal else -1)) for u, v in quad]
-            prisms.append(Prism(tuple(corners if dorsal else corners[::-1]), low, high))
+            prisms.append(Prism("y", tuple(corners if dorsal else corners[::-1]), low, high))
     return tuple(prisms)
 
 

@@ -14,6 +14,18 @@ from typing import Literal, TypeAlias
 from fingertip.conic import ConicBody
 
 Axis = Literal["x", "y", "z"]
+Point3: TypeAlias = tuple[float, float, float]
+
+
+def place(axis: Axis, u: float, v: float, w: float) -> Point3:
+    """The point at w along the axis and (u, v) across it, in cyclic order."""
+    match axis:
+        case "x":
+            return w, u, v
+        case "y":
+            return v, w, u
+        case "z":
+            return u, v, w
 
 
 @dataclass(frozen=True)
@@ -46,11 +58,13 @@ def cylinder(axis: Axis, centre: tuple[float, float], low: float, high: float, r
 
 @dataclass(frozen=True)
 class Prism:
-    """Convex polygon in the plane of z and x, drawn out along y [mm].
+    """Convex polygon across an axis, drawn out along it [mm].
 
-    `corners` are (z, x), counter-clockwise in that order of axes (clockwise seen from the back of the finger).
+    `corners` are the two other coordinates in cyclic order, as in `Cone`, and run counter-clockwise in that order:
+    (z, x) for y, which is clockwise seen from the back of the finger.
     """
 
+    axis: Axis
     corners: tuple[tuple[float, float], ...]
     low: float
     high: float
@@ -61,7 +75,7 @@ def hexagon(z: float, x: float, width: float, low: float, high: float) -> Prism:
     r = width / math.sqrt(3.0)
     half, side = r / 2, width / 2
     ring = ((0.0, r), (-side, half), (-side, -half), (0.0, -r), (side, -half), (side, half))
-    return Prism(tuple((z + dz, x + dx) for dz, dx in ring), low, high)
+    return Prism("y", tuple((z + dz, x + dx) for dz, dx in ring), low, high)
 
 
 @dataclass(frozen=True)

@@ -14,13 +14,12 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.cad.solids import Axis, Box, Cone, ElbowTube, Form, Primitive, Prism
+from fingertip.cad.solids import Box, Cone, ElbowTube, Form, Point3, Primitive, Prism, place
 from fingertip.conic import ELLIPSE, ConicBody, arc_point
 
 Vertices: TypeAlias = NDArray[np.float64]
 Triangles: TypeAlias = NDArray[np.int64]
 Point2: TypeAlias = tuple[float, float]
-Point3: TypeAlias = tuple[float, float, float]
 
 
 def tessellate(solid: Primitive, tolerance_mm: float) -> tuple[Vertices, Triangles]:
@@ -37,8 +36,8 @@ def tessellate(solid: Primitive, tolerance_mm: float) -> tuple[Vertices, Triangl
             return _stack([[(x, y, z) for x, y in ring] for z in (low[2], high[2])])
         case Cone():
             return _cone(solid, tolerance_mm)
-        case Prism(corners, bottom, top):
-            return _stack([[(x, y, z) for z, x in corners] for y in (bottom, top)])
+        case Prism(axis, corners, bottom, top):
+            return _stack([[place(axis, u, v, w) for u, v in corners] for w in (bottom, top)])
         case ElbowTube():
             return _elbow(solid, tolerance_mm)
         case Form(body):
@@ -85,18 +84,7 @@ def _cone(c: Cone, tolerance: float) -> tuple[Vertices, Triangles]:
     unit = _circle(1.0, tolerance / max(c.low_radius, c.high_radius))
     u0, v0 = c.centre
     ends = ((c.low, c.low_radius), (c.high, c.high_radius))
-    return _stack([[_place(c.axis, u0 + r * u, v0 + r * v, w) for u, v in unit] for w, r in ends])
-
-
-def _place(axis: Axis, u: float, v: float, w: float) -> Point3:
-    """The point at w along the axis and (u, v) across it, in cyclic order."""
-    match axis:
-        case "x":
-            return w, u, v
-        case "y":
-            return v, w, u
-        case "z":
-            return u, v, w
+    return _stack([[place(c.axis, u0 + r * u, v0 + r * v, w) for u, v in unit] for w, r in ends])
 
 
 def _elbow(e: ElbowTube, tolerance: float) -> tuple[Vertices, Triangles]:

@@ -39,7 +39,10 @@ class Dimensions:
     relief_half_length: float
     """Of the recess for the solder joints, around the end of the tail."""
     collar: ConicBody
-    """Flange below the skin: the skin ends on it, and it locates the bone in the mold."""
+    """Flange below the skin: the skin ends on it, and it locates the bone in the mold. This long at the parting
+    plane; away from that its foot rises by `draft_slope`."""
+    draft_slope: float
+    """Tangent of the mold's draft [mm per mm]: no half rubs along key, base or collar while it is pulled."""
     shrinkage: float
     """Size of the cavity against the skin's."""
 
@@ -129,6 +132,7 @@ def derive(design: Tables) -> Dimensions:
             ),
             ((-bone.collar_length_mm, 1.0), (0.0, 1.0)),
         ),
+        draft_slope=math.tan(math.radians(design.mold.draft_deg)),
         shrinkage=1.0 / (1.0 - design.mold.silicone_shrinkage_percent / 100.0),
     )
 

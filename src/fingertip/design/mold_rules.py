@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 
 from fingertip.design.dimensions import derive
+from fingertip.design.draft import drafted_outline
 from fingertip.design.mold_layout import lay_out
 from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
 from fingertip.design.tables import Tables
 
 RULES = Ruleset()
 _WIDTHS = ("skin.width_mm", "skin.taper_ratio")
+_COLLAR_LEFT = 0.6  # length of the collar [mm] where its draft has taken most of it
 
 
 @RULES.rule("mold.recess_length_mm", "bone.base_length_mm")
@@ -23,23 +25,45 @@ def _recess_within_base(d: Tables) -> str | None:
     )
 
 
-@RULES.rule("mold.fit_clearance_mm", "bone.collar_inset_mm")
+@RULES.rule(
+    "mold.fit_clearance_mm", "bone.collar_inset_mm", "mold.draft_deg", "skin.width_mm", "skin.semi_axis_palmar_mm",
+    "skin.semi_axis_dorsal_mm", "skin.squareness_palmar", "skin.squareness_dorsal",
+)  # fmt: skip
 def _recess_within_cavity(d: Tables) -> str | None:
-    most = d.bone.collar_inset_mm - 0.05
+    dims = derive(d)
+    section = dims.collar.section
+    drafted = max(x for x, _ in drafted_outline(section, dims.draft_slope))
+    most = d.bone.collar_inset_mm - (drafted - section.half_width) - 0.05
     if d.mold.fit_clearance_mm <= most + SLACK:
         return None
     return (
-        f"{d.mold.fit_clearance_mm:g} mm opens the collar's recess past the skin's edge; at most {floor2(most)} mm "
-        "(bone.collar_inset_mm)."
+        f"{d.mold.fit_clearance_mm:g} mm opens the collar's recess past the skin's edge; at most "
+        f"{floor2(max(0.0, most))} mm (bone.collar_inset_mm)."
     )
 
 
-@RULES.rule("mold.recess_length_mm", "bone.collar_length_mm", "mold.fit_clearance_mm")
+@RULES.rule("mold.recess_length_mm", "bone.collar_length_mm", "mold.fit_clearance_mm", "mold.draft_deg")
 def _recess_holds_collar(d: Tables) -> str | None:
-    least = d.bone.collar_length_mm + d.mold.fit_clearance_mm + 1.0
+    gap = d.mold.fit_clearance_mm * math.hypot(1.0, derive(d).draft_slope)
+    least = d.bone.collar_length_mm + gap + 1.0
     if d.mold.recess_length_mm >= least - SLACK:
         return None
     return f"{d.mold.recess_length_mm:g} mm does not hold the collar and a wall behind it; at least {ceil2(least)} mm."
+
+
+@RULES.rule(
+    "bone.collar_length_mm", "mold.draft_deg", "bone.collar_inset_mm", "skin.semi_axis_palmar_mm",
+    "skin.semi_axis_dorsal_mm",
+)  # fmt: skip
+def _collar_outlasts_its_draft(d: Tables) -> str | None:
+    section, slope = derive(d).collar.section, derive(d).draft_slope
+    least = _COLLAR_LEFT + slope * max(section.palmar, section.dorsal)
+    if d.bone.collar_length_mm >= least - SLACK:
+        return None
+    return (
+        f"{d.bone.collar_length_mm:g} mm is used up by a draft of {d.mold.draft_deg:g} degrees before the collar's "
+        f"palmar or dorsal end; at least {ceil2(least)} mm, or less mold.draft_deg."
+    )
 
 
 @RULES.rule("mold.pry_depth_mm", "mold.land_mm")

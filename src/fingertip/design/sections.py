@@ -60,7 +60,13 @@ class Bone(Section):
         least=0.8,
         most=6,
     )
-    collar_length_mm: float = quantity(2.0, "mm", "Collar on which the skin ends.", least=0.8, most=10)
+    collar_length_mm: float = quantity(
+        2.0,
+        "mm",
+        "Collar on which the skin ends, at the parting plane; the draft shortens it elsewhere.",
+        least=0.8,
+        most=10,
+    )
     collar_inset_mm: float = quantity(
         0.3, "mm", "How far the collar stays inside the skin's outline.", least=0.1, most=5
     )
@@ -131,7 +137,9 @@ class Mold(Section):
     )
     wall_mm: float = quantity(4.0, "mm", "Mold below, above and behind the cavity.", least=1.2, most=30)
     land_mm: float = quantity(3.0, "mm", "Flat left between the cavity and bolts or keys.", least=1, most=20)
-    draft_deg: float = quantity(3.0, "degree", "Draft of the registration keys.", least=0, most=15)
+    draft_deg: float = quantity(
+        3.0, "degree", "Draft of the registration keys and of the recess's walls.", least=0, most=15
+    )
     fit_clearance_mm: float = quantity(0.15, "mm", "Gap between the bone's base and its recess.", least=0.02, most=1)
     recess_length_mm: float = quantity(8.0, "mm", "Length of the recess that holds the bone's base.", least=2, most=60)
     gate_diameter_mm: float = quantity(3.0, "mm", "Gate into the cavity, beside the apex.", least=0.8, most=12)

@@ -33,10 +33,8 @@ def failures(part: Part, mesh: Mesh) -> set[str]:
 
 
 def assembly_failures(design: Design, evaluator: Evaluator, **changed: Solid) -> set[str]:
-    solids = {
-        name: evaluator.manifold(changed.get(name, part.describe(design))) for name, part in parts_of(design).items()
-    }
-    return {check.name for check in checks.of_assembly(design, evaluator, solids) if not check.passed}
+    parts = {name: changed.get(name, part.describe(design)) for name, part in parts_of(design).items()}
+    return {check.name for check in checks.of_assembly(design, evaluator, parts) if not check.passed}
 
 
 def bone_mesh(evaluator: Evaluator, solid: Solid) -> Mesh:

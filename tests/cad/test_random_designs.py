@@ -41,8 +41,7 @@ def accepted(seed: int) -> Iterator[Design]:
 def test_meshes_of_a_random_design_pass_every_check(seed: int) -> None:
     design, evaluator = next(accepted(seed)), Evaluator(TOLERANCE)
     parts = parts_of(design)
-    solids = {name: evaluator.manifold(part.describe(design)) for name, part in parts.items()}
-    found = list(checks.of_assembly(design, evaluator, solids))
+    found = list(checks.of_assembly(design, evaluator, {name: part.describe(design) for name, part in parts.items()}))
     for part in parts.values():
         found += checks.of_file(design, part, evaluator.mesh(part.describe(design)), "mesh")
     assert [check for check in found if not check.passed] == []

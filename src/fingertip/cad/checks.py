@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import combinations
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -13,7 +14,7 @@ from fingertip.cad import core, mold
 from fingertip.cad import skin as skin_part
 from fingertip.cad.mesh import Evaluator, Mesh, to_manifold
 from fingertip.cad.parts import Part
-from fingertip.cad.solids import union
+from fingertip.cad.solids import Solid, intersection, scaled, union
 from fingertip.design import Design
 from fingertip.design.mold_layout import lay_out
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 NO_VOLUME_MM3 = 1e-3
 """Volumes below this are nothing: the rounding of 10 000 mm2 of surface to a grid of 8 nm stays below it."""
+HALVES = ("mold_palmar", "mold_dorsal")
 PULL_DISTANCES_MM = (0.02, 0.2, 1.0, 4.0, 12.0)
 
 
@@ -81,27 +83,46 @@ def against_brep(part: Part, mesh: Mesh, exact_volume_mm3: float, tolerance_mm: 
     return Check(f"{part.name}.volume_against_brep", difference, tolerance_mm * mesh.area(), "mm3")
 
 
-def of_assembly(design: Design, evaluator: Evaluator, solids: Mapping[str, Manifold]) -> Iterator[Check]:
-    """Identities between the parts that were asked for."""
-    growth = design.dimensions.shrinkage
-    if "skin" in solids:
-        yield _nothing("cavity_less_core_is_skin", _cast_defect(design, evaluator, solids["skin"]))
-    together = dict(solids)
+def of_assembly(design: Design, evaluator: Evaluator, parts: Mapping[str, Solid]) -> Iterator[Check]:
+    """Identities between the parts that were asked for, each by its name."""
+    if "skin" in parts:
+        yield _nothing("cavity_less_core_is_skin", _cast_defect(design, evaluator, parts["skin"]))
+    inside = {name: solid for name, solid in parts.items() if name not in HALVES}
     if design.mold.method == "sleeve":
-        together.pop("bone", None)  # it is not in the mold, and the skin is smaller than it on purpose
-        if "skin" in together:
-            together["skin"] = together["skin"].scale((growth,) * 3)  # its size before it shrinks
-    for first, second in _pairs(together):
-        yield _nothing(f"overlap.{first}.{second}", (together[second] ^ together[first]).volume())
-    halves = [name for name in ("mold_palmar", "mold_dorsal") if name in together]
-    cast = [solid for name, solid in together.items() if name not in halves]
-    for name in halves:
-        yield _nothing(f"pull.{name}", _caught(together[name], cast, -1.0 if name == "mold_palmar" else 1.0))
+        inside.pop("bone", None)  # it is not in the mold, and the skin is smaller than it on purpose
+        if "skin" in inside:
+            inside["skin"] = scaled(inside["skin"], design.dimensions.shrinkage)  # its size before it shrinks
+    halves = {name: solid for name, solid in parts.items() if name in HALVES}
+    yield from _overlaps(evaluator, inside, halves)
+    if inside:
+        cast = evaluator.manifold(union(*inside.values()))
+        for name, half in halves.items():
+            yield _nothing(f"pull.{name}", _caught(evaluator.manifold(half), cast, -1.0 if name == HALVES[0] else 1.0))
     if len(halves) == 2:
-        yield _nothing("halves_and_hollows_are_block", _block_defect(design, evaluator, solids))
+        yield _nothing("halves_and_hollows_are_block", _block_defect(design, evaluator, halves.values()))
 
 
-def _cast_defect(design: Design, evaluator: Evaluator, skin: Manifold) -> float:
+def _overlaps(evaluator: Evaluator, inside: Mapping[str, Solid], halves: Mapping[str, Solid]) -> Iterator[Check]:
+    """Overlap of each pair. What lies inside is held against a half as one: only if they overlap is it by pairs.
+
+    Parts inside share their surfaces, whose intersection costs four times their union: |A & B| = |A| + |B| - |A + B|.
+    """
+
+    def volume(solid: Solid) -> float:
+        return float(evaluator.manifold(solid).volume())
+
+    for (first, one), (second, other) in combinations(inside.items(), 2):
+        yield _nothing(f"overlap.{first}.{second}", volume(one) + volume(other) - volume(union(one, other)))
+    for half, solid in halves.items():
+        together = volume(intersection(union(*inside.values()), solid)) if inside else 0.0
+        for name, one in inside.items():
+            alone = together if together <= NO_VOLUME_MM3 else volume(intersection(one, solid))
+            yield _nothing(f"overlap.{name}.{half}", alone)
+    if len(halves) == 2:
+        yield _nothing(f"overlap.{'.'.join(halves)}", volume(intersection(*halves.values())))
+
+
+def _cast_defect(design: Design, evaluator: Evaluator, skin: Solid) -> float:
     """|cavity - core - what shrinks to the skin| [mm3].
 
     A sleeve shrinks with its core. Overmolded silicone does not shrink the bone: what the cavity is larger by around
@@ -110,7 +131,7 @@ def _cast_defect(design: Design, evaluator: Evaluator, skin: Manifold) -> float:
     cavity, around = evaluator.manifold(skin_part.cavity(design)), evaluator.manifold(core.cast_around(design))
     cast = cavity.volume() - (cavity ^ around).volume()
     growth = design.dimensions.shrinkage**3
-    expected = growth * skin.volume()
+    expected = growth * evaluator.manifold(skin).volume()
     if design.mold.method == "overmold":
         expected += (growth - 1.0) * (cavity.scale((1.0 / design.dimensions.shrinkage,) * 3) ^ around).volume()
     return abs(float(cast - expected))
@@ -120,27 +141,19 @@ def _nothing(name: str, volume: float) -> Check:
     return Check(name, volume, NO_VOLUME_MM3, "mm3")
 
 
-def _pairs(names: Iterable[str]) -> Iterator[tuple[str, str]]:
-    listed = list(names)
-    return ((a, b) for i, a in enumerate(listed) for b in listed[i + 1 :])
-
-
-def _caught(half: Manifold, cast: list[Manifold], direction: float) -> float:
+def _caught(half: Manifold, cast: Manifold, direction: float) -> float:
     """Most volume [mm3] a half drags through what lies in the mold while it is pulled off."""
     moved = (half.translate((0.0, direction * distance, 0.0)) for distance in PULL_DISTANCES_MM)
-    return max((float((there ^ solid).volume()) for there in moved for solid in cast), default=0.0)
+    return max(float((there ^ cast).volume()) for there in moved)
 
 
-def _block_defect(design: Design, evaluator: Evaluator, solids: Mapping[str, Manifold]) -> float:
+def _block_defect(design: Design, evaluator: Evaluator, halves: Iterable[Solid]) -> float:
     """|block - (halves + everything hollow)| [mm3]; the hollows are built apart from the halves."""
     m = lay_out(design, design.dimensions)
-    block = evaluator.manifold(mold.block(design))
-    engraved = (*mold.engraving(design, m, "palmar"), *mold.engraving(design, m, "dorsal"))
-    cut = (*mold.bolts(design, m), *mold.nut_traps(design, m), *mold.pry_slots(design, m), *engraved)
-    tools = union(mold.openings(design), *cut)
-    hollow = (evaluator.manifold(tools) ^ block).volume()
-    below = block.trim_by_plane((0.0, -1.0, 0.0), 0.0)
+    block = mold.block(design)
+    hollows = (intersection(mold.openings(design), block), intersection(mold.cuts(design, m), block))
+    filled = sum(evaluator.manifold(solid).volume() for solid in (*hollows, *halves))
+    below = evaluator.manifold(block).trim_by_plane((0.0, -1.0, 0.0), 0.0)
     for grown, key in zip(mold.keys(design, m, design.mold.key_clearance_mm), mold.keys(design, m), strict=True):
-        hollow += (evaluator.manifold(grown) ^ below).volume() - (evaluator.manifold(key) ^ below).volume()
-    halves = solids["mold_palmar"].volume() + solids["mold_dorsal"].volume()
-    return abs(float(block.volume() - hollow - halves))
+        filled += (evaluator.manifold(grown) ^ below).volume() - (evaluator.manifold(key) ^ below).volume()
+    return abs(float(evaluator.manifold(block).volume() - filled))

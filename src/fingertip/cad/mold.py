@@ -119,6 +119,12 @@ def engraving(design: Design, m: MoldLayout, half: str) -> tuple[Solid, ...]:
     return tuple(prisms)
 
 
+def cuts(design: Design, m: MoldLayout) -> Solid:
+    """Everything cut into the closed mold from outside: bolts, nut traps, pry slots, names."""
+    engraved = (*engraving(design, m, "palmar"), *engraving(design, m, "dorsal"))
+    return union(*bolts(design, m), *nut_traps(design, m), *pry_slots(design, m), *engraved)
+
+
 def mold_palmar(design: Design) -> Solid:
     """The half below the parting plane: key sockets and nut traps."""
     m = lay_out(design, design.dimensions)

@@ -14,7 +14,7 @@ from fingertip.cad.checks import NO_VOLUME_MM3, Check
 from fingertip.cad.core import cast_around, core
 from fingertip.cad.gaps import apart, around
 from fingertip.cad.mesh import Evaluator
-from fingertip.cad.solids import union
+from fingertip.cad.solids import intersection, union
 from fingertip.design import Design
 from fingertip.design.mold_layout import lay_out
 
@@ -28,9 +28,9 @@ _OFF_MM = 0.02  # cuts lie off the planes where solids end
 def of_mold(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     """Gate, vents and what surrounds the cavity."""
     m = lay_out(design, design.dimensions)
-    block, cavity = (evaluator.manifold(s) for s in (mold.block(design), skin_part.cavity(design)))
+    cavity, block = evaluator.manifold(skin_part.cavity(design)), evaluator.manifold(mold.block(design))
     runners = evaluator.manifold(union(*mold.runners(design, m)))
-    hollow = evaluator.manifold(mold.openings(design)) ^ block
+    hollow = evaluator.manifold(intersection(mold.openings(design), mold.block(design)))
     yield Check("mold.hollows_connected", len(hollow.decompose()), 1, "bodies", "exactly")
     face = hollow.trim_by_plane((0.0, 0.0, 1.0), m.distal_z - 0.01)
     yield Check("mold.gate_and_vents_reach_outside", len(face.decompose()), 1 + len(m.vents_x), "mouths", "exactly")
@@ -47,10 +47,8 @@ def of_mold(design: Design, evaluator: Evaluator) -> Iterator[Check]:
 
     wall = design.printer.least_wall_mm - evaluator.tolerance_mm
     outer = around(evaluator, mold.block(design))
-    engraved = (*mold.engraving(design, m, "palmar"), *mold.engraving(design, m, "dorsal"))
-    cuts = union(*mold.nut_traps(design, m), *mold.pry_slots(design, m), *engraved)
     yield apart("mold.wall.cavity_to_outside", cavity, outer, wall)
-    yield apart("mold.wall.cavity_to_cuts", cavity, evaluator.manifold(cuts), wall)
+    yield apart("mold.wall.cavity_to_cuts", cavity, evaluator.manifold(mold.cuts(design, m)), wall)
     fasteners = {
         "bolts": (*mold.bolts(design, m), *mold.nut_traps(design, m)),
         "keys": mold.keys(design, m, design.mold.key_clearance_mm),

@@ -66,8 +66,7 @@ def verify(
         f"{name}.{kind}": MESH_FORMATS[kind].to_bytes(mesh, name) for name, mesh in meshes.items() for kind in kinds
     }
     found = [check for file, data in contents.items() for check in _of_file(design, file, data)]
-    solids = {name: evaluator.manifold(expression) for name, expression in expressions.items()}
-    found += checks.of_assembly(design, evaluator, solids)
+    found += checks.of_assembly(design, evaluator, expressions)
     found += measures.of_parts(design, evaluator, meshes)
     return Verified(meshes, contents, tuple(found))
 

@@ -32,7 +32,7 @@ def checks_of(design: Design, evaluator: RememberingEvaluator) -> tuple[Check, .
         yield from evaluator.fact(key, lambda: tuple(_of_bytes(design, part, meshes[part.name])))
 
     found = [check for part in parts.values() for check in of_file(part)]
-    found += checks.of_assembly(design, evaluator, {n: evaluator.manifold(s) for n, s in expressions.items()})
+    found += checks.of_assembly(design, evaluator, expressions)
     found += measures.of_parts(design, evaluator, meshes)
     return tuple(found)
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import os
 import signal
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from typing import Any, Protocol
 
@@ -49,7 +50,9 @@ class Processes:
         # Each worker marks the point it is at: a breakdown then accuses as many points as there are workers.
         self._marks = self._context.RawArray("q", [NOBODY] * self.workers)
         free = self._context.Value("i", 0)
-        self._pool = ProcessPoolExecutor(self.workers, self._context, _begin, (self._marks, free))
+        with _uninterrupted():
+            self._pool = ProcessPoolExecutor(self.workers, self._context, _begin, (self._marks, free))
+            self._pool.submit(int)  # the first task starts all workers
         return self._pool
 
     def suspects(self) -> Collection[int] | None:
@@ -67,6 +70,19 @@ class Processes:
         for process in started:
             process.join()
         self._pool = None
+
+
+@contextlib.contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Processes started within this block never see an interrupt, not even before their first line; ours waits."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _begin(marks: Any, free: Any) -> None:

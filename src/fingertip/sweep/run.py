@@ -6,6 +6,7 @@ alone, so that whoever breaks down then is known; it is recorded with its reason
 
 from __future__ import annotations
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -24,7 +25,7 @@ from fingertip.sweep.store import Store, Stored, stored
 PART_S = 0.5
 """About how long a worker computes before it reports."""
 MOST_IN_PART = 8192
-WRITE_S, WRITE_ROWS = 1.0, 50_000
+WRITE_S, WRITE_ROWS = 0.5, 50_000
 """Rows are committed this often; what a kill -9 costs is computed again."""
 AHEAD = 2
 """Parts in flight for each worker: one computed, one waiting."""
@@ -120,7 +121,7 @@ class _Sweep:
         self._again: deque[Part] = deque()
         self._suspects: list[Part] = []
         self._rows: list[Stored] = []
-        self._written_at = time.perf_counter()
+        self._written_at = -math.inf  # the first row at once: it shows that the folder can be written
 
     def all_of(self, todo: Iterator[Part]) -> None:
         """Compute everything, then the suspects one by one."""

@@ -255,9 +255,9 @@ def _connect(path: Path, mode: str) -> sqlite3.Connection:
     try:
         quoted = path.absolute().as_posix().replace("%", "%25").replace("?", "%3f").replace("#", "%23")
         connection = sqlite3.connect(f"file:{quoted}?mode={mode}", uri=True, timeout=_PATIENCE_S, isolation_level=None)
-        connection.execute("PRAGMA synchronous = FULL")
     except sqlite3.Error as error:
         raise _unwritable(path.parent, str(error)) from error
+    _said(path.parent, lambda: connection.execute("PRAGMA synchronous = FULL"))
     return connection
 
 

@@ -16,9 +16,10 @@ GRID = "#e5e8eb"
 BLUE, RED, ORANGE, GREEN = "#1f4e79", "#b03a2e", "#d98c2b", "#2e7d5b"
 
 
-def sheet(width_in: float, height_in: float) -> Figure:
-    """An empty figure of that size [inch], 150 pixels to the inch, whose parts keep clear of each other."""
-    return Figure(figsize=(width_in, height_in), dpi=DPI, layout="constrained")
+def sheet(width_in: float, height_in: float, *, arranged: bool = True) -> Figure:
+    """An empty figure of that size [inch], 150 pixels to the inch, whose parts keep clear of each other; of many parts
+    that takes seconds, and `arranged=False` leaves their places to the caller."""
+    return Figure(figsize=(width_in, height_in), dpi=DPI, layout="constrained" if arranged else None)
 
 
 def plain(axes: Axes, grid: Literal["x", "y", "both"] = "y") -> None:

@@ -42,7 +42,7 @@ def write(store: Store, folder: Path, say: Callable[[str], None] = lambda messag
     from fingertip.files import write_whole
     from fingertip.sweep.report.best import as_toml
     from fingertip.sweep.report.summary import as_data, findings
-    from fingertip.sweep.report.text import as_text
+    from fingertip.sweep.report.text import as_text, best_sentence
 
     say("reading the rows")
     found = findings(store.plan, store.table())
@@ -55,7 +55,7 @@ def write(store: Store, folder: Path, say: Callable[[str], None] = lambda messag
 
         say("drawing")
         files |= dict(pictures(found))
-    data = as_data(found) | {"files": sorted([*files, "summary.json"])}
+    data = as_data(found) | {"best_sentence": best_sentence(found), "files": sorted([*files, "summary.json"])}
     files["summary.json"] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
     write_whole(folder, files)
     say(f"wrote {', '.join(sorted(files))} to {folder}")

@@ -16,7 +16,8 @@ LEAST_POINTS = 20
 def explained(y: NDArray[np.float64], bins: Bins) -> float:
     """Share of the variance of `y` between bins, less what chance gives (Kelley's epsilon squared).
 
-    Its mean is 0 where the bins say nothing, so it may be slightly negative; 1 where they say all.
+    Its mean is 0 where the bins say nothing, so it may be slightly negative; 1 where they say all. Points of a grid or
+    of a Sobol sequence are more even than chance: theirs is too low, by (bins - 1) / points at most.
     """
     centred = y - y.mean()
     counts = np.bincount(bins.code, minlength=bins.count)

@@ -38,7 +38,9 @@ def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: int = 0) -
     """
     size = len(columns)
     each = 1.75 if size > 4 else 2.4
-    figure = sheet(each * size + 0.6, each * size + 1.0)
+    width, height = each * size + 1.0, each * size + 1.1
+    figure = sheet(width, height, arranged=False)
+    figure.subplots_adjust(0.95 / width, 0.6 / height, 1 - 0.1 / width, 1 - 0.45 / height, 0.12, 0.12)
     panels = figure.subplots(size, size, squeeze=False)
     drawn = np.array(chosen(len(ok), _MOST_POINTS), dtype=np.intp)
     scales = [scale(name, _finite(column), _HISTOGRAM_BINS) for name, column in columns.items()]
@@ -51,15 +53,15 @@ def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: int = 0) -
             if j > i:
                 _correlation(plot, values[j][ok], values[i][ok])
                 continue
-            x.dress(plot, "x", size=8, margin=0.03)
+            x.dress(plot, "x", size=8, margin=0.03, most=20)
             if i == j:
                 _histogram(plot, x, values[j], ok)
             else:
-                y.dress(plot, "y", size=8, margin=0.03)
+                y.dress(plot, "y", size=8, margin=0.03, most=20)
                 _scatter(plot, _spread(x, values[j][drawn]), _spread(y, values[i][drawn]), ok[drawn])
             for side, shown in (("x", x), ("y", y)):
                 if not shown.words and not shown.log and (i != j or side == "x"):
-                    plot.locator_params(side, nbins=4)
+                    plot.locator_params(side, nbins=3)
             if i < size - 1:
                 plot.set_xlabel("")
                 plot.tick_params(labelbottom=False)
@@ -67,12 +69,13 @@ def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: int = 0) -
                 plot.set_ylabel("")
                 plot.tick_params(labelleft=False)
     panels[0, 0].set_ylabel("points", fontsize=8)
-    figure.align_labels()
+    for i in range(size):
+        panels[i, 0].yaxis.set_label_coords(-0.58 / (each * 0.9), 0.5)
     how = f"{len(drawn)} of {len(ok)} points, drawn at random" if len(drawn) < len(ok) else f"all {len(ok)} points"
     said = f"{how}; blue: feasible, red: not. Above the diagonal: rank correlation of the feasible"
     if left_out:
         said += f"\n{left_out} axes or outputs for which there was no room are left out: those that vary or weigh least"
-    figure.suptitle(said, x=0.01, ha="left", fontsize=9)
+    figure.suptitle(said, x=0.01, y=1 - 0.06 / height, ha="left", va="top", fontsize=9)
     return png(figure)
 
 

@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 
 from fingertip.sweep.report.bins import Bins, Column, by_value, is_spread_by_ratio, is_words, plain
 
-_LONGEST_LINE = 34
-
 
 @dataclass(frozen=True)
 class Scale:
@@ -33,9 +31,12 @@ class Scale:
         """Where values of this column are drawn."""
         return np.searchsorted(self.bins.low, plain(column)).astype(float) if self.words else column.astype(float)
 
-    def dress(self, axes: Axes, side: Literal["x", "y"], *, size: float = 9.0, margin: float = 0.0) -> None:
-        """Give a side of a plot this scale, its limits (and that share of them beyond each) and its name."""
-        getattr(axes, f"set_{side}label")(wrapped(self.name, round(_LONGEST_LINE * 9 / size)), fontsize=size)
+    def dress(
+        self, axes: Axes, side: Literal["x", "y"], *, size: float = 9.0, margin: float = 0.0, most: int = 34
+    ) -> None:
+        """Give a side of a plot this scale, its limits (and that share of them beyond each) and its name in lines of at
+        most that many characters."""
+        getattr(axes, f"set_{side}label")(wrapped(self.name, most), fontsize=size)
         if self.words:
             getattr(axes, f"set_{side}ticks")(range(len(self.words)), self.words)
         elif self.log:
@@ -77,14 +78,13 @@ def _edges(bins: Bins, log: bool) -> NDArray[np.float64]:
     return np.asarray(np.exp(edges) if log else edges, dtype=np.float64)
 
 
-def wrapped(name: str, most: int = _LONGEST_LINE) -> str:
-    """A parameter's name in lines of at most `most` characters where it has dots and underscores to part it at."""
-    lines = [""]
-    for piece in re.findall(r"[^._]+[._]*", name):
-        if lines[-1] and len(lines[-1]) + len(piece) > most:
-            lines.append("")
-        lines[-1] += piece
-    return "\n".join(lines)
+def wrapped(name: str, most: int) -> str:
+    """A parameter's name, in two lines if it is longer: parted near the middle, at a dot or underscore."""
+    ends = [found.end() for found in re.finditer(r"[._]+", name)]
+    if len(name) <= most or not ends:
+        return name
+    cut = min(ends, key=lambda end: abs(2 * end - len(name)))
+    return f"{name[:cut]}\n{name[cut:]}"
 
 
 def chosen(count: int, most: int) -> Sequence[int] | NDArray[np.intp]:

@@ -10,7 +10,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.errors import TraceError
-from fingertip.sim import SceneFile, Trial, run_scene, simulate
+from fingertip.sim import ManipulationFile, SceneFile, Trial, run_scene, simulate
 from fingertip.sim.kinds import kind_of, split
 from fingertip.sim.pipeline import Context
 from fingertip.slip import detect
@@ -241,12 +241,23 @@ def test_all_faults_at_once():
 
 
 def test_files_are_told_apart_by_their_tables(tmp_path):
-    for text, kind in (('scene = "x"', "scene"), ("[skin]", "design"), ("", "design"), ("[slide]", "scene")):
+    for text, kind in (
+        ('scene = "x"', SceneFile), ("[skin]", Design), ("", Design), ("[slide]", SceneFile),
+        ("[grasp]", ManipulationFile), ("[sensing]\n[grasp]", ManipulationFile), ("[sensing]", SceneFile),
+    ):  # fmt: skip
         (tmp_path / "a.toml").write_text(text)
         assert kind_of(tmp_path / "a.toml") == kind
     (tmp_path / "a.toml").write_text("[slide]\n[skin]")
     with pytest.raises(TraceError, match="holds slide of a scene and skin of a design; write them in two files"):
         kind_of(tmp_path / "a.toml")
+    (tmp_path / "a.toml").write_text("[slide]\n[knock]")
+    with pytest.raises(TraceError, match=r"holds knock of a manipulation and slide of a scene; .* one for each"):
+        kind_of(tmp_path / "a.toml")
+    changes = ["tap.force_n=1", "knock.at_s=1", "outputs=[]"]
+    assert split(changes, SceneFile) == (["tap.force_n=1", "outputs=[]"], ["knock.at_s=1"])
+    others = ["cable.hum_v=1", *changes[1:]]
+    assert split(others, ManipulationFile) == (others[1:], others[:1])
+    assert split(changes, Design) == (changes, [])
     assert split(["tap.force_n=1", "skin.width_mm=18"]) == (["tap.force_n=1"], ["skin.width_mm=18"])
     assert split(["tp.force_n=1", "skn.width_mm=18", "x=1"]) == (["tp.force_n=1"], ["skn.width_mm=18", "x=1"])
 

@@ -1,5 +1,5 @@
-"""`fingertip simulate`: a sliding-finger trial of the article, or any scene, as the voltage a converter would have
-sampled."""
+"""`fingertip simulate`: a sliding-finger trial of the article, any scene, or a manipulation, as the voltages that
+converters would have sampled."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, c
 
 if TYPE_CHECKING:
     from fingertip.design import Design
-    from fingertip.sim import SceneFile
+    from fingertip.sim import ManipulationFile, SceneFile
 
 
 @command
@@ -21,6 +21,7 @@ def simulate(
     file: Annotated[Path | None, typer.Argument(help="Design file or scene file; without it, the defaults.")] = None,
     design: Annotated[Path | None, typer.Option("--design", "-d", help="Design file, beside a scene file.")] = None,
     out: Annotated[Path, typer.Option("--out", "-o", help="Trace to write: .csv, or .npz.")] = Path("trace.csv"),
+    plot: Annotated[Path | None, typer.Option("--plot", help="Picture of the outputs to write (PNG).")] = None,
     seed: Annotated[int, typer.Option(help="Seed of force, surface and noise.")] = 0,
     speed_m_s: Annotated[
         float | None, typer.Option("--speed-m-s", help="Peak sliding velocity; the article's: 0.04, 0.06, 0.08.")
@@ -41,15 +42,15 @@ def simulate(
     from fingertip.design import Design
     from fingertip.errors import Fault, FingertipError
     from fingertip.files import write_file
-    from fingertip.sim import scene_table
+    from fingertip.sim import scene_table, summary
     from fingertip.sim.kinds import kind_of, split
-    from fingertip.sim.result import file_bytes
-    from fingertip.slip.intervals import intervals
+    from fingertip.sim.trace_bytes import file_bytes
 
     console = Console(as_json, quiet)
     faults: list[Fault] = []
-    for_scene, for_design = split(changes or ())
-    is_scene = file is not None and kind_of(file) == "scene"
+    kind = kind_of(file) if file else Design
+    for_scene, for_design = split(changes or (), kind)
+    is_scene = kind is not Design
     if design and not is_scene:
         faults.append(Fault("--design", f"stands beside {file or 'no file'}, which is no scene; leave --design out."))
     if for_scene and not is_scene:
@@ -61,15 +62,18 @@ def simulate(
     if is_scene and seed < 0:  # a trial says so itself
         faults.append(Fault("--seed", f"{seed} is negative; choose a whole number of at least 0."))
     loaded: Design | None = None
-    scene: SceneFile | None = None
+    scene: SceneFile | ManipulationFile | None = None
     design_file = design if is_scene else file
     try:
         loaded = Design.load(*([design_file] if design_file else []), changes=for_design)
     except FingertipError as error:
         faults.extend(error.faults)
     try:
-        if is_scene and file:
-            scene = sim.SceneFile.load(file, changes=[*for_scene, *_options(surface, speed_m_s, force_n)])
+        if kind is sim.ManipulationFile and file:
+            told = _of_manipulation(surface, speed_m_s, force_n)
+            scene = sim.ManipulationFile.load(file, changes=[*for_scene, *told])
+        elif is_scene and file:
+            scene = sim.SceneFile.load(file, changes=[*for_scene, *_of_scene(surface, speed_m_s, force_n)])
         else:
             default = sim.Trial()
             scene = sim.Trial(
@@ -87,34 +91,24 @@ def simulate(
         console.result({"parameters": list(scene_table.parameters(scene))}, "\n".join(scene_table.as_text(scene)))
         return
 
-    found = sim.run_scene(loaded, scene, seed, console.say)
-    write_file(out, file_bytes(found, out))
+    found: sim.Simulated | sim.Manipulated
+    if isinstance(scene, sim.ManipulationFile):
+        found = sim.run_manipulation(loaded, scene, None, seed)
+    else:
+        found = sim.run_scene(loaded, scene, seed, console.say)
+    words = summary.as_text(found)
+    if plot is not None:
+        from fingertip.sim.plot import draw
+
+        console.say(f"drawing {plot}")
+        write_file(plot, draw(found, words[0]), "--plot")
+    write_file(out, file_bytes(found.time_s, found.columns, out))
     console.say(f"wrote {out}")
-    slips = intervals(found.time_s, found.columns["slip"].astype(bool)) if "slip" in found.columns else ()
-    data = {
-        "trace": out.as_posix(),
-        "scene": scene.scene,
-        "columns": ["time_s", *found.columns],
-        "samples": len(found.time_s),
-        "sample_rate_hz": loaded.detector.sample_rate_hz,
-        "duration_s": round(float(found.time_s[-1]), 7),
-        "surface": scene.contact.surface,
-        "speed_m_s": scene.slide.speed_m_s if scene.slide.distance_m else 0.0,
-        "force_n": round(found.force_n, 6),
-        "seed": seed,
-        "stages": [{"name": r.name, "states": r.states, "evaluations": r.evaluations} for r in found.ran],
-        "slips": [{"onset_s": round(s.onset_s, 7), "end_s": round(s.end_s, 7)} for s in slips],
-    }
-    what = f"{sim.SURFACES[scene.contact.surface].label}, {scene.slide.speed_m_s:g} m/s"
-    lines = [
-        f"{what if scene.slide.distance_m else scene.scene}, {found.force_n:.2f} N, seed {seed}: "
-        f"{len(found.time_s)} samples, {found.time_s[-1]:.2f} s",
-        *(f"gross slip from {s.onset_s:.4f} s to {s.end_s:.4f} s" for s in slips),
-    ]
-    console.result(data, "\n".join(lines))
+    written = {"trace": out.as_posix()} | ({"plot": plot.as_posix()} if plot else {})
+    console.result(written | summary.as_data(found), "\n".join(words))
 
 
-def _options(surface: str | None, speed_m_s: float | None, force_n: float | None) -> Iterable[str]:
+def _of_scene(surface: str | None, speed_m_s: float | None, force_n: float | None) -> Iterable[str]:
     """The trial's options as changes of a scene."""
     if surface is not None:
         yield f'contact.surface="{surface}"'
@@ -123,3 +117,13 @@ def _options(surface: str | None, speed_m_s: float | None, force_n: float | None
     if force_n is not None:
         yield f"hold.force_least_n={force_n!r}"
         yield f"hold.force_most_n={force_n!r}"
+
+
+def _of_manipulation(surface: str | None, speed_m_s: float | None, force_n: float | None) -> Iterable[str]:
+    """And of a manipulation."""
+    if surface is not None:
+        yield f'object.surface="{surface}"'
+    if speed_m_s is not None:
+        yield f"knock.speed_m_s={speed_m_s!r}"
+    if force_n is not None:
+        yield f"grasp.force_n={force_n!r}"

@@ -1,6 +1,6 @@
 """What happens to a finger, up to the voltage that is sampled: scenes, contact, sensor, board."""
 
-from fingertip.sim.campaign import trials
+from fingertip.sim.campaign import manipulations, trials
 from fingertip.sim.jit import compiled
 from fingertip.sim.manipulation import Controller, FixedGrip, Manipulated, Seen, run_manipulation
 from fingertip.sim.manipulation_file import ManipulationFile
@@ -20,6 +20,7 @@ __all__ = [
     "Simulated",
     "Trial",
     "compiled",
+    "manipulations",
     "run_manipulation",
     "run_scene",
     "simulate",

@@ -1,9 +1,11 @@
-"""The article's 120 trials (III.C): six surfaces and two grasped objects, three velocities, five trials each."""
+"""The article's trials (III.C): 120 with six surfaces and two grasped objects, three velocities, five trials each; and
+12 manipulations, four objects three times."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+from fingertip.sim.manipulation_file import ManipulationFile
 from fingertip.sim.scene_file import SceneFile
 from fingertip.sim.surfaces import SURFACES
 
@@ -30,3 +32,26 @@ def trials() -> Iterator[tuple[SceneFile, int]]:
                 for _ in range(TRIALS):
                     yield scene, seed
                     seed += 1
+
+
+MANIPULATED = {
+    "bottle": (0.5, "plastic", "power"),
+    "parallelepiped": (0.255, "wood", "power"),
+    "small_parallelepiped": (0.06, "wood", "pinch"),
+    "cylinder": (0.02, "wood", "pinch"),
+}
+"""The article's four objects: mass [kg], surface, grasp. The bottle's plastic is taken for the smartphone cover's
+(assumption)."""
+REPEATS = 3
+
+
+def manipulations(first_seed: int = 0) -> Iterator[tuple[ManipulationFile, int]]:
+    """Scene, named after its object, and seed of each manipulation."""
+    seed = first_seed
+    for name, (mass, surface, kind) in MANIPULATED.items():
+        # Power grasps last 1 s longer (article, III.C).
+        grasp = {"kind": kind, "after_s": 2.0 if kind == "power" else 1.0}
+        scene = ManipulationFile(scene=name, object={"mass_kg": mass, "surface": surface}, grasp=grasp)
+        for _ in range(REPEATS):
+            yield scene, seed
+            seed += 1

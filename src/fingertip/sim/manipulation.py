@@ -27,11 +27,10 @@ from fingertip.sim.analog import respond
 from fingertip.sim.circuit import Analog
 from fingertip.sim.inputs import refuse
 from fingertip.sim.manipulation_file import OUTPUTS, ManipulationFile
-from fingertip.sim.manipulation_plan import GRAVITY_M_S2, Plan, plan
+from fingertip.sim.manipulation_plan import Plan, plan, thumb_n
 from fingertip.sim.manipulation_run import GROSS_SLIP_M_S, Run
 from fingertip.sim.pad import Pad
 from fingertip.sim.stages import Ran
-from fingertip.sim.surfaces import SURFACES
 from fingertip.slip.trace import Trace
 
 Array = NDArray[np.float64]
@@ -214,13 +213,10 @@ def _refuse(scene: ManipulationFile, seed: int) -> None:
     faults = []
     if seed < 0:
         faults.append(Fault("--seed", f"{seed} is negative; choose a whole number of at least 0."))
-    held, grasp = scene.object, scene.grasp
-    mu = SURFACES[held.surface].friction.mu_s
-    most = max(grasp.force_least_n, grasp.margin_most * held.mass_kg * GRAVITY_M_S2 / (2 * mu))
+    held, most = scene.object, thumb_n(scene, scene.grasp.margin_most)
     if most > scene.hand.force_most_n:
         sentence = (
-            f"{scene.hand.force_most_n:g} N is less than the thumb needs for {held.mass_kg:g} kg of {held.surface}; "
-            f"at least {most:g} N."
+            f"{scene.hand.force_most_n:g} N is less than the thumb needs for {held.mass_kg:g} kg; at least {most:g} N."
         )
         faults.append(Fault("hand.force_most_n", sentence))
     refuse(faults)

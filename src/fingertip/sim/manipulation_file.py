@@ -7,15 +7,15 @@ grasps and that velocity are the article's; it gives no figure for anything else
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict
 
 from fingertip.design.fields import Section, choice, quantity
 from fingertip.errors import Fault
 from fingertip.sim.scene import ACCELERATION_M_S2
 from fingertip.sim.scene_sections import Sensing
-from fingertip.sim.strict_file import NAME_PATTERN, StrictFile, outputs_broken
+from fingertip.sim.strict_file import StrictFile
 
 OUTPUTS = ("voltage_v", "force_n", "slip", "velocity_m_s", "closing_m", "command_m", "object_m", "pin_n", "envelope_v")
 """Of each finger: voltage_v, sampled; force_n, true normal force; slip, true gross slip; velocity_m_s, of the object
@@ -42,6 +42,7 @@ class Grasp(Section):
     """Which fingers hold it, how hard before anything happens, and when."""
 
     kind: Literal["pinch", "power"] = choice("power", "pinch: thumb against index; power: thumb against four fingers.")
+    force_n: float = quantity(0.0, "N", "The thumb's, before anything happens; 0: by the margins.", least=0, most=20)
     margin_least: float = quantity(
         1.15, "", "The seed draws the force, as a multiple of what just holds the weight, from here.", above=0, most=20
     )
@@ -104,9 +105,8 @@ class ManipulationFile(StrictFile):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip manipulation")
+    known_outputs: ClassVar[tuple[str, ...]] = OUTPUTS
 
-    scene: str = Field("real_manipulation", pattern=NAME_PATTERN, description="Name of the scene.")
-    outputs: list[str] = Field(["voltage_v", "force_n", "slip"], description="Columns wanted beside the time.")
     object: Held = Held()
     grasp: Grasp = Grasp()
     knock: Knock = Knock()
@@ -124,7 +124,7 @@ class ManipulationFile(StrictFile):
 
     def broken(self) -> Iterator[tuple[Fault, set[str]]]:
         """Rules between parameters that do not hold, and the parameters each reads."""
-        yield from outputs_broken(self.outputs, OUTPUTS)
+        yield from super().broken()
         grasp, knock = self.grasp, self.knock
         if grasp.margin_least > grasp.margin_most:
             sentence = f"{grasp.margin_least:g} is above grasp.margin_most; at most {grasp.margin_most:g}."

@@ -64,14 +64,19 @@ class Plan:
         return self.pin.position_m(time_s) - run_up, self.pin.velocity_m_s(time_s)
 
 
+def thumb_n(scene: ManipulationFile, margin: float) -> float:
+    """Force of the thumb [N] for a margin over what just holds the weight: thumb and fingers press alike, both rub."""
+    grasp, mu = scene.grasp, SURFACES[scene.object.surface].friction.mu_s
+    return grasp.force_n or max(grasp.force_least_n, margin * scene.object.mass_kg * GRAVITY_M_S2 / (2 * mu))
+
+
 def plan(scene: ManipulationFile, pad: Pad, seed: int) -> Plan:
     """Draw what the seed decides, and set the moments."""
     rng = random.Random(f"{seed}:grasp")
     held, grasp, knock = scene.object, scene.grasp, scene.knock
     nominal = SURFACES[held.surface].friction
     margin = grasp.margin_least + (grasp.margin_most - grasp.margin_least) * rng.random()
-    # Thumb and fingers press alike, and both sides rub.
-    thumb = max(grasp.force_least_n, margin * held.mass_kg * GRAVITY_M_S2 / (2 * nominal.mu_s))
+    thumb = thumb_n(scene, margin)
     shares = [1 + grasp.uneven * (2 * rng.random() - 1) for _ in scene.fingers[1:]]
     forces = [thumb, *(thumb * share / sum(shares) for share in shares)]
     reach = np.array([grasp.reach_m + REACH_SPREAD_M * (2 * rng.random() - 1) for _ in forces])

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, ClassVar
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict
 
 from fingertip.errors import Fault
 from fingertip.sim.scene_sections import Cable, Contact, Drift, Hold, LoadChange, Motor, Sensing, Slide, Tap
-from fingertip.sim.strict_file import NAME_PATTERN, StrictFile, outputs_broken
+from fingertip.sim.strict_file import StrictFile
 
 OUTPUTS = (
     "voltage_v",
@@ -35,9 +35,8 @@ class SceneFile(StrictFile):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip scene")
+    known_outputs: ClassVar[tuple[str, ...]] = OUTPUTS
 
-    scene: str = Field("scene", pattern=NAME_PATTERN, description="Name of the scene.")
-    outputs: list[str] = Field(["voltage_v", "force_n", "slip"], description="Columns wanted beside the time.")
     contact: Contact = Contact()
     hold: Hold = Hold()
     slide: Slide = Slide()
@@ -53,7 +52,7 @@ class SceneFile(StrictFile):
 
     def broken(self) -> Iterator[tuple[Fault, set[str]]]:
         """Rules between parameters that do not hold, and the parameters each reads."""
-        yield from outputs_broken(self.outputs, OUTPUTS)
+        yield from super().broken()
         hold, slide, tap = self.hold, self.slide, self.tap
         if hold.force_least_n > hold.force_most_n:
             sentence = f"{hold.force_least_n:g} N is above hold.force_most_n; at most {hold.force_most_n:g} N."

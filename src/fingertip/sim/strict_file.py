@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from fingertip.design.cascade import gather
 from fingertip.design.faults import from_pydantic, nearest
 from fingertip.design.fields import Section
 from fingertip.errors import Fault, FingertipError, TraceError
-
-NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$"
 
 
 class StrictFile(BaseModel):
@@ -26,6 +24,10 @@ class StrictFile(BaseModel):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+    known_outputs: ClassVar[tuple[str, ...]]
+
+    scene: str = Field("scene", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the scene.")
+    outputs: list[str] = Field(["voltage_v", "force_n", "slip"], description="Columns wanted beside the time.")
 
     def __init__(self, **tables: Any) -> None:
         try:
@@ -38,7 +40,7 @@ class StrictFile(BaseModel):
 
     def broken(self) -> Iterator[tuple[Fault, set[str]]]:
         """Rules between parameters that do not hold, and the parameters each reads."""
-        yield from ()
+        yield from outputs_broken(self.outputs, self.known_outputs)
 
     @classmethod
     def load(cls, *files: str | Path, changes: Iterable[str] = ()) -> Self:

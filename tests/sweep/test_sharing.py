@@ -213,6 +213,26 @@ def test_the_quick_way_refuses_what_the_whole_design_refuses_in_the_same_words()
     assert 100 < refused < 400
 
 
+@pytest.mark.parametrize("variant", ["paper", "precision", "comparator"])
+@pytest.mark.parametrize("detector", ["paper", "fast"])
+def test_what_is_simulated_does_not_depend_on_the_decision(variant: str, detector: str) -> None:
+    made = plan(
+        outputs=["delay_ms", "found_share", "slips"],
+        trials=1,
+        detector=detector,
+        scene={"slide": {"distance_m": 0.01, "speed_m_s": 0.08}, "hold": {"wait_s": 0.1}},
+        design={"board": {"variant": variant}},
+        axes={"detector.window_samples": [20, 90], "detector.threshold_v": [0.012, 0.03]},
+    )
+    bench = Bench(made)
+    together = [bench.outcome(i, made.point(i)) for i in range(made.size)]
+    assert len(bench._traces) == 1
+    alone = [Bench(made).outcome(i, made.point(i)) for i in range(made.size)]
+    assert repr(together) == repr(alone)
+    assert {row[1] for row in together} == {"ok"}
+    assert {row[4][2] for row in together} == {1.0}
+
+
 def everything(stage: str) -> list[str]:
     return [output.name for output in OUTPUTS.values() if output.stage == stage]
 

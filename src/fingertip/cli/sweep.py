@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +11,7 @@ import typer
 from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, command
 
 if TYPE_CHECKING:
+    from fingertip.sweep.engines import Engine
     from fingertip.sweep.plan import Plan
     from fingertip.sweep.store import Store
 
@@ -27,6 +29,14 @@ def sweep(
         str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler's, such as tcp://127.0.0.1:8786.")
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with a sweep that was stopped.")] = False,
+    show: Annotated[
+        bool,
+        typer.Option("--show", help="Compute nothing; report on the rows there are: rules, pictures, best design."),
+    ] = False,
+    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the rows there too.")] = None,
+    parquet: Annotated[
+        Path | None, typer.Option("--parquet", metavar="FILE", help="Write the rows there too; needs pyarrow.")
+    ] = None,
     outputs: Annotated[bool, typer.Option("--outputs", help="Print what can be computed, and exit.")] = False,
     changes: Annotated[
         list[str] | None,
@@ -41,11 +51,15 @@ def sweep(
 ) -> None:
     """Compute outputs of many designs. Exit code 0: every point has its row; 1: some failed or took too long."""
     from fingertip.errors import Fault, SweepError
+    from fingertip.sweep.engines import Cluster, Processes, default_jobs
     from fingertip.sweep.plan import Plan
 
     console = Console(as_json, quiet)
     if outputs:
         _list_outputs(console)
+        return
+    if show:
+        _show(console, _folder(file, out, changes or ()), csv, parquet)
         return
     if file is None:
         raise SweepError(Fault("SWEEP.toml", "is missing; give a sweep file, such as params/sweeps/board.toml."))
@@ -54,12 +68,49 @@ def sweep(
     if jobs is not None and cluster:
         raise SweepError(Fault("--jobs", "stands beside --cluster, which has its own workers; leave one of them out."))
     plan = Plan.load(file, changes or ())
-    folder = out or Path("out") / "sweeps" / plan.file.name
-    store = _open(console, folder, plan, resume)
-    with store:
-        code = _run(console, plan, store, folder, jobs, cluster)
+    folder = out or _default(plan)
+    engine: Engine = Cluster(cluster) if cluster else Processes(jobs or default_jobs())
+    with _open(console, folder, plan, resume) as store:
+        code = _run(console, store, engine)
+        _export(console, store, csv, parquet)
     if code:
         raise typer.Exit(code)
+
+
+def _default(plan: Plan) -> Path:
+    return Path("out") / "sweeps" / plan.file.name
+
+
+def _folder(file: Path | None, out: Path | None, changes: Sequence[str]) -> Path:
+    """The folder to look into: the one given, or the sweep file's own."""
+    from fingertip.errors import Fault, SweepError
+    from fingertip.sweep.plan import Plan
+
+    if out is not None:
+        return out
+    if file is None:
+        raise SweepError(Fault("--show", "needs a sweep: give its file, or its folder with --out."))
+    return _default(Plan.load(file, changes))
+
+
+def _show(console: Console, folder: Path, csv: Path | None, parquet: Path | None) -> None:
+    from fingertip.sweep.report import write
+    from fingertip.sweep.store import Store
+
+    with Store.open(folder) as store:
+        data = write(store, folder, console.say)
+        _export(console, store, csv, parquet)
+    text = data.pop("text")
+    console.result(data, text)
+
+
+def _export(console: Console, store: Store, csv: Path | None, parquet: Path | None) -> None:
+    from fingertip.sweep.report import export
+
+    for path, write in ((csv, export.write_csv), (parquet, export.write_parquet)):
+        if path is not None:
+            write(store, path)
+            console.say(f"wrote {path}")
 
 
 def _open(console: Console, folder: Path, plan: Plan, resume: bool) -> Store:
@@ -72,14 +123,12 @@ def _open(console: Console, folder: Path, plan: Plan, resume: bool) -> Store:
     return Store.create(folder, plan)
 
 
-def _run(console: Console, plan: Plan, store: Store, folder: Path, jobs: int | None, cluster: str | None) -> int:
+def _run(console: Console, store: Store, engine: Engine) -> int:
     from fingertip.cli.progress import progress
-    from fingertip.sweep.engines import Cluster, Engine, Processes, default_jobs
     from fingertip.sweep.run import run
 
-    engine: Engine = Cluster(cluster) if cluster else Processes(jobs or default_jobs())
-    where = f"{engine.workers} workers of {cluster}" if cluster else f"{engine.workers} processes"
-    console.say(f"{plan.file.name}: {plan.size} points, {len(plan.outputs)} outputs, {where}")
+    plan, folder = store.plan, store.folder
+    console.say(f"{plan.file.name}: {plan.size} points, {len(plan.outputs)} outputs, {engine.workers} {engine.what}")
     interrupted = False
     with progress(console, plan.size) as told:
         try:

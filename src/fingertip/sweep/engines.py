@@ -21,6 +21,9 @@ NOBODY = -1
 class Engine(Protocol):
     """Gives executors, and says what it knows of workers that died."""
 
+    what: str
+    """What its workers are, for people."""
+
     @property
     def workers(self) -> int:
         """How many there are."""
@@ -40,6 +43,7 @@ class Processes:
 
     def __init__(self, jobs: int) -> None:
         self.workers = jobs
+        self.what = "processes"
         self._context = multiprocessing.get_context("spawn")
         self._pool: ProcessPoolExecutor | None = None
         self._marks: Any = None
@@ -118,7 +122,7 @@ class Cluster:
             raise SweepError(
                 Fault("--cluster", f"nobody answers at {address} ({error}); start dask scheduler there.")
             ) from None
-        self.address = address
+        self.what = f"workers of {address}"
 
     @property
     def workers(self) -> int:

@@ -7,8 +7,8 @@ has changed that they read, and solids that were meshed before.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from functools import lru_cache
+from collections.abc import Callable, Mapping
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 from fingertip.design.model import Design
@@ -16,10 +16,10 @@ from fingertip.errors import Fault, FingertipError
 from fingertip.sweep.axes import Value
 from fingertip.sweep.designs import Designs
 from fingertip.sweep.memory import Memory
-from fingertip.sweep.outputs import Stage
+from fingertip.sweep.outputs import TRACES, Stage
 from fingertip.sweep.part import Outcome, Part, each_limited
 from fingertip.sweep.plan import Plan
-from fingertip.sweep.stages import COMPUTE, Asked
+from fingertip.sweep.stages import COMPUTE, Asked, Recorded
 
 if TYPE_CHECKING:
     from fingertip.sim.scene_file import SceneFile
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 REMEMBERED = 4096
 """Results of stages that are kept: a few numbers each."""
+TRACES_BYTES = 100e6
+"""Of simulated trials that are kept."""
 QUICK_COST, TOGETHER = 1, 64
 """So many points share a time limit where no stage costs more."""
 
@@ -42,6 +44,8 @@ class Bench:
         self._scene = plan.scene.model_dump() if plan.scene else None
         self._nothing = (math.nan,) * len(plan.outputs)
         self._stages = [(stage, _shared_by(stage, plan)) for stage in plan.stages]
+        self._traces: Memory[Any, Recorded] = Memory(TRACES_BYTES)
+        self._of_traces = _shared_by(TRACES, plan)
         self._together = TOGETHER if all(stage.cost <= QUICK_COST for stage in plan.stages) else 1
 
     def outcomes(self, part: Part) -> list[Outcome]:
@@ -57,7 +61,7 @@ class Bench:
             first, *others = error.faults
             more = f" (and {len(others)} more: {', '.join(dict.fromkeys(f.field for f in others))})" if others else ""
             return point, "refused", first.field, first.sentence + more, self._nothing
-        asked = Asked(design, scene, self.plan.file, self.evaluator)
+        asked = Asked(design, scene, self.plan.file, self.evaluator, partial(self._trace, changes))
         try:
             figures: dict[str, float] = {}
             for stage, shared in self._stages:
@@ -65,7 +69,7 @@ class Bench:
         except FingertipError as error:
             return point, "failed", "", str(error), self._nothing
         except Exception as error:
-            return point, "failed", "", f"{type(error).__name__}: {error}", self._nothing
+            return point, "failed", "", _fault_of_ours(error), self._nothing
         return point, "ok", "", "", tuple(settled(figures[name]) for name in self.plan.outputs)
 
     def evaluator(self) -> RememberingEvaluator:
@@ -112,6 +116,17 @@ class Bench:
             self._figures.put(key, found)
         return found
 
+    def _trace(self, changes: Mapping[str, Value], seed: int, record: Callable[[], Recorded]) -> Recorded:
+        """The trial of a seed, remembered as `_computed` does."""
+        if self._of_traces is None:
+            return record()
+        key = (seed, *(changes[name] for name in self._of_traces))
+        found = self._traces.get(key)
+        if found is None:
+            found = record()
+            self._traces.put(key, found, 40.0 * len(found[0].time_s))  # five columns
+        return found
+
 
 @lru_cache(maxsize=1)
 def bench_of(text: str) -> Bench:
@@ -124,7 +139,16 @@ def settled(value: float) -> float:
     return round(float(value), 6) + 0.0 if math.isfinite(value) else float(value)
 
 
+def _fault_of_ours(error: Exception) -> str:
+    """What went wrong, and where: nobody sees a traceback of a worker."""
+    import traceback
+
+    frames = traceback.extract_tb(error.__traceback__)
+    at = f"{frames[-1].name}, line {frames[-1].lineno}" if frames else "?"
+    return f"{type(error).__name__}: {error} (in {at}); this is a fault of fingertip."
+
+
 def _shared_by(stage: Stage, plan: Plan) -> tuple[str, ...] | None:
     """The axes a stage reads; None if it reads all of them, so that no two points share its figures."""
-    read = tuple(axis.name for axis in plan.axes if axis.name.partition(".")[0] in stage.reads)
+    read = tuple(axis.name for axis in plan.axes if stage.depends_on(axis.name))
     return read if len(read) < len(plan.axes) else None

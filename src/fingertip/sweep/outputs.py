@@ -30,6 +30,12 @@ class Stage:
     """Tables of the design that its outputs can depend on; `scene` for the scene."""
     cost: int
     """Order of cost: axes of dear stages vary slowest, so that neighbouring points share them."""
+    but: frozenset[str] = frozenset()
+    """Parameters of those tables that it does not read, dotted."""
+
+    def depends_on(self, parameter: str) -> bool:
+        """Whether its outputs can change with a parameter, dotted."""
+        return parameter.partition(".")[0] in self.reads and parameter not in self.but
 
 
 STAGES = {
@@ -37,8 +43,8 @@ STAGES = {
     for stage in (
         Stage("lengths", CLOSED_MOLD, 0),
         Stage("board", frozenset({"board", "detector", "sensor", "custom_sensor"}), 1),
-        Stage("noise", frozenset({"board", "detector"}), 2),
-        Stage("trials", SIGNAL | {"scene"}, 3),
+        Stage("noise", frozenset({"board", "detector"}), 1),
+        Stage("trials", SIGNAL | {"scene"}, 2),
         Stage("skin", CLOSED_MOLD, 4),
         Stage("bone", CLOSED_MOLD, 4),
         Stage("halves", CLOSED_MOLD | {"name"}, 4),
@@ -47,6 +53,11 @@ STAGES = {
         Stage("checks", PARTS, 6),
     )
 }
+
+
+DECISION = frozenset({"detector.window_samples", "detector.threshold_v"})
+TRACES = Stage("traces", SIGNAL | {"scene"}, 3, DECISION)
+"""Within the trials: what is simulated does not depend on how the detector decides."""
 
 
 @dataclass(frozen=True)
@@ -109,6 +120,12 @@ def stages_of(outputs: Iterable[str]) -> tuple[Stage, ...]:
     """The stages that give these outputs, each once, cheapest first."""
     names = {OUTPUTS[name].stage for name in outputs}
     return tuple(stage for stage in STAGES.values() if stage.name in names)
+
+
+def shared_of(outputs: Iterable[str]) -> tuple[Stage, ...]:
+    """Everything that points can share: the stages, and what they are made of."""
+    stages = stages_of(outputs)
+    return (*stages, TRACES) if any(stage.name == "trials" for stage in stages) else stages
 
 
 def unknown(outputs: Iterable[str]) -> list[Fault]:

@@ -20,7 +20,7 @@ from fingertip.design.tables import Tables
 from fingertip.errors import Fault, FingertipError, SweepError
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Axis, Value, flatten, read_axis
-from fingertip.sweep.outputs import Stage, stages_of, unknown
+from fingertip.sweep.outputs import Stage, shared_of, stages_of, unknown
 from fingertip.sweep.sweep_file import MOST_POINTS, SweepFile
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class Plan:
         if file:
             faults += sweep_file.objectives(file)
             faults += _amount(file, axes)
-            faults += _silicone(file)
+            faults += _catalogues(file)
         if file and design and not faults:
             plan = cls(file, tuple(axes), design, scene)
             faults += _together(plan)
@@ -141,10 +141,10 @@ class Plan:
         return np.asarray(np.ravel_multi_index(tuple(back), self._shape), dtype=np.int64)
 
     def _dearest(self, axis: Axis) -> float:
-        """Cost of what changes with an axis; of those that change as much, the one fewer stages read varies faster."""
-        table = axis.name.partition(".")[0]
-        costs = [stage.cost for stage in self.stages if table in stage.reads]
+        """Cost of what has to be computed anew when an axis steps on."""
+        costs = [stage.cost for stage in shared_of(self.outputs) if stage.depends_on(axis.name)]
         # The finger's form is in everything that is cut from it; the mold and the printer are not in the finger.
+        table = axis.name.partition(".")[0]
         return max(costs, default=-1) + {"mold": -0.25, "printer": -0.5, "name": -0.5}.get(table, 0.0)
 
     @cached_property
@@ -200,14 +200,18 @@ def _amount(file: SweepFile, axes: list[Axis]) -> list[Fault]:
     return []
 
 
-def _silicone(file: SweepFile) -> list[Fault]:
+def _catalogues(file: SweepFile) -> list[Fault]:
+    """Names of things that other packages list."""
     from fingertip.casting.materials import silicone
+    from fingertip.slip.registry import known
 
-    try:
-        silicone(file.silicone)
-    except FingertipError as error:
-        return [Fault("silicone", fault.sentence) for fault in error.faults]
-    return []
+    faults: list[Fault] = []
+    for name, look_up, word in (("silicone", silicone, file.silicone), ("detector", known, file.detector)):
+        try:
+            look_up(word)
+        except FingertipError as error:
+            faults += (Fault(name, fault.sentence) for fault in error.faults)
+    return faults
 
 
 def _together(plan: Plan) -> list[Fault]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fingertip.design.model import Design
 from fingertip.sweep.sweep_file import SweepFile
@@ -12,8 +13,11 @@ from fingertip.sweep.sweep_file import SweepFile
 if TYPE_CHECKING:
     from fingertip.cad.mesh import Mesh
     from fingertip.sim.scene_file import SceneFile
+    from fingertip.slip.trace import Trace
     from fingertip.sweep.solids import RememberingEvaluator
 
+Recorded: TypeAlias = "tuple[Trace, float]"
+"""A trial as it would be recorded, and the force that held [N]."""
 Figures = dict[str, float]
 _CLEAR_MM = 0.02
 """Off the plane where the skin ends, as the check of the thinnest place is."""
@@ -28,6 +32,8 @@ class Asked:
     file: SweepFile
     evaluator: Callable[[], RememberingEvaluator]
     """Made when the first stage asks for it: a sweep of boards loads no mesh kernel."""
+    traces: Callable[[int, Callable[[], Recorded]], Recorded] = lambda seed, record: record()
+    """The trial of a seed, remembered where points differ in the detector's decision only."""
 
 
 def lengths(asked: Asked) -> Figures:
@@ -80,18 +86,18 @@ def trials(asked: Asked) -> Figures:
     """Delay and alarms of a detector on simulated trials of the scene, each with its own seed."""
     from fingertip.campaign.judge import judge
     from fingertip.campaign.plan import Case
+    from fingertip.campaign.record import reads_board, record
     from fingertip.campaign.study import Total
-    from fingertip.sim import run_scene
     from fingertip.sim.jit import compiled
 
     assert asked.scene is not None
-    scene = asked.scene.model_copy(update={"outputs": ["voltage_v", "force_n", "slip"]})
+    detector, design = asked.file.detector, asked.design
     verdicts = []
     with compiled():
         for seed in range(asked.file.first_seed, asked.file.first_seed + asked.file.trials):
-            made = run_scene(asked.design, scene, seed)
-            case = Case("slip", scene, seed)
-            verdicts += judge(case, made.trace, made.force_n, asked.file.detector, asked.design, [1.0])
+            case = Case("slip", asked.scene, seed)
+            trace, force_n = asked.traces(seed, partial(record, design, case, reads_board(detector)))
+            verdicts += judge(case, trace, force_n, detector, design, [1.0])
     total = Total(1.0, tuple(verdicts))
     minutes = sum(verdict.duration_s for verdict in verdicts) / 60.0
     return {

@@ -38,7 +38,7 @@ class SweepFile(BaseModel):
     time_limit_s: float = quantity(60.0, "s", "A point that takes longer is given up.", least=0.05, most=86400)
     trials: int = quantity(8, "", "Simulated trials of each point, for the detection's outputs.", least=1, most=100_000)
     first_seed: int = quantity(0, "", "Of the first trial; the others follow.", least=0, most=2**31 - 1)
-    detector: Literal["paper", "fft", "fast"] = Field("fast", description="Which detector the trials are judged by.")
+    detector: str = Field("fast", description="Which detector the trials are judged by.")
     silicone: str = Field("addition_40a", description="Material card of the skin.")
     print_density_g_cm3: float = quantity(1.2, "g/cm3", "Of the printed parts.", least=0.1, most=20, verified=False)
     minimise: list[str] = Field([], description="Outputs of which less is better.")

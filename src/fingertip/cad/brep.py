@@ -121,8 +121,11 @@ def _cone(c: Cone) -> Any:
 
 
 def _prism(p: Prism) -> Any:
-    outline = cq.Wire.makePolygon([cq.Vector(*place(p.axis, u, v, p.low)) for u, v in p.corners], close=True)
-    return cq.Solid.extrudeLinear(outline, [], cq.Vector(*place(p.axis, 0.0, 0.0, p.high - p.low)))
+    outline, *holes = (
+        cq.Wire.makePolygon([cq.Vector(*place(p.axis, u, v, p.low)) for u, v in ring], close=True)
+        for ring in (p.corners, *p.holes)
+    )
+    return cq.Solid.extrudeLinear(outline, holes, cq.Vector(*place(p.axis, 0.0, 0.0, p.high - p.low)))
 
 
 def _elbow(e: ElbowTube) -> Any:

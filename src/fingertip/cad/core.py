@@ -25,7 +25,7 @@ def core(design: Design, inset_mm: float = 0.0) -> Solid:
         (-section.half_width - past, -section.palmar - past, body.stations[0][0] - past),
         (section.half_width + past, -dims.flat_depth + inset_mm, design.skin.length_mm + past),
     )
-    return union(difference(Form(body), below, *_groove(design, body)), collar(design))
+    return union(difference(Form(_grooved(design, body)), below), collar(design))
 
 
 def collar(design: Design) -> Solid:
@@ -82,23 +82,23 @@ def _smaller(body: ConicBody, inset: float) -> ConicBody:
     return replace(body, section=grown(body.section, -inset), tip=replace(body.tip, z=body.tip.z - inset))
 
 
-def _groove(design: Design, body: ConicBody) -> tuple[Solid, ...]:
-    """A ring whose silicone keeps the skin from slipping off; its flanks rise at 45 degrees, so that it prints."""
-    bone, section = design.bone, body.section
+def _grooved(design: Design, body: ConicBody) -> ConicBody:
+    """The body with a ring whose silicone keeps the skin from slipping off; its flanks rise at 45 degrees at the sides.
+
+    Floor and flanks are four more stations between the skin's end and the tip: no boolean, and both kernels' forms.
+    """
+    bone = design.bone
     if bone.groove_depth_mm == 0.0:
-        return ()
-    depth = bone.groove_depth_mm
-    floor = 1.0 - depth / section.half_width  # scale of the section at the groove's floor
-    low = bone.groove_distance_mm
-    z0, z1 = low + depth, low + depth + bone.groove_width_mm
+        return body
+    base, (z_a, s_a), (z_b, s_b) = body.stations
+    taper = (s_a - s_b) / (z_b - z_a)
+    rise = 1.0 / body.section.half_width  # of a flank, in scale per length
+    z0 = bone.groove_distance_mm + bone.groove_depth_mm
+    z1 = z0 + bone.groove_width_mm
+    floor = 1.0 - bone.groove_depth_mm * rise
     s0, s1 = (body.scale_at(z) * floor for z in (z0, z1))
-    ring = Form(ConicBody(section, ((low - depth, 1.0 + depth / section.half_width), (z1 + 2 * depth, 1.0))))
-    # Lines of equal scale per length run on from floor to surface and past it, so no edge merely touches.
-    slope = (1.0 - floor) / depth
-    waist = Form(
-        ConicBody(
-            section,
-            ((low - 2 * depth, s0 + 3 * depth * slope), (z0, s0), (z1, s1), (z1 + 3 * depth, s1 + 3 * depth * slope)),
-        )
-    )
-    return (difference(ring, waist),)
+    # Where the flanks' lines meet the taper's, s = s_a - taper (z - z_a).
+    low = (s0 + rise * z0 - s_a - taper * z_a) / (rise - taper)
+    high = (s_a + taper * z_a - s1 + rise * z1) / (rise + taper)
+    edges = ((low, s_a - taper * (low - z_a)), (z0, s0), (z1, s1), (high, s_a - taper * (high - z_a)))
+    return replace(body, stations=(base, (z_a, s_a), *edges, (z_b, s_b)))

@@ -112,10 +112,13 @@ def engraving(design: Design, m: MoldLayout, half: str) -> tuple[Solid, ...]:
         )
         start_z = (m.proximal_z + m.distal_z - unit * strokes.text_width(text)) / 2
         foot_x = unit * (2.0 if line == 0 else -2.0 - strokes.HEIGHT)
-        for quad in strokes.quads(text, _STROKE):
+        for letter in strokes.letters(text, _STROKE):
             # Seen from the back x points up where z points right, seen from the palm it points down.
-            corners = [(start_z + unit * u, (foot_x + unit * v) * (1 if dorsal else -1)) for u, v in quad]
-            prisms.append(Prism("y", tuple(corners if dorsal else corners[::-1]), low, high))
+            rings = (
+                [(start_z + unit * u, (foot_x + unit * v) * (1 if dorsal else -1)) for u, v in ring] for ring in letter
+            )
+            outline, *holes = (tuple(ring if dorsal else ring[::-1]) for ring in rings)
+            prisms.append(Prism("y", outline, low, high, tuple(holes)))
     return tuple(prisms)
 
 

@@ -58,16 +58,17 @@ def cylinder(axis: Axis, centre: tuple[float, float], low: float, high: float, r
 
 @dataclass(frozen=True)
 class Prism:
-    """Convex polygon across an axis, drawn out along it [mm].
+    """Polygon across an axis, drawn out along it [mm].
 
     `corners` are the two other coordinates in cyclic order, as in `Cone`, and run counter-clockwise in that order:
-    (z, x) for y, which is clockwise seen from the back of the finger.
+    (z, x) for y, which is clockwise seen from the back of the finger. `holes` run the other way round.
     """
 
     axis: Axis
     corners: tuple[tuple[float, float], ...]
     low: float
     high: float
+    holes: tuple[tuple[tuple[float, float], ...], ...] = ()
 
 
 def hexagon(z: float, x: float, width: float, low: float, high: float) -> Prism:

@@ -7,6 +7,7 @@ import math
 from itertools import pairwise
 
 Point = tuple[float, float]
+Rings = tuple[tuple[Point, ...], ...]
 
 ADVANCE = 6.0
 HEIGHT = 6.0
@@ -31,20 +32,48 @@ def text_width(text: str) -> float:
     return ADVANCE * len(text) - (ADVANCE - 4.0)
 
 
-def quads(text: str, stroke: float) -> list[tuple[Point, Point, Point, Point]]:
-    """The strokes of a line of text as rectangles in grid units, counter-clockwise, x to the right and y up.
+def letters(text: str, stroke: float) -> list[Rings]:
+    """The letters of a line of text in grid units, x to the right and y up, their strokes united.
+
+    Returns
+    -------
+    letters
+        Rings of each: its outline counter-clockwise, then its counters (what an O surrounds) clockwise.
+    """
+    from manifold3d import CrossSection, FillRule
+
+    found = []
+    for place, letter in enumerate(text.upper()):
+        united = CrossSection(quads(letter, stroke), FillRule.NonZero)
+        for piece in united.decompose():
+            rings = [[(round(x, 9) + ADVANCE * place, round(y, 9)) for x, y in ring] for ring in piece.to_polygons()]
+            found.append(tuple(_from_least(ring) for ring in sorted(rings, key=_area, reverse=True)))
+    return found
+
+
+def quads(letter: str, stroke: float) -> list[tuple[Point, ...]]:
+    """The strokes of one letter as rectangles in grid units, counter-clockwise.
 
     Each stroke is `stroke` wide and longer by half of that at both ends, so that the strokes of a corner overlap.
     """
     found = []
-    for place, letter in enumerate(text.upper()):
-        for polyline in _GLYPHS[letter].split("|"):
-            points = [(int(xy[0]) + ADVANCE * place, float(xy[1])) for xy in polyline.split()]
-            found += [_quad(a, b, stroke / 2) for a, b in pairwise(points)]
+    for polyline in _GLYPHS[letter.upper()].split("|"):
+        points = [(float(xy[0]), float(xy[1])) for xy in polyline.split()]
+        found += [_quad(a, b, stroke / 2) for a, b in pairwise(points)]
     return found
 
 
-def _quad(a: Point, b: Point, half: float) -> tuple[Point, Point, Point, Point]:
+def _from_least(ring: list[Point]) -> tuple[Point, ...]:
+    """The ring begun at its least corner, wherever a library began it."""
+    first = ring.index(min(ring))
+    return (*ring[first:], *ring[:first])
+
+
+def _area(ring: list[Point]) -> float:
+    return sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise([*ring, ring[0]])) / 2
+
+
+def _quad(a: Point, b: Point, half: float) -> tuple[Point, ...]:
     length = math.hypot(b[0] - a[0], b[1] - a[1])
     ux, uy = half * (b[0] - a[0]) / length, half * (b[1] - a[1]) / length
     return (

@@ -36,8 +36,8 @@ def tessellate(solid: Primitive, tolerance_mm: float) -> tuple[Vertices, Triangl
             return _stack([[(x, y, z) for x, y in ring] for z in (low[2], high[2])])
         case Cone():
             return _cone(solid, tolerance_mm)
-        case Prism(axis, corners, bottom, top):
-            return _stack([[place(axis, u, v, w) for u, v in corners] for w in (bottom, top)])
+        case Prism():
+            return _prism(solid)
         case ElbowTube():
             return _elbow(solid, tolerance_mm)
         case Form(body):
@@ -85,6 +85,23 @@ def _cone(c: Cone, tolerance: float) -> tuple[Vertices, Triangles]:
     u0, v0 = c.centre
     ends = ((c.low, c.low_radius), (c.high, c.high_radius))
     return _stack([[place(c.axis, u0 + r * u, v0 + r * v, w) for u, v in unit] for w, r in ends])
+
+
+def _prism(p: Prism) -> tuple[Vertices, Triangles]:
+    """Walls on every ring; the ends as the kernel divides any polygon, without further vertices."""
+    from manifold3d import triangulate
+
+    rings = [p.corners, *p.holes]
+    end = triangulate([np.array(ring, dtype=np.float64) for ring in rings]).astype(np.int64)
+    n = sum(map(len, rings))
+    faces, start = [end[:, ::-1], end + n], 0
+    for ring in rings:
+        i = start + np.arange(len(ring))
+        j = start + (np.arange(len(ring)) + 1) % len(ring)
+        faces += [np.column_stack((i, j, j + n)), np.column_stack((i, j + n, i + n))]
+        start += len(ring)
+    points = [place(p.axis, u, v, w) for w in (p.low, p.high) for ring in rings for u, v in ring]
+    return np.array(points, dtype=np.float64), np.concatenate(faces)
 
 
 def _elbow(e: ElbowTube, tolerance: float) -> tuple[Vertices, Triangles]:

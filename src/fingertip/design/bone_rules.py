@@ -96,10 +96,12 @@ def _groove_beside_slot(d: Tables) -> str | None:
     head = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - d.sensor.clearance_mm - d.bone.rim_mm
     if depth == 0.0:
         return None
-    if z + depth > head + SLACK:
+    join = d.skin.length_mm - d.skin.tip_length_mm
+    if z + depth > min(head, join - 0.1) + SLACK:
+        where = "into the sensor's head at" if head < join else "into the rounded tip, which begins at"
         return (
             f"{depth:g} mm deep and {d.bone.groove_width_mm:g} mm wide, {low:g} mm from the collar, the groove runs "
-            f"into the sensor's head at {head:.2f} mm; shorten bone.groove_distance_mm or bone.groove_width_mm, or "
+            f"{where} {min(head, join):.2f} mm; shorten bone.groove_distance_mm or bone.groove_width_mm, or "
             "leave the groove out with at most 0 mm."
         )
     scale = dims.envelope.scale_at(min(z, head)) * (1 - depth / section.half_width)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fingertip.campaign import windows
+from fingertip.campaign import loop_pictures, pictures, trial_pictures, windows
 from fingertip.campaign.judge import Verdict, judge
 from fingertip.campaign.limit import limits_s
 from fingertip.campaign.plan import APART, HELD_OUT_FROM, QUIET, TUNING_SEEDS, Amount, Case, cases
@@ -207,13 +207,15 @@ def test_validate_finds_what_it_should_and_says_what_it_stands_on(validated):
     assert len(data["sensitivity"]) > 5
     assert {cause for cause, count in fast["alarms"].items() if count["apart"]} == set(APART)
     assert any(str(TUNING_SEEDS.start) in line for line in data["assumptions"])
-    pictures = {name for name in (path.name for path in out.iterdir()) if name.endswith(".png")}
-    assert pictures >= {"delays.png", "surfaces.png", "spectra.png", "windows.png", "comparison.png", "trial.png"}
-    for name in pictures:
+    drawn = {path.name for path in out.iterdir() if path.name.endswith(".png")}
+    assert drawn >= {"delays.png", "surfaces.png", "spectra.png", "windows.png", "comparison.png", "trial.png"}
+    for name in drawn:
         assert (out / name).read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_design_that_misses_its_requirements_ends_with_1(tmp_path):
+def test_a_design_that_misses_its_requirements_ends_with_1(tmp_path, monkeypatch):
+    for module in (pictures, trial_pictures, loop_pictures):  # drawn once, above
+        monkeypatch.setattr(module, "png", lambda figure: b"")
     words = ["validate", "--trials", "2", "--minutes", "1", "--json", "--out", str(tmp_path)]
     done = CliRunner().invoke(app, [*words, "--detector", "paper"])
     assert done.exit_code == 1
@@ -238,3 +240,51 @@ def test_validate_refuses_before_it_computes(tmp_path):
         assert done.exit_code == 2
         assert sentence in done.stderr
     assert not (tmp_path / "no").exists()
+
+
+def test_what_failed_and_what_was_assumed_stands_in_a_page(validated):
+    out, done = validated
+    page = (out / "omissions.md").read_text()
+    data = json.loads(done.stdout)
+    assert "None." in page.split("## Slips")[0]
+    assert page.count("(apart)") > 4
+    # every picture and table has its assumptions
+    for path in out.iterdir():
+        assert path.name in page or not path.name.endswith(".png"), path.name
+    for sentence in data["assumptions"]:
+        assert sentence in page
+    lost = [row["detector"] for row in data["closed_loop"] if row["held"] < row["count"]]
+    assert page.count(": lost.") == sum(r["count"] - r["held"] for r in data["closed_loop"]), lost
+    missed = (1 - data["detectors"]["paper"]["found_share"]) * 8
+    counted = [int(word) for word in page.split("- paper: not found ")[1].split("\n")[0].split() if word.isdigit()]
+    assert sum(counted[::2]) == round(missed)
+
+
+def test_a_harder_start_is_heard_sooner_by_everyone():
+    from fingertip.campaign.starts import starts
+
+    slow, fast = (
+        {row.who: row for row in starts(Design(), 4, accelerations_m_s2=(a,), detectors=("digital", "fast"))}
+        for a in (1.0, 10.0)
+    )
+    assert set(slow) == {"bound", "digital", "fast"}
+    assert all(fast[who].median_s < slow[who].median_s for who in slow)
+
+
+def test_a_bare_diode_stays_shut_where_a_precision_rectifier_does_not():
+    from fingertip.campaign.boards import boards
+
+    rows = {(row.variant, row.by_rule): row for row in boards(Design(), 8, 0.5)}
+    assert rows["precision", True].found_share == 1.0
+    assert rows["paper", True].found_share < 1.0
+    assert rows["paper", True].found_share >= rows["paper", False].found_share
+    assert rows["paper", True].threshold_v < 0.1 * rows["precision", True].threshold_v
+
+
+def test_a_motor_is_told_from_slip_by_a_longer_stretch_only():
+    from fingertip.campaign.tones import tones
+
+    short, long = tones(Design(), 8, 3, stretches_s=(0.02, 0.15))
+    assert short.told_share < 0.5 < long.told_share
+    assert short.slip_left == pytest.approx(1.0, abs=0.3)  # a pair of tones leaves noise alone of so short a slip
+    assert long.motor_left < long.slip_left

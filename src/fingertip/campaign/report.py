@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from fingertip.campaign.boards import Board
+from fingertip.campaign.closed_loop import NONE, LoopTotal
 from fingertip.campaign.plan import APART, TUNING_SEEDS
 from fingertip.campaign.requirements import Check
 from fingertip.campaign.sensitivity import Moved
@@ -50,6 +51,8 @@ class Grounds:
     """The article's detector by its board."""
     tones: Sequence[Told]
     """How long motors look like slip."""
+    loop: Sequence[LoopTotal]
+    """The manipulations, without control and with each detector."""
 
     def limit_s(self, share: float) -> float:
         """Bound by which that share of the slips can be found [s]."""
@@ -101,6 +104,7 @@ def as_data(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
         "starts": [_plain(row) for row in grounds.starts],
         "boards": [_plain(row) for row in grounds.boards],
         "tones": [_plain(row) for row in grounds.tones],
+        "closed_loop": [{**asdict(row), "reactions_s": [round(s, 7) for s in row.reactions_s]} for row in grounds.loop],
         "assumptions": list(ASSUMPTIONS),
     }
 
@@ -213,6 +217,14 @@ def _tables(grounds: Grounds) -> list[str]:
         lines.append(f"{a:4g}{'*' if a == ASSUMED_M_S2 else ' '}   {cells}")
     lines += ["", "slips that can be told from a motor's tones by what the best pair of tones leaves:"]
     lines += [f"{1000 * t.stretch_s:7.0f} ms {100 * t.told_share:6.0f}%" for t in grounds.tones]
+    lines += ["", "closed loop, four objects:      held   reaction median, slowest   false grips   claims discarded"]
+    for total in grounds.loop:
+        said = f"{total.detector:26} {total.held:4} of {total.count}"
+        if total.detector != NONE:
+            ranked = total.reactions_s
+            times = f"{_ms(ranked[len(ranked) // 2])} {_ms(ranked[-1])}" if ranked else "no slip"
+            said += f"   {times} {total.false_grips:17} {total.discarded:13}"
+        lines.append(said)
     return lines
 
 

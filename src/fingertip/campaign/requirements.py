@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from fingertip.campaign.closed_loop import LoopTotal
 from fingertip.campaign.plan import APART
 from fingertip.campaign.study import Study, surface
 
@@ -22,6 +23,12 @@ class Requirements:
     """Delay by which nine of ten slips are found [s] (article, III.A: a signal is useful below 100 ms)."""
     most_alarms_per_minute: float = 0.1
     """Of contacts, releases, changes of grip and drift."""
+    least_held: float = 11 / 12
+    """Share of the manipulations in which the object is held (article, IV.A: 10 of 12; ours asks for one more)."""
+    most_reaction_s: float = 0.2
+    """From slip until a finger moves, in all of them [s] (article, IV.A)."""
+    most_false_grips: int = 0
+    """Grips without slip, in all of them."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +76,33 @@ def checks(study: Study, detector: str, required: Requirements) -> Iterator[Chec
         required.most_alarms_per_minute,
         rate <= required.most_alarms_per_minute,
         f"{rate:.2f} false alarms per minute, without {', '.join(APART)}; at most {required.most_alarms_per_minute:g}",
+    )
+
+
+def loop_checks(total: LoopTotal, required: Requirements) -> Iterator[Check]:
+    """Every requirement on the closed loop, met or missed."""
+    share = total.held / total.count
+    yield Check(
+        "held",
+        share,
+        required.least_held,
+        share >= required.least_held - 1e-9,
+        f"{total.held} of {total.count} objects held; at least {required.least_held:.3g} of them",
+    )
+    slowest = math.inf if total.unanswered else max(total.reactions_s, default=0.0)
+    yield Check(
+        "reaction",
+        slowest,
+        required.most_reaction_s,
+        slowest < required.most_reaction_s,
+        f"{_ms(slowest)} slowest reaction of the hand; below {1000 * required.most_reaction_s:g} ms",
+    )
+    yield Check(
+        "false grips",
+        total.false_grips,
+        required.most_false_grips,
+        total.false_grips <= required.most_false_grips,
+        f"{total.false_grips} grips without slip; at most {required.most_false_grips}",
     )
 
 

@@ -30,7 +30,9 @@ def validate(
     """Try a design's detectors on simulated slips, and on minutes without any. Exit code 1: a requirement is missed."""
     from fingertip.campaign import (
         boards,
+        closed_loop,
         limit,
+        omissions,
         plan,
         report,
         requirements,
@@ -52,7 +54,16 @@ def validate(
     if not kernel.available():
         console.say("numba is not installed (pip install 'fingertip[fast]'): this takes some twenty times longer")
     found = study.run(loaded, amount, say=console.say)
-    checked = list(requirements.checks(found, detector, requirements.Requirements()))
+    console.say("closed loop: four objects, knocked")
+    handled = closed_loop.closed_loop(
+        loaded, tuple(dict.fromkeys(("paper", "fast", detector))), 3 if trials >= 12 else 1
+    )
+    loop = closed_loop.totals(handled)
+    required = requirements.Requirements()
+    checked = [
+        *requirements.checks(found, detector, required),
+        *requirements.loop_checks(next(total for total in loop if total.detector == detector), required),
+    ]
     few = min(FEW, trials)
     console.say("the limit for this spectrum and noise; what moves the delay; the window")
     grounds = report.Grounds(
@@ -63,10 +74,11 @@ def validate(
         starts.starts(loaded, few),
         boards.boards(loaded, few),
         tones.tones(loaded, few),
+        loop,
     )
     data = report.as_data(found, detector, checked, grounds)
 
-    from fingertip.campaign import pictures, trial_pictures
+    from fingertip.campaign import loop_pictures, pictures, trial_pictures
 
     console.say("drawing")
     folder = out or Path("out") / loaded.name / "validation"
@@ -78,6 +90,8 @@ def validate(
         "windows.png": pictures.windows(grounds.windows),
         "comparison.png": pictures.comparison(found, grounds.limit_s(0.5)),
         **trial_pictures.files(loaded),
+        **loop_pictures.files(handled, detector),
+        "omissions.md": omissions.as_markdown(found, checked, handled).encode(),
     }
     write_whole(folder, files)
     console.say(f"wrote {', '.join(files)} to {folder}")

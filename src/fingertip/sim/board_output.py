@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 
 import numpy as np
@@ -15,6 +16,7 @@ from fingertip.slip.noise import NoiseLevel, input_noise_v, quiet_level
 
 Array = NDArray[np.float64]
 
+_MEMORY_S = 0.1
 _WINDOWS = 133
 """Windows of noise through the board: the deviation is known to 6 %."""
 
@@ -27,9 +29,32 @@ def envelope_v(design: Design, voltage_v: Array) -> Array:
     TraceError
         If a sample is not finite.
     """
+    return _enveloped_v(Analog.of(design), design, voltage_v)
+
+
+def _enveloped_v(board: Analog, design: Design, voltage_v: Array) -> Array:
     d = design.detector
-    enveloped = analog.respond(Analog.of(design), 1 / d.sample_rate_hz, voltage_v).envelope_v
+    enveloped = analog.respond(board, 1 / d.sample_rate_hz, voltage_v).envelope_v
     return fsr.quantise(enveloped, d.adc_bits, d.adc_range_v)
+
+
+class BoardStream:
+    """The board's output on a voltage that comes in chunks, each at least one sample long.
+
+    Each chunk is simulated anew from 0.1 s before it, settled there: by then the filters have forgotten what was before
+    (a test compares with the whole trace at once).
+    """
+
+    def __init__(self, design: Design) -> None:
+        self._design, self._board = design, Analog.of(design)
+        self._keep = math.ceil(_MEMORY_S * design.detector.sample_rate_hz)
+        self._past: Array = np.zeros(0)
+
+    def process(self, voltage_v: Array) -> Array:
+        """The enveloped output at the chunk's samples [V]."""
+        known = np.concatenate((self._past, voltage_v))
+        self._past = known[-self._keep :]
+        return _enveloped_v(self._board, self._design, known)[len(known) - len(voltage_v) :]
 
 
 def bridge_v(design: Design, force_n: Array) -> Array:

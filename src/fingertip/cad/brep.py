@@ -7,6 +7,7 @@ tori. No lofts and no fillets: both return wrong solids without a word.
 from __future__ import annotations
 
 import itertools
+from pathlib import Path
 from typing import Any
 
 from fingertip.cad.solids import (
@@ -27,6 +28,7 @@ from fingertip.errors import Fault, GeometryError, MissingLibraryError
 
 try:
     import cadquery as cq
+    from OCP.BinTools import BinTools
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Sewing
     from OCP.BRepGProp import BRepGProp
     from OCP.Geom import Geom_BezierSurface
@@ -34,6 +36,7 @@ try:
     from OCP.GProp import GProp_GProps
     from OCP.TColgp import TColgp_Array2OfPnt
     from OCP.TColStd import TColStd_Array2OfReal
+    from OCP.TopoDS import TopoDS_Shape
 except ImportError as error:
     raise MissingLibraryError(
         Fault(
@@ -110,6 +113,18 @@ def volume(shape: Any) -> float:
     properties = GProp_GProps()
     BRepGProp.VolumePropertiesGK_s(shape.wrapped, properties, 1e-6, False, True, False, False, False)
     return float(properties.Mass())
+
+
+def save(shape: Any, path: Path) -> None:
+    """Write a shape as the kernel's own bytes, to the last bit."""
+    BinTools.Write_s(shape.wrapped, str(path))
+
+
+def load(path: Path) -> Any:
+    """Read what `save` wrote."""
+    shape = TopoDS_Shape()
+    BinTools.Read_s(shape, str(path))
+    return cq.Shape.cast(shape)
 
 
 def _cone(c: Cone) -> Any:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
 import pickle
+import signal
 import subprocess
 import sys
 import tempfile
@@ -49,6 +52,7 @@ class StepRequest:
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,  # the kernel prints there
             stderr=subprocess.PIPE,
+            start_new_session=True,  # so that its own child ends with it
         )
         assert self._process.stdin is not None
         self._process.stdin.write(pickle.dumps(self._job))
@@ -58,9 +62,17 @@ class StepRequest:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._process.kill()
+        self._kill()
         self._process.communicate()
         self._folder.cleanup()
+
+    def _kill(self) -> None:
+        """End the process, and the one it may have begun."""
+        if sys.platform == "win32":
+            self._process.kill()
+            return
+        with contextlib.suppress(ProcessLookupError, PermissionError):  # both are over
+            os.killpg(self._process.pid, signal.SIGKILL)
 
     def result(self, time_limit_s: float = TIME_LIMIT_S) -> StepFiles:
         """Wait for the files.

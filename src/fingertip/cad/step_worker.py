@@ -7,16 +7,26 @@ A process of its own, because the B-rep kernel can hang or crash, counts product
 from __future__ import annotations
 
 import json
+import multiprocessing
 import pickle
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+from fingertip.cad.solids import Solid
 from fingertip.cad.step import DOING, StepJob
-from fingertip.errors import FingertipError
+from fingertip.errors import Fault, FingertipError, GeometryError
+
+Parts = Sequence[tuple[str, Solid, tuple[float, float, float]]]
+"""Name, expression, colour."""
 
 
 def work(job: StepJob, folder: Path) -> dict[str, float]:
     """Write `<part>.step` for each part and `assembly.step`; return the exact volumes [mm3].
+
+    Half of the parts are made in a second process where the system can fork: they share little, and most machines have
+    two cores. It is forked before any boolean, because the kernel's threads do not outlive a fork.
 
     Raises
     ------
@@ -28,16 +38,91 @@ def work(job: StepJob, folder: Path) -> dict[str, float]:
     note(folder, "loading cadquery")
     from fingertip.cad import brep, step_file
 
-    evaluator = brep.Evaluator()
-    solids = []
-    for name, expression, colour in job.parts:
+    half = len(job.parts) // 2 if sys.platform == "linux" else len(job.parts)
+    here, beside = job.parts[:half], job.parts[half:]
+    with _Beside(beside, folder) as second:
+        solids = _make(here, folder)
+        _write(solids, folder)
+        volumes = {name: brep.volume(solid) for name, solid, _ in solids} | second.volumes()
+        solids += [(name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in beside]
+        note(folder, "writing the assembly")
+        step_file.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", solids)
+    return volumes
+
+
+def _make(parts: Parts, folder: Path) -> list[Any]:
+    """Name, solid and colour of each part."""
+    from fingertip.cad import brep
+
+    evaluator, solids = brep.Evaluator(), []
+    for name, expression, colour in parts:
         note(folder, f"making {name}")
         solids.append((name, evaluator.solid(expression), colour))
-    note(folder, "writing the files")
+    return solids
+
+
+def _write(solids: list[Any], folder: Path) -> None:
+    from fingertip.cad import step_file
+
     for part in solids:
+        note(folder, f"writing {part[0]}")
         step_file.write_part(folder / f"{part[0]}.step", part)
-    step_file.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", solids)
-    return {name: brep.volume(solid) for name, solid, _ in solids}
+
+
+class _Beside:
+    """Parts made in a forked process: handed over as `<part>.brep`, then written as STEP while the assembly is."""
+
+    def __init__(self, parts: Parts, folder: Path) -> None:
+        self._names = ", ".join(name for name, _, _ in parts)
+        self._process: Any = None
+        if parts:
+            fork = multiprocessing.get_context("fork")
+            self._answer, answer = fork.Pipe(duplex=False)
+            self._process = fork.Process(target=_work_beside, args=(parts, folder, answer), daemon=True)
+            self._process.start()
+            answer.close()  # so that the pipe ends if the other process does
+
+    def __enter__(self) -> _Beside:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if not self._process:
+            return
+        if error:
+            self._process.kill()
+        self._process.join()
+        if not error and self._process.exitcode:
+            raise self._ended()
+
+    def volumes(self) -> dict[str, float]:
+        """Wait until the parts are made; their exact volumes [mm3]."""
+        if not self._process:
+            return {}
+        try:
+            answer = self._answer.recv()
+        except EOFError:
+            raise self._ended() from None
+        if isinstance(answer, FingertipError):
+            raise answer
+        return dict(answer)
+
+    def _ended(self) -> GeometryError:
+        sentence = f"the B-rep process of {self._names} ended without an answer; use --formats stl,3mf."
+        return GeometryError(Fault("STEP", sentence))
+
+
+def _work_beside(parts: Parts, folder: Path, answer: Any) -> None:
+    from fingertip.cad import brep
+
+    try:
+        solids = _make(parts, folder)
+    except FingertipError as error:
+        answer.send(error)
+        return
+    for name, solid, _ in solids:
+        brep.save(solid, folder / f"{name}.brep")
+    answer.send({name: brep.volume(solid) for name, solid, _ in solids})
+    _write(solids, folder)
 
 
 def note(folder: Path, doing: str) -> None:

@@ -216,7 +216,7 @@ def test_validate_finds_what_it_should_and_says_what_it_stands_on(validated):
 def test_a_design_that_misses_its_requirements_ends_with_1(tmp_path, monkeypatch):
     for module in (pictures, trial_pictures, loop_pictures):  # drawn once, above
         monkeypatch.setattr(module, "png", lambda figure: b"")
-    words = ["validate", "--trials", "2", "--minutes", "1", "--json", "--out", str(tmp_path)]
+    words = ["validate", "--trials", "1", "--minutes", "0.5", "--json", "--out", str(tmp_path)]
     done = CliRunner().invoke(app, [*words, "--detector", "paper"])
     assert done.exit_code == 1
     assert not json.loads(done.stdout)["passed"]

@@ -68,7 +68,7 @@ class Grip:
         self._pad = Pad.of(design)
         self._detectors = [make(settings.detector, design) for _ in range(fingers)]
         reads_board = DETECTORS[settings.detector].reads == "envelope_v"
-        self._boards = [BoardStream(design) for _ in range(fingers)] if reads_board else []
+        self._boards = BoardStream(design) if reads_board else None
         volts = bridge_v(design, _TABLE_N)
         self._volts, self._forces = volts[::-1], _TABLE_N[::-1]  # voltage falls with force
         self._history: deque[tuple[float, Array]] = deque()
@@ -104,8 +104,7 @@ class Grip:
 
     def _claimed(self, voltage_v: Array) -> bool:
         """Whether any finger's detector was ON at any of the new samples."""
-        claims = []
-        for i, samples in enumerate(voltage_v):
-            seen = self._boards[i].process(samples) if self._boards else samples
-            claims.append(bool(self._detectors[i].process(seen).on.any()))
+        samples = self._boards.process(voltage_v) if self._boards else voltage_v
+        # all of them, though one may be enough: each must see every sample
+        claims = [bool(one.process(row).on.any()) for one, row in zip(self._detectors, samples, strict=True)]
         return any(claims)

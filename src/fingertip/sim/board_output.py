@@ -39,22 +39,25 @@ def _enveloped_v(board: Analog, design: Design, voltage_v: Array) -> Array:
 
 
 class BoardStream:
-    """The board's output on a voltage that comes in chunks, each at least one sample long.
+    """The boards of some fingers, on voltages that come in chunks of at least one sample.
 
-    Each chunk is simulated anew from 0.1 s before it, settled there: by then the filters have forgotten what was before
-    (a test compares with the whole trace at once).
+    Each chunk is simulated anew from 0.1 s before it: by then filters and envelope have forgotten what was before (a
+    test compares with the whole trace at once). So the fingers' stretches can stand one behind the other in one
+    simulation, though the voltage jumps between them: making a board's matrices takes longer than running them.
     """
 
     def __init__(self, design: Design) -> None:
         self._design, self._board = design, Analog.of(design)
         self._keep = math.ceil(_MEMORY_S * design.detector.sample_rate_hz)
-        self._past: Array = np.zeros(0)
+        self._past: Array | None = None
 
     def process(self, voltage_v: Array) -> Array:
-        """The enveloped output at the chunk's samples [V]."""
-        known = np.concatenate((self._past, voltage_v))
-        self._past = known[-self._keep :]
-        return _enveloped_v(self._board, self._design, known)[len(known) - len(voltage_v) :]
+        """The enveloped outputs at the chunk's samples [V], (fingers, samples) like the voltages [V]."""
+        if self._past is None:  # settled on the first sample
+            self._past = np.repeat(voltage_v[:, :1], self._keep, axis=1)
+        known = np.concatenate((self._past, voltage_v), axis=1)
+        self._past = known[:, -self._keep :]
+        return _enveloped_v(self._board, self._design, known.ravel()).reshape(known.shape)[:, self._keep :]
 
 
 def bridge_v(design: Design, force_n: Array) -> Array:

@@ -11,7 +11,7 @@ from fingertip.campaign.requirements import Check
 from fingertip.campaign.study import Study, surface
 
 GROUNDS = {
-    "delays.png, surfaces.png": (
+    "delays.png, surfaces.png, surfaces_digital.png": (
         "Figures 14 and 15. Friction, the roughness of wood, paper and plastic, the 1 m/s2 of the start and a force "
         "drawn evenly from 0.2 to 2 N. The two objects are taken for the smooth and the plastic surface."
     ),

@@ -86,6 +86,7 @@ def validate(
         "validation.json": (json.dumps(data, indent=2, allow_nan=False) + "\n").encode(),
         "delays.png": pictures.delays(found),
         "surfaces.png": pictures.surfaces(found, detector),
+        "surfaces_digital.png": pictures.surfaces(found, "digital"),
         "spectra.png": pictures.spectra(grounds.spectra),
         "windows.png": pictures.windows(grounds.windows),
         "comparison.png": pictures.comparison(found, grounds.limit_s(0.5)),

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.cad.build import Build, build
 from fingertip.design import Design
+from fingertip.kit import Build, build
 
 ROOT = Path(__file__).resolve().parent.parent
 DESIGNS = ("fsr400", "fsr402")

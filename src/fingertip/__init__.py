@@ -19,16 +19,16 @@ from fingertip._version import __version__
 
 if TYPE_CHECKING:
     from fingertip.board import BoardValues, board_values, write_board
-    from fingertip.cad.build import Build, build
     from fingertip.cad.interop import part_mesh, part_solid, part_trimesh
     from fingertip.design import Design
     from fingertip.errors import FingertipError
+    from fingertip.kit import Build, build
     from fingertip.sim import SceneFile, Trial, run_scene, simulate
-    from fingertip.slip import Detection, SlipChain, Trace, detect
+    from fingertip.slip import Detection, SlipChain, Trace, detect, read_trace
 
 _HOME = {
     "BoardValues": "fingertip.board",
-    "Build": "fingertip.cad.build",
+    "Build": "fingertip.kit",
     "Design": "fingertip.design",
     "Detection": "fingertip.slip",
     "FingertipError": "fingertip.errors",
@@ -37,11 +37,12 @@ _HOME = {
     "Trace": "fingertip.slip",
     "Trial": "fingertip.sim",
     "board_values": "fingertip.board",
-    "build": "fingertip.cad.build",
+    "build": "fingertip.kit",
     "detect": "fingertip.slip",
     "part_mesh": "fingertip.cad.interop",
     "part_solid": "fingertip.cad.interop",
     "part_trimesh": "fingertip.cad.interop",
+    "read_trace": "fingertip.slip",
     "run_scene": "fingertip.sim",
     "simulate": "fingertip.sim",
     "write_board": "fingertip.board",
@@ -64,6 +65,7 @@ __all__ = [
     "part_mesh",
     "part_solid",
     "part_trimesh",
+    "read_trace",
     "run_scene",
     "simulate",
     "write_board",

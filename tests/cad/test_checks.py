@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from fingertip.cad import bone, checks
-from fingertip.cad.build import build
 from fingertip.cad.core import core
 from fingertip.cad.mesh import Evaluator, Mesh, canonical
 from fingertip.cad.parts import PARTS, Part, parts_of
 from fingertip.cad.solids import Box, Form, Solid, cylinder, difference, union
 from fingertip.design import Design
+from fingertip.kit import build
 
 TOLERANCE = 0.02
 

@@ -12,8 +12,8 @@ import pytest
 import trimesh
 from manifold3d import Error, Manifold, Mesh64
 
-from fingertip.cad.build import Build
 from fingertip.cad.parts import PARTS
+from fingertip.kit import Build
 from tests.conftest import design_file, run_fingertip
 
 NAMES = ("bone", "skin", "mold_palmar", "mold_dorsal")  # the bundled designs are overmolded
@@ -30,6 +30,7 @@ def test_all_files_are_there_and_nothing_else(built: Build) -> None:
     expected = {f"{name}.{kind}" for name in NAMES for kind in ("stl", "3mf", "step")}
     assert {path.name for path in built.folder.iterdir()} == expected | {
         "assembly.step",
+        "casting.md",
         "design.toml",
         "report.json",
     }

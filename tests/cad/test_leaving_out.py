@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from fingertip.cad import mesh
-from fingertip.cad.build import build
 from fingertip.design import Design
+from fingertip.kit import build
 from tests.conftest import design_file, run_python
 
 HEAVY = ("cadquery", "OCP", "trimesh", "vtk", "matplotlib", "scipy", "numba")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.cad.build import Build
+from fingertip.kit import Build
 from tests.tools import require_tool
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.cad.build import build
 from fingertip.design import Design
+from fingertip.kit import build
 
 VARIANTS = {
     "sleeve": ["mold.method=sleeve", "mold.silicone_shrinkage_percent=1.2"],

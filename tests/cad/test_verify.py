@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from fingertip.cad import stl
-from fingertip.cad.mesh import Mesh
+from fingertip.cad.mesh import Evaluator, Mesh
 from fingertip.cad.verify import FINEST_MM, refuse_tolerance, verify
 from fingertip.design import Design
 from fingertip.errors import DesignError
@@ -16,7 +16,7 @@ TOLERANCE = 0.05
 
 
 def failed(design: Design) -> set[str]:
-    return {check.name for check in verify(design, ["skin"], ["stl"], TOLERANCE).checks if not check.passed}
+    return {check.name for check in verify(design, ["skin"], ["stl"], Evaluator(TOLERANCE)).checks if not check.passed}
 
 
 def test_a_writer_that_loses_a_triangle_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -37,7 +37,10 @@ def test_a_writer_that_turns_the_mesh_inside_out_is_found(monkeypatch: pytest.Mo
 
 
 def test_files_are_those_of_the_formats_asked_for() -> None:
-    assert set(verify(Design(), ["skin"], ["stl", "3mf", "step"], TOLERANCE).contents) == {"skin.stl", "skin.3mf"}
+    assert set(verify(Design(), ["skin"], ["stl", "3mf", "step"], Evaluator(TOLERANCE)).contents) == {
+        "skin.stl",
+        "skin.3mf",
+    }
 
 
 @pytest.mark.parametrize("tolerance", [0.0, FINEST_MM / 2, 1.1, float("nan"), -0.01])

@@ -27,27 +27,29 @@ def test_a_deeper_funnel_adds_a_frustum_and_longer_vents() -> None:
     throat, mouth = mold.gate_diameter_mm / 2, mold.funnel_diameter_mm / 2
     frustum = math.pi / 3 * (throat**2 + throat * mouth + mouth**2) * 2.0
     longer = vents * math.pi * (mold.vent_diameter_mm / 2) ** 2 * 2.0
-    added = 1000 * (measure(deep, TOLERANCE).runners_cm3 - measure(shallow, TOLERANCE).runners_cm3)
+    added = 1000 * (
+        measure(deep, Evaluator(TOLERANCE)).runners_cm3 - measure(shallow, Evaluator(TOLERANCE)).runners_cm3
+    )
     assert added == pytest.approx(frustum + longer, rel=4 * TOLERANCE / (mold.vent_diameter_mm / 2))
 
 
 def test_without_shrinkage_the_cavity_is_filled_by_the_skin() -> None:
     still = fsr400("mold.silicone_shrinkage_percent=0")
     skin = Evaluator(TOLERANCE).manifold(PARTS["skin"].describe(still)).volume() / 1000
-    assert measure(still, TOLERANCE).skin_cm3 == pytest.approx(skin, rel=1e-9)
+    assert measure(still, Evaluator(TOLERANCE)).skin_cm3 == pytest.approx(skin, rel=1e-9)
 
 
 def test_a_sleeve_is_poured_larger_by_the_cube_of_its_shrinkage() -> None:
     still, shrinking = (
         fsr400("mold.method=sleeve", f"mold.silicone_shrinkage_percent={percent}") for percent in (0.0, 1.0)
     )
-    ratio = measure(shrinking, TOLERANCE).skin_cm3 / measure(still, TOLERANCE).skin_cm3
+    ratio = measure(shrinking, Evaluator(TOLERANCE)).skin_cm3 / measure(still, Evaluator(TOLERANCE)).skin_cm3
     assert ratio == pytest.approx(shrinking.dimensions.shrinkage**3, rel=1e-3)
     assert shrinking.dimensions.shrinkage == pytest.approx(1.01, abs=2e-4)
 
 
 def test_the_gap_grows_with_the_fit() -> None:
-    tight, loose = (measure(fsr400(f"mold.fit_clearance_mm={gap}")) for gap in (0.1, 0.2))
+    tight, loose = (measure(fsr400(f"mold.fit_clearance_mm={gap}"), Evaluator(TOLERANCE)) for gap in (0.1, 0.2))
     assert 0.0 < tight.gap_cm3 < loose.gap_cm3
     assert loose.gap_cm3 / tight.gap_cm3 == pytest.approx(2.0, rel=0.1)
 

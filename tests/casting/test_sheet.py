@@ -16,7 +16,8 @@ from fingertip.casting.materials import MATERIALS
 from fingertip.casting.slicer import HOW_TO_INSTALL, Print, from_gcode, minutes, slice_part
 from fingertip.casting.volumes import Volumes
 from fingertip.design import Design
-from fingertip.errors import GeometryError
+from fingertip.errors import DesignError, GeometryError
+from fingertip.kit import Build, build
 from tests.conftest import design_file, run_fingertip
 from tests.tools import require_tool
 
@@ -131,6 +132,27 @@ def test_the_command_writes_page_and_data(tmp_path: Path) -> None:
     again = run_fingertip("sheet", FSR400, "--set", "name=mine", "--out", other, PYTHONHASHSEED="7")
     assert again.returncode == 0, again.stderr
     assert other.read_text() == page, "the same design gives the same bytes"
+
+
+def test_a_build_brings_the_same_sheet(built: Build, tmp_path: Path) -> None:
+    """In the report as data, and as the page the command alone would write."""
+    done = run_fingertip("sheet", design_file(built.design.name), "--out", tmp_path / "casting.md", "--json")
+    told = json.loads(done.stdout)
+    told.pop("page")
+    assert json.loads((built.folder / "report.json").read_text())["casting"] == told
+    assert (built.folder / "casting.md").read_bytes() == (tmp_path / "casting.md").read_bytes()
+
+
+def test_no_sheet_where_parts_are_left_out(tmp_path: Path) -> None:
+    result = build(Design(), tmp_path, parts=["skin"], formats=["stl"], tolerance_mm=0.1)
+    assert "casting" not in result.report()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["design.toml", "report.json", "skin.stl"]
+
+
+def test_an_unknown_silicone_is_refused_before_anything_is_built(tmp_path: Path) -> None:
+    with pytest.raises(DesignError, match="there is no 'latex'"):
+        build(Design(), tmp_path / "out", material="latex")
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(

@@ -135,7 +135,7 @@ def test_a_step_process_that_dies_leaves_nothing(tmp_path: Path) -> None:
 
 
 def test_a_step_process_that_hangs_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from fingertip.cad import build as module
+    from fingertip import kit as module
     from fingertip.cad.step import StepRequest
     from fingertip.design import Design
     from fingertip.errors import GeometryError

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from fingertip.cad.mesh import Evaluator
 from fingertip.cad.parts import parts_of
 from fingertip.cad.verify import as_data, verify
 from fingertip.design import Design
@@ -127,7 +128,7 @@ def test_the_bone_is_neither_meshed_nor_measured_while_the_mold_varies(monkeypat
 )
 def test_checks_on_the_memory_are_those_of_verify(changes: list[str]) -> None:
     design = Design.load(changes=changes)
-    alone = [as_data(check) for check in verify(design, parts_of(design), ("stl",), COARSE).checks]
+    alone = [as_data(check) for check in verify(design, parts_of(design), ("stl",), Evaluator(COARSE)).checks]
     assert [as_data(check) for check in checks_of(design, EVALUATOR)] == alone  # after other designs
     evaluated = EVALUATOR.evaluated
     assert [as_data(check) for check in checks_of(design, EVALUATOR)] == alone

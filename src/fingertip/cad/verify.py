@@ -32,7 +32,7 @@ def verify(
     design: Design,
     parts: Iterable[str],
     formats: Iterable[str],
-    tolerance_mm: float,
+    evaluator: Evaluator,
     say: Callable[[str], None] = lambda message: None,
 ) -> Verified:
     """Make the parts' mesh files in memory, read them back, and check them and the assembly they make.
@@ -45,8 +45,8 @@ def verify(
         Names from `PARTS`.
     formats
         Any of "stl", "3mf"; others are ignored.
-    tolerance_mm
-        Most a facet strays from the exact surface [mm].
+    evaluator
+        The mesh kernel at the tolerance wanted; it keeps what it evaluates for whoever asks next.
     say
         Called with a sentence at each part.
 
@@ -56,7 +56,6 @@ def verify(
         If the mesh kernel refuses a solid.
     """
     kinds = [kind for kind in formats if kind in MESH_FORMATS]
-    evaluator = Evaluator(tolerance_mm)
     expressions = {name: PARTS[name].describe(design) for name in parts}
     meshes = {}
     for name, expression in expressions.items():

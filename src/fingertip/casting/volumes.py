@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fingertip.cad import mold, skin
 from fingertip.cad.core import cast_around
 from fingertip.cad.mesh import Evaluator
-from fingertip.cad.solids import union
+from fingertip.cad.solids import intersection, union
 from fingertip.design import Design
 from fingertip.design.mold_layout import lay_out
 
@@ -29,19 +29,18 @@ class Volumes:
         return self.skin_cm3 + self.runners_cm3 + self.gap_cm3
 
 
-def measure(design: Design, tolerance_mm: float = 0.01, evaluator: Evaluator | None = None) -> Volumes:
-    """Volumes of a design's mold, on meshes of this tolerance [mm], or those of an evaluator that has others too.
+def measure(design: Design, evaluator: Evaluator) -> Volumes:
+    """Volumes of a design's mold, on meshes of the evaluator's tolerance.
 
     Raises
     ------
     GeometryError
         If the mesh kernel refuses a solid.
     """
-    evaluator = evaluator or Evaluator(tolerance_mm)
     block, cavity = evaluator.manifold(mold.block(design)), evaluator.manifold(skin.cavity(design))
     inside = evaluator.manifold(cast_around(design))
     runners = evaluator.manifold(union(*mold.runners(design, lay_out(design, design.dimensions))))
-    hollow = ((evaluator.manifold(mold.openings(design)) ^ block) - inside).volume()
+    hollow = (evaluator.manifold(intersection(mold.openings(design), mold.block(design))) - inside).volume()
     skin_mm3 = (cavity - inside).volume()
     runners_mm3 = ((runners ^ block) - cavity).volume()
     gap_mm3 = max(0.0, hollow - skin_mm3 - runners_mm3)

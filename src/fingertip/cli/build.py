@@ -17,13 +17,16 @@ def build(
     parts: Annotated[str | None, typer.Option(help="Which parts, separated by commas; all if left out.")] = None,
     formats: Annotated[str, typer.Option(help="Which formats, separated by commas.")] = "stl,3mf,step",
     tolerance_mm: Annotated[float, typer.Option(help="Most a facet strays from the exact surface.")] = 0.01,
+    material: Annotated[
+        str, typer.Option(help="Silicone of the casting sheet, as in `fingertip sheet`.")
+    ] = "addition_40a",
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Build bone, skin and mold as STL, 3MF and STEP, check them, and write a report."""
-    from fingertip.cad.build import build as build_parts
+    """Build bone, skin and mold as STL, 3MF and STEP, check them, and write a report and the casting sheet."""
     from fingertip.design import Design
+    from fingertip.kit import build as build_parts
 
     console = Console(as_json, quiet)
     loaded = Design.load(design, changes=changes or ())
@@ -33,6 +36,7 @@ def build(
         parts=None if parts is None else _words(parts),
         formats=_words(formats),
         tolerance_mm=tolerance_mm,
+        material=material,
         say=console.say,
     )
     lines = [

@@ -29,6 +29,7 @@ def check(
     The checks read the STL each part would have. If any file is refused, all its faults and those of the other files
     are told, no design is checked and no report is written.
     """
+    from fingertip.cad.mesh import Evaluator
     from fingertip.cad.parts import parts_of
     from fingertip.cad.verify import as_data, refuse_tolerance, verify
 
@@ -38,7 +39,7 @@ def check(
     found: dict[str, tuple[Check, ...]] = {}
     for label, design in loaded.items():
         console.say(f"checking {label}")
-        found[label] = verify(design, parts_of(design), ("stl",), tolerance_mm, console.say).checks
+        found[label] = verify(design, parts_of(design), ("stl",), Evaluator(tolerance_mm), console.say).checks
     if junit is not None:
         from fingertip.cad.junit import to_bytes
         from fingertip.files import write_file

@@ -23,6 +23,7 @@ def sheet(
     quiet: QuietOption = False,
 ) -> None:
     """Write the casting sheet: silicone and its parts A and B, steps, warnings, bill of materials, printing."""
+    from fingertip.cad.mesh import Evaluator
     from fingertip.casting import markdown, volumes
     from fingertip.casting.materials import silicone
     from fingertip.casting.sheet import figures, orientations
@@ -41,12 +42,12 @@ def sheet(
         from fingertip.cad.verify import verify
 
         lies = orientations(loaded)
-        files = verify(loaded, lies, ("stl",), tolerance_mm=0.02).contents
+        files = verify(loaded, lies, ("stl",), Evaluator(0.02)).contents
         prints = {}
         for name, how in lies.items():
             console.say(f"slicing {name}")
             prints[name] = slice_part(program, name, files[f"{name}.stl"], how)
-    data = figures(loaded, volumes.measure(loaded), card, prints)
+    data = figures(loaded, volumes.measure(loaded, Evaluator(0.01)), card, prints)
     path = out or Path("out") / loaded.name / "casting.md"
     write_file(path, markdown.page(data).encode())
     batch = data["batch"]

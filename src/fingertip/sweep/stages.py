@@ -134,7 +134,7 @@ def casting(asked: Asked) -> Figures:
     from fingertip.casting.materials import silicone
     from fingertip.casting.volumes import measure
 
-    volumes = measure(asked.design, asked.file.tolerance_mm, asked.evaluator())
+    volumes = measure(asked.design, asked.evaluator())
     mixed = batch(silicone(asked.file.silicone), volumes.total_cm3)
     return {"silicone_in_mold_g": mixed.in_mold_g, "silicone_g": mixed.total_g}
 

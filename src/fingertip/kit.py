@@ -1,4 +1,4 @@
-"""Build: a design in, files and a report out."""
+"""A kit: a design in, and out a folder with its parts, the sheet to cast them by, and a report on both."""
 
 from __future__ import annotations
 
@@ -13,10 +13,12 @@ from typing import Any
 from fingertip._version import __version__
 from fingertip.cad import checks
 from fingertip.cad.checks import Check
-from fingertip.cad.mesh import Mesh
+from fingertip.cad.mesh import Evaluator, Mesh
 from fingertip.cad.parts import PARTS, Part, parts_of, print_scale
 from fingertip.cad.step import StepFiles, StepJob, StepRequest
 from fingertip.cad.verify import as_data, refuse_tolerance, settled, verify
+from fingertip.casting import markdown, sheet, volumes
+from fingertip.casting.materials import silicone
 from fingertip.design import Design
 from fingertip.design.document import to_toml
 from fingertip.design.faults import nearest
@@ -47,6 +49,8 @@ class Build:
     parts: tuple[BuiltPart, ...]
     contents: Mapping[str, bytes]
     checks: tuple[Check, ...]
+    casting: Mapping[str, Any] | None
+    """Figures of the casting sheet, as `casting.sheet.figures` gives them; None if parts were left out."""
 
     @property
     def passed(self) -> bool:
@@ -55,7 +59,7 @@ class Build:
 
     def report(self) -> dict[str, Any]:
         """The content of report.json: nothing in it depends on when or where it was made."""
-        return {
+        report: dict[str, Any] = {
             "fingertip": __version__,
             "design": self.design.name,
             "tolerance_mm": self.tolerance_mm,
@@ -63,6 +67,7 @@ class Build:
             "parts": {built.part.name: self._part(built) for built in self.parts},
             "checks": [as_data(check) for check in self.checks],
         }
+        return report | ({"casting": self.casting} if self.casting else {})
 
     def _part(self, built: BuiltPart) -> dict[str, Any]:
         entry: dict[str, Any] = {
@@ -84,9 +89,10 @@ def build(
     parts: Iterable[str] | None = None,
     formats: Iterable[str] = FORMATS,
     tolerance_mm: float = 0.01,
+    material: str = "addition_40a",
     say: Callable[[str], None] = lambda message: None,
 ) -> Build:
-    """Build parts, check them, and write them with `design.toml` and `report.json`.
+    """Build parts, check them, and write them with `design.toml`, `casting.md` and `report.json`.
 
     Only what is asked for is built, and cadquery is loaded (in a process of its own) only for "step".
 
@@ -102,13 +108,15 @@ def build(
         Any of "stl", "3mf", "step".
     tolerance_mm
         Most a facet strays from the exact surface [mm], 0.0005 to 1.
+    material
+        Silicone of the casting sheet, a name from `casting.MATERIALS`. There is a sheet if all parts are built.
     say
         Called with a sentence at each step.
 
     Raises
     ------
     DesignError
-        If a part, a format or the tolerance is not to be had.
+        If a part, a format, the tolerance or the silicone is not to be had.
     MissingLibraryError
         If STEP is asked for and cadquery cannot be loaded.
     GeometryError, OutputError
@@ -121,6 +129,7 @@ def build(
         _ordered("--formats", formats, FORMATS),
     )
     refuse_tolerance(tolerance_mm)
+    card, evaluator = silicone(material), Evaluator(tolerance_mm)
 
     with contextlib.ExitStack() as stack:
         request = None
@@ -128,8 +137,9 @@ def build(
             say("starting the B-rep kernel beside the mesh kernel")
             job = StepJob(design.name, tuple((n, PARTS[n].describe(design), PARTS[n].colour) for n in chosen))
             request = stack.enter_context(StepRequest(job))
-        verified = verify(design, chosen, kinds, tolerance_mm, say)
+        verified = verify(design, chosen, kinds, evaluator, say)
         meshes, found = verified.meshes, list(verified.checks)
+        casting = sheet.figures(design, volumes.measure(design, evaluator), card) if chosen == [*known] else None
         step = StepFiles({}, {})
         if request:
             say("waiting for the B-rep kernel")
@@ -148,7 +158,9 @@ def build(
     )
     heading = "The design these files were built from; `fingertip build` takes it as it is."
     contents["design.toml"] = to_toml(design, heading).encode()
-    result = Build(design, folder, tolerance_mm, built, contents, tuple(found))
+    if casting:
+        contents["casting.md"] = markdown.page(casting).encode()
+    result = Build(design, folder, tolerance_mm, built, contents, tuple(found), casting)
     contents["report.json"] = (json.dumps(result.report(), indent=2) + "\n").encode()
     write_whole(folder, contents)
     say(f"{len(contents)} files in {folder}")

@@ -322,3 +322,17 @@ def test_digital_and_a_board_without_dead_zone_agree():
     off = paper.level_v[during] - digital.level_v[during]
     assert np.sqrt(np.mean(off**2)) < 0.05 * np.sqrt(np.mean(digital.level_v[during] ** 2))
     assert np.mean(paper.on != digital.on) < 0.01
+
+
+def test_a_recorded_trace_in_python(tmp_path):
+    import fingertip
+
+    (tmp_path / "t.csv").write_text(csv(T, V, header=("t", "AI0")))
+    trace = fingertip.read_trace(tmp_path / "t.csv", columns={"time_s": "t", "voltage_v": "AI0"})
+    assert fingertip.detect(trace, Design()).intervals[0].onset_s == ONSET
+    np.save(tmp_path / "v.npy", V)
+    assert np.array_equal(fingertip.read_trace(str(tmp_path / "v.npy"), rate_hz=2000, scale=0.5).voltage_v, 0.5 * V)
+    with pytest.raises(fingertip.FingertipError, match="is sampled at 2000 Hz, the detector is designed for 4000"):
+        fingertip.read_trace(
+            tmp_path / "t.csv", Design(detector={"sample_rate_hz": 4000.0}), {"time_s": "t", "voltage_v": "AI0"}
+        )

@@ -3,6 +3,7 @@
 from fingertip.slip.chain import ChainSettings, SlipChain
 from fingertip.slip.detection import Detection, detect
 from fingertip.slip.intervals import Interval, Score
+from fingertip.slip.read import read_trace
 from fingertip.slip.registry import DETECTORS, make
 from fingertip.slip.stream import Detector, Output
 from fingertip.slip.trace import Trace
@@ -19,4 +20,5 @@ __all__ = [
     "Trace",
     "detect",
     "make",
+    "read_trace",
 ]

@@ -10,13 +10,53 @@ from typing import Any
 
 import numpy as np
 
+from fingertip.design import Design
 from fingertip.design.faults import nearest
 from fingertip.errors import Fault, MissingLibraryError, TraceError
 from fingertip.slip.parsed import COLUMNS, Parsed, Wanted
+from fingertip.slip.trace import Trace
 from fingertip.slip.trace_file import parse_csv
 
 RATE = "sample_rate_hz"
 """A number of this name in an archive stands for its times."""
+
+
+def read_trace(
+    path: str | Path,
+    design: Design | None = None,
+    columns: Mapping[str, str] | None = None,
+    rate_hz: float | None = None,
+    scale: float = 1.0,
+) -> Trace:
+    """Read a trace that somebody recorded: .csv, .npz, .npy or .tdms.
+
+    Parameters
+    ----------
+    path
+        The file.
+    design
+        What the trace is checked for: the detector's rate and window, the converter's range. By default the defaults.
+    columns
+        A trace's column -> the file's name for it, such as ``{"voltage_v": "AI0"}``.
+    rate_hz
+        Sampling rate of a file without times [Hz].
+    scale
+        Volts for each unit of the file's voltage.
+
+    Returns
+    -------
+    Trace
+        Columns of equal length, evenly sampled, without NaN.
+
+    Raises
+    ------
+    TraceError
+        With one sentence for each fault of the file and of its samples.
+    MissingLibraryError
+        If npTDMS is needed and not installed.
+    """
+    parsed = parse(Path(path), Wanted(columns or {}, rate_hz, scale))
+    return parsed.checked((design or Design()).detector)
 
 
 def parse(path: Path, wanted: Wanted) -> Parsed:

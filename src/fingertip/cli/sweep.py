@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -51,7 +52,7 @@ def sweep(
 ) -> None:
     """Compute outputs of many designs. Exit code 0: every point has its row; 1: some failed or took too long."""
     from fingertip.errors import Fault, SweepError
-    from fingertip.sweep.engines import Cluster, Processes, default_jobs
+    from fingertip.sweep.engines import Processes, default_jobs
     from fingertip.sweep.plan import Plan
 
     console = Console(as_json, quiet)
@@ -69,12 +70,18 @@ def sweep(
         raise SweepError(Fault("--jobs", "stands beside --cluster, which has its own workers; leave one of them out."))
     plan = Plan.load(file, changes or ())
     folder = out or _default(plan)
-    engine: Engine = Cluster(cluster) if cluster else Processes(jobs or default_jobs())
+    engine = _cluster(cluster) if cluster else Processes(jobs or default_jobs())
     with _open(console, folder, plan, resume) as store:
         code = _run(console, store, engine)
         _export(console, store, csv, parquet)
     if code:
         raise typer.Exit(code)
+
+
+def _cluster(address: str) -> Engine:
+    from fingertip.sweep.cluster import Cluster
+
+    return Cluster(address)
 
 
 def _default(plan: Plan) -> Path:
@@ -129,7 +136,7 @@ def _run(console: Console, store: Store, engine: Engine) -> int:
 
     plan, folder = store.plan, store.folder
     console.say(f"{plan.file.name}: {plan.size} points, {len(plan.outputs)} outputs, {engine.workers} {engine.what}")
-    interrupted = False
+    interrupted, start_s = False, time.perf_counter()
     with progress(console, plan.size) as told:
         try:
             state = run(plan, store, engine, told)
@@ -152,7 +159,9 @@ def _run(console: Console, store: Store, engine: Engine) -> int:
     text = f"{rows} of {plan.size} points in {folder}: " + ", ".join(
         f"{n} {status}" for status, n in counts.items() if n
     )
-    console.say(f"{state.points_per_s:.3g} points/s" if state.written else "every point had its row already")
+    took_s = time.perf_counter() - start_s
+    pace = f"{state.written} points in {took_s:.1f} s, {state.written / took_s:.3g} points/s"
+    console.say(pace if state.written else "every point had its row already")
     console.result(data, text)
     return CHECK_FAILED if counts["failed"] + counts["timeout"] or rows < plan.size else 0
 

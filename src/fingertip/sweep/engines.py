@@ -10,7 +10,6 @@ from collections.abc import Collection, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from typing import Any, Protocol
 
-from fingertip.errors import Fault, MissingLibraryError, SweepError
 from fingertip.sweep.watch import end_with_parent
 
 _slots: Any = None
@@ -23,6 +22,8 @@ class Engine(Protocol):
 
     what: str
     """What its workers are, for people."""
+    tries: int
+    """How many workers it lets die of one part before it gives that up by itself."""
 
     @property
     def workers(self) -> int:
@@ -44,6 +45,7 @@ class Processes:
     def __init__(self, jobs: int) -> None:
         self.workers = jobs
         self.what = "processes"
+        self.tries = 1
         self._context = multiprocessing.get_context("spawn")
         self._pool: ProcessPoolExecutor | None = None
         self._marks: Any = None
@@ -104,43 +106,6 @@ def mark(point: int) -> None:
     """Say which point this worker is at (`NOBODY`: none)."""
     if _slots is not None and 0 <= _slot < len(_slots):
         _slots[_slot] = point
-
-
-class Cluster:
-    """The workers of a running Dask cluster, through `distributed`'s own executor."""
-
-    def __init__(self, address: str) -> None:
-        try:
-            import distributed
-        except ImportError:
-            raise MissingLibraryError(
-                Fault("--cluster", "needs Dask's distributed; pip install 'fingertip[cluster]', or leave it out.")
-            ) from None
-        try:
-            self._client = distributed.Client(address, timeout=10, set_as_default=False)
-        except (OSError, ValueError, TimeoutError) as error:
-            raise SweepError(
-                Fault("--cluster", f"nobody answers at {address} ({error}); start dask scheduler there.")
-            ) from None
-        self.what = f"workers of {address}"
-
-    @property
-    def workers(self) -> int:
-        """Those connected now; a cluster may grow while it works."""
-        return max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
-
-    def executor(self) -> Executor:
-        """The cluster; it replaces workers by itself."""
-        executor: Executor = self._client.get_executor(pure=False)
-        return executor
-
-    def suspects(self) -> Collection[int] | None:
-        """Dask tells which tasks were lost by itself."""
-        return None
-
-    def close(self) -> None:
-        """Leave the cluster; what it still computes for us is dropped."""
-        self._client.close()
 
 
 def default_jobs() -> int:

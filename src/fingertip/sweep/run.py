@@ -20,13 +20,15 @@ from fingertip.sweep import part as parts
 from fingertip.sweep.engines import Engine
 from fingertip.sweep.part import Done, Part, Work
 from fingertip.sweep.plan import Plan
-from fingertip.sweep.store import Store, Stored, stored
+from fingertip.sweep.store import Store, Stored
 
 PART_S = 0.5
 """About how long a worker computes before it reports."""
 MOST_IN_PART = 8192
 WRITE_S, WRITE_ROWS = 0.5, 50_000
 """Rows are committed this often; what a kill -9 costs is computed again."""
+LATE_S = 30.0
+"""The pace is that of so long."""
 AHEAD = 2
 """Parts in flight for each worker: one computed, one waiting."""
 _BLOCK = 65_536
@@ -44,7 +46,8 @@ class State:
     failures: int = 0
     """Failed points and timeouts among them."""
     refused: int = 0
-    started_s: float = field(default_factory=time.perf_counter)
+    moments: deque[tuple[float, int]] = field(default_factory=lambda: deque([(time.perf_counter(), 0)]))
+    """When how many rows were written, of late."""
 
     @property
     def done(self) -> int:
@@ -53,13 +56,23 @@ class State:
 
     @property
     def points_per_s(self) -> float:
-        """Since it began."""
-        return self.written / max(1e-9, time.perf_counter() - self.started_s)
+        """Of late: workers that start, or compile, are forgotten soon."""
+        (start_s, before), now = self.moments[0], time.perf_counter()
+        return (self.written - before) / max(1e-9, now - start_s)
 
     @property
     def left_s(self) -> float:
-        """Until it is done, at this pace [s]; infinite before the first row."""
-        return (self.size - self.done) / self.points_per_s if self.written else float("inf")
+        """Until it is done, at this pace [s]; infinite while no row comes."""
+        pace = self.points_per_s
+        return (self.size - self.done) / pace if pace else math.inf
+
+    def wrote(self, rows: int) -> None:
+        """Rows were committed."""
+        self.written += rows
+        now = time.perf_counter()
+        self.moments.append((now, self.written))
+        while len(self.moments) > 2 and self.moments[1][0] < now - LATE_S:
+            self.moments.popleft()
 
 
 def run(
@@ -180,7 +193,7 @@ class _Sweep:
         values = zip(*part.columns.values(), strict=True)
         for (point, status, field_, reason, outputs), axes in zip(done.outcomes, values, strict=True):
             if point not in but:
-                self._rows.append((point, status, field_, reason, *axes, *stored(outputs)))
+                self._rows.append((point, status, field_, reason, *axes, *outputs))
                 self.state.failures += status in ("failed", "timeout")
                 self.state.refused += status == "refused"
 
@@ -220,7 +233,7 @@ class _Sweep:
             self._lost(part, error)
             return
         else:
-            late = time.perf_counter() - start > limit
+            late = time.perf_counter() - start > limit * self.engine.tries
             row = parts.too_long(part.points[0], limit, outputs) if late else parts.died(part.points[0], outputs)
             done = Done([row], 0.0)
             if isinstance(error, BrokenExecutor):
@@ -235,5 +248,5 @@ class _Sweep:
         if self._rows and (at_once or now - self._written_at > WRITE_S or len(self._rows) >= WRITE_ROWS):
             rows, self._rows = self._rows, []
             self.store.add(rows)
-            self.state.written += len(rows)
+            self.state.wrote(len(rows))
             self._written_at = now

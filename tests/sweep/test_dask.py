@@ -153,8 +153,12 @@ def test_a_worker_lost_midway_costs_nothing(running: Dask, tmp_path: Path) -> No
     healthy_rows(tmp_path / "out", made.size)
 
 
-def test_a_scheduler_lost_midway_is_a_sentence_and_resume_goes_on(dask: Dask, tmp_path: Path) -> None:
+def test_a_scheduler_lost_midway_is_a_sentence_and_resume_goes_on(
+    dask: Dask, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
     dask.begin(1)
+    monkeypatch.setattr("fingertip.sweep.cluster._LOST_S", 1.0)
+    cluster = Cluster(dask.address)
     made = plan(**LONG)
 
     def told(state: State) -> None:
@@ -163,8 +167,9 @@ def test_a_scheduler_lost_midway_is_a_sentence_and_resume_goes_on(dask: Dask, tm
 
     start = time.monotonic()
     with Store.create(tmp_path / "out", made) as store, pytest.raises(SweepError, match=r"--cluster.*gone.*--resume"):
-        run(made, store, Cluster(dask.address), told, hooks.healthy)
+        run(made, store, cluster, told, hooks.healthy)
     assert time.monotonic() - start < 20
+    assert capfd.readouterr() == ("", "")
     before = rows(tmp_path / "out")
     assert 0 < len(before) < made.size
     with Store.resume(tmp_path / "out", made) as store:

@@ -14,6 +14,8 @@ from fingertip.errors import Fault, MissingLibraryError, SweepError
 
 _PATIENCE_S = 4.0
 """How long a scheduler may take to answer, and the first worker to be there."""
+_LOST_S = 10.0
+"""How long a scheduler that was lost is looked for."""
 _COUNT_EVERY_S = 2.0
 
 
@@ -36,11 +38,12 @@ class Cluster:
             raise MissingLibraryError(
                 Fault("--cluster", "needs Dask's distributed; pip install 'fingertip[cluster]', or leave it out.")
             ) from None
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong is told in one sentence
+        for name in ("distributed", "distributed.client"):  # what goes wrong is told in one sentence
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         _knock(address)
         try:
             asyncio.run(asyncio.wait_for(_greet(address), _PATIENCE_S))
-            self._client = distributed.Client(address, timeout=_PATIENCE_S, set_as_default=False)
+            self._client = distributed.Client(address, timeout=_LOST_S, set_as_default=False)
         except (OSError, ValueError, EOFError, TimeoutError):
             raise _refused(f"what answers at {address} is no Dask scheduler; start dask scheduler there") from None
         self.what = f"workers of {address}"

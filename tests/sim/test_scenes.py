@@ -50,7 +50,7 @@ def test_bundled_scenes(path):
 
 
 def test_the_sliding_finger_is_the_trial():
-    tables = scene("sliding_finger", **{"sensing.bridge": '"article"'})
+    tables = scene("sliding_finger")
     found, trial = run_scene(DESIGN, tables, 7), simulate(DESIGN, Trial(seed=7))
     assert np.array_equal(found.columns["voltage_v"], trial.voltage_v)
     assert np.array_equal(found.columns["slip"], trial.slip)

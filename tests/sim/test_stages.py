@@ -8,6 +8,7 @@ import random
 import numpy as np
 import pytest
 
+from fingertip.board.bridge import sensor_conductance_s
 from fingertip.design import Design
 from fingertip.sim import fsr, vibration
 from fingertip.sim.pad import Pad
@@ -103,18 +104,32 @@ def test_the_curve_passes_the_articles_points():
     assert 4.25 < curve.voltage_v(0.2) < 4.3  # in the middle of the turn-on
 
 
-def test_the_turn_on_has_neither_jump_nor_edge():
-    """A step of slope would ring the high-pass at every contact, which the article did not see."""
-    curve, h = fsr.fit(), 1e-6
-    low, high = curve.turn_on_n - fsr.TURN_ON_WIDTH_N, curve.turn_on_n + fsr.TURN_ON_WIDTH_N
-    for force in (low, high):
-        assert curve.voltage_v(force + h) == pytest.approx(curve.voltage_v(force - h), abs=1e-5)
-        before = (curve.voltage_v(force - h) - curve.voltage_v(force - 2 * h)) / h
-        after = (curve.voltage_v(force + 2 * h) - curve.voltage_v(force + h)) / h
-        assert after == pytest.approx(before, abs=0.02)
+@pytest.mark.parametrize("exponent", [fsr.fit().exponent, fsr.fit_conductance().exponent, 1.0, 0.3])
+def test_the_turn_on_has_neither_jump_nor_corner(exponent):
+    """A corner would ring the high-pass at every contact, which the article did not see: whatever the exponent, the
+    slope grows from 0 in proportion to the force, and ends as the power law's."""
+    w, h = fsr.TURN_ON_WIDTH_N, 1e-6
+
+    def slope(excess: float) -> float:
+        return (fsr.turned_on(excess + h, exponent) - fsr.turned_on(excess - h, exponent)) / (2 * h)
+
+    assert fsr.turned_on(-w, exponent) == 0.0
+    assert fsr.turned_on(w * (1 - 1e-12), exponent) == pytest.approx(w**exponent)
+    assert slope(w - 2 * h) == pytest.approx(exponent * w ** (exponent - 1), rel=1e-3)
+    for share in (1e-3, 1e-2):
+        assert slope(-w + 2 * w * share) / share == pytest.approx(w ** (exponent - 1) * (3 - 2 * exponent), rel=0.05)
+    rising = [fsr.turned_on(-0.2 + i / 1000, exponent) for i in range(3000)]
+    assert rising == sorted(rising)
+
+
+def test_the_curves_fall_and_follow_the_data_sheet():
+    curve = fsr.fit()
     assert curve.exponent == pytest.approx(0.694, abs=0.03)  # the data sheet's slope, which took no part in the fit
     falling = [curve.voltage_v(0.2 + i / 100) for i in range(300)]
     assert falling == sorted(falling, reverse=True)
+    conductance = fsr.fit_conductance()
+    for force in (0.8, 1.3):
+        assert conductance.siemens(force) == pytest.approx(sensor_conductance_s(force), rel=1e-9)
 
 
 def test_hysteresis_stays_within_a_tenth_and_lets_vibration_through():

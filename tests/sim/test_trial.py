@@ -13,7 +13,9 @@ from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import SURFACES, SceneFile, Trial, run_scene, simulate
 from fingertip.sim.pad import Pad
+from fingertip.sim.sensing import voltage_of
 from fingertip.sim.timeline import plan
+from fingertip.slip import detect
 from fingertip.slip.trace_file import to_csv
 
 DESIGN = Design()
@@ -26,12 +28,23 @@ def gross():
 
 def test_the_trial_of_the_article(gross):
     assert (gross.time_s[1] - gross.time_s[0]) == 0.0005
-    assert gross.voltage_v[:200].mean() == pytest.approx(4.3, abs=1e-3)
+    assert gross.voltage_v[:200].mean() == pytest.approx(voltage_of(DESIGN, "board")(0.0), abs=1e-3)
     holding = (gross.time_s > 1.4) & (gross.time_s < 1.8)
     assert gross.force_n[holding].mean() == pytest.approx(1.0, rel=1e-3)
     assert gross.force_n.min() == 0.0
     assert not gross.force_n[-2000:].any()
     assert not gross.force_n[:700].any()
+
+
+@pytest.mark.parametrize("bridge", ["board", "article"])
+def test_no_contact_or_release_is_taken_for_slip(bridge):
+    """The turn-on is as gentle through the design's bridge as through the article's voltages."""
+    for seed in range(6):
+        scene = Trial(seed=seed).scene
+        scene = scene.model_copy(update={"sensing": scene.sensing.model_copy(update={"bridge": bridge})})
+        found = detect(run_scene(DESIGN, scene, seed).trace, DESIGN)
+        assert found.score.false_intervals == ()
+        assert not found.score.missed
 
 
 def test_truth_begins_after_the_command_and_lasts_the_slide(gross):

@@ -27,11 +27,10 @@ _PLAY_SHARE = 0.2
 
 @dataclass(frozen=True)
 class Curve:
-    """Voltage over force: ``open_v - scale g(F - turn_on)^exponent``.
+    """Voltage over force: ``open_v - scale (F - turn_on)^exponent``, begun as `turned_on` has it.
 
-    g is the excess over the turn-on force, 0 well below it, and a parabola across the turn-on's width. The bridge is
-    not drawn in the article. Over the article's range this is a power law of the conductance, shown by a circuit
-    whose voltage falls in proportion to it.
+    The bridge is not drawn in the article. Over the article's range this is a power law of the conductance, shown by a
+    circuit whose voltage falls in proportion to it.
     """
 
     turn_on_n: float
@@ -41,12 +40,12 @@ class Curve:
 
     def voltage_v(self, force_n: float) -> float:
         """Voltage [V] at a force [N] that only ever grew."""
-        return self.open_v - self.scale * math.pow(beyond(force_n, self.turn_on_n), self.exponent)
+        return self.open_v - self.scale * turned_on(force_n - self.turn_on_n, self.exponent)
 
 
 @dataclass(frozen=True)
 class Conductance:
-    """Conductance over force: ``scale g(F - turn_on)^exponent`` [S], with the g of `Curve`."""
+    """Conductance over force: ``scale (F - turn_on)^exponent`` [S], begun as `turned_on` has it."""
 
     turn_on_n: float
     scale: float
@@ -54,15 +53,22 @@ class Conductance:
 
     def siemens(self, force_n: float) -> float:
         """Conductance [S] at a force [N] that only ever grew."""
-        return self.scale * math.pow(beyond(force_n, self.turn_on_n), self.exponent)
+        return self.scale * turned_on(force_n - self.turn_on_n, self.exponent)
 
 
-def beyond(force_n: float, turn_on_n: float) -> float:
-    """What a force has beyond the turn-on [N]: 0 below it, a parabola across its width, then the difference."""
-    excess, w = force_n - turn_on_n, TURN_ON_WIDTH_N
-    if excess <= -w:
+def turned_on(excess_n: float, exponent: float) -> float:
+    """``excess^exponent`` beyond the turn-on's width, 0 below it, and a cubic that starts as a parabola between.
+
+    Value and slope are continuous. What the exponent is does not matter to how gently it starts: a parabola of the
+    force, raised to an exponent of 0.5, would be a corner.
+    """
+    w = TURN_ON_WIDTH_N
+    if excess_n >= w:
+        return math.pow(excess_n, exponent)
+    if excess_n <= -w:
         return 0.0
-    return (excess + w) * (excess + w) / (4 * w) if excess < w else excess
+    t = (excess_n + w) / (2 * w)
+    return math.pow(w, exponent) * t * t * (3 - 2 * exponent + (2 * exponent - 2) * t)
 
 
 def fit(points: tuple[tuple[float, float], ...] = ARTICLE_POINTS) -> Curve:

@@ -105,7 +105,7 @@ class Sensing(Section):
     """From force to voltage."""
 
     bridge: Literal["board", "article"] = choice(
-        "board", "The design's bridge and amplifier, or a curve through the article's voltages."
+        "board", "The design's bridge and amplifier; or, to compare, a curve through the article's voltages."
     )
     jitter_s: float = quantity(
         0.0,

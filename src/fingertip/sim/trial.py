@@ -79,7 +79,6 @@ class Trial:
             contact={"surface": self.surface},
             hold={"force_least_n": low, "force_most_n": high},
             slide={"distance_m": SLIDE_M, "speed_m_s": self.speed_m_s},
-            sensing={"bridge": "article"},
         )
 
 

@@ -16,7 +16,9 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
+from typer.testing import CliRunner
 
+from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.errors import MissingLibraryError, OutputError
 from fingertip.sweep.plan import Plan
@@ -26,7 +28,7 @@ from fingertip.sweep.report.feasibility import verdicts
 from fingertip.sweep.report.pictures import feasibility, front, pairs
 from fingertip.sweep.report.summary import as_data, findings
 from fingertip.sweep.report.text import as_text
-from fingertip.sweep.store import Row, Store, stored
+from fingertip.sweep.store import Row, Store
 from tests.conftest import run_python
 from tests.sweep.tables import table
 
@@ -68,7 +70,7 @@ def swept(folder: Path, failing: float = 0.0, only: int | None = None, **changes
     plan = Plan.of({**SWEEP, **changes})
     store = Store.create(folder, plan)
     made = [
-        (row.point, row.status, row.field, row.reason, *row.axes.values(), *stored(row.outputs.values()))
+        (row.point, row.status, row.field, row.reason, *row.axes.values(), *row.outputs.values())
         for row in rows(plan, failing)
     ]
     store.add(made[:only])
@@ -311,6 +313,10 @@ def test_parquet_without_its_package_is_a_sentence(reported, tmp_path: Path, mon
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(MissingLibraryError, match=r"--parquet: needs the package pyarrow.*fingertip\[parquet\].*--csv"):
         write_parquet(reported[0], tmp_path / "rows.parquet")
+    file = tmp_path / "sweep.toml"  # which is not even read: nobody wants to learn this after a night
+    done = CliRunner().invoke(app, ["sweep", str(file), "--out", str(tmp_path / "out"), "--parquet", "rows.parquet"])
+    assert done.exit_code == 2
+    assert "needs the package pyarrow" in done.stderr
     assert not any(tmp_path.iterdir())
 
 

@@ -54,11 +54,14 @@ def sweep(
     from fingertip.errors import Fault, SweepError
     from fingertip.sweep.engines import Processes, default_jobs
     from fingertip.sweep.plan import Plan
+    from fingertip.sweep.report import export
 
     console = Console(as_json, quiet)
     if outputs:
         _list_outputs(console)
         return
+    if parquet is not None:
+        export.arrow()
     if show:
         _show(console, _folder(file, out, changes or ()), csv, parquet)
         return

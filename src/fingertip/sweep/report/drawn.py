@@ -22,8 +22,9 @@ def pictures(found: Findings) -> Iterator[tuple[str, bytes]]:
     varied = {name: column for name, column in table.axes.items() if _varies(column)}
     if not varied:
         return
-    telling = strongest(found.sensitivity(FEASIBLE), [*varied], len(varied))
-    yield "feasibility.png", feasibility.draw(varied, found.verdicts, telling)
+    if found.limits:
+        telling = strongest(found.sensitivity(FEASIBLE), [*varied], len(varied))
+        yield "feasibility.png", feasibility.draw(varied, found.verdicts, telling)
     if found.sensitivities:
         yield "weights.png", weights.draw(found.sensitivities, [*varied])
     outputs = {name: column for name, column in table.outputs.items() if _varies(column[ok])}
@@ -57,7 +58,8 @@ def _pairs(found: Findings, axes: dict[str, Column], outputs: dict[str, Column])
     heaviest = sorted(axes, key=lambda name: -weight[name])[: most - len(told)]
     shown = [name for name in axes if name in heaviest]
     columns = {name: axes[name] for name in shown} | {name: outputs[name] for name in told}
-    return pairs.draw(columns, feasible(found.table), len(axes) + len(outputs) - len(columns))
+    left_out = [name for name in (*axes, *outputs) if name not in columns]
+    return pairs.draw(columns, feasible(found.table), left_out)
 
 
 def _front(found: Findings) -> bytes:

@@ -64,13 +64,7 @@ def write_parquet(store: Rows, path: Path) -> None:
     OutputError
         If the file cannot be written; what was there has not changed then.
     """
-    try:
-        import pyarrow
-        import pyarrow.parquet as parquet
-    except ImportError as error:
-        remedy = "pip install 'fingertip[parquet]', or write CSV with --csv"
-        raise MissingLibraryError(Fault("--parquet", f"needs the package pyarrow; {remedy}.")) from error
-
+    pyarrow, parquet = arrow()
     types = {"point": pyarrow.int64()}
     types |= {axis.name: _axis_type(pyarrow, axis.values, axis.whole) for axis in store.plan.axes}
     types |= dict.fromkeys(store.plan.outputs, pyarrow.float64())
@@ -81,6 +75,23 @@ def write_parquet(store: Rows, path: Path) -> None:
         while group := list(itertools.islice(rows, _GROUP)):
             columns = [_column(pyarrow, field, group) for field in schema]
             writer.write_table(pyarrow.Table.from_arrays(columns, schema=schema), row_group_size=_GROUP)
+
+
+def arrow() -> tuple[Any, Any]:
+    """The modules pyarrow and pyarrow.parquet; ask before a long sweep, not after it.
+
+    Raises
+    ------
+    MissingLibraryError
+        Where they are not installed.
+    """
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as error:
+        remedy = "pip install 'fingertip[parquet]', or write CSV with --csv"
+        raise MissingLibraryError(Fault("--parquet", f"needs the package pyarrow; {remedy}.")) from error
+    return pyarrow, pyarrow.parquet
 
 
 def names(plan: Plan) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,7 +20,7 @@ _HISTOGRAM_BINS = 24
 _REFUSED_COLOUR = "#e2b6b1"
 
 
-def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: int = 0) -> bytes:
+def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: Sequence[str] = ()) -> bytes:
     """Scatter below the diagonal, histograms on it, rank correlations above it.
 
     Parameters
@@ -29,7 +30,7 @@ def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: int = 0) -
     ok
         Feasible points, shape (points,).
     left_out
-        Columns for which there was no room, to be told.
+        Names of columns for which there was no room, to be told.
 
     Returns
     -------
@@ -74,7 +75,7 @@ def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: int = 0) -
     how = f"{len(drawn)} of {len(ok)} points, drawn at random" if len(drawn) < len(ok) else f"all {len(ok)} points"
     said = f"{how}; blue: feasible, red: not. Above the diagonal: rank correlation of the feasible"
     if left_out:
-        said += f"\n{left_out} axes or outputs for which there was no room are left out: those that vary or weigh least"
+        said += f"\nleft out for want of room: {', '.join(left_out)}"
     figure.suptitle(said, x=0.01, y=1 - 0.06 / height, ha="left", va="top", fontsize=9)
     return png(figure)
 

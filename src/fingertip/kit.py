@@ -15,7 +15,7 @@ from fingertip.cad import checks
 from fingertip.cad.checks import Check
 from fingertip.cad.mesh import Evaluator, Mesh
 from fingertip.cad.parts import PARTS, Part, parts_of, print_scale
-from fingertip.cad.step import StepFiles, StepJob, StepRequest
+from fingertip.cad.step import Exact, StepFiles, StepJob, StepRequest
 from fingertip.cad.verify import as_data, refuse_tolerance, settled, verify
 from fingertip.casting import markdown, sheet, volumes
 from fingertip.casting.materials import silicone
@@ -36,7 +36,8 @@ class BuiltPart:
     mesh: Mesh
     files: Mapping[str, str]
     """Format -> file name."""
-    brep_volume_mm3: float | None
+    exact: Exact | None
+    """What the B-rep kernel measured; None without STEP."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +78,8 @@ class Build:
             "files": dict(built.files),
             "sha256": {kind: hashlib.sha256(self.contents[file]).hexdigest() for kind, file in built.files.items()},
         }
-        if built.brep_volume_mm3 is not None:
-            entry["brep_volume_mm3"] = settled(built.brep_volume_mm3)
+        if built.exact:
+            entry["brep_volume_mm3"] = settled(built.exact.volume_mm3)
         return entry
 
 
@@ -144,16 +145,13 @@ def build(
         if request:
             say("waiting for the B-rep kernel")
             step = request.result()
-            found += (
-                checks.against_brep(
-                    PARTS[name], meshes[name], volume * print_scale(design, PARTS[name]) ** 3, tolerance_mm
-                )
-                for name, volume in step.volumes_mm3.items()
-            )
+            for name, exact in step.exact.items():
+                scale = print_scale(design, PARTS[name])
+                found += checks.of_brep(design, PARTS[name], meshes[name], exact, scale, tolerance_mm)
         contents = dict(verified.contents) | step.contents
 
     built = tuple(
-        BuiltPart(PARTS[name], meshes[name], {kind: f"{name}.{kind}" for kind in kinds}, step.volumes_mm3.get(name))
+        BuiltPart(PARTS[name], meshes[name], {kind: f"{name}.{kind}" for kind in kinds}, step.exact.get(name))
         for name in chosen
     )
     heading = "The design these files were built from; `fingertip build` takes it as it is."

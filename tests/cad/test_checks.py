@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fingertip.cad import bone, checks
+from fingertip.cad import bone, brep, checks
 from fingertip.cad.core import core
 from fingertip.cad.mesh import Evaluator, Mesh, canonical
 from fingertip.cad.parts import PARTS, Part, parts_of
 from fingertip.cad.solids import Box, Form, Solid, cylinder, difference, union
+from fingertip.cad.step import Exact
 from fingertip.design import Design
 from fingertip.kit import build
 
@@ -35,6 +36,11 @@ def failures(part: Part, mesh: Mesh) -> set[str]:
 def assembly_failures(design: Design, evaluator: Evaluator, **changed: Solid) -> set[str]:
     parts = {name: changed.get(name, part.describe(design)) for name, part in parts_of(design).items()}
     return {check.name for check in checks.of_assembly(design, evaluator, parts) if not check.passed}
+
+
+def brep_failures(design: Design, part: Part, mesh: Mesh, exact: Exact, tolerance_mm: float) -> set[str]:
+    found = checks.of_brep(design, part, mesh, exact, 1.0, tolerance_mm)
+    return {check.name.rsplit(".", 1)[1] for check in found if not check.passed}
 
 
 def bone_mesh(evaluator: Evaluator, solid: Solid) -> Mesh:
@@ -110,8 +116,18 @@ def test_halves_that_do_not_fill_the_block(finger: Design, evaluator: Evaluator)
 def test_a_mesh_too_coarse_for_its_stated_tolerance(finger: Design) -> None:
     part, coarse = PARTS["skin"], Evaluator(0.5).mesh(PARTS["skin"].describe(finger))
     exact = Evaluator(0.0005).mesh(PARTS["skin"].describe(finger)).volume()
-    assert checks.against_brep(part, coarse, exact, 0.5).passed
-    assert not checks.against_brep(part, coarse, exact, 0.001).passed
+    assert brep_failures(finger, part, coarse, Exact(exact, 0), 0.5) == set()
+    assert brep_failures(finger, part, coarse, Exact(exact, 0), 0.001) == {"volume_against_mesh"}
+
+
+def test_an_exact_solid_with_a_hole_too_many(finger: Design, evaluator: Evaluator) -> None:
+    """By the Euler-Poincare formula on the solid itself: the B-rep's own count, not the mesh's."""
+    hole = cylinder("x", (2.0, 5.0), -20.0, 20.0, 0.5)
+    pierced = brep.Evaluator().solid(difference(bone.bone(finger), hole))
+    exact = Exact(brep.volume(pierced), brep.genus(pierced))
+    mesh = bone_mesh(evaluator, difference(bone.bone(finger), hole))
+    assert exact.genus == PARTS["bone"].genus(finger) + 1
+    assert brep_failures(finger, PARTS["bone"], mesh, exact, TOLERANCE) == {"genus"}
 
 
 def test_the_kernel_refuses_a_primitive_that_is_inside_out(finger: Design, evaluator: Evaluator) -> None:

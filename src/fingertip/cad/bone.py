@@ -26,7 +26,8 @@ def sensor_recess(design: Design) -> Solid:
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
     tail = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
     floor = flat + dims.pocket_depth
-    relief_floor = flat + dims.channel_depth + bone.channel_diameter_mm / 2
+    # A little deeper than the channel's crest: a plane that touched it would leave a stray edge in the exact solid.
+    relief_floor = flat + dims.channel_depth + bone.channel_diameter_mm / 2 + 0.1
     relief_top = dims.tail_end_z + dims.relief_half_length
     pocket = cylinder("y", (dims.sensor_z, 0.0), above, floor, head)
     tail_top = dims.sensor_z + design.sensor.clearance_mm  # room for a tail that is wider than its head, too

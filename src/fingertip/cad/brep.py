@@ -29,6 +29,7 @@ from fingertip.errors import Fault, GeometryError, MissingLibraryError
 try:
     import cadquery as cq
     from OCP.BinTools import BinTools
+    from OCP.BRep import BRep_Tool
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Sewing
     from OCP.BRepGProp import BRepGProp
     from OCP.Geom import Geom_BezierSurface
@@ -113,6 +114,17 @@ def volume(shape: Any) -> float:
     properties = GProp_GProps()
     BRepGProp.VolumePropertiesGK_s(shape.wrapped, properties, 1e-6, False, True, False, False, False)
     return float(properties.Mass())
+
+
+def genus(solid: Any) -> int:
+    """Through holes, by the Euler-Poincare formula V - E + F - (L - F) = 2 (1 - G), L the loops of all faces.
+
+    Edges of no length (at the tip's apex) are none.
+    """
+    edges = sum(not BRep_Tool.Degenerated_s(edge.wrapped) for edge in solid.Edges())
+    faces = solid.Faces()
+    loops = sum(len(face.Wires()) for face in faces)
+    return 1 - (len(solid.Vertices()) - edges + 2 * len(faces) - loops) // 2
 
 
 def save(shape: Any, path: Path) -> None:

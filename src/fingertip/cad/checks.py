@@ -15,6 +15,7 @@ from fingertip.cad import skin as skin_part
 from fingertip.cad.mesh import Evaluator, Mesh, to_manifold
 from fingertip.cad.parts import Part
 from fingertip.cad.solids import Solid, intersection, scaled, union
+from fingertip.cad.step import Exact
 from fingertip.design import Design
 from fingertip.design.mold_layout import lay_out
 
@@ -77,10 +78,14 @@ def open_edges(mesh: Mesh) -> int:
     return int(len(keys) - matched.sum())
 
 
-def against_brep(part: Part, mesh: Mesh, exact_volume_mm3: float, tolerance_mm: float) -> Check:
-    """Mesh against exact volume: no further apart than the tolerance times the surface."""
-    difference = abs(mesh.volume() - exact_volume_mm3)
-    return Check(f"{part.name}.volume_against_brep", difference, tolerance_mm * mesh.area(), "mm3")
+def of_brep(design: Design, part: Part, mesh: Mesh, exact: Exact, scale: float, tolerance_mm: float) -> Iterator[Check]:
+    """The exact solid: its holes, and its volume at the mesh's `scale`, which differs by less than tolerance x surface.
+
+    That it is one valid solid, right side out, is seen to where it is made.
+    """
+    yield Check(f"{part.name}.step.genus", exact.genus, part.genus(design), "holes", "exactly")
+    difference = abs(mesh.volume() - exact.volume_mm3 * scale**3)
+    yield Check(f"{part.name}.step.volume_against_mesh", difference, tolerance_mm * mesh.area(), "mm3")
 
 
 def of_assembly(design: Design, evaluator: Evaluator, parts: Mapping[str, Solid]) -> Iterator[Check]:

@@ -32,11 +32,19 @@ class StepJob:
 
 
 @dataclass(frozen=True)
+class Exact:
+    """What the B-rep kernel measured on a part; one valid solid it is, or there is no answer."""
+
+    volume_mm3: float
+    genus: int
+
+
+@dataclass(frozen=True)
 class StepFiles:
-    """What came back: file name -> bytes, and the exact volume of each part [mm3]."""
+    """What came back: file name -> bytes, and each part's measures."""
 
     contents: dict[str, bytes]
-    volumes_mm3: dict[str, float]
+    exact: dict[str, Exact]
 
 
 class StepRequest:
@@ -100,4 +108,4 @@ class StepRequest:
         if "error" in answer:
             raise getattr(errors, answer["error"])([Fault(*fault) for fault in answer["faults"]])
         contents = {path.name: path.read_bytes() for path in sorted(folder.glob("*.step"))}
-        return StepFiles(contents, answer["volumes_mm3"])
+        return StepFiles(contents, {name: Exact(**measures) for name, measures in answer["exact"].items()})

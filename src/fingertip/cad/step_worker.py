@@ -11,19 +11,20 @@ import multiprocessing
 import pickle
 import sys
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from fingertip.cad.solids import Solid
-from fingertip.cad.step import DOING, StepJob
+from fingertip.cad.step import DOING, Exact, StepJob
 from fingertip.errors import Fault, FingertipError, GeometryError
 
 Parts = Sequence[tuple[str, Solid, tuple[float, float, float]]]
 """Name, expression, colour."""
 
 
-def work(job: StepJob, folder: Path) -> dict[str, float]:
-    """Write `<part>.step` for each part and `assembly.step`; return the exact volumes [mm3].
+def work(job: StepJob, folder: Path) -> dict[str, Exact]:
+    """Write `<part>.step` for each part and `assembly.step`; return what was measured on each.
 
     Half of the parts are made in a second process where the system can fork: they share little, and most machines have
     two cores. It is forked before any boolean, because the kernel's threads do not outlive a fork.
@@ -43,11 +44,11 @@ def work(job: StepJob, folder: Path) -> dict[str, float]:
     with _Beside(beside, folder) as second:
         solids = _make(here, folder)
         _write(solids, folder)
-        volumes = {name: brep.volume(solid) for name, solid, _ in solids} | second.volumes()
+        exact = _measures(solids) | second.measures()
         solids += [(name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in beside]
         note(folder, "writing the assembly")
         step_file.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", solids)
-    return volumes
+    return exact
 
 
 def _make(parts: Parts, folder: Path) -> list[Any]:
@@ -59,6 +60,12 @@ def _make(parts: Parts, folder: Path) -> list[Any]:
         note(folder, f"making {name}")
         solids.append((name, evaluator.solid(expression), colour))
     return solids
+
+
+def _measures(solids: list[Any]) -> dict[str, Exact]:
+    from fingertip.cad import brep
+
+    return {name: Exact(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}
 
 
 def _write(solids: list[Any], folder: Path) -> None:
@@ -94,8 +101,8 @@ class _Beside:
         if not error and self._process.exitcode:
             raise self._ended()
 
-    def volumes(self) -> dict[str, float]:
-        """Wait until the parts are made; their exact volumes [mm3]."""
+    def measures(self) -> dict[str, Exact]:
+        """Wait until the parts are made; what was measured on each."""
         if not self._process:
             return {}
         try:
@@ -121,7 +128,7 @@ def _work_beside(parts: Parts, folder: Path, answer: Any) -> None:
         return
     for name, solid, _ in solids:
         brep.save(solid, folder / f"{name}.brep")
-    answer.send({name: brep.volume(solid) for name, solid, _ in solids})
+    answer.send(_measures(solids))
     _write(solids, folder)
 
 
@@ -131,11 +138,11 @@ def note(folder: Path, doing: str) -> None:
 
 
 def main() -> int:
-    """Do the job on stdin; the answer, volumes or faults, goes to `answer.json` in the folder."""
+    """Do the job on stdin; the answer, measures or faults, goes to `answer.json` in the folder."""
     folder = Path(sys.argv[1])
     job: StepJob = pickle.load(sys.stdin.buffer)
     try:
-        answer: dict[str, object] = {"volumes_mm3": work(job, folder)}
+        answer: dict[str, object] = {"exact": {name: asdict(found) for name, found in work(job, folder).items()}}
     except FingertipError as error:
         answer = {"error": type(error).__name__, "faults": [[f.field, f.sentence] for f in error.faults]}
     (folder / "answer.json").write_text(json.dumps(answer), encoding="utf-8")

@@ -8,6 +8,8 @@ poles, whose place says whether the feedback is negative.
 
 from __future__ import annotations
 
+import copy
+import functools
 import warnings
 from pathlib import Path
 from typing import Any
@@ -17,8 +19,9 @@ import numpy as np
 import scipy.linalg
 
 PREFIXES = {"M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12}
-# Output, inverting and non-inverting input of each amplifier in the package, from the data sheet of the TL082.
-AMPLIFIERS = (("1", "2", "3"), ("7", "6", "5"))
+# Output, inverting and non-inverting input of each amplifier in the package, from the data sheets.
+DUAL = (("1", "2", "3"), ("7", "6", "5"))
+AMPLIFIERS = {"TL082": DUAL, "TLV2372": DUAL, "TLV2371DBV": (("1", "4", "3"),)}
 GAIN_BANDWIDTH_HZ = 3e6
 
 
@@ -28,10 +31,15 @@ def number(text: str) -> float:
 
 
 def parse(path: Path) -> Any:
-    """The file as the independent parser sees it."""
+    """The file as the independent parser sees it; it takes seconds, so each text is read once."""
+    return _parsed(path.read_text(encoding="utf-8"))
+
+
+@functools.cache
+def _parsed(text: str) -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # of the parser's own making
-        return kinparse.parse_netlist(str(path))
+        return kinparse.parse_netlist(text)
 
 
 class NetlistCircuit:
@@ -42,17 +50,31 @@ class NetlistCircuit:
         self.parts: dict[str, tuple[str, str]] = {p.ref: (p.name, p.value) for p in parsed.parts}
         # The bridge and its amplifier are not solved here: their output is where the tests' source is.
         self.net: dict[tuple[str, str], str] = {(pin.ref, pin.num): n.name for n in parsed.nets for pin in n.pins}
+        self._number_nets()
+
+    def swapped(self, one: tuple[str, str], two: tuple[str, str]) -> NetlistCircuit:
+        """The circuit with two pins exchanged."""
+        other = copy.copy(self)
+        other.net = self.net | {one: self.net[two], two: self.net[one]}
+        other._number_nets()
+        return other
+
+    def _number_nets(self) -> None:
         # Supplies do not move, so for signals they are ground; so is the resistor between U2's gain pins, which
         # would otherwise float.
-        grounds = {"GND", *self.nodes("J2", "1", "2", "3"), *self.nodes("U2", "1", "8")}
+        supply = {net for (reference, _), net in self.net.items() if reference == "J2"}
+        grounds = {"GND", *supply, *self.nodes("U2", "1", "8")}
         self.index = {net: i for i, net in enumerate(sorted(set(self.net.values()) - grounds))}
 
     def nodes(self, reference: str, *pins: str) -> tuple[str, ...]:
         return tuple(self.net[reference, pin] for pin in pins)
 
-    def gain(self, f_hz: float, source: str, output: str) -> complex:
-        """Voltage at net `output` for 1 V at net `source`, with ideal amplifiers; nan if nothing determines it."""
-        G, C = self._equations(source, bandwidth_hz=None)
+    def gain(self, f_hz: float, source: str, output: str, bandwidth_hz: float | None = None) -> complex:
+        """Voltage at net `output` for 1 V at net `source`, nan if nothing determines it.
+
+        Amplifiers are ideal unless they have a bandwidth; behind open diodes only such have an output.
+        """
+        G, C = self._equations(source, bandwidth_hz)
         b = np.zeros(len(G), dtype=complex)
         b[-1] = 1.0
         try:
@@ -71,7 +93,9 @@ class NetlistCircuit:
 
         Diodes carry no current: behind D1 R6 and C4 are held up, and the clamps are open.
         """
-        amplifiers = [(ref, pins) for ref, (part, _) in self.parts.items() if part == "TL082" for pins in AMPLIFIERS]
+        amplifiers = [
+            (ref, pins) for ref, (part, _) in self.parts.items() if part in AMPLIFIERS for pins in AMPLIFIERS[part]
+        ]
         n = len(self.index)
         size = n + len(amplifiers) + 1
         G, C = np.zeros((size, size)), np.zeros((size, size))

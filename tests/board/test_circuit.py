@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values, symbols
 from fingertip.board.circuit import Circuit, Net, Part, connected, engineering, faults
-from fingertip.board.variants import VARIANTS
+from fingertip.board.supplies import SUPPLIES
+from fingertip.board.variants import KINDS, VARIANTS
 from fingertip.design import Design
 from fingertip.design.sections import Board
 from fingertip.errors import BoardError
@@ -36,13 +37,25 @@ def test_the_articles_circuit() -> None:
 
 
 def test_variants_are_those_the_design_file_takes() -> None:
-    assert tuple(VARIANTS) == get_args(Board.model_fields["variant"].annotation)
+    assert tuple(KINDS) == get_args(Board.model_fields["variant"].annotation)
+    assert tuple(SUPPLIES) == get_args(Board.model_fields["supply"].annotation)
+    assert len(VARIANTS) == len(KINDS) * len(SUPPLIES)
+
+
+def test_a_single_supply_has_amplifiers_that_reach_its_rails() -> None:
+    for kind in KINDS:
+        names = {
+            p.symbol.name
+            for p in board_circuit(board_values(Design.load(changes=VARIANTS[f"{kind}_single"].changes))).parts
+        }
+        assert {"TLV2372", "TLV2371DBV", "Conn_01x05"} <= names
+        assert not {"TL082", "Conn_01x03"} & names
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_every_pin_in_one_net_and_two_pins_in_every_net(variant: str) -> None:
     """Said again without the package's own check."""
-    CIRCUIT = board_circuit(board_values(Design.load(changes=[f"board.variant={variant}"])))
+    CIRCUIT = board_circuit(board_values(Design.load(changes=VARIANTS[variant].changes)))
     nodes = [node for net in CIRCUIT.nets for node in net.nodes]
     assert len(nodes) == len(set(nodes))
     assert set(nodes) == {(part.reference, pin.number) for part in CIRCUIT.parts for pin in part.symbol.pins}
@@ -65,11 +78,11 @@ def _without_node(circuit: Circuit) -> Circuit:
     [
         (lambda c: replace(c, parts=(*c.parts, c.part("R1"))), "R1: names 2 parts"),
         (lambda c: replace(c, nets=(*c.nets, Net("EXTRA", (("R1", "1"), ("R2", "1"))))), "R1.1: is connected 2 times"),
-        (lambda c: replace(c, nets=(*c.nets, Net("LONE", (("R9", "1"),)))), "LONE: connects 1 pin"),
-        (lambda c: replace(c, nets=(*c.nets, Net("GHOST", (("R9", "1"), ("U1", "9"))))), "U1.9: is connected, but"),
-        (lambda c: replace(c, parts=(*c.parts, _resistor("R9"))), "R9.2: is not connected"),
+        (lambda c: replace(c, nets=(*c.nets, Net("LONE", (("R99", "1"),)))), "LONE: connects 1 pin"),
+        (lambda c: replace(c, nets=(*c.nets, Net("GHOST", (("R99", "1"), ("U1", "9"))))), "U1.9: is connected, but"),
+        (lambda c: replace(c, parts=(*c.parts, _resistor("R99"))), "R99.2: is not connected"),
         (lambda c: replace(c, parts=(*c.parts, _resistor("R_LP"))), "R_LP: is not letters and a number"),
-        (lambda c: replace(c, nets=(*c.nets, Net("GND", (("R9", "1"), ("R9", "2"))))), "GND: names 2 nets"),
+        (lambda c: replace(c, nets=(*c.nets, Net("GND", (("R99", "1"), ("R99", "2"))))), "GND: names 2 nets"),
         (_without_node, "is not connected"),
     ],
 )

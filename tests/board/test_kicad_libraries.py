@@ -25,11 +25,11 @@ from tests.board.kicad import HOW
 from tests.tools import require_tool
 
 CIRCUIT = board_circuit(board_values(Design()))
-# Of all variants; the comparator's board has a part of every kind.
+# Of all boards, by what they are: the same reference is another part on another supply.
 PARTS = {
-    part.reference: part
-    for variant in VARIANTS
-    for part in board_circuit(board_values(Design.load(changes=[f"board.variant={variant}"]))).parts
+    (part.reference, part.symbol.name, part.footprint): part
+    for variant in VARIANTS.values()
+    for part in board_circuit(board_values(Design.load(changes=variant.changes))).parts
 }.values()
 SYMBOLS = sorted({part.symbol for part in PARTS}, key=lambda s: (s.library, s.name))
 FOOTPRINTS = sorted({part.footprint for part in PARTS})

@@ -10,10 +10,12 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
+from fingertip.board.built import network
 from fingertip.board.circuit import kicad_name
 from fingertip.board.filters import filter_network
 from fingertip.board.identity import part_uuid
 from fingertip.board.output import NETLIST
+from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 from tests.board.nodal import NetlistCircuit, parse
 from tests.conftest import ROOT, run_fingertip
@@ -62,26 +64,17 @@ SWAPS = [
 ]  # fmt: skip
 
 
-def swapped(path: Path, one: tuple[str, str], two: tuple[str, str]) -> NetlistCircuit:
-    """The netlist file with two pins exchanged."""
-    text = path.read_text(encoding="utf-8")
-    nodes = [f'(node (ref "{ref}") (pin "{pin}")' for ref, pin in (one, two)]
-    assert all(text.count(node) == 1 for node in nodes)
-    path.write_text(text.replace(nodes[0], "@").replace(nodes[1], nodes[0]).replace("@", nodes[1]), encoding="utf-8")
-    return NetlistCircuit(path)
-
-
 def test_the_feedback_is_negative(tmp_path: Path) -> None:
     _, path = written(tmp_path, [])
     poles = NetlistCircuit(path).poles("/TACTILE")
-    assert len(poles) == 9  # one for each of C1 to C4 and C7 to C9, one for each amplifier
+    assert len(poles) == 10  # one for each of C1 to C4, C7 to C9 and C19, one for each amplifier
     assert max(poles.real) < 0
 
 
 @pytest.mark.parametrize("swap", SWAPS)
 def test_a_miswired_netlist_is_caught(tmp_path: Path, swap: tuple[tuple[str, str], tuple[str, str]]) -> None:
     design, path = written(tmp_path, [])
-    circuit = swapped(path, *swap)
+    circuit = NetlistCircuit(path).swapped(*swap)
     assert not worst(circuit, design) < 1e-2 or max(circuit.poles("/TACTILE").real) > 0
 
 
@@ -89,7 +82,7 @@ def test_a_miswired_netlist_is_caught(tmp_path: Path, swap: tuple[tuple[str, str
 def test_a_part_turned_around_is_the_same_circuit(tmp_path: Path, reference: str) -> None:
     """The oracle does not cry wolf."""
     design, path = written(tmp_path, [])
-    assert worst(swapped(path, (reference, "1"), (reference, "2")), design) < 1e-9
+    assert worst(NetlistCircuit(path).swapped((reference, "1"), (reference, "2")), design) < 1e-9
 
 
 def test_diode_and_envelope(tmp_path: Path) -> None:
@@ -104,20 +97,73 @@ def test_diode_and_envelope(tmp_path: Path) -> None:
     assert circuit.nodes("U1", "8", "4") == circuit.nodes("J2", "1", "3") == ("VCC", "VEE")
 
 
-def test_another_parser_reads_what_the_circuit_says(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["paper_split", "comparator_single"])
+def test_another_parser_reads_what_the_circuit_says(tmp_path: Path, name: str) -> None:
+    design, path = written(tmp_path, list(VARIANTS[name].changes))
+    assert read_differently(design, path) == []
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "seen"),
+    [
+        ('(ref "R2") (pin "1")', '(ref "R2") (pin "7")', "nets"),
+        ("Capacitor_SMD:C_1206_3216Metric", "Capacitor_SMD:C_0402_1005Metric", "parts"),
+        ('(ref "R4")', '(ref "R44")', "parts"),
+    ],
+    ids=["pin", "footprint", "reference"],
+)
+def test_a_spoiled_netlist_is_noticed(tmp_path: Path, right: str, wrong: str, seen: str) -> None:
     design, path = written(tmp_path, [])
+    text = path.read_text("utf-8")
+    assert right in text
+    path.write_text(text.replace(right, wrong, 1), "utf-8")
+    assert seen in read_differently(design, path)
+
+
+def read_differently(design: Design, path: Path) -> list[str]:
+    """What of a netlist file another parser reads otherwise than the circuit says."""
     circuit, parsed = board_circuit(board_values(design)), parse(path)
-    assert {(p.ref, p.value, p.lib, p.name, p.footprint) for p in parsed.parts} == {
-        (p.reference, p.value, p.symbol.library, p.symbol.name, p.footprint) for p in circuit.parts
+    parts = {(p.ref, p.value, p.lib, p.name, p.footprint) for p in parsed.parts}
+    nets = {n.name: {(pin.ref, pin.num) for pin in n.pins} for n in parsed.nets}
+    symbols = {(p.lib, p.name): {(pin.num, pin.name, pin.type) for pin in p.pins} for p in parsed.libparts}
+    same = {
+        "parts": parts == {(p.reference, p.value, p.symbol.library, p.symbol.name, p.footprint) for p in circuit.parts},
+        "nets": nets == {kicad_name(n.name): set(n.nodes) for n in circuit.nets},
+        "symbols": symbols
+        == {
+            (p.symbol.library, p.symbol.name): {(pin.number, pin.name, pin.kind) for pin in p.symbol.pins}
+            for p in circuit.parts
+        },
     }
-    assert {n.name: {(pin.ref, pin.num) for pin in n.pins} for n in parsed.nets} == {
-        kicad_name(n.name): set(n.nodes) for n in circuit.nets
-    }
-    libparts = {(p.lib, p.name): {(pin.num, pin.name, pin.type) for pin in p.pins} for p in parsed.libparts}
-    assert libparts == {
-        (p.symbol.library, p.symbol.name): {(pin.number, pin.name, pin.kind) for pin in p.symbol.pins}
-        for p in circuit.parts
-    }
+    return [what for what, equal in same.items() if not equal]
+
+
+@pytest.mark.parametrize("name", ["paper_single", "precision_single", "comparator_single"])
+def test_on_a_single_supply_the_wiring_is_the_filter_too(tmp_path: Path, name: str) -> None:
+    """All signals against the middle, which a follower holds; nothing of the filter returns to ground."""
+    design, path = written(tmp_path, list(VARIANTS[name].changes))
+    circuit, values = NetlistCircuit(path), board_values(design)
+    for f in FREQUENCIES[::5]:
+        found = {net: circuit.gain(f, "/TACTILE", net, 1e14) for net in ("/FILTERED", "/ADC_TACTILE", "VMID")}
+        # What is left is the open-loop gain of 2e5, which the netlist's amplifiers do not have.
+        assert found["/FILTERED"] == pytest.approx(
+            network(f, values.preferred, 1e14, values.first_stage), rel=1e-3, abs=1e-9
+        )
+        assert found["/ADC_TACTILE"] == pytest.approx(values.converter.raw(f), rel=1e-9)
+        assert abs(found["VMID"]) < 1e-6
+    # Behind open diodes U3a is an integrator; nothing else stays where it is.
+    slow = sorted(circuit.poles("/TACTILE").real)[::-1]
+    assert slow[0] < 0 if name == "paper_single" else slow[0] == 0 > slow[1]
+    assert (
+        circuit.nodes("U5", "1", "4") == circuit.nodes("J1", "2") * 2 == circuit.nodes("J3", "5") * 2 == ("VMID",) * 2
+    )
+    assert {circuit.net[pin] for pin in (("U1", "4"), ("U2", "4"), ("U5", "2"), ("J2", "2"), ("J3", "3"))} == {"GND"}
+    at_rest = {("R1", "2"), ("R3", "2"), ("R11", "2"), ("R13", "2"), ("U2", "5"), ("C7", "2")}
+    at_rest |= (
+        {("R4", "2"), ("R6", "2"), ("C4", "2")} if name == "paper_single" else {("C14", "1"), ("U3", "3"), ("U3", "5")}
+    )
+    at_rest |= {("RV1", "3"), ("C17", "2")} if name == "comparator_single" else set()
+    assert {circuit.net[pin] for pin in at_rest} == {"VMID"}
 
 
 def test_what_kicads_reader_insists_on(tmp_path: Path) -> None:
@@ -126,7 +172,7 @@ def test_what_kicads_reader_insists_on(tmp_path: Path) -> None:
     assert text.startswith('(export (version "E")\n')  # recognized by "(export " on the first line
     sections = [text.index(f"\n  ({name}") for name in ("design", "components", "libparts", "nets")]
     assert sections == sorted(sections)
-    assert [int(code) for code in re.findall(r'\(code "(\d+)"\)', text)] == list(range(1, 18))
+    assert [int(code) for code in re.findall(r'\(code "(\d+)"\)', text)] == list(range(1, 19))
     assert text.count('(sheetpath (names "/") (tstamps "/"))') == len(board_circuit(board_values(design)).parts)
     stamps = re.findall(r'\(tstamps "([^/"]+)"\)', text)
     assert len(stamps) == len(set(stamps)) == text.count("(comp\n")

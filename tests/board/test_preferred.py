@@ -13,6 +13,7 @@ from fingertip.board.preferred import choose_section, decade, nearest, neighbour
 from fingertip.errors import BoardError
 
 # IEC 60063, typed from the standard's tables.
+E6 = "10 15 22 33 47 68"
 E12 = "10 12 15 18 22 27 33 39 47 56 68 82"
 E24 = "10 11 12 13 15 16 18 20 22 24 27 30 33 36 39 43 47 51 56 62 68 75 82 91"
 E96 = """100 102 105 107 110 113 115 118 121 124 127 130 133 137 140 143 147 150 154 158 162 165 169 174 178 182 187
@@ -24,7 +25,7 @@ series = st.sampled_from(["E12", "E24", "E96"])
 resistances = st.floats(10.0, 10e6)
 
 
-@pytest.mark.parametrize(("name", "listed"), [("E12", E12), ("E24", E24), ("E96", E96)])
+@pytest.mark.parametrize(("name", "listed"), [("E6", E6), ("E12", E12), ("E24", E24), ("E96", E96)])
 def test_series(name: str, listed: str) -> None:
     assert decade(name) == tuple(map(int, listed.split()))
 
@@ -84,5 +85,5 @@ def test_no_value_for_nonsense(value: float) -> None:
 
 
 def test_unknown_series() -> None:
-    with pytest.raises(BoardError, match="choose E12, E24, E96"):
+    with pytest.raises(BoardError, match="choose E6, E12, E24, E96"):
         nearest(100.0, "E48")

@@ -13,6 +13,7 @@ from fingertip.board.schematic import pin_point
 from fingertip.board.symbol_shapes import SHAPES
 from fingertip.board.variants import VARIANTS, Variant
 from fingertip.design import Design
+from tests.board.conftest import BOARDS, Written
 from tests.board.expressions import children, everywhere
 from tests.board.kicad import HOW, kicad_cli, nets_and_parts
 from tests.board.test_kicad_libraries import PARTS, all_symbols
@@ -32,24 +33,14 @@ def exported(folder: Path) -> tuple[object, object]:
     return nets_and_parts(folder / "kicad.net")
 
 
-DESIGNS = [
-    [],
-    ["board.variant=precision"],
-    ["board.variant=comparator"],
-    ["board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.series=E96"],
-]
+@pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
+def test_kicads_netlist_of_the_drawing_is_ours(written: Written, changes: tuple[str, ...]) -> None:
+    assert exported(written(*changes)) == nets_and_parts(written(*changes) / NETLIST)
 
 
-@pytest.mark.parametrize("changes", DESIGNS)
-def test_kicads_netlist_of_the_drawing_is_ours(tmp_path: Path, changes: list[str]) -> None:
-    write_board(Design.load(changes=changes), tmp_path / "pcb")
-    assert exported(tmp_path / "pcb") == nets_and_parts(tmp_path / "pcb" / NETLIST)
-
-
-@pytest.mark.parametrize("changes", DESIGNS[:3])
-def test_electrical_rules_are_kept(tmp_path: Path, changes: list[str]) -> None:
-    write_board(Design.load(changes=changes), tmp_path / "pcb")
-    assert violations(tmp_path / "pcb") == []
+@pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
+def test_electrical_rules_are_kept(written: Written, changes: tuple[str, ...]) -> None:
+    assert violations(written(*changes)) == []
 
 
 @pytest.mark.parametrize(
@@ -72,7 +63,7 @@ def test_a_spoiled_drawing_is_noticed(tmp_path: Path, right: str, wrong: str) ->
 
 @pytest.mark.parametrize("variant", VARIANTS.values(), ids=VARIANTS)
 def test_every_unit_is_placed_once_on_the_grid(variant: Variant) -> None:
-    circuit = variant.circuit(board_values(Design.load(changes=[f"board.variant={variant.name}"])))
+    circuit = variant.kind.circuit(board_values(Design.load(changes=variant.changes)))
     placed = [(p.reference, p.unit) for p in variant.sheet.placed]
     wanted = {(part.reference, unit) for part in circuit.parts for unit in range(1, len(SHAPES[part.symbol.name]) + 1)}
     assert len(placed) == len(set(placed))

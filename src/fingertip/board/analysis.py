@@ -3,35 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from fingertip.board.bridge import Bridge, sensor_conductance_s
 from fingertip.board.circuit import Circuit
+from fingertip.board.converter import AliasFigures
 from fingertip.board.figures import Spread, monte_carlo, sensitivities
+from fingertip.board.limits import Limits
 from fingertip.board.nodal import System, equations
+from fingertip.board.noise import NETS, NOISE_FORCE_N, Contribution, Remedy, budget, remedies
 from fingertip.board.output import board_circuit
 from fingertip.board.values import board_values
 from fingertip.design import Design
 
-NETS = ("TACTILE", "STAGE1_OUT", "FILTERED")
-"""Where noise and offset are looked at: ahead of the filter, between its stages, ahead of the diode."""
-NOISE_BAND_HZ = (0.1, 1e6)
-NOISE_FORCE_N = 0.8
-"""Force on the sensor: the middle of the article's voltages."""
 BRIDGE_TOLERANCE = 1e-3
 """Of R10 to R14, as the bill of materials asks for."""
-_POINTS_PER_DECADE = 200
-
-
-@dataclass(frozen=True)
-class Contribution:
-    """What one cause adds at each of `NETS` [V]."""
-
-    cause: str
-    volts: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -41,6 +30,12 @@ class Analysis:
     noise: tuple[Contribution, ...]
     """Root mean square over `NOISE_BAND_HZ`, largest first; white noise only, typical figures of data sheets."""
     noise_total_v: tuple[float, ...]
+    quieter: tuple[Remedy, ...]
+    """The total with what would lower it, and where the envelope then rests."""
+    threshold_v: float
+    """The detector's, for comparison with where the envelope rests."""
+    alias: AliasFigures
+    limits: Limits
     offset: tuple[Contribution, ...]
     """Of each amplifier's typical offset, and of the bridge with all resistors at the worst ends of 0.1 %."""
     spread: dict[str, Spread]
@@ -56,10 +51,14 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
     values, board = board_values(design), design.board
     circuit = board_circuit(values)
     system = equations(circuit, board.gain_bandwidth_hz, sensor_conductance_s(NOISE_FORCE_N))
-    noise, total = _noise(system)
+    noise, total = budget(system)
     return Analysis(
         noise=noise,
         noise_total_v=total,
+        quieter=remedies(circuit, board.gain_bandwidth_hz, board.band_limit_hz, values.variant == "paper"),
+        threshold_v=design.detector.threshold_v,
+        alias=values.alias,
+        limits=values.limits,
         offset=(*_offsets(system), _bridge_offset(values.bridge, board.supply_v)),
         spread=monte_carlo(
             values.preferred, board.resistor_tolerance_percent, board.capacitor_tolerance_percent, boards, seed
@@ -91,19 +90,6 @@ def _stages(circuit: Circuit, design: Design, f: Any) -> tuple[Any, Any]:
     return system.response(f, "STAGE1_OUT"), system.response(f, "FILTERED")
 
 
-def _noise(system: System) -> tuple[tuple[Contribution, ...], tuple[float, ...]]:
-    low, high = NOISE_BAND_HZ
-    f = np.logspace(math.log10(low), math.log10(high), round(_POINTS_PER_DECADE * math.log10(high / low)) + 1)
-    density = np.array([source.noise for source in system.sources])
-    squares = [np.trapezoid(np.abs(system.transfers(f, net) * density) ** 2, f, axis=0) for net in NETS]
-    rows = [
-        Contribution(source.name, tuple(math.sqrt(float(square[i])) for square in squares))
-        for i, source in enumerate(system.sources)
-    ]
-    rows.sort(key=lambda row: -row.volts[-1])
-    return tuple(rows), tuple(math.sqrt(float(square.sum())) for square in squares)
-
-
 def _offsets(system: System) -> list[Contribution]:
     constant = np.zeros(1)
     transfers = [system.transfers(constant, net)[0] for net in NETS]
@@ -115,12 +101,10 @@ def _offsets(system: System) -> list[Contribution]:
 
 
 def _bridge_offset(bridge: Bridge, supply_v: float) -> Contribution:
-    """At TACTILE, with the sensor open; C1 keeps it from what follows."""
-    names = ("top_ohm", "shunt_ohm", "high_ohm", "low_ohm", "gain_ohm")
-    nominal = {name: getattr(bridge, name) for name in names}
+    """At TACTILE and its pin, with the sensor open; C1 keeps it from what follows."""
     at_rest = bridge.tactile_v(0.0, supply_v)
-    worst = sum(
-        abs(Bridge(**{**nominal, name: nominal[name] * (1 + BRIDGE_TOLERANCE)}).tactile_v(0.0, supply_v) - at_rest)
-        for name in names
-    )
-    return Contribution("R10 to R14", (worst, 0.0, 0.0))
+    worst = 0.0
+    for name in ("top_ohm", "shunt_ohm", "high_ohm", "low_ohm", "gain_ohm"):
+        off = replace(bridge, **{name: getattr(bridge, name) * (1 + BRIDGE_TOLERANCE)})
+        worst += abs(off.tactile_v(0.0, supply_v) - at_rest)
+    return Contribution("R10 to R14", tuple(worst if net in ("TACTILE", "ADC_TACTILE") else 0.0 for net in NETS))

@@ -3,10 +3,13 @@
 The article names a Wheatstone bridge and an instrumentation amplifier and shows neither; these are fitted to its
 voltages. The sensor lies parallel to the lower resistor of one arm, the other arm holds the reference:
 
-    V = A Vs [1 / (1 + R_top (1 / R_shunt + G)) - R_low / (R_high + R_low)],  A = 1 + 100 kohm / R_gain
+    V = V0 + A (Vs - V0) [1 / (1 + R_top (1 / R_shunt + G)) - R_low / (R_high + R_low)],  A = 1 + 100 kohm / R_gain
 
-All of it scales with the supply Vs, so a converter that takes its reference from the same supply sees the sensor
-alone. Voltage falls with force, as in the article.
+with V0 = 0 on a split supply. On a single one V0 is its middle: the amplifier's insides (AD623) must stay above its
+lower rail, and with inputs a few tenths of a volt above ground they would carry 1.5 V at most, not the article's 4.3 V.
+
+All of it scales with the supply Vs, so a converter that takes its reference from the same supply sees the sensor alone.
+Voltage falls with force, as in the article.
 """
 
 from __future__ import annotations
@@ -64,6 +67,8 @@ class Bridge:
     """From the reference to ground."""
     gain_ohm: float
     """Sets the amplifier's gain."""
+    zero_share: float = 0.0
+    """To what the bridge's lower ends and the amplifier's output return, as a share of the supply: 0 is ground."""
 
     @property
     def gain(self) -> float:
@@ -71,17 +76,23 @@ class Bridge:
         return 1.0 + GAIN_CONSTANT_OHM / self.gain_ohm
 
     def sensor_v(self, conductance_s: float, supply_v: float) -> float:
-        """Voltage [V] across a sensor of this conductance [S]."""
-        return supply_v / (1.0 + self.top_ohm * (1.0 / self.shunt_ohm + conductance_s))
+        """Voltage [V] against ground at a sensor of this conductance [S]."""
+        zero_v = self.zero_share * supply_v
+        return zero_v + (supply_v - zero_v) / (1.0 + self.top_ohm * (1.0 / self.shunt_ohm + conductance_s))
+
+    def reference_v(self, supply_v: float) -> float:
+        """Voltage [V] against ground of the other arm."""
+        zero_v = self.zero_share * supply_v
+        return zero_v + (supply_v - zero_v) * self.low_ohm / (self.high_ohm + self.low_ohm)
 
     def tactile_v(self, conductance_s: float, supply_v: float) -> float:
         """The amplifier's output [V] for a sensor of this conductance [S]; 0 is an open one. Not limited to rails."""
-        reference_v = supply_v * self.low_ohm / (self.high_ohm + self.low_ohm)
-        return self.gain * (self.sensor_v(conductance_s, supply_v) - reference_v)
+        difference_v = self.sensor_v(conductance_s, supply_v) - self.reference_v(supply_v)
+        return self.zero_share * supply_v + self.gain * difference_v
 
     def sensor_current_a(self, conductance_s: float, supply_v: float) -> float:
         """Current [A] through the sensor."""
-        return conductance_s * self.sensor_v(conductance_s, supply_v)
+        return conductance_s * (self.sensor_v(conductance_s, supply_v) - self.zero_share * supply_v)
 
 
 def most_current_a(active_diameter_mm: float) -> float:
@@ -89,7 +100,7 @@ def most_current_a(active_diameter_mm: float) -> float:
     return MOST_CURRENT_A_PER_CM2 * math.pi * (active_diameter_mm / 20.0) ** 2
 
 
-def fit_bridge(supply_v: float, series: str, active_diameter_mm: float) -> Bridge:
+def fit_bridge(supply_v: float, series: str, active_diameter_mm: float, zero_share: float = 0.0) -> Bridge:
     """Preferred values that meet the article's three voltages best, with the sensor's current within its limit.
 
     The sensor's arm comes from the limit: the greatest excitation allowed at `MOST_FORCE_N`. Gain and reference are
@@ -103,25 +114,29 @@ def fit_bridge(supply_v: float, series: str, active_diameter_mm: float) -> Bridg
         "E12", "E24" or "E96".
     active_diameter_mm
         Of the sensor.
+    zero_share
+        As `Bridge.zero_share`.
     """
     g_most = sensor_conductance_s(MOST_FORCE_N)
     # The same curve is used for every sensor, so a larger one gains nothing from a larger limit.
     limit_a = most_current_a(min(active_diameter_mm, CURVE_DIAMETER_MM))
     thevenin_ohm = SATURATION / g_most
     thevenin_v = limit_a / g_most * (1.0 + SATURATION)
-    top_ohm = max(neighbours(thevenin_ohm * supply_v / thevenin_v, series))
-    shunt_ohm = min(neighbours(thevenin_ohm * supply_v / (supply_v - thevenin_v), series))
-    arm = Bridge(top_ohm, shunt_ohm, top_ohm, shunt_ohm, GAIN_CONSTANT_OHM)
-    points = [(arm.sensor_v(sensor_conductance_s(f), supply_v), v) for f, v in ARTICLE_POINTS]
+    zero_v = zero_share * supply_v
+    excitation_v = supply_v - zero_v
+    top_ohm = max(neighbours(thevenin_ohm * excitation_v / thevenin_v, series))
+    shunt_ohm = min(neighbours(thevenin_ohm * excitation_v / (excitation_v - thevenin_v), series))
+    arm = Bridge(top_ohm, shunt_ohm, top_ohm, shunt_ohm, GAIN_CONSTANT_OHM, zero_share)
+    points = [(arm.sensor_v(sensor_conductance_s(f), supply_v) - zero_v, v - zero_v) for f, v in ARTICLE_POINTS]
 
     # A straight line through the points, V = A x - A reference, says where to look.
     gain = _slope(points)
     offset_v = sum(gain * x - v for x, v in points) / len(points)
     candidates = (
-        Bridge(top_ohm, shunt_ohm, high_ohm, low_ohm, gain_ohm)
+        Bridge(top_ohm, shunt_ohm, high_ohm, low_ohm, gain_ohm, zero_share)
         for gain_ohm in neighbours(GAIN_CONSTANT_OHM / (gain - 1.0), series)
         for high_ohm in spread(top_ohm, series)
-        for low_ohm in neighbours(high_ohm * offset_v / (gain * supply_v - offset_v), series)
+        for low_ohm in neighbours(high_ohm * offset_v / (gain * excitation_v - offset_v), series)
     )
     return min(candidates, key=lambda bridge: (article_error_v(bridge, supply_v), bridge.high_ohm))
 

@@ -52,9 +52,13 @@ RAILS = ("GND", "VCC", "VEE")
 """Nets that power symbols name in a schematic."""
 
 
+GLOBALS = (*RAILS, "VMID")
+"""Nets that are the same on all sheets: the rails, and what a global label names."""
+
+
 def kicad_name(net: str) -> str:
     """A net as KiCad names it: labels on a sheet get the sheet's path, which is "/" here; power symbols do not."""
-    return net if net in RAILS else f"/{net}"
+    return net if net in GLOBALS else f"/{net}"
 
 
 Node = tuple[str, str]

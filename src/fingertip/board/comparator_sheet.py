@@ -2,50 +2,35 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from fingertip.board.paper_sheet import BRIDGE, MOUNTING, joined
-from fingertip.board.precision_sheet import FILTERS, RECTIFIER, SUPPLY
-from fingertip.board.sheet import Label, Mark, Placed, Sheet
-
-# J3's fourth pin leaves as SLIP instead of ground.
-_GROUND = (((218, 64), (216, 64), (216, 68)), ((218, 66), (216, 66)))
-_BRIDGE = replace(
-    BRIDGE,
-    wires=(
-        *(wire for wire in BRIDGE.wires if wire not in _GROUND),
-        ((218, 64), (214, 64)), ((218, 66), (217, 66), (217, 74)),
-    ),
-    marks=(*(mark for mark in BRIDGE.marks if mark != Mark("GND", 216, 68)), Mark("GND", 214, 64)),
-    labels=(*BRIDGE.labels, Label("SLIP", 217, 74, 180)),
-)  # fmt: skip
-
-_MOUNTING = replace(
-    MOUNTING,
-    placed=tuple(Placed(f"H{i}", 4 + 10 * i, 149) for i in range(1, 5)),
-    words=(("Mounting", 12, 142),),
-)
+from fingertip.board.common_sheet import BRIDGE, MOUNTING, connector, joined, supply_row
+from fingertip.board.precision_sheet import FILTERS, RECTIFIER
+from fingertip.board.sheet import Label, Mark, Placed, Sheet, supplied
+from fingertip.board.supplies import Supply
 
 _DECISION = Sheet(
     placed=(
-        Placed("C18", 52, 149), Placed("R18", 74, 147, 90), Placed("C17", 84, 150), Placed("R19", 96, 133),
-        Placed("RV1", 96, 140), Placed("R20", 114, 131, 90), Placed("U4", 116, 144), Placed("R21", 126, 140),
+        Placed("R18", 78, 143, 90), Placed("C17", 86, 146), Placed("R19", 100, 135), Placed("RV1", 100, 142),
+        Placed("R20", 116, 131, 90), Placed("U4", 120, 144), Placed("R21", 130, 140),
     ),
     wires=(
-        ((62, 147), (71, 147)), ((77, 147), (84, 147), (106, 147), (106, 146), (110, 146)), ((96, 136), (96, 137)),
-        ((99, 140), (109, 140), (109, 142), (110, 142)), ((109, 140), (109, 131), (111, 131)),
-        ((117, 131), (122, 131), (122, 144)), ((122, 144), (130, 144)), ((126, 143), (126, 144)),
+        ((66, 143), (75, 143)), ((81, 143), (86, 143), (94, 143), (94, 148), (110, 148), (110, 146), (114, 146)),
+        ((100, 138), (100, 139)), ((103, 142), (109, 142), (114, 142)), ((109, 142), (109, 131), (113, 131)),
+        ((119, 131), (126, 131), (126, 144)), ((126, 144), (134, 144)), ((130, 143), (130, 144)),
     ),
     marks=(
-        Mark("VCC", 52, 146), Mark("GND", 52, 152), Mark("GND", 84, 153), Mark("VCC", 96, 130), Mark("GND", 96, 143),
-        Mark("VCC", 114, 138), Mark("GND", 114, 150), Mark("VCC", 126, 137),
+        Mark("ZERO", 86, 149, 90), Mark("VCC", 100, 132), Mark("ZERO", 100, 145, 90), Mark("VCC", 118, 138),
+        Mark("GND", 118, 150), Mark("VCC", 130, 137),
     ),
     labels=(
-        Label("ENVELOPE", 62, 147), Label("MEAN", 100, 147), Label("THRESHOLD", 99, 140), Label("TRIM_TOP", 96, 137),
-        Label("SLIP", 130, 144),
+        Label("ENVELOPE", 66, 143), Label("MEAN", 95, 148), Label("THRESHOLD", 103, 142),
+        Label("TRIM_TOP", 100, 138, 180), Label("SLIP", 134, 144),
     ),
-    words=(("ON/OFF: SLIP is low", 62, 139),),
+    words=(("Mean; SLIP is low while it slips", 62, 137),),
 )  # fmt: skip
 
-COMPARATOR_SHEET = joined(_BRIDGE, FILTERS, RECTIFIER, SUPPLY, _MOUNTING, _DECISION)
-"""The whole sheet."""
+
+def comparator_sheet(supply: Supply) -> Sheet:
+    """The whole sheet."""
+    plus = ("C10", "C5", "C12", "C15", "C18", *(("C22",) if supply.zero_share else ()))
+    row = supply_row(supply, plus, ("C11", "C6", "C13", "C16"), ("U1", "U3"))
+    return supplied(joined(BRIDGE, connector(supply, slip=True), FILTERS, RECTIFIER, row, _DECISION, MOUNTING), supply)

@@ -13,7 +13,8 @@ import shutil
 import subprocess
 import tempfile
 import zipfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from fingertip.board.bom import bought
@@ -29,6 +30,8 @@ _DATE = re.compile(rb"^(%TF\.CreationDate.*|G04 Created by KiCad.*|; DRILL file.
 _LONG_AGO = (1980, 1, 1, 0, 0, 0)
 
 Tell = Callable[[str], None]
+Run = Callable[..., None]
+"""What it is called, and KiCad's arguments."""
 
 
 def find_kicad() -> str:
@@ -59,8 +62,40 @@ def fabrication_files(
     BoardError
         If KiCad's checks find something, or its export fails.
     """
-    kicad = find_kicad()
     name = circuit.name
+    board, sheet = f"{name}.kicad_pcb", f"{name}.kicad_sch"
+    with _bench(files, tell) as (here, run):
+        run(
+            "electrical rules check", "sch", "erc", sheet, "--severity-error", "--exit-code-violations", "-o", "erc.rpt"
+        )
+        run(
+            "design rules check", "pcb", "drc", board, "--schematic-parity", "--severity-error",
+            "--exit-code-violations", "-o", "drc.rpt",
+        )  # fmt: skip
+        zipped = _gerbers(here, run, name)
+        for side, word in (("top", "front"), ("bottom", "back")):
+            picture = f"{name}_{word}.png"
+            run(f"picture of the {word}", "pcb", "render", board, "--side", side, "--width", "1600", "--height", "1100",
+                "-o", picture)  # fmt: skip
+        run("schematic as PDF", "sch", "export", "pdf", sheet, "-o", f"{name}_schematic.pdf")
+        return {
+            f"{name}_gerbers.zip": zipped,
+            f"{name}_parts.csv": parts_file(circuit),
+            f"{name}_placement.csv": placement_file(circuit, placement),
+            **{f: (here / f).read_bytes() for f in (f"{name}_front.png", f"{name}_back.png", f"{name}_schematic.pdf")},
+        }
+
+
+def gerbers(files: dict[str, bytes], name: str) -> bytes:
+    """Gerbers and drill file of the board's files as one zip, unchecked. Raises as `fabrication_files` does."""
+    with _bench(files, lambda _words: None) as (here, run):
+        return _gerbers(here, run, name)
+
+
+@contextmanager
+def _bench(files: dict[str, bytes], tell: Tell) -> Iterator[tuple[Path, Run]]:
+    """A folder with the board's files, and KiCad to be run in it."""
+    kicad = find_kicad()
     with tempfile.TemporaryDirectory(prefix="fingertip-") as folder:
         here = Path(folder)
         for file, data in files.items():
@@ -75,29 +110,16 @@ def fabrication_files(
                     f"KiCad's {what} failed ({said}); the files of the board itself are not touched by this."
                 )
 
-        board, sheet = f"{name}.kicad_pcb", f"{name}.kicad_sch"
-        run(
-            "electrical rules check", "sch", "erc", sheet, "--severity-error", "--exit-code-violations", "-o", "erc.rpt"
-        )
-        run(
-            "design rules check", "pcb", "drc", board, "--schematic-parity", "--severity-error",
-            "--exit-code-violations", "-o", "drc.rpt",
-        )  # fmt: skip
-        run("gerbers", "pcb", "export", "gerbers", board, "-l", _LAYERS, "--use-drill-file-origin", "-o", "gerbers/")
-        run("drill file", "pcb", "export", "drill", board, "--drill-origin", "plot", "-o", "gerbers/")
-        for side, word in (("top", "front"), ("bottom", "back")):
-            picture = f"{name}_{word}.png"
-            run(f"picture of the {word}", "pcb", "render", board, "--side", side, "--width", "1600", "--height", "1100",
-                "-o", picture)  # fmt: skip
-        run("schematic as PDF", "sch", "export", "pdf", sheet, "-o", f"{name}_schematic.pdf")
-        # The job file is left out: no house needs it, and it is dated.
-        gerbers = sorted(path for path in (here / "gerbers").iterdir() if path.suffix != ".gbrjob")
-        return {
-            f"{name}_gerbers.zip": _zipped((path.name, _DATE.sub(b"", path.read_bytes())) for path in gerbers),
-            f"{name}_parts.csv": parts_file(circuit),
-            f"{name}_placement.csv": placement_file(circuit, placement),
-            **{f: (here / f).read_bytes() for f in (f"{name}_front.png", f"{name}_back.png", f"{name}_schematic.pdf")},
-        }
+        yield here, run
+
+
+def _gerbers(here: Path, run: Run, name: str) -> bytes:
+    board = f"{name}.kicad_pcb"
+    run("gerbers", "pcb", "export", "gerbers", board, "-l", _LAYERS, "--use-drill-file-origin", "-o", "gerbers/")
+    run("drill file", "pcb", "export", "drill", board, "--drill-origin", "plot", "-o", "gerbers/")
+    # The job file is left out: no house needs it, and it is dated.
+    found = sorted(path for path in (here / "gerbers").iterdir() if path.suffix != ".gbrjob")
+    return _zipped((path.name, _DATE.sub(b"", path.read_bytes())) for path in found)
 
 
 def parts_file(circuit: Circuit) -> bytes:

@@ -109,6 +109,7 @@ FOOTPRINTS: dict[str, Footprint] = {
     symbols.HEADER_2: _header(2),
     symbols.HEADER_3: _header(3),
     symbols.HEADER_4: _header(4),
+    symbols.HEADER_5: _header(5),
     symbols.TEST_PAD: Footprint(
         (Pad("1", 0.0, 0.0, 1.0, 1.0, "circle"),), (-1.0, -1.0, 1.0, 1.0), (-0.5, -0.5, 0.5, 0.5), (), paste=False
     ),

@@ -1,22 +1,21 @@
 """KiCad board (version 9's format): footprints in their places, tracks and ground pour of a template, words in print.
 
-The origin of places and tracks is the board's upper left corner; on KiCad's page it lies at `CORNER_MM`.
+The origin of places and tracks is the board's upper left corner.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
-from fingertip.board.circuit import Circuit, Part, by_reference, kicad_name
-from fingertip.board.footprints import FOOTPRINTS, ROUND_RATIO, Footprint, Pad
-from fingertip.board.identity import named_uuid, part_uuid
-from fingertip.board.names import SIZE_MM, name_places
-from fingertip.board.placement import Placement, Spot, turned
+from fingertip.board.circuit import Circuit, by_reference, kicad_name
+from fingertip.board.identity import named_uuid
+from fingertip.board.layout_footprint import CORNER_MM, at, effects, placed_footprint
+from fingertip.board.names import SIZE_MM
+from fingertip.board.placement import Placement
 from fingertip.board.project import CLEARANCE_MM, TRACK_MM, VIA_DRILL_MM, VIA_MM
 from fingertip.board.sexpr import Expression, number, quoted, text
 from fingertip.board.tracks import Template
 
-CORNER_MM = (100.0, 80.0)
 CORNER_RADIUS_MM = 2.0
 EDGE_CLEARANCE_MM = 0.35
 THICKNESS_MM = 1.6
@@ -35,8 +34,6 @@ def kicad_board(circuit: Circuit, placement: Placement, template: Template) -> b
     """The board's file, UTF-8."""
     nets = ["", *sorted(kicad_name(net.name) for net in circuit.nets)]
     codes = {name: code for code, name in enumerate(nets)}
-    vias = [via for tracks in template.tracks.values() for via in tracks.vias]
-    names = name_places(circuit, placement, vias, VIA_MM)
     items: list[Expression] = [
         ("version", "20241229"),
         ("generator", quoted("fingertip")),
@@ -53,10 +50,7 @@ def kicad_board(circuit: Circuit, placement: Placement, template: Template) -> b
             _xy("aux_axis_origin", 0.0, placement.height),
         ),
         *(("net", str(code), quoted(name)) for name, code in codes.items()),
-        *(
-            _footprint(circuit, part, placement.spots[part.reference], names.get(part.reference), codes)
-            for part in sorted(circuit.parts, key=by_reference)
-        ),
+        *(placed_footprint(circuit, part, placement, codes) for part in sorted(circuit.parts, key=by_reference)),
         *_outline(circuit, placement),
         *_words(circuit, placement),
         *_tracks(circuit, template, codes),
@@ -66,148 +60,10 @@ def kicad_board(circuit: Circuit, placement: Placement, template: Template) -> b
     return ("(kicad_pcb\n" + "\n".join(text(item, "  ") for item in items) + "\n)\n").encode()
 
 
-def _at(x: float, y: float, *angle: int) -> Expression:
-    """A place on KiCad's page."""
-    return ("at", number(CORNER_MM[0] + x), number(CORNER_MM[1] + y), *(str(a) for a in angle))
-
-
 def _xy(head: str, x: float, y: float) -> Expression:
     return (head, number(CORNER_MM[0] + x), number(CORNER_MM[1] + y))
 
 
-# --- footprints -------------------------------------------------------------------------------------------------------
-def _footprint(
-    circuit: Circuit, part: Part, spot: Spot, name_at: tuple[float, float] | None, codes: dict[str, int]
-) -> Expression:
-    shape = FOOTPRINTS[part.footprint]
-    nets = {
-        pin: kicad_name(net.name) for net in circuit.nets for reference, pin in net.nodes if reference == part.reference
-    }
-    drilled = any(pad.drill for pad in shape.pads)
-    kind = ("through_hole",) if drilled and part.rating else ("smd",) if part.rating else ()
-    flags = () if part.rating else ("exclude_from_pos_files", "exclude_from_bom")
-
-    def name(what: str) -> str:
-        return quoted(named_uuid(circuit, f"board {part.reference} {what}"))
-
-    return (
-        "footprint",
-        quoted(part.footprint),
-        ("layer", quoted("F.Cu")),
-        ("uuid", name("footprint")),
-        _at(spot.x, spot.y, spot.angle),
-        ("descr", quoted(part.role)),
-        _reference(part, spot, name_at, shape, name("reference")),
-        _value(part, spot, shape, name("value")),
-        *(_hidden(field, words, spot, name(field)) for field, words in _fields(part)),
-        ("path", quoted(f"/{part_uuid(circuit, part.reference)}")),
-        ("sheetname", quoted("/")),
-        ("sheetfile", quoted(f"{circuit.name}.kicad_sch")),
-        *((("attr", *kind, *flags),) if kind or flags else ()),
-        *_lines(shape, name),
-        *(_pad(part, shape, pad, spot, nets, codes, name(f"pad {pad.number}")) for pad in shape.pads),
-        ("embedded_fonts", "no"),
-    )
-
-
-def _fields(part: Part) -> tuple[tuple[str, str], ...]:
-    return (("Datasheet", ""), ("Description", part.symbol.description), ("Role", part.role))
-
-
-def _reference(
-    part: Part, spot: Spot, name_at: tuple[float, float] | None, shape: Footprint, identity: str
-) -> Expression:
-    """Printed on the board where there is room; otherwise in the middle of the part in the assembly drawing."""
-    left, top, right, bottom = shape.body
-    middle = ((left + right) / 2, (top + bottom) / 2)
-    if name_at is None:
-        return _property("Reference", part.reference, middle, spot, "F.Fab", identity, 0.5)
-    dx, dy = name_at[0] - spot.x, name_at[1] - spot.y
-    x, y = turned(-spot.angle % 360, dx, dy)
-    return _property("Reference", part.reference, (x, y), spot, "F.SilkS", identity, SIZE_MM)
-
-
-def _value(part: Part, spot: Spot, shape: Footprint, identity: str) -> Expression:
-    left, top, right, bottom = shape.body
-    at = ((left + right) / 2, (top + bottom) / 2)
-    return _property("Value", part.value, at, spot, "F.Fab", identity, 0.4, hidden=True)
-
-
-def _property(
-    name: str, words: str, at: tuple[float, float], spot: Spot, layer: str, identity: str, size: float,
-    hidden: bool = False,
-) -> Expression:  # fmt: skip
-    # Upright for whoever looks at the board from its lower edge, however the part is turned.
-    return (
-        "property", quoted(name), quoted(words),
-        ("at", number(at[0]), number(at[1]), "0"),
-        ("unlocked", "yes"),
-        ("layer", quoted(layer)),
-        *((("hide", "yes"),) if hidden else ()),
-        ("uuid", identity),
-        _effects(size),
-    )  # fmt: skip
-
-
-def _hidden(name: str, words: str, spot: Spot, identity: str) -> Expression:
-    return _property(name, words, (0.0, 0.0), spot, "F.Fab", identity, 0.4, hidden=True)
-
-
-def _effects(size: float) -> Expression:
-    return ("effects", ("font", ("size", number(size), number(size)), ("thickness", number(round(size * 0.15, 3)))))
-
-
-def _lines(shape: Footprint, name: Callable[[str], str]) -> Iterator[Expression]:
-    def rectangle(box: tuple[float, float, float, float], layer: str, width: float, what: str) -> Expression:
-        return (
-            "fp_rect", ("start", number(box[0]), number(box[1])), ("end", number(box[2]), number(box[3])),
-            ("stroke", ("width", number(width)), ("type", "solid")), ("fill", "no"), ("layer", quoted(layer)),
-            ("uuid", name(what)),
-        )  # fmt: skip
-
-    if shape.pads[0].plated:
-        yield rectangle(shape.courtyard, "F.CrtYd", 0.05, "courtyard")
-        yield rectangle(shape.body, "F.Fab", 0.1, "body")
-    else:
-        radius = shape.courtyard[2]
-        yield (
-            "fp_circle", ("center", "0", "0"), ("end", number(radius), "0"),
-            ("stroke", ("width", "0.05"), ("type", "solid")), ("fill", "no"), ("layer", quoted("F.CrtYd")),
-            ("uuid", name("courtyard")),
-        )  # fmt: skip
-    for i, (a, b) in enumerate(shape.silk):
-        yield (
-            "fp_line", ("start", number(a[0]), number(a[1])), ("end", number(b[0]), number(b[1])),
-            ("stroke", ("width", "0.12"), ("type", "solid")), ("layer", quoted("F.SilkS")),
-            ("uuid", name(f"silk {i}")),
-        )  # fmt: skip
-
-
-def _pad(
-    part: Part, shape: Footprint, pad: Pad, spot: Spot, nets: dict[str, str], codes: dict[str, int], identity: str
-) -> Expression:
-    kind = "np_thru_hole" if not pad.plated else "thru_hole" if pad.drill else "smd"
-    layers = ("*.Cu", "*.Mask") if pad.drill else ("F.Cu", "F.Mask", *(("F.Paste",) if shape.paste else ()))
-    connection: tuple[Expression, ...] = ()
-    if net := nets.get(pad.number):
-        pin = next(pin for pin in part.symbol.pins if pin.number == pad.number)
-        named = () if pin.name == "~" else (("pinfunction", quoted(pin.name)),)
-        connection = (("net", str(codes[net]), quoted(net)), *named, ("pintype", quoted(pin.kind)))
-    ratio = ROUND_RATIO.get(part.footprint, 0.25)
-    return (
-        "pad", quoted(pad.number), kind, pad.shape,
-        ("at", number(pad.x), number(pad.y), *((str(spot.angle),) if spot.angle else ())),
-        ("size", number(pad.width), number(pad.height)),
-        *((("drill", number(pad.drill)),) if pad.drill else ()),
-        ("layers", *(quoted(layer) for layer in layers)),
-        *((("remove_unused_layers", "no"),) if pad.drill and pad.plated else ()),
-        *((("roundrect_rratio", number(ratio)),) if pad.shape == "roundrect" else ()),
-        *connection,
-        ("uuid", identity),
-    )  # fmt: skip
-
-
-# --- the board itself -------------------------------------------------------------------------------------------------
 def _outline(circuit: Circuit, placement: Placement) -> Iterator[Expression]:
     w, h, r = placement.width, placement.height, CORNER_RADIUS_MM
     k = r * (1 - 0.5**0.5)
@@ -234,7 +90,7 @@ def _outline(circuit: Circuit, placement: Placement) -> Iterator[Expression]:
 def _words(circuit: Circuit, placement: Placement) -> Iterator[Expression]:
     for words, x, y in placement.words:
         identity = ("uuid", quoted(named_uuid(circuit, f"print {words} {x} {y}")))
-        yield ("gr_text", quoted(words), _at(x, y, 0), ("layer", quoted("F.SilkS")), identity, _effects(SIZE_MM))
+        yield ("gr_text", quoted(words), at(x, y, 0), ("layer", quoted("F.SilkS")), identity, effects(SIZE_MM))
 
 
 def _tracks(circuit: Circuit, template: Template, codes: dict[str, int]) -> Iterator[Expression]:
@@ -249,7 +105,7 @@ def _tracks(circuit: Circuit, template: Template, codes: dict[str, int]) -> Iter
         for x, y in tracks.vias:
             identity = quoted(named_uuid(circuit, f"via {net} {x} {y}"))
             yield (
-                "via", _at(x, y), ("size", number(VIA_MM)), ("drill", number(VIA_DRILL_MM)),
+                "via", at(x, y), ("size", number(VIA_MM)), ("drill", number(VIA_DRILL_MM)),
                 ("layers", *map(quoted, _COPPER)), code, ("uuid", identity),
             )  # fmt: skip
 

@@ -1,8 +1,9 @@
-"""Where references are printed on a board: beside their part, clear of parts, vias, other words and the edge [mm]."""
+"""What is printed on a board, as boxes [mm]: references and words must stay clear of parts, vias and each other."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import combinations
 
 from fingertip.board.circuit import Circuit
 from fingertip.board.footprints import FOOTPRINTS
@@ -10,43 +11,39 @@ from fingertip.board.placement import Placement, turned
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]
+"""Left, top, right, bottom."""
 
 SIZE_MM = 0.8
 """Height of a capital; the usual least for a legible print."""
 _ADVANCE = 0.92
 """Width of a character over its height, the widest of them."""
-_GAP_MM = 0.1
 _EDGE_MM = 0.3
 
 
-def name_places(circuit: Circuit, placement: Placement, vias: Iterable[Point], via_mm: float) -> dict[str, Point]:
-    """Reference -> middle of its print, for every bought part and test point that has room for it.
+def printed(placement: Placement) -> dict[str, Box]:
+    """Each printed reference, and each word with its number ("word 1"), as a box."""
+    boxes = {reference: _box(x, y, *_extent(reference)) for reference, (x, y) in placement.names.items()}
+    boxes |= {f"word {i}": _box(x, y, *_extent(w)) for i, (w, x, y) in enumerate(placement.words, start=1)}
+    return boxes
 
-    The nearest free place wins: above, below, right, left, then the same shifted sideways. Parts are taken in the
-    order of the circuit, so the same board always gives the same places.
-    """
-    taken = [_box_of(circuit, placement, part.reference) for part in circuit.parts]
-    taken += [_box(x, y, via_mm, via_mm) for x, y in vias]
-    taken += [_box(x, y, *_extent(words)) for words, x, y in placement.words]
-    found: dict[str, Point] = {}
-    for part in circuit.parts:
-        if not part.symbol.pins:
-            continue
-        own = _box_of(circuit, placement, part.reference)
-        width, height = _extent(part.reference)
-        for x, y in _candidates(own, width, height):
-            box = _box(x, y, width, height)
-            inside = (
-                box[0] >= _EDGE_MM
-                and box[1] >= _EDGE_MM
-                and box[2] <= placement.width - _EDGE_MM
-                and box[3] <= placement.height - _EDGE_MM
-            )
-            if inside and not any(_overlap(box, other) for other in taken):
-                found[part.reference] = (round(x, 3), round(y, 3))
-                taken.append(box)
-                break
-    return found
+
+def obscured(circuit: Circuit, placement: Placement, vias: Iterable[Point] = (), via_mm: float = 0.0) -> Iterator[str]:
+    """What of the print cannot be read, as sentences: missing names, overlaps with parts, vias, print, the edge."""
+    named = [part.reference for part in circuit.parts if part.symbol.pins]
+    yield from (f"{reference} has no name on the board" for reference in named if reference not in placement.names)
+    boxes = printed(placement)
+    things = {f"part {part.reference}": _part_box(circuit, placement, part.reference) for part in circuit.parts}
+    things |= {f"via {i}": _box(x, y, via_mm, via_mm) for i, (x, y) in enumerate(vias, start=1)}
+    for name, box in boxes.items():
+        left, top, right, bottom = box
+        gap = min(left, top, placement.width - right, placement.height - bottom)
+        # Beside J3 a single letter may come nearer to the edge.
+        if gap < (0.15 if name.startswith("word") else _EDGE_MM):
+            yield f"{name} lies at the edge"
+        yield from (f"{name} lies on {other}" for other, taken in things.items() if _overlap(box, taken))
+    for (one, a), (two, b) in combinations(boxes.items(), 2):
+        if _overlap(a, b):
+            yield f"{one} lies on {two}"
 
 
 def _extent(words: str) -> Point:
@@ -57,7 +54,7 @@ def _box(x: float, y: float, width: float, height: float) -> Box:
     return (x - width / 2, y - height / 2, x + width / 2, y + height / 2)
 
 
-def _box_of(circuit: Circuit, placement: Placement, reference: str) -> Box:
+def _part_box(circuit: Circuit, placement: Placement, reference: str) -> Box:
     """Pads, print and body of a part on the board."""
     shape = FOOTPRINTS[circuit.part(reference).footprint]
     spot = placement.spots[reference]
@@ -66,18 +63,6 @@ def _box_of(circuit: Circuit, placement: Placement, reference: str) -> Box:
     points += [(x, y) for x in shape.body[::2] for y in shape.body[1::2]]
     xs, ys = zip(*(turned(spot.angle, x, y) for x, y in points), strict=True)
     return (spot.x + min(xs) - 0.1, spot.y + min(ys) - 0.1, spot.x + max(xs) + 0.1, spot.y + max(ys) + 0.1)
-
-
-def _candidates(own: Box, width: float, height: float) -> Iterator[Point]:
-    x, y = (own[0] + own[2]) / 2, (own[1] + own[3]) / 2
-    above, below = own[1] - height / 2 - _GAP_MM, own[3] + height / 2 + _GAP_MM
-    left, right = own[0] - width / 2 - _GAP_MM, own[2] + width / 2 + _GAP_MM
-    yield from ((x, above), (x, below), (right, y), (left, y))
-    # Never so far that another part would be nearer.
-    for shift in (0.3, 0.6, 0.9, 1.2):
-        yield from ((x - shift, above), (x + shift, above), (x - shift, below), (x + shift, below))
-        if shift < 0.5:
-            yield from ((right, y - shift), (right, y + shift), (left, y - shift), (left, y + shift))
 
 
 def _overlap(a: Box, b: Box) -> bool:

@@ -12,27 +12,23 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.board.amplifiers import (
+    AD623_BANDWIDTH_HZ,
+    AD623_NOISE_V,
+    AD623_OFFSET_V,
+    AD623_OUTPUT_NOISE_V,
+    AMPLIFIERS,
+    BOLTZMANN_J_PER_K,
+    GAIN_RESISTOR,
+    TEMPERATURE_K,
+    bridge_gain,
+)
 from fingertip.board.bridge import GAIN_CONSTANT_OHM
 from fingertip.board.built import OPEN_LOOP_GAIN
 from fingertip.board.circuit import RAILS, Circuit, farads_or_ohms
 
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
-
-BOLTZMANN_J_PER_K = 1.380649e-23
-TEMPERATURE_K = 300.15
-"""27 degrees Celsius, as in SPICE."""
-
-# Typical figures of data sheets [V/sqrt(Hz), V]; the TL082's of the B version where it has one.
-TL082_NOISE_V = 18e-9
-TL082_OFFSET_V = 3e-3
-AD623_NOISE_V = 35e-9
-AD623_OFFSET_V = 200e-6
-AD623_BANDWIDTH_HZ = 800e3
-"""Bandwidth at a gain of 1; it falls with the gain (10 kHz at 100 in the data sheet, a little above this rule)."""
-
-AMPLIFIERS = {"a": ("3", "2", "1"), "b": ("5", "6", "7")}
-"""Of a dual amplifier: non-inverting input, inverting input, output."""
 
 
 @dataclass(frozen=True)
@@ -95,9 +91,14 @@ def equations(circuit: Circuit, gain_bandwidth_hz: float, sensor_s: float, drive
     net = {node: n.name for n in circuit.nets for node in n.nodes}
     names = sorted({n.name for n in circuit.nets} - set(RAILS))
     index = {name: i for i, name in enumerate(names)}
-    duals = [p for p in circuit.parts if p.symbol.name == "TL082"]
+    units = [
+        (part, f"{part.reference}{letter}", AMPLIFIERS[part.symbol.name], pins)
+        for part in circuit.parts
+        if part.symbol.name in AMPLIFIERS
+        for letter, pins in AMPLIFIERS[part.symbol.name].units.items()
+    ]
     bridges = [p for p in circuit.parts if p.symbol.name == "AD623ARMZ" and net[p.reference, "6"] != drive]
-    size = len(names) + 2 * len(duals) + len(bridges) + (drive is not None)
+    size = len(names) + len(units) + len(bridges) + (drive is not None)
     G, C = np.zeros((size, size)), np.zeros((size, size))
     sources: list[Source] = []
 
@@ -132,34 +133,28 @@ def equations(circuit: Circuit, gain_bandwidth_hz: float, sensor_s: float, drive
             admit(C, one, two, value)
             continue
         admit(G, one, two, 1.0 / value)
-        if net[part.reference, "1"] not in gains:  # its noise is in the amplifier's own
+        if net[part.reference, "1"] not in gains:  # its noise enters with the amplifier's own
             density = math.sqrt(4.0 * BOLTZMANN_J_PER_K * TEMPERATURE_K / value)
             sources.append(Source(part.reference, unit({one: 1.0, two: -1.0}), density, 0.0))
-    sensors = [p for p in circuit.parts if p.symbol.name == "Conn_01x02"]
+    sensors = [p for p in circuit.parts if p.value == "FSR"]
     for part in sensors:
         admit(G, at(part.reference, "1"), at(part.reference, "2"), sensor_s)
     k = len(names)
-    for part in duals:
-        for letter, (plus, minus, out) in AMPLIFIERS.items():
-            o = at(part.reference, out)
-            if o is not None:
-                G[o, k] += 1.0
-            # v_out / A = v_plus - v_minus + v_offset, 1 / A = 1 / A0 + s / (2 pi GBW)
-            for pin, sign in ((plus, 1.0), (minus, -1.0)):
-                if (i := at(part.reference, pin)) is not None:
-                    G[k, i] += sign
-            if o is not None:
-                G[k, o] -= 1.0 / OPEN_LOOP_GAIN
-                C[k, o] -= 1.0 / (2.0 * math.pi * gain_bandwidth_hz)
-            sources.append(Source(f"{part.reference}{letter}", unit({k: -1.0}), TL082_NOISE_V, TL082_OFFSET_V))
-            k += 1
+    for part, name, data, (plus, minus, out) in units:
+        o = at(part.reference, out)
+        if o is not None:
+            G[o, k] += 1.0
+        # v_out / A = v_plus - v_minus + v_offset, 1 / A = 1 / A0 + s / (2 pi GBW)
+        for pin, sign in ((plus, 1.0), (minus, -1.0)):
+            if (i := at(part.reference, pin)) is not None:
+                G[k, i] += sign
+        if o is not None:
+            G[k, o] -= 1.0 / OPEN_LOOP_GAIN
+            C[k, o] -= 1.0 / (2.0 * math.pi * (data.bandwidth_hz or gain_bandwidth_hz))
+        sources.append(Source(name, unit({k: -1.0}), data.noise_v, data.offset_v))
+        k += 1
     for part in bridges:
-        ohm = next(
-            farads_or_ohms(p.value)
-            for p in circuit.parts
-            if p.symbol.name == "R" and net[p.reference, "1"] == net[part.reference, "1"]
-        )
-        gain = 1.0 + GAIN_CONSTANT_OHM / ohm
+        gain = bridge_gain(circuit)
         for pin in ("1", "8"):  # held by the amplifier's inside; here it does not matter by what
             if (i := at(part.reference, pin)) is not None:
                 G[i, i] += 1.0
@@ -171,7 +166,12 @@ def equations(circuit: Circuit, gain_bandwidth_hz: float, sensor_s: float, drive
             G[o, k] += 1.0
             G[k, o] -= 1.0
             C[k, o] -= gain / (2.0 * math.pi * AD623_BANDWIDTH_HZ)
-        sources.append(Source(part.reference, unit({k: -gain}), AD623_NOISE_V, AD623_OFFSET_V))
+        noise = math.hypot(AD623_NOISE_V, AD623_OUTPUT_NOISE_V / gain)
+        sources.append(Source(part.reference, unit({k: -gain}), noise, AD623_OFFSET_V))
+        # The voltage across the gain resistor is the input's, so its noise is amplified as one at the input is.
+        gain_ohm = GAIN_CONSTANT_OHM / (gain - 1.0)
+        density = math.sqrt(4.0 * BOLTZMANN_J_PER_K * TEMPERATURE_K * gain_ohm)
+        sources.append(Source(GAIN_RESISTOR, unit({k: 1.0 - gain}), density, 0.0))
         k += 1
     if drive is None:
         start = unit({at(part.reference, "1"): 1.0 for part in sensors})

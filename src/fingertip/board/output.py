@@ -17,7 +17,7 @@ from fingertip.board.schematic import kicad_schematic
 from fingertip.board.spice import spice_deck
 from fingertip.board.tracks import load_template
 from fingertip.board.values import BoardValues, board_values
-from fingertip.board.variants import VARIANTS
+from fingertip.board.variants import variant_of
 from fingertip.design import Design
 from fingertip.files import write_whole
 
@@ -36,7 +36,7 @@ _SHOWN_LINES = 12
 
 def board_circuit(values: BoardValues) -> Circuit:
     """The circuit with the preferred values. Raises BoardError if it is inconsistent."""
-    return VARIANTS[values.variant].circuit(values)
+    return variant_of(values).kind.circuit(values)
 
 
 def board_files(design: Design) -> dict[str, bytes]:
@@ -47,17 +47,19 @@ def board_files(design: Design) -> dict[str, bytes]:
     values = board_values(design)
     record = {"parameters": design.board.model_dump(), **values.as_data()}
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    circuit, variant = board_circuit(values), VARIANTS[values.variant]
+    circuit, variant = board_circuit(values), variant_of(values)
     template = load_template(variant.name, circuit, variant.placement)
     return {
         NETLIST: kicad_netlist(circuit),
-        SCHEMATIC: kicad_schematic(circuit, variant.sheet, f"Slip filter: variant {variant.name}, split supply"),
+        SCHEMATIC: kicad_schematic(
+            circuit, variant.sheet, f"Slip filter: variant {values.variant}, {variant.supply.words}"
+        ),
         LAYOUT: kicad_board(circuit, variant.placement, template),
         PROJECT: kicad_project(circuit),
         DECK: spice_deck(circuit, design.board.gain_bandwidth_hz, design.board.supply_v),
         PARTS: bill_of_materials(circuit),
         VALUES: text.encode(),
-        README: folder_readme(circuit, variant, values, design.board.supply_v),
+        README: folder_readme(circuit, variant, values, design),
     }
 
 
@@ -98,7 +100,7 @@ def write_fabrication(
     from fingertip.board.fab import fabrication_files
 
     values = board_values(design)
-    placement = VARIANTS[values.variant].placement
+    placement = variant_of(values).placement
     files = fabrication_files(board_files(design), board_circuit(values), placement, tell)
     folder = Path(out) / FAB_FOLDER
     write_whole(folder, files)

@@ -2,40 +2,9 @@
 
 from __future__ import annotations
 
-from fingertip.board.sheet import Label, Mark, Placed, Sheet
-
-# A row's parts, wires, power symbols and labels stand together, as they are looked at together.
-BRIDGE = Sheet(
-    placed=(
-        Placed("J1", 16, 46, mirrored=True), Placed("C7", 28, 53), Placed("R11", 36, 53), Placed("R10", 36, 39),
-        Placed("R12", 50, 23), Placed("R13", 50, 33), Placed("R14", 58, 40), Placed("U2", 78, 40),
-        Placed("TP1", 100, 40), Placed("R8", 112, 40, 90), Placed("C9", 122, 47), Placed("D3", 138, 48, 180),
-        Placed("J3", 222, 62),
-    ),
-    wires=(
-        ((20, 46), (68, 46), (68, 44), (72, 44)), ((20, 48), (20, 56)), ((28, 46), (28, 50)),
-        ((36, 42), (36, 46), (36, 50)),
-        ((50, 26), (50, 30)), ((50, 28), (66, 28), (66, 36), (72, 36)),
-        ((58, 37), (70, 37), (70, 38), (72, 38)), ((58, 43), (70, 43), (70, 42), (72, 42)),
-        ((82, 46), (82, 48)),
-        ((88, 40), (109, 40)), ((115, 40), (211, 40), (211, 60), (218, 60)), ((122, 40), (122, 44)),
-        ((138, 40), (138, 44)), ((132, 48), (132, 47)), ((144, 48), (144, 49)),
-        ((218, 64), (216, 64), (216, 68)), ((218, 66), (216, 66)),
-    ),
-    marks=(
-        Mark("GND", 20, 56), Mark("GND", 28, 56), Mark("GND", 36, 56), Mark("VCC", 36, 36), Mark("VCC", 50, 20),
-        Mark("GND", 50, 36), Mark("VCC", 78, 34), Mark("VEE", 78, 46, 180), Mark("GND", 82, 48),
-        Mark("GND", 122, 50), Mark("VCC", 132, 47), Mark("GND", 144, 49), Mark("GND", 216, 68),
-    ),
-    labels=(
-        Label("SENSOR", 40, 46), Label("REFERENCE", 52, 28), Label("GAIN_A", 60, 37), Label("GAIN_B", 64, 43),
-        Label("TACTILE", 89, 40), Label("ADC_TACTILE", 150, 40),
-    ),
-    words=(
-        ("Bridge and amplifier: voltage falls with force", 12, 12),
-        ("Tactile voltage to the converter", 106, 30),
-    ),
-)  # fmt: skip
+from fingertip.board.common_sheet import BRIDGE, MOUNTING, connector, joined, supply_row
+from fingertip.board.sheet import Label, Mark, Placed, Sheet, supplied
+from fingertip.board.supplies import Supply
 
 _FILTERS = Sheet(
     placed=(
@@ -55,8 +24,8 @@ _FILTERS = Sheet(
         ((198, 92), (198, 91)), ((210, 92), (210, 93)),
     ),
     marks=(
-        Mark("GND", 36, 90), Mark("GND", 46, 102), Mark("GND", 110, 92), Mark("GND", 162, 94), Mark("GND", 172, 94),
-        Mark("GND", 190, 94), Mark("VCC", 198, 91), Mark("GND", 210, 93),
+        Mark("ZERO", 36, 90), Mark("ZERO", 46, 102), Mark("ZERO", 110, 92), Mark("ZERO", 162, 94),
+        Mark("ZERO", 172, 94), Mark("GND", 190, 94), Mark("VCC", 198, 91), Mark("GND", 210, 93),
     ),
     labels=(
         Label("TACTILE", 14, 80), Label("STAGE1_IN", 37, 80), Label("FEEDBACK", 46, 95, 180),
@@ -71,46 +40,9 @@ _FILTERS = Sheet(
     ),
 )  # fmt: skip
 
-_SUPPLY = Sheet(
-    placed=(
-        Placed("J2", 16, 124, mirrored=True), Placed("C10", 36, 120), Placed("C11", 36, 128), Placed("C5", 48, 120),
-        Placed("C6", 48, 128), Placed("C12", 60, 120), Placed("C13", 60, 128), Placed("U1", 86, 124, unit=3),
-        Placed("TP5", 74, 124),
-    ),
-    wires=(
-        ((20, 122), (24, 122), (24, 114), (84, 114), (84, 118)), ((20, 124), (74, 124)),
-        ((20, 126), (24, 126), (24, 134), (84, 134), (84, 130)),
-        ((36, 114), (36, 117)), ((48, 114), (48, 117)), ((60, 114), (60, 117)),
-        ((36, 123), (36, 124), (36, 125)), ((48, 123), (48, 124), (48, 125)), ((60, 123), (60, 124), (60, 125)),
-        ((36, 131), (36, 134)), ((48, 131), (48, 134)), ((60, 131), (60, 134)),
-    ),
-    marks=(
-        Mark("VCC", 28, 114), Mark("PWR_FLAG", 70, 114), Mark("GND", 28, 124), Mark("PWR_FLAG", 68, 124),
-        Mark("VEE", 28, 134, 180), Mark("PWR_FLAG", 70, 134, 180),
-    ),
-    labels=(),
-    words=(("Supply and decoupling: one pair at the entry, at U1 and at U2", 12, 107),),
-)  # fmt: skip
 
-MOUNTING = Sheet(
-    placed=tuple(Placed(f"H{i}", 92 + 10 * i, 146) for i in range(1, 5)),
-    wires=(),
-    marks=(),
-    labels=(),
-    words=(("Mounting", 100, 138),),
-)
-
-
-def joined(*rows: Sheet) -> Sheet:
-    """Several rows as one sheet."""
-    return Sheet(
-        placed=tuple(item for row in rows for item in row.placed),
-        wires=tuple(item for row in rows for item in row.wires),
-        marks=tuple(item for row in rows for item in row.marks),
-        labels=tuple(item for row in rows for item in row.labels),
-        words=tuple(item for row in rows for item in row.words),
-    )
-
-
-PAPER_SHEET = joined(BRIDGE, _FILTERS, _SUPPLY, MOUNTING)
-"""The whole sheet."""
+def paper_sheet(supply: Supply) -> Sheet:
+    """The whole sheet."""
+    plus = ("C10", "C5", "C12", *(("C22",) if supply.zero_share else ()))
+    row = supply_row(supply, plus, ("C11", "C6", "C13"), ("U1",))
+    return supplied(joined(BRIDGE, connector(supply), _FILTERS, row, MOUNTING), supply)

@@ -26,6 +26,8 @@ class Placement:
     width: float
     height: float
     spots: dict[str, Spot]
+    names: dict[str, tuple[float, float]]
+    """Reference -> middle of its print."""
     words: tuple[tuple[str, float, float], ...] = ()
     """Words printed on the board, with their middle; beside the connectors, what their pins carry."""
 

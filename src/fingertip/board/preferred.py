@@ -17,6 +17,7 @@ from fingertip.errors import BoardError, Fault
 # Mantissas of one decade. E96 is 10^(i/96) to three digits; E12 and E24 follow no formula throughout.
 _E24 = (10, 11, 12, 13, 15, 16, 18, 20, 22, 24, 27, 30, 33, 36, 39, 43, 47, 51, 56, 62, 68, 75, 82, 91)
 _MANTISSAS: dict[str, tuple[int, ...]] = {
+    "E6": _E24[::4],
     "E12": _E24[::2],
     "E24": _E24,
     "E96": tuple(round(100 * 10 ** (i / 96)) for i in range(96)),
@@ -24,7 +25,7 @@ _MANTISSAS: dict[str, tuple[int, ...]] = {
 
 
 def decade(series: str) -> tuple[int, ...]:
-    """The whole-number mantissas of one decade: 10 to 82 (E12), 10 to 91 (E24), 100 to 976 (E96).
+    """The whole-number mantissas of one decade: 10 to 68 (E6), 10 to 82 (E12), 10 to 91 (E24), 100 to 976 (E96).
 
     Raises
     ------
@@ -78,6 +79,17 @@ def spread(value: float, series: str) -> tuple[float, ...]:
     exponent = math.floor(math.log10(value)) - (len(str(mantissas[0])) - 1)
     values = (_scaled(m, e) for e in (exponent - 1, exponent, exponent + 1) for m in mantissas)
     return tuple(v for v in values if value / 2 <= v <= 2 * value and LEAST_OHM <= v <= MOST_OHM)
+
+
+def within(low: float, high: float, series: str) -> tuple[float, ...]:
+    """The preferred values from `low` to `high`; where none lies between, the one nearest to `low`."""
+    mantissas = decade(series)
+    digits = len(str(mantissas[0])) - 1
+    exponents = range(math.floor(math.log10(low)) - digits, math.floor(math.log10(high)) - digits + 1)
+    values = (_scaled(m, e) for e in exponents for m in mantissas)
+    # The range is computed, so a value at its very end must not fall out by the last bit.
+    found = tuple(v for v in values if low * (1 - 1e-9) <= v <= high * (1 + 1e-9))
+    return found or (nearest(low, series, 1e-12, 1e-3),)
 
 
 def section_error(r2_ohm: float, r3_ohm: float, c_f: float, section_hz: float, quality: float) -> float:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import textwrap
+
 from fingertip.board.circuit import Circuit, by_reference
 from fingertip.board.values import BoardValues
 from fingertip.board.variants import Variant
+from fingertip.design import Design
 
 HEADING = "# The slip-filter board\n"
 
 _TEXT = """
-Variant `{variant}`: bridge and amplifier for the force-sensing resistor; {summary};
-the way to the converter; the supply. {width:g} x {height:g} mm, two layers, all {count} parts in front.
+{what}
 Achieved: -3 dB at {cutoff:.2f} Hz, gain {gain:.2f} ({gain_db:.2f} dB), Q {quality:.4f}, envelope decay {decay:.2f} ms.
 
 | file | what it is |
@@ -21,23 +23,24 @@ Achieved: -3 dB at {cutoff:.2f} Hz, gain {gain:.2f} ({gain_db:.2f} dB), Q {quali
 | `{name}.net` | the same circuit as a netlist, for other layouts |
 | `{name}.cir` | SPICE deck: `ngspice -b {name}.cir` prints the filter's Bode table |
 | `bom.csv` | parts to buy: quantities, values, what to look for |
-| `values.json` | component values: ideal, preferred (fitted), the response each gives; the article's slips |
+| `values.json` | component values: ideal, preferred (fitted), the response each gives; limits; the article's slips |
 
 `fingertip board DESIGN --out FOLDER` wrote them; the same design gives the same bytes. Change the cutoff, the gain or
 the series of resistors in the design file, or on the command line (`--set board.cutoff_hz=80`), and run it again:
-values change, places and tracks do not. `--check` tells whether a folder is current; `--fab` adds what is sent to a
-board house: gerbers and drill file in one zip, parts and placement for the assembly, pictures (needs KiCad 9).
+values change, places and tracks do not. `--set board.capacitor_series=E6` lets the board choose its capacitors too,
+together with the resistors; `--set board.variant=` and `--set board.supply=` make the other boards. `--check` tells
+whether a folder is current; `--fab` adds what is sent to a board house: gerbers and drill file in one zip, parts and
+placement for the assembly, pictures (needs KiCad 9).
 
 ## Connectors
 
-| connector | pin 1 (square) | pin 2 | pin 3 | pin 4 |
-| --- | --- | --- | --- | --- |
-| J1, sensor | FSR | FSR, ground | | |
-| J2, supply | + {supply:g} V | 0 | - {supply:g} V | |
-| J3, to the converter | T: tactile voltage | E: envelope | 0 | {fourth} |
+| connector | pin 1 (square) | pin 2 | pin 3 | pin 4 |{fifth_head}
+| --- | --- | --- | --- | --- |{fifth_rule}
+| J1, sensor | FSR | FSR, {rest} | | |{fifth_empty}
+| J2, supply | + {supply:g} V | 0 | {minus} | |{fifth_empty}
+| J3, to the converter | T: tactile voltage | E: envelope | 0 | {fourth} |{fifth}
 
-A converter for plus and minus 10 V sees the signals as they are. D2 and D3 keep them between ground and + {supply:g} V
-(and a diode's drop beyond), R7 and R8 limit what flows then.
+{signals}
 
 ## Values
 
@@ -51,31 +54,93 @@ A converter for plus and minus 10 V sees the signals as they are. D2 and D3 keep
 - C1 to C4 are in the signal path: take film or C0G parts where the size allows, because X7R capacitors lose value with
   voltage and move the cutoff.
 - R6 and C4 are the article's R_LP and C_LP; KiCad wants references that end in a digit.
-- `--analysis` gives noise, offsets and tolerances. With the default values the bridge's amplifier alone leaves 0.3 mV
-  of noise (rms, typical), which the filters make 19 mV. Variant `paper` does not see it for its diode's dead zone, nor
-  weak slip; the mean of the other variants' rectifier then rests at 8 mV, below the threshold of 17 mV.
+{noise}
 - Assembly houses turn some parts otherwise than KiCad: compare their preview with the picture.
 - Nobody has built this board yet. Checked so far: KiCad's electrical and design rules, ngspice against the formulas.
 """
 
+_WHAT = (
+    "Variant `{variant}`, {supplied}: bridge and amplifier for the force-sensing resistor; {summary}; the way to the "
+    "converter; the supply. {width:g} x {height:g} mm, two layers, all {count} parts in front."
+)
+_SPLIT = "A converter for plus and minus 10 V sees the signals as they are; they rest at ground."
+_SINGLE = (
+    "Signals rest at the supply's buffered middle, {rest:.2f} V, so the envelope is E less M; any converter that "
+    "takes 0 to {supply:g} V sees T, E and M. The sensor's second pin is at that middle too: let it touch neither "
+    "ground nor metal that is grounded. The amplifiers are TLV2372, because a TL082 reaches neither rail."
+)
+_SIGNALS = (
+    " T lies between {least:.2f} V (20 N) and {most:.2f} V (no force), E rises by {envelope:.1f} V at most. A "
+    "vibration of more than {vibration:.0f} mV in the tactile voltage is cut off in the filter. D2 and D3 keep T "
+    "and E between ground and + {supply:g} V (and a diode's drop beyond), R7 to R9 limit what flows then. R8, C9, "
+    "R9 and C19 (and R7, C8) fit a converter of {rate:g} samples per second: they take {alias:.0f} dB off what "
+    "would fold onto {band:.0f} Hz, the upper end of slip's vibrations. For another rate set "
+    "`detector.sample_rate_hz`."
+)
+_NOISE = "With the default values the bridge's amplifier leaves 0.3 mV of noise (rms, typical). "
+_NOISE_PAPER = _NOISE + (
+    "The filters make {open} mV of it. The diode's dead zone hides it, and weak slip with it. `--analysis` gives "
+    "noise, offsets and tolerances of this board, and what a low-pass or a quieter amplifier would do."
+)
+_NOISE_OTHERS = _NOISE + (
+    "The filters would make {open} mV of it; C20, which ends the first stage's gain at 1 kHz, leaves {limited} mV, and "
+    "the envelope rests at {rest} mV, well below the threshold of 17 mV. `--analysis` gives noise, offsets and "
+    "tolerances of this board, and what a quieter amplifier would do."
+)
+_NOISE_MV = {
+    "split": {"open": "20", "limited": "6", "rest": "2.4"},
+    "single": {"open": "18", "limited": "5", "rest": "2.1"},
+}
+"""Of the default values; a test holds them against the analysis, which needs numpy and is not run for each folder."""
 
-def folder_readme(circuit: Circuit, variant: Variant, values: BoardValues, supply_v: float) -> bytes:
+
+def _paragraph(words: str, first: str = "", rest: str = "") -> str:
+    return textwrap.fill(words, 120, initial_indent=first, subsequent_indent=rest, break_on_hyphens=False)
+
+
+def folder_readme(circuit: Circuit, variant: Variant, values: BoardValues, design: Design) -> bytes:
     """Markdown, UTF-8."""
     bought = sorted((part for part in circuit.parts if part.rating), key=by_reference)
-    text = _TEXT.format(
-        name=circuit.name,
-        variant=variant.name,
-        summary=variant.summary,
+    single, limits, supply_v = values.supply == "single", values.limits, design.board.supply_v
+    signals = (_SINGLE if single else _SPLIT) + _SIGNALS
+    signals = signals.format(
+        rest=limits.rest_v,
+        supply=supply_v,
+        least=limits.tactile_least_v,
+        most=limits.tactile_most_v,
+        envelope=limits.envelope_most_v,
+        vibration=1e3 * limits.vibration_peak_v,
+        rate=design.detector.sample_rate_hz,
+        alias=-values.alias.raw_alias_db,
+        band=values.alias.band_hz,
+    )
+    noise = _NOISE_PAPER if values.variant == "paper" else _NOISE_OTHERS
+    what = _WHAT.format(
+        variant=values.variant,
+        supplied=variant.supply.words,
+        summary=variant.kind.summary,
         width=variant.placement.width,
         height=variant.placement.height,
         count=len(bought),
+    )
+    text = _TEXT.format(
+        name=circuit.name,
+        what=_paragraph(what),
         cutoff=values.achieved.cutoff_hz,
         gain=values.achieved.passband_gain,
         gain_db=values.achieved.passband_gain_db,
         quality=values.achieved.section_quality,
         decay=1e3 * values.achieved.envelope_decay_s,
         supply=supply_v,
+        rest="the middle" if single else "ground",
+        minus="" if single else f"- {supply_v:g} V",
         fourth="S: low while it slips" if any(part.reference == "U4" for part in circuit.parts) else "0",
+        fifth_head=" pin 5 |" if single else "",
+        fifth_rule=" --- |" if single else "",
+        fifth_empty=" |" if single else "",
+        fifth=" M: where E rests |" if single else "",
+        signals=_paragraph(signals),
+        noise=_paragraph(noise.format(**_NOISE_MV[values.supply]), "- ", "  "),
         parts="\n".join(f"| {part.reference} | {part.value} | {part.role} |" for part in bought),
     )
     return (HEADING + text).encode()

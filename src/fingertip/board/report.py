@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from fingertip.board.analysis import NETS, NOISE_BAND_HZ, Analysis, Contribution
+from fingertip.board.analysis import Analysis
+from fingertip.board.converter import AliasFigures
+from fingertip.board.limits import Limits
+from fingertip.board.noise import BAND_HZ, NETS, Contribution
 
 _LABELS = {
     "cutoff_hz": "-3 dB overall [Hz]",
@@ -16,10 +19,14 @@ _LARGEST = 6
 
 def analysis_text(analysis: Analysis) -> str:
     """Tables for a terminal."""
-    low, high = NOISE_BAND_HZ
+    low, high = BAND_HZ
     lines = [f"{f'noise, {low:g} Hz to {high / 1e6:g} MHz':28}" + _heads()]
     lines += [_row(item, 1e6, "uV") for item in analysis.noise[:_LARGEST]]
     lines.append(_row(Contribution("all", analysis.noise_total_v), 1e6, "uV"))
+    lines += ["", f"{'noise ahead of the rectifier':44}{'rms':>11}{'envelope rests at':>20}"]
+    lines += [f"{r.change:44}{1e3 * r.filtered_v:8.2f} mV{1e3 * r.rest_v:17.2f} mV" for r in analysis.quieter]
+    lines.append(f"{'threshold of the detector':44}{'':11}{1e3 * analysis.threshold_v:17.2f} mV")
+    lines += ["", *_alias_lines(analysis.alias), "", *_limit_lines(analysis.limits)]
     lines += ["", f"{'offset':28}" + _heads()]
     lines += [_row(item, 1e3, "mV") for item in analysis.offset]
     heads = ("nominal", "mean", "deviation", "95 % from", "to", "worst", "worst")
@@ -40,3 +47,27 @@ def _heads() -> str:
 
 def _row(item: Contribution, scale: float, unit: str) -> str:
     return f"  {item.cause:26}" + "".join(f"{scale * v:11.2f} {unit}" for v in item.volts)
+
+
+def _alias_lines(a: AliasFigures) -> list[str]:
+    return [
+        f"{'ahead of the converter':44}{'tactile':>11}{'envelope':>11}",
+        f"{f'gain at {a.band_hz:.4g} Hz, the end of the vibrations':44}{a.raw_band_db:8.1f} dB",
+        f"{f'gain at {a.nyquist_hz:.4g} Hz, half the rate':44}{a.raw_nyquist_db:8.1f} dB"
+        f"{a.envelope_nyquist_db:8.1f} dB",
+        f"{f'gain at {a.alias_hz:.4g} Hz, which folds to that end':44}{a.raw_alias_db:8.1f} dB"
+        f"{a.envelope_alias_db:8.1f} dB",
+        f"A tone of full swing would need {a.needed_db:.0f} dB to vanish in a step of {1e3 * a.step_v:.3g} mV; "
+        f"one of {1e3 * a.hidden_v:.2g} mV does at {a.alias_hz:.4g} Hz.",
+    ]
+
+
+def _limit_lines(v: Limits) -> list[str]:
+    return [
+        f"signals rest at {v.rest_v:.2f} V; tactile voltage {v.tactile_least_v:.2f} to {v.tactile_most_v:.2f} V "
+        f"(20 N to none)",
+        f"filtered signal cut off at {v.filter_peak_v:.2f} V from its rest, that is vibrations of "
+        f"{1e3 * v.vibration_peak_v:.1f} mV; envelope up to {v.envelope_most_v:.2f} V above its rest",
+        f"converter's pins held between {v.clamp_low_v:.0f} and {v.clamp_high_v:g} V; bridge's amplifier has "
+        f"{v.bridge_amplifier_margin_v:.2f} V left",
+    ]

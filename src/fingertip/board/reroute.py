@@ -1,7 +1,7 @@
 """Makes a board's template anew: `python -m fingertip.board.reroute`. Needs KiCad's Python module for the pour.
 
-Run it after a change of placement, footprints or nets; it takes about a minute. KiCad's module belongs to the system's
-Python, which `--python` names.
+Run it after a change of placement (the files in `places`), footprints or nets; it takes a minute or two for each.
+KiCad's module belongs to the system's Python, which `--python` names.
 """
 
 from __future__ import annotations
@@ -12,11 +12,14 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from fingertip.board.layout import CORNER_MM, EDGE_CLEARANCE_MM, kicad_board
+from fingertip.board.layout import EDGE_CLEARANCE_MM, kicad_board
+from fingertip.board.layout_footprint import CORNER_MM
+from fingertip.board.names import obscured, printed
 from fingertip.board.output import board_circuit
 from fingertip.board.placement import crowded, placed_pads
 from fingertip.board.project import CLEARANCE_MM, TRACK_MM, VIA_MM, kicad_project
-from fingertip.board.router import Rules, route
+from fingertip.board.router import route
+from fingertip.board.router_grid import Rules
 from fingertip.board.tracks import TEMPLATES, Template, template_text
 from fingertip.board.values import board_values
 from fingertip.board.variants import VARIANTS, Variant
@@ -52,12 +55,13 @@ def main() -> None:
 
 
 def _reroute(variant: Variant, python: str) -> None:
-    design = Design.load(changes=[f"board.variant={variant.name}"])
+    design = Design.load(changes=variant.changes)
     circuit, placement = board_circuit(board_values(design)), variant.placement
-    if found := list(crowded(circuit, placement)):
-        raise SystemExit(f"these parts overlap: {found}")
+    if found := [*(f"{a} overlaps {b}" for a, b in crowded(circuit, placement)), *obscured(circuit, placement)]:
+        raise SystemExit(f"{variant.name}: " + "; ".join(found))
     rules = Rules(TRACK_MM, CLEARANCE_MM, VIA_MM, EDGE_CLEARANCE_MM)
-    tracks = route(placement.width, placement.height, list(placed_pads(circuit, placement)), rules, tell=print)
+    pads, no_vias = list(placed_pads(circuit, placement)), printed(placement).values()
+    tracks = route(placement.width, placement.height, pads, rules, no_vias, tell=print)
     with tempfile.TemporaryDirectory() as name:
         board = Path(name) / f"{circuit.name}.kicad_pcb"
         board.write_bytes(kicad_board(circuit, placement, Template(tracks, {})))

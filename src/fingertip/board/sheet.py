@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+
+from fingertip.board.nets import VEE, VMID
+from fingertip.board.supplies import Supply
 
 UNIT_MM = 1.27
 """Half of the grid that KiCad's pins lie on."""
@@ -29,7 +32,7 @@ class Placed:
 
 @dataclass(frozen=True)
 class Mark:
-    """A power symbol (GND, VCC, VEE) or a PWR_FLAG."""
+    """A power symbol (GND, VCC, VEE), a PWR_FLAG, or what `supplied` makes one of (ZERO, MINUS)."""
 
     name: str
     x: int
@@ -48,6 +51,16 @@ class Label:
 
 
 @dataclass(frozen=True)
+class GlobalLabel:
+    """A net's name in a flag that points this way [degree]: the same net on all sheets, and at every such flag."""
+
+    net: str
+    x: int
+    y: int
+    angle: int = 0
+
+
+@dataclass(frozen=True)
 class Sheet:
     """One sheet."""
 
@@ -57,6 +70,7 @@ class Sheet:
     marks: tuple[Mark, ...]
     labels: tuple[Label, ...]
     words: tuple[tuple[str, int, int], ...]
+    globals: tuple[GlobalLabel, ...] = ()
 
     def segments(self, pins: Iterable[Point]) -> list[Segment]:
         """The wires' pieces, cut wherever another wire ends or a pin lies on them: there KiCad wants an end."""
@@ -69,6 +83,23 @@ class Sheet:
             chain = [a, *inside, b]
             found += list(pairwise(chain))
         return found
+
+
+def supplied(sheet: Sheet, supply: Supply) -> Sheet:
+    """The sheet with the supply's own symbols and flags for ZERO and MINUS.
+
+    Where ZERO is a flag it hangs down, points up for a mark turned by 180 degrees, and to the right for 90.
+    """
+    marks, flags = [], list(sheet.globals)
+    for mark in sheet.marks:
+        net = {"ZERO": supply.zero, "MINUS": supply.minus}.get(mark.name, mark.name)
+        if net == VMID:
+            flags.append(GlobalLabel(net, mark.x, mark.y, {0: 270, 90: 0, 180: 90}[mark.angle]))
+        elif mark.name == "MINUS":
+            marks.append(Mark(net, mark.x, mark.y, 180 if net == VEE else 0))
+        else:
+            marks.append(replace(mark, name=net, angle=0 if mark.angle == 90 else mark.angle))
+    return replace(sheet, marks=tuple(marks), globals=tuple(flags))
 
 
 def _between(a: Point, c: Point, b: Point) -> bool:

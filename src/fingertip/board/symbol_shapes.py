@@ -6,7 +6,7 @@ updated from the libraries; the lines are drawn here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 Point = tuple[float, float]
 
@@ -71,6 +71,14 @@ def _amplifier(plus: str, minus: str, out: str) -> Shape:
     )
 
 
+_DUAL = (
+    _amplifier("3", "2", "1"),
+    _amplifier("5", "6", "7"),
+    Shape(
+        {"8": PinShape(-2.54, 7.62, 270, 3.81), "4": PinShape(-2.54, -7.62, 90, 3.81)},
+        show_numbers=True, show_names=True, reference_at=(2.54, 1.27), value_at=(2.54, -1.27),
+    ),
+)  # fmt: skip
 _DIODE_ARROW = ((1.27, 1.27), (-1.27, 0.0), (1.27, -1.27), (1.27, 1.27))
 
 SHAPES: dict[str, tuple[Shape, ...]] = {
@@ -111,13 +119,12 @@ SHAPES: dict[str, tuple[Shape, ...]] = {
             reference_at=(0.0, 2.54), value_at=(0.0, 5.08), body=(3.81, 1.27),
         ),
     ),
-    "TL082": (
-        _amplifier("3", "2", "1"),
-        _amplifier("5", "6", "7"),
-        Shape(
-            {"8": PinShape(-2.54, 7.62, 270, 3.81), "4": PinShape(-2.54, -7.62, 90, 3.81)},
-            show_numbers=True, show_names=True, reference_at=(2.54, 1.27), value_at=(2.54, -1.27),
-        ),
+    "TL082": _DUAL,
+    "TLV2372": _DUAL,
+    "TLV2371DBV": (
+        replace(_amplifier("3", "4", "1"), pins=_amplifier("3", "4", "1").pins | {
+            "5": PinShape(-2.54, 7.62, 270, 3.81), "2": PinShape(-2.54, -7.62, 90, 3.81),
+        }),
     ),
     "AD623ARMZ": (
         Shape(
@@ -153,6 +160,7 @@ SHAPES: dict[str, tuple[Shape, ...]] = {
     "Conn_01x02": (_connector(2, 0.0),),
     "Conn_01x03": (_connector(3, 2.54),),
     "Conn_01x04": (_connector(4, 2.54),),
+    "Conn_01x05": (_connector(5, 5.08),),
     "TestPoint": (
         Shape({"1": PinShape(0.0, 0.0, 90, 2.54)}, circles=((0.0, 3.302, 0.762),),
               reference_at=(0.0, 5.334), value_at=(0.0, 7.62)),

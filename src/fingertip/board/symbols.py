@@ -23,19 +23,33 @@ CONNECTOR_3 = Symbol("Connector_Generic", "Conn_01x03", "Generic connector, 1x3"
 CONNECTOR_4 = Symbol(
     "Connector_Generic", "Conn_01x04", "Generic connector, 1x4", _passive("Pin_1", "Pin_2", "Pin_3", "Pin_4")
 )
-TL082 = Symbol(
+CONNECTOR_5 = Symbol(
+    "Connector_Generic", "Conn_01x05", "Generic connector, 1x5", _passive("Pin_1", "Pin_2", "Pin_3", "Pin_4", "Pin_5")
+)
+_DUAL = (
+    Pin("1", "~", "output"),
+    Pin("2", "-", "input"),
+    Pin("3", "+", "input"),
+    Pin("4", "V-", "power_in"),
+    Pin("5", "+", "input"),
+    Pin("6", "-", "input"),
+    Pin("7", "~", "output"),
+    Pin("8", "V+", "power_in"),
+)
+TL082 = Symbol("Amplifier_Operational", "TL082", "Dual JFET-input operational amplifier, SOIC-8", _DUAL)
+TLV2372 = Symbol(
+    "Amplifier_Operational", "TLV2372", "Dual operational amplifier, inputs and outputs to both rails, SOIC-8", _DUAL
+)
+TLV2371 = Symbol(
     "Amplifier_Operational",
-    "TL082",
-    "Dual JFET-input operational amplifier, SOIC-8",
+    "TLV2371DBV",
+    "Operational amplifier, inputs and output to both rails, SOT-23-5",
     (
         Pin("1", "~", "output"),
-        Pin("2", "-", "input"),
+        Pin("2", "V-", "power_in"),
         Pin("3", "+", "input"),
-        Pin("4", "V-", "power_in"),
-        Pin("5", "+", "input"),
-        Pin("6", "-", "input"),
-        Pin("7", "~", "output"),
-        Pin("8", "V+", "power_in"),
+        Pin("4", "-", "input"),
+        Pin("5", "V+", "power_in"),
     ),
 )
 AD623 = Symbol(
@@ -81,6 +95,7 @@ MSOP_8 = "Package_SO:MSOP-8_3x3mm_P0.65mm"
 SOIC_8 = "Package_SO:SOIC-8_3.9x4.9mm_P1.27mm"
 HEADER_2 = "Connector_PinHeader_2.54mm:PinHeader_1x02_P2.54mm_Vertical"
 HEADER_4 = "Connector_PinHeader_2.54mm:PinHeader_1x04_P2.54mm_Vertical"
+HEADER_5 = "Connector_PinHeader_2.54mm:PinHeader_1x05_P2.54mm_Vertical"
 HEADER_3 = "Connector_PinHeader_2.54mm:PinHeader_1x03_P2.54mm_Vertical"
 TEST_PAD = "TestPoint:TestPoint_Pad_D1.0mm"
 M2_HOLE = "MountingHole:MountingHole_2.2mm_M2"

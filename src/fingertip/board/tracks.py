@@ -12,7 +12,7 @@ from pathlib import Path
 
 from fingertip.board.circuit import Circuit
 from fingertip.board.placement import Placement, placed_pads
-from fingertip.board.router import Tracks
+from fingertip.board.router_paths import Tracks
 from fingertip.errors import BoardError
 
 Point = tuple[float, float]

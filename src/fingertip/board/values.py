@@ -6,10 +6,15 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from fingertip.board.bridge import Bridge, fit_bridge
+from fingertip.board.built import FirstStage, fit_first_stage
+from fingertip.board.capacitors import fitted
+from fingertip.board.converter import AliasFigures, Converter, alias_figures, fit_converter
 from fingertip.board.decision import Decision, fit_decision
 from fingertip.board.filters import Response, response
 from fingertip.board.findings import FINDINGS, Finding
+from fingertip.board.limits import Limits, limits
 from fingertip.board.preferred import preferred_components
+from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
 from fingertip.design.filter_components import Components, ideal_components
 
@@ -20,18 +25,28 @@ class BoardValues:
 
     variant: str
     """Name of the board's variant."""
+    supply: str
+    """split or single."""
     ideal: Components
     """What the formulas give (article, eqs. 2, 5, 6, 7, 11)."""
     preferred: Components
-    """What is fitted: resistors of the design's series; capacitors as in the design."""
+    """What is fitted: resistors of the design's series; capacitors as in the design, or of their own series."""
     wanted: Response
     """The response of the ideal values."""
     achieved: Response
     """The response of the preferred values."""
     bridge: Bridge
     """What is fitted ahead of the filter, preferred values."""
+    first_stage: FirstStage | None
+    """Capacitors that variant paper has not; None there."""
     decision: Decision | None
     """Around the comparator; None in variants without."""
+    converter: Converter
+    """Ahead of the converter."""
+    alias: AliasFigures
+    """What that keeps from folding back."""
+    limits: Limits
+    """How far the voltages go."""
     findings: tuple[Finding, ...] = FINDINGS
     """Slips of the article; the same for every design."""
 
@@ -48,18 +63,34 @@ def board_values(design: Design) -> BoardValues:
     BoardError
         If a resistor has no preferred value; a validated design does not come to that.
     """
-    ideal = ideal_components(design.board)
-    preferred = preferred_components(ideal, design.board.series)
-    detector, decision = design.detector, None
-    if design.board.variant == "comparator":
+    board, detector = design.board, design.detector
+    supply, supply_v = SUPPLIES[board.supply], board.supply_v
+    diameter_mm = design.dimensions.sensor.active_diameter_mm
+    ideal = ideal_components(fitted(board))
+    preferred = preferred_components(ideal, board.series)
+    achieved = response(preferred, board.gain_bandwidth_hz)
+    bridge = fit_bridge(supply_v, board.series, diameter_mm, supply.zero_share)
+    plain = board.variant == "paper"
+    found = limits(bridge, supply, supply_v, achieved.passband_gain, plain)
+    converter = fit_converter(detector.sample_rate_hz, board.series)
+    decision = None
+    if board.variant == "comparator":
         window_s = detector.window_samples / detector.sample_rate_hz
-        decision = fit_decision(detector.threshold_v, window_s, design.board.supply_v, design.board.series)
+        decision = fit_decision(detector.threshold_v, window_s, supply_v, board.series, supply.zero_share)
     return BoardValues(
-        variant=design.board.variant,
+        variant=board.variant,
+        supply=supply.name,
         ideal=ideal,
         preferred=preferred,
-        wanted=response(ideal, design.board.gain_bandwidth_hz),
-        achieved=response(preferred, design.board.gain_bandwidth_hz),
+        wanted=response(ideal, board.gain_bandwidth_hz),
+        achieved=achieved,
+        bridge=bridge,
+        first_stage=None if plain else fit_first_stage(preferred, board.band_limit_hz),
         decision=decision,
-        bridge=fit_bridge(design.board.supply_v, design.board.series, design.dimensions.sensor.active_diameter_mm),
-    )
+        converter=converter,
+        alias=alias_figures(
+            converter, detector.sample_rate_hz, detector.adc_bits, detector.adc_range_v, board.cutoff_hz,
+            found.filter_peak_v, None if plain else achieved.envelope_pole_hz,
+        ),
+        limits=found,
+    )  # fmt: skip

@@ -1,4 +1,4 @@
-"""The variants of the board that are made: circuit, sheet and placement of each."""
+"""The boards that are made, by variant and supply: circuit, sheet and placement of each."""
 
 from __future__ import annotations
 
@@ -7,51 +7,79 @@ from dataclasses import dataclass
 
 from fingertip.board.circuit import Circuit
 from fingertip.board.comparator_circuit import comparator_circuit
-from fingertip.board.comparator_sheet import COMPARATOR_SHEET
+from fingertip.board.comparator_sheet import comparator_sheet
 from fingertip.board.paper_circuit import paper_circuit
-from fingertip.board.paper_sheet import PAPER_SHEET
+from fingertip.board.paper_sheet import paper_sheet
 from fingertip.board.placement import Placement
-from fingertip.board.placements import COMPARATOR_PLACEMENT, PAPER_PLACEMENT, PRECISION_PLACEMENT
+from fingertip.board.placements import load_placement
 from fingertip.board.precision_circuit import precision_circuit
-from fingertip.board.precision_sheet import PRECISION_SHEET
+from fingertip.board.precision_sheet import precision_sheet
 from fingertip.board.sheet import Sheet
+from fingertip.board.supplies import SUPPLIES, Supply
 from fingertip.board.values import BoardValues
-from fingertip.errors import BoardError
 
 
 @dataclass(frozen=True)
-class Variant:
+class Kind:
     """What a variant is made of."""
 
     name: str
     circuit: Callable[[BoardValues], Circuit]
-    sheet: Sheet
-    placement: Placement
+    sheet: Callable[[Supply], Sheet]
     summary: str
     """For the README of its folder."""
 
 
-def _comparator(values: BoardValues) -> Circuit:
-    if values.decision is None:
-        raise BoardError("the values are of a variant without comparator; compute them with board.variant=comparator.")
-    return comparator_circuit(values.preferred, values.bridge, values.decision)
+@dataclass(frozen=True)
+class Variant:
+    """A variant with its supply."""
+
+    kind: Kind
+    supply: Supply
+
+    @property
+    def name(self) -> str:
+        """Of its placement and template: "paper_split"."""
+        return f"{self.kind.name}_{self.supply.name}"
+
+    @property
+    def changes(self) -> tuple[str, str]:
+        """Changes to a design that make it this one."""
+        return f"board.variant={self.kind.name}", f"board.supply={self.supply.name}"
+
+    @property
+    def sheet(self) -> Sheet:
+        """Its drawing."""
+        return self.kind.sheet(self.supply)
+
+    @property
+    def placement(self) -> Placement:
+        """Where its parts stand."""
+        return load_placement(self.name)
 
 
-VARIANTS = {
-    variant.name: variant
-    for variant in (
-        Variant(
-            "paper", lambda v: paper_circuit(v.preferred, v.bridge), PAPER_SHEET, PAPER_PLACEMENT,
-            "the article's two filters, rectifier and envelope (its figure 3)",
-        ),
-        Variant(
-            "precision", lambda v: precision_circuit(v.preferred, v.bridge), PRECISION_SHEET, PRECISION_PLACEMENT,
+KINDS = {
+    kind.name: kind
+    for kind in (
+        Kind("paper", paper_circuit, paper_sheet, "the article's two filters, rectifier and envelope (its figure 3)"),
+        Kind(
+            "precision", precision_circuit, precision_sheet,
             "the article's two filters, then a rectifier without dead zone and a true pole for the envelope",
         ),
-        Variant(
-            "comparator", _comparator, COMPARATOR_SHEET, COMPARATOR_PLACEMENT,
+        Kind(
+            "comparator", comparator_circuit, comparator_sheet,
             "the article's two filters, a precise rectifier and envelope, threshold and hysteresis with an ON/OFF pin",
         ),
     )
 }  # fmt: skip
 """By name; a test holds the names against those the design file takes."""
+
+VARIANTS = {
+    variant.name: variant
+    for variant in (Variant(kind, supply) for kind in KINDS.values() for supply in SUPPLIES.values())
+}
+
+
+def variant_of(values: BoardValues) -> Variant:
+    """The variant that values were computed for."""
+    return VARIANTS[f"{values.variant}_{values.supply}"]

@@ -22,19 +22,38 @@ COMPARATOR_LEAST_V = 0.011
 """Least threshold: below it the hysteresis would ask for more than 10 Mohm, and offsets of 7 mV would be most of it."""
 
 
-@RULES.rule("board.capacitor_uf", "board.cutoff_hz")
+BAND_CUTOFFS = 3.0
+"""The band that is kept, in cutoffs: the embedded finger's slip ends at 1.5, the bare sensor's goes to about 3."""
+
+
+@RULES.rule("board.capacitor_uf", "board.cutoff_hz", "board.capacitor_series")
 def _filter_resistors_in_range(d: Tables) -> str | None:
+    if d.board.capacitor_series != "given":
+        return None
     c_f, f_c = farad(d.board.capacitor_uf), d.board.cutoff_hz
     # R2 is the smallest of the three and R3 the largest.
     smallest, largest = filter_components.r2_ohm(f_c, c_f), filter_components.r3_ohm(f_c, c_f)
     return _capacitor_in_range("capacitor_uf", "cutoff_hz", ("R2", smallest), ("R3", largest), d)
 
 
-@RULES.rule("board.envelope_capacitor_uf", "board.envelope_cutoff_hz")
+@RULES.rule("board.envelope_capacitor_uf", "board.envelope_cutoff_hz", "board.capacitor_series")
 def _envelope_resistor_in_range(d: Tables) -> str | None:
+    if d.board.capacitor_series != "given":
+        return None
     c_f, f_lp = farad(d.board.envelope_capacitor_uf), d.board.envelope_cutoff_hz
     r_lp = ("R_LP", filter_components.r_lp_ohm(f_lp, c_f))
     return _capacitor_in_range("envelope_capacitor_uf", "envelope_cutoff_hz", r_lp, r_lp, d)
+
+
+@RULES.rule("board.cutoff_hz", "board.capacitor_series")
+def _chosen_capacitor_exists(d: Tables) -> str | None:
+    # R3 = 2 / (C omega) is the largest of the three.
+    return _chosen("R3", 2.0, d.board.cutoff_hz, d)
+
+
+@RULES.rule("board.envelope_cutoff_hz", "board.capacitor_series")
+def _chosen_envelope_capacitor_exists(d: Tables) -> str | None:
+    return _chosen("R_LP", 1.0, d.board.envelope_cutoff_hz, d)
 
 
 @RULES.rule("board.passband_gain", "board.r5_ohm")
@@ -80,6 +99,30 @@ def _series_capacitor_exists(d: Tables) -> str | None:
     )
 
 
+@RULES.rule("board.band_limit_hz", "board.variant", "board.cutoff_hz")
+def _band_limit_above_the_band(d: Tables) -> str | None:
+    least = BAND_CUTOFFS * d.board.cutoff_hz
+    if d.board.variant == "paper" or d.board.band_limit_hz >= least:
+        return None
+    return (
+        f"{d.board.band_limit_hz:g} Hz would cut into the vibrations, {BAND_CUTOFFS:g} cutoffs of "
+        f"{d.board.cutoff_hz:g} Hz; at least {rounded_up(least)} Hz, or board.variant=paper, which has none."
+    )
+
+
+@RULES.rule("board.band_limit_hz", "board.variant", "board.r5_ohm")
+def _band_limits_capacitor_exists(d: Tables) -> str | None:
+    R5, f = d.board.r5_ohm, d.board.band_limit_hz
+    c_f = filter_components.limit_capacitor_f(R5, f)
+    least, most = filter_components.LIMIT_LEAST_F, filter_components.LIMIT_MOST_F
+    if d.board.variant == "paper" or least <= c_f <= most:
+        return None
+    asked = f"{f:g} Hz with R5 of {R5:g} ohm asks for {c_f * 1e12:.4g} pF across it"
+    if c_f < least:
+        return f"{asked}, below {least * 1e12:g} pF; at most {rounded_down(f * c_f / least)} Hz with this r5_ohm."
+    return f"{asked}, above {most * 1e12:g} pF; at least {rounded_up(f * c_f / most)} Hz with this r5_ohm."
+
+
 @RULES.rule("board.supply_v", "board.variant")
 def _comparator_stands_the_supply(d: Tables) -> str | None:
     if d.board.variant != "comparator" or d.board.supply_v <= COMPARATOR_MOST_V:
@@ -87,14 +130,32 @@ def _comparator_stands_the_supply(d: Tables) -> str | None:
     return f"{d.board.supply_v:g} V is too much for variant comparator's LMV331; at most {COMPARATOR_MOST_V:g} V."
 
 
-@RULES.rule("detector.threshold_v", "board.variant", "board.supply_v")
+@RULES.rule("detector.threshold_v", "board.variant", "board.supply_v", "board.supply")
 def _threshold_can_be_trimmed(d: Tables) -> str | None:
-    most = d.board.supply_v / 4.0
+    most = reach_v(d.board) / 4.0
     if d.board.variant != "comparator" or COMPARATOR_LEAST_V <= d.detector.threshold_v <= most:
         return None
     return (
         f"{d.detector.threshold_v:g} V lies outside what variant comparator's trimmer is made for; "
         f"{COMPARATOR_LEAST_V:g} to {rounded_down(most)} V with this supply."
+    )
+
+
+def reach_v(board: Board) -> float:
+    """How far above their rest the supply lets signals go [V]: all of it, or half where they rest at its middle."""
+    return board.supply_v if board.supply == "split" else board.supply_v / 2.0
+
+
+def _chosen(name: str, factor: float, cutoff_hz: float, d: Tables) -> str | None:
+    """The fault of a cutoff for which no capacitor is chosen, its resistor being factor / (C omega)."""
+    rcf = factor / math.tau
+    least_hz = rcf / filter_components.CHOSEN_MOST_F / MOST_OHM
+    if d.board.capacitor_series == "given" or cutoff_hz >= least_hz:
+        return None
+    return (
+        f"{cutoff_hz:g} Hz asks for {name} above {MOST_OHM / 1e6:g} Mohm with the largest capacitor that is chosen, "
+        f"{filter_components.CHOSEN_MOST_F * 1e6:g} uF; at least {rounded_up(least_hz)} Hz, "
+        "or board.capacitor_series=given."
     )
 
 

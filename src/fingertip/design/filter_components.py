@@ -78,6 +78,20 @@ def ideal_components(board: Board) -> Components:
     )
 
 
+CHOSEN_LEAST_F, CHOSEN_MOST_F = 100e-12, 10e-6
+"""Capacitors the board chooses itself lie within: smaller ones drown in tracks, larger ones are no film or C0G."""
+CHOSEN_OHM = (2e3, 20e3)
+"""R1 of a capacitor the board chooses: low enough for bias and noise, high enough for an amplifier to drive."""
+CHOSEN_ENVELOPE_OHM = (1e3, 10e3)
+"""R_LP likewise: the diode or rectifier drives it."""
+
+
+def chosen_range_f(cutoff_hz: float, ohm: tuple[float, float]) -> tuple[float, float]:
+    """The capacitances [F] whose 1 / (C omega) lies within `ohm` at a cutoff [Hz], as far as such are chosen."""
+    low, high = (_ratio(1.0, math.tau * cutoff_hz * bound) for bound in (ohm[1], ohm[0]))
+    return tuple(min(max(c_f, CHOSEN_LEAST_F), CHOSEN_MOST_F) for c_f in (low, high))  # type: ignore[return-value]
+
+
 def farad(microfarad: float) -> float:
     """Capacitance [F] from [uF]; the division keeps 2.2 uF the number nearest to 2.2e-6."""
     return microfarad / 1e6
@@ -85,6 +99,15 @@ def farad(microfarad: float) -> float:
 
 def _ratio(numerator: float, denominator: float) -> float:
     return numerator / denominator if denominator else math.inf
+
+
+LIMIT_LEAST_F, LIMIT_MOST_F = 10e-12, 1e-6
+"""Capacitor across R5: below, the resistor's own capacitance is part of it; above, it does not fit its place."""
+
+
+def limit_capacitor_f(r5_ohm: float, band_limit_hz: float) -> float:
+    """C = 1 / (omega R5) [F] across R5: from the band limit [Hz] on the first stage's gain falls towards 1."""
+    return 1.0 / (math.tau * r5_ohm * band_limit_hz)
 
 
 SERIES_CAPACITORS_UF = (1.0, 2.2, 4.7, 10.0, 22.0, 47.0, 100.0)

@@ -191,6 +191,9 @@ class Board(Section):
     r5_ohm: float = quantity(100e3, "ohm", "Feedback resistor of the first stage.", least=1000, most=10e6)
     envelope_cutoff_hz: float = quantity(36.17, "Hz", "1 / (2 pi R_LP C_LP) of the envelope.", above=0, most=10000)
     envelope_capacitor_uf: float = quantity(2.2, "uF", "C_LP of the envelope.", least=1e-6, most=1000)
+    capacitor_series: Literal["given", "E6", "E12"] = choice(
+        "given", "given: the capacitors above; E6, E12: chosen from this series by cutoff, jointly with the resistors."
+    )
     series: Literal["E12", "E24", "E96"] = choice("E24", "Preferred values for resistors (IEC 60063).")
     resistor_tolerance_percent: float = quantity(
         1.0, "%", "Tolerance of the filter's resistors, for the analysis.", least=0, most=20
@@ -198,12 +201,20 @@ class Board(Section):
     capacitor_tolerance_percent: float = quantity(
         5.0, "%", "Tolerance of its capacitors, for the analysis.", least=0, most=20
     )
+    band_limit_hz: float = quantity(
+        1000.0,
+        "Hz",
+        "Low-pass in the first stage that keeps the amplifier's noise out (precision, comparator); paper has none.",
+        least=10,
+        most=1e5,
+    )
     gain_bandwidth_hz: float = quantity(
-        3e6, "Hz", "Gain-bandwidth product of the amplifier (TL082).", least=1e4, most=1e9
+        3e6, "Hz", "Gain-bandwidth product of the amplifier (TL082; on a single supply TLV2372).", least=1e4, most=1e9
     )
-    supply_v: float = quantity(
-        5.0, "V", "Half of the split supply: the board runs on plus and minus this.", least=5, most=6
+    supply: Literal["split", "single"] = choice(
+        "split", "split: plus and minus supply_v; single: supply_v alone, signals around a buffered half of it."
     )
+    supply_v: float = quantity(5.0, "V", "The supply, or each half of the split one.", least=5, most=6)
 
 
 class Detector(Section):

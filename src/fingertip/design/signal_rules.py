@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from fingertip.design.board_rules import reach_v
 from fingertip.design.ruleset import Ruleset, rounded_down, rounded_up
 from fingertip.design.tables import Tables
 
@@ -43,11 +44,13 @@ def _window_not_too_long(d: Tables) -> str | None:
     )
 
 
-@RULES.rule("detector.threshold_v", "board.supply_v")
+@RULES.rule("detector.threshold_v", "board.supply_v", "board.supply")
 def _threshold_within_supply(d: Tables) -> str | None:
-    if d.detector.threshold_v < d.board.supply_v:
+    reach = reach_v(d.board)
+    if d.detector.threshold_v < reach:
         return None
+    signals = "" if reach == d.board.supply_v else f", whose signals rest at {reach:g} V"
     return (
-        f"{d.detector.threshold_v:g} V is never reached by a board supplied with {d.board.supply_v:g} V; "
-        f"at most {rounded_down(0.99 * d.board.supply_v)} V."
+        f"{d.detector.threshold_v:g} V is never reached by a board supplied with {d.board.supply_v:g} V{signals}; "
+        f"at most {rounded_down(0.99 * reach)} V."
     )

@@ -11,7 +11,7 @@ import contextlib
 import math
 import os
 import sqlite3
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -32,7 +32,8 @@ _PATIENCE_S = 30.0
 _BATCH = 20_000
 
 Stored: TypeAlias = tuple[Any, ...]
-"""A row as it is written: point, status, field, reason, then axes and outputs in the plan's order."""
+"""A row as it is written: point, status, field, reason, then axes and outputs in the plan's order. SQLite keeps no
+NaN: it becomes NULL, and is read back as NaN."""
 
 
 @dataclass(frozen=True)
@@ -212,7 +213,9 @@ class Store:
             point[at] = number
             outputs[:, at] = [math.nan if v is None else v for v in values[len(plan.axes) :]]
             words.append((seen.setdefault(status, status), seen.setdefault(field, field), reason))
-        text = [np.array([row[i] for row in words], dtype=np.str_) for i in range(3)]
+        # Reasons are long and often differ: an array of the longest one's width would take gigabytes.
+        kinds = (np.str_, np.str_, np.object_)
+        text: list[NDArray[Any]] = [np.array([row[i] for row in words], dtype=kind) for i, kind in enumerate(kinds)]
         named = dict(zip(plan.outputs, outputs, strict=True))
         return Table(point, plan.columns(point), named, text[0], text[1], text[2])
 
@@ -302,8 +305,3 @@ def _said(folder: Path, work: Any) -> Any:
 
 def _unwritable(folder: Path, reason: str) -> OutputError:
     return OutputError(Fault(str(folder), f"cannot be written ({reason}); choose another folder with --out."))
-
-
-def stored(values: Iterable[float]) -> list[float | None]:
-    """Outputs as they are written: nothing for NaN."""
-    return [None if math.isnan(value) else value for value in values]

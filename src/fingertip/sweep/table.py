@@ -29,8 +29,8 @@ class Table:
     """(n,) of `STATUSES`."""
     field: NDArray[np.str_]
     """(n,) the parameter a refusal blames first; "" otherwise."""
-    reason: NDArray[np.str_]
-    """(n,) why a row is not ok, as sentences; "" otherwise."""
+    reason: NDArray[np.object_]
+    """(n,) of str: why a row is not ok, as sentences; "" otherwise."""
 
     def __len__(self) -> int:
         return len(self.point)

@@ -8,13 +8,14 @@ from typing import Any
 import pytest
 
 from fingertip.cad.mesh import Evaluator
+from fingertip.cad.checks import Check
+from fingertip.cad.mesh import Evaluator
 from fingertip.cad.parts import parts_of
 from fingertip.cad.verify import as_data, verify
 from fingertip.design import Design
 from fingertip.design.rules import RULES
 from fingertip.design.tables import Tables
 from fingertip.sweep import stages
-from fingertip.sweep.checking import checks_of
 from fingertip.sweep.designs import SIGNAL, Designs
 from fingertip.sweep.evaluate import Bench
 from fingertip.sweep.memory import Memory
@@ -25,6 +26,10 @@ from tests.conftest import run_python
 from tests.sweep.plans import plan
 
 COARSE = 0.1
+
+
+def checks_of(design: Design, evaluator: Evaluator) -> tuple[Check, ...]:
+    return verify(design, parts_of(design), ("stl",), evaluator).checks
 
 
 def imported(outputs: str, axes: str) -> set[str]:

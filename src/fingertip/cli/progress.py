@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -31,7 +32,7 @@ def progress(console: Console, size: int) -> Iterator[Callable[[State], None]]:
 def as_text(state: State) -> str:
     """How far, how fast, how long still, and what went wrong."""
     parts = [f"{state.done} of {state.size} points", f"{state.points_per_s:.3g} points/s"]
-    if state.written:
+    if state.left_s < math.inf:
         parts.append(f"{_duration(state.left_s)} left")
     return ", ".join([*parts, f"{state.refused} refused", f"{state.failures} failed"])
 

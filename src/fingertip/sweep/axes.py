@@ -22,6 +22,7 @@ Spacing: TypeAlias = Literal["linear", "logarithmic"]
 KEYS = ("low", "high", "steps", "spacing")
 _DIGITS = 9
 """Significant digits of a computed value: the last bits of logarithms differ between processors, nine digits do not."""
+_POWERS = np.array([float(f"1e{i}") for i in range(309)])
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,17 @@ class Axis:
         exact = np.clip(exact, self.low, self.high)
         if self.whole:
             return np.round(exact).astype(np.int64)
-        return np.array([float(f"{value:.{_DIGITS}g}") for value in exact.tolist()])
+        return rounded(exact)
+
+
+def rounded(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values to `_DIGITS` significant digits, each the number nearest to its decimal."""
+    with np.errstate(divide="ignore"):
+        decimals = _DIGITS - 1 - np.floor(np.log10(np.abs(values)))
+    places = np.where(np.isfinite(decimals), decimals, 0.0).astype(np.int64)
+    up, down = _POWERS[np.maximum(places, 0)], _POWERS[np.maximum(-places, 0)]
+    result: NDArray[np.float64] = np.round(values * up / down) * down / up
+    return result
 
 
 def flatten(tables: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, Any]]:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 MOST_TRIANGLES = 400_000
 """Of evaluated solids that are kept: some 100 MB in a worker."""
 MOST_MESHES = 12
+MOST_NAMES = 2_000
 MOST_FACTS = 20_000
 """Numbers are kept far longer than the solids they were measured on."""
 
@@ -44,18 +45,27 @@ class RememberingEvaluator(Evaluator):
         self.evaluated = 0
         """Solids that were evaluated, for tests."""
         self._solids: Memory[bytes, Manifold] = Memory(MOST_TRIANGLES)
+        self._names: Memory[Solid, bytes] = Memory(MOST_NAMES)
         self._within = _Within(self)
         self._meshes: Memory[bytes, Mesh] = Memory(MOST_MESHES)
         self._facts: Memory[bytes, Any] = Memory(MOST_FACTS)
 
+    def name(self, solid: Solid) -> bytes:
+        """The digest of an expression; itself remembered, because parts are made of parts."""
+        found = self._names.get(solid)
+        if found is None:
+            found = digest("solid", solid)
+            self._names.put(solid, found)
+        return found
+
     def manifold(self, solid: Solid) -> Any:
         """The solid, evaluated when something is asked of it that is not remembered."""
-        key = digest("solid", solid)
+        key = self.name(solid)
         return Remembered(self, key, lambda: self._manifold(key, solid))
 
     def mesh(self, solid: Solid) -> Mesh:
         """The solid as a mesh on the grid, in canonical order."""
-        key = digest("solid", solid)
+        key = self.name(solid)
         mesh = self._meshes.get(key)
         if mesh is None:
             from fingertip.cad.mesh import canonical
@@ -90,7 +100,7 @@ class _Within(Evaluator):
 
     def manifold(self, solid: Solid) -> Manifold:
         """A solid within the expression."""
-        return self._memory._manifold(digest("solid", solid), solid)
+        return self._memory._manifold(self._memory.name(solid), solid)
 
     def evaluate(self, solid: Solid) -> Manifold:
         """The solid, from those it is made of."""

@@ -156,9 +156,10 @@ def thickness(asked: Asked) -> Figures:
 
 def checks(asked: Asked) -> Figures:
     """Every check of `fingertip check`, at the sweep's tolerance."""
-    from fingertip.sweep.checking import checks_of
+    from fingertip.cad.parts import parts_of
+    from fingertip.cad.verify import verify
 
-    found = checks_of(asked.design, asked.evaluator())
+    found = verify(asked.design, parts_of(asked.design), ("stl",), asked.evaluator()).checks
     return {"checks_failed": sum(not check.passed for check in found), "checks_made": len(found)}
 
 

@@ -205,6 +205,9 @@ def test_validate_finds_what_it_should_and_says_what_it_stands_on(validated):
     assert fast["on_share"] > 0.95
     assert 0.005 < data["limit"]["median_s"] <= fast["median_s"]
     assert len(data["sensitivity"]) > 5
+    hard = [row for row in data["taps"] if row["detector"] == "fast" and row["force_n"] >= 1.0]
+    assert len(hard) == 9
+    assert not any(row["taken_share"] for row in hard)
     assert {cause for cause, count in fast["alarms"].items() if count["apart"]} == set(APART)
     assert any(str(TUNING_SEEDS.start) in line for line in data["assumptions"])
     drawn = {path.name for path in out.iterdir() if path.name.endswith(".png")}
@@ -288,3 +291,12 @@ def test_a_motor_is_told_from_slip_by_a_longer_stretch_only():
     assert short.told_share < 0.5 < long.told_share
     assert short.slip_left == pytest.approx(1.0, abs=0.3)  # a pair of tones leaves noise alone of so short a slip
     assert long.motor_left < long.slip_left
+
+
+def test_a_weak_knock_is_slip_to_fast_and_a_hard_one_is_not():
+    from fingertip.campaign.taps import taps
+
+    rows = {(t.detector, t.force_n): t.taken_share for t in taps(Design(), scenes=1, forces_n=(0.05, 2.0))}
+    assert rows["fast", 0.05] == 1.0
+    assert rows["fast", 2.0] == 0.0
+    assert rows["digital", 2.0] == 1.0

@@ -15,6 +15,7 @@ from fingertip.campaign.sensitivity import Moved
 from fingertip.campaign.spectra import Spectrum
 from fingertip.campaign.starts import ASSUMED_M_S2, Start
 from fingertip.campaign.study import Study, Total, speed_m_s, surface
+from fingertip.campaign.taps import Taps
 from fingertip.campaign.tones import Told
 from fingertip.campaign.windows import Row
 
@@ -51,6 +52,8 @@ class Grounds:
     """The article's detector by its board."""
     tones: Sequence[Told]
     """How long motors look like slip."""
+    taps: Sequence[Taps]
+    """Knocks from weak to hard that are taken for slip."""
     loop: Sequence[LoopTotal]
     """The manipulations, without control and with each detector."""
 
@@ -148,7 +151,7 @@ def _group(values: tuple[float, float, int]) -> dict[str, Any]:
     return {"mean_s": _number(mean), "deviation_s": _number(deviation), "found": count}
 
 
-def _plain(row: Start | Board | Told) -> dict[str, Any]:
+def _plain(row: Start | Board | Told | Taps) -> dict[str, Any]:
     """A row's fields by name, rounded; what was never reached is null."""
     return {k: _number(v) if isinstance(v, float) else v for k, v in asdict(row).items()}
 
@@ -212,11 +215,17 @@ def _tables(grounds: Grounds) -> list[str]:
     lines += ["", "median delay and that of nine in ten by the surface's start:"]
     lines.append("m/s2    " + "".join(f"{name:>18}" for name in who))
     for a in dict.fromkeys(s.acceleration_m_s2 for s in grounds.starts):
-        row = {s.who: s for s in grounds.starts if s.acceleration_m_s2 == a}
-        cells = "".join(f"{_short(row[name].median_s)} /{_short(row[name].p90_s)} ms" for name in who)
+        start = {s.who: s for s in grounds.starts if s.acceleration_m_s2 == a}
+        cells = "".join(f"{_short(start[name].median_s)} /{_short(start[name].p90_s)} ms" for name in who)
         lines.append(f"{a:4g}{'*' if a == ASSUMED_M_S2 else ' '}   {cells}")
     lines += ["", "slips that can be told from a motor's tones by what the best pair of tones leaves:"]
     lines += [f"{1000 * t.stretch_s:7.0f} ms {100 * t.told_share:6.0f}%" for t in grounds.tones]
+    forces = list(dict.fromkeys(t.force_n for t in grounds.taps))
+    lines += ["", "knocks taken for slip, by their force [N]: " + "".join(f"{force:7g}" for force in forces)]
+    for name, rise_s in dict.fromkeys((t.detector, t.rise_s) for t in grounds.taps):
+        row = [t for t in grounds.taps if (t.detector, t.rise_s) == (name, rise_s)]
+        said = f"{name}, in {1000 * rise_s:g} ms"
+        lines.append(f"{said:43}" + "".join(f"{100 * t.taken_share:6.0f}%" for t in row))
     lines += ["", "closed loop, four objects:      held   reaction median, slowest   false grips   claims discarded"]
     for total in grounds.loop:
         said = f"{total.detector:26} {total.held:4} of {total.count}"

@@ -40,6 +40,7 @@ def validate(
         spectra,
         starts,
         study,
+        taps,
         tones,
         windows,
     )
@@ -74,6 +75,7 @@ def validate(
         starts.starts(loaded, few),
         boards.boards(loaded, few),
         tones.tones(loaded, few),
+        taps.taps(loaded),
         loop,
     )
     data = report.as_data(found, detector, checked, grounds)

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from fingertip.slip.chain import ChainOutput
 from fingertip.slip.detection import Detection
 from fingertip.slip.intervals import Interval, intervals
+from fingertip.slip.registry import DETECTORS
 from fingertip.slip.trace import Trace
 
 _VOLTAGE, _FORCE, _ENVELOPE, _MEAN, _ON, _TRUTH = (
@@ -69,9 +70,13 @@ def _voltage(axes: Axes, trace: Trace) -> None:
 
 
 def _enveloped(axes: Axes, trace: Trace, detection: Detection) -> None:
-    output, what = detection.output, "level"
+    output, what, envelope = detection.output, "level", None
     if isinstance(output, ChainOutput):
-        axes.plot(trace.time_s, 1000 * output.envelope_v, color=_ENVELOPE, linewidth=0.7, label="envelope")
+        envelope = output.envelope_v
+    elif DETECTORS[detection.detector].reads == "envelope_v":
+        envelope = trace.envelope_v
+    if envelope is not None:
+        axes.plot(trace.time_s, 1000 * envelope, color=_ENVELOPE, linewidth=0.7, label="envelope")
         what = f"mean over {1000 * detection.memory_s:g} ms"
     axes.plot(trace.time_s, 1000 * output.level_v, color=_MEAN, linewidth=1.4, label=what)
     bar = 1000 * output.bar_v
@@ -79,7 +84,7 @@ def _enveloped(axes: Axes, trace: Trace, detection: Detection) -> None:
     axes.plot(trace.time_s, bar, color="black", linestyle="--", linewidth=1, label=still)
     # Contact and release tower above everything: the level decides, so the axis follows it.
     axes.set_ylim(0.0, max(2500 * detection.threshold_v, 1350 * float(np.max(output.level_v))))
-    axes.set_ylabel("enveloped signal [mV]" if isinstance(output, ChainOutput) else f"{detection.detector} [mV]")
+    axes.set_ylabel(f"{detection.detector} [mV]" if envelope is None else "enveloped signal [mV]")
     axes.legend(loc="upper right", frameon=False, ncols=3, fontsize=9)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -12,8 +13,8 @@ from fingertip.board.filters import filter_network
 from fingertip.board.values import board_values
 from fingertip.design import Design
 from fingertip.errors import TraceError
-from fingertip.sim.analog import respond
-from fingertip.sim.circuit import Analog, Diode, system
+from fingertip.sim.analog import Stream, respond
+from fingertip.sim.circuit import Analog, Diode, system, topology
 from fingertip.sim.envelope_loop import omega
 from fingertip.sim.jit import compiled
 from fingertip.sim.linear import augmented, exponentials
@@ -35,7 +36,7 @@ STIFF_DIODES = {
     "R 1G, C 1p": {"r1_ohm": 1e9, "r2_ohm": 1e9, "r3_ohm": 1e9, "r_lp_ohm": 1e9, "c_lp_f": 1e-12},
     "rails": {"rail_v": 3.5},
     "gain-bandwidth": {"gain_bandwidth_hz": 3e6},
-    "precision": {"rectifier": "precision", "blocking_capacitor": 66e-6},
+    "precision": {"rectifier": "precision", "blocking_capacitor": 66e-6, "limiting_capacitor": 1.5e-9},
     "precision, C 1p, rails": {"rectifier": "precision", "c_lp_f": 1e-12, "rail_v": 3.5, "blocking_capacitor": 66e-6},
 }
 
@@ -233,7 +234,7 @@ def test_precision_follows_the_positive_half_waves():
         assert (paper.envelope_v[32_000:].mean() < 1e-3 * peak) == (volt == 1e-6)
 
 
-@pytest.mark.parametrize("variant", ["paper", "precision"])
+@pytest.mark.parametrize("variant", ["paper", "precision", "comparator"])
 def test_the_parts_are_those_of_the_netlist(variant):
     design = Design(board={"variant": variant, "cutoff_hz": 80.0})
     circuit, board = board_circuit(board_values(design)), Analog.of(design)
@@ -245,10 +246,31 @@ def test_the_parts_are_those_of_the_netlist(variant):
 
     ours = {f"R{i}": getattr(board, f"r{i}_ohm") for i in range(1, 6)} | {"R6": board.r_lp_ohm, "C4": board.c_lp_f}
     ours |= {f"C{i}": getattr(board, f"c{i}_f") for i in range(1, 4)}
-    if variant == "precision":
+    if variant != "paper":
         ours["C14"] = board.blocking_capacitor
     for reference, value in ours.items():
         assert fitted(reference) == pytest.approx(value, rel=1e-9), reference
+
+
+@pytest.mark.parametrize("variant", ["paper", "precision", "comparator"])
+def test_the_nodes_are_those_of_the_netlist(variant):
+    """Each part lies between the nets its reference lies between; the two names of a node are one to one."""
+    design = Design(board={"variant": variant})
+    circuit, board = board_circuit(board_values(design)), Analog.of(design)
+    nets = {node: net.name for net in circuit.nets for node in net.nodes}
+    references = {"blocking_capacitor": "C14", "limiting_capacitor": "C20"}
+    known = {"in": "TACTILE", "o1": "STAGE1_OUT", "o2": "FILTERED"}
+    nodes = {node for _, *between in topology(board) for node in between}
+    for _ in nodes:  # what is known of one end tells the other
+        for name, *between in topology(board):
+            reference = references.get(name, name.partition("_")[0].upper())
+            pair = {nets[reference, "1"], nets[reference, "2"]}
+            for node, other in (between, between[::-1]):
+                if node in known:
+                    assert known[node] in pair, (name, node)
+                    (rest,) = pair - {known[node]}
+                    assert known.setdefault(other, rest) == rest, (name, other)
+    assert len(set(known.values())) == len(known) == len(nodes)
 
 
 def test_precision_decays_with_one_pole():
@@ -273,11 +295,46 @@ def test_the_blocking_capacitor_takes_the_gain_away_at_rest_only():
         assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * gain, rel=3e-3)
 
 
+@pytest.mark.parametrize("blocking", [None, 22e-6])
+def test_the_limiting_capacitor_ends_the_gain_above_its_corner(blocking):
+    """1 + Z5 / Z4, R5 parallel to 1.5 nF over R4 in series with what blocks, against tones."""
+    board = BOARD.changed(blocking_capacitor=blocking, limiting_capacitor=1.5e-9)
+    for frequency in (100.0, 1000.0, 8000.0):
+        step = 1 / (64 * frequency)
+        time = np.arange(64 * 200) * step
+        s = 2j * math.pi * frequency
+        z4 = board.r4_ohm + (1 / (s * blocking) if blocking else 0.0)
+        first = 1 + board.r5_ohm / (1 + s * board.r5_ohm * 1.5e-9) / z4
+        gain = abs(filter_network(frequency, board_values(DESIGN).preferred) * first / board.gain)
+        out = respond(board, step, 1e-5 * np.sin(2 * math.pi * frequency * time)).filtered_v[64 * 100 :]
+        assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-5 * gain, rel=3e-3)
+
+
 def test_a_finite_gain_bandwidth_changes_little_and_only_so_much():
     fast, slow = (respond(BOARD.changed(gain_bandwidth_hz=f), STEP_S, burst()).filtered_v for f in (1e9, 3e4))
     ideal = respond(BOARD, STEP_S, burst()).filtered_v
     assert np.abs(fast - ideal).max() < 1e-4 * np.abs(ideal).max()
     assert 0.01 < np.abs(slow - ideal).max() / np.abs(ideal).max() < 0.5  # 30 kHz / 67.7 = 443 Hz of bandwidth
+
+
+@pytest.mark.parametrize("gain_bandwidth_hz", [3e4, 3e6])
+@pytest.mark.parametrize("extra", [{}, {"blocking_capacitor": 66e-6, "limiting_capacitor": 1.5e-9}], ids=["", "extra"])
+def test_a_finite_gain_bandwidth_against_its_formula(extra, gain_bandwidth_hz):
+    """G / (1 + G / A) and K = A / (1 + A), with A = 2 pi GBW / s; also with the variants' two capacitors."""
+    b = BOARD.changed(gain_bandwidth_hz=gain_bandwidth_hz, **extra)
+    step = 1 / 32_000
+    time = np.arange(64_000) * step
+    for frequency in (20.0, 90.0, 400.0):
+        s = 2j * math.pi * frequency
+        A = 2 * math.pi * gain_bandwidth_hz / s
+        z4 = b.r4_ohm + (1 / (s * b.blocking_capacitor) if extra else 0.0)
+        G = 1 + b.r5_ohm / (1 + (s * b.r5_ohm * b.limiting_capacitor if extra else 0.0)) / z4
+        first = s * b.r1_ohm * b.c1_f / (1 + s * b.r1_ohm * b.c1_f) * G / (1 + G / A)
+        square, C = s * b.c2_f * b.r2_ohm * s * b.c2_f * b.r3_ohm, b.c2_f
+        second = A / (1 + A) * square / (square + s * C * (2 * b.r2_ohm + b.r3_ohm / (1 + A)) + 1)
+        out = respond(b, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[32_000:]
+        ideal = 2 * (1 - math.cos(2 * math.pi * frequency * step)) / (2 * math.pi * frequency * step) ** 2
+        assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * abs(first * second) * ideal, rel=2e-3)
 
 
 def test_a_million_samples():
@@ -296,6 +353,20 @@ def test_many_boards_at_once_are_the_single_ones():
     for row, c in zip(many.envelope_v, caps.tolist(), strict=True):
         assert np.array_equal(row, respond(BOARD.changed(c2_f=c), STEP_S, burst(0.2)).envelope_v)
     assert many.envelope_v.shape == (3, 401)
+
+
+@pytest.mark.parametrize("parts", ["as fitted", "rails", "gain-bandwidth", "precision", "C 1p"])
+def test_any_chunks_give_the_same_bits(parts):
+    board = BOARD.changed(**STIFF_DIODES[parts])
+    rows = np.stack((burst(0.3), 3 * burst(0.3), np.zeros(601)))
+    stream, cuts = Stream(board, STEP_S, 3), [0, 1, 2, 21, 300, 301, 555, 601]
+    got = [stream.process(rows[:, a:b]) for a, b in itertools.pairwise(cuts)]
+    for i, row in enumerate(rows):
+        whole = respond(board, STEP_S, row)
+        assert np.array_equal(np.concatenate([filtered[i] for filtered, _ in got]), whole.filtered_v)
+        assert np.array_equal(np.concatenate([enveloped[i] for _, enveloped in got]), whole.envelope_v)
+    with pytest.raises(TraceError, match="voltage_v of board 1: nan at sample 2"):
+        stream.process(np.array([[1.0, 1.0, 1.0], [1.0, 1.0, math.nan], [0.0, 0.0, 0.0]]))
 
 
 def test_compiled_gives_the_same_numbers():
@@ -325,7 +396,7 @@ def test_input_that_is_not_finite_is_named_with_its_sample():
         ({"rail_v": math.nan}, r"board\.rail_v: nan V"),
         ({"rail_v": 3.0, "gain_bandwidth_hz": 1e6}, r"board\.rail_v: 3 V .*not modelled; leave one out"),
         ({"blocking_capacitor": 0.0}, r"board\.blocking_capacitor: 0 F"),
-        ({"blocking_capacitor": 1e-6, "gain_bandwidth_hz": 1e6}, r"board\.gain_bandwidth_hz: .*leave one out"),
+        ({"limiting_capacitor": 0.0}, r"board\.limiting_capacitor: 0 F"),
     ],
     ids=str,
 )

@@ -90,31 +90,94 @@ def respond_in_parts(
     table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, _values(board))), axis=1).astype(np.float64)
     for start in range(0, len(table), _CHUNK):
         part = table[start : start + _CHUNK]
-        chunk = board.changed(**{name: part[:, 5 + i] for i, name in enumerate(_names(board))})
-        n, steps, rows, out, first = _matrices(chunk, step_s)
+        chunk = board.changed(**{name: part[:, 5 + i] for i, name in enumerate(board.value_names)})
+        made = _Made(chunk, step_s, tolerance_v, part[:, :5])
         filtered, enveloped = np.zeros((len(part), len(voltage_v))), np.zeros((len(part), len(voltage_v)))
         counts = np.zeros(3)
-        for i, (saturation, nvt, series, r, c) in enumerate(part[:, :5].tolist()):
-            count, z = np.zeros(3), np.zeros(WIDTH)
-            z[0] = voltage_v[0]
-            precise = board.rectifier == "precision"
-            envelope_loop.run(
-                tolerance_v, step_s, n, LEVELS, board.rail_v or 0.0, precise, (saturation, nvt, series), (r, c),
-                voltage_v, after, steps[i], rows[i], out[i], first[i],
-                z, np.zeros(WIDTH), np.zeros(LEVELS), filtered[i], enveloped[i], count,
-            )  # fmt: skip
-            counts += count
+        for i in range(len(part)):
+            counts += made.follow(i, *made.start(voltage_v[0]), voltage_v, after, filtered[i], enveloped[i])
         yield Response(filtered, enveloped, *(int(count) for count in counts))
 
 
-def _names(board: Analog) -> list[str]:
-    return [name for name in vars(board) if name.endswith(("_f", "_ohm"))]
+class Stream:
+    """Some boards of one kind on voltages that come in chunks; any chunks give the bits of `respond`.
+
+    Parameters
+    ----------
+    board
+        What all of them are; plain values.
+    step_s
+        Time between samples [s].
+    count
+        How many boards.
+    tolerance_v
+        As in `respond`.
+
+    Raises
+    ------
+    TraceError
+        If the step or the tolerance is not above 0.
+    """
+
+    def __init__(self, board: Analog, step_s: float, count: int = 1, tolerance_v: float = 1e-4) -> None:
+        refuse([*positive("step_s", step_s, "s", "0.0005"), *positive("tolerance_v", tolerance_v, "V", "1e-4")])
+        fixed = np.array([[float(value) for value in _values(board)[:5]]])
+        self._made, self._count = _Made(board, step_s, tolerance_v, fixed), count
+        self._states: list[tuple[Array, Array]] = []
+        self._last = np.zeros((count, 0))
+
+    def process(self, voltage_v: Array) -> tuple[Array, Array]:
+        """Filtered and enveloped voltages [V] at the next samples, (boards, samples) like the voltages [V].
+
+        Raises
+        ------
+        TraceError
+            If a sample is not finite.
+        """
+        refuse(fault for i, row in enumerate(voltage_v) for fault in columns(**{f"voltage_v of board {i}": row}))
+        known = np.concatenate((self._last, voltage_v), axis=1)
+        if not self._states:
+            self._states = [self._made.start(row[0]) for row in voltage_v]
+        filtered, enveloped = np.zeros_like(known), np.zeros_like(known)
+        for i, state in enumerate(self._states):
+            self._made.follow(0, *state, known[i], known[i], filtered[i], enveloped[i])
+        seen = self._last.shape[1]
+        self._last = known[:, -1:]
+        return filtered[:, seen:], enveloped[:, seen:]
+
+
+class _Made:
+    """Boards with their matrices, and one run of the loop."""
+
+    def __init__(self, board: Analog, step_s: float, tolerance_v: float, fixed: Array) -> None:
+        self._board, self._step_s, self._tolerance_v, self._fixed = board, step_s, tolerance_v, fixed.tolist()
+        self._n, self._steps, self._rows, self._out, self._first = _matrices(board, step_s)
+
+    def start(self, voltage_v: float) -> tuple[Array, Array]:
+        """What is carried from sample to sample, settled: envelope and step size, and the states."""
+        z = np.zeros(self._out.shape[-1])
+        z[0] = voltage_v
+        return np.zeros(2), z
+
+    def follow(
+        self, i: int, carried: Array, z: Array, before: Array, after: Array, filtered: Array, enveloped: Array
+    ) -> Array:
+        """Board i from the first sample to the last; returns what it took."""
+        count, board = np.zeros(3), self._board
+        saturation, nvt, series, r, c = self._fixed[i]
+        envelope_loop.run(
+            self._tolerance_v, self._step_s, self._n, len(z), LEVELS, board.rail_v or 0.0,
+            board.rectifier == "precision", (saturation, nvt, series), (r, c), before, after,
+            self._steps[i], self._rows[i], self._out[i], self._first[i],
+            carried, z, np.zeros(len(z)), np.zeros(LEVELS), filtered, enveloped, count,
+        )  # fmt: skip
+        return count
 
 
 def _values(board: Analog) -> list[Any]:
     d = board.diode
     fixed = [d.saturation_a, d.emission * d.thermal_v, d.series_ohm, board.r_lp_ohm, board.c_lp_f]
-    return fixed + [getattr(board, name) for name in _names(board)]
+    return fixed + [getattr(board, name) for name in board.value_names]
 
 
 def _matrices(board: Analog, step_s: float) -> tuple[int, Array, Array, Array, Array]:
@@ -125,15 +188,16 @@ def _matrices(board: Analog, step_s: float) -> tuple[int, Array, Array, Array, A
     for mode in range(9 if board.rail_v else 1):
         A, b, k, out, first = system(board, mode)
         n = A.shape[-1]
+        spare = max(0, WIDTH - n - 3)
         if mode == 0:
-            outs, firsts = (np.pad(row, ((0, 0), (0, WIDTH - n - 3))) for row in (out, first))
+            outs, firsts = (np.pad(row, ((0, 0), (0, spare))) for row in (out, first))
         M = augmented(A, b, k)
         whole = exponentials(M, step_s, LEVELS + 2)
         odd = exponentials(M, step_s * 0.55, LEVELS)
         quarter, half, full = whole[:, 2:], whole[:, 1:-1], whole[:, :-2]
         at = {0.25: quarter, 0.5: half, 0.75: quarter @ half, 0.55: odd, 1.0: full}
         row = np.stack([(out[:, None, None, :] @ at[c])[:, :, 0] for c in ABSCISSAE], axis=2)
-        pad = ((0, 0), (0, 0), (0, 0), (0, WIDTH - n - 3))
+        pad = ((0, 0), (0, 0), (0, 0), (0, spare))
         steps.append(np.pad(full[:, :, :n], pad))
         rows.append(np.pad(row, pad))
     count = len(outs)

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import random
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.sim import analog, fsr
 from fingertip.sim.circuit import Analog
+from fingertip.sim.sensing import voltage_of
 from fingertip.slip.noise import NoiseLevel, input_noise_v, quiet_level
 
 Array = NDArray[np.float64]
 
-_MEMORY_S = 0.1
 _WINDOWS = 133
 """Windows of noise through the board: the deviation is known to 6 %."""
 
@@ -29,41 +27,30 @@ def envelope_v(design: Design, voltage_v: Array) -> Array:
     TraceError
         If a sample is not finite.
     """
-    return _enveloped_v(Analog.of(design), design, voltage_v)
-
-
-def _enveloped_v(board: Analog, design: Design, voltage_v: Array) -> Array:
     d = design.detector
-    enveloped = analog.respond(board, 1 / d.sample_rate_hz, voltage_v).envelope_v
+    enveloped = analog.respond(Analog.of(design), 1 / d.sample_rate_hz, voltage_v).envelope_v
     return fsr.quantise(enveloped, d.adc_bits, d.adc_range_v)
 
 
 class BoardStream:
-    """The boards of some fingers, on voltages that come in chunks of at least one sample.
-
-    Each chunk is simulated anew from 0.1 s before it: by then filters and envelope have forgotten what was before (a
-    test compares with the whole trace at once). So the fingers' stretches can stand one behind the other in one
-    simulation, though the voltage jumps between them: making a board's matrices takes longer than running them.
-    """
+    """The boards of some fingers, on voltages that come in chunks; any chunks give the same bits as the whole."""
 
     def __init__(self, design: Design) -> None:
-        self._design, self._board = design, Analog.of(design)
-        self._keep = math.ceil(_MEMORY_S * design.detector.sample_rate_hz)
-        self._past: Array | None = None
+        self._design = design
+        self._stream: analog.Stream | None = None
 
     def process(self, voltage_v: Array) -> Array:
         """The enveloped outputs at the chunk's samples [V], (fingers, samples) like the voltages [V]."""
-        if self._past is None:  # settled on the first sample
-            self._past = np.repeat(voltage_v[:, :1], self._keep, axis=1)
-        known = np.concatenate((self._past, voltage_v), axis=1)
-        self._past = known[:, -self._keep :]
-        return _enveloped_v(self._board, self._design, known.ravel()).reshape(known.shape)[:, self._keep :]
+        d = self._design.detector
+        if self._stream is None:
+            self._stream = analog.Stream(Analog.of(self._design), 1 / d.sample_rate_hz, len(voltage_v))
+        return fsr.quantise(self._stream.process(voltage_v)[1], d.adc_bits, d.adc_range_v)
 
 
 def bridge_v(design: Design, force_n: Array) -> Array:
     """What the design's sensor and bridge make of a normal force [N], without the sensor's hysteresis [V]."""
-    values, supply, sensor = board_values(design).bridge, design.board.supply_v, fsr.fit_conductance()
-    return np.array([values.tactile_v(sensor.siemens(force), supply) for force in force_n.tolist()])
+    voltage = voltage_of(design, "board")
+    return np.array([voltage(force) for force in force_n.tolist()])
 
 
 def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:

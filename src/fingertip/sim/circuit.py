@@ -1,11 +1,17 @@
 """The board's filter as a linear system: from component values to x' = A x + b u + k, one for each state of the rails.
 
-States: the voltages across C1, C2, C3 [V]; with a finite gain-bandwidth product also both amplifiers' outputs. Kept
-batched: every value may be an array over many boards.
+States: the voltages across C1, C2, C3 and whatever capacitors a variant adds [V]; with a finite gain-bandwidth product
+also both amplifiers' outputs. Signals rest at 0, which on a single supply is the supply's middle. Kept batched: every
+value may be an array over many boards.
+
+The gain-bandwidth product is that of the filter's amplifiers. A precision rectifier's amplifier also has to cross two
+diode drops, 1.2 V, at each zero of its input, which at a slope s takes sqrt(2 * 1.2 V / (2 pi GBW s)): 0.11 ms for the
+TL082 and 10 V/s, the slope of a slip, and what it loses there is below 1 mV for a tenth of a millisecond. Left out.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from typing import Literal
 
@@ -18,6 +24,7 @@ from fingertip.design import Design
 from fingertip.design.filter_components import series_capacitor_f
 from fingertip.errors import Fault
 from fingertip.sim.inputs import not_negative, positive, refuse
+from fingertip.sim.state_space import GROUND, Amplifier, Part, assemble
 
 Array = NDArray[np.float64]
 Values = float | Array
@@ -63,8 +70,10 @@ class Analog:
     """Of both amplifiers [Hz]; None: infinite."""
     rectifier: Literal["diode", "precision"] = "diode"
     """A diode that charges R_LP parallel to C_LP (article), or amplifiers that rectify and follow with one pole."""
-    blocking_capacitor: float | None = None
+    blocking_capacitor: Values | None = None
     """In series with R4 [F], so that the first stage amplifies no offset; None: R4 goes to ground."""
+    limiting_capacitor: Values | None = None
+    """Across R5 [F], so that the first stage's gain ends above the vibrations; None: none."""
 
     def __post_init__(self) -> None:
         faults = []
@@ -78,18 +87,18 @@ class Analog:
         faults.extend(positive("diode.emission", float(np.min(d.emission)), "", "1.752"))
         faults.extend(not_negative("diode.series_ohm", float(np.min(d.series_ohm)), "ohm"))
         faults.extend(positive("diode.thermal_v", float(np.min(d.thermal_v)), "V", "0.0259"))
-        if self.rail_v is not None:
-            faults.extend(positive("board.rail_v", self.rail_v, "V", "3.5"))
-        if self.gain_bandwidth_hz is not None:
-            faults.extend(positive("board.gain_bandwidth_hz", self.gain_bandwidth_hz, "Hz", "3e6"))
-            if self.rail_v is not None:
-                words = "stands beside gain_bandwidth_hz, and both together are not modelled; leave one out."
-                faults.append(Fault("board.rail_v", f"{self.rail_v:g} V {words}"))
-        if self.blocking_capacitor is not None:
-            faults.extend(positive("board.blocking_capacitor", self.blocking_capacitor, "F", "66e-6"))
-            if self.gain_bandwidth_hz is not None:
-                words = "stands beside blocking_capacitor, and both together are not modelled; leave one out."
-                faults.append(Fault("board.gain_bandwidth_hz", f"{self.gain_bandwidth_hz:g} Hz {words}"))
+        for name, unit, example in (
+            ("rail_v", "V", "3.5"),
+            ("gain_bandwidth_hz", "Hz", "3e6"),
+            ("blocking_capacitor", "F", "66e-6"),
+            ("limiting_capacitor", "F", "1.5e-9"),
+        ):
+            if getattr(self, name) is not None:
+                faults.extend(positive(f"board.{name}", float(np.min(getattr(self, name))), unit, example))
+        if self.rail_v is not None and self.gain_bandwidth_hz is not None:
+            # At a rail a slow amplifier's input stage saturates, and how it comes back is in no data sheet.
+            words = "stands beside gain_bandwidth_hz, and both together are not modelled; leave one out."
+            faults.append(Fault("board.rail_v", f"{self.rail_v:g} V {words}"))
         refuse(faults)
 
     @classmethod
@@ -108,6 +117,13 @@ class Analog:
         return replace(self, **values)  # type: ignore[arg-type]
 
     @property
+    def value_names(self) -> tuple[str, ...]:
+        """Names of all resistors and capacitors that this board has."""
+        extra = ("blocking_capacitor", "limiting_capacitor")
+        fitted = (name for name in extra if getattr(self, name) is not None)
+        return (*(f.name for f in fields(self) if f.name.endswith(("_f", "_ohm"))), *fitted)
+
+    @property
     def gain(self) -> Values:
         """G = 1 + R5/R4."""
         return 1 + self.r5_ohm / self.r4_ohm
@@ -124,33 +140,27 @@ def system(board: Analog, mode: int = 0) -> tuple[Array, Array, Array, Array, Ar
     mode
         3 times the first amplifier's state plus the second's; each 0 free, 1 at the upper rail, 2 at the lower.
     """
-    columns = {f.name: np.atleast_1d(getattr(board, f.name)) for f in fields(board) if f.name[-2:] in ("_f", "hm")}
-    R1, R2, R3, C1, C2, C3, G = np.broadcast_arrays(
-        *(columns[name] for name in ("r1_ohm", "r2_ohm", "r3_ohm", "c1_f", "c2_f", "c3_f")), np.atleast_1d(board.gain)
+    parts = [Part(name, a, b, getattr(board, name)) for name, a, b in topology(board)]
+    resistors = [part for part in parts if part.name.endswith("_ohm")]
+    capacitors = [part for part in parts if not part.name.endswith("_ohm")]
+    batch = max(np.size(part.value) for part in parts)
+    rail = board.rail_v or 0.0
+    held = [(None, rail, -rail)[state] for state in divmod(mode, 3)]
+    first, second = (
+        Amplifier(*pins, board.gain_bandwidth_hz, at)
+        for pins, at in zip((("p", "f", "o1"), ("n", "o2", "o2")), held, strict=True)
     )
-    finite = board.gain_bandwidth_hz is not None
-    blocked = board.blocking_capacitor is not None
-    n = 5 if finite else 4 if blocked else 3
-    # Every voltage is a row over (x, u, slope, 1), one for each board.
-    unit = np.broadcast_to(np.eye(n + 3)[:, None, :], (n + 3, len(R1), n + 3))
-    u, one = unit[n], unit[n + 2]
-    p = u - unit[0]
-    rails = [0.0, board.rail_v or 0.0, -(board.rail_v or 0.0)]
-    first, second = divmod(mode, 3)
-    free = G[:, None] * p - ((G - 1)[:, None] * unit[3] if blocked else 0.0)
-    o1 = unit[3] if finite else one * rails[first] if first else free
-    behind = o1 - unit[1] - unit[2]  # behind C3: the second amplifier's input
-    o2 = unit[4] if finite else one * rails[second] if second else behind
-    rates = [
-        p / (R1 * C1)[:, None],
-        (behind / R3[:, None] + (behind + unit[2] - o2) / R2[:, None]) / C2[:, None],
-        behind / (R3 * C3)[:, None],
-    ]
-    if finite:
-        w = 2 * np.pi * float(board.gain_bandwidth_hz or 0.0)
-        rates += [w * (p - o1 / G[:, None]), w * (behind - o2)]
-    if blocked:
-        R4, R5 = (np.broadcast_to(columns[name], R1.shape) for name in ("r4_ohm", "r5_ohm"))
-        rates.append((o1 - unit[3]) / ((R4 + R5) * float(board.blocking_capacitor or 0.0))[:, None])
-    M = np.stack(rates, axis=1)
-    return M[:, :, :n], M[:, :, n], M[:, :, n + 2], o2, free
+    found = assemble(resistors, capacitors, (first, second), "in", batch)
+    free = assemble(resistors, capacitors, (replace(first, rail_v=None), second), "in", batch) if held[0] else found
+    return found.A, found.b, found.k, found.nodes["o2"], free.nodes["o1"]
+
+
+def topology(board: Analog) -> Iterator[tuple[str, str, str]]:
+    """Name of a value, and the nodes it lies between: C1, C2, C3 are the first states, as the loop expects."""
+    yield from (("c1_f", "in", "p"), ("c2_f", "o1", "m"), ("c3_f", "m", "n"))
+    yield from (("r1_ohm", "p", GROUND), ("r2_ohm", "m", "o2"), ("r3_ohm", "n", GROUND), ("r5_ohm", "f", "o1"))
+    yield "r4_ohm", "f", GROUND if board.blocking_capacitor is None else "s"
+    if board.blocking_capacitor is not None:
+        yield "blocking_capacitor", "s", GROUND
+    if board.limiting_capacitor is not None:
+        yield "limiting_capacitor", "f", "o1"

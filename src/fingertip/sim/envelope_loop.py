@@ -21,7 +21,8 @@ LEVELS = 25
 """Steps down to the sample's over 2^24: 30 ps at 2 kHz."""
 ABSCISSAE = (0.25, 0.75, 0.55, 0.5, 1.0)
 """Where within a step the method needs the filter's output."""
-WIDTH = 8  # of one row of the matrices, for up to five states
+WIDTH = 8
+"""Least length of a row of the matrices, for up to five states; longer rows take their own."""
 
 
 def omega(y: float) -> float:
@@ -48,16 +49,20 @@ def omega(y: float) -> float:
     return w
 
 
-def dot(row: Sequence[float], at: int, z: Sequence[float]) -> float:
-    """A row times the state; `WIDTH` terms, what is not used is 0."""
+def dot(row: Sequence[float], at: int, z: Sequence[float], width: int) -> float:
+    """A row times the state; what is not used is 0."""
     first = row[at] * z[0] + row[at + 1] * z[1] + row[at + 2] * z[2] + row[at + 3] * z[3]
-    return first + (row[at + 4] * z[4] + row[at + 5] * z[5] + row[at + 6] * z[6] + row[at + 7] * z[7])
+    total = first + (row[at + 4] * z[4] + row[at + 5] * z[5] + row[at + 6] * z[6] + row[at + 7] * z[7])
+    for i in range(8, width):
+        total += row[at + i] * z[i]
+    return total
 
 
 def _loop(
     tolerance: float,
     H: float,
     n: int,
+    width: int,
     levels: int,
     rail: float,
     ideal: bool,
@@ -69,6 +74,7 @@ def _loop(
     rows: Sequence[float],
     out: Sequence[float],
     first: Sequence[float],
+    carried: MutableSequence[float],
     z: MutableSequence[float],
     new: MutableSequence[float],
     decays: MutableSequence[float],
@@ -82,17 +88,17 @@ def _loop(
     whole = 1 << top
     for a in range(levels):
         decays[a] = math.exp(-H / (1 << a) / (R * C))
-    v = 0.0
-    level = 0
+    v = carried[0]
+    level = int(carried[1])
     steps = rejected = implicit = 0
     filtered[0] = 0.0
-    enveloped[0] = 0.0
+    enveloped[0] = v
     mode = 0
     for i in range(len(before) - 1):
         z[n] = after[i]
         z[n + 1] = (before[i + 1] - after[i]) / H
         z[n + 2] = 1.0
-        u0 = dot(out, 0, z)
+        u0 = dot(out, 0, z, width)
         place = 0
         if before[i] != after[i]:
             level = top  # a jump: what follows it may be as fast as it likes
@@ -102,17 +108,17 @@ def _loop(
                 level += 1
                 size >>= 1
             if rail > 0.0:
-                p = dot(first, 0, z)
+                p = dot(first, 0, z, width)
                 o1 = rail if p > rail else -rail if p < -rail else p
                 o2 = o1 - z[1] - z[2]
                 mode = (1 if p > rail else 2 if p < -rail else 0) * 3 + (1 if o2 > rail else 2 if o2 < -rail else 0)
                 u0 = rail if o2 > rail else -rail if o2 < -rail else o2
             h = H / (1 << level)
-            at = (mode * levels + level) * n * WIDTH
+            at = (mode * levels + level) * n * width
             for a in range(n):
-                new[a] = dot(step, at + a * WIDTH, z)
-            at = (mode * levels + level) * 5 * WIDTH
-            u4, u5 = dot(rows, at + 3 * WIDTH, z), dot(rows, at + 4 * WIDTH, z)
+                new[a] = dot(step, at + a * width, z, width)
+            at = (mode * levels + level) * 5 * width
+            u4, u5 = dot(rows, at + 3 * width, z, width), dot(rows, at + 4 * width, z, width)
             # Between three points the output bends by no more than they do; twice that is a bound with room.
             highest = max(max(u0, u4), u5) + abs(u0 - 2 * u4 + u5)
             decay = decays[level]
@@ -128,7 +134,11 @@ def _loop(
                     error = 0.0
                 else:
                     implicit += 1
-                    u1, u2, u3 = dot(rows, at, z), dot(rows, at + WIDTH, z), dot(rows, at + 2 * WIDTH, z)
+                    u1, u2, u3 = (
+                        dot(rows, at, z, width),
+                        dot(rows, at + width, z, width),
+                        dot(rows, at + 2 * width, z, width),
+                    )
                     g = 0.25 * h / (R * C)
                     alpha = g / (1 + g)
                     k1 = alpha * (max(u1, 0.0) - v)
@@ -166,7 +176,11 @@ def _loop(
                 error = 0.0
             else:
                 implicit += 1
-                u1, u2, u3 = dot(rows, at, z), dot(rows, at + WIDTH, z), dot(rows, at + 2 * WIDTH, z)
+                u1, u2, u3 = (
+                    dot(rows, at, z, width),
+                    dot(rows, at + width, z, width),
+                    dot(rows, at + 2 * width, z, width),
+                )
                 g = 0.25 * h
                 alpha = 1 / (1 + g / (R * C))
                 charge = alpha * g / C
@@ -188,7 +202,7 @@ def _loop(
                 error = abs(-0.75 * k1 - 3.375 * k2 + 3.125 * k3 + k5)
             if rail > 0.0 and level < top:
                 # Did an amplifier reach or leave a rail on the way? Then the step is cut there.
-                p = dot(first, 0, new) + first[n] * (z[n] + h * z[n + 1])
+                p = dot(first, 0, new, width) + first[n] * (z[n] + h * z[n + 1])
                 o1 = rail if p > rail else -rail if p < -rail else p
                 o2 = o1 - new[1] - new[2]
                 now = (1 if p > rail else 2 if p < -rail else 0) * 3 + (1 if o2 > rail else 2 if o2 < -rail else 0)
@@ -211,8 +225,11 @@ def _loop(
             u0 = rail if u0 > rail else -rail if u0 < -rail else u0
         filtered[i + 1] = u0
         enveloped[i + 1] = v
+    carried[0] = v
+    carried[1] = float(level)
     count[0], count[1], count[2] = steps, rejected, implicit
 
 
-run = Kernel(_loop, omega, dot, outputs=6)
-"""Fills z (the states), new, decays (scratch), filtered, enveloped, and (steps, rejected, implicit steps)."""
+run = Kernel(_loop, omega, dot, outputs=7)
+"""Carries (envelope, level of the next step) and z (the states); new and decays are scratch; fills filtered, enveloped,
+and (steps, rejected, implicit steps)."""

@@ -25,6 +25,7 @@ from fingertip.design.faults import nearest
 from fingertip.errors import Fault, TraceError
 from fingertip.sim.analog import respond
 from fingertip.sim.circuit import Analog
+from fingertip.sim.comparator import missing, pin_v
 from fingertip.sim.inputs import refuse
 from fingertip.sim.manipulation_file import OUTPUTS, ManipulationFile
 from fingertip.sim.manipulation_plan import Plan, plan, thumb_n
@@ -148,7 +149,7 @@ def run_manipulation(
         If the seed is negative, the plan asks more than a finger can press with, or a controller's command is none.
     """
     pad = Pad.of(design)
-    _refuse(scene, seed)
+    _refuse(design, scene, seed)
     made = plan(scene, pad, seed)
     if say:
         say(f"{scene.scene}, {made.duration_s:.1f} s")
@@ -198,9 +199,13 @@ def _result(design: Design, scene: ManipulationFile, seed: int, made: Plan, run:
     step = 1 / design.detector.sample_rate_hz
     time_s = np.arange(count + 1, dtype=np.float64) * step
     signals["slip"] = np.abs(signals["velocity_m_s"]) > GROSS_SLIP_M_S
-    if "envelope_v" in scene.outputs:
+    if {"envelope_v", "slip_pin_v"} & set(scene.outputs):
         board = Analog.of(design)
-        signals["envelope_v"] = np.stack([respond(board, step, v).envelope_v for v in signals["tactile_v"]])
+        outs = [respond(board, step, v) for v in signals["tactile_v"]]
+        signals["envelope_v"] = np.stack([out.envelope_v for out in outs])
+        if "slip_pin_v" in scene.outputs:
+            pins = [pin_v(design, step, out.filtered_v, out.envelope_v) for out in outs]
+            signals["slip_pin_v"] = np.stack(pins)
     gone = np.flatnonzero(signals["object_m"] >= scene.object.length_m)
     lost_s = float(time_s[gone[0]]) if run.lost else None
     if "force_n" not in scene.outputs:
@@ -209,7 +214,7 @@ def _result(design: Design, scene: ManipulationFile, seed: int, made: Plan, run:
     return Manipulated(scene, seed, made, time_s, signals, lost_s, tuple(run.ran.values()))
 
 
-def _refuse(scene: ManipulationFile, seed: int) -> None:
+def _refuse(design: Design, scene: ManipulationFile, seed: int) -> None:
     faults = []
     if seed < 0:
         faults.append(Fault("--seed", f"{seed} is negative; choose a whole number of at least 0."))
@@ -219,4 +224,6 @@ def _refuse(scene: ManipulationFile, seed: int) -> None:
             f"{scene.hand.force_most_n:g} N is less than the thumb needs for {held.mass_kg:g} kg; at least {most:g} N."
         )
         faults.append(Fault("hand.force_most_n", sentence))
+    if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
+        faults.append(Fault("outputs", missing(design)))
     refuse(faults)

@@ -17,10 +17,21 @@ from fingertip.sim.scene import ACCELERATION_M_S2
 from fingertip.sim.scene_sections import Sensing
 from fingertip.sim.strict_file import StrictFile
 
-OUTPUTS = ("voltage_v", "force_n", "slip", "velocity_m_s", "closing_m", "command_m", "object_m", "pin_n", "envelope_v")
+OUTPUTS = (
+    "voltage_v",
+    "force_n",
+    "slip",
+    "velocity_m_s",
+    "closing_m",
+    "command_m",
+    "object_m",
+    "pin_n",
+    "envelope_v",
+    "slip_pin_v",
+)
 """Of each finger: voltage_v, sampled; force_n, true normal force; slip, true gross slip; velocity_m_s, of the object
-over the pad; closing_m, of the finger; command_m, closing it was told; envelope_v, of its filter board. Of the object:
-object_m, its way; pin_n, the pin's force."""
+over the pad; closing_m, of the finger; command_m, closing it was told; envelope_v and slip_pin_v, of its board, as in a
+scene. Of the object: object_m, its way; pin_n, the pin's force."""
 
 
 class Held(Section):

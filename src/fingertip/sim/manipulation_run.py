@@ -68,7 +68,7 @@ class Run:
         self._quiet = np.zeros(count)
         self._shaken: list[Shaken] = []
         self._sensed: list[Sensed] = []
-        sensing = bool({"voltage_v", "envelope_v"} & self.wanted)
+        sensing = bool({"voltage_v", "envelope_v", "slip_pin_v"} & self.wanted)
         if sensing or "force_n" in self.wanted:
             self._shaken = self._timed("profile", 0, 0, lambda: [self._shaker(i) for i in range(count)])
         if sensing:

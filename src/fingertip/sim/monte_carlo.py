@@ -39,10 +39,10 @@ def spread(board: Analog, count: int, seed: int = 0) -> Analog:
     if count < 1:
         raise TraceError(Fault("count", f"{count} boards are none; give at least 1."))
     rng = random.Random(f"{seed}:boards")
-    names = [name for name in vars(board) if name.endswith(("_f", "_ohm"))]
+    names = board.value_names
     drawn = np.array([[2 * rng.random() - 1 for _ in range(len(names) + 1)] for _ in range(count)])
     values: dict[str, NDArray[np.float64]] = {
-        name: getattr(board, name) * (1 + (CAPACITORS if name.endswith("_f") else RESISTORS) * drawn[:, i])
+        name: getattr(board, name) * (1 + (RESISTORS if name.endswith("_ohm") else CAPACITORS) * drawn[:, i])
         for i, name in enumerate(names)
     }
     saturation = np.asarray(board.diode.saturation_a) * np.array([SATURATION**x for x in drawn[:, -1].tolist()])

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.sim import analog, coupled, disturbances, fsr, vibration
+from fingertip.sim import analog, comparator, coupled, disturbances, fsr, vibration
 from fingertip.sim.circuit import Analog
 from fingertip.sim.contact import Mount, drag
 from fingertip.sim.friction import ELASTO_PLASTIC, Friction
@@ -137,6 +137,7 @@ def stages_of(scene: SceneFile) -> list[Stage[Context]]:
         Stage("bridge", ("shown_n", *(("cable_v",) if touched else ())), ("tactile_v",), _bridge),
         Stage("converter", ("tactile_v",), ("voltage_v",), _converter),
         Stage("filter board", ("tactile_v",), ("filtered_v", "envelope_v"), _board, 4),
+        Stage("comparator", ("filtered_v", "envelope_v"), ("slip_pin_v",), _comparator, 1),
     ]
     return found
 
@@ -277,3 +278,9 @@ def _converter(c: Context, given: Given) -> dict[str, Any]:
 def _board(c: Context, given: Given) -> dict[str, Any]:
     out = analog.respond(Analog.of(c.design), 1 / c.design.detector.sample_rate_hz, given["tactile_v"])
     return {"filtered_v": out.filtered_v, "envelope_v": out.envelope_v, "evaluations": out.steps + out.rejected}
+
+
+def _comparator(c: Context, given: Given) -> dict[str, Any]:
+    step = 1 / c.design.detector.sample_rate_hz
+    pin = comparator.pin_v(c.design, step, given["filtered_v"], given["envelope_v"])
+    return {"slip_pin_v": pin, "evaluations": len(pin)}

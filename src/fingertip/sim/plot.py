@@ -32,7 +32,7 @@ _LABELS = {
     "command_m": ("commanded\nclosing [mm]", 1000),
     "object_m": ("way of the\nobject [mm]", 1000),
     "pin_n": ("force of\nthe pin [N]", 1),
-    "on_off_v": ("ON/OFF\npin [V]", 1),
+    "slip_pin_v": ("ON/OFF\npin [V]", 1),
 }
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.errors import Fault, TraceError
+from fingertip.sim.comparator import missing
 from fingertip.sim.pipeline import Context, stages_of
 from fingertip.sim.scene_file import SceneFile
 from fingertip.sim.stages import Ran, run
@@ -67,10 +68,12 @@ def run_scene(design: Design, scene: SceneFile, seed: int = 0, say: Callable[[st
     Raises
     ------
     TraceError
-        If the seed is negative.
+        If the seed is negative, or an output is none of this design's board.
     """
     if seed < 0:
         raise TraceError(Fault("--seed", f"{seed} is negative; choose a whole number of at least 0."))
+    if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
+        raise TraceError(Fault("outputs", missing(design)))
     context = Context(design, scene, seed)
     long = say and context.timeline.duration_s > LONG_S
     if say and long:

@@ -90,9 +90,9 @@ def as_toml(plan: Plan, table: Table, choice: Choice) -> str:
     values = plan.point(point)
     goal = " and ".join(f"{one.word} {one.output}" for one in choice.objectives)
     how = (
-        f"Of {len(choice.candidates)} feasible designs the best to {goal}."
+        f"The best of {len(choice.candidates)} feasible designs, to {goal}."
         if len(choice.objectives) == 1
-        else f"Of {len(choice.front)} designs that none beats to {goal}, the one nearest to the best of each."
+        else f"Among {len(choice.candidates)} feasible designs the one nearest to the best of each, to {goal}."
     )
     lines = [f"Point {point} of the sweep {plan.file.name}. {how}"]
     lines += [f"  {name} = {value}" for name, value in values.items()]

@@ -45,9 +45,14 @@ def best_sentence(found: Findings) -> str:
     if len(choice.objectives) == 1:
         return f"point {point} is best to {goal}, of {len(choice.candidates)} feasible points{left}."
     return (
-        f"point {point} is nearest to the best of each to {goal}, of {len(choice.front)} points that none beats "
-        f"among {len(choice.candidates)} feasible{left}."
+        f"point {point} is nearest to the best of each to {goal}, of {counted(len(choice.front), 'point')} that none "
+        f"beats, among {len(choice.candidates)} feasible{left}."
     )
+
+
+def counted(count: int, what: str) -> str:
+    """`1 point`, `2 points`."""
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def _counts(found: Findings) -> str:

@@ -46,7 +46,7 @@ def draw(
     size = 3.5 if len(drawn) > 2000 else 6.0
     plot.plot(x[drawn], y[drawn], ".", color=_CLOUD_COLOUR, markersize=size, markeredgewidth=0)
     order = front[np.lexsort((y[front], x[front]))]
-    label = f"{len(front)} designs that none beats" + ("" if objectives == 2 else f" in all {objectives} objectives")
+    label = f"{len(front)} that none beats" + ("" if objectives == 2 else f" in all {objectives} objectives")
     if objectives == 2:
         # A step: nothing between two designs of the front is known to exist.
         plot.step(x[order], y[order], where="post" if words[0] == "minimise" else "pre", color=RED, linewidth=1)

@@ -58,7 +58,8 @@ def draw(
         _panel(figure, left, (x, y), found.best, found.asked, f"{word} {output} in each cell", output)
         _panel(figure, right, (x, y), found.mean, found.asked, f"mean {output} in each cell", output)
         right.set_ylabel("")
-    said = f"{found.count.sum()} feasible designs; grey: no point there is feasible"
+    unbounded = "" if np.isfinite(values[ok]).all() else " of which it is a finite number"
+    said = f"{found.count.sum()} feasible designs{unbounded}; grey: none there"
     if not found.asked.all():
         said += "; white: no point there"
     if others:

@@ -98,13 +98,16 @@ def _scatter(plot: Axes, x: NDArray[np.float64], y: NDArray[np.float64], ok: NDA
 
 
 def _histogram(plot: Axes, x: Scale, column: Column, ok: NDArray[np.bool_]) -> None:
-    known = np.isfinite(column) if column.dtype.kind == "f" else np.ones(len(column), dtype=bool)
-    code = np.zeros(len(column), dtype=np.intp)
-    code[known] = x.bins.code if known.any() else 0
-    feasible = np.bincount(code[known & ok], minlength=x.bins.count)
-    others = np.bincount(code[known & ~ok], minlength=x.bins.count)
-    plot.bar(x.edges[:-1], feasible, np.diff(x.edges), align="edge", color=BLUE)
-    plot.bar(x.edges[:-1], others, np.diff(x.edges), feasible, align="edge", color=_REFUSED_COLOUR)
+    if x.words:
+        edges = x.edges
+    else:
+        even = np.geomspace if x.log else np.linspace
+        edges = even(x.edges[0], x.edges[-1], _HISTOGRAM_BINS + 1)
+    places = x.place(column)
+    feasible = np.histogram(places[ok], edges)[0]
+    others = np.histogram(places[~ok], edges)[0]
+    plot.bar(edges[:-1], feasible, np.diff(edges), align="edge", color=BLUE)
+    plot.bar(edges[:-1], others, np.diff(edges), feasible, align="edge", color=_REFUSED_COLOUR)
 
 
 def _correlation(plot: Axes, a: Column, b: Column) -> None:

@@ -16,7 +16,7 @@ def draw(found: Sequence[Sensitivity], axes: Sequence[str]) -> bytes:
     """A row for each output, a column for each axis and one for what is not explained by any alone: a PNG."""
     columns = [*axes, "no axis alone"]
     shares = np.zeros((len(found), len(columns)))
-    figure = sheet(2.6 + 1.15 * len(columns), 1.9 + 0.55 * len(found))
+    figure = sheet(max(9.0, 2.6 + 1.15 * len(columns)), 1.9 + 0.55 * len(found))
     plot = figure.subplots()
     for i, one in enumerate(found):
         signs = {weight.axis: weight.rank_correlation for weight in one.weights}

@@ -45,8 +45,8 @@ BRIDGE = Sheet(
 )  # fmt: skip
 
 MOUNTING = Sheet(
-    placed=tuple(Placed(f"H{i}", 192 + 8 * i, 123) for i in range(1, 5)), wires=(), marks=(), labels=(),
-    words=(("Mounting", 199, 116),),
+    placed=tuple(Placed(f"H{i}", 197 + 6 * i, 123) for i in range(1, 5)), wires=(), marks=(), labels=(),
+    words=(("Mounting", 201, 116),),
 )  # fmt: skip
 
 
@@ -78,8 +78,8 @@ def supply_row(supply: Supply, plus: Sequence[str], minus: Sequence[str], amplif
     row = Sheet(tuple(placed), tuple(wires), tuple(marks), (), (("Supply and decoupling", 12, 108),))
     if supply.zero_share:
         ground = Sheet(
-            (Placed("J2", 16, 122, mirrored=True),), (((20, 124), (79, 124)),),
-            (*(Mark("GND", x, 130) for x in pins), Mark("PWR_FLAG", 79, 124)), (), (),
+            (Placed("J2", 16, 122, mirrored=True),), (((20, 124), (83, 124)),),
+            (*(Mark("GND", x, 130) for x in pins), Mark("PWR_FLAG", 83, 124)), (), (),
         )  # fmt: skip
         return joined(row, ground, _MIDDLE)
     lower = columns[: len(minus)]
@@ -93,7 +93,7 @@ def supply_row(supply: Supply, plus: Sequence[str], minus: Sequence[str], amplif
             *(((x, 134), (x, 130)) for x in pins),
             *(((x, 124), (x, 125)) for x in lower), *(((x, 131), (x, 134)) for x in lower),
         ),
-        (Mark("VEE", 26, 134, 180), Mark("PWR_FLAG", 70, 134, 180), Mark("PWR_FLAG", 70, 124)), (), (),
+        (Mark("VEE", 26, 134, 180), Mark("PWR_FLAG", 74, 134, 180), Mark("PWR_FLAG", 74, 124)), (), (),
     )  # fmt: skip
     return joined(row, below)
 

@@ -18,6 +18,8 @@ SIZE_MM = 0.8
 _ADVANCE = 0.92
 """Width of a character over its height, the widest of them."""
 _EDGE_MM = 0.3
+_APART_MM = 0.25
+"""Between two names side by side."""
 
 
 def printed(placement: Placement) -> dict[str, Box]:
@@ -42,8 +44,8 @@ def obscured(circuit: Circuit, placement: Placement, vias: Iterable[Point] = (),
             yield f"{name} lies at the edge"
         yield from (f"{name} lies on {other}" for other, taken in things.items() if _overlap(box, taken))
     for (one, a), (two, b) in combinations(boxes.items(), 2):
-        if _overlap(a, b):
-            yield f"{one} lies on {two}"
+        if _overlap((a[0] - _APART_MM, a[1], a[2] + _APART_MM, a[3]), b):
+            yield f"{one} lies on {two}, or too near to it to be told apart"
 
 
 def _extent(words: str) -> Point:

@@ -34,7 +34,7 @@ def board(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Compute the board's component values; write netlist, SPICE deck and bill of materials."""
+    """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill of materials."""
     from fingertip.board import board_values, differences, write_board, write_fabrication
     from fingertip.design import Design
 
@@ -107,6 +107,18 @@ def _table(design: Design, values: BoardValues) -> str:
             ("R14", bridge.gain_ohm, f"gain of {bridge.gain:.2f}"),
         )
     ]
+    others = [
+        ("R7 C8", values.converter.envelope_ohm, values.converter.envelope_f, "anti-alias, envelope"),
+        ("R8 C9", values.converter.first_ohm, values.converter.first_f, "anti-alias, tactile voltage"),
+        ("R9 C19", values.converter.second_ohm, values.converter.second_f, "the same, second pole"),
+    ]
+    if values.first_stage:
+        series_f, limit_f = values.first_stage.series_f, values.first_stage.limit_f
+        others.append(("C14 C20", series_f, limit_f, "no gain at rest, none above the vibrations"))
+    lines += [
+        f"{name:10} {'':14} {f'{engineering(one)} {engineering(two)}':>10} {'':9}  {role}"
+        for name, one, two, role in others
+    ]
     wanted, achieved = values.wanted, values.achieved
     quantities = [
         ("passband gain", wanted.passband_gain, achieved.passband_gain, ""),
@@ -121,6 +133,14 @@ def _table(design: Design, values: BoardValues) -> str:
     ]
     lines += ["", f"{'response':20} {'ideal':>12} {'achieved':>12}"]
     lines += [f"{name:20} {was:12.6g} {now:12.6g} {unit}".rstrip() for name, was, now, unit in quantities]
+    alias, limits = values.alias, values.limits
+    lines += [
+        "",
+        f"{design.board.supply} supply of {design.board.supply_v:g} V: signals rest at {limits.rest_v:g} V, "
+        f"the filter's go {limits.filter_peak_v:.1f} V up and down",
+        f"at {alias.nyquist_hz:g} Hz, half the converter's rate, the tactile voltage has lost "
+        f"{-alias.raw_nyquist_db:.1f} dB, the envelope {-alias.envelope_nyquist_db:.1f} dB",
+    ]
     lines += ["", f"{'force':>8} {'sensor':>10} {'tactile voltage':>16}"]
     for force in (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0):
         conductance = sensor_conductance_s(force)

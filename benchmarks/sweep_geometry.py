@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -46,46 +47,63 @@ def plan(points: int) -> Any:
     )
 
 
-def plain_cadquery(design: Any, folder: Path) -> None:
-    """The same parts, as a script with CadQuery makes them: exact solids, each written as a mesh."""
+def plain_cadquery(design: Any, folder: Path, shared: bool) -> None:
+    """The same parts with CadQuery: exact solids, each written as a mesh.
+
+    A plain script has a function for each part, and asks whether its solid is valid. `shared` is what can be made of
+    it at best: solids that several parts are cut with are made once, and nobody asks.
+    """
     from fingertip.cad.brep import Evaluator
     from fingertip.cad.parts import parts_of
 
     kernel = Evaluator()
     for name, part in parts_of(design).items():
-        kernel.shape(part.describe(design)).exportStl(str(folder / f"{name}.stl"), TOLERANCE_MM, 0.5)
+        solid = kernel.shape(part.describe(design)) if shared else Evaluator().solid(part.describe(design))
+        solid.exportStl(str(folder / f"{name}.stl"), TOLERANCE_MM, 0.5)
 
 
 def compare(designs: int) -> None:
-    """Print CPU times of both, and their ratio."""
+    """Print CPU times of both ways, and their ratios."""
+    from fingertip.cad.parts import parts_of
     from fingertip.design import Design
     from fingertip.sweep.evaluate import Bench
+    from fingertip.sweep.solids import RememberingEvaluator
 
     made = plan(designs)
     bench = Bench(made)
     bench.outcome(0, made.point(0))  # uncounted: imports
-    ours, theirs, failed = [], [], 0
+    times: dict[str, list[float]] = {name: [] for name in ("sweep", "parts", "plain", "shared")}
+    failed = checks = 0
+
+    def timed(name: str, run: Callable[[], Any]) -> Any:
+        start = time.process_time()
+        result = run()
+        times[name].append(time.process_time() - start)
+        return result
+
     with tempfile.TemporaryDirectory() as name:
-        plain_cadquery(Design(), Path(name))
+        folder = Path(name)
+        plain_cadquery(Design(), folder, shared=True)
         for number in range(designs):
             point = made.point(number)
-            start = time.process_time()
-            row = Bench(made).outcome(number, point)  # nothing remembered
-            ours.append(time.process_time() - start)
-            assert row[1] == "ok", row
-            failed += row[4][0] > 0
             changes = ["bone.base_length_mm=24", *(f"{key}={value}" for key, value in point.items())]
             design = Design.load(changes=changes)
-            start = time.process_time()
-            plain_cadquery(design, Path(name))
-            theirs.append(time.process_time() - start)
-    checks = int(row[4][1])
-    mean = statistics.mean(ours)
-    print(f"{designs} designs at {TOLERANCE_MM} mm, {checks} checks each, {failed} with a failed one")
-    print(f"parts and checks: {mean:.3f} CPU s, {1 / mean:.2f} designs/s of a core, {2 / mean:.2f} of two (goal 5)")
-    print(f"plain CadQuery, parts only: {statistics.mean(theirs):.3f} CPU s")
-    ratios = sorted(b / a for a, b in zip(ours, theirs, strict=True))
-    print(f"ratio {statistics.median(ratios):.1f} (goal 8; pairs {ratios[0]:.1f} to {ratios[-1]:.1f})")
+            row = timed("sweep", lambda: Bench(made).outcome(number, point))  # noqa: B023 (nothing remembered)
+            assert row[1] == "ok", row
+            failed, checks = failed + (row[4][0] > 0), int(row[4][1])
+            kernel = RememberingEvaluator(TOLERANCE_MM)
+            timed("parts", lambda: [kernel.mesh(p.describe(design)) for p in parts_of(design).values()])  # noqa: B023
+            timed("plain", lambda: plain_cadquery(design, folder, shared=False))  # noqa: B023
+            timed("shared", lambda: plain_cadquery(design, folder, shared=True))  # noqa: B023
+    mean = statistics.mean(times["sweep"])
+    print(f"{designs} designs at {TOLERANCE_MM} mm, {checks} checks each, {failed} with a failed one; CPU time:")
+    print(f"parts and checks: {mean:.3f} s, {1 / mean:.2f} designs/s of a core, {2 / mean:.2f} of two (goal 5)")
+    for other, label in (("plain", "plain CadQuery"), ("shared", "CadQuery, common solids made once, unchecked")):
+        print(f"{label}: {statistics.mean(times[other]):.3f} s, parts only")
+        for ours, what in (("sweep", "parts and checks"), ("parts", "parts only")):
+            ratios = sorted(b / a for a, b in zip(times[ours], times[other], strict=True))
+            spread = f"pairs {ratios[0]:.1f} to {ratios[-1]:.1f}"
+            print(f"  {statistics.median(ratios):.1f} times as long as a sweep's {what} ({spread}; goal 8)")
 
 
 def two_against_one(points: int) -> None:

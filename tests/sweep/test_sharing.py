@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 
-from fingertip.cad.mesh import Evaluator
 from fingertip.cad.checks import Check
 from fingertip.cad.mesh import Evaluator
 from fingertip.cad.parts import parts_of

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from fingertip.campaign.closed_loop import NONE, Handled, slipping_at_all
-from fingertip.campaign.pictures import COLORS, NOTE, plain, png
+from fingertip.campaign.pictures import COLORS, NOTE
+from fingertip.drawing import plain, png, sheet
 from fingertip.slip.intervals import intervals
 
 _FINGERS = {"thumb": "#1f4e79", "index": "#b03a2e", "middle": "#d98c2b", "ring": "#2e7d5b", "little": "#8a5aa0"}
@@ -31,7 +31,7 @@ def files(handled: Sequence[Handled], detector: str) -> dict[str, bytes]:
 
 def manipulation(one: Handled, without: Handled) -> bytes:
     """Forces, claims, closing of the fingers and the object's way of one manipulation: a PNG."""
-    figure = Figure(figsize=(10, 9), dpi=150, layout="constrained")
+    figure = sheet(10, 9)
     force, claim, closing, way = figure.subplots(4, 1, sharex=True, height_ratios=(2.2, 0.9, 2.2, 1.4))
     seen = one.seen
     t = seen.time_s

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Sequence
-
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from fingertip.campaign.spectra import Spectrum
 from fingertip.campaign.study import Study, speed_m_s, surface
 from fingertip.campaign.windows import Row
+from fingertip.drawing import BLUE, INK, ORANGE, RED, plain, png, sheet
 
-COLORS = {"paper": "#1f4e79", "digital": "#5b8fb9", "fft": "#d98c2b", "fast": "#b03a2e"}
+COLORS = {"paper": BLUE, "digital": "#5b8fb9", "fft": ORANGE, "fast": RED}
 _SPEED_COLORS = ("#9ecae1", "#4292c6", "#08519c")
 NOTE = "simulated, on seeds that tuned nothing"
 
 
 def delays(study: Study) -> bytes:
     """Histogram of the delays in bins of 5 ms centred on multiples of 5, one row for each detector: a PNG."""
-    figure = Figure(figsize=(10, 2.4 * len(study.totals) + 0.8), dpi=150, layout="constrained")
+    figure = sheet(10, 2.4 * len(study.totals) + 0.8)
     rows = figure.subplots(len(study.totals), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(rows, study.totals, strict=True):
         total = study.at_design(name)
@@ -36,7 +32,7 @@ def delays(study: Study) -> bytes:
             f"{name}: {len(ms)} of {total.slips} found, {below} below 30 ms, median {1000 * total.delay_s(0.5):.1f} ms"
         )
         axes.set_title(said, loc="left", fontsize=10)
-        axes.axvline(30, color="#4a5157", linestyle="--", linewidth=1)
+        axes.axvline(30, color=INK, linestyle="--", linewidth=1)
         axes.set_ylabel("trials")
         plain(axes)
     rows[-1].set_xlim(-2.5, 160)
@@ -47,7 +43,7 @@ def delays(study: Study) -> bytes:
 def surfaces(study: Study, detector: str) -> bytes:
     """Mean delay by surface and velocity, and by surface with its standard deviation: a PNG."""
     total = study.at_design(detector)
-    figure = Figure(figsize=(10, 7), dpi=150, layout="constrained")
+    figure = sheet(10, 7)
     top, bottom = figure.subplots(2, 1, sharex=True)
     names = list(total.by(surface))
     speeds = sorted({speed_m_s(v) for v in total.verdicts if v.slips})
@@ -63,8 +59,8 @@ def surfaces(study: Study, detector: str) -> bytes:
     bottom.errorbar([n for n, _, _ in found], means, spread, fmt="o", capsize=5, color=COLORS.get(detector, "#555555"))
     for n, name in enumerate(names):
         if not groups[name][2]:
-            bottom.annotate("none found", (n, 2), ha="center", fontsize=9, color="#4a5157")
-    bottom.axhline(60, color="#4a5157", linestyle="--", linewidth=1, label="60 ms (article)")
+            bottom.annotate("none found", (n, 2), ha="center", fontsize=9, color=INK)
+    bottom.axhline(60, color=INK, linestyle="--", linewidth=1, label="60 ms (article)")
     bottom.set_ylim(0, max(70.0, 1.1 * max((m + s for m, s in zip(means, spread, strict=True)), default=0.0)))
     bottom.set_xticks(range(len(names)), names, rotation=20, ha="right")
     top.set_title(f"{detector}: delay by surface and velocity ({NOTE})", loc="left", fontsize=10)
@@ -78,7 +74,7 @@ def surfaces(study: Study, detector: str) -> bytes:
 def comparison(study: Study, limit_s: float) -> bytes:
     """Median (line) and 90th percentile (dashed) of the delay against false alarms per minute, and the median's bound
     [s]: a PNG."""
-    figure = Figure(figsize=(10, 6), dpi=150, layout="constrained")
+    figure = sheet(10, 6)
     axes = figure.subplots()
     least = 0.02  # where none was counted
     for name, totals in study.totals.items():
@@ -97,7 +93,7 @@ def comparison(study: Study, limit_s: float) -> bytes:
             at = (max(own.alarms_per_minute, least), 1000 * own.delay_s(0.5))
             axes.plot(*at, "o", markersize=11, markerfacecolor="none", color=color)
     axes.axhline(1000 * limit_s, color="#2e7d5b", linewidth=1, label="bound on the median")
-    axes.axvline(0.1, color="#4a5157", linewidth=1, linestyle=":")
+    axes.axvline(0.1, color=INK, linewidth=1, linestyle=":")
     axes.set_xscale("log")
     axes.set_ylim(0, 160)
     axes.set_xlabel(f"false alarms per minute of contact, release, load change and drift; {least:g}: none ({NOTE})")
@@ -110,20 +106,20 @@ def comparison(study: Study, limit_s: float) -> bytes:
 
 def windows(rows: Sequence[Row]) -> bytes:
     """Delay and alarms of the article's chain by its window: a PNG."""
-    figure = Figure(figsize=(10, 5), dpi=150, layout="constrained")
+    figure = sheet(10, 5)
     left, right = figure.subplots(1, 2)
     ms = [1000 * row.window_s for row in rows]
-    for share, style, color in (("median", "-", "#1f4e79"), ("nine in ten", "--", "#1f4e79")):
+    for share, style, color in (("median", "-", BLUE), ("nine in ten", "--", BLUE)):
         delays_s = [row.median_s if share == "median" else row.p90_s for row in rows]
         kept = [(w, 1000 * d) for w, d in zip(ms, delays_s, strict=True) if math.isfinite(d)]
         left.plot([w for w, _ in kept], [d for _, d in kept], style, marker=".", color=color, label=share)
-    right.plot(ms, [row.contact_alarms_per_minute for row in rows], marker=".", color="#b03a2e")
+    right.plot(ms, [row.contact_alarms_per_minute for row in rows], marker=".", color=RED)
     left.set_ylabel("delay [ms]")
     left.legend(frameon=False, fontsize=9)
     right.set_ylabel("false alarms per minute of contact, release, load change")
     left.set_title(f"digital, by its window ({NOTE})", loc="left", fontsize=10)
     for axes in (left, right):
-        axes.axvline(30, color="#4a5157", linestyle=":", linewidth=1)
+        axes.axvline(30, color=INK, linestyle=":", linewidth=1)
         axes.set_ylim(bottom=0)
         axes.set_xlabel("window [ms]; dotted: the article's")
         plain(axes)
@@ -132,29 +128,15 @@ def windows(rows: Sequence[Row]) -> bytes:
 
 def spectra(found: Sequence[Spectrum]) -> bytes:
     """Power spectral densities, one row for each sensor: a PNG."""
-    figure = Figure(figsize=(10, 6), dpi=150, layout="constrained")
+    figure = sheet(10, 6)
     rows = figure.subplots(len(found), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     for axes, one in zip(rows, found, strict=True):
-        axes.semilogy(one.frequency_hz, one.power_v2_hz, color="#1f4e79", linewidth=1)
+        axes.semilogy(one.frequency_hz, one.power_v2_hz, color=BLUE, linewidth=1)
         shares = ", ".join(f"{100 * one.beyond(f):.1f} % beyond {f} Hz" for f in (67, 100, 200))
         axes.set_title(f"{one.label}: of the power from 20 Hz on {shares}", loc="left", fontsize=10)
         axes.set_ylabel("voltage [V\u00b2/Hz]")
-        axes.axvline(67, color="#4a5157", linestyle=":", linewidth=1)
+        axes.axvline(67, color=INK, linestyle=":", linewidth=1)
         plain(axes)
     rows[-1].set_xlim(0, 400)
     rows[-1].set_xlabel(f"frequency [Hz]; dotted: the article's cutoff ({NOTE})")
     return png(figure)
-
-
-def plain(axes: Axes) -> None:
-    """Grid and frame of every picture."""
-    axes.grid(True, axis="y", color="#e5e8eb", linewidth=0.7)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
-
-
-def png(figure: Figure) -> bytes:
-    """The picture as a file without date or version."""
-    out = io.BytesIO()
-    FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
-    return out.getvalue()

@@ -107,6 +107,7 @@ def as_data(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
         "starts": [_plain(row) for row in grounds.starts],
         "boards": [_plain(row) for row in grounds.boards],
         "tones": [_plain(row) for row in grounds.tones],
+        "taps": [_plain(row) for row in grounds.taps],
         "closed_loop": [{**asdict(row), "reactions_s": [round(s, 7) for s in row.reactions_s]} for row in grounds.loop],
         "assumptions": list(ASSUMPTIONS),
     }

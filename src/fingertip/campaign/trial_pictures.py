@@ -10,12 +10,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fingertip.campaign.pictures import COLORS, NOTE, plain, png
+from fingertip.campaign.pictures import COLORS, NOTE
 from fingertip.campaign.plan import HELD_OUT_FROM, Case
 from fingertip.campaign.record import record, samples
 from fingertip.campaign.study import surface_of
 from fingertip.campaign.windows import DETECTOR, WINDOWS_S, with_window
 from fingertip.design import Design
+from fingertip.drawing import plain, png, sheet
 from fingertip.sim import SceneFile
 from fingertip.sim.campaign import trials
 from fingertip.sim.jit import compiled
@@ -68,7 +69,7 @@ def files(design: Design, first_seed: int = HELD_OUT_FROM) -> dict[str, bytes]:
 
 def all_signals(design: Design, one: Typical) -> bytes:
     """Force, voltage, the board's output and every detector's ON of one trial, as the article's figure 9: a PNG."""
-    figure = Figure(figsize=(10, 9), dpi=150, layout="constrained")
+    figure = sheet(10, 9)
     force, voltage, envelope, on = figure.subplots(4, 1, sharex=True, height_ratios=(2, 2, 2, 1.3))
     t = one.trace.time_s
     force.plot(t, one.trace.force_n, color=_GREY, linewidth=0.8)
@@ -138,7 +139,7 @@ def panels(design: Design, chosen: Sequence[Typical]) -> bytes:
 
 def window_rows(design: Design, one: Typical) -> bytes:
     """ON and OFF of the digital chain on one trial for each window, as figure 5: a PNG."""
-    figure = Figure(figsize=(10, 5.5), dpi=150, layout="constrained")
+    figure = sheet(10, 5.5)
     voltage, on = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1.6))
     t = one.trace.time_s
     voltage.plot(t, one.trace.voltage_v, color=_VOLTAGE, linewidth=0.7)
@@ -171,9 +172,7 @@ def _rows(axes: Axes, trace: Trace, rows: Sequence[tuple[str, np.ndarray[tuple[i
         axes.broken_barh(bars, (row - 0.35, 0.7), color=color, linewidth=0)
     axes.set_yticks(range(len(named)), [name for name, _ in named])
     axes.set_ylim(len(named) - 0.4, -0.6)
-    axes.grid(True, axis="x", color="#e5e8eb", linewidth=0.7)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
+    plain(axes, "x")
 
 
 def _slip(axes: Axes, trace: Trace) -> None:

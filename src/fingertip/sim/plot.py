@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import io
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from fingertip.drawing import INK, plain, png, sheet
 from fingertip.sim.manipulation import Manipulated
 from fingertip.sim.result import Simulated
 from fingertip.slip.intervals import intervals
@@ -18,7 +16,7 @@ from fingertip.slip.intervals import intervals
 Array = NDArray[Any]
 
 _COLORS = ("#1f4e79", "#b03a2e", "#7d8f3a", "#c98a2b", "#6c5b9c")
-_TRUTH, _MARK, _GRID = "#7fb3a6", "#4a5157", "#e5e8eb"
+_TRUTH = "#7fb3a6"
 _LABELS = {
     "voltage_v": ("sampled\nvoltage [V]", 1),
     "force_n": ("normal\nforce [N]", 1),
@@ -48,15 +46,13 @@ def draw(found: Simulated | Manipulated, title: str) -> bytes:
     several = isinstance(found, Manipulated)
     fingers = found.fingers if isinstance(found, Manipulated) else ("",)
     ratios = [0.25 + 0.15 * len(fingers) if name == "slip" else 1.0 for name in names]
-    figure = Figure(figsize=(10, 1.4 + 1.9 * sum(ratios)), dpi=150, layout="constrained")
+    figure = sheet(10, 1.4 + 1.9 * sum(ratios))
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold", fontsize=12)
     for axes, name in zip(panels, names, strict=True):
         signal = found.signals[name] if isinstance(found, Manipulated) else found.columns[name]
         rows = signal if signal.ndim == 2 else signal[None, :]
-        axes.grid(True, color=_GRID, linewidth=0.7)
-        axes.set_axisbelow(True)
-        axes.spines[["top", "right"]].set_visible(False)
+        plain(axes, "both")
         label, factor = _LABELS[name]
         if name == "slip":
             _bars(axes, found.time_s, rows, fingers)
@@ -71,9 +67,7 @@ def draw(found: Simulated | Manipulated, title: str) -> bytes:
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(float(found.time_s[0]), float(found.time_s[-1]))
     figure.align_ylabels()
-    out = io.BytesIO()
-    FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
-    return out.getvalue()
+    return png(figure)
 
 
 def _bars(axes: Axes, time_s: Array, rows: Array, fingers: tuple[str, ...]) -> None:
@@ -115,8 +109,8 @@ def _moments(panels: Array, found: Simulated | Manipulated) -> None:
         moments.append(("lost", found.lost_s))
     for words, at in moments:
         for axes in panels:
-            axes.axvline(at, color=_MARK, linewidth=0.9, linestyle=":")
+            axes.axvline(at, color=INK, linewidth=0.9, linestyle=":")
         panels[0].annotate(
             words, (at, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 3), textcoords="offset points",
-            ha="center", va="bottom", fontsize=9, color=_MARK,
+            ha="center", va="bottom", fontsize=9, color=INK,
         )  # fmt: skip

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
+from fingertip.drawing import GRID, INK, png, sheet
 from fingertip.slip.chain import ChainOutput
 from fingertip.slip.detection import Detection
 from fingertip.slip.intervals import Interval, intervals
@@ -34,13 +32,13 @@ def draw(trace: Trace, detection: Detection, title: str) -> bytes:
     bytes
         A PNG, 1500 x 1050 pixels, the same for the same data (no date, no version in it).
     """
-    figure = Figure(figsize=(10, 7), dpi=150, layout="constrained")
+    figure = sheet(10, 7)
     top, middle, bottom = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 1))
     truth = None if trace.slip is None else intervals(trace.time_s, trace.slip)
     for axes in (top, middle):
         for slip in truth or ():
             axes.axvspan(slip.onset_s, slip.end_s, color=_TRUTH, alpha=0.25, linewidth=0)
-        axes.grid(True, color="#e5e8eb", linewidth=0.7)
+        axes.grid(True, color=GRID, linewidth=0.7)
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
     _voltage(top, trace)
     _enveloped(middle, trace, detection)
@@ -50,9 +48,7 @@ def draw(trace: Trace, detection: Detection, title: str) -> bytes:
     figure.align_ylabels()
     for axes in (top, middle, bottom):
         axes.spines[["top", "right"]].set_visible(False)
-    out = io.BytesIO()
-    FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
-    return out.getvalue()
+    return png(figure)
 
 
 def _voltage(axes: Axes, trace: Trace) -> None:
@@ -98,11 +94,11 @@ def _on_off(axes: Axes, detection: Detection, truth: Sequence[Interval] | None) 
     axes.set_ylim(-0.6, len(rows) - 0.4)
     axes.invert_yaxis()
     axes.tick_params(axis="y", length=0)
-    axes.grid(True, axis="x", color="#e5e8eb", linewidth=0.7)
+    axes.grid(True, axis="x", color=GRID, linewidth=0.7)
     axes.set_axisbelow(True)
     if detection.score is not None:
         delays = [d for d in detection.score.delays_s if d is not None]
         words = [f"found after {1000 * d:.1f} ms" for d in delays]
         words += ["missed"] * len(detection.score.missed)
         words.append(f"false intervals: {len(detection.score.false_intervals)}")
-        axes.set_title("; ".join(words), loc="left", fontsize=9, color="#4a5157")
+        axes.set_title("; ".join(words), loc="left", fontsize=9, color=INK)

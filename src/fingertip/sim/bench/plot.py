@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-
+from fingertip.drawing import plain, png, sheet
 from fingertip.sim.bench.measure import Diagram
 
 _STYLES = (("#b03a2e", "o"), ("#1f4e79", "s"), ("#2e8b57", "^"), ("#b8860b", "D"), ("#6c5b7b", "v"))
@@ -21,8 +18,7 @@ def draw(diagrams: Sequence[Diagram], footnote: str) -> bytes:
     bytes
         A PNG, 1800 x 975 pixels.
     """
-    figure = Figure(figsize=(12, 6.5), dpi=150, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = sheet(12, 6.5)
     panels = figure.subplots(1, len(diagrams), squeeze=False)[0]
     for axes, diagram in zip(panels, diagrams, strict=True):
         solvers = list(dict.fromkeys(point.solver for point in diagram.points))
@@ -38,10 +34,7 @@ def draw(diagrams: Sequence[Diagram], footnote: str) -> bytes:
         axes.set_title(diagram.problem, loc="left", fontweight="bold")
         axes.set_xlabel(f"largest error at a sample [{diagram.unit}]")
         axes.set_ylabel("CPU time [s]")
-        axes.grid(True, which="major", color="#e5e8eb", linewidth=0.7)
-        axes.spines[["top", "right"]].set_visible(False)
+        plain(axes, "both")
         axes.legend(frameon=False, fontsize=9, loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=3)
     figure.supxlabel(footnote, x=0.01, ha="left", fontsize=8, color="#5d6d7e")
-    out = io.BytesIO()
-    figure.savefig(out, format="png", metadata={"Software": None})
-    return out.getvalue()
+    return png(figure)

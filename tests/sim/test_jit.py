@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fingertip.sim import jit
+from fingertip import jit
+from fingertip.sim import jit as sim_jit
 from fingertip.sim.jit import Kernel, compiled
 from tests.conftest import run_python
 
@@ -40,7 +41,7 @@ def test_compiled_only_within_the_block_and_said_once():
     assert out.tolist() == [4.0, 4.0, 4.0]
     assert len(said) == 1
     assert "compiled once, then kept" in said[0]
-    assert not jit._fast
+    assert not sim_jit._fast
 
 
 def test_a_loop_that_can_be_kept_nowhere_is_compiled_all_the_same():
@@ -60,9 +61,9 @@ def test_without_numba_the_plain_loop_runs(monkeypatch):
         kernel(np.ones(1), out)
     assert out[0] == 2.0
     assert kernel._compiled is None
-    assert jit.compile_now(_twice) is _twice
+    assert jit.once(_twice) is _twice
 
 
 def test_looking_for_numba_does_not_import_it():
-    code = "import sys; from fingertip.sim import compiled, jit; jit.available(); print('numba' in sys.modules)"
+    code = "import sys; from fingertip import jit, sim; jit.available(); sim.compiled; print('numba' in sys.modules)"
     assert run_python("-c", code).stdout.strip() == "False"

@@ -7,28 +7,15 @@ on lists, compiled code on arrays, so `Kernel` converts. Both take the same oper
 from __future__ import annotations
 
 import contextlib
-import importlib
-import importlib.util
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 
+from fingertip import jit
+
 _fast = False
 _say: Callable[[str], None] | None = None
-
-
-def available() -> bool:
-    """Whether numba is installed; looking does not import it."""
-    return importlib.util.find_spec("numba") is not None
-
-
-def compile_now(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function compiled, where numba is installed; else itself."""
-    compiled_function: Callable[..., Any] = function
-    if available():
-        compiled_function = importlib.import_module("numba").njit(function)
-    return compiled_function
 
 
 @contextlib.contextmanager
@@ -40,7 +27,7 @@ def compiled(say: Callable[[str], None] | None = None) -> Iterator[None]:
     """
     global _fast, _say
     before = _fast, _say
-    _fast, _say = available(), say
+    _fast, _say = jit.available(), say
     try:
         yield
     finally:
@@ -80,11 +67,5 @@ class Kernel:
         if self._compiled is None:
             if _say:
                 _say(f"preparing the loop of {self.plain.__module__.rpartition('.')[2]} (compiled once, then kept)")
-            for helper in self._helpers:
-                importlib.import_module("numba.extending").register_jitable(helper)
-            njit = importlib.import_module("numba").njit
-            try:
-                self._compiled = njit(cache=True, error_model="numpy")(self.plain)
-            except RuntimeError:  # nowhere to keep it: neither beside the source nor in the user's folder
-                self._compiled = njit(error_model="numpy")(self.plain)
+            self._compiled = jit.kept(self.plain, *self._helpers)
         return self._compiled

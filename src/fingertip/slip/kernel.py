@@ -8,12 +8,15 @@ may change from one to the other midway (a test holds that).
 
 from __future__ import annotations
 
-import importlib.util
 import sys
 from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+
+from fingertip.jit import available, kept
+
+__all__ = ["PAYS_AFTER", "Loop", "available"]
 
 Array = NDArray[np.float64]
 
@@ -43,9 +46,7 @@ class Loop:
     def compiled(self) -> Callable[..., None]:
         """The compiled form; compiling takes seconds, once: the result is kept beside the source or in a cache."""
         if self._compiled is None:
-            import numba
-
-            self._compiled = numba.njit(cache=True, error_model="numpy")(self.plain)
+            self._compiled = kept(self.plain)
         return self._compiled
 
     def run(
@@ -81,8 +82,3 @@ class Loop:
         values = samples.tolist() if isinstance(samples, np.ndarray) else samples
         self.plain(coefficients, state, ring, values, *lists)
         return [np.array(values, dtype=np.float64) for values in lists]
-
-
-def available() -> bool:
-    """Whether numba is installed; looking does not import it."""
-    return importlib.util.find_spec("numba") is not None

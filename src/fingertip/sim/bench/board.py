@@ -20,12 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
+from fingertip.jit import once
 from fingertip.sim.analog import respond
 from fingertip.sim.bench import ngspice
 from fingertip.sim.bench.measure import Diagram
 from fingertip.sim.circuit import Analog
 from fingertip.sim.envelope_loop import omega
-from fingertip.sim.jit import compile_now
 
 Array = NDArray[np.float64]
 
@@ -121,7 +121,7 @@ def _theirs(board: Analog) -> tuple[Callable[..., Any], Callable[..., Any]]:
     nvt, saturation, series = d.emission * d.thermal_v, d.saturation_a, d.series_ohm
     rho = series / nvt
     shift = math.log(rho * saturation) + rho * saturation
-    wright = compile_now(omega)
+    wright = once(omega)
 
     def rates(t: float, s: Array, voltage: Array) -> Array:
         place = min(int(t / STEP_S), len(voltage) - 2)
@@ -156,4 +156,4 @@ def _theirs(board: Analog) -> tuple[Callable[..., Any], Callable[..., Any]]:
         out[3, 3] = -(slope + 1 / r) / c
         return out
 
-    return compile_now(rates), compile_now(jacobian)
+    return once(rates), once(jacobian)

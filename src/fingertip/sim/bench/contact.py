@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
+from fingertip.jit import once
 from fingertip.sim.bench.measure import Diagram
 from fingertip.sim.contact import Mount
 from fingertip.sim.coupled import Press, integrate
 from fingertip.sim.friction import Friction
-from fingertip.sim.jit import compile_now
 from fingertip.sim.pad import DAMPING_RATIO, Pad
 
 Array = NDArray[np.float64]
@@ -142,4 +142,4 @@ def _theirs(mount: Mount, press: Press) -> tuple[Callable[..., Any], Callable[..
         out[4, 4] = -damp
         return out
 
-    return compile_now(rates), compile_now(jacobian)
+    return once(rates), once(jacobian)

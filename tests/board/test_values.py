@@ -5,11 +5,15 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip.board import board_values
+from fingertip.board import board_circuit, board_values
+from fingertip.board.circuit import farads_or_ohms
 from fingertip.board.filters import response
+from fingertip.board.layout import kicad_board
+from fingertip.board.tracks import load_template
+from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, Components
 from fingertip.errors import DesignError
@@ -63,16 +67,25 @@ def attempt(board: dict[str, object]) -> tuple[Design | None, set[str]]:
         return None, {fault.field for fault in error.faults}
 
 
+def decades(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(low, high).map(lambda exponent: float(10.0**exponent))
+
+
+@settings(deadline=None)
 @given(
-    st.floats(0.001, 1e4), st.floats(1e-6, 1e3), st.floats(1.0001, 1e4), st.floats(1e3, 10e6), st.floats(0.001, 1e4),
-    st.floats(1e-6, 1e3), st.floats(1e4, 1e9), st.sampled_from(["E12", "E24", "E96"]),
+    decades(-2.0, 4.0), decades(-6.0, 3.0), decades(-2.0, 3.0).map(lambda g: 1.0 + g), decades(3.0, 7.0),
+    decades(-2.0, 4.0), decades(-6.0, 3.0), decades(4.0, 9.0), st.sampled_from(["E12", "E24", "E96"]),
+    st.sampled_from(["given", "E6", "E12"]), st.sampled_from(sorted(VARIANTS)), decades(1.0, 5.0), st.floats(5.0, 6.0),
 )  # fmt: skip
 def test_every_accepted_design_has_a_board(
-    f: float, c: float, gain: float, r5: float, f_lp: float, c_lp: float, gbw: float, series: str
-) -> None:
+    f: float, c: float, gain: float, r5: float, f_lp: float, c_lp: float, gbw: float, series: str, capacitors: str,
+    name: str, limit: float, supply_v: float,
+) -> None:  # fmt: skip
+    variant, supply = name.split("_")
     board = {
         "cutoff_hz": f, "capacitor_uf": c, "passband_gain": gain, "r5_ohm": r5, "envelope_cutoff_hz": f_lp,
-        "envelope_capacitor_uf": c_lp, "gain_bandwidth_hz": gbw, "series": series,
+        "envelope_capacitor_uf": c_lp, "gain_bandwidth_hz": gbw, "series": series, "capacitor_series": capacitors,
+        "variant": variant, "supply": supply, "band_limit_hz": limit, "supply_v": supply_v,
     }  # fmt: skip
     design, refused = attempt(board)
     assert {field.split(".")[0] for field in refused} <= {"board", "detector"}
@@ -82,6 +95,12 @@ def test_every_accepted_design_has_a_board(
     assert all(LEAST_OHM <= r <= MOST_OHM for r in resistors(values.ideal) + resistors(values.preferred))
     # Half a step of E12 in every resistor is 10.6%, and the cutoff moves by no more.
     assert abs(math.log(values.achieved.section_hz / f)) < 0.12
+    circuit = board_circuit(values)
+    fitted = {p.reference: farads_or_ohms(p.value) for p in circuit.parts if p.symbol.name in ("R", "C")}
+    assert all(1e-12 <= v <= 1e-3 for reference, v in fitted.items() if reference[0] == "C")
+    assert all(10 <= v <= 10e6 for reference, v in fitted.items() if reference[0] == "R")
+    assert values.limits.bridge_amplifier_margin_v > 0
+    assert kicad_board(circuit, VARIANTS[name].placement, load_template(name, circuit, VARIANTS[name].placement))
 
 
 REFUSED = {
@@ -99,6 +118,8 @@ REFUSED = {
     "board.capacitor_uf=0.9e-6": ("board.capacitor_uf", "1e-06"),
     "board.capacitor_uf=1001": ("board.capacitor_uf", "1000"),
     "board.series=E48": ("board.series", "E96"),
+    "board.capacitor_series=E24": ("board.capacitor_series", "E12"),
+    "board.supply=usb": ("board.supply", "single"),
     "board.variant=digital": ("board.variant", "precision"),
     "board.supply_v=3.3": ("board.supply_v", "5"),
     "board.gain_bandwidth_hz=10000": ("board.gain_bandwidth_hz", "lower board.passband_gain"),
@@ -150,6 +171,41 @@ def test_threshold_outside_the_supply() -> None:
         Design.load(changes=["detector.threshold_v=6"])
 
 
+def test_threshold_outside_a_single_supply() -> None:
+    with pytest.raises(DesignError, match=r"supplied with 5 V, whose signals rest at 2\.5 V; at most 2\.475 V"):
+        Design.load(changes=["detector.threshold_v=2.5", "board.supply=single"])
+    assert Design.load(changes=["detector.threshold_v=2.475", "board.supply=single"])
+    assert Design.load(changes=["detector.threshold_v=2.5"])
+    with pytest.raises(DesignError, match=r"0\.011 to 0\.625 V with this supply"):
+        Design.load(changes=["detector.threshold_v=0.7", "board.supply=single", "board.variant=comparator"])
+
+
+@pytest.mark.parametrize("variant", ["precision", "comparator"])
+@pytest.mark.parametrize(
+    ("changes", "sentence", "passing"),
+    [
+        (["board.band_limit_hz=200"], "3 cutoffs of 67 Hz; at least 201 Hz", "board.band_limit_hz=201"),
+        (
+            ["board.band_limit_hz=9000", "board.r5_ohm=10e6"],
+            "asks for 1.768 pF across it, below 10 pF; at most 1591 Hz with this r5_ohm",
+            "board.band_limit_hz=1591",
+        ),
+        (
+            ["board.band_limit_hz=31", "board.cutoff_hz=10", "board.r5_ohm=2000", "board.passband_gain=2"],
+            "asks for 2.567e+06 pF across it, above 1e+06 pF; at least 79.58 Hz with this r5_ohm",
+            "board.band_limit_hz=79.58",
+        ),
+    ],
+)
+def test_band_limits_that_cannot_be(variant: str, changes: list[str], sentence: str, passing: str) -> None:
+    with pytest.raises(DesignError) as caught:
+        Design.load(changes=[f"board.variant={variant}", *changes])
+    assert [fault.field for fault in caught.value.faults] == ["board.band_limit_hz"]
+    assert sentence in str(caught.value)
+    assert Design.load(changes=[f"board.variant={variant}", *changes, passing])
+    assert Design.load(changes=changes)  # variant paper has none
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
@@ -168,13 +224,17 @@ def test_comparators_bounds(change: str, sentence: str) -> None:
 
 @pytest.mark.parametrize("threshold", ["0.011", "1.25"])
 @pytest.mark.parametrize("series", ["E12", "E96"])
-def test_comparator_values_stay_within_range(threshold: str, series: str) -> None:
+@pytest.mark.parametrize("supply", ["split", "single"])
+def test_comparator_values_stay_within_range(threshold: str, series: str, supply: str) -> None:
+    share = 0.5 if supply == "single" else 0.0
+    if supply == "single" and threshold == "1.25":
+        threshold = "0.625"
     changes = ["board.variant=comparator", f"detector.threshold_v={threshold}", f"board.series={series}"]
-    decision = board_values(Design.load(changes=changes)).decision
+    decision = board_values(Design.load(changes=[*changes, f"board.supply={supply}"])).decision
     assert decision is not None
     for ohm in (decision.mean_ohm, decision.top_ohm, decision.hysteresis_ohm):
         assert LEAST_OHM <= ohm <= MOST_OHM
-    on, off = decision.thresholds_v(5.0)
+    on, off = decision.thresholds_v(5.0, zero_share=share)
     assert off < on < 2 * float(threshold)
     # The values carry the series' rounding, of 10 % each in E12.
     assert off == pytest.approx(float(threshold), rel=0.25)

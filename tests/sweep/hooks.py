@@ -61,3 +61,8 @@ def sleeping(part: Part) -> Done:
 def never_back(part: Part) -> Done:
     """A loop in C that holds Python's lock and looks at no signal, as a geometry kernel might."""
     return _work(part, lambda: collections.deque(itertools.repeat(0), maxlen=0))
+
+
+def stillborn(part: Part) -> Done:
+    """The worker dies before it is at any point."""
+    os._exit(1)

@@ -79,6 +79,15 @@ def test_a_point_that_never_comes_back_from_c_is_given_up(tmp_path: Path) -> Non
     only_the_bad_are(swept(tmp_path / "out", hooks.never_back), "timeout", "longer than 0.4 s")
 
 
+def test_workers_that_die_before_any_point_end_the_sweep_with_a_sentence(tmp_path: Path) -> None:
+    made = plan()
+    with Store.create(tmp_path, made) as store:
+        with pytest.raises(SweepError, match="without being at a point"):
+            run(made, store, Processes(1), work=hooks.stillborn)
+        assert list(store.rows()) == []
+        assert run(made, store, Processes(1)).written == SIZE
+
+
 def test_rows_do_not_depend_on_how_many_compute_them(tmp_path: Path) -> None:
     tables = []
     for jobs in (1, 2):

@@ -180,7 +180,7 @@ def _range(
         faults.append(
             Fault(f"{field}.steps", 'is for sampling = "grid"; a sampler draws `points` values, leave it out.')
         )
-    if not sampled and (type(steps) is not int or steps < 2):
+    if not sampled and not faults and (type(steps) is not int or steps < 2):
         faults.append(Fault(f"{field}.steps", f"{given.get('steps')!r} is refused; give a whole number of at least 2."))
     if spacing not in get_args(Spacing):
         faults.append(Fault(f"{field}.spacing", f"{spacing!r} is not known; choose {' or '.join(get_args(Spacing))}."))

@@ -7,9 +7,10 @@ import multiprocessing
 import os
 import signal
 from collections.abc import Collection, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
 from typing import Any, Protocol
 
+from fingertip.errors import Fault, SweepError
 from fingertip.sweep.watch import end_with_parent
 
 _slots: Any = None
@@ -51,14 +52,26 @@ class Processes:
         self._marks: Any = None
 
     def executor(self) -> Executor:
-        """A pool; after a breakdown, a new one."""
+        """A pool; after a breakdown, a new one.
+
+        Raises
+        ------
+        SweepError
+            If its processes do not come up.
+        """
         self.close()
         # Each worker marks the point it is at: a breakdown then accuses as many points as there are workers.
         self._marks = self._context.RawArray("q", [NOBODY] * self.workers)
         free = self._context.Value("i", 0)
         with _uninterrupted():
             self._pool = ProcessPoolExecutor(self.workers, self._context, _begin, (self._marks, free))
-            self._pool.submit(int)  # the first task starts all workers
+            first = self._pool.submit(int)  # starts all workers
+        try:
+            first.result()  # a point's time must not count their start
+        except BrokenExecutor:
+            raise SweepError(
+                Fault("--jobs", "no process can be started; is there memory for them? A script needs its main guard.")
+            ) from None
         return self._pool
 
     def suspects(self) -> Collection[int] | None:

@@ -134,12 +134,9 @@ def unknown(outputs: Iterable[str]) -> list[Fault]:
     faults = []
     for name in dict.fromkeys(listed):
         if name not in OUTPUTS:
-            remedy = nearest(name, tuple(OUTPUTS)) if _near(name) else "see fingertip sweep --outputs."
+            close = nearest(name.lower(), tuple(OUTPUTS))
+            remedy = close if close.startswith("did you mean") else "see fingertip sweep --outputs."
             faults.append(Fault("outputs", f"{name!r} is no output; {remedy}"))
         elif listed.count(name) > 1:
             faults.append(Fault("outputs", f"{name!r} is named {listed.count(name)} times; name it once."))
     return faults
-
-
-def _near(name: str) -> bool:
-    return "did you mean" in nearest(name, tuple(OUTPUTS))

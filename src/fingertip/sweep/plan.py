@@ -64,7 +64,7 @@ class Plan:
             raise SweepError(faults)
         sampled = tables.get("sampling") in ("latin_hypercube", "sobol")
         axes, more = _axes(given or {}, sampled)
-        faults += more
+        faults += more if given is not None else ()
         design, more = sweep_file.base_design(tables.get("design", {}))
         faults += more
         scene, more = _scene(tables.get("scene"))

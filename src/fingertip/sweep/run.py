@@ -32,6 +32,8 @@ LATE_S = 30.0
 AHEAD = 2
 """Parts in flight for each worker: one computed, one waiting."""
 _BLOCK = 65_536
+BARREN = 5
+"""So many breakdowns that accuse no point are borne, in a row."""
 
 
 @dataclass
@@ -96,7 +98,7 @@ def run(
     OutputError
         If rows cannot be written any more; those before are safe.
     SweepError
-        If the cluster is gone.
+        If the cluster is gone, or workers die without having computed anything.
     """
     missing = store.missing()
     state = State(plan.size, int(plan.size - missing.sum()))
@@ -133,6 +135,8 @@ class _Sweep:
         self._flying: dict[Future[Done], Part] = {}
         self._again: deque[Part] = deque()
         self._suspects: list[Part] = []
+        self._barren = 0
+        """Breakdowns in a row that accuse no point."""
         self._rows: list[Stored] = []
         self._written_at = -math.inf  # the first row at once: it shows that the folder can be written
 
@@ -153,13 +157,16 @@ class _Sweep:
             self._alone(part)
 
     def _send(self, part: Part) -> None:
-        if self._executor is None:
-            self._executor = self.engine.executor()
         try:
-            self._flying[self._executor.submit(self.work, part)] = part
+            self._flying[self._submit(part)] = part
         except BrokenExecutor:
             self._again.appendleft(part)
             self._broken([])
+
+    def _submit(self, part: Part) -> Future[Done]:
+        if self._executor is None:
+            self._executor = self.engine.executor()
+        return self._executor.submit(self.work, part)
 
     def _receive(self) -> None:
         done, _ = wait(self._flying, timeout=0.5, return_when=FIRST_COMPLETED)
@@ -169,6 +176,7 @@ class _Sweep:
             part = self._flying.pop(future)
             error = future.exception() if not future.cancelled() else CancelledError()
             if error is None:
+                self._barren = 0
                 self._take(part, future.result())
             elif isinstance(error, BrokenExecutor):
                 lost.append(part)
@@ -203,6 +211,12 @@ class _Sweep:
         self._flying.clear()
         accused = self.engine.suspects()
         self._executor = None
+        self._barren = 0 if accused is None or accused else self._barren + 1
+        if self._barren > BARREN:
+            sentence = f"workers died {self._barren} times without being at a point; is there memory for them?"
+            raise SweepError(
+                Fault("--jobs", f"{sentence} What was written is safe, go on with --resume and fewer jobs.")
+            )
         for part in lost:
             at = range(len(part.points))
             guilty = [i for i in at if accused is None or part.points[i] in accused]
@@ -219,10 +233,12 @@ class _Sweep:
 
     def _alone(self, part: Part) -> None:
         """Compute one suspect with nobody beside it."""
-        if self._executor is None:
-            self._executor = self.engine.executor()
+        try:
+            future = self._submit(part)
+        except BrokenExecutor:  # one of those that had nothing to do died; the next is the part's own
+            self._executor = None
+            future = self._submit(part)
         start = time.perf_counter()
-        future = self._executor.submit(self.work, part)
         while not wait([future], timeout=0.5).done:
             self.told(self.state)
         limit, outputs = self.plan.file.time_limit_s, len(self.plan.outputs)

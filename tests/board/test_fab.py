@@ -71,6 +71,9 @@ def test_parts_and_placement_have_the_columns_houses_take() -> None:
     named = [reference for row in parts for reference in row["Designator"].split(",")]
     assert len(named) == len(set(named))
     assert set(named) == {p.reference for p in CIRCUIT.parts if p.reference[0] in "RCDUJ"}
+    comments = {r: row["Comment"] for row in parts for r in row["Designator"].split(",")}
+    assert [r for r, comment in comments.items() if comment.endswith(" 0.1 %")] == ["R10", "R11", "R12", "R13", "R14"]
+    assert comments["R1"] == "2.4k"
     assert {row["Designator"] for row in places} == {r for r in named if r[0] != "J"}
 
 

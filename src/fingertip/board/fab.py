@@ -19,6 +19,7 @@ from pathlib import Path
 
 from fingertip.board.bom import bought
 from fingertip.board.circuit import Circuit
+from fingertip.board.parts import FINE
 from fingertip.board.placement import Placement
 from fingertip.errors import BoardError, MissingLibraryError
 
@@ -123,10 +124,14 @@ def _gerbers(here: Path, run: Run, name: str) -> bytes:
 
 
 def parts_file(circuit: Circuit) -> bytes:
-    """Bill of materials in assembly houses' columns; the part numbers are left for whoever orders."""
+    """Bill of materials in assembly houses' columns; the part numbers are left for whoever orders.
+
+    Resistors that must be finer than usual say so in their comment, and stand on a line of their own.
+    """
     lines: dict[tuple[str, str], list[str]] = {}
     for part in bought(circuit):
-        lines.setdefault((part.value, part.footprint.split(":")[1]), []).append(part.reference)
+        comment = f"{part.value} {FINE}" if part.rating.startswith(FINE) else part.value
+        lines.setdefault((comment, part.footprint.split(":")[1]), []).append(part.reference)
     return _table(PARTS_COLUMNS, ((value, ",".join(refs), footprint, "") for (value, footprint), refs in lines.items()))
 
 

@@ -10,8 +10,9 @@ from fingertip.board.circuit import Part, Symbol, engineering
 Wiring = Mapping[Part, Mapping[str, str]]
 """Each part's pins -> nets."""
 
+FINE = "0.1 %"
 _FILTER_RATING = "1 % or better, 0.1 W"
-_BRIDGE_RATING = "0.1 %, 25 ppm/K, 0.1 W"
+_BRIDGE_RATING = f"{FINE}, 25 ppm/K, 0.1 W"
 _SIGNAL_RATING = "film or C0G where the size allows, else X7R 16 V 10 % or better"
 _HEADER_RATING = "pin header 2.54 mm, one row; or solder the wires"
 _SUPPLY_RATING = "X7R 25 V 10 %"

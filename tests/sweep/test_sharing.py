@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from fingertip.board import board_values
 from fingertip.cad.checks import Check
 from fingertip.cad.mesh import Evaluator
 from fingertip.cad.parts import parts_of
@@ -216,6 +217,35 @@ def test_the_quick_way_refuses_what_the_whole_design_refuses_in_the_same_words()
         refused += isinstance(results[0], str)
         assert results[0] == results[1]
     assert 100 < refused < 400
+
+
+def test_boards_are_those_that_the_board_itself_computes() -> None:
+    names = ["board.r1_ohm", "board.r2_ohm", "board.r3_ohm", "board.r4_ohm", "board.r5_ohm", "board.r_lp_ohm"]
+    made = plan(
+        sampling="latin_hypercube",
+        points=80,
+        seed=5,
+        outputs=[*names, "board.c_uf", "q", "gain", "cutoff_3db_hz", "envelope_decay_ms"],
+        axes={
+            "board.cutoff_hz": {"low": 20.0, "high": 400.0, "spacing": "logarithmic"},
+            "board.passband_gain": {"low": 5.0, "high": 300.0, "spacing": "logarithmic"},
+            "board.capacitor_uf": {"low": 0.1, "high": 2.0, "spacing": "logarithmic"},
+            "board.capacitor_series": ["given", "E12"],
+            "board.series": ["E12", "E24", "E96"],
+        },
+    )
+    bench, compared = Bench(made), 0
+    for number in range(made.size):
+        changes = made.point(number)
+        _, status, _, _, outputs = bench.outcome(number, changes)
+        if status == "ok":
+            values = board_values(Design.load(changes=[f"{name}={value}" for name, value in changes.items()]))
+            fitted, achieved = values.preferred, values.achieved
+            expected = [getattr(fitted, name.partition(".")[2]) for name in names]
+            expected += [1e6 * fitted.c_f, achieved.section_quality, achieved.passband_gain, achieved.cutoff_hz]
+            assert outputs == tuple(round(value, 6) for value in [*expected, 1e3 * achieved.envelope_decay_s])
+            compared += 1
+    assert compared > 60
 
 
 @pytest.mark.parametrize("variant", ["paper", "precision", "comparator"])

@@ -17,6 +17,7 @@ from fingertip.board.preferred import preferred_components
 from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
 from fingertip.design.filter_components import Components, ideal_components
+from fingertip.design.sections import Board
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,13 @@ class BoardValues:
         return asdict(self)
 
 
+def filter_values(board: Board) -> tuple[Components, Components, Response]:
+    """The filter alone: ideal components, those fitted, and what these achieve. Raises as `board_values` does."""
+    ideal = ideal_components(fitted(board))
+    preferred = preferred_components(ideal, board.series)
+    return ideal, preferred, response(preferred, board.gain_bandwidth_hz)
+
+
 def board_values(design: Design) -> BoardValues:
     """Compute the board's values.
 
@@ -66,9 +74,7 @@ def board_values(design: Design) -> BoardValues:
     board, detector = design.board, design.detector
     supply, supply_v = SUPPLIES[board.supply], board.supply_v
     diameter_mm = design.dimensions.sensor.active_diameter_mm
-    ideal = ideal_components(fitted(board))
-    preferred = preferred_components(ideal, board.series)
-    achieved = response(preferred, board.gain_bandwidth_hz)
+    ideal, preferred, achieved = filter_values(board)
     bridge = fit_bridge(supply_v, board.series, diameter_mm, supply.zero_share)
     plain = board.variant == "paper"
     found = limits(bridge, supply, supply_v, achieved.passband_gain, plain)

@@ -95,6 +95,8 @@ OUTPUTS = {
         Output("board.r4_ohm", "board", "preferred value: gain, to ground"),
         Output("board.r5_ohm", "board", "preferred value: gain, feedback"),
         Output("board.r_lp_ohm", "board", "preferred value: envelope"),
+        Output("board.c_uf", "board", "capacitors of both filters, as given or as chosen"),
+        Output("board.c_lp_uf", "board", "capacitor of the envelope, as given or as chosen"),
         Output("gain", "board", "achieved passband gain"),
         Output("gain_db", "board", "achieved passband gain"),
         Output("first_pole_hz", "board", "achieved pole of the first stage"),

@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fingertip.design.model import Design
+from fingertip.errors import Fault
 from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
@@ -18,7 +19,9 @@ if TYPE_CHECKING:
 
 Recorded: TypeAlias = "tuple[Trace, float]"
 """A trial as it would be recorded, and the force that held [N]."""
-Figures = dict[str, float]
+Figures = dict[str, Any]
+"""Output -> number; under `FAULT` what is wrong with a point that is computed all the same."""
+FAULT = "fault"
 _CLEAR_MM = 0.02
 """Off the plane where the skin ends, as the check of the thinnest place is."""
 
@@ -52,15 +55,14 @@ def lengths(asked: Asked) -> Figures:
 
 def board(asked: Asked) -> Figures:
     """Preferred values of the board, and what they achieve."""
-    from fingertip.board.filters import response
-    from fingertip.board.preferred import preferred_components
-    from fingertip.design.filter_components import ideal_components
+    from fingertip.board.values import filter_values
 
     board = asked.design.board
-    fitted = preferred_components(ideal_components(board), board.series)
-    achieved = response(fitted, board.gain_bandwidth_hz)
+    _, fitted, achieved = filter_values(board)
     resistors = ("r1_ohm", "r2_ohm", "r3_ohm", "r4_ohm", "r5_ohm", "r_lp_ohm")
     return {f"board.{name}": getattr(fitted, name) for name in resistors} | {
+        "board.c_uf": 1e6 * fitted.c_f,
+        "board.c_lp_uf": 1e6 * fitted.c_lp_f,
         "gain": achieved.passband_gain,
         "gain_db": achieved.passband_gain_db,
         "first_pole_hz": achieved.first_pole_hz,
@@ -160,7 +162,15 @@ def checks(asked: Asked) -> Figures:
     from fingertip.cad.verify import verify
 
     found = verify(asked.design, parts_of(asked.design), ("stl",), asked.evaluator()).checks
-    return {"checks_failed": sum(not check.passed for check in found), "checks_made": len(found)}
+    failed = [check for check in found if not check.passed]
+    figures: Figures = {"checks_failed": len(failed), "checks_made": len(found)}
+    if failed:
+        first, *others = failed
+        more = f" (and {len(others)} more: {', '.join(check.name for check in others)})" if others else ""
+        unit = f" {first.unit}" if first.unit else ""
+        sentence = f"is {first.value:.6g}{unit}, but {first.relation} {first.limit:.6g}{unit} is sound{more}."
+        figures[FAULT] = Fault(first.name, sentence)
+    return figures
 
 
 def _mesh(asked: Asked, part: str) -> Mesh:

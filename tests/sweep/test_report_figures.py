@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,12 +14,15 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.stats import qmc
 
+from fingertip.cad.checks import Check
+from fingertip.sweep.evaluate import Bench
 from fingertip.sweep.report.bins import by_count, by_value, is_spread_by_ratio, ranks
 from fingertip.sweep.report.cells import cells
 from fingertip.sweep.report.feasibility import feasible, limits, verdicts
 from fingertip.sweep.report.pareto import front, nearest_to_ideal
 from fingertip.sweep.report.sensitivity import sensitivity, strongest
 from fingertip.sweep.report.variance import chance, explained
+from tests.sweep.plans import plan
 from tests.sweep.tables import table
 
 COLUMNS = st.lists(st.sampled_from([0.0, 0.5, 1.0, 2.0, 3.5, 10.0, 80.0]) | st.floats(-50, 50), min_size=1, max_size=60)
@@ -202,3 +206,19 @@ def test_cells_hold_the_best_and_the_mean_over_other_axes() -> None:
     assert np.isnan(found.best[:, 2]).all()
     assert np.isnan(found.mean[:, 2]).all()
     assert cells(by_value(x, 9), by_value(y, 9), values, ok, lower_is_better=True).best[1, 0] == 10.0
+
+
+def test_a_failed_check_is_told_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = (
+        Check("skin.stl.genus", 1, 1, "holes", "exactly"),
+        Check("skin_thickness", 0.75, 0.8, "mm", "at least"),
+        Check("bone.wall", 0.5, 1.0, "mm", "at least"),
+    )
+    monkeypatch.setattr("fingertip.cad.verify.verify", lambda *_: SimpleNamespace(checks=found))
+    bench = Bench(plan(outputs=["checks_failed"], axes={"skin.width_mm": [17.0]}))
+    point, status, field, reason, outputs = bench.outcome(0, {"skin.width_mm": 17.0})
+    assert (point, status, field, outputs) == (0, "ok", "skin_thickness", (2.0,))
+    assert reason == "is 0.75 mm, but at least 0.8 mm is sound (and 1 more: bone.wall)."
+    swept = table({"skin.width_mm": [17.0]}, {"checks_failed": outputs}, [status], [field], [reason])
+    (limit,) = limits(swept, verdicts(swept))
+    assert (limit.rule, limit.example) == ("check skin_thickness", reason)

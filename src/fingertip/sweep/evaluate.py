@@ -19,7 +19,7 @@ from fingertip.sweep.memory import Memory
 from fingertip.sweep.outputs import TRACES, Stage
 from fingertip.sweep.part import Outcome, Part, each_limited
 from fingertip.sweep.plan import Plan
-from fingertip.sweep.stages import COMPUTE, Asked, Recorded
+from fingertip.sweep.stages import COMPUTE, FAULT, Asked, Figures, Recorded
 
 if TYPE_CHECKING:
     from fingertip.sim.scene_file import SceneFile
@@ -29,6 +29,7 @@ REMEMBERED = 4096
 """Results of stages that are kept: a few numbers each."""
 TRACES_BYTES = 100e6
 """Of simulated trials that are kept."""
+_NO_FAULT = Fault("", "")
 QUICK_COST, TOGETHER = 1, 64
 """So many points share a time limit where no stage costs more."""
 
@@ -39,7 +40,7 @@ class Bench:
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
         self._designs = Designs(plan)
-        self._figures: Memory[Any, dict[str, float]] = Memory(REMEMBERED)
+        self._figures: Memory[Any, Figures] = Memory(REMEMBERED)
         self._evaluator: RememberingEvaluator | None = None
         self._scene = plan.scene.model_dump() if plan.scene else None
         self._nothing = (math.nan,) * len(plan.outputs)
@@ -63,14 +64,15 @@ class Bench:
             return point, "refused", first.field, first.sentence + more, self._nothing
         asked = Asked(design, scene, self.plan.file, self.evaluator, partial(self._trace, changes))
         try:
-            figures: dict[str, float] = {}
+            figures: Figures = {}
             for stage, shared in self._stages:
                 figures |= self._computed(stage, shared, asked, changes)
         except FingertipError as error:
             return point, "failed", "", str(error), self._nothing
         except Exception as error:
             return point, "failed", "", _fault_of_ours(error), self._nothing
-        return point, "ok", "", "", tuple(settled(figures[name]) for name in self.plan.outputs)
+        fault = figures.get(FAULT, _NO_FAULT)
+        return point, "ok", fault.field, fault.sentence, tuple(settled(figures[name]) for name in self.plan.outputs)
 
     def evaluator(self) -> RememberingEvaluator:
         """The mesh kernel, shared by all points."""
@@ -105,7 +107,7 @@ class Bench:
 
     def _computed(
         self, stage: Stage, shared: tuple[str, ...] | None, asked: Asked, changes: Mapping[str, Value]
-    ) -> dict[str, float]:
+    ) -> Figures:
         """A stage's figures; remembered by the values of the axes it reads, if other axes vary beside them."""
         if shared is None:
             return COMPUTE[stage.name](asked)

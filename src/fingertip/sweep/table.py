@@ -28,9 +28,9 @@ class Table:
     status: NDArray[np.str_]
     """(n,) of `STATUSES`."""
     field: NDArray[np.str_]
-    """(n,) the parameter a refusal blames first; "" otherwise."""
+    """(n,) the parameter a refusal blames first; of a row that is ok, the first check that failed; "" otherwise."""
     reason: NDArray[np.object_]
-    """(n,) of str: why a row is not ok, as sentences; "" otherwise."""
+    """(n,) of str: why a row is not ok, or what its checks found, as sentences; "" otherwise."""
 
     def __len__(self) -> int:
         return len(self.point)

@@ -22,7 +22,7 @@ _BINS = 12
 
 @dataclass(frozen=True)
 class Verdicts:
-    """One word for each point: feasible, the parameter a rule blames, checks_failed, or what became of the point."""
+    """One word for each point: feasible, the parameter a rule blames, the check that failed, or what became of it."""
 
     names: tuple[str, ...]
     """`feasible` first, then by the number of points, the greatest first."""
@@ -74,7 +74,8 @@ def verdicts(table: Table) -> Verdicts:
     """The verdict on every point of a sweep."""
     refused = (table.status == "refused") & (table.field != "")
     words = np.where(refused, table.field, table.status)
-    words = np.where(feasible(table), FEASIBLE, np.where(words == "ok", CHECKS, words))
+    check = np.where(table.field == "", CHECKS, np.char.add("check ", table.field.astype(str)))
+    words = np.where(feasible(table), FEASIBLE, np.where(words == "ok", check, words))
     names, code = np.unique(words, return_inverse=True)
     counts = np.bincount(code)
     order = sorted(range(len(names)), key=lambda i: (names[i] != FEASIBLE, -counts[i], names[i]))

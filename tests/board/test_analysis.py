@@ -12,10 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.board import board_circuit, board_values, nodal
+from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis import analyse, bode_table
 from fingertip.board.bridge import fit_bridge, sensor_conductance_s
-from fingertip.board.built import network, open_loop
+from fingertip.board.built import first_stage, network, open_loop
+from fingertip.board.equations import equations
 from fingertip.board.figures import FIGURES, NAMES, figures, monte_carlo, nominal, sensitivities
 from fingertip.board.filters import decibel, overall_cutoff_hz, response
 from fingertip.board.noise import HALF_WAVE_MEAN, NETS, budget
@@ -30,11 +31,18 @@ VALUES = board_values(Design())
 CIRCUIT = board_circuit(VALUES)
 
 
-def test_bode_of_the_circuit_is_the_formulas() -> None:
+@pytest.mark.parametrize("name", VARIANTS)
+def test_bode_of_the_circuit_is_the_formulas(name: str) -> None:
+    """Of every variant, against where signals rest; and the resistors' middle stays where it is."""
     f = np.logspace(0, 5, 101)
-    found = nodal.equations(CIRCUIT, 3e6, 1e-4, "TACTILE").response(f, "FILTERED")
-    wanted = np.array([network(float(x), VALUES.preferred, 3e6) for x in f])
-    assert np.max(np.abs(found / wanted - 1)) < 1e-9
+    values = board_values(Design.load(changes=VARIANTS[name].changes))
+    system = equations(board_circuit(values), 3e6, 1e-4, "TACTILE")
+    wanted = np.array([network(float(x), values.preferred, 3e6, values.first_stage) for x in f])
+    assert np.max(np.abs(system.response(f, "FILTERED") / wanted - 1)) < 1e-9
+    first = np.array([first_stage(float(x), values.preferred, 3e6, values.first_stage) for x in f])
+    assert np.max(np.abs(system.response(f, "STAGE1_OUT") / first - 1)) < 1e-9
+    if name.endswith("single"):
+        assert np.max(np.abs(system.response(f, "VMID"))) < 1e-12
 
 
 def test_bode_table() -> None:
@@ -53,7 +61,7 @@ def test_bode_table() -> None:
 
 def test_noise_of_resistors_is_ngspices(tmp_path: Path) -> None:
     """Per resistor, 1 Hz to 100 kHz at the filter's end."""
-    system = nodal.equations(CIRCUIT, 3e6, sensor_conductance_s(0.8))
+    system = equations(CIRCUIT, 3e6, sensor_conductance_s(0.8))
     f = np.logspace(0, 5, 2001)
     density = np.array([source.noise for source in system.sources])
     square = np.trapezoid(np.abs(system.transfers(f, "FILTERED") * density) ** 2, f, axis=0)
@@ -71,7 +79,7 @@ def test_the_whole_noise_is_ngspices(written: Written, tmp_path: Path, name: str
     """All amplifiers and resistors, 0.1 Hz to 1 MHz: the filters do make 19 mV of it, and C20 leaves 6."""
     changes = VARIANTS[name].changes
     rows, total = budget(
-        nodal.equations(board_circuit(board_values(Design.load(changes=changes))), 3e6, sensor_conductance_s(0.8))
+        equations(board_circuit(board_values(Design.load(changes=changes))), 3e6, sensor_conductance_s(0.8))
     )
     assert rows[0].cause == "U2"
     deck = (written(*changes) / "slip_filter.cir").read_text("utf-8")

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.board import board_circuit, board_values, nodal
+from fingertip.board import board_circuit, board_values
+from fingertip.board.equations import equations
 from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 from tests.board.conftest import Written
@@ -23,7 +24,7 @@ def test_the_poles_follow_the_rate(rate: float, series: str) -> None:
     design = Design.load(changes=[f"detector.sample_rate_hz={rate}", f"board.series={series}"])
     values = board_values(design)
     f = np.array([1.0, 50.0, rate / 4, rate / 2, rate])
-    system = nodal.equations(board_circuit(values), 3e6, 0.0, "TACTILE")
+    system = equations(board_circuit(values), 3e6, 0.0, "TACTILE")
     found = system.response(f, "ADC_TACTILE")
     for hz, gain in zip(f, found, strict=True):
         assert gain == pytest.approx(values.converter.raw(float(hz)), rel=1e-9)

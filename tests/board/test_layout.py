@@ -64,6 +64,8 @@ def test_design_rules_are_kept_and_the_schematic_is_matched(written: Written, ch
 
 
 SPOILED = {
+    "reference": ('(property "Reference" "R4"', '(property "Reference" "R44"', "schematic_parity"),
+    "pin": (r'\(pad "2" smd(.*?)\(pintype "passive"\)', r'(pad "7" smd\1(pintype "passive")', "schematic_parity"),
     "value": ('(property "Value" "4.7k"', '(property "Value" "47k"', "schematic_parity"),
     "footprint": ('(footprint "Diode_SMD:D_SOD-123"', '(footprint "Diode_SMD:D_SOD-323"', "schematic_parity"),
     "width": (r"\(width 0.2\)", "(width 0.6)", "violations"),
@@ -77,7 +79,8 @@ def test_a_spoiled_board_is_noticed(tmp_path: Path, right: str, wrong: str, key:
     write_board(Design(), tmp_path / "pcb")
     path = tmp_path / "pcb" / LAYOUT
     pattern = right if "\\" in right else re.escape(right)
-    text, count = re.subn(pattern, wrong, path.read_text("utf-8"), flags=re.DOTALL)
+    most = 1 if right.startswith(r"\(pad") else 0
+    text, count = re.subn(pattern, wrong, path.read_text("utf-8"), count=most, flags=re.DOTALL)
     assert count
     path.write_text(text, encoding="utf-8")
     assert findings(tmp_path / "pcb")[key]

@@ -33,7 +33,6 @@ FILES = [
 FREQUENCIES = [10 ** (i / 20) for i in range(101)]  # 1 Hz to 100 kHz
 DESIGNS = {
     "article": [],
-    "E96": ["board.series=E96"],
     "another": ["board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.passband_gain=21", "board.series=E12"],
 }
 

@@ -11,9 +11,10 @@ import numpy as np
 from fingertip.board.bridge import Bridge, sensor_conductance_s
 from fingertip.board.circuit import Circuit
 from fingertip.board.converter import AliasFigures
+from fingertip.board.equations import equations
 from fingertip.board.figures import Spread, monte_carlo, sensitivities
 from fingertip.board.limits import Limits
-from fingertip.board.nodal import System, equations
+from fingertip.board.nodal import System
 from fingertip.board.noise import NETS, NOISE_FORCE_N, Contribution, Remedy, budget, remedies
 from fingertip.board.output import board_circuit
 from fingertip.board.values import board_values

@@ -15,8 +15,9 @@ import numpy as np
 from fingertip.board.amplifiers import AD623_NOISE_V, QUIET_NAME, QUIET_NOISE_V
 from fingertip.board.bridge import sensor_conductance_s
 from fingertip.board.circuit import Circuit, Net, farads_or_ohms
+from fingertip.board.equations import equations
 from fingertip.board.nets import FEEDBACK, STAGE1_OUT
-from fingertip.board.nodal import System, equations
+from fingertip.board.nodal import System
 from fingertip.board.parts import small_capacitor
 from fingertip.board.preferred import nearest
 from fingertip.design.filter_components import limit_capacitor_f

@@ -234,9 +234,10 @@ def test_precision_follows_the_positive_half_waves():
         assert (paper.envelope_v[32_000:].mean() < 1e-3 * peak) == (volt == 1e-6)
 
 
+@pytest.mark.parametrize("supply", ["split", "single"])
 @pytest.mark.parametrize("variant", ["paper", "precision", "comparator"])
-def test_the_parts_are_those_of_the_netlist(variant):
-    design = Design(board={"variant": variant, "cutoff_hz": 80.0})
+def test_the_parts_are_those_of_the_netlist(variant, supply):
+    design = Design(board={"variant": variant, "supply": supply, "cutoff_hz": 80.0, "capacitor_series": "E12"})
     circuit, board = board_circuit(board_values(design)), Analog.of(design)
     scale = {"M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9}
 
@@ -247,7 +248,7 @@ def test_the_parts_are_those_of_the_netlist(variant):
     ours = {f"R{i}": getattr(board, f"r{i}_ohm") for i in range(1, 6)} | {"R6": board.r_lp_ohm, "C4": board.c_lp_f}
     ours |= {f"C{i}": getattr(board, f"c{i}_f") for i in range(1, 4)}
     if variant != "paper":
-        ours["C14"] = board.blocking_capacitor
+        ours |= {"C14": board.blocking_capacitor, "C20": board.limiting_capacitor}
     for reference, value in ours.items():
         assert fitted(reference) == pytest.approx(value, rel=1e-9), reference
 

@@ -19,9 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.board import board_values
-from fingertip.board.filters import pole_hz
 from fingertip.design import Design
-from fingertip.design.filter_components import series_capacitor_f
 from fingertip.errors import Fault
 from fingertip.sim.inputs import not_negative, positive, refuse
 from fingertip.sim.state_space import GROUND, Amplifier, Part, assemble
@@ -104,13 +102,13 @@ class Analog:
     @classmethod
     def of(cls, design: Design) -> Analog:
         """The board of a design with the values that are fitted."""
-        c = board_values(design).preferred
+        values = board_values(design)
+        c, extra = values.preferred, values.first_stage
         resistors = (c.r1_ohm, c.r2_ohm, c.r3_ohm, c.r4_ohm, c.r5_ohm, c.r_lp_ohm)
         paper = cls(*resistors, c.c_f, c.c_f, c.c_f, c.c_lp_f)
-        if design.board.variant == "paper":
+        if extra is None:
             return paper
-        blocking = series_capacitor_f(c.r4_ohm, pole_hz(c.r1_ohm, c.c_f))
-        return paper.changed(rectifier="precision", blocking_capacitor=blocking)
+        return paper.changed(rectifier="precision", blocking_capacitor=extra.series_f, limiting_capacitor=extra.limit_f)
 
     def changed(self, **values: object) -> Analog:
         """The same board with other values."""

@@ -66,8 +66,8 @@ class Comparator:
         values = board_values(design)
         if values.decision is None:
             raise TraceError(Fault("outputs", missing(design)))
-        supply = design.board.supply_v
-        return cls(values.decision.mean_s, *values.decision.thresholds_v(supply), supply)
+        supply, rest = design.board.supply_v, values.bridge.zero_share
+        return cls(values.decision.mean_s, *values.decision.thresholds_v(supply, zero_share=rest), supply)
 
 
 @dataclass(frozen=True, eq=False)

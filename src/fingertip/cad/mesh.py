@@ -92,20 +92,24 @@ def to_manifold(vertices: Vertices, triangles: Triangles) -> Manifold:
 def canonical(manifold: Manifold) -> Mesh:
     """Vertices on the grid and sorted, triangles turned to their smallest index first and sorted.
 
-    Short edges left by booleans are collapsed first: two vertices on one grid point would tear the file's mesh.
+    Short edges left by booleans are collapsed first. Those the kernel would not collapse may end on one grid point: a
+    reader takes both ends for one, so they are one here, and the triangles between them are gone.
     """
     smooth = manifold.simplify(8 * GRID_MM)
     _raise_unless_valid(smooth)
     raw: Any = smooth.to_mesh64()
     vertices = np.round(np.asarray(raw.vert_properties, dtype=np.float64)[:, :3] / GRID_MM) * GRID_MM + 0.0
-    triangles = np.asarray(raw.tri_verts, dtype=np.int64)
     order = np.lexsort(vertices.T[::-1])
+    vertices = vertices[order]
+    distinct = np.ones(len(order), dtype=bool)
+    distinct[1:] = (vertices[1:] != vertices[:-1]).any(axis=1)
     rank = np.empty(len(order), dtype=np.int64)
-    rank[order] = np.arange(len(order))
-    triangles = rank[triangles]
+    rank[order] = np.cumsum(distinct) - 1
+    triangles = rank[np.asarray(raw.tri_verts, dtype=np.int64)]
+    triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
     first = triangles.argmin(axis=1)
     triangles = np.take_along_axis(triangles, (first[:, None] + np.arange(3)) % 3, axis=1)
-    return Mesh(vertices[order], triangles[np.lexsort(triangles.T[::-1])])
+    return Mesh(vertices[distinct], triangles[np.lexsort(triangles.T[::-1])])
 
 
 def _raise_unless_valid(manifold: Manifold) -> None:

@@ -66,8 +66,9 @@ _WHAT = (
 _SPLIT = "A converter for plus and minus 10 V sees the signals as they are; they rest at ground."
 _SINGLE = (
     "Signals rest at the supply's buffered middle, {rest:.2f} V, so the envelope is E less M; any converter that "
-    "takes 0 to {supply:g} V sees T, E and M. The sensor's second pin is at that middle too: let it touch neither "
-    "ground nor metal that is grounded. The amplifiers are TLV2372, because a TL082 reaches neither rail."
+    "takes 0 to {supply:g} V sees T, E and M. M comes straight from its buffer: half a metre of cable (50 pF) is well "
+    "within what that drives. The sensor's second pin is at the middle too: let it touch neither ground nor metal that "
+    "is grounded. The amplifiers are TLV2372, because a TL082 reaches neither rail."
 )
 _SIGNALS = (
     " T lies between {least:.2f} V (20 N) and {most:.2f} V (no force), E rises by {envelope:.1f} V at most. A "

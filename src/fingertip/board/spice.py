@@ -7,62 +7,15 @@ amplifiers make the noise of their data sheets, as a resistor's: `noise v(filter
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 
-from fingertip.board.amplifiers import (
-    AD623_BANDWIDTH_HZ,
-    AD623_NOISE_V,
-    AD623_OUTPUT_NOISE_V,
-    AMPLIFIERS,
-    BOLTZMANN_J_PER_K,
-    TEMPERATURE_K,
-    bridge_gain,
-)
-from fingertip.board.bridge import GAIN_CONSTANT_OHM, sensor_conductance_s
-from fingertip.board.built import OPEN_LOOP_GAIN
+from fingertip.board.amplifiers import AMPLIFIERS
+from fingertip.board.bridge import sensor_conductance_s
 from fingertip.board.circuit import Circuit, Part, farads_or_ohms
+from fingertip.board.spice_models import models
 
 SENSOR_FORCE_N = 0.8
 """Force the deck's sensor stands under: the middle of the article's three voltages."""
-
-_AMPLIFIER = """\
-* {name}: one pole, {gain:g} open loop and {bandwidth:.10g} Hz gain-bandwidth, noise {noise:g} V/sqrt(Hz);
-* no rails, no offset.
-.subckt {name} plus minus out
-RN n 0 {noise_ohm:.10g}
-EN p plus n 0 1
-G1 0 pole p minus {gain:.10g}
-R1 pole 0 1
-C1 pole 0 {pole:.12g}
-E1 out 0 pole 0 1
-.ends"""
-
-_MODELS = """\
-* AD623: gain 1 + 100k/Rg, Rg from the current between its pins; one pole at its bandwidth over the gain of this board;
-* noise of input and output.
-.subckt instrumentation minus plus rga rgb ref out
-RN n 0 {input_ohm:.10g}
-EN p plus n 0 1
-E1 rga m p 0 1
-V1 0 m 0
-E2 rgb 0 minus 0 1
-E3 x 0 p minus 1
-H1 y x V1 {constant:.10g}
-RO z 0 {output_ohm:.10g}
-EO w y z 0 1
-G1 0 pole w 0 1
-G2 0 pole ref 0 1
-R1 pole 0 1
-C1 pole 0 {inner_pole:.12g}
-E4 out 0 pole 0 1
-.ends
-* LMV331: no offset, no delay; 10 uV of its own hysteresis for the solver's sake.
-.model open_collector SW(Vt=0 Vh=5u Ron=50 Roff=1G)
-* 1N4148: forward 0.62 V at 1 mA, 4 pF; figures of a common model, not measured.
-.model D1N4148 D(Is=2.52n Rs=0.568 N=1.752 Cjo=4p M=0.4 tt=20n)
-* BAT54: Schottky, forward 0.24 V at 0.1 mA, 10 pF; figures of a common model, not measured.
-.model DBAT54 D(Is=0.1u Rs=2 N=1.1 Cjo=12p M=0.4)"""
 
 
 def spice_deck(circuit: Circuit, gain_bandwidth_hz: float, supply_v: float) -> bytes:
@@ -82,42 +35,9 @@ def spice_deck(circuit: Circuit, gain_bandwidth_hz: float, supply_v: float) -> b
     for part in circuit.parts:
         pins = {pin.number: nets[part.reference, pin.number] for pin in part.symbol.pins}
         lines += _ELEMENTS[part.symbol.name](part, pins, supply_v)
-    models = _MODELS.format(
-        constant=GAIN_CONSTANT_OHM,
-        input_ohm=_noisy_ohm(AD623_NOISE_V),
-        output_ohm=_noisy_ohm(AD623_OUTPUT_NOISE_V),
-        inner_pole=bridge_gain(circuit) / (math.tau * AD623_BANDWIDTH_HZ),
-    )
-    amplifiers = sorted({part.symbol.name for part in circuit.parts} & set(AMPLIFIERS))
-    lines += [
-        "",
-        *(_amplifier_model(name, gain_bandwidth_hz) for name in amplifiers),
-        models,
-        "",
-        ".ac dec 40 1 100k",
-        ".print ac vdb(tactile) vdb(stage1_out) vdb(filtered)",
-        ".end",
-    ]
+    lines += ["", *models(circuit, gain_bandwidth_hz), "", ".ac dec 40 1 100k"]
+    lines += [".print ac vdb(tactile) vdb(stage1_out) vdb(filtered)", ".end"]
     return ("\n".join(lines) + "\n").encode()
-
-
-def _amplifier_model(name: str, gain_bandwidth_hz: float) -> str:
-    data = AMPLIFIERS[name]
-    bandwidth_hz = data.bandwidth_hz or gain_bandwidth_hz
-    return _AMPLIFIER.format(
-        name=name.lower(),
-        gain=OPEN_LOOP_GAIN,
-        bandwidth=bandwidth_hz,
-        noise=data.noise_v,
-        noise_ohm=_noisy_ohm(data.noise_v),
-        # Into 1 ohm, so that the pole lies at GBW / A0.
-        pole=OPEN_LOOP_GAIN / (math.tau * bandwidth_hz),
-    )
-
-
-def _noisy_ohm(density_v: float) -> float:
-    """The resistor whose own noise at SPICE's temperature is this [V/sqrt(Hz)]."""
-    return density_v**2 / (4.0 * BOLTZMANN_J_PER_K * TEMPERATURE_K)
 
 
 def _node(net: str) -> str:

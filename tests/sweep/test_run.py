@@ -89,3 +89,45 @@ def test_another_sweep_under_resume_is_refused_line_by_line(swept: Path, tmp_pat
     assert "  - board.capacitor_uf = [0.0001, 1.0]\n  + board.capacitor_uf = [0.0001, 1.5]" in again.stderr
     assert again.stderr.count("\n") == 3
     assert len(rows(swept / "out")) == 24
+
+
+def test_a_finished_sweep_is_shown_and_exported(swept: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "copy"
+    folder.mkdir()
+    (folder / "sweep.sqlite").write_bytes((swept / "out" / "sweep.sqlite").read_bytes())
+    shown = run_fingertip("sweep", "--show", "--out", folder, "--csv", tmp_path / "rows.csv", "--json", "--quiet")
+    assert shown.returncode == 0, shown.stderr
+    assert json.loads(shown.stdout)["points"] == 24
+    assert shown.stderr == ""
+    lines = (tmp_path / "rows.csv").read_text().splitlines()
+    assert len(lines) == 25
+    assert lines[0].startswith("point,board.cutoff_hz,board.capacitor_uf,board.series,q,")
+    assert {path.name for path in folder.iterdir()} >= {"sweep.sqlite", "summary.json"}
+    assert (folder / "sweep.sqlite").read_bytes() == (swept / "out" / "sweep.sqlite").read_bytes()
+
+
+def test_the_same_sweep_gives_the_same_file(swept: Path, tmp_path: Path) -> None:
+    ran = run_fingertip(
+        "sweep", swept / "sweep.toml", "--out", tmp_path / "again", "--jobs", 1, "--csv", tmp_path / "a"
+    )
+    assert ran.returncode == 0, ran.stderr
+    assert repr(rows(tmp_path / "again")) == repr(rows(swept / "out"))
+
+
+def test_outputs_are_listed_with_their_meaning() -> None:
+    listed = json.loads(run_fingertip("sweep", "--outputs", "--json").stdout)["outputs"]
+    assert {"name", "stage", "meaning"} == set(listed[0])
+    assert {"checks_failed", "q", "delay_ms", "silicone_g"} <= {output["name"] for output in listed}
+    assert "thinnest_skin_mm" in run_fingertip("sweep", "--outputs").stdout
+
+
+def test_failed_points_make_the_exit_code_one(tmp_path: Path) -> None:
+    text = FILE.replace('name = "boards"', 'name = "boards"\ntime_limit_s = 0.05\ntrials = 50\nscene = "slow.toml"')
+    text = text.replace('outputs = ["q",', 'outputs = ["delay_ms", "q",').replace("steps = 6", "steps = 2")
+    (tmp_path / "slow.toml").write_text("[slide]\ndistance_m = 0.1\n")
+    (tmp_path / "sweep.toml").write_text(text.replace("[0.0001, 1.0]", "[0.1]").replace('"E12", "E96"', '"E12"'))
+    ran = run_fingertip("sweep", tmp_path / "sweep.toml", "--out", tmp_path / "out", "--json")
+    assert ran.returncode == 1, ran.stderr
+    said = json.loads(ran.stdout)
+    assert (said["rows"], said["timeout"], said["refused"]) == (2, 1, 1)
+    assert rows(tmp_path / "out")[0].reason == "took longer than 0.05 s (time_limit_s), twice."

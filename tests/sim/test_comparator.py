@@ -75,25 +75,30 @@ def test_hysteresis_keeps_it_on():
     assert once.on[-1]
 
 
-def test_the_netlists_deck_switches_at_the_same_moments(tmp_path):
+@pytest.mark.parametrize("supply", ["split", "single"])
+def test_the_netlists_deck_switches_at_the_same_moments(supply, tmp_path):
     """The board's own deck, its bridge replaced by a source: real diodes, amplifiers of 3 MHz, a switch."""
     voltage = np.concatenate((np.full(700, 4.3), slip()))  # ngspice's own start is no rest: 0.35 s to settle
     program = require_tool("ngspice", "run `sh .ci/install-ngspice` as root on Debian, or install ngspice")
-    deck = spice_deck(board_circuit(board_values(DESIGN)), DESIGN.board.gain_bandwidth_hz, 5.0).decode()
+    design = Design(board={"variant": "comparator", "supply": supply})
+    values = board_values(design)
+    rest = "v(vmid)" if supply == "single" else "0"
+    deck = spice_deck(board_circuit(values), design.board.gain_bandwidth_hz, 5.0).decode()
     ends = (" instrumentation", ".end")  # the bridge's amplifier, for the source in its place
     lines = [line for line in deck.splitlines() if not (line.startswith((".ac", ".print")) or line.endswith(ends))]
     points = "\n".join(f"+ {i * STEP_S:.9g} {v:.15g}" for i, v in enumerate(voltage.tolist()))
     lines += [f"Vdrive tactile 0 PWL(\n{points}\n+ )", ".options reltol=1e-5", ".control", "set wr_singlescale"]
-    lines += [f"tran 2e-5 {(len(voltage) - 1) * STEP_S:.9g} 0 2e-5", "wrdata out v(envelope) v(slip)", "quit"]
+    lines += [f"tran 2e-5 {(len(voltage) - 1) * STEP_S:.9g} 0 2e-5"]
+    lines += [f"let above = v(envelope) - {rest}", "wrdata out above v(slip)", "quit"]
     (tmp_path / "slip.cir").write_text("\n".join([*lines, ".endc", ".end", ""]))
     subprocess.run([program, "-b", "slip.cir"], cwd=tmp_path, check=True, capture_output=True)
     theirs = np.loadtxt(next(tmp_path.glob("out*")))
     time, envelope, pin = theirs[:, 0], theirs[:, 1], theirs[:, 2]
     switched = np.flatnonzero(((pin[:-1] < 2.5) != (pin[1:] < 2.5)) & (time[1:] > 0.35))
 
-    board = BOARD.changed(gain_bandwidth_hz=DESIGN.board.gain_bandwidth_hz)
+    board = Analog.of(design).changed(gain_bandwidth_hz=design.board.gain_bandwidth_hz)
     out = respond(board, STEP_S, voltage, 1e-6)
-    ours = decide(Comparator.of(DESIGN), board, STEP_S, out.filtered_v, out.envelope_v)
+    ours = decide(Comparator.of(design), board, STEP_S, out.filtered_v, out.envelope_v)
     assert len(ours.edges_s) >= 4
     assert ours.edges_s == pytest.approx(time[switched + 1], abs=1e-4)
     at_samples = np.interp(np.arange(len(voltage)) * STEP_S, time, envelope)[700:]

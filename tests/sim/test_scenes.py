@@ -11,8 +11,10 @@ import pytest
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import ManipulationFile, SceneFile, Trial, run_scene, simulate
+from fingertip.sim.analog import respond
+from fingertip.sim.circuit import Analog
+from fingertip.sim.context import Context
 from fingertip.sim.kinds import kind_of, split
-from fingertip.sim.pipeline import Context
 from fingertip.slip import detect
 from tests.conftest import ROOT, run_fingertip
 
@@ -260,6 +262,34 @@ def test_files_are_told_apart_by_their_tables(tmp_path):
     assert split(changes, Design) == (changes, [])
     assert split(["tap.force_n=1", "skin.width_mm=18"]) == (["tap.force_n=1"], ["skin.width_mm=18"])
     assert split(["tp.force_n=1", "skn.width_mm=18", "x=1"]) == (["tp.force_n=1"], ["skn.width_mm=18", "x=1"])
+
+
+def test_a_jump_of_the_cable_is_a_jump_to_the_board():
+    """Not a ramp of one sample: what comes out is what the board makes of the cable's jump alone."""
+    wanted = {"outputs": '["tactile_v","filtered_v"]', "cable.hum_v": 0.0}
+    touched = scene("cable_touch", **wanted, **{"cable.decay_s": 10.0})
+    found = run_scene(Design(detector={"noise_v": 0.0}), touched)
+    jump = np.flatnonzero(found.time_s >= held(found, touched) + touched.cable.at_s)[0]
+    before = found.columns["tactile_v"][jump - 1]
+    straight = respond(Analog.of(DESIGN), 1 / 2000, found.columns["tactile_v"], 1e-6).filtered_v
+    at_once = found.columns["tactile_v"].copy()
+    at_once[jump] = before
+    right = respond(Analog.of(DESIGN), 1 / 2000, at_once, 1e-6, after_v=found.columns["tactile_v"]).filtered_v
+    near = slice(jump, jump + 40)
+    assert found.columns["filtered_v"][near] == pytest.approx(right[near], abs=2e-3)
+    assert np.abs(straight[near] - right[near]).max() > 0.1
+
+
+def test_amplifiers_are_as_real_as_asked_for():
+    outs = {}
+    for kind in ("ideal", "rails", "gain_bandwidth"):
+        tables = scene(
+            "hard_tap", **{"tap.force_n": 20.0, "outputs": '["filtered_v"]', "sensing.amplifiers": f'"{kind}"'}
+        )
+        outs[kind] = run_scene(DESIGN, tables).columns["filtered_v"]
+    assert np.abs(outs["rails"]).max() == 3.5 < np.abs(outs["ideal"]).max()
+    difference = np.abs(outs["gain_bandwidth"] - outs["ideal"]).max() / np.abs(outs["ideal"]).max()
+    assert 1e-5 < difference < 0.05
 
 
 def test_the_command_takes_scenes(tmp_path):

@@ -48,16 +48,21 @@ def creep(drift: Drift, shown_n: Array, step_s: float) -> Array:
     return np.array(out)
 
 
-def cable_v(cable: Cable, held_s: float, time_s: Array) -> Array:
-    """Voltage that a touched cable adds [V]: a jump that decays, at each end, and hum between."""
-    out = []
+def cable_v(cable: Cable, held_s: float, time_s: Array) -> tuple[Array, Array]:
+    """Voltage that a touched cable adds [V]: a jump that decays, at each end, and hum between. Second: the same right
+    before each sample, for a jump since the sample before is taken to fall on the sample."""
+    out, before = [], []
+    ends, last = (0.0, cable.duration_s), -math.inf
     for t in (time_s - held_s - cable.at_s).tolist():
-        v = 0.0
-        if t >= 0.0:
-            v += cable.step_v * math.exp(-t / cable.decay_s)
-            if t < cable.duration_s:
-                v += cable.hum_v * math.sin(2 * math.pi * cable.hum_hz * t)
-            else:
-                v -= cable.step_v * math.exp(-(t - cable.duration_s) / cable.decay_s)
+        v, jump = 0.0, 0.0
+        for end, sign in zip(ends, (1.0, -1.0), strict=True):
+            if t >= end:
+                part = sign * cable.step_v * math.exp(-(t - end) / cable.decay_s)
+                v += part
+                jump += part if last < end else 0.0
+        if 0.0 <= t < cable.duration_s:
+            v += cable.hum_v * math.sin(2 * math.pi * cable.hum_hz * t)
         out.append(v)
-    return np.array(out)
+        before.append(v - jump)
+        last = t
+    return np.array(out), np.array(before)

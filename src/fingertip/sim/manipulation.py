@@ -23,13 +23,14 @@ from numpy.typing import NDArray
 from fingertip.design import Design
 from fingertip.design.faults import nearest
 from fingertip.errors import Fault, TraceError
+from fingertip.sim.amplifiers import amplified
 from fingertip.sim.analog import respond
-from fingertip.sim.circuit import Analog
 from fingertip.sim.comparator import missing, pin_v
+from fingertip.sim.contact_stages import GROSS_SLIP_M_S
 from fingertip.sim.inputs import refuse
 from fingertip.sim.manipulation_file import OUTPUTS, ManipulationFile
 from fingertip.sim.manipulation_plan import Plan, plan, thumb_n
-from fingertip.sim.manipulation_run import GROSS_SLIP_M_S, Run
+from fingertip.sim.manipulation_run import Run
 from fingertip.sim.pad import Pad
 from fingertip.sim.stages import Ran
 from fingertip.slip.trace import Trace
@@ -200,7 +201,7 @@ def _result(design: Design, scene: ManipulationFile, seed: int, made: Plan, run:
     time_s = np.arange(count + 1, dtype=np.float64) * step
     signals["slip"] = np.abs(signals["velocity_m_s"]) > GROSS_SLIP_M_S
     if {"envelope_v", "slip_pin_v"} & set(scene.outputs):
-        board = Analog.of(design)
+        board = amplified(design, scene.sensing.amplifiers)
         outs = [respond(board, step, v) for v in signals["tactile_v"]]
         signals["envelope_v"] = np.stack([out.envelope_v for out in outs])
         if "slip_pin_v" in scene.outputs:

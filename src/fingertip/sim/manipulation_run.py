@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.sim import grasp_loop
+from fingertip.sim.context import LONGEST_STEP_S
 from fingertip.sim.hand import Motors
 from fingertip.sim.manipulation_file import ManipulationFile
 from fingertip.sim.manipulation_plan import Plan
@@ -28,11 +29,6 @@ from fingertip.sim.surfaces import SURFACES
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
-
-LONGEST_STEP_S = 1.25e-4
-"""Of the object's motion: its way is then within 1 um of the limit (the convergence test holds that)."""
-GROSS_SLIP_M_S = 1e-3
-"""As in a scene: the object's velocity over the pad above which slip is gross."""
 
 
 @dataclass

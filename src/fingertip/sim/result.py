@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from fingertip.design import Design
 from fingertip.errors import Fault, TraceError
 from fingertip.sim.comparator import missing
-from fingertip.sim.pipeline import Context, stages_of
+from fingertip.sim.context import Context
+from fingertip.sim.pipeline import stages_of
 from fingertip.sim.scene_file import SceneFile
 from fingertip.sim.stages import Ran, run
 from fingertip.slip.trace import Trace

@@ -107,6 +107,9 @@ class Sensing(Section):
     bridge: Literal["board", "article"] = choice(
         "board", "The design's bridge and amplifier; or, to compare, a curve through the article's voltages."
     )
+    amplifiers: Literal["ideal", "rails", "gain_bandwidth"] = choice(
+        "ideal", "Of the filter: ideal, stopped at their rails, or of the design's gain-bandwidth product."
+    )
     jitter_s: float = quantity(
         0.0,
         "s",

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from fingertip.campaign.pictures import COLORS, NOTE
 from fingertip.campaign.plan import HELD_OUT_FROM, Case
@@ -106,7 +105,7 @@ def panels(design: Design, chosen: Sequence[Typical]) -> bytes:
     """Voltage, envelope and ON of the digital chain, a panel for each trial, as figures 12 and 13: a PNG."""
     columns = 2
     count = -(-len(chosen) // columns)
-    figure = Figure(figsize=(13, 3.1 * count + 0.5), dpi=130, layout="constrained")
+    figure = sheet(11.5, 2.8 * count + 0.4)
     grid = figure.subplots(count, columns, squeeze=False)
     for one, axes in zip(chosen, grid.flat, strict=False):
         t, trace = one.trace.time_s, one.trace

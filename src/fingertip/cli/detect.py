@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -152,19 +153,29 @@ def _live(
     """Lines from standard input: each change is printed when it is found."""
     from fingertip.errors import Fault, TraceError
     from fingertip.slip import make, registry
-    from fingertip.slip.live import follow
+    from fingertip.slip.live import NAME, follow
     from fingertip.slip.parsed import Wanted
 
+    if not wanted.in_volts and detector == "paper":
+        raise TraceError(Fault("--column", "names a force; line by line paper takes volts only: save the lines first."))
     if not sys.stdin or sys.stdin.closed:
         raise TraceError(Fault("-", "standard input is closed; pipe lines into it."))
     if refused := [name for name, value in (("--plot", plot), ("--quiet-s", quiet_s)) if value is not None]:
         raise TraceError([Fault(name, "needs the whole trace; save the lines in a file first.") for name in refused])
     rate_hz = design.detector.sample_rate_hz
     changes: list[dict[str, Any]] = []
-    column = registry.known(detector).reads
-    if column != "voltage_v":
-        wanted = Wanted({**wanted.names, "voltage_v": wanted.of(column)}, wanted.rate_hz)
-    for change in follow(sys.stdin, make(detector, design), rate_hz, wanted):
+    lines, made = iter(sys.stdin), make(detector, design)
+    if registry.known(detector).reads == "envelope_v":
+        header = next(lines, "")
+        lines = itertools.chain([header], lines)
+        if wanted.of("envelope_v") in header:
+            wanted = Wanted({**wanted.names, "voltage_v": wanted.of("envelope_v")}, wanted.rate_hz)
+        else:
+            from fingertip.sim.board_detector import BoardDetector
+
+            console.say(f"{NAME} holds no column {wanted.of('envelope_v')}: simulating the design's board")
+            made = BoardDetector(design)
+    for change in follow(lines, made, rate_hz, wanted):
         if console.as_json:
             changes.append({"on": change.on, "time_s": round(change.time_s, 7)})
         else:

@@ -35,15 +35,27 @@ SYMBOLS = sorted({part.symbol for part in PARTS}, key=lambda s: (s.library, s.na
 FOOTPRINTS = sorted({part.footprint for part in PARTS})
 
 
+class Symbols(dict[str, Expression]):
+    """A library's symbols by name, each read when it is asked for: the whole takes seconds."""
+
+    def __init__(self, library: Path) -> None:
+        pieces = library.read_text("utf-8").split('\n\t(symbol "')[1:]
+        self.texts = {piece.split('"', 1)[0]: piece[: piece.index("\n\t)") + 3] for piece in pieces}
+
+    def __missing__(self, name: str) -> Expression:
+        self[name] = parse(f'(symbol "{self.texts[name]}')
+        return self[name]
+
+
 @functools.cache
-def all_symbols(library: Path) -> dict[str, Expression]:
-    return {symbol[1]: symbol for symbol in children(parse(library.read_text("utf-8")), "symbol")}
+def all_symbols(library: Path) -> Symbols:
+    return Symbols(library)
 
 
 def library_symbol(library: str, name: str) -> tuple[dict[str, str], dict[str, tuple[str, str]]]:
     """Properties and pins (number -> name, type) of a symbol; what it lacks it has from the symbol it extends."""
     symbols = all_symbols(require_tool("/usr/share/kicad/symbols", HOW) / f"{library}.kicad_sym")
-    assert name in symbols, f"{library} has no {name}"
+    assert name in symbols.texts, f"{library} has no {name}"
     chain = [symbols[name]]
     while extended := next(children(chain[-1], "extends"), None):
         chain.append(symbols[extended[1]])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import pytest
@@ -9,10 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.circuit import farads_or_ohms
+from fingertip.board.circuit import Circuit, farads_or_ohms
 from fingertip.board.filters import response
-from fingertip.board.layout import kicad_board
-from fingertip.board.tracks import load_template
+from fingertip.board.tracks import fingerprint
 from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, Components
@@ -100,7 +100,12 @@ def test_every_accepted_design_has_a_board(
     assert all(1e-12 <= v <= 1e-3 for reference, v in fitted.items() if reference[0] == "C")
     assert all(10 <= v <= 10e6 for reference, v in fitted.items() if reference[0] == "R")
     assert values.limits.bridge_amplifier_margin_v > 0
-    assert kicad_board(circuit, VARIANTS[name].placement, load_template(name, circuit, VARIANTS[name].placement))
+    assert fingerprint(circuit, VARIANTS[name].placement) == fingerprint(nominal(name), VARIANTS[name].placement)
+
+
+@functools.cache
+def nominal(name: str) -> Circuit:
+    return board_circuit(board_values(Design.load(changes=VARIANTS[name].changes)))
 
 
 REFUSED = {

@@ -165,6 +165,7 @@ def _run(console: Console, store: Store, engine: Engine) -> int:
     took_s = time.perf_counter() - start_s
     pace = f"{state.written} points in {took_s:.1f} s, {state.written / took_s:.3g} points/s"
     console.say(pace if state.written else "every point had its row already")
+    console.say(f"rules, pictures and the best design: fingertip sweep --show --out {folder.as_posix()}")
     console.result(data, text)
     return CHECK_FAILED if counts["failed"] + counts["timeout"] or rows < plan.size else 0
 

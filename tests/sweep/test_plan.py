@@ -178,7 +178,7 @@ def test_a_base_that_only_the_axes_mend_is_taken() -> None:
     assert plan(design=design, outputs=[], axes={"skin.width_mm": [17.0, 18.0]}).size == 2
 
 
-@pytest.mark.parametrize("name", ["board", "delay", "geometry"])
+@pytest.mark.parametrize("name", ["board", "delay", "geometry", "map"])
 def test_bundled_sweeps_are_valid_and_read_back(name: str) -> None:
     made = Plan.load(ROOT / "params" / "sweeps" / f"{name}.toml")
     assert made.file.name == name

@@ -100,6 +100,15 @@ def test_the_campaign_takes_seconds_and_every_trial_slips():
     assert found["cpu_s"] < throughput.CAMPAIGN_TARGET_S
 
 
+def test_a_manipulation_takes_much_less_than_a_second():
+    pytest.importorskip("numba")
+    with compiled():
+        found = throughput.hands()
+    assert found["manipulations"] == 12
+    assert found["cpu_s"] < 0.5 * found["target_s"]
+    assert found["lost"] >= 5  # without control
+
+
 def test_many_boards_take_seconds():
     """A fiftieth of the 10 000 boards in less than a fiftieth of their 15 s, on a strong trial of 5 s."""
     pytest.importorskip("numba")

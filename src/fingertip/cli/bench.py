@@ -58,6 +58,8 @@ def bench(
         diagrams.append(board.diagram(seconds / 5, methods))
         console.say("120 trials")
         trials = throughput.campaign()
+        console.say("12 manipulations")
+        hands = throughput.hands()
         console.say(f"{boards} boards")
         many = throughput.boards(boards)
     first = None
@@ -69,6 +71,7 @@ def bench(
         "machine": state,
         "diagrams": [report.as_data(diagram) for diagram in diagrams],
         "campaign": trials,
+        "manipulations": hands,
         "boards": many,
         "first_run": first,
     }
@@ -84,6 +87,8 @@ def bench(
         lines += report.as_text(diagram)
     lines += [
         f"{trials['trials']} trials: {trials['cpu_s']:.2f} s of CPU, target {trials['target_s']:g} s",
+        f"{hands['manipulations']} manipulations of {hands['simulated_s']:.0f} s in all, stepped every 10 ms: "
+        f"{hands['cpu_s']:.2f} s of CPU, target {hands['target_s']:g} s",
         f"{many['boards']} boards x {many['samples']} samples: {many['cpu_s']:.2f} s of CPU, target "
         f"{many['target_s']:g} s; the diode conducts in {100 * many['conducting']:.1f} % of the steps",
     ]
@@ -93,5 +98,5 @@ def bench(
             f"{first['kept_cache_cpu_s']:.1f} s"
         )
     console.result(data, "\n".join(lines))
-    if trials["cpu_s"] > trials["target_s"] or many["cpu_s"] > many["target_s"]:
+    if any(found["cpu_s"] > found["target_s"] for found in (trials, hands, many)):
         raise typer.Exit(CHECK_FAILED)

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.sim import envelope_loop
-from fingertip.sim.circuit import Analog, system
-from fingertip.sim.envelope_loop import ABSCISSAE, LEVELS, WIDTH
+from fingertip.sim.board_matrices import matrices
+from fingertip.sim.circuit import Analog
+from fingertip.sim.envelope_loop import LEVELS
 from fingertip.sim.inputs import columns, positive, refuse
-from fingertip.sim.linear import augmented, exponentials
 
 Array = NDArray[np.float64]
 
@@ -151,7 +151,7 @@ class _Made:
 
     def __init__(self, board: Analog, step_s: float, tolerance_v: float, fixed: Array) -> None:
         self._board, self._step_s, self._tolerance_v, self._fixed = board, step_s, tolerance_v, fixed.tolist()
-        self._n, self._steps, self._rows, self._out, self._first = _matrices(board, step_s)
+        self._n, self._steps, self._rows, self._out, self._first = matrices(board, step_s)
 
     def start(self, voltage_v: float) -> tuple[Array, Array]:
         """What is carried from sample to sample, settled: envelope and step size, and the states."""
@@ -178,27 +178,3 @@ def _values(board: Analog) -> list[Any]:
     d = board.diode
     fixed = [d.saturation_a, d.emission * d.thermal_v, d.series_ohm, board.r_lp_ohm, board.c_lp_f]
     return fixed + [getattr(board, name) for name in board.value_names]
-
-
-def _matrices(board: Analog, step_s: float) -> tuple[int, Array, Array, Array, Array]:
-    """For each board, flat: rows of the state's steps and of the output within them, by mode and level."""
-    steps, rows = [], []
-    outs = firsts = np.zeros(0)
-    n = 0
-    for mode in range(9 if board.rail_v else 1):
-        A, b, k, out, first = system(board, mode)
-        n = A.shape[-1]
-        spare = max(0, WIDTH - n - 3)
-        if mode == 0:
-            outs, firsts = (np.pad(row, ((0, 0), (0, spare))) for row in (out, first))
-        M = augmented(A, b, k)
-        whole = exponentials(M, step_s, LEVELS + 2)
-        odd = exponentials(M, step_s * 0.55, LEVELS)
-        quarter, half, full = whole[:, 2:], whole[:, 1:-1], whole[:, :-2]
-        at = {0.25: quarter, 0.5: half, 0.75: quarter @ half, 0.55: odd, 1.0: full}
-        row = np.stack([(out[:, None, None, :] @ at[c])[:, :, 0] for c in ABSCISSAE], axis=2)
-        pad = ((0, 0), (0, 0), (0, 0), (0, spare))
-        steps.append(np.pad(full[:, :, :n], pad))
-        rows.append(np.pad(row, pad))
-    count = len(outs)
-    return n, np.stack(steps, axis=1).reshape(count, -1), np.stack(rows, axis=1).reshape(count, -1), outs, firsts

@@ -1,8 +1,8 @@
 """Real manipulation: an object is grasped, knocked, and held or lost, with a controller in the loop or none.
 
 `run_manipulation` steps hand, contact and sensors from one command to the next. The controller is handed what a real
-one would be, `Seen`: sampled voltages and the motors' closing, and nothing of the truth. It is any object with a method
-``step``; detectors and grip laws are the caller's, this package knows none.
+one would be, sampled voltages and the motors' closing (`fingertip.sim.Seen`), and nothing of the truth. Anything with a
+method ``step`` is one; detectors and grip laws are the caller's, this package knows none.
 
 Taken for simple, all assumptions: the object moves along one line, in which it would slip and its weight pulls (whoever
 holds it first lets go), does not turn, and is rigid; of a power grasp the palm carries nothing; a finger is stiff along
@@ -14,112 +14,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.design.faults import nearest
 from fingertip.errors import Fault, TraceError
 from fingertip.sim.amplifiers import amplified
 from fingertip.sim.analog import respond
 from fingertip.sim.comparator import missing, pin_v
 from fingertip.sim.contact_stages import GROSS_SLIP_M_S
+from fingertip.sim.controller import Controller, Seen
 from fingertip.sim.inputs import refuse
+from fingertip.sim.manipulated import Manipulated
 from fingertip.sim.manipulation_file import OUTPUTS, ManipulationFile
 from fingertip.sim.manipulation_plan import Plan, plan, thumb_n
 from fingertip.sim.manipulation_run import Run
 from fingertip.sim.pad import Pad
-from fingertip.sim.stages import Ran
-from fingertip.slip.trace import Trace
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Seen:
-    """What a controller is handed at the end of a period."""
-
-    time_s: float
-    """Now; the first time 0, before any sample but the first."""
-    voltage_v: Array
-    """Samples since the last time, (fingers, samples), as the converters gave them."""
-    closing_m: Array
-    """Closing of each finger now, as its motor's encoder shows it."""
-    planned_m: Array
-    """Closing of each finger that a hand without control would be told now: it closes and keeps its grip."""
-
-
-class Controller(Protocol):
-    """What closes the loop."""
-
-    def step(self, seen: Seen) -> Array:
-        """The closing [m] each finger is told, (fingers,), in force until the next command."""
-        ...
-
-
-class FixedGrip:
-    """No control: the planned closing."""
-
-    def step(self, seen: Seen) -> Array:
-        """As planned."""
-        return seen.planned_m
-
-
-@dataclass(frozen=True, eq=False)
-class Manipulated:
-    """What came of it."""
-
-    scene: ManipulationFile
-    seed: int
-    plan: Plan
-    """Moments and forces as drawn."""
-    time_s: Array
-    signals: dict[str, NDArray[Any]]
-    """Output -> (fingers, samples); object_m and pin_n have samples only."""
-    lost_s: float | None
-    """When the object left the fingers; None: it was held to the end."""
-    ran: tuple[Ran, ...]
-    """The stages that ran, and what each took."""
-
-    @property
-    def fingers(self) -> tuple[str, ...]:
-        """The fingers, the thumb first."""
-        return self.scene.fingers
-
-    @property
-    def force_n(self) -> float:
-        """The thumb's force before anything happens [N]."""
-        return float(self.plan.force_n[0])
-
-    @property
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """The outputs as columns: the thumb's and the object's by their own names, others as index_force_n."""
-        found = {}
-        for name in self.scene.outputs:
-            signal = self.signals[name]
-            found[name] = signal if signal.ndim == 1 else signal[0]
-        for i, finger in list(enumerate(self.fingers))[1:]:
-            shared = {f"{finger}_{name}": self.signals[name] for name in self.scene.outputs}
-            found |= {name: signal[i] for name, signal in shared.items() if signal.ndim == 2}
-        return found
-
-    def trace(self, finger: str = "thumb") -> Trace:
-        """What a detector is given of one finger, and judged by.
-
-        Raises
-        ------
-        TraceError
-            If the finger does not touch, or the scene does not name the voltage among its outputs.
-        """
-        if finger not in self.fingers:
-            raise TraceError(Fault("finger", f"{finger!r} does not touch; {nearest(finger, self.fingers)}"))
-        if "voltage_v" not in self.signals:
-            raise TraceError(Fault("outputs", "does not name voltage_v; a trace needs it."))
-        of = {name: signal[self.fingers.index(finger)] for name, signal in self.signals.items() if signal.ndim == 2}
-        return Trace(self.time_s, of["voltage_v"], of.get("force_n"), of.get("slip"))
 
 
 def run_manipulation(

@@ -42,7 +42,7 @@ class Held(Section):
         "wood", "The article's four: wood, and a bottle of plastic (III.C)."
     )
     friction_spread: float = quantity(
-        0.05, "", "The seed draws friction within this share of the surface's. Assumption.", least=0, most=0.5
+        0.03, "", "The seed draws friction within this share of the surface's. Assumption.", least=0, most=0.5
     )
     length_m: float = quantity(
         0.05, "m", "Way after which the object has left the fingers. Assumption.", least=0.005, most=0.5
@@ -55,10 +55,10 @@ class Grasp(Section):
     kind: Literal["pinch", "power"] = choice("power", "pinch: thumb against index; power: thumb against four fingers.")
     force_n: float = quantity(0.0, "N", "The thumb's, before anything happens; 0: by the margins.", least=0, most=20)
     margin_least: float = quantity(
-        1.15, "", "The seed draws the force, as a multiple of what just holds the weight, from here.", above=0, most=20
+        1.1, "", "The seed draws the force, as a multiple of what just holds the weight, from here.", above=0, most=20
     )
     margin_most: float = quantity(
-        1.3, "", "To here. Assumption: people hold with so little to spare; the article says low.", above=0, most=20
+        1.2, "", "To here. Assumption; beyond mu_s / mu_c = 1.25 no knock frees an object for good.", above=0, most=20
     )
     force_least_n: float = quantity(
         0.5, "N", "Least on the thumb: well beyond the sensor's turn-on. Assumption.", above=0, most=20

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from fingertip.drawing import INK, plain, png, sheet
-from fingertip.sim.manipulation import Manipulated
+from fingertip.sim.manipulated import Manipulated
 from fingertip.sim.result import Simulated
 from fingertip.slip.intervals import intervals
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.sim.manipulation import Manipulated
+from fingertip.sim.manipulated import Manipulated
 from fingertip.sim.result import Simulated
 from fingertip.sim.surfaces import SURFACES
 from fingertip.slip.intervals import Interval, intervals

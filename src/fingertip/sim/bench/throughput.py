@@ -1,4 +1,5 @@
-"""How long campaigns take: the article's 120 trials, thousands of boards, and the compiler's first run."""
+"""How long campaigns take: the article's 120 trials and 12 manipulations, thousands of boards, the compiler's first
+run."""
 
 from __future__ import annotations
 
@@ -13,13 +14,16 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.sim.analog import respond_in_parts
-from fingertip.sim.campaign import trials
+from fingertip.sim.campaign import manipulations, trials
 from fingertip.sim.circuit import Analog
+from fingertip.sim.controller import FixedGrip
+from fingertip.sim.manipulation import run_manipulation
 from fingertip.sim.monte_carlo import spread
 from fingertip.sim.result import run_scene
 from fingertip.sim.scene_file import SceneFile
 
 CAMPAIGN_TARGET_S = 6.0
+MANIPULATION_TARGET_S = 1.0
 BOARDS_TARGET_S = 15.0
 BOARDS_TOLERANCE_V = 1e-3
 _COLD = """
@@ -45,6 +49,23 @@ def campaign() -> dict[str, Any]:
     slipping = sum(bool(run_scene(design, scene, seed).columns["slip"].any()) for scene, seed in wanted)
     cpu = time.process_time() - start
     return {"trials": len(wanted), "slipping": slipping, "cpu_s": cpu, "target_s": CAMPAIGN_TARGET_S}
+
+
+def hands() -> dict[str, Any]:
+    """CPU time of the 12 manipulations [s], stepped by a controller that does nothing, loops compiled before."""
+    design = Design()
+    wanted = list(manipulations())
+    run_manipulation(design, wanted[0][0], FixedGrip(), 0)
+    start = time.process_time()
+    made = [run_manipulation(design, scene, FixedGrip(), seed) for scene, seed in wanted]
+    cpu = time.process_time() - start
+    return {
+        "manipulations": len(made),
+        "simulated_s": round(sum(float(one.time_s[-1]) for one in made), 3),
+        "lost": sum(one.lost_s is not None for one in made),
+        "cpu_s": cpu,
+        "target_s": MANIPULATION_TARGET_S * len(made),
+    }
 
 
 def boards(count: int) -> dict[str, Any]:

@@ -27,6 +27,23 @@ def arc_point(t: float, w: float) -> tuple[float, float]:
     return (side + middle) / d, (top + middle) / d
 
 
+def arc_leaning(a: float, b: float, w: float, slope: float) -> float:
+    """Parameter t of the arc from (a, 0) to (0, b) where it leans by -dx/dy = `slope` >= 0.
+
+    With r = t / (1 - t), the arc's derivatives -2 t (u + w t) and 2 u (t + w u) make that a quadratic in r.
+    """
+    c = slope * b
+    r = (c - a + math.sqrt((c - a) ** 2 + 4.0 * a * c * w * w)) / (2.0 * a * w)
+    return r / (1.0 + r)
+
+
+def arc_at_height(y: float, w: float) -> float:
+    """Parameter t of the unit arc at height y in [0, 1): (1 - y) r^2 + 2 w (1 - y) r = y, r = t / (1 - t)."""
+    v = w * (1.0 - y)
+    r = y / (v + math.sqrt(v * v + y * (1.0 - y)))
+    return r / (1.0 + r)
+
+
 def arc_abscissa(y: float, w: float) -> float:
     """The x of the unit arc at height y in [0, 1]; 0 above it.
 
@@ -67,16 +84,6 @@ class CrossSection:
         if scale <= 0.0 or abs(y) >= height * scale:
             return 0.0
         return scale * self.half_width * arc_abscissa(abs(y) / (height * scale), weight)
-
-    def leaning(self, height: float, weight: float, slope: float) -> tuple[float, float]:
-        """Point (x, y) [mm] of an arc over `half_width` and `height` where it leans by -dx/dy = `slope` >= 0.
-
-        With r = t / (1 - t), the arc's derivatives -2 t (u + w t) and 2 u (t + w u) make that a quadratic in r.
-        """
-        a, b = self.half_width, slope * height
-        r = (b - a + math.sqrt((b - a) ** 2 + 4.0 * a * b * weight * weight)) / (2.0 * a * weight)
-        x, y = arc_point(r / (1.0 + r), weight)
-        return a * x, height * y
 
     def area(self) -> float:
         """Area [mm2] at scale 1."""

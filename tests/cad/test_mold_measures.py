@@ -117,8 +117,8 @@ def test_a_hollow_that_looks_back(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_recess_without_draft(monkeypatch: pytest.MonkeyPatch) -> None:
     """The FSR 402's bone is nearly a box: without walls of its own its recess stands upright beside it."""
-    outline = mold.drafted_outline
-    monkeypatch.setattr(mold, "drafted_outline", lambda section, slope, flat=None: outline(section, 1e-6, flat))
+    original = mold.drafted
+    monkeypatch.setattr(mold, "drafted", lambda section, slope, flat=None: original(section, 1e-6, flat))
     assert failures(*BOXY) == {"mold_palmar.leaves_the_bone"}
 
 

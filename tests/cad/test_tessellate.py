@@ -10,9 +10,10 @@ import pytest
 
 from fingertip.cad.checks import open_edges
 from fingertip.cad.mesh import Mesh
-from fingertip.cad.solids import Box, Cone, ElbowTube, Form, Primitive, cylinder, hexagon
+from fingertip.cad.solids import Bar, Box, Cone, ElbowTube, Form, Primitive, cylinder, hexagon
 from fingertip.cad.tessellate import arc_segments, tessellate
 from fingertip.conic import ConicBody, CrossSection, Tip, arc_point
+from fingertip.design.draft import drafted
 
 SECTION = CrossSection(8.5, 6.0, 7.0, 0.8, 0.75)
 PRISM = Form(ConicBody(SECTION, ((-3.0, 1.0), (24.0, 0.94))))
@@ -22,12 +23,30 @@ SPHEROID = Form(
 )
 ELBOW = ElbowTube(start_y=-1.0, start_z=5.0, exit_z=-4.0, end_y=6.0, bend_radius=3.0, radius=1.2)
 
+DRAFTED = drafted(SECTION, 0.05, flat=2.0)
+
+
+def drafted_area() -> float:
+    """Area of the drafted section: straight walls, then the arcs in 20 000 chords [mm2]."""
+    area = 0.0
+    for height, weight, start in (
+        (SECTION.dorsal, SECTION.dorsal_weight, DRAFTED.dorsal_from),
+        (SECTION.palmar, SECTION.palmar_weight, DRAFTED.palmar_from),
+    ):
+        arc = [arc_point(start + (1.0 - start) * i / 20_000, weight) for i in range(20_001)]
+        outline = [(DRAFTED.half_width / SECTION.half_width, 0.0), *arc]
+        strips = ((a[0] + b[0]) * (b[1] - a[1]) for a, b in itertools.pairwise(outline))
+        area += SECTION.half_width * height * sum(strips)
+    return area
+
+
 EXACT: list[tuple[Primitive, float]] = [
     (Box((-1.0, 0.0, 2.0), (3.0, 5.0, 4.0)), 40.0),
     (cylinder("x", (1.0, 2.0), -3.0, 4.0, 1.5), math.pi * 1.5**2 * 7),
     (Cone("y", (1.0, 2.0), 0.0, 3.0, 1.0, 2.0), math.pi * 3 * (1 + 2 + 4) / 3),
     (hexagon(2.0, 3.0, 5.5, -1.0, 1.0), 2 * math.sqrt(3) / 2 * 5.5**2),
     (ELBOW, math.pi * 1.2**2 * (6.0 + math.pi / 2 * 3.0 + 4.0)),
+    (Bar(DRAFTED, -2.0, 5.0), 7.0 * drafted_area()),
     (PRISM, SECTION.area() * 27 * (1 + 0.94 + 0.94**2) / 3),
     (SPHEROID, math.pi * 12 * 5 + math.pi * 12 * 6 * 2 / 3),
 ]

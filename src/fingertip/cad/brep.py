@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.cad.solids import (
+    Bar,
     Box,
     Cone,
     Difference,
@@ -103,6 +104,8 @@ class Evaluator:
                 return _elbow(solid)
             case Form(body):
                 return _form(body)
+            case Bar():
+                return _bar(solid)
 
 
 def volume(shape: Any) -> float:
@@ -191,6 +194,37 @@ def _form(body: ConicBody) -> Any:
     shell = cq.Shape.cast(sewing.SewedShape())
     solid = cq.Solid.makeSolid(shell)
     return solid if volume(solid) > 0 else cq.Solid.makeSolid(cq.Shape.cast(shell.wrapped.Reversed()))
+
+
+def _bar(bar: Bar) -> Any:
+    """Arcs and the straight walls between them, drawn out."""
+    section, half_width = bar.section.section, bar.section.half_width
+    edges = []
+    for side, start, height, weight in (
+        (1.0, bar.section.dorsal_from, section.dorsal, section.dorsal_weight),
+        (-1.0, bar.section.palmar_from, section.palmar, section.palmar_weight),
+    ):
+        arc = _rest_of_arc(section.half_width, height, weight, start)
+        for mirror in (1.0, -1.0):
+            row = [(mirror * x, side * y, w) for x, y, w in arc]
+            wall = [cq.Vector(mirror * half_width, 0.0, bar.low), cq.Vector(row[0][0], row[0][1], bar.low)]
+            edges += [cq.Edge.makeLine(*wall), _arc(row, bar.low)]
+    # In the order they follow each other, counter-clockwise from the right.
+    (right_d, d_right, left_d, d_left, right_p, p_right, left_p, p_left) = edges
+    outline = cq.Wire.assembleEdges([right_d, d_right, d_left, left_d, left_p, p_left, p_right, right_p])
+    return cq.Solid.extrudeLinear(outline, [], cq.Vector(0.0, 0.0, bar.high - bar.low))
+
+
+def _rest_of_arc(a: float, b: float, weight: float, start: float) -> list[tuple[float, float, float]]:
+    """Control points (x, y, weight) of an arc from parameter `start` on: de Casteljau's, in homogeneous coordinates."""
+    first, middle, last = ((a, 0.0, 1.0), (weight * a, weight * b, weight), (0.0, b, 1.0))
+
+    def between(p: Point, q: Point) -> Point:
+        return (p[0] + start * (q[0] - p[0]), p[1] + start * (q[1] - p[1]), p[2] + start * (q[2] - p[2]))
+
+    later = between(middle, last)
+    controls = (between(between(first, middle), later), later, last)
+    return [(x / w, y / w, w) for x, y, w in controls]
 
 
 def _quadrants(section: CrossSection) -> list[tuple[tuple[float, float, float], ...]]:

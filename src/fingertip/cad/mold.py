@@ -7,10 +7,10 @@ import math
 from fingertip.cad import strokes
 from fingertip.cad.core import above_foot, grown
 from fingertip.cad.skin import cavity
-from fingertip.cad.solids import Box, Cone, Form, Prism, Solid, cylinder, difference, hexagon, intersection, union
-from fingertip.conic import ConicBody
+from fingertip.cad.solids import Bar, Box, Cone, Form, Prism, Solid, cylinder, difference, hexagon, intersection, union
+from fingertip.conic import ConicBody, CrossSection
 from fingertip.design import Design
-from fingertip.design.draft import drafted_outline
+from fingertip.design.draft import drafted
 from fingertip.design.mold_layout import MoldLayout, lay_out
 
 _STROKE = 0.8  # width of the letters' strokes, in units of their grid
@@ -38,18 +38,18 @@ def base_recess(design: Design, m: MoldLayout) -> tuple[Solid, ...]:
     wider, flat = grown(dims.envelope.section, gap), dims.flat_depth + gap
     past = wider.half_width
     low = m.proximal_z - past
-    base = Form(ConicBody(wider, ((low, 1.0), (0.0, 1.0))))
     below = Box((-wider.half_width - past, -wider.palmar - past, low - past), (wider.half_width + past, -flat, past))
-    section, top = grown(dims.collar.section, gap), _OVERLAP_MM
+    base = _bar(wider, slope, low, _OVERLAP_MM - design.bone.collar_length_mm, flat)
     foot = dims.collar.stations[0][0] - past
-    base_walls: list[Solid] = [difference(base, below)]
-    collar_walls: list[Solid] = [Form(ConicBody(section, ((foot, 1.0), (top, 1.0))))]
-    if slope > 0.0:
-        base_walls.append(
-            Prism("z", drafted_outline(wider, slope, flat), low, _OVERLAP_MM - design.bone.collar_length_mm)
-        )
-        collar_walls.append(Prism("z", drafted_outline(section, slope), foot, top))
-    return *base_walls, intersection(union(*collar_walls), above_foot(design, gap))
+    collar = _bar(grown(dims.collar.section, gap), slope, foot, _OVERLAP_MM)
+    return difference(base, below), intersection(collar, above_foot(design, gap))
+
+
+def _bar(section: CrossSection, slope: float, low: float, high: float, flat: float | None = None) -> Solid:
+    """The section, with draft if there is to be any, drawn out along z [mm]."""
+    if slope == 0.0:
+        return Form(ConicBody(section, ((low, 1.0), (high, 1.0))))
+    return Bar(drafted(section, slope, flat), low, high)
 
 
 def runners(design: Design, m: MoldLayout) -> tuple[Solid, ...]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from fingertip.conic import ConicBody
+from fingertip.design.draft import DraftedSection
 
 Axis = Literal["x", "y", "z"]
 Point3: TypeAlias = tuple[float, float, float]
@@ -102,6 +103,15 @@ class Form:
 
 
 @dataclass(frozen=True)
+class Bar:
+    """A drafted section drawn out along z [mm]."""
+
+    section: DraftedSection
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
 class Union:
     """What any of `solids` covers."""
 
@@ -131,7 +141,7 @@ class Scaled:
     factor: float
 
 
-Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | Form
+Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | Form | Bar
 Solid: TypeAlias = Primitive | Union | Difference | Intersection | Scaled
 
 

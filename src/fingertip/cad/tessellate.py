@@ -14,7 +14,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.cad.solids import Box, Cone, ElbowTube, Form, Point3, Primitive, Prism, place
+from fingertip.cad.solids import Bar, Box, Cone, ElbowTube, Form, Point3, Primitive, Prism, place
 from fingertip.conic import ELLIPSE, ConicBody, arc_point
 
 Vertices: TypeAlias = NDArray[np.float64]
@@ -42,6 +42,8 @@ def tessellate(solid: Primitive, tolerance_mm: float) -> tuple[Vertices, Triangl
             return _elbow(solid, tolerance_mm)
         case Form(body):
             return _form(body, tolerance_mm)
+        case Bar():
+            return _bar(solid, tolerance_mm)
 
 
 def arc_segments(a: float, b: float, weight: float, tolerance: float) -> int:
@@ -140,6 +142,29 @@ def _form(body: ConicBody, tolerance: float) -> tuple[Vertices, Triangles]:
         levels += [body.tip_point(i / rows) for i in range(1, rows)]
     rings = [[(s * x, s * y, z) for x, y in unit] for z, s in levels]
     return _stack(rings, (0.0, 0.0, body.tip.z) if body.tip else None)
+
+
+def _bar(bar: Bar, tolerance: float) -> tuple[Vertices, Triangles]:
+    section, half_width = bar.section.section, bar.section.half_width
+    dorsal, palmar = (
+        _rest_of_arc(section.half_width, height, weight, start, tolerance)
+        for height, weight, start in (
+            (section.dorsal, section.dorsal_weight, bar.section.dorsal_from),
+            (section.palmar, section.palmar_weight, bar.section.palmar_from),
+        )
+    )
+    outline = [
+        (half_width, 0.0), *dorsal, *((-x, y) for x, y in dorsal[-2::-1]),
+        (-half_width, 0.0), *((-x, -y) for x, y in palmar), *((x, -y) for x, y in palmar[-2::-1]),
+    ]  # fmt: skip
+    return _stack([[(x, y, z) for x, y in outline] for z in (bar.low, bar.high)])
+
+
+def _rest_of_arc(a: float, b: float, weight: float, start: float, tolerance: float) -> list[Point2]:
+    """Points of the arc from parameter `start` to (0, b), as dense as the whole arc needs."""
+    n = arc_segments(a, b, weight, tolerance)
+    points = (arc_point(start + (1.0 - start) * i / n, weight) for i in range(n + 1))
+    return [(a * x, b * y) for x, y in points]
 
 
 def _stack(rings: Sequence[Sequence[Point3]], apex: Point3 | None = None) -> tuple[Vertices, Triangles]:

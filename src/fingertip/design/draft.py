@@ -2,34 +2,49 @@
 
 from __future__ import annotations
 
-from fingertip.conic import CrossSection
+from dataclasses import dataclass
 
-Corner = tuple[float, float]
+from fingertip.conic import CrossSection, arc_at_height, arc_leaning, arc_point
 
 
-def drafted_outline(section: CrossSection, slope: float, flat: float | None = None) -> tuple[Corner, ...]:
-    """Hexagon that together with the section leans by at least `slope` everywhere, seen from the parting plane y = 0.
+@dataclass(frozen=True)
+class DraftedSection:
+    """A section whose arcs give way to straight walls beside the parting plane y = 0.
 
-    From where an arc leans by that much a straight line runs on to the parting plane, outside the arc. Both sides meet
-    there in the wider of their lines' ends, so that the halves' edges do.
+    From where an arc leans by the draft a straight line runs on to the parting plane, outside the arc, and leans by at
+    least as much. Both sides meet there in the wider of their lines' ends, so that the halves' edges do.
+    """
+
+    section: CrossSection
+    half_width: float
+    """At the parting plane [mm]."""
+    palmar_from: float
+    """Parameter of the palmar arcs where the lines end."""
+    dorsal_from: float
+
+
+def drafted(section: CrossSection, slope: float, flat: float | None = None) -> DraftedSection:
+    """The section with draft.
 
     Parameters
     ----------
     section
         The outline, half width and half heights [mm].
     slope
-        Tangent of the draft, >= 0.
+        Tangent of the draft, > 0.
     flat
-        The palmar side is cut at y = -`flat` [mm]; None if it is not.
-
-    Returns
-    -------
-    corners
-        Six (x, y) [mm], counter-clockwise, the first at the right of the palmar side.
+        The palmar side will be cut at y = -`flat` [mm], where the line must begin at the latest; None if it is not.
     """
-    x_d, y_d = section.leaning(section.dorsal, section.dorsal_weight, slope)
-    x_p, y_p = section.leaning(section.palmar, section.palmar_weight, slope)
-    if flat is not None and y_p > flat:
-        x_p, y_p = section.half_width_at(-flat), flat
-    widest = max(x_d + slope * y_d, x_p + slope * y_p)
-    return (x_p, -y_p), (widest, 0.0), (x_d, y_d), (-x_d, y_d), (-widest, 0.0), (-x_p, -y_p)
+    a = section.half_width
+    dorsal = arc_leaning(a, section.dorsal, section.dorsal_weight, slope)
+    palmar = arc_leaning(a, section.palmar, section.palmar_weight, slope)
+    if flat is not None:
+        palmar = min(palmar, arc_at_height(flat / section.palmar, section.palmar_weight))
+    reach = []
+    for height, weight, t in (
+        (section.dorsal, section.dorsal_weight, dorsal),
+        (section.palmar, section.palmar_weight, palmar),
+    ):
+        x, y = arc_point(t, weight)
+        reach.append(a * x + slope * height * y)
+    return DraftedSection(section, max(reach), palmar, dorsal)

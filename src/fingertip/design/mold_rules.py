@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from fingertip.design.dimensions import derive
-from fingertip.design.draft import drafted_outline
+from fingertip.design.draft import drafted
 from fingertip.design.mold_layout import lay_out
 from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
 from fingertip.design.tables import Tables
@@ -31,9 +31,9 @@ def _recess_within_base(d: Tables) -> str | None:
 )  # fmt: skip
 def _recess_within_cavity(d: Tables) -> str | None:
     dims = derive(d)
-    section = dims.collar.section
-    drafted = max(x for x, _ in drafted_outline(section, dims.draft_slope))
-    most = d.bone.collar_inset_mm - (drafted - section.half_width) - 0.05
+    section, slope = dims.collar.section, dims.draft_slope
+    wider = drafted(section, slope).half_width - section.half_width if slope else 0.0
+    most = d.bone.collar_inset_mm - wider - 0.05
     if d.mold.fit_clearance_mm <= most + SLACK:
         return None
     return (

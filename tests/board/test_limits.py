@@ -1,0 +1,36 @@
+"""How far the voltages go on both supplies, and why the bridge returns to the middle of a single one."""
+
+from __future__ import annotations
+
+import pytest
+
+from fingertip.board import board_values
+from fingertip.board.bridge import fit_bridge
+from fingertip.board.limits import limits
+from fingertip.board.supplies import SUPPLIES
+from fingertip.design import Design
+
+
+def test_limits_of_both_supplies() -> None:
+    split, single = (board_values(Design.load(changes=[f"board.supply={s}"])).limits for s in ("split", "single"))
+    assert (split.rest_v, single.rest_v) == (0.0, 2.5)
+    assert (split.filter_peak_v, single.filter_peak_v) == pytest.approx((3.5, 2.4))
+    assert single.vibration_peak_v == pytest.approx(2.4 / 67.667, rel=1e-4)
+    for found in (split, single):
+        assert 0 < found.tactile_least_v < 3.85 < 4.3 < found.tactile_most_v < 4.5
+    assert found.tactile_most_v <= found.clamp_high_v
+
+
+@pytest.mark.parametrize("series", ["E12", "E24", "E96"])
+@pytest.mark.parametrize("supply_v", [5.0, 5.5, 6.0])
+@pytest.mark.parametrize("supply", ["split", "single"])
+def test_the_bridges_amplifier_stays_within_its_rails(supply: str, supply_v: float, series: str) -> None:
+    changes = [f"board.supply={supply}", f"board.supply_v={supply_v}", f"board.series={series}"]
+    assert board_values(Design.load(changes=changes)).limits.bridge_amplifier_margin_v > 0
+
+
+def test_a_bridge_at_ground_would_not_do_on_a_single_supply() -> None:
+    """Why it returns to the middle: the AD623's inner amplifiers would have to go below ground."""
+    bridge = fit_bridge(5.0, "E24", 5.08)
+    assert limits(bridge, SUPPLIES["split"], 5.0, 67.7, True).bridge_amplifier_margin_v > 0
+    assert limits(bridge, SUPPLIES["single"], 5.0, 67.7, True).bridge_amplifier_margin_v < -1

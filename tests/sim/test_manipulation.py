@@ -185,6 +185,16 @@ def test_without_a_knock_nothing_slips():
     assert made.lost_s is None
 
 
+@pytest.mark.parametrize("rate", [1000.0, 3000.0, 20_000.0])
+def test_other_rates_give_the_same_motion(rate):
+    tables = scene(grasp={"margin_most": 1.15, "margin_least": 1.15}, outputs=["voltage_v", "slip", "object_m"])
+    usual = run_manipulation(DESIGN, tables, FixedGrip(), 1)
+    other = run_manipulation(Design(detector={"sample_rate_hz": rate}), tables, FixedGrip(), 1)
+    assert other.lost_s == pytest.approx(usual.lost_s, abs=0.003)
+    onsets = [run.time_s[run.signals["slip"].any(axis=0)][0] for run in (usual, other)]
+    assert onsets[1] == pytest.approx(onsets[0], abs=0.002)
+
+
 def test_the_articles_twelve():
     found = list(manipulations())
     assert [(s.object.mass_kg, s.grasp.kind) for s, _ in found[::3]] == [

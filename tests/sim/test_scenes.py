@@ -331,3 +331,5 @@ def test_the_command_refuses_everything_at_once(tmp_path):
     assert not list(tmp_path.iterdir())
     done = run_fingertip("simulate", design_file, "--design", design_file, "--out", tmp_path / "a.csv")
     assert "is no scene; leave --design out" in done.stderr
+    done = run_fingertip("simulate", design_file, "--out", tmp_path / "a.csv", "--plot", tmp_path / "a.csv")
+    assert "is the trace's own name; choose another" in done.stderr

@@ -18,17 +18,25 @@ if TYPE_CHECKING:
 
 @command
 def simulate(
-    file: Annotated[Path | None, typer.Argument(help="Design file or scene file; without it, the defaults.")] = None,
-    design: Annotated[Path | None, typer.Option("--design", "-d", help="Design file, beside a scene file.")] = None,
+    file: Annotated[
+        Path | None, typer.Argument(help="Design, scene or manipulation file; without it, the defaults.")
+    ] = None,
+    design: Annotated[
+        Path | None, typer.Option("--design", "-d", help="Design file, beside a scene or manipulation file.")
+    ] = None,
     out: Annotated[Path, typer.Option("--out", "-o", help="Trace to write: .csv, or .npz.")] = Path("trace.csv"),
     plot: Annotated[Path | None, typer.Option("--plot", help="Picture of the outputs to write (PNG).")] = None,
     seed: Annotated[int, typer.Option(help="Seed of force, surface and noise.")] = 0,
     speed_m_s: Annotated[
-        float | None, typer.Option("--speed-m-s", help="Peak sliding velocity; the article's: 0.04, 0.06, 0.08.")
+        float | None,
+        typer.Option("--speed-m-s", help="Peak sliding velocity (article: 0.04, 0.06, 0.08), or the knock's (0.08)."),
     ] = None,
     surface: Annotated[str | None, typer.Option(help="smooth, medium, gross, wood, paper or plastic.")] = None,
     force_n: Annotated[
-        float | None, typer.Option("--force-n", help="Holding force; by the seed if left out, 0.2 to 2 N in a trial.")
+        float | None,
+        typer.Option(
+            "--force-n", help="Holding force, or the thumb's; by the seed if left out, 0.2 to 2 N in a trial."
+        ),
     ] = None,
     changes: SetOption = None,
     parameters: Annotated[
@@ -59,6 +67,8 @@ def simulate(
         )
     if out.suffix.lower() not in (".csv", ".npz"):
         faults.append(Fault("--out", f"{out.name!r} is no kind of trace file known here; end it in .csv or .npz."))
+    if plot == out:
+        faults.append(Fault("--plot", f"{plot} is the trace's own name; choose another, such as trace.png."))
     if is_scene and seed < 0:  # a trial says so itself
         faults.append(Fault("--seed", f"{seed} is negative; choose a whole number of at least 0."))
     loaded: Design | None = None
@@ -93,16 +103,17 @@ def simulate(
 
     found: sim.Simulated | sim.Manipulated
     if isinstance(scene, sim.ManipulationFile):
-        found = sim.run_manipulation(loaded, scene, None, seed)
+        found = sim.run_manipulation(loaded, scene, None, seed, console.say)
     else:
         found = sim.run_scene(loaded, scene, seed, console.say)
     words = summary.as_text(found)
+    contents = file_bytes(found.time_s, found.columns, out)
     if plot is not None:
         from fingertip.sim.plot import draw
 
         console.say(f"drawing {plot}")
         write_file(plot, draw(found, words[0]), "--plot")
-    write_file(out, file_bytes(found.time_s, found.columns, out))
+    write_file(out, contents)
     console.say(f"wrote {out}")
     written = {"trace": out.as_posix()} | ({"plot": plot.as_posix()} if plot else {})
     console.result(written | summary.as_data(found), "\n".join(words))

@@ -32,6 +32,7 @@ from fingertip.sim.manipulation_file import OUTPUTS, ManipulationFile
 from fingertip.sim.manipulation_plan import Plan, plan, thumb_n
 from fingertip.sim.manipulation_run import Run
 from fingertip.sim.pad import Pad
+from fingertip.sim.result import LONG_S
 
 Array = NDArray[np.float64]
 
@@ -56,7 +57,7 @@ def run_manipulation(
     seed
         Of grip, friction, surfaces and noise. The same design, scene, seed and commands give the same columns.
     say
-        Told of progress.
+        Told of progress, where a scene is long enough to need it.
 
     Raises
     ------
@@ -66,7 +67,7 @@ def run_manipulation(
     pad = Pad.of(design)
     _refuse(design, scene, seed)
     made = plan(scene, pad, seed)
-    if say:
+    if say and made.duration_s > LONG_S:
         say(f"{scene.scene}, {made.duration_s:.1f} s")
     wanted = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
     run = Run(design, scene, made, pad, seed, wanted)

@@ -55,7 +55,11 @@ class Grasp(Section):
     kind: Literal["pinch", "power"] = choice("power", "pinch: thumb against index; power: thumb against four fingers.")
     force_n: float = quantity(0.0, "N", "The thumb's, before anything happens; 0: by the margins.", least=0, most=20)
     margin_least: float = quantity(
-        1.1, "", "The seed draws the force, as a multiple of what just holds the weight, from here.", above=0, most=20
+        1.1,
+        "",
+        "The seed draws the force, as a multiple of what just holds the weight, from here. Assumption.",
+        above=0,
+        most=20,
     )
     margin_most: float = quantity(
         1.2, "", "To here. Assumption; beyond mu_s / mu_c = 1.25 no knock frees an object for good.", above=0, most=20
@@ -64,7 +68,11 @@ class Grasp(Section):
         0.5, "N", "Least on the thumb: well beyond the sensor's turn-on. Assumption.", above=0, most=20
     )
     uneven: float = quantity(
-        0.1, "", "The seed draws each opposing finger's share within this of its even one.", least=0, most=0.9
+        0.1,
+        "",
+        "The seed draws each opposing finger's share within this of its even one. Assumption.",
+        least=0,
+        most=0.9,
     )
     reach_m: float = quantity(0.03, "m", "Closing from open to touch. Assumption.", least=0.001, most=0.08)
     close_s: float = quantity(0.6, "s", "Time in which the hand is told to close. Assumption.", least=0.05, most=10)
@@ -93,17 +101,17 @@ class Knock(Section):
 
 
 class Hand(Section):
-    """From a command to the fingers' closing. No figure of the article's hand was found: assumptions."""
+    """From a command to the fingers' closing."""
 
-    period_s: float = quantity(0.01, "s", "Between commands.", least=0.0005, most=0.2)
-    delay_s: float = quantity(0.02, "s", "From a command to the motors' answer.", least=0, most=0.5)
-    lag_s: float = quantity(0.03, "s", "Of the motors: first order.", least=0.001, most=1)
-    rate_m_s: float = quantity(0.1, "m/s", "Most velocity of closing: 60 mm in 0.6 s.", least=0.005, most=1)
-    force_most_n: float = quantity(15.0, "N", "A finger's tendon stalls at this.", above=0, most=100)
+    period_s: float = quantity(0.01, "s", "Between commands. Assumption.", least=0.0005, most=0.2)
+    delay_s: float = quantity(0.02, "s", "From a command to the motors' answer. Assumption.", least=0, most=0.5)
+    lag_s: float = quantity(0.03, "s", "Of the motors: first order. Assumption.", least=0.001, most=1)
+    rate_m_s: float = quantity(0.1, "m/s", "Most velocity of closing: 60 mm in 0.6 s. Assumption.", least=0.005, most=1)
+    force_most_n: float = quantity(15.0, "N", "A finger's tendon stalls at this. Assumption.", above=0, most=100)
     motor_n: float = quantity(
-        0.01, "N", "Amplitude by which a motor at full velocity shakes its finger.", least=0, most=5
+        0.01, "N", "Amplitude by which a motor at full velocity shakes its finger. Assumption.", least=0, most=5
     )
-    motor_hz: float = quantity(45.0, "Hz", "Its frequency then.", least=1, most=500)
+    motor_hz: float = quantity(45.0, "Hz", "Its frequency then. Assumption.", least=1, most=500)
 
 
 class ManipulationFile(StrictFile):

@@ -23,14 +23,14 @@ from tests.sweep import hooks
 from tests.sweep.plans import plan
 
 SIZE = 72
-COUNT = 20_000
+COUNT = 8_000
 MANY = """
 name = "many"
 outputs = ["q", "gain"]
 
 [axes]
-board.cutoff_hz = {low = 20, high = 2000, steps = 100, spacing = "logarithmic"}
-board.passband_gain = {low = 2, high = 900, steps = 100}
+board.cutoff_hz = {low = 20, high = 2000, steps = 80, spacing = "logarithmic"}
+board.passband_gain = {low = 2, high = 900, steps = 50}
 board.series = ["E12", "E24"]
 """
 
@@ -194,7 +194,7 @@ def test_a_full_disk_is_a_sentence_and_resume_goes_on(tmp_path: Path, whole: lis
     file.write_text(MANY)
 
     def little_room() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (400_000, 400_000))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000))
 
     command = [sys.executable, "-m", "fingertip", "sweep", str(file), "--out", str(out)]
     full = subprocess.run(command, capture_output=True, text=True, preexec_fn=little_room, timeout=120, check=False)
@@ -219,6 +219,22 @@ def test_sqlite_s_own_word_for_a_full_disk_is_understood(tmp_path: Path) -> None
         with pytest.raises(OutputError, match=r"disk is full.*--resume"):
             store.add(many)
         assert [row.point for row in store.rows()] == [0]  # all of a batch, or none
+
+
+def test_a_reader_that_takes_its_time_keeps_nobody_from_writing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fingertip.sweep.store._PAGE", 10)
+    made = plan()
+    with Store.create(tmp_path, made) as store:
+        row = ("ok", "", "", 20.0, 1.0, "E12", 1.0, 2.0, 3.0)
+        store.add([(i, *row) for i in range(30)])
+        with Store.open(tmp_path) as reader:
+            reading = reader.rows()
+            assert next(reading).point == 0
+            store._connection.execute("PRAGMA busy_timeout = 0")
+            store.add([(i, *row) for i in range(30, 40)])
+            assert [r.point for r in reading] == list(range(1, 40))
 
 
 def test_a_row_is_never_written_twice(tmp_path: Path) -> None:

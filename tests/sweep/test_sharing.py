@@ -124,10 +124,8 @@ def test_the_bone_is_neither_meshed_nor_measured_while_the_mold_varies(monkeypat
     [
         [],
         ["mold.wall_mm=5"],
-        ["mold.method=sleeve"],
         ["printer.scale_percent=101", "mold.method=sleeve"],
         ["bone.interface=socket", "bone.base_length_mm=32"],
-        ["printer.least_wall_mm=1"],
         ["mold.wall_mm=4.5", "bone.channel_diameter_mm=2"],
     ],
 )
@@ -201,7 +199,7 @@ AWKWARD: dict[str, Any] = {
 
 
 def test_the_quick_way_refuses_what_the_whole_design_refuses_in_the_same_words() -> None:
-    made = plan(sampling="latin_hypercube", points=400, seed=3, axes=AWKWARD, outputs=["q"])
+    made = plan(sampling="latin_hypercube", points=150, seed=3, axes=AWKWARD, outputs=["q"])
     quick, whole = Designs(made), Designs(made)
     assert quick._quick
     whole._quick = False
@@ -216,7 +214,7 @@ def test_the_quick_way_refuses_what_the_whole_design_refuses_in_the_same_words()
                 results.append(str(error))
         refused += isinstance(results[0], str)
         assert results[0] == results[1]
-    assert 100 < refused < 400
+    assert 40 < refused < 150
 
 
 def test_boards_are_those_that_the_board_itself_computes() -> None:
@@ -248,8 +246,7 @@ def test_boards_are_those_that_the_board_itself_computes() -> None:
     assert compared > 60
 
 
-@pytest.mark.parametrize("variant", ["paper", "precision", "comparator"])
-@pytest.mark.parametrize("detector", ["paper", "fast"])
+@pytest.mark.parametrize(("variant", "detector"), [("precision", "fast"), ("comparator", "paper")])
 def test_what_is_simulated_does_not_depend_on_the_decision(variant: str, detector: str) -> None:
     made = plan(
         outputs=["delay_ms", "found_share", "slips"],

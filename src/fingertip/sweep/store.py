@@ -8,12 +8,13 @@ committed survives a kill -9; whatever was not is computed again.
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 import os
 import sqlite3
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -29,7 +30,7 @@ FILE = "sweep.sqlite"
 FORMAT = "1"
 _PATIENCE_S = 30.0
 """How long a reader and the writer wait for each other."""
-_BATCH = 20_000
+_PAGE = 20_000
 
 Stored: TypeAlias = tuple[Any, ...]
 """A row as it is written: point, status, field, reason, then axes and outputs in the plan's order. SQLite keeps no
@@ -179,21 +180,21 @@ class Store:
 
     def counts(self) -> dict[str, int]:
         """How many rows there are of each status."""
-        found = dict(self._query("SELECT status, count(*) FROM rows GROUP BY status"))
+        statement = "SELECT status, count(*) FROM rows GROUP BY status"
+        found = dict(_said(self.folder, partial(self._fetched, statement)))
         return {status: int(found.get(status, 0)) for status in STATUSES}
 
     def missing(self) -> NDArray[np.bool_]:
         """(size,) whether a point of the plan has no row."""
         missing = np.ones(self.plan.size, dtype=np.bool_)
-        done = self._connection.execute("SELECT point FROM rows")
-        while part := _said(self.folder, lambda: done.fetchmany(_BATCH)):
-            missing[np.fromiter((point for (point,) in part), dtype=np.int64, count=len(part))] = False
+        for part in self._pages("point"):
+            missing[[point for (point,) in part]] = False
         return missing
 
     def rows(self) -> Iterator[Row]:
         """Every row in order of its point, a few at a time in memory."""
         outputs, split = self.plan.outputs, len(self.plan.axes)
-        for point, status, field, reason, *values in self._query("SELECT * FROM rows ORDER BY point"):
+        for point, status, field, reason, *values in itertools.chain.from_iterable(self._pages("*")):
             given, found = values[:split], values[split:]
             numbers = (math.nan if value is None else float(value) for value in found)
             named = {axis.name: axis.typed(value) for axis, value in zip(self.plan.axes, given, strict=True)}
@@ -202,14 +203,14 @@ class Store:
     def table(self) -> Table:
         """All rows as columns."""
         plan = self.plan
-        (count,) = next(iter(self._query("SELECT count(*) FROM rows")))
+        count = sum(self.counts().values())
         point = np.empty(count, dtype=np.int64)
         outputs = np.full((len(plan.outputs), count), np.nan)
         words: list[tuple[str, str, str]] = []
         # A running sweep may grow meanwhile: what came after the count is left for the next look.
-        cursor = self._query(f"SELECT * FROM rows ORDER BY point LIMIT {count}")
+        first = itertools.islice(itertools.chain.from_iterable(self._pages("*")), count)
         seen: dict[str, str] = {}
-        for at, (number, status, field, reason, *values) in enumerate(cursor):
+        for at, (number, status, field, reason, *values) in enumerate(first):
             point[at] = number
             outputs[:, at] = [math.nan if v is None else v for v in values[len(plan.axes) :]]
             words.append((seen.setdefault(status, status), seen.setdefault(field, field), reason))
@@ -219,10 +220,15 @@ class Store:
         named = dict(zip(plan.outputs, outputs, strict=True))
         return Table(point, plan.columns(point), named, text[0], text[1], text[2])
 
-    def _query(self, statement: str) -> Iterator[Any]:
-        cursor = _said(self.folder, lambda: self._connection.execute(statement))
-        while part := _said(self.folder, lambda: cursor.fetchmany(_BATCH)):
-            yield from part
+    def _pages(self, columns: str) -> Iterator[list[Any]]:
+        """Rows in order of their point, some at a time; between them the file is free for the writer."""
+        statement = f"SELECT {columns} FROM rows WHERE point > ? ORDER BY point LIMIT {_PAGE}"
+        page: list[Any] = [(-1,)]
+        while page := _said(self.folder, partial(self._fetched, statement, page[-1][0])):
+            yield page
+
+    def _fetched(self, statement: str, *given: Any) -> list[Any]:
+        return self._connection.execute(statement, given).fetchall()
 
     def _make(self, plan: Plan) -> None:
         names = [axis.name for axis in plan.axes] + list(plan.outputs)

@@ -3,6 +3,8 @@ article's."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -130,6 +132,13 @@ def test_grips_without_slip_are_false_and_claims_at_contact_discarded(handled):
     assert (one.grips, one.false_grips) == (2, 1)
     assert one.discarded == 1
     assert judged("fast", seen, looks[2:]).ignored == 1
+
+
+def test_an_object_that_left_the_fingers_is_not_held(handled):
+    seen = handled[0].seen
+    lost, held_on = (judged(NONE, replace(seen, lost_s=at), ()) for at in (3.0, None))
+    assert (lost.held, held_on.held) == (False, True)
+    assert totals([lost, held_on])[0].held == 1
 
 
 @pytest.mark.parametrize(

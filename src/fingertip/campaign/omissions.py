@@ -56,6 +56,7 @@ NOT_TRIED = (
     "Skins that wear, sweat or warm up; sensors that differ from the data sheet's curve.",
     "Boards at the ends of their tolerances; mains hum of the supply; crosstalk between fingers.",
     "Slip that begins slower than 0.5 m/s2, creeps, or turns the object about the finger.",
+    "A knock on an object that is held too firmly to slip, with the loop closed: a weak one would be answered.",
     "A deformable bottle, objects that roll, grasps in which the palm carries weight.",
 )
 

@@ -6,7 +6,7 @@ import pytest
 
 from fingertip.board import board_values
 from fingertip.board.bridge import fit_bridge
-from fingertip.board.limits import limits
+from fingertip.board.limits import converter_line, limits
 from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
 
@@ -21,6 +21,18 @@ def test_limits_of_both_supplies() -> None:
     assert found.tactile_most_v <= found.clamp_high_v
 
 
+def test_a_converter_too_small_for_the_board_is_said() -> None:
+    fits, small = (
+        board_values(Design.load(changes=["board.supply=single", f"detector.adc_range_v={v}"])).limits
+        for v in (10.0, 3.3)
+    )
+    assert fits.converter_misses_v == 0
+    assert converter_line(fits) == "a converter for plus and minus 10 V takes all of it"
+    assert small.converter_misses_v == pytest.approx(max(small.tactile_most_v, 2.5 + small.envelope_most_v) - 3.3)
+    assert "cuts the last 1.06 V off" in converter_line(small)
+    assert "detector.adc_range_v to 4.36 at least" in converter_line(small)
+
+
 @pytest.mark.parametrize("series", ["E12", "E24", "E96"])
 @pytest.mark.parametrize("supply_v", [5.0, 5.5, 6.0])
 @pytest.mark.parametrize("supply", ["split", "single"])
@@ -32,5 +44,5 @@ def test_the_bridges_amplifier_stays_within_its_rails(supply: str, supply_v: flo
 def test_a_bridge_at_ground_would_not_do_on_a_single_supply() -> None:
     """Why it returns to the middle: the AD623's inner amplifiers would have to go below ground."""
     bridge = fit_bridge(5.0, "E24", 5.08)
-    assert limits(bridge, SUPPLIES["split"], 5.0, 67.7, True).bridge_amplifier_margin_v > 0
-    assert limits(bridge, SUPPLIES["single"], 5.0, 67.7, True).bridge_amplifier_margin_v < -1
+    assert limits(bridge, SUPPLIES["split"], 5.0, 67.7, True, 10.0).bridge_amplifier_margin_v > 0
+    assert limits(bridge, SUPPLIES["single"], 5.0, 67.7, True, 10.0).bridge_amplifier_margin_v < -1

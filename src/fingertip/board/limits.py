@@ -39,9 +39,16 @@ class Limits:
     clamp_low_v: float
     clamp_high_v: float
     """The converter's pins are held between these, and a Schottky diode's drop beyond."""
+    converter_v: float
+    """The converter takes plus and minus this."""
+
+    @property
+    def converter_misses_v(self) -> float:
+        """By how much the pins go beyond what the converter takes; 0 if they do not."""
+        return max(self.tactile_most_v, self.rest_v + self.envelope_most_v, self.converter_v) - self.converter_v
 
 
-def limits(bridge: Bridge, supply: Supply, supply_v: float, gain: float, diode: bool) -> Limits:
+def limits(bridge: Bridge, supply: Supply, supply_v: float, gain: float, diode: bool, converter_v: float) -> Limits:
     """The limits of a board.
 
     Parameters
@@ -50,6 +57,8 @@ def limits(bridge: Bridge, supply: Supply, supply_v: float, gain: float, diode: 
         Of the first stage.
     diode
         Whether the envelope lies behind a diode (variant paper).
+    converter_v
+        What the converter takes, plus and minus.
     """
     g_most = sensor_conductance_s(MOST_FORCE_N)
     peak_v = supply.swing_v(supply_v)
@@ -63,6 +72,17 @@ def limits(bridge: Bridge, supply: Supply, supply_v: float, gain: float, diode: 
         envelope_most_v=peak_v - DIODE_V if diode else peak_v,
         clamp_low_v=0.0,
         clamp_high_v=supply_v,
+        converter_v=converter_v,
+    )
+
+
+def converter_line(v: Limits) -> str:
+    """Whether the converter takes all the board gives."""
+    if not v.converter_misses_v:
+        return f"a converter for plus and minus {v.converter_v:g} V takes all of it"
+    return (
+        f"a converter for plus and minus {v.converter_v:g} V cuts the last {v.converter_misses_v:.2f} V off: divide "
+        f"the signals ahead of it, or set detector.adc_range_v to {v.converter_v + v.converter_misses_v:.2f} at least"
     )
 
 

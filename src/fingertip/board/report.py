@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fingertip.board.analysis import Analysis
 from fingertip.board.converter import AliasFigures
-from fingertip.board.limits import Limits
+from fingertip.board.limits import Limits, converter_line
 from fingertip.board.noise import BAND_HZ, NETS, Contribution
 
 _LABELS = {
@@ -70,4 +70,5 @@ def _limit_lines(v: Limits) -> list[str]:
         f"{1e3 * v.vibration_peak_v:.1f} mV; envelope up to {v.envelope_most_v:.2f} V above its rest",
         f"converter's pins held between {v.clamp_low_v:.0f} and {v.clamp_high_v:g} V; bridge's amplifier has "
         f"{v.bridge_amplifier_margin_v:.2f} V left",
+        converter_line(v),
     ]

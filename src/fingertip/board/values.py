@@ -77,7 +77,7 @@ def board_values(design: Design) -> BoardValues:
     ideal, preferred, achieved = filter_values(board)
     bridge = fit_bridge(supply_v, board.series, diameter_mm, supply.zero_share)
     plain = board.variant == "paper"
-    found = limits(bridge, supply, supply_v, achieved.passband_gain, plain)
+    found = limits(bridge, supply, supply_v, achieved.passband_gain, plain, detector.adc_range_v)
     converter = fit_converter(detector.sample_rate_hz, board.series)
     decision = None
     if board.variant == "comparator":

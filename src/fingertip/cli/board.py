@@ -77,6 +77,7 @@ def board(
 def _table(design: Design, values: BoardValues) -> str:
     from fingertip.board.bridge import sensor_conductance_s
     from fingertip.board.circuit import engineering
+    from fingertip.board.limits import converter_line
 
     ideal, preferred = values.ideal, values.preferred
     resistors = [
@@ -140,6 +141,7 @@ def _table(design: Design, values: BoardValues) -> str:
         f"the filter's go {limits.filter_peak_v:.1f} V up and down",
         f"at {alias.nyquist_hz:g} Hz, half the converter's rate, the tactile voltage has lost "
         f"{-alias.raw_nyquist_db:.1f} dB, the envelope {-alias.envelope_nyquist_db:.1f} dB",
+        converter_line(limits),
     ]
     lines += ["", f"{'force':>8} {'sensor':>10} {'tactile voltage':>16}"]
     for force in (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0):

@@ -21,6 +21,7 @@ from fingertip.sweep.store import FILE, Row, Store
 from tests.conftest import run_fingertip
 from tests.sweep import hooks
 from tests.sweep.plans import plan
+from tests.tools import require_tool
 
 SIZE = 72
 COUNT = 8_000
@@ -207,6 +208,33 @@ def test_a_full_disk_is_a_sentence_and_resume_goes_on(tmp_path: Path, whole: lis
     assert json.loads(resumed.stdout)["computed_now"] == COUNT - len(before)
     assert 0 < len(before) < COUNT
     assert rows(out) == whole
+
+
+def test_a_disk_that_is_full_for_good_and_then_is_not(tmp_path: Path, whole: list[str]) -> None:
+    """A small file system of its own, in a mount namespace of its own."""
+    unshare = require_tool("unshare", "util-linux")
+    if subprocess.run([unshare, "-rm", "true"], capture_output=True, check=False).returncode:
+        pytest.skip("A MOUNT NAMESPACE IS NOT ALLOWED HERE, A REAL FULL DISK IS NOT TESTED")
+    file, disk = tmp_path / "sweep.toml", tmp_path / "disk"
+    file.write_text(MANY)
+    disk.mkdir()
+    sweep = f"{sys.executable} -m fingertip sweep {file} --out {disk}/out"
+    script = f"""
+mount -t tmpfs -o size=200k none {disk} || exit 9
+{sweep} 2> {tmp_path}/said
+echo $? > {tmp_path}/code
+mount -o remount,size=20m {disk} || exit 9
+{sweep} --resume -q || exit 8
+cp -r {disk}/out {tmp_path}/out
+"""
+    ran = subprocess.run([unshare, "-rm", "sh", "-c", script], capture_output=True, text=True, timeout=120, check=False)
+    assert ran.returncode == 0, ran.stderr
+    said = (tmp_path / "said").read_text()
+    assert (tmp_path / "code").read_text() == "2\n"
+    assert "disk is full" in said
+    assert "--resume" in said
+    assert "Traceback" not in said
+    assert rows(tmp_path / "out") == whole
 
 
 def test_sqlite_s_own_word_for_a_full_disk_is_understood(tmp_path: Path) -> None:

@@ -60,6 +60,8 @@ class Axis:
         if self.values:
             places = np.minimum((shares * len(self.values)).astype(np.int64), len(self.values) - 1)
             return self.column(places)
+        if self.whole and self.spacing == "linear":  # every whole number as likely as any other
+            return (self.low + np.floor(shares * (self.high - self.low + 1.0))).astype(np.int64)
         return self._between(shares)
 
     def column(self, places: NDArray[np.int64]) -> NDArray[Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -127,8 +128,11 @@ def test_what_a_controller_is_handed():
 
     class Looks:
         def step(self, now):
-            seen.append(now)
-            return now.planned_m
+            seen.append(replace(now, voltage_v=now.voltage_v.copy()))
+            command = now.planned_m.copy()
+            for array in (now.voltage_v, now.closing_m, now.planned_m):
+                array[...] = 99.0  # what it does to its copies is its own affair
+            return command
 
     made = run_manipulation(DESIGN, scene(grasp={"kind": "pinch"}), Looks(), 1)
     voltage = np.concatenate([now.voltage_v for now in seen], axis=1)

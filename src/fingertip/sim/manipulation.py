@@ -5,9 +5,9 @@ one would be, sampled voltages and the motors' closing (`fingertip.sim.Seen`), a
 method ``step`` is one; detectors and grip laws are the caller's, this package knows none.
 
 Taken for simple, all assumptions: the object moves along one line, in which it would slip and its weight pulls (whoever
-holds it first lets go), does not turn, and is rigid; of a power grasp the palm carries nothing; a finger is stiff along
-that line up to its pad; vibration does not act back on friction; a pad's stiffness and resonance stay those of the
-force it was to hold with.
+holds it first lets go), does not turn, and is rigid; of a power grasp the palm carries nothing; the thumb's abduction
+stays as it is, as in the article (IV.A); a finger is stiff along that line up to its pad; vibration does not act back on
+friction; a pad's stiffness and resonance stay those of the force it was to hold with.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def run_manipulation(
         voltage = run.parts["voltage_v"][0]
         for i, start in enumerate(starts):
             planned = made.planned_m(np.array([start / rate]))[:, 0]
-            seen = Seen(start / rate, voltage, run.motors.closing_m.copy(), planned)
+            seen = Seen(start / rate, voltage.copy(), run.motors.closing_m.copy(), planned)
             told[:, i] = _command(controller.step(seen), start / rate, len(scene.fingers))
             fresh = run.advance(_in_force(told, start, min(start + period, count), period, delay))
             assert fresh is not None

@@ -20,6 +20,8 @@ import time
 import tomllib
 from pathlib import Path
 
+import numpy as np
+
 FILE = """
 name = "boards"
 outputs = ["cutoff_3db_hz", "cutoff_error_percent", "q", "gain", "board.r1_ohm", "board.r2_ohm"]
@@ -121,30 +123,40 @@ def main() -> None:
         ratios = [pace(100_000, 2) / pace(100_000, 1) for _ in range(3)]
         print(f"2 workers against 1, wall: {statistics.median(ratios):.2f} (goal 1.8), load {os.getloadavg()[0]:.1f}")
         costs = {points: cpu_s(points, 2, folder) for points in SIZES}
-        empty = cpu_s(100, 2, folder)  # enough that both workers load what they need
-        print(f"{'points':>10}{'CPU s':>10}{'us/point, less the start':>28}")
+        start, each = _line(costs)
+        print(f"CPU time: {start:.2f} s for the processes' start, {1e6 * each:.1f} us for each point")
+        print(f"{'points':>10}{'CPU s':>10}{'off the line':>16}")
         for points, cpu in costs.items():
-            print(f"{points:10d}{cpu:10.2f}{1e6 * (cpu - empty) / points:28.1f}")
+            print(f"{points:10d}{cpu:10.2f}{100 * (cpu / (start + each * points) - 1):14.1f} %")
         if million:
-            start = time.perf_counter()
+            before = time.perf_counter()
             single, together = peak_mb(MILLION, 2, folder)
-            took = time.perf_counter() - start
+            took = time.perf_counter() - before
             print(f"{MILLION} points: {took:.0f} s, {single:.0f} MB in the largest process, {together:.0f} MB in all")
         if plots:
-            _plot(costs, empty, Path(plots[0]))
+            _plot(costs, Path(plots[0]))
 
 
-def _plot(costs: dict[int, float], empty: float, path: Path) -> None:
+def _line(costs: dict[int, float]) -> tuple[float, float]:
+    """Start [s] and cost of a point [s]: the line with the least squared relative errors."""
+    points, cpu = np.array(list(costs)), np.array(list(costs.values()))
+    (start, each), *_ = np.linalg.lstsq(np.column_stack((1 / cpu, points / cpu)), np.ones(len(cpu)))
+    return float(start), float(each)
+
+
+def _plot(costs: dict[int, float], path: Path) -> None:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(5.5, 4), layout="constrained")
     axes = figure.add_subplot()
-    axes.loglog(list(costs), [cpu - empty for cpu in costs.values()], "o-", label="measured, less the start")
-    per_point = (costs[SIZES[-1]] - empty) / SIZES[-1]
-    axes.loglog(SIZES, [per_point * n for n in SIZES], "--", color="grey", label=f"{1e6 * per_point:.0f} us per point")
+    start, each = _line(costs)
+    ends = np.array([0, SIZES[-1]])
+    label = f"{start:.1f} s and {1e6 * each:.0f} us for each point"
+    axes.plot(ends, start + each * ends, "--", color="grey", label=label)
+    axes.plot(list(costs), list(costs.values()), "o", label="measured")
     axes.set_xlabel("points of the sweep")
     axes.set_ylabel("CPU time of all processes [s]")
-    axes.grid(True, which="both", alpha=0.3)
+    axes.grid(True, alpha=0.3)
     axes.legend()
     figure.savefig(path, dpi=120)
 

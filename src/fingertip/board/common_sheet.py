@@ -60,8 +60,8 @@ def connector(supply: Supply, slip: bool = False) -> Sheet:
         pin_4 = Sheet((), (((218, 64), (216, 64), (216, 68)), ((218, 66), (216, 66))), (Mark("GND", 216, 68),), (), ())
     if not supply.zero_share:
         return joined(Sheet((Placed("J3", 222, 62),), (), (), (), ()), pin_4)
-    middle = Sheet((Placed("J3", 222, 64),), (((218, 68), (218, 74)),), (), (), (),
-                   (GlobalLabel(supply.zero, 218, 74, 270),))  # fmt: skip
+    middle = Sheet((Placed("J3", 222, 64), Placed("R24", 218, 89)), (((218, 68), (218, 86)),), (),
+                   (Label("M_OUT", 218, 82),), (), (GlobalLabel(supply.zero, 218, 92, 270),))  # fmt: skip
     return joined(middle, pin_4)
 
 

@@ -66,9 +66,8 @@ _WHAT = (
 _SPLIT = "A converter for plus and minus 10 V sees the signals as they are; they rest at ground."
 _SINGLE = (
     "Signals rest at the supply's buffered middle, {rest:.2f} V, so the envelope is E less M; any converter that "
-    "takes 0 to {supply:g} V sees T, E and M. M comes straight from its buffer: half a metre of cable (50 pF) is well "
-    "within what that drives. The sensor's second pin is at the middle too: let it touch neither ground nor metal that "
-    "is grounded. The amplifiers are TLV2372, because a TL082 reaches neither rail."
+    "takes 0 to {supply:g} V sees T, E and M. The sensor's second pin is at the middle too: let it touch neither "
+    "ground nor metal that is grounded. The amplifiers are TLV2372, because a TL082 reaches neither rail."
 )
 _SIGNALS = (
     " T lies between {least:.2f} V (20 N) and {most:.2f} V (no force), E rises by {envelope:.1f} V at most. A "
@@ -77,6 +76,7 @@ _SIGNALS = (
     "R9 and C19 (and R7, C8) fit a converter of {rate:g} samples per second: they take {alias:.0f} dB off what "
     "would fold onto {band:.0f} Hz, the upper end of slip's vibrations. For another rate set "
     "`detector.sample_rate_hz`."
+    " A converter's inputs should have 10 Mohm or more: R7 to R9 divide with them."
 )
 _NOISE = "With the default values the bridge's amplifier leaves 0.3 mV of noise (rms, typical). "
 _NOISE_PAPER = _NOISE + (

@@ -17,6 +17,7 @@ from fingertip.board.nets import (
     GAIN_B,
     GND,
     HALF,
+    M_OUT,
     REFERENCE,
     SENSOR,
     STAGE1_OUT,
@@ -38,6 +39,8 @@ BULK_F = 10e-6
 """Where the supply enters, and across the divider that halves it."""
 CABLE_F = 100e-9
 """Across the sensor: with the bridge's 230 ohm, a pole at 7 kHz against what the cable picks up."""
+CABLE_OHM = 1e3
+"""Between an amplifier's output and a pin that has no filter."""
 HALF_OHM = 10e3
 """Both resistors of the divider: with `BULK_F` the supply's ripple above 3 Hz stays out of the middle."""
 
@@ -80,7 +83,7 @@ def _converter(alias: Converter, supply: Supply, fourth_pin: str) -> Wiring:
     pins = {"1": ADC_TACTILE, "2": ADC_ENVELOPE, "3": GND, "4": fourth_pin}
     symbol, header = symbols.CONNECTOR_4, symbols.HEADER_4
     if supply.zero == VMID:  # the envelope's rest, to be taken off it
-        pins |= {"5": VMID}
+        pins |= {"5": M_OUT}
         symbol, header = symbols.CONNECTOR_5, symbols.HEADER_5
     output = part("J3", "ADC", symbol, header, "to the converter: tactile voltage, envelope")
     return {
@@ -122,7 +125,8 @@ def _split_supply() -> Wiring:
 def _single_supply() -> Wiring:
     """Connector, decoupling, and the supply's middle: a divider and a follower.
 
-    The follower's output has no capacitor, which it could not drive; it carries the bridge's 2 mA.
+    The follower's output has no capacitor, which it could not drive, and R24 keeps the cable's from it; it carries the
+    bridge's 2 mA.
     """
     plus = {"1": VCC, "2": GND}
     power = part("J2", "POWER", symbols.CONNECTOR_2, symbols.HEADER_2, "supply: plus, ground")
@@ -137,6 +141,7 @@ def _single_supply() -> Wiring:
         supply_capacitor("C21", BULK_F, "supply's middle: keeps ripple out", symbols.C_0805): {"1": HALF, "2": GND},
         buffer: {"3": HALF, "4": VMID, "1": VMID, "5": VCC, "2": GND},
         supply_capacitor("C22", SUPPLY_F, "supply, at U5"): plus,
+        filter_resistor("R24", CABLE_OHM, "supply's middle: keeps the cable off its buffer"): {"1": M_OUT, "2": VMID},
     }
 
 

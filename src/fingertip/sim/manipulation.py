@@ -4,8 +4,8 @@
 one would be, sampled voltages and the motors' closing (`fingertip.sim.Seen`), and nothing of the truth. Anything with a
 method ``step`` is one; detectors and grip laws are the caller's, this package knows none.
 
-Taken for simple, all assumptions: the object moves along one line, in which it would slip and its weight pulls (whoever
-holds it first lets go), does not turn, and is rigid; of a power grasp the palm carries nothing; the thumb's abduction
+Taken for simple, all assumptions: the object moves along one line, in which it would slip and its weight pulls (once
+whoever holds it lets go), does not turn, and is rigid; of a power grasp the palm carries nothing; the thumb's abduction
 stays as it is, as in the article (IV.A); a finger is stiff along that line up to its pad; vibration does not act back on
 friction; a pad's stiffness and resonance stay those of the force it was to hold with.
 """

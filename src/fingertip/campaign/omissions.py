@@ -25,7 +25,7 @@ GROUNDS = {
     ),
     "windows.png, window_trial.png": (
         "Figure 5, by the digital chain: our board's bare diode lets no contact through. The threshold follows each "
-        "window's noise."
+        "window's noise. The trial is chosen: the first in which a window of 10 ms takes the contact for slip."
     ),
     "trial.png, trials_surfaces.png, trials_objects.png": (
         "Figures 9, 12 and 13: the first held-out seeds, not chosen ones. The robot's axes are not drawn; normal "

@@ -206,10 +206,11 @@ def as_text(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
 
 def _tables(grounds: Grounds) -> list[str]:
     """The article's detector by its board, delays by the surface's start, and how long motors look like slip."""
-    lines = ["", "paper by board and threshold, found, median, nine in ten, alarms per minute:"]
+    lines = ["", "paper by board and threshold:       found     median        p90   < 30 ms   worst mean   alarms/min"]
     lines += [
-        f"{b.variant:10} {1000 * b.threshold_v:7.2f} mV {'(rule)  ' if b.by_rule else '(design)'} "
-        f"{100 * b.found_share:6.1f}% {_ms(b.median_s)} {_ms(b.p90_s)} {b.alarms_per_minute:8.2f}"
+        f"{b.variant:10} {1000 * b.threshold_v:6.2f} mV {'(rule)  ' if b.by_rule else '(design)'} "
+        f"{100 * b.found_share:9.1f}% {_ms(b.median_s):>10} {_ms(b.p90_s):>10} {100 * b.below_30_ms:7.1f}% "
+        f"{_ms(b.worst_mean_s):>12} {b.alarms_per_minute:12.2f}"
         for b in grounds.boards
     ]
     who = list(dict.fromkeys(s.who for s in grounds.starts))

@@ -6,7 +6,7 @@ method ``step`` is one; detectors and grip laws are the caller's, this package k
 
 Taken for simple, all assumptions: the object moves along one line, in which it would slip and its weight pulls (once
 whoever holds it lets go), does not turn, and is rigid; of a power grasp the palm carries nothing; the thumb's abduction
-stays as it is, as in the article (IV.A); a finger is stiff along that line up to its pad; vibration does not act back on
+stays, as in the article (IV.A); a finger is stiff along that line up to its pad; vibration does not act back on
 friction; a pad's stiffness and resonance stay those of the force it was to hold with.
 """
 

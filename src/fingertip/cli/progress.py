@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from fingertip.sweep.run import State
 
 LINE_EVERY_S = 10.0
+FEW = 10
+"""Before so many rows nobody knows how long the rest takes."""
 
 
 @contextlib.contextmanager
@@ -32,7 +34,7 @@ def progress(console: Console, size: int) -> Iterator[Callable[[State], None]]:
 def as_text(state: State) -> str:
     """How far, how fast, how long still, and what went wrong."""
     parts = [f"{state.done} of {state.size} points", f"{state.points_per_s:.3g} points/s"]
-    if state.left_s < math.inf:
+    if state.written >= FEW and state.left_s < math.inf:
         parts.append(f"{_duration(state.left_s)} left")
     return ", ".join([*parts, f"{state.refused} refused", f"{state.failures} failed"])
 

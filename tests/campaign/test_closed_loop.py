@@ -15,7 +15,7 @@ from fingertip.campaign.plan import TUNING_SEEDS, Amount, cases
 from fingertip.campaign.requirements import Requirements, loop_checks
 from fingertip.design import Design
 from fingertip.sim import Seen
-from fingertip.sim.board_output import BoardStream, bridge_v, envelope_v
+from fingertip.sim.electronics.board_output import BoardStream, bridge_v, envelope_v
 from fingertip.slip.noise import input_noise_v
 
 DESIGN = Design()

@@ -13,11 +13,11 @@ from fingertip.board.filters import filter_network
 from fingertip.board.values import board_values
 from fingertip.design import Design
 from fingertip.errors import TraceError
-from fingertip.sim.analog import Stream, respond
-from fingertip.sim.circuit import Analog, Diode, system, topology
-from fingertip.sim.envelope_loop import omega
+from fingertip.sim.electronics.analog import Stream, respond
+from fingertip.sim.electronics.circuit import Analog, Diode, system, topology
+from fingertip.sim.electronics.envelope_loop import omega
+from fingertip.sim.electronics.linear import augmented, exponentials
 from fingertip.sim.jit import compiled
-from fingertip.sim.linear import augmented, exponentials
 from tests.tools import require_tool
 
 DESIGN = Design()

@@ -11,13 +11,13 @@ import pytest
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import run_scene
-from fingertip.sim.analog import respond, respond_in_parts
 from fingertip.sim.bench import throughput
 from fingertip.sim.bench.measure import Diagram
 from fingertip.sim.campaign import trials
-from fingertip.sim.circuit import Analog
+from fingertip.sim.electronics.analog import respond, respond_in_parts
+from fingertip.sim.electronics.circuit import Analog
+from fingertip.sim.electronics.monte_carlo import spread
 from fingertip.sim.jit import compiled
-from fingertip.sim.monte_carlo import spread
 from tests.conftest import run_fingertip
 
 DESIGN = Design()

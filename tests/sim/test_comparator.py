@@ -14,9 +14,9 @@ from fingertip.board.values import board_values
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
-from fingertip.sim.analog import respond
-from fingertip.sim.circuit import Analog
-from fingertip.sim.comparator import Comparator, decide
+from fingertip.sim.electronics.analog import respond
+from fingertip.sim.electronics.circuit import Analog
+from fingertip.sim.electronics.comparator import Comparator, decide
 from tests.tools import require_tool
 
 DESIGN = Design(board={"variant": "comparator"})

@@ -10,9 +10,9 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.errors import TraceError
-from fingertip.sim.contact import Friction, Motion, Mount, drag
-from fingertip.sim.pad import DAMPING_RATIO, Pad
-from fingertip.sim.timeline import plan
+from fingertip.sim.contact.contact import Friction, Motion, Mount, drag
+from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
+from fingertip.sim.scenes.timeline import plan
 from fingertip.sim.trial import Trial
 
 FRICTION = Friction(0.6, 0.48)

@@ -10,13 +10,13 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.errors import TraceError
-from fingertip.sim import coupled, coupled_loop
-from fingertip.sim.contact import Mount, drag
-from fingertip.sim.coupled import Coupled, Press, integrate
-from fingertip.sim.friction import ELASTO_PLASTIC, Friction
+from fingertip.sim.contact import coupled, coupled_loop
+from fingertip.sim.contact.contact import Mount, drag
+from fingertip.sim.contact.coupled import Coupled, Press, integrate
+from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
+from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.jit import compiled
-from fingertip.sim.pad import DAMPING_RATIO, Pad
-from fingertip.sim.scene import Ramp
+from fingertip.sim.scenes.scene import Ramp
 
 FORCE_N = 0.8
 PAD = Pad.of(Design())

@@ -9,11 +9,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fingertip.design import Design
-from fingertip.sim import ManipulationFile, grasp_loop, run_manipulation
-from fingertip.sim.hand import Motors
+from fingertip.sim import ManipulationFile, run_manipulation
+from fingertip.sim.contact.pad import Pad
+from fingertip.sim.hand import grasp_loop
+from fingertip.sim.hand.hand import Motors
+from fingertip.sim.hand.manipulation_file import Hand
 from fingertip.sim.jit import compiled
-from fingertip.sim.manipulation_file import Hand
-from fingertip.sim.pad import Pad
 
 PAD = Pad.of(Design())
 FIVE = ("thumb", "index", "middle", "ring", "little")

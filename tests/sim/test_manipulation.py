@@ -12,10 +12,10 @@ import pytest
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import FixedGrip, ManipulationFile, compiled, manipulations, run_manipulation
-from fingertip.sim.manipulation_plan import plan
-from fingertip.sim.manipulation_run import Run
-from fingertip.sim.pad import Pad
-from fingertip.sim.sensing import LOAD_SHIFT_PER_M, voltage_of
+from fingertip.sim.contact.pad import Pad
+from fingertip.sim.electronics.sensing import LOAD_SHIFT_PER_M, voltage_of
+from fingertip.sim.hand.manipulation_plan import plan
+from fingertip.sim.hand.manipulation_run import Run
 from tests.conftest import ROOT, run_fingertip
 
 DESIGN = Design()

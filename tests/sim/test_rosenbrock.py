@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fingertip.sim.rosenbrock import fixed_steps
+from fingertip.sim.contact.rosenbrock import fixed_steps
 
 
 def errors(stiffness: float, steps: tuple[int, ...]) -> list[float]:

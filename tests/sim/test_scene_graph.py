@@ -7,7 +7,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
-from fingertip.sim.stages import Stage, on_the_way, run
+from fingertip.sim.stages.stages import Stage, on_the_way, run
 from tests.conftest import run_python
 
 DESIGN = Design()

@@ -11,10 +11,10 @@ import pytest
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import ManipulationFile, SceneFile, Trial, run_scene, simulate
-from fingertip.sim.analog import respond
-from fingertip.sim.circuit import Analog
-from fingertip.sim.context import Context
+from fingertip.sim.electronics.analog import respond
+from fingertip.sim.electronics.circuit import Analog
 from fingertip.sim.kinds import kind_of, split
+from fingertip.sim.stages.context import Context
 from fingertip.slip import detect
 from tests.conftest import ROOT, run_fingertip
 

@@ -10,10 +10,11 @@ import pytest
 
 from fingertip.board.bridge import sensor_conductance_s
 from fingertip.design import Design
-from fingertip.sim import fsr, vibration
-from fingertip.sim.pad import Pad
-from fingertip.sim.scene import LIFT_M, Ramp
-from fingertip.sim.timeline import plan
+from fingertip.sim.contact import vibration
+from fingertip.sim.contact.pad import Pad
+from fingertip.sim.electronics import fsr
+from fingertip.sim.scenes.scene import LIFT_M, Ramp
+from fingertip.sim.scenes.timeline import plan
 from fingertip.sim.trial import MOST_FORCE_N, Trial
 
 PAD = Pad.of(Design())

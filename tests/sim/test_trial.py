@@ -12,9 +12,9 @@ import pytest
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import SURFACES, SceneFile, Trial, run_scene, simulate
-from fingertip.sim.pad import Pad
-from fingertip.sim.sensing import voltage_of
-from fingertip.sim.timeline import plan
+from fingertip.sim.contact.pad import Pad
+from fingertip.sim.electronics.sensing import voltage_of
+from fingertip.sim.scenes.timeline import plan
 from fingertip.slip import detect
 from fingertip.slip.trace_file import to_csv
 

@@ -312,8 +312,8 @@ def test_paper_line_by_line_on_a_simulated_board(tmp_path):
 @settings(max_examples=10, deadline=None)
 @given(sizes=st.lists(st.integers(0, 400), max_size=6))
 def test_a_simulated_board_in_any_chunks_gives_the_same_bits_though_pickled(sizes):
-    from fingertip.sim.board_detector import BoardDetector
-    from fingertip.sim.board_output import envelope_v
+    from fingertip.sim.electronics.board_detector import BoardDetector
+    from fingertip.sim.electronics.board_output import envelope_v
 
     design = Design(board={"variant": "precision"})
     whole = make("paper", design).process(envelope_v(design, V))
@@ -347,7 +347,7 @@ def test_an_envelope_that_is_not_there_is_missed_in_python():
 def test_digital_and_a_board_without_dead_zone_agree():
     """On the same trace: means within 5 % of each other's, flags within 1 % of the samples. The board is linear between
     samples where the bilinear transform is not, and is built of preferred values."""
-    from fingertip.sim import board_output
+    from fingertip.sim.electronics import board_output
 
     design = Design(board={"variant": "precision"})
     digital = make("digital", design).process(V)

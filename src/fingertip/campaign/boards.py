@@ -14,7 +14,7 @@ from fingertip.campaign.plan import HELD_OUT_FROM, Amount, cases
 from fingertip.campaign.record import record
 from fingertip.campaign.study import Total, surface
 from fingertip.design import Design
-from fingertip.sim.board_output import noise_level
+from fingertip.sim.electronics.board_output import noise_level
 from fingertip.sim.jit import compiled
 
 VARIANTS = ("paper", "precision")

@@ -17,8 +17,8 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.sim import Seen
-from fingertip.sim.board_output import BoardStream, bridge_v
-from fingertip.sim.pad import Pad
+from fingertip.sim.contact.pad import Pad
+from fingertip.sim.electronics.board_output import BoardStream, bridge_v
 from fingertip.slip import DETECTORS, make
 from fingertip.slip.stream import Array
 

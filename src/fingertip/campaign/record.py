@@ -7,7 +7,7 @@ from dataclasses import replace
 from fingertip.campaign.plan import Case
 from fingertip.design import Design
 from fingertip.sim import run_scene
-from fingertip.sim.fsr import quantise
+from fingertip.sim.electronics.fsr import quantise
 from fingertip.slip import DETECTORS, Trace
 from fingertip.slip.stream import Array
 

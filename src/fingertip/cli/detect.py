@@ -120,7 +120,7 @@ def _board(
     from dataclasses import replace
 
     from fingertip.design import Design
-    from fingertip.sim import board_output
+    from fingertip.sim.electronics import board_output
     from fingertip.slip.noise import quiet_level
 
     if read.envelope_v is None:
@@ -171,7 +171,7 @@ def _live(
         if wanted.of("envelope_v") in header:
             wanted = Wanted({**wanted.names, "voltage_v": wanted.of("envelope_v")}, wanted.rate_hz)
         else:
-            from fingertip.sim.board_detector import BoardDetector
+            from fingertip.sim.electronics.board_detector import BoardDetector
 
             console.say(f"{NAME} holds no column {wanted.of('envelope_v')}: simulating the design's board")
             made = BoardDetector(design)

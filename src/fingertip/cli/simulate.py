@@ -50,8 +50,9 @@ def simulate(
     from fingertip.design import Design
     from fingertip.errors import Fault, FingertipError
     from fingertip.files import write_file
-    from fingertip.sim import scene_table, summary
+    from fingertip.sim import summary
     from fingertip.sim.kinds import kind_of, split
+    from fingertip.sim.scenes import scene_table
     from fingertip.sim.trace_bytes import file_bytes
 
     console = Console(as_json, quiet)

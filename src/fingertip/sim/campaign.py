@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fingertip.sim.manipulation_file import ManipulationFile
-from fingertip.sim.scene_file import SceneFile
-from fingertip.sim.surfaces import SURFACES
+from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.hand.manipulation_file import ManipulationFile
+from fingertip.sim.scenes.scene_file import SceneFile
 
 SPEEDS_M_S = (0.04, 0.06, 0.08)
 TRIALS = 5

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from fingertip.design import Design
 from fingertip.errors import Fault, TraceError
-from fingertip.sim.manipulation_file import ManipulationFile
-from fingertip.sim.scene_file import SceneFile
+from fingertip.sim.hand.manipulation_file import ManipulationFile
+from fingertip.sim.scenes.scene_file import SceneFile
 
 Kind = type[SceneFile] | type[ManipulationFile] | type[Design]
 

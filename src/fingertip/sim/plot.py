@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from fingertip.drawing import INK, plain, png, sheet
-from fingertip.sim.manipulated import Manipulated
-from fingertip.sim.result import Simulated
+from fingertip.sim.hand.manipulated import Manipulated
+from fingertip.sim.stages.result import Simulated
 from fingertip.slip.intervals import intervals
 
 Array = NDArray[Any]

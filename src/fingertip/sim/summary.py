@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.sim.manipulated import Manipulated
-from fingertip.sim.result import Simulated
-from fingertip.sim.surfaces import SURFACES
+from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.hand.manipulated import Manipulated
+from fingertip.sim.stages.result import Simulated
 from fingertip.slip.intervals import Interval, intervals
 
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from fingertip.design import Design
 from fingertip.design.faults import nearest
 from fingertip.errors import Fault, TraceError
-from fingertip.sim.result import run_scene
-from fingertip.sim.scene import SLIDE_M
-from fingertip.sim.scene_file import SceneFile
-from fingertip.sim.surfaces import SURFACES
+from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.scenes.scene import SLIDE_M
+from fingertip.sim.scenes.scene_file import SceneFile
+from fingertip.sim.stages.result import run_scene
 from fingertip.slip.trace import Trace
 
 FORCES_N = (0.2, 2.0)

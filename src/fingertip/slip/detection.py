@@ -41,7 +41,7 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
         Gives rate, filters, window and threshold.
     detector
         Name of one of the detectors; by default the article's chain in digital filters. `paper` takes the trace's
-        `envelope_v`, which `fingertip.sim.board_output` makes where no board was there.
+        `envelope_v`, which `fingertip.sim.electronics.board_output` makes where no board was there.
     noise_v
         White noise of the signal, rms [V]; without it, the design's.
 

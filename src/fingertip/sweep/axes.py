@@ -204,7 +204,7 @@ def _range(
 
 
 def _scene() -> type[BaseModel]:
-    from fingertip.sim.scene_file import SceneFile  # loads the whole simulation, which most sweeps do without
+    from fingertip.sim.scenes.scene_file import SceneFile  # loads the whole simulation, which most sweeps do without
 
     return SceneFile
 

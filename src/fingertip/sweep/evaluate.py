@@ -22,7 +22,7 @@ from fingertip.sweep.plan import Plan
 from fingertip.sweep.stages import COMPUTE, FAULT, Asked, Figures, Recorded
 
 if TYPE_CHECKING:
-    from fingertip.sim.scene_file import SceneFile
+    from fingertip.sim.scenes.scene_file import SceneFile
     from fingertip.sweep.solids import RememberingEvaluator
 
 REMEMBERED = 4096
@@ -99,7 +99,7 @@ class Bench:
         return design, scene
 
     def _changed_scene(self, tables: dict[str, Any], changes: Mapping[str, Value]) -> SceneFile:
-        from fingertip.sim.scene_file import SceneFile
+        from fingertip.sim.scenes.scene_file import SceneFile
         from fingertip.sweep.designs import changed
 
         of_scene = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}

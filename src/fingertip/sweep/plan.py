@@ -24,7 +24,7 @@ from fingertip.sweep.outputs import Stage, shared_of, stages_of, unknown
 from fingertip.sweep.sweep_file import MOST_POINTS, SweepFile
 
 if TYPE_CHECKING:
-    from fingertip.sim.scene_file import SceneFile
+    from fingertip.sim.scenes.scene_file import SceneFile
 
 Points = NDArray[np.int64]
 
@@ -173,7 +173,7 @@ def _axes(given: Mapping[str, Any], sampled: bool) -> tuple[list[Axis], list[Fau
 def _scene(given: Mapping[str, Any] | None) -> tuple[SceneFile | None, list[Fault]]:
     if given is None:
         return None, []
-    from fingertip.sim.scene_file import SceneFile
+    from fingertip.sim.scenes.scene_file import SceneFile
 
     try:
         return SceneFile(**given), []

@@ -13,7 +13,7 @@ from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
     from fingertip.cad.mesh import Mesh
-    from fingertip.sim.scene_file import SceneFile
+    from fingertip.sim.scenes.scene_file import SceneFile
     from fingertip.slip.trace import Trace
     from fingertip.sweep.solids import RememberingEvaluator
 

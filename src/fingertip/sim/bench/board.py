@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.jit import once
-from fingertip.sim.analog import respond
 from fingertip.sim.bench import ngspice
 from fingertip.sim.bench.measure import Diagram
-from fingertip.sim.circuit import Analog
-from fingertip.sim.envelope_loop import omega
+from fingertip.sim.electronics.analog import respond
+from fingertip.sim.electronics.circuit import Analog
+from fingertip.sim.electronics.envelope_loop import omega
 
 Array = NDArray[np.float64]
 

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from fingertip.design import Design
 from fingertip.jit import once
 from fingertip.sim.bench.measure import Diagram
-from fingertip.sim.contact import Mount
-from fingertip.sim.coupled import Press, integrate
-from fingertip.sim.friction import Friction
-from fingertip.sim.pad import DAMPING_RATIO, Pad
+from fingertip.sim.contact.contact import Mount
+from fingertip.sim.contact.coupled import Press, integrate
+from fingertip.sim.contact.friction import Friction
+from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.sim.circuit import Analog
+from fingertip.sim.electronics.circuit import Analog
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ quit
 
 
 def write_deck(folder: Path, board: Analog, step_s: float, voltage_v: Array, reltol: float, longest_s: float) -> None:
-    """The deck `slip.cir`; amplifiers are ideal, as in `fingertip.sim.circuit` without rails."""
+    """The deck `slip.cir`; amplifiers are ideal, as in `fingertip.sim.electronics.circuit` without rails."""
     pairs = [f"{i * step_s:.9g} {v:.17g}" for i, v in enumerate(voltage_v.tolist())]
     points = "\n".join("+ " + " ".join(pairs[i : i + 4]) for i in range(0, len(pairs), 4))
     deck = _DECK.format(

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.sim.analog import respond_in_parts
 from fingertip.sim.campaign import manipulations, trials
-from fingertip.sim.circuit import Analog
-from fingertip.sim.controller import FixedGrip
-from fingertip.sim.manipulation import run_manipulation
-from fingertip.sim.monte_carlo import spread
-from fingertip.sim.result import run_scene
-from fingertip.sim.scene_file import SceneFile
+from fingertip.sim.electronics.analog import respond_in_parts
+from fingertip.sim.electronics.circuit import Analog
+from fingertip.sim.electronics.monte_carlo import spread
+from fingertip.sim.hand.controller import FixedGrip
+from fingertip.sim.hand.manipulation import run_manipulation
+from fingertip.sim.scenes.scene_file import SceneFile
+from fingertip.sim.stages.result import run_scene
 
 CAMPAIGN_TARGET_S = 6.0
 MANIPULATION_TARGET_S = 1.0

@@ -1,0 +1,1 @@
+"""Skin on a surface: friction, travel, vibration, and the steppers that solve them."""

@@ -1,0 +1,254 @@
+"""The loop of `fingertip.sim.contact.coupled`: RODAS on five states, every stage solved in closed form."""
+
+from __future__ import annotations
+
+from collections.abc import MutableSequence, Sequence
+
+from fingertip.sim.contact.rosenbrock import A, C
+from fingertip.sim.jit import Kernel
+
+(A21,), (A31, A32), (A41, A42, A43), (A51, A52, A53, A54) = A
+(C21,), (C31, C32), (C41, C42, C43), (C51, C52, C53, C54), (C61, C62, C63, C64, C65) = C
+
+RELAX_PER_S = 1e3
+"""Rate at which bristles that touch nothing straighten up. Assumption."""
+RELAX_BELOW_N = 1e-3
+"""Load below which that fades in, so that the right side stays continuous."""
+SMALLEST_SHARE = 1e-12
+"""Of the grid's step: a step as short as this is taken as it is."""
+
+
+def rates(
+    curve: tuple[float, float, float, float],
+    sigma: tuple[float, float, float],
+    mount: tuple[float, float, float],
+    press: tuple[float, float, float],
+    X: float,
+    V: float,
+    d: float,
+    x: float,
+    v: float,
+    z: float,
+    y: float,
+    w: float,
+) -> tuple[float, float, float]:
+    """Right sides of v, z, w."""
+    mu_c, drop, vs, elastic = curve
+    s0, s1, s2 = sigma
+    m, k, c = mount
+    omega, zeta, rho = press
+    load = y if y > 0.0 else 0.0
+    ratio = v / vs
+    g = mu_c + drop / (1 + ratio * ratio)
+    alpha = 1.0
+    if elastic > 0.0:
+        if v * z <= 0.0:
+            alpha = 0.0
+        else:
+            share = (s0 * abs(z) - elastic * mu_c) / (g - elastic * mu_c)
+            alpha = 0.0 if share <= 0.0 else 1.0 if share >= 1.0 else share * share * (3 - 2 * share)
+    dz = v - alpha * s0 * abs(v) * z / g
+    if load < RELAX_BELOW_N:
+        dz -= RELAX_PER_S * (1 - load / RELAX_BELOW_N) * z
+    dv = (k * (X - x) + c * (V - v) - load * (s0 * z + s1 * dz + s2 * v)) / m
+    if y > 0.0:
+        return dv, dz, omega * (omega * (d - y) - 2 * zeta * w)
+    return dv, dz, omega * (omega * (d - rho * y) - 2 * zeta * rho**0.5 * w)
+
+
+def _loop(
+    curve: tuple[float, float, float, float],
+    sigma: tuple[float, float, float],
+    mount: tuple[float, float, float],
+    press: tuple[float, float, float],
+    per: tuple[float, float, float, float, float],
+    cap: int,
+    H: float,
+    Xs: Sequence[float],
+    Vs: Sequence[float],
+    ds: Sequence[float],
+    xs: MutableSequence[float],
+    vs_out: MutableSequence[float],
+    zs: MutableSequence[float],
+    ys: MutableSequence[float],
+    count: MutableSequence[float],
+) -> None:
+    mu_c, drop, vs, elastic = curve
+    s0, s1, s2 = sigma
+    m, k, c = mount
+    omega, zeta, rho = press
+    x, v, z, y, w = Xs[0], 0.0, 0.0, ds[0], 0.0
+    if y < 0.0:
+        y = y / rho
+    xs[0], ys[0] = x, y
+    h = H
+    steps = rejected = 0
+    for i in range(len(Xs) - 1):
+        X0, V0, X1, V1, d0, d1 = Xs[i], Vs[i], Xs[i + 1], Vs[i + 1], ds[i], ds[i + 1]
+        # Hermite's cubic: X = X0 + t (V0 + t (q2 + t q3)).
+        q2 = (3 * (X1 - X0) / H - 2 * V0 - V1) / H
+        q3 = ((V0 + V1) - 2 * (X1 - X0) / H) / (H * H)
+        slope = (d1 - d0) / H
+        t, tried = 0.0, 0
+        while t < H:
+            tried += 1
+            if tried > cap:
+                count[2] = i + 1
+                return
+            last = t + h >= H * (1 - 1e-9)
+            taken = H - t if last else 0.5 * (H - t) if t + 2 * h > H else h
+            # Right side and Jacobian where the step starts.
+            V = V0 + t * (2 * q2 + 3 * q3 * t)
+            X = X0 + t * (V0 + t * (q2 + t * q3))
+            d = d0 + slope * t
+            dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, x, v, z, y, w)
+            load = y if y > 0.0 else 0.0
+            ratio = v / vs
+            bottom = 1 + ratio * ratio
+            g = mu_c + drop / bottom
+            dg = -2 * drop * ratio / (vs * bottom * bottom)
+            speed, sign = abs(v), 1.0 if v >= 0.0 else -1.0
+            alpha, by_v, by_z = 1.0, 0.0, 0.0
+            if elastic > 0.0:
+                alpha = 0.0
+                if v * z > 0.0:
+                    width = g - elastic * mu_c
+                    share = (s0 * abs(z) - elastic * mu_c) / width
+                    if share >= 1.0:
+                        alpha = 1.0
+                    elif share > 0.0:
+                        alpha = share * share * (3 - 2 * share)
+                        steep = 6 * share * (1 - share)
+                        by_z = steep * (s0 if z > 0.0 else -s0) / width
+                        by_v = -steep * share * dg / width
+            b = 1 - s0 * z * (alpha * (sign - speed * dg / g) + by_v * speed) / g
+            a = -s0 * speed * (alpha + by_z * z) / g
+            zy = 0.0
+            if load < RELAX_BELOW_N:
+                a -= RELAX_PER_S * (1 - load / RELAX_BELOW_N)
+                zy = RELAX_PER_S * z / RELAX_BELOW_N if y > 0.0 else 0.0
+            mu = s0 * z + s1 * dz + s2 * v
+            vx = -k / m
+            vv = -(c + load * (s1 * b + s2)) / m
+            vz = -load * (s0 + s1 * a) / m
+            vy = -(mu + load * s1 * zy) / m if y > 0.0 else 0.0
+            wy = -omega * omega if y > 0.0 else -omega * omega * rho
+            ww = -2 * zeta * omega if y > 0.0 else -2 * zeta * omega * rho**0.5
+            e = 4 / taken
+            py = 1 / (e * (e - ww) - wy)
+            pz = 1 / (e - a)
+            pv = 1 / (e - vv - vx / e - vz * b * pz)
+            tv = taken * (k * V + c * (2 * q2 + 6 * q3 * t)) / m
+            tw = taken * omega * omega * slope
+            # Six stages; each solves (e - J) u = right side.
+            r = dw + 0.25 * tw
+            uy1 = ((e - ww) * w + r) * py
+            uw1 = e * uy1 - w
+            rz = dz + zy * uy1
+            uv1 = (dv + 0.25 * tv + vy * uy1 + vx * v / e + vz * rz * pz) * pv
+            ux1 = (v + uv1) / e
+            uz1 = (rz + b * uv1) * pz
+
+            at = t + 0.386 * taken
+            X, V, d = X0 + at * (V0 + at * (q2 + at * q3)), V0 + at * (2 * q2 + 3 * q3 * at), d0 + slope * at
+            xe, ve, ze, ye, we = x + A21 * ux1, v + A21 * uv1, z + A21 * uz1, y + A21 * uy1, w + A21 * uw1
+            dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
+            c1 = C21 / taken
+            rx, ry, r = ve + c1 * ux1, we + c1 * uy1, dw + c1 * uw1 - 0.1043 * tw
+            uy2 = ((e - ww) * ry + r) * py
+            uw2 = e * uy2 - ry
+            rz = dz + c1 * uz1 + zy * uy2
+            uv2 = (dv + c1 * uv1 - 0.1043 * tv + vy * uy2 + vx * rx / e + vz * rz * pz) * pv
+            ux2 = (rx + uv2) / e
+            uz2 = (rz + b * uv2) * pz
+
+            at = t + 0.21 * taken
+            X, V, d = X0 + at * (V0 + at * (q2 + at * q3)), V0 + at * (2 * q2 + 3 * q3 * at), d0 + slope * at
+            xe, ve, ze = x + A31 * ux1 + A32 * ux2, v + A31 * uv1 + A32 * uv2, z + A31 * uz1 + A32 * uz2
+            ye, we = y + A31 * uy1 + A32 * uy2, w + A31 * uw1 + A32 * uw2
+            dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
+            c1, c2 = C31 / taken, C32 / taken
+            rx, ry = ve + c1 * ux1 + c2 * ux2, we + c1 * uy1 + c2 * uy2
+            r = dw + c1 * uw1 + c2 * uw2 + 0.1035 * tw
+            uy3 = ((e - ww) * ry + r) * py
+            uw3 = e * uy3 - ry
+            rz = dz + c1 * uz1 + c2 * uz2 + zy * uy3
+            uv3 = (dv + c1 * uv1 + c2 * uv2 + 0.1035 * tv + vy * uy3 + vx * rx / e + vz * rz * pz) * pv
+            ux3 = (rx + uv3) / e
+            uz3 = (rz + b * uv3) * pz
+
+            at = t + 0.63 * taken
+            X, V, d = X0 + at * (V0 + at * (q2 + at * q3)), V0 + at * (2 * q2 + 3 * q3 * at), d0 + slope * at
+            xe = x + A41 * ux1 + A42 * ux2 + A43 * ux3
+            ve = v + A41 * uv1 + A42 * uv2 + A43 * uv3
+            ze = z + A41 * uz1 + A42 * uz2 + A43 * uz3
+            ye = y + A41 * uy1 + A42 * uy2 + A43 * uy3
+            we = w + A41 * uw1 + A42 * uw2 + A43 * uw3
+            dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
+            c1, c2, c3 = C41 / taken, C42 / taken, C43 / taken
+            rx, ry = ve + c1 * ux1 + c2 * ux2 + c3 * ux3, we + c1 * uy1 + c2 * uy2 + c3 * uy3
+            r = dw + c1 * uw1 + c2 * uw2 + c3 * uw3 - 0.0362 * tw
+            uy4 = ((e - ww) * ry + r) * py
+            uw4 = e * uy4 - ry
+            rz = dz + c1 * uz1 + c2 * uz2 + c3 * uz3 + zy * uy4
+            uv4 = (dv + c1 * uv1 + c2 * uv2 + c3 * uv3 - 0.0362 * tv + vy * uy4 + vx * rx / e + vz * rz * pz) * pv
+            ux4 = (rx + uv4) / e
+            uz4 = (rz + b * uv4) * pz
+
+            at = t + taken
+            X, V, d = X0 + at * (V0 + at * (q2 + at * q3)), V0 + at * (2 * q2 + 3 * q3 * at), d0 + slope * at
+            xe = x + A51 * ux1 + A52 * ux2 + A53 * ux3 + A54 * ux4
+            ve = v + A51 * uv1 + A52 * uv2 + A53 * uv3 + A54 * uv4
+            ze = z + A51 * uz1 + A52 * uz2 + A53 * uz3 + A54 * uz4
+            ye = y + A51 * uy1 + A52 * uy2 + A53 * uy3 + A54 * uy4
+            we = w + A51 * uw1 + A52 * uw2 + A53 * uw3 + A54 * uw4
+            dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
+            c1, c2, c3, c4 = C51 / taken, C52 / taken, C53 / taken, C54 / taken
+            rx, ry = ve + c1 * ux1 + c2 * ux2 + c3 * ux3 + c4 * ux4, we + c1 * uy1 + c2 * uy2 + c3 * uy3 + c4 * uy4
+            r = dw + c1 * uw1 + c2 * uw2 + c3 * uw3 + c4 * uw4
+            uy5 = ((e - ww) * ry + r) * py
+            uw5 = e * uy5 - ry
+            rz = dz + c1 * uz1 + c2 * uz2 + c3 * uz3 + c4 * uz4 + zy * uy5
+            r = dv + c1 * uv1 + c2 * uv2 + c3 * uv3 + c4 * uv4
+            uv5 = (r + vy * uy5 + vx * rx / e + vz * rz * pz) * pv
+            ux5 = (rx + uv5) / e
+            uz5 = (rz + b * uv5) * pz
+
+            xe, ve, ze, ye, we = xe + ux5, ve + uv5, ze + uz5, ye + uy5, we + uw5
+            dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
+            c1, c2, c3, c4, c5 = C61 / taken, C62 / taken, C63 / taken, C64 / taken, C65 / taken
+            rx = ve + c1 * ux1 + c2 * ux2 + c3 * ux3 + c4 * ux4 + c5 * ux5
+            ry = we + c1 * uy1 + c2 * uy2 + c3 * uy3 + c4 * uy4 + c5 * uy5
+            r = dw + c1 * uw1 + c2 * uw2 + c3 * uw3 + c4 * uw4 + c5 * uw5
+            uy6 = ((e - ww) * ry + r) * py
+            uw6 = e * uy6 - ry
+            rz = dz + c1 * uz1 + c2 * uz2 + c3 * uz3 + c4 * uz4 + c5 * uz5 + zy * uy6
+            r = dv + c1 * uv1 + c2 * uv2 + c3 * uv3 + c4 * uv4 + c5 * uv5
+            uv6 = (r + vy * uy6 + vx * rx / e + vz * rz * pz) * pv
+            ux6 = (rx + uv6) / e
+            uz6 = (rz + b * uv6) * pz
+
+            error = max(abs(ux6) * per[0], abs(uv6) * per[1], abs(uz6) * per[2], abs(uy6) * per[3], abs(uw6) * per[4])
+            # Order 3 of the estimate: its fourth root. Not a number counts as too large.
+            factor = 0.9 / error**0.25 if error > 1e-6 else 6.0
+            factor = 6.0 if factor > 6.0 else factor if factor > 0.15 else 0.15
+            if error <= 1.0 or taken <= SMALLEST_SHARE * H:
+                x, v, z, y, w = xe + ux6, ve + uv6, ze + uz6, ye + uy6, we + uw6
+                steps += 1
+                t = H if last else t + taken
+                # A step cut short by a sample says nothing against the longer one.
+                h = max(h, taken * factor) if last and factor > 1.0 else taken * factor
+                if h > 64 * H:
+                    h = 64 * H
+            else:
+                rejected += 1
+                h = taken * factor
+        xs[i + 1] = x
+        vs_out[i + 1] = v
+        zs[i + 1] = z
+        ys[i + 1] = y
+    count[0], count[1] = steps, rejected
+
+
+run = Kernel(_loop, rates, outputs=5)
+"""Fills x, v, z, y, and (steps, rejected, sample at which it gave up or 0)."""

@@ -1,0 +1,1 @@
+"""From force to samples: the sensor, its bridge, the board in the time domain, the converter."""

@@ -1,0 +1,145 @@
+"""Real manipulation: an object is grasped, knocked, and held or lost, with a controller in the loop or none.
+
+`run_manipulation` steps hand, contact and sensors from one command to the next. The controller is handed what a real
+one would be, sampled voltages and the motors' closing (`fingertip.sim.Seen`), and nothing of the truth. Anything with a
+method ``step`` is one; detectors and grip laws are the caller's, this package knows none.
+
+Taken for simple, all assumptions: the object moves along one line, in which it would slip and its weight pulls (once
+whoever holds it lets go), does not turn, and is rigid; of a power grasp the palm carries nothing; the thumb's abduction
+stays, as in the article (IV.A); a finger is stiff along that line up to its pad; vibration does not act back on
+friction; a pad's stiffness and resonance stay those of the force it was to hold with.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.design import Design
+from fingertip.errors import Fault, TraceError
+from fingertip.sim.contact.pad import Pad
+from fingertip.sim.electronics.amplifiers import amplified
+from fingertip.sim.electronics.analog import respond
+from fingertip.sim.electronics.comparator import missing, pin_v
+from fingertip.sim.hand.controller import Controller, Seen
+from fingertip.sim.hand.manipulated import Manipulated
+from fingertip.sim.hand.manipulation_file import OUTPUTS, ManipulationFile
+from fingertip.sim.hand.manipulation_plan import Plan, plan, thumb_n
+from fingertip.sim.hand.manipulation_run import Run
+from fingertip.sim.inputs import refuse
+from fingertip.sim.stages.contact_stages import GROSS_SLIP_M_S
+from fingertip.sim.stages.result import LONG_S
+
+Array = NDArray[np.float64]
+
+
+def run_manipulation(
+    design: Design,
+    scene: ManipulationFile,
+    controller: Controller | None = None,
+    seed: int = 0,
+    say: Callable[[str], None] | None = None,
+) -> Manipulated:
+    """Simulate a manipulation.
+
+    Parameters
+    ----------
+    design
+        Gives the pads' form, the board, the converter and its noise; all fingers are alike.
+    scene
+        Object, grasp, knock and hand, and which outputs are wanted.
+    controller
+        Closes the loop; None keeps the planned grip.
+    seed
+        Of grip, friction, surfaces and noise. The same design, scene, seed and commands give the same columns.
+    say
+        Told of progress, where a scene is long enough to need it.
+
+    Raises
+    ------
+    TraceError
+        If the seed is negative, the plan asks more than a finger can press with, or a controller's command is none.
+    """
+    pad = Pad.of(design)
+    _refuse(design, scene, seed)
+    made = plan(scene, pad, seed)
+    if say and made.duration_s > LONG_S:
+        say(f"{scene.scene}, {made.duration_s:.1f} s")
+    wanted = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
+    run = Run(design, scene, made, pad, seed, wanted)
+    rate = design.detector.sample_rate_hz
+    count = math.ceil(made.duration_s * rate)
+    period, delay = max(1, round(scene.hand.period_s * rate)), round(scene.hand.delay_s * rate)
+    starts = range(0, count, period)
+    if controller is None:
+        # Nobody looks on the way, so it is stepped at once.
+        told = made.planned_m(np.array(starts) / rate)
+        run.advance(_in_force(told, 0, count, period, delay))
+    else:
+        told = np.zeros((len(scene.fingers), len(starts)))
+        voltage = run.parts["voltage_v"][0]
+        for i, start in enumerate(starts):
+            planned = made.planned_m(np.array([start / rate]))[:, 0]
+            seen = Seen(start / rate, voltage.copy(), run.motors.closing_m.copy(), planned)
+            told[:, i] = _command(controller.step(seen), start / rate, len(scene.fingers))
+            fresh = run.advance(_in_force(told, start, min(start + period, count), period, delay))
+            assert fresh is not None
+            voltage = fresh
+    return _result(design, scene, seed, made, run, count)
+
+
+def _in_force(told: Array, start: int, end: int, period: int, delay: int) -> Array:
+    """The command in force before each sample after `start`: told at i * period, it takes `delay` samples."""
+    latest = (np.arange(start, end) - delay) // period
+    return np.where(latest >= 0, told[:, np.maximum(latest, 0)], 0.0)
+
+
+def _command(given: Array, time_s: float, count: int) -> Array:
+    command = np.asarray(given, dtype=np.float64)
+    if command.shape != (count,):
+        sentence = f"gave shape {command.shape} at {time_s:g} s, needed is ({count},); give one closing per finger."
+        raise TraceError(Fault("controller", sentence))
+    if not np.isfinite(command).all():
+        bad = int(np.flatnonzero(~np.isfinite(command))[0])
+        sentence = f"gave {command[bad]} for finger {bad} at {time_s:g} s; give finite closings [m]."
+        raise TraceError(Fault("controller", sentence))
+    return command
+
+
+def _result(design: Design, scene: ManipulationFile, seed: int, made: Plan, run: Run, count: int) -> Manipulated:
+    signals: dict[str, NDArray[Any]] = {name: np.concatenate(parts, axis=-1) for name, parts in run.parts.items()}
+    step = 1 / design.detector.sample_rate_hz
+    time_s = np.arange(count + 1, dtype=np.float64) * step
+    signals["slip"] = np.abs(signals["velocity_m_s"]) > GROSS_SLIP_M_S
+    if {"envelope_v", "slip_pin_v"} & set(scene.outputs):
+        board = amplified(design, scene.sensing.amplifiers)
+        outs = [respond(board, step, v) for v in signals["tactile_v"]]
+        signals["envelope_v"] = np.stack([out.envelope_v for out in outs])
+        if "slip_pin_v" in scene.outputs:
+            pins = [pin_v(design, step, out.filtered_v, out.envelope_v) for out in outs]
+            signals["slip_pin_v"] = np.stack(pins)
+    gone = np.flatnonzero(signals["object_m"] >= scene.object.length_m)
+    lost_s = float(time_s[gone[0]]) if run.lost else None
+    if "force_n" not in scene.outputs:
+        signals.pop("force_n")
+    signals = {name: signals[name] for name in OUTPUTS if name in signals}
+    return Manipulated(scene, seed, made, time_s, signals, lost_s, tuple(run.ran.values()))
+
+
+def _refuse(design: Design, scene: ManipulationFile, seed: int) -> None:
+    faults = []
+    if seed < 0:
+        faults.append(Fault("--seed", f"{seed} is negative; choose a whole number of at least 0."))
+    held, most = scene.object, thumb_n(scene, scene.grasp.margin_most)
+    if most > scene.hand.force_most_n:
+        sentence = (
+            f"{scene.hand.force_most_n:g} N is less than the thumb needs for {held.mass_kg:g} kg; at least {most:g} N."
+        )
+        faults.append(Fault("hand.force_most_n", sentence))
+    if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
+        faults.append(Fault("outputs", missing(design)))
+    refuse(faults)

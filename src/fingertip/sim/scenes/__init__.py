@@ -1,0 +1,1 @@
+"""What happens to a finger, as strict files: sections, parameters, the timeline they make."""

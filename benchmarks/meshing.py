@@ -2,10 +2,10 @@
 
     python benchmarks/meshing.py [picture.png]
 
-Ways: the structured grid of `cad.tessellate`; Open CASCADE's mesher at several linear and angular tolerances; gmsh, if
-it is installed, on the STEP file, at several counts of elements per turn. Each is measured by what it made, not by
-what it was asked for: the farthest point of any facet from the exact surface (`fingertip.cad.deviation`), and the
-volume against the closed form. Only the meshing itself is timed, in CPU seconds of this process, one thread each;
+Ways: the structured grid of `cad.kernel.tessellate`; Open CASCADE's mesher at several linear and angular tolerances;
+gmsh, if it is installed, on the STEP file, at several counts of elements per turn. Each is measured by what it made,
+not by what it was asked for: the farthest point of any facet from the exact surface (`cad.verification.deviation`), and
+the volume against the closed form. Only the meshing itself is timed, in CPU seconds of this process, one thread each;
 reading a mesh out of Open CASCADE or gmsh is not counted against them.
 """
 
@@ -27,10 +27,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.cad.deviation import distance
-from fingertip.cad.mesh import Mesh
+from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.kernel.tessellate import tessellate
 from fingertip.cad.solids import Form
-from fingertip.cad.tessellate import tessellate
+from fingertip.cad.verification.deviation import distance
 from fingertip.conic import ConicBody
 from fingertip.design import Design
 
@@ -118,11 +118,11 @@ def ours(body: ConicBody) -> Iterator[Row]:
 
 
 def open_cascade(body: ConicBody) -> Iterator[Row]:
-    """Open CASCADE's incremental mesher on the B-rep that `cad.brep` makes."""
+    """Open CASCADE's incremental mesher on the B-rep that `cad.kernel.brep` makes."""
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepTools import BRepTools
 
-    from fingertip.cad import brep
+    from fingertip.cad.kernel import brep
 
     shape = brep.Evaluator().shape(Form(body))
 
@@ -145,7 +145,7 @@ def gmsh_rows(body: ConicBody) -> Iterator[Row]:
     import cadquery as cq
     import gmsh
 
-    from fingertip.cad import brep
+    from fingertip.cad.kernel import brep
 
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
@@ -243,8 +243,8 @@ def cpu_of(*command: str) -> tuple[float, float]:
 
 def whole_designs(design: Design) -> None:
     """What all parts with all their checks cost, and all files with STEP against importing cadquery alone."""
-    from fingertip.cad.parts import parts_of
-    from fingertip.cad.verify import verify
+    from fingertip.cad.shapes.parts import parts_of
+    from fingertip.cad.verification.verify import verify
 
     cpu = timed(lambda: verify(design, parts_of(design), ("stl",), 0.01))
     print(f"\nall parts with all mesh checks at 0.01 mm: {cpu:.2f} s CPU, warm (goal 0.5 s)")

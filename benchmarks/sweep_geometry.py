@@ -53,8 +53,8 @@ def plain_cadquery(design: Any, folder: Path, shared: bool) -> None:
     A plain script has a function for each part, and asks whether its solid is valid. `shared` is what can be made of
     it at best: solids that several parts are cut with are made once, and nobody asks.
     """
-    from fingertip.cad.brep import Evaluator
-    from fingertip.cad.parts import parts_of
+    from fingertip.cad.kernel.brep import Evaluator
+    from fingertip.cad.shapes.parts import parts_of
 
     kernel = Evaluator()
     for name, part in parts_of(design).items():
@@ -64,7 +64,7 @@ def plain_cadquery(design: Any, folder: Path, shared: bool) -> None:
 
 def compare(designs: int) -> None:
     """Print CPU times of both ways, and their ratios."""
-    from fingertip.cad.parts import parts_of
+    from fingertip.cad.shapes.parts import parts_of
     from fingertip.design import Design
     from fingertip.sweep.evaluate import Bench
     from fingertip.sweep.solids import RememberingEvaluator

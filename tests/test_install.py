@@ -91,7 +91,7 @@ def test_install_refuses_an_unknown_word() -> None:
 
 def test_install_and_the_step_error_name_the_same_packages() -> None:
     installed = re.search(r'^packages="([^"]+)"$', INSTALL.read_text(encoding="utf-8"), re.MULTILINE)
-    source = (ROOT / "src/fingertip/cad/brep.py").read_text(encoding="utf-8")
+    source = (ROOT / "src/fingertip/cad/kernel/brep.py").read_text(encoding="utf-8")
     named = re.search(r"apt-get install ([a-z0-9.+ -]+)", source)
     assert installed is not None
     assert named is not None

@@ -19,7 +19,7 @@ from fingertip._version import __version__
 
 if TYPE_CHECKING:
     from fingertip.board import BoardValues, board_values, write_board
-    from fingertip.cad.interop import part_mesh, part_solid, part_trimesh
+    from fingertip.cad.files.interop import part_mesh, part_solid, part_trimesh
     from fingertip.design import Design
     from fingertip.errors import FingertipError
     from fingertip.kit import Build, build
@@ -39,9 +39,9 @@ _HOME = {
     "board_values": "fingertip.board",
     "build": "fingertip.kit",
     "detect": "fingertip.slip",
-    "part_mesh": "fingertip.cad.interop",
-    "part_solid": "fingertip.cad.interop",
-    "part_trimesh": "fingertip.cad.interop",
+    "part_mesh": "fingertip.cad.files.interop",
+    "part_solid": "fingertip.cad.files.interop",
+    "part_trimesh": "fingertip.cad.files.interop",
     "read_trace": "fingertip.slip",
     "run_scene": "fingertip.sim",
     "simulate": "fingertip.sim",

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from fingertip._version import __version__
-from fingertip.cad import checks
-from fingertip.cad.checks import Check
-from fingertip.cad.mesh import Evaluator, Mesh
-from fingertip.cad.parts import PARTS, Part, parts_of, print_scale
-from fingertip.cad.step import Exact, StepFiles, StepJob, StepRequest
-from fingertip.cad.verify import as_data, refuse_tolerance, settled, verify
+from fingertip.cad.files.step import Exact, StepFiles, StepJob, StepRequest
+from fingertip.cad.kernel.mesh import Evaluator, Mesh
+from fingertip.cad.shapes.parts import PARTS, Part, parts_of, print_scale
+from fingertip.cad.verification import checks
+from fingertip.cad.verification.checks import Check
+from fingertip.cad.verification.verify import as_data, refuse_tolerance, settled, verify
 from fingertip.casting import markdown, sheet, volumes
 from fingertip.casting.materials import silicone
 from fingertip.design import Design

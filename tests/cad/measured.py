@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from fingertip.cad import measures, parts
-from fingertip.cad.mesh import Evaluator
+from fingertip.cad.kernel.mesh import Evaluator
+from fingertip.cad.shapes import parts
+from fingertip.cad.verification import measures
 from fingertip.design import Design
 
 TOLERANCE = 0.02

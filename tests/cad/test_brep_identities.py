@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from fingertip.cad import brep, mold
-from fingertip.cad.core import cast_around
-from fingertip.cad.parts import parts_of
-from fingertip.cad.skin import cavity
+from fingertip.cad.kernel import brep
+from fingertip.cad.shapes import mold
+from fingertip.cad.shapes.core import cast_around
+from fingertip.cad.shapes.parts import parts_of
+from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.solids import Box, difference, intersection, union
 from fingertip.design import Design
 from fingertip.design.mold_layout import lay_out

@@ -7,12 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fingertip.cad import bone, brep, checks
-from fingertip.cad.core import core
-from fingertip.cad.mesh import Evaluator, Mesh, canonical
-from fingertip.cad.parts import PARTS, Part, parts_of
+from fingertip.cad.files.step import Exact
+from fingertip.cad.kernel import brep
+from fingertip.cad.kernel.mesh import Evaluator, Mesh, canonical
+from fingertip.cad.shapes import bone
+from fingertip.cad.shapes.core import core
+from fingertip.cad.shapes.parts import PARTS, Part, parts_of
 from fingertip.cad.solids import Box, Form, Solid, cylinder, difference, union
-from fingertip.cad.step import Exact
+from fingertip.cad.verification import checks
 from fingertip.design import Design
 from fingertip.kit import build
 
@@ -147,7 +149,7 @@ def test_a_failed_check_is_told_and_written(finger: Design, tmp_path, monkeypatc
 
 def test_both_kernels_agree_on_every_primitive(finger: Design, design: Design) -> None:
     """The B-rep shares no geometry code with the meshes: whatever either gets wrong shows as a volume."""
-    from fingertip.cad import brep
+    from fingertip.cad.kernel import brep
 
     exact, meshes = brep.Evaluator(), Evaluator(0.001)
     for solid in sorted({s for part in parts_of(design).values() for s in primitives(part.describe(design))}, key=repr):
@@ -157,7 +159,7 @@ def test_both_kernels_agree_on_every_primitive(finger: Design, design: Design) -
 
 def test_brep_volume_is_the_closed_form() -> None:
     """On arcs of weight 4 the kernel's own rules are off by 0.3 to 11 mm3; the one in use must not be."""
-    from fingertip.cad import brep
+    from fingertip.cad.kernel import brep
     from fingertip.conic import ConicBody, CrossSection
 
     section = CrossSection(10.55, 5.35, 7.15, 4.0, 0.75)

@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fingertip.cad.deviation import distance, of_facets, patches
-from fingertip.cad.mesh import Evaluator
+from fingertip.cad.kernel.mesh import Evaluator
+from fingertip.cad.kernel.tessellate import tessellate
 from fingertip.cad.solids import Form
-from fingertip.cad.tessellate import tessellate
+from fingertip.cad.verification.deviation import distance, of_facets, patches
 from fingertip.design import Design
 
 
@@ -52,7 +52,7 @@ def test_a_dent_is_seen() -> None:
 
 def test_only_facets_on_the_form_count() -> None:
     """The skin's inside and its cut end are no part of its outer form."""
-    from fingertip.cad.skin import skin
+    from fingertip.cad.shapes.skin import skin
 
     design = Design()
     mesh = Evaluator(0.02).mesh(skin(design))

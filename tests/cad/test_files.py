@@ -12,7 +12,7 @@ import pytest
 import trimesh
 from manifold3d import Error, Manifold, Mesh64
 
-from fingertip.cad.parts import PARTS
+from fingertip.cad.shapes.parts import PARTS
 from fingertip.kit import Build
 from tests.conftest import design_file, run_fingertip
 
@@ -77,7 +77,7 @@ def test_no_facet_is_degenerate_in_topology(built: Build, name: str) -> None:
 def test_step_holds_one_valid_named_solid_of_the_meshes_volume(built: Build, name: str) -> None:
     import cadquery as cq
 
-    from fingertip.cad import brep
+    from fingertip.cad.kernel import brep
 
     path = built.folder / f"{name}.step"
     solids = cq.importers.importStep(str(path)).solids().vals()

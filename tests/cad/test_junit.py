@@ -7,8 +7,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from fingertip.cad.checks import Check
-from fingertip.cad.junit import to_bytes
+from fingertip.cad.files.junit import to_bytes
+from fingertip.cad.verification.checks import Check
 
 HOLDS = Check("bone.stl.genus", 2, 2, "holes", "exactly")
 FAILS = Check("overlap.bone.skin", 0.5, 1e-3, "mm3")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.cad import mesh
+from fingertip.cad.kernel import mesh
 from fingertip.design import Design
 from fingertip.kit import build
 from tests.conftest import design_file, run_python
@@ -27,7 +27,7 @@ def test_only_the_parts_asked_for_are_evaluated(tmp_path: Path, monkeypatch: pyt
     result = build(design, tmp_path, parts=["bone"], formats=["stl"])
     assert {path.name for path in tmp_path.iterdir()} == {"bone.stl", "design.toml", "report.json"}
     assert [built.part.name for built in result.parts] == ["bone"]
-    from fingertip.cad.parts import PARTS
+    from fingertip.cad.shapes.parts import PARTS
     from fingertip.cad.solids import Form
 
     assert Form(design.dimensions.outer) not in evaluated

@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from fingertip.cad import bone, measures, parts
-from fingertip.cad.core import inside_skin
+from fingertip.cad.shapes import bone, parts
+from fingertip.cad.shapes.core import inside_skin
 from fingertip.cad.solids import Box, Cone, ElbowTube, cylinder, difference, union
+from fingertip.cad.verification import measures
 from fingertip.design import Design
 from fingertip.design.cover import least_cover
 from tests.cad.measured import SLEEVE, SOCKET, failures, measured

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from fingertip.cad import stl
-from fingertip.cad.checks import open_edges
-from fingertip.cad.mesh import GRID_MM, Evaluator
-from fingertip.cad.mold import mold_palmar
+from fingertip.cad.files import stl
+from fingertip.cad.kernel.mesh import GRID_MM, Evaluator
+from fingertip.cad.shapes.mold import mold_palmar
+from fingertip.cad.verification.checks import open_edges
 from fingertip.design import Design
 
 # Here a boolean leaves an edge of 5e-6 mm that the kernel does not collapse: both its ends round to one grid point. A

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from fingertip.cad import bone, core, mold
+from fingertip.cad.shapes import bone, core, mold
 from fingertip.cad.solids import Box, Cone, ElbowTube, Solid, cylinder, union
 from fingertip.design import Design
 from tests.cad.measured import SLEEVE, failures, measured

@@ -8,10 +8,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from fingertip.cad import brep, checks
-from fingertip.cad.mesh import Evaluator
-from fingertip.cad.parts import parts_of
-from fingertip.cad.step import Exact
+from fingertip.cad.files.step import Exact
+from fingertip.cad.kernel import brep
+from fingertip.cad.kernel.mesh import Evaluator
+from fingertip.cad.shapes.parts import parts_of
+from fingertip.cad.verification import checks
 from fingertip.design import Design
 from fingertip.design.document import parameters
 from fingertip.errors import DesignError

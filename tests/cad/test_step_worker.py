@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from fingertip.cad.files.step import StepJob, StepRequest
 from fingertip.cad.solids import Box, Solid, difference
-from fingertip.cad.step import StepJob, StepRequest
 from fingertip.errors import GeometryError
 
 GREY = (0.5, 0.5, 0.5)

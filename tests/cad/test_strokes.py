@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from fingertip.cad import strokes
+from fingertip.cad.shapes import strokes
 
 ALLOWED = string.ascii_letters + string.digits + "-_"
 

@@ -8,10 +8,10 @@ import math
 import numpy as np
 import pytest
 
-from fingertip.cad.checks import open_edges
-from fingertip.cad.mesh import Mesh
+from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.kernel.tessellate import arc_segments, tessellate
 from fingertip.cad.solids import Bar, Box, Cone, ElbowTube, Form, Primitive, cylinder, hexagon
-from fingertip.cad.tessellate import arc_segments, tessellate
+from fingertip.cad.verification.checks import open_edges
 from fingertip.conic import ConicBody, CrossSection, Tip, arc_point
 from fingertip.design.draft import drafted
 
@@ -105,7 +105,7 @@ def test_only_exactly_rounded_arithmetic_places_vertices() -> None:
     """No sine, cosine or power in the mesher: their last bits differ between machines."""
     import inspect
 
-    from fingertip.cad import tessellate as module
+    from fingertip.cad.kernel import tessellate as module
 
     source = inspect.getsource(module)
     assert not any(

@@ -47,8 +47,8 @@ def test_compensation_scales_what_is_printed_and_nothing_else(tmp_path: Path) ->
 
 def test_shrinkage_grows_the_cavity_not_the_skin(tmp_path: Path) -> None:
     """1 % linear shrinkage: the cavity holds 1 / 0.99^3 of the outer form, the skin keeps its size."""
-    from fingertip.cad.mesh import Evaluator
-    from fingertip.cad.skin import cavity
+    from fingertip.cad.kernel.mesh import Evaluator
+    from fingertip.cad.shapes.skin import cavity
     from fingertip.cad.solids import Form
 
     plain = Design.load(changes=["mold.silicone_shrinkage_percent=0"])

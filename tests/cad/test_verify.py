@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from fingertip.cad import stl
-from fingertip.cad.mesh import Evaluator, Mesh
-from fingertip.cad.verify import FINEST_MM, refuse_tolerance, verify
+from fingertip.cad.files import stl
+from fingertip.cad.kernel.mesh import Evaluator, Mesh
+from fingertip.cad.verification.verify import FINEST_MM, refuse_tolerance, verify
 from fingertip.design import Design
 from fingertip.errors import DesignError
 

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from fingertip.cad.mesh import Evaluator
-from fingertip.cad.parts import PARTS
+from fingertip.cad.kernel.mesh import Evaluator
+from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.hardware import clamp_bolts, thread_mm
 from fingertip.casting.volumes import Volumes, measure
 from fingertip.design import Design

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from fingertip.cad.parts import PARTS
+from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting import markdown, sheet
 from fingertip.casting.materials import MATERIALS
 from fingertip.casting.slicer import HOW_TO_INSTALL, Print, from_gcode, minutes, slice_part

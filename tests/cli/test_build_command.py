@@ -85,7 +85,7 @@ def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
 
 def test_a_failed_check_exits_1(tmp_path: Path) -> None:
     script = (
-        "import sys\nfrom dataclasses import replace\nfrom fingertip.cad.parts import PARTS\n"
+        "import sys\nfrom dataclasses import replace\nfrom fingertip.cad.shapes.parts import PARTS\n"
         "PARTS['skin'] = replace(PARTS['skin'], genus=lambda design: 3)\n"
         "from fingertip.cli import app\napp(sys.argv[1:])\n"
     )
@@ -136,7 +136,7 @@ def test_a_step_process_that_dies_leaves_nothing(tmp_path: Path) -> None:
 
 def test_a_step_process_that_hangs_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip import kit as module
-    from fingertip.cad.step import StepRequest
+    from fingertip.cad.files.step import StepRequest
     from fingertip.design import Design
     from fingertip.errors import GeometryError
 

@@ -13,7 +13,7 @@ from tests.conftest import design_file, run_fingertip, run_python
 FSR400, FSR402 = design_file("fsr400"), design_file("fsr402")
 COARSE = ("--tolerance-mm", "0.05")
 SABOTAGE = (
-    "import sys\nfrom fingertip.cad import checks\nfrom fingertip.cli import app\n"
+    "import sys\nfrom fingertip.cad.verification import checks\nfrom fingertip.cli import app\n"
     "checks.NO_VOLUME_MM3 = -1.0\n"  # no volume is below nothing: every identity fails, no topology does
     "app(['check', *sys.argv[1:]])\n"
 )

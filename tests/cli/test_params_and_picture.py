@@ -36,7 +36,7 @@ def test_params_prints_a_design_and_a_schema() -> None:
 def test_picture_shows_all_colours(tmp_path: Path) -> None:
     from PIL import Image
 
-    from fingertip.cad.parts import parts_of
+    from fingertip.cad.shapes.parts import parts_of
     from fingertip.design import Design
 
     path = tmp_path / "p.png"

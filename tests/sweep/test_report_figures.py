@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.stats import qmc
 
-from fingertip.cad.checks import Check
+from fingertip.cad.verification.checks import Check
 from fingertip.sweep.evaluate import Bench
 from fingertip.sweep.report.bins import by_count, by_value, is_spread_by_ratio, ranks
 from fingertip.sweep.report.cells import cells
@@ -214,7 +214,7 @@ def test_a_failed_check_is_told_by_its_name(monkeypatch: pytest.MonkeyPatch) -> 
         Check("skin_thickness", 0.75, 0.8, "mm", "at least"),
         Check("bone.wall", 0.5, 1.0, "mm", "at least"),
     )
-    monkeypatch.setattr("fingertip.cad.verify.verify", lambda *_: SimpleNamespace(checks=found))
+    monkeypatch.setattr("fingertip.cad.verification.verify.verify", lambda *_: SimpleNamespace(checks=found))
     bench = Bench(plan(outputs=["checks_failed"], axes={"skin.width_mm": [17.0]}))
     point, status, field, reason, outputs = bench.outcome(0, {"skin.width_mm": 17.0})
     assert (point, status, field, outputs) == (0, "ok", "skin_thickness", (2.0,))

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 
 from fingertip.board import board_values
-from fingertip.cad.checks import Check
-from fingertip.cad.mesh import Evaluator
-from fingertip.cad.parts import parts_of
-from fingertip.cad.verify import as_data, verify
+from fingertip.cad.kernel.mesh import Evaluator
+from fingertip.cad.shapes.parts import parts_of
+from fingertip.cad.verification.checks import Check
+from fingertip.cad.verification.verify import as_data, verify
 from fingertip.design import Design
 from fingertip.design.rules import RULES
 from fingertip.design.tables import Tables
@@ -102,7 +102,7 @@ def test_the_skin_alone_is_meshed_for_its_volume() -> None:
 
 
 def test_the_bone_is_neither_meshed_nor_measured_while_the_mold_varies(monkeypatch: pytest.MonkeyPatch) -> None:
-    import fingertip.cad.mesh as kernel
+    import fingertip.cad.kernel.mesh as kernel
 
     meshed: list[int] = []
     original = kernel.to_manifold

@@ -1,8 +1,8 @@
 """Parts as plain expressions: primitives and booleans that know no kernel.
 
 Each part is described once as a tree of these frozen values and evaluated by two kernels that share no geometry
-code: `cad.mesh` (numpy and manifold3d) and `cad.brep` (cadquery). All lengths in mm, all axes along x, y or z;
-expressions compare and hash by value, so equal solids are recognised and evaluated once.
+code: `cad.kernel.mesh` (numpy and manifold3d) and `cad.kernel.brep` (cadquery). All lengths in mm, all axes along x, y
+or z; expressions compare and hash by value, so equal solids are recognised and evaluated once.
 """
 
 from __future__ import annotations

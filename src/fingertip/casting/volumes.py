@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fingertip.cad import mold, skin
-from fingertip.cad.core import cast_around
-from fingertip.cad.mesh import Evaluator
+from fingertip.cad.kernel.mesh import Evaluator
+from fingertip.cad.shapes import mold, skin
+from fingertip.cad.shapes.core import cast_around
 from fingertip.cad.solids import intersection, union
 from fingertip.design import Design
 from fingertip.design.mold_layout import lay_out

@@ -11,7 +11,7 @@ import typer
 from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, command
 
 if TYPE_CHECKING:
-    from fingertip.cad.checks import Check
+    from fingertip.cad.verification.checks import Check
     from fingertip.design import Design
 
 
@@ -29,9 +29,9 @@ def check(
     The checks read the STL each part would have. If any file is refused, all its faults and those of the other files
     are told, no design is checked and no report is written.
     """
-    from fingertip.cad.mesh import Evaluator
-    from fingertip.cad.parts import parts_of
-    from fingertip.cad.verify import as_data, refuse_tolerance, verify
+    from fingertip.cad.kernel.mesh import Evaluator
+    from fingertip.cad.shapes.parts import parts_of
+    from fingertip.cad.verification.verify import as_data, refuse_tolerance, verify
 
     console = Console(as_json, quiet)
     loaded = _load(designs, changes or ())
@@ -41,7 +41,7 @@ def check(
         console.say(f"checking {label}")
         found[label] = verify(design, parts_of(design), ("stl",), Evaluator(tolerance_mm), console.say).checks
     if junit is not None:
-        from fingertip.cad.junit import to_bytes
+        from fingertip.cad.files.junit import to_bytes
         from fingertip.files import write_file
 
         write_file(junit, to_bytes(found), "--junit")

@@ -23,7 +23,7 @@ def sheet(
     quiet: QuietOption = False,
 ) -> None:
     """Write the casting sheet: silicone and its parts A and B, steps, warnings, bill of materials, printing."""
-    from fingertip.cad.mesh import Evaluator
+    from fingertip.cad.kernel.mesh import Evaluator
     from fingertip.casting import markdown, volumes
     from fingertip.casting.materials import silicone
     from fingertip.casting.sheet import figures, orientations
@@ -39,7 +39,7 @@ def sheet(
     if slicer and program is None:
         console.say(f"no printing times: PrusaSlicer is not installed ({HOW_TO_INSTALL})")
     if program is not None:
-        from fingertip.cad.verify import verify
+        from fingertip.cad.verification.verify import verify
 
         lies = orientations(loaded)
         files = verify(loaded, lies, ("stl",), Evaluator(0.02)).contents

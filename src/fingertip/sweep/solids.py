@@ -12,7 +12,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from fingertip.cad.mesh import Evaluator, Mesh
+from fingertip.cad.kernel.mesh import Evaluator, Mesh
 from fingertip.cad.solids import Solid
 from fingertip.sweep.memory import Memory
 
@@ -68,7 +68,7 @@ class RememberingEvaluator(Evaluator):
         key = self.name(solid)
         mesh = self._meshes.get(key)
         if mesh is None:
-            from fingertip.cad.mesh import canonical
+            from fingertip.cad.kernel.mesh import canonical
 
             mesh = canonical(self._manifold(key, solid))
             self._meshes.put(key, mesh)

@@ -12,7 +12,7 @@ from fingertip.errors import Fault
 from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
-    from fingertip.cad.mesh import Mesh
+    from fingertip.cad.kernel.mesh import Mesh
     from fingertip.sim.scenes.scene_file import SceneFile
     from fingertip.slip.trace import Trace
     from fingertip.sweep.solids import RememberingEvaluator
@@ -143,7 +143,7 @@ def casting(asked: Asked) -> Figures:
 
 def thickness(asked: Asked) -> Figures:
     """The thinnest place of the skin, above the plane where it is cut square, searched for up to its thickest."""
-    from fingertip.cad.core import inside_skin
+    from fingertip.cad.shapes.core import inside_skin
     from fingertip.cad.solids import Box, Form, difference
 
     evaluator, outer, skin = asked.evaluator(), Form(asked.design.dimensions.outer), asked.design.skin
@@ -158,8 +158,8 @@ def thickness(asked: Asked) -> Figures:
 
 def checks(asked: Asked) -> Figures:
     """Every check of `fingertip check`, at the sweep's tolerance."""
-    from fingertip.cad.parts import parts_of
-    from fingertip.cad.verify import verify
+    from fingertip.cad.shapes.parts import parts_of
+    from fingertip.cad.verification.verify import verify
 
     found = verify(asked.design, parts_of(asked.design), ("stl",), asked.evaluator()).checks
     failed = [check for check in found if not check.passed]
@@ -174,7 +174,7 @@ def checks(asked: Asked) -> Figures:
 
 
 def _mesh(asked: Asked, part: str) -> Mesh:
-    from fingertip.cad.parts import PARTS
+    from fingertip.cad.shapes.parts import PARTS
 
     return asked.evaluator().mesh(PARTS[part].describe(asked.design))
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.cad.bone import sensor_body
-from fingertip.cad.mesh import Evaluator, Mesh, canonical
-from fingertip.cad.parts import PARTS, parts_of
+from fingertip.cad.kernel.mesh import Evaluator, Mesh, canonical
+from fingertip.cad.shapes.bone import sensor_body
+from fingertip.cad.shapes.parts import PARTS, parts_of
 from fingertip.design import Design
 from fingertip.view.raster import Camera, Canvas, Colour, bounds
 

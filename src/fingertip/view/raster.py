@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.cad.mesh import Mesh
+from fingertip.cad.kernel.mesh import Mesh
 
 Colour = tuple[float, float, float]
 _CREASE_COSINE = math.cos(math.radians(35.0))  # facets of one smooth surface meet below this angle

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fingertip.cad.kernel.tessellate import Triangles, Vertices, tessellate
 from fingertip.cad.solids import Difference, Intersection, Scaled, Solid, Union
-from fingertip.cad.tessellate import Triangles, Vertices, tessellate
 from fingertip.errors import Fault, GeometryError
 
 if TYPE_CHECKING:

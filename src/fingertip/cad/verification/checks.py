@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from fingertip.cad import core, mold
-from fingertip.cad import skin as skin_part
-from fingertip.cad.mesh import Evaluator, Mesh, to_manifold
-from fingertip.cad.parts import Part
+from fingertip.cad.files.step import Exact
+from fingertip.cad.kernel.mesh import Evaluator, Mesh, to_manifold
+from fingertip.cad.shapes import core, mold
+from fingertip.cad.shapes import skin as skin_part
+from fingertip.cad.shapes.parts import Part
 from fingertip.cad.solids import Solid, intersection, scaled, union
-from fingertip.cad.step import Exact
 from fingertip.design import Design
 from fingertip.design.mold_layout import lay_out
 

@@ -56,7 +56,7 @@ class StepRequest:
     def __enter__(self) -> StepRequest:
         self._folder = tempfile.TemporaryDirectory(prefix="fingertip-step-")
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "fingertip.cad.step_worker", self._folder.name],
+            [sys.executable, "-m", "fingertip.cad.files.step_worker", self._folder.name],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,  # the kernel prints there
             stderr=subprocess.PIPE,

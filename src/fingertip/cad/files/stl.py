@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fingertip.cad.mesh import Mesh
+from fingertip.cad.kernel.mesh import Mesh
 from fingertip.errors import Fault, GeometryError
 
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from fingertip.cad import strokes
-from fingertip.cad.core import above_foot, grown
-from fingertip.cad.skin import cavity
+from fingertip.cad.shapes import strokes
+from fingertip.cad.shapes.core import above_foot, grown
+from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.solids import Bar, Box, Cone, Form, Prism, Solid, cylinder, difference, hexagon, intersection, union
 from fingertip.conic import ConicBody, CrossSection
 from fingertip.design import Design

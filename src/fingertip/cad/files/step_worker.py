@@ -1,4 +1,4 @@
-"""The process that makes STEP files: `python -m fingertip.cad.step_worker FOLDER`, its job pickled on stdin.
+"""The process that makes STEP files: `python -m fingertip.cad.files.step_worker FOLDER`, its job pickled on stdin.
 
 A process of its own, because the B-rep kernel can hang or crash, counts products through the life of a process
 (which would end up in the files), and takes seconds to load while the meshes are made beside it.
@@ -15,8 +15,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from fingertip.cad.files.step import DOING, Exact, StepJob
 from fingertip.cad.solids import Solid
-from fingertip.cad.step import DOING, Exact, StepJob
 from fingertip.errors import Fault, FingertipError, GeometryError
 
 Parts = Sequence[tuple[str, Solid, tuple[float, float, float]]]
@@ -37,7 +37,7 @@ def work(job: StepJob, folder: Path) -> dict[str, Exact]:
         If a part is not one valid solid.
     """
     note(folder, "loading cadquery")
-    from fingertip.cad import brep, step_file
+    from fingertip.cad.kernel import brep  # it says what is missing if cadquery cannot be loaded
 
     half = len(job.parts) // 2 if sys.platform == "linux" else len(job.parts)
     here, beside = job.parts[:half], job.parts[half:]
@@ -47,13 +47,15 @@ def work(job: StepJob, folder: Path) -> dict[str, Exact]:
         exact = _measures(solids) | second.measures()
         solids += [(name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in beside]
         note(folder, "writing the assembly")
+        from fingertip.cad.files import step_file
+
         step_file.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", solids)
     return exact
 
 
 def _make(parts: Parts, folder: Path) -> list[Any]:
     """Name, solid and colour of each part."""
-    from fingertip.cad import brep
+    from fingertip.cad.kernel import brep
 
     evaluator, solids = brep.Evaluator(), []
     for name, expression, colour in parts:
@@ -63,13 +65,13 @@ def _make(parts: Parts, folder: Path) -> list[Any]:
 
 
 def _measures(solids: list[Any]) -> dict[str, Exact]:
-    from fingertip.cad import brep
+    from fingertip.cad.kernel import brep
 
     return {name: Exact(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}
 
 
 def _write(solids: list[Any], folder: Path) -> None:
-    from fingertip.cad import step_file
+    from fingertip.cad.files import step_file
 
     for part in solids:
         note(folder, f"writing {part[0]}")
@@ -119,7 +121,7 @@ class _Beside:
 
 
 def _work_beside(parts: Parts, folder: Path, answer: Any) -> None:
-    from fingertip.cad import brep
+    from fingertip.cad.kernel import brep
 
     try:
         solids = _make(parts, folder)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fingertip.cad.core import inside_skin
+from fingertip.cad.shapes.core import inside_skin
 from fingertip.cad.solids import Form, Solid, difference, scaled
 from fingertip.design import Design
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fingertip.cad.mesh import Evaluator, Mesh
-from fingertip.cad.parts import parts_of
+from fingertip.cad.kernel.mesh import Evaluator, Mesh
+from fingertip.cad.shapes.parts import parts_of
 from fingertip.cad.solids import Solid
 from fingertip.design import Design
 from fingertip.design.faults import nearest
@@ -27,7 +27,7 @@ def part_solid(design: Design, name: str) -> cadquery.Solid:
         If cadquery, or a library of the system it needs, is not there.
     """
     expression = _expression(design, name)
-    from fingertip.cad import brep
+    from fingertip.cad.kernel import brep
 
     return brep.Evaluator().solid(expression)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fingertip.cad.core import core
+from fingertip.cad.shapes.core import core
 from fingertip.cad.solids import Box, ElbowTube, Solid, cylinder, difference, union
 from fingertip.design import Design
 from fingertip.design.dimensions import TUNNEL_MM

@@ -11,13 +11,14 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from fingertip.cad import bone, deviation, mold_measures
-from fingertip.cad.checks import NO_VOLUME_MM3, Check
-from fingertip.cad.core import core, inside_skin
-from fingertip.cad.gaps import apart, around
-from fingertip.cad.mesh import Evaluator, Mesh
-from fingertip.cad.parts import PARTS
+from fingertip.cad.kernel.mesh import Evaluator, Mesh
+from fingertip.cad.shapes import bone
+from fingertip.cad.shapes.core import core, inside_skin
+from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.solids import Form, union
+from fingertip.cad.verification import deviation, mold_measures
+from fingertip.cad.verification.checks import NO_VOLUME_MM3, Check
+from fingertip.cad.verification.gaps import apart, around
 from fingertip.design import Design
 
 if TYPE_CHECKING:

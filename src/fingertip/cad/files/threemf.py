@@ -11,7 +11,7 @@ import zipfile
 
 import numpy as np
 
-from fingertip.cad.mesh import Mesh
+from fingertip.cad.kernel.mesh import Mesh
 
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _MODEL_TYPE = "application/vnd.ms-package.3dmanufacturing-3dmodel+xml"

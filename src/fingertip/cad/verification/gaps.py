@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fingertip.cad.checks import Check
-from fingertip.cad.mesh import Evaluator
+from fingertip.cad.kernel.mesh import Evaluator
 from fingertip.cad.solids import Box, Solid, difference
+from fingertip.cad.verification.checks import Check
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

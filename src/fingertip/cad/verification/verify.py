@@ -6,11 +6,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from fingertip.cad import checks, measures, stl, threemf
-from fingertip.cad.checks import Check
-from fingertip.cad.mesh import Evaluator, Mesh
-from fingertip.cad.parts import PARTS, print_scale
+from fingertip.cad.files import stl, threemf
+from fingertip.cad.kernel.mesh import Evaluator, Mesh
+from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.solids import scaled
+from fingertip.cad.verification import checks, measures
+from fingertip.cad.verification.checks import Check
 from fingertip.design import Design
 from fingertip.errors import DesignError, Fault
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fingertip.cad import bone, mold
-from fingertip.cad import skin as skin_part
-from fingertip.cad.checks import NO_VOLUME_MM3, Check
-from fingertip.cad.core import cast_around, core
-from fingertip.cad.gaps import apart, around
-from fingertip.cad.mesh import Evaluator
+from fingertip.cad.kernel.mesh import Evaluator
+from fingertip.cad.shapes import bone, mold
+from fingertip.cad.shapes import skin as skin_part
+from fingertip.cad.shapes.core import cast_around, core
 from fingertip.cad.solids import intersection, union
+from fingertip.cad.verification.checks import NO_VOLUME_MM3, Check
+from fingertip.cad.verification.gaps import apart, around
 from fingertip.design import Design
 from fingertip.design.mold_layout import lay_out
 

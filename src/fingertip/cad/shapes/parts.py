@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from fingertip.cad import bone, core, mold, skin
+from fingertip.cad.shapes import bone, core, mold, skin
 from fingertip.cad.solids import Solid
 from fingertip.design import Design
 

@@ -1,0 +1,1 @@
+"""Parts as files: STL, 3MF, STEP; checks as JUnit XML; parts for other libraries."""

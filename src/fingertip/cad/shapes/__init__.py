@@ -1,0 +1,1 @@
+"""What each part is, as an expression; and which parts a design has."""

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from fingertip.design import Design
     from fingertip.errors import FingertipError
     from fingertip.kit import Build, build
-    from fingertip.sim import SceneFile, Trial, run_scene, simulate
+    from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene, simulate
     from fingertip.slip import Detection, SlipChain, Trace, detect, read_trace
 
 _HOME = {
@@ -32,6 +32,7 @@ _HOME = {
     "Design": "fingertip.design",
     "Detection": "fingertip.slip",
     "FingertipError": "fingertip.errors",
+    "ManipulationFile": "fingertip.sim",
     "SceneFile": "fingertip.sim",
     "SlipChain": "fingertip.slip",
     "Trace": "fingertip.slip",
@@ -43,6 +44,7 @@ _HOME = {
     "part_solid": "fingertip.cad.files.interop",
     "part_trimesh": "fingertip.cad.files.interop",
     "read_trace": "fingertip.slip",
+    "run_manipulation": "fingertip.sim",
     "run_scene": "fingertip.sim",
     "simulate": "fingertip.sim",
     "write_board": "fingertip.board",
@@ -54,6 +56,7 @@ __all__ = [
     "Design",
     "Detection",
     "FingertipError",
+    "ManipulationFile",
     "SceneFile",
     "SlipChain",
     "Trace",
@@ -66,6 +69,7 @@ __all__ = [
     "part_solid",
     "part_trimesh",
     "read_trace",
+    "run_manipulation",
     "run_scene",
     "simulate",
     "write_board",

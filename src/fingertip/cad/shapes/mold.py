@@ -39,7 +39,7 @@ def base_recess(design: Design, m: MoldLayout) -> tuple[Solid, ...]:
     past = wider.half_width
     low = m.proximal_z - past
     below = Box((-wider.half_width - past, -wider.palmar - past, low - past), (wider.half_width + past, -flat, past))
-    base = _bar(wider, slope, low, _OVERLAP_MM - design.bone.collar_length_mm, flat)
+    base = _bar(wider, slope, low, 0.0, flat)  # through the collar, whose foot is not level
     foot = dims.collar.stations[0][0] - past
     collar = _bar(grown(dims.collar.section, gap), slope, foot, _OVERLAP_MM)
     return difference(base, below), intersection(collar, above_foot(design, gap))

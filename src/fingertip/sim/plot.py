@@ -93,7 +93,15 @@ def _legend(panels: Array, names: list[str], fingers: tuple[str, ...]) -> None:
     """Beside the first panel that has a line for each finger."""
     for axes, name in zip(panels, names, strict=True):
         if name not in ("slip", "object_m", "pin_n"):
-            axes.legend(axes.get_lines(), fingers, loc="upper left", framealpha=1.0, edgecolor="none", ncols=len(fingers), fontsize=9)
+            axes.legend(
+                axes.get_lines(),
+                fingers,
+                loc="upper left",
+                framealpha=1.0,
+                edgecolor="none",
+                ncols=len(fingers),
+                fontsize=9,
+            )
             low, high = axes.get_ylim()
             axes.set_ylim(low, high + 0.2 * (high - low))
             return

@@ -6,16 +6,33 @@ import contextlib
 import multiprocessing
 import os
 import signal
-from collections.abc import Collection, Iterator
+import time
+from collections.abc import Iterator, Mapping
 from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
-from typing import Any, Protocol
+from multiprocessing.context import SpawnContext
+from multiprocessing.process import BaseProcess
+from typing import Protocol
 
 from fingertip.errors import Fault, SweepError
 from fingertip.sweep.watch import end_with_parent
 
-_slots: Any = None
-_slot = -1
 NOBODY = -1
+PATIENCE_S = 5.0
+"""How long the processes of a broken pool may take to end."""
+
+
+class Marks:
+    """Where each worker is, in memory that all share: a breakdown then accuses those alone that died by themselves."""
+
+    def __init__(self, context: SpawnContext, workers: int) -> None:
+        self.taken = context.Value("i", 0)
+        self.pids = context.RawArray("q", workers)
+        self.points = context.RawArray("q", [NOBODY] * workers)
+        self.since_s = context.RawArray("d", workers)
+
+
+_marks: Marks | None = None
+_slot = -1
 
 
 class Engine(Protocol):
@@ -33,8 +50,8 @@ class Engine(Protocol):
     def executor(self) -> Executor:
         """Workers that are ready; after a breakdown, new ones."""
 
-    def suspects(self) -> Collection[int] | None:
-        """Points that were being computed when the workers broke down; None if nobody knows."""
+    def suspects(self) -> Mapping[int, float] | None:
+        """Points that were being computed by the workers that died, and for how long [s]; None if nobody knows."""
 
     def close(self) -> None:
         """Let the workers go, busy or not."""
@@ -49,7 +66,8 @@ class Processes:
         self.tries = 1
         self._context = multiprocessing.get_context("spawn")
         self._pool: ProcessPoolExecutor | None = None
-        self._marks: Any = None
+        self._marks: Marks | None = None
+        self._started: list[BaseProcess] = []
 
     def executor(self) -> Executor:
         """A pool; after a breakdown, a new one.
@@ -60,33 +78,44 @@ class Processes:
             If its processes do not come up.
         """
         self.close()
-        # Each worker marks the point it is at: a breakdown then accuses as many points as there are workers.
-        self._marks = self._context.RawArray("q", [NOBODY] * self.workers)
-        free = self._context.Value("i", 0)
+        self._marks = Marks(self._context, self.workers)
         with _uninterrupted():
-            self._pool = ProcessPoolExecutor(self.workers, self._context, _begin, (self._marks, free))
-            first = self._pool.submit(int)  # starts all workers
+            self._pool = ProcessPoolExecutor(self.workers, self._context, _begin, (self._marks,))
+            # A task for each worker starts them all, while none of them is idle yet.
+            first = [self._pool.submit(int) for _ in range(self.workers)]
+            self._started = list(self._pool._processes.values())
         try:
-            first.result()  # a point's time must not count their start
+            first[0].result()  # a point's time must not count their start
         except BrokenExecutor:
             raise SweepError(
                 Fault("--jobs", "no process can be started; is there memory for them? A script needs its main guard.")
             ) from None
         return self._pool
 
-    def suspects(self) -> Collection[int] | None:
-        """Where the workers were when the pool broke."""
-        return {point for point in self._marks if point != NOBODY} if self._marks is not None else None
+    def suspects(self) -> Mapping[int, float] | None:
+        """Where those workers were that ended by themselves; a broken pool terminates the others."""
+        if self._marks is None:
+            return None
+        now, marks = time.monotonic(), self._marks
+        # The pool's own thread waits for the same processes; asking until all have ended, either finds out.
+        while any(process.exitcode is None for process in self._started) and time.monotonic() < now + PATIENCE_S:
+            time.sleep(0.005)
+        died = {process.pid for process in self._started if process.exitcode not in (None, 0, -signal.SIGTERM)}
+        at = [(pid, p, now - s) for pid, p, s in zip(marks.pids, marks.points, marks.since_s, strict=True)]
+        accused = {point: took_s for pid, point, took_s in at if point != NOBODY and pid in died}
+        # If somebody else terminated a worker, it cannot be told from the others.
+        return accused if died else {point: took_s for _, point, took_s in at if point != NOBODY}
 
     def close(self) -> None:
         """End the workers; what they compute is lost, and nobody waits for it."""
         if self._pool is None:
             return
-        started = list((self._pool._processes or {}).values())
+        late = (self._pool._processes or {}).values()  # should one have been started later after all
+        self._started += [process for process in late if process not in self._started]
         self._pool.shutdown(wait=False, cancel_futures=True)
-        for process in started:
+        for process in self._started:
             process.terminate()
-        for process in started:
+        for process in self._started:
             process.join()
         self._pool = None
 
@@ -104,21 +133,23 @@ def _uninterrupted() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _begin(marks: Any, free: Any) -> None:
+def _begin(marks: Marks) -> None:
     """A worker's first act: an interrupt is the parent's business, and nobody outlives it."""
-    global _slots, _slot
+    global _marks, _slot
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent()
-    with free.get_lock():
-        _slot = free.value
-        free.value += 1
-    _slots = marks
+    with marks.taken.get_lock():
+        _slot = marks.taken.value
+        marks.taken.value += 1
+    marks.pids[_slot] = os.getpid()
+    _marks = marks
 
 
 def mark(point: int) -> None:
     """Say which point this worker is at (`NOBODY`: none)."""
-    if _slots is not None and 0 <= _slot < len(_slots):
-        _slots[_slot] = point
+    if _marks is not None:
+        _marks.since_s[_slot] = time.monotonic()
+        _marks.points[_slot] = point
 
 
 def default_jobs() -> int:

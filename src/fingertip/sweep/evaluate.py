@@ -52,7 +52,7 @@ class Bench:
     def outcomes(self, part: Part) -> list[Outcome]:
         """The rows of a part of the sweep."""
         limit_s = self.plan.file.time_limit_s
-        return each_limited(part, limit_s, len(self.plan.outputs), self._together, self.outcome)
+        return each_limited(part, limit_s, self._together, self.outcome)
 
     def outcome(self, point: int, changes: Mapping[str, Value]) -> Outcome:
         """The row of a point, whatever becomes of it: an exception is a row too."""

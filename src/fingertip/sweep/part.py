@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from fingertip.sweep.engines import NOBODY, mark
-from fingertip.sweep.watch import OutOfTimeError, limited
+from fingertip.sweep.watch import limited
 
 Outcome: TypeAlias = tuple[int, str, str, str, tuple[float, ...]]
 """Point, status, field, reason, outputs in the plan's order."""
@@ -55,28 +55,22 @@ def work(part: Part) -> Done:
 
 
 def each_limited(
-    part: Part, limit_s: float, outputs: int, together: int, outcome: Callable[[int, dict[str, Any]], Outcome]
+    part: Part, limit_s: float, together: int, outcome: Callable[[int, dict[str, Any]], Outcome]
 ) -> list[Outcome]:
-    """Outcomes of a part's points, one after the other, each within its limit [s].
+    """Outcomes of a part's points, one after the other, each within its limit [s] or this worker ends.
 
-    `together` points share a limit, because setting one takes longer than a quick point does. If it passes, the one
-    that was reached gets a limit of its own.
+    `together` points share a limit, because setting one takes longer than a quick point does.
     """
-    names, columns = list(part.columns), list(part.columns.values())
-    given = list(zip(*columns, strict=True))
+    names, given = list(part.columns), list(zip(*part.columns.values(), strict=True))
     found: list[Outcome] = []
-    while len(found) < len(part.points):
-        first = len(found)
-        try:
+    try:
+        for first in range(0, len(part.points), together):
             with limited(limit_s):
                 for i in range(first, min(first + together, len(part.points))):
                     mark(part.points[i])
                     found.append(outcome(part.points[i], dict(zip(names, given[i], strict=True))))
-        except OutOfTimeError:
-            if len(found) == first:
-                found.append(too_long(part.points[first], limit_s, outputs))
-        finally:
-            mark(NOBODY)
+    finally:
+        mark(NOBODY)
     return found
 
 

@@ -189,21 +189,17 @@ class _Sweep:
         self.told(self.state)
 
     def _take(self, part: Part, done: Done) -> None:
-        late = {outcome[0] for outcome in done.outcomes if outcome[1] == "timeout"}
-        places = {point: i for i, point in enumerate(part.points)}
-        self._suspects += (part.single(places[point]) for point in sorted(late))
-        self._keep(part, done, late)
+        self._keep(part, done)
         pace = done.took_s / len(part.points)
         wanted = round(PART_S / pace) if pace > 0 else MOST_IN_PART
         self.part_size = max(1, min(wanted, 4 * self.part_size, MOST_IN_PART))
 
-    def _keep(self, part: Part, done: Done, but: set[int]) -> None:
+    def _keep(self, part: Part, done: Done) -> None:
         values = zip(*part.columns.values(), strict=True)
         for (point, status, field_, reason, outputs), axes in zip(done.outcomes, values, strict=True):
-            if point not in but:
-                self._rows.append((point, status, field_, reason, *axes, *outputs))
-                self.state.failures += status in ("failed", "timeout")
-                self.state.refused += status == "refused"
+            self._rows.append((point, status, field_, reason, *axes, *outputs))
+            self.state.failures += status in ("failed", "timeout")
+            self.state.refused += status == "refused"
 
     def _broken(self, lost: list[Part]) -> None:
         """The pool broke: everything in flight is lost, what was being computed is suspected."""
@@ -249,12 +245,16 @@ class _Sweep:
             self._lost(part, error)
             return
         else:
-            late = time.perf_counter() - start > limit * self.engine.tries
+            accused = self.engine.suspects() if isinstance(error, BrokenExecutor) else None
+            took_s = time.perf_counter() - start
+            if accused is not None:
+                took_s = accused.get(part.points[0], 0.0)
+            late = took_s >= limit * self.engine.tries
             row = parts.too_long(part.points[0], limit, outputs) if late else parts.died(part.points[0], outputs)
             done = Done([row], 0.0)
             if isinstance(error, BrokenExecutor):
                 self._executor = None
-        self._keep(part, done, set())
+        self._keep(part, done)
         self.write()
         self.told(self.state)
 

@@ -59,6 +59,25 @@ def test_volumes_load_the_mesh_kernel_only() -> None:
     assert not loaded & {"cadquery", "OCP", "scipy", "matplotlib", "numba", "distributed", "trimesh"}
 
 
+def test_a_worker_s_kernel_computes_on_one_thread() -> None:
+    program = """
+import os, time
+from fingertip.sweep.evaluate import Bench
+from fingertip.sweep.plan import Plan
+plan = Plan.of({"outputs": ["checks_failed"], "tolerance_mm": 0.02, "axes": {"skin.width_mm": [17.0, 17.5]}})
+before = os.sched_getaffinity(0)
+Bench(plan).outcome(0, plan.point(0))
+wall, cpu = time.perf_counter(), time.process_time()
+Bench(plan).outcome(1, plan.point(1))
+print((time.process_time() - cpu) / (time.perf_counter() - wall), os.sched_getaffinity(0) == before)
+"""
+    ran = run_python("-c", program)
+    assert ran.returncode == 0, ran.stderr
+    share, same = ran.stdout.split()
+    assert float(share) < 1.1  # two threads: 1.7, where there are two processors that nobody else wants
+    assert same == "True"
+
+
 def counted(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     """How often each stage is computed from now on."""
     calls = dict.fromkeys(stages.COMPUTE, 0)

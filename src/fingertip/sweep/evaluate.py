@@ -77,8 +77,9 @@ class Bench:
     def evaluator(self) -> RememberingEvaluator:
         """The mesh kernel, shared by all points."""
         if self._evaluator is None:
-            from fingertip.sweep.solids import RememberingEvaluator
+            from fingertip.sweep.solids import RememberingEvaluator, on_one_thread
 
+            on_one_thread()
             self._evaluator = RememberingEvaluator(self.plan.file.tolerance_mm)
         return self._evaluator
 

@@ -8,6 +8,7 @@ twice. Nothing here knows a part or a check; `cad` runs on these solids as it ru
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -35,6 +36,26 @@ def digest(*parts: object) -> bytes:
         hashed.update(len(data).to_bytes(4, "big"))
         hashed.update(data)
     return hashed.digest()
+
+
+def on_one_thread() -> None:
+    """Let the mesh kernel compute on one thread in this process, for a sweep has a process on each processor already.
+
+    On two threads a design takes half as much processor time again. The kernel counts processors when it first
+    computes, and offers no other way to tell it. Without effect if it has computed before, or on systems other than
+    Linux.
+    """
+    if not hasattr(os, "sched_setaffinity"):
+        return
+    allowed = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(allowed)})
+    try:
+        from manifold3d import Manifold
+
+        cube = Manifold.cube((1.0, 1.0, 1.0))
+        (cube - cube.translate((0.5, 0.5, 0.5))).status()
+    finally:
+        os.sched_setaffinity(0, allowed)
 
 
 class RememberingEvaluator(Evaluator):

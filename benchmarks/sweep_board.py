@@ -40,8 +40,9 @@ MILLION = 1_000_000
 
 def in_worker(points: int = 20_000) -> float:
     """Points per CPU second of one worker, without pool and file."""
-    from fingertip.sweep.part import Part, work
+    from fingertip.sweep.part import Part
     from fingertip.sweep.plan import Plan
+    from fingertip.sweep.work import work
 
     plan = Plan.of(tomllib.loads(FILE.format(points=points)))
     numbers = plan.in_order(0, points)

@@ -17,9 +17,10 @@ from fingertip.sweep.axes import Value
 from fingertip.sweep.designs import Designs
 from fingertip.sweep.memory import Memory
 from fingertip.sweep.outputs import TRACES, Stage
-from fingertip.sweep.part import Outcome, Part, each_limited
+from fingertip.sweep.part import Outcome, Part
 from fingertip.sweep.plan import Plan
 from fingertip.sweep.stages import COMPUTE, FAULT, Asked, Figures, Recorded
+from fingertip.sweep.turns import each_limited
 
 if TYPE_CHECKING:
     from fingertip.sim.scenes.scene_file import SceneFile

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import math
-import threading
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
-
-from fingertip.sweep.engines import NOBODY, mark
-from fingertip.sweep.watch import limited
 
 Outcome: TypeAlias = tuple[int, str, str, str, tuple[float, ...]]
 """Point, status, field, reason, outputs in the plan's order."""
@@ -40,38 +35,6 @@ class Done:
 
 
 Work: TypeAlias = Callable[[Part], Done]
-_one_at_a_time = threading.Lock()
-"""A worker may be given several threads; limits, caches and Python's own lock allow one point at a time."""
-
-
-def work(part: Part) -> Done:
-    """Compute a part of a sweep, in a worker."""
-    from fingertip.sweep.evaluate import bench_of
-
-    with _one_at_a_time:
-        start = time.perf_counter()
-        outcomes = bench_of(part.text).outcomes(part)
-        return Done(outcomes, time.perf_counter() - start)
-
-
-def each_limited(
-    part: Part, limit_s: float, together: int, outcome: Callable[[int, dict[str, Any]], Outcome]
-) -> list[Outcome]:
-    """Outcomes of a part's points, one after the other, each within its limit [s] or this worker ends.
-
-    `together` points share a limit, because setting one takes longer than a quick point does.
-    """
-    names, given = list(part.columns), list(zip(*part.columns.values(), strict=True))
-    found: list[Outcome] = []
-    try:
-        for first in range(0, len(part.points), together):
-            with limited(limit_s):
-                for i in range(first, min(first + together, len(part.points))):
-                    mark(part.points[i])
-                    found.append(outcome(part.points[i], dict(zip(names, given[i], strict=True))))
-    finally:
-        mark(NOBODY)
-    return found
 
 
 def too_long(point: int, limit_s: float, outputs: int) -> Outcome:

@@ -21,6 +21,7 @@ from fingertip.sweep.engines import Engine
 from fingertip.sweep.part import Done, Part, Work
 from fingertip.sweep.plan import Plan
 from fingertip.sweep.store import Store, Stored
+from fingertip.sweep.work import work as work_on
 
 PART_S = 0.5
 """About how long a worker computes before it reports."""
@@ -78,7 +79,7 @@ class State:
 
 
 def run(
-    plan: Plan, store: Store, engine: Engine, told: Callable[[State], None] = lambda _: None, work: Work = parts.work
+    plan: Plan, store: Store, engine: Engine, told: Callable[[State], None] = lambda _: None, work: Work = work_on
 ) -> State:
     """Compute every point of a plan that has no row yet.
 

@@ -14,7 +14,7 @@ from fingertip._version import __version__
 from fingertip.cad.files.step import Exact, StepFiles, StepJob, StepRequest
 from fingertip.cad.kernel.mesh import Evaluator, Mesh
 from fingertip.cad.shapes.parts import PARTS, Part, parts_of, print_scale
-from fingertip.cad.verification import checks
+from fingertip.cad.verification import checks, exact
 from fingertip.cad.verification.checks import Check
 from fingertip.cad.verification.verify import as_data, refuse_tolerance, settled, verify
 from fingertip.casting import markdown, sheet, volumes
@@ -136,18 +136,20 @@ def build(
         request = None
         if "step" in kinds:
             say("starting the B-rep kernel beside the mesh kernel")
-            job = StepJob(design.name, tuple((n, PARTS[n].describe(design), PARTS[n].colour) for n in chosen))
+            parts_to_make = tuple((n, PARTS[n].describe(design), PARTS[n].colour) for n in chosen)
+            job = StepJob(design.name, parts_to_make, exact.hollows(design, chosen))
             request = stack.enter_context(StepRequest(job))
         verified = verify(design, chosen, kinds, evaluator, say)
         meshes, found = verified.meshes, list(verified.checks)
         casting = sheet.figures(design, volumes.measure(design, evaluator), card) if chosen == [*known] else None
-        step = StepFiles({}, {})
+        step = StepFiles({}, {}, {})
         if request:
             say("waiting for the B-rep kernel")
             step = request.result()
-            for name, exact in step.exact.items():
+            for name, measured in step.exact.items():
                 scale = print_scale(design, PARTS[name])
-                found += checks.of_brep(design, PARTS[name], meshes[name], exact, scale, tolerance_mm)
+                found += checks.of_brep(design, PARTS[name], meshes[name], measured, scale, tolerance_mm)
+            found += exact.of_volumes(design, step.exact, step.hollow_mm3)
         contents = dict(verified.contents) | step.contents
 
     built = tuple(

@@ -25,10 +25,13 @@ DOING = "doing.txt"
 
 @dataclass(frozen=True)
 class StepJob:
-    """Parts to make: (name, expression, colour); `title` names the assembly."""
+    """What to make and to measure; `title` names the assembly."""
 
     title: str
     parts: tuple[tuple[str, Solid, tuple[float, float, float]], ...]
+    """Name, expression, colour."""
+    hollows: tuple[tuple[str, Solid], ...] = ()
+    """Solids of which only the volume is asked for."""
 
 
 @dataclass(frozen=True)
@@ -41,10 +44,11 @@ class Exact:
 
 @dataclass(frozen=True)
 class StepFiles:
-    """What came back: file name -> bytes, and each part's measures."""
+    """What came back: file name -> bytes, each part's measures, and the hollows' volumes."""
 
     contents: dict[str, bytes]
     exact: dict[str, Exact]
+    hollow_mm3: dict[str, float]
 
 
 class StepRequest:
@@ -108,4 +112,5 @@ class StepRequest:
         if "error" in answer:
             raise getattr(errors, answer["error"])([Fault(*fault) for fault in answer["faults"]])
         contents = {path.name: path.read_bytes() for path in sorted(folder.glob("*.step"))}
-        return StepFiles(contents, {name: Exact(**measures) for name, measures in answer["exact"].items()})
+        exact = {name: Exact(**measures) for name, measures in answer["exact"].items()}
+        return StepFiles(contents, exact, answer["hollow_mm3"])

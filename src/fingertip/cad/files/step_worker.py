@@ -11,21 +11,27 @@ import multiprocessing
 import os
 import pickle
 import sys
-from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from fingertip.cad.files.step import DOING, Exact, StepJob
-from fingertip.cad.solids import Solid
 from fingertip.errors import Fault, FingertipError, GeometryError
 
-Parts = Sequence[tuple[str, Solid, tuple[float, float, float]]]
-"""Name, expression, colour."""
+
+@dataclass(frozen=True)
+class Measured:
+    """What was found on parts, and volumes of hollows [mm3]."""
+
+    exact: dict[str, Exact]
+    hollow_mm3: dict[str, float]
+
+    def __or__(self, other: Measured) -> Measured:
+        return Measured(self.exact | other.exact, self.hollow_mm3 | other.hollow_mm3)
 
 
-def work(job: StepJob, folder: Path) -> dict[str, Exact]:
-    """Write `<part>.step` for each part and `assembly.step`; return what was measured on each.
+def work(job: StepJob, folder: Path) -> Measured:
+    """Write `<part>.step` for each part and `assembly.step`; return what was measured.
 
     Half of the parts are made in a second process where the system can fork: they share little, and most machines have
     two cores. It is forked before any boolean, because the kernel's threads do not outlive a fork.
@@ -40,35 +46,48 @@ def work(job: StepJob, folder: Path) -> dict[str, Exact]:
     note(folder, "loading cadquery")
     from fingertip.cad.kernel import brep  # it says what is missing if cadquery cannot be loaded
 
-    half = len(job.parts) // 2 if sys.platform == "linux" else len(job.parts)
-    here, beside = job.parts[:half], job.parts[half:]
+    here, beside = _shares(job) if sys.platform == "linux" else (job, StepJob(job.title, ()))
     with _Beside(beside, folder) as second:
-        solids = _make(here, folder)
+        evaluator, solids = _make(here, folder)
         _write(solids, folder)
-        exact = _measures(solids) | second.measures()
-        solids += [(name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in beside]
+        second.made()
+        together = solids + [(name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in beside.parts]
         note(folder, "writing the assembly")
         from fingertip.cad.files import step_file
 
-        step_file.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", solids)
-    return exact
+        step_file.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", together)
+        return _measure(here, evaluator, solids, folder) | second.measured()
 
 
-def _make(parts: Parts, folder: Path) -> list[Any]:
-    """Name, solid and colour of each part."""
+def _shares(job: StepJob) -> tuple[StepJob, StepJob]:
+    """The first half of parts and of hollows, and the second: neighbours share expressions."""
+    parts, hollows = len(job.parts) // 2, (len(job.hollows) + 1) // 2
+    return (
+        StepJob(job.title, job.parts[:parts], job.hollows[:hollows]),
+        StepJob(job.title, job.parts[parts:], job.hollows[hollows:]),
+    )
+
+
+def _make(job: StepJob, folder: Path) -> tuple[Any, list[Any]]:
+    """Name, solid and colour of each part, and the evaluator that made them."""
     from fingertip.cad.kernel import brep
 
     evaluator, solids = brep.Evaluator(), []
-    for name, expression, colour in parts:
+    for name, expression, colour in job.parts:
         note(folder, f"making {name}")
         solids.append((name, evaluator.solid(expression), colour))
-    return solids
+    return evaluator, solids
 
 
-def _measures(solids: list[Any]) -> dict[str, Exact]:
+def _measure(job: StepJob, evaluator: Any, solids: list[Any], folder: Path) -> Measured:
     from fingertip.cad.kernel import brep
 
-    return {name: Exact(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}
+    volumes = {}
+    for name, expression in job.hollows:
+        note(folder, f"measuring {name}")
+        volumes[name] = brep.volume(evaluator.shape(expression))
+    exact = {name: Exact(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}
+    return Measured(exact, volumes)
 
 
 def _write(solids: list[Any], folder: Path) -> None:
@@ -80,15 +99,15 @@ def _write(solids: list[Any], folder: Path) -> None:
 
 
 class _Beside:
-    """Parts made in a forked process: handed over as `<part>.brep`, then written as STEP while the assembly is."""
+    """Parts made in a forked process: handed over as `<part>.brep`, then measured and written while the assembly is."""
 
-    def __init__(self, parts: Parts, folder: Path) -> None:
-        self._names = ", ".join(name for name, _, _ in parts)
+    def __init__(self, job: StepJob, folder: Path) -> None:
+        self._names = ", ".join(name for name, _, _ in job.parts)
         self._process: Any = None
-        if parts:
+        if job.parts:
             fork = multiprocessing.get_context("fork")
             self._answer, answer = fork.Pipe(duplex=False)
-            self._process = fork.Process(target=_work_beside, args=(parts, folder, answer), daemon=True)
+            self._process = fork.Process(target=_work_beside, args=(job, folder, answer), daemon=True)
             self._process.start()
             answer.close()  # so that the pipe ends if the other process does
 
@@ -104,34 +123,40 @@ class _Beside:
         if not error and self._process.exitcode:
             raise self._ended()
 
-    def measures(self) -> dict[str, Exact]:
-        """Wait until the parts are made; what was measured on each."""
-        if not self._process:
-            return {}
+    def made(self) -> None:
+        """Wait until the parts are there."""
+        if self._process and isinstance(refusal := self._receive(), FingertipError):
+            raise refusal
+
+    def measured(self) -> Measured:
+        """Wait for what was measured."""
+        answer = self._receive() if self._process else Measured({}, {})
+        assert isinstance(answer, Measured)
+        return answer
+
+    def _receive(self) -> object:
         try:
-            answer = self._answer.recv()
+            return self._answer.recv()
         except EOFError:
             raise self._ended() from None
-        if isinstance(answer, FingertipError):
-            raise answer
-        return dict(answer)
 
     def _ended(self) -> GeometryError:
         sentence = f"the B-rep process of {self._names} ended without an answer; use --formats stl,3mf."
         return GeometryError(Fault("STEP", sentence))
 
 
-def _work_beside(parts: Parts, folder: Path, answer: Any) -> None:
+def _work_beside(job: StepJob, folder: Path, answer: Any) -> None:
     from fingertip.cad.kernel import brep
 
     try:
-        solids = _make(parts, folder)
+        evaluator, solids = _make(job, folder)
     except FingertipError as error:
         answer.send(error)
         return
     for name, solid, _ in solids:
         brep.save(solid, folder / f"{name}.brep")
-    answer.send(_measures(solids))
+    answer.send("made")
+    answer.send(_measure(job, evaluator, solids, folder))
     _write(solids, folder)
 
 
@@ -145,7 +170,7 @@ def main() -> None:
     folder = Path(sys.argv[1])
     job: StepJob = pickle.load(sys.stdin.buffer)
     try:
-        answer: dict[str, object] = {"exact": {name: asdict(found) for name, found in work(job, folder).items()}}
+        answer: dict[str, object] = asdict(work(job, folder))
     except FingertipError as error:
         answer = {"error": type(error).__name__, "faults": [[f.field, f.sentence] for f in error.faults]}
     (folder / "answer.json").write_text(json.dumps(answer), encoding="utf-8")

@@ -6,6 +6,8 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
+import numpy as np
+
 Point = tuple[float, float]
 Rings = tuple[tuple[Point, ...], ...]
 
@@ -46,7 +48,10 @@ def letters(text: str, stroke: float) -> list[Rings]:
     for place, letter in enumerate(text.upper()):
         united = CrossSection(quads(letter, stroke), FillRule.NonZero)
         for piece in united.decompose():
-            rings = [[(round(x, 9) + ADVANCE * place, round(y, 9)) for x, y in ring] for ring in piece.to_polygons()]
+            rings = [
+                [(round(x, 9) + ADVANCE * place, round(y, 9)) for x, y in np.asarray(ring).tolist()]
+                for ring in piece.to_polygons()
+            ]
             found.append(tuple(_from_least(ring) for ring in sorted(rings, key=_area, reverse=True)))
     return found
 

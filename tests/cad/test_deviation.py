@@ -10,6 +10,7 @@ import pytest
 from fingertip.cad.kernel.mesh import Evaluator
 from fingertip.cad.kernel.tessellate import tessellate
 from fingertip.cad.solids import Form
+from fingertip.cad.verification import deviation
 from fingertip.cad.verification.deviation import distance, of_facets, patches
 from fingertip.design import Design
 
@@ -57,3 +58,14 @@ def test_only_facets_on_the_form_count() -> None:
     design = Design()
     mesh = Evaluator(0.02).mesh(skin(design))
     assert 0.002 < of_facets(design.dimensions.outer, mesh.vertices, mesh.triangles) <= 0.02
+
+
+def test_near_the_surface_the_patches_over_a_point_are_enough() -> None:
+    """Middles of coarse facets: held against the patches beside them, or against all, they are as far away."""
+    body = Design().dimensions.outer
+    vertices, triangles = tessellate(Form(body), 0.5)
+    middles = vertices[triangles].mean(axis=1)
+    middles = middles[middles[:, 2] > 1.5]  # the flat end is no part of what is near
+    near, whole = deviation._near(body, middles), deviation.distance(body, middles, steps=3)
+    assert 0.1 < near.max() < 0.5
+    np.testing.assert_allclose(near, whole, rtol=0, atol=1e-12)

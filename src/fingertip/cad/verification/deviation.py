@@ -17,6 +17,7 @@ from fingertip.conic import ConicBody
 
 Array = NDArray[np.float64]
 STEPS = 12
+_REACH_MM = 1.5  # more than any facet strays, whose tolerance is 1 mm at most
 _ON_SURFACE_MM = 1e-4  # vertices nearer than this lie on the surface: the files' grid is ten times finer
 
 
@@ -26,10 +27,24 @@ def of_facets(body: ConicBody, vertices: Array, triangles: NDArray[np.int64]) ->
     The middle of a facet is where a surface of one curvature is farthest; a few steps are enough that near.
     """
     corners = vertices[triangles]
-    on = (distance(body, vertices, steps=3) < _ON_SURFACE_MM)[triangles].all(axis=1)
+    on = (_near(body, vertices) < _ON_SURFACE_MM)[triangles].all(axis=1)
     level = np.ptp(corners[:, :, 2], axis=1) == 0.0  # the flat end is no facet of the form
     middles = corners[on & ~level].mean(axis=1)
-    return float(distance(body, middles, steps=3).max()) if len(middles) else 0.0
+    return float(_near(body, middles).max()) if len(middles) else 0.0
+
+
+def _near(body: ConicBody, points: Array) -> Array:
+    """Distance [mm] of points that lie near the surface: each is held against the patches it lies over only.
+
+    For others it is an upper bound, or infinite; the flat end is left out.
+    """
+    folded = points.copy()
+    folded[:, 0] = np.abs(folded[:, 0])
+    best = np.full(len(points), np.inf)
+    for patch in patches(body):
+        over = patch.over(folded, _REACH_MM)
+        best[over] = np.minimum(best[over], patch.distance(folded[over], steps=3))
+    return best
 
 
 def distance(body: ConicBody, points: Array, steps: int = STEPS) -> Array:
@@ -62,8 +77,17 @@ class Patch:
             np.column_stack((ds * x, ds * y, dz)),
         )
 
+    def over(self, points: Array, reach_mm: float) -> NDArray[np.bool_]:
+        """Points that lie within the patch's half and heights, or by at most `reach_mm` beside them."""
+        low, high = self.profile[0][0], self.profile[-1][0]
+        y, z = points[:, 1] * np.sign(self.b), points[:, 2]
+        within: NDArray[np.bool_] = (y >= -reach_mm) & (z >= low - reach_mm) & (z <= high + reach_mm)
+        return within
+
     def distance(self, points: Array, steps: int) -> Array:
         """Distance [mm] of points from the patch."""
+        if not len(points):
+            return np.zeros(0)
         t, v = self._start(points)
         here, by_t, by_v = self.at(t, v)
         best: Array = np.linalg.norm(here - points, axis=1)

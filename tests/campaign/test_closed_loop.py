@@ -22,13 +22,14 @@ DESIGN = Design()
 PERIOD = 20  # samples
 
 
-def stepped(grip: Grip, volts: np.ndarray, closing_m=None) -> list[np.ndarray]:
+def stepped(grip: Grip, volts: np.ndarray, closing_m=None, enveloped=None) -> list[np.ndarray]:
     """A voltage on every finger, period by period, with the closing the encoders show."""
     out, fingers = [], len(grip._detectors)
     for i, start in enumerate(range(0, len(volts), PERIOD)):
         at = 0.0 if closing_m is None else float(closing_m[start])
         rows = np.tile(volts[start : start + PERIOD], (fingers, 1))
-        out.append(grip.step(Seen((i + 1) * PERIOD / 2000, rows, np.full(fingers, at), np.zeros(fingers))))
+        board = None if enveloped is None else np.tile(enveloped[start : start + PERIOD], (fingers, 1))
+        out.append(grip.step(Seen((i + 1) * PERIOD / 2000, rows, np.full(fingers, at), np.zeros(fingers), board)))
     return out
 
 
@@ -44,8 +45,9 @@ def held(seconds: float, force_n=1.0, burst=None) -> np.ndarray:
 @pytest.mark.parametrize("detector", ["digital", "fft", "fast", "paper"])
 def test_a_claim_makes_every_finger_press_by_the_factor_harder(detector):
     settings = GripSettings(detector)
-    grip = Grip(Design(board={"variant": "precision"}), settings, 2)
-    commands = stepped(grip, held(1.0, burst=(0.5, 0.6)))
+    design, volts = Design(board={"variant": "precision"}), held(1.0, burst=(0.5, 0.6))
+    grip = Grip(design, settings, 2)
+    commands = stepped(grip, volts, enveloped=envelope_v(design, volts))
     first = next(i for i, look in enumerate(grip.looks) if look.gripped)
     assert 0.5 < grip.looks[first].time_s <= 0.5 + {"digital": 0.03, "fft": 0.05, "fast": 0.02, "paper": 0.03}[detector]
     assert not any(command.any() for command in commands[:first])

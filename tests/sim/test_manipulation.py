@@ -39,7 +39,7 @@ def scene(**tables) -> ManipulationFile:
 
 def test_stepping_changes_no_bit():
     """One step over everything, and a controller that looks on every 10 ms but does nothing."""
-    outputs = ["voltage_v", "force_n", "slip", "object_m", "closing_m", "pin_n"]
+    outputs = ["voltage_v", "force_n", "slip", "object_m", "closing_m", "pin_n", "envelope_v"]
     tables = scene(grasp={"margin_most": 1.15}, outputs=outputs)
     at_once, stepped = run_manipulation(DESIGN, tables, None, 3), run_manipulation(DESIGN, tables, FixedGrip(), 3)
     assert at_once.lost_s is not None
@@ -49,7 +49,7 @@ def test_stepping_changes_no_bit():
 
 def test_cuts_change_no_bit_while_the_hand_moves():
     """The run itself, cut at random, under commands that never rest."""
-    tables = scene(grasp={"kind": "pinch"}, object={"mass_kg": 0.06}, outputs=["voltage_v", "force_n"])
+    tables = scene(grasp={"kind": "pinch"}, object={"mass_kg": 0.06}, outputs=["voltage_v", "force_n", "envelope_v"])
     made = plan(tables, PAD, 1)
     time = np.arange(4000) / 2000
     command = made.planned_m(time) + 0.003 * np.sin(20 * time) * (time > 1.0)
@@ -128,18 +128,32 @@ def test_what_a_controller_is_handed():
 
     class Looks:
         def step(self, now):
-            seen.append(replace(now, voltage_v=now.voltage_v.copy()))
+            seen.append(replace(now, voltage_v=now.voltage_v.copy(), envelope_v=now.envelope_v.copy()))
             command = now.planned_m.copy()
-            for array in (now.voltage_v, now.closing_m, now.planned_m):
+            for array in (now.voltage_v, now.closing_m, now.planned_m, now.envelope_v):
                 array[...] = 99.0  # what it does to its copies is its own affair
             return command
 
-    made = run_manipulation(DESIGN, scene(grasp={"kind": "pinch"}), Looks(), 1)
+    wanted = scene(grasp={"kind": "pinch"}, outputs=["voltage_v", "envelope_v"])
+    made = run_manipulation(DESIGN, wanted, Looks(), 1)
     voltage = np.concatenate([now.voltage_v for now in seen], axis=1)
     assert np.array_equal(voltage, made.signals["voltage_v"][:, : voltage.shape[1]])
     assert {now.voltage_v.shape for now in seen[1:]} == {(2, 20)}
     assert [now.time_s for now in seen[:3]] == [0.0, 0.01, 0.02]
-    assert set(vars(seen[0])) == {"time_s", "voltage_v", "closing_m", "planned_m"}
+    assert set(vars(seen[0])) == {"time_s", "voltage_v", "closing_m", "planned_m", "envelope_v"}
+    enveloped = np.concatenate([now.envelope_v for now in seen], axis=1)
+    board = made.signals["envelope_v"][:, : voltage.shape[1]]
+    difference = (enveloped - board)[board < DESIGN.detector.adc_range_v - 0.1]  # noise and steps of the converter
+    assert np.std(difference) == pytest.approx(np.hypot(DESIGN.detector.noise_v, 20 / 2**16 / np.sqrt(12)), rel=0.05)
+    unasked = []
+
+    class Peeks:
+        def step(self, now):
+            unasked.append(now.envelope_v)
+            return now.planned_m
+
+    run_manipulation(DESIGN, scene(grasp={"kind": "pinch"}), Peeks(), 1)
+    assert set(unasked) == {None}
 
 
 @pytest.mark.parametrize(("answer", "words"), [([0.0], "shape (1,)"), ([0.0, float("nan")], "nan for finger 1")])

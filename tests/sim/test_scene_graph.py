@@ -29,9 +29,13 @@ def ran(tables: dict, outputs: list[str]):
         (STILL, ["force_n"], ["hand", "contact", "force"]),
         (STILL, ["slip"], ["hand", "still"]),
         (STILL, ["voltage_v"], ["hand", "contact", "sensor", "bridge", "converter"]),
-        (STILL, ["envelope_v"], ["hand", "contact", "sensor", "bridge", "filter board"]),
+        (STILL, ["envelope_v"], ["hand", "contact", "sensor", "bridge", "board noise", "filter board"]),
         (STILL | {"tap": {"force_n": 1.0}}, ["force_n"], ["hand", "shaking", "contact", "force"]),
-        (STILL | {"cable": {"hum_v": 0.1}}, ["tactile_v"], ["hand", "contact", "sensor", "cable", "bridge"]),
+        (
+            STILL | {"cable": {"hum_v": 0.1}},
+            ["tactile_v"],
+            ["hand", "contact", "sensor", "cable", "bridge", "board noise"],
+        ),
         (
             SLIDE | {"contact": {"feedback": True}},
             ["force_n", "slip"],

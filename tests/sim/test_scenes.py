@@ -267,8 +267,8 @@ def test_files_are_told_apart_by_their_tables(tmp_path):
 def test_a_jump_of_the_cable_is_a_jump_to_the_board():
     """Not a ramp of one sample: what comes out is what the board makes of the cable's jump alone."""
     wanted = {"outputs": '["tactile_v","filtered_v"]', "cable.hum_v": 0.0}
-    touched = scene("cable_touch", **wanted, **{"cable.decay_s": 10.0})
-    found = run_scene(Design(detector={"noise_v": 0.0}), touched)
+    touched = scene("cable_touch", **wanted, **{"cable.decay_s": 10.0, "sensing.noise": "false"})
+    found = run_scene(DESIGN, touched)
     jump = np.flatnonzero(found.time_s >= held(found, touched) + touched.cable.at_s)[0]
     before = found.columns["tactile_v"][jump - 1]
     straight = respond(Analog.of(DESIGN), 1 / 2000, found.columns["tactile_v"], 1e-6).filtered_v

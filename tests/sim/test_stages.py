@@ -12,7 +12,7 @@ from fingertip.board.bridge import sensor_conductance_s
 from fingertip.design import Design
 from fingertip.sim.contact import vibration
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.electronics import fsr
+from fingertip.sim.electronics import converter, fsr
 from fingertip.sim.scenes.scene import LIFT_M, Ramp
 from fingertip.sim.scenes.timeline import plan
 from fingertip.sim.trial import MOST_FORCE_N, Trial
@@ -148,8 +148,8 @@ def test_hysteresis_stays_within_a_tenth_and_lets_vibration_through():
 
 def test_converter_steps():
     step = 20 / 65536
-    codes = fsr.quantise(np.linspace(-11, 11, 2001), 16, 10.0) / step
+    codes = converter.quantise(np.linspace(-11, 11, 2001), 16, 10.0) / step
     assert np.array_equal(codes, np.round(codes))
     assert (codes.min(), codes.max()) == (-32768, 32767)
-    assert fsr.quantise(np.float64(4.3), 16, 10.0) == pytest.approx(4.3, abs=step / 2)
-    assert fsr.quantise(np.float64(0.6 * step), 16, 10.0) == step
+    assert converter.quantise(np.float64(4.3), 16, 10.0) == pytest.approx(4.3, abs=step / 2)
+    assert converter.quantise(np.float64(0.6 * step), 16, 10.0) == step

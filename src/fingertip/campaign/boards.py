@@ -2,7 +2,9 @@
 
 A silicon diode conducts from some 0.45 V, which is 6.7 mV of vibration ahead of the gain. The article does not say
 which diode it had, nor how strong its vibrations were. On the simulated ones a bare 1N4148 stays shut on smooth
-surfaces, whatever the threshold; the article's figures come out on the board without that dead zone.
+surfaces, whatever the threshold; the article's figures come out on the board without that dead zone. There the noise
+allows a much lower threshold than on the sampled voltage, for it is the converter's that is strong, and the board's
+gain stands ahead of it. The lower the threshold, the sooner, and the more changes of grip are taken for slip.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from fingertip.campaign.plan import HELD_OUT_FROM, Amount, cases
 from fingertip.campaign.record import record
 from fingertip.campaign.study import Total, surface
 from fingertip.design import Design
-from fingertip.sim.electronics.board_output import noise_level
+from fingertip.sim.electronics.board_output import rest_level
 from fingertip.sim.jit import compiled
 
 VARIANTS = ("paper", "precision")
@@ -46,7 +48,7 @@ def boards(
         tables = design.model_dump()
         tables["board"]["variant"] = variant
         built = Design(**tables)
-        rule = noise_level(built).rounded_v
+        rule = rest_level(built).rounded_v
         own = built.detector.threshold_v
         verdicts: tuple[list[Verdict], list[Verdict]] = ([], [])
         with compiled():

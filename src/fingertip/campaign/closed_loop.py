@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from fingertip.campaign.grip import Grip, GripSettings, Look
 from fingertip.campaign.plan import HELD_OUT_FROM
+from fingertip.campaign.record import reads_board
 from fingertip.design import Design
 from fingertip.sim import Manipulated, ManipulationFile, manipulations, run_manipulation
 from fingertip.sim.jit import compiled
@@ -26,6 +27,7 @@ MOVED_M = 1e-4
 SLIPPED_S = 0.15
 """A grip so soon after true slip is no false one: the detectors' memory and one period. Assumption."""
 _OUTPUTS = ["voltage_v", "force_n", "slip", "closing_m", "object_m"]
+"""Of every manipulation; the board's only where the detector reads it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +67,8 @@ def closed_loop(
             for scene, seed in planned(repeats, first_seed):
                 grip = None
                 if detector != NONE:
+                    if reads_board(detector):
+                        scene = scene.model_copy(update={"outputs": [*_OUTPUTS, "envelope_v"]})
                     grip = Grip(design, GripSettings(detector), len(scene.fingers))
                 out.append(judged(detector, run_manipulation(design, scene, grip, seed), grip.looks if grip else ()))
     return out

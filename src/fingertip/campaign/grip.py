@@ -18,7 +18,7 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.sim import Seen
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.electronics.board_output import BoardStream, bridge_v
+from fingertip.sim.electronics.board_output import bridge_v
 from fingertip.slip import DETECTORS, make
 from fingertip.slip.stream import Array
 
@@ -67,8 +67,7 @@ class Grip:
         self.looks: list[Look] = []
         self._pad = Pad.of(design)
         self._detectors = [make(settings.detector, design) for _ in range(fingers)]
-        reads_board = DETECTORS[settings.detector].reads == "envelope_v"
-        self._boards = BoardStream(design) if reads_board else None
+        self._reads = DETECTORS[settings.detector].reads
         volts = bridge_v(design, _TABLE_N)
         self._volts, self._forces = volts[::-1], _TABLE_N[::-1]  # voltage falls with force
         self._history: deque[tuple[float, Array]] = deque()
@@ -79,7 +78,9 @@ class Grip:
     def step(self, seen: Seen) -> Array:
         """The planned closing, and what was added to it."""
         s, now = self.settings, seen.time_s
-        claimed = self._claimed(seen.voltage_v)
+        samples: Array | None = getattr(seen, self._reads)
+        assert samples is not None, f"the scene's outputs do not name {self._reads}"
+        claimed = self._claimed(samples)
         force = np.array([float(np.interp(v.mean(), self._volts, self._forces)) for v in seen.voltage_v])
         self._history.append((now, np.array([force, seen.closing_m])))
         while self._history[0][0] < now - s.growth_s - 1e-9:
@@ -102,9 +103,8 @@ class Grip:
         least = max(force_n, 0.1)
         return self._pad.depth_m(min(least * self.settings.firmer, self.settings.most_n)) - self._pad.depth_m(least)
 
-    def _claimed(self, voltage_v: Array) -> bool:
+    def _claimed(self, samples: Array) -> bool:
         """Whether any finger's detector was ON at any of the new samples."""
-        samples = self._boards.process(voltage_v) if self._boards else voltage_v
         # all of them, though one may be enough: each must see every sample
         claims = [bool(one.process(row).on.any()) for one, row in zip(self._detectors, samples, strict=True)]
         return any(claims)

@@ -47,16 +47,18 @@ def limits_s(
     rate, width = settings.sample_rate_hz, settings.high_hz - settings.low_hz
     wanted = math.log(2 * width * 60 / ALARMS_PER_MINUTE)
     noise = Fast(settings).noise_energy_v2
-    quiet = design.model_dump()
-    quiet["detector"] |= {"noise_v": 0.0, "adc_bits": 24}
-    silent = Design(**quiet)
+    fine = design.model_dump()
+    fine["detector"]["adc_bits"] = 24
+    silent = Design(**fine)
     smooth = max(1, round(_SMOOTH_S * rate))
     found = []
     with compiled():
         for case in cases(amount, first_seed):
             if case.cause != "slip":
                 break
-            scene = altered(case.scene).model_copy(update={"outputs": ["voltage_v", "slip"]})
+            scene = altered(case.scene)
+            sensing = scene.sensing.model_copy(update={"noise": False})
+            scene = scene.model_copy(update={"outputs": ["voltage_v", "slip"], "sensing": sensing})
             trace = run_scene(silent, scene, case.seed).trace
             assert trace.slip is not None
             moving = np.flatnonzero(trace.slip)

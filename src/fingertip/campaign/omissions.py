@@ -37,7 +37,9 @@ GROUNDS = {
         "neither turns nor bends. The grip law's constants were chosen on the tuning seeds."
     ),
     "table of boards": (
-        "One diode, 1N4148 at 27 degree Celsius, and nominal values; `fingertip board --analysis` has tolerances."
+        "One diode, 1N4148 at 27 degree Celsius, and nominal values; `fingertip board --analysis` has tolerances. The "
+        "amplifiers' noise is the noise budget's, typical figures, all of it brought into the band of the samples; the "
+        "converter's stands behind the board. Alarms are those of 2 quiet minutes."
     ),
     "table of starts": (
         "The article gives no acceleration; 4 cm at 4 cm/s in one second leaves all of these possible."

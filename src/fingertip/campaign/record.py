@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import random
 from dataclasses import replace
 
 from fingertip.campaign.plan import Case
 from fingertip.design import Design
 from fingertip.sim import run_scene
-from fingertip.sim.electronics.fsr import quantise
+from fingertip.sim.electronics.converter import sampled_v
 from fingertip.slip import DETECTORS, Trace
 from fingertip.slip.stream import Array
 
@@ -28,8 +29,7 @@ def record(design: Design, case: Case, board: bool = True) -> tuple[Trace, float
     made = run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed)
     if not board:
         return made.trace, made.force_n
-    d = design.detector
-    sampled = quantise(made.columns["envelope_v"], d.adc_bits, d.adc_range_v)
+    sampled = sampled_v(design, made.columns["envelope_v"], random.Random(f"{case.seed}:noise of the envelope"))
     return replace(made.trace, envelope_v=sampled), made.force_n
 
 

@@ -123,7 +123,8 @@ def _board(
     from fingertip.sim.electronics import board_output
     from fingertip.slip.noise import quiet_level
 
-    if read.envelope_v is None:
+    replayed = read.envelope_v is None
+    if replayed:
         column = wanted.of("voltage_v")
         volts = read.voltage_v if wanted.in_volts else board_output.bridge_v(design, read.voltage_v)
         through = "the design's board" if wanted.in_volts else "the design's bridge and board"
@@ -135,7 +136,8 @@ def _board(
         changed = design.model_dump()
         changed["detector"]["threshold_v"] = level.rounded_v
         return read, Design(**changed), level
-    return read, design, board_output.noise_level(design)
+    level_of = board_output.replayed_level if replayed else board_output.rest_level
+    return read, design, level_of(design)
 
 
 def _names(columns: list[str]) -> dict[str, str]:

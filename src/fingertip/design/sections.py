@@ -225,14 +225,14 @@ class Detector(Section):
     threshold_v: float = quantity(
         0.017,
         "V",
-        "Mean of the envelope above which slip is ON; default: noise level plus six deviations.",
+        "Mean of the envelope above which slip is ON; default: six deviations above digital's noise.",
         above=0,
         most=10,
     )
     noise_v: float = quantity(
         0.4e-3,
         "V",
-        "Noise of the sampled voltage, rms, without the converter's steps.",
+        "Noise of sampled voltages, rms, without the converter's steps: an NI 6002's (the article's).",
         least=0,
         most=1,
         verified=False,

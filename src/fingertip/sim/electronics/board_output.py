@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.sim.electronics import analog, fsr
+from fingertip.sim.electronics import analog
+from fingertip.sim.electronics.board_noise import input_noise_v as board_noise_v
 from fingertip.sim.electronics.circuit import Analog
+from fingertip.sim.electronics.converter import noise_v, sampled_v
 from fingertip.sim.electronics.sensing import voltage_of
 from fingertip.slip.noise import NoiseLevel, input_noise_v, quiet_level
 
@@ -27,9 +29,8 @@ def envelope_v(design: Design, voltage_v: Array) -> Array:
     TraceError
         If a sample is not finite.
     """
-    d = design.detector
-    enveloped = analog.respond(Analog.of(design), 1 / d.sample_rate_hz, voltage_v).envelope_v
-    return fsr.quantise(enveloped, d.adc_bits, d.adc_range_v)
+    enveloped = analog.respond(Analog.of(design), 1 / design.detector.sample_rate_hz, voltage_v).envelope_v
+    return sampled_v(design, enveloped, None)
 
 
 class BoardStream:
@@ -41,10 +42,10 @@ class BoardStream:
 
     def process(self, voltage_v: Array) -> Array:
         """The enveloped outputs at the chunk's samples [V], (fingers, samples) like the voltages [V]."""
-        d = self._design.detector
         if self._stream is None:
-            self._stream = analog.Stream(Analog.of(self._design), 1 / d.sample_rate_hz, len(voltage_v))
-        return fsr.quantise(self._stream.process(voltage_v)[1], d.adc_bits, d.adc_range_v)
+            step_s = 1 / self._design.detector.sample_rate_hz
+            self._stream = analog.Stream(Analog.of(self._design), step_s, len(voltage_v))
+        return sampled_v(self._design, self._stream.process(voltage_v)[1], None)
 
 
 def bridge_v(design: Design, force_n: Array) -> Array:
@@ -53,23 +54,22 @@ def bridge_v(design: Design, force_n: Array) -> Array:
     return np.array([voltage(force) for force in force_n.tolist()])
 
 
-def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
-    """Mean and deviation of the detector `paper`'s window in noise alone, measured on the simulated board.
+def rest_level(design: Design) -> NoiseLevel:
+    """Mean and deviation of the detector `paper`'s window behind the design's board while nothing happens: noise of the
+    board's amplifiers ahead of the filter, of the converter behind it."""
+    return _level(design, board_noise_v(design), random.Random("converter"))
 
-    The threshold that follows is at least one step of the converter: a diode without bias passes so little noise that
-    the converter shows none.
 
-    Parameters
-    ----------
-    design
-        Its board, window and converter.
-    noise_v
-        White noise of the board's input, rms [V]; without it, the design's.
-    """
+def replayed_level(design: Design) -> NoiseLevel:
+    """The same where the board is simulated on a recorded voltage, whose noise is the converter's already."""
+    return _level(design, input_noise_v(design), None)
+
+
+def _level(design: Design, sigma_v: float, converter: random.Random | None) -> NoiseLevel:
+    """Measured on the simulated board. The threshold that follows is at least one step of the converter: a diode
+    without bias passes so little noise that the converter shows none."""
     d = design.detector
-    sigma = input_noise_v(design) if noise_v is None else noise_v
     settling = round(0.1 * d.sample_rate_hz)
-    rng = random.Random(0)
-    noise = np.array([rng.gauss(0.0, sigma) for _ in range(_WINDOWS * d.window_samples + settling)])
-    sampled = envelope_v(design, noise)
-    return quiet_level(sampled[settling:], design, "simulated noise")
+    noise = noise_v(random.Random(0), sigma_v, _WINDOWS * d.window_samples + settling)
+    enveloped = analog.respond(Analog.of(design), 1 / d.sample_rate_hz, noise).envelope_v
+    return quiet_level(sampled_v(design, enveloped, converter)[settling:], design, "simulated noise")

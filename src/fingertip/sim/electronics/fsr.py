@@ -1,5 +1,4 @@
-"""From the force on the sensor to the sampled voltage: force-sensing resistor, bridge and amplifier,
-converter."""
+"""From the force on the sensor to a voltage: force-sensing resistor, bridge and amplifier."""
 
 from __future__ import annotations
 
@@ -113,10 +112,3 @@ def _play_loop(
 
 
 _play = Kernel(_play_loop, outputs=2)
-
-
-def quantise(voltage_v: Array, bits: int, range_v: float) -> Array:
-    """The converter's nearest steps [V] for ``-range_v <= V < range_v``; its ends beyond."""
-    half: int = 2 ** (bits - 1)
-    codes = np.floor(voltage_v / range_v * half + 0.5)
-    return np.clip(codes, -half, half - 1) * range_v / half

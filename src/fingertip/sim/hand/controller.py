@@ -23,6 +23,9 @@ class Seen:
     """Closing of each finger now, as its motor's encoder shows it."""
     planned_m: Array
     """Closing of each finger that a hand without control would be told now: it closes and keeps its grip."""
+    envelope_v: Array | None = None
+    """Samples of the filter boards' outputs, like those of the voltage; None unless the scene names ``envelope_v``
+    among its outputs."""
 
 
 class Controller(Protocol):

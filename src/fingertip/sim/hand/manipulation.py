@@ -22,8 +22,6 @@ from numpy.typing import NDArray
 from fingertip.design import Design
 from fingertip.errors import Fault, TraceError
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.electronics.amplifiers import amplified
-from fingertip.sim.electronics.analog import respond
 from fingertip.sim.electronics.comparator import missing, pin_v
 from fingertip.sim.hand.controller import Controller, Seen
 from fingertip.sim.hand.manipulated import Manipulated
@@ -81,14 +79,13 @@ def run_manipulation(
         run.advance(_in_force(told, 0, count, period, delay))
     else:
         told = np.zeros((len(scene.fingers), len(starts)))
-        voltage = run.parts["voltage_v"][0]
         for i, start in enumerate(starts):
             planned = made.planned_m(np.array([start / rate]))[:, 0]
-            seen = Seen(start / rate, voltage.copy(), run.motors.closing_m.copy(), planned)
+            assert run.samples
+            voltage, enveloped = run.samples.voltage_v, run.samples.envelope_v
+            seen = Seen(start / rate, voltage.copy(), run.motors.closing_m.copy(), planned, enveloped)
             told[:, i] = _command(controller.step(seen), start / rate, len(scene.fingers))
-            fresh = run.advance(_in_force(told, start, min(start + period, count), period, delay))
-            assert fresh is not None
-            voltage = fresh
+            run.advance(_in_force(told, start, min(start + period, count), period, delay))
     return _result(design, scene, seed, made, run, count)
 
 
@@ -115,13 +112,9 @@ def _result(design: Design, scene: ManipulationFile, seed: int, made: Plan, run:
     step = 1 / design.detector.sample_rate_hz
     time_s = np.arange(count + 1, dtype=np.float64) * step
     signals["slip"] = np.abs(signals["velocity_m_s"]) > GROSS_SLIP_M_S
-    if {"envelope_v", "slip_pin_v"} & set(scene.outputs):
-        board = amplified(design, scene.sensing.amplifiers)
-        outs = [respond(board, step, v) for v in signals["tactile_v"]]
-        signals["envelope_v"] = np.stack([out.envelope_v for out in outs])
-        if "slip_pin_v" in scene.outputs:
-            pins = [pin_v(design, step, out.filtered_v, out.envelope_v) for out in outs]
-            signals["slip_pin_v"] = np.stack(pins)
+    if "slip_pin_v" in scene.outputs:
+        outs = zip(signals["filtered_v"], signals["envelope_v"], strict=True)
+        signals["slip_pin_v"] = np.stack([pin_v(design, step, *out) for out in outs])
     gone = np.flatnonzero(signals["object_m"] >= scene.object.length_m)
     lost_s = float(time_s[gone[0]]) if run.lost else None
     if "force_n" not in scene.outputs:

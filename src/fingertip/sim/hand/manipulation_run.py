@@ -6,6 +6,7 @@ made: no vibration for slip alone, no sensor where neither a voltage nor a contr
 
 from __future__ import annotations
 
+import functools
 import math
 import random
 import time
@@ -19,6 +20,8 @@ from numpy.typing import NDArray
 from fingertip.design import Design
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.electronics.amplifiers import amplified
+from fingertip.sim.electronics.analog import Stream
 from fingertip.sim.hand import grasp_loop
 from fingertip.sim.hand.hand import Motors
 from fingertip.sim.hand.manipulation_file import ManipulationFile
@@ -29,6 +32,15 @@ from fingertip.sim.stages.stages import Ran
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """What the converters gave, (fingers, samples)."""
+
+    voltage_v: Array
+    envelope_v: Array | None
+    """Of the boards; None where no output needs them."""
 
 
 @dataclass
@@ -44,6 +56,8 @@ class Run:
     """Names of outputs."""
     at: int = 0
     """Samples made after the first."""
+    samples: Samples | None = None
+    """The newest; None where no sensor runs."""
     parts: dict[str, list[Array]] = field(default_factory=dict)
     ran: dict[str, Ran] = field(default_factory=dict)
 
@@ -64,11 +78,16 @@ class Run:
         self._quiet = np.zeros(count)
         self._shaken: list[Shaken] = []
         self._sensed: list[Sensed] = []
-        sensing = bool({"voltage_v", "envelope_v", "slip_pin_v"} & self.wanted)
+        self._boards: Stream | None = None
+        boards = bool({"envelope_v", "slip_pin_v"} & self.wanted)
+        sensing = boards or "voltage_v" in self.wanted
         if sensing or "force_n" in self.wanted:
             self._shaken = self._timed("profile", 0, 0, lambda: [self._shaker(i) for i in range(count)])
         if sensing:
-            self._sensed = [Sensed(self.design, scene.sensing.bridge, self._stream("noise", i)) for i in range(count)]
+            streams = [functools.partial(self._stream, finger=i) for i in range(count)]
+            self._sensed = [Sensed(self.design, scene.sensing, stream) for stream in streams]
+        if boards:
+            self._boards = Stream(amplified(self.design, scene.sensing.amplifiers), 1 / rate, count)
         first = np.zeros((count, 1))
         self._note(
             closing_m=first, command_m=first, force_n=first, velocity_m_s=first, object_m=first[0], pin_n=first[0]
@@ -81,19 +100,9 @@ class Run:
         """Whether the object has left the fingers."""
         return bool(self._state[-1] > 0.0)
 
-    def advance(self, command_m: Array) -> Array | None:
-        """Go on by as many samples as there are commands, each in force up to its sample.
-
-        Parameters
-        ----------
-        command_m
-            Closing [m], (fingers, samples).
-
-        Returns
-        -------
-        array
-            The new sampled voltages [V], (fingers, samples); None where no sensor runs.
-        """
+    def advance(self, command_m: Array) -> None:
+        """Go on by as many samples as there are commands (closing [m], (fingers, samples)), each in force up to its
+        sample."""
         count, length = command_m.shape
         closing, force, shaking = self._timed("hand", 2, length, lambda: self.motors.follow(command_m))
         grid = length * self._every
@@ -113,9 +122,8 @@ class Run:
             velocity_m_s=np.where(loads[:, 1:][:, every] > 0.0, over[:, every], 0.0),
             object_m=moved[every], pin_n=pin[every],
         )  # fmt: skip
-        if not self._sensed:
-            return None
-        return self._timed("sensor", count, length, lambda: self._sense(contact[:, every], way[:, every]))
+        if self._sensed:
+            self._timed("sensor", count, length, lambda: self._sense(contact[:, every], way[:, every]))
 
     def _move(self, time_s: Array, loads: Array) -> tuple[Array, Array, Array, Array]:
         scene, friction, count = self.scene, self.plan.friction, len(self.scene.fingers)
@@ -144,11 +152,18 @@ class Run:
             ]
         )
 
-    def _sense(self, contact: Array, shear: Array) -> Array:
-        tactile = np.stack([s.tactile_v(contact[i], shear[i]) for i, s in enumerate(self._sensed)])
-        sampled = np.stack([s.sampled_v(tactile[i]) for i, s in enumerate(self._sensed)])
-        self._note(tactile_v=tactile, voltage_v=sampled)
-        return sampled
+    def _sense(self, contact: Array, shear: Array) -> None:
+        fingers = self._sensed
+        bridge = [s.bridge_v(contact[i], shear[i]) for i, s in enumerate(fingers)]
+        sampled = np.stack([s.sampled_v(v) for s, v in zip(fingers, bridge, strict=True)])
+        self._note(voltage_v=sampled)
+        out = None
+        if self._boards:
+            tactile = np.stack([s.tactile_v(v) for s, v in zip(fingers, bridge, strict=True)])
+            filtered, enveloped = self._boards.process(tactile)
+            self._note(filtered_v=filtered, envelope_v=enveloped)
+            out = np.stack([s.sampled_envelope_v(v) for s, v in zip(fingers, enveloped, strict=True)])
+        self.samples = Samples(sampled, out)
 
     def _on_grid(self, before: Array, values: Array) -> Array:
         """Values at samples, straight between them on the grid; the first is the one before."""

@@ -1,4 +1,4 @@
-"""One finger of a hand in the loop, from its load to the sampled voltage, chunk by chunk.
+"""One finger of a hand in the loop, from its load to the sampled voltages, chunk by chunk.
 
 The same stages as a scene's (`sim.pipeline`), which runs them over all of its time at once: a chunk begins with the
 state in which the one before it ended, so that any chunks give the same bits.
@@ -18,7 +18,10 @@ from fingertip.sim.contact import vibration
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import Surface
 from fingertip.sim.electronics import fsr
+from fingertip.sim.electronics.board_noise import input_noise_v
+from fingertip.sim.electronics.converter import noise_v, sampled_v
 from fingertip.sim.electronics.sensing import on_sensor_n, voltage_of
+from fingertip.sim.scenes.scene_sections import Sensing
 
 Array = NDArray[np.float64]
 
@@ -60,25 +63,37 @@ class Shaken:
 
 @dataclass
 class Sensed:
-    """Sensor, bridge and converter of one finger."""
+    """Sensor, bridge and converters of one finger."""
 
     design: Design
-    bridge: str
-    rng: random.Random
+    sensing: Sensing
+    stream: Callable[[str], random.Random]
+    """Random numbers of this finger for one purpose."""
     _play: Array = field(init=False)
     _voltage_of: Callable[[float], float] = field(init=False)
+    _noise: dict[str, random.Random] = field(init=False)
 
     def __post_init__(self) -> None:
         self._play = np.zeros(1)
-        self._voltage_of = voltage_of(self.design, self.bridge)
+        self._voltage_of = voltage_of(self.design, self.sensing.bridge)
+        self._noise = {}
+        if self.sensing.noise:
+            self._noise = {what: self.stream(what) for what in ("noise", "board noise", "envelope noise")}
 
-    def tactile_v(self, contact_n: Array, shear_m: Array) -> Array:
-        """Voltage ahead of converter and filter board [V] at the samples."""
+    def bridge_v(self, contact_n: Array, shear_m: Array) -> Array:
+        """Voltage of bridge and amplifier at the samples, without noise [V]."""
         shown = fsr.with_hysteresis(on_sensor_n(contact_n, shear_m), self._play)
-        noise = self.design.detector.noise_v
-        return np.array([self._voltage_of(f) + self.rng.gauss(0.0, noise) for f in shown.tolist()])
+        return np.array([*map(self._voltage_of, shown.tolist())])
 
-    def sampled_v(self, tactile_v: Array) -> Array:
-        """What the converter gives [V]."""
-        d = self.design.detector
-        return fsr.quantise(tactile_v, d.adc_bits, d.adc_range_v)
+    def tactile_v(self, bridge_v: Array) -> Array:
+        """Voltage ahead of the filter board, with the noise of the board's amplifiers [V]."""
+        rng = self._noise.get("board noise")
+        return bridge_v if rng is None else bridge_v + noise_v(rng, input_noise_v(self.design), len(bridge_v))
+
+    def sampled_v(self, bridge_v: Array) -> Array:
+        """What the converter gives of the tactile voltage [V]."""
+        return sampled_v(self.design, bridge_v, self._noise.get("noise"))
+
+    def sampled_envelope_v(self, envelope_v: Array) -> Array:
+        """What the converter gives of the board's output [V]."""
+        return sampled_v(self.design, envelope_v, self._noise.get("envelope noise"))

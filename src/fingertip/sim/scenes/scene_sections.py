@@ -110,6 +110,7 @@ class Sensing(Section):
     amplifiers: Literal["ideal", "rails", "gain_bandwidth"] = choice(
         "ideal", "Of the filter: ideal, stopped at their rails, or of the design's gain-bandwidth product."
     )
+    noise: bool = Field(True, description="Whether the board's amplifiers and the converter add theirs.")
     jitter_s: float = quantity(
         0.0,
         "s",

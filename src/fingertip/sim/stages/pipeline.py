@@ -54,8 +54,9 @@ def stages_of(scene: SceneFile) -> list[Stage[Context]]:
         Stage("force", ("contact_n",), ("force_n",), contact_stages.force_of_samples),
         Stage("sensor", ("contact_n", *shear), ("shown_n",), signal_stages.sense, 1),
         Stage("cable", (), ("cable_v", "cable_jump_v"), signal_stages.touch_cable),
-        Stage("bridge", ("shown_n", *cable), ("tactile_v",), signal_stages.bridge),
-        Stage("converter", ("tactile_v",), ("voltage_v",), signal_stages.convert),
+        Stage("bridge", ("shown_n", *cable), ("bridge_v",), signal_stages.bridge),
+        Stage("converter", ("bridge_v",), ("voltage_v",), signal_stages.convert),
+        Stage("board noise", ("bridge_v",), ("tactile_v",), signal_stages.add_noise),
         Stage("filter board", ("tactile_v", *jump), ("filtered_v", "envelope_v"), signal_stages.filter_and_envelope, 4),
         Stage("comparator", ("filtered_v", "envelope_v"), ("slip_pin_v",), signal_stages.say, 1),
     ]

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from fingertip.sim.electronics import analog, comparator, fsr
 from fingertip.sim.electronics.amplifiers import amplified
+from fingertip.sim.electronics.board_noise import input_noise_v
+from fingertip.sim.electronics.converter import noise_v, sampled_v
 from fingertip.sim.electronics.sensing import on_sensor_n, voltage_of
 from fingertip.sim.scenes import disturbances
 from fingertip.sim.stages.context import Context
@@ -36,26 +38,31 @@ def touch_cable(c: Context, given: Given) -> dict[str, Any]:
 
 
 def bridge(c: Context, given: Given) -> dict[str, Any]:
-    """Tactile voltage with its noise."""
-    d, rng = c.design.detector, c.stream("noise")
-    clean = map(voltage_of(c.design, c.scene.sensing.bridge), given["shown_n"].tolist())
-    voltage = np.array([v + rng.gauss(0.0, d.noise_v) for v in clean])
+    """Voltage of bridge and amplifier, without noise."""
+    voltage = np.array([*map(voltage_of(c.design, c.scene.sensing.bridge), given["shown_n"].tolist())])
     if "cable_v" in given:
         voltage = voltage + given["cable_v"]
     if c.scene.drift.volt_per_s:
         voltage = voltage + c.scene.drift.volt_per_s * c.time_s[c.every]
-    return {"tactile_v": voltage}
+    return {"bridge_v": voltage}
 
 
 def convert(c: Context, given: Given) -> dict[str, Any]:
     """Sampled voltage."""
-    d, jitter = c.design.detector, c.scene.sensing.jitter_s
-    voltage = given["tactile_v"]
+    jitter, voltage = c.scene.sensing.jitter_s, given["bridge_v"]
     if jitter:
         rng, time = c.stream("jitter"), c.time_s[c.every]
         # The voltage is taken a little early or late, on the straight line between samples.
         voltage = np.interp(time + [rng.gauss(0.0, jitter) for _ in range(len(time))], time, voltage)
-    return {"voltage_v": fsr.quantise(voltage, d.adc_bits, d.adc_range_v)}
+    return {"voltage_v": sampled_v(c.design, voltage, c.stream("noise") if c.scene.sensing.noise else None)}
+
+
+def add_noise(c: Context, given: Given) -> dict[str, Any]:
+    """Voltage ahead of the filter board, with the noise of the board's amplifiers."""
+    voltage = given["bridge_v"]
+    if c.scene.sensing.noise:
+        voltage = voltage + noise_v(c.stream("board noise"), input_noise_v(c.design), len(voltage))
+    return {"tactile_v": voltage}
 
 
 def filter_and_envelope(c: Context, given: Given) -> dict[str, Any]:

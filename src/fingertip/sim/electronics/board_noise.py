@@ -3,8 +3,8 @@
 Nearly all of it arises ahead of the filter, in the bridge's amplifier, and nearly all of that lies above what samples
 can show (`fingertip.board.noise`). It is put into the board's input as white noise of the samples, as strong as makes
 the filter's output as noisy as the noise budget says, from 0.1 Hz to 1 MHz. So its strength ahead of the rectifier is
-right, and with it where the envelope rests; within the band of slip there is more of it than there would be: too much
-by a tenth on a board with a low-pass in its first stage, four times on one without, where a bare diode hides it.
+right, and with it where the envelope rests; within the band of slip it is stronger than it would be, at 2 kHz 1.6 times
+on a board with a low-pass in its first stage and four times on one without, where a bare diode hides it.
 
 The converter's noise is another matter: it comes behind the board's gain, or with no gain at all
 (`fingertip.sim.electronics.converter`).

@@ -3,9 +3,9 @@
     python benchmarks/slip_speed.py [--samples 2000000] [--chunk 100000] [--stream 1000000000]
 
 scipy.signal.sosfilt does the third-order high-pass only; `digital`, the article's whole chain in software, does that,
-rectification, envelope, window and threshold; `fast` five filters and a moving bar; `paper` window and threshold, the
-rest being the board's. All take the same samples in the same chunks; the best of several
-rounds counts, with the contenders taking turns, so that a busy machine is as busy for each.
+rectification, envelope, window and threshold; `fast` eight filters and two moving bars; `paper` window and threshold,
+the rest being the board's. All take the same samples in the same chunks; the best of several rounds counts, with the
+contenders taking turns, so that a busy machine is as busy for each.
 """
 
 from __future__ import annotations

@@ -61,7 +61,7 @@ def trace_with(slips, knocks, length=8000) -> Trace:
     t = np.arange(length) / 2000
     volts = 4.0 + np.random.default_rng(3).normal(0, 4e-4, length)
     for start, stop in [*slips, *knocks]:
-        volts += 0.02 * np.sin(2 * np.pi * 90 * t) * ((t >= start) & (t < stop))
+        volts += 0.008 * np.sin(2 * np.pi * 90 * t) * ((t >= start) & (t < stop))
     slip = np.zeros(length, dtype=bool)
     for start, stop in slips:
         slip |= (t >= start) & (t < stop)

@@ -39,7 +39,7 @@ def held(seconds: float, force_n=1.0, burst=None) -> np.ndarray:
     force = np.full(len(t), force_n) if np.ndim(force_n) == 0 else force_n
     volts = bridge_v(DESIGN, force) + np.random.default_rng(2).normal(0, input_noise_v(DESIGN), len(t))
     start, stop = burst or (9.0, 9.0)
-    return volts + 0.02 * np.sin(2 * np.pi * 90 * t) * ((t >= start) & (t < stop))
+    return volts + 0.01 * np.sin(2 * np.pi * 90 * t) * ((t >= start) & (t < stop))
 
 
 @pytest.mark.parametrize("detector", ["digital", "fft", "fast", "paper"])

@@ -6,8 +6,8 @@ doi:10.1214/aoms/1177693055); CUSUM reaches it. Here slip grows, so the informat
 comes to ln(gamma).
 
 Gaussian noise of power n in a band of width B that becomes n + s tells ``B (r - 1 - ln r)`` nats per second, with
-r = 1 + s / n. The band is the detector `fast`'s, seen through its own causal filters, whose delay is in the
-limit too; s is what the same trial shows there without any noise. The bound knows noise and slip only: it need not
+r = 1 + s / n. The band is the wide one of the detector `fast`, seen through its own causal filters, whose delay is in
+the limit too; s is what the same trial shows there without any noise. The bound knows noise and slip only: it need not
 tell slip from a change of grip, and it knows beforehand how strong this slip will be. So it is a floor, not a goal.
 """
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,8 @@ from fingertip.slip.stream import Array, Output
 WINDOW_S = 0.064
 """128 samples at 2 kHz (article, IV.B)."""
 HOP_S = 0.002
+_EXCURSION_S = WINDOW_S / 8
+# An eighth of the window stands for a stay above the bar (a test counts alarms in noise).
 
 
 @dataclass(frozen=True)
@@ -47,8 +49,8 @@ class FftSettings:
 
 
 @functools.lru_cache(maxsize=64)
-def _bar(weights: tuple[float, ...], excursion_s: float) -> float:
-    return math.sqrt(bar_for(np.array(weights), excursion_s))
+def _bar(weights: tuple[float, ...]) -> float:
+    return math.sqrt(bar_for(np.array(weights), _EXCURSION_S))
 
 
 class Fft:
@@ -63,8 +65,7 @@ class Fft:
         bins = range(n // 2 + 1)
         kept = [k for k in bins if settings.low_hz <= k * settings.sample_rate_hz / n <= settings.high_hz]
         self._low, self._high = kept[0], kept[-1] + 1
-        weights, excursion_s, noise_v = self.noise_weights()
-        self._bar = _bar(tuple(weights.tolist()), excursion_s) * noise_v * settings.scale
+        self._bar = _bar(tuple(self._noise_weights().tolist())) * settings.noise_v * settings.scale
         self._past = np.zeros(0)
         self._until_next = 0
         self._level = 0.0
@@ -105,11 +106,13 @@ class Fft:
         band = np.fft.rfft((samples - samples[0]) * self._window)[self._low : self._high]
         return math.sqrt(float(np.sum(band.real**2 + band.imag**2)))
 
-    def noise_weights(self) -> tuple[Array, float, float]:
-        """What `quadratic.bar_for` makes the bar of: weights of the energy as a sum of squares, time above the bar [s],
-        noise [V]."""
+    def noise_bars(self) -> Iterator[tuple[Array, float, float]]:
+        """What `quadratic.bar_for` made the bar of: weights [V^2], time above the bar [s]; and the bar [V]."""
+        yield self._noise_weights() * self.settings.noise_v**2, _EXCURSION_S, self._bar
+
+    def _noise_weights(self) -> Array:
+        """Of the energy, as a sum of squares, in noise of unit variance."""
         spectra = np.fft.rfft(np.diag(self._window))[:, self._low : self._high]
         rows = np.concatenate((spectra.real, spectra.imag), axis=1)
         weights = np.linalg.eigvalsh(rows.T @ rows)
-        # An eighth of the window stands for a stay above the bar (a test counts alarms in noise).
-        return weights[weights > 1e-9 * weights.max()], WINDOW_S / 8, self.settings.noise_v
+        return np.asarray(weights[weights > 1e-9 * weights.max()])

@@ -54,7 +54,7 @@ DETECTORS: dict[str, Kind] = {
     "paper": Kind("the board's output, window and threshold", "envelope_v", _paper),
     "digital": Kind("the article's chain in digital filters", "voltage_v", _digital),
     "fft": Kind("spectrum of 64 ms", "voltage_v", _fft),
-    "fast": Kind("energy of 5 ms against the force's slope", "voltage_v", _fast),
+    "fast": Kind("energy of 5 ms in two bands, against the force's slope", "voltage_v", _fast),
 }
 
 

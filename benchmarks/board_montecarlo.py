@@ -17,9 +17,9 @@ import time
 from collections.abc import Callable
 
 from fingertip.board import board_values
-from fingertip.board.capacitors import choose_capacitor
-from fingertip.board.figures import monte_carlo
-from fingertip.board.preferred import choose_section
+from fingertip.board.values.capacitors import choose_capacitor
+from fingertip.board.values.figures import monte_carlo
+from fingertip.board.values.preferred import choose_section
 from fingertip.design import Design
 from fingertip.design.sections import Board
 

@@ -96,7 +96,7 @@ def step_us(name: str, volts: np.ndarray) -> float:
 
 def plain_ns(name: str, volts: np.ndarray) -> float:
     """Of `process` without numba [ns]."""
-    from fingertip.slip import kernel
+    from fingertip.slip.detectors import kernel
 
     there, kernel.available = kernel.available, lambda: False
     try:

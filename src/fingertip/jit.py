@@ -1,7 +1,7 @@
 """numba, where it is installed: whether it is, and a loop compiled once and kept.
 
 When a loop is compiled is decided where loops are run: `fingertip.sim.jit` compiles within a block that asks for it,
-`fingertip.slip.kernel` where a stream is long enough.
+`fingertip.slip.detectors.kernel` where a stream is long enough.
 """
 
 from __future__ import annotations

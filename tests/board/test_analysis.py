@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis import bode_table
-from fingertip.board.built import first_stage, network, open_loop
-from fingertip.board.equations import equations
-from fingertip.board.figures import FIGURES, NAMES, figures, monte_carlo, nominal, sensitivities
-from fingertip.board.filters import decibel, overall_cutoff_hz, response
+from fingertip.board.analysis.analyse import bode_table
+from fingertip.board.analysis.equations import equations
+from fingertip.board.values.built import first_stage, network, open_loop
+from fingertip.board.values.figures import FIGURES, NAMES, figures, monte_carlo, nominal, sensitivities
+from fingertip.board.values.filters import decibel, overall_cutoff_hz, response
 from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 from tests.board.ngspice import simulate

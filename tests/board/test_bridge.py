@@ -7,7 +7,7 @@ import itertools
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.bridge import (
+from fingertip.board.values.bridge import (
     ARTICLE_POINTS,
     INTERLINK_CURVE,
     MOST_FORCE_N,
@@ -17,7 +17,7 @@ from fingertip.board.bridge import (
     most_current_a,
     sensor_conductance_s,
 )  # fmt: skip
-from fingertip.board.preferred import decade
+from fingertip.board.values.preferred import decade
 from fingertip.design import Design
 from tests.board.nodal import number
 

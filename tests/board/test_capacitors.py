@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingertip.board import board_values
-from fingertip.board.capacitors import choose_capacitor, filter_error, fitted
-from fingertip.board.preferred import decade, within
+from fingertip.board.values.capacitors import choose_capacitor, filter_error, fitted
+from fingertip.board.values.preferred import decade, within
 from fingertip.design import Design
 from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, Components
 from fingertip.design.sections import Board

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fingertip.board import board_circuit, board_values, symbols
+from fingertip.board import board_circuit, board_values
 from fingertip.board.circuit import Circuit, Net, Part, connected, engineering, faults
+from fingertip.board.kicad import symbols
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import KINDS, VARIANTS
 from fingertip.design import Design

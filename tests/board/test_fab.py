@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit, board_files, board_values, differences, write_board
-from fingertip.board.fab import PARTS_COLUMNS, PLACEMENT_COLUMNS, gerbers, parts_file, placement_file
+from fingertip.board.fabrication.fab import PARTS_COLUMNS, PLACEMENT_COLUMNS, gerbers, parts_file, placement_file
+from fingertip.board.layout.placements import load_placement
 from fingertip.board.output import LAYOUT, README
-from fingertip.board.placements import load_placement
 from fingertip.design import Design
 from tests.board.kicad import HOW, kicad_cli
 from tests.conftest import run_fingertip

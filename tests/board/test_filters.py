@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip.board import filters
+from fingertip.board.values import filters
 from fingertip.design.filter_components import Components, ideal_components
 from fingertip.design.sections import Board
 

@@ -16,7 +16,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.circuit import kicad_name
-from fingertip.board.identity import part_uuid
+from fingertip.board.kicad.identity import part_uuid
 from fingertip.board.output import NETLIST
 from fingertip.board.variants import VARIANTS
 from fingertip.design import Design

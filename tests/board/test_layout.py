@@ -12,17 +12,17 @@ import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.circuit import Circuit
-from fingertip.board.footprints import FOOTPRINTS, ROUND_RATIO
-from fingertip.board.layout import EDGE_CLEARANCE_MM
-from fingertip.board.names import obscured
+from fingertip.board.kicad.footprints import FOOTPRINTS, ROUND_RATIO
+from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_MM
+from fingertip.board.layout.file import EDGE_CLEARANCE_MM
+from fingertip.board.layout.names import obscured
+from fingertip.board.layout.placement import PlacedPad, Placement, Spot, crowded, placed_pads, turned
+from fingertip.board.layout.placements import load_placement
+from fingertip.board.layout.routing.grid import Rules
+from fingertip.board.layout.routing.paths import cut
+from fingertip.board.layout.routing.router import route
+from fingertip.board.layout.tracks import load_template
 from fingertip.board.output import LAYOUT
-from fingertip.board.placement import PlacedPad, Placement, Spot, crowded, placed_pads, turned
-from fingertip.board.placements import load_placement
-from fingertip.board.project import CLEARANCE_MM, TRACK_MM, VIA_MM
-from fingertip.board.router import route
-from fingertip.board.router_grid import Rules
-from fingertip.board.router_paths import cut
-from fingertip.board.tracks import load_template
 from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 from fingertip.errors import BoardError
@@ -164,7 +164,7 @@ def test_a_missing_track_is_noticed() -> None:
 
 def test_a_template_of_another_placement_is_refused() -> None:
     moved = replace(PAPER_PLACEMENT, spots={**PAPER_PLACEMENT.spots, "R1": Spot(11.4, 16.4)})
-    with pytest.raises(BoardError, match=r"another placement: run python -m fingertip\.board\.reroute"):
+    with pytest.raises(BoardError, match=r"another placement: run python -m fingertip\.board\.layout\.routing\.reroute"):
         load_template("paper_split", CIRCUIT, moved)
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from fingertip.board import board_values
-from fingertip.board.bridge import fit_bridge
-from fingertip.board.limits import converter_line, limits
 from fingertip.board.supplies import SUPPLIES
+from fingertip.board.values.bridge import fit_bridge
+from fingertip.board.values.limits import converter_line, limits
 from fingertip.design import Design
 
 

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
-from fingertip.board.built import network
 from fingertip.board.circuit import kicad_name
-from fingertip.board.filters import filter_network
-from fingertip.board.identity import part_uuid
+from fingertip.board.kicad.identity import part_uuid
 from fingertip.board.output import NETLIST
+from fingertip.board.values.built import network
+from fingertip.board.values.filters import filter_network
 from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 from tests.board.nodal import NetlistCircuit, parse

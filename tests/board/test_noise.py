@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis import analyse
-from fingertip.board.bridge import sensor_conductance_s
-from fingertip.board.equations import equations
-from fingertip.board.noise import HALF_WAVE_MEAN, NETS, budget
+from fingertip.board.analysis.analyse import analyse
+from fingertip.board.analysis.equations import equations
+from fingertip.board.analysis.noise import HALF_WAVE_MEAN, NETS, budget
+from fingertip.board.values.bridge import sensor_conductance_s
 from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 from tests.board.conftest import Written

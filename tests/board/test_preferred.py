@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip.board.preferred import choose_section, decade, nearest, neighbours, section_error
+from fingertip.board.values.preferred import choose_section, decade, nearest, neighbours, section_error
 from fingertip.errors import BoardError
 
 # IEC 60063, typed from the standard's tables.

@@ -9,8 +9,8 @@ import pytest
 
 from fingertip.board import board_values, write_board
 from fingertip.board.output import NETLIST, SCHEMATIC
-from fingertip.board.schematic import pin_point
-from fingertip.board.symbol_shapes import SHAPES
+from fingertip.board.schematic.file import pin_point
+from fingertip.board.schematic.symbol_shapes import SHAPES
 from fingertip.board.variants import VARIANTS, Variant
 from fingertip.design import Design
 from tests.board.conftest import BOARDS, Written

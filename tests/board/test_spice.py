@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_values, write_board
-from fingertip.board.bridge import sensor_conductance_s
-from fingertip.board.built import network
-from fingertip.board.filters import decibel, filter_network
+from fingertip.board.values.bridge import sensor_conductance_s
+from fingertip.board.values.built import network
+from fingertip.board.values.filters import decibel, filter_network
 from fingertip.design import Design
 from tests.board.conftest import Written
 from tests.board.ngspice import simulate

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.circuit import Circuit, farads_or_ohms
-from fingertip.board.filters import response
-from fingertip.board.tracks import fingerprint
+from fingertip.board.layout.tracks import fingerprint
+from fingertip.board.values.filters import response
 from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, Components

@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fingertip.campaign import loop_pictures, pictures, trial_pictures, windows
+from fingertip.campaign.closed_loop import loop_pictures
 from fingertip.campaign.judge import Verdict, judge
-from fingertip.campaign.limit import limits_s
 from fingertip.campaign.plan import APART, HELD_OUT_FROM, QUIET, TUNING_SEEDS, Amount, Case, cases
+from fingertip.campaign.report import pictures, trial_pictures
 from fingertip.campaign.requirements import Requirements, checks
-from fingertip.campaign.sensitivity import Change, table
-from fingertip.campaign.spectra import spectra
+from fingertip.campaign.studies import windows
+from fingertip.campaign.studies.limit import limits_s
+from fingertip.campaign.studies.sensitivity import Change, table
+from fingertip.campaign.studies.spectra import spectra
 from fingertip.campaign.study import Study, Total, run, surface
 from fingertip.cli import app
 from fingertip.design import Design
@@ -264,7 +266,7 @@ def test_what_failed_and_what_was_assumed_stands_in_a_page(validated):
 
 
 def test_a_harder_start_is_heard_sooner_by_everyone():
-    from fingertip.campaign.starts import starts
+    from fingertip.campaign.studies.starts import starts
 
     slow, fast = (
         {row.who: row for row in starts(Design(), 4, accelerations_m_s2=(a,), detectors=("digital", "fast"))}
@@ -275,7 +277,7 @@ def test_a_harder_start_is_heard_sooner_by_everyone():
 
 
 def test_a_bare_diode_stays_shut_where_a_precision_rectifier_does_not():
-    from fingertip.campaign.boards import boards
+    from fingertip.campaign.studies.boards import boards
 
     rows = {(row.variant, row.by_rule): row for row in boards(Design(), 8, 0.5)}
     assert rows["precision", True].found_share == 1.0
@@ -285,7 +287,7 @@ def test_a_bare_diode_stays_shut_where_a_precision_rectifier_does_not():
 
 
 def test_a_motor_is_told_from_slip_by_a_longer_stretch_only():
-    from fingertip.campaign.tones import tones
+    from fingertip.campaign.studies.tones import tones
 
     short, long = tones(Design(), 8, 3, stretches_s=(0.02, 0.15))
     assert short.told_share < 0.5 < long.told_share
@@ -294,7 +296,7 @@ def test_a_motor_is_told_from_slip_by_a_longer_stretch_only():
 
 
 def test_a_weak_knock_is_slip_to_fast_and_a_hard_one_is_not():
-    from fingertip.campaign.taps import taps
+    from fingertip.campaign.studies.taps import taps
 
     rows = {(t.detector, t.force_n): t.taken_share for t in taps(Design(), scenes=1, forces_n=(0.05, 2.0))}
     assert rows["fast", 0.05] == 1.0

@@ -8,15 +8,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fingertip.campaign import loop_pictures
-from fingertip.campaign.closed_loop import FIRST_SEED, NONE, LoopTotal, closed_loop, judged, planned, totals
-from fingertip.campaign.grip import Grip, GripSettings, Look
+from fingertip.campaign.closed_loop import loop_pictures
+from fingertip.campaign.closed_loop.grip import Grip, GripSettings, Look
+from fingertip.campaign.closed_loop.manipulations import (
+    FIRST_SEED,
+    NONE,
+    LoopTotal,
+    closed_loop,
+    judged,
+    planned,
+    totals,
+)
 from fingertip.campaign.plan import TUNING_SEEDS, Amount, cases
 from fingertip.campaign.requirements import Requirements, loop_checks
 from fingertip.design import Design
 from fingertip.sim import Seen
 from fingertip.sim.electronics.board_output import BoardStream, bridge_v, envelope_v
-from fingertip.slip.noise import input_noise_v
+from fingertip.slip.detectors.noise import input_noise_v
 
 DESIGN = Design()
 PERIOD = 20  # samples

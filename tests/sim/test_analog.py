@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit
-from fingertip.board.filters import filter_network
-from fingertip.board.values import board_values
+from fingertip.board.values.board_values import board_values
+from fingertip.board.values.filters import filter_network
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim.electronics.analog import Stream, respond

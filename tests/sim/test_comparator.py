@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit
-from fingertip.board.spice import spice_deck
-from fingertip.board.values import board_values
+from fingertip.board.spice.deck import spice_deck
+from fingertip.board.values.board_values import board_values
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.noise import total_v
+from fingertip.board.analysis.noise import total_v
 from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.electronics.board_noise import gain, input_noise_v

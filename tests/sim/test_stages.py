@@ -8,7 +8,7 @@ import random
 import numpy as np
 import pytest
 
-from fingertip.board.bridge import sensor_conductance_s
+from fingertip.board.values.bridge import sensor_conductance_s
 from fingertip.design import Design
 from fingertip.sim.contact import vibration
 from fingertip.sim.contact.pad import Pad

@@ -16,7 +16,7 @@ from fingertip.sim.contact.pad import Pad
 from fingertip.sim.electronics.sensing import voltage_of
 from fingertip.sim.scenes.timeline import plan
 from fingertip.slip import detect
-from fingertip.slip.trace_file import to_csv
+from fingertip.slip.traces.trace_file import to_csv
 
 DESIGN = Design()
 
@@ -108,7 +108,7 @@ def test_force_by_seed_lies_in_the_articles_range():
 def test_the_same_seed_gives_the_same_bytes_in_fresh_processes(tmp_path):
     code = (
         "import hashlib; from fingertip.design import Design; from fingertip.sim import *\n"
-        "from fingertip.slip.trace_file import to_csv\n"
+        "from fingertip.slip.traces.trace_file import to_csv\n"
         "print(hashlib.sha256(to_csv(simulate(Design(), Trial(seed=7)))).hexdigest())"
     )
     runs = {

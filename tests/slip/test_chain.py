@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.design import Design
-from fingertip.slip.chain import ChainOutput, ChainSettings, SlipChain, analog_response, response
-from fingertip.slip.noise import noise_level
+from fingertip.slip.detectors.chain import ChainOutput, ChainSettings, SlipChain, analog_response, response
+from fingertip.slip.detectors.noise import noise_level
 
 SETTINGS = ChainSettings.of(Design())
 FIELDS = ("filtered_v", "envelope_v", "mean_v", "on")

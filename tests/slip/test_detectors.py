@@ -15,11 +15,11 @@ from scipy import signal as scipy_signal
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.slip import DETECTORS, ChainSettings, SlipChain, make
-from fingertip.slip.fast import Fast, FastSettings
-from fingertip.slip.fast_bands import Filters
-from fingertip.slip.kernel import available
-from fingertip.slip.noise import input_noise_v
-from fingertip.slip.quadratic import ALARMS_PER_HOUR, bar_for, tail
+from fingertip.slip.detectors.fast import Fast, FastSettings
+from fingertip.slip.detectors.fast_bands import Filters
+from fingertip.slip.detectors.kernel import available
+from fingertip.slip.detectors.noise import input_noise_v
+from fingertip.slip.detectors.quadratic import ALARMS_PER_HOUR, bar_for, tail
 
 DESIGN = Design()
 NAMES = list(DETECTORS)
@@ -238,7 +238,7 @@ def test_compiled_and_plain_give_the_same_bits(name, monkeypatch):
     import numba  # noqa: F401
 
     compiled = make(name, DESIGN).process(whole_of(name))
-    monkeypatch.setattr("fingertip.slip.kernel.available", lambda: False)
+    monkeypatch.setattr("fingertip.slip.detectors.kernel.available", lambda: False)
     plain = make(name, DESIGN).process(whole_of(name))
     for field in FIELDS:
         assert getattr(compiled, field).tobytes() == getattr(plain, field).tobytes()

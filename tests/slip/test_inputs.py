@@ -17,9 +17,9 @@ from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.errors import MissingLibraryError
 from fingertip.slip import make
-from fingertip.slip.parsed import Wanted
-from fingertip.slip.rate import at_rate
-from fingertip.slip.read import parse
+from fingertip.slip.traces.parsed import Wanted
+from fingertip.slip.traces.rate import at_rate
+from fingertip.slip.traces.read import parse
 from tests.conftest import design_file
 
 RNG = np.random.default_rng(0)
@@ -134,7 +134,7 @@ DESIGN = design_file("fsr400")
 
 
 def test_another_rate_keeps_the_windows_duration_and_the_thresholds_place():
-    from fingertip.slip.noise import noise_level
+    from fingertip.slip.detectors.noise import noise_level
 
     anew = at_rate(Design(), 8000.0)
     assert anew.detector.window_samples == 240

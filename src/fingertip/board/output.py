@@ -7,16 +7,16 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from fingertip.board.bom import bill_of_materials
 from fingertip.board.circuit import Circuit
-from fingertip.board.layout import kicad_board
-from fingertip.board.netlist import kicad_netlist
-from fingertip.board.project import kicad_project
+from fingertip.board.fabrication.bom import bill_of_materials
+from fingertip.board.kicad.netlist import kicad_netlist
+from fingertip.board.kicad.project import kicad_project
+from fingertip.board.layout.file import kicad_board
+from fingertip.board.layout.tracks import load_template
 from fingertip.board.readme import HEADING, folder_readme
-from fingertip.board.schematic import kicad_schematic
-from fingertip.board.spice import spice_deck
-from fingertip.board.tracks import load_template
-from fingertip.board.values import BoardValues, board_values
+from fingertip.board.schematic.file import kicad_schematic
+from fingertip.board.spice.deck import spice_deck
+from fingertip.board.values.board_values import BoardValues, board_values
 from fingertip.board.variants import variant_of
 from fingertip.design import Design
 from fingertip.files import write_whole
@@ -97,7 +97,7 @@ def write_fabrication(
     OutputError
         If the folder cannot be written.
     """
-    from fingertip.board.fab import fabrication_files
+    from fingertip.board.fabrication.fab import fabrication_files
 
     values = board_values(design)
     placement = variant_of(values).placement

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 
 from fingertip.board.circuit import Circuit, by_reference
-from fingertip.board.values import BoardValues
+from fingertip.board.values.board_values import BoardValues
 from fingertip.board.variants import Variant
 from fingertip.design import Design
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fingertip.board import symbols
 from fingertip.board.circuit import Symbol
+from fingertip.board.kicad import symbols
 from fingertip.board.nets import GND, VEE, VMID
 
 

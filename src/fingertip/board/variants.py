@@ -6,17 +6,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from fingertip.board.circuit import Circuit
-from fingertip.board.comparator_circuit import comparator_circuit
-from fingertip.board.comparator_sheet import comparator_sheet
-from fingertip.board.paper_circuit import paper_circuit
-from fingertip.board.paper_sheet import paper_sheet
-from fingertip.board.placement import Placement
-from fingertip.board.placements import load_placement
-from fingertip.board.precision_circuit import precision_circuit
-from fingertip.board.precision_sheet import precision_sheet
-from fingertip.board.sheet import Sheet
+from fingertip.board.circuits.comparator import comparator_circuit
+from fingertip.board.circuits.paper import paper_circuit
+from fingertip.board.circuits.precision import precision_circuit
+from fingertip.board.layout.placement import Placement
+from fingertip.board.layout.placements import load_placement
+from fingertip.board.schematic.comparator_sheet import comparator_sheet
+from fingertip.board.schematic.paper_sheet import paper_sheet
+from fingertip.board.schematic.precision_sheet import precision_sheet
+from fingertip.board.schematic.sheet import Sheet
 from fingertip.board.supplies import SUPPLIES, Supply
-from fingertip.board.values import BoardValues
+from fingertip.board.values.board_values import BoardValues
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from fingertip.design import Design
 from fingertip.sim import run_scene
 from fingertip.sim.electronics.converter import sampled_v
 from fingertip.slip import DETECTORS, Trace
-from fingertip.slip.stream import Array
+from fingertip.slip.detectors.stream import Array
 
 
 def record(design: Design, case: Case, board: bool = True) -> tuple[Trace, float]:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from fingertip.campaign.closed_loop import LoopTotal
+from fingertip.campaign.closed_loop.manipulations import LoopTotal
 from fingertip.campaign.plan import APART
 from fingertip.campaign.study import Study, surface
 

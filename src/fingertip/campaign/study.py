@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.campaign.judge import Verdict, judge
-from fingertip.campaign.limit import quantile_s
 from fingertip.campaign.plan import APART, HELD_OUT_FROM, Amount, cases
 from fingertip.campaign.record import reads_board, record
+from fingertip.campaign.studies.limit import quantile_s
 from fingertip.design import Design
 from fingertip.sim import SceneFile
 from fingertip.sim.jit import compiled

@@ -10,7 +10,7 @@ import typer
 from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, command
 
 if TYPE_CHECKING:
-    from fingertip.board.values import BoardValues
+    from fingertip.board.values.board_values import BoardValues
     from fingertip.design import Design
 
 
@@ -58,15 +58,15 @@ def board(
         paths += made
     data, text = values.as_data(), _table(loaded, values)
     if bode:
-        from fingertip.board.analysis import bode_table
+        from fingertip.board.analysis.analyse import bode_table
         from fingertip.files import write_file
 
         write_file(bode, bode_table(loaded).encode(), "--bode")
         console.say(f"wrote {bode}")
         paths += (bode,)
     if analysis:
-        from fingertip.board.analysis import analyse
-        from fingertip.board.report import analysis_text
+        from fingertip.board.analysis.analyse import analyse
+        from fingertip.board.analysis.report import analysis_text
 
         found_figures = analyse(loaded)
         data["analysis"] = found_figures.as_data()
@@ -75,9 +75,9 @@ def board(
 
 
 def _table(design: Design, values: BoardValues) -> str:
-    from fingertip.board.bridge import sensor_conductance_s
     from fingertip.board.circuit import engineering
-    from fingertip.board.limits import converter_line
+    from fingertip.board.values.bridge import sensor_conductance_s
+    from fingertip.board.values.limits import converter_line
 
     ideal, preferred = values.ideal, values.preferred
     resistors = [

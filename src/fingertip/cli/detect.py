@@ -14,8 +14,8 @@ from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, c
 if TYPE_CHECKING:
     from fingertip.design import Design
     from fingertip.slip import Detection, Interval, Trace
-    from fingertip.slip.noise import NoiseLevel
-    from fingertip.slip.parsed import Wanted
+    from fingertip.slip.detectors.noise import NoiseLevel
+    from fingertip.slip.traces.parsed import Wanted
 
 
 @command
@@ -60,10 +60,11 @@ def detect(
     from fingertip import slip
     from fingertip.design import Design
     from fingertip.errors import Fault, FingertipError, TraceError
-    from fingertip.slip import noise, rate, registry
-    from fingertip.slip.parsed import Wanted
-    from fingertip.slip.read import parse
-    from fingertip.slip.trace import remarks
+    from fingertip.slip.detectors import noise, registry
+    from fingertip.slip.traces import rate
+    from fingertip.slip.traces.parsed import Wanted
+    from fingertip.slip.traces.read import parse
+    from fingertip.slip.traces.trace import remarks
 
     console = Console(as_json, quiet)
     loaded = Design.load(*([design] if design else []), changes=changes or ())
@@ -121,7 +122,7 @@ def _board(
 
     from fingertip.design import Design
     from fingertip.sim.electronics import board_output
-    from fingertip.slip.noise import quiet_level
+    from fingertip.slip.detectors.noise import quiet_level
 
     replayed = read.envelope_v is None
     if replayed:
@@ -154,9 +155,10 @@ def _live(
 ) -> None:
     """Lines from standard input: each change is printed when it is found."""
     from fingertip.errors import Fault, TraceError
-    from fingertip.slip import make, registry
+    from fingertip.slip import make
+    from fingertip.slip.detectors import registry
     from fingertip.slip.live import NAME, follow
-    from fingertip.slip.parsed import Wanted
+    from fingertip.slip.traces.parsed import Wanted
 
     if not wanted.in_volts and detector == "paper":
         raise TraceError(Fault("--column", "names a force; line by line paper takes volts only: save the lines first."))

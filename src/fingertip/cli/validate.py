@@ -28,25 +28,14 @@ def validate(
     quiet: QuietOption = False,
 ) -> None:
     """Try a design's detectors on simulated slips, and on minutes without any. Exit code 1: a requirement is missed."""
-    from fingertip.campaign import (
-        boards,
-        closed_loop,
-        limit,
-        omissions,
-        plan,
-        report,
-        requirements,
-        sensitivity,
-        spectra,
-        starts,
-        study,
-        taps,
-        tones,
-        windows,
-    )
+    from fingertip.campaign import plan, requirements, study
+    from fingertip.campaign.closed_loop import manipulations as closed_loop
+    from fingertip.campaign.report import omissions
+    from fingertip.campaign.report import tables as report
+    from fingertip.campaign.studies import boards, limit, sensitivity, spectra, starts, taps, tones, windows
     from fingertip.design import Design
     from fingertip.files import write_whole
-    from fingertip.slip import kernel, registry
+    from fingertip.slip.detectors import kernel, registry
 
     console = Console(as_json, quiet)
     loaded = Design.load(*([design] if design else []), changes=changes or ())
@@ -80,7 +69,8 @@ def validate(
     )
     data = report.as_data(found, detector, checked, grounds)
 
-    from fingertip.campaign import loop_pictures, pictures, trial_pictures
+    from fingertip.campaign.closed_loop import loop_pictures
+    from fingertip.campaign.report import pictures, trial_pictures
 
     console.say("drawing")
     folder = out or Path("out") / loaded.name / "validation"

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.errors import Fault, TraceError
-from fingertip.slip.trace import Trace
-from fingertip.slip.trace_file import to_csv
+from fingertip.slip.traces.trace import Trace
+from fingertip.slip.traces.trace_file import to_csv
 
 Array = NDArray[Any]
 

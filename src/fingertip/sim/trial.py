@@ -12,7 +12,7 @@ from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.scenes.scene import SLIDE_M
 from fingertip.sim.scenes.scene_file import SceneFile
 from fingertip.sim.stages.result import run_scene
-from fingertip.slip.trace import Trace
+from fingertip.slip.traces.trace import Trace
 
 FORCES_N = (0.2, 2.0)
 """Range of the article's random interaction force [N]."""

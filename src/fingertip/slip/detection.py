@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 from fingertip.design import Design
 from fingertip.errors import Fault, TraceError
+from fingertip.slip.detectors.noise import NoiseLevel, noise_level
+from fingertip.slip.detectors.registry import known, make
+from fingertip.slip.detectors.stream import Output
 from fingertip.slip.intervals import Interval, Score, intervals, score
-from fingertip.slip.noise import NoiseLevel, noise_level
-from fingertip.slip.registry import known, make
-from fingertip.slip.stream import Output
-from fingertip.slip.trace import Trace, faults
+from fingertip.slip.traces.trace import Trace, faults
 
 
 @dataclass(frozen=True, eq=False)

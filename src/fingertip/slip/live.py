@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from fingertip.errors import Fault, TraceError
-from fingertip.slip.parsed import Wanted
-from fingertip.slip.stream import Detector
-from fingertip.slip.trace import STEP_TOLERANCE
-from fingertip.slip.trace_file import split_header
+from fingertip.slip.detectors.stream import Detector
+from fingertip.slip.traces.parsed import Wanted
+from fingertip.slip.traces.trace import STEP_TOLERANCE
+from fingertip.slip.traces.trace_file import split_header
 
 NAME = "standard input"
 

@@ -8,11 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from fingertip.drawing import GRID, INK, png, sheet
-from fingertip.slip.chain import ChainOutput
 from fingertip.slip.detection import Detection
+from fingertip.slip.detectors.chain import ChainOutput
+from fingertip.slip.detectors.registry import DETECTORS
 from fingertip.slip.intervals import Interval, intervals
-from fingertip.slip.registry import DETECTORS
-from fingertip.slip.trace import Trace
+from fingertip.slip.traces.trace import Trace
 
 _VOLTAGE, _FORCE, _ENVELOPE, _MEAN, _ON, _TRUTH = (
     "#1f4e79",

@@ -139,7 +139,7 @@ def bench_of(text: str) -> Bench:
 
 
 def settled(value: float) -> float:
-    """A figure as it is written down, as `cad.verify.settled` does: the last bits differ between processors."""
+    """A figure as it is written down, as `cad.verification.verify` does: the last bits differ between processors."""
     return round(float(value), 6) + 0.0 if math.isfinite(value) else float(value)
 
 

@@ -203,7 +203,7 @@ def _amount(file: SweepFile, axes: list[Axis]) -> list[Fault]:
 def _catalogues(file: SweepFile) -> list[Fault]:
     """Names of things that other packages list."""
     from fingertip.casting.materials import silicone
-    from fingertip.slip.registry import known
+    from fingertip.slip.detectors.registry import known
 
     faults: list[Fault] = []
     for name, look_up, word in (("silicone", silicone, file.silicone), ("detector", known, file.detector)):

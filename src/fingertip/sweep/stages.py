@@ -14,7 +14,7 @@ from fingertip.sweep.sweep_file import SweepFile
 if TYPE_CHECKING:
     from fingertip.cad.kernel.mesh import Mesh
     from fingertip.sim.scenes.scene_file import SceneFile
-    from fingertip.slip.trace import Trace
+    from fingertip.slip.traces.trace import Trace
     from fingertip.sweep.solids import RememberingEvaluator
 
 Recorded: TypeAlias = "tuple[Trace, float]"
@@ -55,7 +55,7 @@ def lengths(asked: Asked) -> Figures:
 
 def board(asked: Asked) -> Figures:
     """Preferred values of the board, and what they achieve."""
-    from fingertip.board.values import filter_values
+    from fingertip.board.values.board_values import filter_values
 
     board = asked.design.board
     _, fitted, achieved = filter_values(board)
@@ -78,7 +78,7 @@ def board(asked: Asked) -> Figures:
 
 def noise(asked: Asked) -> Figures:
     """What the article's chain shows when nothing happens."""
-    from fingertip.slip.noise import noise_level
+    from fingertip.slip.detectors.noise import noise_level
 
     level = noise_level(asked.design)
     return {"noise_level_v": level.mean_v, "least_threshold_v": level.threshold_v}

@@ -8,8 +8,8 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.sim.electronics.board_output import BoardStream
-from fingertip.slip.stream import Output
-from fingertip.slip.window import Window
+from fingertip.slip.detectors.stream import Output
+from fingertip.slip.detectors.window import Window
 
 
 class BoardDetector:

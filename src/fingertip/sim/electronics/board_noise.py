@@ -1,10 +1,11 @@
 """What the board's amplifiers add to its signals, so that a simulated board is as noisy as the real one is said to be.
 
 Nearly all of it arises ahead of the filter, in the bridge's amplifier, and nearly all of that lies above what samples
-can show (`fingertip.board.noise`). It is put into the board's input as white noise of the samples, as strong as makes
-the filter's output as noisy as the noise budget says, from 0.1 Hz to 1 MHz. So its strength ahead of the rectifier is
-right, and with it where the envelope rests; within the band of slip it is stronger than it would be, at 2 kHz 1.6 times
-on a board with a low-pass in its first stage and four times on one without, where a bare diode hides it.
+can show (`fingertip.board.analysis.noise`). It is put into the board's input as white noise of the samples, as strong
+as makes the filter's output as noisy as the noise budget says, from 0.1 Hz to 1 MHz. So its strength ahead of the
+rectifier is right, and with it where the envelope rests; within the band of slip it is stronger than it would be, at
+2 kHz 1.6 times on a board with a low-pass in its first stage and four times on one without, where a bare diode hides
+it.
 
 The converter's noise is another matter: it comes behind the board's gain, or with no gain at all
 (`fingertip.sim.electronics.converter`).
@@ -18,8 +19,8 @@ import math
 import numpy as np
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.noise import total_v
 from fingertip.board.nets import FILTERED
-from fingertip.board.noise import total_v
 from fingertip.design import Design
 from fingertip.sim.electronics.analog import respond
 from fingertip.sim.electronics.circuit import Analog

@@ -13,7 +13,7 @@ from fingertip.sim.electronics.board_noise import input_noise_v as board_noise_v
 from fingertip.sim.electronics.circuit import Analog
 from fingertip.sim.electronics.converter import noise_v, sampled_v
 from fingertip.sim.electronics.sensing import voltage_of
-from fingertip.slip.noise import NoiseLevel, input_noise_v, quiet_level
+from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v, quiet_level
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board.bridge import ARTICLE_POINTS, sensor_conductance_s
+from fingertip.board.values.bridge import ARTICLE_POINTS, sensor_conductance_s
 from fingertip.sim.jit import Kernel
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from fingertip.errors import Fault, TraceError
 from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.hand.manipulation_plan import Plan
 from fingertip.sim.stages.stages import Ran
-from fingertip.slip.trace import Trace
+from fingertip.slip.traces.trace import Trace
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from fingertip.sim.scenes.scene_file import SceneFile
 from fingertip.sim.stages.context import Context
 from fingertip.sim.stages.pipeline import stages_of
 from fingertip.sim.stages.stages import Ran, run
-from fingertip.slip.trace import Trace
+from fingertip.slip.traces.trace import Trace
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,1 @@
+"""What the board does beyond its ideal figures: Bode, noise, offsets, tolerances."""

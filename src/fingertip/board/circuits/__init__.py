@@ -1,0 +1,1 @@
+"""The circuits of all variants, as parts, pins and nets."""

@@ -1,0 +1,168 @@
+"""What all variants have around their filters: bridge, way to the converter, supply, test points, holes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from fingertip.board.circuit import Circuit, Part, connected
+from fingertip.board.circuits.parts import (
+    Wiring,
+    bridge_resistor,
+    filter_resistor,
+    part,
+    small_capacitor,
+    supply_capacitor,
+)
+from fingertip.board.kicad import symbols
+from fingertip.board.nets import (
+    ADC_ENVELOPE,
+    ADC_TACTILE,
+    ALIAS_MID,
+    ENVELOPE,
+    FILTERED,
+    GAIN_A,
+    GAIN_B,
+    GND,
+    HALF,
+    M_OUT,
+    REFERENCE,
+    SENSOR,
+    STAGE1_OUT,
+    TACTILE,
+    VCC,
+    VEE,
+    VMID,
+)
+from fingertip.board.supplies import SUPPLIES, Supply
+from fingertip.board.values.board_values import BoardValues
+from fingertip.board.values.converter import Converter
+
+NAME = "slip_filter"
+
+# Values that no parameter of the design moves.
+SUPPLY_F = 100e-9
+"""Beside each supply pin."""
+BULK_F = 10e-6
+"""Where the supply enters, and across the divider that halves it."""
+CABLE_F = 100e-9
+"""Across the sensor: with the bridge's 230 ohm, a pole at 7 kHz against what the cable picks up."""
+CABLE_OHM = 1e3
+"""Between an amplifier's output and a pin that has no filter."""
+HALF_OHM = 10e3
+"""Both resistors of the divider: with `BULK_F` the supply's ripple above 3 Hz stays out of the middle."""
+
+
+def whole_board(values: BoardValues, signal_path: Wiring, fourth_pin: str = GND) -> Circuit:
+    """A variant's parts from TACTILE on, with what all variants have around them; checked."""
+    supply = SUPPLIES[values.supply]
+    wiring: dict[Part, Mapping[str, str]] = {}
+    supplied = _split_supply() if supply.minus == VEE else _single_supply()
+    for block in (
+        _front_end(values, supply), signal_path, _converter(values.converter, supply, fourth_pin), supplied,
+        _test_points(supply), _holes(),
+    ):  # fmt: skip
+        wiring.update(block)
+    return connected(NAME, wiring)
+
+
+def _front_end(values: BoardValues, supply: Supply) -> Wiring:
+    """Sensor, bridge, instrumentation amplifier."""
+    bridge, zero = values.bridge, supply.zero
+    sensor = part("J1", "FSR", symbols.CONNECTOR_2, symbols.HEADER_2, "force-sensing resistor")
+    amplifier = part("U2", "AD623ARMZ", symbols.AD623, symbols.MSOP_8, "instrumentation amplifier of the bridge")
+    return {
+        sensor: {"1": SENSOR, "2": zero},
+        bridge_resistor("R10", bridge.top_ohm, "bridge: supply to sensor"): {"1": VCC, "2": SENSOR},
+        bridge_resistor("R11", bridge.shunt_ohm, "bridge: parallel to the sensor"): {"1": SENSOR, "2": zero},
+        bridge_resistor("R12", bridge.high_ohm, "bridge: supply to reference"): {"1": VCC, "2": REFERENCE},
+        bridge_resistor("R13", bridge.low_ohm, "bridge: reference to where signals rest"): {"1": REFERENCE, "2": zero},
+        bridge_resistor("R14", bridge.gain_ohm, "bridge: gain of its amplifier"): {"1": GAIN_A, "2": GAIN_B},
+        supply_capacitor("C7", CABLE_F, "sensor's cable: radio interference"): {"1": SENSOR, "2": zero},
+        amplifier: {
+            "1": GAIN_A, "8": GAIN_B, "2": REFERENCE, "3": SENSOR, "5": zero, "6": TACTILE, "7": VCC,
+            "4": supply.minus,
+        },
+    }  # fmt: skip
+
+
+def _converter(alias: Converter, supply: Supply, fourth_pin: str) -> Wiring:
+    """Anti-alias poles and clamps to ground and VCC, for the envelope and for the tactile voltage."""
+    pins = {"1": ADC_TACTILE, "2": ADC_ENVELOPE, "3": GND, "4": fourth_pin}
+    symbol, header = symbols.CONNECTOR_4, symbols.HEADER_4
+    if supply.zero == VMID:  # the envelope's rest, to be taken off it
+        pins |= {"5": M_OUT}
+        symbol, header = symbols.CONNECTOR_5, symbols.HEADER_5
+    output = part("J3", "ADC", symbol, header, "to the converter: tactile voltage, envelope")
+    return {
+        filter_resistor("R7", alias.envelope_ohm, "anti-alias of the envelope"): {"1": ENVELOPE, "2": ADC_ENVELOPE},
+        small_capacitor("C8", alias.envelope_f, "anti-alias of the envelope"): {"1": ADC_ENVELOPE, "2": GND},
+        _clamp("D2", "clamp of the envelope"): {"1": GND, "2": VCC, "3": ADC_ENVELOPE},
+        filter_resistor("R8", alias.first_ohm, "anti-alias of the tactile voltage, first pole"): {
+            "1": TACTILE, "2": ALIAS_MID,
+        },
+        small_capacitor("C9", alias.first_f, "anti-alias of the tactile voltage, first pole"): {
+            "1": ALIAS_MID, "2": GND,
+        },
+        filter_resistor("R9", alias.second_ohm, "anti-alias of the tactile voltage, second pole"): {
+            "1": ALIAS_MID, "2": ADC_TACTILE,
+        },
+        small_capacitor("C19", alias.second_f, "anti-alias of the tactile voltage, second pole"): {
+            "1": ADC_TACTILE, "2": GND,
+        },
+        _clamp("D3", "clamp of the tactile voltage"): {"1": GND, "2": VCC, "3": ADC_TACTILE},
+        output: pins,
+    }  # fmt: skip
+
+
+def _split_supply() -> Wiring:
+    """Connector and decoupling, plus and minus."""
+    plus, minus = {"1": VCC, "2": GND}, {"1": GND, "2": VEE}
+    power = part("J2", "POWER", symbols.CONNECTOR_3, symbols.HEADER_3, "supply: plus, ground, minus")
+    return {
+        power: {"1": VCC, "2": GND, "3": VEE},
+        supply_capacitor("C10", BULK_F, "plus supply, at its entry", symbols.C_0805): plus,
+        supply_capacitor("C11", BULK_F, "minus supply, at its entry", symbols.C_0805): minus,
+        supply_capacitor("C5", SUPPLY_F, "plus supply, at U1"): plus,
+        supply_capacitor("C6", SUPPLY_F, "minus supply, at U1"): minus,
+        supply_capacitor("C12", SUPPLY_F, "plus supply, at U2"): plus,
+        supply_capacitor("C13", SUPPLY_F, "minus supply, at U2"): minus,
+    }
+
+
+def _single_supply() -> Wiring:
+    """Connector, decoupling, and the supply's middle: a divider and a follower.
+
+    The follower's output has no capacitor, which it could not drive, and R24 keeps the cable's from it; it carries the
+    bridge's 2 mA.
+    """
+    plus = {"1": VCC, "2": GND}
+    power = part("J2", "POWER", symbols.CONNECTOR_2, symbols.HEADER_2, "supply: plus, ground")
+    buffer = part("U5", "TLV2371DBV", symbols.TLV2371, symbols.SOT_23_5, "buffer of the supply's middle")
+    return {
+        power: plus,
+        supply_capacitor("C10", BULK_F, "supply, at its entry", symbols.C_0805): plus,
+        supply_capacitor("C5", SUPPLY_F, "supply, at U1"): plus,
+        supply_capacitor("C12", SUPPLY_F, "supply, at U2"): plus,
+        bridge_resistor("R22", HALF_OHM, "supply's middle: upper half"): {"1": VCC, "2": HALF},
+        bridge_resistor("R23", HALF_OHM, "supply's middle: lower half"): {"1": HALF, "2": GND},
+        supply_capacitor("C21", BULK_F, "supply's middle: keeps ripple out", symbols.C_0805): {"1": HALF, "2": GND},
+        buffer: {"3": HALF, "4": VMID, "1": VMID, "5": VCC, "2": GND},
+        supply_capacitor("C22", SUPPLY_F, "supply, at U5"): plus,
+        filter_resistor("R24", CABLE_OHM, "supply's middle: keeps the cable off its buffer"): {"1": M_OUT, "2": VMID},
+    }
+
+
+def _test_points(supply: Supply) -> Wiring:
+    nets = {"TP1": TACTILE, "TP2": STAGE1_OUT, "TP3": FILTERED, "TP4": ENVELOPE, "TP5": supply.zero}
+    return {
+        Part(reference, net, symbols.TEST_POINT, symbols.TEST_PAD, f"test point: {net.lower()}"): {"1": net}
+        for reference, net in nets.items()
+    }
+
+
+def _holes() -> Wiring:
+    return {Part(f"H{i}", "M2", symbols.MOUNTING_HOLE, symbols.M2_HOLE, "mounting hole"): {} for i in range(1, 5)}
+
+
+def _clamp(reference: str, role: str) -> Part:
+    return part(reference, "BAT54S", symbols.BAT54S, symbols.SOT_23, role)

@@ -1,0 +1,1 @@
+"""What is ordered: parts, boards, assembly."""

@@ -1,0 +1,1 @@
+"""What KiCad's files have in common: expressions, identifiers, symbols, footprints; and the netlist."""

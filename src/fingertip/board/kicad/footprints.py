@@ -1,0 +1,124 @@
+"""Footprints: pads as KiCad's libraries have them (a test holds them against KiCad 9), outlines drawn here [mm].
+
+y runs downwards, as on KiCad's boards.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+from fingertip.board.kicad import symbols
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Pad:
+    """A pad, round where width and height are those of a circle and `shape` says so."""
+
+    number: str
+    x: float
+    y: float
+    width: float
+    height: float
+    shape: str = "roundrect"
+    """roundrect, rect or circle."""
+    drill: float = 0.0
+    """Diameter of the hole; 0: a pad on the front."""
+    plated: bool = True
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """Pads and outlines."""
+
+    pads: tuple[Pad, ...]
+    courtyard: tuple[float, float, float, float]
+    """Left, top, right, bottom of the space it takes."""
+    body: tuple[float, float, float, float]
+    """Left, top, right, bottom of the part itself."""
+    silk: tuple[tuple[Point, Point], ...] = ()
+    """Lines printed on the board."""
+    paste: bool = True
+
+
+def _chip(x: float, width: float, height: float, court: Point, body: Point, ratio_silk: float) -> Footprint:
+    half, tall = body
+    gap = x - width / 2 - 0.2
+    lines = (((-gap, -ratio_silk), (gap, -ratio_silk)), ((-gap, ratio_silk), (gap, ratio_silk))) if gap > 0.15 else ()
+    return Footprint(
+        (Pad("1", -x, 0.0, width, height), Pad("2", x, 0.0, width, height)),
+        (-court[0], -court[1], court[0], court[1]),
+        (-half, -tall, half, tall),
+        lines,
+    )
+
+
+def _dual_row(x: float, pitch: float, width: float, height: float, court: Point, body: Point) -> Footprint:
+    rows = [pitch * (i - 1.5) for i in range(4)]
+    left = [Pad(str(i), -x, y, width, height) for i, y in enumerate(rows, start=1)]
+    right = [Pad(str(9 - i), x, y, width, height) for i, y in enumerate(rows, start=1)]
+    half, tall = body
+    # Both ends, and a line beside pin 1.
+    edge = tall + 0.11
+    silk = (((-half, -edge), (half, -edge)), ((-half, edge), (half, edge)), ((-half, -edge), (-x - width / 2, -edge)))
+    return Footprint((*left, *right), (-court[0], -court[1], court[0], court[1]), (-half, -tall, half, tall), silk)
+
+
+def _header(pins: int) -> Footprint:
+    end = 2.54 * (pins - 1)
+    pads = [Pad(str(i + 1), 0.0, 2.54 * i, 1.7, 1.7, "rect" if i == 0 else "circle", drill=1.0) for i in range(pins)]
+    body = (-1.27, -1.27, 1.27, end + 1.27)
+    corners = ((-1.33, 1.27), (-1.33, end + 1.33), (1.33, end + 1.33), (1.33, 1.27), (-1.33, 1.27))
+    silk = (*pairwise(corners), ((-1.33, 0.0), (-1.33, -1.33)), ((-1.33, -1.33), (0.0, -1.33)))
+    return Footprint(tuple(pads), (-1.77, -1.77, 1.77, end + 1.77), body, silk, paste=False)
+
+
+FOOTPRINTS: dict[str, Footprint] = {
+    symbols.R_0603: _chip(0.825, 0.8, 0.95, (1.48, 0.73), (0.8, 0.4125), 0.52),
+    symbols.C_0603: _chip(0.775, 0.9, 0.95, (1.48, 0.73), (0.8, 0.4), 0.51),
+    symbols.C_0805: _chip(0.95, 1.0, 1.45, (1.7, 0.98), (1.0, 0.625), 0.735),
+    symbols.C_1206: _chip(1.475, 1.15, 1.8, (2.3, 1.15), (1.6, 0.8), 0.91),
+    symbols.SOD_123: Footprint(
+        (Pad("1", -1.65, 0.0, 0.9, 1.2), Pad("2", 1.65, 0.0, 0.9, 1.2)),
+        (-2.35, -1.15, 2.35, 1.15), (-1.4, -0.9, 1.4, 0.9),
+        # The line at the cathode.
+        (((-2.3, -1.0), (-2.3, 1.0)), ((-2.3, -1.0), (1.65, -1.0)), ((-2.3, 1.0), (1.65, 1.0))),
+    ),
+    symbols.SOT_23: Footprint(
+        (Pad("1", -0.9375, -0.95, 1.475, 0.6), Pad("2", -0.9375, 0.95, 1.475, 0.6),
+         Pad("3", 0.9375, 0.0, 1.475, 0.6)),
+        (-1.93, -1.7, 1.93, 1.7), (-0.65, -1.45, 0.65, 1.45),
+        (((-0.65, -1.56), (0.65, -1.56)), ((-0.65, 1.56), (0.65, 1.56))),
+    ),
+    symbols.SOT_23_5: Footprint(
+        (Pad("1", -1.1375, -0.95, 1.325, 0.6), Pad("2", -1.1375, 0.0, 1.325, 0.6), Pad("3", -1.1375, 0.95, 1.325, 0.6),
+         Pad("4", 1.1375, 0.95, 1.325, 0.6), Pad("5", 1.1375, -0.95, 1.325, 0.6)),
+        (-2.05, -1.7, 2.05, 1.7), (-0.8, -1.45, 0.8, 1.45),
+        (((-0.8, -1.56), (0.8, -1.56)), ((-0.8, 1.56), (0.8, 1.56)), ((-1.8, -1.5), (-0.8, -1.56))),
+    ),
+    symbols.TC33X: Footprint(
+        (Pad("1", -1.8, -1.0, 1.2, 1.2, "rect"), Pad("2", 1.45, 0.0, 1.5, 1.6, "rect"),
+         Pad("3", -1.8, 1.0, 1.2, 1.2, "rect")),
+        (-2.65, -1.85, 2.45, 1.85), (-1.5, -1.5, 1.5, 1.5),
+        (((-1.0, -1.61), (1.61, -1.61)), ((-1.0, 1.61), (1.61, 1.61))),
+    ),
+    symbols.SOIC_8: _dual_row(2.475, 1.27, 1.95, 0.6, (3.7, 2.7), (1.95, 2.45)),
+    symbols.MSOP_8: _dual_row(2.1125, 0.65, 1.625, 0.4, (3.18, 1.75), (1.5, 1.5)),
+    symbols.HEADER_2: _header(2),
+    symbols.HEADER_3: _header(3),
+    symbols.HEADER_4: _header(4),
+    symbols.HEADER_5: _header(5),
+    symbols.TEST_PAD: Footprint(
+        (Pad("1", 0.0, 0.0, 1.0, 1.0, "circle"),), (-1.0, -1.0, 1.0, 1.0), (-0.5, -0.5, 0.5, 0.5), (), paste=False
+    ),
+    symbols.M2_HOLE: Footprint(
+        (Pad("", 0.0, 0.0, 2.2, 2.2, "circle", drill=2.2, plated=False),),
+        (-2.45, -2.45, 2.45, 2.45), (-1.1, -1.1, 1.1, 1.1), (), paste=False,
+    ),
+}  # fmt: skip
+"""library:name -> footprint."""
+
+ROUND_RATIO = {symbols.C_1206: 0.217391}
+"""Corner radius over the pad's shorter side where it is not 0.25."""

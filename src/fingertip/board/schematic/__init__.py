@@ -1,0 +1,1 @@
+"""The schematic: sheets as data, and KiCad's file of them."""

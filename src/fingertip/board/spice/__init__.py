@@ -1,0 +1,1 @@
+"""The SPICE deck."""

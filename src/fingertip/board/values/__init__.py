@@ -1,0 +1,1 @@
+"""The board's values: formulas, preferred values, and what built parts achieve."""

@@ -1,0 +1,102 @@
+"""The board's values: from a design to ideal, preferred and achieved."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from fingertip.board.supplies import SUPPLIES
+from fingertip.board.values.bridge import Bridge, fit_bridge
+from fingertip.board.values.built import FirstStage, fit_first_stage
+from fingertip.board.values.capacitors import fitted
+from fingertip.board.values.converter import AliasFigures, Converter, alias_figures, fit_converter
+from fingertip.board.values.decision import Decision, fit_decision
+from fingertip.board.values.filters import Response, response
+from fingertip.board.values.findings import FINDINGS, Finding
+from fingertip.board.values.limits import Limits, limits
+from fingertip.board.values.preferred import preferred_components
+from fingertip.design import Design
+from fingertip.design.filter_components import Components, ideal_components
+from fingertip.design.sections import Board
+
+
+@dataclass(frozen=True)
+class BoardValues:
+    """Component values of one design's board and what they do."""
+
+    variant: str
+    """Name of the board's variant."""
+    supply: str
+    """split or single."""
+    ideal: Components
+    """What the formulas give (article, eqs. 2, 5, 6, 7, 11)."""
+    preferred: Components
+    """What is fitted: resistors of the design's series; capacitors as in the design, or of their own series."""
+    wanted: Response
+    """The response of the ideal values."""
+    achieved: Response
+    """The response of the preferred values."""
+    bridge: Bridge
+    """What is fitted ahead of the filter, preferred values."""
+    first_stage: FirstStage | None
+    """Capacitors that variant paper has not; None there."""
+    decision: Decision | None
+    """Around the comparator; None in variants without."""
+    converter: Converter
+    """Ahead of the converter."""
+    alias: AliasFigures
+    """What that keeps from folding back."""
+    limits: Limits
+    """How far the voltages go."""
+    findings: tuple[Finding, ...] = FINDINGS
+    """Slips of the article; the same for every design."""
+
+    def as_data(self) -> dict[str, Any]:
+        """Plain mappings and lists, for JSON. Keys carry their units."""
+        return asdict(self)
+
+
+def filter_values(board: Board) -> tuple[Components, Components, Response]:
+    """The filter alone: ideal components, those fitted, and what these achieve. Raises as `board_values` does."""
+    ideal = ideal_components(fitted(board))
+    preferred = preferred_components(ideal, board.series)
+    return ideal, preferred, response(preferred, board.gain_bandwidth_hz)
+
+
+def board_values(design: Design) -> BoardValues:
+    """Compute the board's values.
+
+    Raises
+    ------
+    BoardError
+        If a resistor has no preferred value; a validated design does not come to that.
+    """
+    board, detector = design.board, design.detector
+    supply, supply_v = SUPPLIES[board.supply], board.supply_v
+    diameter_mm = design.dimensions.sensor.active_diameter_mm
+    ideal, preferred, achieved = filter_values(board)
+    bridge = fit_bridge(supply_v, board.series, diameter_mm, supply.zero_share)
+    plain = board.variant == "paper"
+    found = limits(bridge, supply, supply_v, achieved.passband_gain, plain, detector.adc_range_v)
+    converter = fit_converter(detector.sample_rate_hz, board.series)
+    decision = None
+    if board.variant == "comparator":
+        window_s = detector.window_samples / detector.sample_rate_hz
+        decision = fit_decision(detector.threshold_v, window_s, supply_v, board.series, supply.zero_share)
+    return BoardValues(
+        variant=board.variant,
+        supply=supply.name,
+        ideal=ideal,
+        preferred=preferred,
+        wanted=response(ideal, board.gain_bandwidth_hz),
+        achieved=achieved,
+        bridge=bridge,
+        first_stage=None if plain else fit_first_stage(preferred, board.band_limit_hz),
+        decision=decision,
+        converter=converter,
+        alias=alias_figures(
+            converter, detector.sample_rate_hz, detector.adc_bits, detector.adc_range_v, board.cutoff_hz,
+            found.filter_peak_v, None if plain else achieved.envelope_pole_hz,
+        ),
+        limits=found,
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""The article's manipulations, with a detector in the loop."""

@@ -1,0 +1,1 @@
+"""What a validation shows: tables, pictures, and what failed."""

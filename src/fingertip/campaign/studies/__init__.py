@@ -1,0 +1,1 @@
+"""Studies beside the campaign: one question each."""

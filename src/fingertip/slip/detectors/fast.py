@@ -1,0 +1,154 @@
+"""Detector `fast`: short energy in two bands of a fingertip's vibration, against bars that grow with the slope.
+
+The article's chain waits for a window of 30 ms because a shorter one takes contacts for slip (its figure 5). Contacts,
+releases and changes of grip are smooth, though: what they leave in a band is in proportion to how fast the force
+changes. So the bar is the noise's, plus that slope times a time; it needs no window. Once ON the bar is lower and
+forgets the slope, because slip changes the force too; and the noise floor is learnt only while OFF.
+
+The wide band begins at half the board's cutoff, 33.5 Hz: contacts are located below 30 Hz, slip's spectrum in an
+embedded sensor begins lower than 67 Hz and rarely exceeds 100 Hz (article, III.A and figure 2). The upper band begins
+at the cutoff. Slip that starts slowly shows in the wide one first. Slip that starts at once, while the force still
+changes, shows in the upper one, where a change of force leaves a tenth as much. Either is enough.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from fingertip.design import Design
+from fingertip.slip.detectors.fast_bands import Filters, noise_of
+from fingertip.slip.detectors.fast_loop import ENERGY, FLOOR, LOOP, ON, SLOPES, STATES, UPPER_ENERGY, UPPER_FLOOR
+from fingertip.slip.detectors.noise import input_noise_v
+from fingertip.slip.detectors.stream import Array, Output, as_samples
+
+STEEPEST_V_S = 6.0
+"""Until it is found, a slip's voltage was never steeper than 5.1 V/s on the tuning seeds, with starts of 0.5 to
+10 m/s2; a knock of 2 N that rises in 4 ms reaches 100 V/s, and is beyond this before its energy has reached a bar.
+Weaker knocks (below some 0.5 N) look like slip, in the only force there is. After a hard knock the detector is deaf
+for 60 ms, and so it is to slip that is as strong as that from the first."""
+
+
+@dataclass(frozen=True)
+class FastSettings:
+    """What the detector needs to know. The times and ratios were chosen on simulated trials of the seeds that
+    `fingertip.campaign` names as its tuning seeds, and on no others."""
+
+    sample_rate_hz: float
+    low_hz: float
+    """Third-order Butterworth high-pass: the wide band begins."""
+    upper_hz: float
+    """Second-order Butterworth high-pass behind it: the upper band begins."""
+    high_hz: float
+    """Second-order Butterworth low-pass: both end."""
+    noise_v: float
+    """Of the input, white, rms."""
+    energy_s: float = 0.005
+    """Time constant of the energies."""
+    slope_s: float = 0.002
+    """Time constant of each of the two poles that smooth the slope."""
+    quick_s: float = 0.0007
+    """Time constant of the one pole that smooths the slope by which knocks are known."""
+    slope_hold_s: float = 0.05
+    """Time constant with which the greatest slope is forgotten: longer than the high-pass rings."""
+    slope_bar_s: float = 1.2e-3
+    """Volts of the wide band's bar for each volt per second of slope."""
+    upper_slope_bar_s: float = 1.0e-4
+    """And of the upper band's."""
+    steepest_v_s: float = math.inf
+    """Slope beyond which it was a knock: OFF does not become ON before the slope is forgotten down to this [V/s], or
+    has been kept up for longer than a knock rings."""
+    deaf_s: float = 0.06
+    """How long a knock rings."""
+    floor_s: float = 2.0
+    """Time constant of the noise floor."""
+    stay: float = 0.6
+    """The bars of the noise, times this, are where ON ends."""
+    scale: float = 1.0
+    """Of the bars of the noise, to trade delay against false alarms."""
+
+    @classmethod
+    def of(cls, design: Design, noise_v: float | None = None) -> FastSettings:
+        """The settings of a design: half, once and three times its board's cutoff, its rate, its noise unless given
+        [V]."""
+        cutoff = design.board.cutoff_hz
+        if noise_v is not None:  # of a signal that may be no voltage: what is too steep for slip is not known
+            return cls(design.detector.sample_rate_hz, cutoff / 2, cutoff, 3 * cutoff, noise_v)
+        noise, rate = input_noise_v(design), design.detector.sample_rate_hz
+        return cls(rate, cutoff / 2, cutoff, 3 * cutoff, noise, steepest_v_s=STEEPEST_V_S)
+
+
+@dataclass(frozen=True, eq=False)
+class FastOutput(Output):
+    """One value per input sample."""
+
+    filtered_v: Array
+
+
+class Fast:
+    """The detector with its state. It starts settled on the first sample it is given."""
+
+    def __init__(self, settings: FastSettings) -> None:
+        self.settings = s = settings
+        rate, filters = s.sample_rate_hz, Filters.of(s.sample_rate_hz, s.low_hz, s.upper_hz, s.high_hz)
+        self._noise = noise = noise_of(filters, rate, s.low_hz, s.high_hz, s.energy_s, s.slope_s)
+        wide, upper = noise.wide, noise.upper
+        shares = (1 - math.exp(-1 / (rate * t)) for t in (s.energy_s, s.slope_s, s.quick_s, s.floor_s))
+        keep = math.exp(-1 / (rate * s.slope_hold_s))
+        self._ratio = s.scale * math.sqrt(wide.bar / wide.energy)
+        upper_ratio = s.scale * math.sqrt(upper.bar / upper.energy)
+        self._coefficients = (
+            *filters.coefficients, *shares, keep, rate, self._ratio, upper_ratio, s.stay,
+            s.slope_bar_s, s.upper_slope_bar_s, noise.slope_ratio, s.steepest_v_s,
+            s.deaf_s * rate,
+        )  # fmt: skip
+        # Energies and floors start at what the stated noise gives.
+        self._state = [0.0] * STATES
+        self._state[ENERGY] = self._state[FLOOR] = wide.energy * s.noise_v**2
+        self._state[UPPER_ENERGY] = self._state[UPPER_FLOOR] = upper.energy * s.noise_v**2
+        self._ring = [0.0]
+        self._seen = 0
+
+    @property
+    def threshold_v(self) -> float:
+        """The wide band's bar in the noise that was learnt [V], where the force does not change."""
+        return self._ratio * math.sqrt(self._state[FLOOR])
+
+    @property
+    def memory_s(self) -> float:
+        """An energy falls from a hundred bars to where ON ends within this [s]."""
+        return 2 * math.log(100 / self.settings.stay) * self.settings.energy_s
+
+    @property
+    def noise_energy_v2(self) -> float:
+        """Mean power of the stated noise in the wide band [V^2]."""
+        return self._noise.wide.energy * self.settings.noise_v**2
+
+    def noise_bars(self) -> Iterator[tuple[Array, float, float]]:
+        """What `quadratic.bar_for` made each bar of: weights [V^2], time above the bar [s]; and the bar [V]."""
+        for band in (self._noise.wide, self._noise.upper):
+            bar_v = self.settings.scale * math.sqrt(band.bar) * self.settings.noise_v
+            yield band.weights * self.settings.noise_v**2, band.excursion_s, bar_v
+
+    def process(self, voltage_v: Iterable[float]) -> FastOutput:
+        """Take the next samples [V], any number of them, and return as many outputs."""
+        samples = as_samples(voltage_v)
+        if len(samples):
+            self._settle(float(samples[0]))
+        filtered, level, bar, on = LOOP.run(self._coefficients, self._state, self._ring, samples, self._seen)
+        self._seen += len(samples)
+        return FastOutput(level, bar, on > 0.0, filtered)
+
+    def step(self, voltage_v: float) -> bool:
+        """Take one sample [V] and return whether slip is ON."""
+        self._settle(voltage_v)
+        self._seen += 1
+        LOOP.plain(self._coefficients, self._state, self._ring, (voltage_v,), [0.0], [0.0], [0.0], [0.0])
+        return self._state[ON] > 0.0
+
+    def _settle(self, x: float) -> None:
+        if not self._seen:
+            self._state[0] = -self._coefficients[0] * x
+            for pole in SLOPES:
+                self._state[pole] = x

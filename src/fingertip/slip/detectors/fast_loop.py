@@ -1,0 +1,97 @@
+"""The detector `fast`, sample by sample: two bands, their energies, the slope, the bars, and ON or OFF."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import MutableSequence, Sequence
+
+from fingertip.slip.detectors.kernel import Loop
+
+STATES = 18
+"""High-pass 3, low-pass 2, upper high-pass 2, energies 2, slope 3, quick slope 2, floors 2, ON, since when steep."""
+ENERGY, UPPER_ENERGY = 7, 8
+SLOPES = (9, 10, 12)
+"""The slopes' poles: where they rest is the voltage."""
+FLOOR, UPPER_FLOOR = 14, 15
+ON = 16
+
+
+def _fast_loop(
+    coefficients: tuple[float, ...],
+    state: MutableSequence[float],
+    ring: MutableSequence[float],
+    samples: Sequence[float],
+    filtered: MutableSequence[float],
+    levels: MutableSequence[float],
+    bars: MutableSequence[float],
+    flags: MutableSequence[float],
+) -> None:
+    g0, g1, p1, b0, b1, b2, a1, a2, c0, d1, d2, e0, f1, f2 = coefficients[:14]
+    energy_share, slope_share, quick_share, floor_share, keep, rate = coefficients[14:20]
+    ratio, upper_ratio, stay, slope_bar, upper_slope_bar, slope_noise, steepest, deaf = coefficients[20:]
+    s1, s2, s3, l1, l2, h1, h2 = state[0], state[1], state[2], state[3], state[4], state[5], state[6]
+    energy, upper_energy, q1, q2, held = state[7], state[8], state[9], state[10], state[11]
+    r, steep, floor, upper_floor, on, since = state[12], state[13], state[14], state[15], state[16], state[17]
+    for i in range(len(samples)):
+        x = samples[i]
+        w = g0 * x + s1
+        s1 = g1 * x - p1 * w
+        u = b0 * w + s2
+        s2 = b1 * w - a1 * u + s3
+        s3 = b2 * w - a2 * u
+        y = c0 * u + l1
+        l1 = 2 * c0 * u - d1 * y + l2
+        l2 = c0 * u - d2 * y
+        z = e0 * y + h1
+        h1 = -2 * e0 * y - f1 * z + h2
+        h2 = e0 * y - f2 * z
+        energy += energy_share * (y * y - energy)
+        upper_energy += energy_share * (z * z - upper_energy)
+
+        q1 += slope_share * (x - q1)
+        change = slope_share * (q1 - q2)
+        q2 += change
+        slope = rate * abs(change)
+        held *= keep
+        if slope > held:
+            held = slope
+        # A knock must be known before its energy is seen: by a slope that is smoothed less.
+        change = quick_share * (x - r)
+        r += change
+        slope = rate * abs(change)
+        steep *= keep
+        if slope > steep:
+            steep = slope
+        since = since + 1.0 if steep >= steepest else 0.0
+
+        noise, upper_noise = math.sqrt(floor), math.sqrt(upper_floor)
+        extra = held - slope_noise * noise
+        if extra < 0.0:
+            extra = 0.0
+        level, upper = math.sqrt(energy), math.sqrt(upper_energy)
+        if on > 0.0:
+            bar, upper_bar = ratio * stay * noise, upper_ratio * stay * upper_noise
+        else:
+            bar = ratio * noise + slope_bar * extra
+            upper_bar = upper_ratio * upper_noise + upper_slope_bar * extra
+        if (
+            upper > upper_bar and since == 0.0
+        ):  # the level is then held against what the upper band would have been content with
+            other = level * upper_bar / upper
+            if other < bar:
+                bar = other
+        on = 1.0 if level > bar and (on > 0.0 or since == 0.0 or since > deaf) else 0.0
+        # Frozen while ON, and while the force changes.
+        if on == 0.0 and extra == 0.0 and level < ratio * noise and upper < upper_ratio * upper_noise:
+            floor += floor_share * (energy - floor)
+            upper_floor += floor_share * (upper_energy - upper_floor)
+        filtered[i] = y
+        levels[i] = level
+        bars[i] = bar
+        flags[i] = on
+    state[0], state[1], state[2], state[3], state[4], state[5], state[6] = s1, s2, s3, l1, l2, h1, h2
+    state[7], state[8], state[9], state[10], state[11] = energy, upper_energy, q1, q2, held
+    state[12], state[13], state[14], state[15], state[16], state[17] = r, steep, floor, upper_floor, on, since
+
+
+LOOP = Loop(_fast_loop, outputs=4)

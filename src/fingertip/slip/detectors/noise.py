@@ -1,0 +1,121 @@
+"""What the article's chain shows when nothing happens, and the threshold that follows from it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.design import Design
+from fingertip.errors import Fault, TraceError
+from fingertip.slip.detectors.chain import ChainSettings, SlipChain
+from fingertip.slip.detectors.window import Window
+
+DEVIATIONS = 6.0
+"""Standard deviations of the window mean between its noise level and the threshold: as Gaussian noise,
+crossed less than once in a year of independent windows of 30 ms (1e-9 each)."""
+
+
+@dataclass(frozen=True)
+class NoiseLevel:
+    """Mean and standard deviation [V] of the window mean in noise alone."""
+
+    mean_v: float
+    deviation_v: float
+
+    @property
+    def threshold_v(self) -> float:
+        """The threshold of the rule: the level plus `DEVIATIONS` standard deviations [V]."""
+        return self.mean_v + DEVIATIONS * self.deviation_v
+
+    @property
+    def rounded_v(self) -> float:
+        """The rule's threshold, rounded up to two digits [V]."""
+        rule = self.threshold_v
+        digit = 10.0 ** (math.floor(math.log10(rule)) - 1) if rule > 0.0 else 1.0
+        return float(f"{math.ceil(rule / digit) * digit:.9g}")
+
+
+def input_noise_v(design: Design) -> float:
+    """Noise of the sampled voltage, rms [V]: ``detector.noise_v`` and the converter's steps."""
+    detector = design.detector
+    step = 2 * detector.adc_range_v / 2**detector.adc_bits
+    return math.hypot(detector.noise_v, step / math.sqrt(12))
+
+
+def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
+    """Noise of the design's voltage, or of the given rms [V], after its chain.
+
+    White Gaussian noise of deviation sigma leaves the high-pass with ``sigma sqrt(sum h^2)``, and its half wave
+    has the mean ``sigma / sqrt(2 pi)``. The half wave is ``x/2 + |x|/2``: of the first part the high-pass has left
+    nothing slow enough for the window to pass, the second has the variance ``sigma^2 (1 - 2/pi) / 4`` and is
+    averaged as if its samples were independent (a test compares with noise itself: within 10 %).
+    """
+    settings = ChainSettings.of(design)
+    sigma = input_noise_v(design) if noise_v is None else noise_v
+
+    memory = math.ceil(settings.sample_rate_hz / min(settings.cutoff_hz, settings.envelope_cutoff_hz) * 4)
+    impulse = [0.0, 1.0] + [0.0] * memory
+    h = SlipChain(settings).process(impulse).filtered_v
+    sigma *= math.sqrt(float(h @ h))
+
+    share = 1 - math.exp(-2 * math.pi * settings.envelope_cutoff_hz / settings.sample_rate_hz)
+    envelope = share * (1 - share) ** np.arange(memory)
+    weights = np.convolve(envelope, np.full(settings.window_samples, 1 / settings.window_samples))
+    deviation = sigma * math.sqrt((1 - 2 / math.pi) / 4 * float(weights @ weights))
+    return NoiseLevel(sigma / math.sqrt(2 * math.pi), deviation)
+
+
+def quiet_level(envelope_v: NDArray[np.float64], design: Design, name: str) -> NoiseLevel:
+    """Level of a board's output in which nothing happens, after the design's window.
+
+    Raises
+    ------
+    TraceError
+        If it is shorter than ten windows, whose deviation would not be known to a quarter.
+    """
+    d = design.detector
+    least = 11 * d.window_samples
+    if len(envelope_v) < least:
+        raise TraceError(Fault("--quiet-s", f"takes in {len(envelope_v)} samples of {name}; at least {least}."))
+    means = Window.of(design).process(envelope_v).level_v[d.window_samples :]
+    step = 2 * d.adc_range_v / 2**d.adc_bits
+    return NoiseLevel(float(means.mean()), max(float(means.std()), step / DEVIATIONS))
+
+
+FAR = 3.0
+"""A threshold so many times above the rule's is worth a word."""
+
+
+def remarks(threshold_v: float, level: NoiseLevel) -> Iterator[str]:
+    """Where a threshold stands in, or far above, the noise."""
+    if threshold_v < level.mean_v:
+        yield (
+            f"detector.threshold_v of {threshold_v:g} V is below the level of the noise alone ({level.mean_v:.3g} V); "
+            f"{level.threshold_v:.3g} V stands clear of it."
+        )
+    elif threshold_v > FAR * level.threshold_v:
+        yield (
+            f"detector.threshold_v of {threshold_v:g} V is {threshold_v / level.rounded_v:.0f} times what the noise "
+            f"here asks for: --set detector.threshold_v={level.rounded_v:g} finds weaker slip."
+        )
+
+
+def measured_v(voltage_v: NDArray[np.float64], name: str) -> float:
+    """Noise of a signal in which nothing happens, rms, in its own unit: from second differences, to which drift and a
+    constant load are nothing and white noise is six times its variance.
+
+    Raises
+    ------
+    TraceError
+        If there are fewer than 100 samples, or they do not change at all.
+    """
+    if len(voltage_v) < 100:
+        raise TraceError(Fault("--quiet-s", f"takes in {len(voltage_v)} samples of {name}; at least 100."))
+    sigma = float(np.sqrt(np.mean(np.diff(voltage_v, 2) ** 2) / 6))
+    if not sigma > 0.0:
+        raise TraceError(Fault("--quiet-s", f"takes in a part of {name} that never changes; choose a longer one."))
+    return sigma

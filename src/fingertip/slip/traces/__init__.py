@@ -1,0 +1,1 @@
+"""Traces: columns of samples, and the files and streams they come from."""

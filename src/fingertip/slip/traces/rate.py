@@ -1,0 +1,31 @@
+"""A design's detectors at another sampling rate."""
+
+from __future__ import annotations
+
+from fingertip.design import Design
+from fingertip.slip.detectors.noise import noise_level
+
+
+def at_rate(design: Design, rate_hz: float) -> Design:
+    """The design with its filters made anew for another sampling rate [Hz].
+
+    The window keeps its duration, and the threshold its place above the noise: white noise of the same rms leaves the
+    filters with less where samples come faster.
+
+    Raises
+    ------
+    DesignError
+        If the rate is out of bounds, or too slow for the band.
+    """
+    old = design.detector
+    if rate_hz == old.sample_rate_hz:
+        return design
+    tables = design.model_dump()
+    window = max(1, round(old.window_samples * rate_hz / old.sample_rate_hz))
+    tables["detector"] |= {"sample_rate_hz": rate_hz, "window_samples": window}
+    anew = Design(**tables)
+    before, after = noise_level(design).threshold_v, noise_level(anew).threshold_v
+    if before > 0.0 and after > 0.0:
+        tables["detector"]["threshold_v"] = old.threshold_v * after / before
+        anew = Design(**tables)
+    return anew

@@ -61,6 +61,7 @@ def detect(
     from fingertip.design import Design
     from fingertip.errors import Fault, FingertipError, TraceError
     from fingertip.slip.detectors import noise, registry
+    from fingertip.slip.detectors.quiet import quiet_noise_v
     from fingertip.slip.traces import rate
     from fingertip.slip.traces.parsed import Wanted
     from fingertip.slip.traces.read import parse
@@ -96,7 +97,7 @@ def detect(
     if detector == "paper":
         read, loaded, level = _board(console, read, loaded, wanted, early, trace.name)
     elif quiet_s is not None:
-        noise_v = noise.measured_v(read.voltage_v[early], trace.name)
+        noise_v = quiet_noise_v(detector, loaded, read.voltage_v[early], trace.name)
     found = slip.detect(read, loaded, detector, noise_v)
     level = level or found.noise
     if wanted.in_volts:

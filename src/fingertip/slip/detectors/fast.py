@@ -15,7 +15,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from fingertip.design import Design
 from fingertip.slip.detectors.fast_bands import Filters, noise_of
@@ -28,6 +30,16 @@ STEEPEST_V_S = 6.0
 10 m/s2; a knock of 2 N that rises in 4 ms reaches 100 V/s, and is beyond this before its energy has reached a bar.
 Weaker knocks (below some 0.5 N) look like slip, in the only force there is. After a hard knock the detector is deaf
 for 60 ms, and so it is to slip that is as strong as that from the first."""
+CHOSEN_AT_HZ = 67.0
+"""Cutoff at which the slope bars were chosen."""
+LEAKS = 3.4
+"""A smooth change of force leaves in both bands what falls with this power of the cutoff (fitted to the quiet tuning
+scenes from 30 to 100 Hz)."""
+LEAST_NOISE_V_RTHZ = 13e-6
+"""Noise that the slope bars were chosen in [V/sqrt(Hz)]: 0.41 mV at 2 kHz. It hides what else a change of force leaves
+in the bands, so in less noise the bars stay at this."""
+HIGHEST = 0.4
+"""The bands end at this share of the sampling rate at the latest."""
 
 
 @dataclass(frozen=True)
@@ -65,18 +77,23 @@ class FastSettings:
     """Time constant of the noise floor."""
     stay: float = 0.6
     """The bars of the noise, times this, are where ON ends."""
+    patience_s: float = 3.0
+    """ON for longer than any slip lasts is hum, or more noise than was stated: then the floor learns it after all."""
     scale: float = 1.0
     """Of the bars of the noise, to trade delay against false alarms."""
 
     @classmethod
     def of(cls, design: Design, noise_v: float | None = None) -> FastSettings:
-        """The settings of a design: half, once and three times its board's cutoff, its rate, its noise unless given
-        [V]."""
-        cutoff = design.board.cutoff_hz
+        """The settings of a design: bands from half, once and up to three times its board's cutoff, its rate, its noise
+        unless given [V]."""
+        cutoff, rate = design.board.cutoff_hz, design.detector.sample_rate_hz
+        leaks = (CHOSEN_AT_HZ / cutoff) ** LEAKS
+        found = cls(rate, cutoff / 2, cutoff, min(3 * cutoff, HIGHEST * rate), 0.0)
+        found = replace(found, slope_bar_s=found.slope_bar_s * leaks, upper_slope_bar_s=found.upper_slope_bar_s * leaks)
         if noise_v is not None:  # of a signal that may be no voltage: what is too steep for slip is not known
-            return cls(design.detector.sample_rate_hz, cutoff / 2, cutoff, 3 * cutoff, noise_v)
-        noise, rate = input_noise_v(design), design.detector.sample_rate_hz
-        return cls(rate, cutoff / 2, cutoff, 3 * cutoff, noise, steepest_v_s=STEEPEST_V_S)
+            return replace(found, noise_v=noise_v)
+        noise = max(input_noise_v(design), LEAST_NOISE_V_RTHZ * math.sqrt(rate / 2))
+        return replace(found, noise_v=noise, steepest_v_s=STEEPEST_V_S)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,9 +118,9 @@ class Fast:
         self._coefficients = (
             *filters.coefficients, *shares, keep, rate, self._ratio, upper_ratio, s.stay,
             s.slope_bar_s, s.upper_slope_bar_s, noise.slope_ratio, s.steepest_v_s,
-            s.deaf_s * rate,
+            s.deaf_s * rate, s.patience_s * rate, wide.energy * s.noise_v**2, upper.energy * s.noise_v**2,
         )  # fmt: skip
-        # Energies and floors start at what the stated noise gives.
+        # Energies and floors start at what the stated noise gives, and floors never fall below it.
         self._state = [0.0] * STATES
         self._state[ENERGY] = self._state[FLOOR] = wide.energy * s.noise_v**2
         self._state[UPPER_ENERGY] = self._state[UPPER_FLOOR] = upper.energy * s.noise_v**2
@@ -130,6 +147,15 @@ class Fast:
         for band in (self._noise.wide, self._noise.upper):
             bar_v = self.settings.scale * math.sqrt(band.bar) * self.settings.noise_v
             yield band.weights * self.settings.noise_v**2, band.excursion_s, bar_v
+
+    def white_v(self, quiet_v: Array) -> float:
+        """White noise that would leave as much in the bands as these samples of a quiet signal do, rms [V]."""
+        rate, memory = self.settings.sample_rate_hz, round(4 * self.settings.sample_rate_hz / self.settings.low_hz)
+        wide, upper = Filters.of(rate, self.settings.low_hz, self.settings.upper_hz, self.settings.high_hz).impulses(
+            memory
+        )
+        shown = ((h, band.energy) for h, band in ((wide, self._noise.wide), (upper, self._noise.upper)))
+        return max(math.sqrt(float(np.mean(np.convolve(quiet_v - quiet_v[0], h, "valid") ** 2)) / e) for h, e in shown)
 
     def process(self, voltage_v: Iterable[float]) -> FastOutput:
         """Take the next samples [V], any number of them, and return as many outputs."""

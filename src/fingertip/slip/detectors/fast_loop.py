@@ -7,13 +7,16 @@ from collections.abc import MutableSequence, Sequence
 
 from fingertip.slip.detectors.kernel import Loop
 
-STATES = 18
-"""High-pass 3, low-pass 2, upper high-pass 2, energies 2, slope 3, quick slope 2, floors 2, ON, since when steep."""
+STATES = 19
+"""High-pass 3, low-pass 2, upper high-pass 2, energies 2, slope 3, quick slope 2, floors 2, ON; and for how many
+samples it was steep, and ON."""
 ENERGY, UPPER_ENERGY = 7, 8
 SLOPES = (9, 10, 12)
 """The slopes' poles: where they rest is the voltage."""
 FLOOR, UPPER_FLOOR = 14, 15
 ON = 16
+FRESH = 2.0
+"""A slope so many times what is left of the last knock is another knock."""
 
 
 def _fast_loop(
@@ -28,10 +31,12 @@ def _fast_loop(
 ) -> None:
     g0, g1, p1, b0, b1, b2, a1, a2, c0, d1, d2, e0, f1, f2 = coefficients[:14]
     energy_share, slope_share, quick_share, floor_share, keep, rate = coefficients[14:20]
-    ratio, upper_ratio, stay, slope_bar, upper_slope_bar, slope_noise, steepest, deaf = coefficients[20:]
+    ratio, upper_ratio, stay, slope_bar, upper_slope_bar, slope_noise, steepest, deaf = coefficients[20:28]
+    patience, least, upper_least = coefficients[28:]
     s1, s2, s3, l1, l2, h1, h2 = state[0], state[1], state[2], state[3], state[4], state[5], state[6]
     energy, upper_energy, q1, q2, held = state[7], state[8], state[9], state[10], state[11]
-    r, steep, floor, upper_floor, on, since = state[12], state[13], state[14], state[15], state[16], state[17]
+    r, steep, floor, upper_floor = state[12], state[13], state[14], state[15]
+    on, steep_for, on_for = state[16], state[17], state[18]
     for i in range(len(samples)):
         x = samples[i]
         w = g0 * x + s1
@@ -61,8 +66,10 @@ def _fast_loop(
         slope = rate * abs(change)
         steep *= keep
         if slope > steep:
+            if slope > FRESH * steep:
+                steep_for = 0.0
             steep = slope
-        since = since + 1.0 if steep >= steepest else 0.0
+        steep_for = steep_for + 1.0 if steep >= steepest else 0.0
 
         noise, upper_noise = math.sqrt(floor), math.sqrt(upper_floor)
         extra = held - slope_noise * noise
@@ -74,24 +81,31 @@ def _fast_loop(
         else:
             bar = ratio * noise + slope_bar * extra
             upper_bar = upper_ratio * upper_noise + upper_slope_bar * extra
-        if (
-            upper > upper_bar and since == 0.0
-        ):  # the level is then held against what the upper band would have been content with
+        # After a knock the upper band rings longer than its bar knows. Else the level is held against what the upper
+        # band would have been content with.
+        if upper > upper_bar and steep_for == 0.0:
             other = level * upper_bar / upper
             if other < bar:
                 bar = other
-        on = 1.0 if level > bar and (on > 0.0 or since == 0.0 or since > deaf) else 0.0
-        # Frozen while ON, and while the force changes.
-        if on == 0.0 and extra == 0.0 and level < ratio * noise and upper < upper_ratio * upper_noise:
+        on = 1.0 if level > bar and (on > 0.0 or steep_for == 0.0 or steep_for > deaf) else 0.0
+        on_for = on_for + 1.0 if on > 0.0 else 0.0
+        # Frozen while ON, unless that lasts longer than slip does, and while the force changes.
+        calm = extra == 0.0 and level < ratio * noise and upper < upper_ratio * upper_noise
+        if on_for > patience or (on == 0.0 and calm):
             floor += floor_share * (energy - floor)
             upper_floor += floor_share * (upper_energy - upper_floor)
+            if floor < least:
+                floor = least
+            if upper_floor < upper_least:
+                upper_floor = upper_least
         filtered[i] = y
         levels[i] = level
         bars[i] = bar
         flags[i] = on
     state[0], state[1], state[2], state[3], state[4], state[5], state[6] = s1, s2, s3, l1, l2, h1, h2
     state[7], state[8], state[9], state[10], state[11] = energy, upper_energy, q1, q2, held
-    state[12], state[13], state[14], state[15], state[16], state[17] = r, steep, floor, upper_floor, on, since
+    state[12], state[13], state[14], state[15] = r, steep, floor, upper_floor
+    state[16], state[17], state[18] = on, steep_for, on_for
 
 
 LOOP = Loop(_fast_loop, outputs=4)

@@ -106,6 +106,11 @@ class Fft:
         band = np.fft.rfft((samples - samples[0]) * self._window)[self._low : self._high]
         return math.sqrt(float(np.sum(band.real**2 + band.imag**2)))
 
+    @property
+    def white_level(self) -> float:
+        """Root mean square of the level in white noise of unit variance."""
+        return math.sqrt(float(self._noise_weights().sum()))
+
     def noise_bars(self) -> Iterator[tuple[Array, float, float]]:
         """What `quadratic.bar_for` made the bar of: weights [V^2], time above the bar [s]; and the bar [V]."""
         yield self._noise_weights() * self.settings.noise_v**2, _EXCURSION_S, self._bar

@@ -40,10 +40,26 @@ class NoiseLevel:
 
 
 def input_noise_v(design: Design) -> float:
-    """Noise of the sampled voltage, rms [V]: ``detector.noise_v`` and the converter's steps."""
+    """Noise of the sampled voltage, rms [V]: ``detector.noise_v`` in the converter's steps."""
     detector = design.detector
-    step = 2 * detector.adc_range_v / 2**detector.adc_bits
-    return math.hypot(detector.noise_v, step / math.sqrt(12))
+    return quantised_v(detector.noise_v, 2 * detector.adc_range_v / 2**detector.adc_bits)
+
+
+def quantised_v(noise_v: float, step_v: float) -> float:
+    """What Gaussian noise has become, rms [V], once it is in steps: of a voltage halfway between two of them.
+
+    Noise of some steps gains ``step / sqrt(12)``. Noise much smaller than a step shows nothing at most voltages; but
+    at the worst, halfway, it flips between two codes and shows half a step.
+    """
+    if noise_v > 4 * step_v:
+        return math.hypot(noise_v, step_v / math.sqrt(12))
+    if noise_v <= 0.0:
+        return step_v / 2
+    below = [
+        0.5 * (1 + math.erf(k * step_v / noise_v / math.sqrt(2))) for k in range(math.ceil(8 * noise_v / step_v) + 2)
+    ]
+    squares = (2 * ((k + 0.5) * step_v) ** 2 * (below[k + 1] - below[k]) for k in range(len(below) - 1))
+    return math.sqrt(math.fsum(squares))
 
 
 def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
@@ -102,20 +118,3 @@ def remarks(threshold_v: float, level: NoiseLevel) -> Iterator[str]:
             f"detector.threshold_v of {threshold_v:g} V is {threshold_v / level.rounded_v:.0f} times what the noise "
             f"here asks for: --set detector.threshold_v={level.rounded_v:g} finds weaker slip."
         )
-
-
-def measured_v(voltage_v: NDArray[np.float64], name: str) -> float:
-    """Noise of a signal in which nothing happens, rms, in its own unit: from second differences, to which drift and a
-    constant load are nothing and white noise is six times its variance.
-
-    Raises
-    ------
-    TraceError
-        If there are fewer than 100 samples, or they do not change at all.
-    """
-    if len(voltage_v) < 100:
-        raise TraceError(Fault("--quiet-s", f"takes in {len(voltage_v)} samples of {name}; at least 100."))
-    sigma = float(np.sqrt(np.mean(np.diff(voltage_v, 2) ** 2) / 6))
-    if not sigma > 0.0:
-        raise TraceError(Fault("--quiet-s", f"takes in a part of {name} that never changes; choose a longer one."))
-    return sigma

@@ -14,6 +14,7 @@ from fingertip.campaign.plan import APART, HELD_OUT_FROM, QUIET, TUNING_SEEDS, A
 from fingertip.campaign.report import pictures, trial_pictures
 from fingertip.campaign.requirements import Requirements, checks
 from fingertip.campaign.studies import windows
+from fingertip.campaign.studies.boards import boards
 from fingertip.campaign.studies.limit import limits_s
 from fingertip.campaign.studies.sensitivity import Change, table
 from fingertip.campaign.studies.spectra import spectra
@@ -22,7 +23,7 @@ from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim.campaign import trials
-from fingertip.slip import Trace
+from fingertip.slip import DETECTORS, Trace
 
 SLIDE = next(trials())[0]
 SLIP = Case("slip", SLIDE, 1)
@@ -166,6 +167,26 @@ def test_sensitivity_moves_what_it_says():
     assert fast.by_s < -0.003
     assert noisy.by_s > 0.003
     assert weak.median_s != base.median_s
+
+
+def test_a_designs_threshold_follows_the_noise_that_is_changed():
+    """Else twice the noise would leave digital ON for ever."""
+    noisier = Change("twice the noise", "detector", "noise_v", 2.0)
+    base, twice = table(Design(), "digital", 8, changes=[noisier])
+    assert base.found_share == 1.0
+    assert twice.found_share > 0.5
+    assert twice.alarms_per_minute < 10
+
+
+@pytest.mark.parametrize("cutoff_hz", [5.0, 340.0])
+def test_designs_far_from_the_articles_are_tried_too(cutoff_hz):
+    """Whose other board would break a rule that they do not, and whose band is narrower than a spectrum's bin."""
+    design = Design(board={"cutoff_hz": cutoff_hz}, detector={"adc_bits": 8})
+    found = run(design, Amount(1, 0.5), scales=(1.0,))
+    assert set(found.totals) == set(DETECTORS)
+    variants = {board.variant for board in boards(design, 1, 0.5)}
+    assert variants == ({"paper", "precision"} if cutoff_hz > 100 else {"paper"})  # 5 Hz ask for 900 uF behind R4
+    assert all(0.0 <= s.beyond(200.0) <= 1.0 for s in spectra(design))
 
 
 def test_a_longer_window_is_later_and_calmer_at_contacts():

@@ -50,6 +50,19 @@ def test_score():
     assert judged.false_intervals == (found[0], found[3])
 
 
+def test_an_alarm_that_ends_where_slip_begins_does_not_take_it():
+    judged = score([Interval(0.9, 1.0), Interval(1.02, 1.4)], [Interval(1.0, 1.5)], 0.03)
+    assert judged.delays_s == (pytest.approx(0.02),)
+    assert judged.false_intervals == (Interval(0.9, 1.0),)
+    # a last sample, though it has no length, is met
+    assert score([Interval(1.5, 1.5)], [Interval(1.5, 1.5)], 0.03).delays_s == (0.0,)
+
+
+def test_how_many_slips_there_are_is_no_detectors_affair():
+    truth = [Interval(1.0, 1.5), Interval(1.52, 1.523), Interval(2.0, 2.1)]
+    assert score([], truth, 0.001).slips == score([], truth, 0.5).slips == (Interval(1.0, 1.523), truth[2])
+
+
 def burst(length: int = 4000, start: int = 2000, stop: int = 3000) -> Trace:
     time = np.arange(length) / 2000
     slip = (np.arange(length) >= start) & (np.arange(length) < stop)

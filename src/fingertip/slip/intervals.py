@@ -8,6 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+STICK_S = 0.05
+"""True slips closer together are one that sticks for a moment, whoever judges: no hand could answer between them, and
+every detector is judged by as many slips."""
+
 
 @dataclass(frozen=True)
 class Interval:
@@ -17,8 +21,10 @@ class Interval:
     end_s: float
 
     def overlaps(self, other: Interval, slack_s: float = 0.0) -> bool:
-        """Whether they share time, with `slack_s` [s] added to this one's end."""
-        return self.onset_s <= other.end_s and other.onset_s <= self.end_s + slack_s
+        """Whether they share time, with `slack_s` [s] added to this one's end. A last sample shares its moment."""
+        begin, end = max(self.onset_s, other.onset_s), min(self.end_s + slack_s, other.end_s)
+        momentary = self.onset_s == self.end_s or other.onset_s == other.end_s
+        return begin < end or (momentary and begin == end)
 
 
 @dataclass(frozen=True)
@@ -26,7 +32,7 @@ class Score:
     """Detected intervals against true ones."""
 
     slips: tuple[Interval, ...]
-    """True slips, those closer together than the window taken as one."""
+    """True slips, those closer together than `STICK_S` taken as one."""
     delays_s: tuple[float | None, ...]
     """Per slip, from its onset to the first interval that meets it [s]; None: missed. Negative: it was ON
     already."""
@@ -60,22 +66,21 @@ def merged(parts: Sequence[Interval], gap_s: float) -> tuple[Interval, ...]:
     return tuple(out)
 
 
-def score(detected: Sequence[Interval], truth: Sequence[Interval], window_s: float) -> Score:
+def score(detected: Sequence[Interval], truth: Sequence[Interval], memory_s: float) -> Score:
     """Judge detected intervals.
 
     Parameters
     ----------
     detected, truth
         In order of time.
-    window_s
-        Length of the averaging window [s]. True slips closer together cannot be told apart; and an interval
-        that begins less than this after a slip's end still rests on the slip's own samples, so it is not
-        false.
+    memory_s
+        How long a detector still rests on its samples [s]: an interval that begins less than this after a slip's end
+        rests on the slip's own, so it is not false.
     """
-    slips = merged(truth, window_s)
+    slips = merged(truth, STICK_S)
     delays = []
     for slip in slips:
         met = next((interval for interval in detected if slip.overlaps(interval)), None)
         delays.append(None if met is None else met.onset_s - slip.onset_s)
-    false = tuple(d for d in detected if not any(slip.overlaps(d, window_s) for slip in slips))
+    false = tuple(d for d in detected if not any(slip.overlaps(d, memory_s) for slip in slips))
     return Score(slips, tuple(delays), false)

@@ -32,7 +32,8 @@ class Spectrum:
         """Share of the power from 20 Hz on that lies beyond a frequency [Hz]."""
         kept = self.frequency_hz >= 20.0
         above = self.frequency_hz >= frequency_hz
-        return float(self.power_v2_hz[above].sum() / self.power_v2_hz[kept].sum())
+        whole = float(self.power_v2_hz[kept].sum())
+        return float(self.power_v2_hz[above].sum()) / whole if whole else 0.0
 
 
 def spectra(design: Design, first_seed: int = HELD_OUT_FROM) -> list[Spectrum]:

@@ -93,7 +93,7 @@ class Knock(Section):
         2000.0, "N/m", "Of pin and robot: a compliant arm. Assumption.", least=50, most=100000
     )
     damping_s_per_m: float = quantity(
-        5.0, "s/m", "Hunt and Crossley's: wood returns 0.6 of a velocity. Assumption.", least=0, most=20
+        5.0, "s/m", "Hunt and Crossley's: returns 0.8 of 0.08 m/s. Assumption.", least=0, most=20
     )
     normal_share: float = quantity(
         0.05, "", "Share of its force that presses the object at the thumb. Assumption.", least=-0.5, most=0.5

@@ -64,6 +64,7 @@ class Fft:
         self._window *= math.sqrt(2 / n / float(self._window @ self._window))
         bins = range(n // 2 + 1)
         kept = [k for k in bins if settings.low_hz <= k * settings.sample_rate_hz / n <= settings.high_hz]
+        kept = kept or [max(1, round(settings.low_hz * n / settings.sample_rate_hz))]  # a band narrower than a bin
         self._low, self._high = kept[0], kept[-1] + 1
         self._bar = _bar(tuple(self._noise_weights().tolist())) * settings.noise_v * settings.scale
         self._past = np.zeros(0)

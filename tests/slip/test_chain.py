@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from fingertip.design import Design
 from fingertip.slip.detectors.chain import ChainOutput, ChainSettings, SlipChain, analog_response, response
-from fingertip.slip.detectors.noise import noise_level
+from fingertip.slip.detectors.noise import noise_level, setting_remarks
 
 SETTINGS = ChainSettings.of(Design())
 FIELDS = ("filtered_v", "envelope_v", "mean_v", "on")
@@ -130,3 +130,13 @@ def test_noise_level_is_what_noise_gives():
 def test_the_default_threshold_follows_the_rule():
     rule = noise_level(Design()).threshold_v
     assert Design().detector.threshold_v == math.ceil(rule * 1000) / 1000
+
+
+def test_settings_that_cannot_work_well_are_worth_a_word():
+    assert list(setting_remarks(Design())) == []
+    (coarse,) = setting_remarks(Design(detector={"adc_bits": 12}))
+    assert "steps of 4.88 mV" in coarse
+    assert "noise of 0.4 mV" in coarse
+    (short,) = setting_remarks(Design(detector={"sample_rate_hz": 10000.0}))
+    assert "last 6 ms" in short
+    assert "300 last 30 ms" in short

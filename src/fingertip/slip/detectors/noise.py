@@ -118,3 +118,27 @@ def remarks(threshold_v: float, level: NoiseLevel) -> Iterator[str]:
             f"detector.threshold_v of {threshold_v:g} V is {threshold_v / level.rounded_v:.0f} times what the noise "
             f"here asks for: --set detector.threshold_v={level.rounded_v:g} finds weaker slip."
         )
+
+
+SHORTEST_S = 0.02
+"""Shorter windows take contacts for slip (article, III.C)."""
+_COARSE = 2.0
+"""Steps so many times the noise hide it."""
+
+
+def setting_remarks(design: Design) -> Iterator[str]:
+    """What a design's converter and window cannot do well, though nothing forbids them."""
+    d = design.detector
+    step = 2 * d.adc_range_v / 2**d.adc_bits
+    if step > _COARSE * d.noise_v > 0.0:
+        yield (
+            f"detector.adc_bits of {d.adc_bits} over plus and minus {d.adc_range_v:g} V are steps of {1000 * step:.3g} mV, "
+            f"in which noise of {1000 * d.noise_v:.3g} mV is lost: weak slip is not seen, and single steps look like "
+            "slip. Take more bits, or a smaller detector.adc_range_v."
+        )
+    lasts = d.window_samples / d.sample_rate_hz
+    if lasts < SHORTEST_S:
+        yield (
+            f"detector.window_samples of {d.window_samples} at {d.sample_rate_hz:g} Hz last {1000 * lasts:.3g} ms; "
+            f"below {1000 * SHORTEST_S:g} ms contacts are taken for slip. {round(0.03 * d.sample_rate_hz)} last 30 ms."
+        )

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.circuit import Circuit, Net, Part, connected, engineering, faults
+from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.kicad import symbols
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import KINDS, VARIANTS
@@ -41,6 +42,16 @@ def test_variants_are_those_the_design_file_takes() -> None:
     assert tuple(KINDS) == get_args(Board.model_fields["variant"].annotation)
     assert tuple(SUPPLIES) == get_args(Board.model_fields["supply"].annotation)
     assert len(VARIANTS) == len(KINDS) * len(SUPPLIES)
+
+
+def test_amplifiers_are_bought_by_a_grade_whose_offset_is_known() -> None:
+    """The TL082 without a grade may have 15 mV, nearly the threshold."""
+    for name, bought, offset in (("paper_split", "TL082BC", "3 mV"), ("comparator_split", "TLV2372", "4.5 mV")):
+        circuit = board_circuit(board_values(Design.load(changes=VARIANTS[name].changes)))
+        duals = [part for part in circuit.parts if part.footprint == symbols.SOIC_8]
+        assert len(duals) == (1 if name.startswith("paper") else 2)
+        assert all(part.value == bought and f"offset {offset} at most" in part.rating for part in duals)
+        assert f"{bought},SOIC-8" in bill_of_materials(circuit).decode()
 
 
 def test_a_single_supply_has_amplifiers_that_reach_its_rails() -> None:

@@ -164,9 +164,7 @@ def test_a_missing_track_is_noticed() -> None:
 
 def test_a_template_of_another_placement_is_refused() -> None:
     moved = replace(PAPER_PLACEMENT, spots={**PAPER_PLACEMENT.spots, "R1": Spot(11.4, 16.4)})
-    with pytest.raises(
-        BoardError, match=r"another placement: run python -m fingertip\.board\.layout\.routing\.reroute"
-    ):
+    with pytest.raises(BoardError, match=r"another placement: run python -m fingertip\.board\.layout\.rout"):
         load_template("paper_split", CIRCUIT, moved)
 
 

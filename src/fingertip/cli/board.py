@@ -77,7 +77,7 @@ def board(
 def _table(design: Design, values: BoardValues) -> str:
     from fingertip.board.circuit import engineering
     from fingertip.board.values.bridge import sensor_conductance_s
-    from fingertip.board.values.limits import converter_line
+    from fingertip.board.values.limits import converter_line, swing_line
 
     ideal, preferred = values.ideal, values.preferred
     resistors = [
@@ -138,7 +138,7 @@ def _table(design: Design, values: BoardValues) -> str:
     lines += [
         "",
         f"{design.board.supply} supply of {design.board.supply_v:g} V: signals rest at {limits.rest_v:g} V, "
-        f"the filter's go {limits.filter_peak_v:.1f} V up and down",
+        f"{swing_line(limits)}",
         f"at {alias.nyquist_hz:g} Hz, half the converter's rate, the tactile voltage has lost "
         f"{-alias.raw_nyquist_db:.1f} dB, the envelope {-alias.envelope_nyquist_db:.1f} dB",
         converter_line(limits),

@@ -209,7 +209,11 @@ class Board(Section):
         most=1e5,
     )
     gain_bandwidth_hz: float = quantity(
-        3e6, "Hz", "Gain-bandwidth product of the amplifier (TL082; on a single supply TLV2372).", least=1e4, most=1e9
+        3e6,
+        "Hz",
+        "Gain-bandwidth product of the amplifier: a TLV2372's; variant paper on a split supply has a TL082, 4e6.",
+        least=1e4,
+        most=1e9,
     )
     supply: Literal["split", "single"] = choice(
         "split", "split: plus and minus supply_v; single: supply_v alone, signals around a buffered half of it."

@@ -6,7 +6,9 @@ import math
 
 import numpy as np
 
-from fingertip.board.analysis.amplifiers import (
+from fingertip.board.analysis.nodal import Array, Source, System
+from fingertip.board.circuit import RAILS, Circuit, Part, farads_or_ohms
+from fingertip.board.values.amplifiers import (
     AD623_BANDWIDTH_HZ,
     AD623_NOISE_V,
     AD623_OFFSET_V,
@@ -18,8 +20,6 @@ from fingertip.board.analysis.amplifiers import (
     Amplifier,
     bridge_gain,
 )
-from fingertip.board.analysis.nodal import Array, Source, System
-from fingertip.board.circuit import RAILS, Circuit, Part, farads_or_ohms
 from fingertip.board.values.bridge import GAIN_CONSTANT_OHM
 from fingertip.board.values.built import OPEN_LOOP_GAIN
 

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board.analysis.amplifiers import AD623_NOISE_V, QUIET_NAME, QUIET_NOISE_V
 from fingertip.board.analysis.equations import equations
 from fingertip.board.analysis.nodal import System
 from fingertip.board.circuit import Circuit, Net, farads_or_ohms
 from fingertip.board.circuits.parts import small_capacitor
 from fingertip.board.nets import FEEDBACK, STAGE1_OUT
+from fingertip.board.values.amplifiers import AD623_NOISE_V, QUIET_NAME, QUIET_NOISE_V
 from fingertip.board.values.bridge import sensor_conductance_s
 from fingertip.board.values.preferred import nearest
 from fingertip.design.filter_components import limit_capacitor_f

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fingertip.board.analysis.analyse import Analysis
 from fingertip.board.analysis.noise import BAND_HZ, NETS, Contribution
 from fingertip.board.values.converter import AliasFigures
-from fingertip.board.values.limits import Limits, converter_line
+from fingertip.board.values.limits import Limits, converter_line, swing_line
 
 _LABELS = {
     "cutoff_hz": "-3 dB overall [Hz]",
@@ -66,8 +66,8 @@ def _limit_lines(v: Limits) -> list[str]:
     return [
         f"signals rest at {v.rest_v:.2f} V; tactile voltage {v.tactile_least_v:.2f} to {v.tactile_most_v:.2f} V "
         f"(20 N to none)",
-        f"filtered signal cut off at {v.filter_peak_v:.2f} V from its rest, that is vibrations of "
-        f"{1e3 * v.vibration_peak_v:.1f} mV; envelope up to {v.envelope_most_v:.2f} V above its rest",
+        f"{swing_line(v)}; vibrations of {1e3 * v.vibration_peak_v:.1f} mV reach that; "
+        f"envelope up to {v.envelope_most_v:.2f} V above its rest",
         f"converter's pins held between {v.clamp_low_v:.0f} and {v.clamp_high_v:g} V; bridge's amplifier has "
         f"{v.bridge_amplifier_margin_v:.2f} V left",
         converter_line(v),

@@ -40,7 +40,7 @@ def high_passes(values: BoardValues, r4_returns_to: str = "") -> Wiring:
         filter_resistor("R1", c.r1_ohm, "first stage: pole, with C1"): {"1": STAGE1_IN, "2": zero},
         filter_resistor("R4", c.r4_ohm, "first stage: gain, with R5"): {"1": FEEDBACK, "2": r4_returns_to or zero},
         filter_resistor("R5", c.r5_ohm, "first stage: feedback"): {"1": STAGE1_OUT, "2": FEEDBACK},
-        amplifier("U1", supply.amplifier, "first stage and Sallen-Key stage"): {
+        amplifier("U1", values.amplifier, "first stage and Sallen-Key stage"): {
             "3": STAGE1_IN, "2": FEEDBACK, "1": STAGE1_OUT,
             "5": STAGE2_IN, "6": FILTERED, "7": FILTERED,
             "8": VCC, "4": supply.minus,

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from fingertip.board.circuit import Part, Symbol, engineering
 from fingertip.board.kicad import symbols
+from fingertip.board.values.amplifiers import AMPLIFIERS
 
 Wiring = Mapping[Part, Mapping[str, str]]
 """Each part's pins -> nets."""
@@ -25,9 +26,11 @@ def part(reference: str, value: str, symbol: Symbol, footprint: str, role: str) 
     return Part(reference, value, symbol, footprint, role, rating)
 
 
-def amplifier(reference: str, symbol: Symbol, role: str) -> Part:
-    """A dual amplifier; all that are used have the same pins."""
-    return part(reference, symbol.name, symbol, symbols.SOIC_8, role)
+def amplifier(reference: str, name: str, role: str) -> Part:
+    """A dual amplifier by its name in `AMPLIFIERS`; all that are used have the same pins."""
+    data, symbol = AMPLIFIERS[name], symbols.DUAL_AMPLIFIERS[name]
+    rating = f"{symbol.description}, offset {1e3 * data.most_offset_v:g} mV at most"
+    return Part(reference, data.buy, symbol, symbols.SOIC_8, role, rating)
 
 
 def filter_resistor(reference: str, ohm: float, role: str) -> Part:

@@ -64,7 +64,7 @@ def precision_path(values: BoardValues) -> Wiring:
         filter_resistor("R17", c.r_lp_ohm, "envelope: input, as R_LP"): {"1": RECTIFIED, "2": LP_IN},
         filter_resistor("R6", c.r_lp_ohm, "envelope: R_LP"): {"1": LP_IN, "2": ENVELOPE},
         signal_capacitor("C4", c.c_lp_f, "envelope: C_LP"): {"1": LP_IN, "2": ENVELOPE},
-        amplifier("U3", supply.amplifier, "rectifier and envelope"): {
+        amplifier("U3", values.amplifier, "rectifier and envelope"): {
             "3": zero, "2": RECT_IN, "1": RECT_OUT, "5": zero, "6": LP_IN, "7": ENVELOPE, "8": VCC, "4": supply.minus,
         },
         supply_capacitor("C15", SUPPLY_F, "plus supply, at U3"): {"1": VCC, "2": GND},

@@ -40,6 +40,8 @@ TL082 = Symbol("Amplifier_Operational", "TL082", "Dual JFET-input operational am
 TLV2372 = Symbol(
     "Amplifier_Operational", "TLV2372", "Dual operational amplifier, inputs and outputs to both rails, SOIC-8", _DUAL
 )
+DUAL_AMPLIFIERS = {symbol.name: symbol for symbol in (TL082, TLV2372)}
+"""By name: what may stand in the filter and the rectifier."""
 TLV2371 = Symbol(
     "Amplifier_Operational",
     "TLV2371DBV",

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from fingertip.board.analysis.amplifiers import AMPLIFIERS
 from fingertip.board.circuit import Circuit, Part, farads_or_ohms
 from fingertip.board.spice.models import models
+from fingertip.board.values.amplifiers import AMPLIFIERS
 from fingertip.board.values.bridge import sensor_conductance_s
 
 SENSOR_FORCE_N = 0.8

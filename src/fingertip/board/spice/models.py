@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from fingertip.board.analysis.amplifiers import (
+from fingertip.board.circuit import Circuit
+from fingertip.board.values.amplifiers import (
     AD623_BANDWIDTH_HZ,
     AD623_NOISE_V,
     AD623_OUTPUT_NOISE_V,
@@ -14,7 +15,6 @@ from fingertip.board.analysis.amplifiers import (
     TEMPERATURE_K,
     bridge_gain,
 )
-from fingertip.board.circuit import Circuit
 from fingertip.board.values.bridge import GAIN_CONSTANT_OHM
 from fingertip.board.values.built import OPEN_LOOP_GAIN
 

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from fingertip.board.supplies import SUPPLIES
+from fingertip.board.values.amplifiers import AMPLIFIERS, dual_amplifier
 from fingertip.board.values.bridge import Bridge, fit_bridge
 from fingertip.board.values.built import FirstStage, fit_first_stage
 from fingertip.board.values.capacitors import fitted
@@ -13,7 +14,7 @@ from fingertip.board.values.converter import AliasFigures, Converter, alias_figu
 from fingertip.board.values.decision import Decision, fit_decision
 from fingertip.board.values.filters import Response, response
 from fingertip.board.values.findings import FINDINGS, Finding
-from fingertip.board.values.limits import Limits, limits
+from fingertip.board.values.limits import Limits, limits, swing_of
 from fingertip.board.values.preferred import preferred_components
 from fingertip.design import Design
 from fingertip.design.filter_components import Components, ideal_components
@@ -28,6 +29,8 @@ class BoardValues:
     """Name of the board's variant."""
     supply: str
     """split or single."""
+    amplifier: str
+    """The dual amplifier of filter and rectifier."""
     ideal: Components
     """What the formulas give (article, eqs. 2, 5, 6, 7, 11)."""
     preferred: Components
@@ -77,7 +80,9 @@ def board_values(design: Design) -> BoardValues:
     ideal, preferred, achieved = filter_values(board)
     bridge = fit_bridge(supply_v, board.series, diameter_mm, supply.zero_share)
     plain = board.variant == "paper"
-    found = limits(bridge, supply, supply_v, achieved.passband_gain, plain, detector.adc_range_v)
+    amplifier = dual_amplifier(board.variant, board.supply)
+    swing = swing_of(AMPLIFIERS[amplifier], supply, supply_v)
+    found = limits(bridge, supply, supply_v, swing, achieved.passband_gain, plain, detector.adc_range_v)
     converter = fit_converter(detector.sample_rate_hz, board.series)
     decision = None
     if board.variant == "comparator":
@@ -86,6 +91,7 @@ def board_values(design: Design) -> BoardValues:
     return BoardValues(
         variant=board.variant,
         supply=supply.name,
+        amplifier=amplifier,
         ideal=ideal,
         preferred=preferred,
         wanted=response(ideal, board.gain_bandwidth_hz),

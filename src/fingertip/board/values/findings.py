@@ -53,4 +53,10 @@ FINDINGS: tuple[Finding, ...] = (
         "R4 returns to ground directly, so 3 mV of offset become 203 mV ahead of C2; 16 uF or more in series "
         "with R4 cures it",
     ),
+    Finding(
+        "amplifier's inputs",
+        "TL082 on plus and minus 5 V, no word on how far its inputs reach",
+        "they end at about -2 V (-1 V to be sure), and below its output jumps up; a press to 1.5 N within 0.2 s takes "
+        "the second stage's to -3.5 V; variants precision and comparator have a TLV2372",
+    ),
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fingertip.board.supplies import Supply
+from fingertip.board.values.amplifiers import Amplifier
 from fingertip.board.values.bridge import MOST_FORCE_N, Bridge, sensor_conductance_s
 
 DIODE_V = 0.6
@@ -16,6 +17,29 @@ _LIFT_V = 0.59
 _INNER_FROM_UPPER_V = 0.11
 _OUTPUT_FROM_UPPER_V = 0.5
 _OUTPUT_FROM_LOWER_V = 0.01
+
+
+@dataclass(frozen=True)
+class Swing:
+    """How far a follower of the filter goes around its rest [V]: its output upwards, the nearer of both downwards."""
+
+    up_v: float
+    down_v: float
+    """Where its input or its output ends, typically."""
+    sure_down_v: float
+    """The same, as far as the data sheet is sure."""
+    reverses: bool
+    """Whether its output jumps to the other end below."""
+
+
+def swing_of(amplifier: Amplifier, supply: Supply, supply_v: float) -> Swing:
+    """The swing of an amplifier on a supply; the filter's second stage is such a follower."""
+    up_v = supply.reach_v(supply_v) - amplifier.output_from_rail_v
+    typical, sure = (
+        supply.lower_reach_v(supply_v) - max(inside, amplifier.output_from_rail_v)
+        for inside in amplifier.input_from_lower_v
+    )
+    return Swing(up_v, typical, sure, typical < up_v)
 
 
 @dataclass(frozen=True)
@@ -31,9 +55,15 @@ class Limits:
     bridge_amplifier_margin_v: float
     """From what the bridge's amplifier carries, inside and out, to where it would stop; over all forces."""
     filter_peak_v: float
-    """Largest peak of the filtered signal around its rest."""
+    """Largest peak of the filtered signal above its rest."""
+    filter_trough_v: float
+    """Its largest peak below its rest: where the second stage's output or, on a TL082, its input ends, typically."""
+    filter_sure_trough_v: float
+    """The same, as far as the amplifier's data sheet is sure."""
+    reverses_below: bool
+    """Whether the output jumps up where the signal goes further down: a TL082's does."""
     vibration_peak_v: float
-    """The same ahead of the filter: a larger vibration of the tactile voltage is cut off."""
+    """The smaller of both peaks ahead of the filter: a larger vibration of the tactile voltage is cut off."""
     envelope_most_v: float
     """Largest envelope above its rest."""
     clamp_low_v: float
@@ -48,31 +78,47 @@ class Limits:
         return max(self.tactile_most_v, self.rest_v + self.envelope_most_v, self.converter_v) - self.converter_v
 
 
-def limits(bridge: Bridge, supply: Supply, supply_v: float, gain: float, diode: bool, converter_v: float) -> Limits:
+def limits(
+    bridge: Bridge, supply: Supply, supply_v: float, swing: Swing, gain: float, diode: bool, converter_v: float
+) -> Limits:
     """The limits of a board.
 
     Parameters
     ----------
+    swing
+        Of the filter's second stage.
     gain
-        Of the first stage.
+        The filter's largest.
     diode
         Whether the envelope lies behind a diode (variant paper).
     converter_v
         What the converter takes, plus and minus.
     """
     g_most = sensor_conductance_s(MOST_FORCE_N)
-    peak_v = supply.swing_v(supply_v)
     return Limits(
         rest_v=supply.zero_v(supply_v),
         tactile_least_v=bridge.tactile_v(g_most, supply_v),
         tactile_most_v=bridge.tactile_v(0.0, supply_v),
         bridge_amplifier_margin_v=min(_margin_v(bridge, g, supply, supply_v) for g in (0.0, g_most)),
-        filter_peak_v=peak_v,
-        vibration_peak_v=peak_v / gain,
-        envelope_most_v=peak_v - DIODE_V if diode else peak_v,
+        filter_peak_v=swing.up_v,
+        filter_trough_v=swing.down_v,
+        filter_sure_trough_v=swing.sure_down_v,
+        reverses_below=swing.reverses,
+        vibration_peak_v=min(swing.up_v, swing.down_v) / gain,
+        envelope_most_v=swing.up_v - DIODE_V if diode else swing.up_v,
         clamp_low_v=0.0,
         clamp_high_v=supply_v,
         converter_v=converter_v,
+    )
+
+
+def swing_line(v: Limits) -> str:
+    """How far the filter's signals go."""
+    if not v.reverses_below:
+        return f"the filter's go {v.filter_peak_v:.1f} V up and {v.filter_trough_v:.1f} V down"
+    return (
+        f"the filter's go {v.filter_peak_v:.1f} V up and {v.filter_trough_v:.1f} V down (typically; "
+        f"{v.filter_sure_trough_v:.1f} V to be sure), and below the TL082's output jumps up"
     )
 
 

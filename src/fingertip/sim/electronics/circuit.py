@@ -6,7 +6,7 @@ value may be an array over many boards.
 
 The gain-bandwidth product is that of the filter's amplifiers. A precision rectifier's amplifier also has to cross two
 diode drops, 1.2 V, at each zero of its input, which at a slope s takes sqrt(2 * 1.2 V / (2 pi GBW s)): 0.11 ms for the
-TL082 and 10 V/s, the slope of a slip, in which some 1 mV is lost. Left out: ngspice on the whole netlist, diodes and
+TLV2372 and 10 V/s, the slope of a slip, in which some 1 mV is lost. Left out: ngspice on the whole netlist, diodes and
 amplifiers of 3 MHz, differs by 0.1 mV in 0.18 V (tests/sim/test_comparator.py).
 """
 

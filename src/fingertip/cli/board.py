@@ -122,12 +122,13 @@ def _table(design: Design, values: BoardValues) -> str:
     ]
     wanted, achieved = values.wanted, values.achieved
     quantities = [
-        ("passband gain", wanted.passband_gain, achieved.passband_gain, ""),
-        ("passband gain", wanted.passband_gain_db, achieved.passband_gain_db, "dB"),
+        ("largest gain", wanted.passband_gain, achieved.passband_gain, ""),
+        ("largest gain", wanted.passband_gain_db, achieved.passband_gain_db, "dB"),
         ("first pole", wanted.first_pole_hz, achieved.first_pole_hz, "Hz"),
         ("Sallen-Key f0", wanted.section_hz, achieved.section_hz, "Hz"),
         ("Sallen-Key Q", wanted.section_quality, achieved.section_quality, ""),
         ("-3 dB overall", wanted.cutoff_hz, achieved.cutoff_hz, "Hz"),
+        ("upper -3 dB", wanted.upper_cutoff_hz, achieved.upper_cutoff_hz, "Hz"),
         ("envelope pole", wanted.envelope_pole_hz, achieved.envelope_pole_hz, "Hz"),
         ("envelope decay", 1e3 * wanted.envelope_decay_s, 1e3 * achieved.envelope_decay_s, "ms"),
         ("amplifier bandwidth", wanted.amplifier_bandwidth_hz, achieved.amplifier_bandwidth_hz, "Hz"),

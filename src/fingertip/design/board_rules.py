@@ -5,6 +5,13 @@ from __future__ import annotations
 import math
 
 from fingertip.design import filter_components
+from fingertip.design.comparator_parts import (
+    COMPARATOR_LEAST_V,
+    COMPARATOR_MOST_V,
+    MEAN_MOST_F,
+    MOST_BIAS_A,
+    longest_window_s,
+)
 from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, SERIES_DECADE, farad
 from fingertip.design.ruleset import Ruleset, rounded_down, rounded_up
 from fingertip.design.sections import Board
@@ -14,12 +21,6 @@ RULES = Ruleset()
 
 BANDWIDTH_MARGIN = 10.0
 """Least closed-loop bandwidth GBW / G in cutoffs: the amplifier then costs 0.5% of the gain at the cutoff."""
-
-
-COMPARATOR_MOST_V = 5.5
-"""The LMV331's highest supply (its data sheet)."""
-COMPARATOR_LEAST_V = 0.011
-"""Least threshold: below it the hysteresis would ask for more than 10 Mohm, and offsets of 7 mV would be most of it."""
 
 
 BAND_CUTOFFS = 3.0
@@ -138,6 +139,22 @@ def _threshold_can_be_trimmed(d: Tables) -> str | None:
     return (
         f"{d.detector.threshold_v:g} V lies outside what variant comparator's trimmer is made for; "
         f"{COMPARATOR_LEAST_V:g} to {rounded_down(most)} V with this supply."
+    )
+
+
+@RULES.rule("detector.window_samples", "board.variant", "detector.sample_rate_hz", "detector.threshold_v")
+def _mean_bears_the_comparators_current(d: Tables) -> str | None:
+    n, rate, threshold = d.detector.window_samples, d.detector.sample_rate_hz, d.detector.threshold_v
+    if d.board.variant != "comparator" or threshold < COMPARATOR_LEAST_V:
+        return None
+    most = math.floor(longest_window_s(threshold) * rate)
+    if n <= most:
+        return None
+    mean_ohm = n / rate / 2.0 / MEAN_MOST_F
+    return (
+        f"{n} samples at {rate:g} Hz ask variant comparator for a mean of {mean_ohm:.4g} ohm, in which its LMV331's "
+        f"{1e9 * MOST_BIAS_A:g} nA (at most) make {1e3 * mean_ohm * MOST_BIAS_A:.3g} mV, above half of the threshold "
+        f"of {1e3 * threshold:g} mV; at most {most} samples, or a higher detector.threshold_v."
     )
 
 

@@ -16,8 +16,11 @@ from fingertip.board.output import board_circuit
 from fingertip.board.values.board_values import board_values
 from fingertip.board.values.bridge import Bridge, sensor_conductance_s
 from fingertip.board.values.converter import AliasFigures
+from fingertip.board.values.decision import Decision
 from fingertip.board.values.figures import Spread, monte_carlo, sensitivities
 from fingertip.board.values.limits import Limits
+from fingertip.board.values.rest import Rest
+from fingertip.board.values.ripple import Ripple
 from fingertip.design import Design
 
 BRIDGE_TOLERANCE = 1e-3
@@ -37,6 +40,12 @@ class Analysis:
     """The detector's, for comparison with where the envelope rests."""
     alias: AliasFigures
     limits: Limits
+    rest: Rest | None
+    """Where offsets let the envelope rest; None in variant paper."""
+    ripple: Ripple
+    decision: Decision | None
+    tolerance_percent: tuple[float, float]
+    """Of the filter's resistors and capacitors, for `spread`."""
     offset: tuple[Contribution, ...]
     """Of each amplifier's typical offset, and of the bridge with all resistors at the worst ends of 0.1 %."""
     spread: dict[str, Spread]
@@ -60,6 +69,10 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         threshold_v=design.detector.threshold_v,
         alias=values.alias,
         limits=values.limits,
+        rest=values.rest,
+        ripple=values.ripple,
+        decision=values.decision,
+        tolerance_percent=(board.resistor_tolerance_percent, board.capacitor_tolerance_percent),
         offset=(*_offsets(system), _bridge_offset(values.bridge, board.supply_v)),
         spread=monte_carlo(
             values.preferred, board.resistor_tolerance_percent, board.capacitor_tolerance_percent, boards, seed

@@ -5,7 +5,10 @@ from __future__ import annotations
 from fingertip.board.analysis.analyse import Analysis
 from fingertip.board.analysis.noise import BAND_HZ, NETS, Contribution
 from fingertip.board.values.converter import AliasFigures
+from fingertip.board.values.decision import decision_lines
 from fingertip.board.values.limits import Limits, converter_line, swing_line
+from fingertip.board.values.rest import rest_line
+from fingertip.board.values.ripple import ripple_line
 
 _LABELS = {
     "cutoff_hz": "-3 dB overall [Hz]",
@@ -26,11 +29,14 @@ def analysis_text(analysis: Analysis) -> str:
     lines += ["", f"{'noise ahead of the rectifier':44}{'rms':>11}{'envelope rests at':>20}"]
     lines += [f"{r.change:44}{1e3 * r.filtered_v:8.2f} mV{1e3 * r.rest_v:17.2f} mV" for r in analysis.quieter]
     lines.append(f"{'threshold of the detector':44}{'':11}{1e3 * analysis.threshold_v:17.2f} mV")
+    lines += ["", *_error_lines(analysis)]
     lines += ["", *_alias_lines(analysis.alias), "", *_limit_lines(analysis.limits)]
     lines += ["", f"{'offset':28}" + _heads()]
     lines += [_row(item, 1e3, "mV") for item in analysis.offset]
     heads = ("nominal", "mean", "deviation", "95 % from", "to", "worst", "worst")
-    lines += ["", f"{'tolerances':20}" + "".join(f"{head:>11}" for head in heads)]
+    ohm, farad = analysis.tolerance_percent
+    lines += ["", f"tolerances: resistors {ohm:g} %, capacitors {farad:g} %, as the bill of materials asks for"]
+    lines += [f"{'':20}" + "".join(f"{head:>11}" for head in heads)]
     for name, s in analysis.spread.items():
         cells = (s.nominal, s.mean, s.deviation, s.low_95, s.high_95, s.worst_low, s.worst_high)
         lines.append(f"{_LABELS[name]:20}" + "".join(f"{cell:11.4g}" for cell in cells))
@@ -47,6 +53,12 @@ def _heads() -> str:
 
 def _row(item: Contribution, scale: float, unit: str) -> str:
     return f"  {item.cause:26}" + "".join(f"{scale * v:11.2f} {unit}" for v in item.volts)
+
+
+def _error_lines(analysis: Analysis) -> list[str]:
+    lines = [rest_line(analysis.rest, analysis.threshold_v)] if analysis.rest else []
+    lines += decision_lines(analysis.decision) if analysis.decision else []
+    return [*lines, ripple_line(analysis.ripple, diode=analysis.rest is None)]
 
 
 def _alias_lines(a: AliasFigures) -> list[str]:

@@ -13,7 +13,7 @@ from fingertip.board.kicad import symbols
 from fingertip.board.nets import ENVELOPE, GND, VCC
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.values.board_values import BoardValues
-from fingertip.board.values.decision import MEAN_F, PULL_UP_OHM, TRIMMER_OHM
+from fingertip.board.values.decision import PULL_UP_OHM, TRIMMER_OHM
 from fingertip.errors import BoardError
 
 MEAN = "MEAN"
@@ -33,7 +33,7 @@ def comparator_circuit(values: BoardValues) -> Circuit:
     )
     deciding = {
         filter_resistor("R18", decision.mean_ohm, "mean of the envelope"): {"1": ENVELOPE, "2": MEAN},
-        small_capacitor("C17", MEAN_F, "mean of the envelope"): {"1": MEAN, "2": zero},
+        small_capacitor("C17", decision.mean_f, "mean of the envelope"): {"1": MEAN, "2": zero},
         filter_resistor("R19", decision.top_ohm, "threshold's range"): {"1": VCC, "2": TRIM_TOP},
         trimmer: {"1": TRIM_TOP, "2": THRESHOLD, "3": zero},
         filter_resistor("R20", decision.hysteresis_ohm, "hysteresis"): {"1": THRESHOLD, "2": SLIP},

@@ -25,6 +25,7 @@ from fingertip.board.kicad import symbols
 from fingertip.board.nets import ENVELOPE, FEEDBACK, FILTERED, GND, STAGE1_OUT, VCC, VEE
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.values.board_values import BoardValues
+from fingertip.board.values.rest import RECTIFIER_OHM
 from fingertip.errors import BoardError
 
 SERIES = "SERIES"
@@ -32,9 +33,6 @@ RECT_IN = "RECT_IN"
 RECT_OUT = "RECT_OUT"
 RECTIFIED = "RECTIFIED"
 LP_IN = "LP_IN"
-
-RECTIFIER_OHM = 10e3
-"""Both resistors of the rectifier: gain -1."""
 
 
 def precision_circuit(values: BoardValues) -> Circuit:

@@ -35,6 +35,7 @@ from fingertip.board.nets import (
 )
 from fingertip.board.supplies import SUPPLIES, Supply
 from fingertip.board.values.board_values import BoardValues
+from fingertip.board.values.bridge import CABLE_F
 from fingertip.board.values.converter import Converter
 
 NAME = "slip_filter"
@@ -44,8 +45,6 @@ SUPPLY_F = 100e-9
 """Beside each supply pin."""
 BULK_F = 10e-6
 """Where the supply enters, and across the divider that halves it."""
-CABLE_F = 100e-9
-"""Across the sensor: with the bridge's 230 ohm, a pole at 7 kHz against what the cable picks up."""
 CABLE_OHM = 1e3
 """Between an amplifier's output and a pin that has no filter."""
 HALF_OHM = 10e3

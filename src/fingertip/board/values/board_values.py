@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.values.amplifiers import AMPLIFIERS, dual_amplifier
 from fingertip.board.values.bridge import Bridge, fit_bridge
-from fingertip.board.values.built import FirstStage, fit_first_stage
+from fingertip.board.values.built import FirstStage, fit_first_stage, network
 from fingertip.board.values.capacitors import fitted
 from fingertip.board.values.converter import AliasFigures, Converter, alias_figures, fit_converter
 from fingertip.board.values.decision import Decision, fit_decision
 from fingertip.board.values.filters import Response, response
 from fingertip.board.values.findings import FINDINGS, Finding
 from fingertip.board.values.limits import Limits, limits, swing_of
+from fingertip.board.values.passband import built_response
 from fingertip.board.values.preferred import preferred_components
+from fingertip.board.values.rest import Rest, rest_of
+from fingertip.board.values.ripple import Ripple, ripple_of
 from fingertip.design import Design
 from fingertip.design.filter_components import Components, ideal_components
 from fingertip.design.sections import Board
@@ -38,11 +41,15 @@ class BoardValues:
     wanted: Response
     """The response of the ideal values."""
     achieved: Response
-    """The response of the preferred values."""
+    """The response of the preferred values; gain and both ends of the passband from the circuit with all its parts."""
     bridge: Bridge
     """What is fitted ahead of the filter, preferred values."""
     first_stage: FirstStage | None
     """Capacitors that variant paper has not; None there."""
+    rest: Rest | None
+    """Where the envelope rests for its amplifiers' offsets; None in variant paper, whose diode hides them."""
+    ripple: Ripple
+    """What ripple on the supply does."""
     decision: Decision | None
     """Around the comparator; None in variants without."""
     converter: Converter
@@ -63,7 +70,16 @@ def filter_values(board: Board) -> tuple[Components, Components, Response]:
     """The filter alone: ideal components, those fitted, and what these achieve. Raises as `board_values` does."""
     ideal = ideal_components(fitted(board))
     preferred = preferred_components(ideal, board.series)
-    return ideal, preferred, response(preferred, board.gain_bandwidth_hz)
+    return ideal, preferred, built_response(preferred, board.gain_bandwidth_hz, _first_stage(board, preferred))
+
+
+def _first_stage(board: Board, preferred: Components) -> FirstStage | None:
+    return None if board.variant == "paper" else fit_first_stage(preferred, board.band_limit_hz)
+
+
+def _wanted(board: Board, ideal: Components) -> Response:
+    found = response(ideal, board.gain_bandwidth_hz)
+    return found if board.variant == "paper" else replace(found, upper_cutoff_hz=board.band_limit_hz)
 
 
 def board_values(design: Design) -> BoardValues:
@@ -84,6 +100,11 @@ def board_values(design: Design) -> BoardValues:
     swing = swing_of(AMPLIFIERS[amplifier], supply, supply_v)
     found = limits(bridge, supply, supply_v, swing, achieved.passband_gain, plain, detector.adc_range_v)
     converter = fit_converter(detector.sample_rate_hz, board.series)
+    extra = _first_stage(board, preferred)
+
+    def passed(f_hz: float) -> complex:
+        return network(f_hz, preferred, board.gain_bandwidth_hz, extra)
+
     decision = None
     if board.variant == "comparator":
         window_s = detector.window_samples / detector.sample_rate_hz
@@ -94,10 +115,12 @@ def board_values(design: Design) -> BoardValues:
         amplifier=amplifier,
         ideal=ideal,
         preferred=preferred,
-        wanted=response(ideal, board.gain_bandwidth_hz),
+        wanted=_wanted(board, ideal),
         achieved=achieved,
         bridge=bridge,
-        first_stage=None if plain else fit_first_stage(preferred, board.band_limit_hz),
+        first_stage=extra,
+        rest=None if plain else rest_of(AMPLIFIERS[amplifier], preferred.r_lp_ohm),
+        ripple=ripple_of(bridge, passed, detector.threshold_v, plain),
         decision=decision,
         converter=converter,
         alias=alias_figures(

@@ -34,6 +34,8 @@ MOST_CURRENT_A_PER_CM2 = 1e-3
 """Most current through the sensor, by its active area (Interlink's integration guide)."""
 SATURATION = 1.0 / 3.0
 """R_thevenin G at the upper end: the smaller, the straighter V over G, and the smaller the signal."""
+CABLE_F = 100e-9
+"""Across the sensor: with the bridge's 230 ohm, a pole at 7 kHz against what the cable picks up."""
 GAIN_CONSTANT_OHM = 100e3
 """A = 1 + 100 kohm / R_gain (AD623's data sheet)."""
 

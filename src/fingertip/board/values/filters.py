@@ -118,13 +118,16 @@ class Response:
     """What a set of component values does."""
 
     passband_gain: float
+    """G of the formulas; as built, the largest gain there is."""
     passband_gain_db: float
     first_pole_hz: float
     section_hz: float
     """f0 of the Sallen-Key section."""
     section_quality: float
     cutoff_hz: float
-    """Overall -3.0103 dB frequency."""
+    """Overall -3.0103 dB frequency, at the lower end."""
+    upper_cutoff_hz: float
+    """The same at the upper end; of the formulas alone: where the amplifier itself ends the first stage."""
     envelope_pole_hz: float
     envelope_decay_s: float
     """tau = R_LP C_LP."""
@@ -144,6 +147,7 @@ def response(c: Components, gain_bandwidth_hz: float) -> Response:
         section_hz=f0,
         section_quality=Q,
         cutoff_hz=overall_cutoff_hz(f1, f0, Q),
+        upper_cutoff_hz=gain_bandwidth_hz / G,
         envelope_pole_hz=pole_hz(c.r_lp_ohm, c.c_lp_f),
         envelope_decay_s=c.r_lp_ohm * c.c_lp_f,
         amplifier_bandwidth_hz=gain_bandwidth_hz / G,

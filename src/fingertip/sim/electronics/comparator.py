@@ -66,8 +66,8 @@ class Comparator:
         values = board_values(design)
         if values.decision is None:
             raise TraceError(Fault("outputs", missing(design)))
-        supply, rest = design.board.supply_v, values.bridge.zero_share
-        return cls(values.decision.mean_s, *values.decision.thresholds_v(supply, zero_share=rest), supply)
+        decision = values.decision
+        return cls(decision.mean_s, decision.on_v, decision.off_v, design.board.supply_v)
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,6 +44,22 @@ def test_variants_are_those_the_design_file_takes() -> None:
     assert len(VARIANTS) == len(KINDS) * len(SUPPLIES)
 
 
+def test_ratings_are_of_what_can_be_bought_and_of_the_designs_tolerance() -> None:
+    changes = ["board.variant=precision", "board.capacitor_tolerance_percent=10", "board.capacitor_uf=0.1",
+               "board.resistor_tolerance_percent=0.5", "board.r5_ohm=20000"]  # fmt: skip
+    circuit = board_circuit(board_values(Design.load(changes=changes)))
+    ratings = {reference: circuit.part(reference).rating for reference in ("C1", "C4", "C8", "C14", "R1", "R10")}
+    assert ratings == {
+        "C1": "C0G 25 V, 10 % or better",
+        "C4": "X7R 16 V, 10 % or better",
+        "C8": "X7R 16 V, 10 % or better",
+        "C14": "X5R or X7R, 6.3 V, 20 %",  # 100 uF; there is no direct voltage across it
+        "R1": "0.5 % or better, 0.1 W",
+        "R10": "0.1 %, 25 ppm/K, 0.1 W",
+    }
+    assert circuit.part("C14").value == "100u"
+
+
 def test_amplifiers_are_bought_by_a_grade_whose_offset_is_known() -> None:
     """The TL082 without a grade may have 15 mV, nearly the threshold."""
     for name, bought, offset in (("paper_split", "TL082BC", "3 mV"), ("comparator_split", "TLV2372", "4.5 mV")):

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit, board_files, board_values, differences, write_board
+from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fab import PARTS_COLUMNS, PLACEMENT_COLUMNS, gerbers, parts_file, placement_file
 from fingertip.board.layout.placements import load_placement
 from fingertip.board.output import LAYOUT, README
@@ -72,8 +73,20 @@ def test_parts_and_placement_have_the_columns_houses_take() -> None:
     assert len(named) == len(set(named))
     assert set(named) == {p.reference for p in CIRCUIT.parts if p.reference[0] in "RCDUJ"}
     comments = {r: row["Comment"] for row in parts for r in row["Designator"].split(",")}
-    assert [r for r, comment in comments.items() if comment.endswith(" 0.1 %")] == ["R10", "R11", "R12", "R13", "R14"]
-    assert comments["R1"] == "2.4k"
+    assert [r for r, comment in comments.items() if ", 0.1 %, " in comment] == ["R10", "R11", "R12", "R13", "R14"]
+    assert comments["R1"] == "2.4k, 1 % or better, 0.1 W"
+    assert comments["C1"] == "1u, X7R 16 V, 5 % or better"
+    assert comments["U1"] == "TL082BC"
+    # The same lines as the bill of materials: what differs in its rating is not bought as one.
+    assert [row["Designator"].replace(",", " ") for row in parts] == [
+        row["References"] for row in rows(bill_of_materials(CIRCUIT))
+    ]
+    decoupled = board_circuit(
+        board_values(Design.load(changes=["board.variant=comparator", "detector.window_samples=6"]))
+    )
+    assert decoupled.part("C17").value == decoupled.part("C18").value == "100n"
+    for row in rows(parts_file(decoupled)):
+        assert len({decoupled.part(r).rating for r in row["Designator"].split(",")}) == 1
     assert {row["Designator"] for row in places} == {r for r in named if r[0] != "J"}
 
 

@@ -115,7 +115,9 @@ def nominal(name: str) -> Circuit:
 
 
 REFUSED = {
-    "board.capacitor_uf=1000": ("board.capacitor_uf", "at most 118.7 uF"),
+    "board.capacitor_uf=1000": ("board.capacitor_uf", "at most 10 uF"),
+    "board.capacitor_uf=10.1": ("board.capacitor_uf", "1206, X7R for 16 V); at most 10 uF"),
+    "board.envelope_capacitor_uf=100": ("board.envelope_capacitor_uf", "place of C4 holds"),
     "board.capacitor_uf=1e-6": ("board.capacitor_uf", "at least 0.0004751 uF"),
     "board.cutoff_hz=1e-9": ("board.capacitor_uf", "raise board.cutoff_hz"),
     "board.cutoff_hz=1e-310": ("board.capacitor_uf", "raise board.cutoff_hz"),
@@ -149,8 +151,8 @@ def test_refused_with_bound_and_remedy(change: str) -> None:
 
 @pytest.mark.parametrize(
     "change",
-    ["board.capacitor_uf=118.7", "board.capacitor_uf=0.0004751", "board.passband_gain=1.01",
-     "board.gain_bandwidth_hz=4.534e4"],
+    ["board.capacitor_uf=10", "board.envelope_capacitor_uf=10", "board.capacitor_uf=0.0004751",
+     "board.passband_gain=1.01", "board.gain_bandwidth_hz=4.534e4"],
 )  # fmt: skip
 def test_printed_bounds_pass(change: str) -> None:
     assert board_values(Design.load(changes=[change]))

@@ -12,7 +12,7 @@ from fingertip.design.comparator_parts import (
     MOST_BIAS_A,
     longest_window_s,
 )
-from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, SERIES_DECADE, farad
+from fingertip.design.filter_components import FOOTPRINT_MOST_F, LEAST_OHM, MOST_OHM, SERIES_DECADE, farad
 from fingertip.design.ruleset import Ruleset, rounded_down, rounded_up
 from fingertip.design.sections import Board
 from fingertip.design.tables import Tables
@@ -25,6 +25,16 @@ BANDWIDTH_MARGIN = 10.0
 
 BAND_CUTOFFS = 3.0
 """The band that is kept, in cutoffs: the embedded finger's slip ends at 1.5, the bare sensor's goes to about 3."""
+
+
+@RULES.rule("board.capacitor_uf", "board.capacitor_series", "board.cutoff_hz")
+def _filter_capacitor_fits_its_place(d: Tables) -> str | None:
+    return _fits("capacitor_uf", "C1 to C3", d)
+
+
+@RULES.rule("board.envelope_capacitor_uf", "board.capacitor_series", "board.envelope_cutoff_hz")
+def _envelope_capacitor_fits_its_place(d: Tables) -> str | None:
+    return _fits("envelope_capacitor_uf", "C4", d)
 
 
 @RULES.rule("board.capacitor_uf", "board.cutoff_hz", "board.capacitor_series")
@@ -176,6 +186,17 @@ def _chosen(name: str, factor: float, cutoff_hz: float, d: Tables) -> str | None
     )
 
 
+def _fits(capacitor: str, names: str, d: Tables) -> str | None:
+    """The fault of a capacitor that cannot be bought in the size of its place."""
+    value, most_uf = getattr(d.board, capacitor), 1e6 * FOOTPRINT_MOST_F
+    if d.board.capacitor_series != "given" or value <= most_uf:
+        return None
+    return (
+        f"{value:g} uF is more than the place of {names} holds (1206, X7R for 16 V); at most {most_uf:g} uF, or "
+        "board.capacitor_series=E6, which chooses one."
+    )
+
+
 def _capacitor_in_range(
     capacitor: str, cutoff: str, smallest: tuple[str, float], largest: tuple[str, float], d: Tables
 ) -> str | None:
@@ -190,7 +211,7 @@ def _capacitor_in_range(
     bound = rcf / f / (LEAST_OHM if too_small else MOST_OHM)
     info = Board.model_fields[capacitor]
     least, most = (next(getattr(m, kind) for m in info.metadata if hasattr(m, kind)) for kind in ("ge", "le"))
-    if least <= bound <= most:
+    if least <= bound <= min(most, 1e6 * FOOTPRINT_MOST_F):
         limit = f"at most {rounded_down(bound)}" if too_small else f"at least {rounded_up(bound)}"
         remedy = f"{limit} uF at this cutoff"
     else:

@@ -78,8 +78,10 @@ def ideal_components(board: Board) -> Components:
     )
 
 
-CHOSEN_LEAST_F, CHOSEN_MOST_F = 100e-12, 10e-6
-"""Capacitors the board chooses itself lie within: smaller ones drown in tracks, larger ones are no film or C0G."""
+FOOTPRINT_MOST_F = 10e-6
+"""The largest capacitor of filter or envelope: X7R for 16 V, as can be bought for its place (1206)."""
+CHOSEN_LEAST_F, CHOSEN_MOST_F = 100e-12, FOOTPRINT_MOST_F
+"""Capacitors the board chooses itself lie within: smaller ones drown in tracks."""
 CHOSEN_OHM = (2e3, 20e3)
 """R1 of a capacitor the board chooses: low enough for bias and noise, high enough for an amplifier to drive."""
 CHOSEN_ENVELOPE_OHM = (1e3, 10e3)
@@ -111,7 +113,7 @@ def limit_capacitor_f(r5_ohm: float, band_limit_hz: float) -> float:
 
 
 SERIES_CAPACITORS_UF = (1.0, 2.2, 4.7, 10.0, 22.0, 47.0, 100.0)
-"""Ceramic capacitors of these values fit the board (1206)."""
+"""Ceramic capacitors of these values fit the board (1206); those above 10 uF for 6.3 V, across which there is none."""
 SERIES_DECADE = 10.0
 """Least cutoff in corners of R4 and its series capacitor: the gain at the cutoff then loses 0.5 % at most."""
 

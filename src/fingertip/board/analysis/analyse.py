@@ -13,7 +13,7 @@ from fingertip.board.analysis.nodal import System
 from fingertip.board.analysis.noise import NETS, NOISE_FORCE_N, Contribution, Remedy, budget, remedies
 from fingertip.board.circuit import Circuit
 from fingertip.board.output import board_circuit
-from fingertip.board.values.board_values import board_values
+from fingertip.board.values.board_values import Tolerance, board_values
 from fingertip.board.values.bridge import Bridge, sensor_conductance_s
 from fingertip.board.values.converter import AliasFigures
 from fingertip.board.values.decision import Decision
@@ -44,8 +44,8 @@ class Analysis:
     """Where offsets let the envelope rest; None in variant paper."""
     ripple: Ripple
     decision: Decision | None
-    tolerance_percent: tuple[float, float]
-    """Of the filter's resistors and capacitors, for `spread`."""
+    tolerance: Tolerance
+    """What `spread` is of."""
     offset: tuple[Contribution, ...]
     """Of each amplifier's typical offset, and of the bridge with all resistors at the worst ends of 0.1 %."""
     spread: dict[str, Spread]
@@ -72,10 +72,10 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         rest=values.rest,
         ripple=values.ripple,
         decision=values.decision,
-        tolerance_percent=(board.resistor_tolerance_percent, board.capacitor_tolerance_percent),
+        tolerance=values.tolerance,
         offset=(*_offsets(system), _bridge_offset(values.bridge, board.supply_v)),
         spread=monte_carlo(
-            values.preferred, board.resistor_tolerance_percent, board.capacitor_tolerance_percent, boards, seed
+            values.preferred, values.tolerance.resistor_percent, values.tolerance.capacitor_percent, boards, seed
         ),
         sensitivity=sensitivities(values.preferred),
     )

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from fingertip.board.analysis.equations import equations
 from fingertip.board.analysis.nodal import System
-from fingertip.board.circuit import Circuit, Net, farads_or_ohms
-from fingertip.board.circuits.parts import small_capacitor
+from fingertip.board.circuit import Circuit, Net, Part, engineering, farads_or_ohms
+from fingertip.board.kicad import symbols
 from fingertip.board.nets import FEEDBACK, STAGE1_OUT
 from fingertip.board.values.amplifiers import AD623_NOISE_V, QUIET_NAME, QUIET_NOISE_V
 from fingertip.board.values.bridge import sensor_conductance_s
@@ -108,4 +108,8 @@ def _limited(circuit: Circuit, band_limit_hz: float) -> Circuit:
     farad = nearest(limit_capacitor_f(farads_or_ohms(circuit.part("R5").value), band_limit_hz), "E6", 1e-12, 1e-3)
     pins = {STAGE1_OUT: (LIMITER, "1"), FEEDBACK: (LIMITER, "2")}
     nets = (Net(n.name, (*n.nodes, pins[n.name])) if n.name in pins else n for n in circuit.nets)
-    return Circuit(circuit.name, (*circuit.parts, small_capacitor(LIMITER, farad, "")), tuple(nets))
+    return Circuit(
+        circuit.name,
+        (*circuit.parts, Part(LIMITER, engineering(farad), symbols.CAPACITOR, symbols.C_0603, "")),
+        tuple(nets),
+    )

@@ -34,8 +34,9 @@ def analysis_text(analysis: Analysis) -> str:
     lines += ["", f"{'offset':28}" + _heads()]
     lines += [_row(item, 1e3, "mV") for item in analysis.offset]
     heads = ("nominal", "mean", "deviation", "95 % from", "to", "worst", "worst")
-    ohm, farad = analysis.tolerance_percent
-    lines += ["", f"tolerances: resistors {ohm:g} %, capacitors {farad:g} %, as the bill of materials asks for"]
+    bought = analysis.tolerance
+    resistors, capacitors = f"resistors {bought.resistor_percent:g} %", f"capacitors {bought.capacitor_percent:g} %"
+    lines += ["", f"tolerances: {resistors}, {capacitors}, as the bill of materials asks for"]
     lines += [f"{'':20}" + "".join(f"{head:>11}" for head in heads)]
     for name, s in analysis.spread.items():
         cells = (s.nominal, s.mean, s.deviation, s.low_95, s.high_95, s.worst_low, s.worst_high)

@@ -12,12 +12,10 @@ from __future__ import annotations
 from fingertip.board.circuit import Circuit
 from fingertip.board.circuits.paper import high_passes
 from fingertip.board.circuits.parts import (
+    Rated,
     Wiring,
     amplifier,
-    filter_resistor,
     part,
-    signal_capacitor,
-    small_capacitor,
     supply_capacitor,
 )
 from fingertip.board.circuits.surroundings import SUPPLY_F, whole_board
@@ -45,23 +43,23 @@ def precision_path(values: BoardValues) -> Wiring:
     c, supply, extra = values.preferred, SUPPLIES[values.supply], values.first_stage
     if extra is None:
         raise BoardError("the values are of variant paper; compute them with the variant that is built.")
-    zero = supply.zero
+    zero, rated = supply.zero, Rated(values.tolerance)
     diodes = [
         part(name, "1N4148W", symbols.DIODE_1N4148W, symbols.SOD_123, role)
         for name, role in (("D1", "rectifier: positive half wave"), ("D4", "rectifier: negative half wave"))
     ]
     rectifier: Wiring = {
-        signal_capacitor("C14", extra.series_f, "first stage: blocks its offset"): {"1": zero, "2": SERIES},
-        small_capacitor("C20", extra.limit_f, "first stage: ends its gain above the vibrations"): {
+        rated.capacitor("C14", extra.series_f, "first stage: blocks its offset"): {"1": zero, "2": SERIES},
+        rated.small_capacitor("C20", extra.limit_f, "first stage: ends its gain above the vibrations"): {
             "1": STAGE1_OUT, "2": FEEDBACK,
         },
-        filter_resistor("R15", RECTIFIER_OHM, "rectifier: input"): {"1": FILTERED, "2": RECT_IN},
-        filter_resistor("R16", RECTIFIER_OHM, "rectifier: feedback"): {"1": RECT_IN, "2": RECTIFIED},
+        rated.resistor("R15", RECTIFIER_OHM, "rectifier: input"): {"1": FILTERED, "2": RECT_IN},
+        rated.resistor("R16", RECTIFIER_OHM, "rectifier: feedback"): {"1": RECT_IN, "2": RECTIFIED},
         diodes[0]: {"1": RECT_OUT, "2": RECTIFIED},
         diodes[1]: {"1": RECT_IN, "2": RECT_OUT},
-        filter_resistor("R17", c.r_lp_ohm, "envelope: input, as R_LP"): {"1": RECTIFIED, "2": LP_IN},
-        filter_resistor("R6", c.r_lp_ohm, "envelope: R_LP"): {"1": LP_IN, "2": ENVELOPE},
-        signal_capacitor("C4", c.c_lp_f, "envelope: C_LP"): {"1": LP_IN, "2": ENVELOPE},
+        rated.resistor("R17", c.r_lp_ohm, "envelope: input, as R_LP"): {"1": RECTIFIED, "2": LP_IN},
+        rated.resistor("R6", c.r_lp_ohm, "envelope: R_LP"): {"1": LP_IN, "2": ENVELOPE},
+        rated.capacitor("C4", c.c_lp_f, "envelope: C_LP"): {"1": LP_IN, "2": ENVELOPE},
         amplifier("U3", values.amplifier, "rectifier and envelope"): {
             "3": zero, "2": RECT_IN, "1": RECT_OUT, "5": zero, "6": LP_IN, "7": ENVELOPE, "8": VCC, "4": supply.minus,
         },

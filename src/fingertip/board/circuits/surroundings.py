@@ -6,11 +6,10 @@ from collections.abc import Mapping
 
 from fingertip.board.circuit import Circuit, Part, connected
 from fingertip.board.circuits.parts import (
+    Rated,
     Wiring,
     bridge_resistor,
-    filter_resistor,
     part,
-    small_capacitor,
     supply_capacitor,
 )
 from fingertip.board.kicad import symbols
@@ -55,9 +54,10 @@ def whole_board(values: BoardValues, signal_path: Wiring, fourth_pin: str = GND)
     """A variant's parts from TACTILE on, with what all variants have around them; checked."""
     supply = SUPPLIES[values.supply]
     wiring: dict[Part, Mapping[str, str]] = {}
-    supplied = _split_supply() if supply.minus == VEE else _single_supply()
+    rated = Rated(values.tolerance)
+    supplied = _split_supply() if supply.minus == VEE else _single_supply(rated)
     for block in (
-        _front_end(values, supply), signal_path, _converter(values.converter, supply, fourth_pin), supplied,
+        _front_end(values, supply), signal_path, _converter(values.converter, rated, supply, fourth_pin), supplied,
         _test_points(supply), _holes(),
     ):  # fmt: skip
         wiring.update(block)
@@ -84,7 +84,7 @@ def _front_end(values: BoardValues, supply: Supply) -> Wiring:
     }  # fmt: skip
 
 
-def _converter(alias: Converter, supply: Supply, fourth_pin: str) -> Wiring:
+def _converter(alias: Converter, rated: Rated, supply: Supply, fourth_pin: str) -> Wiring:
     """Anti-alias poles and clamps to ground and VCC, for the envelope and for the tactile voltage."""
     pins = {"1": ADC_TACTILE, "2": ADC_ENVELOPE, "3": GND, "4": fourth_pin}
     symbol, header = symbols.CONNECTOR_4, symbols.HEADER_4
@@ -93,19 +93,19 @@ def _converter(alias: Converter, supply: Supply, fourth_pin: str) -> Wiring:
         symbol, header = symbols.CONNECTOR_5, symbols.HEADER_5
     output = part("J3", "ADC", symbol, header, "to the converter: tactile voltage, envelope")
     return {
-        filter_resistor("R7", alias.envelope_ohm, "anti-alias of the envelope"): {"1": ENVELOPE, "2": ADC_ENVELOPE},
-        small_capacitor("C8", alias.envelope_f, "anti-alias of the envelope"): {"1": ADC_ENVELOPE, "2": GND},
+        rated.resistor("R7", alias.envelope_ohm, "anti-alias of the envelope"): {"1": ENVELOPE, "2": ADC_ENVELOPE},
+        rated.small_capacitor("C8", alias.envelope_f, "anti-alias of the envelope"): {"1": ADC_ENVELOPE, "2": GND},
         _clamp("D2", "clamp of the envelope"): {"1": GND, "2": VCC, "3": ADC_ENVELOPE},
-        filter_resistor("R8", alias.first_ohm, "anti-alias of the tactile voltage, first pole"): {
+        rated.resistor("R8", alias.first_ohm, "anti-alias of the tactile voltage, first pole"): {
             "1": TACTILE, "2": ALIAS_MID,
         },
-        small_capacitor("C9", alias.first_f, "anti-alias of the tactile voltage, first pole"): {
+        rated.small_capacitor("C9", alias.first_f, "anti-alias of the tactile voltage, first pole"): {
             "1": ALIAS_MID, "2": GND,
         },
-        filter_resistor("R9", alias.second_ohm, "anti-alias of the tactile voltage, second pole"): {
+        rated.resistor("R9", alias.second_ohm, "anti-alias of the tactile voltage, second pole"): {
             "1": ALIAS_MID, "2": ADC_TACTILE,
         },
-        small_capacitor("C19", alias.second_f, "anti-alias of the tactile voltage, second pole"): {
+        rated.small_capacitor("C19", alias.second_f, "anti-alias of the tactile voltage, second pole"): {
             "1": ADC_TACTILE, "2": GND,
         },
         _clamp("D3", "clamp of the tactile voltage"): {"1": GND, "2": VCC, "3": ADC_TACTILE},
@@ -128,7 +128,7 @@ def _split_supply() -> Wiring:
     }
 
 
-def _single_supply() -> Wiring:
+def _single_supply(rated: Rated) -> Wiring:
     """Connector, decoupling, and the supply's middle: a divider and a follower.
 
     The follower's output has no capacitor, which it could not drive, and R24 keeps the cable's from it; it carries the
@@ -147,7 +147,7 @@ def _single_supply() -> Wiring:
         supply_capacitor("C21", BULK_F, "supply's middle: keeps ripple out", symbols.C_0805): {"1": HALF, "2": GND},
         buffer: {"3": HALF, "4": VMID, "1": VMID, "5": VCC, "2": GND},
         supply_capacitor("C22", SUPPLY_F, "supply, at U5"): plus,
-        filter_resistor("R24", CABLE_OHM, "supply's middle: keeps the cable off its buffer"): {"1": M_OUT, "2": VMID},
+        rated.resistor("R24", CABLE_OHM, "supply's middle: keeps the cable off its buffer"): {"1": M_OUT, "2": VMID},
     }
 
 

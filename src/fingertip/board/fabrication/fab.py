@@ -18,8 +18,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from fingertip.board.circuit import Circuit
-from fingertip.board.circuits.parts import FINE
-from fingertip.board.fabrication.bom import bought
+from fingertip.board.fabrication.bom import bought, grouped
 from fingertip.board.layout.placement import Placement
 from fingertip.errors import BoardError, MissingLibraryError
 
@@ -126,13 +125,14 @@ def _gerbers(here: Path, run: Run, name: str) -> bytes:
 def parts_file(circuit: Circuit) -> bytes:
     """Bill of materials in assembly houses' columns; the part numbers are left for whoever orders.
 
-    Resistors that must be finer than usual say so in their comment, and stand on a line of their own.
+    The comment of a resistor, a capacitor or a trimmer carries what to look for, as only its value would be bought
+    otherwise; the lines are those of `bom.csv`.
     """
-    lines: dict[tuple[str, str], list[str]] = {}
-    for part in bought(circuit):
-        comment = f"{part.value} {FINE}" if part.rating.startswith(FINE) else part.value
-        lines.setdefault((comment, part.footprint.split(":")[1]), []).append(part.reference)
-    return _table(PARTS_COLUMNS, ((value, ",".join(refs), footprint, "") for (value, footprint), refs in lines.items()))
+    rows = []
+    for (value, footprint, rating), references in grouped(circuit).items():
+        named = references[0].rstrip("0123456789") not in ("R", "C", "RV")
+        rows.append((value if named else f"{value}, {rating}", ",".join(references), footprint, ""))
+    return _table(PARTS_COLUMNS, rows)
 
 
 def placement_file(circuit: Circuit, placement: Placement) -> bytes:

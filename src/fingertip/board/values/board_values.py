@@ -25,6 +25,14 @@ from fingertip.design.sections import Board
 
 
 @dataclass(frozen=True)
+class Tolerance:
+    """Of the filter's parts: what is bought, and what the analysis reckons with."""
+
+    resistor_percent: float
+    capacitor_percent: float
+
+
+@dataclass(frozen=True)
 class BoardValues:
     """Component values of one design's board and what they do."""
 
@@ -38,6 +46,7 @@ class BoardValues:
     """What the formulas give (article, eqs. 2, 5, 6, 7, 11)."""
     preferred: Components
     """What is fitted: resistors of the design's series; capacitors as in the design, or of their own series."""
+    tolerance: Tolerance
     wanted: Response
     """The response of the ideal values."""
     achieved: Response
@@ -115,6 +124,7 @@ def board_values(design: Design) -> BoardValues:
         amplifier=amplifier,
         ideal=ideal,
         preferred=preferred,
+        tolerance=Tolerance(board.resistor_tolerance_percent, board.capacitor_tolerance_percent),
         wanted=_wanted(board, ideal),
         achieved=achieved,
         bridge=bridge,

@@ -13,7 +13,7 @@ from fingertip.board.kicad.netlist import kicad_netlist
 from fingertip.board.kicad.project import kicad_project
 from fingertip.board.layout.file import kicad_board
 from fingertip.board.layout.tracks import load_template
-from fingertip.board.readme import HEADING, folder_readme
+from fingertip.board.readme.file import HEADING, folder_readme
 from fingertip.board.schematic.file import kicad_schematic
 from fingertip.board.spice.deck import spice_deck
 from fingertip.board.values.board_values import BoardValues, board_values

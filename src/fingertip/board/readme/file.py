@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import textwrap
-
 from fingertip.board.circuit import Circuit, by_reference
+from fingertip.board.readme.notes import before_power, paragraph, rest_and_threshold, signals
 from fingertip.board.values.board_values import BoardValues
 from fingertip.board.variants import Variant
 from fingertip.design import Design
@@ -13,7 +12,8 @@ HEADING = "# The slip-filter board\n"
 
 _TEXT = """
 {what}
-Achieved: -3 dB at {cutoff:.2f} Hz, gain {gain:.2f} ({gain_db:.2f} dB), Q {quality:.4f}, envelope decay {decay:.2f} ms.
+Achieved: gain {gain:.2f} ({gain_db:.2f} dB), 3 dB less at {cutoff:.2f} Hz and {upper:.5g} Hz; Q {quality:.4f}, envelope
+decay {decay:.2f} ms.
 
 | file | what it is |
 | --- | --- |
@@ -42,6 +42,10 @@ placement for the assembly, pictures (needs KiCad 9).
 
 {signals}
 
+## Before you switch it on
+
+{power}
+{rest_level}
 ## Values
 
 | part | value | what it does |
@@ -52,31 +56,22 @@ placement for the assembly, pictures (needs KiCad 9).
 
 - The bridge (R10 to R13) takes 0.1 % resistors: 1 % of one of them moves the tactile voltage by about 0.1 V.
 - C1 to C4 are in the signal path: take film or C0G parts where the size allows, because X7R capacitors lose value with
-  voltage and move the cutoff.
+  voltage and move the cutoff. `bom.csv` asks for the tolerance the design reckons with
+  (`board.capacitor_tolerance_percent`); X7R parts of 5 % are made, but rarely stocked.
 - R6 and C4 are the article's R_LP and C_LP; KiCad wants references that end in a digit.
 {noise}
 - Assembly houses turn some parts otherwise than KiCad: compare their preview with the picture.
 - Nobody has built this board yet. Checked so far: KiCad's electrical and design rules, ngspice against the formulas.
+
+## Known to be missing
+
+- A filter for the bridge's supply: what keeps ripple of 30 Hz from it is too large for this board.
+- Protection from a supply the wrong way round, and from too high a one.
 """
 
 _WHAT = (
     "Variant `{variant}`, {supplied}: bridge and amplifier for the force-sensing resistor; {summary}; the way to the "
     "converter; the supply. {width:g} x {height:g} mm, two layers, all {count} parts in front."
-)
-_SPLIT = "A converter for plus and minus 10 V sees the signals as they are; they rest at ground."
-_SINGLE = (
-    "Signals rest at the supply's buffered middle, {rest:.2f} V, so the envelope is E less M; any converter that "
-    "takes 0 to {supply:g} V sees T, E and M. The sensor's second pin is at the middle too: let it touch neither "
-    "ground nor metal that is grounded. The amplifiers are TLV2372, because a TL082 reaches neither rail."
-)
-_SIGNALS = (
-    " T lies between {least:.2f} V (20 N) and {most:.2f} V (no force), E rises by {envelope:.1f} V at most. A "
-    "vibration of more than {vibration:.0f} mV in the tactile voltage is cut off in the filter. D2 and D3 keep T "
-    "and E between ground and + {supply:g} V (and a diode's drop beyond), R7 to R9 limit what flows then. R8, C9, "
-    "R9 and C19 (and R7, C8) fit a converter of {rate:g} samples per second: they take {alias:.0f} dB off what "
-    "would fold onto {band:.0f} Hz, the upper end of slip's vibrations. For another rate set "
-    "`detector.sample_rate_hz`."
-    " A converter's inputs should have 10 Mohm or more: R7 to R9 divide with them."
 )
 _NOISE = "With the default values the bridge's amplifier leaves 0.3 mV of noise (rms, typical). "
 _NOISE_PAPER = _NOISE + (
@@ -95,26 +90,10 @@ _NOISE_MV = {
 """Of the default values; a test holds them against the analysis, which needs numpy and is not run for each folder."""
 
 
-def _paragraph(words: str, first: str = "", rest: str = "") -> str:
-    return textwrap.fill(words, 120, initial_indent=first, subsequent_indent=rest, break_on_hyphens=False)
-
-
 def folder_readme(circuit: Circuit, variant: Variant, values: BoardValues, design: Design) -> bytes:
     """Markdown, UTF-8."""
     bought = sorted((part for part in circuit.parts if part.rating), key=by_reference)
-    single, limits, supply_v = values.supply == "single", values.limits, design.board.supply_v
-    signals = (_SINGLE if single else _SPLIT) + _SIGNALS
-    signals = signals.format(
-        rest=limits.rest_v,
-        supply=supply_v,
-        least=limits.tactile_least_v,
-        most=limits.tactile_most_v,
-        envelope=limits.envelope_most_v,
-        vibration=1e3 * limits.vibration_peak_v,
-        rate=design.detector.sample_rate_hz,
-        alias=-values.alias.raw_alias_db,
-        band=values.alias.band_hz,
-    )
+    single, supply_v = values.supply == "single", design.board.supply_v
     noise = _NOISE_PAPER if values.variant == "paper" else _NOISE_OTHERS
     what = _WHAT.format(
         variant=values.variant,
@@ -126,8 +105,9 @@ def folder_readme(circuit: Circuit, variant: Variant, values: BoardValues, desig
     )
     text = _TEXT.format(
         name=circuit.name,
-        what=_paragraph(what),
+        what=paragraph(what),
         cutoff=values.achieved.cutoff_hz,
+        upper=values.achieved.upper_cutoff_hz,
         gain=values.achieved.passband_gain,
         gain_db=values.achieved.passband_gain_db,
         quality=values.achieved.section_quality,
@@ -135,13 +115,15 @@ def folder_readme(circuit: Circuit, variant: Variant, values: BoardValues, desig
         supply=supply_v,
         rest="the middle" if single else "ground",
         minus="" if single else f"- {supply_v:g} V",
-        fourth="S: low while it slips" if any(part.reference == "U4" for part in circuit.parts) else "0",
+        fourth=f"S: low while it slips, else + {supply_v:g} V" if values.decision else "0",
         fifth_head=" pin 5 |" if single else "",
         fifth_rule=" --- |" if single else "",
         fifth_empty=" |" if single else "",
         fifth=" M: where E rests |" if single else "",
-        signals=_paragraph(signals),
-        noise=_paragraph(noise.format(**_NOISE_MV[values.supply]), "- ", "  "),
+        signals=signals(values, design),
+        power=before_power(values, design),
+        rest_level=rest_and_threshold(values, design),
+        noise=paragraph(noise.format(**_NOISE_MV[values.supply]), "- ", "  "),
         parts="\n".join(f"| {part.reference} | {part.value} | {part.role} |" for part in bought),
     )
     return (HEADING + text).encode()

@@ -1,0 +1,1 @@
+"""The README of the folder a board is written to."""

@@ -12,7 +12,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.circuit import Circuit
-from fingertip.board.kicad.footprints import FOOTPRINTS, ROUND_RATIO
+from fingertip.board.kicad.footprints import DOT_MM, FOOTPRINTS, ROUND_RATIO
 from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_MM
 from fingertip.board.layout.file import EDGE_CLEARANCE_MM
 from fingertip.board.layout.names import obscured
@@ -177,8 +177,38 @@ def test_every_part_has_its_name_on_the_board_and_it_can_be_read(name: str) -> N
     assert set(placement.names) == {part.reference for part in circuit.parts if part.reference[0] != "H"}
 
 
+@pytest.mark.parametrize("name", VARIANTS)
+def test_the_print_says_which_board_it_is(name: str) -> None:
+    assert VARIANTS[name].placement.words[-1][0].split()[-2:] == name.split("_")
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_a_dot_stands_at_pin_1_of_every_amplifier_clear_of_all_pads(name: str) -> None:
+    circuit, placement = made(name)
+    pads = list(placed_pads(circuit, placement))
+    for part in circuit.parts:
+        if part.reference[0] != "U":
+            continue
+        dot, spot = FOOTPRINTS[part.footprint].dot, placement.spots[part.reference]
+        assert dot is not None
+        x, y = (a + b for a, b in zip((spot.x, spot.y), turned(spot.angle, *dot), strict=True))
+
+        def away(pad: PlacedPad, x: float = x, y: float = y) -> float:
+            beside = max(abs(pad.x - x) - pad.half_width, 0.0), max(abs(pad.y - y) - pad.half_height, 0.0)
+            return math.hypot(*beside) - DOT_MM / 2
+
+        assert min(map(away, pads)) > 0.1
+        nearest = min((pad for pad in pads if pad.reference == part.reference), key=away)
+        assert nearest.pad.number == "1", part.reference
+
+
 def test_print_that_cannot_be_read_is_noticed() -> None:
     names, spots = PAPER_PLACEMENT.names, PAPER_PLACEMENT.spots
+    dot = FOOTPRINTS[CIRCUIT.part("U1").footprint].dot
+    assert dot is not None
+    x, y = turned(spots["U1"].angle, *dot)
+    close = replace(PAPER_PLACEMENT, names={**names, "C1": (spots["U1"].x + x, spots["U1"].y + y)})
+    assert "C1 lies on the dot of U1" in list(obscured(CIRCUIT, close))
 
     def found(**moved: tuple[float, float]) -> str:
         return "; ".join(obscured(CIRCUIT, replace(PAPER_PLACEMENT, names={**names, **moved}), [names["R1"]], VIA_MM))

@@ -13,6 +13,10 @@ from fingertip.board.kicad import symbols
 Point = tuple[float, float]
 
 
+DOT_MM = 0.5
+"""Diameter of the dot beside pin 1."""
+
+
 @dataclass(frozen=True)
 class Pad:
     """A pad, round where width and height are those of a circle and `shape` says so."""
@@ -41,6 +45,8 @@ class Footprint:
     silk: tuple[tuple[Point, Point], ...] = ()
     """Lines printed on the board."""
     paste: bool = True
+    dot: Point | None = None
+    """Middle of the dot printed beside pin 1."""
 
 
 def _chip(x: float, width: float, height: float, court: Point, body: Point, ratio_silk: float) -> Footprint:
@@ -60,10 +66,12 @@ def _dual_row(x: float, pitch: float, width: float, height: float, court: Point,
     left = [Pad(str(i), -x, y, width, height) for i, y in enumerate(rows, start=1)]
     right = [Pad(str(9 - i), x, y, width, height) for i, y in enumerate(rows, start=1)]
     half, tall = body
-    # Both ends, and a line beside pin 1.
+    # Both ends, and a dot where pin 1 is, clear of its pad.
     edge = tall + 0.11
-    silk = (((-half, -edge), (half, -edge)), ((-half, edge), (half, edge)), ((-half, -edge), (-x - width / 2, -edge)))
-    return Footprint((*left, *right), (-court[0], -court[1], court[0], court[1]), (-half, -tall, half, tall), silk)
+    silk = (((-half, -edge), (half, -edge)), ((-half, edge), (half, edge)))
+    dot = (-half - 0.2 - DOT_MM, rows[0] - height / 2 - 0.15 - DOT_MM / 2)
+    box = (-court[0], -court[1], court[0], court[1])
+    return Footprint((*left, *right), box, (-half, -tall, half, tall), silk, dot=dot)
 
 
 def _header(pins: int) -> Footprint:
@@ -96,7 +104,7 @@ FOOTPRINTS: dict[str, Footprint] = {
         (Pad("1", -1.1375, -0.95, 1.325, 0.6), Pad("2", -1.1375, 0.0, 1.325, 0.6), Pad("3", -1.1375, 0.95, 1.325, 0.6),
          Pad("4", 1.1375, 0.95, 1.325, 0.6), Pad("5", 1.1375, -0.95, 1.325, 0.6)),
         (-2.05, -1.7, 2.05, 1.7), (-0.8, -1.45, 0.8, 1.45),
-        (((-0.8, -1.56), (0.8, -1.56)), ((-0.8, 1.56), (0.8, 1.56)), ((-1.8, -1.5), (-0.8, -1.56))),
+        (((-0.8, -1.56), (0.8, -1.56)), ((-0.8, 1.56), (0.8, 1.56))), dot=(-1.4, -1.65),
     ),
     symbols.TC33X: Footprint(
         (Pad("1", -1.8, -1.0, 1.2, 1.2, "rect"), Pad("2", 1.45, 0.0, 1.5, 1.6, "rect"),

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from itertools import combinations
 
-from fingertip.board.circuit import Circuit
-from fingertip.board.kicad.footprints import FOOTPRINTS
+from fingertip.board.circuit import Circuit, Part
+from fingertip.board.kicad.footprints import DOT_MM, FOOTPRINTS
 from fingertip.board.layout.placement import Placement, turned
 
 Point = tuple[float, float]
@@ -35,6 +35,7 @@ def obscured(circuit: Circuit, placement: Placement, vias: Iterable[Point] = (),
     yield from (f"{reference} has no name on the board" for reference in named if reference not in placement.names)
     boxes = printed(placement)
     things = {f"part {part.reference}": _part_box(circuit, placement, part.reference) for part in circuit.parts}
+    things |= {f"the dot of {part.reference}": box for part in circuit.parts for box in _dot(placement, part)}
     things |= {f"via {i}": _box(x, y, via_mm, via_mm) for i, (x, y) in enumerate(vias, start=1)}
     for name, box in boxes.items():
         left, top, right, bottom = box
@@ -65,6 +66,14 @@ def _part_box(circuit: Circuit, placement: Placement, reference: str) -> Box:
     points += [(x, y) for x in shape.body[::2] for y in shape.body[1::2]]
     xs, ys = zip(*(turned(spot.angle, x, y) for x, y in points), strict=True)
     return (spot.x + min(xs) - 0.1, spot.y + min(ys) - 0.1, spot.x + max(xs) + 0.1, spot.y + max(ys) + 0.1)
+
+
+def _dot(placement: Placement, part: Part) -> Iterator[Box]:
+    """The dot beside pin 1, of a part that has one."""
+    if middle := FOOTPRINTS[part.footprint].dot:
+        spot = placement.spots[part.reference]
+        x, y = turned(spot.angle, *middle)
+        yield _box(spot.x + x, spot.y + y, DOT_MM + 0.2, DOT_MM + 0.2)
 
 
 def _overlap(a: Box, b: Box) -> bool:

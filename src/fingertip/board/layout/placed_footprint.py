@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from fingertip.board.circuit import Circuit, Part, kicad_name
-from fingertip.board.kicad.footprints import FOOTPRINTS, ROUND_RATIO, Footprint, Pad
+from fingertip.board.kicad.footprints import DOT_MM, FOOTPRINTS, ROUND_RATIO, Footprint, Pad
 from fingertip.board.kicad.identity import named_uuid, part_uuid
 from fingertip.board.kicad.sexpr import Expression, number, quoted
 from fingertip.board.layout.names import SIZE_MM
@@ -115,6 +115,13 @@ def _lines(shape: Footprint, name: Callable[[str], str]) -> Iterator[Expression]
             "fp_line", ("start", number(a[0]), number(a[1])), ("end", number(b[0]), number(b[1])),
             ("stroke", ("width", "0.12"), ("type", "solid")), ("layer", quoted("F.SilkS")),
             ("uuid", name(f"silk {i}")),
+        )  # fmt: skip
+    if shape.dot:
+        x, y = shape.dot
+        yield (
+            "fp_circle", ("center", number(x), number(y)), ("end", number(x + DOT_MM / 4), number(y)),
+            ("stroke", ("width", number(DOT_MM / 2)), ("type", "solid")), ("fill", "no"), ("layer", quoted("F.SilkS")),
+            ("uuid", name("dot")),
         )  # fmt: skip
 
 

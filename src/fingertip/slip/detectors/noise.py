@@ -133,8 +133,8 @@ def setting_remarks(design: Design) -> Iterator[str]:
     if step > _COARSE * d.noise_v > 0.0:
         yield (
             f"detector.adc_bits of {d.adc_bits} over plus and minus {d.adc_range_v:g} V are steps of "
-            f"{1000 * step:.3g} mV, in which noise of {1000 * d.noise_v:.3g} mV is lost: weak slip is not seen, and single steps look like "
-            "slip. Take more bits, or a smaller detector.adc_range_v."
+            f"{1000 * step:.3g} mV, in which noise of {1000 * d.noise_v:.3g} mV is lost: weak slip is not seen, and "
+            "single steps look like slip. Take more bits, or a smaller detector.adc_range_v."
         )
     lasts = d.window_samples / d.sample_rate_hz
     if lasts < SHORTEST_S:

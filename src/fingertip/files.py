@@ -5,14 +5,14 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import BinaryIO
 
 from fingertip.errors import Fault, OutputError
 
 
-def write_whole(folder: Path, contents: Mapping[str, bytes]) -> None:
+def write_whole(folder: Path, contents: Mapping[str, bytes], outdated: Iterable[str] = ()) -> None:
     """Write several files into one folder so that each appears whole, and none before all could be written.
 
     Parameters
@@ -21,13 +21,15 @@ def write_whole(folder: Path, contents: Mapping[str, bytes]) -> None:
         Made if missing, with its parents.
     contents
         File name -> bytes. Existing files of these names are replaced, others are left alone.
+    outdated
+        Names of files that the new ones make wrong: removed once those are in place.
 
     Raises
     ------
     OutputError
         If the folder or a file cannot be written; nothing that was there has changed then.
     """
-    _write(folder, contents, str(folder), "choose another folder with --out")
+    _write(folder, contents, str(folder), "choose another folder with --out", outdated)
 
 
 def write_file(path: Path, data: bytes, option: str = "--out") -> None:
@@ -62,12 +64,14 @@ def open_whole(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
         os.replace(aside / path.name, path)
 
 
-def _write(folder: Path, contents: Mapping[str, bytes], field: str, remedy: str) -> None:
+def _write(folder: Path, contents: Mapping[str, bytes], field: str, remedy: str, outdated: Iterable[str] = ()) -> None:
     with _aside(folder, field, remedy) as aside:
         for file, data in contents.items():
             (aside / file).write_bytes(data)
         for file in contents:
             os.replace(aside / file, folder / file)
+        for file in outdated:
+            (folder / file).unlink(missing_ok=True)
 
 
 @contextlib.contextmanager

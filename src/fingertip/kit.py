@@ -26,6 +26,9 @@ from fingertip.errors import DesignError, Fault
 from fingertip.files import write_whole
 
 FORMATS = ("stl", "3mf", "step")
+DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
+WRITTEN = (*(f"{part}.{kind}" for part in PARTS for kind in FORMATS), ASSEMBLY, SHEET, REPORT, DESIGN)
+"""Every file a build may write."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,8 @@ class Build:
     checks: tuple[Check, ...]
     casting: Mapping[str, Any] | None
     """Figures of the casting sheet, as `casting.sheet.figures` gives them; None if parts were left out."""
+    removed: tuple[str, ...] = ()
+    """Files of another design that stood in the folder."""
 
     @property
     def passed(self) -> bool:
@@ -95,7 +100,9 @@ def build(
 ) -> Build:
     """Build parts, check them, and write them with `design.toml`, `casting.md` and `report.json`.
 
-    Only what is asked for is built, and cadquery is loaded (in a process of its own) only for "step".
+    Only what is asked for is built, and cadquery is loaded (in a process of its own) only for "step". A folder holds
+    one design: where its `design.toml` is another's, what an earlier build wrote there and this one does not replace
+    is removed in the end.
 
     Parameters
     ----------
@@ -117,18 +124,18 @@ def build(
     Raises
     ------
     DesignError
-        If a part, a format, the tolerance or the silicone is not to be had.
+        If a part, a format, the tolerance, the silicone or the folder's name is not to be had.
     MissingLibraryError
         If STEP is asked for and cadquery cannot be loaded.
     GeometryError, OutputError
         If a kernel refuses a solid; if the folder cannot be written. Nothing has been written then.
     """
+    if out is not None and not str(out).strip():
+        raise DesignError(Fault("--out", "is empty; give a folder, such as . for this one, or leave it out."))
     folder = Path("out") / design.name if out is None else Path(out)
     known = tuple(parts_of(design))
-    chosen, kinds = (
-        _ordered("--parts", known if parts is None else parts, known),
-        _ordered("--formats", formats, FORMATS),
-    )
+    chosen = _ordered("--parts", known if parts is None else parts, known)
+    kinds = _ordered("--formats", formats, FORMATS)
     refuse_tolerance(tolerance_mm)
     card, evaluator = silicone(material), Evaluator(tolerance_mm)
 
@@ -157,21 +164,42 @@ def build(
         for name in chosen
     )
     heading = "The design these files were built from; `fingertip build` takes it as it is."
-    contents["design.toml"] = to_toml(design, heading).encode()
     if casting:
-        contents["casting.md"] = markdown.page(casting).encode()
-    result = Build(design, folder, tolerance_mm, built, contents, tuple(found), casting)
-    contents["report.json"] = (json.dumps(result.report(), indent=2) + "\n").encode()
-    write_whole(folder, contents)
+        contents[SHEET] = markdown.page(casting).encode()
+    removed = tuple(name for name in _of_another(folder, design) if name not in (*contents, DESIGN, REPORT))
+    result = Build(design, folder, tolerance_mm, built, contents, tuple(found), casting, removed)
+    contents[REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
+    contents[DESIGN] = to_toml(design, heading).encode()  # the last: until it stands there, the folder is the old one's
+    write_whole(folder, contents, removed)
     say(f"{len(contents)} files in {folder}")
+    if removed:
+        say(f"removed from {folder}, being of another design: {', '.join(removed)}")
     return result
+
+
+def _of_another(folder: Path, design: Design) -> list[str]:
+    """Files in a folder that a build of another design wrote; without a `design.toml` nobody can tell."""
+    try:
+        if not (folder / DESIGN).is_file() or Design.load(folder / DESIGN) == design:
+            return []
+    except DesignError:
+        pass  # no longer a design, so not this one
+    return [name for name in WRITTEN if (folder / name).is_file()]
 
 
 def _ordered(option: str, asked: Iterable[str], known: tuple[str, ...]) -> list[str]:
     """What was asked for, in the fixed order and without repeats, so that the order of asking changes nothing."""
+    if isinstance(asked, str):
+        raise DesignError(Fault(option, f"{asked!r} is one text; give a list, such as {asked.split(',')!r}."))
     wanted = set(asked)
     if unknown := sorted(wanted - set(known)):
-        raise DesignError([Fault(option, f"there is no {word!r}; {nearest(word, known)}") for word in unknown])
+        raise DesignError([Fault(option, _unknown(word, known)) for word in unknown])
     if not wanted:
         raise DesignError(Fault(option, f"nothing was asked for; choose from {', '.join(known)}."))
     return [name for name in known if name in wanted]
+
+
+def _unknown(word: str, known: tuple[str, ...]) -> str:
+    if word in PARTS:  # so far there is one that not every design has
+        return f"this design has no {word!r}, which only a sleeve is cast around; --set mold.method=sleeve."
+    return f"there is no {word!r}; {nearest(word, known)}"

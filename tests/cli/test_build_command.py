@@ -50,6 +50,8 @@ def test_default_folder_is_out_and_the_designs_name(tmp_path: Path) -> None:
         (["--set", "skin.width_mm=nan"], "not a finite number"),
         (["--parts", "bone,skinn"], "did you mean skin?"),
         (["--parts", ","], "nothing was asked for"),
+        (["--parts", "core"], "has no 'core', which only a sleeve is cast around; --set mold.method=sleeve"),
+        (["--out", ""], "--out: is empty; give a folder"),
         (["--formats", "stl,obj"], "there is no 'obj'"),
         (["--tolerance-mm", "5"], "out of bounds"),
         (["--tolerance-mm", "nan"], "out of bounds"),
@@ -166,3 +168,66 @@ def test_nothing_half_written_when_the_disk_is_full(tmp_path: Path, monkeypatch:
     with pytest.raises(OutputError, match="No space left on device"):
         write_whole(tmp_path, {"a": b"new", "b": b"new"})
     assert snapshot(tmp_path) == {"a": b"old", "b": b"old"}
+
+
+def test_a_folder_holds_one_design(tmp_path: Path) -> None:
+    """What an earlier build of another design wrote goes with it, once the new files are there; nothing else does."""
+    quick = ("--formats", "stl", "--tolerance-mm", "0.05")
+    run_fingertip("build", FSR400, "--out", tmp_path, *quick)
+    for name in ("bone.step", "skin.3mf", "assembly.step", "core.stl"):  # of earlier runs, and
+        (tmp_path / name).write_bytes(b"old")
+    mine = {"mine.txt": b"mine", "exploded.png": b"a picture", "my_bone.stl": b"mine"}
+    for name, data in mine.items():
+        (tmp_path / name).write_bytes(data)
+    before = snapshot(tmp_path)
+
+    refused = run_fingertip("build", FSR400, "--out", tmp_path, *quick, "--set", "skin.width_mm=10")
+    assert refused.returncode == 2
+    assert snapshot(tmp_path) == before
+
+    same = run_fingertip("build", FSR400, "--out", tmp_path, *quick, "--parts", "bone", "--json")
+    assert json.loads(same.stdout)["removed"] == []
+    assert set(snapshot(tmp_path)) == set(before), "the same design's other parts stay"
+
+    other = run_fingertip("build", FSR400, "--out", tmp_path, *quick, "--parts", "bone", "--set", "skin.width_mm=18")
+    assert other.returncode == 0, other.stderr
+    left = snapshot(tmp_path)
+    assert set(left) == {"bone.stl", "design.toml", "report.json", *mine}
+    assert {name: left[name] for name in mine} == mine
+    (said,) = (line for line in other.stderr.splitlines() if line.startswith("removed"))
+    assert {word.strip(",") for word in said.split()} >= set(before) - set(left)
+
+
+def test_a_folder_without_a_design_keeps_everything(tmp_path: Path) -> None:
+    (tmp_path / "skin.stl").write_bytes(b"of somebody")
+    done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--parts", "bone")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "skin.stl").read_bytes() == b"of somebody"
+
+
+def test_outdated_files_stay_when_the_new_ones_cannot_be_written(tmp_path: Path) -> None:
+    from fingertip.errors import OutputError
+    from fingertip.files import write_whole
+
+    (tmp_path / "bone.stl").mkdir()  # in the way of a rename
+    (tmp_path / "skin.stl").write_bytes(b"old")
+    with pytest.raises(OutputError):
+        write_whole(tmp_path, {"bone.stl": b"new"}, ["skin.stl"])
+    assert snapshot(tmp_path) == {"skin.stl": b"old"}
+
+
+def test_every_file_of_a_build_is_known(built: object) -> None:
+    from fingertip.kit import WRITTEN, Build
+
+    assert isinstance(built, Build)
+    assert set(built.contents) <= set(WRITTEN)
+
+
+def test_a_text_where_a_list_belongs() -> None:
+    from fingertip import Design, build
+    from fingertip.errors import DesignError
+
+    with pytest.raises(DesignError, match=r"--formats: 'stl,3mf' is one text; give a list, such as \['stl', '3mf'\]"):
+        build(Design(), formats="stl,3mf")
+    with pytest.raises(DesignError, match=r"changes: 'skin.width_mm=18' is one text; give a list"):
+        Design.load(changes="skin.width_mm=18")

@@ -107,6 +107,12 @@ def test_what_is_no_number_is_refused(value: str) -> None:
     assert set(faults(changes=(f"skin.width_mm={value}",))) >= {"skin.width_mm"} or value == "{a=1}"
 
 
+def test_a_file_as_windows_saves_it(tmp_path: Path) -> None:
+    marked = tmp_path / "bom.toml"
+    marked.write_bytes(b"\xef\xbb\xbf[skin]\r\nwidth_mm = 18\r\n")
+    assert Design.load(marked).skin.width_mm == 18
+
+
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     broken, binary = tmp_path / "broken.toml", tmp_path / "binary.toml"
     broken.write_text("[mold\n")

@@ -13,7 +13,9 @@ from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption
 @command
 def build(
     design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
-    out: Annotated[Path | None, typer.Option(help="Folder to write to; out/<design name> if left out.")] = None,
+    out: Annotated[
+        str | None, typer.Option(metavar="PATH", help="Folder to write to; out/<design name> if left out.")
+    ] = None,
     parts: Annotated[str | None, typer.Option(help="Which parts, separated by commas; all if left out.")] = None,
     formats: Annotated[str, typer.Option(help="Which formats, separated by commas.")] = "stl,3mf,step",
     tolerance_mm: Annotated[float, typer.Option(help="Most a facet strays from the exact surface.")] = 0.01,
@@ -48,7 +50,8 @@ def build(
     lines.append(
         f"{len(result.checks) - len(failed)} of {len(result.checks)} checks passed; written to {result.folder}"
     )
-    console.result(result.report() | {"folder": str(result.folder)}, "\n".join(lines))
+    data = result.report() | {"folder": str(result.folder), "removed": list(result.removed)}
+    console.result(data, "\n".join(lines))
     if failed:
         raise typer.Exit(CHECK_FAILED)
 

@@ -18,11 +18,13 @@ def gather(files: Iterable[str | Path], changes: Iterable[str]) -> dict[str, Any
     DesignError
         With every file that cannot be read and every change that cannot be understood.
     """
+    if isinstance(changes, str):
+        raise DesignError(Fault("changes", f"{changes!r} is one text; give a list, such as {[changes]!r}."))
     merged: dict[str, Any] = {}
     faults: list[Fault] = []
     for path in map(Path, files):
         try:
-            _merge(merged, tomllib.loads(path.read_text(encoding="utf-8")))
+            _merge(merged, tomllib.loads(path.read_text(encoding="utf-8-sig")))
         except tomllib.TOMLDecodeError as error:
             faults.append(Fault(str(path), f"is no valid TOML: {error}."))
         except UnicodeDecodeError:

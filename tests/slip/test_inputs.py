@@ -11,9 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from typer.testing import CliRunner
 
-from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.errors import MissingLibraryError
 from fingertip.slip import make
@@ -21,34 +19,7 @@ from fingertip.slip.traces.parsed import Wanted
 from fingertip.slip.traces.rate import at_rate
 from fingertip.slip.traces.read import parse
 from tests.conftest import design_file
-
-RNG = np.random.default_rng(0)
-
-
-def run(*words, lines=None):
-    return CliRunner().invoke(app, [str(word) for word in words], input=lines)
-
-
-def burst(rate: float = 2000.0) -> tuple[np.ndarray, np.ndarray]:
-    """One second with slip from 0.5 to 0.7 s."""
-    t = np.arange(int(rate)) / rate
-    volts = 4.0 + np.random.default_rng(1).normal(0, 4e-4, len(t))
-    return t, volts + 0.01 * np.sin(2 * np.pi * 90 * t) * ((t >= 0.5) & (t < 0.7))
-
-
-def csv(t, v, delimiter=",", header=("time_s", "voltage_v"), comma=False) -> str:
-    lines = [delimiter.join(header), *(f"{a:.6f}{delimiter}{b:.6f}" for a, b in zip(t, v, strict=True))]
-    return "\n".join([lines[0], *(line.replace(".", ",") if comma else line for line in lines[1:])]) + "\n"
-
-
-def the_onset(done) -> float:
-    assert done.exit_code == 0, done.stderr
-    (interval,) = json.loads(done.stdout)["intervals"]
-    return interval["onset_s"]
-
-
-T, V = burst()
-ONSET = float(T[np.flatnonzero(make("digital", Design()).process(np.round(V, 6)).on)[0]])
+from tests.slip.recordings import ONSET, T, V, burst, csv, run, the_onset
 
 
 @pytest.mark.parametrize(("delimiter", "comma"), [(",", False), (";", False), (";", True), ("\t", False), ("\t", True)])
@@ -121,7 +92,7 @@ def test_other_rates(tmp_path, rate, detector):
     done = run("detect", tmp_path / "t.csv", "--detector", detector, "--json")
     assert f"is sampled at {rate} Hz: filters, window and threshold are made for that" in done.stderr
     assert 0.5 < the_onset(done) < {"digital": 0.525, "fft": 0.54, "fast": 0.506}[detector]
-    given = run("detect", tmp_path / "t.csv", "--detector", detector, "--rate-hz", rate, "--json", "--design", DESIGN)
+    given = run("detect", tmp_path / "t.csv", "--detector", detector, "--rate-hz", rate, "--json")
     assert given.stdout == done.stdout
     # A rate that was stated is kept to.
     for stated in (("--set", "detector.sample_rate_hz=2000"), ("--design", DESIGN), ("--rate-hz", 2000)):

@@ -1,24 +1,28 @@
 """What every command shares: results on stdout, words and progress on stderr, errors as sentences, exit codes.
 
-Exit codes: 0 done and valid, 1 a check failed, 2 bad input.
+Exit codes: 0 done and valid, 1 a check failed, 2 bad input, 130 interrupted with part of the result told.
 """
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import json
+import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from typing import Annotated, Any, ParamSpec
 
 import typer
 
-from fingertip.errors import FingertipError
+from fingertip.errors import Fault, FingertipError, OutputError
 
 P = ParamSpec("P")
 
 CHECK_FAILED = 1
 BAD_INPUT = 2
+INTERRUPTED = 130
 
 # Options of the same name mean the same in every command, so they are declared once.
 JsonOption = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else there.")]
@@ -44,9 +48,49 @@ class Console:
     def result(self, data: Mapping[str, Any], text: str) -> None:
         """The command's result on stdout: `data` as one JSON object, or else `text` for people."""
         if self.as_json:
-            print(json.dumps(data, indent=2, allow_nan=False))
+            self.write(json.dumps(data, indent=2, allow_nan=False))
         elif text:
-            print(text)
+            self.write(text)
+
+    def write(self, text: str) -> None:
+        """A line of the result, or all of it, on stdout at once.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written, as on a full disk; a reader who has seen enough is no error of that kind.
+        """
+        try:
+            print(text, flush=True)
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            _abandon_stdout()
+            reason = error.strerror or str(error)
+            raise OutputError(Fault("standard output", f"cannot be written ({reason}); send it elsewhere.")) from error
+
+    def faults(self, error: FingertipError, beside: Mapping[str, Any] | None = None) -> None:
+        """Faults as sentences on stderr, and under --json as one object on stdout, with what was found before them."""
+        for fault in error.faults:
+            print(f"error: {fault}", file=sys.stderr)
+        if self.as_json:
+            faults = [{"field": fault.field, "sentence": fault.sentence} for fault in error.faults]
+            with contextlib.suppress(OutputError):  # then they stand on stderr only
+                self.write(json.dumps({**(beside or {}), "faults": faults}, indent=2))
+
+
+def picture_faults(option: str, path: Path | None) -> Iterator[Fault]:
+    """Pictures are PNG, and a file should be what its name says."""
+    if path is not None and path.suffix.lower() != ".png" and not path.is_dir():
+        yield Fault(option, f"{path.name!r} is no name of a PNG, which is what is written; end it in .png.")
+
+
+def _abandon_stdout() -> None:
+    """What is left in its buffer would fail once more when the process ends, with a traceback."""
+    with contextlib.suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
 
 
 def command(function: Callable[P, None]) -> Callable[P, None]:
@@ -57,11 +101,7 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
         try:
             function(*args, **kwargs)
         except FingertipError as error:
-            for fault in error.faults:
-                print(f"error: {fault}", file=sys.stderr)
-            if kwargs.get("as_json"):
-                faults = [{"field": fault.field, "sentence": fault.sentence} for fault in error.faults]
-                print(json.dumps({"faults": faults}, indent=2))
+            Console(bool(kwargs.get("as_json")), False).faults(error)
             raise typer.Exit(BAD_INPUT) from None
 
     return run

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, picture_faults
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -58,42 +56,46 @@ def detect(
     design's board makes of the voltage.
     """
     from fingertip import slip
-    from fingertip.design import Design
+    from fingertip.cli.given import load_design
+    from fingertip.cli.live import live
     from fingertip.errors import Fault, FingertipError, TraceError
     from fingertip.slip.detectors import noise, registry
     from fingertip.slip.detectors.quiet import quiet_noise_v
-    from fingertip.slip.traces import rate
     from fingertip.slip.traces.parsed import Wanted
     from fingertip.slip.traces.read import parse
     from fingertip.slip.traces.trace import remarks
 
     console = Console(as_json, quiet)
-    loaded = Design.load(*([design] if design else []), changes=changes or ())
-    if rate_hz is not None:
-        loaded = rate.at_rate(loaded, rate_hz)
-    wanted = Wanted(_names(columns or []), rate_hz, scale)
+    if refused := list(picture_faults("--plot", plot)):
+        raise TraceError(refused)
+    loaded, told = load_design(design, changes)
+    chosen = "threshold_v" in told.get("detector", {})
     registry.known(detector)
+    if rate_hz is not None:
+        loaded, made, where = _at_rate(loaded, rate_hz, detector, chosen, quiet_s)
+        console.say(f"{made} are made for {rate_hz:g} Hz{where}")
+    wanted = Wanted(_names(columns or []), rate_hz, scale)
     if not wanted.in_volts and quiet_s is None and detector != "paper":
         raise TraceError(Fault("--quiet-s", "is missing: the design's thresholds are in volts, this column is not."))
     if str(trace) == "-":
-        _live(console, loaded, detector, wanted, plot, quiet_s)
+        live(console, loaded, detector, wanted, plot, quiet_s)
         return
     parsed = parse(trace, wanted)
     stated = rate_hz is not None or design is not None or any("sample_rate_hz" in c for c in changes or ())
     found_hz = parsed.rate_hz
     if found_hz and not stated and abs(found_hz / loaded.detector.sample_rate_hz - 1) > 0.005 and not parsed.faults:
         try:
-            loaded = rate.at_rate(loaded, found_hz)
+            loaded, made, where = _at_rate(loaded, found_hz, detector, chosen, quiet_s)
+            console.say(f"{trace} is sampled at {found_hz:g} Hz: {made} are made for that{where}")
         except FingertipError as error:
             why = " ".join(fault.sentence for fault in error.faults)
             sentence = f"is sampled at {found_hz:g} Hz, which no detector is made for: {why}"
             raise TraceError(Fault(f"{trace}, time_s", sentence)) from None
-        console.say(f"{trace} is sampled at {found_hz:g} Hz: filters, window and threshold are made for that")
     read = parsed.checked(loaded.detector)
     noise_v, level = None, None
     early = slice(0, 0)
     if quiet_s is not None:
-        early = slice(0, int((read.time_s < read.time_s[0] + quiet_s).sum()))
+        early = _early(read, quiet_s, trace.name)
     if detector == "paper":
         read, loaded, level = _board(console, read, loaded, wanted, early, trace.name)
     elif quiet_s is not None:
@@ -106,6 +108,11 @@ def detect(
     if level:
         for remark in noise.remarks(found.threshold_v, level):
             console.say(f"warning: {remark}")
+    if early.stop and (on := [i.onset_s for i in found.intervals if i.onset_s <= read.time_s[early.stop - 1]]):
+        sentence = (
+            f"ON at {on[0]:.4f} s, within the {quiet_s:g} s of --quiet-s: if something happened there, thresholds"
+        )
+        console.say(f"warning: {sentence} are too high; choose a shorter part.")
     if plot is not None:
         from fingertip.files import write_file
         from fingertip.slip.plot import draw
@@ -113,6 +120,47 @@ def detect(
         console.say(f"drawing {plot}")
         write_file(plot, draw(read, found, trace.name), "--plot")
     console.result(_data(found, level), _text(found))
+
+
+def _at_rate(
+    design: Design, rate_hz: float, detector: str, chosen: bool, quiet_s: float | None
+) -> tuple[Design, str, str]:
+    """The design at another rate, what was made for it, and where its threshold stands.
+
+    A threshold that was chosen stays, and so does one on the board's output, which has no rate.
+    """
+    from fingertip.slip.traces.rate import at_rate
+
+    keep = chosen or detector == "paper"
+    anew = at_rate(design, rate_hz, keep)
+    if quiet_s is not None or detector not in ("digital", "paper"):  # it follows from the noise
+        return anew, "filters, window and threshold", ""
+    volts = anew.detector.threshold_v
+    if keep:
+        why = "as it was set" if chosen else "on the board's output"
+        return anew, "filters and window", f"; the threshold stays {volts:.9g} V, {why}"
+    return anew, "filters, window and threshold", f"; the threshold is {volts:.3g} V"
+
+
+def _early(read: Trace, quiet_s: float, name: str) -> slice:
+    """The samples of the quiet start.
+
+    Raises
+    ------
+    TraceError
+        If that is the whole trace, or the trace says that it slips there.
+    """
+    from fingertip.errors import Fault, TraceError
+
+    early = slice(0, int((read.time_s < read.time_s[0] + quiet_s).sum()))
+    if early.stop == len(read.time_s):
+        lasts = f"all {read.time_s[-1] - read.time_s[0]:.4g} s of {name}"
+        remedy = "choose a part at the start in which nothing happens"
+        raise TraceError(Fault("--quiet-s", f"{quiet_s:g} s takes in {lasts}; {remedy}."))
+    if read.slip is not None and read.slip[early].any():
+        onset_s = read.time_s[early][read.slip[early]][0] - read.time_s[0]
+        raise TraceError(Fault("--quiet-s", f"{quiet_s:g} s takes in slip, from {onset_s:.4g} s on; choose less."))
+    return early
 
 
 def _board(
@@ -151,43 +199,6 @@ def _names(columns: list[str]) -> dict[str, str]:
     return {column: name for column, _, name in pairs}
 
 
-def _live(
-    console: Console, design: Design, detector: str, wanted: Wanted, plot: Path | None, quiet_s: float | None
-) -> None:
-    """Lines from standard input: each change is printed when it is found."""
-    from fingertip.errors import Fault, TraceError
-    from fingertip.slip import make
-    from fingertip.slip.detectors import registry
-    from fingertip.slip.live import NAME, follow
-    from fingertip.slip.traces.parsed import Wanted
-
-    if not wanted.in_volts and detector == "paper":
-        raise TraceError(Fault("--column", "names a force; line by line paper takes volts only: save the lines first."))
-    if not sys.stdin or sys.stdin.closed:
-        raise TraceError(Fault("-", "standard input is closed; pipe lines into it."))
-    if refused := [name for name, value in (("--plot", plot), ("--quiet-s", quiet_s)) if value is not None]:
-        raise TraceError([Fault(name, "needs the whole trace; save the lines in a file first.") for name in refused])
-    rate_hz = design.detector.sample_rate_hz
-    changes: list[dict[str, Any]] = []
-    lines, made = iter(sys.stdin), make(detector, design)
-    if registry.known(detector).reads == "envelope_v":
-        header = next(lines, "")
-        lines = itertools.chain([header], lines)
-        if wanted.of("envelope_v") in header:
-            wanted = Wanted({**wanted.names, "voltage_v": wanted.of("envelope_v")}, wanted.rate_hz)
-        else:
-            from fingertip.sim.electronics.board_detector import BoardDetector
-
-            console.say(f"{NAME} holds no column {wanted.of('envelope_v')}: simulating the design's board")
-            made = BoardDetector(design)
-    for change in follow(lines, made, rate_hz, wanted):
-        if console.as_json:
-            changes.append({"on": change.on, "time_s": round(change.time_s, 7)})
-        else:
-            print(f"{'ON ' if change.on else 'OFF'}  {change.time_s:9.4f} s", flush=True)
-    console.result({"detector": detector, "changes": changes}, "")
-
-
 def _data(found: Detection, level: NoiseLevel | None) -> dict[str, Any]:
     score = found.score
     return {
@@ -207,13 +218,14 @@ def _interval(interval: Interval) -> dict[str, float]:
 
 
 def _text(found: Detection) -> str:
+    from fingertip.slip.words import verdict
+
     lines = [f"ON   {i.onset_s:9.4f} s to {i.end_s:9.4f} s" for i in found.intervals] or ["never ON"]
     if found.score is None:
         return "\n".join(lines)
     score = found.score
     for slip, delay in zip(score.slips, score.delays_s, strict=True):
-        verdict = "missed" if delay is None else f"found after {1000 * delay:.1f} ms"
-        lines.append(f"slip {slip.onset_s:9.4f} s to {slip.end_s:9.4f} s: {verdict}")
+        lines.append(f"slip {slip.onset_s:9.4f} s to {slip.end_s:9.4f} s: {verdict(delay)}")
     lines.append(f"false intervals: {len(score.false_intervals)}")
     lines.extend(f"     {i.onset_s:9.4f} s to {i.end_s:9.4f} s" for i in score.false_intervals)
     return "\n".join(lines)

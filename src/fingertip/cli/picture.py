@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, picture_faults
 
 
 @command
@@ -20,12 +20,15 @@ def picture(
     quiet: QuietOption = False,
 ) -> None:
     """Draw the exploded fingertip and a section through the closed mold."""
-    from fingertip.design import Design
+    from fingertip.cli.given import load_design
+    from fingertip.errors import OutputError
     from fingertip.files import write_file
     from fingertip.view.picture import draw
 
     console = Console(as_json, quiet)
-    loaded = Design.load(design, changes=changes or ())
+    if refused := list(picture_faults("--out", out)):
+        raise OutputError(refused)
+    loaded, _ = load_design(design, changes)
     path = out or Path("out") / loaded.name / "exploded.png"
     write_file(path, draw(loaded, width_px, console.say))
     console.result({"picture": str(path)}, f"drawn to {path}")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, picture_faults
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -68,6 +68,7 @@ def simulate(
         )
     if out.suffix.lower() not in (".csv", ".npz"):
         faults.append(Fault("--out", f"{out.name!r} is no kind of trace file known here; end it in .csv or .npz."))
+    faults.extend(picture_faults("--plot", plot))
     if plot == out:
         faults.append(Fault("--plot", f"{plot} is the trace's own name; choose another, such as trace.png."))
     if is_scene and seed < 0:  # a trial says so itself

@@ -13,6 +13,7 @@ from fingertip.slip.detectors.chain import ChainOutput
 from fingertip.slip.detectors.registry import DETECTORS
 from fingertip.slip.intervals import Interval, intervals
 from fingertip.slip.traces.trace import Trace
+from fingertip.slip.words import verdict
 
 _VOLTAGE, _FORCE, _ENVELOPE, _MEAN, _ON, _TRUTH = (
     "#1f4e79",
@@ -97,8 +98,6 @@ def _on_off(axes: Axes, detection: Detection, truth: Sequence[Interval] | None) 
     axes.grid(True, axis="x", color=GRID, linewidth=0.7)
     axes.set_axisbelow(True)
     if detection.score is not None:
-        delays = [d for d in detection.score.delays_s if d is not None]
-        words = [f"found after {1000 * d:.1f} ms" for d in delays]
-        words += ["missed"] * len(detection.score.missed)
+        words = [verdict(delay) for delay in detection.score.delays_s]
         words.append(f"false intervals: {len(detection.score.false_intervals)}")
         axes.set_title("; ".join(words), loc="left", fontsize=9, color=INK)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -13,6 +14,12 @@ from fingertip.errors import Fault, TraceError
 from fingertip.slip.traces.trace import Trace, column_faults, length_faults, range_faults, time_faults
 
 COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v")
+_FORCE = re.compile(r".*(_n|[\[(]N[\])]|force)$|force", re.IGNORECASE)
+
+
+def is_force(name: str) -> bool:
+    """Whether a column's name says that it holds a force: `force_n`, `Load [N]`, `Force`."""
+    return _FORCE.match(name) is not None
 
 
 @dataclass(frozen=True)
@@ -57,7 +64,7 @@ class Wanted:
     @property
     def in_volts(self) -> bool:
         """Whether the signal is a voltage: a force column may stand in for it."""
-        return not self.of("voltage_v").endswith("_n")
+        return not is_force(self.of("voltage_v"))
 
     def trace(self, columns: Mapping[str, NDArray[np.float64]]) -> Trace:
         """A trace of columns that were read under a trace's names."""

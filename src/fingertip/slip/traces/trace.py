@@ -101,13 +101,19 @@ def range_faults(trace: Trace, detector: Detector, name: str, first_line: int | 
     if not beyond.size:
         return
     first = int(beyond[0])
-    said = f"{volts[first]:g} {_where(first, first_line)} is beyond the converter's {most:g} V"
-    if np.all(volts[np.isfinite(volts)] % 1 == 0):
+    whole = bool(np.all(volts[np.isfinite(volts)] % 1 == 0))
+    yield Fault(f"{name}, voltage_v", beyond_sentence(f"{volts[first]:g} {_where(first, first_line)}", whole, detector))
+
+
+def beyond_sentence(value: str, whole: bool, detector: Detector) -> str:
+    """Of a voltage that the converter cannot have given, and its place; `whole`: all of them are whole numbers."""
+    most = detector.adc_range_v
+    if whole:
         step = 2 * most / 2**detector.adc_bits
         remedy = f"whole numbers throughout look like its counts: --scale {step:.8g} makes volts of them"
     else:
         remedy = "give --scale if the column is not in volts, or --set detector.adc_range_v"
-    yield Fault(f"{name}, voltage_v", f"{said}; {remedy}.")
+    return f"{value} is beyond the converter's {most:g} V; {remedy}."
 
 
 def remarks(trace: Trace, detector: Detector) -> Iterator[str]:
@@ -149,14 +155,17 @@ def time_faults(time_s: NDArray[np.float64], detector: Detector, name: str, firs
                 f"usual step {usual:.4g} s){more}; detection needs evenly spaced samples.",
             )
     rate = float(len(steps) / (time_s[-1] - time_s[0])) if even else 1 / usual
-    wanted = detector.sample_rate_hz
-    if abs(rate / wanted - 1) > RATE_TOLERANCE:
-        yield Fault(
-            field,
-            f"is sampled at {rate:.6g} Hz, the detector is designed for {wanted:g} Hz "
-            f"(within {100 * RATE_TOLERANCE:g} %); use --rate-hz {rate:.6g} to make its filters "
-            "for that, or sample the trace anew.",
-        )
+    if abs(rate / detector.sample_rate_hz - 1) > RATE_TOLERANCE:
+        yield Fault(field, rate_sentence(rate, detector))
+
+
+def rate_sentence(rate_hz: float, detector: Detector) -> str:
+    """Of samples that come at another rate [Hz] than the detector's."""
+    return (
+        f"is sampled at {rate_hz:.6g} Hz, the detector is designed for {detector.sample_rate_hz:g} Hz "
+        f"(within {100 * RATE_TOLERANCE:g} %); use --rate-hz {rate_hz:.6g} to make its filters "
+        "for that, or sample the trace anew."
+    )
 
 
 def _where(sample: int, first_line: int | None) -> str:

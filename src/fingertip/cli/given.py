@@ -1,0 +1,70 @@
+"""A design as a command was given it; a file of another kind is answered with what it is, and who takes it."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fingertip.design import Design
+
+
+def load_design(file: Path | None, changes: Sequence[str] | None) -> tuple[Design, dict[str, Any]]:
+    """The design of a file (of the defaults, without one) with changes; and what file and changes say, without what
+    they leave to the defaults.
+
+    Raises
+    ------
+    DesignError
+        If the file is missing or no valid TOML, the design is refused, or the file is none of a design.
+    """
+    from fingertip.design import Design
+    from fingertip.design.cascade import gather
+    from fingertip.errors import DesignError
+
+    tables = gather([file] if file else [], changes or ())
+    try:
+        return Design(**tables), tables
+    except DesignError:
+        refuse_other(file)
+        raise
+
+
+def refuse_other(file: Path | None) -> None:
+    """Refuse a file that is a scene, a manipulation or a sweep: its names would all be called unknown.
+
+    Raises
+    ------
+    DesignError
+        With what it is, and which command takes it.
+    """
+    from fingertip.errors import DesignError, Fault
+
+    if file is not None and (what := other_kind(file)):
+        raise DesignError(Fault(str(file), f"is {what}, no design; {_takers(what, file)}."))
+
+
+def other_kind(file: Path) -> str:
+    """`a sweep`, `a scene` or `a manipulation` by the names at the file's top level; "" for all else."""
+    from fingertip.design import Design
+    from fingertip.sim import ManipulationFile, SceneFile
+
+    try:
+        names = set(tomllib.loads(file.read_text(encoding="utf-8-sig")))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        return ""
+    if "axes" in names:
+        return "a sweep"
+    names -= set(Design.model_fields)
+    of_scene, of_manipulation = set(SceneFile.model_fields), set(ManipulationFile.model_fields)
+    if names & (of_manipulation - of_scene):
+        return "a manipulation"
+    return "a scene" if names & of_scene else ""
+
+
+def _takers(what: str, file: Path) -> str:
+    if what == "a sweep":
+        return f"fingertip sweep {file} takes it"
+    return f"fingertip simulate {file} takes it, and a design beside it with --design"

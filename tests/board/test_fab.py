@@ -13,8 +13,9 @@ import pytest
 from fingertip.board import board_circuit, board_files, board_values, differences, write_board
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fab import PARTS_COLUMNS, PLACEMENT_COLUMNS, gerbers, parts_file, placement_file
+from fingertip.board.fabrication.made_from import differing, origin
 from fingertip.board.layout.placements import load_placement
-from fingertip.board.output import LAYOUT, README
+from fingertip.board.output import LAYOUT, MADE_FROM, README
 from fingertip.design import Design
 from tests.board.kicad import HOW, kicad_cli
 from tests.conftest import run_fingertip
@@ -122,6 +123,52 @@ def test_fabrication_files_are_whole_and_the_same_each_time(tmp_path: Path) -> N
     assert b"T1C0.300" in archive.read("slip_filter.drl")
     assert (one / "slip_filter_front.png").read_bytes().startswith(b"\x89PNG")
     assert (one / "slip_filter_schematic.pdf").read_bytes().startswith(b"%PDF")
+    recorded = [line.split("  ")[1] for line in (one / MADE_FROM).read_text().splitlines()]
+    assert {path.name for path in one.iterdir()} == {name for name in recorded if "/" not in name} | {MADE_FROM}
+    assert run_fingertip("board", "--check", "--fab", "--out", tmp_path).returncode == 0
+
+
+BOARD = {"slip_filter.kicad_pcb": b"pcb", "slip_filter.kicad_sch": b"sch", "bom.csv": b"bom", "values.json": b"{}"}
+
+
+def test_the_record_says_what_is_not_of_this_board(tmp_path: Path) -> None:
+    made = {"slip_filter_gerbers.zip": b"zip", "slip_filter_parts.csv": b"parts"}
+    for name, data in (made | {"record": origin(BOARD, made)}).items():
+        (tmp_path / name).write_bytes(data)
+    assert differing(tmp_path, "record", BOARD) == []
+    assert differing(tmp_path, "record", BOARD | {"values.json": b"other"}) == []
+    for name in ("slip_filter.kicad_pcb", "slip_filter.kicad_sch", "bom.csv"):
+        (sentence,) = differing(tmp_path, "record", BOARD | {name: b"other"})
+        assert f"was made from another {name} than this design gives; make it anew with --fab" in sentence
+    (tmp_path / "slip_filter_gerbers.zip").write_bytes(b"older")
+    (tmp_path / "slip_filter_parts.csv").unlink()
+    changed, missing = differing(tmp_path, "record", BOARD)
+    assert "slip_filter_gerbers.zip: was changed after it was made" in changed
+    assert "slip_filter_parts.csv: cannot be read" in missing
+    for record in (b"hello", b"\xff\xfe"):
+        (tmp_path / "record").write_bytes(record)
+        assert "holds no record that says" in differing(tmp_path, "record", BOARD)[0]
+
+
+def test_gerbers_of_an_earlier_board_are_named(tmp_path: Path) -> None:
+    assert run_fingertip("board", "--out", tmp_path).stderr.count("warning") == 0
+    assert run_fingertip("board", "--out", tmp_path, "--check", "--fab").returncode == 1, "there are none"
+    (tmp_path / "fab").mkdir()
+    (tmp_path / "fab" / "slip_filter_gerbers.zip").write_bytes(b"zip")
+    (tmp_path / "fab" / MADE_FROM).write_bytes(origin(board_files(Design()), {"slip_filter_gerbers.zip": b"zip"}))
+    assert run_fingertip("board", "--out", tmp_path, "--check", "--fab").returncode == 0
+    assert "warning" not in run_fingertip("board", "--out", tmp_path).stderr
+
+    run = run_fingertip("board", "--out", tmp_path, "--set", "board.cutoff_hz=80", "--json")
+    assert run.returncode == 0
+    assert f"warning: {tmp_path / 'fab'}: was made from another slip_filter.kicad_pcb than this design" in run.stderr
+    assert any("bom.csv" in sentence for sentence in json.loads(run.stdout)["outdated"])
+    for words in (("--check",), ("--check", "--fab")):
+        run = run_fingertip("board", "--out", tmp_path, "--set", "board.cutoff_hz=80", *words)
+        assert run.returncode == 1
+        assert "make it anew with --fab" in run.stdout
+    (tmp_path / "fab" / MADE_FROM).unlink()
+    assert "holds no made_from.sha256" in run_fingertip("board", "--out", tmp_path).stderr
 
 
 def test_without_kicad_it_says_how_to_install_it(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from fingertip.board.circuit import Circuit
 from fingertip.board.fabrication.bom import bill_of_materials
+from fingertip.board.fabrication.made_from import differing, origin
 from fingertip.board.kicad.netlist import kicad_netlist
 from fingertip.board.kicad.project import kicad_project
 from fingertip.board.layout.file import kicad_board
@@ -31,6 +32,7 @@ PROJECT = "slip_filter.kicad_pro"
 README = "README.md"
 
 FAB_FOLDER = "fab"
+MADE_FROM = "made_from.sha256"
 _SHOWN_LINES = 12
 
 
@@ -88,6 +90,8 @@ def write_fabrication(
 ) -> tuple[Path, ...]:
     """Write what is sent to a board house into `out`/fab, all or none; returns the paths. Needs KiCad.
 
+    `made_from.sha256` beside them says of which board's files they are, as `sha256sum --check` reads it.
+
     Raises
     ------
     MissingLibraryError
@@ -100,8 +104,9 @@ def write_fabrication(
     from fingertip.board.fabrication.fab import fabrication_files
 
     values = board_values(design)
-    placement = variant_of(values).placement
-    files = fabrication_files(board_files(design), board_circuit(values), placement, tell)
+    placement, board = variant_of(values).placement, board_files(design)
+    files = fabrication_files(board, board_circuit(values), placement, tell)
+    files[MADE_FROM] = origin(board, files)
     folder = Path(out) / FAB_FOLDER
     write_whole(folder, files)
     return tuple(folder / name for name in files)
@@ -123,6 +128,17 @@ def differences(design: Design, folder: str | Path) -> list[str]:
             found.append(f"{path}: differs from what this design gives.")
             found += _first_lines(kept, data)
     return found
+
+
+def fabrication_differences(design: Design, folder: str | Path, expected: bool = False) -> list[str]:
+    """Why the fabrication files beside a folder's board are not of this design, as sentences; empty if they are.
+
+    Where there are none, that is a fault if they are `expected`.
+    """
+    fab = Path(folder) / FAB_FOLDER
+    if not expected and not (fab / MADE_FROM).is_file() and not any(fab.glob("slip_filter_*")):
+        return []
+    return differing(fab, MADE_FROM, board_files(design))
 
 
 def _first_lines(kept: bytes, data: bytes) -> list[str]:

@@ -19,7 +19,11 @@ def board(
     design: Annotated[Path | None, typer.Argument(help="Design file; without it, the defaults.")] = None,
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the files.")] = Path("pcb"),
     check: Annotated[
-        bool, typer.Option("--check", help="Write nothing; compare the folder with the design, exit 1 if it differs.")
+        bool,
+        typer.Option(
+            "--check",
+            help="Write nothing; compare the folder (with --fab, OUT/fab too) with the design, exit 1 if it differs.",
+        ),
     ] = False,
     fab: Annotated[
         bool, typer.Option("--fab", help="Also gerbers, drill, placement, parts, pictures into OUT/fab; needs KiCad 9.")
@@ -35,13 +39,19 @@ def board(
     quiet: QuietOption = False,
 ) -> None:
     """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill of materials."""
-    from fingertip.board import board_values, differences, write_board, write_fabrication
-    from fingertip.design import Design
+    from fingertip.board import (
+        board_values,
+        differences,
+        fabrication_differences,
+        write_board,
+        write_fabrication,
+    )
+    from fingertip.cli.given import load_design
 
     console = Console(as_json, quiet)
-    loaded = Design.load(*([design] if design else []), changes=changes or ())
+    loaded, _ = load_design(design, changes)
     if check:
-        found = differences(loaded, out)
+        found = differences(loaded, out) + fabrication_differences(loaded, out, expected=fab)
         current = "" if found else f"{out} is what this design gives"
         console.result({"current": not found, "differences": found}, "\n".join(found) or current)
         if found:
@@ -56,6 +66,9 @@ def board(
         for path in made:
             console.say(f"wrote {path}")
         paths += made
+    outdated = fabrication_differences(loaded, out)
+    for sentence in outdated:
+        console.say(f"warning: {sentence} Do not send it to anybody.")
     data, text = values.as_data(), _table(loaded, values)
     if bode:
         from fingertip.board.analysis.analyse import bode_table
@@ -71,7 +84,7 @@ def board(
         found_figures = analyse(loaded)
         data["analysis"] = found_figures.as_data()
         text += "\n\n" + analysis_text(found_figures)
-    console.result({**data, "files": [path.as_posix() for path in paths]}, text)
+    console.result({**data, "files": [path.as_posix() for path in paths], "outdated": outdated}, text)
 
 
 def _table(design: Design, values: BoardValues) -> str:

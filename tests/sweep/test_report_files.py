@@ -339,3 +339,46 @@ def test_only_drawing_loads_matplotlib() -> None:
         "print(*{'matplotlib', 'pyarrow', 'scipy', 'cadquery', 'distributed'} & set(sys.modules))"
     )
     assert run_python("-c", code).stdout.strip() == ""
+
+
+BOARDS = """
+name = "boards"
+outputs = ["cutoff_3db_hz", "gain"]
+GOAL
+[axes]
+board.cutoff_hz = [60, 67, 75]
+"""
+
+
+def test_show_asks_what_the_file_now_wants(tmp_path: Path) -> None:
+    """Rows do not depend on objectives: a file that asks for others is answered; any other change is told apart."""
+    file, out = tmp_path / "s.toml", tmp_path / "rows"
+
+    def asked(goal: str, *words: str) -> Any:
+        file.write_text(BOARDS.replace("GOAL", goal))
+        return CliRunner().invoke(app, ["sweep", str(file), "--out", str(out), "--json", "--quiet", *words])
+
+    assert asked("", "--jobs", "1").exit_code == 0
+    assert json.loads(asked("", "--show").stdout)["best"] is None
+    for goal, point in (('minimise = ["cutoff_3db_hz"]', 0), ('maximise = ["cutoff_3db_hz"]', 2)):
+        shown = asked(goal, "--show")
+        assert shown.exit_code == 0, shown.stderr
+        assert json.loads(shown.stdout)["best"]["point"] == point
+        assert (out / "best.toml").read_text().startswith(f"# Point {point} of the sweep boards.")
+
+    # the folder alone answers by what it was last run with
+    alone = ["sweep", "--show", "--out", str(out), "--json", "--quiet"]
+    assert json.loads(CliRunner().invoke(app, alone).stdout)["best"] is None
+    resumed = asked('minimise = ["cutoff_3db_hz"]', "--resume", "--jobs", "1")
+    assert resumed.exit_code == 0, resumed.stderr
+    assert json.loads(resumed.stdout)["computed_now"] == 0
+    assert json.loads(CliRunner().invoke(app, alone).stdout)["best"]["point"] == 0
+    assert "--set: changes a sweep file" in CliRunner().invoke(app, [*alone, "--set", "trials=4"]).stderr
+
+    for words in (("--show",), ("--resume",)):
+        for change in ("skin.width_mm=18", "axes.board.cutoff_hz=[60, 68, 75]"):
+            other = asked('maximise = ["cutoff_3db_hz"]', *words, "--set", change)
+            assert other.exit_code == 2
+            assert "holds another sweep than the file now asks for (- then, + now)" in other.stderr
+            assert "maximise" not in other.stderr, "that is no difference"
+            assert "18" in other.stderr or "68" in other.stderr

@@ -9,14 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, command
+from fingertip.cli.console import CHECK_FAILED, INTERRUPTED, Console, JsonOption, QuietOption, command
 
 if TYPE_CHECKING:
     from fingertip.sweep.engines import Engine
     from fingertip.sweep.plan import Plan
     from fingertip.sweep.store import Store
-
-INTERRUPTED = 130
 
 
 @command
@@ -63,7 +61,7 @@ def sweep(
     if parquet is not None:
         export.arrow()
     if show:
-        _show(console, _folder(file, out, changes or ()), csv, parquet)
+        _show(console, _asked(file, out, changes or ()), out, csv, parquet)
         return
     if file is None:
         raise SweepError(Fault("SWEEP.toml", "is missing; give a sweep file, such as params/sweeps/board.toml."))
@@ -91,24 +89,28 @@ def _default(plan: Plan) -> Path:
     return Path("out") / "sweeps" / plan.file.name
 
 
-def _folder(file: Path | None, out: Path | None, changes: Sequence[str]) -> Path:
-    """The folder to look into: the one given, or the sweep file's own."""
+def _asked(file: Path | None, out: Path | None, changes: Sequence[str]) -> Plan | None:
+    """The sweep that is asked about; None where its folder alone is given."""
     from fingertip.errors import Fault, SweepError
     from fingertip.sweep.plan import Plan
 
-    if out is not None:
-        return out
-    if file is None:
+    if file is not None:
+        return Plan.load(file, changes)
+    if out is None:
         raise SweepError(Fault("--show", "needs a sweep: give its file, or its folder with --out."))
-    return _default(Plan.load(file, changes))
+    if changes:
+        raise SweepError(Fault("--set", "changes a sweep file; give it beside --show."))
+    return None
 
 
-def _show(console: Console, folder: Path, csv: Path | None, parquet: Path | None) -> None:
+def _show(console: Console, plan: Plan | None, out: Path | None, csv: Path | None, parquet: Path | None) -> None:
     from fingertip.sweep.report import write
     from fingertip.sweep.store import Store
 
+    folder = out if out is not None or plan is None else _default(plan)
+    assert folder is not None
     with Store.open(folder) as store:
-        data = write(store, folder, console.say)
+        data = write(store, folder, console.say, plan)
         _export(console, store, csv, parquet)
     text = data.pop("text")
     console.result(data, text)

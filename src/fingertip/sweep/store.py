@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.errors import Fault, OutputError, SweepError
+from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Value
 from fingertip.sweep.plan import Plan
 from fingertip.sweep.table import STATUSES, Status, Table
@@ -101,7 +102,7 @@ class Store:
 
     @classmethod
     def resume(cls, folder: Path, plan: Plan) -> Store:
-        """Open a sweep to go on with it.
+        """Open a sweep to go on with it. What it minimises and maximises may have changed, and is kept as it is now.
 
         Raises
         ------
@@ -111,7 +112,8 @@ class Store:
         lock = _locked(folder)
         store = cls(folder, _connect(folder / FILE, "rw"), lock)
         try:
-            store._refuse_other(plan)
+            store.refuse_other(plan)
+            _said(folder, lambda: store._keep(plan))
         except BaseException:
             store.close()
             raise
@@ -243,8 +245,22 @@ class Store:
             meta = [("format", FORMAT), ("plan", plan.to_toml())]
             self._connection.executemany("INSERT INTO meta VALUES (?, ?)", meta)
 
-    def _refuse_other(self, plan: Plan) -> None:
-        before, now = self.text.splitlines(), plan.to_toml().splitlines()
+    def _keep(self, plan: Plan) -> None:
+        text = plan.to_toml()
+        if text != self.text:
+            with self._connection:
+                self._connection.execute("BEGIN IMMEDIATE")
+                self._connection.execute("UPDATE meta SET value = ? WHERE key = 'plan'", (text,))
+
+    def refuse_other(self, plan: Plan) -> None:
+        """Refuse a plan whose rows would be others than those of this sweep; its objectives may differ.
+
+        Raises
+        ------
+        SweepError
+            Line by line.
+        """
+        before, now = (sweep_file.without_objectives(text) for text in (self.text, plan.to_toml()))
         if before == now:
             return
         import difflib

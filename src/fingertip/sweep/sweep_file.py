@@ -139,6 +139,11 @@ def to_text(tables: Mapping[str, Any]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def without_objectives(text: str) -> list[str]:
+    """The lines of `to_text` that rows depend on: what is minimised or maximised is only asked of them afterwards."""
+    return [line for line in text.splitlines() if not line.startswith(("minimise = ", "maximise = "))]
+
+
 def _lines(table: Mapping[str, Any], before: str = "") -> Iterator[str]:
     for key, value in table.items():
         if isinstance(value, Mapping) and before == "" and not key.count("."):

@@ -10,11 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from fingertip.sweep.plan import Plan
     from fingertip.sweep.report.summary import Findings
     from fingertip.sweep.store import Store
 
 
-def write(store: Store, folder: Path, say: Callable[[str], None] = lambda message: None) -> dict[str, Any]:
+def write(
+    store: Store, folder: Path, say: Callable[[str], None] = lambda message: None, plan: Plan | None = None
+) -> dict[str, Any]:
     """Write the report of a sweep, finished or not, into a folder.
 
     `summary.json` always; `feasibility.png`, `weights.png`, `heat_OUTPUT.png` and `pairs.png` as far as the rows have
@@ -28,6 +31,8 @@ def write(store: Store, folder: Path, say: Callable[[str], None] = lambda messag
         Where to; files of these names are replaced.
     say
         Called with a sentence at each step.
+    plan
+        The sweep with the objectives to judge by; by default those it was begun or last resumed with.
 
     Returns
     -------
@@ -38,6 +43,8 @@ def write(store: Store, folder: Path, say: Callable[[str], None] = lambda messag
     ------
     OutputError
         If the folder cannot be written; nothing has changed then.
+    SweepError
+        If the store holds another sweep than the plan.
     """
     from fingertip.files import write_whole
     from fingertip.sweep.report.best import as_toml
@@ -45,7 +52,9 @@ def write(store: Store, folder: Path, say: Callable[[str], None] = lambda messag
     from fingertip.sweep.report.text import as_text, best_sentence
 
     say("reading the rows")
-    found = findings(store.plan, store.table())
+    if plan is not None:
+        store.refuse_other(plan)
+    found = findings(plan or store.plan, store.table())
     files: dict[str, bytes] = {}
     if found.choice.best is not None:
         files["best.toml"] = as_toml(found.plan, found.table, found.choice).encode()

@@ -9,6 +9,7 @@ from fingertip.cli.bench import bench
 from fingertip.cli.board import board
 from fingertip.cli.build import build
 from fingertip.cli.check import check
+from fingertip.cli.console import Console, command
 from fingertip.cli.detect import detect
 from fingertip.cli.params import params
 from fingertip.cli.picture import picture
@@ -38,9 +39,10 @@ app.command()(bench)
 
 
 @app.callback(invoke_without_command=True)
+@command
 def _version(version: bool = typer.Option(False, "--version", help="Print the version and exit.")) -> None:
     if version:
-        print(__version__)
+        Console(False, False).write(__version__)
         raise typer.Exit()
 
 

@@ -27,11 +27,11 @@ def build(
     quiet: QuietOption = False,
 ) -> None:
     """Build bone, skin and mold as STL, 3MF and STEP, check them, and write a report and the casting sheet."""
-    from fingertip.design import Design
+    from fingertip.cli.given import load_design
     from fingertip.kit import build as build_parts
 
     console = Console(as_json, quiet)
-    loaded = Design.load(design, changes=changes or ())
+    loaded, _ = load_design(design, changes)
     result = build_parts(
         loaded,
         out,

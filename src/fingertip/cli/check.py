@@ -61,7 +61,7 @@ def check(
 
 def _load(files: Sequence[Path], changes: Sequence[str]) -> dict[str, Design]:
     """Each design by its name; by its file where two share a name (files that leave it out share the default's)."""
-    from fingertip.design import Design
+    from fingertip.cli.given import load_design
     from fingertip.design.cascade import gather
     from fingertip.errors import DesignError, Fault
 
@@ -70,7 +70,7 @@ def _load(files: Sequence[Path], changes: Sequence[str]) -> dict[str, Design]:
     faults: list[Fault] = []
     for file in dict.fromkeys(files):
         try:
-            loaded[file] = Design.load(file, changes=changes)
+            loaded[file], _ = load_design(file, changes)
         except DesignError as error:
             faults += (f if f.field == str(file) else Fault(f"{file}: {f.field}", f.sentence) for f in error.faults)
     if faults:

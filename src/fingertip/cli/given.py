@@ -32,8 +32,8 @@ def load_design(file: Path | None, changes: Sequence[str] | None) -> tuple[Desig
         raise
 
 
-def refuse_other(file: Path | None) -> None:
-    """Refuse a file that is a scene, a manipulation or a sweep: its names would all be called unknown.
+def refuse_other(file: Path | None, wanted: str = "a design") -> None:
+    """Refuse a file that says it is of another kind than is wanted: its names would all be called unknown.
 
     Raises
     ------
@@ -42,12 +42,19 @@ def refuse_other(file: Path | None) -> None:
     """
     from fingertip.errors import DesignError, Fault
 
-    if file is not None and (what := other_kind(file)):
-        raise DesignError(Fault(str(file), f"is {what}, no design; {_takers(what, file)}."))
+    if file is not None and (what := kind(file)) and what != wanted:
+        raise DesignError(Fault(str(file), f"is {what}, no {wanted.split()[1]}; {_taker(what, file)}."))
 
 
-def other_kind(file: Path) -> str:
-    """`a sweep`, `a scene` or `a manipulation` by the names at the file's top level; "" for all else."""
+def refuse_sweep(file: Path | None) -> None:
+    """Refuse a sweep where a design or a scene is wanted. Raises DesignError."""
+    if file is not None and kind(file) == "a sweep":
+        refuse_other(file)
+
+
+def kind(file: Path) -> str:
+    """`a design`, `a sweep`, `a scene` or `a manipulation` by the names at the file's top level; "" if they do not
+    tell, or cannot be read."""
     from fingertip.design import Design
     from fingertip.sim import ManipulationFile, SceneFile
 
@@ -57,14 +64,17 @@ def other_kind(file: Path) -> str:
         return ""
     if "axes" in names:
         return "a sweep"
-    names -= set(Design.model_fields)
-    of_scene, of_manipulation = set(SceneFile.model_fields), set(ManipulationFile.model_fields)
-    if names & (of_manipulation - of_scene):
+    of_design, of_scene, of_manipulation = (set(c.model_fields) for c in (Design, SceneFile, ManipulationFile))
+    if names & (of_manipulation - of_scene - of_design):
         return "a manipulation"
-    return "a scene" if names & of_scene else ""
+    if names & (of_scene - of_design):
+        return "a scene"
+    return "a design" if names & of_design else ""
 
 
-def _takers(what: str, file: Path) -> str:
+def _taker(what: str, file: Path) -> str:
     if what == "a sweep":
         return f"fingertip sweep {file} takes it"
+    if what == "a design":
+        return f'name it in a sweep, design = "{file.name}"'
     return f"fingertip simulate {file} takes it, and a design beside it with --design"

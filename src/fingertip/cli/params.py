@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated
 
@@ -22,17 +23,17 @@ def params(
     quiet: QuietOption = False,
 ) -> None:
     """Print every parameter: value, unit, bounds, meaning."""
-    from fingertip.design import Design, document
+    from fingertip.cli.given import load_design
+    from fingertip.design import document
 
     console = Console(as_json, quiet)
-    loaded = Design.load(*([design] if design else []), changes=changes or ())
-    if schema:
-        import json
-
-        print(json.dumps(document.schema(), indent=2))
+    loaded, _ = load_design(design, changes)
+    if schema:  # one JSON object by itself
+        console.write(json.dumps(document.schema(), indent=2))
         return
     if toml:
-        print(document.to_toml(loaded), end="")
+        text = document.to_toml(loaded)
+        console.result({"toml": text}, text.removesuffix("\n"))
         return
     values = {p.path: _value(loaded, p.path) for p in document.parameters()}
     data = [
@@ -41,7 +42,7 @@ def params(
         for p in document.parameters()
     ]  # fmt: skip
     lines = [
-        f"{p.path:32} {values[p.path]!s:>10.10} {p.unit:8} {p.bounds:24} {p.description}" for p in document.parameters()
+        f"{p.path:32} {values[p.path]!s:>10} {p.unit:8} {p.bounds:24} {p.description}" for p in document.parameters()
     ]
     console.result({"parameters": data}, "\n".join(lines))
 

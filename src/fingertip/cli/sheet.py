@@ -28,11 +28,11 @@ def sheet(
     from fingertip.casting.materials import silicone
     from fingertip.casting.sheet import figures, orientations
     from fingertip.casting.slicer import HOW_TO_INSTALL, Print, find_slicer, slice_part
-    from fingertip.design import Design
+    from fingertip.cli.given import load_design
     from fingertip.files import write_file
 
     console = Console(as_json, quiet)
-    loaded = Design.load(design, changes=changes or ())
+    loaded, _ = load_design(design, changes)
     card = silicone(material)
     prints: dict[str, Print] | None = None
     program = find_slicer() if slicer else None

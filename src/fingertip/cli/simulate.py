@@ -47,6 +47,7 @@ def simulate(
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
     from fingertip import sim
+    from fingertip.cli.given import load_design, refuse_sweep
     from fingertip.design import Design
     from fingertip.errors import Fault, FingertipError
     from fingertip.files import write_file
@@ -57,6 +58,7 @@ def simulate(
 
     console = Console(as_json, quiet)
     faults: list[Fault] = []
+    refuse_sweep(file)
     kind = kind_of(file) if file else Design
     for_scene, for_design = split(changes or (), kind)
     is_scene = kind is not Design
@@ -77,7 +79,7 @@ def simulate(
     scene: SceneFile | ManipulationFile | None = None
     design_file = design if is_scene else file
     try:
-        loaded = Design.load(*([design_file] if design_file else []), changes=for_design)
+        loaded, _ = load_design(design_file, for_design)
     except FingertipError as error:
         faults.extend(error.faults)
     try:
@@ -96,6 +98,9 @@ def simulate(
             ).scene
     except FingertipError as error:
         faults.extend(error.faults)
+    if speed_m_s is not None and isinstance(scene, sim.SceneFile) and not scene.slide.distance_m:
+        remedy = "leave it out, or let the finger slide with --set slide.distance_m=0.04"
+        faults.append(Fault("--speed-m-s", f"{speed_m_s:g} m/s changes nothing, for nothing slides here; {remedy}."))
     if faults or loaded is None or scene is None:
         raise FingertipError(faults)
 

@@ -51,7 +51,6 @@ def sweep(
     """Compute outputs of many designs. Exit code 0: every point has its row; 1: some failed or took too long."""
     from fingertip.errors import Fault, SweepError
     from fingertip.sweep.engines import Processes, default_jobs
-    from fingertip.sweep.plan import Plan
     from fingertip.sweep.report import export
 
     console = Console(as_json, quiet)
@@ -69,7 +68,7 @@ def sweep(
         raise SweepError(Fault("--jobs", f"{jobs} is refused; choose 1 to 1024, or leave it out."))
     if jobs is not None and cluster:
         raise SweepError(Fault("--jobs", "stands beside --cluster, which has its own workers; leave one of them out."))
-    plan = Plan.load(file, changes or ())
+    plan = _load(file, changes or ())
     folder = out or _default(plan)
     engine = _cluster(cluster) if cluster else Processes(jobs or default_jobs())
     with _open(console, folder, plan, resume) as store:
@@ -77,6 +76,19 @@ def sweep(
         _export(console, store, csv, parquet)
     if code:
         raise typer.Exit(code)
+
+
+def _load(file: Path, changes: Sequence[str]) -> Plan:
+    """The sweep of a file; a file of another kind is answered with what it is."""
+    from fingertip.cli.given import refuse_other
+    from fingertip.errors import SweepError
+    from fingertip.sweep.plan import Plan
+
+    try:
+        return Plan.load(file, changes)
+    except SweepError:
+        refuse_other(file, "a sweep")
+        raise
 
 
 def _cluster(address: str) -> Engine:
@@ -92,10 +104,9 @@ def _default(plan: Plan) -> Path:
 def _asked(file: Path | None, out: Path | None, changes: Sequence[str]) -> Plan | None:
     """The sweep that is asked about; None where its folder alone is given."""
     from fingertip.errors import Fault, SweepError
-    from fingertip.sweep.plan import Plan
 
     if file is not None:
-        return Plan.load(file, changes)
+        return _load(file, changes)
     if out is None:
         raise SweepError(Fault("--show", "needs a sweep: give its file, or its folder with --out."))
     if changes:

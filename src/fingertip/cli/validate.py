@@ -33,12 +33,12 @@ def validate(
     from fingertip.campaign.report import omissions
     from fingertip.campaign.report import tables as report
     from fingertip.campaign.studies import boards, limit, sensitivity, spectra, starts, taps, tones, windows
-    from fingertip.design import Design
+    from fingertip.cli.given import load_design
     from fingertip.files import write_whole
     from fingertip.slip.detectors import kernel, registry
 
     console = Console(as_json, quiet)
-    loaded = Design.load(*([design] if design else []), changes=changes or ())
+    loaded, _ = load_design(design, changes)
     registry.known(detector)
     amount = plan.Amount(trials, minutes)
     if not kernel.available():

@@ -27,7 +27,7 @@ def kind_of(path: Path) -> Kind:
         If the file holds tables of two kinds.
     """
     try:
-        names = set(tomllib.loads(path.read_text(encoding="utf-8")))
+        names = set(tomllib.loads(path.read_text(encoding="utf-8-sig")))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
         return Design
     of_scene, of_manipulation = set(SceneFile.model_fields), set(ManipulationFile.model_fields)

@@ -25,7 +25,7 @@ def parameters(scene: StrictFile) -> Iterator[dict[str, Any]]:
 def as_text(scene: StrictFile) -> list[str]:
     """One line for each."""
     return [
-        f"{row['name']:28} {row['value']!s:>14.14} {row['unit']:5} {row['bounds']:24} {row['description']}"
+        f"{row['name']:28} {row['value']!s:>14} {row['unit']:5} {row['bounds']:24} {row['description']}"
         for row in parameters(scene)
     ]
 

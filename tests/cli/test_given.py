@@ -1,0 +1,113 @@
+"""Files of another kind than a command takes, files as Windows saves them, and results that cannot be written."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from fingertip.cli import app
+from tests.conftest import ROOT, design_file, run_python
+
+PARAMS = ROOT / "params"
+SWEEP, SCENE = PARAMS / "sweeps" / "board.toml", PARAMS / "scenes" / "hard_tap.toml"
+HAND = PARAMS / "scenes" / "real_manipulation.toml"
+
+
+def run(*words: object) -> Any:
+    return CliRunner().invoke(app, [str(word) for word in words])
+
+
+@pytest.mark.parametrize("command", ["build", "check", "sheet", "params", "picture", "board", "validate"])
+@pytest.mark.parametrize(
+    ("file", "answer"),
+    [
+        (SWEEP, f"{SWEEP}: is a sweep, no design; fingertip sweep {SWEEP} takes it."),
+        (SCENE, f"{SCENE}: is a scene, no design; fingertip simulate {SCENE} takes it, and a design beside it"),
+        (HAND, f"{HAND}: is a manipulation, no design; fingertip simulate {HAND} takes it, and a design beside it"),
+    ],
+)
+def test_a_file_of_another_kind_is_named_with_its_command(command: str, file: Path, answer: str) -> None:
+    done = run(command, file)
+    assert done.exit_code == 2
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"error: {answer}")
+
+
+def test_and_by_the_commands_that_take_others() -> None:
+    for words, answer in (
+        (("simulate", SWEEP), "is a sweep, no design"),
+        (("simulate", SCENE, "--design", HAND), "is a manipulation, no design"),
+        (("detect", "t.csv", "--design", SCENE), "is a scene, no design"),
+        (("sweep", HAND), "is a manipulation, no sweep"),
+        (("sweep", design_file("fsr400")), 'is a design, no sweep; name it in a sweep, design = "fsr400.toml"'),
+    ):
+        done = run(*words)
+        assert done.exit_code == 2
+        assert len(done.stderr.splitlines()) == 1
+        assert answer in done.stderr
+
+
+def test_a_design_that_is_wrong_keeps_its_own_sentences(tmp_path: Path) -> None:
+    (tmp_path / "d.toml").write_text("[skin]\nwidht_mm = 18\n")
+    assert "did you mean width_mm?" in run("params", tmp_path / "d.toml").stderr
+    assert run("params", design_file("fsr400"), "--set", "tap.force_n=2").stderr.count("is a scene") == 0
+
+
+def test_files_with_a_mark_as_windows_saves_them(tmp_path: Path) -> None:
+    def marked(file: Path) -> Path:
+        path = tmp_path / file.name
+        path.write_bytes(b"\xef\xbb\xbf" + file.read_bytes().replace(b"\n", b"\r\n"))
+        return path
+
+    assert run("params", marked(design_file("fsr402"))).exit_code == 0
+    for file in (SCENE, HAND):
+        shown = run("simulate", marked(file), "--parameters")
+        assert shown.stdout == run("simulate", file, "--parameters").stdout
+    sweep = tmp_path / "s.toml"
+    sweep.write_text('\ufeffname = "s"\noutputs = ["gain"]\n[axes]\nboard.series = ["E24"]\n')
+    assert run("sweep", sweep, "--out", tmp_path / "rows", "--jobs", 1, "--quiet").exit_code == 0
+
+
+def test_values_are_shown_whole() -> None:
+    shown = run("params", "--set", "detector.threshold_v=1.23456789e-05", "--set", "name=a_rather_long_name").stdout
+    assert "a_rather_long_name " in shown
+    assert "1.23456789e-05 V" in shown
+    assert "fsr402_short " in run("params", design_file("fsr402")).stdout
+    assert "['voltage_v', 'force_n', 'slip'] " in run("simulate", HAND, "--parameters").stdout
+
+
+def test_a_design_as_text_within_one_object() -> None:
+    plain, told = run("params", "--toml").stdout, run("params", "--toml", "--json").stdout
+    assert json.loads(told) == {"toml": plain}
+
+
+def test_a_speed_where_nothing_slides() -> None:
+    done = run("simulate", SCENE, "--speed-m-s", "0.05")
+    assert done.exit_code == 2
+    assert "--speed-m-s: 0.05 m/s changes nothing, for nothing slides here; leave it out" in done.stderr
+    slides = run("simulate", SCENE, "--speed-m-s", "0.05", "--set", "slide.distance_m=0.04", "--parameters")
+    assert slides.exit_code == 0
+
+
+def test_pictures_are_called_what_they_are(tmp_path: Path) -> None:
+    for name in ("x.pdf", "x"):
+        done = run("picture", design_file("fsr400"), "--out", tmp_path / name)
+        assert done.exit_code == 2
+        assert f"--out: '{name}' is no name of a PNG" in done.stderr
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no full disk to offer")
+@pytest.mark.parametrize("words", [("params",), ("params", "--json"), ("params", "--schema"), ("--version",)])
+def test_results_that_find_no_room(words: tuple[str, ...]) -> None:
+    script = (
+        "import os, sys\nos.dup2(os.open('/dev/full', os.O_WRONLY), 1)\n"
+        "from fingertip.cli import app\napp(sys.argv[1:])\n"
+    )
+    done = run_python("-c", script, *words)
+    assert done.returncode == 2
+    assert done.stderr == "error: standard output: cannot be written (No space left on device); send it elsewhere.\n"

@@ -16,11 +16,12 @@ ROOT = Path(__file__).resolve().parent.parent
 DESIGNS = ("fsr400", "fsr402")
 
 
-def run_python(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    """A fresh Python process, with its output as text."""
+def run_python(*arguments: str, given: str | None = None, **environment: str) -> subprocess.CompletedProcess[str]:
+    """A fresh Python process, with its output as text; `given` is its standard input."""
     return subprocess.run(
         [sys.executable, *arguments],
         capture_output=True,
+        input=given,
         text=True,
         env=os.environ | environment,
         cwd=environment.get("PWD"),
@@ -29,9 +30,9 @@ def run_python(*arguments: str, **environment: str) -> subprocess.CompletedProce
     )
 
 
-def run_fingertip(*arguments: object, **environment: str) -> subprocess.CompletedProcess[str]:
+def run_fingertip(*arguments: object, given: str | None = None, **environment: str) -> subprocess.CompletedProcess[str]:
     """The command line in a fresh process."""
-    return run_python("-m", "fingertip", *map(str, arguments), **environment)
+    return run_python("-m", "fingertip", *map(str, arguments), given=given, **environment)
 
 
 def design_file(name: str) -> Path:

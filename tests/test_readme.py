@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shlex
+from collections.abc import Iterable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.conftest import ROOT, run_fingertip, run_python
@@ -27,7 +30,31 @@ def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder that looks like a clone to the commands."""
     folder = tmp_path_factory.mktemp("clone")
     (folder / "params").symlink_to(ROOT / "params")
+    for name, text in recordings().items():
+        (folder / name).write_text(text)
     return folder
+
+
+def recordings() -> dict[str, str]:
+    """What the section on one's own recordings is about: a second with slip in it, as several programs write it."""
+    noise = np.random.default_rng(0).normal(0, 4e-4, 5000)
+
+    def samples(rate_hz: int, unit: str = "{:.6f}", per_volt: float = 1.0) -> list[tuple[str, str]]:
+        times = [i / rate_hz for i in range(rate_hz)]
+        slip = [0.01 * math.sin(2 * math.pi * 90 * t) if 0.5 < t < 0.7 else 0.0 for t in times]
+        return [
+            (f"{t:.6f}", unit.format((4.0 + s + n) * per_volt)) for t, s, n in zip(times, slip, noise, strict=False)
+        ]
+
+    def lines(header: str, rows: Iterable[str]) -> str:
+        return "\n".join([header, *rows]) + "\n"
+
+    return {
+        "daq.csv": lines("Time [s],AI0 (V)", map(",".join, samples(2000))),
+        "stream.csv": lines("time_s,voltage_v", map(",".join, samples(2000))),
+        "counts.csv": lines("voltage_v", (counts for _, counts in samples(5000, "{:.0f}", 65536 / 20))),
+        "force.csv": lines("time_s;force_n", map(";".join, samples(2000))),
+    }
 
 
 def test_only_install_pytest_and_fingertip_are_shown() -> None:
@@ -45,8 +72,12 @@ def test_the_first_two_blocks_set_up_build_and_test() -> None:
 
 @pytest.mark.parametrize("command", OURS)
 def test_command_runs(command: str, workplace: Path) -> None:
-    done = run_fingertip(*shlex.split(command)[1:], PWD=str(workplace))
+    words, _, source = command.partition(" < ")
+    given = (workplace / source).read_text() if source else None
+    done = run_fingertip(*shlex.split(words)[1:], given=given, PWD=str(workplace))
     assert done.returncode == 0, done.stderr
+    if any(name in words for name in recordings()) or source:
+        assert done.stdout.startswith("ON ")
 
 
 def test_files_the_readme_promises(workplace: Path) -> None:

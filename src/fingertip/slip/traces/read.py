@@ -13,6 +13,7 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.design.faults import nearest
 from fingertip.errors import Fault, MissingLibraryError, TraceError
+from fingertip.slip.traces.own_names import own_names
 from fingertip.slip.traces.parsed import COLUMNS, Parsed, Wanted
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.trace_file import parse_csv
@@ -91,6 +92,8 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], wanted: Wanted) -> Parsed
             if column in wanted.needed:
                 remedy = nearest(known, list(arrays))
                 more = f" Or give --rate-hz, or {RATE} in the file." if column == "time_s" else ""
+                if own := own_names(list(arrays), wanted):
+                    more += f" O{own.removeprefix('; o')}."
                 faults.append(Fault(name, f"holds no array {known}; {remedy}{more}"))
             continue
         array = np.asarray(arrays[known])

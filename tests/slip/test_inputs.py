@@ -167,7 +167,7 @@ def test_bad_input_is_a_sentence_or_a_correct_answer(tmp_path, name):
 
 ARRAYS = {
     "objects": ({"time_s": T, "voltage_v": np.array(["a"] * 2000)}, "give an array of numbers"),
-    "no voltage": ({"time_s": T, "volts": V}, "did you mean volts? Or name the file's column: --column voltage_v=volts."),
+    "no voltage": ({"time_s": T, "volts": V}, "did you mean volts? Or name the file's column: --column voltage_v="),
     "no time": ({"voltage_v": V}, "Or give --rate-hz, or sample_rate_hz in the file"),
     "other length": ({"time_s": T, "voltage_v": V[:-1]}, "has shape (1999,), time_s (2000,)"),
     "two columns": ({"time_s": T, "voltage_v": np.column_stack((V, V))}, "has shape (2000, 2)"),

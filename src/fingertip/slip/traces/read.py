@@ -86,13 +86,14 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], wanted: Wanted) -> Parsed
     if wanted.rate_hz is None and wanted.of("time_s") not in arrays and RATE in arrays:
         wanted = Wanted(wanted.names, float(np.asarray(arrays[RATE]).ravel()[0]), wanted.scale)
     faults, columns = [], {}
+    missing = [column for column in wanted.needed if wanted.of(column) not in arrays]
     for column in COLUMNS:
         known = wanted.of(column)
         if known not in arrays:
-            if column in wanted.needed:
+            if column in missing:
                 remedy = nearest(known, list(arrays))
                 more = f" Or give --rate-hz, or {RATE} in the file." if column == "time_s" else ""
-                if own := own_names(list(arrays), wanted):
+                if column == missing[-1] and (own := own_names(list(arrays), wanted)):
                     more += f" O{own.removeprefix('; o')}."
                 faults.append(Fault(name, f"holds no array {known}; {remedy}{more}"))
             continue

@@ -148,11 +148,13 @@ def _early(read: Trace, quiet_s: float, name: str) -> slice:
     Raises
     ------
     TraceError
-        If that is the whole trace, or the trace says that it slips there.
+        If that is nothing or the whole trace, or the trace says that it slips there.
     """
     from fingertip.errors import Fault, TraceError
 
     early = slice(0, int((read.time_s < read.time_s[0] + quiet_s).sum()))
+    if not early.stop:
+        raise TraceError(Fault("--quiet-s", f"{quiet_s:g} s takes in no sample; give seconds above 0."))
     if early.stop == len(read.time_s):
         lasts = f"all {read.time_s[-1] - read.time_s[0]:.4g} s of {name}"
         remedy = "choose a part at the start in which nothing happens"

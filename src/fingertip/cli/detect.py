@@ -103,7 +103,7 @@ def detect(
     found = slip.detect(read, loaded, detector, noise_v)
     level = level or found.noise
     if wanted.in_volts:
-        for remark in remarks(read, loaded.detector):
+        for remark in (*remarks(read, loaded.detector), *noise.setting_remarks(loaded)):
             console.say(f"warning: {remark}")
     if level:
         for remark in noise.remarks(found.threshold_v, level):

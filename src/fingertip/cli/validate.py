@@ -35,7 +35,7 @@ def validate(
     from fingertip.campaign.studies import boards, limit, sensitivity, spectra, starts, taps, tones, windows
     from fingertip.cli.given import load_design
     from fingertip.files import write_whole
-    from fingertip.slip.detectors import kernel, registry
+    from fingertip.slip.detectors import kernel, noise, registry
 
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes)
@@ -43,6 +43,8 @@ def validate(
     amount = plan.Amount(trials, minutes)
     if not kernel.available():
         console.say("numba is not installed (pip install 'fingertip[fast]'): this takes some twenty times longer")
+    for remark in noise.setting_remarks(loaded):
+        console.say(f"warning: {remark}")
     found = study.run(loaded, amount, say=console.say)
     console.say("closed loop: four objects, knocked")
     handled = closed_loop.closed_loop(

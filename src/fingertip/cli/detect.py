@@ -60,7 +60,7 @@ def detect(
     from fingertip.cli.live import live
     from fingertip.errors import Fault, FingertipError, TraceError
     from fingertip.slip.detectors import noise, registry
-    from fingertip.slip.detectors.quiet import quiet_noise_v
+    from fingertip.slip.detectors.quiet import disturbed_at, quiet_noise_v
     from fingertip.slip.traces.parsed import Wanted
     from fingertip.slip.traces.read import parse
     from fingertip.slip.traces.trace import remarks
@@ -108,11 +108,9 @@ def detect(
     if level:
         for remark in noise.remarks(found.threshold_v, level):
             console.say(f"warning: {remark}")
-    if early.stop and (on := [i.onset_s for i in found.intervals if i.onset_s <= read.time_s[early.stop - 1]]):
-        sentence = (
-            f"ON at {on[0]:.4f} s, within the {quiet_s:g} s of --quiet-s: if something happened there, thresholds"
-        )
-        console.say(f"warning: {sentence} are too high; choose a shorter part.")
+    if early.stop and (at := disturbed_at(loaded, read.voltage_v[early])) is not None:
+        sentence = f"something happens at {read.time_s[at]:.4f} s, within the {quiet_s:g} s of --quiet-s: thresholds"
+        console.say(f"warning: {sentence} may be too high; choose a shorter part.")
     if plot is not None:
         from fingertip.files import write_file
         from fingertip.slip.plot import draw

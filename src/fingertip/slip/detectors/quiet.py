@@ -15,6 +15,8 @@ from fingertip.slip.detectors.fft import Fft, FftSettings
 from fingertip.slip.detectors.noise import DEVIATIONS, noise_level
 from fingertip.slip.detectors.stream import Array
 
+_LOUD = 6.0
+"""Times the median; noise alone reaches half of it."""
 LEAST_S = 0.3
 """Shorter stretches do not show what a band of 33 Hz is like: the deviation would not be known to a tenth."""
 
@@ -48,6 +50,14 @@ def quiet_noise_v(detector: str, design: Design, quiet_v: Array, name: str) -> f
     if not white > 0.0:
         raise TraceError(Fault("--quiet-s", f"takes in a part of {name} that never changes; choose a longer one."))
     return max(white, _SHOWN[detector](design, quiet_v))
+
+
+def disturbed_at(design: Design, quiet_v: Array) -> int | None:
+    """First sample of the stretch at which the bands are far louder than they mostly are; None: nothing happened."""
+    settling = round(0.1 * design.detector.sample_rate_hz)
+    level = Fast(FastSettings.of(design, 1.0)).process(quiet_v).level_v[settling:]
+    loud = np.flatnonzero(level > _LOUD * float(np.median(level))) if len(level) else level
+    return settling + int(loud[0]) if len(loud) else None
 
 
 def _by_chain(design: Design, quiet_v: Array) -> float:

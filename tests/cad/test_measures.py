@@ -14,8 +14,10 @@ from fingertip.design import Design
 from fingertip.design.cover import least_cover
 from tests.cad.measured import SLEEVE, SOCKET, failures, measured
 
+THICK = ["sensor.model=custom", "custom_sensor.thickness_mm=1.2", "sensor.adhesive_thickness_mm=0.5"]
 
-@pytest.mark.parametrize("changes", [[], SOCKET, SLEEVE, ["sensor.model=fsr400_short"]], ids=str)
+
+@pytest.mark.parametrize("changes", [[], SOCKET, SLEEVE, ["sensor.model=fsr400_short"], THICK], ids=str)
 def test_nothing_fails_untouched(changes: list[str]) -> None:
     assert failures(*changes) == set()
 

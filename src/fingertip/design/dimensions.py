@@ -30,6 +30,8 @@ class Dimensions:
     flat_depth: float
     """The palmar flat lies at y = -flat_depth."""
     pocket_depth: float
+    passage_height: float
+    """Of the tail's passage through the collar, from its floor: it never presses on film and tail."""
     tail_end_z: float
     channel_depth: float
     """The channel starts with its centre at y = -flat_depth + channel_depth."""
@@ -110,13 +112,15 @@ def derive(design: Tables) -> Dimensions:
     exit_below_skin = -(covered + channel_radius + bone.wall_mm)
     after_bend = tail_end_z - bone.relief_length_mm / 2 - bone.channel_bend_radius_mm
     channel_exit_z = min(exit_below_skin, after_bend)
+    pocket_depth = part.thickness_mm + sensor.adhesive_thickness_mm
     return Dimensions(
         sensor=part,
         outer=outer,
         envelope=envelope,
         sensor_z=sensor_z,
         flat_depth=flat_depth,
-        pocket_depth=part.thickness_mm + sensor.adhesive_thickness_mm,
+        pocket_depth=pocket_depth,
+        passage_height=max(TUNNEL_MM, pocket_depth + sensor.clearance_mm),
         tail_end_z=tail_end_z,
         channel_depth=bone.wall_mm + channel_radius,
         channel_exit_z=channel_exit_z,

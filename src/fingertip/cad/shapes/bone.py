@@ -5,7 +5,6 @@ from __future__ import annotations
 from fingertip.cad.shapes.core import core
 from fingertip.cad.solids import Box, ElbowTube, Solid, cylinder, difference, union
 from fingertip.design import Design
-from fingertip.design.dimensions import TUNNEL_MM
 
 
 def bone(design: Design) -> Solid:
@@ -34,7 +33,7 @@ def sensor_recess(design: Design) -> Solid:
     relief = Box((-tail, above, dims.relief_proximal_z), (tail, relief_floor, relief_top))
     if not dims.tail_passes_collar:
         return union(pocket, Box((-tail, above, dims.tail_end_z), (tail, floor, tail_top)), relief)
-    passage = Box((-tail, floor - max(TUNNEL_MM, dims.pocket_depth), dims.tail_end_z), (tail, floor, tail_top))
+    passage = Box((-tail, floor - dims.passage_height, dims.tail_end_z), (tail, floor, tail_top))
     under_skin = Box((-tail, above, 0.0), (tail, floor, tail_top))
     return union(pocket, passage, under_skin, relief)
 

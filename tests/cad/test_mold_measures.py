@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 from fingertip.cad.shapes import bone, core, mold
-from fingertip.cad.solids import Box, Cone, ElbowTube, Solid, cylinder, union
+from fingertip.cad.solids import Box, Cone, ElbowTube, Solid, cylinder, scaled, union
 from fingertip.design import Design
-from tests.cad.measured import SLEEVE, failures, measured
+from tests.cad.measured import SLEEVE, TOLERANCE, failures, measured
 
 BOXY = ["skin.width_mm=24.4", "bone.squareness_palmar=4", "skin.semi_axis_palmar_mm=7", "skin.squareness_palmar=1.2"]
 
@@ -113,6 +113,21 @@ def test_a_hollow_that_looks_back(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mold, "openings", lambda design: union(original(design), groove))
     assert "mold_palmar.undercut" in failures()
     assert "mold_dorsal.undercut" not in failures()
+
+
+def test_a_core_whose_base_is_scaled_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Shrinkage is the silicone's: what lies in the recess must keep the fit's clearance."""
+    shrinking = [*SLEEVE, "mold.silicone_shrinkage_percent=1.2"]
+    assert failures(*shrinking) == set()
+    monkeypatch.setattr(core, "dummy_core", lambda d: scaled(core.core(d, 0.15), d.dimensions.shrinkage))
+    assert failures(*shrinking) == {"mold_palmar.gap_in_recess", "mold_dorsal.gap_in_recess"}
+
+
+def test_the_gap_in_the_recess_is_the_fits() -> None:
+    for changes in ([], [*SLEEVE, "mold.silicone_shrinkage_percent=5"]):
+        found = measured("mold.fit_clearance_mm=0.2", *changes)
+        for half in ("mold_palmar", "mold_dorsal"):
+            assert found[f"{half}.gap_in_recess"].value == pytest.approx(0.2, abs=TOLERANCE)
 
 
 def test_a_recess_without_draft(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -66,6 +66,10 @@ MORE = [  # fields that a second rule blames too
     ),
     ("bone.base_length_mm", ["bone.interface=socket"]),
     ("bone.groove_depth_mm", ["bone.groove_distance_mm=14"]),
+    (
+        "bone.collar_inset_mm",
+        ["mold.method=sleeve", "mold.silicone_shrinkage_percent=5", "bone.collar_inset_mm=1.3"],
+    ),
 ]
 # No single value of the blamed field mends these: their sentences name another remedy.
 NO_OWN_BOUND = {"skin.squareness_tip", "mold.key_diameter_mm"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from fingertip.design.dimensions import TUNNEL_MM, derive
+from fingertip.design.dimensions import derive
 from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
 from fingertip.design.tables import Tables
 
@@ -71,17 +71,35 @@ def _relief_clear_of_collar(d: Tables) -> str | None:
     )
 
 
-@RULES.rule("bone.collar_inset_mm", "skin.thickness_side_mm", "skin.thickness_dorsal_mm", "bone.wall_mm", *_FLAT)
+@RULES.rule(
+    "bone.collar_inset_mm", "skin.thickness_side_mm", "skin.thickness_dorsal_mm", "bone.wall_mm", "mold.method",
+    "mold.sleeve_interference_mm", "mold.silicone_shrinkage_percent", "sensor.clearance_mm",
+    "sensor.adhesive_thickness_mm", *_FLAT,
+)  # fmt: skip
 def _collar_stands_proud(d: Tables) -> str | None:
     dims = derive(d)
-    sides = min(d.skin.thickness_side_mm, d.skin.thickness_dorsal_mm) - 0.1
-    passage = dims.flat_depth - dims.pocket_depth + max(TUNNEL_MM, dims.pocket_depth)
+    sides = min(
+        _least_cover_of_collar(d, half, thickness) - 0.1
+        for half, thickness in (
+            (d.skin.width_mm / 2, d.skin.thickness_side_mm),
+            (d.skin.semi_axis_dorsal_mm, d.skin.thickness_dorsal_mm),
+        )
+    )
+    passage = dims.flat_depth - dims.pocket_depth + dims.passage_height
     below = d.skin.semi_axis_palmar_mm - passage - d.bone.wall_mm
     most = min(sides, below) if dims.tail_passes_collar else sides
     if d.bone.collar_inset_mm <= most + SLACK:
         return None
     what = "the collar's height" if most == sides else "the collar below the tail's passage"
     return f"{d.bone.collar_inset_mm:g} mm leaves too little of {what}; at most {floor2(max(0.0, most))} mm."
+
+
+def _least_cover_of_collar(d: Tables, half_mm: float, thickness_mm: float) -> float:
+    """Silicone [mm] that ends on the collar, around the bone or a sleeve's core, which shrinkage makes larger."""
+    if d.mold.method == "overmold":
+        return thickness_mm
+    core = (half_mm - thickness_mm - d.mold.sleeve_interference_mm) * derive(d).shrinkage
+    return min(thickness_mm, half_mm - core)
 
 
 @RULES.rule(

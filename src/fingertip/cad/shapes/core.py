@@ -13,19 +13,27 @@ from fingertip.cad.solids import Box, Form, Prism, Solid, difference, intersecti
 from fingertip.conic import ConicBody, CrossSection
 from fingertip.design import Design
 
+_BODY_ENDS_MM, _BASE_ENDS_MM = 0.2, 0.4
+"""Body and base of a dummy core end this deep within the collar, whose draft leaves more of it everywhere: no faces
+merely touch."""
+
 
 def core(design: Design, inset_mm: float = 0.0) -> Solid:
     """Envelope with palmar flat, groove and collar; smaller by `inset_mm` all round, but for the collar."""
-    dims = design.dimensions
-    body = _smaller(dims.envelope, inset_mm)
+    body = _grooved(design, _smaller(design.dimensions.envelope, inset_mm))
+    return union(_flattened(design, body, inset_mm), collar(design))
+
+
+def _flattened(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
+    """The body, cut at the palmar flat, which lies `inset_mm` deeper than the bone's."""
     section = body.section
     # The cutting box reaches past the envelope by a length of its own size, never by a literal "big" number.
     past = section.half_width
     below = Box(
         (-section.half_width - past, -section.palmar - past, body.stations[0][0] - past),
-        (section.half_width + past, -dims.flat_depth + inset_mm, design.skin.length_mm + past),
+        (section.half_width + past, -design.dimensions.flat_depth + inset_mm, design.skin.length_mm + past),
     )
-    return union(difference(Form(_grooved(design, body)), below), collar(design))
+    return difference(Form(body), below)
 
 
 def collar(design: Design) -> Solid:
@@ -63,8 +71,18 @@ def grown(section: CrossSection, gap_mm: float) -> CrossSection:
 
 
 def dummy_core(design: Design) -> Solid:
-    """The core a sleeve is cast around: printed, without the bone's hollows, larger by the silicone's shrinkage."""
-    return scaled(core(design, design.mold.sleeve_interference_mm), design.dimensions.shrinkage)
+    """The core a sleeve is cast around: printed, without the bone's hollows.
+
+    What the silicone surrounds is smaller by the interference and larger by the shrinkage. Base and collar are the
+    bone's own: they lie in the mold's recess, which must fit both.
+    """
+    inset = design.mold.sleeve_interference_mm
+    body = _smaller(design.dimensions.envelope, inset)
+    (base, scale), *rest = body.stations
+    above = _grooved(design, replace(body, stations=((-_BODY_ENDS_MM, scale), *rest)))
+    below = ConicBody(design.dimensions.envelope.section, ((base, scale), (-_BASE_ENDS_MM, scale)))
+    within_skin = scaled(_flattened(design, above, inset), design.dimensions.shrinkage)
+    return union(within_skin, _flattened(design, below), collar(design))
 
 
 def cast_around(design: Design) -> Solid:

@@ -36,6 +36,7 @@ def of_mold(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     yield Check("mold.gate_and_vents_reach_outside", len(face.decompose()), 1 + len(m.vents_x), "mouths", "exactly")
     for half, opens in (("mold_palmar", -1.0), ("mold_dorsal", 1.0)):
         yield Check(f"{half}.undercut", _undercut(hollow, opens), _NO_AREA_MM2, "mm2")
+    yield from _fits(design, evaluator)
     yield from _leaves(design, evaluator)
     if design.mold.method == "overmold":
         in_the_way = (evaluator.manifold(bone.cable_channel(design)) ^ block).volume()
@@ -72,6 +73,25 @@ def _undercut(hollow: Manifold, opens: float) -> float:
     return float(area[backwards].sum())
 
 
+def _fits(design: Design, evaluator: Evaluator) -> Iterator[Check]:
+    """The gap all round what lies in the recess, bone or core: no print is so exact that it could do without.
+
+    Half width and half heights are greater by the gap; where arcs of little weight run flat between them, up to a
+    fifth of it is missing.
+    """
+    least = 0.75 * design.mold.fit_clearance_mm - evaluator.tolerance_mm
+    if least <= 0.0:
+        return  # a mesh this coarse cannot tell; an overlap is found elsewhere
+    held = _in_recess(design, evaluator)
+    for name, half in (("mold_palmar", mold.mold_palmar), ("mold_dorsal", mold.mold_dorsal)):
+        yield apart(f"{name}.gap_in_recess", held, evaluator.manifold(half(design)), least)
+
+
+def _in_recess(design: Design, evaluator: Evaluator) -> Manifold:
+    """What of bone or core lies below the plane where the skin ends."""
+    return evaluator.manifold(cast_around(design)).trim_by_plane((0.0, 0.0, -1.0), _OFF_MM)
+
+
 def _leaves(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     """What draft is for: when a half is pulled by a little, nothing rigid stays as near to it as it was.
 
@@ -81,7 +101,7 @@ def _leaves(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     pull = 0.8 * design.mold.key_height_mm  # the keys must still be in their sockets
     lean = math.sin(math.radians(design.mold.draft_deg)) * pull
     palmar, dorsal = (evaluator.manifold(half(design)) for half in (mold.mold_palmar, mold.mold_dorsal))
-    held = evaluator.manifold(cast_around(design)).trim_by_plane((0.0, 0.0, -1.0), _OFF_MM)
+    held = _in_recess(design, evaluator)
     keys = dorsal.trim_by_plane((0.0, -1.0, 0.0), _OFF_MM)
     search = design.mold.fit_clearance_mm + design.mold.key_clearance_mm + 2 * lean
     for name, half, other, way in (

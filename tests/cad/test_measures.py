@@ -9,9 +9,10 @@ import pytest
 from fingertip.cad.shapes import bone, parts
 from fingertip.cad.shapes.core import inside_skin
 from fingertip.cad.solids import Box, Cone, ElbowTube, cylinder, difference, union
-from fingertip.cad.verification import measures
+from fingertip.cad.verification import leaning, measures
 from fingertip.design import Design
 from fingertip.design.cover import least_cover
+from fingertip.design.tilt import loose_lean, thinnest_held
 from tests.cad.measured import SLEEVE, SOCKET, failures, measured
 
 THICK = ["sensor.model=custom", "custom_sensor.thickness_mm=1.2", "sensor.adhesive_thickness_mm=0.5"]
@@ -30,9 +31,34 @@ def test_the_thinnest_skin_is_found_where_it_is() -> None:
 @pytest.mark.parametrize("weight", [2.0, 2.3, 2.5])
 def test_the_thinnest_skin_is_as_thin_as_the_rule_says(weight: float) -> None:
     """The bone's squarer edges come nearer than its sides; solids and sections find the same."""
-    changes = ["skin.thickness_side_mm=1.2", "skin.least_thickness_mm=0.45", f"bone.squareness_palmar={weight}"]
+    changes = [
+        "skin.thickness_side_mm=1.2",
+        "skin.least_thickness_mm=0.3",
+        "mold.fit_clearance_mm=0.02",
+        f"bone.squareness_palmar={weight}",
+    ]
     expected = least_cover(Design.load(changes=changes).dimensions, 0.0)
     assert measured(*changes)["skin.thinnest"].value == pytest.approx(expected, abs=0.01)
+
+
+@pytest.mark.parametrize("changes", [[], ["bone.squareness_palmar=2"], ["mold.fit_clearance_mm=0.2"]], ids=str)
+def test_a_leaning_bone_leaves_what_the_rule_says(changes: list[str]) -> None:
+    design = Design.load(changes=changes)
+    expected = thinnest_held(design, design.dimensions)
+    assert measured(*changes)["skin.thinnest_when_leaning"].value == pytest.approx(expected, abs=0.03)
+
+
+def test_a_bone_that_nobody_holds_down(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It leans until the recess stops it, and comes nearer to the mold than any skin may be thin."""
+    monkeypatch.setattr(leaning, "held_lean", lambda design, dims, x, y: loose_lean(design))
+    assert failures() == {"skin.thinnest_when_leaning"}
+
+
+def test_a_bump_that_is_low_enough_until_the_bone_leans(monkeypatch: pytest.MonkeyPatch) -> None:
+    bump = cylinder("y", (20.0, 0.0), 0.0, 5.6, 0.8)
+    for module in (measures, leaning):
+        monkeypatch.setattr(module, "inside_skin", lambda design: union(inside_skin(design), bump))
+    assert failures() == {"skin.thinnest_when_leaning"}
 
 
 def test_a_bump_under_the_skin(monkeypatch: pytest.MonkeyPatch) -> None:

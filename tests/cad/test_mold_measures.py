@@ -11,7 +11,13 @@ from fingertip.cad.solids import Box, Cone, ElbowTube, Solid, cylinder, scaled, 
 from fingertip.design import Design
 from tests.cad.measured import SLEEVE, TOLERANCE, failures, measured
 
-BOXY = ["skin.width_mm=24.4", "bone.squareness_palmar=4", "skin.semi_axis_palmar_mm=7", "skin.squareness_palmar=1.2"]
+BOXY = [
+    "skin.width_mm=24.4",
+    "bone.squareness_palmar=4",
+    "skin.semi_axis_palmar_mm=7",
+    "skin.squareness_palmar=1.2",
+    "skin.least_thickness_mm=0.6",
+]
 
 
 def test_a_bolt_at_the_cavitys_edge(monkeypatch: pytest.MonkeyPatch) -> None:

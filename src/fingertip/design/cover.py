@@ -3,12 +3,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 
 from fingertip.conic import CrossSection, arc_point
 from fingertip.design.dimensions import Dimensions
 
 _POINTS, _CHORDS = 24, 48  # of a quarter: the chords' sag is 1e-3 mm on a finger
+
+
+@dataclass(frozen=True)
+class Cover:
+    """The silicone over one point of the bone's outline, in a section across the finger."""
+
+    gap_mm: float
+    x: float
+    y: float
+    """Unit vector from the bone to the nearest place of the surface."""
+    reach_mm: float
+    """How far the surface reaches there in that direction, from the middle."""
 
 
 def least_cover(dims: Dimensions, inset_mm: float) -> float:
@@ -24,35 +38,40 @@ def least_cover(dims: Dimensions, inset_mm: float) -> float:
     inset_mm
         How much smaller than the bone the silicone's inside is [mm]: the interference of a sleeve.
     """
-    inner = [(z, s) for z, s in dims.envelope.stations if z >= 0.0]
-    return min(
-        _gap(dims.outer.section, dims.outer.scale_at(z), dims.envelope.section, s, dims.flat_depth - inset_mm, inset_mm)
-        for z, s in inner
-    )
+    heights = (z for z, _ in dims.envelope.stations if z >= 0.0)
+    return min(cover.gap_mm for z in heights for cover in covers(dims, z, inset_mm))
 
 
-def _gap(
-    outer: CrossSection, outer_scale: float, inner: CrossSection, inner_scale: float, flat: float, inset: float
-) -> float:
-    """Least distance [mm] from the inner outline, cut at y = -flat, to the outer one; negative outside it."""
-    width, gaps = inner.half_width - inset, []
+def covers(
+    dims: Dimensions, z: float, inset_mm: float, points: int = _POINTS, chords: int = _CHORDS
+) -> Iterator[Cover]:
+    """The silicone over points of the bone's outline at height z [mm], cut at its flat; of one side, x >= 0."""
+    outer, outer_scale = dims.outer.section, dims.outer.scale_at(z)
+    inner, inner_scale = dims.envelope.section, dims.envelope.scale_at(z)
+    width, flat = inner.half_width - inset_mm, dims.flat_depth - inset_mm
     for dorsal in (True, False):
-        height = (inner.dorsal if dorsal else inner.palmar) - inset
+        height = (inner.dorsal if dorsal else inner.palmar) - inset_mm
         weight = inner.dorsal_weight if dorsal else inner.palmar_weight
-        around = [
-            (outer_scale * outer.half_width * x, outer_scale * (outer.dorsal if dorsal else outer.palmar) * y)
-            for x, y in _quarter(outer.dorsal_weight if dorsal else outer.palmar_weight, _CHORDS)
+        around = [(outer_scale * x, outer_scale * y) for x, y in quarter(outer, dorsal, chords)]
+        within = [
+            (inner_scale * width * x, inner_scale * height * y)
+            for x, y in (arc_point(i / points, weight) for i in range(points + 1))
         ]
-        points = [(inner_scale * width * x, inner_scale * height * y) for x, y in _quarter(weight, _POINTS)]
         if not dorsal:
             edge = inner.half_width_at(-flat, inner_scale)
-            points = [(x, y) for x, y in points if y < flat] + [(min(edge, width * inner_scale), flat)]
-        gaps += [min(_to_chord(p, a, b) for a, b in pairwise(around)) for p in points]
-    return min(gaps)
+            within = [(x, y) for x, y in within if y < flat]
+            within += [(min(edge, width * inner_scale), flat)] if edge > 0.0 else []
+        for p in within:
+            gap, (ax, ay), (bx, by) = min((_to_chord(p, a, b), a, b) for a, b in pairwise(around))
+            length = math.hypot(bx - ax, by - ay) or 1.0
+            x, y = (by - ay) / length, (ax - bx) / length
+            yield Cover(gap, x, y if dorsal else -y, ax * x + ay * y)
 
 
-def _quarter(weight: float, count: int) -> list[tuple[float, float]]:
-    return [arc_point(i / count, weight) for i in range(count + 1)]
+def quarter(section: CrossSection, dorsal: bool, count: int) -> list[tuple[float, float]]:
+    """Points [mm] of one quarter of a section's outline, from its side to its back or pad, both taken upwards."""
+    height, weight = (section.dorsal, section.dorsal_weight) if dorsal else (section.palmar, section.palmar_weight)
+    return [(section.half_width * x, height * y) for x, y in (arc_point(i / count, weight) for i in range(count + 1))]
 
 
 def _to_chord(p: tuple[float, float], a: tuple[float, float], b: tuple[float, float]) -> float:

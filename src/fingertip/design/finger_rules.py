@@ -9,6 +9,7 @@ from fingertip.design.cover import least_cover
 from fingertip.design.dimensions import derive
 from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
 from fingertip.design.tables import Tables
+from fingertip.design.tilt import inset_mm
 
 RULES = Ruleset()
 
@@ -24,6 +25,8 @@ _FLAT = (
     *_WIDTHS, *_HEIGHTS, *_LENGTHS, "skin.thickness_palmar_mm", "skin.thickness_tip_mm", "bone.squareness_palmar",
     "skin.squareness_tip", "sensor.model", "sensor.distance_from_tip_mm",
 )  # fmt: skip
+COVER = ("mold.method", "mold.sleeve_interference_mm", "skin.squareness_palmar", "skin.squareness_dorsal", *_FLAT)
+"""What the silicone over the bone depends on."""
 _EDGE_COVER = 0.5  # silicone beside the edges of the bone's flat [mm], along x: thinner, the edges cut through
 _COVER_SLACK = 2e-3  # [mm] the cover is found to 1e-3 mm, and a nominal thickness must not fail by it
 _LEAST_THICKNESS = 0.2  # lower bound of skin.least_thickness_mm [mm]
@@ -137,15 +140,17 @@ def _edges_within_skin(d: Tables) -> str | None:
     )
 
 
-@RULES.rule(
-    "skin.least_thickness_mm", "mold.method", "mold.sleeve_interference_mm", "skin.squareness_palmar",
-    "skin.squareness_dorsal", *_FLAT,
-)  # fmt: skip
+def cover_is_sound(d: Tables) -> bool:
+    """Whether bone and skin are such that the silicone between them can be measured; if not, their rules say why."""
+    forms = (_tip_within_skin, _bone_left_at_sides, _bone_left_dorsally, _bone_reaches_tip, _tip_tangent)
+    return not any(rule(d) for rule in (*forms, _sensor_fits_flat, _flat_within_bone, _edges_within_skin))
+
+
+@RULES.rule("skin.least_thickness_mm", *COVER)
 def _thinnest_place(d: Tables) -> str | None:
-    others = (_sensor_fits_flat, _flat_within_bone, _edges_within_skin, _bone_left_at_sides, _bone_left_dorsally)
-    if any(rule(d) for rule in (*others, _tip_within_skin)):
-        return None  # those rules say it
-    cover = least_cover(derive(d), d.mold.sleeve_interference_mm if d.mold.method == "sleeve" else 0.0)
+    if not cover_is_sound(d):
+        return None
+    cover = least_cover(derive(d), inset_mm(d))
     thinnest = min(cover, d.skin.thickness_tip_mm)
     if d.skin.least_thickness_mm <= thinnest + _COVER_SLACK:
         return None

@@ -5,65 +5,12 @@ from __future__ import annotations
 import math
 
 from fingertip.design.dimensions import derive
-from fingertip.design.draft import drafted
 from fingertip.design.mold_layout import lay_out
-from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
+from fingertip.design.ruleset import SLACK, Ruleset, floor2
 from fingertip.design.tables import Tables
 
 RULES = Ruleset()
 _WIDTHS = ("skin.width_mm", "skin.taper_ratio")
-_COLLAR_LEFT = 0.6  # length of the collar [mm] where its draft has taken most of it
-
-
-@RULES.rule("mold.recess_length_mm", "bone.base_length_mm")
-def _recess_within_base(d: Tables) -> str | None:
-    if d.mold.recess_length_mm <= d.bone.base_length_mm:
-        return None
-    return (
-        f"{d.mold.recess_length_mm:g} mm is longer than the bone's base; "
-        f"at most {d.bone.base_length_mm:g} mm (bone.base_length_mm)."
-    )
-
-
-@RULES.rule(
-    "mold.fit_clearance_mm", "bone.collar_inset_mm", "mold.draft_deg", "skin.width_mm", "skin.semi_axis_palmar_mm",
-    "skin.semi_axis_dorsal_mm", "skin.squareness_palmar", "skin.squareness_dorsal",
-)  # fmt: skip
-def _recess_within_cavity(d: Tables) -> str | None:
-    dims = derive(d)
-    section, slope = dims.collar.section, dims.draft_slope
-    wider = drafted(section, slope).half_width - section.half_width if slope else 0.0
-    most = d.bone.collar_inset_mm - wider - 0.05
-    if d.mold.fit_clearance_mm <= most + SLACK:
-        return None
-    return (
-        f"{d.mold.fit_clearance_mm:g} mm opens the collar's recess past the skin's edge; at most "
-        f"{floor2(max(0.0, most))} mm (bone.collar_inset_mm)."
-    )
-
-
-@RULES.rule("mold.recess_length_mm", "bone.collar_length_mm", "mold.fit_clearance_mm", "mold.draft_deg")
-def _recess_holds_collar(d: Tables) -> str | None:
-    gap = d.mold.fit_clearance_mm * math.hypot(1.0, derive(d).draft_slope)
-    least = d.bone.collar_length_mm + gap + 1.0
-    if d.mold.recess_length_mm >= least - SLACK:
-        return None
-    return f"{d.mold.recess_length_mm:g} mm does not hold the collar and a wall behind it; at least {ceil2(least)} mm."
-
-
-@RULES.rule(
-    "bone.collar_length_mm", "mold.draft_deg", "bone.collar_inset_mm", "skin.semi_axis_palmar_mm",
-    "skin.semi_axis_dorsal_mm",
-)  # fmt: skip
-def _collar_outlasts_its_draft(d: Tables) -> str | None:
-    section, slope = derive(d).collar.section, derive(d).draft_slope
-    least = _COLLAR_LEFT + slope * max(section.palmar, section.dorsal)
-    if d.bone.collar_length_mm >= least - SLACK:
-        return None
-    return (
-        f"{d.bone.collar_length_mm:g} mm is used up by a draft of {d.mold.draft_deg:g} degrees before the collar's "
-        f"palmar or dorsal end; at least {ceil2(least)} mm, or less mold.draft_deg."
-    )
 
 
 @RULES.rule("mold.pry_depth_mm", "mold.land_mm")

@@ -177,6 +177,10 @@ class Remembered:
         """Moved."""
         return self._derived("translate", by_mm, make=lambda: self.made.translate(by_mm))
 
+    def rotate(self, degrees: tuple[float, float, float]) -> Remembered:
+        """Turned about the axes, x first."""
+        return self._derived("rotate", degrees, make=lambda: self.made.rotate(degrees))
+
     def scale(self, factors: tuple[float, float, float]) -> Remembered:
         """Scaled about the origin."""
         return self._derived("scale", factors, make=lambda: self.made.scale(factors))

@@ -16,7 +16,7 @@ from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.core import core, inside_skin
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.solids import Form, union
-from fingertip.cad.verification import deviation, mold_measures
+from fingertip.cad.verification import deviation, leaning, mold_measures
 from fingertip.cad.verification.checks import NO_VOLUME_MM3, Check
 from fingertip.cad.verification.gaps import apart, around
 from fingertip.design import Design
@@ -34,6 +34,7 @@ def of_parts(design: Design, evaluator: Evaluator, meshes: Mapping[str, Mesh]) -
     yield from _on_the_bed(design, meshes)
     if "skin" in meshes:
         yield from _skin(design, evaluator)
+        yield leaning.thinnest(design, evaluator)
         strays = deviation.of_facets(design.dimensions.outer, meshes["skin"].vertices, meshes["skin"].triangles)
         yield Check("skin.deviation_from_form", strays, evaluator.tolerance_mm, "mm")
     if "bone" in meshes:

@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import pytest
 
+from fingertip.cad import printing
+from fingertip.cad.printing import Orientation
 from fingertip.cad.shapes import bone, parts
 from fingertip.cad.shapes.core import inside_skin
 from fingertip.cad.solids import Box, Cone, ElbowTube, cylinder, difference, union
@@ -176,9 +178,19 @@ def test_a_vent_that_is_shut(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_parts_larger_than_the_printer() -> None:
-    assert failures("printer.bed_x_mm=40", "printer.bed_y_mm=60", "printer.bed_z_mm=50") == {
-        "bone.past_the_printer",
-    }
+    """The bone stands 62 mm high; the halves lie on a face of 42.4 x 50.1 mm, which may be turned by a quarter."""
+    halves = {"mold_palmar.past_the_printer", "mold_dorsal.past_the_printer"}
+    assert failures("printer.bed_z_mm=50") == {"bone.past_the_printer"}
+    assert failures("printer.bed_x_mm=40") == halves
+    assert failures("printer.bed_x_mm=43", "printer.bed_y_mm=51") == set()
+    assert failures("printer.bed_x_mm=51", "printer.bed_y_mm=43") == set()
+
+
+def test_parts_that_would_fit_only_as_they_do_not_lie(monkeypatch: pytest.MonkeyPatch) -> None:
+    upright = Orientation(0.0, "its end", supports=False)
+    lying = printing.orientations
+    monkeypatch.setattr(printing, "orientations", lambda design: lying(design) | {"mold_palmar": upright})
+    assert failures("printer.bed_x_mm=40") == {"mold_dorsal.past_the_printer"}
 
 
 def test_a_sleeve_that_must_stretch_too_far() -> None:

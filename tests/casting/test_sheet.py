@@ -10,12 +10,14 @@ from typing import Any
 
 import pytest
 
+from fingertip.cad.printing import orientations
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting import markdown, sheet
 from fingertip.casting.materials import MATERIALS
 from fingertip.casting.slicer import HOW_TO_INSTALL, Print, from_gcode, minutes, slice_part
 from fingertip.casting.volumes import Volumes
 from fingertip.design import Design
+from fingertip.design.tilt import thinnest_held
 from fingertip.errors import DesignError, GeometryError
 from fingertip.kit import Build, build
 from tests.conftest import design_file, run_fingertip
@@ -105,11 +107,47 @@ def test_what_keeps_silicone_out_depends_on_the_method() -> None:
     ], "the sensor never sees the mold"
 
 
+def steps_of(*changes: str) -> str:
+    return "\n".join(markdown.steps(sheet.figures(fsr400(*changes), VOLUMES, MATERIALS["addition_40a"])))
+
+
+def test_only_a_tail_that_leaves_the_mold_needs_its_passage_filled() -> None:
+    assert "passage around the tail" in steps_of()
+    assert "passage around the tail" not in steps_of("sensor.model=fsr400_short", "bone.base_length_mm=15")
+    assert "passage around the tail" not in steps_of("mold.method=sleeve")
+
+
+@pytest.mark.parametrize("method", ["overmold", "sleeve"])
+def test_the_caster_is_told_to_hold_what_would_lean(method: str) -> None:
+    design = fsr400(f"mold.method={method}")
+    told = steps_of(f"mold.method={method}")
+    left = thinnest_held(design, design.dimensions)
+    assert f"{left:.2f}".rstrip("0").rstrip(".") + " mm of silicone at least" in told
+    assert "could lean by 2.1 degrees and leave" in told, "2 x 0.15 mm of play in a recess of 8 mm"
+    assert "two narrow sides" in told
+    assert told.index("centre it") < told.index("Weigh") < told.index("two narrow sides")
+
+
+def test_what_would_touch_the_mold_is_said_to() -> None:
+    design = Design.load(design_file("fsr402"))
+    told = markdown.steps(sheet.figures(design, VOLUMES, MATERIALS["addition_40a"]))
+    assert any("could lean by 2.9 degrees and touch the mold" in step for step in told)
+
+
+def test_what_stands_on_end_takes_supports_under_its_collar() -> None:
+    """The collar's foot is a shelf in the air, wherever it is wider than the base below it."""
+    for changes in (["mold.method=sleeve"], ["bone.interface=socket", "bone.base_length_mm=32"]):
+        design = fsr400(*changes)
+        lying = orientations(design)
+        assert all(lying[name].supports for name in lying if name in ("bone", "core"))
+        assert not any(lying[name].supports for name in lying if name.startswith("mold"))
+
+
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 def test_every_printed_part_has_an_orientation(method: str) -> None:
     design = fsr400(f"mold.method={method}")
     printed = {name for name, part in PARTS.items() if part.printed and (name != "core" or method == "sleeve")}
-    assert set(sheet.orientations(design)) == printed
+    assert set(orientations(design)) == printed
 
 
 def test_the_figures_in_gcode() -> None:
@@ -188,4 +226,4 @@ def test_the_real_slicer_gives_times(tmp_path: Path) -> None:
 def test_what_the_slicer_cannot_read_is_said() -> None:
     slicer = require_tool("prusa-slicer", "apt-get install prusa-slicer")
     with pytest.raises(GeometryError, match="bone: was not sliced"):
-        slice_part(slicer, "bone", b"no STL at all", sheet.orientations(fsr400())["bone"])
+        slice_part(slicer, "bone", b"no STL at all", orientations(fsr400())["bone"])

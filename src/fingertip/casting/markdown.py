@@ -87,13 +87,20 @@ def steps(data: Data) -> list[str]:
         "and relief with a strip of thin tape across the flat, edges pressed down, without filling them (the vent "
         "breathes there); plug the posterior hole around the wires with modelling clay free of sulfur."
     )
+    passage = [
+        "Fill the collar's passage around the tail with modelling clay free of sulfur or with silicone adhesive: it "
+        "leads out of the mold. Leave the end of the tail open, where it breathes."
+    ]
     cast = [
         keep_out,
-        f"Lay the {around} into the recess of the palmar half, put the dorsal half on: it closes one way only. Tighten "
-        f"the {_bolts(data)['count']} bolts until the parting line shows no gap, no further.",
+        *(passage if data["mold"]["tail_passes_collar"] and not sleeve else []),
+        f"Lay the {around} into the recess of the palmar half, put the dorsal half on: it closes one way only.",
+        _centre(data["fit"], "core" if sleeve else "bone"),
+        f"Tighten the {_bolts(data)['count']} bolts until the parting line shows no gap, no further.",
         f"Weigh {batch['a_g']:g} g of A, add {batch['b_g']:g} g of B, stir slowly and scrape walls and bottom; remove "
         "air under vacuum if you can.",
-        f"Hold the mold upright, in a vise or over a cup, the {'core' if sleeve else 'bone'} down. Within "
+        f"Hold the mold upright, the {'core' if sleeve else 'bone'} down: over a cup, or in a vise that grips it by "
+        "its two narrow sides, where no bolt stands out. Within "
         f"{figures['pot_life_min']['low']:g} min of the first stirring pour a thin stream into the funnel until "
         f"silicone stands in the {data['mold']['vents']} vents; tap the mold, and top up.",
         f"Leave it for {figures['cure_h']['high']:g} h at room temperature. Press a nail into what is left in the cup "
@@ -109,6 +116,17 @@ def steps(data: Data) -> list[str]:
         *assemble,
         "Wet the bone with soapy water, pull the skin over it until its edge sits on the collar, and let it dry.",
     ]
+
+
+def _centre(fit: Data, held: str) -> str:
+    loose = f"leave {fit['thinnest_loose_mm']:g} mm" if fit["thinnest_loose_mm"] else "touch the mold"
+    return (
+        f"Pull the end of the {held} that stands out of the mold away from the funnel until its collar sits on its "
+        "shelf all round, centre it with strips of paper between it and the mold on all four sides, and keep it there "
+        f"with a rubber band: the thinnest place then has {fit['thinnest_held_mm']:g} mm of silicone at least. Loose, "
+        f"with {fit['clearance_mm']:g} mm of play around it, the {held} could lean by {fit['loose_lean_deg']:g} "
+        f"degrees and {loose}."
+    )
 
 
 def _summary(data: Data) -> str:

@@ -5,16 +5,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
+from fingertip.cad.printing import orientations
 from fingertip.casting import hardware
 from fingertip.casting.batch import LEAST_PART_G, WASTE_SHARE, batch
 from fingertip.casting.materials import SOURCES, Silicone
-from fingertip.casting.slicer import LAYER_MM, Orientation, Print
+from fingertip.casting.slicer import LAYER_MM, Print
 from fingertip.casting.volumes import Volumes
 from fingertip.design import Design
 from fingertip.design.mold_layout import lay_out
+from fingertip.design.tilt import loose_lean, thinnest_held, thinnest_loose
 
 
 def figures(
@@ -44,9 +47,22 @@ def figures(
             "made_for_shrinkage_percent": design.mold.silicone_shrinkage_percent,
             "made_for_this_silicone": made_for(design, card),
             "vents": len(lay_out(design, design.dimensions).vents_x),
+            "tail_passes_collar": design.dimensions.tail_passes_collar,
         },
+        "fit": _fit(design),
         "bill": bill_of_materials(design),
         "printing": _printing(design, prints),
+    }
+
+
+def _fit(design: Design) -> dict[str, float]:
+    """How well bone or core is held in the mold's recess, and what that leaves of the silicone."""
+    dims = design.dimensions
+    return {
+        "clearance_mm": design.mold.fit_clearance_mm,
+        "thinnest_held_mm": round(thinnest_held(design, dims), 2),
+        "loose_lean_deg": round(math.degrees(math.atan(loose_lean(design))), 1),
+        "thinnest_loose_mm": round(thinnest_loose(design, dims), 2),
     }
 
 
@@ -54,23 +70,6 @@ def made_for(design: Design, card: Silicone) -> bool:
     """Whether the mold's shrinkage lies within the silicone's, to half a tenth of a percent."""
     made, range_ = design.mold.silicone_shrinkage_percent, card.shrinkage_percent
     return range_.low - 0.05 <= made <= range_.high + 0.05
-
-
-def orientations(design: Design) -> dict[str, Orientation]:
-    """How each printed part lies on the plate: no support touches what the silicone or the sensor touches.
-
-    The mold's halves lie on their outer faces, so their cavity opens upwards. Bone and core stand: their flat is then
-    a wall, and no layer ends in it.
-    """
-    post = design.bone.interface == "plain"
-    parts = {
-        "bone": Orientation(0.0, "the end of its post" if post else "the end with the socket", supports=post),
-        "mold_palmar": Orientation(90.0, "its outer face, parting plane up", supports=False),
-        "mold_dorsal": Orientation(-90.0, "its outer face, parting plane up", supports=False),
-    }
-    if design.mold.method == "sleeve":
-        parts["core"] = Orientation(0.0, "the end without the tip", supports=False)
-    return parts
 
 
 def bill_of_materials(design: Design) -> list[dict[str, Any]]:

@@ -12,6 +12,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from fingertip.cad.printing import Orientation
 from fingertip.errors import Fault, GeometryError
 
 PROGRAM = "prusa-slicer"
@@ -21,16 +22,6 @@ TIME_LIMIT_S = 120.0
 _TIME = re.compile(r"^; estimated printing time \(normal mode\) = (.+)$", re.MULTILINE)
 _FILAMENT = re.compile(r"^; filament used \[cm3\] = ([\d.]+)$", re.MULTILINE)
 _UNITS_MIN = {"d": 1440.0, "h": 60.0, "m": 1.0, "s": 1.0 / 60.0}
-
-
-@dataclass(frozen=True)
-class Orientation:
-    """How a part lies on the plate."""
-
-    turn_x_deg: float
-    """Turned about the x axis of its file."""
-    on_the_plate: str
-    supports: bool
 
 
 @dataclass(frozen=True)

@@ -24,9 +24,10 @@ def sheet(
 ) -> None:
     """Write the casting sheet: silicone and its parts A and B, steps, warnings, bill of materials, printing."""
     from fingertip.cad.kernel.mesh import Evaluator
+    from fingertip.cad.printing import orientations
     from fingertip.casting import markdown, volumes
     from fingertip.casting.materials import silicone
-    from fingertip.casting.sheet import figures, orientations
+    from fingertip.casting.sheet import figures
     from fingertip.casting.slicer import HOW_TO_INSTALL, Print, find_slicer, slice_part
     from fingertip.cli.given import load_design
     from fingertip.files import write_file

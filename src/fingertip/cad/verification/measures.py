@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from fingertip.cad.kernel.mesh import Evaluator, Mesh
+from fingertip.cad.printing import past_the_printer
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.core import core, inside_skin
 from fingertip.cad.shapes.parts import PARTS
@@ -49,13 +50,10 @@ def of_parts(design: Design, evaluator: Evaluator, meshes: Mapping[str, Mesh]) -
 
 
 def _on_the_bed(design: Design, meshes: Mapping[str, Mesh]) -> Iterator[Check]:
-    """How far a printed part, turned as it fits best, reaches past the printer's volume [mm]."""
-    room = sorted((design.printer.bed_x_mm, design.printer.bed_y_mm, design.printer.bed_z_mm))
+    """How far a printed part reaches past the printer's volume [mm], lying as the casting sheet says."""
     for name, mesh in meshes.items():
         if PARTS[name].printed:
-            size = sorted((mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).tolist())
-            excess = max(a - b for a, b in zip(size, room, strict=True))
-            yield Check(f"{name}.past_the_printer", excess, 0.0, "mm")
+            yield Check(f"{name}.past_the_printer", past_the_printer(design, name, mesh), 0.0, "mm")
 
 
 def _skin(design: Design, evaluator: Evaluator) -> Iterator[Check]:

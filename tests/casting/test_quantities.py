@@ -8,10 +8,13 @@ import pytest
 
 from fingertip.cad.kernel.mesh import Evaluator
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.casting.hardware import clamp_bolts, thread_mm
+from fingertip.casting.hardware import clamp_bolts
+from fingertip.casting.sheet import bill_of_materials
 from fingertip.casting.volumes import Volumes, measure
 from fingertip.design import Design
 from fingertip.design.mold_layout import lay_out
+from fingertip.design.threads import THREADS, passing
+from fingertip.errors import DesignError
 from tests.conftest import design_file
 
 TOLERANCE = 0.005
@@ -58,9 +61,9 @@ def test_the_total_is_the_sum() -> None:
     assert Volumes(1.5, 0.25, 0.125).total_cm3 == 1.875
 
 
-@pytest.mark.parametrize(("hole", "thread"), [(3.4, 3.0), (3.2, 3.0), (3.19, 2.5), (2.2, 2.0), (9.0, 8.0), (1.5, 1.6)])
+@pytest.mark.parametrize(("hole", "thread"), [(3.4, 3.0), (3.2, 3.0), (3.19, 2.5), (2.2, 2.0), (9.0, 8.0), (1.7, 1.6)])
 def test_the_largest_thread_that_passes_the_hole(hole: float, thread: float) -> None:
-    assert thread_mm(hole) == thread
+    assert passing(hole).diameter_mm == thread
 
 
 @pytest.mark.parametrize(
@@ -69,9 +72,29 @@ def test_the_largest_thread_that_passes_the_hole(hole: float, thread: float) -> 
         ("mold.wall_mm=4", 3.0, 25.0),  # 10.01 + 11.01 mm of mold, less a trap of 2.6, and a nut of 2.4: 20.8 mm
         ("mold.nut_depth_mm=4", 3.0, 20.0),  # 19.4 mm
         ("mold.wall_mm=9", 3.0, 35.0),  # 30.8 mm
-        ("mold.bolt_diameter_mm=4.5", 4.0, 25.0),  # 21.6 mm with a nut of 3.2
+        ("mold.bolt_diameter_mm=4.5 mold.nut_width_mm=7.3", 4.0, 25.0),  # 21.6 mm with a nut of 3.2
     ],
 )
 def test_bolts_reach_through_the_nut_and_not_further_than_they_come(change: str, thread: float, length: float) -> None:
-    bolts = clamp_bolts(fsr400(change))
-    assert (bolts.count, bolts.thread_mm, bolts.length_mm) == (4, thread, length)
+    bolts = clamp_bolts(fsr400(*change.split()))
+    assert (bolts.count, bolts.thread.diameter_mm, bolts.length_mm) == (4, thread, length)
+
+
+def test_holes_that_pass_no_bolt_are_refused_with_the_least_that_does() -> None:
+    for field in ("mold.bolt_diameter_mm", "bone.cross_bolt_diameter_mm"):
+        with pytest.raises(DesignError, match=rf"{field}: 1.5 mm is too small; at least 1.7 mm"):
+            fsr400(f"{field}=1.5")
+    fsr400("mold.bolt_diameter_mm=1.7", "mold.nut_width_mm=3.45", "mold.pry_depth_mm=2")
+    fsr400("bone.cross_bolt_diameter_mm=1.7")
+
+
+def test_what_is_bought_fits_what_is_printed() -> None:
+    """Bolts through their holes, nuts into their traps, and no trap in which a nut turns."""
+    for thread in THREADS:
+        width = thread.nut_flats_mm + 0.25
+        changes = [f"mold.bolt_diameter_mm={thread.hole_mm}", f"mold.nut_width_mm={width}"]
+        design = fsr400(*changes, "skin.length_mm=40", "mold.pry_depth_mm=0.5")
+        bill = {entry["item"]: entry for entry in bill_of_materials(design)}
+        assert bill["bolt of the mold"]["thread_mm"] == bill["nut of the mold"]["thread_mm"] == thread.diameter_mm
+        assert thread.diameter_mm < design.mold.bolt_diameter_mm
+        assert thread.nut_flats_mm == bill["nut of the mold"]["across_flats_mm"] < width < 1.1 * thread.nut_flats_mm

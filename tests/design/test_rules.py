@@ -43,6 +43,8 @@ BROKEN = {
     "mold.key_height_mm": ["mold.key_height_mm=9.5"],
     "mold.nut_depth_mm": ["mold.nut_depth_mm=9"],
     "mold.nut_width_mm": ["mold.nut_width_mm=4"],
+    "custom_sensor.active_diameter_mm": ["sensor.model=custom", "custom_sensor.active_diameter_mm=20"],
+    "custom_sensor.tail_width_mm": ["sensor.model=custom", "custom_sensor.tail_width_mm=1"],
     "mold.pry_depth_mm": ["mold.pry_depth_mm=4"],
     "mold.pry_width_mm": [
         "skin.length_mm=23",
@@ -68,6 +70,9 @@ MORE = [  # fields that a second rule blames too
     ("bone.groove_depth_mm", ["bone.groove_distance_mm=14"]),
     ("mold.fit_clearance_mm", ["mold.fit_clearance_mm=0.3", "bone.collar_inset_mm=0.5"]),
     ("mold.fit_clearance_mm", ["skin.length_mm=70"]),
+    ("mold.nut_width_mm", ["mold.bolt_diameter_mm=4.5"]),
+    ("mold.nut_width_mm", ["mold.nut_width_mm=6.4"]),
+    ("mold.pry_depth_mm", ["mold.key_diameter_mm=8", "mold.key_clearance_mm=1", "mold.pry_depth_mm=2.6"]),
     (
         "bone.collar_inset_mm",
         ["mold.method=sleeve", "mold.silicone_shrinkage_percent=5", "bone.collar_inset_mm=1.3"],

@@ -181,8 +181,8 @@ def _bill(data: Data) -> str:
             sizes.append(entry["type"])
         if "thread_mm" in entry:
             sizes.append(f"M{entry['thread_mm']:g}" + (f" x {entry['length_mm']:g} mm" if "length_mm" in entry else ""))
-        if "across_flats_at_most_mm" in entry:
-            sizes.append(f"across flats at most {entry['across_flats_at_most_mm']:g} mm")
+        if "across_flats_mm" in entry:
+            sizes.append(f"across flats {entry['across_flats_mm']:g} mm")
         if "longer_than_mm" in entry:
             sizes.append(f"longer than {entry['longer_than_mm']:g} mm by what else it passes and the nut")
         sizes += [f"{entry[key]:g} mm" for key in ("thickness_mm", "diameter_mm") if key in entry]

@@ -17,6 +17,7 @@ from fingertip.casting.slicer import LAYER_MM, Print
 from fingertip.casting.volumes import Volumes
 from fingertip.design import Design
 from fingertip.design.mold_layout import lay_out
+from fingertip.design.threads import passing
 from fingertip.design.tilt import loose_lean, thinnest_held, thinnest_loose
 
 
@@ -75,16 +76,17 @@ def made_for(design: Design, card: Silicone) -> bool:
 def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     """What has to be bought beside the silicone: item, count, and its sizes [mm]."""
     bolts = hardware.clamp_bolts(design)
+    thread = bolts.thread
     bone, sensor = design.bone, design.sensor
-    cross = hardware.thread_mm(bone.cross_bolt_diameter_mm)
+    cross = passing(bone.cross_bolt_diameter_mm).diameter_mm
     around = bone.post_diameter_mm if bone.interface == "plain" else design.dimensions.envelope.section.half_width * 2
     return [
         {"item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1},
         {"item": "adhesive film under the sensor", "thickness_mm": sensor.adhesive_thickness_mm, "count": 1},
-        {"item": "bolt of the mold", "thread_mm": bolts.thread_mm, "length_mm": bolts.length_mm, "count": bolts.count},
+        {"item": "bolt of the mold", "thread_mm": thread.diameter_mm, "length_mm": bolts.length_mm, "count": bolts.count},
         {
-            "item": "nut of the mold", "thread_mm": bolts.thread_mm,
-            "across_flats_at_most_mm": design.mold.nut_width_mm, "count": bolts.count,
+            "item": "nut of the mold", "thread_mm": thread.diameter_mm, "across_flats_mm": thread.nut_flats_mm,
+            "count": bolts.count,
         },
         {"item": "cross bolt", "thread_mm": cross, "longer_than_mm": round(around, 1), "count": 1},
         {"item": "nut of the cross bolt", "thread_mm": cross, "count": 1},

@@ -6,19 +6,27 @@ import math
 
 from fingertip.design.dimensions import derive
 from fingertip.design.mold_layout import lay_out
-from fingertip.design.ruleset import SLACK, Ruleset, floor2
+from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
 from fingertip.design.tables import Tables
+from fingertip.design.threads import TRAP_CLEARANCE_MM, TRAP_TURNS, passing
 
 RULES = Ruleset()
+_BESIDE_PRY_SLOT = 0.4  # mold left between a pry slot and what lies behind it [mm]
 _WIDTHS = ("skin.width_mm", "skin.taper_ratio")
 
 
-@RULES.rule("mold.pry_depth_mm", "mold.land_mm")
+@RULES.rule(
+    "mold.pry_depth_mm", "mold.land_mm", "mold.nut_width_mm", "mold.key_diameter_mm", "mold.key_clearance_mm",
+    "mold.draft_deg",
+)  # fmt: skip
 def _pry_slot_clear_of_bolts(d: Tables) -> str | None:
-    most = d.mold.land_mm - 0.4
+    layout, slope = lay_out(d, derive(d)), derive(d).draft_slope
+    socket = d.mold.key_diameter_mm / 2 + d.mold.key_clearance_mm * math.hypot(1.0, slope)
+    column = layout.bolts[-1][0]
+    most = layout.half_width - column - max(layout.nut_circumradius, socket) - _BESIDE_PRY_SLOT
     if d.mold.pry_depth_mm <= most + SLACK:
         return None
-    return f"{d.mold.pry_depth_mm:g} mm reaches the keys; at most {floor2(most)} mm (mold.land_mm)."
+    return f"{d.mold.pry_depth_mm:g} mm reaches the keys; at most {floor2(max(0.0, most))} mm (mold.land_mm)."
 
 
 @RULES.rule("mold.pry_width_mm", "skin.length_mm", "mold.recess_length_mm")
@@ -92,8 +100,15 @@ def _nut_trap_keeps_a_floor(d: Tables) -> str | None:
 
 
 @RULES.rule("mold.nut_width_mm", "mold.bolt_diameter_mm")
-def _nut_wider_than_bolt(d: Tables) -> str | None:
-    least = d.mold.bolt_diameter_mm + 1.0
-    if d.mold.nut_width_mm >= least - SLACK:
+def _trap_fits_its_nut(d: Tables) -> str | None:
+    bolt = passing(d.mold.bolt_diameter_mm)
+    least, most = bolt.nut_flats_mm + TRAP_CLEARANCE_MM, bolt.nut_flats_mm * TRAP_TURNS
+    width = d.mold.nut_width_mm
+    if least - SLACK <= width <= most + SLACK:
         return None
-    return f"{d.mold.nut_width_mm:g} mm holds no nut of a {d.mold.bolt_diameter_mm:g} mm bolt; at least {least:g} mm."
+    nut = f"an {bolt.label} nut, {bolt.nut_flats_mm:g} mm across flats"
+    what = f"does not take {nut}" if width < least else f"lets {nut} turn"
+    return (
+        f"{width:g} mm {what}, which a hole of {d.mold.bolt_diameter_mm:g} mm asks for; between {ceil2(least)} and "
+        f"{floor2(most)} mm."
+    )

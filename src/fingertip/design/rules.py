@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fingertip.design import board_rules, bone_rules, finger_rules, mold_rules, recess_rules, signal_rules
+from fingertip.design import board_rules, bone_rules, finger_rules, mold_rules, recess_rules, sensor_rules, signal_rules
 from fingertip.design.ruleset import broken_rules
 from fingertip.design.tables import Tables
 from fingertip.errors import Fault
 
-PARTS = (*finger_rules.RULES, *bone_rules.RULES, *recess_rules.RULES, *mold_rules.RULES)
+PARTS = (*sensor_rules.RULES, *finger_rules.RULES, *bone_rules.RULES, *recess_rules.RULES, *mold_rules.RULES)
 """Of the printed parts and the skin."""
 RULES = (*PARTS, *board_rules.RULES, *signal_rules.RULES)
 """In the order they are asked."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from fingertip.design.fields import Section, choice, quantity
+from fingertip.design.threads import LEAST_HOLE_MM
 
 
 class Sensor(Section):
@@ -83,7 +84,7 @@ class Bone(Section):
     socket_diameter_mm: float = quantity(5.0, "mm", "Diameter of the socket (socket).", least=2, most=25)
     socket_depth_mm: float = quantity(8.0, "mm", "Depth of the socket (socket).", least=2, most=40)
     cross_bolt_diameter_mm: float = quantity(
-        2.2, "mm", "Hole through post or socket for the cross bolt.", least=0.8, most=6
+        2.2, "mm", "Hole through post or socket for the cross bolt.", least=LEAST_HOLE_MM, most=6
     )
 
 
@@ -146,7 +147,9 @@ class Mold(Section):
     funnel_diameter_mm: float = quantity(7.0, "mm", "Mouth of the sprue's funnel.", least=1, most=30)
     funnel_depth_mm: float = quantity(4.0, "mm", "Depth of the funnel.", least=0.5, most=30)
     vent_diameter_mm: float = quantity(1.2, "mm", "Vent at the apex and opposite the gate.", least=0.4, most=5)
-    bolt_diameter_mm: float = quantity(3.4, "mm", "Clearance hole of the clamp bolts (M3).", least=1.5, most=9)
+    bolt_diameter_mm: float = quantity(
+        3.4, "mm", "Clearance hole of the clamp bolts (M3).", least=LEAST_HOLE_MM, most=9
+    )
     nut_width_mm: float = quantity(5.8, "mm", "Nut trap across flats, with clearance.", least=2, most=16)
     nut_depth_mm: float = quantity(2.6, "mm", "Depth of the nut trap.", least=0.5, most=10)
     key_diameter_mm: float = quantity(5.0, "mm", "Root of the larger registration key.", least=1.5, most=20)

@@ -1,0 +1,48 @@
+"""Metric threads: the hole a bolt passes, and the nut it takes. The one table for rules, traps and the casting sheet.
+
+Clearance holes of the fine series by ISO 273; across flats and greatest height of hexagon nuts, style 1, by ISO 4032.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Thread:
+    """A metric thread, its sizes in mm."""
+
+    diameter_mm: float
+    hole_mm: float
+    """Least hole its bolt passes."""
+    nut_flats_mm: float
+    """Across flats, at most."""
+    nut_height_mm: float
+
+    @property
+    def label(self) -> str:
+        """As it is bought."""
+        return f"M{self.diameter_mm:g}"
+
+
+THREADS = (
+    Thread(1.6, 1.7, 3.2, 1.3),
+    Thread(2.0, 2.2, 4.0, 1.6),
+    Thread(2.5, 2.7, 5.0, 2.0),
+    Thread(3.0, 3.2, 5.5, 2.4),
+    Thread(4.0, 4.3, 7.0, 3.2),
+    Thread(5.0, 5.3, 8.0, 4.7),
+    Thread(6.0, 6.4, 10.0, 5.2),
+    Thread(8.0, 8.4, 13.0, 6.8),
+)
+"""From the thinnest to the thickest."""
+LEAST_HOLE_MM = THREADS[0].hole_mm
+TRAP_CLEARANCE_MM = 0.2
+"""A nut trap is wider than its nut by this at least, so that a print takes the nut. An assumption."""
+TRAP_TURNS = 1.09
+"""In a trap as much wider than the nut's flats the nut turns: its corners are 1.09 times as far apart (ISO 4032)."""
+
+
+def passing(hole_mm: float) -> Thread:
+    """The thickest thread whose bolt passes a hole [mm], of `LEAST_HOLE_MM` or more."""
+    return max((t for t in THREADS if t.hole_mm <= hole_mm + 1e-9), key=lambda thread: thread.diameter_mm)

@@ -8,7 +8,12 @@ from collections.abc import Sequence
 
 import pytest
 
-from fingertip.cad.shapes import strokes
+from fingertip.cad.kernel.mesh import Evaluator
+from fingertip.cad.shapes import lettering, mold, strokes
+from fingertip.cad.solids import intersection, union
+from fingertip.design import Design
+from fingertip.design.document import parameters
+from fingertip.design.mold_layout import lay_out
 
 ALLOWED = string.ascii_letters + string.digits + "-_"
 
@@ -68,3 +73,36 @@ def test_letters_advance() -> None:
     moved = [tuple(tuple((x + strokes.ADVANCE, y) for x, y in ring) for ring in rings) for rings in first]
     assert second == [*first, *moved]
     assert strokes.text_width("II") == pytest.approx(10.0)
+
+
+LARGE = ["name=a", "mold.engraving_height_mm=20"]
+
+
+@pytest.mark.parametrize("changes", [[], LARGE, ["skin.width_mm=30", *LARGE], ["name=thirteen_long"]], ids=str)
+def test_letters_stay_on_the_block_and_off_the_nuts(changes: list[str]) -> None:
+    design, evaluator = Design.load(changes=changes), Evaluator(0.02)
+    m = lay_out(design, design.dimensions)
+    letters = union(*mold.engraving(design, m, "palmar"), *mold.engraving(design, m, "dorsal"))
+    low_x, _, low_z, high_x, _, high_z = evaluator.manifold(letters).bounding_box()
+    assert -m.half_width < low_x < high_x < m.half_width
+    assert m.proximal_z < low_z < high_z < m.distal_z
+    fastened = union(*mold.nut_traps(design, m), *mold.bolts(design, m))
+    assert evaluator.manifold(intersection(letters, fastened)).volume() == 0.0
+
+
+def test_what_could_not_be_read_is_left_out_and_told() -> None:
+    def engraved(*changes: str) -> tuple[list[str], list[str]]:
+        design = Design.load(changes=changes)
+        m = lay_out(design, design.dimensions)
+        return [text for text, _, _ in lettering.lines(design, m, "palmar")], lettering.left_out(design, m)
+
+    assert engraved() == (["fsr400", "palmar"], [])
+    long = "abcdefghij" * 4
+    assert engraved(f"name={long}") == (["palmar"], [long])
+    assert engraved(f"name={long}", "mold.engraving_depth_mm=0") == ([], [])
+
+
+def test_the_least_height_has_the_least_stroke() -> None:
+    (bounds,) = (p.bounds for p in parameters() if p.path == "mold.engraving_height_mm")
+    least = lettering.LEAST_STROKE_MM / lettering.STROKE * strokes.HEIGHT
+    assert bounds.startswith(f">= {least:g},")

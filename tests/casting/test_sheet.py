@@ -128,6 +128,17 @@ def test_the_caster_is_told_to_hold_what_would_lean(method: str) -> None:
     assert told.index("centre it") < told.index("Weigh") < told.index("two narrow sides")
 
 
+def test_a_name_that_finds_no_room_is_to_be_written() -> None:
+    long, short = (
+        markdown.warnings(sheet.figures(fsr400(f"name={name}"), VOLUMES, MATERIALS["addition_40a"]))
+        for name in ("A_very-long_name_with-forty_characters_1", "a")
+    )
+    assert [told for told in long if "engrave" in told] == [
+        "No room to engrave A_very-long_name_with-forty_characters_1 in strokes of 0.4 mm: mark the halves with a pen."
+    ]
+    assert not any("engrave" in told for told in short)
+
+
 def test_what_would_touch_the_mold_is_said_to() -> None:
     design = Design.load(design_file("fsr402"))
     told = markdown.steps(sheet.figures(design, VOLUMES, MATERIALS["addition_40a"]))

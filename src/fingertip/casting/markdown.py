@@ -62,6 +62,11 @@ def warnings(data: Data) -> list[str]:
             f"shrinks by {_range(shrinkage)} %: build again with `--set "
             f"mold.silicone_shrinkage_percent={shrinkage['high']:g}`."
         )
+    if texts := data["mold"]["not_engraved"]:
+        found.append(
+            f"No room to engrave {', '.join(texts)} in strokes of {data['mold']['least_stroke_mm']:g} mm: mark the "
+            "halves with a pen."
+        )
     found += [
         "No cyanoacrylate on the sensor: it creeps into it and its vapour spoils it. Use the adhesive film.",
         "Keep the sensor's air vent open: it breathes through the end of its tail, the relief and the cable channel.",

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from fingertip.cad.printing import orientations
+from fingertip.cad.shapes.lettering import LEAST_STROKE_MM, left_out
 from fingertip.casting import hardware
 from fingertip.casting.batch import LEAST_PART_G, WASTE_SHARE, batch
 from fingertip.casting.materials import SOURCES, Silicone
@@ -49,6 +50,8 @@ def figures(
             "made_for_this_silicone": made_for(design, card),
             "vents": len(lay_out(design, design.dimensions).vents_x),
             "tail_passes_collar": design.dimensions.tail_passes_collar,
+            "not_engraved": left_out(design, lay_out(design, design.dimensions)),
+            "least_stroke_mm": LEAST_STROKE_MM,
         },
         "fit": _fit(design),
         "bill": bill_of_materials(design),
@@ -83,7 +86,10 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     return [
         {"item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1},
         {"item": "adhesive film under the sensor", "thickness_mm": sensor.adhesive_thickness_mm, "count": 1},
-        {"item": "bolt of the mold", "thread_mm": thread.diameter_mm, "length_mm": bolts.length_mm, "count": bolts.count},
+        {
+            "item": "bolt of the mold", "thread_mm": thread.diameter_mm, "length_mm": bolts.length_mm,
+            "count": bolts.count,
+        },
         {
             "item": "nut of the mold", "thread_mm": thread.diameter_mm, "across_flats_mm": thread.nut_flats_mm,
             "count": bolts.count,

@@ -158,7 +158,9 @@ class Mold(Section):
     pry_width_mm: float = quantity(8.0, "mm", "Width of the slots to pry the halves apart.", least=2, most=40)
     pry_depth_mm: float = quantity(2.5, "mm", "Depth of the pry slots.", least=0.5, most=15)
     pry_height_mm: float = quantity(1.2, "mm", "Height of the pry slots at their mouth.", least=0.4, most=6)
-    engraving_height_mm: float = quantity(5.0, "mm", "Height of the engraved letters.", least=1, most=20)
+    engraving_height_mm: float = quantity(
+        5.0, "mm", "Height of the engraved letters, where they find room.", least=3, most=20
+    )
     engraving_depth_mm: float = quantity(0.5, "mm", "Depth of the letters; 0: none.", least=0, most=2)
 
 

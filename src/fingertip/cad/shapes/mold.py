@@ -6,6 +6,7 @@ import math
 
 from fingertip.cad.shapes import strokes
 from fingertip.cad.shapes.core import above_foot, grown
+from fingertip.cad.shapes.lettering import STROKE, lines
 from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.solids import Bar, Box, Cone, Form, Prism, Solid, cylinder, difference, hexagon, intersection, union
 from fingertip.conic import ConicBody, CrossSection
@@ -13,7 +14,6 @@ from fingertip.design import Design
 from fingertip.design.draft import drafted
 from fingertip.design.mold_layout import MoldLayout, lay_out
 
-_STROKE = 0.8  # width of the letters' strokes, in units of their grid
 _OVERLAP_MM = 0.25  # solids that are united reach into each other by this, so that no faces merely touch
 
 
@@ -99,20 +99,14 @@ def pry_slots(design: Design, m: MoldLayout) -> tuple[Solid, ...]:
 def engraving(design: Design, m: MoldLayout, half: str) -> tuple[Solid, ...]:
     """The design's name and the half's, cut into the outer face so that they read from outside."""
     mold = design.mold
-    if mold.engraving_depth_mm == 0.0:
-        return ()
     dorsal = half == "dorsal"
     height = m.dorsal_height if dorsal else m.palmar_height
     floor, past = height - mold.engraving_depth_mm, 2 * height
     low, high = (floor, past) if dorsal else (-past, -floor)
     prisms = []
-    for line, text in enumerate((design.name, half)):
-        unit = min(
-            mold.engraving_height_mm / strokes.HEIGHT, 0.8 * (m.distal_z - m.proximal_z) / strokes.text_width(text)
-        )
+    for text, unit, foot_x in lines(design, m, half):
         start_z = (m.proximal_z + m.distal_z - unit * strokes.text_width(text)) / 2
-        foot_x = unit * (2.0 if line == 0 else -2.0 - strokes.HEIGHT)
-        for letter in strokes.letters(text, _STROKE):
+        for letter in strokes.letters(text, STROKE):
             # Seen from the back x points up where z points right, seen from the palm it points down.
             rings = (
                 [(start_z + unit * u, (foot_x + unit * v) * (1 if dorsal else -1)) for u, v in ring] for ring in letter

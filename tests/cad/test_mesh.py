@@ -12,7 +12,12 @@ from fingertip.design import Design
 
 # Here a boolean leaves an edge of 5e-6 mm that the kernel does not collapse: both its ends round to one grid point. A
 # sweep found it.
-CLOSE = ["skin.width_mm=15", "skin.semi_axis_palmar_mm=6.5", "skin.thickness_side_mm=1.2"]
+CLOSE = [
+    "skin.width_mm=15",
+    "skin.semi_axis_palmar_mm=6.5",
+    "skin.thickness_side_mm=1.2",
+    "skin.least_thickness_mm=0.4",
+]
 
 
 def test_ends_of_an_edge_on_one_grid_point_are_one_vertex() -> None:

@@ -194,7 +194,7 @@ def _bill(data: Data) -> str:
         rows.append((f"{entry['count']:g}", entry["item"], ", ".join(sizes)))
     batch = data["batch"]
     rows.append((f"{batch['total_g']:g} g", data["silicone"]["label"], "A and B together"))
-    rows.append(("", "tape, modelling clay free of sulfur, cup, stirrer, vinyl gloves", ""))
+    rows.append(("", "tape, paper, rubber band, modelling clay free of sulfur, cup, stirrer, vinyl gloves", ""))
     return _table(("count", "item", "size"), rows)
 
 

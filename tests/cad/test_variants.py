@@ -31,7 +31,7 @@ def test_a_variant_builds_and_passes(changes: list[str], tmp_path: Path) -> None
 def test_only_a_sleeve_has_a_core(tmp_path: Path) -> None:
     from fingertip.errors import DesignError
 
-    with pytest.raises(DesignError, match="this design has no 'core'.*mold.method=sleeve"):
+    with pytest.raises(DesignError, match=r"this design has no 'core'.*mold\.method=sleeve"):
         build(Design(), tmp_path, parts=["core"], formats=["stl"])
     build(Design.load(changes=["mold.method=sleeve"]), tmp_path, parts=["core"], formats=["stl"])
     assert (tmp_path / "core.stl").exists()

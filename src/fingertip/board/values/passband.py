@@ -7,16 +7,21 @@ above the vibrations, nor the amplifier's own end. Here the whole transfer funct
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from fingertip.board.values.built import FirstStage, network
 from fingertip.board.values.filters import Response, decibel, response
 from fingertip.design.filter_components import Components
 
-_PER_DECADE = 12
+_PER_DECADE = 6
 _BELOW = 3.0
 """Where the search begins, in cutoffs below the formulas'."""
-_HALVINGS = 50
+_MOST_STEPS = 60
+_PEAK = 1e-6
+"""How near the peak is looked for, as a share of the frequency: its gain is then within 1e-12."""
+_END = 1e-13
+"""How near the ends."""
 
 
 @dataclass(frozen=True)
@@ -35,33 +40,65 @@ def passband(c: Components, gain_bandwidth_hz: float, extra: FirstStage | None =
     formulas = response(c, gain_bandwidth_hz)
 
     def gain(x: float) -> float:
-        return abs(network(math.exp(x), c, gain_bandwidth_hz, extra))
+        return math.log(abs(network(math.exp(x), c, gain_bandwidth_hz, extra)))
 
     first = math.log(min(formulas.cutoff_hz, formulas.section_hz) / _BELOW)
     last = math.log(10.0 * max(formulas.amplifier_bandwidth_hz, formulas.cutoff_hz))
     count = math.ceil((last - first) / math.log(10.0) * _PER_DECADE)
     step = (last - first) / count
     grid = [gain(first + i * step) for i in range(count + 1)]
-    at = max(range(len(grid)), key=grid.__getitem__)
-    peak = first + at * step
-    low, high = peak - step, peak + step
-    for _ in range(_HALVINGS):  # by thirds: around the largest of the grid it has one maximum
-        a, b = low + (high - low) / 3.0, high - (high - low) / 3.0
-        low, high = (a, high) if gain(a) < gain(b) else (low, b)
-    peak = 0.5 * (low + high)
-    most = gain(peak)
-    level = most / math.sqrt(2.0)
+    at = max(range(1, count), key=grid.__getitem__)
+    most = _largest(gain, first + at * step, step, (grid[at - 1], grid[at], grid[at + 1]))
+    level = most - 0.5 * math.log(2.0)
 
-    def crossing(inside: float, outward: float) -> float:
-        while gain(inside + outward) >= level:
-            inside += outward
-        outside = inside + outward
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (inside + outside)
-            inside, outside = (middle, outside) if gain(middle) >= level else (inside, middle)
-        return math.exp(inside)
+    def crossing(outward: int) -> float:
+        i = at
+        while grid[i + outward] >= level:
+            i += outward
+        ends = (first + i * step, first + (i + outward) * step)
+        return math.exp(_root(lambda x: gain(x) - level, ends, (grid[i] - level, grid[i + outward] - level)))
 
-    return Passband(most, crossing(peak, -step), crossing(peak, step))
+    return Passband(math.exp(most), crossing(-1), crossing(1))
+
+
+def _largest(f: Callable[[float], float], x: float, step: float, values: tuple[float, float, float]) -> float:
+    """The largest f, which rises to x and falls from it at this step: by parabolas through the three nearest points."""
+    (a, b, c), (fa, fb, fc) = (x - step, x, x + step), values
+    for _ in range(_MOST_STEPS):
+        left, right = (b - a) * (fb - fc), (b - c) * (fb - fa)
+        if left == right:
+            break
+        new = b - 0.5 * ((b - a) * left - (b - c) * right) / (left - right)
+        if not a < new < c or abs(new - b) < _PEAK:
+            break
+        value = f(new)
+        if value >= fb:
+            (a, fa), (c, fc) = ((b, fb), (c, fc)) if new > b else ((a, fa), (b, fb))
+            b, fb = new, value
+        elif new > b:
+            c, fc = new, value
+        else:
+            a, fa = new, value
+    return fb
+
+
+def _root(f: Callable[[float], float], ends: tuple[float, float], values: tuple[float, float]) -> float:
+    """Where f changes its sign between the ends, at which it is known: by chords, an end that stays weighing half
+    (Illinois)."""
+    (a, b), (fa, fb) = ends, values
+    for _ in range(_MOST_STEPS):
+        if fa == fb or abs(b - a) < _END:
+            break
+        new = b - fb * (b - a) / (fb - fa)
+        value = f(new)
+        if value * fb < 0.0:
+            a, fa = b, fb
+        else:
+            fa *= 0.5
+        b, fb = new, value
+        if value == 0.0:
+            break
+    return b
 
 
 def built_response(c: Components, gain_bandwidth_hz: float, extra: FirstStage | None = None) -> Response:

@@ -140,16 +140,20 @@ def _tie_hole_within_back(d: Tables) -> str | None:
 
 @RULES.rule("bone.post_diameter_mm", "bone.interface", *_FLAT)
 def _post_within_base(d: Tables) -> str | None:
+    if d.bone.interface != "plain":
+        return None
     most = _base_room(d)
-    if d.bone.interface != "plain" or d.bone.post_diameter_mm <= most + SLACK:
+    if d.bone.post_diameter_mm <= most + SLACK:
         return None
     return f"{d.bone.post_diameter_mm:g} mm is wider than the base; at most {floor2(max(0.0, most))} mm."
 
 
 @RULES.rule("bone.socket_diameter_mm", "bone.interface", "bone.wall_mm", *_FLAT)
 def _socket_within_base(d: Tables) -> str | None:
+    if d.bone.interface != "socket":
+        return None
     most = _base_room(d) - 2 * d.bone.wall_mm
-    if d.bone.interface != "socket" or d.bone.socket_diameter_mm <= most + SLACK:
+    if d.bone.socket_diameter_mm <= most + SLACK:
         return None
     return (
         f"{d.bone.socket_diameter_mm:g} mm leaves less than {d.bone.wall_mm:g} mm of base around it; "
@@ -167,12 +171,10 @@ def _base_room(d: Tables) -> float:
     middle, low, high = (section.dorsal - flat) / 2, 0.0, (section.dorsal + flat) / 2
     if high <= 0.0:
         return 0.0
-    angles = [math.pi * (i / 64 - 0.5) for i in range(65)]
+    around = [(math.cos(a), math.sin(a)) for a in (math.pi * (i / 64 - 0.5) for i in range(65))]
     for _ in range(30):
         r = (low + high) / 2
-        inside = all(
-            r * math.cos(a) <= section.half_width_at(max(middle + r * math.sin(a), -flat)) + SLACK for a in angles
-        )
+        inside = all(r * c <= section.half_width_at(max(middle + r * s, -flat)) + SLACK for c, s in around)
         low, high = (r, high) if inside else (low, r)
     return 2 * low
 

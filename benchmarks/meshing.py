@@ -243,10 +243,11 @@ def cpu_of(*command: str) -> tuple[float, float]:
 
 def whole_designs(design: Design) -> None:
     """What all parts with all their checks cost, and all files with STEP against importing cadquery alone."""
+    from fingertip.cad.kernel.mesh import Evaluator
     from fingertip.cad.shapes.parts import parts_of
     from fingertip.cad.verification.verify import verify
 
-    cpu = timed(lambda: verify(design, parts_of(design), ("stl",), 0.01))
+    cpu = timed(lambda: verify(design, parts_of(design), ("stl",), Evaluator(0.01)))
     print(f"\nall parts with all mesh checks at 0.01 mm: {cpu:.2f} s CPU, warm (goal 0.5 s)")
     with tempfile.TemporaryDirectory() as folder:
         cold = [cpu_of("-m", "fingertip", "check", str(DESIGN), "-q") for _ in range(3)]

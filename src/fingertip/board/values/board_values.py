@@ -72,7 +72,17 @@ class BoardValues:
 
     def as_data(self) -> dict[str, Any]:
         """Plain mappings and lists, for JSON. Keys carry their units."""
-        return asdict(self)
+        plain: dict[str, Any] = _settled(asdict(self))
+        return plain
+
+
+def _settled(data: Any) -> Any:
+    """Plain data with its numbers as they are written down: their last bits differ between processors."""
+    if isinstance(data, dict):
+        return {key: _settled(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_settled(value) for value in data]
+    return float(f"{data:.10g}") if isinstance(data, float) else data
 
 
 def filter_values(board: Board) -> tuple[Components, Components, Response]:

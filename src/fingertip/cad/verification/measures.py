@@ -17,7 +17,7 @@ from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.core import core, inside_skin
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.solids import Form, union
-from fingertip.cad.verification import deviation, leaning, mold_measures
+from fingertip.cad.verification import closing, deviation, leaning, mold_measures
 from fingertip.cad.verification.checks import NO_VOLUME_MM3, Check
 from fingertip.cad.verification.gaps import apart, around
 from fingertip.design import Design
@@ -45,6 +45,7 @@ def of_parts(design: Design, evaluator: Evaluator, meshes: Mapping[str, Mesh]) -
         yield _vent_open(design, evaluator)
     if "mold_palmar" in meshes and "mold_dorsal" in meshes:
         yield from mold_measures.of_mold(design, evaluator)
+        yield from closing.of_closing(design, evaluator)
     if "core" in meshes:
         yield _stretch(design, evaluator)
 

@@ -61,6 +61,18 @@ def test_a_missing_triangle_is_an_open_edge(finger: Design, evaluator: Evaluator
     assert checks.open_edges(whole) == 0
 
 
+def test_a_vertex_on_an_edge_leaves_a_flat_triangle(finger: Design, evaluator: Evaluator) -> None:
+    """Every edge is matched, the volume is the same, and yet no program keeps the triangle that closes it."""
+    whole = evaluator.mesh(PARTS["bone"].describe(finger))
+    a, b, c = whole.triangles[0]
+    middle = len(whole.vertices)
+    vertices = np.concatenate((whole.vertices, (whole.vertices[a] + whole.vertices[b])[None] / 2))
+    fan = np.array([[a, middle, c], [middle, b, c], [a, b, middle]])
+    sliver = Mesh(vertices, np.concatenate((whole.triangles[1:], fan)))
+    assert checks.open_edges(sliver) == 0
+    assert failures(PARTS["bone"], sliver) == {"flat_triangles"}
+
+
 def test_a_doubled_triangle_is_an_open_edge(finger: Design, evaluator: Evaluator) -> None:
     whole = bone_mesh(evaluator, bone.bone(finger))
     doubled = replace(whole, triangles=np.vstack((whole.triangles, whole.triangles[:1])))

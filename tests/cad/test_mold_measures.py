@@ -26,7 +26,7 @@ def test_a_bolt_at_the_cavitys_edge(monkeypatch: pytest.MonkeyPatch) -> None:
     def inwards(design: Design, m: object) -> tuple[object, ...]:
         first, *others = original(design, m)  # type: ignore[arg-type]
         assert isinstance(first, Cone)
-        return replace(first, centre=(10.0, -11.5)), *others
+        return replace(first, centre=(20.0, -11.5)), *others
 
     monkeypatch.setattr(mold, "bolts", inwards)
     assert failures() == {"mold.land.bolts_to_cavity"}

@@ -13,6 +13,7 @@ from fingertip.errors import TraceError
 from fingertip.sim import run_scene
 from fingertip.sim.bench import throughput
 from fingertip.sim.bench.measure import Diagram
+from fingertip.sim.bench.report import as_text
 from fingertip.sim.campaign import trials
 from fingertip.sim.electronics.analog import respond, respond_in_parts
 from fingertip.sim.electronics.circuit import Analog
@@ -46,6 +47,8 @@ def test_solvers_are_compared_at_errors_that_ours_reaches_too():
         found.judge(solver, "s", cpu, ZERO + error, ZERO)
     assert found.against("ours", "theirs") == pytest.approx(200 / 3)  # input charged to both
     assert found.against("ours", "late") is None
+    found.goals["theirs"] = 50.0
+    assert any("theirs: 67 times our CPU time (goal 50) at an error of" in line for line in as_text(found))
 
 
 def test_the_command(tmp_path):

@@ -153,3 +153,17 @@ def test_bristles_a_hundred_times_stiffer_stay_stable():
     motion = slow_pull(0.04, 0.5, friction=friction)
     assert motion.velocity_m_s[-1] == pytest.approx(0.04, rel=1e-5)
     assert np.abs(motion.velocity_m_s).max() < 0.2
+
+
+@pytest.mark.parametrize("sigma0", [1e6, 1e8])
+@pytest.mark.parametrize("mass_kg", [1e-4, 1e-5])
+def test_a_step_too_long_for_its_bristles_is_refused_and_no_nan_returned(sigma0, mass_kg):
+    """Those a pad has are far from there; whoever goes there by hand is told, or served."""
+    friction = Friction(0.6, 0.48, stribeck_m_s=1e-5, sigma0=sigma0)
+    try:
+        found = slow_pull(0.04, 0.5, Mount(mass_kg, STIFFNESS, 0.5), friction)
+    except TraceError as error:
+        assert "is too long for so stiff a bristle" in str(error)  # noqa: PT017 (either answer is right)
+    else:
+        assert np.isfinite(found.velocity_m_s).all()
+        assert np.abs(found.velocity_m_s).max() < 10.0

@@ -145,7 +145,7 @@ def test_a_long_scene_reports_its_progress():
     assert said == []
     run_scene(DESIGN, SceneFile(scene="long", hold={"least_s": 20.0}, outputs=["force_n"]), 0, said.append)
     assert said[0].startswith("long, 2")
-    assert said[1:] == ["hand", "contact", "force"]
+    assert said[1:] == ["load", "contact", "force"]
 
 
 def test_parameters_are_listed_with_unit_and_bounds():
@@ -300,7 +300,7 @@ def test_the_command_takes_scenes(tmp_path):
     data = json.loads(done.stdout)
     assert data["scene"] == "hard_tap"
     assert data["force_n"] == 1.5
-    assert [stage["name"] for stage in data["stages"]][:2] == ["hand", "shaking"]
+    assert [stage["name"] for stage in data["stages"]][:2] == ["load", "shaking"]
     again = run_fingertip(*arguments, *more, "--out", tmp_path / "b.csv")
     assert again.returncode == 0
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()

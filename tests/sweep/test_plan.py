@@ -57,6 +57,7 @@ BAD_AXES: list[tuple[dict[str, Any], str, str]] = [
     ({"slide.speed_m_s": [0.04]}, "axes.slide.speed_m_s", "did you mean scene.slide.speed_m_s?"),
     ({"scene.slide.speed_m_s": [0.04]}, "axes.scene.slide.speed_m_s", "changes no output"),
     ({"skin": [1]}, "axes.skin", "there is no such parameter"),
+    ({"scene.knock.speed_m_s": [0.08]}, "axes.scene.knock.speed_m_s", "is a manipulation's, and sweeps run scenes"),
     ({"skin.width_mm": []}, "axes.skin.width_mm", "empty list"),
     ({"skin.width_mm": 17}, "axes.skin.width_mm", "is no axis"),
     ({"skin.width_mm": [17, 17.0]}, "axes.skin.width_mm", "listed more than once"),

@@ -135,6 +135,9 @@ def read_axis(name: str, given: Any, sampled: bool) -> tuple[Axis | None, list[F
     if name.startswith("scene."):
         model, path = _scene(), name.removeprefix("scene.")
     if path not in parameter_names(model):
+        if name.startswith("scene.") and path in parameter_names(_manipulation()):
+            words = "is a manipulation's, and sweeps run scenes of one finger; `fingertip simulate --set` takes it."
+            return None, [Fault(field, words)]
         known = parameter_names(Tables) + parameter_names(_scene(), "scene.")
         return None, [Fault(field, f"there is no such parameter; {nearest(name, known)}")]
     axis, faults = _read(name, field, given, sampled, _annotation(model, path))
@@ -207,6 +210,12 @@ def _scene() -> type[BaseModel]:
     from fingertip.sim.scenes.scene_file import SceneFile  # loads the whole simulation, which most sweeps do without
 
     return SceneFile
+
+
+def _manipulation() -> type[BaseModel]:
+    from fingertip.sim.hand.manipulation_file import ManipulationFile
+
+    return ManipulationFile
 
 
 def _annotation(model: type[BaseModel], path: str) -> Any:

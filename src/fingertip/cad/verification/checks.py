@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 NO_VOLUME_MM3 = 1e-3
 """Volumes below this are nothing: the rounding of 10 000 mm2 of surface to a grid of 8 nm stays below it."""
+_FLAT_MM = 1e-6
+"""A triangle this low has no area that a file of single precision could hold."""
 HALVES = ("mold_palmar", "mold_dorsal")
 PULL_DISTANCES_MM = (0.02, 0.2, 1.0, 4.0, 12.0)
 
@@ -62,10 +64,20 @@ def of_file(design: Design, part: Part, mesh: Mesh, file_format: str) -> Iterato
     """Topology of a part as re-read from its file: closed, one body, the expected genus, right side out."""
     where = f"{part.name}.{file_format}"
     yield Check(f"{where}.open_edges", open_edges(mesh), 0, "edges", "exactly")
+    yield Check(f"{where}.flat_triangles", flat_triangles(mesh), 0, "triangles", "exactly")
     yield Check(f"{where}.inside_out", float(mesh.volume() <= 0.0), 0, "", "exactly")
     solid = to_manifold(mesh.vertices, mesh.triangles)
     yield Check(f"{where}.bodies", len(solid.decompose()), 1, "bodies", "exactly")
     yield Check(f"{where}.genus", solid.genus(), part.genus(design), "holes", "exactly")
+
+
+def flat_triangles(mesh: Mesh) -> int:
+    """Triangles without area: as poles leave them, or a vertex on an edge. Programs drop them, and the hole is open."""
+    corners = mesh.vertices[mesh.triangles]
+    sides = np.roll(corners, -1, axis=1) - corners
+    twice = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    longest = np.sqrt(np.max(np.einsum("ijk,ijk->ij", sides, sides), axis=1))
+    return int(np.sum(twice <= _FLAT_MM * longest))
 
 
 def open_edges(mesh: Mesh) -> int:

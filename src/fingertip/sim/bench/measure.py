@@ -38,6 +38,8 @@ class Diagram:
     unit: str
     target: float
     """Error that is good enough, in `unit`."""
+    goals: dict[str, float] = field(default_factory=dict)
+    """Solver -> how many times our CPU time it should take at that error."""
     agreement: float = 0.0
     """Largest difference between the two references, in `unit`."""
     input_s: float = 0.0

@@ -44,6 +44,8 @@ def as_text(diagram: Diagram) -> list[str]:
     lines += [f"  {p.solver:28}{p.setting:28}{p.error:10.1e} {unit}{1e3 * p.cpu_s:12.2f} ms" for p in diagram.points]
     for solver, ratio in ratios(diagram).items():
         said = f"{ratio:.0f} times our CPU time" if ratio else "no point to compare"
+        if solver in diagram.goals:
+            said += f" (goal {diagram.goals[solver]:g})"
         lines.append(f"  {solver}: {said} at an error of {diagram.target:g} {unit} or less, ours no larger")
     lines.append("  omissions:")
     return lines + [f"    {line}" for line in diagram.omissions]

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.errors import Fault
+from fingertip.errors import Fault, TraceError
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.inputs import columns, not_negative, positive, refuse
 from fingertip.sim.jit import Kernel
@@ -30,6 +30,7 @@ __all__ = ["Friction", "Motion", "Mount", "drag"]
 Array = NDArray[np.float64]
 
 _GAMMA = 1 - 1 / math.sqrt(2)  # L-stable
+_NO_MOTION = 1e3  # metres, or metres per second: no pad ever
 _RELAXATION_S = 1e-3  # bristles that touch nothing straighten up; assumption
 
 
@@ -85,7 +86,8 @@ def drag(friction: Friction, mount: Mount, step_s: float, stage_m: Array, stage_
     Raises
     ------
     TraceError
-        If the step is not above 0, a column is not finite (with its first such sample), or bristles are elasto-plastic.
+        If the step is not above 0, a column is not finite (with its first such sample), bristles are elasto-plastic, or
+        the step is too long for them.
     """
     faults = positive("step_s", step_s, "s", "0.000125")
     faults.extend(columns(stage_m=stage_m, stage_m_s=stage_m_s, normal_n=normal_n))
@@ -99,6 +101,13 @@ def drag(friction: Friction, mount: Mount, step_s: float, stage_m: Array, stage_
         (mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m),
         step_s, stage_m, stage_m_s, normal_n, x, v, z,
     )  # fmt: skip
+    for name, found in (("position_m", x), ("velocity_m_s", v), ("bristle_m", z)):
+        lost = np.flatnonzero(~np.isfinite(found) | (np.abs(found) > _NO_MOTION))
+        if lost.size:
+            sentence = (
+                f"{step_s:g} s is too long for so stiff a bristle on so light a pad: {name} is {found[lost[0]]:g}"
+            )
+            raise TraceError(Fault("step_s", f"{sentence} at sample {lost[0]}; use coupled.integrate."))
     return Motion(x, v, z)
 
 

@@ -58,7 +58,7 @@ class LoadChange(Section):
 
     by_n: float = quantity(0.0, "N", "Added to the force on this finger.", least=-4, most=4)
     rise_s: float = quantity(0.1, "s", "In this time. Assumption.", least=0.001, most=10)
-    at_s: float = quantity(1.0, "s", "After the force is reached.", least=0, most=600)
+    at_s: float = quantity(1.0, "s", "After the force is reached. Assumption.", least=0, most=600)
 
 
 class Tap(Section):
@@ -66,9 +66,9 @@ class Tap(Section):
 
     force_n: float = quantity(0.0, "N", "Peak of the force.", least=0, most=50)
     rise_s: float = quantity(0.004, "s", "Rise, and fall, of a tap: 2 to 10 ms. Assumption.", least=0.001, most=0.1)
-    at_s: float = quantity(1.0, "s", "The first, after the force is reached.", least=0, most=600)
-    count: int = quantity(1, "", "How many.", least=1, most=1000)
-    interval_s: float = quantity(0.5, "s", "From one to the next.", least=0.01, most=600)
+    at_s: float = quantity(1.0, "s", "The first, after the force is reached. Assumption.", least=0, most=600)
+    count: int = quantity(1, "", "How many. Assumption.", least=1, most=1000)
+    interval_s: float = quantity(0.5, "s", "From one to the next. Assumption.", least=0.01, most=600)
 
 
 class Motor(Section):
@@ -77,8 +77,8 @@ class Motor(Section):
     force_n: float = quantity(0.0, "N", "Amplitude of the fundamental.", least=0, most=5)
     frequency_hz: float = quantity(45.0, "Hz", "Of the fundamental. Assumption.", least=1, most=500)
     harmonic: float = quantity(0.3, "", "Amplitude of the second harmonic, as a share. Assumption.", least=0, most=1)
-    at_s: float = quantity(1.0, "s", "After the force is reached.", least=0, most=600)
-    duration_s: float = quantity(1.0, "s", "For this long.", least=0.01, most=600)
+    at_s: float = quantity(1.0, "s", "After the force is reached. Assumption.", least=0, most=600)
+    duration_s: float = quantity(1.0, "s", "For this long. Assumption.", least=0.01, most=600)
 
 
 class Drift(Section):
@@ -97,8 +97,8 @@ class Cable(Section):
     decay_s: float = quantity(0.05, "s", "The jump decays in this time. Assumption.", least=0.001, most=10)
     hum_v: float = quantity(0.0, "V", "Amplitude of the mains' hum during the touch.", least=0, most=1)
     hum_hz: float = quantity(50.0, "Hz", "Of the mains.", least=16, most=60)
-    at_s: float = quantity(1.0, "s", "After the force is reached.", least=0, most=600)
-    duration_s: float = quantity(0.5, "s", "For this long.", least=0.01, most=600)
+    at_s: float = quantity(1.0, "s", "After the force is reached. Assumption.", least=0, most=600)
+    duration_s: float = quantity(0.5, "s", "For this long. Assumption.", least=0.01, most=600)
 
 
 class Sensing(Section):

@@ -25,7 +25,7 @@ def stages_of(scene: SceneFile) -> list[Stage[Context]]:
     cable = ("cable_v",) if touched else ()
     jump = ("cable_jump_v",) if touched else ()
 
-    found = [Stage[Context]("hand", (), ("load_n",), contact_stages.press)]
+    found = [Stage[Context]("load", (), ("load_n",), contact_stages.press)]
     if slides:
         found.append(Stage("stage", (), ("stage_m", "stage_m_s"), contact_stages.move_stage))
         moved = ("position_m", "grid_velocity_m_s", "grid_shear_m")

@@ -63,6 +63,10 @@ placement for the assembly, pictures (needs KiCad 9).
 - Assembly houses turn some parts otherwise than KiCad: compare their preview with the picture.
 - Nobody has built this board yet. Checked so far: KiCad's electrical and design rules, ngspice against the formulas.
 
+## Where the article's figures do not add up
+
+{findings}
+
 ## Known to be missing
 
 - A filter for the bridge's supply: what keeps ripple of 30 Hz from it is too large for this board.
@@ -124,6 +128,10 @@ def folder_readme(circuit: Circuit, variant: Variant, values: BoardValues, desig
         power=before_power(values, design),
         rest_level=rest_and_threshold(values, design),
         noise=paragraph(noise.format(**_NOISE_MV[values.supply]), "- ", "  "),
+        findings="\n".join(
+            paragraph(f"{found.subject}: the article says {found.says}. Right: {found.right}.", "- ", "  ")
+            for found in values.findings
+        ),
         parts="\n".join(f"| {part.reference} | {part.value} | {part.role} |" for part in bought),
     )
     return (HEADING + text).encode()

@@ -284,3 +284,26 @@ def test_the_command(tmp_path):
     assert first == ((tmp_path / "a.csv").read_bytes(), (tmp_path / "a.png").read_bytes())
     found = run_fingertip("detect", tmp_path / "a.csv", "--design", ROOT / "params/fsr402.toml", "--json", "-q")
     assert found.returncode == 0, found.stderr  # the thumb's, as the article looks at
+
+
+def test_the_command_closes_the_loop(tmp_path):
+    """What is lost with nobody to answer is held with a detector in the loop."""
+    file = ROOT / "params/scenes/real_manipulation.toml"
+    pinch = ["--set", "object.mass_kg=0.06", "--set", "grasp.kind=pinch", "--set", "grasp.after_s=1", "--seed", "3"]
+    arguments = ["simulate", file, "--design", ROOT / "params/fsr402.toml", *pinch, "--json", "-q"]
+    told = {}
+    for grip in ([], ["--grip", "fast"], ["--grip", "paper"]):
+        done = run_fingertip(*arguments, *grip, "--out", tmp_path / "a.csv")
+        assert done.returncode == 0, done.stderr
+        told[tuple(grip)] = json.loads(done.stdout)
+    assert not told[()]["held"]
+    for grip in (("--grip", "fast"), ("--grip", "paper")):
+        assert told[grip]["held"]
+        (first, *_) = told[grip]["grips_s"]
+        assert 2.9 < first < 3.0  # the knock comes at 2.9 s
+    assert "envelope_v" in told["--grip", "paper"]["columns"]
+    refused = run_fingertip("simulate", "--grip", "fats", "--out", tmp_path / "b.csv")
+    assert refused.returncode == 2
+    assert "closes the loop of a hand" in refused.stderr
+    assert "did you mean fast?" in refused.stderr
+    assert not (tmp_path / "b.csv").exists()

@@ -13,7 +13,8 @@ from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, c
 
 if TYPE_CHECKING:
     from fingertip.design import Design
-    from fingertip.sim import ManipulationFile, SceneFile
+    from fingertip.errors import Fault
+    from fingertip.sim import Manipulated, ManipulationFile, SceneFile
 
 
 @command
@@ -37,6 +38,10 @@ def simulate(
         typer.Option(
             "--force-n", help="Holding force, or the thumb's; by the seed if left out, 0.2 to 2 N in a trial."
         ),
+    ] = None,
+    grip: Annotated[
+        str | None,
+        typer.Option("--grip", help="Close a hand's loop: it grips harder when this detector finds slip (fast, ...)."),
     ] = None,
     changes: SetOption = None,
     parameters: Annotated[
@@ -71,6 +76,8 @@ def simulate(
     if out.suffix.lower() not in (".csv", ".npz"):
         faults.append(Fault("--out", f"{out.name!r} is no kind of trace file known here; end it in .csv or .npz."))
     faults.extend(picture_faults("--plot", plot))
+    if grip is not None:
+        faults.extend(_grip_faults(grip, kind is sim.ManipulationFile))
     if plot == out:
         faults.append(Fault("--plot", f"{plot} is the trace's own name; choose another, such as trace.png."))
     if is_scene and seed < 0:  # a trial says so itself
@@ -109,11 +116,17 @@ def simulate(
         return
 
     found: sim.Simulated | sim.Manipulated
-    if isinstance(scene, sim.ManipulationFile):
+    grips: dict[str, list[float]] = {}
+    if isinstance(scene, sim.ManipulationFile) and grip is not None:
+        found, grips["grips_s"] = _gripped(loaded, scene, grip, seed, console)
+    elif isinstance(scene, sim.ManipulationFile):
         found = sim.run_manipulation(loaded, scene, None, seed, console.say)
     else:
         found = sim.run_scene(loaded, scene, seed, console.say)
     words = summary.as_text(found)
+    if grips:
+        times = ", ".join(f"{at:.2f} s" for at in grips["grips_s"])
+        words.append(f"gripped harder at {times}" if times else "never gripped harder")
     contents = file_bytes(found.time_s, found.columns, out)
     if plot is not None:
         from fingertip.sim.plot import draw
@@ -123,7 +136,35 @@ def simulate(
     write_file(out, contents)
     console.say(f"wrote {out}")
     written = {"trace": out.as_posix()} | ({"plot": plot.as_posix()} if plot else {})
-    console.result(written | summary.as_data(found), "\n".join(words))
+    console.result(written | summary.as_data(found) | grips, "\n".join(words))
+
+
+def _grip_faults(grip: str, is_manipulation: bool) -> Iterable[Fault]:
+    from fingertip.errors import Fault, FingertipError
+    from fingertip.slip.detectors.registry import known
+
+    if not is_manipulation:
+        yield Fault("--grip", "closes the loop of a hand; give a manipulation, such as real_manipulation.toml.")
+    try:
+        known(grip)
+    except FingertipError as error:
+        yield from (Fault("--grip", fault.sentence) for fault in error.faults)
+
+
+def _gripped(
+    design: Design, scene: ManipulationFile, detector: str, seed: int, console: Console
+) -> tuple[Manipulated, list[float]]:
+    """The manipulation with a detector in the loop, and when the hand was told to grip harder [s]."""
+    from fingertip.campaign.closed_loop.grip import Grip, GripSettings
+    from fingertip.sim import run_manipulation
+    from fingertip.slip.detectors.registry import DETECTORS
+
+    reads = DETECTORS[detector].reads
+    if reads not in scene.outputs:
+        scene = scene.model_copy(update={"outputs": [*scene.outputs, reads]})
+    grip = Grip(design, GripSettings(detector), len(scene.fingers))
+    found = run_manipulation(design, scene, grip, seed, console.say)
+    return found, [look.time_s for look in grip.looks if look.gripped]
 
 
 def _of_scene(surface: str | None, speed_m_s: float | None, force_n: float | None) -> Iterable[str]:

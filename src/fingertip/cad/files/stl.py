@@ -34,5 +34,9 @@ def from_bytes(data: bytes) -> Mesh:
     if len(data) != 84 + count * _RECORD.itemsize:
         raise GeometryError(Fault("STL", f"{len(data)} bytes do not hold the {count} triangles it states."))
     corners = np.frombuffer(data, _RECORD, offset=84)["corners"].astype(np.float64).reshape(-1, 3)
-    vertices, index = np.unique(corners, axis=0, return_inverse=True)
-    return Mesh(vertices, index.reshape(-1, 3).astype(np.int64))
+    order = np.lexsort(corners.T[::-1])  # numpy's own unique rows take four times as long
+    ordered = corners[order]
+    first = np.concatenate(([True], (ordered[1:] != ordered[:-1]).any(axis=1)))[: len(corners)]
+    index = np.empty(len(corners), dtype=np.int64)
+    index[order] = np.cumsum(first) - 1
+    return Mesh(ordered[first], index.reshape(-1, 3))

@@ -84,8 +84,11 @@ def open_edges(mesh: Mesh) -> int:
     """Directed edges that are not matched by exactly one in the opposite direction."""
     forward = np.concatenate([mesh.triangles[:, pair] for pair in ((0, 1), (1, 2), (2, 0))])
     size = len(mesh.vertices)
-    keys, counts = np.unique(forward[:, 0] * size + forward[:, 1], return_counts=True)
+    ordered = np.sort(forward[:, 0] * size + forward[:, 1])
     backward = np.sort(forward[:, 1] * size + forward[:, 0])
+    if np.array_equal(ordered, backward) and bool((np.diff(ordered) > 0).all()):
+        return 0  # as it should be: nothing needs to be counted
+    keys, counts = np.unique(ordered, return_counts=True)
     matched = np.isin(keys, backward) & (counts == 1)
     return int(len(keys) - matched.sum())
 

@@ -72,7 +72,7 @@ def surfaces(study: Study, detector: str) -> bytes:
 
 
 def comparison(study: Study, limit_s: float) -> bytes:
-    """Median (line) and 90th percentile (dashed) of the delay against false alarms per minute, and the median's bound
+    """Median (line) and 90th percentile (dashed) of the delay against false alarms per minute, and the limit on it
     [s]: a PNG."""
     figure = sheet(10, 6)
     axes = figure.subplots()
@@ -92,7 +92,7 @@ def comparison(study: Study, limit_s: float) -> bytes:
         if math.isfinite(own.delay_s(0.5)):
             at = (max(own.alarms_per_minute, least), 1000 * own.delay_s(0.5))
             axes.plot(*at, "o", markersize=11, markerfacecolor="none", color=color)
-    axes.axhline(1000 * limit_s, color="#2e7d5b", linewidth=1, label="bound on the median")
+    axes.axhline(1000 * limit_s, color="#2e7d5b", linewidth=1, label="limit on average (Lorden), median")
     axes.axvline(0.1, color=INK, linewidth=1, linestyle=":")
     axes.set_xscale("log")
     axes.set_ylim(0, 160)

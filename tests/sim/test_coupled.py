@@ -13,7 +13,7 @@ from fingertip.errors import TraceError
 from fingertip.sim.contact import coupled, coupled_loop
 from fingertip.sim.contact.contact import Mount, drag
 from fingertip.sim.contact.coupled import Coupled, Press, integrate
-from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
+from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.jit import compiled
 from fingertip.sim.scenes.scene import Ramp
@@ -67,6 +67,28 @@ def test_agrees_with_another_solver():
         worst = max(worst, float(np.abs(part.y[1] - ours.velocity_m_s[at]).max()))
         assert np.abs(part.y[3] - ours.force_n[at]).max() < 1e-7
     assert worst < 2e-7
+
+
+@pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
+def test_what_does_not_bend_bristles_slides(elastic):
+    """Velocity less the growth of the deflection, over the whole slide and the rest after it."""
+    friction = Friction(0.6, 0.48, elastic=elastic)
+    moved = slide(friction, rate=20000.0, seconds=1.3)
+    sliding = friction.sliding_m_s(moved.velocity_m_s, moved.bristle_m)
+    bends = np.gradient(moved.bristle_m, 1 / 20000.0)
+    assert np.abs(np.abs(moved.velocity_m_s - bends) - sliding)[1:-1].max() < 2e-4
+    assert np.median(sliding[(grid(1.3, 20000.0) > 0.5) & (grid(1.3, 20000.0) < 1.0)]) == pytest.approx(0.04, rel=0.01)
+
+
+def test_what_springs_back_is_no_slip():
+    """A pad that is tugged and let go moves faster than gross slip is, and is back where it was: its bristles bent."""
+    friction, time = Friction(0.6, 0.48, elastic=ELASTO_PLASTIC), grid(0.3)
+    tug = np.where((time > 0.02) & (time < 0.04), np.sin(math.pi * (time - 0.02) / 0.02) ** 2, 0.0)
+    load = np.full_like(time, FORCE_N)
+    moved = integrate(friction, MOUNT, PRESS, 1 / RATE_HZ, 5e-5 * tug, np.gradient(5e-5 * tug, 1 / RATE_HZ), load)
+    assert np.abs(moved.velocity_m_s).max() > 1.2 * GROSS_SLIP_M_S
+    assert np.abs(moved.position_m[-1]) < 1e-3 * np.abs(moved.position_m).max()
+    assert not friction.sliding_m_s(moved.velocity_m_s, moved.bristle_m).any()
 
 
 def test_the_tolerance_is_an_error_in_newtons():

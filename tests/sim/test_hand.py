@@ -80,12 +80,12 @@ def move(seconds: float, step_s: float, loads, mass=0.1, weight=0.98, pin=None, 
     pin_v = np.zeros(length + 1) if pin is None else pin(time)[1]
     mount = np.array([PAD.mass_kg, 6000.0, 2.0] * count)
     flat = np.repeat(np.array(loads, dtype=float), length + 1)
-    way, over = np.zeros(count * length), np.zeros(count * length)
+    way, over, bristle = (np.zeros(count * length) for _ in range(3))
     moved, pushed = np.zeros(length), np.zeros(length)
     weights = weight * np.minimum(time / 0.05, 1.0) if weight else np.zeros(length + 1)
     grasp_loop.run(
         (0.56, 0.14, 0.005), sigma, step_s, mass, (2000.0, 5.0), leaves, count, length, mount, weights, pin_x, pin_v,
-        np.zeros(3 * count + 3), np.zeros(grasp_loop.WIDTH * count), flat, way, over, moved, pushed,
+        np.zeros(3 * count + 3), np.zeros(grasp_loop.WIDTH * count), flat, way, over, bristle, moved, pushed,
     )  # fmt: skip
     return time[1:], moved, way.reshape(count, -1), over.reshape(count, -1), pushed
 

@@ -200,7 +200,7 @@ def test_vibration_that_acts_back_changes_little_and_elasto_plastic_bristles_hol
         found = run_scene(DESIGN, scene("sliding_finger", **base | more), 2)
         runs[name] = found.time_s[found.columns["slip"]][0], found.columns["slip"].sum() / 2000
     for name in ("elasto", "feedback"):
-        assert runs[name][0] == pytest.approx(runs["plain"][0], abs=0.004)
+        assert runs[name][0] == pytest.approx(runs["plain"][0], abs=0.006)
         assert runs[name][1] == pytest.approx(runs["plain"][1], abs=0.03)
     assert len({onset for onset, _ in runs.values()}) > 1
 

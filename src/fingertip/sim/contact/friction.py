@@ -11,10 +11,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from fingertip.errors import Fault, TraceError
+
+Array = NDArray[np.float64]
 
 ELASTO_PLASTIC = 0.7
 """A usual `Friction.elastic`: bristles give way from 0.7 of the deflection they hold in fast sliding. Assumption."""
+
+
+GROSS_SLIP_M_S = 1e-3
+"""`Friction.sliding_m_s` above which slip is gross [m/s]. Assumption: 1/40 of the slowest sliding."""
 
 
 @dataclass(frozen=True)
@@ -77,3 +86,26 @@ class Friction:
     def steady(self, v: float) -> float:
         """Coefficient of friction in steady sliding at `v` [m/s], signed as `v`."""
         return math.copysign(self.stribeck(v), v) + self.sigma2 * v if v else 0.0
+
+    def sliding_m_s(self, velocity_m_s: Array, bristle_m: Array) -> Array:
+        """Speed at which the contact slides [m/s]: what of the pad's velocity does not bend bristles, ``v - dz/dt``.
+
+        Bent bristles spring back when the pad is let go, so bending is no slip: a pad that is pulled creeps for as long
+        as it sticks. What does not spring back is (Dupont et al.: the plastic part of the way).
+
+        Parameters
+        ----------
+        velocity_m_s
+            Of the pad over the surface [m/s], any shape.
+        bristle_m
+            Mean deflection of its bristles [m], of that shape.
+        """
+        v, z = np.abs(velocity_m_s), np.abs(bristle_m)
+        ratio = v / self.stribeck_m_s
+        g = self.mu_c + (self.mu_s - self.mu_c) / (1 + ratio * ratio)
+        slides = self.sigma0 * v * z / g
+        if self.elastic:
+            least = self.elastic * self.mu_c
+            share = np.clip((self.sigma0 * z - least) / (g - least), 0.0, 1.0)
+            slides = np.where(velocity_m_s * bristle_m > 0.0, share * share * (3 - 2 * share) * slides, 0.0)
+        return np.asarray(slides, dtype=np.float64)

@@ -55,6 +55,7 @@ def _loop(
     load: MutableSequence[float],
     x_out: MutableSequence[float],
     w_out: MutableSequence[float],
+    z_out: MutableSequence[float],
     object_out: MutableSequence[float],
     pin_out: MutableSequence[float],
 ) -> None:
@@ -166,6 +167,7 @@ def _loop(
             state[3 * i + 2] += h * (1.5 * kz1 + 0.5 * kz2)
             x_out[i * length + j] = state[3 * i]
             w_out[i * length + j] = V - state[3 * i + 1]
+            z_out[i * length + j] = state[3 * i + 2]
             if gone > 0.0:
                 load[i * (length + 1) + j + 1] = 0.0
         object_out[j] = X
@@ -173,6 +175,7 @@ def _loop(
     state[3 * count], state[3 * count + 1], state[3 * count + 2] = X, V, gone
 
 
-run = Kernel(_loop, pin_n, outputs=7)
+run = Kernel(_loop, pin_n, outputs=8)
 """Carries state (x, v, z of each pad; X, V, gone) and scratch; sets loads to 0 where the object has left; fills each
-pad's way, the object's velocity over it, the object's way and the pin's force, at the end of each step."""
+pad's way, the object's velocity over it, its bristles' deflection, the object's way and the pin's force, at the end of
+each step."""

@@ -29,7 +29,6 @@ from fingertip.sim.hand.manipulation_file import OUTPUTS, ManipulationFile
 from fingertip.sim.hand.manipulation_plan import Plan, plan, thumb_n
 from fingertip.sim.hand.manipulation_run import Run
 from fingertip.sim.inputs import refuse
-from fingertip.sim.stages.contact_stages import GROSS_SLIP_M_S
 from fingertip.sim.stages.result import LONG_S
 
 Array = NDArray[np.float64]
@@ -111,7 +110,6 @@ def _result(design: Design, scene: ManipulationFile, seed: int, made: Plan, run:
     signals: dict[str, NDArray[Any]] = {name: np.concatenate(parts, axis=-1) for name, parts in run.parts.items()}
     step = 1 / design.detector.sample_rate_hz
     time_s = np.arange(count + 1, dtype=np.float64) * step
-    signals["slip"] = np.abs(signals["velocity_m_s"]) > GROSS_SLIP_M_S
     if "slip_pin_v" in scene.outputs:
         outs = zip(signals["filtered_v"], signals["envelope_v"], strict=True)
         signals["slip_pin_v"] = np.stack([pin_v(design, step, *out) for out in outs])

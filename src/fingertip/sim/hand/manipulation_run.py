@@ -12,12 +12,13 @@ import random
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
+from fingertip.sim.contact.friction import GROSS_SLIP_M_S
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.electronics.amplifiers import amplified
@@ -58,7 +59,7 @@ class Run:
     """Samples made after the first."""
     samples: Samples | None = None
     """The newest; None where no sensor runs."""
-    parts: dict[str, list[Array]] = field(default_factory=dict)
+    parts: dict[str, list[NDArray[Any]]] = field(default_factory=dict)
     ran: dict[str, Ran] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -90,8 +91,9 @@ class Run:
             self._boards = Stream(amplified(self.design, scene.sensing.amplifiers), 1 / rate, count)
         first = np.zeros((count, 1))
         self._note(
-            closing_m=first, command_m=first, force_n=first, velocity_m_s=first, object_m=first[0], pin_n=first[0]
-        )
+            closing_m=first, command_m=first, force_n=first, velocity_m_s=first, slip=first > 0.0,
+            object_m=first[0], pin_n=first[0],
+        )  # fmt: skip
         if sensing:
             self._sense(first, first)
 
@@ -108,7 +110,9 @@ class Run:
         grid = length * self._every
         loads = self._on_grid(self._load, force)
         time_s = (self.at * self._every + np.arange(grid + 1)) * self._step_s
-        way, over, moved, pin = self._timed("object", 3 * count + 2, 2 * grid, lambda: self._move(time_s, loads))
+        way, over, bristle, moved, pin = self._timed(
+            "object", 3 * count + 2, 2 * grid, lambda: self._move(time_s, loads)
+        )
         self._load = force[:, -1] * (0.0 if self.lost else 1.0)
         every = slice(self._every - 1, None, self._every)
         contact = loads[:, 1:]
@@ -117,29 +121,31 @@ class Run:
             self._quiet = shaking[:, -1].copy()
             contact = self._timed("contact", 3 * count, grid, lambda: self._shake(contact, moved - way, pushes, pin))
         self.at += length
+        velocity = np.where(loads[:, 1:][:, every] > 0.0, over[:, every], 0.0)
+        sliding = self.plan.friction.sliding_m_s(velocity, bristle[:, every])
         self._note(
-            closing_m=closing, command_m=command_m, force_n=contact[:, every],
-            velocity_m_s=np.where(loads[:, 1:][:, every] > 0.0, over[:, every], 0.0),
-            object_m=moved[every], pin_n=pin[every],
+            closing_m=closing, command_m=command_m, force_n=contact[:, every], velocity_m_s=velocity,
+            slip=sliding > GROSS_SLIP_M_S, object_m=moved[every], pin_n=pin[every],
         )  # fmt: skip
         if self._sensed:
             self._timed("sensor", count, length, lambda: self._sense(contact[:, every], way[:, every]))
 
-    def _move(self, time_s: Array, loads: Array) -> tuple[Array, Array, Array, Array]:
+    def _move(self, time_s: Array, loads: Array) -> tuple[Array, ...]:
         scene, friction, count = self.scene, self.plan.friction, len(self.scene.fingers)
         length = len(time_s) - 1
         pin_x, pin_v = self.plan.pin_m(time_s)
-        way, over, moved, pin = np.zeros(count * length), np.zeros(count * length), np.zeros(length), np.zeros(length)
+        way, over, bristle = (np.zeros(count * length) for _ in range(3))
+        moved, pin = np.zeros(length), np.zeros(length)
         flat = loads.ravel()
         grasp_loop.run(
             (friction.mu_c, friction.mu_s - friction.mu_c, friction.stribeck_m_s),
             (friction.sigma0, friction.sigma1, friction.sigma2),
             self._step_s, scene.object.mass_kg, (scene.knock.stiffness_n_per_m, scene.knock.damping_s_per_m),
             scene.object.length_m, count, length, self._mounts, self.plan.weight_n(time_s), pin_x, pin_v,
-            self._state, self._scratch, flat, way, over, moved, pin,
+            self._state, self._scratch, flat, way, over, bristle, moved, pin,
         )  # fmt: skip
         loads[...] = flat.reshape(loads.shape)
-        return way.reshape(count, -1), over.reshape(count, -1), moved, pin
+        return way.reshape(count, -1), over.reshape(count, -1), bristle.reshape(count, -1), moved, pin
 
     def _shake(self, loads: Array, slid: Array, pushes: Array, pin: Array) -> Array:
         """The pin hits a little off the middle: what it adds to the thumb it takes from the fingers."""
@@ -183,7 +189,7 @@ class Run:
         """Random numbers of one finger for one purpose."""
         return random.Random(f"{self.seed}:{self.scene.fingers[finger]}:{what}")
 
-    def _note(self, **made: Array) -> None:
+    def _note(self, **made: Array | NDArray[np.bool_]) -> None:
         for name, values in made.items():
             self.parts.setdefault(name, []).append(values)
 

@@ -22,9 +22,10 @@ OUTPUTS = (
     "envelope_v",
     "slip_pin_v",
 )
-"""voltage_v: sampled; force_n: true normal force; slip: true gross slip; velocity_m_s: of the pad over the surface;
-shear_m: of the pad; tactile_v: ahead of converter and filter board; filtered_v, envelope_v: of the filter board, above
-the level at which it rests; slip_pin_v: of the comparator's output, low while it says slip."""
+"""voltage_v: sampled; force_n: true normal force; slip: true gross slip, without the bending of bristles that stick;
+velocity_m_s: of the pad over the surface, with it; shear_m: of the pad; tactile_v: ahead of converter and filter board;
+filtered_v, envelope_v: of the filter board, above the level at which it rests; slip_pin_v: of the comparator's output,
+low while it says slip."""
 
 
 class SceneFile(StrictFile):

@@ -9,18 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.sim.contact import coupled, vibration
-from fingertip.sim.contact.contact import drag
-from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
+from fingertip.sim.contact.contact import Motion, drag
+from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, HAND_N_PER_M
 from fingertip.sim.scenes import disturbances
 from fingertip.sim.stages.context import Context
 
 Array = NDArray[np.float64]
 Given = Mapping[str, Any]
-
-GROSS_SLIP_M_S = 1e-3
-"""Velocity of the pad over the surface above which slip is gross [m/s]. Assumption: 1/40 of the slowest
-sliding."""
 
 
 def press(c: Context, given: Given) -> dict[str, Any]:
@@ -39,7 +35,7 @@ def rub(c: Context, given: Given) -> dict[str, Any]:
     """The pad dragged over the surface, with fixed steps."""
     load, stage = given["load_n"], given["stage_m"]
     motion = drag(c.surface.friction, c.mount, c.step_s, stage, given["stage_m_s"], load)
-    return _moved(motion.position_m, motion.velocity_m_s, stage) | {"evaluations": 2 * (len(load) - 1)}
+    return _moved(motion, stage) | {"evaluations": 2 * (len(load) - 1)}
 
 
 def rub_controlled(c: Context, given: Given) -> dict[str, Any]:
@@ -61,19 +57,25 @@ def rub_fed_back(c: Context, given: Given) -> dict[str, Any]:
 
 
 def _integrated(c: Context, given: Given, pressing_n: Array, press: coupled.Press) -> dict[str, Any]:
+    run = coupled.integrate(
+        _friction(c), c.mount, press, c.step_s, given["stage_m"], given["stage_m_s"], pressing_n, 1e-6
+    )
+    return _moved(run, given["stage_m"]) | {"contact_n": run.force_n, "evaluations": run.evaluations}
+
+
+def _friction(c: Context) -> Friction:
     friction = c.surface.friction
     if c.scene.contact.bristles == "elasto_plastic":
-        friction = Friction(**(vars(friction) | {"elastic": ELASTO_PLASTIC}))
-    run = coupled.integrate(friction, c.mount, press, c.step_s, given["stage_m"], given["stage_m_s"], pressing_n, 1e-6)
-    moved = _moved(run.position_m, run.velocity_m_s, given["stage_m"])
-    return moved | {"contact_n": run.force_n, "evaluations": run.evaluations}
+        return Friction(**(vars(friction) | {"elastic": ELASTO_PLASTIC}))
+    return friction
 
 
-def _moved(position_m: Array, velocity_m_s: Array, stage_m: Array) -> dict[str, Any]:
+def _moved(motion: Motion | coupled.Coupled, stage_m: Array) -> dict[str, Any]:
     return {
-        "position_m": position_m,
-        "grid_velocity_m_s": velocity_m_s,
-        "grid_shear_m": stage_m - position_m,
+        "position_m": motion.position_m,
+        "grid_velocity_m_s": motion.velocity_m_s,
+        "grid_bristle_m": motion.bristle_m,
+        "grid_shear_m": stage_m - motion.position_m,
     }
 
 
@@ -114,10 +116,10 @@ def force_of_samples(c: Context, given: Given) -> dict[str, Any]:
 
 
 def judge_slip(c: Context, given: Given) -> dict[str, Any]:
-    """The truth: gross slip, and the velocity it is judged by."""
-    velocity = given["grid_velocity_m_s"]
-    slip = (np.abs(velocity) > GROSS_SLIP_M_S) & (given["load_n"] > 0.0)
-    return {"slip": slip[c.every], "velocity_m_s": velocity[c.every]}
+    """The truth: gross slip, and the pad's velocity."""
+    velocity = given["grid_velocity_m_s"][c.every]
+    sliding = _friction(c).sliding_m_s(velocity, given["grid_bristle_m"][c.every])
+    return {"slip": (sliding > GROSS_SLIP_M_S) & (given["load_n"][c.every] > 0.0), "velocity_m_s": velocity}
 
 
 def shear_of_samples(c: Context, given: Given) -> dict[str, Any]:

@@ -28,7 +28,7 @@ def stages_of(scene: SceneFile) -> list[Stage[Context]]:
     found = [Stage[Context]("load", (), ("load_n",), contact_stages.press)]
     if slides:
         found.append(Stage("stage", (), ("stage_m", "stage_m_s"), contact_stages.move_stage))
-        moved = ("position_m", "grid_velocity_m_s", "grid_shear_m")
+        moved = ("position_m", "grid_velocity_m_s", "grid_bristle_m", "grid_shear_m")
         if scene.contact.feedback:
             needs = ("load_n", "stage_m", "stage_m_s", *push)
             found.append(
@@ -40,9 +40,8 @@ def stages_of(scene: SceneFile) -> list[Stage[Context]]:
         else:
             found.append(Stage("friction", ("load_n", "stage_m", "stage_m_s"), moved, contact_stages.rub, 3))
         found.append(Stage("profile", ("load_n", "position_m"), ("felt_n",), contact_stages.feel_profile, 1))
-        found.append(
-            Stage("slip", ("load_n", "grid_velocity_m_s"), ("slip", "velocity_m_s"), contact_stages.judge_slip)
-        )
+        needs = ("load_n", "grid_velocity_m_s", "grid_bristle_m")
+        found.append(Stage("slip", needs, ("slip", "velocity_m_s"), contact_stages.judge_slip))
         found.append(Stage("shear", ("grid_shear_m",), ("shear_m",), contact_stages.shear_of_samples))
     else:
         found.append(Stage("still", ("load_n",), ("slip", "velocity_m_s", "shear_m"), contact_stages.stand_still))

@@ -21,6 +21,7 @@ from fingertip.slip.detectors.kernel import available
 from fingertip.slip.detectors.noise import input_noise_v, quantised_v
 from fingertip.slip.detectors.quadratic import ALARMS_PER_HOUR, bar_for, tail
 from fingertip.slip.detectors.quiet import quiet_noise_v
+from fingertip.slip.traces.rate import at_rate
 
 DESIGN = Design()
 NAMES = list(DETECTORS)
@@ -150,7 +151,7 @@ def test_tail_of_a_sum_of_squares():
 def test_contact_and_release_move_the_bar_but_not_the_flag():
     t = np.arange(6000) / 2000
     x = np.clip((t - 1.0) / 0.15, 0, 1) - np.clip((t - 2.0) / 0.15, 0, 1)
-    volts = 4.3 - 0.25 * x * x * (3 - 2 * x) + np.random.default_rng(1).normal(0, 4e-4, len(t))
+    volts = 4.3 - 0.5 * x * x * (3 - 2 * x) + np.random.default_rng(1).normal(0, 4e-4, len(t))
     out = make("fast", DESIGN).process(volts)
     assert not out.on.any()
     assert out.bar_v.max() > 4 * out.bar_v[1900]
@@ -177,10 +178,20 @@ def test_a_hard_knock_is_no_slip_but_a_slip_after_it_is():
     assert make("fast", DESIGN, input_noise_v(DESIGN)).process(knocked(0.3)).on[:2000].any()
 
 
+def test_a_first_sample_that_is_all_noise_is_no_slip():
+    """Read twenty times as often, a sample is noisier against the bars: 2 mV is five times its deviation."""
+    quick = at_rate(DESIGN, 20_000.0)
+    volts = 4.0 + np.random.default_rng(3).normal(0, 4e-4, 20_000)
+    volts[0] = 4.002
+    out = make("fast", quick).process(volts)
+    assert not out.on.any()
+    assert (out.level_v[:900] > out.bar_v[:900]).any()
+
+
 def test_slip_as_steep_as_a_knock_is_found_once_no_knock_would_ring_so_long():
     t = np.arange(3000) / 2000
     noise = np.random.default_rng(6).normal(0, 4e-4, len(t))
-    strong = 0.03 * np.sin(2 * math.pi * 90 * t) * (t >= 1.0)
+    strong = 0.08 * np.sin(2 * math.pi * 90 * t) * (t >= 1.0)
     found = t[np.flatnonzero(make("fast", DESIGN).process(4.0 + strong + noise).on)[0]]
     assert 1.06 < found < 1.07
     assert make("fast", DESIGN).process(4.0 + strong + noise).on[t > 1.07].mean() > 0.95
@@ -195,7 +206,7 @@ def test_the_upper_band_hears_slip_while_the_force_changes():
     both = FastSettings.of(DESIGN)
     wide = replace(both, upper_slope_bar_s=math.inf)
     at = [t[np.flatnonzero(Fast(s).process(volts).on & (t > 0.9))[0]] for s in (both, wide)]
-    assert 1.0 < at[0] < 1.02 < 1.06 < at[1]
+    assert 1.0 < at[0] < 1.02 < 1.05 < at[1]
 
 
 def test_both_bands_are_butterworths():

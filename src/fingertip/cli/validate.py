@@ -32,7 +32,7 @@ def validate(
     from fingertip.campaign.closed_loop import manipulations as closed_loop
     from fingertip.campaign.report import omissions
     from fingertip.campaign.report import tables as report
-    from fingertip.campaign.studies import boards, limit, sensitivity, spectra, starts, taps, tones, windows
+    from fingertip.campaign.studies import boards, limit, rates, sensitivity, spectra, starts, taps, tones, windows
     from fingertip.cli.given import load_design
     from fingertip.files import write_whole
     from fingertip.slip.detectors import kernel, noise, registry
@@ -64,6 +64,7 @@ def validate(
         windows.table(loaded, few),
         spectra.spectra(loaded),
         starts.starts(loaded, few),
+        rates.rates(loaded, few),
         boards.boards(loaded, few),
         tones.tones(loaded, few),
         taps.taps(loaded),

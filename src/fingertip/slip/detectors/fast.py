@@ -2,13 +2,16 @@
 
 The article's chain waits for a window of 30 ms because a shorter one takes contacts for slip (its figure 5). Contacts,
 releases and changes of grip are smooth, though: what they leave in a band is in proportion to how fast the force
-changes. So the bar is the noise's, plus that slope times a time; it needs no window. Once ON the bar is lower and
-forgets the slope, because slip changes the force too; and the noise floor is learnt only while OFF.
+changes. So the bar is the noise's and, as energies add, that slope times a time; it needs no window. Once ON the bar is
+lower and forgets the slope, because slip changes the force too; and the noise floor is learnt only while OFF.
 
-The wide band begins at half the board's cutoff, 33.5 Hz: contacts are located below 30 Hz, slip's spectrum in an
+The wide band begins at 0.6 of the board's cutoff, 40 Hz: contacts are located below 30 Hz, slip's spectrum in an
 embedded sensor begins lower than 67 Hz and rarely exceeds 100 Hz (article, III.A and figure 2). The upper band begins
 at the cutoff. Slip that starts slowly shows in the wide one first. Slip that starts at once, while the force still
-changes, shows in the upper one, where a change of force leaves a tenth as much. Either is enough.
+changes, shows in the upper one, where a change of force leaves a third as much. Either is enough.
+
+How soon is decided by noise and by these changes alike. A converter's noise is spread over half the sampling rate, so
+the same converter read ten times as often leaves a tenth of its power in the bands (`fingertip.campaign.studies`).
 """
 
 from __future__ import annotations
@@ -21,23 +24,35 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.slip.detectors.fast_bands import Filters, noise_of
-from fingertip.slip.detectors.fast_loop import ENERGY, FLOOR, LOOP, ON, SLOPES, STATES, UPPER_ENERGY, UPPER_FLOOR
+from fingertip.slip.detectors.fast_loop import (
+    ENERGY,
+    FLOOR,
+    LOOP,
+    ON,
+    SETTLING,
+    SLOPES,
+    STATES,
+    UPPER_ENERGY,
+    UPPER_FLOOR,
+)
 from fingertip.slip.detectors.noise import input_noise_v
 from fingertip.slip.detectors.stream import Array, Output, as_samples
 
-STEEPEST_V_S = 6.0
-"""Until it is found, a slip's voltage was never steeper than 5.1 V/s on the tuning seeds, with starts of 0.5 to
-10 m/s2; a knock of 2 N that rises in 4 ms reaches 100 V/s, and is beyond this before its energy has reached a bar.
-Weaker knocks (below some 0.5 N) look like slip, in the only force there is. After a hard knock the detector is deaf
-for 60 ms, and so it is to slip that is as strong as that from the first."""
+STEEPEST_V_S = 15.0
+"""Of the tuning slips, with starts of 0.5 to 10 m/s2, one in a thousand was steeper than this before it was found. A
+knock of 1 N that rises in 2 to 8 ms is beyond it before its energy has reached a bar; of those of 0.5 N a third is not,
+and looks like slip in the only force there is. After a hard knock the detector is deaf for 60 ms, and so it is to slip
+that is as strong as that from the first."""
 CHOSEN_AT_HZ = 67.0
 """Cutoff at which the slope bars were chosen."""
-LEAKS = 3.4
-"""A smooth change of force leaves in both bands what falls with this power of the cutoff (fitted to the quiet tuning
-scenes from 30 to 100 Hz)."""
-LEAST_NOISE_V_RTHZ = 13e-6
-"""Noise that the slope bars were chosen in [V/sqrt(Hz)]: 0.41 mV at 2 kHz. It hides what else a change of force leaves
-in the bands, so in less noise the bars stay at this."""
+LEAKS_BELOW, LEAKS_ABOVE = 2.2, 0.6
+"""A smooth change of force leaves in both bands what falls with these powers of the cutoff, below and above that one
+(fitted to the noiseless quiet tuning scenes from 30 to 150 Hz)."""
+SETTLING_PERIODS = 1.5
+"""Of the wide band's lowest frequency. It starts settled on the first sample, whose noise is a step to it: OFF until
+less than a hundredth of that is left."""
+LOWEST = 0.6
+"""The wide band begins at this share of the board's cutoff."""
 HIGHEST = 0.4
 """The bands end at this share of the sampling rate at the latest."""
 
@@ -58,15 +73,15 @@ class FastSettings:
     """Of the input, white, rms."""
     energy_s: float = 0.005
     """Time constant of the energies."""
-    slope_s: float = 0.002
-    """Time constant of each of the two poles that smooth the slope."""
-    quick_s: float = 0.0007
-    """Time constant of the one pole that smooths the slope by which knocks are known."""
+    slope_s: float = 0.00125
+    """Lag of each of the two poles that smooth the slope."""
+    quick_s: float = 0.0005
+    """Lag of the one pole that smooths the slope by which knocks are known."""
     slope_hold_s: float = 0.05
     """Time constant with which the greatest slope is forgotten: longer than the high-pass rings."""
-    slope_bar_s: float = 1.2e-3
+    slope_bar_s: float = 8.5e-4
     """Volts of the wide band's bar for each volt per second of slope."""
-    upper_slope_bar_s: float = 1.0e-4
+    upper_slope_bar_s: float = 3.0e-4
     """And of the upper band's."""
     steepest_v_s: float = math.inf
     """Slope beyond which it was a knock: OFF does not become ON before the slope is forgotten down to this [V/s], or
@@ -75,7 +90,7 @@ class FastSettings:
     """How long a knock rings."""
     floor_s: float = 2.0
     """Time constant of the noise floor."""
-    stay: float = 0.6
+    stay: float = 0.5
     """The bars of the noise, times this, are where ON ends."""
     patience_s: float = 3.0
     """ON for longer than any slip lasts is hum, or more noise than was stated: then the floor learns it after all."""
@@ -84,15 +99,15 @@ class FastSettings:
 
     @classmethod
     def of(cls, design: Design, noise_v: float | None = None) -> FastSettings:
-        """The settings of a design: bands from half, once and up to three times its board's cutoff, its rate, its noise
+        """The settings of a design: bands from 0.6, once and up to three times its board's cutoff, its rate, its noise
         unless given [V]."""
         cutoff, rate = design.board.cutoff_hz, design.detector.sample_rate_hz
-        leaks = (CHOSEN_AT_HZ / cutoff) ** LEAKS
-        found = cls(rate, cutoff / 2, cutoff, min(3 * cutoff, HIGHEST * rate), 0.0)
+        leaks = (CHOSEN_AT_HZ / cutoff) ** (LEAKS_BELOW if cutoff < CHOSEN_AT_HZ else LEAKS_ABOVE)
+        found = cls(rate, LOWEST * cutoff, cutoff, min(3 * cutoff, HIGHEST * rate), 0.0)
         found = replace(found, slope_bar_s=found.slope_bar_s * leaks, upper_slope_bar_s=found.upper_slope_bar_s * leaks)
         if noise_v is not None:  # of a signal that may be no voltage: what is too steep for slip is not known
             return replace(found, noise_v=noise_v)
-        noise = max(input_noise_v(design), LEAST_NOISE_V_RTHZ * math.sqrt(rate / 2))
+        noise = input_noise_v(design)
         return replace(found, noise_v=noise, steepest_v_s=STEEPEST_V_S)
 
 
@@ -111,26 +126,30 @@ class Fast:
         rate, filters = s.sample_rate_hz, Filters.of(s.sample_rate_hz, s.low_hz, s.upper_hz, s.high_hz)
         self._noise = noise = noise_of(filters, rate, s.low_hz, s.high_hz, s.energy_s, s.slope_s)
         wide, upper = noise.wide, noise.upper
-        shares = (1 - math.exp(-1 / (rate * t)) for t in (s.energy_s, s.slope_s, s.quick_s, s.floor_s))
+        energy_share, floor_share = (1 - math.exp(-1 / (rate * t)) for t in (s.energy_s, s.floor_s))
+        # Poles that lag by their time at every rate.
+        slope_share, quick_share = (1 / (1 + rate * t) for t in (s.slope_s, s.quick_s))
         keep = math.exp(-1 / (rate * s.slope_hold_s))
-        self._ratio = s.scale * math.sqrt(wide.bar / wide.energy)
-        upper_ratio = s.scale * math.sqrt(upper.bar / upper.energy)
+        self._ratio = s.scale**2 * wide.bar / wide.energy
+        upper_ratio = s.scale**2 * upper.bar / upper.energy
         self._coefficients = (
-            *filters.coefficients, *shares, keep, rate, self._ratio, upper_ratio, s.stay,
-            s.slope_bar_s, s.upper_slope_bar_s, noise.slope_ratio, s.steepest_v_s,
-            s.deaf_s * rate, s.patience_s * rate, wide.energy * s.noise_v**2, upper.energy * s.noise_v**2,
+            *filters.coefficients, energy_share, slope_share, quick_share, floor_share, keep, rate,
+            self._ratio, upper_ratio, s.stay**2, s.slope_bar_s**2, s.upper_slope_bar_s**2, noise.slope_ratio**2,
+            s.steepest_v_s, s.deaf_s * rate, s.patience_s * rate,
+            wide.energy * s.noise_v**2, upper.energy * s.noise_v**2,
         )  # fmt: skip
         # Energies and floors start at what the stated noise gives, and floors never fall below it.
         self._state = [0.0] * STATES
         self._state[ENERGY] = self._state[FLOOR] = wide.energy * s.noise_v**2
         self._state[UPPER_ENERGY] = self._state[UPPER_FLOOR] = upper.energy * s.noise_v**2
+        self._state[SETTLING] = round(SETTLING_PERIODS * rate / s.low_hz)
         self._ring = [0.0]
         self._seen = 0
 
     @property
     def threshold_v(self) -> float:
         """The wide band's bar in the noise that was learnt [V], where the force does not change."""
-        return self._ratio * math.sqrt(self._state[FLOOR])
+        return math.sqrt(self._ratio * self._state[FLOOR])
 
     @property
     def memory_s(self) -> float:

@@ -98,7 +98,7 @@ def noise_of(filters: Filters, rate: float, low_hz: float, high_hz: float, energ
     """Of both bands, each with a bar for half the alarms of `quadratic.ALARMS_PER_HOUR`."""
     every = max(1, int(rate / (8 * high_hz)))  # steps that still resolve the bands
     wide, upper = (_band(h, rate, energy_s, every) for h in filters.impulses(math.ceil(8 * rate / low_hz)))
-    share = 1 - math.exp(-1 / (rate * slope_s))
+    share = 1 / (1 + rate * slope_s)
     k = np.arange(math.ceil(12 * rate * slope_s))
     smooth = share * share * (k + 1) * (1 - share) ** k
     slope = np.diff(smooth, prepend=0.0) * rate

@@ -7,14 +7,15 @@ from collections.abc import MutableSequence, Sequence
 
 from fingertip.slip.detectors.kernel import Loop
 
-STATES = 19
-"""High-pass 3, low-pass 2, upper high-pass 2, energies 2, slope 3, quick slope 2, floors 2, ON; and for how many
-samples it was steep, and ON."""
+STATES = 20
+"""High-pass 3, low-pass 2, upper high-pass 2, energies 2, slope 3, quick slope 2, floors 2, ON; for how many samples it
+was steep, and ON; and for how many it still settles."""
 ENERGY, UPPER_ENERGY = 7, 8
 SLOPES = (9, 10, 12)
 """The slopes' poles: where they rest is the voltage."""
 FLOOR, UPPER_FLOOR = 14, 15
 ON = 16
+SETTLING = 19
 FRESH = 2.0
 """A slope so many times what is left of the last knock is another knock."""
 
@@ -36,7 +37,7 @@ def _fast_loop(
     s1, s2, s3, l1, l2, h1, h2 = state[0], state[1], state[2], state[3], state[4], state[5], state[6]
     energy, upper_energy, q1, q2, held = state[7], state[8], state[9], state[10], state[11]
     r, steep, floor, upper_floor = state[12], state[13], state[14], state[15]
-    on, steep_for, on_for = state[16], state[17], state[18]
+    on, steep_for, on_for, settling = state[16], state[17], state[18], state[19]
     for i in range(len(samples)):
         x = samples[i]
         w = g0 * x + s1
@@ -71,26 +72,30 @@ def _fast_loop(
             steep = slope
         steep_for = steep_for + 1.0 if steep >= steepest else 0.0
 
-        noise, upper_noise = math.sqrt(floor), math.sqrt(upper_floor)
-        extra = held - slope_noise * noise
+        # Bars as energies: what noise and a change of force leave are independent.
+        extra = held * held - slope_noise * floor
         if extra < 0.0:
             extra = 0.0
-        level, upper = math.sqrt(energy), math.sqrt(upper_energy)
+        noise_bar, upper_noise_bar = ratio * floor, upper_ratio * upper_floor
         if on > 0.0:
-            bar, upper_bar = ratio * stay * noise, upper_ratio * stay * upper_noise
+            bar, upper_bar = stay * noise_bar, stay * upper_noise_bar
         else:
-            bar = ratio * noise + slope_bar * extra
-            upper_bar = upper_ratio * upper_noise + upper_slope_bar * extra
-        # After a knock the upper band rings longer than its bar knows. Else the level is held against what the upper
+            bar = noise_bar + slope_bar * extra
+            upper_bar = upper_noise_bar + upper_slope_bar * extra
+        # After a knock the upper band rings longer than its bar knows. Else the energy is held against what the upper
         # band would have been content with.
-        if upper > upper_bar and steep_for == 0.0:
-            other = level * upper_bar / upper
+        if upper_energy > upper_bar and steep_for == 0.0:
+            other = energy * upper_bar / upper_energy
             if other < bar:
                 bar = other
-        on = 1.0 if level > bar and (on > 0.0 or steep_for == 0.0 or steep_for > deaf) else 0.0
+        if settling > 0.0:
+            settling -= 1.0
+            on = 0.0
+        else:
+            on = 1.0 if energy > bar and (on > 0.0 or steep_for == 0.0 or steep_for > deaf) else 0.0
         on_for = on_for + 1.0 if on > 0.0 else 0.0
         # Frozen while ON, unless that lasts longer than slip does, and while the force changes.
-        calm = extra == 0.0 and level < ratio * noise and upper < upper_ratio * upper_noise
+        calm = extra == 0.0 and energy < noise_bar and upper_energy < upper_noise_bar
         if on_for > patience or (on == 0.0 and calm):
             floor += floor_share * (energy - floor)
             upper_floor += floor_share * (upper_energy - upper_floor)
@@ -99,13 +104,14 @@ def _fast_loop(
             if upper_floor < upper_least:
                 upper_floor = upper_least
         filtered[i] = y
-        levels[i] = level
-        bars[i] = bar
+        levels[i] = math.sqrt(energy)
+        bars[i] = math.sqrt(bar)
         flags[i] = on
     state[0], state[1], state[2], state[3], state[4], state[5], state[6] = s1, s2, s3, l1, l2, h1, h2
     state[7], state[8], state[9], state[10], state[11] = energy, upper_energy, q1, q2, held
     state[12], state[13], state[14], state[15] = r, steep, floor, upper_floor
     state[16], state[17], state[18] = on, steep_for, on_for
+    state[19] = settling
 
 
 LOOP = Loop(_fast_loop, outputs=4)

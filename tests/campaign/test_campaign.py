@@ -225,7 +225,7 @@ def test_validate_finds_what_it_should_and_says_what_it_stands_on(validated):
     assert fast["found_share"] == digital["found_share"] == 1.0
     assert fast["median_s"] < digital["median_s"] < 0.06
     assert fast["alarms_per_minute"] == 0.0
-    assert fast["on_share"] > 0.95
+    assert fast["on_share"] > 0.93  # over 120 trials it is 0.98
     assert 0.005 < data["limit"]["median_s"] <= fast["median_s"] + 0.001
     assert len(data["sensitivity"]) > 5
     hard = [row for row in data["taps"] if row["detector"] == "fast" and row["force_n"] >= 1.0]

@@ -13,6 +13,7 @@ from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import FixedGrip, ManipulationFile, compiled, manipulations, run_manipulation
 from fingertip.sim.contact.pad import Pad
+from fingertip.sim.electronics.anti_alias import Poles
 from fingertip.sim.electronics.sensing import LOAD_SHIFT_PER_M, voltage_of
 from fingertip.sim.hand.manipulation_plan import plan
 from fingertip.sim.hand.manipulation_run import Run
@@ -142,7 +143,7 @@ def test_what_a_controller_is_handed():
     assert [now.time_s for now in seen[:3]] == [0.0, 0.01, 0.02]
     assert set(vars(seen[0])) == {"time_s", "voltage_v", "closing_m", "planned_m", "envelope_v"}
     enveloped = np.concatenate([now.envelope_v for now in seen], axis=1)
-    board = made.signals["envelope_v"][:, : voltage.shape[1]]
+    board = np.stack([Poles.envelope(DESIGN).process(v) for v in made.signals["envelope_v"]])[:, : voltage.shape[1]]
     difference = (enveloped - board)[board < DESIGN.detector.adc_range_v - 0.1]  # noise and steps of the converter
     assert np.std(difference) == pytest.approx(np.hypot(DESIGN.detector.noise_v, 20 / 2**16 / np.sqrt(12)), rel=0.05)
     unasked = []

@@ -8,6 +8,7 @@ from dataclasses import replace
 from fingertip.campaign.plan import Case
 from fingertip.design import Design
 from fingertip.sim import run_scene
+from fingertip.sim.electronics.anti_alias import Poles
 from fingertip.sim.electronics.converter import sampled_v
 from fingertip.slip import DETECTORS, Trace
 from fingertip.slip.detectors.stream import Array
@@ -29,7 +30,8 @@ def record(design: Design, case: Case, board: bool = True) -> tuple[Trace, float
     made = run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed)
     if not board:
         return made.trace, made.force_n
-    sampled = sampled_v(design, made.columns["envelope_v"], random.Random(f"{case.seed}:noise of the envelope"))
+    at_pin = Poles.envelope(design).process(made.columns["envelope_v"])
+    sampled = sampled_v(design, at_pin, random.Random(f"{case.seed}:noise of the envelope"))
     return replace(made.trace, envelope_v=sampled), made.force_n
 
 

@@ -45,8 +45,8 @@ GROUNDS = {
         "The article gives no acceleration; 4 cm at 4 cm/s in one second leaves all of these possible."
     ),
     "table of readings": (
-        "Noise of the converter alone, as much at every reading. What the sensor itself adds, and what the amplifiers "
-        "fold into the band, is not in it; the board's anti-alias filter is taken to be made for the rate."
+        "Noise of the converter alone, as much at every reading; what the sensor itself adds is not in it. The board's "
+        "poles ahead of the converter are those it would have for each rate."
     ),
     "table of knocks": (
         "A knock is a force that rises and falls as a smooth step, on a pad that rings at 90 Hz. Weak ones are slip to "

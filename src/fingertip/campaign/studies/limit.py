@@ -6,18 +6,16 @@ doi:10.1214/aoms/1177693055); CUSUM reaches it. Here slip grows, so the informat
 comes to ln(gamma).
 
 Gaussian noise of power n in a band of width B that becomes n + s tells ``B (r - 1 - ln r)`` nats per second, with
-r = 1 + s / n. The band is that of the detector `fast`, begun at half the board's cutoff, above which contacts leave
-nothing; it is seen through causal filters, whose delay is in the limit too. s is what the same trial shows there
-without any noise. The bound knows noise and slip only: it need not tell slip from a change of grip, and it knows
-beforehand how strong this slip will be. So it is a floor, not a goal; and a floor for the average over the noise: the
-same slip is found a little sooner in some noise, and later in other.
+r = 1 + s / n. The band is the wide one of the detector `fast`, seen through its own causal filters, whose delay is in
+the limit too; s is what the same trial shows there without any noise. The bound knows noise and slip only: it need not
+tell slip from a change of grip, and it knows beforehand how strong this slip will be. So it is a floor, not a goal; and
+a floor for the average over the noise: the same slip is found a little sooner in some noise, and later in other.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -47,7 +45,7 @@ def limits_s(
 ) -> list[float]:
     """The bound on the average delay of each slip of a campaign [s], each scene altered first; infinite where it never
     knows enough."""
-    settings = replace(FastSettings.of(design, input_noise_v(design)), low_hz=design.board.cutoff_hz / 2)
+    settings = FastSettings.of(design, input_noise_v(design))
     rate, width = settings.sample_rate_hz, settings.high_hz - settings.low_hz
     wanted = math.log(2 * width * 60 / ALARMS_PER_MINUTE)
     noise = Fast(settings).noise_energy_v2

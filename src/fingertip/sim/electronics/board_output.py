@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.sim.electronics import analog
+from fingertip.sim.electronics.anti_alias import Poles
 from fingertip.sim.electronics.board_noise import input_noise_v as board_noise_v
 from fingertip.sim.electronics.circuit import Analog
 from fingertip.sim.electronics.converter import noise_v, sampled_v
@@ -30,7 +31,7 @@ def envelope_v(design: Design, voltage_v: Array) -> Array:
         If a sample is not finite.
     """
     enveloped = analog.respond(Analog.of(design), 1 / design.detector.sample_rate_hz, voltage_v).envelope_v
-    return sampled_v(design, enveloped, None)
+    return sampled_v(design, Poles.envelope(design).process(enveloped), None)
 
 
 class BoardStream:
@@ -39,13 +40,17 @@ class BoardStream:
     def __init__(self, design: Design) -> None:
         self._design = design
         self._stream: analog.Stream | None = None
+        self._poles: list[Poles] = []
 
     def process(self, voltage_v: Array) -> Array:
         """The enveloped outputs at the chunk's samples [V], (fingers, samples) like the voltages [V]."""
         if self._stream is None:
             step_s = 1 / self._design.detector.sample_rate_hz
             self._stream = analog.Stream(Analog.of(self._design), step_s, len(voltage_v))
-        return sampled_v(self._design, self._stream.process(voltage_v)[1], None)
+            self._poles = [Poles.envelope(self._design) for _ in voltage_v]
+        enveloped = self._stream.process(voltage_v)[1]
+        at_pins = np.stack([poles.process(v) for poles, v in zip(self._poles, enveloped, strict=True)])
+        return sampled_v(self._design, at_pins, None)
 
 
 def bridge_v(design: Design, force_n: Array) -> Array:
@@ -72,4 +77,5 @@ def _level(design: Design, sigma_v: float, converter: random.Random | None) -> N
     settling = round(0.1 * d.sample_rate_hz)
     noise = noise_v(random.Random(0), sigma_v, _WINDOWS * d.window_samples + settling)
     enveloped = analog.respond(Analog.of(design), 1 / d.sample_rate_hz, noise).envelope_v
-    return quiet_level(sampled_v(design, enveloped, converter)[settling:], design, "simulated noise")
+    at_pin = Poles.envelope(design).process(enveloped)
+    return quiet_level(sampled_v(design, at_pin, converter)[settling:], design, "simulated noise")

@@ -18,6 +18,7 @@ from fingertip.sim.contact import vibration
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import Surface
 from fingertip.sim.electronics import fsr
+from fingertip.sim.electronics.anti_alias import Poles
 from fingertip.sim.electronics.board_noise import input_noise_v
 from fingertip.sim.electronics.converter import noise_v, sampled_v
 from fingertip.sim.electronics.sensing import on_sensor_n, voltage_of
@@ -72,11 +73,13 @@ class Sensed:
     _play: Array = field(init=False)
     _voltage_of: Callable[[float], float] = field(init=False)
     _noise: dict[str, random.Random] = field(init=False)
+    _poles: tuple[Poles, Poles] = field(init=False)
 
     def __post_init__(self) -> None:
         self._play = np.zeros(1)
         self._voltage_of = voltage_of(self.design, self.sensing.bridge)
         self._noise = {}
+        self._poles = Poles.tactile(self.design), Poles.envelope(self.design)
         if self.sensing.noise:
             self._noise = {what: self.stream(what) for what in ("noise", "board noise", "envelope noise")}
 
@@ -92,8 +95,8 @@ class Sensed:
 
     def sampled_v(self, bridge_v: Array) -> Array:
         """What the converter gives of the tactile voltage [V]."""
-        return sampled_v(self.design, bridge_v, self._noise.get("noise"))
+        return sampled_v(self.design, self._poles[0].process(bridge_v), self._noise.get("noise"))
 
     def sampled_envelope_v(self, envelope_v: Array) -> Array:
         """What the converter gives of the board's output [V]."""
-        return sampled_v(self.design, envelope_v, self._noise.get("envelope noise"))
+        return sampled_v(self.design, self._poles[1].process(envelope_v), self._noise.get("envelope noise"))

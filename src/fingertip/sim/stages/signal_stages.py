@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fingertip.sim.electronics import analog, comparator, fsr
 from fingertip.sim.electronics.amplifiers import amplified
+from fingertip.sim.electronics.anti_alias import Poles
 from fingertip.sim.electronics.board_noise import input_noise_v
 from fingertip.sim.electronics.converter import noise_v, sampled_v
 from fingertip.sim.electronics.sensing import on_sensor_n, voltage_of
@@ -49,7 +50,7 @@ def bridge(c: Context, given: Given) -> dict[str, Any]:
 
 def convert(c: Context, given: Given) -> dict[str, Any]:
     """Sampled voltage."""
-    jitter, voltage = c.scene.sensing.jitter_s, given["bridge_v"]
+    jitter, voltage = c.scene.sensing.jitter_s, Poles.tactile(c.design).process(given["bridge_v"])
     if jitter:
         rng, time = c.stream("jitter"), c.time_s[c.every]
         # The voltage is taken a little early or late, on the straight line between samples.

@@ -38,11 +38,11 @@ from fingertip.slip.detectors.fast_loop import (
 from fingertip.slip.detectors.noise import input_noise_v
 from fingertip.slip.detectors.stream import Array, Output, as_samples
 
-STEEPEST_V_S = 15.0
-"""Of the tuning slips, with starts of 0.5 to 10 m/s2, one in a thousand was steeper than this before it was found. A
-knock of 1 N that rises in 2 to 8 ms is beyond it before its energy has reached a bar; of those of 0.5 N a third is not,
-and looks like slip in the only force there is. After a hard knock the detector is deaf for 60 ms, and so it is to slip
-that is as strong as that from the first."""
+STEEPEST_V_S = 12.0
+"""Of the tuning slips, with starts of 0.5 to 10 m/s2, one in a hundred was steeper than this before it was found, all
+the larger finger's with 5 m/s2 or more. A knock of 1 N that rises in 2 to 10 ms is beyond it before its energy has
+reached a bar; of those of 0.5 N a third is not, and looks like slip in the only force there is. After a hard knock the
+detector is deaf for 60 ms, and so it is to slip that is as strong as that from the first."""
 CHOSEN_AT_HZ = 67.0
 """Cutoff at which the slope bars were chosen."""
 LEAKS_BELOW, LEAKS_ABOVE = 2.2, 0.6
@@ -79,9 +79,9 @@ class FastSettings:
     """Lag of the one pole that smooths the slope by which knocks are known."""
     slope_hold_s: float = 0.05
     """Time constant with which the greatest slope is forgotten: longer than the high-pass rings."""
-    slope_bar_s: float = 8.5e-4
+    slope_bar_s: float = 8.9e-4
     """Volts of the wide band's bar for each volt per second of slope."""
-    upper_slope_bar_s: float = 3.0e-4
+    upper_slope_bar_s: float = 3.4e-4
     """And of the upper band's."""
     steepest_v_s: float = math.inf
     """Slope beyond which it was a knock: OFF does not become ON before the slope is forgotten down to this [V/s], or
@@ -99,11 +99,11 @@ class FastSettings:
 
     @classmethod
     def of(cls, design: Design, noise_v: float | None = None) -> FastSettings:
-        """The settings of a design: bands from 0.6, once and up to three times its board's cutoff, its rate, its noise
+        """The settings of a design: bands from 0.6, once and up to four times its board's cutoff, its rate, its noise
         unless given [V]."""
         cutoff, rate = design.board.cutoff_hz, design.detector.sample_rate_hz
         leaks = (CHOSEN_AT_HZ / cutoff) ** (LEAKS_BELOW if cutoff < CHOSEN_AT_HZ else LEAKS_ABOVE)
-        found = cls(rate, LOWEST * cutoff, cutoff, min(3 * cutoff, HIGHEST * rate), 0.0)
+        found = cls(rate, LOWEST * cutoff, cutoff, min(4 * cutoff, HIGHEST * rate), 0.0)
         found = replace(found, slope_bar_s=found.slope_bar_s * leaks, upper_slope_bar_s=found.upper_slope_bar_s * leaks)
         if noise_v is not None:  # of a signal that may be no voltage: what is too steep for slip is not known
             return replace(found, noise_v=noise_v)

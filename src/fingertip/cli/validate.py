@@ -64,7 +64,7 @@ def validate(
         windows.table(loaded, few),
         spectra.spectra(loaded),
         starts.starts(loaded, few),
-        rates.rates(loaded, few),
+        rates.rates(loaded, min(2 * FEW, trials)),
         boards.boards(loaded, few),
         tones.tones(loaded, few),
         taps.taps(loaded),

@@ -21,7 +21,7 @@ def test_tones_pass_as_the_boards_transfer_function_has_it(design, way):
         settled = slice(1000, 4000)  # whole periods of every tone
         gain = 2 * np.mean(out[settled] * np.exp(-turn[settled]))
         through = converter.raw if way == "tactile" else converter.enveloped
-        # Straight lines between a tone's samples are that tone and its images, which fold back onto it behind the poles.
+        # Straight lines between a tone's samples are it and its images, which fold back onto it behind the poles.
         images = [share + k for k in range(-400, 401)]
         said = sum(np.sinc(image) ** 2 * through(image * rate) for image in images)
         assert gain == pytest.approx(said, rel=1e-6)

@@ -134,6 +134,8 @@ def test_the_default_threshold_follows_the_rule():
 
 def test_settings_that_cannot_work_well_are_worth_a_word():
     assert list(setting_remarks(Design())) == []
+    (low,) = setting_remarks(Design(board={"cutoff_hz": 40.0}))
+    assert "cutoff_hz of 40 Hz lets in what contacts" in low
     (coarse,) = setting_remarks(Design(detector={"adc_bits": 12}))
     assert "steps of 4.88 mV" in coarse
     assert "noise of 0.4 mV" in coarse

@@ -233,6 +233,9 @@ def test_a_line_that_is_wrong_ends_the_stream_after_what_was_found():
         assert sentence in done.stderr
         assert done.stdout.splitlines()[0].startswith("ON ")
     assert "is empty" in run("detect", "-", lines="").stderr
+    bare = run("detect", "-", lines="time_s,voltage_v\n")
+    assert bare.exit_code == 2
+    assert "ends below its header" in bare.stderr
     assert "needs the whole trace" in run("detect", "-", "--plot", "p.png", lines=csv(T, V)).stderr
 
 

@@ -77,12 +77,12 @@ def follow(source: Opened, detector: Detector, settings: Settings, wanted: Wante
     ------
     TraceError
         At the first line that is wrong: detection cannot go on across a gap, nor at another rate, nor on what is no
-        voltage of this converter.
+        voltage of this converter. And at the end, if there was no line at all.
     """
     names, delimiter = source.header.names, source.header.delimiter
     voltage_at = names.index(wanted.of("voltage_v"))
     time_at = names.index(wanted.of("time_s")) if wanted.of("time_s") in names else -1
-    clock, on, whole, width = _Clock(settings), False, True, 0
+    clock, on, whole, width, sample = _Clock(settings), False, True, 0, -1
     for sample, (number, line) in enumerate(source.rows):
         cells = line.rstrip("\r\n").split(delimiter)
         width = width or source.header.width(len(cells), wanted)
@@ -99,6 +99,8 @@ def follow(source: Opened, detector: Detector, settings: Settings, wanted: Wante
         if detector.step(volts) != on:
             on = not on
             yield Change(on, time)
+    if sample < 0:
+        raise TraceError(Fault(NAME, "ends below its header; write at least one sample a line."))
 
 
 class _Clock:

@@ -120,6 +120,9 @@ def remarks(threshold_v: float, level: NoiseLevel) -> Iterator[str]:
         )
 
 
+LEAST_CUTOFF_HZ = 45.0
+"""With lower ones every detector here alarms at contacts, in the quiet tuning scenes (article, III.A: contacts are
+located below 30 Hz)."""
 SHORTEST_S = 0.02
 """Shorter windows take contacts for slip (article, III.C)."""
 _COARSE = 2.0
@@ -127,8 +130,13 @@ _COARSE = 2.0
 
 
 def setting_remarks(design: Design) -> Iterator[str]:
-    """What a design's converter and window cannot do well, though nothing forbids them."""
-    d = design.detector
+    """What a design's filter, converter and window cannot do well, though nothing forbids them."""
+    d, cutoff = design.detector, design.board.cutoff_hz
+    if cutoff < LEAST_CUTOFF_HZ:
+        yield (
+            f"board.cutoff_hz of {cutoff:g} Hz lets in what contacts and changes of grip leave, and they are taken for "
+            f"slip; choose at least {LEAST_CUTOFF_HZ:g} Hz (article: 67 Hz)."
+        )
     step = 2 * d.adc_range_v / 2**d.adc_bits
     if step > _COARSE * d.noise_v > 0.0:
         yield (

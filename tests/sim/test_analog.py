@@ -135,6 +135,17 @@ def test_the_tolerance_is_kept(tolerance):
     assert np.abs(respond(BOARD, STEP_S, voltage, tolerance).envelope_v - exact).max() < tolerance
 
 
+def test_the_error_falls_with_the_fourth_power_of_the_steps():
+    """While the diode conducts nearly all the time, so that the method's stages are what is seen."""
+    t = np.arange(400) / 2000
+    tone = 0.03 * np.sin(2 * np.pi * 120 * t)
+    exact = respond(Analog.of(Design()), 1 / 2000, tone, 1e-11).envelope_v
+    coarse, fine = (respond(Analog.of(Design()), 1 / 2000, tone, tolerance) for tolerance in (1e-4, 1e-7))
+    assert min(run.implicit / run.steps for run in (coarse, fine)) > 0.8
+    errors = [np.abs(run.envelope_v - exact).max() for run in (coarse, fine)]
+    assert math.log(errors[0] / errors[1]) / math.log(fine.steps / coarse.steps) > 3.7
+
+
 def test_steps_are_few_and_rest_is_free():
     rest = respond(BOARD, STEP_S, np.full(1001, 4.3))
     assert (rest.steps, rest.rejected, rest.implicit) == (1000, 0, 0)

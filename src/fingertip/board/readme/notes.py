@@ -6,6 +6,7 @@ import textwrap
 
 from fingertip.board.values.amplifiers import AMPLIFIERS, PAPERS
 from fingertip.board.values.board_values import BoardValues
+from fingertip.board.values.converter import CLAMP_A, CLAMP_MOST_A
 from fingertip.board.values.decision import PULL_UP_OHM, Decision
 from fingertip.board.values.limits import converter_line
 from fingertip.board.values.rest import Rest
@@ -23,7 +24,9 @@ _SIGNALS = (
     "D2 and D3 keep T and E between ground and + {supply:g} V (and a diode's drop beyond), R7 to R9 limit what flows "
     "then. R8, C9, R9 and C19 (and R7, C8) fit a converter of {rate:g} samples per second: they take {alias:.0f} dB "
     "off what would fold onto {band:.0f} Hz, the upper end of slip's vibrations. For another rate set "
-    "`detector.sample_rate_hz`. A converter's inputs should have 10 Mohm or more: R7 to R9 divide with them."
+    "`detector.sample_rate_hz`. A converter's inputs should have 10 Mohm or more: R7 to R9 divide with them. D2's "
+    "reverse current flows through R7: E reads {leak:.0f} mV too high with the {micro:g} uA of the deck's model, and up to "
+    "{leaks:.0f} mV with the {micros:g} uA that a BAT54 may have."
 )
 _REACHES = (
     "The amplifiers are {name}, whose inputs and outputs reach both rails; a vibration of more than {vibration:.0f} mV "
@@ -60,6 +63,10 @@ def signals(values: BoardValues, design: Design) -> str:
         rate=design.detector.sample_rate_hz,
         alias=-values.alias.raw_alias_db,
         band=values.alias.band_hz,
+        leak=1e3 * values.converter.envelope_ohm * CLAMP_A,
+        leaks=1e3 * values.converter.envelope_ohm * CLAMP_MOST_A,
+        micro=1e6 * CLAMP_A,
+        micros=1e6 * CLAMP_MOST_A,
     )
     return paragraph(text)
 

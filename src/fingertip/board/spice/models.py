@@ -17,6 +17,7 @@ from fingertip.board.values.amplifiers import (
 )
 from fingertip.board.values.bridge import GAIN_CONSTANT_OHM
 from fingertip.board.values.built import OPEN_LOOP_GAIN
+from fingertip.board.values.converter import CLAMP_A
 
 _AMPLIFIER = """\
 * {name}: one pole, {gain:g} open loop and {bandwidth:.10g} Hz gain-bandwidth, noise {noise:g} V/sqrt(Hz);
@@ -54,7 +55,7 @@ E4 out 0 pole 0 1
 * 1N4148: forward 0.62 V at 1 mA, 4 pF; figures of a common model, not measured.
 .model D1N4148 D(Is=2.52n Rs=0.568 N=1.752 Cjo=4p M=0.4 tt=20n)
 * BAT54: Schottky, forward 0.24 V at 0.1 mA, 10 pF; figures of a common model, not measured.
-.model DBAT54 D(Is=0.1u Rs=2 N=1.1 Cjo=12p M=0.4)"""
+.model DBAT54 D(Is={clamp_a:.10g} Rs=2 N=1.1 Cjo=12p M=0.4)"""
 
 
 def models(circuit: Circuit, gain_bandwidth_hz: float) -> Iterator[str]:
@@ -66,6 +67,7 @@ def models(circuit: Circuit, gain_bandwidth_hz: float) -> Iterator[str]:
         input_ohm=_noisy_ohm(AD623_NOISE_V),
         output_ohm=_noisy_ohm(AD623_OUTPUT_NOISE_V),
         inner_pole=bridge_gain(circuit) / (math.tau * AD623_BANDWIDTH_HZ),
+        clamp_a=CLAMP_A,
     )
 
 

@@ -22,6 +22,9 @@ POLES_PER_RATE = 0.25
 FIRST_OHM, SECOND_OHM = 1e3, 10e3
 """About; with the clamp they limit its current to 1 mA at 10 V beyond the rails."""
 CAPACITORS = "E6"
+CLAMP_A, CLAMP_MOST_A = 0.1e-6, 2e-6
+"""Reverse current of a clamp's diode: that of the SPICE deck's model, and the most a BAT54 may have at 25 V and 25
+degrees Celsius (its data sheets; unverified)."""
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,8 @@ _SIGNALS = (
     "then. R8, C9, R9 and C19 (and R7, C8) fit a converter of {rate:g} samples per second: they take {alias:.0f} dB "
     "off what would fold onto {band:.0f} Hz, the upper end of slip's vibrations. For another rate set "
     "`detector.sample_rate_hz`. A converter's inputs should have 10 Mohm or more: R7 to R9 divide with them. D2's "
-    "reverse current flows through R7: E reads {leak:.0f} mV too high with the {micro:g} uA of the deck's model, and up to "
-    "{leaks:.0f} mV with the {micros:g} uA that a BAT54 may have."
+    "reverse current flows through R7: E reads {leak:.0f} mV too high with the {micro:g} uA of the deck's model, and "
+    "up to {leaks:.0f} mV with the {micros:g} uA that a BAT54 may have."
 )
 _REACHES = (
     "The amplifiers are {name}, whose inputs and outputs reach both rails; a vibration of more than {vibration:.0f} mV "

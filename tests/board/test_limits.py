@@ -8,7 +8,7 @@ from fingertip.board import board_values
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.values.amplifiers import AMPLIFIERS, OTHERS, PAPERS, dual_amplifier
 from fingertip.board.values.bridge import fit_bridge
-from fingertip.board.values.limits import converter_line, limits, swing_line, swing_of
+from fingertip.board.values.limits import converter_line, converter_remarks, limits, swing_line, swing_of
 from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 
@@ -35,6 +35,9 @@ def test_a_converter_too_small_for_the_board_is_said() -> None:
     assert small.converter_misses_v == pytest.approx(max(small.tactile_most_v, 2.5 + small.envelope_most_v) - 3.3)
     assert "cuts the last 1.06 V off" in converter_line(small)
     assert "detector.adc_range_v to 4.36 at least" in converter_line(small)
+    assert list(converter_remarks(fits)) == []
+    (clipped,) = converter_remarks(small)
+    assert converter_line(small) in clipped
 
 
 def test_only_the_articles_own_board_has_an_amplifier_whose_inputs_end_early() -> None:

@@ -57,6 +57,30 @@ def test_simulate_then_detect_finds_the_slip(tmp_path, surface):
     assert data["missed_slips"] == []
 
 
+CLIPPED = ("--set", "detector.adc_range_v=3.3", "--set", "board.supply=single", "--set", "board.variant=precision")
+
+
+def test_a_converter_that_clips_the_voltage_is_told_by_both(tmp_path):
+    done = run("simulate", "--out", tmp_path / "t.csv", *CLIPPED)
+    told = "warning: the tactile voltage, up to 4.36 V, is clipped: a converter for plus and minus 3.3 V cuts the last"
+    assert told in done.stderr
+    assert "set detector.adc_range_v to 4.90 at least" in done.stderr
+    wide = run("simulate", "--out", tmp_path / "w.csv", *CLIPPED, "--set", "detector.adc_range_v=4.9")
+    assert "clipped" not in wide.stderr
+    found = run("detect", tmp_path / "t.csv", *CLIPPED)
+    assert "samples stand at an end of the converter's range, plus and minus 3.3 V" in found.stderr
+    assert "Divide the signal ahead of the converter" in found.stderr
+    assert "is a sensor connected?" not in found.stderr
+    assert " end of the converter's" not in run("detect", tmp_path / "w.csv", *CLIPPED[2:]).stderr
+
+
+def test_a_converter_that_clips_every_sample(trace):
+    top = 10 - 20 / 65536
+    found = run("detect", trace([f"{i / 2000:.4f},{top:.6f},0.8,0" for i in range(200)]))
+    assert "all 200 samples stand at an end of the converter's range" in found.stderr
+    assert "is a sensor connected?" not in found.stderr
+
+
 def test_a_quieter_converter_finds_the_smoothest_surface_sooner(tmp_path):
     quiet = ["--set", "detector.noise_v=2e-5", "--set", "detector.adc_bits=24", "--set", "detector.threshold_v=0.005"]
     out = tmp_path / "trace.csv"

@@ -52,6 +52,8 @@ def simulate(
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
     from fingertip import sim
+    from fingertip.board.values.board_values import board_values
+    from fingertip.board.values.limits import converter_remarks
     from fingertip.cli.given import load_design, refuse_sweep
     from fingertip.design import Design
     from fingertip.errors import Fault, FingertipError
@@ -115,6 +117,9 @@ def simulate(
         console.result({"parameters": list(scene_table.parameters(scene))}, "\n".join(scene_table.as_text(scene)))
         return
 
+    if "voltage_v" in scene.outputs:
+        for remark in converter_remarks(board_values(loaded).limits):
+            console.say(f"warning: {remark}")
     found: sim.Simulated | sim.Manipulated
     grips: dict[str, list[float]] = {}
     if isinstance(scene, sim.ManipulationFile) and grip is not None:

@@ -28,6 +28,8 @@ def validate(
     quiet: QuietOption = False,
 ) -> None:
     """Try a design's detectors on simulated slips, and on minutes without any. Exit code 1: a requirement is missed."""
+    from fingertip.board.values.board_values import board_values
+    from fingertip.board.values.limits import converter_remarks
     from fingertip.campaign import plan, requirements, study
     from fingertip.campaign.closed_loop import manipulations as closed_loop
     from fingertip.campaign.report import omissions
@@ -43,7 +45,7 @@ def validate(
     amount = plan.Amount(trials, minutes)
     if not kernel.available():
         console.say("numba is not installed (pip install 'fingertip[fast]'): this takes some twenty times longer")
-    for remark in noise.setting_remarks(loaded):
+    for remark in (*noise.setting_remarks(loaded), *converter_remarks(board_values(loaded).limits)):
         console.say(f"warning: {remark}")
     found = study.run(loaded, amount, say=console.say)
     console.say("closed loop: four objects, knocked")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fingertip.board.supplies import Supply
@@ -130,6 +131,12 @@ def converter_line(v: Limits) -> str:
         f"a converter for plus and minus {v.converter_v:g} V cuts the last {v.converter_misses_v:.2f} V off: divide "
         f"the signals ahead of it, or set detector.adc_range_v to {v.converter_v + v.converter_misses_v:.2f} at least"
     )
+
+
+def converter_remarks(v: Limits) -> Iterator[str]:
+    """A converter that clips the tactile voltage, as which slip does not show."""
+    if v.tactile_most_v > v.converter_v:
+        yield f"the tactile voltage, up to {v.tactile_most_v:.2f} V, is clipped: {converter_line(v)}."
 
 
 def _margin_v(bridge: Bridge, conductance_s: float, supply: Supply, supply_v: float) -> float:

@@ -118,14 +118,17 @@ def beyond_sentence(value: str, whole: bool, detector: Detector) -> str:
 
 def remarks(trace: Trace, detector: Detector) -> Iterator[str]:
     """What makes an answer doubtful without making it wrong: a voltage that never changes, or stands at an end."""
-    volts = trace.voltage_v
-    if np.ptp(volts) == 0.0:
-        yield f"the voltage is {volts[0]:g} V throughout: is a sensor connected?"
-        return
-    step = 2 * detector.adc_range_v / 2**detector.adc_bits
-    ends = int(np.sum((volts >= detector.adc_range_v - 1.5 * step) | (volts <= step / 2 - detector.adc_range_v)))
+    volts, most = trace.voltage_v, detector.adc_range_v
+    step = 2 * most / 2**detector.adc_bits
+    ends = int(np.sum((volts >= most - 1.5 * step) | (volts <= step / 2 - most)))
     if ends:
-        yield f"{ends} of {len(volts)} samples stand at an end of the converter's range: slip does not show there."
+        many = f"all {ends}" if ends == len(volts) else f"{ends} of {len(volts)}"
+        yield (
+            f"{many} samples stand at an end of the converter's range, plus and minus {most:g} V: slip does not show "
+            "there. Divide the signal ahead of the converter, or record with a wider range (detector.adc_range_v)."
+        )
+    elif np.ptp(volts) == 0.0:
+        yield f"the voltage is {volts[0]:g} V throughout: is a sensor connected?"
 
 
 def time_faults(time_s: NDArray[np.float64], detector: Detector, name: str, first_line: int | None) -> Iterator[Fault]:

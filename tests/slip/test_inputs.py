@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import re
 import sys
 import types
 
@@ -26,6 +27,19 @@ from tests.slip.recordings import ONSET, T, V, burst, csv, run, the_onset
 def test_delimiters(tmp_path, delimiter, comma):
     (tmp_path / "t.txt").write_text(csv(T, V, delimiter, comma=comma))
     assert the_onset(run("detect", tmp_path / "t.txt", "--json")) == ONSET
+
+
+@pytest.mark.parametrize(("delimiter", "comma"), [(",", False), (";", True)])
+def test_quoted_numbers(tmp_path, delimiter, comma):
+    text = re.sub(f"[^{delimiter}\n]+", r'"\g<0>"', csv(T, V, delimiter, comma=comma))
+    assert text.splitlines()[1].startswith('"0,000000";"' if comma else '"0.000000","')
+    (tmp_path / "t.csv").write_text(text)
+    assert the_onset(run("detect", tmp_path / "t.csv", "--json")) == ONSET
+    told = json.loads(run("detect", "-", "--json", lines=text).stdout)["changes"]
+    assert told[0] == {"on": True, "time_s": ONSET}
+    (tmp_path / "t.csv").write_text(text.replace('"0' + ("," if comma else ".") + '000500"', '"NA"'))
+    refused = run("detect", tmp_path / "t.csv").stderr
+    assert "'\"NA\"' in line 3 is not a number" in refused
 
 
 def test_numpy_files(tmp_path):
@@ -182,6 +196,33 @@ def test_bad_arrays(tmp_path, name):
     done = run("detect", tmp_path / "t.npz")
     assert done.exit_code == 2
     assert sentence in done.stderr
+
+
+RATES = {
+    "words": (np.array("2 kHz"), "holds '2 kHz'"),
+    "nothing": (np.zeros(0), "holds no value"),
+    "zero": (0, "holds 0"),
+    "nan": (np.nan, "holds nan"),
+    "infinite": (np.inf, "holds inf"),
+    "negative": (-2000.0, "holds -2000.0"),
+    "two": (np.array([2000.0, 5000.0]), "holds 2 values"),
+    "complex": (2000 + 1j, "holds (2000+1j)"),
+}
+
+
+@pytest.mark.parametrize("name", RATES)
+def test_rates_that_are_none(tmp_path, name):
+    stated, sentence = RATES[name]
+    np.savez(tmp_path / "t.npz", voltage_v=np.array(["a"] * 2000), sample_rate_hz=stated)
+    done = run("detect", tmp_path / "t.npz")
+    assert done.exit_code == 2, done.stderr
+    first, second = done.stderr.splitlines()
+    assert first.endswith(
+        f"t.npz, sample_rate_hz: {sentence}; save the rate in Hz as one number, such as 2000, or give --rate-hz."
+    )
+    assert "give an array of numbers" in second
+    np.savez(tmp_path / "t.npz", voltage_v=np.round(V, 6), sample_rate_hz=stated)
+    assert the_onset(run("detect", tmp_path / "t.npz", "--rate-hz", 2000, "--json")) == ONSET
 
 
 @pytest.mark.parametrize("name", ["t.npz", "t.npy", "t.tdms"])

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from fingertip.design.sections import Detector as Settings
 from fingertip.errors import Fault, TraceError
 from fingertip.slip.detectors.stream import Detector
-from fingertip.slip.traces.header import Header, find_header
+from fingertip.slip.traces.header import Header, find_header, unquoted
 from fingertip.slip.traces.parsed import Wanted
 from fingertip.slip.traces.trace import RATE_TOLERANCE, STEP_TOLERANCE, beyond_sentence, rate_sentence
 
@@ -141,8 +141,9 @@ class _Clock:
 
 
 def _number(cell: str, delimiter: str, line: int) -> float:
+    plain = unquoted(cell) if '"' in cell else cell
     try:
-        value = float(cell if delimiter == "," else cell.replace(",", "."))
+        value = float(plain if delimiter == "," else plain.replace(",", "."))
     except ValueError:
         raise _fault(line, f"{cell.strip()!r} is not a number; write it with a decimal point.") from None
     if not math.isfinite(value):

@@ -49,6 +49,11 @@ def encoding_of(path: Path) -> str:
         return "utf-16" if file.read(2) in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
 
 
+def unquoted(cell: str) -> str:
+    """A cell without the quotes that some programs put around everything."""
+    return cell.strip().strip('"')
+
+
 def find_header(name: str, lines: Iterable[str], wanted: Wanted, *others: Wanted) -> Header:
     """Take lines up to the first that names what a trace needs.
 
@@ -109,7 +114,7 @@ def _most_cells(line: str) -> list[str]:
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
-    return [cell.strip().strip('"') for cell in line.strip("\r\n").split(delimiter)]
+    return [unquoted(cell) for cell in line.strip("\r\n").split(delimiter)]
 
 
 def _as_wanted(cells: list[str], wanted: Wanted) -> list[str]:

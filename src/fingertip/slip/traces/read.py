@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.design.faults import nearest
@@ -83,9 +84,14 @@ def parse(path: Path, wanted: Wanted) -> Parsed:
 
 def _from_arrays(name: str, arrays: Mapping[str, Any], wanted: Wanted) -> Parsed:
     """A trace of named arrays."""
+    faults, columns = list[Fault](), dict[str, Any]()
     if wanted.rate_hz is None and wanted.of("time_s") not in arrays and RATE in arrays:
-        wanted = Wanted(wanted.names, float(np.asarray(arrays[RATE]).ravel()[0]), wanted.scale)
-    faults, columns = [], {}
+        rate_hz = _rate_hz(np.asarray(arrays[RATE]))
+        if not rate_hz:
+            told = f"holds {_words(np.asarray(arrays[RATE]))}; save the rate in Hz as one number, such as 2000"
+            faults.append(Fault(f"{name}, {RATE}", f"{told}, or give --rate-hz."))
+        # A place holder where it is wrong: the other arrays are judged all the same.
+        wanted = Wanted(wanted.names, rate_hz or 1.0, wanted.scale)
     missing = [column for column in wanted.needed if wanted.of(column) not in arrays]
     for column in COLUMNS:
         known = wanted.of(column)
@@ -104,6 +110,24 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], wanted: Wanted) -> Parsed
     if faults:
         raise TraceError(faults)
     return Parsed(name, wanted.trace(columns), in_volts=wanted.in_volts)
+
+
+def _rate_hz(stated: NDArray[Any]) -> float | None:
+    """A rate [Hz] that an archive states; None if that is no single number above 0."""
+    if stated.size != 1 or stated.dtype.kind not in "iufUS":
+        return None
+    try:
+        rate_hz = float(stated.ravel()[0])
+    except ValueError:
+        return None
+    return rate_hz if 0.0 < rate_hz < float("inf") else None
+
+
+def _words(stated: NDArray[Any]) -> str:
+    """What an array holds instead of a number."""
+    if stated.size != 1:
+        return f"{stated.size} values" if stated.size else "no value"
+    return repr(stated.ravel()[0].item())
 
 
 def _numpy(path: Path, wanted: Wanted) -> Mapping[str, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.errors import Fault, TraceError
-from fingertip.slip.traces.header import Header, encoding_of, find_header
+from fingertip.slip.traces.header import Header, encoding_of, find_header, unquoted
 from fingertip.slip.traces.parsed import COLUMNS, Parsed, Wanted
 from fingertip.slip.traces.trace import Trace
 
@@ -127,11 +127,11 @@ def _carefully(path: Path, encoding: str, header: Header, first_line: int, wante
 
 
 def _numbers(cells: Sequence[str]) -> tuple[NDArray[np.float64], list[int]]:
-    """Cells as numbers, and the places of those that are none; they stand as 0. NaN passes here."""
+    """Cells as numbers, quoted or not, and the places of those that are none; they stand as 0. NaN passes here."""
     values, wrong = [], []
     for i, cell in enumerate(cells):
         try:
-            values.append(float(cell))
+            values.append(float(unquoted(cell)))
         except ValueError:
             values.append(0.0)
             wrong.append(i)

@@ -156,7 +156,7 @@ BAD = {
     "decimal commas between commas": (csv(T, V, comma=True), "has 4 cells, the header 2", 2),
     "negative time": (csv(T - 0.3, V), "", 0),  # a trigger's time is an origin like any other
     "time that runs backwards": (csv(-T, V), "does not advance in most of its steps", 2),
-    "duplicate times": (csv(np.floor(T * 1000) / 1000, V), "does not advance in most of its steps", 2),
+    "duplicate times": (csv(np.floor(T * 1000) / 1000, V), "0 s in line 3 repeats the time before it, and 999", 2),
     "one duplicate": (csv(np.sort(np.append(T[1:], T[7])), V), "0.0035 s in line 9 repeats the time before it", 2),
     "rate changing midway": (csv(np.where(T < 0.5, T, 0.5 + 3 * (T - 0.5)), V), "comes after a gap", 2),
     "counts": (csv(T, np.round(V / 20 * 65536)), "whole numbers throughout look like its counts", 2),

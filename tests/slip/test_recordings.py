@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
+from fingertip.slip import make
 from fingertip.slip.traces.rate import at_rate
 from tests.slip.recordings import ONSET, T, V, burst, csv, run, the_onset
 
@@ -137,8 +138,16 @@ def test_a_threshold_that_was_set_stays_at_any_rate(tmp_path):
     assert anew != pytest.approx(usual, rel=0.05)
     for words, volts, said in (
         ((), anew, f"the threshold is {anew:.3g} V"),
-        (mine, 0.0123, "filters and window are made for that; the threshold stays 0.0123 V, as it was set"),
-        ((*rate, *mine), 0.0123, "filters and window are made for 5000 Hz; the threshold stays 0.0123 V, as it was"),
+        (
+            mine,
+            0.0123,
+            "filters and window are made for that; the window is 150 samples, 30 ms; the threshold stays 0.0123 V",
+        ),
+        (
+            (*rate, *mine),
+            0.0123,
+            "filters and window are made for 5000 Hz; the window is 150 samples, 30 ms; the threshold stays 0.0123 V",
+        ),
         ((*rate, "--design", tmp_path / "d.toml"), 0.0123, "stays 0.0123 V, as it was set"),
         (("--detector", "paper"), usual, f"the threshold stays {usual:g} V, on the board's output"),
         ((*rate, "--detector", "paper"), usual, f"the threshold stays {usual:g} V, on the board's output"),
@@ -147,7 +156,67 @@ def test_a_threshold_that_was_set_stays_at_any_rate(tmp_path):
         assert json.loads(done.stdout)["threshold_v"] == pytest.approx(volts, abs=2e-6), words
         assert said in done.stderr, words
     fast = run("detect", tmp_path / "t.csv", "--detector", "fast")
-    assert "filters, window and threshold are made for that\n" in fast.stderr
+    assert "filters, window and threshold are made for that; the window is 150 samples, 30 ms\n" in fast.stderr
+
+
+def test_a_window_that_was_set_stays_at_any_rate(tmp_path):
+    t, v = burst(10_000)
+    (tmp_path / "t.csv").write_text(csv(t, v))
+    (tmp_path / "d.toml").write_text("[detector]\nwindow_samples = 90\n")
+    rate, mine = ("--rate-hz", 10_000), ("--set", "detector.window_samples=400")
+    both = (*mine, "--set", "detector.threshold_v=0.0123")
+    for words, said in (
+        ((), "filters, window and threshold are made for that; the window is 300 samples, 30 ms; the threshold is"),
+        (mine, "filters and threshold are made for that; the window stays 400 samples, 40 ms, as it was set"),
+        ((*rate, *mine), "filters and threshold are made for 10000 Hz; the window stays 400 samples, 40 ms, as it was"),
+        ((*rate, *both), "filters are made for 10000 Hz; the window stays 400 samples, 40 ms, as it was set; the thre"),
+        ((*rate, "--design", tmp_path / "d.toml"), "the window is 450 samples, 45 ms"),
+    ):
+        assert said in run("detect", tmp_path / "t.csv", *words).stderr, words
+    # It is the window that detects, and not the message alone.
+    kept = run("detect", tmp_path / "t.csv", *rate, *mine, "--json").stdout
+    taken = make("digital", at_rate(Design(detector={"window_samples": 400}), 10_000.0, keep_window=True))
+    expected = t[np.flatnonzero(taken.process(np.round(v, 6)).on)[0]]
+    assert json.loads(kept)["intervals"][0]["onset_s"] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("rate", [1200, 2000, 3000, 5000])
+@pytest.mark.parametrize("cut", [np.floor, np.round])
+def test_times_of_too_few_decimals_are_set_aside_as_the_sentence_says(tmp_path, rate, cut):
+    t, v = burst(rate)
+    coarse = cut(np.round(1000 * t, 6)) / 1000
+    (tmp_path / "t.csv").write_text(csv(coarse, v))
+    np.savez(tmp_path / "t.npz", time_s=coarse, voltage_v=v)
+    np.save(tmp_path / "t.npy", np.column_stack((coarse, v)))
+    for name in ("t.csv", "t.npz", "t.npy"):
+        onsets = set()
+        for stated in ((), ("--rate-hz", rate)):
+            done = run("detect", tmp_path / name, *stated)
+            assert done.exit_code == 2
+            (sentence,) = [line for line in done.stderr.splitlines() if line.startswith("error")]
+            assert f"the times are rounded to 0.001 s, at a mean rate of {rate} Hz" in sentence
+            assert "is sampled at" not in done.stderr
+            remedy = shlex.split(re.search(r"set them aside with (.*)\.$", sentence)[1])
+            assert remedy == ["--rate-hz", str(rate), "--column", "time_s=none"]
+            onsets.add(the_onset(run("detect", tmp_path / name, *remedy, "--json")))
+        (onset,) = onsets
+        assert 0.5 < onset < 0.525
+    live = run("detect", "-", "--rate-hz", rate, lines=csv(np.floor(1000 * t) / 1000, v)).stderr
+    assert "rounded aside with --column time_s=none" in live
+
+
+def test_times_that_repeat_for_other_reasons():
+    from fingertip.slip.traces.rounded import rounded
+
+    assert rounded(T) is None
+    assert rounded(np.zeros(100)) is None
+    assert rounded(np.sort(np.append(T, T[7]))) is None  # one
+    assert rounded(np.sort(np.append(T, T[:300]))) is None  # many, all at the start
+    assert rounded(np.where(np.arange(2000) % 2, T - 0.001, T)[::-1]) is None  # backwards
+    whole = rounded(np.floor(T * 4))  # seconds alone leave the rate open
+    assert whole is not None
+    assert whole.rate_hz is None
+    assert rounded(np.round(np.arange(100_000) / 4567, 3)).rate_hz == pytest.approx(4567, rel=1e-4)
 
 
 def test_a_quiet_part_in_which_something_happens(tmp_path):

@@ -58,6 +58,7 @@ def detect(
     from fingertip import slip
     from fingertip.cli.given import load_design
     from fingertip.cli.live import live
+    from fingertip.design.cascade import gather
     from fingertip.errors import Fault, FingertipError, TraceError
     from fingertip.slip.detectors import noise, registry
     from fingertip.slip.detectors.quiet import disturbed_at, quiet_noise_v
@@ -70,9 +71,10 @@ def detect(
         raise TraceError(refused)
     loaded, told = load_design(design, changes)
     chosen = "threshold_v" in told.get("detector", {})
+    own_window = "window_samples" in gather([], changes or ()).get("detector", {})
     registry.known(detector)
     if rate_hz is not None:
-        loaded, made, where = _at_rate(loaded, rate_hz, detector, chosen, quiet_s)
+        loaded, made, where = _at_rate(loaded, rate_hz, detector, chosen, own_window, quiet_s)
         console.say(f"{made} are made for {rate_hz:g} Hz{where}")
     wanted = Wanted(_names(columns or []), rate_hz, scale)
     if not wanted.in_volts and quiet_s is None and detector != "paper":
@@ -85,7 +87,7 @@ def detect(
     found_hz = parsed.rate_hz
     if found_hz and not stated and abs(found_hz / loaded.detector.sample_rate_hz - 1) > 0.005 and not parsed.faults:
         try:
-            loaded, made, where = _at_rate(loaded, found_hz, detector, chosen, quiet_s)
+            loaded, made, where = _at_rate(loaded, found_hz, detector, chosen, own_window, quiet_s)
             console.say(f"{trace} is sampled at {found_hz:g} Hz: {made} are made for that{where}")
         except FingertipError as error:
             why = " ".join(fault.sentence for fault in error.faults)
@@ -121,23 +123,28 @@ def detect(
 
 
 def _at_rate(
-    design: Design, rate_hz: float, detector: str, chosen: bool, quiet_s: float | None
+    design: Design, rate_hz: float, detector: str, chosen: bool, own_window: bool, quiet_s: float | None
 ) -> tuple[Design, str, str]:
-    """The design at another rate, what was made for it, and where its threshold stands.
+    """The design at another rate, what was made for it, and where its window and threshold stand.
 
-    A threshold that was chosen stays, and so does one on the board's output, which has no rate.
+    A window that --set gave stays; one of a design file was for that file's rate. A threshold that was chosen stays,
+    and so does one on the board's output, which has no rate.
     """
     from fingertip.slip.traces.rate import at_rate
 
     keep = chosen or detector == "paper"
-    anew = at_rate(design, rate_hz, keep)
-    if quiet_s is not None or detector not in ("digital", "paper"):  # it follows from the noise
-        return anew, "filters, window and threshold", ""
-    volts = anew.detector.threshold_v
-    if keep:
+    anew = at_rate(design, rate_hz, keep, own_window)
+    follows = quiet_s is not None or detector not in ("digital", "paper")  # the threshold, from the noise
+    volts, samples = anew.detector.threshold_v, anew.detector.window_samples
+    lasts = f"{samples} samples, {1000 * samples / rate_hz:.4g} ms"
+    where = f"; the window stays {lasts}, as it was set" if own_window else f"; the window is {lasts}"
+    if not follows and keep:
         why = "as it was set" if chosen else "on the board's output"
-        return anew, "filters and window", f"; the threshold stays {volts:.9g} V, {why}"
-    return anew, "filters, window and threshold", f"; the threshold is {volts:.3g} V"
+        where += f"; the threshold stays {volts:.9g} V, {why}"
+    elif not follows:
+        where += f"; the threshold is {volts:.3g} V"
+    made = ["filters", *([] if own_window else ["window"]), *([] if keep and not follows else ["threshold"])]
+    return anew, " and ".join([", ".join(made[:-1]), made[-1]] if made[1:] else made), where
 
 
 def _early(read: Trace, quiet_s: float, name: str) -> slice:

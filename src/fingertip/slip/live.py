@@ -121,10 +121,13 @@ class _Clock:
             return
         step_s = time_s - before_s
         if abs(step_s - self._usual_s) > STEP_TOLERANCE * self._usual_s:
+            remedy = "use --rate-hz, or close the gap"
+            if step_s == 0.0:
+                remedy = "set times that are rounded aside with --column time_s=none and --rate-hz"
             raise _fault(
                 line,
                 f"{time_s:.9g} s comes {step_s:.4g} s after the sample before it; the detector is made for steps of "
-                f"{self._usual_s:.4g} s ({self._settings.sample_rate_hz:g} Hz): use --rate-hz, or close the gap.",
+                f"{self._usual_s:.4g} s ({self._settings.sample_rate_hz:g} Hz): {remedy}.",
             )
         self._steps += 1
         if self._steps % self._settings.window_samples == 0:

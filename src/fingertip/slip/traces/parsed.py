@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fingertip.design.sections import Detector
 from fingertip.errors import Fault, TraceError
+from fingertip.slip.traces.rounded import rounded
 from fingertip.slip.traces.trace import Trace, column_faults, length_faults, range_faults, time_faults
 
 COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v")
@@ -95,9 +96,10 @@ class Parsed:
 
     @property
     def rate_hz(self) -> float | None:
-        """The usual rate [Hz], to six digits as it was meant; None if there is none to be told."""
+        """The usual rate [Hz], to six digits as it was meant; None if there is none to be told, as from times that were
+        rounded until they repeat."""
         time = self.trace.time_s
-        if not self.timed or time.ndim != 1 or len(time) < 2 or not np.isfinite(time).all():
+        if not self.timed or time.ndim != 1 or len(time) < 2 or not np.isfinite(time).all() or rounded(time):
             return None
         usual = float(np.median(np.diff(time)))
         return float(f"{1 / usual:.6g}") if usual > 0.0 else None

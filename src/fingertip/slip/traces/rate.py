@@ -6,7 +6,7 @@ from fingertip.design import Design
 from fingertip.slip.detectors.noise import noise_level
 
 
-def at_rate(design: Design, rate_hz: float, keep_threshold: bool = False) -> Design:
+def at_rate(design: Design, rate_hz: float, keep_threshold: bool = False, keep_window: bool = False) -> Design:
     """The design with its filters made anew for another sampling rate.
 
     The window keeps its duration, and the threshold its place above the noise: white noise of the same rms leaves the
@@ -20,6 +20,8 @@ def at_rate(design: Design, rate_hz: float, keep_threshold: bool = False) -> Des
         The other rate [Hz].
     keep_threshold
         Leave the threshold as it is: somebody chose it, or it stands on a board's output, which has no rate.
+    keep_window
+        Leave the window its samples: somebody chose them for this rate.
 
     Raises
     ------
@@ -30,8 +32,9 @@ def at_rate(design: Design, rate_hz: float, keep_threshold: bool = False) -> Des
     if rate_hz == old.sample_rate_hz:
         return design
     tables = design.model_dump()
-    window = max(1, round(old.window_samples * rate_hz / old.sample_rate_hz))
-    tables["detector"] |= {"sample_rate_hz": rate_hz, "window_samples": window}
+    tables["detector"]["sample_rate_hz"] = rate_hz
+    if not keep_window:
+        tables["detector"]["window_samples"] = max(1, round(old.window_samples * rate_hz / old.sample_rate_hz))
     anew = Design(**tables)
     if keep_threshold:
         return anew

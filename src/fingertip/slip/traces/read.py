@@ -143,6 +143,8 @@ def _numpy(path: Path, wanted: Wanted) -> Mapping[str, Any]:
     if loaded.ndim == 1:
         return {wanted.of("voltage_v"): loaded}
     if loaded.ndim == 2 and loaded.shape[1] == 2:
+        if wanted.rate_hz is not None and "time_s" in wanted.names:  # no column has a name here: it is set aside
+            return {wanted.of("voltage_v"): loaded[:, 1]}
         return {wanted.of("time_s"): loaded[:, 0], wanted.of("voltage_v"): loaded[:, 1]}
     raise TraceError(
         Fault(str(path), f"has shape {loaded.shape}; give (samples,) with --rate-hz, or (samples, 2): time, voltage.")

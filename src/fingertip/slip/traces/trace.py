@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fingertip.design.sections import Detector
 from fingertip.errors import Fault
+from fingertip.slip.traces.rounded import Rounded, rounded
 
 RATE_TOLERANCE = 0.005
 """Most by which a trace's mean rate may differ from the detector's: as much as it moves the cutoff
@@ -133,10 +134,13 @@ def remarks(trace: Trace, detector: Detector) -> Iterator[str]:
 
 def time_faults(time_s: NDArray[np.float64], detector: Detector, name: str, first_line: int | None) -> Iterator[Fault]:
     """Finite times that go backwards, repeat, leave gaps, or come at another rate than the detector's."""
+    field = f"{name}, time_s"
+    if coarse := rounded(time_s):
+        yield Fault(field, _rounded_sentence(time_s, coarse, detector, first_line))
+        return
     steps = np.diff(time_s)
     # The median is the recording's own step, whatever single gaps do to the mean.
     usual = float(np.median(steps))
-    field = f"{name}, time_s"
     if usual <= 0.0:
         yield Fault(field, "does not advance in most of its steps; write the time of each sample in seconds.")
         return
@@ -160,6 +164,20 @@ def time_faults(time_s: NDArray[np.float64], detector: Detector, name: str, firs
     rate = float(len(steps) / (time_s[-1] - time_s[0])) if even else 1 / usual
     if abs(rate / detector.sample_rate_hz - 1) > RATE_TOLERANCE:
         yield Fault(field, rate_sentence(rate, detector))
+
+
+def _rounded_sentence(time_s: NDArray[np.float64], coarse: Rounded, detector: Detector, first_line: int | None) -> str:
+    """With what sets the times aside: at their mean rate, or at the detector's if that agrees with it."""
+    at, more = coarse.first, f", and {coarse.repeats - 1} more like it" if coarse.repeats > 1 else ""
+    found, rate, mean = coarse.rate_hz, "HZ, as it was recorded, and", ""
+    if found:
+        agrees = abs(found / detector.sample_rate_hz - 1) <= RATE_TOLERANCE
+        rate = f"{detector.sample_rate_hz if agrees else found:.9g}"
+        mean = f", at a mean rate of {found:.6g} Hz"
+    return (
+        f"{time_s[at]:.9g} s {_where(at, first_line)} repeats the time before it{more}: the times are rounded to "
+        f"{coarse.step_s:.4g} s{mean}; set them aside with --rate-hz {rate} --column time_s=none."
+    )
 
 
 def rate_sentence(rate_hz: float, detector: Detector) -> str:

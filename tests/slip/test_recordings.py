@@ -173,6 +173,9 @@ def test_a_window_that_was_set_stays_at_any_rate(tmp_path):
         ((*rate, "--design", tmp_path / "d.toml"), "the window is 450 samples, 45 ms"),
     ):
         assert said in run("detect", tmp_path / "t.csv", *words).stderr, words
+    # A window that lasts as long as usual has the usual threshold.
+    thirty = at_rate(Design(detector={"window_samples": 300}), 10_000.0, keep_window=True).detector
+    assert thirty == at_rate(Design(), 10_000.0).detector
     # It is the window that detects, and not the message alone.
     kept = run("detect", tmp_path / "t.csv", *rate, *mine, "--json").stdout
     taken = make("digital", at_rate(Design(detector={"window_samples": 400}), 10_000.0, keep_window=True))

@@ -32,9 +32,14 @@ def at_rate(design: Design, rate_hz: float, keep_threshold: bool = False, keep_w
     if rate_hz == old.sample_rate_hz:
         return design
     tables = design.model_dump()
-    tables["detector"]["sample_rate_hz"] = rate_hz
-    if not keep_window:
-        tables["detector"]["window_samples"] = max(1, round(old.window_samples * rate_hz / old.sample_rate_hz))
+    if keep_window:
+        window = old.window_samples
+        # The noise is compared in windows that last as long; no bound is asked of this one, for nothing runs on it.
+        as_long = max(1, round(window * old.sample_rate_hz / rate_hz))
+        design = design.model_copy(update={"detector": old.model_copy(update={"window_samples": as_long})})
+    else:
+        window = max(1, round(old.window_samples * rate_hz / old.sample_rate_hz))
+    tables["detector"] |= {"sample_rate_hz": rate_hz, "window_samples": window}
     anew = Design(**tables)
     if keep_threshold:
         return anew

@@ -86,3 +86,25 @@ def test_heavy_modules_stay_out(tmp_path: Path, arguments: list[str]) -> None:
     assert run.returncode == 0, run.stderr
     assert run.stdout.strip() == "[]"
     assert (tmp_path / "values.json").is_file()
+
+
+LOUD = ("board.variant=precision", "board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
+SHORT = ("board.variant=comparator", "detector.sample_rate_hz=10000", "detector.window_samples=60")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ((*LOUD, "detector.threshold_v=0.004"), ["rest at 10.9 mV, and detector.threshold_v is 4 mV"]),
+        (LOUD, []),
+        (SHORT, ["detector.window_samples of 60 at 10000 Hz last 6 ms"]),
+        (SHORT[:1], []),
+    ],
+)
+def test_what_a_board_does_badly_is_warned_of(tmp_path: Path, changes: tuple[str, ...], words: list[str]) -> None:
+    run = run_fingertip("board", "--out", tmp_path, "--json", *(a for c in changes for a in ("--set", c)))
+    assert run.returncode == 0
+    told = [line for line in run.stderr.splitlines() if line.startswith("warning: ")]
+    assert len(told) == len(words)
+    assert all(part in line for part, line in zip(words, told, strict=True))
+    assert [f"warning: {sentence}" for sentence in json.loads(run.stdout)["warnings"]] == told

@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board import board_circuit, board_files, board_values
 from fingertip.board.analysis.analyse import analyse
 from fingertip.board.analysis.equations import equations
-from fingertip.board.analysis.noise import HALF_WAVE_MEAN, NETS, budget
+from fingertip.board.analysis.noise import NETS, budget, remedies, total_v
 from fingertip.board.values.bridge import sensor_conductance_s
+from fingertip.board.values.white_noise import HALF_WAVE_MEAN, noise_warning
 from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
 from tests.board.conftest import Written
@@ -106,6 +107,7 @@ def test_the_folders_readme_says_this_noise(written: Written, name: str) -> None
     at = {
         r.change.split(" ")[0] if "C20" in r.change else r.change: r for r in found.quieter if "INA821" not in r.change
     }
+    first = board_values(Design.load(changes=changes)).first_stage
     paper = name.startswith("paper")
     open_v = at["as built" if paper else "without"].filtered_v
     single = name.endswith("single")
@@ -113,6 +115,45 @@ def test_the_folders_readme_says_this_noise(written: Written, name: str) -> None
     assert f"leaves {1e3 * tactile:.1f} mV of noise" in text
     assert f"{1e3 * open_v:.0f} mV of it" in text
     if not paper:
-        assert f"leaves {1e3 * at['as built'].filtered_v:.0f} mV" in text
-        assert f"rests at {1e3 * at['as built'].rest_v:.1f} mV" in text
+        assert first is not None
+        assert f"gain at {first.limit_hz:.0f} Hz, leaves {1e3 * at['as built'].filtered_v:.2g} mV" in text
+        assert f"rests at {1e3 * at['as built'].rest_v:.1f} mV, well below the threshold of 17 mV" in text
     assert single == ("buffered middle" in text)
+
+
+LOUD = ("board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
+
+
+@pytest.mark.parametrize("changes", [(), LOUD, ("board.passband_gain=10", "board.band_limit_hz=3000")])
+@pytest.mark.parametrize("name", VARIANTS)
+def test_the_formulas_noise_is_the_circuits(name: str, changes: tuple[str, ...]) -> None:
+    """Of every part together, in every variant, within 1 %."""
+    design = Design.load(changes=(*VARIANTS[name].changes, *changes))
+    values, product = board_values(design), design.board.gain_bandwidth_hz
+    circuit, noise = board_circuit(values), values.noise
+    found = {r.change: r for r in remedies(circuit, product, design.board.band_limit_hz, values.variant == "paper")}
+    assert noise.tactile_v == pytest.approx(total_v(circuit, product, "TACTILE"), rel=0.01)
+    assert noise.filtered_v == pytest.approx(found["as built"].filtered_v, rel=0.01)
+    if values.variant == "paper":
+        assert noise.open_v == noise.filtered_v
+        assert noise.rest_v is None
+    else:
+        assert noise.open_v == pytest.approx(found["without C20 across R5"].filtered_v, rel=0.01)
+        assert noise.rest_v == pytest.approx(found["as built"].rest_v, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("threshold", "where"), [("0.004", "above"), ("0.012", "below"), ("0.017", "below"), ("0.1", "well below")]
+)
+def test_a_board_that_says_slip_at_rest_is_told(threshold: str, where: str) -> None:
+    design = Design.load(changes=("board.variant=precision", *LOUD, f"detector.threshold_v={threshold}"))
+    text = " ".join(board_files(design)["README.md"].decode().split())
+    assert f"rests at 10.9 mV, {where} the threshold of {1e3 * float(threshold):g} mV" in text
+    warning = noise_warning(board_values(design).noise, design.detector.threshold_v)
+    assert bool(warning) == (where == "above")
+    assert ("says slip with nothing touching" in text) == bool(warning)
+
+
+def test_behind_the_diode_no_noise_is_told() -> None:
+    design = Design.load(changes=(*LOUD, "detector.threshold_v=0.004"))
+    assert noise_warning(board_values(design).noise, 0.004) == ""

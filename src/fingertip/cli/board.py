@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -69,6 +70,9 @@ def board(
     outdated = fabrication_differences(loaded, out)
     for sentence in outdated:
         console.say(f"warning: {sentence} Do not send it to anybody.")
+    warnings = list(_warnings(loaded, values))
+    for sentence in warnings:
+        console.say(f"warning: {sentence}")
     data, text = values.as_data(), _table(loaded, values)
     if bode:
         from fingertip.board.analysis.analyse import bode_table
@@ -84,7 +88,21 @@ def board(
         found_figures = analyse(loaded)
         data["analysis"] = found_figures.as_data()
         text += "\n\n" + analysis_text(found_figures)
-    console.result({**data, "files": [path.as_posix() for path in paths], "outdated": outdated}, text)
+    console.result(
+        {**data, "files": [path.as_posix() for path in paths], "outdated": outdated, "warnings": warnings}, text
+    )
+
+
+def _warnings(design: Design, values: BoardValues) -> Iterator[str]:
+    """What the board will do badly, though nothing forbids it."""
+    from fingertip.board.values.white_noise import noise_warning
+
+    if warning := noise_warning(values.noise, design.detector.threshold_v):
+        yield warning
+    if values.decision:  # here parts decide, so the detector's remarks are the board's; they need numpy
+        from fingertip.slip.detectors import noise
+
+        yield from noise.setting_remarks(design)
 
 
 def _table(design: Design, values: BoardValues) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from fingertip.board.analysis.equations import equations
 from fingertip.board.analysis.nodal import System
-from fingertip.board.analysis.noise import NETS, NOISE_FORCE_N, Contribution, Remedy, budget, remedies
+from fingertip.board.analysis.noise import NETS, Contribution, Remedy, budget, remedies
 from fingertip.board.circuit import Circuit
 from fingertip.board.output import board_circuit
 from fingertip.board.values.board_values import Tolerance, board_values
@@ -21,6 +21,7 @@ from fingertip.board.values.figures import Spread, monte_carlo, sensitivities
 from fingertip.board.values.limits import Limits
 from fingertip.board.values.rest import Rest
 from fingertip.board.values.ripple import Ripple
+from fingertip.board.values.white_noise import NOISE_FORCE_N
 from fingertip.design import Design
 
 BRIDGE_TOLERANCE = 1e-3

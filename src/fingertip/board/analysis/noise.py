@@ -21,15 +21,11 @@ from fingertip.board.nets import FEEDBACK, STAGE1_OUT
 from fingertip.board.values.amplifiers import AD623_NOISE_V, QUIET_NAME, QUIET_NOISE_V
 from fingertip.board.values.bridge import sensor_conductance_s
 from fingertip.board.values.preferred import nearest
+from fingertip.board.values.white_noise import BAND_HZ, HALF_WAVE_MEAN, NOISE_FORCE_N
 from fingertip.design.filter_components import limit_capacitor_f
 
 NETS = ("TACTILE", "STAGE1_OUT", "FILTERED", "ADC_TACTILE")
 """Where noise and offset are looked at: ahead of the filter, between its stages, ahead of the rectifier, at the pin."""
-BAND_HZ = (0.1, 1e6)
-NOISE_FORCE_N = 0.8
-"""Force on the sensor: the middle of the article's voltages."""
-HALF_WAVE_MEAN = 1.0 / math.sqrt(2.0 * math.pi)
-"""Mean of a rectified half wave of Gaussian noise, in its standard deviations."""
 LIMITER = "C20"
 """The capacitor across R5."""
 _POINTS_PER_DECADE = 50

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from fingertip.board.analysis.analyse import Analysis
-from fingertip.board.analysis.noise import BAND_HZ, NETS, Contribution
+from fingertip.board.analysis.noise import NETS, Contribution
 from fingertip.board.values.converter import AliasFigures
 from fingertip.board.values.decision import decision_lines
 from fingertip.board.values.limits import Limits, converter_line, swing_line
 from fingertip.board.values.rest import rest_line
 from fingertip.board.values.ripple import ripple_line
+from fingertip.board.values.white_noise import BAND_HZ
 
 _LABELS = {
     "cutoff_hz": "-3 dB overall [Hz]",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fingertip.board.circuit import Circuit, by_reference
-from fingertip.board.readme.notes import before_power, paragraph, rest_and_threshold, signals
+from fingertip.board.readme.notes import before_power, listed, noise_words, paragraph, rest_and_threshold, signals
 from fingertip.board.values.board_values import BoardValues
 from fingertip.board.variants import Variant
 from fingertip.design import Design
@@ -77,28 +77,12 @@ _WHAT = (
     "Variant `{variant}`, {supplied}: bridge and amplifier for the force-sensing resistor; {summary}; the way to the "
     "converter; the supply. {width:g} x {height:g} mm, two layers, all {count} parts in front."
 )
-_NOISE = "With the default values the bridge's amplifier leaves 0.3 mV of noise (rms, typical). "
-_NOISE_PAPER = _NOISE + (
-    "The filters make {open} mV of it. The diode's dead zone hides it, and weak slip with it. `--analysis` gives "
-    "noise, offsets and tolerances of this board, and what a low-pass or a quieter amplifier would do."
-)
-_NOISE_OTHERS = _NOISE + (
-    "The filters would make {open} mV of it; C20, which ends the first stage's gain at 1 kHz, leaves {limited} mV, and "
-    "the envelope rests at {rest} mV, well below the threshold of 17 mV. `--analysis` gives noise, offsets and "
-    "tolerances of this board, and what a quieter amplifier would do."
-)
-_NOISE_MV = {
-    "split": {"open": "20", "limited": "6", "rest": "2.4"},
-    "single": {"open": "18", "limited": "5", "rest": "2.1"},
-}
-"""Of the default values; a test holds them against the analysis, which needs numpy and is not run for each folder."""
 
 
 def folder_readme(circuit: Circuit, variant: Variant, values: BoardValues, design: Design) -> bytes:
     """Markdown, UTF-8."""
     bought = sorted((part for part in circuit.parts if part.rating), key=by_reference)
     single, supply_v = values.supply == "single", design.board.supply_v
-    noise = _NOISE_PAPER if values.variant == "paper" else _NOISE_OTHERS
     what = _WHAT.format(
         variant=values.variant,
         supplied=variant.supply.words,
@@ -127,7 +111,7 @@ def folder_readme(circuit: Circuit, variant: Variant, values: BoardValues, desig
         signals=signals(values, design),
         power=before_power(values, design),
         rest_level=rest_and_threshold(values, design),
-        noise=paragraph(noise.format(**_NOISE_MV[values.supply]), "- ", "  "),
+        noise=listed([noise_words(values, design)]),
         findings="\n".join(
             paragraph(f"{found.subject}: the article says {found.says}. Right: {found.right}.", "- ", "  ")
             for found in values.findings

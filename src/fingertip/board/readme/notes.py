@@ -11,6 +11,7 @@ from fingertip.board.values.decision import PULL_UP_OHM, Decision
 from fingertip.board.values.limits import converter_line
 from fingertip.board.values.rest import Rest
 from fingertip.board.values.ripple import RIPPLE_BAND_HZ
+from fingertip.board.values.white_noise import noise_warning
 from fingertip.design import Design
 from fingertip.design.comparator_parts import COMPARATOR_OFFSET_V, MOST_COMPARATOR_OFFSET_V
 
@@ -38,6 +39,38 @@ _ENDS = (
     "output jumps up: an ordinary press (1.5 N within 0.2 s) does that for about a millisecond, and E jumps with it. "
     "Variants `precision` and `comparator` have amplifiers without that end."
 )
+
+_NOISE = "The bridge's amplifier leaves {tactile:.1f} mV of noise (rms, typical). "
+_NOISE_HIDDEN = _NOISE + (
+    "The filters make {open:.2g} mV of it. The diode's dead zone hides it, and weak slip with it. `--analysis` gives "
+    "noise, offsets and tolerances of this board, and what a low-pass or a quieter amplifier would do."
+)
+_NOISE_LIMITED = _NOISE + (
+    "The filters would make {open:.2g} mV of it; C20, which ends the first stage's gain at {limit:.0f} Hz, leaves "
+    "{filtered:.2g} mV, and the envelope rests at {rest:.1f} mV, {beside}. `--analysis` gives noise, offsets and "
+    "tolerances of this board, and what a quieter amplifier would do."
+)
+_WELL_BELOW = 0.5
+"""Of the threshold."""
+
+
+def noise_words(values: BoardValues, design: Design) -> str:
+    """How much noise there is, and where it lets the envelope rest beside the threshold."""
+    noise, first = values.noise, values.first_stage
+    tactile, open_, filtered = (1e3 * v for v in (noise.tactile_v, noise.open_v, noise.filtered_v))
+    if noise.rest_v is None or first is None:
+        return _NOISE_HIDDEN.format(tactile=tactile, open=open_)
+    words = _NOISE_LIMITED.format(
+        tactile=tactile, open=open_, filtered=filtered, limit=first.limit_hz, rest=1e3 * noise.rest_v,
+        beside=_beside(noise.rest_v, design.detector.threshold_v),
+    )  # fmt: skip
+    warning = noise_warning(noise, design.detector.threshold_v)
+    return f"{words} **Mind: {warning}**" if warning else words
+
+
+def _beside(rest_v: float, threshold_v: float) -> str:
+    where = "above" if rest_v >= threshold_v else "well below" if rest_v < _WELL_BELOW * threshold_v else "below"
+    return f"{where} the threshold of {1e3 * threshold_v:g} mV"
 
 
 def signals(values: BoardValues, design: Design) -> str:

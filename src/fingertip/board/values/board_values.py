@@ -19,6 +19,7 @@ from fingertip.board.values.passband import built_response
 from fingertip.board.values.preferred import preferred_components
 from fingertip.board.values.rest import Rest, rest_of
 from fingertip.board.values.ripple import Ripple, ripple_of
+from fingertip.board.values.white_noise import WhiteNoise, white_noise
 from fingertip.design import Design
 from fingertip.design.filter_components import Components, ideal_components
 from fingertip.design.sections import Board
@@ -59,6 +60,8 @@ class BoardValues:
     """Where the envelope rests for its amplifiers' offsets; None in variant paper, whose diode hides them."""
     ripple: Ripple
     """What ripple on the supply does."""
+    noise: WhiteNoise
+    """What the bridge's amplifier leaves, and where the envelope rests for it."""
     decision: Decision | None
     """Around the comparator; None in variants without."""
     converter: Converter
@@ -124,6 +127,9 @@ def board_values(design: Design) -> BoardValues:
     def passed(f_hz: float) -> complex:
         return network(f_hz, preferred, board.gain_bandwidth_hz, extra)
 
+    def unlimited(f_hz: float) -> complex:
+        return network(f_hz, preferred, board.gain_bandwidth_hz, extra and replace(extra, limit_f=0.0))
+
     decision = None
     if board.variant == "comparator":
         window_s = detector.window_samples / detector.sample_rate_hz
@@ -141,6 +147,7 @@ def board_values(design: Design) -> BoardValues:
         first_stage=extra,
         rest=None if plain else rest_of(AMPLIFIERS[amplifier], preferred.r_lp_ohm),
         ripple=ripple_of(bridge, passed, detector.threshold_v, plain),
+        noise=white_noise(bridge, passed, unlimited, plain),
         decision=decision,
         converter=converter,
         alias=alias_figures(

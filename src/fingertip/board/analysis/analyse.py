@@ -76,10 +76,11 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         tolerance=values.tolerance,
         offset=(*_offsets(system), _bridge_offset(values.bridge, board.supply_v)),
         spread=monte_carlo(
-            values.preferred, values.tolerance.resistor_percent, values.tolerance.capacitor_percent, boards, seed
+            values.preferred, board.gain_bandwidth_hz, values.first_stage,
+            values.tolerance.resistor_percent, values.tolerance.capacitor_percent, boards, seed,
         ),
-        sensitivity=sensitivities(values.preferred),
-    )
+        sensitivity=sensitivities(values.preferred, board.gain_bandwidth_hz, values.first_stage),
+    )  # fmt: skip
 
 
 def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_decade: int = 40) -> str:

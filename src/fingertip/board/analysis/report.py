@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from fingertip.board.analysis.analyse import Analysis
 from fingertip.board.analysis.noise import NETS, Contribution
+from fingertip.board.circuit import engineering
+from fingertip.board.values.built import LARGE_PERCENT
 from fingertip.board.values.converter import AliasFigures
 from fingertip.board.values.decision import decision_lines
 from fingertip.board.values.limits import Limits, converter_line, swing_line
 from fingertip.board.values.rest import rest_line
 from fingertip.board.values.ripple import ripple_line
 from fingertip.board.values.white_noise import BAND_HZ
+from fingertip.design.filter_components import FOOTPRINT_MOST_F
 
 _LABELS = {
     "cutoff_hz": "-3 dB overall [Hz]",
     "section_quality": "Sallen-Key Q",
-    "passband_gain": "passband gain",
+    "passband_gain": "largest gain",
     "first_pole_hz": "first pole [Hz]",
     "section_hz": "Sallen-Key f0 [Hz]",
 }
@@ -37,7 +40,7 @@ def analysis_text(analysis: Analysis) -> str:
     heads = ("nominal", "mean", "deviation", "95 % from", "to", "worst", "worst")
     bought = analysis.tolerance
     resistors, capacitors = f"resistors {bought.resistor_percent:g} %", f"capacitors {bought.capacitor_percent:g} %"
-    lines += ["", f"tolerances: {resistors}, {capacitors}, as the bill of materials asks for"]
+    lines += ["", f"tolerances: {resistors}, {capacitors}{_large(analysis)}, as the bill of materials asks for"]
     lines += [f"{'':20}" + "".join(f"{head:>11}" for head in heads)]
     for name, s in analysis.spread.items():
         cells = (s.nominal, s.mean, s.deviation, s.low_95, s.high_95, s.worst_low, s.worst_high)
@@ -47,6 +50,11 @@ def analysis_text(analysis: Analysis) -> str:
     for name, row in analysis.sensitivity.items():
         lines.append(f"{_LABELS[name]:20}" + "".join(f"{row[part]:8.3f}" for part in parts))
     return "\n".join(lines)
+
+
+def _large(analysis: Analysis) -> str:
+    has = "C14" in analysis.sensitivity["cutoff_hz"]
+    return f" (C14 above {engineering(FOOTPRINT_MOST_F)}: {LARGE_PERCENT:g} %)" if has else ""
 
 
 def _heads() -> str:

@@ -9,6 +9,7 @@ from fingertip.board.circuit import Part, Symbol, engineering
 from fingertip.board.kicad import symbols
 from fingertip.board.values.amplifiers import AMPLIFIERS
 from fingertip.board.values.board_values import Tolerance
+from fingertip.board.values.built import LARGE_PERCENT
 from fingertip.design.filter_components import FOOTPRINT_MOST_F
 
 Wiring = Mapping[Part, Mapping[str, str]]
@@ -18,8 +19,8 @@ FINE = "0.1 %"
 _BRIDGE_RATING = f"{FINE}, 25 ppm/K, 0.1 W"
 _HEADER_RATING = "pin header 2.54 mm, one row; or solder the wires"
 _SUPPLY_RATING = "X7R 25 V 10 %"
-_LARGE_RATING = "X5R or X7R, 6.3 V, 20 %"
-"""Of what stands across no direct voltage and sets no cutoff: nothing finer is made in its size."""
+_LARGE_RATING = f"X5R or X7R, 6.3 V, {LARGE_PERCENT:g} %"
+"""Of what stands across no direct voltage and sets no cutoff."""
 _C0G_F = {symbols.C_1206: 100e-9, symbols.C_0603: 10e-9}
 """Up to these capacitances a size is made as C0G."""
 

@@ -32,6 +32,9 @@ def fit_first_stage(c: Components, band_limit_hz: float) -> FirstStage:
     return FirstStage(series_f, limit_f, pole_hz(c.r5_ohm, limit_f))
 
 
+LARGE_PERCENT = 20.0
+"""Tolerance of a series capacitor above `FOOTPRINT_MOST_F`: nothing finer is made in its size."""
+
 OPEN_LOOP_GAIN = 2e5
 """A0 of the TL082 (typical, its data sheet): 106 dB; the TLV2372's 110 dB change nothing here."""
 

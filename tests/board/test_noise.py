@@ -132,7 +132,9 @@ def test_the_formulas_noise_is_the_circuits(name: str, changes: tuple[str, ...])
     values, product = board_values(design), design.board.gain_bandwidth_hz
     circuit, noise = board_circuit(values), values.noise
     found = {r.change: r for r in remedies(circuit, product, design.board.band_limit_hz, values.variant == "paper")}
-    assert noise.tactile_v == pytest.approx(total_v(circuit, product, "TACTILE"), rel=0.01)
+    # The bridge's resistors are 0.1 % of it. On a single supply the middle's noise is the circuit's alone.
+    near = 0.004 if name.endswith("single") else 0.0005
+    assert noise.tactile_v == pytest.approx(total_v(circuit, product, "TACTILE"), rel=near)
     assert noise.filtered_v == pytest.approx(found["as built"].filtered_v, rel=0.01)
     if values.variant == "paper":
         assert noise.open_v == noise.filtered_v

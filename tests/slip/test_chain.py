@@ -14,7 +14,14 @@ from hypothesis import strategies as st
 
 from fingertip.design import Design
 from fingertip.slip.detectors.chain import ChainOutput, ChainSettings, SlipChain, analog_response, response
-from fingertip.slip.detectors.noise import noise_level, setting_remarks
+from fingertip.slip.detectors.noise import (
+    NoiseLevel,
+    mean_quantised_v,
+    noise_level,
+    quantised_v,
+    remarks,
+    setting_remarks,
+)
 
 SETTINGS = ChainSettings.of(Design())
 FIELDS = ("filtered_v", "envelope_v", "mean_v", "on")
@@ -132,6 +139,29 @@ def test_the_default_threshold_follows_the_rule():
     assert Design().detector.threshold_v == math.ceil(rule * 1000) / 1000
 
 
+def test_thresholds_within_the_noise_are_worth_a_word():
+    level = NoiseLevel(0.010, 0.001)
+    (below,) = remarks(0.009, level)
+    (within,) = remarks(0.0135, level)
+    (far,) = remarks(0.1, level)
+    assert "below the level of the noise alone" in below
+    assert "where the noise alone gets, again and again: its level is 0.01 V, give or take 0.001 V; 0.016" in within
+    assert "finds weaker slip" in far
+    assert list(remarks(0.017, level)) == list(remarks(0.1, level, may_fall=False)) == []
+
+
+def test_noise_smaller_than_a_step_is_hidden_at_most_voltages():
+    rng = np.random.default_rng(0)
+    for noise, step in ((4e-4, 3e-4), (4e-4, 2.4e-3), (1e-4, 3e-3)):
+        at = rng.uniform(-0.5, 0.5, 400)[:, None] * step
+        codes = np.round((at + rng.normal(0, noise, (400, 2000))) / step) * step
+        drawn = float(np.sqrt(np.mean(codes.var(axis=1))))
+        assert mean_quantised_v(noise, step) == pytest.approx(drawn, rel=0.04)
+        assert mean_quantised_v(noise, step) < 1.01 * quantised_v(noise, step)
+    assert mean_quantised_v(0.0, 3e-4) == 0.0
+    assert mean_quantised_v(1e-2, 3e-4) == quantised_v(1e-2, 3e-4)
+
+
 def test_settings_that_cannot_work_well_are_worth_a_word():
     assert list(setting_remarks(Design())) == []
     (low,) = setting_remarks(Design(board={"cutoff_hz": 40.0}))
@@ -140,5 +170,6 @@ def test_settings_that_cannot_work_well_are_worth_a_word():
     assert "steps of 4.88 mV" in coarse
     assert "noise of 0.4 mV" in coarse
     (short,) = setting_remarks(Design(detector={"sample_rate_hz": 10000.0}))
+    assert list(setting_remarks(Design(detector={"sample_rate_hz": 10000.0}), "fast")) == []
     assert "last 6 ms" in short
     assert "300 last 30 ms" in short

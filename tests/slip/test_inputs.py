@@ -291,7 +291,7 @@ def test_paper_simulates_the_board_where_no_envelope_was_recorded(tmp_path):
     # a burst of 10 mV hardly opens a bare diode, and the noise does not at all
     shut = run("detect", tmp_path / "t.csv", "--detector", "paper", "--json")
     assert json.loads(shut.stdout)["noise_threshold_v"] == pytest.approx(20 / 65536, abs=1e-6)
-    assert "times what the noise here asks for" in shut.stderr
+    assert "what the noise here asks for" not in shut.stderr  # offsets and leakage lift a real board's rest
 
 
 def test_paper_takes_a_recorded_envelope(tmp_path):

@@ -9,6 +9,7 @@ from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.slip import Interval, Trace, detect
 from fingertip.slip.intervals import intervals, merged, score
+from fingertip.slip.words import verdict
 
 TIME = np.arange(10) / 10
 
@@ -58,14 +59,11 @@ def test_an_alarm_that_ends_where_slip_begins_does_not_take_it():
     assert score([Interval(1.5, 1.5)], [Interval(1.5, 1.5)], 0.03).delays_s == (0.0,)
 
 
-def test_what_goes_on_in_incipient_slip_has_heard_it():
-    slip = Interval(1.0, 1.5)
-    early, earlier, over = Interval(0.994, 1.2), Interval(0.99, 1.2), Interval(0.994, 0.999)
-    assert score([early], [slip], 0.03).delays_s == (0.0,)
-    assert score([early], [slip], 0.03).false_intervals == ()
-    assert score([earlier], [slip], 0.03).delays_s == (pytest.approx(-0.01),)
-    assert score([over, Interval(1.02, 1.4)], [slip], 0.03).delays_s == (pytest.approx(0.02),)
-    assert score([over], [slip], 0.03).false_intervals == (over,)
+def test_what_goes_on_in_incipient_slip_is_told_from_what_was_on_before():
+    assert verdict(None) == "missed"
+    assert verdict(0.0123) == "found after 12.3 ms"
+    assert verdict(-0.006) == "found 6.0 ms before, in incipient slip"
+    assert verdict(-0.01) == "ON already, 10 ms before"
 
 
 def test_how_many_slips_there_are_is_no_detectors_affair():

@@ -12,7 +12,7 @@ from fingertip.campaign.plan import Case
 from fingertip.campaign.record import samples
 from fingertip.design import Design
 from fingertip.slip import Trace, make
-from fingertip.slip.intervals import Interval, intervals, score
+from fingertip.slip.intervals import INCIPIENT_S, Interval, intervals, score
 
 TOGETHER_S = 0.1
 """Alarms closer together are one: it is one event that a hand would react to once. Assumption."""
@@ -27,7 +27,7 @@ class Verdict:
     force_n: float
     slips: int
     delays_s: tuple[float, ...]
-    """Of the slips that were found. One during which it was ON already is not found, and an alarm."""
+    """Of the slips that were found; 0 in incipient slip. One before which it was ON already is an alarm, not found."""
     on_share: float
     """Of the time from the first finding to the slip's end; 0 if there is none."""
     alarms: tuple[str, ...]
@@ -59,11 +59,13 @@ def judge(
 def _verdict(case: Case, trace: Trace, force_n: float, on: NDArray[np.bool_], memory_s: float) -> Verdict:
     assert trace.slip is not None
     judged = score(intervals(trace.time_s, on), intervals(trace.time_s, trace.slip), memory_s)
-    delays = tuple(d for d in judged.delays_s if d is not None and d >= 0.0)
-    early = [slip for slip, d in zip(judged.slips, judged.delays_s, strict=True) if d is not None and d < 0.0]
+    # What hears incipient slip is not sooner for that: its delay is 0.
+    counted = [0.0 if d is not None and -INCIPIENT_S <= d < 0.0 else d for d in judged.delays_s]
+    delays = tuple(d for d in counted if d is not None and d >= 0.0)
+    early = [d for d in counted if d is not None and d < 0.0]
     share = 0.0
     if delays:
-        slip, delay = next((s, d) for s, d in zip(judged.slips, judged.delays_s, strict=True) if d in delays)
+        slip, delay = next((s, d) for s, d in zip(judged.slips, counted, strict=True) if d in delays)
         since = (trace.time_s >= slip.onset_s + (delay or 0.0)) & (trace.time_s < slip.end_s)
         share = float(np.mean(on[since])) if since.any() else 0.0
     alarms = [_cause(case, alarm, judged.slips) for alarm in _apart(judged.false_intervals)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -80,6 +81,7 @@ def detect(
     if not wanted.in_volts and quiet_s is None and detector != "paper":
         raise TraceError(Fault("--quiet-s", "is missing: the design's thresholds are in volts, this column is not."))
     if str(trace) == "-":
+        _warn(console, noise.setting_remarks(loaded, detector) if wanted.in_volts else ())
         live(console, loaded, detector, wanted, plot, quiet_s)
         return
     parsed = parse(trace, wanted)
@@ -94,6 +96,8 @@ def detect(
             sentence = f"is sampled at {found_hz:g} Hz, which no detector is made for: {why}"
             raise TraceError(Fault(f"{trace}, time_s", sentence)) from None
     read = parsed.checked(loaded.detector)
+    if wanted.in_volts:
+        _warn(console, (*remarks(read, loaded.detector), *noise.setting_remarks(loaded, detector)))
     noise_v, level = None, None
     early = slice(0, 0)
     if quiet_s is not None:
@@ -104,12 +108,9 @@ def detect(
         noise_v = quiet_noise_v(detector, loaded, read.voltage_v[early], trace.name)
     found = slip.detect(read, loaded, detector, noise_v)
     level = level or found.noise
-    if wanted.in_volts:
-        for remark in (*remarks(read, loaded.detector), *noise.setting_remarks(loaded)):
-            console.say(f"warning: {remark}")
     if level:
-        for remark in noise.remarks(found.threshold_v, level):
-            console.say(f"warning: {remark}")
+        may_fall = detector != "paper" or quiet_s is not None
+        _warn(console, noise.remarks(found.threshold_v, level, may_fall))
     if early.stop and (at := disturbed_at(loaded, read.voltage_v[early])) is not None:
         sentence = f"something happens at {read.time_s[at]:.4f} s, within the {quiet_s:g} s of --quiet-s: thresholds"
         console.say(f"warning: {sentence} may be too high; choose a shorter part.")
@@ -120,6 +121,11 @@ def detect(
         console.say(f"drawing {plot}")
         write_file(plot, draw(read, found, trace.name), "--plot")
     console.result(_data(found, level), _text(found))
+
+
+def _warn(console: Console, remarks: Iterable[str]) -> None:
+    for remark in remarks:
+        console.say(f"warning: {remark}")
 
 
 def _at_rate(

@@ -45,7 +45,7 @@ def validate(
     amount = plan.Amount(trials, minutes)
     if not kernel.available():
         console.say("numba is not installed (pip install 'fingertip[fast]'): this takes some twenty times longer")
-    for remark in (*noise.setting_remarks(loaded), *converter_remarks(board_values(loaded).limits)):
+    for remark in (*noise.setting_remarks(loaded, detector), *converter_remarks(board_values(loaded).limits)):
         console.say(f"warning: {remark}")
     found = study.run(loaded, amount, say=console.say)
     console.say("closed loop: four objects, knocked")

@@ -13,8 +13,8 @@ STICK_S = 0.05
 every detector is judged by as many slips."""
 
 INCIPIENT_S = 0.007
-"""A pad creeps faster and faster before its slip is gross: on the article's trials, as simulated, it passes 1 mm/s 5 to
-7 ms before. What goes ON in that time, and stays, has heard this slip: its delay is 0."""
+"""A pad creeps faster and faster before its slip is gross: on the article's trials, as simulated, it passes 1 mm/s 4 to
+7 ms before. What goes ON in that time, and stays, has heard this slip, and was not ON already."""
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class Score:
     slips: tuple[Interval, ...]
     """True slips, those closer together than `STICK_S` taken as one."""
     delays_s: tuple[float | None, ...]
-    """Per slip, from its onset to the first interval that meets it [s], 0 for one in its incipient slip; None: missed.
-    Negative: it was ON already."""
+    """Per slip, from its onset to the first interval that meets it [s]; None: missed. Negative: it was ON before, by
+    less than `INCIPIENT_S` in the slip's own beginning."""
     false_intervals: tuple[Interval, ...]
     """Intervals that meet no slip."""
 
@@ -85,7 +85,6 @@ def score(detected: Sequence[Interval], truth: Sequence[Interval], memory_s: flo
     delays = []
     for slip in slips:
         met = next((interval for interval in detected if slip.overlaps(interval)), None)
-        delay = None if met is None else met.onset_s - slip.onset_s
-        delays.append(0.0 if delay is not None and -INCIPIENT_S <= delay < 0.0 else delay)
+        delays.append(None if met is None else met.onset_s - slip.onset_s)
     false = tuple(d for d in detected if not any(slip.overlaps(d, memory_s) for slip in slips))
     return Score(slips, tuple(delays), false)

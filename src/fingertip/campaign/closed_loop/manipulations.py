@@ -18,6 +18,7 @@ from fingertip.campaign.record import reads_board
 from fingertip.design import Design
 from fingertip.sim import Manipulated, ManipulationFile, manipulations, run_manipulation
 from fingertip.sim.jit import compiled
+from fingertip.slip.intervals import INCIPIENT_S
 
 FIRST_SEED = HELD_OUT_FROM + 1_000_000
 """Of the first manipulation: none of these was ever tuned on."""
@@ -97,7 +98,7 @@ def judged(detector: str, seen: Manipulated, looks: Sequence[Look]) -> Handled:
         reaction_s = float(time_s[first + moved[0]]) - onset_s if moved.size else None
 
     def truly(at_s: float) -> bool:
-        recent = (time_s > at_s - SLIPPED_S) & (time_s <= at_s)
+        recent = (time_s > at_s - SLIPPED_S) & (time_s <= at_s + INCIPIENT_S)
         return bool(slip[recent].any())
 
     grips = [look.time_s for look in looks if look.gripped]

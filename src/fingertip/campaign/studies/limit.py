@@ -24,9 +24,13 @@ from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.jit import compiled
 from fingertip.slip.detectors.fast import Fast, FastSettings
-from fingertip.slip.detectors.noise import input_noise_v
+from fingertip.slip.detectors.noise import mean_quantised_v
 
 ALARMS_PER_MINUTE = 0.1
+_LEAST_V = 1e-12
+"""Stands for no noise at all."""
+_AHEAD_S = 0.02
+"""Before slip is gross, what a creeping pad tells counts too: the robot has moved for some 13 ms by then."""
 _SMOOTH_S = 0.002
 """Over which the power of the moment is averaged, half of it ahead: the bound may know the slip."""
 
@@ -45,14 +49,16 @@ def limits_s(
 ) -> list[float]:
     """The bound on the average delay of each slip of a campaign [s], each scene altered first; infinite where it never
     knows enough."""
-    settings = FastSettings.of(design, input_noise_v(design))
+    detector = design.detector
+    seen_in_v = mean_quantised_v(detector.noise_v, 2 * detector.adc_range_v / 2**detector.adc_bits)
+    settings = FastSettings.of(design, max(seen_in_v, _LEAST_V))
     rate, width = settings.sample_rate_hz, settings.high_hz - settings.low_hz
     wanted = math.log(2 * width * 60 / ALARMS_PER_MINUTE)
     noise = Fast(settings).noise_energy_v2
     fine = design.model_dump()
     fine["detector"]["adc_bits"] = 24
     silent = Design(**fine)
-    smooth = max(1, round(_SMOOTH_S * rate))
+    smooth, ahead = max(1, round(_SMOOTH_S * rate)), round(_AHEAD_S * rate)
     found = []
     with compiled():
         for case in cases(amount, first_seed):
@@ -65,9 +71,10 @@ def limits_s(
             assert trace.slip is not None
             moving = np.flatnonzero(trace.slip)
             shown = Fast(settings).process(trace.voltage_v).filtered_v
-            power = np.convolve(shown * shown, np.full(smooth, 1 / smooth), "same")[moving[0] : moving[-1] + 1]
+            begin = max(0, moving[0] - ahead)
+            power = np.convolve(shown * shown, np.full(smooth, 1 / smooth), "same")[begin : moving[-1] + 1]
             r = 1 + power / noise
             told = np.cumsum(width * (r - 1 - np.log(r))) / rate
             known = np.flatnonzero(told >= wanted)
-            found.append(float(known[0] + 1) / rate if known.size else math.inf)
+            found.append(max(0.0, float(begin + known[0] + 1 - moving[0]) / rate) if known.size else math.inf)
     return found

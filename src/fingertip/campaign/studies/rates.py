@@ -16,6 +16,7 @@ from fingertip.campaign.record import record
 from fingertip.campaign.studies.limit import limits_s, quantile_s
 from fingertip.campaign.study import Total
 from fingertip.design import Design
+from fingertip.errors import DesignError
 from fingertip.sim.jit import compiled
 from fingertip.slip.traces.rate import at_rate
 
@@ -45,10 +46,14 @@ def rates(
     first_seed: int = HELD_OUT_FROM,
     rates_hz: Sequence[float] = RATES_HZ,
 ) -> list[Rate]:
-    """The same trials and quiet scenes at each rate, and at the design's own if it is another."""
+    """The same trials and quiet scenes at each rate, and at the design's own if it is another; rates that the design
+    cannot have are left out."""
     amount, found = Amount(trials, quiet_minutes), []
     for rate in sorted({*rates_hz, design.detector.sample_rate_hz}):
-        sampled = at_rate(design, rate)
+        try:
+            sampled = at_rate(design, rate)
+        except DesignError:
+            continue
         verdicts: list[Verdict] = []
         with compiled():
             for case in cases(amount, first_seed):

@@ -38,19 +38,26 @@ from fingertip.slip.detectors.fast_loop import (
 from fingertip.slip.detectors.noise import input_noise_v
 from fingertip.slip.detectors.stream import Array, Output, as_samples
 
-STEEPEST_V_S = 12.0
-"""Of the tuning slips, with starts of 0.5 to 10 m/s2, one in a hundred was steeper than this before it was found, all
-the larger finger's with 5 m/s2 or more. A knock of 1 N that rises in 2 to 10 ms is beyond it before its energy has
-reached a bar; of those of 0.5 N a third is not, and looks like slip in the only force there is. After a hard knock the
-detector is deaf for 60 ms, and so it is to slip that is as strong as that from the first."""
+STEEPEST_V_S = 10.0
+"""From `STEEPEST_FROM_HZ` on; in proportion to the rate below, where the poles ahead of the converter round knocks off.
+
+Of the tuning slips, with starts of 1 to 10 m/s2, one in seventy was steeper than this before it was found, all the
+larger finger's with 5 m/s2 or more. Knocks of 1 N and more that rise in 2 to 10 ms are beyond it before their energy
+has reached a bar, but for one in fifty of the slowest; of those of 0.5 N the slow ones are not, and look like slip in
+the only force there is. After a hard knock the detector is deaf for 60 ms, and so it is to slip that is as strong as
+that from the first."""
+STEEPEST_FROM_HZ = 2000.0
 CHOSEN_AT_HZ = 67.0
 """Cutoff at which the slope bars were chosen."""
 LEAKS_BELOW, LEAKS_ABOVE = 2.2, 0.6
 """A smooth change of force leaves in both bands what falls with these powers of the cutoff, below and above that one
 (fitted to the noiseless quiet tuning scenes from 30 to 150 Hz)."""
+LEAST_NOISE_V_RTHZ = 4e-6
+"""Noise in which the slope bars were chosen [V/sqrt(Hz)]: 0.4 mV at 20 kHz. In less, the first moments of a change of
+force would show before its slope does; so the bars stay at this."""
 SETTLING_PERIODS = 1.5
 """Of the wide band's lowest frequency. It starts settled on the first sample, whose noise is a step to it: OFF until
-less than a hundredth of that is left."""
+nearly all of that has died away."""
 LOWEST = 0.6
 """The wide band begins at this share of the board's cutoff."""
 HIGHEST = 0.4
@@ -107,8 +114,8 @@ class FastSettings:
         found = replace(found, slope_bar_s=found.slope_bar_s * leaks, upper_slope_bar_s=found.upper_slope_bar_s * leaks)
         if noise_v is not None:  # of a signal that may be no voltage: what is too steep for slip is not known
             return replace(found, noise_v=noise_v)
-        noise = input_noise_v(design)
-        return replace(found, noise_v=noise, steepest_v_s=STEEPEST_V_S)
+        noise = max(input_noise_v(design), LEAST_NOISE_V_RTHZ * math.sqrt(rate / 2))
+        return replace(found, noise_v=noise, steepest_v_s=STEEPEST_V_S * min(1.0, rate / STEEPEST_FROM_HZ))
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,9 +133,10 @@ class Fast:
         rate, filters = s.sample_rate_hz, Filters.of(s.sample_rate_hz, s.low_hz, s.upper_hz, s.high_hz)
         self._noise = noise = noise_of(filters, rate, s.low_hz, s.high_hz, s.energy_s, s.slope_s)
         wide, upper = noise.wide, noise.upper
-        energy_share, floor_share = (1 - math.exp(-1 / (rate * t)) for t in (s.energy_s, s.floor_s))
-        # Poles that lag by their time at every rate.
-        slope_share, quick_share = (1 / (1 + rate * t) for t in (s.slope_s, s.quick_s))
+        # Poles that lag by their time at every rate, so that level and slope keep their places.
+        energy_share, slope_share, quick_share, floor_share = (
+            1 / (1 + rate * t) for t in (s.energy_s, s.slope_s, s.quick_s, s.floor_s)
+        )
         keep = math.exp(-1 / (rate * s.slope_hold_s))
         self._ratio = s.scale**2 * wide.bar / wide.energy
         upper_ratio = s.scale**2 * upper.bar / upper.energy

@@ -106,14 +106,13 @@ def noise_of(filters: Filters, rate: float, low_hz: float, high_hz: float, energ
 
 
 def _band(h: Array, rate: float, energy_s: float, every: int) -> BandNoise:
-    count = len(h)
-    full = np.correlate(h, h, "full")[count - 1 :]
     steps = np.arange(0, math.ceil(6 * energy_s * rate), every)
-    weight = np.exp(-steps / (energy_s * rate))
+    alike = np.array([float(h[: len(h) - lag] @ h[lag:]) if lag < len(h) else 0.0 for lag in steps.tolist()])
+    weight = (1 - 1 / (1 + rate * energy_s)) ** steps
     weight /= weight.sum()
     root = np.sqrt(weight)
-    lags = np.abs(steps[:, None] - steps[None, :])
-    spread = np.where(lags < count, full[np.minimum(lags, count - 1)], 0.0) * root[:, None] * root[None, :]
+    apart = np.arange(len(steps))
+    spread = alike[np.abs(apart[:, None] - apart[None, :])] * root[:, None] * root[None, :]
     weights = np.linalg.eigvalsh(spread)
     mean = float(weights.sum())
     # A stay above the bar ends when the energy, which decays with energy_s, has lost its excess: about the share

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +40,10 @@ class NoiseLevel:
         return float(f"{math.ceil(rule / digit) * digit:.9g}")
 
 
+_PARTS = 32
+"""Of a step, over which voltages are averaged."""
+
+
 def input_noise_v(design: Design) -> float:
     """Noise of the sampled voltage, rms [V]: ``detector.noise_v`` in the converter's steps."""
     detector = design.detector
@@ -60,6 +65,27 @@ def quantised_v(noise_v: float, step_v: float) -> float:
     ]
     squares = (2 * ((k + 0.5) * step_v) ** 2 * (below[k + 1] - below[k]) for k in range(len(below) - 1))
     return math.sqrt(math.fsum(squares))
+
+
+def mean_quantised_v(noise_v: float, step_v: float) -> float:
+    """What Gaussian noise shows once it is in steps, rms about its mean [V], over all voltages alike.
+
+    Where `quantised_v` is what a threshold must stand clear of at the worst voltage, this is what a signal is seen in:
+    noise much smaller than a step shows nothing at most voltages.
+    """
+    if noise_v > 4 * step_v:
+        return math.hypot(noise_v, step_v / math.sqrt(12))
+    if noise_v <= 0.0:
+        return 0.0
+    squares = []
+    for part in range(_PARTS):
+        at = (part + 0.5) / _PARTS * step_v
+        reach = math.ceil(8 * noise_v / step_v) + 1
+        edges = [((k - 0.5) * step_v - at) / noise_v / math.sqrt(2) for k in range(-reach, reach + 2)]
+        shares = [(k, 0.5 * (math.erf(b) - math.erf(a))) for k, (a, b) in enumerate(pairwise(edges), -reach)]
+        mean = math.fsum(k * p for k, p in shares)
+        squares.append(math.fsum((k - mean) ** 2 * p for k, p in shares))
+    return step_v * math.sqrt(math.fsum(squares) / _PARTS)
 
 
 def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
@@ -104,16 +130,26 @@ def quiet_level(envelope_v: NDArray[np.float64], design: Design, name: str) -> N
 
 FAR = 3.0
 """A threshold so many times above the rule's is worth a word."""
+CLEAR = 4.0
+"""Deviations above the level of the noise below which it crosses a threshold within minutes."""
 
 
-def remarks(threshold_v: float, level: NoiseLevel) -> Iterator[str]:
-    """Where a threshold stands in, or far above, the noise."""
+def remarks(threshold_v: float, level: NoiseLevel, may_fall: bool = True) -> Iterator[str]:
+    """Where a threshold stands in, or far above, the noise.
+
+    It `may_fall` where noise is all that lifts the level: a board's output rests where offsets and leakage have it.
+    """
     if threshold_v < level.mean_v:
         yield (
             f"detector.threshold_v of {threshold_v:g} V is below the level of the noise alone ({level.mean_v:.3g} V); "
             f"{level.threshold_v:.3g} V stands clear of it."
         )
-    elif threshold_v > FAR * level.threshold_v:
+    elif threshold_v < level.mean_v + CLEAR * level.deviation_v:
+        yield (
+            f"detector.threshold_v of {threshold_v:g} V is where the noise alone gets, again and again: its level is "
+            f"{level.mean_v:.3g} V, give or take {level.deviation_v:.2g} V; {level.threshold_v:.3g} V stands clear."
+        )
+    elif may_fall and threshold_v > FAR * level.threshold_v:
         yield (
             f"detector.threshold_v of {threshold_v:g} V is {threshold_v / level.rounded_v:.0f} times what the noise "
             f"here asks for: --set detector.threshold_v={level.rounded_v:g} finds weaker slip."
@@ -129,8 +165,12 @@ _COARSE = 2.0
 """Steps so many times the noise hide it."""
 
 
-def setting_remarks(design: Design) -> Iterator[str]:
-    """What a design's filter, converter and window cannot do well, though nothing forbids them."""
+WINDOWED = ("digital", "paper")
+"""Detectors with the design's window."""
+
+
+def setting_remarks(design: Design, detector: str = WINDOWED[0]) -> Iterator[str]:
+    """What a design's filter, converter and window cannot do well with a detector, though nothing forbids them."""
     d, cutoff = design.detector, design.board.cutoff_hz
     if cutoff < LEAST_CUTOFF_HZ:
         yield (
@@ -145,7 +185,7 @@ def setting_remarks(design: Design) -> Iterator[str]:
             "single steps look like slip. Take more bits, or a smaller detector.adc_range_v."
         )
     lasts = d.window_samples / d.sample_rate_hz
-    if lasts < SHORTEST_S:
+    if detector in WINDOWED and lasts < SHORTEST_S:
         yield (
             f"detector.window_samples of {d.window_samples} at {d.sample_rate_hz:g} Hz last {1000 * lasts:.3g} ms; "
             f"below {1000 * SHORTEST_S:g} ms contacts are taken for slip. {round(0.03 * d.sample_rate_hz)} last 30 ms."

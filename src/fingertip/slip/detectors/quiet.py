@@ -18,7 +18,7 @@ from fingertip.slip.detectors.stream import Array
 _LOUD = 6.0
 """Times the median; noise alone reaches half of it."""
 LEAST_S = 0.3
-"""Shorter stretches do not show what a band of 33 Hz is like: the deviation would not be known to a tenth."""
+"""Shorter stretches do not show what a band of 40 Hz is like: the deviation would not be known to a tenth."""
 
 
 def quiet_noise_v(detector: str, design: Design, quiet_v: Array, name: str) -> float:

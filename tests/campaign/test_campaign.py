@@ -170,6 +170,8 @@ def test_nobody_knows_sooner_than_the_limit_and_quiet_noise_lowers_it():
     assert np.median(delays) < 2 * np.median(limits)
     quieter = limits_s(Design(detector={"noise_v": 1e-4, "adc_bits": 20}), amount)
     assert np.median(quieter) < np.median(limits)
+    # Without noise the creeping pad tells all before its slip is gross; the bound is never below nothing.
+    assert set(limits_s(Design(detector={"noise_v": 1e-7, "adc_bits": 24}), Amount(4, 0.5))) == {0.0}
 
 
 def test_sensitivity_moves_what_it_says():

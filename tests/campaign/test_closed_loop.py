@@ -17,6 +17,7 @@ from fingertip.campaign.closed_loop.manipulations import (
     closed_loop,
     judged,
     planned,
+    slipping_at_all,
     totals,
 )
 from fingertip.campaign.plan import TUNING_SEEDS, Amount, cases
@@ -142,6 +143,14 @@ def test_grips_without_slip_are_false_and_claims_at_contact_discarded(handled):
     assert (one.grips, one.false_grips) == (2, 1)
     assert one.discarded == 1
     assert judged("fast", seen, looks[2:]).ignored == 1
+
+
+def test_a_grip_in_incipient_slip_is_not_false_and_one_before_it_is(handled):
+    seen = next(one.seen for one in handled if one.detector == NONE)
+    onset = judged("fast", seen, ()).onset_s
+    assert not slipping_at_all(seen)[(seen.time_s > onset - 0.15) & (seen.time_s < onset)].any()
+    for early_s, false in ((0.005, 0), (0.01, 1)):
+        assert judged("fast", seen, [Look(onset - early_s, True, False, True)]).false_grips == false
 
 
 def test_an_object_that_left_the_fingers_is_not_held(handled):

@@ -17,7 +17,8 @@ GROUNDS = {
     ),
     "comparison.png": (
         "Alarms come from scenes of contact, release, load change and drift whose mix is ours; another mix gives "
-        "another rate. The bound knows the spectrum and strength of each slip beforehand."
+        "another rate. The bound knows the spectrum and strength of each slip beforehand, and takes the shear ahead "
+        "of gross slip for news, though a change of grip looks like it: the quieter the samples, the less it says."
     ),
     "spectra.png": (
         "Figure 2. The pad's resonance is put where the article's spectra end: 90 Hz embedded, 230 Hz bare. So this "

@@ -44,7 +44,7 @@ OCC = {
 """Linear [mm] and angular [rad] tolerance: one of them steers, or both."""
 GMSH_PER_TURN = (12, 24, 48, 96, 192, 384)
 ENOUGH_S = 8.0  # a way is not refined further once a mesh of it takes longer than this
-MOST_POINTS = 300_000  # of the facets, measured against the surface
+MAX_POINTS = 300_000  # of the facets, measured against the surface
 OURS = "our grid"
 MARKS = {"deviation_mm": (0.1, 0.05, 0.03, 0.01, 0.003, 0.001), "volume_error": (5e-3, 2e-3, 1e-3, 5e-4, 1e-4)}
 OMITTED = (
@@ -99,11 +99,11 @@ def timed(make: Callable[[], object]) -> float:
 def judged(body: ConicBody, way: str, setting: str, mesh: Mesh, cpu_s: float) -> Row:
     """A mesh with its errors; on big meshes fewer points of each facet, then fewer facets, are measured."""
     corners = mesh.vertices[mesh.triangles]
-    k = 4 if 15 * len(corners) <= MOST_POINTS else 2
+    k = 4 if 15 * len(corners) <= MAX_POINTS else 2
     weights = np.array([(i, j, k - i - j) for i in range(k + 1) for j in range(k + 1 - i)], dtype=float) / k
-    most = MOST_POINTS // len(weights)
-    if len(corners) > most:
-        corners = corners[np.random.default_rng(0).choice(len(corners), most, replace=False)]
+    maximum = MAX_POINTS // len(weights)
+    if len(corners) > maximum:
+        corners = corners[np.random.default_rng(0).choice(len(corners), maximum, replace=False)]
     points = np.einsum("kc,fcx->fkx", weights, corners).reshape(-1, 3)
     deviation = float(np.concatenate([distance(body, part) for part in np.array_split(points, 8)]).max())
     error = abs(mesh.volume() / exact_volume(body) - 1)

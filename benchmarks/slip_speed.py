@@ -3,7 +3,7 @@
     python benchmarks/slip_speed.py [--samples 2000000] [--chunk 100000] [--stream 1000000000]
 
 scipy.signal.sosfilt does the third-order high-pass only; `digital`, the article's whole chain in software, does that,
-rectification, envelope, window and threshold; `fast` eight filters and two moving bars; `paper` window and threshold,
+rectification, envelope, window and threshold; `fast` eight filters and two moving bars; `analog` window and threshold,
 the rest being the board's. All take the same samples in the same chunks; the best of several rounds counts, with the
 contenders taking turns, so that a busy machine is as busy for each.
 """
@@ -58,7 +58,7 @@ def measure(samples: int, chunk: int) -> dict[str, object]:
 
     import numba  # noqa: F401  (streams as long as these fetch it by themselves; here it is there from the start)
 
-    rivals = {"sosfilt": by_scipy, "digital": by("digital"), "fast": by("fast"), "paper": by("paper")}
+    rivals = {"sosfilt": by_scipy, "digital": by("digital"), "fast": by("fast"), "analog": by("analog")}
     best = dict.fromkeys(rivals, float("inf"))
     for run in rivals.values():
         run()  # loads or compiles
@@ -69,9 +69,9 @@ def measure(samples: int, chunk: int) -> dict[str, object]:
     return {
         "ns_per_sample": {name: round(ns, 2) for name, ns in per_sample.items()},
         "times_sosfilt": {name: round(ns / per_sample["sosfilt"], 2) for name, ns in per_sample.items()},
-        "step_us": {name: round(step_us(name, volts[:100_000]), 3) for name in ("digital", "fast", "paper", "fft")},
+        "step_us": {name: round(step_us(name, volts[:100_000]), 3) for name in ("digital", "fast", "analog", "fft")},
         "plain_python_ns": {
-            name: round(plain_ns(name, volts[:100_000]), 1) for name in ("digital", "fast", "paper", "fft")
+            name: round(plain_ns(name, volts[:100_000]), 1) for name in ("digital", "fast", "analog", "fft")
         },
     }
 

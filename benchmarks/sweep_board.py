@@ -92,12 +92,12 @@ def peak_mb(points: int, jobs: int, folder: Path) -> tuple[float, float]:
     file.write_text(FILE.format(points=points))
     command = [sys.executable, "-m", "fingertip", "sweep", str(file), "--out", str(out), "--jobs", str(jobs), "-q"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, start_new_session=True)
-    most = 0.0
+    maximum = 0.0
     while process.poll() is None:
-        most = max(most, _resident_mb(process.pid))
+        maximum = max(maximum, _resident_mb(process.pid))
         time.sleep(0.2)
     assert process.returncode == 0
-    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024, most
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024, maximum
 
 
 def _resident_mb(group: int) -> float:

@@ -7,27 +7,27 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Fault:
+class Issue:
     """One thing that is wrong with what the user gave.
 
     `field` is where (`skin.width_mm`, a file, a CSV column); `sentence` says it whole: value, bound and remedy.
     """
 
     field: str
-    sentence: str
+    message: str
 
     def __str__(self) -> str:
-        return f"{self.field}: {self.sentence}" if self.field else self.sentence
+        return f"{self.field}: {self.message}" if self.field else self.message
 
 
 class FingertipError(Exception):
-    """Base of every error raised on purpose. Carries all faults found, never only the first."""
+    """Base of every error raised on purpose. Carries all issues found, never only the first."""
 
-    def __init__(self, faults: Fault | str | Iterable[Fault]) -> None:
-        if isinstance(faults, str):
-            faults = Fault("", faults)
-        self.faults: tuple[Fault, ...] = (faults,) if isinstance(faults, Fault) else tuple(faults)
-        super().__init__("\n".join(str(fault) for fault in self.faults))
+    def __init__(self, issues: Issue | str | Iterable[Issue]) -> None:
+        if isinstance(issues, str):
+            issues = Issue("", issues)
+        self.issues: tuple[Issue, ...] = (issues,) if isinstance(issues, Issue) else tuple(issues)
+        super().__init__("\n".join(str(issue) for issue in self.issues))
 
 
 class DesignError(FingertipError):

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import BinaryIO
 
-from fingertip.errors import Fault, OutputError
+from fingertip.errors import Issue, OutputError
 
 
 def write_whole(folder: Path, contents: Mapping[str, bytes], outdated: Iterable[str] = ()) -> None:
@@ -41,7 +41,7 @@ def write_file(path: Path, data: bytes, option: str = "--out") -> None:
         If it cannot be written; what was there has not changed then.
     """
     if path.is_dir():
-        raise OutputError(Fault(str(path), f"is a folder; give {option} the name of a file."))
+        raise OutputError(Issue(str(path), f"is a folder; give {option} the name of a file."))
     _write(path.parent, {path.name: data}, str(path), f"choose another file with {option}")
 
 
@@ -57,7 +57,7 @@ def open_whole(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
         If it cannot be written.
     """
     if path.is_dir():
-        raise OutputError(Fault(str(path), f"is a folder; give {option} the name of a file."))
+        raise OutputError(Issue(str(path), f"is a folder; give {option} the name of a file."))
     with _aside(path.parent, str(path), f"choose another file with {option}") as aside:
         with (aside / path.name).open("wb") as file:
             yield file
@@ -91,7 +91,7 @@ def _aside(folder: Path, field: str, remedy: str) -> Iterator[Path]:
         if not isinstance(error, OSError):
             raise
         reason = error.strerror or str(error)
-        raise OutputError(Fault(field, f"cannot be written ({reason}); {remedy}.")) from error
+        raise OutputError(Issue(field, f"cannot be written ({reason}); {remedy}.")) from error
 
 
 def _missing_folders(folder: Path) -> list[Path]:

@@ -21,8 +21,8 @@ from fingertip.casting import markdown, sheet, volumes
 from fingertip.casting.materials import silicone
 from fingertip.design import Design
 from fingertip.design.document import to_toml
-from fingertip.design.faults import nearest
-from fingertip.errors import DesignError, Fault
+from fingertip.design.issues import nearest
+from fingertip.errors import DesignError, Issue
 from fingertip.files import write_whole
 
 FORMATS = ("stl", "3mf", "step")
@@ -96,7 +96,7 @@ def build(
     formats: Iterable[str] = FORMATS,
     tolerance_mm: float = 0.01,
     material: str = "addition_40a",
-    say: Callable[[str], None] = lambda message: None,
+    progress: Callable[[str], None] = lambda message: None,
 ) -> Build:
     """Build parts, check them, and write them with `design.toml`, `casting.md` and `report.json`.
 
@@ -118,7 +118,7 @@ def build(
         Most a facet strays from the exact surface [mm], 0.0005 to 1.
     material
         Silicone of the casting sheet, a name from `casting.MATERIALS`. There is a sheet if all parts are built.
-    say
+    progress
         Called with a sentence at each step.
 
     Raises
@@ -131,7 +131,7 @@ def build(
         If a kernel refuses a solid; if the folder cannot be written. Nothing has been written then.
     """
     if out is not None and not str(out).strip():
-        raise DesignError(Fault("--out", "is empty; give a folder, such as . for this one, or leave it out."))
+        raise DesignError(Issue("--out", "is empty; give a folder, such as . for this one, or leave it out."))
     folder = Path("out") / design.name if out is None else Path(out)
     known = tuple(parts_of(design))
     chosen = _ordered("--parts", known if parts is None else parts, known)
@@ -142,16 +142,16 @@ def build(
     with contextlib.ExitStack() as stack:
         request = None
         if "step" in kinds:
-            say("starting the B-rep kernel beside the mesh kernel")
+            progress("starting the B-rep kernel beside the mesh kernel")
             parts_to_make = tuple((n, PARTS[n].describe(design), PARTS[n].colour) for n in chosen)
             job = StepJob(design.name, parts_to_make, exact.hollows(design, chosen))
             request = stack.enter_context(StepRequest(job))
-        verified = verify(design, chosen, kinds, evaluator, say)
+        verified = verify(design, chosen, kinds, evaluator, progress)
         meshes, found = verified.meshes, list(verified.checks)
         casting = sheet.figures(design, volumes.measure(design, evaluator), card) if chosen == [*known] else None
         step = StepFiles({}, {}, {})
         if request:
-            say("waiting for the B-rep kernel")
+            progress("waiting for the B-rep kernel")
             step = request.result()
             for name, measured in step.exact.items():
                 scale = print_scale(design, PARTS[name])
@@ -171,9 +171,9 @@ def build(
     contents[REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
     contents[DESIGN] = to_toml(design, heading).encode()  # the last: until it stands there, the folder is the old one's
     write_whole(folder, contents, removed)
-    say(f"{len(contents)} files in {folder}")
+    progress(f"{len(contents)} files in {folder}")
     if removed:
-        say(f"removed from {folder}, being of another design: {', '.join(removed)}")
+        progress(f"removed from {folder}, being of another design: {', '.join(removed)}")
     return result
 
 
@@ -190,12 +190,12 @@ def _of_another(folder: Path, design: Design) -> list[str]:
 def _ordered(option: str, asked: Iterable[str], known: tuple[str, ...]) -> list[str]:
     """What was asked for, in the fixed order and without repeats, so that the order of asking changes nothing."""
     if isinstance(asked, str):
-        raise DesignError(Fault(option, f"{asked!r} is one text; give a list, such as {asked.split(',')!r}."))
+        raise DesignError(Issue(option, f"{asked!r} is one text; give a list, such as {asked.split(',')!r}."))
     wanted = set(asked)
     if unknown := sorted(wanted - set(known)):
-        raise DesignError([Fault(option, _unknown(word, known)) for word in unknown])
+        raise DesignError([Issue(option, _unknown(word, known)) for word in unknown])
     if not wanted:
-        raise DesignError(Fault(option, f"nothing was asked for; choose from {', '.join(known)}."))
+        raise DesignError(Issue(option, f"nothing was asked for; choose from {', '.join(known)}."))
     return [name for name in known if name in wanted]
 
 

@@ -16,7 +16,7 @@ import wx.html
 
 STEP_MS = 200
 MESSAGE_BOX_MS = 5000
-STEPS_AT_MOST = 200
+MAX_STEPS = 200
 
 
 def _menu_item(menu, label):
@@ -82,7 +82,7 @@ class _Import:
             self._do()
         except Exception:
             _finish({"failed": traceback.format_exc()})
-        if self.steps > STEPS_AT_MOST:
+        if self.steps > MAX_STEPS:
             _finish({"failed": "the editor's window or its dialog did not appear"})
 
     def _do(self):

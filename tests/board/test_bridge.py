@@ -10,11 +10,11 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.values.bridge import (
     ARTICLE_POINTS,
     INTERLINK_CURVE,
-    MOST_FORCE_N,
+    MAX_FORCE_N,
     NEWTON_PER_GRAM,
     article_error_v,
     fit_bridge,
-    most_current_a,
+    max_current_a,
     sensor_conductance_s,
 )  # fmt: skip
 from fingertip.board.values.preferred import decade
@@ -40,7 +40,7 @@ def test_the_articles_voltages(supply_v: float, series: str, diameter_mm: float,
         assert bridge.tactile_v(sensor_conductance_s(force), supply_v) == pytest.approx(volt, abs=0.06)
     # The amplifier's output reaches 0.5 V below the rail (AD623, 10 kohm load).
     assert bridge.tactile_v(0.0, supply_v) < supply_v - 0.5
-    assert bridge.tactile_v(sensor_conductance_s(MOST_FORCE_N), supply_v) > 0
+    assert bridge.tactile_v(sensor_conductance_s(MAX_FORCE_N), supply_v) > 0
 
 
 @pytest.mark.parametrize(("supply_v", "series", "diameter_mm", "zero"), CASES)
@@ -49,7 +49,7 @@ def test_the_sensors_current_stays_within_its_limit(
 ) -> None:
     bridge = fit_bridge(supply_v, series, diameter_mm, zero)
     currents = [bridge.sensor_current_a(sensor_conductance_s(f / 10), supply_v) for f in range(201)]
-    assert 0.7 * most_current_a(min(diameter_mm, 5.08)) < max(currents) <= most_current_a(diameter_mm)
+    assert 0.7 * max_current_a(min(diameter_mm, 5.08)) < max(currents) <= max_current_a(diameter_mm)
 
 
 def test_default_values_come_close() -> None:

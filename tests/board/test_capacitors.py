@@ -13,7 +13,7 @@ from fingertip.board import board_values
 from fingertip.board.values.capacitors import choose_capacitor, filter_error, fitted
 from fingertip.board.values.preferred import decade, within
 from fingertip.design import Design
-from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, Components
+from fingertip.design.filter_components import MAX_OHM, MIN_OHM, Components
 from fingertip.design.sections import Board
 from fingertip.errors import DesignError
 
@@ -53,8 +53,8 @@ def test_chosen_boards_are_in_range_and_their_capacitors_of_the_series(
         assert 1e-4 <= microfarad <= 10
         assert int(f"{microfarad:e}".replace(".", "")[:2]) in decade(capacitors)
     ohm = 1 / (math.tau * cutoff * found.capacitor_uf / 1e6)
-    assert ohm / 2 >= LEAST_OHM
-    assert 2 * ohm <= MOST_OHM
+    assert ohm / 2 >= MIN_OHM
+    assert 2 * ohm <= MAX_OHM
     assert 1.9e3 < ohm < 21e3 or found.capacitor_uf in (10, 1e-4)
 
 
@@ -81,14 +81,14 @@ def test_capacitors_as_given_are_not_read_where_the_board_chooses() -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "least"), [("board.cutoff_hz=0.003", "0.003184 Hz"), ("board.envelope_cutoff_hz=0.001", "0.001592 Hz")]
+    ("change", "minimum"), [("board.cutoff_hz=0.003", "0.003184 Hz"), ("board.envelope_cutoff_hz=0.001", "0.001592 Hz")]
 )
-def test_cutoffs_without_a_capacitor_are_refused(change: str, least: str) -> None:
+def test_cutoffs_without_a_capacitor_are_refused(change: str, minimum: str) -> None:
     with pytest.raises(DesignError) as caught:
         Design.load(changes=["board.capacitor_series=E6", change])
-    assert [fault.field for fault in caught.value.faults] == [change.split("=")[0]]
-    assert f"at least {least}, or board.capacitor_series=given" in str(caught.value)
-    passing = f"{change.split('=')[0]}={least.split()[0]}"
+    assert [issue.field for issue in caught.value.issues] == [change.split("=")[0]]
+    assert f"at least {minimum}, or board.capacitor_series=given" in str(caught.value)
+    passing = f"{change.split('=')[0]}={minimum.split()[0]}"
     assert board_values(Design.load(changes=["board.capacitor_series=E6", passing]))
 
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.circuit import Circuit, Net, Part, connected, engineering, faults
+from fingertip.board.circuit import Circuit, Net, Part, connected, engineering, issues
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.kicad import symbols
 from fingertip.board.supplies import SUPPLIES
@@ -24,7 +24,7 @@ CIRCUIT = board_circuit(board_values(Design()))
 
 
 def test_the_articles_circuit() -> None:
-    assert not list(faults(CIRCUIT))
+    assert not list(issues(CIRCUIT))
     values = {part.reference: part.value for part in CIRCUIT.parts if part.reference[0] in "RC"}
     article = {
         "R1": "2.4k", "R2": "1.2k", "R3": "4.7k", "R4": "1.5k", "R5": "100k", "R6": "2k",
@@ -62,10 +62,10 @@ def test_ratings_are_of_what_can_be_bought_and_of_the_designs_tolerance() -> Non
 
 def test_amplifiers_are_bought_by_a_grade_whose_offset_is_known() -> None:
     """The TL082 without a grade may have 15 mV, nearly the threshold."""
-    for name, bought, offset in (("paper_split", "TL082BC", "3 mV"), ("comparator_split", "TLV2372", "4.5 mV")):
+    for name, bought, offset in (("article_split", "TL082BC", "3 mV"), ("comparator_split", "TLV2372", "4.5 mV")):
         circuit = board_circuit(board_values(Design.load(changes=VARIANTS[name].changes)))
         duals = [part for part in circuit.parts if part.footprint == symbols.SOIC_8]
-        assert len(duals) == (1 if name.startswith("paper") else 2)
+        assert len(duals) == (1 if name.startswith("article") else 2)
         assert all(part.value == bought and f"offset {offset} at most" in part.rating for part in duals)
         assert f"{bought},SOIC-8" in bill_of_materials(circuit).decode()
 
@@ -115,7 +115,7 @@ def _without_node(circuit: Circuit) -> Circuit:
     ],
 )
 def test_faults_are_found(spoil, expected: str) -> None:  # type: ignore[no-untyped-def]
-    assert any(expected in str(fault) for fault in faults(spoil(CIRCUIT)))
+    assert any(expected in str(issue) for issue in issues(spoil(CIRCUIT)))
 
 
 def test_connected_refuses() -> None:

@@ -54,7 +54,7 @@ def test_bad_input_says_everything_and_touches_nothing(tmp_path: Path) -> None:
     fields = {"board.capacitor_uf", "board.series", "board.gain", "board.supply_v"}
     assert {line.split(": ")[1] for line in lines} == fields
     assert len(lines) == 4
-    assert {fault["field"] for fault in json.loads(run.stdout)["faults"]} == fields
+    assert {issue["field"] for issue in json.loads(run.stdout)["issues"]} == fields
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("slip_filter.net", "mine")]
 
 

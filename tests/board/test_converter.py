@@ -48,7 +48,7 @@ def test_the_figures_of_the_default_board() -> None:
     assert precise.envelope_nyquist_db - a.envelope_nyquist_db == pytest.approx(own, abs=0.01)
 
 
-@pytest.mark.parametrize("name", ["paper_split", "comparator_single"])
+@pytest.mark.parametrize("name", ["article_split", "comparator_single"])
 def test_the_deck_has_the_same_poles(written: Written, tmp_path: Path, name: str) -> None:
     folder = written(*VARIANTS[name].changes)
     values = board_values(Design.load(changes=VARIANTS[name].changes))

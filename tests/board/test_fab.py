@@ -22,7 +22,7 @@ from tests.conftest import run_fingertip
 from tests.tools import require_tool
 
 CIRCUIT = board_circuit(board_values(Design()))
-PAPER_PLACEMENT = load_placement("paper_split")
+ARTICLE_PLACEMENT = load_placement("article_split")
 
 
 def test_check_of_a_current_folder(tmp_path: Path) -> None:
@@ -67,7 +67,7 @@ def rows(data: bytes) -> list[dict[str, str]]:
 
 
 def test_parts_and_placement_have_the_columns_houses_take() -> None:
-    parts, places = rows(parts_file(CIRCUIT)), rows(placement_file(CIRCUIT, PAPER_PLACEMENT))
+    parts, places = rows(parts_file(CIRCUIT)), rows(placement_file(CIRCUIT, ARTICLE_PLACEMENT))
     assert tuple(parts[0]) == PARTS_COLUMNS == ("Comment", "Designator", "Footprint", "Part Number")
     assert tuple(places[0]) == PLACEMENT_COLUMNS == ("Designator", "Mid X", "Mid Y", "Layer", "Rotation")
     named = [reference for row in parts for reference in row["Designator"].split(",")]
@@ -99,7 +99,7 @@ def test_placement_is_where_kicad_has_it(tmp_path: Path) -> None:
     )  # fmt: skip
     assert run.returncode == 0, run.stderr
     theirs = {r["Ref"]: r for r in rows((tmp_path / "pcb" / "pos.csv").read_bytes())}
-    ours = rows(placement_file(CIRCUIT, PAPER_PLACEMENT))
+    ours = rows(placement_file(CIRCUIT, ARTICLE_PLACEMENT))
     assert {r["Designator"] for r in ours} == {ref for ref in theirs if ref[0] != "J"}
     for row in ours:
         their = theirs[row["Designator"]]

@@ -32,7 +32,7 @@ from tests.board.kicad import HOW, kicad_cli
 from tests.tools import require_tool
 
 CIRCUIT = board_circuit(board_values(Design()))
-PAPER_PLACEMENT = load_placement("paper_split")
+ARTICLE_PLACEMENT = load_placement("article_split")
 
 
 def made(name: str) -> tuple[Circuit, Placement]:
@@ -79,8 +79,8 @@ def test_a_spoiled_board_is_noticed(tmp_path: Path, right: str, wrong: str, key:
     write_board(Design(), tmp_path / "pcb")
     path = tmp_path / "pcb" / LAYOUT
     pattern = right if "\\" in right else re.escape(right)
-    most = 1 if right.startswith(r"\(pad") else 0
-    text, count = re.subn(pattern, wrong, path.read_text("utf-8"), count=most, flags=re.DOTALL)
+    maximum = 1 if right.startswith(r"\(pad") else 0
+    text, count = re.subn(pattern, wrong, path.read_text("utf-8"), count=maximum, flags=re.DOTALL)
     assert count
     path.write_text(text, encoding="utf-8")
     assert findings(tmp_path / "pcb")[key]
@@ -95,10 +95,10 @@ def test_size_and_holes(name: str) -> None:
 
 
 def test_crowded_parts_are_noticed() -> None:
-    spots = PAPER_PLACEMENT.spots
-    close = replace(PAPER_PLACEMENT, spots={**spots, "R1": Spot(spots["R4"].x, spots["R4"].y + 1.0)})
+    spots = ARTICLE_PLACEMENT.spots
+    close = replace(ARTICLE_PLACEMENT, spots={**spots, "R1": Spot(spots["R4"].x, spots["R4"].y + 1.0)})
     assert ("R4", "R1") in list(crowded(CIRCUIT, close)) or ("R1", "R4") in list(crowded(CIRCUIT, close))
-    outside = replace(PAPER_PLACEMENT, spots={**spots, "R1": Spot(39.5, 12.0)})
+    outside = replace(ARTICLE_PLACEMENT, spots={**spots, "R1": Spot(39.5, 12.0)})
     assert ("R1", "edge") in list(crowded(CIRCUIT, outside))
 
 
@@ -154,18 +154,18 @@ def test_tracks_join_every_net(name: str) -> None:
 
 
 def test_a_missing_track_is_noticed() -> None:
-    tracks = load_template("paper_split", CIRCUIT, PAPER_PLACEMENT).tracks
+    tracks = load_template("article_split", CIRCUIT, ARTICLE_PLACEMENT).tracks
     behind = next(net for net, found in tracks.items() if found.vias and net != "GND")
     for net, less in ((behind, {"segments": tracks[behind].segments[1:]}), (behind, {"vias": ()})):
-        pads = [p for p in placed_pads(CIRCUIT, PAPER_PLACEMENT) if p.net == net]
+        pads = [p for p in placed_pads(CIRCUIT, ARTICLE_PLACEMENT) if p.net == net]
         assert islands(pads, tracks[net]) == 1
         assert islands(pads, replace(tracks[net], **less)) > 1  # type: ignore[arg-type]
 
 
 def test_a_template_of_another_placement_is_refused() -> None:
-    moved = replace(PAPER_PLACEMENT, spots={**PAPER_PLACEMENT.spots, "R1": Spot(11.4, 16.4)})
+    moved = replace(ARTICLE_PLACEMENT, spots={**ARTICLE_PLACEMENT.spots, "R1": Spot(11.4, 16.4)})
     with pytest.raises(BoardError, match=r"another placement: run python -m fingertip\.board\.layout\.rout"):
-        load_template("paper_split", CIRCUIT, moved)
+        load_template("article_split", CIRCUIT, moved)
 
 
 @pytest.mark.parametrize("name", VARIANTS)
@@ -203,21 +203,21 @@ def test_a_dot_stands_at_pin_1_of_every_amplifier_clear_of_all_pads(name: str) -
 
 
 def test_print_that_cannot_be_read_is_noticed() -> None:
-    names, spots = PAPER_PLACEMENT.names, PAPER_PLACEMENT.spots
+    names, spots = ARTICLE_PLACEMENT.names, ARTICLE_PLACEMENT.spots
     dot = FOOTPRINTS[CIRCUIT.part("U1").footprint].dot
     assert dot is not None
     x, y = turned(spots["U1"].angle, *dot)
-    close = replace(PAPER_PLACEMENT, names={**names, "C1": (spots["U1"].x + x, spots["U1"].y + y)})
+    close = replace(ARTICLE_PLACEMENT, names={**names, "C1": (spots["U1"].x + x, spots["U1"].y + y)})
     assert "C1 lies on the dot of U1" in list(obscured(CIRCUIT, close))
 
     def found(**moved: tuple[float, float]) -> str:
-        return "; ".join(obscured(CIRCUIT, replace(PAPER_PLACEMENT, names={**names, **moved}), [names["R1"]], VIA_MM))
+        return "; ".join(obscured(CIRCUIT, replace(ARTICLE_PLACEMENT, names={**names, **moved}), [names["R1"]], VIA_MM))
 
     assert "R1 lies on via 1" in found()
     assert "C1 lies on part U1" in found(C1=(spots["U1"].x, spots["U1"].y))
     assert "C1 lies on R8" in found(C1=names["R8"]) or "R8 lies on C1" in found(C1=names["R8"])
     assert "C1 lies at the edge" in found(C1=(20.0, 0.4))
-    without = replace(PAPER_PLACEMENT, names={k: v for k, v in names.items() if k != "C1"})
+    without = replace(ARTICLE_PLACEMENT, names={k: v for k, v in names.items() if k != "C1"})
     assert "C1 has no name on the board" in list(obscured(CIRCUIT, without))
 
 
@@ -225,7 +225,7 @@ def test_print_that_cannot_be_read_is_noticed() -> None:
 def test_the_router_joins_and_keeps_clear(no_vias: tuple[tuple[float, float, float, float], ...]) -> None:
     """Four parts whose nets cross on one layer: one must go behind, and not through what is printed."""
     names = {"R1": (2.0, 6.0), "R2": (10.0, 6.0), "R4": (6.0, 2.0), "R5": (6.0, 10.0)}
-    pads = [p for p in placed_pads(CIRCUIT, PAPER_PLACEMENT) if p.reference in names and p.pad.number == "1"]
+    pads = [p for p in placed_pads(CIRCUIT, ARTICLE_PLACEMENT) if p.reference in names and p.pad.number == "1"]
     moved = [
         replace(p, x=names[p.reference][0], y=names[p.reference][1], net="A" if p.reference in ("R1", "R2") else "B")
         for p in pads

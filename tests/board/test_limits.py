@@ -21,8 +21,8 @@ def test_limits_of_both_supplies() -> None:
     assert split.vibration_peak_v == pytest.approx(2.0 / 67.667, rel=1e-3)
     assert single.vibration_peak_v == pytest.approx(2.4 / 67.667, rel=1e-3)
     for found in (split, single):
-        assert 0 < found.tactile_least_v < 3.85 < 4.3 < found.tactile_most_v < 4.5
-    assert found.tactile_most_v <= found.clamp_high_v
+        assert 0 < found.min_tactile_v < 3.85 < 4.3 < found.max_tactile_v < 4.5
+    assert found.max_tactile_v <= found.clamp_high_v
 
 
 def test_a_converter_too_small_for_the_board_is_said() -> None:
@@ -32,7 +32,7 @@ def test_a_converter_too_small_for_the_board_is_said() -> None:
     )
     assert fits.converter_misses_v == 0
     assert converter_line(fits) == "a converter for plus and minus 10 V takes all of it"
-    assert small.converter_misses_v == pytest.approx(max(small.tactile_most_v, 2.5 + small.envelope_most_v) - 3.3)
+    assert small.converter_misses_v == pytest.approx(max(small.max_tactile_v, 2.5 + small.max_envelope_v) - 3.3)
     assert "cuts the last 1.06 V off" in converter_line(small)
     assert "detector.adc_range_v to 4.36 at least" in converter_line(small)
     assert list(converter_remarks(fits)) == []
@@ -44,10 +44,10 @@ def test_only_the_articles_own_board_has_an_amplifier_whose_inputs_end_early() -
     """The TL082: 3 V above its negative rail typically, 4 V to be sure; below, its output jumps up."""
     for name, variant in VARIANTS.items():
         values = board_values(Design.load(changes=variant.changes))
-        found, paper = values.limits, name == "paper_split"
-        assert values.amplifier == (PAPERS if paper else OTHERS) == dual_amplifier(*name.split("_"))
-        assert found.reverses_below == paper == ("jumps up" in swing_line(found))
-        if paper:
+        found, article = values.limits, name == "article_split"
+        assert values.amplifier == (PAPERS if article else OTHERS) == dual_amplifier(*name.split("_"))
+        assert found.reverses_below == article == ("jumps up" in swing_line(found))
+        if article:
             assert (found.filter_trough_v, found.filter_sure_trough_v) == (2.0, 1.0)
         else:
             assert found.filter_trough_v == found.filter_sure_trough_v == found.filter_peak_v
@@ -67,7 +67,7 @@ def test_the_bridges_amplifier_stays_within_its_rails(supply: str, supply_v: flo
 def test_a_bridge_at_ground_would_not_do_on_a_single_supply() -> None:
     """Why it returns to the middle: the AD623's inner amplifiers would have to go below ground."""
     bridge = fit_bridge(5.0, "E24", 5.08)
-    for name, least, most in (("split", 0.0, 5.0), ("single", -5.0, -1.0)):
+    for name, minimum, maximum in (("split", 0.0, 5.0), ("single", -5.0, -1.0)):
         supply = SUPPLIES[name]
         swing = swing_of(AMPLIFIERS[OTHERS], supply, 5.0)
-        assert least < limits(bridge, supply, 5.0, swing, 67.7, True, 10.0).bridge_amplifier_margin_v < most
+        assert minimum < limits(bridge, supply, 5.0, swing, 67.7, True, 10.0).bridge_amplifier_margin_v < maximum

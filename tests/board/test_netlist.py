@@ -96,7 +96,7 @@ def test_diode_and_envelope(tmp_path: Path) -> None:
     assert circuit.nodes("U1", "8", "4") == circuit.nodes("J2", "1", "3") == ("VCC", "VEE")
 
 
-@pytest.mark.parametrize("name", ["paper_split", "comparator_single"])
+@pytest.mark.parametrize("name", ["article_split", "comparator_single"])
 def test_another_parser_reads_what_the_circuit_says(tmp_path: Path, name: str) -> None:
     design, path = written(tmp_path, list(VARIANTS[name].changes))
     assert read_differently(design, path) == []
@@ -137,7 +137,7 @@ def read_differently(design: Design, path: Path) -> list[str]:
     return [what for what, equal in same.items() if not equal]
 
 
-@pytest.mark.parametrize("name", ["paper_single", "precision_single", "comparator_single"])
+@pytest.mark.parametrize("name", ["article_single", "precision_single", "comparator_single"])
 def test_on_a_single_supply_the_wiring_is_the_filter_too(tmp_path: Path, name: str) -> None:
     """All signals against the middle, which a follower holds; nothing of the filter returns to ground."""
     design, path = written(tmp_path, list(VARIANTS[name].changes))
@@ -152,13 +152,15 @@ def test_on_a_single_supply_the_wiring_is_the_filter_too(tmp_path: Path, name: s
         assert abs(found["VMID"]) < 1e-6
     # Behind open diodes U3a is an integrator; nothing else stays where it is.
     slow = sorted(circuit.poles("/TACTILE").real)[::-1]
-    assert slow[0] < 0 if name == "paper_single" else slow[0] == 0 > slow[1]
+    assert slow[0] < 0 if name == "article_single" else slow[0] == 0 > slow[1]
     assert circuit.nodes("U5", "1", "4") == circuit.nodes("J1", "2") + circuit.nodes("R24", "2") == ("VMID",) * 2
     assert circuit.nodes("R24", "1") == circuit.nodes("J3", "5")
     assert {circuit.net[pin] for pin in (("U1", "4"), ("U2", "4"), ("U5", "2"), ("J2", "2"), ("J3", "3"))} == {"GND"}
     at_rest = {("R1", "2"), ("R3", "2"), ("R11", "2"), ("R13", "2"), ("U2", "5"), ("C7", "2")}
     at_rest |= (
-        {("R4", "2"), ("R6", "2"), ("C4", "2")} if name == "paper_single" else {("C14", "1"), ("U3", "3"), ("U3", "5")}
+        {("R4", "2"), ("R6", "2"), ("C4", "2")}
+        if name == "article_single"
+        else {("C14", "1"), ("U3", "3"), ("U3", "5")}
     )
     at_rest |= {("RV1", "3"), ("C17", "2")} if name == "comparator_single" else set()
     assert {circuit.net[pin] for pin in at_rest} == {"VMID"}

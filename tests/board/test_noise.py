@@ -39,7 +39,7 @@ def test_noise_of_resistors_is_ngspices(tmp_path: Path) -> None:
         assert ours[name] == pytest.approx(theirs, rel=0.01), name
 
 
-@pytest.mark.parametrize("name", ["paper_split", "precision_split", "comparator_single"])
+@pytest.mark.parametrize("name", ["article_split", "precision_split", "comparator_single"])
 def test_the_whole_noise_is_ngspices(written: Written, tmp_path: Path, name: str) -> None:
     """All amplifiers and resistors, 0.1 Hz to 1 MHz: the filters do make 19 mV of it, and C20 leaves 6."""
     changes = VARIANTS[name].changes
@@ -55,7 +55,7 @@ def test_the_whole_noise_is_ngspices(written: Written, tmp_path: Path, name: str
         # Against ground, as the converter's pins are; on a single supply the middle's noise is in it.
         assert total[NETS.index(net)] == pytest.approx(found[0][-1], rel=0.005), net
     assert total[NETS.index("FILTERED")] == pytest.approx(
-        {"paper_split": 19.6e-3, "precision_split": 6.13e-3, "comparator_single": 5.19e-3}[name], rel=0.01
+        {"article_split": 19.6e-3, "precision_split": 6.13e-3, "comparator_single": 5.19e-3}[name], rel=0.01
     )
 
 
@@ -64,10 +64,10 @@ def test_what_would_lower_the_noise() -> None:
     density = math.hypot(35e-9, 50e-9 / VALUES.bridge.gain) * VALUES.bridge.gain
     poles = 800e3 / VALUES.bridge.gain, 3e6 / VALUES.achieved.passband_gain
     bandwidth = math.pi / 2 * poles[0] * poles[1] / (poles[0] + poles[1])
-    for variant in ("paper", "precision"):
+    for variant in ("article", "precision"):
         found = {r.change: r for r in analyse(Design.load(changes=[f"board.variant={variant}"]), boards=10).quieter}
         open_, limited = (
-            ("as built", "with C20 across R5") if variant == "paper" else ("without C20 across R5", "as built")
+            ("as built", "with C20 across R5") if variant == "article" else ("without C20 across R5", "as built")
         )
         assert found[open_].filtered_v == pytest.approx(
             density * VALUES.achieved.passband_gain * math.sqrt(bandwidth), rel=0.01
@@ -108,13 +108,13 @@ def test_the_folders_readme_says_this_noise(written: Written, name: str) -> None
         r.change.split(" ")[0] if "C20" in r.change else r.change: r for r in found.quieter if "INA821" not in r.change
     }
     first = board_values(Design.load(changes=changes)).first_stage
-    paper = name.startswith("paper")
-    open_v = at["as built" if paper else "without"].filtered_v
+    article = name.startswith("article")
+    open_v = at["as built" if article else "without"].filtered_v
     single = name.endswith("single")
     tactile = found.noise_total_v[NETS.index("TACTILE")]
     assert f"leaves {1e3 * tactile:.1f} mV of noise" in text
     assert f"{1e3 * open_v:.0f} mV of it" in text
-    if not paper:
+    if not article:
         assert first is not None
         assert f"gain at {first.limit_hz:.0f} Hz, leaves {1e3 * at['as built'].filtered_v:.2g} mV" in text
         assert f"rests at {1e3 * at['as built'].rest_v:.1f} mV, well below the threshold of 17 mV" in text
@@ -131,12 +131,12 @@ def test_the_formulas_noise_is_the_circuits(name: str, changes: tuple[str, ...])
     design = Design.load(changes=(*VARIANTS[name].changes, *changes))
     values, product = board_values(design), design.board.gain_bandwidth_hz
     circuit, noise = board_circuit(values), values.noise
-    found = {r.change: r for r in remedies(circuit, product, design.board.band_limit_hz, values.variant == "paper")}
+    found = {r.change: r for r in remedies(circuit, product, design.board.band_limit_hz, values.variant == "article")}
     # The bridge's resistors are 0.1 % of it. On a single supply the middle's noise is the circuit's alone.
     near = 0.004 if name.endswith("single") else 0.0005
     assert noise.tactile_v == pytest.approx(total_v(circuit, product, "TACTILE"), rel=near)
     assert noise.filtered_v == pytest.approx(found["as built"].filtered_v, rel=0.01)
-    if values.variant == "paper":
+    if values.variant == "article":
         assert noise.open_v == noise.filtered_v
         assert noise.rest_v is None
     else:

@@ -19,7 +19,7 @@ def test_every_board_says_what_its_supply_must_be(name: str) -> None:
     text, ripple = readme(*VARIANTS[name].changes), board_values(Design.load(changes=VARIANTS[name].changes)).ripple
     assert "Nothing protects the board from a supply the wrong way round" in text
     assert f"{ripple.gain:.0f} times as large" in text
-    assert f"must stay below {1e3 * ripple.most_v:.2g} mV" in text
+    assert f"must stay below {1e3 * ripple.max_v:.2g} mV" in text
     assert "linear regulator" in text
     assert "A filter for the bridge's supply" in text.split("Known to be missing")[1]
 
@@ -28,7 +28,7 @@ def test_every_board_says_what_its_supply_must_be(name: str) -> None:
 def test_the_passband_is_the_boards_own(name: str) -> None:
     changes = (*VARIANTS[name].changes, "board.band_limit_hz=210")
     achieved = board_values(Design.load(changes=changes)).achieved
-    wanted = "67.25 Hz and 44347 Hz" if name.startswith("paper") else "63.59 Hz and 293.28 Hz"
+    wanted = "67.25 Hz and 44347 Hz" if name.startswith("article") else "63.59 Hz and 293.28 Hz"
     assert f"3 dB less at {wanted}" in readme(*changes)
     assert f"gain {achieved.passband_gain:.2f}" in readme(*changes)
 
@@ -36,8 +36,8 @@ def test_the_passband_is_the_boards_own(name: str) -> None:
 def test_only_the_tl082_is_said_to_end_early() -> None:
     for name, variant in VARIANTS.items():
         text = readme(*variant.changes)
-        assert ("3.5 V up but only 2.0 V down (1.0 V to be sure)" in text) == (name == "paper_split")
-        assert ("TLV2372, whose inputs and outputs reach both rails" in text) == (name != "paper_split")
+        assert ("3.5 V up but only 2.0 V down (1.0 V to be sure)" in text) == (name == "article_split")
+        assert ("TLV2372, whose inputs and outputs reach both rails" in text) == (name != "article_split")
 
 
 @pytest.mark.parametrize("supply", ["split", "single"])

@@ -112,7 +112,7 @@ def transient(folder: Path, deck: str, drop: tuple[str, ...], zero: str) -> list
 
 
 def diode_and_rc(until: float) -> list[tuple[float, float]]:
-    """Our own simulation of the paper variant: the diode's exponential with its resistance, R_LP parallel to C_LP.
+    """Our own simulation of the article variant: the diode's exponential with its resistance, R_LP parallel to C_LP.
 
     Implicit Euler in steps of 1 us, the node solved by bisection: slow and simple.
     """
@@ -158,13 +158,13 @@ def one_pole_of_half_waves(until: float) -> list[tuple[float, float]]:
     return found
 
 
-CASES = [("paper", "split"), ("paper", "single"), ("precision", "split"), ("comparator", "single")]
+CASES = [("article", "split"), ("article", "single"), ("precision", "split"), ("comparator", "single")]
 
 
 @functools.cache
-def ours(paper: bool) -> dict[int, float]:
+def ours(article: bool) -> dict[int, float]:
     """Our own simulation: sample's number -> envelope [V]."""
-    return {round(t / STEP_S): v for t, v in (diode_and_rc if paper else one_pole_of_half_waves)(END_S)}
+    return {round(t / STEP_S): v for t, v in (diode_and_rc if article else one_pole_of_half_waves)(END_S)}
 
 
 @pytest.mark.parametrize(("variant", "supply"), CASES, ids=map(" ".join, CASES))
@@ -173,7 +173,7 @@ def test_transient_of_each_rectifier(written: Written, tmp_path: Path, variant: 
     deck = (written(f"board.variant={variant}", f"board.supply={supply}") / "slip_filter.cir").read_text("utf-8")
     # R7 loads the envelope by 1 % of C_LP; left out on both sides.
     theirs = transient(tmp_path, deck, ("XU1", "R2 ", "R7 "), "0" if supply == "split" else "vmid")
-    simulated = ours(variant == "paper")
+    simulated = ours(variant == "article")
     pairs = [
         (v, simulated[round(t / STEP_S)]) for t, v in theirs if round(t / STEP_S) in simulated and t > FROM_S + STEP_S
     ]
@@ -181,7 +181,7 @@ def test_transient_of_each_rectifier(written: Written, tmp_path: Path, variant: 
     assert max(abs(a - b) for a, b in pairs) < 5e-3
     settled = [a for a, _ in pairs][len(pairs) // 2 :]
     # An ideal half wave's mean is 1/pi of its peak; the diode's dead zone takes a quarter of it.
-    assert math.fsum(settled) / len(settled) == pytest.approx(0.24 if variant == "paper" else 1 / math.pi, abs=0.01)
+    assert math.fsum(settled) / len(settled) == pytest.approx(0.24 if variant == "article" else 1 / math.pi, abs=0.01)
 
 
 def test_the_rectifier_is_a_peak_detector_behind_a_dead_zone(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from fingertip.board.values.filters import response
 from fingertip.board.values.ripple import DEAD_ZONE_V
 from fingertip.board.variants import VARIANTS
 from fingertip.design import Design
-from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, Components
+from fingertip.design.filter_components import MAX_OHM, MIN_OHM, Components
 from fingertip.errors import DesignError
 
 
@@ -70,7 +70,7 @@ def attempt(board: dict[str, object]) -> tuple[Design | None, set[str]]:
     try:
         return Design(board=board), set()
     except DesignError as error:
-        return None, {fault.field for fault in error.faults}
+        return None, {issue.field for issue in error.issues}
 
 
 def decades(low: float, high: float) -> st.SearchStrategy[float]:
@@ -98,7 +98,7 @@ def test_every_accepted_design_has_a_board(
     if design is None:
         return
     values = board_values(design)
-    assert all(LEAST_OHM <= r <= MOST_OHM for r in resistors(values.ideal) + resistors(values.preferred))
+    assert all(MIN_OHM <= r <= MAX_OHM for r in resistors(values.ideal) + resistors(values.preferred))
     # Half a step of E12 in every resistor is 10.6%, and the cutoff moves by no more.
     assert abs(math.log(values.achieved.section_hz / f)) < 0.12
     circuit = board_circuit(values)
@@ -144,7 +144,7 @@ def test_refused_with_bound_and_remedy(change: str) -> None:
     field, remedy = REFUSED[change]
     with pytest.raises(DesignError) as caught:
         Design.load(changes=[change])
-    sentences = {fault.field: fault.sentence for fault in caught.value.faults if fault.field.startswith("board.")}
+    sentences = {issue.field: issue.message for issue in caught.value.issues if issue.field.startswith("board.")}
     assert list(sentences) == [field]
     assert remedy in sentences[field]
 
@@ -166,15 +166,17 @@ def test_gain_of_a_small_r5() -> None:
 def test_faults_of_the_parts_and_of_the_board_come_together() -> None:
     with pytest.raises(DesignError) as caught:
         Design.load(changes=["board.capacitor_uf=1000", "skin.tip_length_mm=33", "board.series=E6"])
-    fields = {fault.field for fault in caught.value.faults}
+    fields = {issue.field for issue in caught.value.issues}
     assert {"board.capacitor_uf", "skin.tip_length_mm", "board.series"} <= fields
 
 
 def test_precision_needs_a_series_capacitor_that_exists() -> None:
     changes = ["board.variant=precision", "board.r5_ohm=10000"]
-    with pytest.raises(DesignError, match=r"above 100 uF; at least 1\.584e\+04 ohm, or board\.variant=paper") as caught:
+    with pytest.raises(
+        DesignError, match=r"above 100 uF; at least 1\.584e\+04 ohm, or board\.variant=article"
+    ) as caught:
         Design.load(changes=changes)
-    assert [fault.field for fault in caught.value.faults] == ["board.r5_ohm"]
+    assert [issue.field for issue in caught.value.issues] == ["board.r5_ohm"]
     assert Design.load(changes=[changes[0], "board.r5_ohm=1.584e4"])
     assert Design.load(changes=changes[1:])
 
@@ -213,10 +215,10 @@ def test_threshold_outside_a_single_supply() -> None:
 def test_band_limits_that_cannot_be(variant: str, changes: list[str], sentence: str, passing: str) -> None:
     with pytest.raises(DesignError) as caught:
         Design.load(changes=[f"board.variant={variant}", *changes])
-    assert [fault.field for fault in caught.value.faults] == ["board.band_limit_hz"]
+    assert [issue.field for issue in caught.value.issues] == ["board.band_limit_hz"]
     assert sentence in str(caught.value)
     assert Design.load(changes=[f"board.variant={variant}", *changes, passing])
-    assert Design.load(changes=changes)  # variant paper has none
+    assert Design.load(changes=changes)  # variant article has none
 
 
 @pytest.mark.parametrize(
@@ -230,7 +232,7 @@ def test_band_limits_that_cannot_be(variant: str, changes: list[str], sentence: 
 def test_comparators_bounds(change: str, sentence: str) -> None:
     with pytest.raises(DesignError) as caught:
         Design.load(changes=["board.variant=comparator", change])
-    assert len(caught.value.faults) == 1
+    assert len(caught.value.issues) == 1
     assert sentence in str(caught.value)
     assert Design.load(changes=[change])
 
@@ -245,11 +247,11 @@ def test_comparator_values_stay_within_range(threshold: str, series: str, supply
     decision = board_values(Design.load(changes=[*changes, f"board.supply={supply}"])).decision
     assert decision is not None
     for ohm in (decision.mean_ohm, decision.top_ohm, decision.hysteresis_ohm):
-        assert LEAST_OHM <= ohm <= MOST_OHM
+        assert MIN_OHM <= ohm <= MAX_OHM
     # ON is the design's threshold, to half the series' step; OFF a quarter below, as the series lets it.
     assert decision.on_v == pytest.approx(float(threshold), rel=0.06 if series == "E12" else 0.01)
     assert (decision.on_v - decision.off_v) / float(threshold) == pytest.approx(0.25, rel=0.25)
-    assert decision.most_on_v > 1.7 * float(threshold)
+    assert decision.max_on_v > 1.7 * float(threshold)
 
 
 @pytest.mark.parametrize("window", [1, 10, 60, 136])
@@ -258,7 +260,7 @@ def test_the_mean_lags_half_the_window_and_bears_the_comparators_current(window:
     decision = board_values(Design.load(changes=changes)).decision
     assert decision is not None
     assert decision.mean_s == pytest.approx(window / 2000 / 2, rel=0.05)
-    assert decision.most_bias_v == 250e-9 * decision.mean_ohm < 0.55 * 0.017
+    assert decision.max_bias_v == 250e-9 * decision.mean_ohm < 0.55 * 0.017
     assert decision.mean_f <= 1e-6
     if window == 60:
         assert (decision.mean_ohm, decision.mean_f) == (15e3, 1e-6)
@@ -268,7 +270,7 @@ def test_a_window_too_long_for_the_comparator() -> None:
     changes = ["board.variant=comparator", "detector.window_samples=2000"]
     with pytest.raises(DesignError, match=r"mean of 5e\+05 ohm, .* make 125 mV, .* at most 136 samples") as caught:
         Design.load(changes=changes)
-    assert [fault.field for fault in caught.value.faults] == ["detector.window_samples"]
+    assert [issue.field for issue in caught.value.issues] == ["detector.window_samples"]
     assert Design.load(changes=[changes[0], "detector.window_samples=136"])
     with pytest.raises(DesignError, match="at most 136 samples"):
         Design.load(changes=[changes[0], "detector.window_samples=137"])

@@ -52,19 +52,19 @@ def test_where_the_envelope_rests_is_ngspices(tmp_path: Path, supply: str) -> No
     assert rest is not None
     corners = itertools.product((-4.5e-3, 4.5e-3), repeat=3)
     found = {corner: resting_v(tmp_path, deck, zero, corner) for corner in corners}
-    assert min(found.values()) == pytest.approx(rest.least_v, abs=2e-4)
-    assert max(found.values()) == pytest.approx(rest.most_v, abs=2e-4)
+    assert min(found.values()) == pytest.approx(rest.min_v, abs=2e-4)
+    assert max(found.values()) == pytest.approx(rest.max_v, abs=2e-4)
     assert found[4.5e-3, -4.5e-3, 4.5e-3] == max(found.values())
     # Above the threshold: such a board would say slip for ever, if nobody measured it.
-    assert rest.most_v > design.detector.threshold_v > rest.typical_v
+    assert rest.max_v > design.detector.threshold_v > rest.typical_v
     assert resting_v(tmp_path, deck, zero, (0.0, 0.0, 0.0)) == pytest.approx(0, abs=2e-4)
-    assert rest.finer_most_v < 0.05 * design.detector.threshold_v
+    assert rest.max_finer_v < 0.05 * design.detector.threshold_v
 
 
 def test_the_rest_of_other_amplifiers() -> None:
     """The TL082's grade BC: 3 mV each; without a grade it would be five times that."""
     rest = rest_of(AMPLIFIERS[PAPERS], 2e3)
-    assert (rest.least_v, rest.most_v) == pytest.approx((-4e-3, 15e-3))
+    assert (rest.min_v, rest.max_v) == pytest.approx((-4e-3, 15e-3))
     assert board_values(Design()).rest is None  # a bare diode hides it
 
 
@@ -79,11 +79,11 @@ def test_what_the_comparators_input_current_does_is_ngspices(tmp_path: Path, sup
         for bias in (0.0, 25e-9, 250e-9)
     ]
     assert volts[1] - volts[0] == pytest.approx(decision.bias_v, rel=1e-3)
-    assert volts[2] - volts[0] == pytest.approx(decision.most_bias_v, rel=1e-3)
-    assert decision.most_bias_v < 0.25 * design.detector.threshold_v
+    assert volts[2] - volts[0] == pytest.approx(decision.max_bias_v, rel=1e-3)
+    assert decision.max_bias_v < 0.25 * design.detector.threshold_v
 
 
-@pytest.mark.parametrize("variant", ["paper", "precision", "comparator"])
+@pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
 @pytest.mark.parametrize("supply", SUPPLIES)
 def test_ripple_on_the_supply_is_ngspices(tmp_path: Path, variant: str, supply: str) -> None:
     design, deck = deck_of(tmp_path, [f"board.variant={variant}", f"board.supply={supply}"])
@@ -97,8 +97,8 @@ def test_ripple_on_the_supply_is_ngspices(tmp_path: Path, variant: str, supply: 
     rows = simulate(tmp_path, alone, f"ac dec 100 {low} {high}\nlet g = abs(v(filtered){rest})\nwrdata out g")
     gains = [g for _, g, *_ in rows]
     assert max(gains) == pytest.approx(ripple.gain, rel=0.01)
-    peak = 0.45 if variant == "paper" else math.pi * design.detector.threshold_v
-    assert ripple.most_v == pytest.approx(peak / max(gains), rel=0.01)
+    peak = 0.45 if variant == "article" else math.pi * design.detector.threshold_v
+    assert ripple.max_v == pytest.approx(peak / max(gains), rel=0.01)
 
 
 @pytest.mark.parametrize(
@@ -117,10 +117,10 @@ def test_both_ends_of_the_passband_are_ngspices(
     design, deck = deck_of(tmp_path, changes)
     achieved = board_values(design).achieved
     rows = simulate(tmp_path, deck, "ac dec 1000 5 1meg\nlet h = db(v(filtered)/v(tactile))\nwrdata out h")
-    most = max(h for _, h, *_ in rows)
-    inside = [f for f, h, *_ in rows if h >= most - 3.0103]
-    assert achieved.passband_gain_db == pytest.approx(most, abs=2e-3)
-    assert achieved.passband_gain == pytest.approx(10 ** (most / 20), rel=1e-3)
+    maximum = max(h for _, h, *_ in rows)
+    inside = [f for f, h, *_ in rows if h >= maximum - 3.0103]
+    assert achieved.passband_gain_db == pytest.approx(maximum, abs=2e-3)
+    assert achieved.passband_gain == pytest.approx(10 ** (maximum / 20), rel=1e-3)
     assert (achieved.cutoff_hz, achieved.upper_cutoff_hz) == pytest.approx((inside[0], inside[-1]), rel=3e-3)
     if figures:
         assert (achieved.cutoff_hz, achieved.passband_gain_db, achieved.upper_cutoff_hz) == pytest.approx(
@@ -140,5 +140,5 @@ def test_the_analysis_and_values_say_it(tmp_path: Path) -> None:
     ):  # fmt: skip
         assert words in text
     kept = (tmp_path / "values.json").read_text("utf-8")
-    for key in ("on_v", "off_v", "most_bias_v", "upper_cutoff_hz", "finer_most_v", "filter_trough_v"):
+    for key in ("on_v", "off_v", "max_bias_v", "upper_cutoff_hz", "max_finer_v", "filter_trough_v"):
         assert f'"{key}"' in kept

@@ -13,7 +13,7 @@ from fingertip.cad.shapes.core import inside_skin
 from fingertip.cad.solids import Box, Cone, ElbowTube, cylinder, difference, union
 from fingertip.cad.verification import leaning, measures
 from fingertip.design import Design
-from fingertip.design.cover import least_cover
+from fingertip.design.cover import min_cover
 from fingertip.design.tilt import loose_lean, thinnest_held
 from tests.cad.measured import SLEEVE, SOCKET, failures, measured
 
@@ -35,11 +35,11 @@ def test_the_thinnest_skin_is_as_thin_as_the_rule_says(weight: float) -> None:
     """The bone's squarer edges come nearer than its sides; solids and sections find the same."""
     changes = [
         "skin.thickness_side_mm=1.2",
-        "skin.least_thickness_mm=0.3",
+        "skin.min_thickness_mm=0.3",
         "mold.fit_clearance_mm=0.02",
         f"bone.squareness_palmar={weight}",
     ]
-    expected = least_cover(Design.load(changes=changes).dimensions, 0.0)
+    expected = min_cover(Design.load(changes=changes).dimensions, 0.0)
     assert measured(*changes)["skin.thinnest"].value == pytest.approx(expected, abs=0.01)
 
 
@@ -196,4 +196,4 @@ def test_parts_that_would_fit_only_as_they_do_not_lie(monkeypatch: pytest.Monkey
 def test_a_sleeve_that_must_stretch_too_far() -> None:
     stretch = measured(*SLEEVE)["skin.stretch_to_strip"].value
     assert 5 < stretch < 50
-    assert failures(*SLEEVE, f"mold.most_stretch_percent={stretch - 1}") == {"skin.stretch_to_strip"}
+    assert failures(*SLEEVE, f"mold.max_stretch_percent={stretch - 1}") == {"skin.stretch_to_strip"}

@@ -16,7 +16,7 @@ CLOSE = [
     "skin.width_mm=15",
     "skin.semi_axis_palmar_mm=6.5",
     "skin.thickness_side_mm=1.2",
-    "skin.least_thickness_mm=0.4",
+    "skin.min_thickness_mm=0.4",
 ]
 
 

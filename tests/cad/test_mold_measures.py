@@ -16,7 +16,7 @@ BOXY = [
     "bone.squareness_palmar=4",
     "skin.semi_axis_palmar_mm=7",
     "skin.squareness_palmar=1.2",
-    "skin.least_thickness_mm=0.6",
+    "skin.min_thickness_mm=0.6",
 ]
 
 

@@ -66,7 +66,7 @@ def test_random_designs_that_break_a_rule_are_refused_at_once() -> None:
         except DesignError as error:
             slowest = max(slowest, time.process_time() - begun)
             refused.append(error)
-    assert all(len(fault.sentence) > 20 for error in refused for fault in error.faults)
+    assert all(len(issue.message) > 20 for error in refused for issue in error.issues)
     assert slowest < 0.2
 
 

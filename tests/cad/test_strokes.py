@@ -104,5 +104,5 @@ def test_what_could_not_be_read_is_left_out_and_told() -> None:
 
 def test_the_least_height_has_the_least_stroke() -> None:
     (bounds,) = (p.bounds for p in parameters() if p.path == "mold.engraving_height_mm")
-    least = lettering.LEAST_STROKE_MM / lettering.STROKE * strokes.HEIGHT
-    assert bounds.startswith(f">= {least:g},")
+    minimum = lettering.MIN_STROKE_MM / lettering.STROKE * strokes.HEIGHT
+    assert bounds.startswith(f">= {minimum:g},")

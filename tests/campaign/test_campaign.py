@@ -53,10 +53,10 @@ def test_a_few_trials_are_spread_over_the_surfaces():
     assert len({(s.scene, s.contact.surface) for s in slides}) == 8
 
 
-def test_amounts_are_refused_with_all_their_faults():
+def test_amounts_are_refused_with_all_their_issues():
     with pytest.raises(TraceError) as caught:
         Amount(0, -1)
-    assert [fault.field for fault in caught.value.faults] == ["--trials", "--minutes"]
+    assert [issue.field for issue in caught.value.issues] == ["--trials", "--minutes"]
 
 
 def trace_with(slips, knocks, length=8000) -> Trace:
@@ -201,7 +201,7 @@ def test_designs_far_from_the_articles_are_tried_too(cutoff_hz):
     found = run(design, Amount(1, 0.5), scales=(1.0,))
     assert set(found.totals) == set(DETECTORS)
     variants = {board.variant for board in boards(design, 1, 0.5)}
-    assert variants == ({"paper", "precision"} if cutoff_hz > 100 else {"paper"})  # 5 Hz ask for 900 uF behind R4
+    assert variants == ({"article", "precision"} if cutoff_hz > 100 else {"article"})  # 5 Hz ask for 900 uF behind R4
     assert all(0.0 <= s.beyond(200.0) <= 1.0 for s in spectra(design))
 
 
@@ -236,7 +236,7 @@ def test_validate_finds_what_it_should_and_says_what_it_stands_on(validated):
     data = json.loads(done.stdout)
     assert data == json.loads((out / "validation.json").read_text())
     assert data["passed"]
-    assert set(data["detectors"]) == {"paper", "digital", "fft", "fast"}
+    assert set(data["detectors"]) == {"analog", "digital", "fft", "fast"}
     fast, digital = data["detectors"]["fast"], data["detectors"]["digital"]
     assert fast["found_share"] == digital["found_share"] == 1.0
     assert fast["median_s"] < digital["median_s"] < 0.06
@@ -259,7 +259,7 @@ def test_a_design_that_misses_its_requirements_ends_with_1(tmp_path, monkeypatch
     for module in (pictures, trial_pictures, loop_pictures):  # drawn once, above
         monkeypatch.setattr(module, "png", lambda figure: b"")
     words = ["validate", "--trials", "1", "--minutes", "0.5", "--json", "--out", str(tmp_path)]
-    done = CliRunner().invoke(app, [*words, "--detector", "paper"])
+    done = CliRunner().invoke(app, [*words, "--detector", "analog"])
     assert done.exit_code == 1
     assert not json.loads(done.stdout)["passed"]
     assert (tmp_path / "validation.json").exists()
@@ -297,8 +297,8 @@ def test_what_failed_and_what_was_assumed_stands_in_a_page(validated):
         assert sentence in page
     lost = [row["detector"] for row in data["closed_loop"] if row["held"] < row["count"]]
     assert page.count(": lost.") == sum(r["count"] - r["held"] for r in data["closed_loop"]), lost
-    missed = (1 - data["detectors"]["paper"]["found_share"]) * 8
-    counted = [int(word) for word in page.split("- paper: not found ")[1].split("\n")[0].split() if word.isdigit()]
+    missed = (1 - data["detectors"]["analog"]["found_share"]) * 8
+    counted = [int(word) for word in page.split("- analog: not found ")[1].split("\n")[0].split() if word.isdigit()]
     assert sum(counted[::2]) == round(missed)
 
 
@@ -331,9 +331,9 @@ def test_a_bare_diode_stays_shut_where_a_precision_rectifier_does_not():
 
     rows = {(row.variant, row.by_rule): row for row in boards(Design(), 8, 0.5)}
     assert rows["precision", True].found_share == 1.0
-    assert rows["paper", True].found_share < 1.0
-    assert rows["paper", True].found_share >= rows["paper", False].found_share
-    assert rows["paper", True].threshold_v < 0.1 * rows["precision", True].threshold_v
+    assert rows["article", True].found_share < 1.0
+    assert rows["article", True].found_share >= rows["article", False].found_share
+    assert rows["article", True].threshold_v < 0.1 * rows["precision", True].threshold_v
 
 
 def test_a_motor_is_told_from_slip_by_a_longer_stretch_only():

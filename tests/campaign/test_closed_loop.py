@@ -51,14 +51,16 @@ def held(seconds: float, force_n=1.0, burst=None) -> np.ndarray:
     return volts + 0.01 * np.sin(2 * np.pi * 90 * t) * ((t >= start) & (t < stop))
 
 
-@pytest.mark.parametrize("detector", ["digital", "fft", "fast", "paper"])
+@pytest.mark.parametrize("detector", ["digital", "fft", "fast", "analog"])
 def test_a_claim_makes_every_finger_press_by_the_factor_harder(detector):
     settings = GripSettings(detector)
     design, volts = Design(board={"variant": "precision"}), held(1.0, burst=(0.5, 0.6))
     grip = Grip(design, settings, 2)
     commands = stepped(grip, volts, enveloped=envelope_v(design, volts))
     first = next(i for i, look in enumerate(grip.looks) if look.gripped)
-    assert 0.5 < grip.looks[first].time_s <= 0.5 + {"digital": 0.03, "fft": 0.05, "fast": 0.02, "paper": 0.03}[detector]
+    assert (
+        0.5 < grip.looks[first].time_s <= 0.5 + {"digital": 0.03, "fft": 0.05, "fast": 0.02, "analog": 0.03}[detector]
+    )
     assert not any(command.any() for command in commands[:first])
     pad = grip._pad
     further = pad.depth_m(settings.firmer) - pad.depth_m(1.0)
@@ -82,7 +84,7 @@ def test_claims_are_discarded_while_the_force_grows_fast_or_the_fingers_close():
 
 
 def test_a_grip_rests_and_never_presses_beyond_its_most():
-    settings = GripSettings("fast", most_n=2.0)
+    settings = GripSettings("fast", max_n=2.0)
     grip = Grip(DESIGN, settings, 1)
     commands = stepped(grip, held(2.0, burst=(0.5, 1.9)))
     grips = [look.time_s for look in grip.looks if look.gripped]
@@ -95,7 +97,7 @@ def test_a_grip_rests_and_never_presses_beyond_its_most():
 
 def test_the_boards_by_chunks_are_the_boards_at_once():
     rows = np.array([held(0.6, burst=(0.2, 0.4)) + 0.1 * (np.arange(1200) > 700), held(0.6, 3.0), held(0.6, 0.1)])
-    for variant in ("paper", "precision"):
+    for variant in ("article", "precision"):
         design = Design(board={"variant": variant})
         stream = BoardStream(design)
         parts = [stream.process(rows[:, i : i + PERIOD]) for i in range(0, rows.shape[1], PERIOD)]

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from fingertip.casting.batch import LEAST_PART_G, WASTE_SHARE, batch, mass_g, split
+from fingertip.casting.batch import MIN_PART_G, WASTE_SHARE, batch, mass_g, split
 from fingertip.casting.materials import MATERIALS, SOURCES, Figure, Silicone, modulus_from_hardness_mpa, silicone
 from fingertip.errors import DesignError
 
@@ -43,8 +43,8 @@ class TestEachCard:
 
     def test_a_small_batch_can_still_be_weighed(self, card: Silicone) -> None:
         mixed = batch(card, 1.0)
-        assert mixed.b_g == pytest.approx(LEAST_PART_G)
-        assert mixed.a_g == pytest.approx(10.0 * LEAST_PART_G)
+        assert mixed.b_g == pytest.approx(MIN_PART_G)
+        assert mixed.a_g == pytest.approx(10.0 * MIN_PART_G)
         assert mixed.waste_g == pytest.approx(mixed.total_g - card.density_g_cm3.high)
 
 
@@ -61,7 +61,7 @@ def test_ruess_at_40_is_the_upper_end_of_the_modulus() -> None:
 def test_another_ratio_is_followed() -> None:
     equal = replace(MATERIALS["addition_40a"], parts_a=Figure(1, 1, "neat"), parts_b=Figure(1, 1, "neat"))
     assert split(equal, 10.0) == (5.0, 5.0)
-    assert batch(equal, 0.01).a_g == pytest.approx(LEAST_PART_G)
+    assert batch(equal, 0.01).a_g == pytest.approx(MIN_PART_G)
 
 
 def test_the_mark_is_printed() -> None:

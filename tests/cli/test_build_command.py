@@ -74,7 +74,7 @@ def test_bad_input_exits_2_with_a_sentence_and_changes_nothing(
 def test_faults_are_json_too(tmp_path: Path) -> None:
     done = run_fingertip("build", tmp_path / "none.toml", "--json")
     assert done.returncode == 2
-    assert json.loads(done.stdout)["faults"][0]["sentence"].startswith("cannot be read")
+    assert json.loads(done.stdout)["issues"][0]["message"].startswith("cannot be read")
 
 
 def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:

@@ -71,7 +71,7 @@ def test_all_faults_of_all_files_at_once_and_nothing_written(tmp_path: Path) -> 
     odd.write_text('[mold]\ndraft_deg = "much"\nwal_mm = 3.0\n')
     done = run_fingertip("check", narrow, FSR400, odd, tmp_path / "none.toml", "--junit", report, "--json")
     assert done.returncode == 2
-    fields = [fault["field"] for fault in json.loads(done.stdout)["faults"]]
+    fields = [issue["field"] for issue in json.loads(done.stdout)["issues"]]
     assert f"{narrow}: skin.width_mm" in fields
     assert f"{odd}: mold.draft_deg" in fields
     assert f"{odd}: mold.wal_mm" in fields

@@ -15,10 +15,10 @@ from fingertip.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 
 
-def faults(*files: Path, changes: tuple[str, ...] = ()) -> dict[str, str]:
+def issues(*files: Path, changes: tuple[str, ...] = ()) -> dict[str, str]:
     with pytest.raises(DesignError) as caught:
         Design.load(*files, changes=changes)
-    return {fault.field: fault.sentence for fault in caught.value.faults}
+    return {issue.field: issue.message for issue in caught.value.issues}
 
 
 def test_later_wins(tmp_path: Path) -> None:
@@ -70,7 +70,7 @@ def test_schema_is_for_editors() -> None:
 
 
 def test_all_faults_come_at_once() -> None:
-    found = faults(
+    found = issues(
         changes=(
             "skin.widht_mm=17", "mold.draft_deg=nan", "bone.rim_mm=-1", "sensor.model=fsr4o2", "bone.draft_deg=1",
             "detector.window_samples=2.5", "board.cutoff_hz=-67", "bone.channel_diameter_mm=9", "name=a/b", "mould.x=1",
@@ -87,24 +87,24 @@ def test_all_faults_come_at_once() -> None:
     assert found["mould"] == "there is no such parameter; did you mean mold?"
     assert found["skin.length_mm"] == "'long' is not a number; write a number in mm, without quotes."
     assert "cannot name a folder" in found["name"]
-    # a rule between parameters that are in bounds is told beside the faults of single ones
+    # a rule between parameters that are in bounds is told beside the issues of single ones
     assert "folds a channel of 9 mm" in found["bone.channel_bend_radius_mm"]
     # and a rule that reads a faulty parameter is not asked
     assert "skin.width_mm" not in found
 
 
 def test_a_sensor_wider_than_the_bone() -> None:
-    sentence = faults(design_file("fsr402"), changes=("skin.width_mm=20",))["skin.width_mm"]
+    sentence = issues(design_file("fsr402"), changes=("skin.width_mm=20",))["skin.width_mm"]
     assert "FSR 402" in sentence
     assert "finger of 20 mm" in sentence
-    least = sentence.split("at least ")[1].split(" mm")[0]
-    Design.load(design_file("fsr402"), changes=(f"skin.width_mm={least}",))
-    assert float(least) == pytest.approx(24.2, abs=0.3)
+    minimum = sentence.split("at least ")[1].split(" mm")[0]
+    Design.load(design_file("fsr402"), changes=(f"skin.width_mm={minimum}",))
+    assert float(minimum) == pytest.approx(24.2, abs=0.3)
 
 
 @pytest.mark.parametrize("value", ["inf", "-inf", "nan", "true", "[1]", "{a=1}", "''"])
 def test_what_is_no_number_is_refused(value: str) -> None:
-    assert set(faults(changes=(f"skin.width_mm={value}",))) >= {"skin.width_mm"} or value == "{a=1}"
+    assert set(issues(changes=(f"skin.width_mm={value}",))) >= {"skin.width_mm"} or value == "{a=1}"
 
 
 def test_a_file_as_windows_saves_it(tmp_path: Path) -> None:
@@ -117,7 +117,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     broken, binary = tmp_path / "broken.toml", tmp_path / "binary.toml"
     broken.write_text("[mold\n")
     binary.write_bytes(b"\xff\xfe\x00")
-    found = faults(tmp_path / "none.toml", broken, binary, tmp_path, changes=("mold.draft_deg",))
+    found = issues(tmp_path / "none.toml", broken, binary, tmp_path, changes=("mold.draft_deg",))
     assert "No such file" in found[str(tmp_path / "none.toml")]
     assert "no valid TOML" in found[str(broken)]
     assert "UTF-8" in found[str(binary)]
@@ -126,8 +126,8 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 
 
 def test_a_table_given_as_a_value(tmp_path: Path) -> None:
-    assert "is not a table" in faults(changes=("mold=3",))["mold"]
-    assert "table.key=value" in faults(changes=("=3",))["--set =3"]
+    assert "is not a table" in issues(changes=("mold=3",))["mold"]
+    assert "table.key=value" in issues(changes=("=3",))["--set =3"]
 
 
 def test_python_face_raises_the_same() -> None:
@@ -143,5 +143,5 @@ def test_any_number_is_accepted_or_refused_with_a_sentence(key: str, value: floa
     with contextlib.suppress(DesignError):
         Design.load(changes=[f"{key}={value!r}"])
         return
-    found = faults(changes=(f"{key}={value!r}",))
+    found = issues(changes=(f"{key}={value!r}",))
     assert all(field and len(sentence) > 20 for field, sentence in found.items())

@@ -14,7 +14,7 @@ from tests.conftest import design_file
 BROKEN = {
     "skin.tip_length_mm": ["skin.tip_length_mm=33"],
     "skin.thickness_side_mm": ["skin.thickness_side_mm=5.5"],
-    "skin.least_thickness_mm": ["skin.least_thickness_mm=1.7"],
+    "skin.min_thickness_mm": ["skin.min_thickness_mm=1.7"],
     "skin.thickness_dorsal_mm": ["skin.thickness_dorsal_mm=6.5"],
     "skin.thickness_tip_mm": ["skin.thickness_tip_mm=9.5"],
     "skin.squareness_tip": ["skin.taper_ratio=0.4", "skin.tip_length_mm=20"],
@@ -57,8 +57,8 @@ BROKEN = {
 MORE = [  # fields that a second rule blames too
     ("sensor.distance_from_tip_mm", ["sensor.model=fsr400_short", "sensor.distance_from_tip_mm=18"]),
     (
-        "skin.least_thickness_mm",
-        ["skin.thickness_side_mm=1.2", "skin.least_thickness_mm=1.2", "bone.squareness_palmar=2.5"],
+        "skin.min_thickness_mm",
+        ["skin.thickness_side_mm=1.2", "skin.min_thickness_mm=1.2", "bone.squareness_palmar=2.5"],
     ),
     ("bone.wall_mm", ["bone.wall_mm=0.6"]),
     ("mold.recess_length_mm", ["mold.recess_length_mm=2.5"]),
@@ -98,7 +98,7 @@ def test_a_broken_rule_blames_its_field(field: str, changes: list[str]) -> None:
 def test_the_printed_bound_passes_when_typed_in(field: str, changes: list[str]) -> None:
     with pytest.raises(DesignError) as caught:
         Design.load(changes=changes)
-    sentence = next(fault.sentence for fault in caught.value.faults if fault.field == field)
+    sentence = next(issue.message for issue in caught.value.issues if issue.field == field)
     bound = re.search(r"(?:at least|at most|between) (\d+(?:\.\d+)?)", sentence)
     assert bound, sentence
     assert field not in blamed([*changes, f"{field}={bound[1]}"]), sentence
@@ -110,7 +110,7 @@ def blamed(changes: list[str]) -> set[str]:
         return set()
     with pytest.raises(DesignError) as caught:
         Design.load(changes=changes)
-    return {fault.field for fault in caught.value.faults}
+    return {issue.field for issue in caught.value.issues}
 
 
 @pytest.mark.parametrize("name", ["fsr400", "fsr402"])

@@ -178,11 +178,11 @@ def test_extremes(parts, what, tolerance):
     assert np.isfinite(found.envelope_v).all()
     assert np.isfinite(found.filtered_v).all()
     # The envelope stays below the most the filter gives, above what reverse current can do, and never rings.
-    most = float(np.max(board.gain)) * np.ptp(np.append(voltage, after if after is not None else voltage))
+    maximum = float(np.max(board.gain)) * np.ptp(np.append(voltage, after if after is not None else voltage))
     if board.rail_v:
-        most = min(most, board.rail_v)
-    assert np.abs(found.envelope_v - finer.envelope_v).max() < 3 * tolerance + 1e-8 * most
-    assert found.envelope_v.max() <= most + tolerance
+        maximum = min(maximum, board.rail_v)
+    assert np.abs(found.envelope_v - finer.envelope_v).max() < 3 * tolerance + 1e-8 * maximum
+    assert found.envelope_v.max() <= maximum + tolerance
     assert found.envelope_v.min() >= -board.diode.saturation_a * board.r_lp_ohm - tolerance
     assert found.steps < 100_000
     if what in ("zero", "denormal"):
@@ -241,12 +241,12 @@ def test_precision_follows_the_positive_half_waves():
         out = respond(board, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
         peak = out.filtered_v[32_000:].max()
         assert out.envelope_v[32_000:].mean() == pytest.approx(peak / math.pi, rel=1e-3)
-        paper = respond(BOARD, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
-        assert (paper.envelope_v[32_000:].mean() < 1e-3 * peak) == (volt == 1e-6)
+        article = respond(BOARD, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
+        assert (article.envelope_v[32_000:].mean() < 1e-3 * peak) == (volt == 1e-6)
 
 
 @pytest.mark.parametrize("supply", ["split", "single"])
-@pytest.mark.parametrize("variant", ["paper", "precision", "comparator"])
+@pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
 def test_the_parts_are_those_of_the_netlist(variant, supply):
     design = Design(board={"variant": variant, "supply": supply, "cutoff_hz": 80.0, "capacitor_series": "E12"})
     circuit, board = board_circuit(board_values(design)), Analog.of(design)
@@ -258,13 +258,13 @@ def test_the_parts_are_those_of_the_netlist(variant, supply):
 
     ours = {f"R{i}": getattr(board, f"r{i}_ohm") for i in range(1, 6)} | {"R6": board.r_lp_ohm, "C4": board.c_lp_f}
     ours |= {f"C{i}": getattr(board, f"c{i}_f") for i in range(1, 4)}
-    if variant != "paper":
+    if variant != "article":
         ours |= {"C14": board.blocking_capacitor, "C20": board.limiting_capacitor}
     for reference, value in ours.items():
         assert fitted(reference) == pytest.approx(value, rel=1e-9), reference
 
 
-@pytest.mark.parametrize("variant", ["paper", "precision", "comparator"])
+@pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
 def test_the_nodes_are_those_of_the_netlist(variant):
     """Each part lies between the nets its reference lies between; the two names of a node are one to one."""
     design = Design(board={"variant": variant})

@@ -108,7 +108,7 @@ def test_the_netlists_deck_switches_at_the_same_moments(supply, tmp_path):
 def test_a_scene_names_the_pin_and_only_a_board_that_has_one_gives_it():
     tables = SceneFile(
         contact={"surface": "gross"},
-        hold={"force_least_n": 1.0, "force_most_n": 1.0},
+        hold={"min_force_n": 1.0, "max_force_n": 1.0},
         slide={"distance_m": 0.02},
         outputs=["slip", "slip_pin_v"],
     )
@@ -121,7 +121,7 @@ def test_a_scene_names_the_pin_and_only_a_board_that_has_one_gives_it():
     assert run_manipulation(DESIGN, hand, None, 1).columns["index_slip_pin_v"].min() == 0.0
     for run, scene in ((run_scene, tables), (run_manipulation, hand)):
         with pytest.raises(
-            TraceError, match=r"outputs: 'slip_pin_v' .* this design's is paper; use --set board\.variant"
+            TraceError, match=r"outputs: 'slip_pin_v' .* this design's is article; use --set board\.variant"
         ):
             run(Design(), scene)
 

@@ -78,15 +78,15 @@ def test_without_contact_there_is_no_friction_and_bristles_relax():
 
 def test_friction_never_gives_back_more_than_the_bristles_store():
     """Passivity for a velocity that shakes across zero: work taken up >= energy stored, at every instant."""
-    h, z, work, stored_least = 1e-6, 0.0, 0.0, math.inf
+    h, z, work, min_stored = 1e-6, 0.0, 0.0, math.inf
     for i in range(200_000):
         t = i * h
         v = 0.004 * math.sin(2 * math.pi * 37 * t) + 0.003 * math.sin(2 * math.pi * 211 * t + 1)
         dz = v - FRICTION.sigma0 * abs(v) * z / FRICTION.stribeck(v)
         work += h * v * (FRICTION.sigma0 * z + FRICTION.sigma1 * dz + FRICTION.sigma2 * v)
         z += h * dz
-        stored_least = min(stored_least, work - FRICTION.sigma0 * z * z / 2)
-    assert stored_least > -1e-9
+        min_stored = min(min_stored, work - FRICTION.sigma0 * z * z / 2)
+    assert min_stored > -1e-9
 
 
 def test_friction_that_could_give_energy_is_refused():

@@ -257,15 +257,15 @@ def test_bristles_never_give_back_more_than_they_store(elastic):
     """Work taken up less energy stored, at every instant, for a velocity that shakes across zero."""
     f = Friction(0.6, 0.48, sigma1=2.3, elastic=elastic)
     curve, sigma = (f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.elastic), (f.sigma0, f.sigma1, f.sigma2)
-    h, z, work, least = 2e-6, 0.0, 0.0, math.inf
+    h, z, work, minimum = 2e-6, 0.0, 0.0, math.inf
     for i in range(100_000):
         t = i * h
         v = 0.004 * math.sin(2 * math.pi * 37 * t) + 0.003 * math.sin(2 * math.pi * 211 * t + 1)
         _, dz, _ = coupled_loop.rates(curve, sigma, (1, 0, 0), (1, 1, 1), 0, 0, 1.0, 0.0, v, z, 1.0, 0.0)
         work += h * v * (f.sigma0 * z + f.sigma1 * dz + f.sigma2 * v)
         z += h * dz
-        least = min(least, work - f.sigma0 * z * z / 2)
-    assert least > -1e-9
+        minimum = min(minimum, work - f.sigma0 * z * z / 2)
+    assert minimum > -1e-9
 
 
 @pytest.mark.parametrize(
@@ -292,7 +292,7 @@ def test_all_faults_at_once_before_anything_runs():
     still = np.zeros(5)
     with pytest.raises(TraceError) as caught:
         integrate(FRICTION, MOUNT, PRESS, 0.0, still, still * math.nan, still[:3], -1.0)
-    assert [fault.field for fault in caught.value.faults] == ["step_s", "tolerance_n", "stage_m_s", "pressing_n"]
+    assert [issue.field for issue in caught.value.issues] == ["step_s", "tolerance_n", "stage_m_s", "pressing_n"]
 
 
 @pytest.mark.parametrize("mass", [0.0, -1.0, math.nan, math.inf])

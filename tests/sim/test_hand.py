@@ -69,7 +69,7 @@ def test_a_planned_grip_gives_its_forces_and_a_tendon_stalls():
     hand = motors(("thumb", "index"), lag_s=0.001, rate_m_s=1.0)
     goal = 0.03 + PAD.depth_m(1.7)
     assert hand.follow(np.full((2, 300), goal))[1][:, -1] == pytest.approx([1.7, 1.7], abs=1e-6)
-    weak = motors(("thumb", "index"), lag_s=0.001, rate_m_s=1.0, force_most_n=2.0)
+    weak = motors(("thumb", "index"), lag_s=0.001, rate_m_s=1.0, max_force_n=2.0)
     assert weak.follow(np.full((2, 600), 1.0))[1][:, -1] == pytest.approx([2.0, 2.0], abs=1e-6)
 
 

@@ -41,7 +41,7 @@ def scene(**tables) -> ManipulationFile:
 def test_stepping_changes_no_bit():
     """One step over everything, and a controller that looks on every 10 ms but does nothing."""
     outputs = ["voltage_v", "force_n", "slip", "object_m", "closing_m", "pin_n", "envelope_v"]
-    tables = scene(grasp={"margin_most": 1.15}, outputs=outputs)
+    tables = scene(grasp={"max_margin": 1.15}, outputs=outputs)
     at_once, stepped = run_manipulation(DESIGN, tables, None, 3), run_manipulation(DESIGN, tables, FixedGrip(), 3)
     assert at_once.lost_s is not None
     for name, signal in at_once.signals.items():
@@ -90,9 +90,7 @@ def test_the_weight_shears_the_pads_and_the_sensor_loses_by_it():
 
 def test_a_grip_at_the_margin_is_knocked_loose_and_one_well_beyond_it_holds():
     loose, firm = (
-        run_manipulation(
-            DESIGN, scene(grasp={"margin_least": m, "margin_most": m}, outputs=["slip", "object_m"]), None, 1
-        )
+        run_manipulation(DESIGN, scene(grasp={"min_margin": m, "max_margin": m}, outputs=["slip", "object_m"]), None, 1)
         for m in (1.15, 1.6)
     )
     assert loose.lost_s > loose.plan.knock_s
@@ -114,7 +112,7 @@ class Tighter:
 
 
 def test_a_hand_told_in_time_holds_what_it_would_lose():
-    tables = scene(grasp={"margin_most": 1.15})
+    tables = scene(grasp={"max_margin": 1.15})
     lost = run_manipulation(DESIGN, tables, FixedGrip(), 2)
     held = run_manipulation(DESIGN, tables, Tighter(lost.plan.knock_s + 0.05), 2)
     late = run_manipulation(DESIGN, tables, Tighter(lost.lost_s + 0.05), 2)
@@ -188,7 +186,7 @@ def test_only_what_is_needed_runs(outputs, stages):
 
 
 def test_lost_is_a_result_and_silence():
-    made = run_manipulation(DESIGN, scene(grasp={"margin_least": 0.8, "margin_most": 0.8}), None, 1)
+    made = run_manipulation(DESIGN, scene(grasp={"min_margin": 0.8, "max_margin": 0.8}), None, 1)
     assert made.lost_s < made.plan.let_go_s + 0.5
     after = made.time_s > made.lost_s + 0.001
     assert not made.signals["force_n"][:, after].any()
@@ -206,7 +204,7 @@ def test_without_a_knock_nothing_slips():
 
 @pytest.mark.parametrize("rate", [1000.0, 3000.0, 20_000.0])
 def test_other_rates_give_the_same_motion(rate):
-    tables = scene(grasp={"margin_most": 1.15, "margin_least": 1.15}, outputs=["voltage_v", "slip", "object_m"])
+    tables = scene(grasp={"max_margin": 1.15, "min_margin": 1.15}, outputs=["voltage_v", "slip", "object_m"])
     usual = run_manipulation(DESIGN, tables, FixedGrip(), 1)
     other = run_manipulation(Design(detector={"sample_rate_hz": rate}), tables, FixedGrip(), 1)
     assert other.lost_s == pytest.approx(usual.lost_s, abs=0.003)
@@ -237,7 +235,7 @@ def test_the_seed_decides():
     [
         ({"object": {"mass_kg": 0.0}}, "object.mass_kg", "0.0 kg is too small; at least 0.005 kg"),
         ({"object": {"surface": "ice"}}, "object.surface", "'ice' is not known; choose 'smooth'"),
-        ({"grasp": {"margin_least": 2.0}}, "grasp.margin_least", "2 is above grasp.margin_most; at most 1.2"),
+        ({"grasp": {"min_margin": 2.0}}, "grasp.min_margin", "2 is above grasp.max_margin; at most 1.2"),
         ({"knock": {"stroke_m": 0.002}}, "knock.stroke_m", "too short to stop from 0.08 m/s; at least 0.0032 m"),
         ({"hand": {"lag_s": 0.0}}, "hand.lag_s", "0.0 s is too small; at least 0.001 s"),
         ({"sensing": {"jitter_s": 1e-5}}, "sensing.jitter_s", "not modelled with the hand in the loop; set it to 0"),
@@ -249,16 +247,16 @@ def test_the_seed_decides():
 def test_what_cannot_be_is_refused(tables, field, words):
     with pytest.raises(TraceError) as caught:
         ManipulationFile(**tables)
-    (fault,) = caught.value.faults
-    assert fault.field == field
-    assert words in fault.sentence
+    (issue,) = caught.value.issues
+    assert issue.field == field
+    assert words in issue.message
 
 
 def test_a_hand_too_weak_is_refused_before_anything_runs():
-    tables = scene(object={"mass_kg": 5.0}, hand={"force_most_n": 10.0})
+    tables = scene(object={"mass_kg": 5.0}, hand={"max_force_n": 10.0})
     with pytest.raises(TraceError) as caught:
         run_manipulation(DESIGN, tables, None, -1)
-    assert [fault.field for fault in caught.value.faults] == ["--seed", "hand.force_most_n"]
+    assert [issue.field for issue in caught.value.issues] == ["--seed", "hand.max_force_n"]
     assert "10 N is less than the thumb needs for 5 kg; at least 42." in str(caught.value)
 
 
@@ -293,16 +291,16 @@ def test_the_command_closes_the_loop(tmp_path):
     pinch = ["--set", "object.mass_kg=0.06", "--set", "grasp.kind=pinch", "--set", "grasp.after_s=1", "--seed", "3"]
     arguments = ["simulate", file, "--design", ROOT / "params/fsr402.toml", *pinch, "--json", "-q"]
     told = {}
-    for grip in ([], ["--grip", "fast"], ["--grip", "paper"]):
+    for grip in ([], ["--grip", "fast"], ["--grip", "analog"]):
         done = run_fingertip(*arguments, *grip, "--out", tmp_path / "a.csv")
         assert done.returncode == 0, done.stderr
         told[tuple(grip)] = json.loads(done.stdout)
     assert not told[()]["held"]
-    for grip in (("--grip", "fast"), ("--grip", "paper")):
+    for grip in (("--grip", "fast"), ("--grip", "analog")):
         assert told[grip]["held"]
         (first, *_) = told[grip]["grips_s"]
         assert 2.9 < first < 3.0  # the knock comes at 2.9 s
-    assert "envelope_v" in told["--grip", "paper"]["columns"]
+    assert "envelope_v" in told["--grip", "analog"]["columns"]
     refused = run_fingertip("simulate", "--grip", "fats", "--out", tmp_path / "b.csv")
     assert refused.returncode == 2
     assert "closes the loop of a hand" in refused.stderr

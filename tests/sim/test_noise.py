@@ -13,7 +13,7 @@ from fingertip.sim.electronics.board_noise import gain, input_noise_v
 from fingertip.sim.electronics.board_output import replayed_level, rest_level
 from fingertip.sim.electronics.converter import quantise, sampled_v
 
-STILL = {"hold": {"mode": "grasp", "force_least_n": 1.0, "force_most_n": 1.0, "least_s": 20.0, "release": False}}
+STILL = {"hold": {"mode": "grasp", "min_force_n": 1.0, "max_force_n": 1.0, "min_s": 20.0, "release": False}}
 SETTLED = 4000
 """Samples: the grasp has closed, and the filter has forgotten it."""
 DESIGN = Design()
@@ -25,12 +25,12 @@ def still(design: Design, *outputs: str, **sensing) -> dict[str, np.ndarray]:
 
 
 @pytest.mark.parametrize("supply", ["split", "single"])
-@pytest.mark.parametrize("variant", ["paper", "precision", "comparator"])
+@pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
 def test_the_simulated_board_is_as_noisy_as_its_budget(variant, supply):
     """Which ngspice's own noise analysis confirms (tests/board/test_noise.py)."""
     design = Design(board={"variant": variant, "supply": supply})
     said = total_v(board_circuit(board_values(design)), design.board.gain_bandwidth_hz, "FILTERED")
-    assert said == pytest.approx({"paper": 18.6e-3, "precision": 5.65e-3, "comparator": 5.65e-3}[variant], rel=0.1)
+    assert said == pytest.approx({"article": 18.6e-3, "precision": 5.65e-3, "comparator": 5.65e-3}[variant], rel=0.1)
     filtered = still(design, "filtered_v")["filtered_v"]
     assert np.std(filtered) == pytest.approx(said, rel=0.03)  # 40 000 samples of a band of a kilohertz: within 1 %
 
@@ -68,7 +68,7 @@ def test_the_converter_is_nothing_to_the_board():
     assert np.array_equal(still(DESIGN, "envelope_v")["envelope_v"], still(better, "envelope_v")["envelope_v"])
 
 
-@pytest.mark.parametrize("variant", ["paper", "precision"])
+@pytest.mark.parametrize("variant", ["article", "precision"])
 def test_the_rest_level_is_what_a_board_at_rest_shows(variant):
     design = Design(board={"variant": variant})
     level = rest_level(design)

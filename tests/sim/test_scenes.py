@@ -61,9 +61,7 @@ def test_the_sliding_finger_is_the_trial():
 def test_the_designs_own_bridge_gives_the_articles_voltages_nearly():
     voltages = {}
     for bridge in ("board", "article"):
-        tables = SceneFile(
-            hold={"force_least_n": 0.8, "force_most_n": 0.8, "release": False}, sensing={"bridge": bridge}
-        )
+        tables = SceneFile(hold={"min_force_n": 0.8, "max_force_n": 0.8, "release": False}, sensing={"bridge": bridge})
         voltages[bridge] = run_scene(DESIGN, tables).columns["voltage_v"][-200:].mean()
     assert voltages["article"] == pytest.approx(4.0, abs=1e-3)
     assert voltages["board"] == pytest.approx(4.0, abs=0.02)
@@ -76,13 +74,13 @@ def test_a_grasp_may_hold_more_than_a_finger_slides_with():
     forces = [run_scene(DESIGN, tables.model_copy(update={"outputs": ["force_n"]}), seed).force_n for seed in range(40)]
     assert 0.5 <= min(forces) < 0.8
     assert 3.0 < max(forces) <= 3.5
-    finger = SceneFile(hold={"mode": "grasp", "share": 0.5, "force_least_n": 2.0, "force_most_n": 2.0})
+    finger = SceneFile(hold={"mode": "grasp", "share": 0.5, "min_force_n": 2.0, "max_force_n": 2.0})
     assert run_scene(DESIGN, finger).force_n == 1.0
 
 
 @pytest.mark.parametrize("rise", [0.002, 0.010])
 def test_taps_come_when_and_as_hard_as_they_are_asked_for(rise):
-    tables = scene("hard_tap", **{"tap.rise_s": rise, "tap.force_n": 3.0, "hold.force_least_n": 2.0})
+    tables = scene("hard_tap", **{"tap.rise_s": rise, "tap.force_n": 3.0, "hold.min_force_n": 2.0})
     found = run_scene(DESIGN, tables)
     time, force, start = found.time_s, found.columns["force_n"], held(found, tables)
     for i in range(3):
@@ -104,7 +102,7 @@ def test_motors_shake_at_their_frequency():
 
 
 def test_load_changes_by_as_much_as_asked():
-    tables = scene("load_change", **{"hold.force_least_n": 1.0, "hold.force_most_n": 1.0})
+    tables = scene("load_change", **{"hold.min_force_n": 1.0, "hold.max_force_n": 1.0})
     found = run_scene(DESIGN, tables)
     start = held(found, tables)
     for moment, force in ((start + 0.9, 1.0), (start + 1.6, 2.0)):
@@ -126,7 +124,7 @@ def test_a_touched_cable_changes_the_voltage_and_not_the_force():
 
 
 def test_jitter_shows_where_the_voltage_moves():
-    steady = {"hold.force_least_n": 1.0, "hold.force_most_n": 1.0}
+    steady = {"hold.min_force_n": 1.0, "hold.max_force_n": 1.0}
     runs = [
         run_scene(Design(detector={"noise_v": 0.0}), scene("load_change", **steady | {"sensing.jitter_s": jitter}))
         for jitter in (0.0, 1e-5)
@@ -145,7 +143,7 @@ def test_a_long_scene_reports_its_progress():
     said: list[str] = []
     run_scene(DESIGN, scene("contact"), 0, said.append)
     assert said == []
-    run_scene(DESIGN, SceneFile(scene="long", hold={"least_s": 20.0}, outputs=["force_n"]), 0, said.append)
+    run_scene(DESIGN, SceneFile(scene="long", hold={"min_s": 20.0}, outputs=["force_n"]), 0, said.append)
     assert said[0].startswith("long, 2")
     assert said[1:] == ["load", "contact", "force"]
 
@@ -165,7 +163,7 @@ def test_parameters_are_listed_with_unit_and_bounds():
 
 
 def test_creep_is_a_share_for_each_decade():
-    steady = {"hold.force_least_n": 1.0, "hold.force_most_n": 1.0, "drift.volt_per_s": 0.0}
+    steady = {"hold.min_force_n": 1.0, "hold.max_force_n": 1.0, "drift.volt_per_s": 0.0}
     creeping = run_scene(DESIGN, scene("drift", **steady)).columns["voltage_v"]
     still = run_scene(DESIGN, scene("drift", **steady | {"drift.share_per_decade": 0.0})).columns["voltage_v"]
     moment = 15 * 2000
@@ -178,8 +176,8 @@ def test_embedded_and_bare_spectra_are_the_articles():
     above = {}
     for resonance in (90.0, 230.0):
         tables = scene("sliding_finger", **{
-            "contact.resonance_hz": resonance, "slide.speed_m_s": 0.08, "hold.force_least_n": 1.0,
-            "hold.force_most_n": 1.0, "contact.surface": '"gross"',
+            "contact.resonance_hz": resonance, "slide.speed_m_s": 0.08, "hold.min_force_n": 1.0,
+            "hold.max_force_n": 1.0, "contact.surface": '"gross"',
         })  # fmt: skip
         found = run_scene(DESIGN, tables, 2)
         force = found.columns["force_n"][found.columns["slip"]][100:900]
@@ -192,7 +190,7 @@ def test_embedded_and_bare_spectra_are_the_articles():
 
 
 def test_vibration_that_acts_back_changes_little_and_elasto_plastic_bristles_hold():
-    base = {"hold.force_least_n": 1.0, "hold.force_most_n": 1.0, "slide.speed_m_s": 0.08}
+    base = {"hold.min_force_n": 1.0, "hold.max_force_n": 1.0, "slide.speed_m_s": 0.08}
     runs = {}
     for name, more in {
         "plain": {},
@@ -215,7 +213,7 @@ def test_vibration_that_acts_back_changes_little_and_elasto_plastic_bristles_hol
         ({"slid": {}}, "slid", "did you mean slide?"),
         ({"slide": {"distance_m": 0.5}}, "slide.distance_m", "longer than contact.length_m; at most 0.1 m"),
         ({"slide": {"speed_m_s": 0.0}}, "slide.speed_m_s", "0.0 m/s is too small; at least 0.005 m/s"),
-        ({"hold": {"force_least_n": 3.0}}, "hold.force_least_n", "at most 2 N"),
+        ({"hold": {"min_force_n": 3.0}}, "hold.min_force_n", "at most 2 N"),
         ({"outputs": ["volt_v"]}, "outputs", "did you mean voltage_v?"),
         ({"outputs": []}, "outputs", "name at least one of voltage_v"),
         ({"outputs": ["slip", "slip"]}, "outputs", "named 2 times"),
@@ -232,15 +230,15 @@ def test_vibration_that_acts_back_changes_little_and_elasto_plastic_bristles_hol
 def test_what_cannot_be_is_refused(tables, field, words):
     with pytest.raises(TraceError) as caught:
         SceneFile(**tables)
-    (fault,) = caught.value.faults
-    assert fault.field == field
-    assert words in fault.sentence
+    (issue,) = caught.value.issues
+    assert issue.field == field
+    assert words in issue.message
 
 
 def test_all_faults_at_once():
     with pytest.raises(TraceError) as caught:
         SceneFile(tap={"forc_n": 1.0}, slide={"distance_m": 0.5, "speed_m_s": 9.0}, outputs=["volts"])
-    fields = [fault.field for fault in caught.value.faults]
+    fields = [issue.field for issue in caught.value.issues]
     assert fields == ["slide.speed_m_s", "tap.forc_n", "outputs", "slide.distance_m"]
 
 

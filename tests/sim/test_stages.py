@@ -15,7 +15,7 @@ from fingertip.sim.contact.pad import Pad
 from fingertip.sim.electronics import converter, fsr
 from fingertip.sim.scenes.scene import LIFT_M, Ramp
 from fingertip.sim.scenes.timeline import plan
-from fingertip.sim.trial import MOST_FORCE_N, Trial
+from fingertip.sim.trial import MAX_FORCE_N, Trial
 
 PAD = Pad.of(Design())
 
@@ -48,7 +48,7 @@ def test_pad_force_inverts_depth():
 
 
 def test_the_lift_ends_every_contact_that_is_allowed():
-    assert PAD.depth_m(MOST_FORCE_N) < LIFT_M
+    assert PAD.depth_m(MAX_FORCE_N) < LIFT_M
 
 
 def test_pad_by_hertz_and_mindlin():

@@ -70,7 +70,7 @@ def test_no_slip_without_sliding_far_enough():
     for distance in (5e-5, 5e-3):
         scene = SceneFile(
             contact={"surface": "gross"},
-            hold={"force_least_n": 2.0, "force_most_n": 2.0},
+            hold={"min_force_n": 2.0, "max_force_n": 2.0},
             slide={"distance_m": distance, "speed_m_s": 0.04},
         )
         slides[distance] = run_scene(DESIGN, scene, 3).trace.slip.any()
@@ -139,6 +139,6 @@ def test_other_rates_give_the_same_motion(rate):
 def test_what_cannot_be_simulated_is_refused(asked, field, words):
     with pytest.raises(TraceError) as caught:
         Trial(**asked)
-    (fault,) = caught.value.faults
-    assert fault.field == field
-    assert words in fault.sentence
+    (issue,) = caught.value.issues
+    assert issue.field == field
+    assert words in issue.message

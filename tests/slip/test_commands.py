@@ -144,8 +144,8 @@ def test_what_is_no_csv(tmp_path, content):
     path.write_bytes(content)
     done = run("detect", path, "--json")
     assert done.exit_code == 2
-    (fault,) = json.loads(done.stdout)["faults"]
-    assert str(path) in fault["field"]
+    (issue,) = json.loads(done.stdout)["issues"]
+    assert str(path) in issue["field"]
 
 
 def test_missing_trace_and_folder(tmp_path):

@@ -106,7 +106,7 @@ def test_a_burst_is_found_at_any_rate(name, rate):
     volts += 0.01 * np.sin(2 * math.pi * 90 * t) * ((t > 0.5) & (t < 0.8))
     on = make(name, design).process(fed(name, volts, design)).on
     first = int(np.flatnonzero(on)[0])
-    assert 0.5 < t[first] < 0.5 + {"paper": 0.02, "digital": 0.02, "fft": 0.04, "fast": 0.006}[name]
+    assert 0.5 < t[first] < 0.5 + {"analog": 0.02, "digital": 0.02, "fft": 0.04, "fast": 0.006}[name]
     assert on[t > 0.9].sum() == 0
 
 
@@ -307,7 +307,7 @@ def test_noise_in_steps():
 
 
 @pytest.mark.skipif(not available(), reason="numba is not installed")
-@pytest.mark.parametrize("name", ["digital", "paper", "fast"])
+@pytest.mark.parametrize("name", ["digital", "analog", "fast"])
 def test_compiled_and_plain_give_the_same_bits(name, monkeypatch):
     import numba  # noqa: F401
 
@@ -327,11 +327,11 @@ def test_twice_the_noise_twice_the_threshold(name):
 def test_the_boards_window_is_the_digital_chains():
     """On the same envelope both have the same mean, so they differ in nothing but the board."""
     chain = make("digital", DESIGN).process(signal(1700))
-    window = make("paper", DESIGN).process(chain.envelope_v)
+    window = make("analog", DESIGN).process(chain.envelope_v)
     assert np.array_equal(window.level_v, chain.level_v)
     assert np.array_equal(window.on, chain.on)
     with pytest.raises(TraceError, match="its threshold stands on the board's output"):
-        make("paper", DESIGN, 1e-3)
+        make("analog", DESIGN, 1e-3)
 
 
 def test_an_unknown_detector_is_refused():

@@ -283,45 +283,47 @@ def test_a_line_that_is_wrong_ends_the_stream_after_what_was_found():
 PRECISION = ("--set", "board.variant=precision")
 
 
-def test_paper_simulates_the_board_where_no_envelope_was_recorded(tmp_path):
+def test_analog_simulates_the_board_where_no_envelope_was_recorded(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
-    done = run("detect", tmp_path / "t.csv", "--detector", "paper", *PRECISION, "--json")
+    done = run("detect", tmp_path / "t.csv", "--detector", "analog", *PRECISION, "--json")
     assert the_onset(done) == pytest.approx(ONSET, abs=0.006)
     assert "holds no column envelope_v: simulating the design's board on voltage_v" in done.stderr
     # a burst of 10 mV hardly opens a bare diode, and the noise does not at all
-    shut = run("detect", tmp_path / "t.csv", "--detector", "paper", "--json")
+    shut = run("detect", tmp_path / "t.csv", "--detector", "analog", "--json")
     assert json.loads(shut.stdout)["noise_threshold_v"] == pytest.approx(20 / 65536, abs=1e-6)
     assert "what the noise here asks for" not in shut.stderr  # offsets and leakage lift a real board's rest
 
 
-def test_paper_takes_a_recorded_envelope(tmp_path):
+def test_analog_takes_a_recorded_envelope(tmp_path):
     envelope = np.where((T >= 0.5) & (T < 0.7), 0.2, 0.001)
     np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, envelope_v=envelope)
-    done = run("detect", tmp_path / "t.npz", "--detector", "paper", "--json")
+    done = run("detect", tmp_path / "t.npz", "--detector", "analog", "--json")
     assert "simulating" not in done.stderr
     assert the_onset(done) == 0.5 + 4 / 2000  # five of sixty samples of 0.2 V: 17.6 mV
-    quiet = run("detect", tmp_path / "t.npz", "--detector", "paper", "--quiet-s", 0.4, "--json")
+    quiet = run("detect", tmp_path / "t.npz", "--detector", "analog", "--quiet-s", 0.4, "--json")
     assert json.loads(quiet.stdout)["threshold_v"] == pytest.approx(0.001 + 20 / 65536, abs=1e-4)
-    assert "takes in 600 samples" in run("detect", tmp_path / "t.npz", "--detector", "paper", "--quiet-s", 0.3).stderr
+    assert "takes in 600 samples" in run("detect", tmp_path / "t.npz", "--detector", "analog", "--quiet-s", 0.3).stderr
     # a recording of the board's output alone
     (tmp_path / "e.csv").write_text(csv(T, envelope, header=("time_s", "AI1")))
     both = ("--column", "voltage_v=AI1", "--column", "envelope_v=AI1")
-    assert the_onset(run("detect", tmp_path / "e.csv", "--detector", "paper", *both, "--json")) == 0.502
+    assert the_onset(run("detect", tmp_path / "e.csv", "--detector", "analog", *both, "--json")) == 0.502
     # and lines of it
-    lines = run("detect", "-", "--detector", "paper", "--json", lines=csv(T, envelope, header=("time_s", "envelope_v")))
+    lines = run(
+        "detect", "-", "--detector", "analog", "--json", lines=csv(T, envelope, header=("time_s", "envelope_v"))
+    )
     assert json.loads(lines.stdout)["changes"][0] == {"on": True, "time_s": 0.502}
 
 
-def test_paper_line_by_line_on_a_simulated_board(tmp_path):
+def test_analog_line_by_line_on_a_simulated_board(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
-    words = ("--detector", "paper", *PRECISION, "--json")
+    words = ("--detector", "analog", *PRECISION, "--json")
     whole = json.loads(run("detect", tmp_path / "t.csv", *words).stdout)["intervals"]
     done = run("detect", "-", *words, lines=csv(T, V))
     assert "simulating the design's board" in done.stderr
     told = json.loads(done.stdout)["changes"]
     assert [change["time_s"] for change in told] == [time for i in whole for time in (i["onset_s"], i["end_s"])]
     force = run("detect", "-", *words, "--column", "voltage_v=force_n", lines=csv(T, V, header=("time_s", "force_n")))
-    assert "line by line paper takes volts only" in force.stderr + force.stdout
+    assert "line by line analog takes volts only" in force.stderr + force.stdout
 
 
 @settings(max_examples=10, deadline=None)
@@ -331,7 +333,7 @@ def test_a_simulated_board_in_any_chunks_gives_the_same_bits_though_pickled(size
     from fingertip.sim.electronics.board_output import envelope_v
 
     design = Design(board={"variant": "precision"})
-    whole = make("paper", design).process(envelope_v(design, V))
+    whole = make("analog", design).process(envelope_v(design, V))
     detector, parts, start = BoardDetector(design), [], 0
     for size in [*sizes, len(V)]:
         parts.append(detector.process(V[start : start + size]))
@@ -344,10 +346,10 @@ def test_a_simulated_board_in_any_chunks_gives_the_same_bits_though_pickled(size
     assert [stepping.step(x) for x in V[:300].tolist()] == whole.on[:300].tolist()
 
 
-def test_paper_takes_a_force_through_the_designs_bridge(tmp_path):
+def test_analog_takes_a_force_through_the_designs_bridge(tmp_path):
     force = 1.0 + 0.05 * np.sin(2 * np.pi * 90 * T) * ((T >= 0.5) & (T < 0.7))
     (tmp_path / "t.csv").write_text(csv(T, force, header=("time_s", "force_n")))
-    words = ("--column", "voltage_v=force_n", "--detector", "paper", *PRECISION, "--json")
+    words = ("--column", "voltage_v=force_n", "--detector", "analog", *PRECISION, "--json")
     assert 0.5 < the_onset(run("detect", tmp_path / "t.csv", *words)) < 0.52
 
 
@@ -355,8 +357,8 @@ def test_an_envelope_that_is_not_there_is_missed_in_python():
     from fingertip.errors import TraceError
     from fingertip.slip import Trace, detect
 
-    with pytest.raises(TraceError, match="envelope_v: is missing: paper works on the board's output"):
-        detect(Trace(T, V), Design(), "paper")
+    with pytest.raises(TraceError, match="envelope_v: is missing: analog works on the board's output"):
+        detect(Trace(T, V), Design(), "analog")
 
 
 def test_digital_and_a_board_without_dead_zone_agree():
@@ -366,11 +368,11 @@ def test_digital_and_a_board_without_dead_zone_agree():
 
     design = Design(board={"variant": "precision"})
     digital = make("digital", design).process(V)
-    paper = make("paper", design).process(board_output.envelope_v(design, V))
+    analog = make("analog", design).process(board_output.envelope_v(design, V))
     during = (T >= 0.53) & (T < 0.7)
-    off = paper.level_v[during] - digital.level_v[during]
+    off = analog.level_v[during] - digital.level_v[during]
     assert np.sqrt(np.mean(off**2)) < 0.05 * np.sqrt(np.mean(digital.level_v[during] ** 2))
-    assert np.mean(paper.on != digital.on) < 0.01
+    assert np.mean(analog.on != digital.on) < 0.01
 
 
 def test_a_recorded_trace_in_python(tmp_path):

@@ -99,6 +99,6 @@ def test_a_trace_in_memory_is_checked_too():
     broken = Trace(trace.time_s * 2, np.where(np.arange(4000) == 7, np.nan, trace.voltage_v))
     with pytest.raises(TraceError) as caught:
         detect(broken, Design())
-    assert [fault.field for fault in caught.value.faults] == ["trace, voltage_v", "trace, time_s"]
+    assert [issue.field for issue in caught.value.issues] == ["trace, voltage_v", "trace, time_s"]
     assert "at sample 7 is not a finite number" in str(caught.value)
     assert "--rate-hz 1000" in str(caught.value)

@@ -114,7 +114,7 @@ def test_lines_until_they_end_are_told_with_what_ended_them(monkeypatch):
     assert json.loads(run("detect", "-", "--json", lines=PLAIN + "\n \n").stdout) == whole
     broken = json.loads(run("detect", "-", "--json", lines=PLAIN + "1.0,x\n").stdout)
     assert broken["changes"] == whole["changes"]
-    assert broken["faults"][0]["field"] == "standard input, line 2002"
+    assert broken["issues"][0]["field"] == "standard input, line 2002"
 
     def interrupted(*_):
         yield from PLAIN.splitlines(keepends=True)
@@ -149,8 +149,8 @@ def test_a_threshold_that_was_set_stays_at_any_rate(tmp_path):
             "filters and window are made for 5000 Hz; the window is 150 samples, 30 ms; the threshold stays 0.0123 V",
         ),
         ((*rate, "--design", tmp_path / "d.toml"), 0.0123, "stays 0.0123 V, as it was set"),
-        (("--detector", "paper"), usual, f"the threshold stays {usual:g} V, on the board's output"),
-        ((*rate, "--detector", "paper"), usual, f"the threshold stays {usual:g} V, on the board's output"),
+        (("--detector", "analog"), usual, f"the threshold stays {usual:g} V, on the board's output"),
+        ((*rate, "--detector", "analog"), usual, f"the threshold stays {usual:g} V, on the board's output"),
     ):
         done = run("detect", tmp_path / "t.csv", *words, "--json")
         assert json.loads(done.stdout)["threshold_v"] == pytest.approx(volts, abs=2e-6), words
@@ -228,7 +228,7 @@ def test_a_quiet_part_in_which_something_happens(tmp_path):
         done = run("detect", tmp_path / "t.csv", "--quiet-s", seconds)
         assert done.exit_code == 2
         assert "s takes in all 0.9995 s of t.csv; choose a part at the start" in done.stderr
-    for words in (("--quiet-s", "-1"), ("--quiet-s", "nan", "--detector", "paper")):
+    for words in (("--quiet-s", "-1"), ("--quiet-s", "nan", "--detector", "analog")):
         assert "s takes in no sample; give seconds above 0" in run("detect", tmp_path / "t.csv", *words).stderr
     done = run("detect", tmp_path / "t.csv", "--quiet-s", "0.9")
     assert "something happens at 0.50" in done.stderr

@@ -1,4 +1,4 @@
-"""What a sweep file may say, and what it is told otherwise: every fault at once, with a remedy that works."""
+"""What a sweep file may say, and what it is told otherwise: every issue at once, with a remedy that works."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ LATIN: dict[str, Any] = {"sampling": "latin_hypercube", "points": 50}
 SCENE: dict[str, Any] = {"slide": {"distance_m": 0.04}}
 
 
-def faults(**changes: Any) -> dict[str, str]:
+def issues(**changes: Any) -> dict[str, str]:
     tables = {**BOARD, **changes}
     with pytest.raises(SweepError) as refused:
         Plan.of({name: table for name, table in tables.items() if table is not None})
-    return {fault.field: fault.sentence for fault in refused.value.faults}
+    return {issue.field: issue.message for issue in refused.value.issues}
 
 
 BAD: list[tuple[dict[str, Any], str, str]] = [
@@ -99,19 +99,19 @@ BAD_AXES: list[tuple[dict[str, Any], str, str]] = [
 
 @pytest.mark.parametrize(("changes", "field", "words"), BAD)
 def test_bad_files_are_refused(changes: dict[str, Any], field: str, words: str) -> None:
-    assert words in faults(**changes)[field]
+    assert words in issues(**changes)[field]
 
 
 @pytest.mark.parametrize(("axes", "field", "words"), BAD_AXES)
 def test_bad_axes_are_refused(axes: dict[str, Any], field: str, words: str) -> None:
-    found = faults(axes=axes)
+    found = issues(axes=axes)
     assert words in found[field]
     if field != "axes":
         assert list(found) == [field]
 
 
 def test_all_faults_are_told_at_once() -> None:
-    found = faults(
+    found = issues(
         axes={"skin.widht_mm": [1], "mold.method": ["x"]}, outputs=["Q"], tolerance_mm=9.0, scene={"tap": {"count": 0}}
     )
     assert list(found) == ["tolerance_mm", "axes.skin.widht_mm", "axes.mold.method", "scene.tap.count", "outputs"]
@@ -119,13 +119,13 @@ def test_all_faults_are_told_at_once() -> None:
 
 def test_sobol_asks_for_a_power_of_two_and_names_both() -> None:
     axes = {"board.cutoff_hz": {"low": 20.0, "high": 80.0}}
-    assert "choose 512 or 1024" in faults(sampling="sobol", points=1000, axes=axes)["points"]
+    assert "choose 512 or 1024" in issues(sampling="sobol", points=1000, axes=axes)["points"]
     assert plan(sampling="sobol", points=512, axes=axes).size == 512
 
 
 def test_steps_are_no_business_of_a_sampler() -> None:
     axes = {"board.cutoff_hz": {"low": 20.0, "high": 80.0, "steps": 3}}
-    assert "leave it out" in faults(**LATIN, axes=axes)["axes.board.cutoff_hz.steps"]
+    assert "leave it out" in issues(**LATIN, axes=axes)["axes.board.cutoff_hz.steps"]
 
 
 def test_a_grid_has_every_combination_once_the_last_axis_fastest() -> None:

@@ -30,10 +30,10 @@ COLUMNS = st.lists(st.sampled_from([0.0, 0.5, 1.0, 2.0, 3.5, 10.0, 80.0]) | st.f
 
 @settings(max_examples=60, deadline=None)
 @given(COLUMNS, st.integers(2, 9), st.sampled_from([by_count, by_value]))
-def test_bins_part_a_column(values: list[float], most: int, cut) -> None:
+def test_bins_part_a_column(values: list[float], maximum: int, cut) -> None:
     column = np.array(values)
-    bins = cut(column, most)
-    assert 1 <= bins.count <= most or bins.each_value
+    bins = cut(column, maximum)
+    assert 1 <= bins.count <= maximum or bins.each_value
     for i in range(bins.count):
         held = column[bins.code == i]
         assert len(held)

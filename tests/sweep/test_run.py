@@ -51,8 +51,8 @@ def test_each_row_is_what_the_design_alone_gives(swept: Path) -> None:
             with pytest.raises(DesignError) as refused:
                 Design.load(changes=changes)
             assert (row.field, row.reason.partition(" (and ")[0]) == (
-                refused.value.faults[0].field,
-                refused.value.faults[0].sentence,
+                refused.value.issues[0].field,
+                refused.value.issues[0].message,
             )
         else:
             values = board_values(Design.load(changes=changes))

@@ -21,7 +21,7 @@ from fingertip.sweep.evaluate import Bench
 from fingertip.sweep.memory import Memory
 from fingertip.sweep.outputs import OUTPUTS, STAGES
 from fingertip.sweep.plan import Plan
-from fingertip.sweep.solids import MOST_TRIANGLES, RememberingEvaluator
+from fingertip.sweep.solids import MAX_TRIANGLES, RememberingEvaluator
 from tests.conftest import run_python
 from tests.sweep.plans import plan
 
@@ -177,8 +177,8 @@ def test_the_memory_forgets_what_was_not_used_for_longest() -> None:
 
 def test_evaluated_solids_stay_within_their_bound(monkeypatch: pytest.MonkeyPatch) -> None:
     evaluator = RememberingEvaluator(COARSE)
-    evaluator._solids.most = 20_000
-    assert MOST_TRIANGLES > 20_000
+    evaluator._solids.maximum = 20_000
+    assert MAX_TRIANGLES > 20_000
     made = plan(outputs=["skin_volume_mm3"], axes={"skin.width_mm": [17.0]})
     for i in range(40):
         design = Design.load(changes=[f"skin.width_mm={17 + i / 100}"])
@@ -210,7 +210,7 @@ AWKWARD: dict[str, Any] = {
     "board.envelope_cutoff_hz": {"low": 1.0, "high": 9000.0, "spacing": "logarithmic"},
     "board.passband_gain": {"low": 1.01, "high": 9000.0, "spacing": "logarithmic"},
     "board.supply_v": {"low": 5.0, "high": 6.0},
-    "board.variant": ["paper", "precision", "comparator"],
+    "board.variant": ["article", "precision", "comparator"],
     "detector.sample_rate_hz": {"low": 1000.0, "high": 20000.0},
     "detector.window_samples": {"low": 1, "high": 10000},
     "detector.threshold_v": {"low": 0.001, "high": 9.0, "spacing": "logarithmic"},
@@ -265,7 +265,7 @@ def test_boards_are_those_that_the_board_itself_computes() -> None:
     assert compared > 60
 
 
-@pytest.mark.parametrize(("variant", "detector"), [("precision", "fast"), ("comparator", "paper")])
+@pytest.mark.parametrize(("variant", "detector"), [("precision", "fast"), ("comparator", "analog")])
 def test_what_is_simulated_does_not_depend_on_the_decision(variant: str, detector: str) -> None:
     made = plan(
         outputs=["delay_ms", "found_share", "slips"],

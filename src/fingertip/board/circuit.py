@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from fingertip.errors import BoardError, Fault
+from fingertip.errors import BoardError, Issue
 
 _REFERENCE = re.compile(r"[A-Za-z]+[1-9][0-9]*")
 
@@ -95,41 +95,41 @@ def connected(name: str, wiring: Mapping[Part, Mapping[str, str]]) -> Circuit:
     Raises
     ------
     BoardError
-        With every fault `faults` finds.
+        With every issue `issues` finds.
     """
     nodes: dict[str, list[Node]] = {}
     for part, pins in wiring.items():
         for number, net in pins.items():
             nodes.setdefault(net, []).append((part.reference, number))
     circuit = Circuit(name, tuple(wiring), tuple(Net(net, tuple(found)) for net, found in nodes.items()))
-    if found := list(faults(circuit)):
+    if found := list(issues(circuit)):
         raise BoardError(found)
     return circuit
 
 
-def faults(circuit: Circuit) -> Iterator[Fault]:
+def issues(circuit: Circuit) -> Iterator[Issue]:
     """What is inconsistent: doubled references, unknown pins, pins in two nets or none, nets of one pin."""
     for reference, count in Counter(part.reference for part in circuit.parts).items():
         if count > 1:
-            yield Fault(reference, f"names {count} parts; give each its own reference.")
+            yield Issue(reference, f"names {count} parts; give each its own reference.")
         if not _REFERENCE.fullmatch(reference):
-            yield Fault(reference, "is not letters and a number, such as R6; KiCad would number it anew.")
+            yield Issue(reference, "is not letters and a number, such as R6; KiCad would number it anew.")
     for name, count in Counter(net.name for net in circuit.nets).items():
         if count > 1:
-            yield Fault(name, f"names {count} nets; KiCad would join them.")
+            yield Issue(name, f"names {count} nets; KiCad would join them.")
 
     known = {(part.reference, pin.number) for part in circuit.parts for pin in part.symbol.pins}
     uses = Counter(node for net in circuit.nets for node in net.nodes)
     for net in circuit.nets:
         if len(set(net.nodes)) < 2:
-            yield Fault(net.name, f"connects {len(set(net.nodes))} pin; a net needs two at least.")
+            yield Issue(net.name, f"connects {len(set(net.nodes))} pin; a net needs two at least.")
     for (reference, number), count in uses.items():
         if (reference, number) not in known:
-            yield Fault(f"{reference}.{number}", "is connected, but there is no such part or pin.")
+            yield Issue(f"{reference}.{number}", "is connected, but there is no such part or pin.")
         if count > 1:
-            yield Fault(f"{reference}.{number}", f"is connected {count} times; a pin lies in one net.")
+            yield Issue(f"{reference}.{number}", f"is connected {count} times; a pin lies in one net.")
     for reference, number in sorted(known - set(uses)):
-        yield Fault(f"{reference}.{number}", "is not connected; connect it or take the part out.")
+        yield Issue(f"{reference}.{number}", "is not connected; connect it or take the part out.")
 
 
 def by_reference(part: Part) -> tuple[str, int]:

@@ -86,7 +86,7 @@ def write_board(design: Design, out: str | Path = "pcb") -> tuple[Path, ...]:
 
 
 def write_fabrication(
-    design: Design, out: str | Path = "pcb", tell: Callable[[str], None] = lambda _words: None
+    design: Design, out: str | Path = "pcb", progress: Callable[[str], None] = lambda _words: None
 ) -> tuple[Path, ...]:
     """Write what is sent to a board house into `out`/fab, all or none; returns the paths. Needs KiCad.
 
@@ -105,7 +105,7 @@ def write_fabrication(
 
     values = board_values(design)
     placement, board = variant_of(values).placement, board_files(design)
-    files = fabrication_files(board, board_circuit(values), placement, tell)
+    files = fabrication_files(board, board_circuit(values), placement, progress)
     files[MADE_FROM] = origin(board, files)
     folder = Path(out) / FAB_FOLDER
     write_whole(folder, files)
@@ -133,7 +133,7 @@ def differences(design: Design, folder: str | Path) -> list[str]:
 def fabrication_differences(design: Design, folder: str | Path, expected: bool = False) -> list[str]:
     """Why the fabrication files beside a folder's board are not of this design, as sentences; empty if they are.
 
-    Where there are none, that is a fault if they are `expected`.
+    Where there are none, that is a issue if they are `expected`.
     """
     fab = Path(folder) / FAB_FOLDER
     if not expected and not (fab / MADE_FROM).is_file() and not any(fab.glob("slip_filter_*")):

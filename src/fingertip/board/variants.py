@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from fingertip.board.circuit import Circuit
+from fingertip.board.circuits.article import article_circuit
 from fingertip.board.circuits.comparator import comparator_circuit
-from fingertip.board.circuits.paper import paper_circuit
 from fingertip.board.circuits.precision import precision_circuit
 from fingertip.board.layout.placement import Placement
 from fingertip.board.layout.placements import load_placement
+from fingertip.board.schematic.article_sheet import article_sheet
 from fingertip.board.schematic.comparator_sheet import comparator_sheet
-from fingertip.board.schematic.paper_sheet import paper_sheet
 from fingertip.board.schematic.precision_sheet import precision_sheet
 from fingertip.board.schematic.sheet import Sheet
 from fingertip.board.supplies import SUPPLIES, Supply
@@ -39,7 +39,7 @@ class Variant:
 
     @property
     def name(self) -> str:
-        """Of its placement and template: "paper_split"."""
+        """Of its placement and template: "article_split"."""
         return f"{self.kind.name}_{self.supply.name}"
 
     @property
@@ -61,7 +61,7 @@ class Variant:
 KINDS = {
     kind.name: kind
     for kind in (
-        Kind("paper", paper_circuit, paper_sheet, "the article's two filters, rectifier and envelope (its figure 3)"),
+        Kind("article", article_circuit, article_sheet, "the article's two filters, rectifier and envelope (its figure 3)"),
         Kind(
             "precision", precision_circuit, precision_sheet,
             "the article's two filters, then a rectifier without dead zone and a true pole for the envelope",

@@ -2,7 +2,7 @@
 
 `TUNING_SEEDS` are those on which the constants of the detector `fast` were chosen, by trials like these and scenes of
 the same kinds; a validation starts beyond them, so that nothing it reports was ever tuned on. The simulation was not
-changed for any detector's sake. `paper` was not tuned at all: its figures are the article's and its threshold is the
+changed for any detector's sake. `analog` was not tuned at all: its figures are the article's and its threshold is the
 design's.
 """
 
@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from fingertip.errors import Fault, TraceError
+from fingertip.errors import Issue, TraceError
 from fingertip.sim import SceneFile
 from fingertip.sim.campaign import trials
 
@@ -20,21 +20,21 @@ TUNING_SEEDS = range(1000, 1400)
 HELD_OUT_FROM = 5_000_000
 """First seed of a validation."""
 
-_GRASP = {"mode": "grasp", "force_least_n": 0.5, "force_most_n": 2.0}
+_GRASP = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0}
 QUIET: dict[str, tuple[SceneFile, float]] = {
-    "contact": (SceneFile(scene="contact", hold={"least_s": 1.0, "release": False}), 0.25),
-    "release": (SceneFile(scene="release", hold={"least_s": 1.0}), 0.2),
+    "contact": (SceneFile(scene="contact", hold={"min_s": 1.0, "release": False}), 0.25),
+    "release": (SceneFile(scene="release", hold={"min_s": 1.0}), 0.2),
     "load change": (
         SceneFile(
             scene="load_change",
-            hold={**_GRASP, "force_most_n": 1.5},
+            hold={**_GRASP, "max_force_n": 1.5},
             load_change={"by_n": 1.0, "rise_s": 0.15},
         ),
         0.2,
     ),
     "drift": (
         SceneFile(
-            scene="drift", hold={**_GRASP, "least_s": 20.0}, drift={"share_per_decade": 0.05, "volt_per_s": 0.0005}
+            scene="drift", hold={**_GRASP, "min_s": 20.0}, drift={"share_per_decade": 0.05, "volt_per_s": 0.0005}
         ),
         0.1,
     ),
@@ -45,7 +45,7 @@ QUIET: dict[str, tuple[SceneFile, float]] = {
     "hard tap": (
         SceneFile(
             scene="hard_tap",
-            hold={**_GRASP, "force_least_n": 1.0},
+            hold={**_GRASP, "min_force_n": 1.0},
             tap={"force_n": 2.0, "rise_s": 0.004, "count": 3},
         ),
         0.1,
@@ -84,13 +84,13 @@ class Amount:
     quiet_minutes: float = 40.0
 
     def __post_init__(self) -> None:
-        faults = []
+        issues = []
         if not 1 <= self.trials <= 100_000:
-            faults.append(Fault("--trials", f"{self.trials} is refused; choose 1 to 100000 (article: 120)."))
+            issues.append(Issue("--trials", f"{self.trials} is refused; choose 1 to 100000 (article: 120)."))
         if not 0.5 <= self.quiet_minutes <= 10_000:
-            faults.append(Fault("--minutes", f"{self.quiet_minutes:g} min is refused; choose 0.5 to 10000."))
-        if faults:
-            raise TraceError(faults)
+            issues.append(Issue("--minutes", f"{self.quiet_minutes:g} min is refused; choose 0.5 to 10000."))
+        if issues:
+            raise TraceError(issues)
 
 
 def cases(amount: Amount, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import random
 from dataclasses import replace
 
+from fingertip.arrays import Array
 from fingertip.campaign.plan import Case
 from fingertip.design import Design
 from fingertip.sim import run_scene
 from fingertip.sim.electronics.anti_alias import Poles
 from fingertip.sim.electronics.converter import sampled_v
 from fingertip.slip import DETECTORS, Trace
-from fingertip.slip.detectors.stream import Array
 
 
 def record(design: Design, case: Case, board: bool = True) -> tuple[Trace, float]:

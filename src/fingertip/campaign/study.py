@@ -121,7 +121,7 @@ def run(
     amount: Amount,
     detectors: Sequence[str] = tuple(DETECTORS),
     scales: Sequence[float] = SCALES,
-    say: Callable[[str], None] = lambda _: None,
+    progress: Callable[[str], None] = lambda _: None,
     first_seed: int = HELD_OUT_FROM,
 ) -> Study:
     """Simulate every case once and judge every detector on it.
@@ -134,7 +134,7 @@ def run(
         How many trials and minutes.
     detectors, scales
         What is judged; 1 is always among the scales.
-    say
+    progress
         Takes words of progress.
     first_seed
         Of the first case.
@@ -142,11 +142,11 @@ def run(
     scales = sorted({1.0, *scales})
     factors = {name: sorted({*(BELOW if reads_board(name) else ()), *scales}) for name in detectors}
     verdicts: dict[str, list[list[Verdict]]] = {name: [[] for _ in factors[name]] for name in detectors}
-    with compiled(say):
+    with compiled(progress):
         last = ""
         for case in cases(amount, first_seed):
             if case.cause != last:
-                say(f"{case.cause}: simulating and judging")
+                progress(f"{case.cause}: simulating and judging")
                 last = case.cause
             trace, force_n = record(design, case, reads_board(*detectors))
             for name in detectors:

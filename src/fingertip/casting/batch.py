@@ -8,7 +8,7 @@ from fingertip.casting.materials import Silicone
 
 WASTE_SHARE = 0.25
 """This much more is mixed than goes into the mold: it stays on cup, stirrer and funnel. A choice of this project."""
-LEAST_PART_G = 1.0
+MIN_PART_G = 1.0
 """The smaller part weighs at least this: a scale that shows 0.1 g then errs by 5% at most, and so does the ratio."""
 
 
@@ -43,5 +43,5 @@ def batch(card: Silicone, volume_cm3: float) -> Batch:
     """What to mix to fill a volume [cm3]: with waste, and never less than can be weighed."""
     needed = mass_g(card, volume_cm3)
     a, b = split(card, 1.0)
-    total = max(needed * (1.0 + WASTE_SHARE), LEAST_PART_G / min(a, b))
+    total = max(needed * (1.0 + WASTE_SHARE), MIN_PART_G / min(a, b))
     return Batch(needed, total, *split(card, total))

@@ -64,7 +64,7 @@ def warnings(data: Data) -> list[str]:
         )
     if texts := data["mold"]["not_engraved"]:
         found.append(
-            f"No room to engrave {', '.join(texts)} in strokes of {data['mold']['least_stroke_mm']:g} mm: mark the "
+            f"No room to engrave {', '.join(texts)} in strokes of {data['mold']['min_stroke_mm']:g} mm: mark the "
             "halves with a pen."
         )
     found += [
@@ -155,7 +155,7 @@ def _weigh(data: Data) -> str:
     ]
     note = (
         f"{batch['waste_percent']:g} % more than the mold takes, for cup and stirrer; at least "
-        f"{batch['least_part_g']:g} g of either part, so that a kitchen scale can weigh it."
+        f"{batch['min_part_g']:g} g of either part, so that a kitchen scale can weigh it."
     )
     return _table(("what", "how much"), rows) + "\n\n" + note
 

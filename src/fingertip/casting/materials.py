@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from fingertip.design.faults import nearest
-from fingertip.errors import DesignError, Fault
+from fingertip.design.issues import nearest
+from fingertip.errors import DesignError, Issue
 
 SOURCES = {
     "article": "Method for Automatic Slippage Detection With Tactile Sensors Embedded in Prosthetic Hands, III.B",
@@ -130,7 +130,7 @@ def silicone(name: str) -> Silicone:
         If there is none.
     """
     if name not in MATERIALS:
-        raise DesignError(Fault("--material", f"there is no {name!r}; {nearest(name, tuple(MATERIALS))}"))
+        raise DesignError(Issue("--material", f"there is no {name!r}; {nearest(name, tuple(MATERIALS))}"))
     return MATERIALS[name]
 
 

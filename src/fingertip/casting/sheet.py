@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from fingertip.cad.printing import orientations
-from fingertip.cad.shapes.lettering import LEAST_STROKE_MM, left_out
+from fingertip.cad.shapes.lettering import MIN_STROKE_MM, left_out
 from fingertip.casting import hardware
-from fingertip.casting.batch import LEAST_PART_G, WASTE_SHARE, batch
+from fingertip.casting.batch import MIN_PART_G, WASTE_SHARE, batch
 from fingertip.casting.materials import SOURCES, Silicone
 from fingertip.casting.slicer import LAYER_MM, Print
 from fingertip.casting.volumes import Volumes
@@ -51,7 +51,7 @@ def figures(
             "vents": len(lay_out(design, design.dimensions).vents_x),
             "tail_passes_collar": design.dimensions.tail_passes_collar,
             "not_engraved": left_out(design, lay_out(design, design.dimensions)),
-            "least_stroke_mm": LEAST_STROKE_MM,
+            "min_stroke_mm": MIN_STROKE_MM,
         },
         "fit": _fit(design),
         "bill": bill_of_materials(design),
@@ -127,7 +127,7 @@ def _batch(card: Silicone, volumes: Volumes) -> dict[str, float]:
         "b_g": b,
         "total_g": round(a + b, 2),
         "waste_percent": round(100.0 * WASTE_SHARE, 1),
-        "least_part_g": LEAST_PART_G,
+        "min_part_g": MIN_PART_G,
     }
 
 

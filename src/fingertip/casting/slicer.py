@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.cad.printing import Orientation
-from fingertip.errors import Fault, GeometryError
+from fingertip.errors import GeometryError, Issue
 
 PROGRAM = "prusa-slicer"
 HOW_TO_INSTALL = "on Debian or Ubuntu: apt-get install prusa-slicer"
@@ -63,10 +63,10 @@ def slice_part(program: Path, name: str, stl: bytes, orientation: Orientation) -
             )
         except subprocess.TimeoutExpired:
             sentence = f"was not sliced after {TIME_LIMIT_S:g} s; leave out --slicer."
-            raise GeometryError(Fault(name, sentence)) from None
+            raise GeometryError(Issue(name, sentence)) from None
         if not code.exists():
             last = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[-1]
-            raise GeometryError(Fault(name, f"was not sliced ({last}); leave out --slicer."))
+            raise GeometryError(Issue(name, f"was not sliced ({last}); leave out --slicer."))
         return from_gcode(name, code.read_text(encoding="utf-8", errors="replace"))
 
 
@@ -81,7 +81,7 @@ def from_gcode(name: str, code: str) -> Print:
     time, filament = _TIME.search(code), _FILAMENT.search(code)
     if time is None or filament is None:
         raise GeometryError(
-            Fault(name, "was sliced, but the G-code states no time or no filament; leave out --slicer.")
+            Issue(name, "was sliced, but the G-code states no time or no filament; leave out --slicer.")
         )
     return Print(minutes(time[1]), float(filament[1]))
 

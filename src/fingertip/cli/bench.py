@@ -25,24 +25,24 @@ def bench(
     """Measure the simulation's error against its run time, beside other solvers."""
     import json
 
-    from fingertip.errors import Fault, FingertipError
+    from fingertip.errors import FingertipError, Issue
     from fingertip.files import write_whole
     from fingertip.sim.bench import report
 
     console = Console(as_json, quiet)
     methods = tuple(name.strip() for name in solvers.split(",") if name.strip())
     known = ("LSODA", "Radau", "BDF")
-    faults = [
-        Fault("--solvers", f"{name!r} is not known; choose among {', '.join(known)}.")
+    issues = [
+        Issue("--solvers", f"{name!r} is not known; choose among {', '.join(known)}.")
         for name in methods
         if name not in known
     ]
     if not 1.0 <= seconds <= 60.0:
-        faults.append(Fault("--seconds", f"{seconds:g} s is refused; choose 1 to 60 s."))
+        issues.append(Issue("--seconds", f"{seconds:g} s is refused; choose 1 to 60 s."))
     if not 1 <= boards <= 1_000_000:
-        faults.append(Fault("--boards", f"{boards} is refused; choose 1 to 1000000."))
-    if faults:
-        raise FingertipError(faults)
+        issues.append(Issue("--boards", f"{boards} is refused; choose 1 to 1000000."))
+    if issues:
+        raise FingertipError(issues)
     report.require()
 
     from fingertip.sim.bench import board, contact, throughput
@@ -51,20 +51,20 @@ def bench(
     from fingertip.sim.jit import compiled
 
     state = machine()
-    with compiled(console.say):
-        console.say("contact: every solver at every tolerance")
+    with compiled(console.progress):
+        console.progress("contact: every solver at every tolerance")
         diagrams = [contact.diagram(seconds, methods)]
-        console.say("board: every solver at every tolerance (scipy's Radau is slow)")
+        console.progress("board: every solver at every tolerance (scipy's Radau is slow)")
         diagrams.append(board.diagram(seconds / 5, methods))
-        console.say("120 trials")
+        console.progress("120 trials")
         trials = throughput.campaign()
-        console.say("12 manipulations")
+        console.progress("12 manipulations")
         hands = throughput.hands()
-        console.say(f"{boards} boards")
+        console.progress(f"{boards} boards")
         many = throughput.boards(boards)
     first = None
     if first_run:
-        console.say("first run of the compiler")
+        console.progress("first run of the compiler")
         first = throughput.first_run()
     state["load_after"] = machine()["load"]
     data: dict[str, Any] = {
@@ -81,7 +81,7 @@ def bench(
     picture = draw(diagrams, f"{load}. CPU time, loops compiled before; making the input is part of every point.")
     whole = json.dumps(data, indent=2, allow_nan=False) + "\n"
     write_whole(out, {"work_precision.png": picture, "work_precision.json": whole.encode()})
-    console.say(f"wrote {out / 'work_precision.png'} and .json")
+    console.progress(f"wrote {out / 'work_precision.png'} and .json")
     lines = [load]
     for diagram in diagrams:
         lines += report.as_text(diagram)

@@ -61,25 +61,25 @@ def board(
     values = board_values(loaded)
     paths = write_board(loaded, out)
     for path in paths:
-        console.say(f"wrote {path}")
+        console.progress(f"wrote {path}")
     if fab:
-        made = write_fabrication(loaded, out, console.say)
+        made = write_fabrication(loaded, out, console.progress)
         for path in made:
-            console.say(f"wrote {path}")
+            console.progress(f"wrote {path}")
         paths += made
     outdated = fabrication_differences(loaded, out)
     for sentence in outdated:
-        console.say(f"warning: {sentence} Do not send it to anybody.")
+        console.progress(f"warning: {sentence} Do not send it to anybody.")
     warnings = list(_warnings(loaded, values))
     for sentence in warnings:
-        console.say(f"warning: {sentence}")
+        console.progress(f"warning: {sentence}")
     data, text = values.as_data(), _table(loaded, values)
     if bode:
         from fingertip.board.analysis.analyse import bode_table
         from fingertip.files import write_file
 
         write_file(bode, bode_table(loaded).encode(), "--bode")
-        console.say(f"wrote {bode}")
+        console.progress(f"wrote {bode}")
         paths += (bode,)
     if analysis:
         from fingertip.board.analysis.analyse import analyse

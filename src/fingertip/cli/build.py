@@ -39,7 +39,7 @@ def build(
         formats=_words(formats),
         tolerance_mm=tolerance_mm,
         material=material,
-        say=console.say,
+        progress=console.progress,
     )
     lines = [
         f"{built.part.name:12} {built.mesh.volume() / 1000:8.2f} cm3   {', '.join(built.files.values())}"

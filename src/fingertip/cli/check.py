@@ -26,7 +26,7 @@ def check(
 ) -> None:
     """Check designs without writing parts: exit code 0 all hold, 1 a check failed, 2 a design was refused.
 
-    The checks read the STL each part would have. If any file is refused, all its faults and those of the other files
+    The checks read the STL each part would have. If any file is refused, all its issues and those of the other files
     are told, no design is checked and no report is written.
     """
     from fingertip.cad.kernel.mesh import Evaluator
@@ -38,8 +38,8 @@ def check(
     refuse_tolerance(tolerance_mm)
     found: dict[str, tuple[Check, ...]] = {}
     for label, design in loaded.items():
-        console.say(f"checking {label}")
-        found[label] = verify(design, parts_of(design), ("stl",), Evaluator(tolerance_mm), console.say).checks
+        console.progress(f"checking {label}")
+        found[label] = verify(design, parts_of(design), ("stl",), Evaluator(tolerance_mm), console.progress).checks
     if junit is not None:
         from fingertip.cad.files.junit import to_bytes
         from fingertip.files import write_file
@@ -63,18 +63,18 @@ def _load(files: Sequence[Path], changes: Sequence[str]) -> dict[str, Design]:
     """Each design by its name; by its file where two share a name (files that leave it out share the default's)."""
     from fingertip.cli.given import load_design
     from fingertip.design.cascade import gather
-    from fingertip.errors import DesignError, Fault
+    from fingertip.errors import DesignError, Issue
 
     gather((), changes)  # what is wrong with a change itself is told once, not once for each file
     loaded: dict[Path, Design] = {}
-    faults: list[Fault] = []
+    issues: list[Issue] = []
     for file in dict.fromkeys(files):
         try:
             loaded[file], _ = load_design(file, changes)
         except DesignError as error:
-            faults += (f if f.field == str(file) else Fault(f"{file}: {f.field}", f.sentence) for f in error.faults)
-    if faults:
-        raise DesignError(faults)
+            issues += (f if f.field == str(file) else Issue(f"{file}: {f.field}", f.message) for f in error.issues)
+    if issues:
+        raise DesignError(issues)
     names = [design.name for design in loaded.values()]
     return {
         design.name if names.count(design.name) == 1 else file.as_posix(): design for file, design in loaded.items()

@@ -16,7 +16,7 @@ from typing import Annotated, Any, ParamSpec
 
 import typer
 
-from fingertip.errors import Fault, FingertipError, OutputError
+from fingertip.errors import FingertipError, Issue, OutputError
 
 P = ParamSpec("P")
 
@@ -40,7 +40,7 @@ class Console:
         self.as_json = as_json
         self.quiet = quiet
 
-    def say(self, message: str) -> None:
+    def progress(self, message: str) -> None:
         """A message or a step of progress, on stderr."""
         if not self.quiet:
             print(message, file=sys.stderr, flush=True)
@@ -67,22 +67,22 @@ class Console:
         except OSError as error:
             _abandon_stdout()
             reason = error.strerror or str(error)
-            raise OutputError(Fault("standard output", f"cannot be written ({reason}); send it elsewhere.")) from error
+            raise OutputError(Issue("standard output", f"cannot be written ({reason}); send it elsewhere.")) from error
 
-    def faults(self, error: FingertipError, beside: Mapping[str, Any] | None = None) -> None:
-        """Faults as sentences on stderr, and under --json as one object on stdout, with what was found before them."""
-        for fault in error.faults:
-            print(f"error: {fault}", file=sys.stderr)
+    def issues(self, error: FingertipError, beside: Mapping[str, Any] | None = None) -> None:
+        """Issues as sentences on stderr, and under --json as one object on stdout, with what was found before them."""
+        for issue in error.issues:
+            print(f"error: {issue}", file=sys.stderr)
         if self.as_json:
-            faults = [{"field": fault.field, "sentence": fault.sentence} for fault in error.faults]
+            issues = [{"field": issue.field, "message": issue.message} for issue in error.issues]
             with contextlib.suppress(OutputError):  # then they stand on stderr only
-                self.write(json.dumps({**(beside or {}), "faults": faults}, indent=2))
+                self.write(json.dumps({**(beside or {}), "issues": issues}, indent=2))
 
 
-def picture_faults(option: str, path: Path | None) -> Iterator[Fault]:
+def picture_issues(option: str, path: Path | None) -> Iterator[Issue]:
     """Pictures are PNG, and a file should be what its name says."""
     if path is not None and path.suffix.lower() != ".png" and not path.is_dir():
-        yield Fault(option, f"{path.name!r} is no name of a PNG, which is what is written; end it in .png.")
+        yield Issue(option, f"{path.name!r} is no name of a PNG, which is what is written; end it in .png.")
 
 
 def _abandon_stdout() -> None:
@@ -94,14 +94,14 @@ def _abandon_stdout() -> None:
 
 
 def command(function: Callable[P, None]) -> Callable[P, None]:
-    """Turn faults into sentences on stderr (and a JSON object on stdout under --json) and exit code 2."""
+    """Turn issues into sentences on stderr (and a JSON object on stdout under --json) and exit code 2."""
 
     @functools.wraps(function)
     def run(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
             function(*args, **kwargs)
         except FingertipError as error:
-            Console(bool(kwargs.get("as_json")), False).faults(error)
+            Console(bool(kwargs.get("as_json")), False).issues(error)
             raise typer.Exit(BAD_INPUT) from None
 
     return run

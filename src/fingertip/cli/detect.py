@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, picture_faults
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, picture_issues
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -31,7 +31,7 @@ def detect(
         str,
         typer.Option(
             "--detector",
-            help="digital (the article's chain in software), paper (on the board's output), fft or fast (ours).",
+            help="digital (the article's chain in software), analog (on the board's output), fft or fast (ours).",
         ),
     ] = "digital",
     rate_hz: Annotated[
@@ -53,14 +53,14 @@ def detect(
 ) -> None:
     """Find slip in a trace, with the article's chain or another detector.
 
-    The detector paper takes the board's output: the trace's envelope_v or, without one, what a simulation of the
+    The detector analog takes the board's output: the trace's envelope_v or, without one, what a simulation of the
     design's board makes of the voltage.
     """
     from fingertip import slip
     from fingertip.cli.given import load_design
     from fingertip.cli.live import live
     from fingertip.design.cascade import gather
-    from fingertip.errors import Fault, FingertipError, TraceError
+    from fingertip.errors import FingertipError, Issue, TraceError
     from fingertip.slip.detectors import noise, registry
     from fingertip.slip.detectors.quiet import disturbed_at, quiet_noise_v
     from fingertip.slip.traces.parsed import Wanted
@@ -68,7 +68,7 @@ def detect(
     from fingertip.slip.traces.trace import remarks
 
     console = Console(as_json, quiet)
-    if refused := list(picture_faults("--plot", plot)):
+    if refused := list(picture_issues("--plot", plot)):
         raise TraceError(refused)
     loaded, told = load_design(design, changes)
     chosen = "threshold_v" in told.get("detector", {})
@@ -76,10 +76,10 @@ def detect(
     registry.known(detector)
     if rate_hz is not None:
         loaded, made, where = _at_rate(loaded, rate_hz, detector, chosen, own_window, quiet_s)
-        console.say(f"{made} are made for {rate_hz:g} Hz{where}")
+        console.progress(f"{made} are made for {rate_hz:g} Hz{where}")
     wanted = Wanted(_names(columns or []), rate_hz, scale)
-    if not wanted.in_volts and quiet_s is None and detector != "paper":
-        raise TraceError(Fault("--quiet-s", "is missing: the design's thresholds are in volts, this column is not."))
+    if not wanted.in_volts and quiet_s is None and detector != "analog":
+        raise TraceError(Issue("--quiet-s", "is missing: the design's thresholds are in volts, this column is not."))
     if str(trace) == "-":
         _warn(console, noise.setting_remarks(loaded, detector) if wanted.in_volts else ())
         live(console, loaded, detector, wanted, plot, quiet_s)
@@ -87,14 +87,14 @@ def detect(
     parsed = parse(trace, wanted)
     stated = rate_hz is not None or design is not None or any("sample_rate_hz" in c for c in changes or ())
     found_hz = parsed.rate_hz
-    if found_hz and not stated and abs(found_hz / loaded.detector.sample_rate_hz - 1) > 0.005 and not parsed.faults:
+    if found_hz and not stated and abs(found_hz / loaded.detector.sample_rate_hz - 1) > 0.005 and not parsed.issues:
         try:
             loaded, made, where = _at_rate(loaded, found_hz, detector, chosen, own_window, quiet_s)
-            console.say(f"{trace} is sampled at {found_hz:g} Hz: {made} are made for that{where}")
+            console.progress(f"{trace} is sampled at {found_hz:g} Hz: {made} are made for that{where}")
         except FingertipError as error:
-            why = " ".join(fault.sentence for fault in error.faults)
+            why = " ".join(issue.message for issue in error.issues)
             sentence = f"is sampled at {found_hz:g} Hz, which no detector is made for: {why}"
-            raise TraceError(Fault(f"{trace}, time_s", sentence)) from None
+            raise TraceError(Issue(f"{trace}, time_s", sentence)) from None
     read = parsed.checked(loaded.detector)
     if wanted.in_volts:
         _warn(console, (*remarks(read, loaded.detector), *noise.setting_remarks(loaded, detector)))
@@ -102,30 +102,30 @@ def detect(
     early = slice(0, 0)
     if quiet_s is not None:
         early = _early(read, quiet_s, trace.name)
-    if detector == "paper":
+    if detector == "analog":
         read, loaded, level = _board(console, read, loaded, wanted, early, trace.name)
     elif quiet_s is not None:
         noise_v = quiet_noise_v(detector, loaded, read.voltage_v[early], trace.name)
     found = slip.detect(read, loaded, detector, noise_v)
     level = level or found.noise
     if level:
-        may_fall = detector != "paper" or quiet_s is not None
+        may_fall = detector != "analog" or quiet_s is not None
         _warn(console, noise.remarks(found.threshold_v, level, may_fall))
     if early.stop and (at := disturbed_at(loaded, read.voltage_v[early])) is not None:
         sentence = f"something happens at {read.time_s[at]:.4f} s, within the {quiet_s:g} s of --quiet-s: thresholds"
-        console.say(f"warning: {sentence} may be too high; choose a shorter part.")
+        console.progress(f"warning: {sentence} may be too high; choose a shorter part.")
     if plot is not None:
         from fingertip.files import write_file
         from fingertip.slip.plot import draw
 
-        console.say(f"drawing {plot}")
+        console.progress(f"drawing {plot}")
         write_file(plot, draw(read, found, trace.name), "--plot")
     console.result(_data(found, level), _text(found))
 
 
 def _warn(console: Console, remarks: Iterable[str]) -> None:
     for remark in remarks:
-        console.say(f"warning: {remark}")
+        console.progress(f"warning: {remark}")
 
 
 def _at_rate(
@@ -138,9 +138,9 @@ def _at_rate(
     """
     from fingertip.slip.traces.rate import at_rate
 
-    keep = chosen or detector == "paper"
+    keep = chosen or detector == "analog"
     anew = at_rate(design, rate_hz, keep, own_window)
-    follows = quiet_s is not None or detector not in ("digital", "paper")  # the threshold, from the noise
+    follows = quiet_s is not None or detector not in ("digital", "analog")  # the threshold, from the noise
     volts, samples = anew.detector.threshold_v, anew.detector.window_samples
     lasts = f"{samples} samples, {1000 * samples / rate_hz:.4g} ms"
     where = f"; the window stays {lasts}, as it was set" if own_window else f"; the window is {lasts}"
@@ -161,18 +161,18 @@ def _early(read: Trace, quiet_s: float, name: str) -> slice:
     TraceError
         If that is nothing or the whole trace, or the trace says that it slips there.
     """
-    from fingertip.errors import Fault, TraceError
+    from fingertip.errors import Issue, TraceError
 
     early = slice(0, int((read.time_s < read.time_s[0] + quiet_s).sum()))
     if not early.stop:
-        raise TraceError(Fault("--quiet-s", f"{quiet_s:g} s takes in no sample; give seconds above 0."))
+        raise TraceError(Issue("--quiet-s", f"{quiet_s:g} s takes in no sample; give seconds above 0."))
     if early.stop == len(read.time_s):
         lasts = f"all {read.time_s[-1] - read.time_s[0]:.4g} s of {name}"
         remedy = "choose a part at the start in which nothing happens"
-        raise TraceError(Fault("--quiet-s", f"{quiet_s:g} s takes in {lasts}; {remedy}."))
+        raise TraceError(Issue("--quiet-s", f"{quiet_s:g} s takes in {lasts}; {remedy}."))
     if read.slip is not None and read.slip[early].any():
         onset_s = read.time_s[early][read.slip[early]][0] - read.time_s[0]
-        raise TraceError(Fault("--quiet-s", f"{quiet_s:g} s takes in slip, from {onset_s:.4g} s on; choose less."))
+        raise TraceError(Issue("--quiet-s", f"{quiet_s:g} s takes in slip, from {onset_s:.4g} s on; choose less."))
     return early
 
 
@@ -191,7 +191,7 @@ def _board(
         column = wanted.of("voltage_v")
         volts = read.voltage_v if wanted.in_volts else board_output.bridge_v(design, read.voltage_v)
         through = "the design's board" if wanted.in_volts else "the design's bridge and board"
-        console.say(f"{name} holds no column {wanted.of('envelope_v')}: simulating {through} on {column}")
+        console.progress(f"{name} holds no column {wanted.of('envelope_v')}: simulating {through} on {column}")
         read = replace(read, voltage_v=volts, envelope_v=board_output.envelope_v(design, volts))
     assert read.envelope_v is not None
     if early.stop:
@@ -204,11 +204,11 @@ def _board(
 
 
 def _names(columns: list[str]) -> dict[str, str]:
-    from fingertip.errors import Fault, TraceError
+    from fingertip.errors import Issue, TraceError
 
     pairs = [column.partition("=") for column in columns]
     if wrong := ["".join(pair) for pair in pairs if not (pair[0] and pair[2])]:
-        raise TraceError([Fault(f"--column {w}", "names no column; write it as voltage_v=AI0.") for w in wrong])
+        raise TraceError([Issue(f"--column {w}", "names no column; write it as voltage_v=AI0.") for w in wrong])
     return {column: name for column, _, name in pairs}
 
 

@@ -40,10 +40,10 @@ def refuse_other(file: Path | None, wanted: str = "a design") -> None:
     DesignError
         With what it is, and which command takes it.
     """
-    from fingertip.errors import DesignError, Fault
+    from fingertip.errors import DesignError, Issue
 
     if file is not None and (what := kind(file)) and what != wanted:
-        raise DesignError(Fault(str(file), f"is {what}, no {wanted.split()[1]}; {_taker(what, file)}."))
+        raise DesignError(Issue(str(file), f"is {what}, no {wanted.split()[1]}; {_taker(what, file)}."))
 
 
 def refuse_sweep(file: Path | None) -> None:

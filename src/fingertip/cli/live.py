@@ -21,21 +21,23 @@ def live(
     console: Console, design: Design, detector: str, wanted: Wanted, plot: Path | None, quiet_s: float | None
 ) -> None:
     """Follow standard input until it ends, is wrong, or is interrupted; what was found till then is told."""
-    from fingertip.errors import Fault, FingertipError, TraceError
+    from fingertip.errors import FingertipError, Issue, TraceError
     from fingertip.slip.live import NAME, follow, opened
     from fingertip.slip.traces.parsed import Wanted
 
-    if not wanted.in_volts and detector == "paper":
-        raise TraceError(Fault("--column", "names a force; line by line paper takes volts only: save the lines first."))
+    if not wanted.in_volts and detector == "analog":
+        raise TraceError(
+            Issue("--column", "names a force; line by line analog takes volts only: save the lines first.")
+        )
     if not sys.stdin or sys.stdin.closed:
-        raise TraceError(Fault("-", "standard input is closed; pipe lines into it."))
+        raise TraceError(Issue("-", "standard input is closed; pipe lines into it."))
     if refused := [name for name, value in (("--plot", plot), ("--quiet-s", quiet_s)) if value is not None]:
-        raise TraceError([Fault(name, "needs the whole trace; save the lines in a file first.") for name in refused])
+        raise TraceError([Issue(name, "needs the whole trace; save the lines in a file first.") for name in refused])
     changes: list[dict[str, Any]] = []
     data: dict[str, Any] = {"detector": detector, "changes": changes}
     try:
         envelope = Wanted({**wanted.names, "voltage_v": wanted.of("envelope_v")}, wanted.rate_hz)
-        source = opened(sys.stdin, wanted, *([envelope] if detector == "paper" else []))
+        source = opened(sys.stdin, wanted, *([envelope] if detector == "analog" else []))
         made, column = _detector(console, design, detector, source, wanted, envelope)
         for change in follow(source, made, design.detector, column):
             if console.as_json:
@@ -43,10 +45,10 @@ def live(
             else:
                 console.write(f"{'ON ' if change.on else 'OFF'}  {change.time_s:9.4f} s")
     except FingertipError as error:
-        console.faults(error, data)
+        console.issues(error, data)
         raise typer.Exit(BAD_INPUT) from None
     except UnicodeDecodeError:
-        console.faults(TraceError(Fault(NAME, "is no UTF-8 text; save it in a file, which may be UTF-16.")), data)
+        console.issues(TraceError(Issue(NAME, "is no UTF-8 text; save it in a file, which may be UTF-16.")), data)
         raise typer.Exit(BAD_INPUT) from None
     except KeyboardInterrupt:
         console.result(data, "")
@@ -57,7 +59,7 @@ def live(
 def _detector(
     console: Console, design: Design, detector: str, source: Opened, wanted: Wanted, envelope: Wanted
 ) -> tuple[Detector, Wanted]:
-    """The detector, and the column it takes: paper takes the board's output where the lines hold it."""
+    """The detector, and the column it takes: analog takes the board's output where the lines hold it."""
     from fingertip.slip import make
     from fingertip.slip.detectors import registry
     from fingertip.slip.live import NAME
@@ -68,5 +70,5 @@ def _detector(
         return make(detector, design), envelope
     from fingertip.sim.electronics.board_detector import BoardDetector
 
-    console.say(f"{NAME} holds no column {wanted.of('envelope_v')}: simulating the design's board")
+    console.progress(f"{NAME} holds no column {wanted.of('envelope_v')}: simulating the design's board")
     return BoardDetector(design), wanted

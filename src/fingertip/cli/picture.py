@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, picture_faults
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, picture_issues
 
 
 @command
@@ -26,9 +26,9 @@ def picture(
     from fingertip.view.picture import draw
 
     console = Console(as_json, quiet)
-    if refused := list(picture_faults("--out", out)):
+    if refused := list(picture_issues("--out", out)):
         raise OutputError(refused)
     loaded, _ = load_design(design, changes)
     path = out or Path("out") / loaded.name / "exploded.png"
-    write_file(path, draw(loaded, width_px, console.say))
+    write_file(path, draw(loaded, width_px, console.progress))
     console.result({"picture": str(path)}, f"drawn to {path}")

@@ -46,7 +46,7 @@ def _lines(console: Console) -> Callable[[State], None]:
         nonlocal last
         if time.perf_counter() - last >= LINE_EVERY_S:
             last = time.perf_counter()
-            console.say(as_text(state))
+            console.progress(as_text(state))
 
     return told
 

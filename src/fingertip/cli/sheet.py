@@ -38,7 +38,7 @@ def sheet(
     prints: dict[str, Print] | None = None
     program = find_slicer() if slicer else None
     if slicer and program is None:
-        console.say(f"no printing times: PrusaSlicer is not installed ({HOW_TO_INSTALL})")
+        console.progress(f"no printing times: PrusaSlicer is not installed ({HOW_TO_INSTALL})")
     if program is not None:
         from fingertip.cad.verification.verify import verify
 
@@ -46,7 +46,7 @@ def sheet(
         files = verify(loaded, lies, ("stl",), Evaluator(0.02)).contents
         prints = {}
         for name, how in lies.items():
-            console.say(f"slicing {name}")
+            console.progress(f"slicing {name}")
             prints[name] = slice_part(program, name, files[f"{name}.stl"], how)
     data = figures(loaded, volumes.measure(loaded, Evaluator(0.01)), card, prints)
     path = out or Path("out") / loaded.name / "casting.md"

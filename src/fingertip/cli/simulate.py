@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, picture_faults
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, picture_issues
 
 if TYPE_CHECKING:
     from fingertip.design import Design
-    from fingertip.errors import Fault
+    from fingertip.errors import Issue
     from fingertip.sim import Manipulated, ManipulationFile, SceneFile
 
 
@@ -56,7 +56,7 @@ def simulate(
     from fingertip.board.values.limits import converter_remarks
     from fingertip.cli.given import load_design, refuse_sweep
     from fingertip.design import Design
-    from fingertip.errors import Fault, FingertipError
+    from fingertip.errors import FingertipError, Issue
     from fingertip.files import write_file
     from fingertip.sim import summary
     from fingertip.sim.kinds import kind_of, split
@@ -64,33 +64,33 @@ def simulate(
     from fingertip.sim.trace_bytes import file_bytes
 
     console = Console(as_json, quiet)
-    faults: list[Fault] = []
+    issues: list[Issue] = []
     refuse_sweep(file)
     kind = kind_of(file) if file else Design
     for_scene, for_design = split(changes or (), kind)
     is_scene = kind is not Design
     if design and not is_scene:
-        faults.append(Fault("--design", f"stands beside {file or 'no file'}, which is no scene; leave --design out."))
+        issues.append(Issue("--design", f"stands beside {file or 'no file'}, which is no scene; leave --design out."))
     if for_scene and not is_scene:
-        faults.append(
-            Fault(f"--set {for_scene[0]}", "changes a scene; give a scene file, such as params/scenes/*.toml.")
+        issues.append(
+            Issue(f"--set {for_scene[0]}", "changes a scene; give a scene file, such as params/scenes/*.toml.")
         )
     if out.suffix.lower() not in (".csv", ".npz"):
-        faults.append(Fault("--out", f"{out.name!r} is no kind of trace file known here; end it in .csv or .npz."))
-    faults.extend(picture_faults("--plot", plot))
+        issues.append(Issue("--out", f"{out.name!r} is no kind of trace file known here; end it in .csv or .npz."))
+    issues.extend(picture_issues("--plot", plot))
     if grip is not None:
-        faults.extend(_grip_faults(grip, kind is sim.ManipulationFile))
+        issues.extend(_grip_issues(grip, kind is sim.ManipulationFile))
     if plot == out:
-        faults.append(Fault("--plot", f"{plot} is the trace's own name; choose another, such as trace.png."))
+        issues.append(Issue("--plot", f"{plot} is the trace's own name; choose another, such as trace.png."))
     if is_scene and seed < 0:  # a trial says so itself
-        faults.append(Fault("--seed", f"{seed} is negative; choose a whole number of at least 0."))
+        issues.append(Issue("--seed", f"{seed} is negative; choose a whole number of at least 0."))
     loaded: Design | None = None
     scene: SceneFile | ManipulationFile | None = None
     design_file = design if is_scene else file
     try:
         loaded, _ = load_design(design_file, for_design)
     except FingertipError as error:
-        faults.extend(error.faults)
+        issues.extend(error.issues)
     try:
         if kind is sim.ManipulationFile and file:
             told = _of_manipulation(surface, speed_m_s, force_n)
@@ -106,12 +106,12 @@ def simulate(
                 seed,
             ).scene
     except FingertipError as error:
-        faults.extend(error.faults)
+        issues.extend(error.issues)
     if speed_m_s is not None and isinstance(scene, sim.SceneFile) and not scene.slide.distance_m:
         remedy = "leave it out, or let the finger slide with --set slide.distance_m=0.04"
-        faults.append(Fault("--speed-m-s", f"{speed_m_s:g} m/s changes nothing, for nothing slides here; {remedy}."))
-    if faults or loaded is None or scene is None:
-        raise FingertipError(faults)
+        issues.append(Issue("--speed-m-s", f"{speed_m_s:g} m/s changes nothing, for nothing slides here; {remedy}."))
+    if issues or loaded is None or scene is None:
+        raise FingertipError(issues)
 
     if parameters:
         console.result({"parameters": list(scene_table.parameters(scene))}, "\n".join(scene_table.as_text(scene)))
@@ -119,15 +119,15 @@ def simulate(
 
     if "voltage_v" in scene.outputs:
         for remark in converter_remarks(board_values(loaded).limits):
-            console.say(f"warning: {remark}")
+            console.progress(f"warning: {remark}")
     found: sim.Simulated | sim.Manipulated
     grips: dict[str, list[float]] = {}
     if isinstance(scene, sim.ManipulationFile) and grip is not None:
         found, grips["grips_s"] = _gripped(loaded, scene, grip, seed, console)
     elif isinstance(scene, sim.ManipulationFile):
-        found = sim.run_manipulation(loaded, scene, None, seed, console.say)
+        found = sim.run_manipulation(loaded, scene, None, seed, console.progress)
     else:
-        found = sim.run_scene(loaded, scene, seed, console.say)
+        found = sim.run_scene(loaded, scene, seed, console.progress)
     words = summary.as_text(found)
     if grips:
         times = ", ".join(f"{at:.2f} s" for at in grips["grips_s"])
@@ -136,24 +136,24 @@ def simulate(
     if plot is not None:
         from fingertip.sim.plot import draw
 
-        console.say(f"drawing {plot}")
+        console.progress(f"drawing {plot}")
         write_file(plot, draw(found, words[0]), "--plot")
     write_file(out, contents)
-    console.say(f"wrote {out}")
+    console.progress(f"wrote {out}")
     written = {"trace": out.as_posix()} | ({"plot": plot.as_posix()} if plot else {})
     console.result(written | summary.as_data(found) | grips, "\n".join(words))
 
 
-def _grip_faults(grip: str, is_manipulation: bool) -> Iterable[Fault]:
-    from fingertip.errors import Fault, FingertipError
+def _grip_issues(grip: str, is_manipulation: bool) -> Iterable[Issue]:
+    from fingertip.errors import FingertipError, Issue
     from fingertip.slip.detectors.registry import known
 
     if not is_manipulation:
-        yield Fault("--grip", "closes the loop of a hand; give a manipulation, such as real_manipulation.toml.")
+        yield Issue("--grip", "closes the loop of a hand; give a manipulation, such as real_manipulation.toml.")
     try:
         known(grip)
     except FingertipError as error:
-        yield from (Fault("--grip", fault.sentence) for fault in error.faults)
+        yield from (Issue("--grip", issue.message) for issue in error.issues)
 
 
 def _gripped(
@@ -168,7 +168,7 @@ def _gripped(
     if reads not in scene.outputs:
         scene = scene.model_copy(update={"outputs": [*scene.outputs, reads]})
     grip = Grip(design, GripSettings(detector), len(scene.fingers))
-    found = run_manipulation(design, scene, grip, seed, console.say)
+    found = run_manipulation(design, scene, grip, seed, console.progress)
     return found, [look.time_s for look in grip.looks if look.gripped]
 
 
@@ -179,8 +179,8 @@ def _of_scene(surface: str | None, speed_m_s: float | None, force_n: float | Non
     if speed_m_s is not None:
         yield f"slide.speed_m_s={speed_m_s!r}"
     if force_n is not None:
-        yield f"hold.force_least_n={force_n!r}"
-        yield f"hold.force_most_n={force_n!r}"
+        yield f"hold.min_force_n={force_n!r}"
+        yield f"hold.max_force_n={force_n!r}"
 
 
 def _of_manipulation(surface: str | None, speed_m_s: float | None, force_n: float | None) -> Iterable[str]:

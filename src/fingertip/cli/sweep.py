@@ -49,7 +49,7 @@ def sweep(
     quiet: QuietOption = False,
 ) -> None:
     """Compute outputs of many designs. Exit code 0: every point has its row; 1: some failed or took too long."""
-    from fingertip.errors import Fault, SweepError
+    from fingertip.errors import Issue, SweepError
     from fingertip.sweep.engines import Processes, default_jobs
     from fingertip.sweep.report import export
 
@@ -63,11 +63,11 @@ def sweep(
         _show(console, _asked(file, out, changes or ()), out, csv, parquet)
         return
     if file is None:
-        raise SweepError(Fault("SWEEP.toml", "is missing; give a sweep file, such as params/sweeps/board.toml."))
+        raise SweepError(Issue("SWEEP.toml", "is missing; give a sweep file, such as params/sweeps/board.toml."))
     if jobs is not None and not 1 <= jobs <= 1024:
-        raise SweepError(Fault("--jobs", f"{jobs} is refused; choose 1 to 1024, or leave it out."))
+        raise SweepError(Issue("--jobs", f"{jobs} is refused; choose 1 to 1024, or leave it out."))
     if jobs is not None and cluster:
-        raise SweepError(Fault("--jobs", "stands beside --cluster, which has its own workers; leave one of them out."))
+        raise SweepError(Issue("--jobs", "stands beside --cluster, which has its own workers; leave one of them out."))
     plan = _load(file, changes or ())
     folder = out or _default(plan)
     engine = _cluster(cluster) if cluster else Processes(jobs or default_jobs())
@@ -103,14 +103,14 @@ def _default(plan: Plan) -> Path:
 
 def _asked(file: Path | None, out: Path | None, changes: Sequence[str]) -> Plan | None:
     """The sweep that is asked about; None where its folder alone is given."""
-    from fingertip.errors import Fault, SweepError
+    from fingertip.errors import Issue, SweepError
 
     if file is not None:
         return _load(file, changes)
     if out is None:
-        raise SweepError(Fault("--show", "needs a sweep: give its file, or its folder with --out."))
+        raise SweepError(Issue("--show", "needs a sweep: give its file, or its folder with --out."))
     if changes:
-        raise SweepError(Fault("--set", "changes a sweep file; give it beside --show."))
+        raise SweepError(Issue("--set", "changes a sweep file; give it beside --show."))
     return None
 
 
@@ -121,7 +121,7 @@ def _show(console: Console, plan: Plan | None, out: Path | None, csv: Path | Non
     folder = out if out is not None or plan is None else _default(plan)
     assert folder is not None
     with Store.open(folder) as store:
-        data = write(store, folder, console.say, plan)
+        data = write(store, folder, console.progress, plan)
         _export(console, store, csv, parquet)
     text = data.pop("text")
     console.result(data, text)
@@ -133,7 +133,7 @@ def _export(console: Console, store: Store, csv: Path | None, parquet: Path | No
     for path, write in ((csv, export.write_csv), (parquet, export.write_parquet)):
         if path is not None:
             write(store, path)
-            console.say(f"wrote {path}")
+            console.progress(f"wrote {path}")
 
 
 def _open(console: Console, folder: Path, plan: Plan, resume: bool) -> Store:
@@ -142,7 +142,7 @@ def _open(console: Console, folder: Path, plan: Plan, resume: bool) -> Store:
     if resume and folder.is_dir() and Store.exists(folder):
         return Store.resume(folder, plan)
     if resume:
-        console.say(f"nothing to go on with in {folder}: beginning there")
+        console.progress(f"nothing to go on with in {folder}: beginning there")
     return Store.create(folder, plan)
 
 
@@ -151,7 +151,9 @@ def _run(console: Console, store: Store, engine: Engine) -> int:
     from fingertip.sweep.run import run
 
     plan, folder = store.plan, store.folder
-    console.say(f"{plan.file.name}: {plan.size} points, {len(plan.outputs)} outputs, {engine.workers} {engine.what}")
+    console.progress(
+        f"{plan.file.name}: {plan.size} points, {len(plan.outputs)} outputs, {engine.workers} {engine.what}"
+    )
     interrupted, start_s = False, time.perf_counter()
     with progress(console, plan.size) as told:
         try:
@@ -161,7 +163,7 @@ def _run(console: Console, store: Store, engine: Engine) -> int:
     counts = store.counts()
     rows = sum(counts.values())
     if interrupted:
-        console.say(f"stopped with {rows} of {plan.size} points in {folder}; go on with --resume")
+        console.progress(f"stopped with {rows} of {plan.size} points in {folder}; go on with --resume")
         console.result({"folder": folder.as_posix(), "points": plan.size, "rows": rows, **counts}, "")
         return INTERRUPTED
     data: dict[str, Any] = {
@@ -177,8 +179,8 @@ def _run(console: Console, store: Store, engine: Engine) -> int:
     )
     took_s = time.perf_counter() - start_s
     pace = f"{state.written} points in {took_s:.1f} s, {state.written / took_s:.3g} points/s"
-    console.say(pace if state.written else "every point had its row already")
-    console.say(f"rules, pictures and the best design: fingertip sweep --show --out {folder.as_posix()}")
+    console.progress(pace if state.written else "every point had its row already")
+    console.progress(f"rules, pictures and the best design: fingertip sweep --show --out {folder.as_posix()}")
     console.result(data, text)
     return CHECK_FAILED if counts["failed"] + counts["timeout"] or rows < plan.size else 0
 

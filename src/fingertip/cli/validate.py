@@ -44,13 +44,13 @@ def validate(
     registry.known(detector)
     amount = plan.Amount(trials, minutes)
     if not kernel.available():
-        console.say("numba is not installed (pip install 'fingertip[fast]'): this takes some twenty times longer")
+        console.progress("numba is not installed (pip install 'fingertip[fast]'): this takes some twenty times longer")
     for remark in (*noise.setting_remarks(loaded, detector), *converter_remarks(board_values(loaded).limits)):
-        console.say(f"warning: {remark}")
-    found = study.run(loaded, amount, say=console.say)
-    console.say("closed loop: four objects, knocked")
+        console.progress(f"warning: {remark}")
+    found = study.run(loaded, amount, progress=console.progress)
+    console.progress("closed loop: four objects, knocked")
     handled = closed_loop.closed_loop(
-        loaded, tuple(dict.fromkeys(("paper", "fast", detector))), 3 if trials >= 12 else 1
+        loaded, tuple(dict.fromkeys(("analog", "fast", detector))), 3 if trials >= 12 else 1
     )
     loop = closed_loop.totals(handled)
     required = requirements.Requirements()
@@ -59,7 +59,7 @@ def validate(
         *requirements.loop_checks(next(total for total in loop if total.detector == detector), required),
     ]
     few = min(FEW, trials)
-    console.say("the limit for this spectrum and noise; what moves the delay; the window")
+    console.progress("the limit for this spectrum and noise; what moves the delay; the window")
     grounds = report.Grounds(
         limit.limits_s(loaded, amount),
         sensitivity.table(loaded, detector, few),
@@ -77,7 +77,7 @@ def validate(
     from fingertip.campaign.closed_loop import loop_pictures
     from fingertip.campaign.report import pictures, trial_pictures
 
-    console.say("drawing")
+    console.progress("drawing")
     folder = out or Path("out") / loaded.name / "validation"
     files = {
         "validation.json": (json.dumps(data, indent=2, allow_nan=False) + "\n").encode(),
@@ -92,7 +92,7 @@ def validate(
         "omissions.md": omissions.as_markdown(found, checked, handled).encode(),
     }
     write_whole(folder, files)
-    console.say(f"wrote {', '.join(files)} to {folder}")
+    console.progress(f"wrote {', '.join(files)} to {folder}")
     console.result(data, report.as_text(found, detector, checked, grounds))
     if not data["passed"]:
         raise typer.Exit(CHECK_FAILED)

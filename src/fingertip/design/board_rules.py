@@ -6,13 +6,13 @@ import math
 
 from fingertip.design import filter_components
 from fingertip.design.comparator_parts import (
-    COMPARATOR_LEAST_V,
-    COMPARATOR_MOST_V,
-    MEAN_MOST_F,
-    MOST_BIAS_A,
+    MAX_BIAS_A,
+    MAX_COMPARATOR_V,
+    MAX_MEAN_F,
+    MIN_COMPARATOR_V,
     longest_window_s,
 )
-from fingertip.design.filter_components import FOOTPRINT_MOST_F, LEAST_OHM, MOST_OHM, SERIES_DECADE, farad
+from fingertip.design.filter_components import MAX_FOOTPRINT_F, MAX_OHM, MIN_OHM, SERIES_DECADE, farad
 from fingertip.design.ruleset import Ruleset, rounded_down, rounded_up
 from fingertip.design.sections import Board
 from fingertip.design.tables import Tables
@@ -71,13 +71,13 @@ def _chosen_envelope_capacitor_exists(d: Tables) -> str | None:
 def _gain_resistor_in_range(d: Tables) -> str | None:
     R5 = d.board.r5_ohm
     R4 = filter_components.r4_ohm(d.board.passband_gain, R5)
-    if LEAST_OHM <= R4 <= MOST_OHM:
+    if MIN_OHM <= R4 <= MAX_OHM:
         return None
     # R4 = R5 / (G - 1) at its bound.
-    if R4 < LEAST_OHM:
-        remedy = f"at most {rounded_down(1 + R5 / LEAST_OHM)} with this r5_ohm"
+    if R4 < MIN_OHM:
+        remedy = f"at most {rounded_down(1 + R5 / MIN_OHM)} with this r5_ohm"
     else:
-        remedy = f"at least {rounded_up(1 + R5 / MOST_OHM)} with this r5_ohm"
+        remedy = f"at least {rounded_up(1 + R5 / MAX_OHM)} with this r5_ohm"
     asked = f"{d.board.passband_gain:.10g} with R5 of {R5:g} ohm asks for R4 of {R4:.4g} ohm"
     return f"{asked}, {_outside(R4)}; {remedy}."
 
@@ -85,39 +85,39 @@ def _gain_resistor_in_range(d: Tables) -> str | None:
 @RULES.rule("board.gain_bandwidth_hz", "board.passband_gain", "board.cutoff_hz")
 def _amplifier_fast_enough(d: Tables) -> str | None:
     GBW, G, f_c = d.board.gain_bandwidth_hz, d.board.passband_gain, d.board.cutoff_hz
-    least = BANDWIDTH_MARGIN * G * f_c
-    if least <= GBW:
+    minimum = BANDWIDTH_MARGIN * G * f_c
+    if minimum <= GBW:
         return None
     return (
         f"{GBW:g} Hz leaves {GBW / G:.4g} Hz at a gain of {G:.6g}, less than {BANDWIDTH_MARGIN:g} cutoffs of "
-        f"{f_c:g} Hz; at least {rounded_up(least)} Hz, or lower board.passband_gain."
+        f"{f_c:g} Hz; at least {rounded_up(minimum)} Hz, or lower board.passband_gain."
     )
 
 
 @RULES.rule("board.r5_ohm", "board.variant", "board.passband_gain", "board.cutoff_hz")
 def _series_capacitor_exists(d: Tables) -> str | None:
-    if d.board.variant == "paper":
+    if d.board.variant == "article":
         return None
     R4, f_c = filter_components.r4_ohm(d.board.passband_gain, d.board.r5_ohm), d.board.cutoff_hz
-    most_uf = filter_components.SERIES_CAPACITORS_UF[-1]
-    least_r4 = SERIES_DECADE / (math.tau * farad(most_uf) * f_c)
-    if least_r4 <= R4:
+    max_uf = filter_components.SERIES_CAPACITORS_UF[-1]
+    min_r4 = SERIES_DECADE / (math.tau * farad(max_uf) * f_c)
+    if min_r4 <= R4:
         return None
-    least = least_r4 * (d.board.passband_gain - 1.0)
+    minimum = min_r4 * (d.board.passband_gain - 1.0)
     return (
         f"{d.board.r5_ohm:g} ohm at a gain of {d.board.passband_gain:.6g} asks for R4 of {R4:.4g} ohm, whose series "
-        f"capacitor would be above {most_uf:g} uF; at least {rounded_up(least)} ohm, or board.variant=paper."
+        f"capacitor would be above {max_uf:g} uF; at least {rounded_up(minimum)} ohm, or board.variant=article."
     )
 
 
 @RULES.rule("board.band_limit_hz", "board.variant", "board.cutoff_hz")
 def _band_limit_above_the_band(d: Tables) -> str | None:
-    least = BAND_CUTOFFS * d.board.cutoff_hz
-    if d.board.variant == "paper" or d.board.band_limit_hz >= least:
+    minimum = BAND_CUTOFFS * d.board.cutoff_hz
+    if d.board.variant == "article" or d.board.band_limit_hz >= minimum:
         return None
     return (
         f"{d.board.band_limit_hz:g} Hz would cut into the vibrations, {BAND_CUTOFFS:g} cutoffs of "
-        f"{d.board.cutoff_hz:g} Hz; at least {rounded_up(least)} Hz, or board.variant=paper, which has none."
+        f"{d.board.cutoff_hz:g} Hz; at least {rounded_up(minimum)} Hz, or board.variant=article, which has none."
     )
 
 
@@ -125,46 +125,46 @@ def _band_limit_above_the_band(d: Tables) -> str | None:
 def _band_limits_capacitor_exists(d: Tables) -> str | None:
     R5, f = d.board.r5_ohm, d.board.band_limit_hz
     c_f = filter_components.limit_capacitor_f(R5, f)
-    least, most = filter_components.LIMIT_LEAST_F, filter_components.LIMIT_MOST_F
-    if d.board.variant == "paper" or least <= c_f <= most:
+    minimum, maximum = filter_components.MIN_LIMIT_F, filter_components.MAX_LIMIT_F
+    if d.board.variant == "article" or minimum <= c_f <= maximum:
         return None
     asked = f"{f:g} Hz with R5 of {R5:g} ohm asks for {c_f * 1e12:.4g} pF across it"
-    if c_f < least:
-        return f"{asked}, below {least * 1e12:g} pF; at most {rounded_down(f * c_f / least)} Hz with this r5_ohm."
-    return f"{asked}, above {most * 1e12:g} pF; at least {rounded_up(f * c_f / most)} Hz with this r5_ohm."
+    if c_f < minimum:
+        return f"{asked}, below {minimum * 1e12:g} pF; at most {rounded_down(f * c_f / minimum)} Hz with this r5_ohm."
+    return f"{asked}, above {maximum * 1e12:g} pF; at least {rounded_up(f * c_f / maximum)} Hz with this r5_ohm."
 
 
 @RULES.rule("board.supply_v", "board.variant")
 def _comparator_stands_the_supply(d: Tables) -> str | None:
-    if d.board.variant != "comparator" or d.board.supply_v <= COMPARATOR_MOST_V:
+    if d.board.variant != "comparator" or d.board.supply_v <= MAX_COMPARATOR_V:
         return None
-    return f"{d.board.supply_v:g} V is too much for variant comparator's LMV331; at most {COMPARATOR_MOST_V:g} V."
+    return f"{d.board.supply_v:g} V is too much for variant comparator's LMV331; at most {MAX_COMPARATOR_V:g} V."
 
 
 @RULES.rule("detector.threshold_v", "board.variant", "board.supply_v", "board.supply")
 def _threshold_can_be_trimmed(d: Tables) -> str | None:
-    most = reach_v(d.board) / 4.0
-    if d.board.variant != "comparator" or COMPARATOR_LEAST_V <= d.detector.threshold_v <= most:
+    maximum = reach_v(d.board) / 4.0
+    if d.board.variant != "comparator" or MIN_COMPARATOR_V <= d.detector.threshold_v <= maximum:
         return None
     return (
         f"{d.detector.threshold_v:g} V lies outside what variant comparator's trimmer is made for; "
-        f"{COMPARATOR_LEAST_V:g} to {rounded_down(most)} V with this supply."
+        f"{MIN_COMPARATOR_V:g} to {rounded_down(maximum)} V with this supply."
     )
 
 
 @RULES.rule("detector.window_samples", "board.variant", "detector.sample_rate_hz", "detector.threshold_v")
 def _mean_bears_the_comparators_current(d: Tables) -> str | None:
     n, rate, threshold = d.detector.window_samples, d.detector.sample_rate_hz, d.detector.threshold_v
-    if d.board.variant != "comparator" or threshold < COMPARATOR_LEAST_V:
+    if d.board.variant != "comparator" or threshold < MIN_COMPARATOR_V:
         return None
-    most = math.floor(longest_window_s(threshold) * rate)
-    if n <= most:
+    maximum = math.floor(longest_window_s(threshold) * rate)
+    if n <= maximum:
         return None
-    mean_ohm = n / rate / 2.0 / MEAN_MOST_F
+    mean_ohm = n / rate / 2.0 / MAX_MEAN_F
     return (
         f"{n} samples at {rate:g} Hz ask variant comparator for a mean of {mean_ohm:.4g} ohm, in which its LMV331's "
-        f"{1e9 * MOST_BIAS_A:g} nA (at most) make {1e3 * mean_ohm * MOST_BIAS_A:.3g} mV, above half of the threshold "
-        f"of {1e3 * threshold:g} mV; at most {most} samples, or a higher detector.threshold_v."
+        f"{1e9 * MAX_BIAS_A:g} nA (at most) make {1e3 * mean_ohm * MAX_BIAS_A:.3g} mV, above half of the threshold "
+        f"of {1e3 * threshold:g} mV; at most {maximum} samples, or a higher detector.threshold_v."
     )
 
 
@@ -174,25 +174,25 @@ def reach_v(board: Board) -> float:
 
 
 def _chosen(name: str, factor: float, cutoff_hz: float, d: Tables) -> str | None:
-    """The fault of a cutoff for which no capacitor is chosen, its resistor being factor / (C omega)."""
+    """The issue of a cutoff for which no capacitor is chosen, its resistor being factor / (C omega)."""
     rcf = factor / math.tau
-    least_hz = rcf / filter_components.CHOSEN_MOST_F / MOST_OHM
-    if d.board.capacitor_series == "given" or cutoff_hz >= least_hz:
+    min_hz = rcf / filter_components.MAX_CHOSEN_F / MAX_OHM
+    if d.board.capacitor_series == "given" or cutoff_hz >= min_hz:
         return None
     return (
-        f"{cutoff_hz:g} Hz asks for {name} above {MOST_OHM / 1e6:g} Mohm with the largest capacitor that is chosen, "
-        f"{filter_components.CHOSEN_MOST_F * 1e6:g} uF; at least {rounded_up(least_hz)} Hz, "
+        f"{cutoff_hz:g} Hz asks for {name} above {MAX_OHM / 1e6:g} Mohm with the largest capacitor that is chosen, "
+        f"{filter_components.MAX_CHOSEN_F * 1e6:g} uF; at least {rounded_up(min_hz)} Hz, "
         "or board.capacitor_series=given."
     )
 
 
 def _fits(capacitor: str, names: str, d: Tables) -> str | None:
-    """The fault of a capacitor that cannot be bought in the size of its place."""
-    value, most_uf = getattr(d.board, capacitor), 1e6 * FOOTPRINT_MOST_F
-    if d.board.capacitor_series != "given" or value <= most_uf:
+    """The issue of a capacitor that cannot be bought in the size of its place."""
+    value, max_uf = getattr(d.board, capacitor), 1e6 * MAX_FOOTPRINT_F
+    if d.board.capacitor_series != "given" or value <= max_uf:
         return None
     return (
-        f"{value:g} uF is more than the place of {names} holds (1206, X7R for 16 V); at most {most_uf:g} uF, or "
+        f"{value:g} uF is more than the place of {names} holds (1206, X7R for 16 V); at most {max_uf:g} uF, or "
         "board.capacitor_series=E6, which chooses one."
     )
 
@@ -200,18 +200,18 @@ def _fits(capacitor: str, names: str, d: Tables) -> str | None:
 def _capacitor_in_range(
     capacitor: str, cutoff: str, smallest: tuple[str, float], largest: tuple[str, float], d: Tables
 ) -> str | None:
-    """The fault of a capacitor whose resistors, proportional to 1 / (C f), leave the range."""
-    too_small = smallest[1] < LEAST_OHM
+    """The issue of a capacitor whose resistors, proportional to 1 / (C f), leave the range."""
+    too_small = smallest[1] < MIN_OHM
     name, ohm = smallest if too_small else largest
-    if LEAST_OHM <= ohm <= MOST_OHM:
+    if MIN_OHM <= ohm <= MAX_OHM:
         return None
     value, f = getattr(d.board, capacitor), getattr(d.board, cutoff)
     # R C f is the same for every C and f, so each bound on R is a bound on C at this f.
     rcf = ohm * value * f if math.isfinite(ohm) else 0.0
-    bound = rcf / f / (LEAST_OHM if too_small else MOST_OHM)
+    bound = rcf / f / (MIN_OHM if too_small else MAX_OHM)
     info = Board.model_fields[capacitor]
-    least, most = (next(getattr(m, kind) for m in info.metadata if hasattr(m, kind)) for kind in ("ge", "le"))
-    if least <= bound <= min(most, 1e6 * FOOTPRINT_MOST_F):
+    minimum, maximum = (next(getattr(m, kind) for m in info.metadata if hasattr(m, kind)) for kind in ("ge", "le"))
+    if minimum <= bound <= min(maximum, 1e6 * MAX_FOOTPRINT_F):
         limit = f"at most {rounded_down(bound)}" if too_small else f"at least {rounded_up(bound)}"
         remedy = f"{limit} uF at this cutoff"
     else:
@@ -220,4 +220,4 @@ def _capacitor_in_range(
 
 
 def _outside(ohm: float) -> str:
-    return f"below {LEAST_OHM:g} ohm" if ohm < LEAST_OHM else f"above {MOST_OHM / 1e6:g} Mohm"
+    return f"below {MIN_OHM:g} ohm" if ohm < MIN_OHM else f"above {MAX_OHM / 1e6:g} Mohm"

@@ -18,11 +18,11 @@ _FLAT = (
 )  # fmt: skip
 
 
-@RULES.rule("bone.wall_mm", "printer.least_wall_mm")
+@RULES.rule("bone.wall_mm", "printer.min_wall_mm")
 def _walls_print(d: Tables) -> str | None:
-    if d.bone.wall_mm >= d.printer.least_wall_mm - SLACK:
+    if d.bone.wall_mm >= d.printer.min_wall_mm - SLACK:
         return None
-    return f"{d.bone.wall_mm:g} mm does not print; at least {d.printer.least_wall_mm:g} mm (printer.least_wall_mm)."
+    return f"{d.bone.wall_mm:g} mm does not print; at least {d.printer.min_wall_mm:g} mm (printer.min_wall_mm)."
 
 
 @RULES.rule(
@@ -33,13 +33,13 @@ def _walls_print(d: Tables) -> str | None:
 def _base_holds_everything(d: Tables) -> str | None:
     dims, bone = derive(d), d.bone
     socket = bone.socket_depth_mm if bone.interface == "socket" else 0.0
-    least = -dims.tie_hole_z + bone.tie_hole_diameter_mm / 2 + bone.wall_mm + socket
-    if bone.base_length_mm >= least - SLACK:
+    minimum = -dims.tie_hole_z + bone.tie_hole_diameter_mm / 2 + bone.wall_mm + socket
+    if bone.base_length_mm >= minimum - SLACK:
         return None
     what = "posterior hole, tie hole and socket" if socket else "posterior hole and tie hole"
     return (
         f"{bone.base_length_mm:g} mm does not hold {what} below the mold's recess (the {dims.sensor.label} is "
-        f"{dims.sensor.length_mm:g} mm long); at least {ceil2(least)} mm."
+        f"{dims.sensor.length_mm:g} mm long); at least {ceil2(minimum)} mm."
     )
 
 
@@ -47,10 +47,10 @@ def _base_holds_everything(d: Tables) -> str | None:
 def _relief_clear_of_pocket(d: Tables) -> str | None:
     dims = derive(d)
     pocket = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - d.sensor.clearance_mm
-    most = 2 * (pocket - dims.tail_end_z)
-    if d.bone.relief_length_mm <= most + SLACK:
+    maximum = 2 * (pocket - dims.tail_end_z)
+    if d.bone.relief_length_mm <= maximum + SLACK:
         return None
-    return f"{d.bone.relief_length_mm:g} mm reaches under the sensor's head; at most {floor2(max(0.0, most))} mm."
+    return f"{d.bone.relief_length_mm:g} mm reaches under the sensor's head; at most {floor2(max(0.0, maximum))} mm."
 
 
 @RULES.rule(
@@ -79,7 +79,7 @@ def _relief_clear_of_collar(d: Tables) -> str | None:
 def _collar_stands_proud(d: Tables) -> str | None:
     dims = derive(d)
     sides = min(
-        _least_cover_of_collar(d, half, thickness) - 0.1
+        _min_cover_of_collar(d, half, thickness) - 0.1
         for half, thickness in (
             (d.skin.width_mm / 2, d.skin.thickness_side_mm),
             (d.skin.semi_axis_dorsal_mm, d.skin.thickness_dorsal_mm),
@@ -87,14 +87,14 @@ def _collar_stands_proud(d: Tables) -> str | None:
     )
     passage = dims.flat_depth - dims.pocket_depth + dims.passage_height
     below = d.skin.semi_axis_palmar_mm - passage - d.bone.wall_mm
-    most = min(sides, below) if dims.tail_passes_collar else sides
-    if d.bone.collar_inset_mm <= most + SLACK:
+    maximum = min(sides, below) if dims.tail_passes_collar else sides
+    if d.bone.collar_inset_mm <= maximum + SLACK:
         return None
-    what = "the collar's height" if most == sides else "the collar below the tail's passage"
-    return f"{d.bone.collar_inset_mm:g} mm leaves too little of {what}; at most {floor2(max(0.0, most))} mm."
+    what = "the collar's height" if maximum == sides else "the collar below the tail's passage"
+    return f"{d.bone.collar_inset_mm:g} mm leaves too little of {what}; at most {floor2(max(0.0, maximum))} mm."
 
 
-def _least_cover_of_collar(d: Tables, half_mm: float, thickness_mm: float) -> float:
+def _min_cover_of_collar(d: Tables, half_mm: float, thickness_mm: float) -> float:
     """Silicone [mm] that ends on the collar, around the bone or a sleeve's core, which shrinkage makes larger."""
     if d.mold.method == "overmold":
         return thickness_mm
@@ -132,32 +132,34 @@ def _groove_beside_slot(d: Tables) -> str | None:
 
 @RULES.rule("bone.tie_hole_diameter_mm", "bone.wall_mm", "skin.semi_axis_dorsal_mm", "skin.thickness_dorsal_mm")
 def _tie_hole_within_back(d: Tables) -> str | None:
-    most = (d.skin.semi_axis_dorsal_mm - d.skin.thickness_dorsal_mm) / 2 - d.bone.wall_mm
-    if d.bone.tie_hole_diameter_mm <= most + SLACK:
+    maximum = (d.skin.semi_axis_dorsal_mm - d.skin.thickness_dorsal_mm) / 2 - d.bone.wall_mm
+    if d.bone.tie_hole_diameter_mm <= maximum + SLACK:
         return None
-    return f"{d.bone.tie_hole_diameter_mm:g} mm does not fit the back of the base; at most {floor2(max(0.0, most))} mm."
+    return (
+        f"{d.bone.tie_hole_diameter_mm:g} mm does not fit the back of the base; at most {floor2(max(0.0, maximum))} mm."
+    )
 
 
 @RULES.rule("bone.post_diameter_mm", "bone.interface", *_FLAT)
 def _post_within_base(d: Tables) -> str | None:
     if d.bone.interface != "plain":
         return None
-    most = _base_room(d)
-    if d.bone.post_diameter_mm <= most + SLACK:
+    maximum = _base_room(d)
+    if d.bone.post_diameter_mm <= maximum + SLACK:
         return None
-    return f"{d.bone.post_diameter_mm:g} mm is wider than the base; at most {floor2(max(0.0, most))} mm."
+    return f"{d.bone.post_diameter_mm:g} mm is wider than the base; at most {floor2(max(0.0, maximum))} mm."
 
 
 @RULES.rule("bone.socket_diameter_mm", "bone.interface", "bone.wall_mm", *_FLAT)
 def _socket_within_base(d: Tables) -> str | None:
     if d.bone.interface != "socket":
         return None
-    most = _base_room(d) - 2 * d.bone.wall_mm
-    if d.bone.socket_diameter_mm <= most + SLACK:
+    maximum = _base_room(d) - 2 * d.bone.wall_mm
+    if d.bone.socket_diameter_mm <= maximum + SLACK:
         return None
     return (
         f"{d.bone.socket_diameter_mm:g} mm leaves less than {d.bone.wall_mm:g} mm of base around it; "
-        f"at most {floor2(max(0.0, most))} mm."
+        f"at most {floor2(max(0.0, maximum))} mm."
     )
 
 
@@ -189,10 +191,10 @@ def _bolt_within_interface(d: Tables) -> str | None:
     across, along = (bone.socket_diameter_mm + bone.wall_mm, bone.socket_depth_mm) if socket else (
         bone.post_diameter_mm, bone.post_length_mm
     )  # fmt: skip
-    most = min(across, along) - 2 * bone.wall_mm
-    if bone.cross_bolt_diameter_mm <= most + SLACK:
+    maximum = min(across, along) - 2 * bone.wall_mm
+    if bone.cross_bolt_diameter_mm <= maximum + SLACK:
         return None
     return (
         f"{bone.cross_bolt_diameter_mm:g} mm leaves less than {bone.wall_mm:g} mm around it in "
-        f"{'the socket' if socket else 'the post'}; at most {floor2(max(0.0, most))} mm."
+        f"{'the socket' if socket else 'the post'}; at most {floor2(max(0.0, maximum))} mm."
     )

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from fingertip.errors import DesignError, Fault
+from fingertip.errors import DesignError, Issue
 
 
 def gather(files: Iterable[str | Path], changes: Iterable[str]) -> dict[str, Any]:
@@ -19,25 +19,25 @@ def gather(files: Iterable[str | Path], changes: Iterable[str]) -> dict[str, Any
         With every file that cannot be read and every change that cannot be understood.
     """
     if isinstance(changes, str):
-        raise DesignError(Fault("changes", f"{changes!r} is one text; give a list, such as {[changes]!r}."))
+        raise DesignError(Issue("changes", f"{changes!r} is one text; give a list, such as {[changes]!r}."))
     merged: dict[str, Any] = {}
-    faults: list[Fault] = []
+    issues: list[Issue] = []
     for path in map(Path, files):
         try:
             _merge(merged, tomllib.loads(path.read_text(encoding="utf-8-sig")))
         except tomllib.TOMLDecodeError as error:
-            faults.append(Fault(str(path), f"is no valid TOML: {error}."))
+            issues.append(Issue(str(path), f"is no valid TOML: {error}."))
         except UnicodeDecodeError:
-            faults.append(Fault(str(path), "is not UTF-8 text; a design is a TOML file."))
+            issues.append(Issue(str(path), "is not UTF-8 text; a design is a TOML file."))
         except OSError as error:
-            faults.append(Fault(str(path), f"cannot be read ({error.strerror}); give the path of a design file."))
+            issues.append(Issue(str(path), f"cannot be read ({error.strerror}); give the path of a design file."))
     for change in changes:
         try:
             _merge(merged, parse_change(change))
         except DesignError as error:
-            faults.extend(error.faults)
-    if faults:
-        raise DesignError(faults)
+            issues.extend(error.issues)
+    if issues:
+        raise DesignError(issues)
     return merged
 
 
@@ -46,7 +46,7 @@ def parse_change(change: str) -> dict[str, Any]:
     key, equals, text = change.partition("=")
     steps = [step.strip() for step in key.split(".")]
     if not equals or not all(steps):
-        raise DesignError(Fault(f"--set {change}", "is not of the form table.key=value, such as mold.draft_deg=2."))
+        raise DesignError(Issue(f"--set {change}", "is not of the form table.key=value, such as mold.draft_deg=2."))
     try:
         value: Any = tomllib.loads(f"v = {text}")["v"]
     except tomllib.TOMLDecodeError:

@@ -25,7 +25,7 @@ class Cover:
     """How far the surface reaches there in that direction, from the middle."""
 
 
-def least_cover(dims: Dimensions, inset_mm: float) -> float:
+def min_cover(dims: Dimensions, inset_mm: float) -> float:
     """Thinnest silicone [mm] in the sections where the skin begins and where its tip begins.
 
     Between them both outlines shrink in straight lines, so that no section there is thinner. The tip is left to the

@@ -18,9 +18,9 @@ def quantity(
     unit: str,
     meaning: str,
     *,
-    least: float | None = None,
+    minimum: float | None = None,
     above: float | None = None,
-    most: float | None = None,
+    maximum: float | None = None,
     verified: bool = True,
 ) -> Any:
     """A number with a unit.
@@ -40,7 +40,7 @@ def quantity(
     """
     if not verified:
         meaning += " (unverified figure)"
-    return Field(default, ge=least, gt=above, le=most, description=meaning, json_schema_extra={"unit": unit})
+    return Field(default, ge=minimum, gt=above, le=maximum, description=meaning, json_schema_extra={"unit": unit})
 
 
 def choice(default: str, meaning: str) -> Any:

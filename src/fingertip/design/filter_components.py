@@ -16,9 +16,9 @@ A1 = 1.0
 A2 = 1.0
 B2 = 1.0
 
-LEAST_OHM = 10.0
+MIN_OHM = 10.0
 """Below this the amplifier's output and the tracks are part of the value."""
-MOST_OHM = 10e6
+MAX_OHM = 10e6
 """Above this leakage and the amplifier's input are part of the value."""
 
 
@@ -78,9 +78,9 @@ def ideal_components(board: Board) -> Components:
     )
 
 
-FOOTPRINT_MOST_F = 10e-6
+MAX_FOOTPRINT_F = 10e-6
 """The largest capacitor of filter or envelope: X7R for 16 V, as can be bought for its place (1206)."""
-CHOSEN_LEAST_F, CHOSEN_MOST_F = 100e-12, FOOTPRINT_MOST_F
+MIN_CHOSEN_F, MAX_CHOSEN_F = 100e-12, MAX_FOOTPRINT_F
 """Capacitors the board chooses itself lie within: smaller ones drown in tracks."""
 CHOSEN_OHM = (2e3, 20e3)
 """R1 of a capacitor the board chooses: low enough for bias and noise, high enough for an amplifier to drive."""
@@ -91,7 +91,7 @@ CHOSEN_ENVELOPE_OHM = (1e3, 10e3)
 def chosen_range_f(cutoff_hz: float, ohm: tuple[float, float]) -> tuple[float, float]:
     """The capacitances [F] whose 1 / (C omega) lies within `ohm` at a cutoff [Hz], as far as such are chosen."""
     low, high = (_ratio(1.0, math.tau * cutoff_hz * bound) for bound in (ohm[1], ohm[0]))
-    return tuple(min(max(c_f, CHOSEN_LEAST_F), CHOSEN_MOST_F) for c_f in (low, high))  # type: ignore[return-value]
+    return tuple(min(max(c_f, MIN_CHOSEN_F), MAX_CHOSEN_F) for c_f in (low, high))  # type: ignore[return-value]
 
 
 def farad(microfarad: float) -> float:
@@ -103,7 +103,7 @@ def _ratio(numerator: float, denominator: float) -> float:
     return numerator / denominator if denominator else math.inf
 
 
-LIMIT_LEAST_F, LIMIT_MOST_F = 10e-12, 1e-6
+MIN_LIMIT_F, MAX_LIMIT_F = 10e-12, 1e-6
 """Capacitor across R5: below, the resistor's own capacitance is part of it; above, it does not fit its place."""
 
 
@@ -123,5 +123,5 @@ def series_capacitor_f(r4_ohm: float, cutoff_hz: float) -> float:
 
     At the article's 1.5k and 67 Hz that is 16 uF, 22 uF as bought. The largest there is where none is enough.
     """
-    least_uf = 1e6 * SERIES_DECADE / (math.tau * r4_ohm * cutoff_hz)
-    return farad(next((c for c in SERIES_CAPACITORS_UF if c >= least_uf), SERIES_CAPACITORS_UF[-1]))
+    min_uf = 1e6 * SERIES_DECADE / (math.tau * r4_ohm * cutoff_hz)
+    return farad(next((c for c in SERIES_CAPACITORS_UF if c >= min_uf), SERIES_CAPACITORS_UF[-1]))

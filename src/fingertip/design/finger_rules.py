@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from fingertip.design.cover import least_cover
+from fingertip.design.cover import min_cover
 from fingertip.design.dimensions import derive
 from fingertip.design.ruleset import SLACK, Ruleset, ceil2, floor2
 from fingertip.design.tables import Tables
@@ -29,43 +29,43 @@ COVER = ("mold.method", "mold.sleeve_interference_mm", "skin.squareness_palmar",
 """What the silicone over the bone depends on."""
 _EDGE_COVER = 0.5  # silicone beside the edges of the bone's flat [mm], along x: thinner, the edges cut through
 _COVER_SLACK = 2e-3  # [mm] the cover is found to 1e-3 mm, and a nominal thickness must not fail by it
-_LEAST_THICKNESS = 0.2  # lower bound of skin.least_thickness_mm [mm]
+_MIN_THICKNESS = 0.2  # lower bound of skin.min_thickness_mm [mm]
 _BONE_LEFT = 1.0  # half width and half height of bone [mm] below which no other rule makes sense
 
 
 @RULES.rule("skin.tip_length_mm", "skin.length_mm")
 def _tip_within_skin(d: Tables) -> str | None:
-    most = d.skin.length_mm - 2.0
-    if d.skin.tip_length_mm <= most + SLACK:
+    maximum = d.skin.length_mm - 2.0
+    if d.skin.tip_length_mm <= maximum + SLACK:
         return None
-    return (
-        f"{d.skin.tip_length_mm:g} mm leaves no straight part in {d.skin.length_mm:g} mm of skin; at most {most:g} mm."
-    )
+    return f"{d.skin.tip_length_mm:g} mm leaves no straight part in {d.skin.length_mm:g} mm of skin; at most {maximum:g} mm."
 
 
 @RULES.rule("skin.thickness_side_mm", "skin.width_mm", "skin.semi_axis_palmar_mm", "skin.taper_ratio")
 def _bone_left_at_sides(d: Tables) -> str | None:
     half = min(d.skin.width_mm / 2 * d.skin.taper_ratio, d.skin.semi_axis_palmar_mm)
-    most = half - _BONE_LEFT
-    if d.skin.thickness_side_mm <= most + SLACK:
+    maximum = half - _BONE_LEFT
+    if d.skin.thickness_side_mm <= maximum + SLACK:
         return None
-    return f"{d.skin.thickness_side_mm:g} mm leaves less than {_BONE_LEFT:g} mm of bone; at most {floor2(most)} mm."
+    return f"{d.skin.thickness_side_mm:g} mm leaves less than {_BONE_LEFT:g} mm of bone; at most {floor2(maximum)} mm."
 
 
 @RULES.rule("skin.thickness_dorsal_mm", "skin.semi_axis_dorsal_mm")
 def _bone_left_dorsally(d: Tables) -> str | None:
-    most = d.skin.semi_axis_dorsal_mm - _BONE_LEFT
-    if d.skin.thickness_dorsal_mm <= most + SLACK:
+    maximum = d.skin.semi_axis_dorsal_mm - _BONE_LEFT
+    if d.skin.thickness_dorsal_mm <= maximum + SLACK:
         return None
-    return f"{d.skin.thickness_dorsal_mm:g} mm leaves less than {_BONE_LEFT:g} mm of bone; at most {floor2(most)} mm."
+    return (
+        f"{d.skin.thickness_dorsal_mm:g} mm leaves less than {_BONE_LEFT:g} mm of bone; at most {floor2(maximum)} mm."
+    )
 
 
 @RULES.rule("skin.thickness_tip_mm", "skin.tip_length_mm")
 def _bone_reaches_tip(d: Tables) -> str | None:
-    most = d.skin.tip_length_mm - _BONE_LEFT
-    if d.skin.thickness_tip_mm <= most + SLACK:
+    maximum = d.skin.tip_length_mm - _BONE_LEFT
+    if d.skin.thickness_tip_mm <= maximum + SLACK:
         return None
-    return f"{d.skin.thickness_tip_mm:g} mm is more than the rounded tip holds; at most {floor2(most)} mm."
+    return f"{d.skin.thickness_tip_mm:g} mm is more than the rounded tip holds; at most {floor2(maximum)} mm."
 
 
 @RULES.rule("skin.squareness_tip", "skin.taper_ratio", *_LENGTHS)
@@ -77,12 +77,12 @@ def _tip_tangent(d: Tables) -> str | None:
 
 @RULES.rule("sensor.distance_from_tip_mm", "skin.length_mm", "sensor.model")
 def _sensor_within_skin(d: Tables) -> str | None:
-    most = d.skin.length_mm - derive(d).sensor.head_diameter_mm / 2 - 1.0
-    if d.sensor.distance_from_tip_mm <= most + SLACK:
+    maximum = d.skin.length_mm - derive(d).sensor.head_diameter_mm / 2 - 1.0
+    if d.sensor.distance_from_tip_mm <= maximum + SLACK:
         return None
     return (
         f"{d.sensor.distance_from_tip_mm:g} mm puts the sensor's head outside the skin of {d.skin.length_mm:g} mm; "
-        f"at most {floor2(most)} mm."
+        f"at most {floor2(maximum)} mm."
     )
 
 
@@ -91,12 +91,12 @@ def _flat_within_bone(d: Tables) -> str | None:
     dims = derive(d)
     height = d.skin.semi_axis_palmar_mm * dims.outer.scale_at(dims.sensor_z)
     bone = dims.envelope.section.palmar * dims.envelope.scale_at(dims.sensor_z)
-    most, least = height - 0.5, height - bone + 0.2
-    if least <= d.skin.thickness_palmar_mm <= most + SLACK:
+    maximum, minimum = height - 0.5, height - bone + 0.2
+    if minimum <= d.skin.thickness_palmar_mm <= maximum + SLACK:
         return None
     return (
         f"{d.skin.thickness_palmar_mm:g} mm puts the palmar flat outside the bone's palmar half; "
-        f"between {ceil2(least)} and {floor2(most)} mm with this pad and position of the sensor."
+        f"between {ceil2(minimum)} and {floor2(maximum)} mm with this pad and position of the sensor."
     )
 
 
@@ -108,7 +108,7 @@ def _sensor_fits_flat(d: Tables) -> str | None:
         return None
     sensor = derive(d).sensor
     needed = sensor.head_diameter_mm + 2 * (d.sensor.clearance_mm + d.bone.rim_mm)
-    wider = _least_passing(d.skin.width_mm, 60.0, lambda width: _sensor_margin(d, width) >= 0)
+    wider = _min_passing(d.skin.width_mm, 60.0, lambda width: _sensor_margin(d, width) >= 0)
     remedy = (
         f"needs at least {wider:g} mm with this skin and rim"
         if wider
@@ -130,7 +130,7 @@ def _sensor_margin(d: Tables, width_mm: float | None = None) -> float:
 def _edges_within_skin(d: Tables) -> str | None:
     if _sensor_fits_flat(d) or _flat_within_bone(d) or _edge_cover(d) >= _EDGE_COVER:
         return None
-    rounder = _least_passing(
+    rounder = _min_passing(
         -d.bone.squareness_palmar, -0.5, lambda w: _edge_cover(d, -w) >= _EDGE_COVER
     )  # bisection runs upwards: the negative of the weight does
     remedy = f"at most {floor2(-rounder)}" if rounder else "raise skin.thickness_side_mm or skin.squareness_palmar"
@@ -146,17 +146,17 @@ def cover_is_sound(d: Tables) -> bool:
     return not any(rule(d) for rule in (*forms, _sensor_fits_flat, _flat_within_bone, _edges_within_skin))
 
 
-@RULES.rule("skin.least_thickness_mm", *COVER)
+@RULES.rule("skin.min_thickness_mm", *COVER)
 def _thinnest_place(d: Tables) -> str | None:
     if not cover_is_sound(d):
         return None
-    cover = least_cover(derive(d), inset_mm(d))
+    cover = min_cover(derive(d), inset_mm(d))
     thinnest = min(cover, d.skin.thickness_tip_mm)
-    if d.skin.least_thickness_mm <= thinnest + _COVER_SLACK:
+    if d.skin.min_thickness_mm <= thinnest + _COVER_SLACK:
         return None
-    bound = f"at most {floor2(thinnest)} mm, or " if thinnest >= _LEAST_THICKNESS else ""
+    bound = f"at most {floor2(thinnest)} mm, or " if thinnest >= _MIN_THICKNESS else ""
     return (
-        f"{d.skin.least_thickness_mm:g} mm is more than the {thinnest:.2f} mm at the skin's thinnest place; {bound}"
+        f"{d.skin.min_thickness_mm:g} mm is more than the {thinnest:.2f} mm at the skin's thinnest place; {bound}"
         "lower bone.squareness_palmar or raise the skin's thickness."
     )
 
@@ -194,27 +194,27 @@ def _channel_within_base(d: Tables) -> str | None:
     section, flat = derive(d).envelope.section, derive(d).flat_depth
     height, wall = flat + section.dorsal, d.bone.wall_mm
     width = 2 * min(section.half_width_at(-flat), section.half_width_at(section.dorsal / 2))
-    most = min(width, height) - 2 * wall
-    if d.bone.channel_diameter_mm <= most + SLACK:
+    maximum = min(width, height) - 2 * wall
+    if d.bone.channel_diameter_mm <= maximum + SLACK:
         return None
     return (
         f"{d.bone.channel_diameter_mm:g} mm is wider than the base allows ({width:.2f} x {height:.2f} mm with "
-        f"{wall:g} mm walls); at most {floor2(max(0.0, most))} mm."
+        f"{wall:g} mm walls); at most {floor2(max(0.0, maximum))} mm."
     )
 
 
 @RULES.rule("bone.channel_bend_radius_mm", "bone.channel_diameter_mm")
 def _bend_wider_than_channel(d: Tables) -> str | None:
-    least = d.bone.channel_diameter_mm / 2 + 0.3
-    if d.bone.channel_bend_radius_mm >= least - SLACK:
+    minimum = d.bone.channel_diameter_mm / 2 + 0.3
+    if d.bone.channel_bend_radius_mm >= minimum - SLACK:
         return None
     return (
         f"{d.bone.channel_bend_radius_mm:g} mm folds a channel of {d.bone.channel_diameter_mm:g} mm into itself; "
-        f"at least {ceil2(least)} mm."
+        f"at least {ceil2(minimum)} mm."
     )
 
 
-def _least_passing(low: float, high: float, passes: Callable[[float], bool]) -> float | None:
+def _min_passing(low: float, high: float, passes: Callable[[float], bool]) -> float | None:
     """Least value in [low, high] that passes, rounded up to 0.1, by bisection; None if `high` does not pass."""
     if not passes(high):
         return None

@@ -10,15 +10,15 @@ from typing import Any
 from pydantic import ValidationError
 
 from fingertip.design.dimensions import Dimensions, derive
-from fingertip.design.faults import from_pydantic
 from fingertip.design.fields import Section
+from fingertip.design.issues import from_pydantic
 from fingertip.design.rules import broken
 from fingertip.design.tables import Tables
-from fingertip.errors import DesignError, Fault
+from fingertip.errors import DesignError, Issue
 
 
 class Design(Tables):
-    """One fingertip. Constructing it checks every bound and every rule, and raises all faults at once.
+    """One fingertip. Constructing it checks every bound and every rule, and raises all issues at once.
 
     Raises
     ------
@@ -30,10 +30,10 @@ class Design(Tables):
         try:
             super().__init__(**tables)
         except ValidationError as error:
-            faults = from_pydantic(error, type(self))
-            raise DesignError([*faults, *_rules_beside(tables, faults)]) from None
-        if faults := [fault for fault, _ in broken(self)]:
-            raise DesignError(faults)
+            issues = from_pydantic(error, type(self))
+            raise DesignError([*issues, *_rules_beside(tables, issues)]) from None
+        if issues := [issue for issue, _ in broken(self)]:
+            raise DesignError(issues)
 
     @classmethod
     def load(cls, *files: str | Path, changes: Iterable[str] = ()) -> Design:
@@ -54,9 +54,9 @@ class Design(Tables):
         return derive(self)
 
 
-def _rules_beside(tables: Mapping[str, Any], faults: Iterable[Fault]) -> list[Fault]:
+def _rules_beside(tables: Mapping[str, Any], issues: Iterable[Issue]) -> list[Issue]:
     """Broken rules among the parameters that are in bounds, so that one run tells everything that is wrong."""
-    faulty = {fault.field for fault in faults}
+    faulty = {issue.field for issue in issues}
     fields: dict[str, Any] = {}
     for name, info in Tables.model_fields.items():
         table, default = tables.get(name), info.default
@@ -67,4 +67,4 @@ def _rules_beside(tables: Mapping[str, Any], faults: Iterable[Fault]) -> list[Fa
             fields[name] = default.model_copy(update=kept)
         else:
             fields[name] = default
-    return [fault for fault, reads in broken(Tables.model_construct(**fields)) if not reads & faulty]
+    return [issue for issue, reads in broken(Tables.model_construct(**fields)) if not reads & faulty]

@@ -23,27 +23,27 @@ def _pry_slot_clear_of_bolts(d: Tables) -> str | None:
     layout, slope = lay_out(d, derive(d)), derive(d).draft_slope
     socket = d.mold.key_diameter_mm / 2 + d.mold.key_clearance_mm * math.hypot(1.0, slope)
     column = layout.bolts[-1][0]
-    most = layout.half_width - column - max(layout.nut_circumradius, socket) - _BESIDE_PRY_SLOT
-    if d.mold.pry_depth_mm <= most + SLACK:
+    maximum = layout.half_width - column - max(layout.nut_circumradius, socket) - _BESIDE_PRY_SLOT
+    if d.mold.pry_depth_mm <= maximum + SLACK:
         return None
-    return f"{d.mold.pry_depth_mm:g} mm reaches the keys; at most {floor2(max(0.0, most))} mm (mold.land_mm)."
+    return f"{d.mold.pry_depth_mm:g} mm reaches the keys; at most {floor2(max(0.0, maximum))} mm (mold.land_mm)."
 
 
 @RULES.rule("mold.pry_width_mm", "skin.length_mm", "mold.recess_length_mm")
 def _pry_slot_within_side(d: Tables) -> str | None:
     layout = lay_out(d, derive(d))
-    most = layout.distal_z - layout.proximal_z - 2.0
-    if d.mold.pry_width_mm <= most + SLACK:
+    maximum = layout.distal_z - layout.proximal_z - 2.0
+    if d.mold.pry_width_mm <= maximum + SLACK:
         return None
-    return f"{d.mold.pry_width_mm:g} mm is longer than the mold's side; at most {floor2(most)} mm."
+    return f"{d.mold.pry_width_mm:g} mm is longer than the mold's side; at most {floor2(maximum)} mm."
 
 
 @RULES.rule("mold.engraving_depth_mm", "mold.wall_mm")
 def _engraving_keeps_a_wall(d: Tables) -> str | None:
-    most = d.mold.wall_mm - 1.0
-    if d.mold.engraving_depth_mm <= most + SLACK:
+    maximum = d.mold.wall_mm - 1.0
+    if d.mold.engraving_depth_mm <= maximum + SLACK:
         return None
-    return f"{d.mold.engraving_depth_mm:g} mm leaves less than 1 mm of mold.wall_mm; at most {floor2(most)} mm."
+    return f"{d.mold.engraving_depth_mm:g} mm leaves less than 1 mm of mold.wall_mm; at most {floor2(maximum)} mm."
 
 
 @RULES.rule("mold.gate_diameter_mm", "mold.funnel_diameter_mm")
@@ -68,47 +68,47 @@ def _gate_within_cavity(d: Tables) -> str | None:
 @RULES.rule("mold.draft_deg", "mold.key_diameter_mm", "mold.key_height_mm")
 def _keys_keep_a_top(d: Tables) -> str | None:
     radius = 0.4 * d.mold.key_diameter_mm  # the smaller of the two keys
-    most = math.degrees(math.atan((radius - 0.4) / d.mold.key_height_mm)) if radius > 0.4 else 0.0
-    if d.mold.draft_deg <= most + SLACK:
+    maximum = math.degrees(math.atan((radius - 0.4) / d.mold.key_height_mm)) if radius > 0.4 else 0.0
+    if d.mold.draft_deg <= maximum + SLACK:
         return None
-    return f"{d.mold.draft_deg:g} degrees bring the registration keys to a point; at most {floor2(most)} degrees."
+    return f"{d.mold.draft_deg:g} degrees bring the registration keys to a point; at most {floor2(maximum)} degrees."
 
 
 @RULES.rule("mold.key_diameter_mm", "mold.land_mm", "mold.nut_width_mm", "mold.recess_length_mm", "skin.length_mm")
 def _keys_between_bolts(d: Tables) -> str | None:
     layout = lay_out(d, derive(d))
-    most = layout.key_space - 2 * d.mold.land_mm
-    if d.mold.key_diameter_mm <= most + SLACK:
+    maximum = layout.key_space - 2 * d.mold.land_mm
+    if d.mold.key_diameter_mm <= maximum + SLACK:
         return None
-    return f"{d.mold.key_diameter_mm:g} mm does not fit between the bolts; at most {floor2(max(0.0, most))} mm."
+    return f"{d.mold.key_diameter_mm:g} mm does not fit between the bolts; at most {floor2(max(0.0, maximum))} mm."
 
 
 @RULES.rule("mold.key_height_mm", "mold.key_clearance_mm", "skin.semi_axis_palmar_mm", "mold.wall_mm")
 def _key_socket_keeps_a_floor(d: Tables) -> str | None:
-    most = d.skin.semi_axis_palmar_mm + d.mold.wall_mm - d.mold.key_clearance_mm - 1.0
-    if d.mold.key_height_mm <= most + SLACK:
+    maximum = d.skin.semi_axis_palmar_mm + d.mold.wall_mm - d.mold.key_clearance_mm - 1.0
+    if d.mold.key_height_mm <= maximum + SLACK:
         return None
-    return f"{d.mold.key_height_mm:g} mm goes through the palmar half; at most {floor2(max(0.0, most))} mm."
+    return f"{d.mold.key_height_mm:g} mm goes through the palmar half; at most {floor2(max(0.0, maximum))} mm."
 
 
 @RULES.rule("mold.nut_depth_mm", "skin.semi_axis_palmar_mm", "mold.wall_mm")
 def _nut_trap_keeps_a_floor(d: Tables) -> str | None:
-    most = d.skin.semi_axis_palmar_mm + d.mold.wall_mm - 2.0
-    if d.mold.nut_depth_mm <= most + SLACK:
+    maximum = d.skin.semi_axis_palmar_mm + d.mold.wall_mm - 2.0
+    if d.mold.nut_depth_mm <= maximum + SLACK:
         return None
-    return f"{d.mold.nut_depth_mm:g} mm leaves less than 2 mm under the nut; at most {floor2(max(0.0, most))} mm."
+    return f"{d.mold.nut_depth_mm:g} mm leaves less than 2 mm under the nut; at most {floor2(max(0.0, maximum))} mm."
 
 
 @RULES.rule("mold.nut_width_mm", "mold.bolt_diameter_mm")
 def _trap_fits_its_nut(d: Tables) -> str | None:
     bolt = passing(d.mold.bolt_diameter_mm)
-    least, most = bolt.nut_flats_mm + TRAP_CLEARANCE_MM, bolt.nut_flats_mm * TRAP_TURNS
+    minimum, maximum = bolt.nut_flats_mm + TRAP_CLEARANCE_MM, bolt.nut_flats_mm * TRAP_TURNS
     width = d.mold.nut_width_mm
-    if least - SLACK <= width <= most + SLACK:
+    if minimum - SLACK <= width <= maximum + SLACK:
         return None
     nut = f"an {bolt.label} nut, {bolt.nut_flats_mm:g} mm across flats"
-    what = f"does not take {nut}" if width < least else f"lets {nut} turn"
+    what = f"does not take {nut}" if width < minimum else f"lets {nut} turn"
     return (
-        f"{width:g} mm {what}, which a hole of {d.mold.bolt_diameter_mm:g} mm asks for; between {ceil2(least)} and "
-        f"{floor2(most)} mm."
+        f"{width:g} mm {what}, which a hole of {d.mold.bolt_diameter_mm:g} mm asks for; between {ceil2(minimum)} and "
+        f"{floor2(maximum)} mm."
     )

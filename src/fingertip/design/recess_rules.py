@@ -13,7 +13,7 @@ from fingertip.design.tilt import places, thinnest_held
 
 RULES = Ruleset()
 _COLLAR_LEFT = 0.6  # length of the collar [mm] where its draft has taken most of it
-_LEAST_FIT = 0.02  # lower bound of mold.fit_clearance_mm [mm]
+_MIN_FIT = 0.02  # lower bound of mold.fit_clearance_mm [mm]
 
 
 @RULES.rule("mold.recess_length_mm", "bone.base_length_mm")
@@ -28,27 +28,27 @@ def _recess_within_base(d: Tables) -> str | None:
 
 @RULES.rule(
     "mold.fit_clearance_mm", "bone.collar_inset_mm", "mold.draft_deg", "mold.recess_length_mm", "mold.method",
-    "mold.sleeve_interference_mm", "skin.least_thickness_mm", "skin.squareness_dorsal", *COVER,
+    "mold.sleeve_interference_mm", "skin.min_thickness_mm", "skin.squareness_dorsal", *COVER,
 )  # fmt: skip
 def _fit_is_tight_enough(d: Tables) -> str | None:
-    edge, tilt = _most_fit_at_edge(d), _most_fit_by_tilt(d)
-    most, fit = min(edge, tilt), d.mold.fit_clearance_mm
-    if fit <= most + SLACK:
+    edge, tilt = _max_fit_at_edge(d), _max_fit_by_tilt(d)
+    maximum, fit = min(edge, tilt), d.mold.fit_clearance_mm
+    if fit <= maximum + SLACK:
         return None
     if edge <= tilt:
         return (
-            f"{fit:g} mm opens the collar's recess past the skin's edge; at most {floor2(max(0.0, most))} mm "
+            f"{fit:g} mm opens the collar's recess past the skin's edge; at most {floor2(max(0.0, maximum))} mm "
             "(bone.collar_inset_mm)."
         )
     left = max(0.0, thinnest_held(d, derive(d)))
-    bound = f"at most {floor2(most)} mm, or " if most >= _LEAST_FIT else ""
+    bound = f"at most {floor2(maximum)} mm, or " if maximum >= _MIN_FIT else ""
     return (
         f"{fit:g} mm lets bone or core lean in its recess until {left:.2f} mm of silicone are left where "
-        f"skin.least_thickness_mm asks for {d.skin.least_thickness_mm:g} mm; {bound}make the skin thicker or shorter."
+        f"skin.min_thickness_mm asks for {d.skin.min_thickness_mm:g} mm; {bound}make the skin thicker or shorter."
     )
 
 
-def _most_fit_at_edge(d: Tables) -> float:
+def _max_fit_at_edge(d: Tables) -> float:
     """Clearance [mm] at which the collar's recess reaches the skin's edge."""
     dims = derive(d)
     section, slope = dims.collar.section, dims.draft_slope
@@ -56,23 +56,25 @@ def _most_fit_at_edge(d: Tables) -> float:
     return d.bone.collar_inset_mm - wider - 0.05
 
 
-def _most_fit_by_tilt(d: Tables) -> float:
+def _max_fit_by_tilt(d: Tables) -> float:
     """Clearance [mm] at which a bone or core that leans leaves the least thickness allowed."""
     if not cover_is_sound(d):
         return math.inf
-    least, found = d.skin.least_thickness_mm, list(places(d, derive(d)))
-    if min(place.cover_mm for place in found) <= least:
+    minimum, found = d.skin.min_thickness_mm, list(places(d, derive(d)))
+    if min(place.cover_mm for place in found) <= minimum:
         return math.inf  # too thin without any tilt: the rule of the thinnest place says it
-    return min((place.cover_mm - least) / place.held for place in found)
+    return min((place.cover_mm - minimum) / place.held for place in found)
 
 
 @RULES.rule("mold.recess_length_mm", "bone.collar_length_mm", "mold.fit_clearance_mm", "mold.draft_deg")
 def _recess_holds_collar(d: Tables) -> str | None:
     gap = d.mold.fit_clearance_mm * math.hypot(1.0, derive(d).draft_slope)
-    least = d.bone.collar_length_mm + gap + 1.0
-    if d.mold.recess_length_mm >= least - SLACK:
+    minimum = d.bone.collar_length_mm + gap + 1.0
+    if d.mold.recess_length_mm >= minimum - SLACK:
         return None
-    return f"{d.mold.recess_length_mm:g} mm does not hold the collar and a wall behind it; at least {ceil2(least)} mm."
+    return (
+        f"{d.mold.recess_length_mm:g} mm does not hold the collar and a wall behind it; at least {ceil2(minimum)} mm."
+    )
 
 
 @RULES.rule(
@@ -81,10 +83,10 @@ def _recess_holds_collar(d: Tables) -> str | None:
 )  # fmt: skip
 def _collar_outlasts_its_draft(d: Tables) -> str | None:
     section, slope = derive(d).collar.section, derive(d).draft_slope
-    least = _COLLAR_LEFT + slope * max(section.palmar, section.dorsal)
-    if d.bone.collar_length_mm >= least - SLACK:
+    minimum = _COLLAR_LEFT + slope * max(section.palmar, section.dorsal)
+    if d.bone.collar_length_mm >= minimum - SLACK:
         return None
     return (
         f"{d.bone.collar_length_mm:g} mm is used up by a draft of {d.mold.draft_deg:g} degrees before the collar's "
-        f"palmar or dorsal end; at least {ceil2(least)} mm, or less mold.draft_deg."
+        f"palmar or dorsal end; at least {ceil2(minimum)} mm, or less mold.draft_deg."
     )

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from fingertip.design import board_rules, bone_rules, finger_rules, mold_rules, recess_rules, sensor_rules, signal_rules
 from fingertip.design.ruleset import broken_rules
 from fingertip.design.tables import Tables
-from fingertip.errors import Fault
+from fingertip.errors import Issue
 
 PARTS = (*sensor_rules.RULES, *finger_rules.RULES, *bone_rules.RULES, *recess_rules.RULES, *mold_rules.RULES)
 """Of the printed parts and the skin."""
@@ -19,6 +19,6 @@ RULES = (*PARTS, *board_rules.RULES, *signal_rules.RULES)
 """In the order they are asked."""
 
 
-def broken(design: Tables) -> Iterator[tuple[Fault, frozenset[str]]]:
-    """Each broken rule's fault, with the fields the rule reads."""
+def broken(design: Tables) -> Iterator[tuple[Issue, frozenset[str]]]:
+    """Each broken rule's issue, with the fields the rule reads."""
     yield from broken_rules(RULES, design)

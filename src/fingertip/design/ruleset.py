@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from fingertip.design.tables import Tables
-from fingertip.errors import Fault
+from fingertip.errors import Issue
 
 Check = Callable[[Tables], str | None]
 
@@ -40,13 +40,13 @@ class Ruleset:
         return iter(self._rules)
 
 
-def broken_rules(rules: Iterable[Rule], design: Tables) -> Iterator[tuple[Fault, frozenset[str]]]:
-    """Each broken rule's fault and the fields the rule reads; the first to break for a field speaks."""
+def broken_rules(rules: Iterable[Rule], design: Tables) -> Iterator[tuple[Issue, frozenset[str]]]:
+    """Each broken rule's issue and the fields the rule reads; the first to break for a field speaks."""
     blamed: set[str] = set()
     for rule in rules:
         if rule.field not in blamed and (sentence := rule.check(design)):
             blamed.add(rule.field)
-            yield Fault(rule.field, sentence), rule.reads
+            yield Issue(rule.field, sentence), rule.reads
 
 
 def rounded_down(value: float) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from fingertip.design.fields import Section, choice, quantity
-from fingertip.design.threads import LEAST_HOLE_MM
+from fingertip.design.threads import MIN_HOLE_MM
 
 
 class Sensor(Section):
@@ -15,15 +15,15 @@ class Sensor(Section):
         "fsr400", "Force-sensing resistor of the catalogue, or custom: then [custom_sensor] holds its outline."
     )
     distance_from_tip_mm: float = quantity(
-        11.5, "mm", "From the skin's tip to the middle of the active area.", least=3, most=60
+        11.5, "mm", "From the skin's tip to the middle of the active area.", minimum=3, maximum=60
     )
-    clearance_mm: float = quantity(0.15, "mm", "Gap around the sensor in its pocket and slot.", least=0.02, most=1)
+    clearance_mm: float = quantity(0.15, "mm", "Gap around the sensor in its pocket and slot.", minimum=0.02, maximum=1)
     adhesive_thickness_mm: float = quantity(
         0.13,
         "mm",
         "Adhesive film under the sensor; the pocket is deeper by this.",
-        least=0,
-        most=0.5,
+        minimum=0,
+        maximum=0.5,
         verified=False,
     )
 
@@ -31,89 +31,107 @@ class Sensor(Section):
 class CustomSensor(Section):
     """Outline of a sensor that is not in the catalogue; read only where sensor.model is "custom"."""
 
-    active_diameter_mm: float = quantity(5.08, "mm", "Diameter of the active area.", least=1, most=40)
-    head_diameter_mm: float = quantity(7.62, "mm", "Diameter of the round head.", least=2, most=50)
-    thickness_mm: float = quantity(0.3, "mm", "Thickness of head and tail.", least=0.05, most=3)
-    length_mm: float = quantity(38.0, "mm", "From the far edge of the head to the end of the tail.", least=5, most=150)
-    tail_width_mm: float = quantity(6.4, "mm", "Width of the tail.", least=1, most=30)
+    active_diameter_mm: float = quantity(5.08, "mm", "Diameter of the active area.", minimum=1, maximum=40)
+    head_diameter_mm: float = quantity(7.62, "mm", "Diameter of the round head.", minimum=2, maximum=50)
+    thickness_mm: float = quantity(0.3, "mm", "Thickness of head and tail.", minimum=0.05, maximum=3)
+    length_mm: float = quantity(
+        38.0, "mm", "From the far edge of the head to the end of the tail.", minimum=5, maximum=150
+    )
+    tail_width_mm: float = quantity(6.4, "mm", "Width of the tail.", minimum=1, maximum=30)
 
 
 class Bone(Section):
     """The rigid core that carries the sensor, and its interface to the proximal phalanx."""
 
-    base_length_mm: float = quantity(22.0, "mm", "Bone between the skin's end and the interface.", least=4, most=60)
+    base_length_mm: float = quantity(
+        22.0, "mm", "Bone between the skin's end and the interface.", minimum=4, maximum=60
+    )
     squareness_palmar: float = quantity(
-        1.3, "", "Conic weight of the palmar edges: 0.71 round, 2 nearly a box.", least=0.5, most=8
+        1.3, "", "Conic weight of the palmar edges: 0.71 round, 2 nearly a box.", minimum=0.5, maximum=8
     )
-    rim_mm: float = quantity(0.6, "mm", "Flat bone left around the sensor's head.", least=0.2, most=5)
-    wall_mm: float = quantity(1.0, "mm", "Thinnest bone left between channel, slot and outside.", least=0.4, most=5)
+    rim_mm: float = quantity(0.6, "mm", "Flat bone left around the sensor's head.", minimum=0.2, maximum=5)
+    wall_mm: float = quantity(
+        1.0, "mm", "Thinnest bone left between channel, slot and outside.", minimum=0.4, maximum=5
+    )
     channel_diameter_mm: float = quantity(
-        2.4, "mm", "Cable channel from the solder tabs to the back.", least=0.8, most=10
+        2.4, "mm", "Cable channel from the solder tabs to the back.", minimum=0.8, maximum=10
     )
-    channel_bend_radius_mm: float = quantity(3.0, "mm", "Bend radius of the channel's centre line.", least=1, most=20)
+    channel_bend_radius_mm: float = quantity(
+        3.0, "mm", "Bend radius of the channel's centre line.", minimum=1, maximum=20
+    )
     relief_length_mm: float = quantity(
-        5.0, "mm", "Recess around the end of the tail for the solder joints.", least=2, most=20
+        5.0, "mm", "Recess around the end of the tail for the solder joints.", minimum=2, maximum=20
     )
     tie_hole_diameter_mm: float = quantity(
         1.6,
         "mm",
         "Hole across the back below the posterior hole: a tie through it takes the pull off the cables.",
-        least=0.8,
-        most=6,
+        minimum=0.8,
+        maximum=6,
     )
     collar_length_mm: float = quantity(
         2.0,
         "mm",
         "Collar on which the skin ends, at the parting plane; the draft shortens it elsewhere.",
-        least=0.8,
-        most=10,
+        minimum=0.8,
+        maximum=10,
     )
     collar_inset_mm: float = quantity(
-        0.3, "mm", "How far the collar stays inside the skin's outline.", least=0.1, most=5
+        0.3, "mm", "How far the collar stays inside the skin's outline.", minimum=0.1, maximum=5
     )
     groove_depth_mm: float = quantity(
-        0.6, "mm", "Groove around the bone that holds the skin; 0: none.", least=0, most=3
+        0.6, "mm", "Groove around the bone that holds the skin; 0: none.", minimum=0, maximum=3
     )
-    groove_width_mm: float = quantity(3.0, "mm", "Width of the groove at its floor.", least=0.5, most=15)
-    groove_distance_mm: float = quantity(2.0, "mm", "From the collar to the groove.", least=0.5, most=60)
+    groove_width_mm: float = quantity(3.0, "mm", "Width of the groove at its floor.", minimum=0.5, maximum=15)
+    groove_distance_mm: float = quantity(2.0, "mm", "From the collar to the groove.", minimum=0.5, maximum=60)
     interface: Literal["plain", "socket"] = choice(
         "plain", "To the proximal phalanx: plain, a post that enters it; socket, a hole that takes its post."
     )
-    post_diameter_mm: float = quantity(7.0, "mm", "Diameter of the post (plain).", least=2, most=25)
-    post_length_mm: float = quantity(8.0, "mm", "Length of the post (plain).", least=2, most=40)
-    socket_diameter_mm: float = quantity(5.0, "mm", "Diameter of the socket (socket).", least=2, most=25)
-    socket_depth_mm: float = quantity(8.0, "mm", "Depth of the socket (socket).", least=2, most=40)
+    post_diameter_mm: float = quantity(7.0, "mm", "Diameter of the post (plain).", minimum=2, maximum=25)
+    post_length_mm: float = quantity(8.0, "mm", "Length of the post (plain).", minimum=2, maximum=40)
+    socket_diameter_mm: float = quantity(5.0, "mm", "Diameter of the socket (socket).", minimum=2, maximum=25)
+    socket_depth_mm: float = quantity(8.0, "mm", "Depth of the socket (socket).", minimum=2, maximum=40)
     cross_bolt_diameter_mm: float = quantity(
-        2.2, "mm", "Hole through post or socket for the cross bolt.", least=LEAST_HOLE_MM, most=6
+        2.2, "mm", "Hole through post or socket for the cross bolt.", minimum=MIN_HOLE_MM, maximum=6
     )
 
 
 class Skin(Section):
     """The silicone's outer form and its thickness over the bone."""
 
-    width_mm: float = quantity(17.0, "mm", "Full width where the skin begins.", least=6, most=60)
-    semi_axis_palmar_mm: float = quantity(6.0, "mm", "Height of the pad below the parting plane.", least=2, most=40)
-    semi_axis_dorsal_mm: float = quantity(7.0, "mm", "Height of the back above the parting plane.", least=2, most=40)
-    length_mm: float = quantity(34.0, "mm", "From the skin's end to its tip.", least=8, most=120)
-    tip_length_mm: float = quantity(10.0, "mm", "Length of the rounded tip within the length.", least=2, most=60)
-    taper_ratio: float = quantity(
-        0.94, "", "Scale of the section where the tip begins, against the skin's end.", least=0.4, most=1
+    width_mm: float = quantity(17.0, "mm", "Full width where the skin begins.", minimum=6, maximum=60)
+    semi_axis_palmar_mm: float = quantity(
+        6.0, "mm", "Height of the pad below the parting plane.", minimum=2, maximum=40
     )
-    squareness_palmar: float = quantity(0.8, "", "Conic weight of the pad's arcs (0.71: ellipse).", least=0.4, most=4)
-    squareness_dorsal: float = quantity(0.75, "", "Conic weight of the back's arcs (0.71: ellipse).", least=0.4, most=4)
-    squareness_tip: float = quantity(0.75, "", "Conic weight of the tip's profile (0.71: ellipse).", least=0.4, most=4)
-    thickness_side_mm: float = quantity(2.0, "mm", "Silicone at the sides.", least=0.4, most=15)
+    semi_axis_dorsal_mm: float = quantity(
+        7.0, "mm", "Height of the back above the parting plane.", minimum=2, maximum=40
+    )
+    length_mm: float = quantity(34.0, "mm", "From the skin's end to its tip.", minimum=8, maximum=120)
+    tip_length_mm: float = quantity(10.0, "mm", "Length of the rounded tip within the length.", minimum=2, maximum=60)
+    taper_ratio: float = quantity(
+        0.94, "", "Scale of the section where the tip begins, against the skin's end.", minimum=0.4, maximum=1
+    )
+    squareness_palmar: float = quantity(
+        0.8, "", "Conic weight of the pad's arcs (0.71: ellipse).", minimum=0.4, maximum=4
+    )
+    squareness_dorsal: float = quantity(
+        0.75, "", "Conic weight of the back's arcs (0.71: ellipse).", minimum=0.4, maximum=4
+    )
+    squareness_tip: float = quantity(
+        0.75, "", "Conic weight of the tip's profile (0.71: ellipse).", minimum=0.4, maximum=4
+    )
+    thickness_side_mm: float = quantity(2.0, "mm", "Silicone at the sides.", minimum=0.4, maximum=15)
     thickness_palmar_mm: float = quantity(
         3.0,
         "mm",
         "Silicone over the middle of the sensor, from the bone's flat to the pad.",
-        least=0.4,
-        most=20,
+        minimum=0.4,
+        maximum=20,
     )
-    thickness_dorsal_mm: float = quantity(1.5, "mm", "Silicone on the back.", least=0.4, most=15)
-    thickness_tip_mm: float = quantity(2.5, "mm", "Silicone in front of the bone.", least=0.4, most=20)
-    least_thickness_mm: float = quantity(
-        0.8, "mm", "Thinnest place allowed, measured between bone and surface.", least=0.2, most=10
+    thickness_dorsal_mm: float = quantity(1.5, "mm", "Silicone on the back.", minimum=0.4, maximum=15)
+    thickness_tip_mm: float = quantity(2.5, "mm", "Silicone in front of the bone.", minimum=0.4, maximum=20)
+    min_thickness_mm: float = quantity(
+        0.8, "mm", "Thinnest place allowed, measured between bone and surface.", minimum=0.2, maximum=10
     )
 
 
@@ -127,124 +145,141 @@ class Mold(Section):
         0.15,
         "mm",
         "How much smaller than the bone the core is all round, so that a sleeve sits tight.",
-        least=0,
-        most=1,
+        minimum=0,
+        maximum=1,
     )
-    most_stretch_percent: float = quantity(
-        100.0, "%", "Most a sleeve may stretch while it is pulled over the bone.", least=5, most=500, verified=False
+    max_stretch_percent: float = quantity(
+        100.0,
+        "%",
+        "Most a sleeve may stretch while it is pulled over the bone.",
+        minimum=5,
+        maximum=500,
+        verified=False,
     )
     silicone_shrinkage_percent: float = quantity(
-        0.2, "%", "Linear shrinkage of the silicone; the cavity (and a sleeve's core) is larger by it.", least=0, most=5
+        0.2,
+        "%",
+        "Linear shrinkage of the silicone; the cavity (and a sleeve's core) is larger by it.",
+        minimum=0,
+        maximum=5,
     )
-    wall_mm: float = quantity(4.0, "mm", "Mold below, above and behind the cavity.", least=1.2, most=30)
-    land_mm: float = quantity(3.0, "mm", "Flat left between the cavity and bolts or keys.", least=1, most=20)
+    wall_mm: float = quantity(4.0, "mm", "Mold below, above and behind the cavity.", minimum=1.2, maximum=30)
+    land_mm: float = quantity(3.0, "mm", "Flat left between the cavity and bolts or keys.", minimum=1, maximum=20)
     draft_deg: float = quantity(
-        3.0, "degree", "Draft of the registration keys and of the recess's walls.", least=0, most=15
+        3.0, "degree", "Draft of the registration keys and of the recess's walls.", minimum=0, maximum=15
     )
-    fit_clearance_mm: float = quantity(0.15, "mm", "Gap between the bone's base and its recess.", least=0.02, most=1)
-    recess_length_mm: float = quantity(8.0, "mm", "Length of the recess that holds the bone's base.", least=2, most=60)
-    gate_diameter_mm: float = quantity(3.0, "mm", "Gate into the cavity, beside the apex.", least=0.8, most=12)
-    funnel_diameter_mm: float = quantity(7.0, "mm", "Mouth of the sprue's funnel.", least=1, most=30)
-    funnel_depth_mm: float = quantity(4.0, "mm", "Depth of the funnel.", least=0.5, most=30)
-    vent_diameter_mm: float = quantity(1.2, "mm", "Vent at the apex and opposite the gate.", least=0.4, most=5)
+    fit_clearance_mm: float = quantity(
+        0.15, "mm", "Gap between the bone's base and its recess.", minimum=0.02, maximum=1
+    )
+    recess_length_mm: float = quantity(
+        8.0, "mm", "Length of the recess that holds the bone's base.", minimum=2, maximum=60
+    )
+    gate_diameter_mm: float = quantity(3.0, "mm", "Gate into the cavity, beside the apex.", minimum=0.8, maximum=12)
+    funnel_diameter_mm: float = quantity(7.0, "mm", "Mouth of the sprue's funnel.", minimum=1, maximum=30)
+    funnel_depth_mm: float = quantity(4.0, "mm", "Depth of the funnel.", minimum=0.5, maximum=30)
+    vent_diameter_mm: float = quantity(1.2, "mm", "Vent at the apex and opposite the gate.", minimum=0.4, maximum=5)
     bolt_diameter_mm: float = quantity(
-        3.4, "mm", "Clearance hole of the clamp bolts (M3).", least=LEAST_HOLE_MM, most=9
+        3.4, "mm", "Clearance hole of the clamp bolts (M3).", minimum=MIN_HOLE_MM, maximum=9
     )
-    nut_width_mm: float = quantity(5.8, "mm", "Nut trap across flats, with clearance.", least=2, most=16)
-    nut_depth_mm: float = quantity(2.6, "mm", "Depth of the nut trap.", least=0.5, most=10)
-    key_diameter_mm: float = quantity(5.0, "mm", "Root of the larger registration key.", least=1.5, most=20)
-    key_height_mm: float = quantity(2.5, "mm", "Height of the registration keys.", least=0.5, most=10)
-    key_clearance_mm: float = quantity(0.15, "mm", "Gap around the registration keys.", least=0.02, most=1)
-    pry_width_mm: float = quantity(8.0, "mm", "Width of the slots to pry the halves apart.", least=2, most=40)
-    pry_depth_mm: float = quantity(2.5, "mm", "Depth of the pry slots.", least=0.5, most=15)
-    pry_height_mm: float = quantity(1.2, "mm", "Height of the pry slots at their mouth.", least=0.4, most=6)
+    nut_width_mm: float = quantity(5.8, "mm", "Nut trap across flats, with clearance.", minimum=2, maximum=16)
+    nut_depth_mm: float = quantity(2.6, "mm", "Depth of the nut trap.", minimum=0.5, maximum=10)
+    key_diameter_mm: float = quantity(5.0, "mm", "Root of the larger registration key.", minimum=1.5, maximum=20)
+    key_height_mm: float = quantity(2.5, "mm", "Height of the registration keys.", minimum=0.5, maximum=10)
+    key_clearance_mm: float = quantity(0.15, "mm", "Gap around the registration keys.", minimum=0.02, maximum=1)
+    pry_width_mm: float = quantity(8.0, "mm", "Width of the slots to pry the halves apart.", minimum=2, maximum=40)
+    pry_depth_mm: float = quantity(2.5, "mm", "Depth of the pry slots.", minimum=0.5, maximum=15)
+    pry_height_mm: float = quantity(1.2, "mm", "Height of the pry slots at their mouth.", minimum=0.4, maximum=6)
     engraving_height_mm: float = quantity(
-        5.0, "mm", "Height of the engraved letters, where they find room.", least=3, most=20
+        5.0, "mm", "Height of the engraved letters, where they find room.", minimum=3, maximum=20
     )
-    engraving_depth_mm: float = quantity(0.5, "mm", "Depth of the letters; 0: none.", least=0, most=2)
+    engraving_depth_mm: float = quantity(0.5, "mm", "Depth of the letters; 0: none.", minimum=0, maximum=2)
 
 
 class Printer(Section):
     """The printer: what it can hold, what it can draw, and how far off its prints are."""
 
     scale_percent: float = quantity(
-        100.0, "%", "Scale of the printed parts' STL and 3MF against the design; STEP stays at 100.", least=95, most=105
+        100.0,
+        "%",
+        "Scale of the printed parts' STL and 3MF against the design; STEP stays at 100.",
+        minimum=95,
+        maximum=105,
     )
-    bed_x_mm: float = quantity(120.0, "mm", "Width of the bed.", least=20, most=2000)
-    bed_y_mm: float = quantity(68.0, "mm", "Depth of the bed.", least=20, most=2000)
-    bed_z_mm: float = quantity(150.0, "mm", "Height that can be printed.", least=20, most=2000)
-    least_wall_mm: float = quantity(
-        0.8, "mm", "Thinnest wall that prints (SLA 0.6 to 0.8, FDM 0.8 to 1).", least=0.1, most=5
+    bed_x_mm: float = quantity(120.0, "mm", "Width of the bed.", minimum=20, maximum=2000)
+    bed_y_mm: float = quantity(68.0, "mm", "Depth of the bed.", minimum=20, maximum=2000)
+    bed_z_mm: float = quantity(150.0, "mm", "Height that can be printed.", minimum=20, maximum=2000)
+    min_wall_mm: float = quantity(
+        0.8, "mm", "Thinnest wall that prints (SLA 0.6 to 0.8, FDM 0.8 to 1).", minimum=0.1, maximum=5
     )
 
 
 class Board(Section):
     """The analog slip filter (article, eqs. 1 to 11 and figure 3)."""
 
-    variant: Literal["paper", "precision", "comparator"] = choice(
-        "paper", "paper: the article's circuit; precision: no dead zone, one pole; comparator: also an ON/OFF pin."
+    variant: Literal["article", "precision", "comparator"] = choice(
+        "article", "article: the article's circuit; precision: no dead zone, one pole; comparator: also an ON/OFF pin."
     )
-    cutoff_hz: float = quantity(67.0, "Hz", "Cutoff of the third-order Butterworth high-pass.", above=0, most=10000)
-    capacitor_uf: float = quantity(1.0, "uF", "C1 = C2 = C3 of both filters.", least=1e-6, most=1000)
+    cutoff_hz: float = quantity(67.0, "Hz", "Cutoff of the third-order Butterworth high-pass.", above=0, maximum=10000)
+    capacitor_uf: float = quantity(1.0, "uF", "C1 = C2 = C3 of both filters.", minimum=1e-6, maximum=1000)
     passband_gain: float = quantity(
         1 + 100 / 1.5,
         "",
         "G = 1 + R5/R4; the article prints 66.7, which is R5/R4 alone.",
         above=1,
-        most=10000,
+        maximum=10000,
     )
-    r5_ohm: float = quantity(100e3, "ohm", "Feedback resistor of the first stage.", least=1000, most=10e6)
-    envelope_cutoff_hz: float = quantity(36.17, "Hz", "1 / (2 pi R_LP C_LP) of the envelope.", above=0, most=10000)
-    envelope_capacitor_uf: float = quantity(2.2, "uF", "C_LP of the envelope.", least=1e-6, most=1000)
+    r5_ohm: float = quantity(100e3, "ohm", "Feedback resistor of the first stage.", minimum=1000, maximum=10e6)
+    envelope_cutoff_hz: float = quantity(36.17, "Hz", "1 / (2 pi R_LP C_LP) of the envelope.", above=0, maximum=10000)
+    envelope_capacitor_uf: float = quantity(2.2, "uF", "C_LP of the envelope.", minimum=1e-6, maximum=1000)
     capacitor_series: Literal["given", "E6", "E12"] = choice(
         "given", "given: the capacitors above; E6, E12: chosen from this series by cutoff, jointly with the resistors."
     )
     series: Literal["E12", "E24", "E96"] = choice("E24", "Preferred values for resistors (IEC 60063).")
     resistor_tolerance_percent: float = quantity(
-        1.0, "%", "Tolerance of the filter's resistors, for the analysis.", least=0, most=20
+        1.0, "%", "Tolerance of the filter's resistors, for the analysis.", minimum=0, maximum=20
     )
     capacitor_tolerance_percent: float = quantity(
-        5.0, "%", "Tolerance of its capacitors, for the analysis.", least=0, most=20
+        5.0, "%", "Tolerance of its capacitors, for the analysis.", minimum=0, maximum=20
     )
     band_limit_hz: float = quantity(
         1000.0,
         "Hz",
-        "Low-pass in the first stage that keeps the amplifier's noise out (precision, comparator); paper has none.",
-        least=10,
-        most=1e5,
+        "Low-pass in the first stage that keeps the amplifier's noise out (precision, comparator); article has none.",
+        minimum=10,
+        maximum=1e5,
     )
     gain_bandwidth_hz: float = quantity(
         3e6,
         "Hz",
-        "Gain-bandwidth product of the amplifier: a TLV2372's; variant paper on a split supply has a TL082, 4e6.",
-        least=1e4,
-        most=1e9,
+        "Gain-bandwidth product of the amplifier: a TLV2372's; variant article on a split supply has a TL082, 4e6.",
+        minimum=1e4,
+        maximum=1e9,
     )
     supply: Literal["split", "single"] = choice(
         "split", "split: plus and minus supply_v; single: supply_v alone, signals around a buffered half of it."
     )
-    supply_v: float = quantity(5.0, "V", "The supply, or each half of the split one.", least=5, most=6)
+    supply_v: float = quantity(5.0, "V", "The supply, or each half of the split one.", minimum=5, maximum=6)
 
 
 class Detector(Section):
     """From the enveloped signal to ON and OFF (article, eq. 12)."""
 
-    sample_rate_hz: float = quantity(2000.0, "Hz", "Sampling rate of the traces.", least=1000, most=20000)
-    window_samples: int = quantity(60, "samples", "Length L of the averaging window.", least=1, most=10000)
+    sample_rate_hz: float = quantity(2000.0, "Hz", "Sampling rate of the traces.", minimum=1000, maximum=20000)
+    window_samples: int = quantity(60, "samples", "Length L of the averaging window.", minimum=1, maximum=10000)
     threshold_v: float = quantity(
         0.017,
         "V",
         "Mean of the envelope above which slip is ON; default: six deviations above digital's noise.",
         above=0,
-        most=10,
+        maximum=10,
     )
     noise_v: float = quantity(
         0.4e-3,
         "V",
         "Noise of sampled voltages, rms, without the converter's steps: an NI 6002's (the article's).",
-        least=0,
-        most=1,
+        minimum=0,
+        maximum=1,
         verified=False,
     )
-    adc_bits: int = quantity(16, "bit", "Resolution of the converter.", least=8, most=24)
-    adc_range_v: float = quantity(10.0, "V", "The converter takes plus and minus this.", above=0, most=100)
+    adc_bits: int = quantity(16, "bit", "Resolution of the converter.", minimum=8, maximum=24)
+    adc_range_v: float = quantity(10.0, "V", "The converter takes plus and minus this.", above=0, maximum=100)

@@ -24,23 +24,23 @@ def _rate_above_cutoffs(d: Tables) -> str | None:
         ("board.envelope_cutoff_hz", d.board.envelope_cutoff_hz),
         key=lambda pair: pair[1],
     )
-    least = SAMPLES_PER_CYCLE * cutoff
-    if d.detector.sample_rate_hz >= least:
+    minimum = SAMPLES_PER_CYCLE * cutoff
+    if d.detector.sample_rate_hz >= minimum:
         return None
     return (
         f"{d.detector.sample_rate_hz:g} Hz is too slow for {name} of {cutoff:g} Hz; "
-        f"at least {rounded_up(least)} Hz, or lower {name}."
+        f"at least {rounded_up(minimum)} Hz, or lower {name}."
     )
 
 
 @RULES.rule("detector.window_samples", "detector.sample_rate_hz")
 def _window_not_too_long(d: Tables) -> str | None:
-    most = math.floor(LONGEST_WINDOW_S * d.detector.sample_rate_hz)
-    if d.detector.window_samples <= most:
+    maximum = math.floor(LONGEST_WINDOW_S * d.detector.sample_rate_hz)
+    if d.detector.window_samples <= maximum:
         return None
     return (
         f"{d.detector.window_samples} samples at {d.detector.sample_rate_hz:g} Hz last longer than "
-        f"{LONGEST_WINDOW_S:g} s; at most {most} samples."
+        f"{LONGEST_WINDOW_S:g} s; at most {maximum} samples."
     )
 
 

@@ -36,7 +36,7 @@ THREADS = (
     Thread(8.0, 8.4, 13.0, 6.8),
 )
 """From the thinnest to the thickest."""
-LEAST_HOLE_MM = THREADS[0].hole_mm
+MIN_HOLE_MM = THREADS[0].hole_mm
 TRAP_CLEARANCE_MM = 0.2
 """A nut trap is wider than its nut by this at least, so that a print takes the nut. An assumption."""
 TRAP_TURNS = 1.09
@@ -44,5 +44,5 @@ TRAP_TURNS = 1.09
 
 
 def passing(hole_mm: float) -> Thread:
-    """The thickest thread whose bolt passes a hole [mm], of `LEAST_HOLE_MM` or more."""
+    """The thickest thread whose bolt passes a hole [mm], of `MIN_HOLE_MM` or more."""
     return max((t for t in THREADS if t.hole_mm <= hole_mm + 1e-9), key=lambda thread: thread.diameter_mm)

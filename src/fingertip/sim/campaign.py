@@ -24,7 +24,7 @@ def trials() -> Iterator[tuple[SceneFile, int]]:
                 scene = SceneFile(
                     scene=configuration,
                     contact={"surface": surface},
-                    hold={"mode": "grasp", "force_least_n": 0.5, "force_most_n": 3.5, "release": False}
+                    hold={"mode": "grasp", "min_force_n": 0.5, "max_force_n": 3.5, "release": False}
                     if configuration == "sliding_surface"
                     else {},
                     slide={"distance_m": 0.04, "speed_m_s": speed},

@@ -15,23 +15,23 @@ import numpy as np
 from fingertip import jit
 
 _fast = False
-_say: Callable[[str], None] | None = None
+_progress: Callable[[str], None] | None = None
 
 
 @contextlib.contextmanager
-def compiled(say: Callable[[str], None] | None = None) -> Iterator[None]:
+def compiled(progress: Callable[[str], None] | None = None) -> Iterator[None]:
     """Run kernels compiled within this block, where numba is installed.
 
-    Compiling takes seconds, once: the result is kept beside the source, or in the user's cache folder. `say` is told
+    Compiling takes seconds, once: the result is kept beside the source, or in the user's cache folder. `progress` is told
     before each loop is made ready.
     """
-    global _fast, _say
-    before = _fast, _say
-    _fast, _say = jit.available(), say
+    global _fast, _progress
+    before = _fast, _progress
+    _fast, _progress = jit.available(), progress
     try:
         yield
     finally:
-        _fast, _say = before
+        _fast, _progress = before
 
 
 class Kernel:
@@ -65,7 +65,9 @@ class Kernel:
 
     def _compile(self) -> Callable[..., Any]:
         if self._compiled is None:
-            if _say:
-                _say(f"preparing the loop of {self.plain.__module__.rpartition('.')[2]} (compiled once, then kept)")
+            if _progress:
+                _progress(
+                    f"preparing the loop of {self.plain.__module__.rpartition('.')[2]} (compiled once, then kept)"
+                )
             self._compiled = jit.kept(self.plain, *self._helpers)
         return self._compiled

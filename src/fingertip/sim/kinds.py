@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from fingertip.design import Design
-from fingertip.errors import Fault, TraceError
+from fingertip.errors import Issue, TraceError
 from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.scenes.scene_file import SceneFile
 
@@ -42,7 +42,7 @@ def kind_of(path: Path) -> Kind:
     if len(found) > 1:
         said = " and ".join(f"{min(own[kind])} of {_WORDS[kind]}" for kind in found)
         where = "and give the design's with --design" if Design in found else "one for each"
-        raise TraceError(Fault(str(path), f"holds {said}; write them in two files {where}."))
+        raise TraceError(Issue(str(path), f"holds {said}; write them in two files {where}."))
     return found[0] if found else Design
 
 

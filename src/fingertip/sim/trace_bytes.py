@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.errors import Fault, TraceError
+from fingertip.errors import Issue, TraceError
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.trace_file import to_csv
 
@@ -41,7 +41,7 @@ def file_bytes(time_s: Array, columns: Mapping[str, Array], path: Path) -> bytes
             cells += [[_cell(name, value) for value in values.tolist()] for name, values in rounded.items()]
             lines = [",".join(["time_s", *rounded]), *map(",".join, zip(*cells, strict=True))]
             return ("\n".join(lines) + "\n").encode("ascii")
-    raise TraceError(Fault("--out", f"{path.name!r} is no kind of trace file known here; end it in .csv or .npz."))
+    raise TraceError(Issue("--out", f"{path.name!r} is no kind of trace file known here; end it in .csv or .npz."))
 
 
 def _decimals(name: str) -> int:

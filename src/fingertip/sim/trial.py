@@ -6,8 +6,8 @@ import random
 from dataclasses import dataclass
 
 from fingertip.design import Design
-from fingertip.design.faults import nearest
-from fingertip.errors import Fault, TraceError
+from fingertip.design.issues import nearest
+from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.scenes.scene import SLIDE_M
 from fingertip.sim.scenes.scene_file import SceneFile
@@ -16,7 +16,7 @@ from fingertip.slip.traces.trace import Trace
 
 FORCES_N = (0.2, 2.0)
 """Range of the article's random interaction force [N]."""
-MOST_FORCE_N = 4.0
+MAX_FORCE_N = 4.0
 """More would need so much travel of the hand that the lift of 5 cm did not end the contact."""
 SPEEDS_M_S = (0.005, 0.2)
 """Slower takes minutes of computing time; faster is not reached within 4 cm."""
@@ -39,28 +39,28 @@ class Trial:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        faults = []
+        issues = []
         if self.surface not in SURFACES:
-            faults.append(Fault("--surface", f"{self.surface!r} is not known; {nearest(self.surface, list(SURFACES))}"))
-        least, most = SPEEDS_M_S
-        if not least <= self.speed_m_s <= most:
-            faults.append(
-                Fault(
+            issues.append(Issue("--surface", f"{self.surface!r} is not known; {nearest(self.surface, list(SURFACES))}"))
+        minimum, maximum = SPEEDS_M_S
+        if not minimum <= self.speed_m_s <= maximum:
+            issues.append(
+                Issue(
                     "--speed-m-s",
-                    f"{self.speed_m_s:g} m/s is refused; choose {least:g} to {most:g} m/s (article: 0.04).",
+                    f"{self.speed_m_s:g} m/s is refused; choose {minimum:g} to {maximum:g} m/s (article: 0.04).",
                 )
             )
-        if self.force_n is not None and not 0.0 < self.force_n <= MOST_FORCE_N:
-            faults.append(
-                Fault(
+        if self.force_n is not None and not 0.0 < self.force_n <= MAX_FORCE_N:
+            issues.append(
+                Issue(
                     "--force-n",
-                    f"{self.force_n:g} N is refused; choose above 0 and at most {MOST_FORCE_N:g} N, or leave it out.",
+                    f"{self.force_n:g} N is refused; choose above 0 and at most {MAX_FORCE_N:g} N, or leave it out.",
                 )
             )
         if self.seed < 0:
-            faults.append(Fault("--seed", f"{self.seed} is negative; choose a whole number of at least 0."))
-        if faults:
-            raise TraceError(faults)
+            issues.append(Issue("--seed", f"{self.seed} is negative; choose a whole number of at least 0."))
+        if issues:
+            raise TraceError(issues)
 
     @property
     def holding_force_n(self) -> float:
@@ -77,7 +77,7 @@ class Trial:
         return SceneFile(
             scene="sliding_finger",
             contact={"surface": self.surface},
-            hold={"force_least_n": low, "force_most_n": high},
+            hold={"min_force_n": low, "max_force_n": high},
             slide={"distance_m": SLIDE_M, "speed_m_s": self.speed_m_s},
         )
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fingertip.design import Design
-from fingertip.errors import Fault, TraceError
+from fingertip.errors import Issue, TraceError
 from fingertip.slip.detectors.noise import NoiseLevel, noise_level
 from fingertip.slip.detectors.registry import known, make
 from fingertip.slip.detectors.stream import Output
 from fingertip.slip.intervals import Interval, Score, intervals, score
-from fingertip.slip.traces.trace import Trace, faults
+from fingertip.slip.traces.trace import Trace, issues
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
     design
         Gives rate, filters, window and threshold.
     detector
-        Name of one of the detectors; by default the article's chain in digital filters. `paper` takes the trace's
+        Name of one of the detectors; by default the article's chain in digital filters. `analog` takes the trace's
         `envelope_v`, which `fingertip.sim.electronics.board_output` makes where no board was there.
     noise_v
         White noise of the signal, rms [V]; without it, the design's.
@@ -48,14 +48,14 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
     Raises
     ------
     TraceError
-        With one sentence for each fault of the trace, among them another sampling rate than the design's, and no
+        With one sentence for each issue of the trace, among them another sampling rate than the design's, and no
         envelope where the detector takes one.
     """
-    found = faults(trace, design.detector, in_volts=noise_v is None)
+    found = issues(trace, design.detector, in_volts=noise_v is None)
     samples = getattr(trace, known(detector).reads)
     if samples is None:
         remedy = "record it, or take --detector digital, which needs no board"
-        found.append(Fault("trace, envelope_v", f"is missing: {detector} works on the board's output; {remedy}."))
+        found.append(Issue("trace, envelope_v", f"is missing: {detector} works on the board's output; {remedy}."))
     if found:
         raise TraceError(found)
     made = make(detector, design, noise_v)

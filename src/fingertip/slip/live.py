@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from fingertip.design.sections import Detector as Settings
-from fingertip.errors import Fault, TraceError
+from fingertip.errors import Issue, TraceError
 from fingertip.slip.detectors.stream import Detector
 from fingertip.slip.traces.header import Header, find_header, unquoted
 from fingertip.slip.traces.parsed import Wanted
@@ -87,11 +87,11 @@ def follow(source: Opened, detector: Detector, settings: Settings, wanted: Wante
         cells = line.rstrip("\r\n").split(delimiter)
         width = width or source.header.width(len(cells), wanted)
         if len(cells) != width:
-            raise _fault(number, f"has {len(cells)} cells, the header {len(names)}; one cell per column.")
+            raise _issue(number, f"has {len(cells)} cells, the header {len(names)}; one cell per column.")
         volts = _number(cells[voltage_at], delimiter, number) * wanted.scale
         whole = whole and volts % 1 == 0
         if wanted.in_volts and abs(volts) > settings.adc_range_v:
-            raise _fault(number, beyond_sentence(f"{volts:g}", whole, settings))
+            raise _issue(number, beyond_sentence(f"{volts:g}", whole, settings))
         time = sample / settings.sample_rate_hz
         if time_at >= 0:
             time = _number(cells[time_at], delimiter, number)
@@ -100,7 +100,7 @@ def follow(source: Opened, detector: Detector, settings: Settings, wanted: Wante
             on = not on
             yield Change(on, time)
     if sample < 0:
-        raise TraceError(Fault(NAME, "ends below its header; write at least one sample a line."))
+        raise TraceError(Issue(NAME, "ends below its header; write at least one sample a line."))
 
 
 class _Clock:
@@ -124,7 +124,7 @@ class _Clock:
             remedy = "use --rate-hz, or close the gap"
             if step_s == 0.0:
                 remedy = "set times that are rounded aside with --column time_s=none and --rate-hz"
-            raise _fault(
+            raise _issue(
                 line,
                 f"{time_s:.9g} s comes {step_s:.4g} s after the sample before it; the detector is made for steps of "
                 f"{self._usual_s:.4g} s ({self._settings.sample_rate_hz:g} Hz): {remedy}.",
@@ -138,7 +138,7 @@ class _Clock:
         # Stamps may stray as single steps may: of few steps that makes more of the mean.
         tolerance = RATE_TOLERANCE + STEP_TOLERANCE / self._steps
         if abs(rate_hz / self._settings.sample_rate_hz - 1) > tolerance:
-            raise _fault(line, rate_sentence(rate_hz, self._settings))
+            raise _issue(line, rate_sentence(rate_hz, self._settings))
         if self._steps >= _STRETCH * self._settings.window_samples:
             self._since_s, self._steps = time_s, 0
 
@@ -148,11 +148,11 @@ def _number(cell: str, delimiter: str, line: int) -> float:
     try:
         value = float(plain if delimiter == "," else plain.replace(",", "."))
     except ValueError:
-        raise _fault(line, f"{cell.strip()!r} is not a number; write it with a decimal point.") from None
+        raise _issue(line, f"{cell.strip()!r} is not a number; write it with a decimal point.") from None
     if not math.isfinite(value):
-        raise _fault(line, f"{value} is not a finite number; detection cannot go on across it.")
+        raise _issue(line, f"{value} is not a finite number; detection cannot go on across it.")
     return value
 
 
-def _fault(line: int, sentence: str) -> TraceError:
-    return TraceError(Fault(f"{NAME}, line {line}", sentence))
+def _issue(line: int, sentence: str) -> TraceError:
+    return TraceError(Issue(f"{NAME}, line {line}", sentence))

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from fingertip.design.faults import from_pydantic, nearest
 from fingertip.design.fields import Section
+from fingertip.design.issues import from_pydantic, nearest
 from fingertip.design.tables import Tables
-from fingertip.errors import Fault
+from fingertip.errors import Issue
 
 Value: TypeAlias = float | int | bool | str
 Spacing: TypeAlias = Literal["linear", "logarithmic"]
@@ -117,7 +117,7 @@ def parameter_names(model: type[BaseModel], before: str = "") -> list[str]:
     return names
 
 
-def read_axis(name: str, given: Any, sampled: bool) -> tuple[Axis | None, list[Fault]]:
+def read_axis(name: str, given: Any, sampled: bool) -> tuple[Axis | None, list[Issue]]:
     """An axis as the file gives it, or what is wrong with it.
 
     Parameters
@@ -137,71 +137,71 @@ def read_axis(name: str, given: Any, sampled: bool) -> tuple[Axis | None, list[F
     if path not in parameter_names(model):
         if name.startswith("scene.") and path in parameter_names(_manipulation()):
             words = "is a manipulation's, and sweeps run scenes of one finger; `fingertip simulate --set` takes it."
-            return None, [Fault(field, words)]
+            return None, [Issue(field, words)]
         known = parameter_names(Tables) + parameter_names(_scene(), "scene.")
-        return None, [Fault(field, f"there is no such parameter; {nearest(name, known)}")]
-    axis, faults = _read(name, field, given, sampled, _annotation(model, path))
-    if axis is None or faults:
-        return None, faults
+        return None, [Issue(field, f"there is no such parameter; {nearest(name, known)}")]
+    axis, issues = _read(name, field, given, sampled, _annotation(model, path))
+    if axis is None or issues:
+        return None, issues
     values = axis.values or (axis.low, axis.high)
     if axis.whole and not axis.given:
         values = tuple(int(value) for value in values)
-    found = {fault.sentence: fault for value in values for fault in _bounds(model, path, field, value)}
+    found = {issue.message: issue for value in values for issue in _bounds(model, path, field, value)}
     return axis, list(found.values())
 
 
-def _read(name: str, field: str, given: Any, sampled: bool, annotation: Any) -> tuple[Axis | None, list[Fault]]:
+def _read(name: str, field: str, given: Any, sampled: bool, annotation: Any) -> tuple[Axis | None, list[Issue]]:
     if isinstance(given, list):
         if not given:
-            return None, [Fault(field, "is an empty list; give at least one value.")]
+            return None, [Issue(field, "is an empty list; give at least one value.")]
         twice = next((value for i, value in enumerate(given) if value in given[:i]), None)
         if twice is not None:
-            return None, [Fault(field, f"{twice!r} is listed more than once; list it once.")]
+            return None, [Issue(field, f"{twice!r} is listed more than once; list it once.")]
         # 1 and 1.0 are one value, and rows must not depend on how it was typed.
         floats = tuple(float(v) if annotation is float and type(v) is int else v for v in given)
         return Axis(name, floats, whole=annotation is int), []
     if not isinstance(given, Mapping):
         return None, [
-            Fault(field, f"{given!r} is no axis; write a list of values, or {{low = 1, high = 2, steps = 5}}.")
+            Issue(field, f"{given!r} is no axis; write a list of values, or {{low = 1, high = 2, steps = 5}}.")
         ]
     return _range(name, field, given, sampled, annotation)
 
 
 def _range(
     name: str, field: str, given: Mapping[str, Any], sampled: bool, annotation: Any
-) -> tuple[Axis | None, list[Fault]]:
+) -> tuple[Axis | None, list[Issue]]:
     if annotation not in (float, int):
         words = get_args(annotation) or ("its values",)
-        return None, [Fault(field, f"is no number, so it has no range; list its values, such as {list(words)}.")]
-    faults = [
-        Fault(f"{field}.{key}", f"there is no such key; {nearest(key, KEYS)}") for key in given if key not in KEYS
+        return None, [Issue(field, f"is no number, so it has no range; list its values, such as {list(words)}.")]
+    issues = [
+        Issue(f"{field}.{key}", f"there is no such key; {nearest(key, KEYS)}") for key in given if key not in KEYS
     ]
     low, high = given.get("low"), given.get("high")
     for key, value in (("low", low), ("high", high)):
         if type(value) not in (float, int) or not math.isfinite(value or 0):
-            faults.append(Fault(f"{field}.{key}", f"{value!r} is no finite number; give the range's {key} end."))
+            issues.append(Issue(f"{field}.{key}", f"{value!r} is no finite number; give the range's {key} end."))
     steps, spacing = given.get("steps", 0), given.get("spacing", "linear")
     if sampled and "steps" in given:
-        faults.append(
-            Fault(f"{field}.steps", 'is for sampling = "grid"; a sampler draws `points` values, leave it out.')
+        issues.append(
+            Issue(f"{field}.steps", 'is for sampling = "grid"; a sampler draws `points` values, leave it out.')
         )
-    if not sampled and not faults and (type(steps) is not int or steps < 2):
-        faults.append(Fault(f"{field}.steps", f"{given.get('steps')!r} is refused; give a whole number of at least 2."))
+    if not sampled and not issues and (type(steps) is not int or steps < 2):
+        issues.append(Issue(f"{field}.steps", f"{given.get('steps')!r} is refused; give a whole number of at least 2."))
     if spacing not in get_args(Spacing):
-        faults.append(Fault(f"{field}.spacing", f"{spacing!r} is not known; choose {' or '.join(get_args(Spacing))}."))
-    if faults:
-        return None, faults
+        issues.append(Issue(f"{field}.spacing", f"{spacing!r} is not known; choose {' or '.join(get_args(Spacing))}."))
+    if issues:
+        return None, issues
     assert low is not None
     assert high is not None
     if not low < high:
-        return None, [Fault(f"{field}.high", f"{high:g} is not above low; give more than {low:g}.")]
+        return None, [Issue(f"{field}.high", f"{high:g} is not above low; give more than {low:g}.")]
     if spacing == "logarithmic" and low <= 0:
-        return None, [Fault(f"{field}.low", f'{low:g} has no logarithm; give more than 0, or spacing = "linear".')]
+        return None, [Issue(f"{field}.low", f'{low:g} has no logarithm; give more than 0, or spacing = "linear".')]
     axis = Axis(name, (), float(low), float(high), steps, spacing, whole=annotation is int)
     if len(set(axis.values)) < len(axis.values):
-        most = int(high) - int(low) + 1
+        maximum = int(high) - int(low) + 1
         return None, [
-            Fault(f"{field}.steps", f"{steps} steps give a whole number twice; at most {most}, or list them.")
+            Issue(f"{field}.steps", f"{steps} steps give a whole number twice; at most {maximum}, or list them.")
         ]
     return axis, []
 
@@ -226,7 +226,7 @@ def _annotation(model: type[BaseModel], path: str) -> Any:
     return section.model_fields[key].annotation
 
 
-def _bounds(model: type[BaseModel], path: str, field: str, value: Value) -> list[Fault]:
+def _bounds(model: type[BaseModel], path: str, field: str, value: Value) -> list[Issue]:
     """What the parameter itself refuses of a value: its type and its bounds."""
     table, _, key = path.rpartition(".")
     tables: dict[str, Any] = {table: {key: value}} if table else {key: value}
@@ -235,5 +235,5 @@ def _bounds(model: type[BaseModel], path: str, field: str, value: Value) -> list
         # The fields alone: rules between parameters are asked of each point.
         checked.__pydantic_validator__.validate_python(tables, self_instance=checked.model_construct())
     except ValidationError as error:
-        return [Fault(field, fault.sentence) for fault in from_pydantic(error, model)]
+        return [Issue(field, issue.message) for issue in from_pydantic(error, model)]
     return []

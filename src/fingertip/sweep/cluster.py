@@ -10,7 +10,7 @@ from concurrent.futures import Executor
 from typing import Any
 
 from fingertip._version import __version__
-from fingertip.errors import Fault, MissingLibraryError, SweepError
+from fingertip.errors import Issue, MissingLibraryError, SweepError
 
 _PATIENCE_S = 4.0
 """How long a scheduler may take to answer, and the first worker to be there."""
@@ -36,7 +36,7 @@ class Cluster:
             import distributed
         except ImportError:
             raise MissingLibraryError(
-                Fault("--cluster", "needs Dask's distributed; pip install 'fingertip[cluster]', or leave it out.")
+                Issue("--cluster", "needs Dask's distributed; pip install 'fingertip[cluster]', or leave it out.")
             ) from None
         for name in ("distributed", "distributed.client"):  # what goes wrong is told in one sentence
             logging.getLogger(name).setLevel(logging.CRITICAL)
@@ -125,4 +125,4 @@ async def _greet(address: str) -> None:
 
 
 def _refused(sentence: str) -> SweepError:
-    return SweepError(Fault("--cluster", f"{sentence}."))
+    return SweepError(Issue("--cluster", f"{sentence}."))

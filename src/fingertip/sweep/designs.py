@@ -47,8 +47,8 @@ class Designs:
             tables.setdefault(table, {})[key] = changes[name]
         sections = {name: getattr(self._base, name).model_copy(update=new) for name, new in tables.items()}
         design = self._base.model_copy(update=sections)
-        if faults := [fault for fault, _ in broken_rules(self._rules, design)]:
-            raise DesignError(faults)
+        if issues := [issue for issue, _ in broken_rules(self._rules, design)]:
+            raise DesignError(issues)
         return design
 
 

@@ -13,7 +13,7 @@ from multiprocessing.context import SpawnContext
 from multiprocessing.process import BaseProcess
 from typing import Protocol
 
-from fingertip.errors import Fault, SweepError
+from fingertip.errors import Issue, SweepError
 from fingertip.sweep.watch import end_with_parent
 
 NOBODY = -1
@@ -88,7 +88,7 @@ class Processes:
             first[0].result()  # a point's time must not count their start
         except BrokenExecutor:
             raise SweepError(
-                Fault("--jobs", "no process can be started; is there memory for them? A script needs its main guard.")
+                Issue("--jobs", "no process can be started; is there memory for them? A script needs its main guard.")
             ) from None
         return self._pool
 

@@ -12,14 +12,14 @@ from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 from fingertip.design.model import Design
-from fingertip.errors import Fault, FingertipError
+from fingertip.errors import FingertipError, Issue
 from fingertip.sweep.axes import Value
 from fingertip.sweep.designs import Designs
 from fingertip.sweep.memory import Memory
 from fingertip.sweep.outputs import TRACES, Stage
 from fingertip.sweep.part import Outcome, Part
 from fingertip.sweep.plan import Plan
-from fingertip.sweep.stages import COMPUTE, FAULT, Asked, Figures, Recorded
+from fingertip.sweep.stages import COMPUTE, ISSUE, Asked, Figures, Recorded
 from fingertip.sweep.turns import each_limited
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ REMEMBERED = 4096
 """Results of stages that are kept: a few numbers each."""
 TRACES_BYTES = 100e6
 """Of simulated trials that are kept."""
-_NO_FAULT = Fault("", "")
+_NO_ISSUE = Issue("", "")
 QUICK_COST, TOGETHER = 1, 64
 """So many points share a time limit where no stage costs more."""
 
@@ -60,9 +60,9 @@ class Bench:
         try:
             design, scene = self._point(changes)
         except FingertipError as error:
-            first, *others = error.faults
+            first, *others = error.issues
             more = f" (and {len(others)} more: {', '.join(dict.fromkeys(f.field for f in others))})" if others else ""
-            return point, "refused", first.field, first.sentence + more, self._nothing
+            return point, "refused", first.field, first.message + more, self._nothing
         asked = Asked(design, scene, self.plan.file, self.evaluator, partial(self._trace, changes))
         try:
             figures: Figures = {}
@@ -72,8 +72,8 @@ class Bench:
             return point, "failed", "", str(error), self._nothing
         except Exception as error:
             return point, "failed", "", _fault_of_ours(error), self._nothing
-        fault = figures.get(FAULT, _NO_FAULT)
-        return point, "ok", fault.field, fault.sentence, tuple(settled(figures[name]) for name in self.plan.outputs)
+        issue = figures.get(ISSUE, _NO_ISSUE)
+        return point, "ok", issue.field, issue.message, tuple(settled(figures[name]) for name in self.plan.outputs)
 
     def evaluator(self) -> RememberingEvaluator:
         """The mesh kernel, shared by all points."""
@@ -85,19 +85,19 @@ class Bench:
         return self._evaluator
 
     def _point(self, changes: Mapping[str, Value]) -> tuple[Design, SceneFile | None]:
-        faults: list[Fault] = []
+        issues: list[Issue] = []
         design, scene = None, None
         try:
             design = self._designs.design(changes)
         except FingertipError as error:
-            faults += error.faults
+            issues += error.issues
         if self._scene is not None:
             try:
                 scene = self._changed_scene(self._scene, changes)
             except FingertipError as error:
-                faults += (Fault(f"scene.{fault.field}", fault.sentence) for fault in error.faults)
-        if faults or design is None:
-            raise FingertipError(faults)
+                issues += (Issue(f"scene.{issue.field}", issue.message) for issue in error.issues)
+        if issues or design is None:
+            raise FingertipError(issues)
         return design, scene
 
     def _changed_scene(self, tables: dict[str, Any], changes: Mapping[str, Value]) -> SceneFile:
@@ -149,7 +149,7 @@ def _fault_of_ours(error: Exception) -> str:
 
     frames = traceback.extract_tb(error.__traceback__)
     at = f"{frames[-1].name}, line {frames[-1].lineno}" if frames else "?"
-    return f"{type(error).__name__}: {error} (in {at}); this is a fault of fingertip."
+    return f"{type(error).__name__}: {error} (in {at}); this is a bug in fingertip."
 
 
 def _shared_by(stage: Stage, plan: Plan) -> tuple[str, ...] | None:

@@ -12,8 +12,8 @@ V = TypeVar("V")
 class Memory(Generic[K, V]):
     """A mapping that forgets what was not used for longest."""
 
-    def __init__(self, most: float) -> None:
-        self.most = most
+    def __init__(self, maximum: float) -> None:
+        self.maximum = maximum
         """Weight that is kept."""
         self.weight = 0.0
         self._kept: OrderedDict[K, tuple[V, float]] = OrderedDict()
@@ -32,7 +32,7 @@ class Memory(Generic[K, V]):
             self.weight -= self._kept.pop(key)[1]
         self._kept[key] = value, weight
         self.weight += weight
-        while self.weight > self.most and len(self._kept) > 1:
+        while self.weight > self.maximum and len(self._kept) > 1:
             self.weight -= self._kept.popitem(last=False)[1][1]
 
     def __len__(self) -> int:

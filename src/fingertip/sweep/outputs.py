@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from fingertip.design.faults import nearest
-from fingertip.errors import Fault
+from fingertip.design.issues import nearest
+from fingertip.errors import Issue
 
 FINGER = frozenset({"sensor", "custom_sensor", "bone", "skin"})
 """Tables that give the finger's form."""
@@ -108,7 +108,7 @@ OUTPUTS = {
         Output("envelope_decay_ms", "board", "achieved time constant of the envelope"),
         Output("amplifier_bandwidth_hz", "board", "where the amplifier ends the first stage's passband"),
         Output("noise_level_v", "noise", "mean of the article's window in noise alone"),
-        Output("least_threshold_v", "noise", "noise level and six deviations: the article's rule"),
+        Output("min_threshold_v", "noise", "noise level and six deviations: the article's rule"),
         Output("delay_ms", "trials", "median delay over all true slips; inf: fewer than half were found"),
         Output("delay_p90_ms", "trials", "delay by which nine in ten slips are found; inf: fewer were"),
         Output("found_share", "trials", "slips found, of all"),
@@ -130,15 +130,15 @@ def shared_of(outputs: Iterable[str]) -> tuple[Stage, ...]:
     return (*stages, TRACES) if any(stage.name == "trials" for stage in stages) else stages
 
 
-def unknown(outputs: Iterable[str]) -> list[Fault]:
+def unknown(outputs: Iterable[str]) -> list[Issue]:
     """Faults of names that are no output, or stand twice."""
     listed = list(outputs)
-    faults = []
+    issues = []
     for name in dict.fromkeys(listed):
         if name not in OUTPUTS:
             close = nearest(name.lower(), tuple(OUTPUTS))
             remedy = close if close.startswith("did you mean") else "see fingertip sweep --outputs."
-            faults.append(Fault("outputs", f"{name!r} is no output; {remedy}"))
+            issues.append(Issue("outputs", f"{name!r} is no output; {remedy}"))
         elif listed.count(name) > 1:
-            faults.append(Fault("outputs", f"{name!r} is named {listed.count(name)} times; name it once."))
-    return faults
+            issues.append(Issue("outputs", f"{name!r} is named {listed.count(name)} times; name it once."))
+    return issues

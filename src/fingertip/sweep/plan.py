@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from fingertip.design.rules import broken
 from fingertip.design.tables import Tables
-from fingertip.errors import Fault, FingertipError, SweepError
+from fingertip.errors import FingertipError, Issue, SweepError
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Axis, Value, flatten, read_axis
 from fingertip.sweep.outputs import Stage, shared_of, stages_of, unknown
-from fingertip.sweep.sweep_file import MOST_POINTS, SweepFile
+from fingertip.sweep.sweep_file import MAX_POINTS, SweepFile
 
 if TYPE_CHECKING:
     from fingertip.sim.scenes.scene_file import SceneFile
@@ -58,30 +58,30 @@ class Plan:
     @classmethod
     def of(cls, tables: Mapping[str, Any]) -> Plan:
         """A plan from tables: those of a sweep file, design and scene read in. Raises as `load` does."""
-        file, faults = sweep_file.validated(tables)
+        file, issues = sweep_file.validated(tables)
         given = tables.get("axes")
         if given is not None and not isinstance(given, Mapping):
-            raise SweepError(faults)
+            raise SweepError(issues)
         sampled = tables.get("sampling") in ("latin_hypercube", "sobol")
         axes, more = _axes(given or {}, sampled)
-        faults += more if given is not None else ()
+        issues += more if given is not None else ()
         design, more = sweep_file.base_design(tables.get("design", {}))
-        faults += more
+        issues += more
         scene, more = _scene(tables.get("scene"))
-        faults += more
+        issues += more
         outputs = tables.get("outputs")
         if isinstance(outputs, list) and all(isinstance(name, str) for name in outputs):
-            faults += unknown(outputs)
+            issues += unknown(outputs)
         if file:
-            faults += sweep_file.objectives(file)
-            faults += _amount(file, axes)
-            faults += _catalogues(file)
-        if file and design and not faults:
+            issues += sweep_file.objectives(file)
+            issues += _amount(file, axes)
+            issues += _catalogues(file)
+        if file and design and not issues:
             plan = cls(file, tuple(axes), design, scene)
-            faults += _together(plan)
-            if not faults:
+            issues += _together(plan)
+            if not issues:
                 return plan
-        raise SweepError(faults)
+        raise SweepError(issues)
 
     def to_toml(self) -> str:
         """The whole sweep as canonical text, base design and scene included: equal sweeps give equal text."""
@@ -157,20 +157,20 @@ class Plan:
         return np.asarray(qmc.LatinHypercube(len(self.axes), rng=self.file.seed).random(self.size))
 
 
-def _axes(given: Mapping[str, Any], sampled: bool) -> tuple[list[Axis], list[Fault]]:
+def _axes(given: Mapping[str, Any], sampled: bool) -> tuple[list[Axis], list[Issue]]:
     axes: list[Axis] = []
-    faults: list[Fault] = []
+    issues: list[Issue] = []
     for name, inner in flatten(given):
         axis, found = read_axis(name, inner, sampled)
-        faults += found
+        issues += found
         if axis:
             axes.append(axis)
-    if not axes and not faults:
-        faults.append(Fault("axes", "is empty; name at least one parameter, such as skin.width_mm = [16, 17]."))
-    return axes, faults
+    if not axes and not issues:
+        issues.append(Issue("axes", "is empty; name at least one parameter, such as skin.width_mm = [16, 17]."))
+    return axes, issues
 
 
-def _scene(given: Mapping[str, Any] | None) -> tuple[SceneFile | None, list[Fault]]:
+def _scene(given: Mapping[str, Any] | None) -> tuple[SceneFile | None, list[Issue]]:
     if given is None:
         return None, []
     from fingertip.sim.scenes.scene_file import SceneFile
@@ -178,57 +178,57 @@ def _scene(given: Mapping[str, Any] | None) -> tuple[SceneFile | None, list[Faul
     try:
         return SceneFile(**given), []
     except FingertipError as error:
-        return None, [Fault(f"scene.{fault.field}", fault.sentence) for fault in error.faults]
+        return None, [Issue(f"scene.{issue.field}", issue.message) for issue in error.issues]
 
 
-def _amount(file: SweepFile, axes: list[Axis]) -> list[Fault]:
+def _amount(file: SweepFile, axes: list[Axis]) -> list[Issue]:
     if file.sampling == "grid":
         size = int(np.prod([len(axis.values) for axis in axes], dtype=object)) if axes else 0
         if file.points:
             return [
-                Fault("points", f"{file.points} is for samplers; a grid has {size} points by its axes, leave it out.")
+                Issue("points", f"{file.points} is for samplers; a grid has {size} points by its axes, leave it out.")
             ]
-        if size > MOST_POINTS:
-            return [Fault("axes", f"make a grid of {size} points; at most {MOST_POINTS}, or draw some with sobol.")]
+        if size > MAX_POINTS:
+            return [Issue("axes", f"make a grid of {size} points; at most {MAX_POINTS}, or draw some with sobol.")]
         return []
     if not file.points:
-        return [Fault("points", f"is missing; say how many {file.sampling} draws, such as points = 1024.")]
+        return [Issue("points", f"is missing; say how many {file.sampling} draws, such as points = 1024.")]
     if file.sampling == "sobol" and file.points & (file.points - 1):
         below = 1 << (file.points.bit_length() - 1)
         sentence = f"{file.points} is no power of two, without which a Sobol sequence is not balanced"
-        return [Fault("points", f"{sentence}; choose {below} or {2 * below}, or latin_hypercube.")]
+        return [Issue("points", f"{sentence}; choose {below} or {2 * below}, or latin_hypercube.")]
     return []
 
 
-def _catalogues(file: SweepFile) -> list[Fault]:
+def _catalogues(file: SweepFile) -> list[Issue]:
     """Names of things that other packages list."""
     from fingertip.casting.materials import silicone
     from fingertip.slip.detectors.registry import known
 
-    faults: list[Fault] = []
+    issues: list[Issue] = []
     for name, look_up, word in (("silicone", silicone, file.silicone), ("detector", known, file.detector)):
         try:
             look_up(word)
         except FingertipError as error:
-            faults += (Fault(name, fault.sentence) for fault in error.faults)
-    return faults
+            issues += (Issue(name, issue.message) for issue in error.issues)
+    return issues
 
 
-def _together(plan: Plan) -> list[Fault]:
+def _together(plan: Plan) -> list[Issue]:
     """What is wrong only between the parts of a plan."""
     read = frozenset().union(*(stage.reads for stage in plan.stages))
     of_scene = [axis.name for axis in plan.axes if axis.name.startswith("scene.")]
-    faults = []
+    issues = []
     if "scene" in read and plan.scene is None:
         wanted = ", ".join(n for n in plan.outputs if stages_of([n])[0].name == "trials")
-        faults.append(Fault("scene", f'is missing, and {wanted} are of one; write scene = "sliding_finger.toml".'))
+        issues.append(Issue("scene", f'is missing, and {wanted} are of one; write scene = "sliding_finger.toml".'))
     if "scene" not in read:
-        faults += [Fault(f"axes.{n}", "changes no output that is wanted; add one, such as delay_ms.") for n in of_scene]
+        issues += [Issue(f"axes.{n}", "changes no output that is wanted; add one, such as delay_ms.") for n in of_scene]
     swept = {axis.name for axis in plan.axes}
-    for fault, reads in broken(plan.design):
+    for issue, reads in broken(plan.design):
         if not reads & swept:
-            faults.append(Fault(f"design.{fault.field}", f"{fault.sentence} No axis changes that."))
-    return faults
+            issues.append(Issue(f"design.{issue.field}", f"{issue.message} No axis changes that."))
+    return issues
 
 
 def _as_given(axis: Axis) -> Any:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fingertip.errors import Fault, SweepError
+from fingertip.errors import Issue, SweepError
 from fingertip.sweep import part as parts
 from fingertip.sweep.engines import Engine
 from fingertip.sweep.part import Done, Part, Work
@@ -25,7 +25,7 @@ from fingertip.sweep.work import work as work_on
 
 PART_S = 0.5
 """About how long a worker computes before it reports."""
-MOST_IN_PART = 8192
+MAX_IN_PART = 8192
 WRITE_S, WRITE_ROWS = 0.5, 50_000
 """Rows are committed this often; what a kill -9 costs is computed again."""
 LATE_S = 30.0
@@ -192,8 +192,8 @@ class _Sweep:
     def _take(self, part: Part, done: Done) -> None:
         self._keep(part, done)
         pace = done.took_s / len(part.points)
-        wanted = round(PART_S / pace) if pace > 0 else MOST_IN_PART
-        self.part_size = max(1, min(wanted, 4 * self.part_size, MOST_IN_PART))
+        wanted = round(PART_S / pace) if pace > 0 else MAX_IN_PART
+        self.part_size = max(1, min(wanted, 4 * self.part_size, MAX_IN_PART))
 
     def _keep(self, part: Part, done: Done) -> None:
         values = zip(*part.columns.values(), strict=True)
@@ -212,7 +212,7 @@ class _Sweep:
         if self._barren > BARREN:
             sentence = f"workers died {self._barren} times without being at a point; is there memory for them?"
             raise SweepError(
-                Fault("--jobs", f"{sentence} What was written is safe, go on with --resume and fewer jobs.")
+                Issue("--jobs", f"{sentence} What was written is safe, go on with --resume and fewer jobs.")
             )
         for part in lost:
             at = range(len(part.points))
@@ -225,7 +225,7 @@ class _Sweep:
 
     def _lost(self, part: Part, error: BaseException) -> None:
         if isinstance(error, CancelledError):
-            raise SweepError(Fault("--cluster", "is gone; what was written is safe, go on with --resume.")) from None
+            raise SweepError(Issue("--cluster", "is gone; what was written is safe, go on with --resume.")) from None
         self._suspects += (part.single(i) for i in range(len(part.points)))
 
     def _alone(self, part: Part) -> None:

@@ -20,11 +20,11 @@ from fingertip.sweep.memory import Memory
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-MOST_TRIANGLES = 400_000
+MAX_TRIANGLES = 400_000
 """Of evaluated solids that are kept: some 100 MB in a worker."""
-MOST_MESHES = 12
-MOST_NAMES = 2_000
-MOST_FACTS = 20_000
+MAX_MESHES = 12
+MAX_NAMES = 2_000
+MAX_FACTS = 20_000
 """Numbers are kept far longer than the solids they were measured on."""
 
 
@@ -65,11 +65,11 @@ class RememberingEvaluator(Evaluator):
         super().__init__(tolerance_mm)
         self.evaluated = 0
         """Solids that were evaluated, for tests."""
-        self._solids: Memory[bytes, Manifold] = Memory(MOST_TRIANGLES)
-        self._names: Memory[Solid, bytes] = Memory(MOST_NAMES)
+        self._solids: Memory[bytes, Manifold] = Memory(MAX_TRIANGLES)
+        self._names: Memory[Solid, bytes] = Memory(MAX_NAMES)
         self._within = _Within(self)
-        self._meshes: Memory[bytes, Mesh] = Memory(MOST_MESHES)
-        self._facts: Memory[bytes, Any] = Memory(MOST_FACTS)
+        self._meshes: Memory[bytes, Mesh] = Memory(MAX_MESHES)
+        self._facts: Memory[bytes, Any] = Memory(MAX_FACTS)
 
     def name(self, solid: Solid) -> bytes:
         """The digest of an expression; itself remembered, because parts are made of parts."""
@@ -155,9 +155,9 @@ class Remembered:
         """Least and greatest coordinates [mm]."""
         return self._fact("bounding_box")
 
-    def min_gap(self, other: Remembered, most_mm: float) -> float:
-        """Distance to another solid [mm], searched for up to `most_mm`."""
-        return float(self._fact("min_gap", other, most_mm))
+    def min_gap(self, other: Remembered, max_mm: float) -> float:
+        """Distance to another solid [mm], searched for up to `max_mm`."""
+        return float(self._fact("min_gap", other, max_mm))
 
     def decompose(self) -> list[Remembered]:
         """Its bodies, whose volumes are known."""

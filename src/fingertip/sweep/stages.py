@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fingertip.design.model import Design
-from fingertip.errors import Fault
+from fingertip.errors import Issue
 from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 Recorded: TypeAlias = "tuple[Trace, float]"
 """A trial as it would be recorded, and the force that held [N]."""
 Figures = dict[str, Any]
-"""Output -> number; under `FAULT` what is wrong with a point that is computed all the same."""
-FAULT = "fault"
+"""Output -> number; under `ISSUE` what is wrong with a point that is computed all the same."""
+ISSUE = "issue"
 _CLEAR_MM = 0.02
 """Off the plane where the skin ends, as the check of the thinnest place is."""
 
@@ -81,7 +81,7 @@ def noise(asked: Asked) -> Figures:
     from fingertip.slip.detectors.noise import noise_level
 
     level = noise_level(asked.design)
-    return {"noise_level_v": level.mean_v, "least_threshold_v": level.threshold_v}
+    return {"noise_level_v": level.mean_v, "min_threshold_v": level.threshold_v}
 
 
 def trials(asked: Asked) -> Figures:
@@ -169,7 +169,7 @@ def checks(asked: Asked) -> Figures:
         more = f" (and {len(others)} more: {', '.join(check.name for check in others)})" if others else ""
         unit = f" {first.unit}" if first.unit else ""
         sentence = f"is {first.value:.6g}{unit}, but {first.relation} {first.limit:.6g}{unit} is sound{more}."
-        figures[FAULT] = Fault(first.name, sentence)
+        figures[ISSUE] = Issue(first.name, sentence)
     return figures
 
 

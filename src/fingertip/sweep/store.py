@@ -21,7 +21,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.errors import Fault, OutputError, SweepError
+from fingertip.errors import Issue, OutputError, SweepError
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Value
 from fingertip.sweep.plan import Plan
@@ -81,7 +81,7 @@ class Store:
         """
         if folder.exists() and cls.exists(folder):
             raise SweepError(
-                Fault(
+                Issue(
                     str(folder),
                     "holds a sweep already; continue it with --resume, look at it with --show, or choose another "
                     "folder with --out. Nothing was changed.",
@@ -129,7 +129,7 @@ class Store:
             If there is none.
         """
         if not folder.is_dir() or not cls.exists(folder):
-            raise SweepError(Fault(str(folder), "holds no sweep; give the folder of one (--out), or run it first."))
+            raise SweepError(Issue(str(folder), "holds no sweep; give the folder of one (--out), or run it first."))
         return cls(folder, _connect(folder / FILE, "ro"))
 
     def close(self) -> None:
@@ -152,7 +152,7 @@ class Store:
         meta = dict(rows)
         if meta.get("format") != FORMAT:
             raise SweepError(
-                Fault(
+                Issue(
                     str(self.folder), f"was written as format {meta.get('format')!r}, this is {FORMAT!r}; run it anew."
                 )
             )
@@ -268,7 +268,7 @@ class Store:
         lines = [line for line in difflib.ndiff(before, now) if line[0] in "+-"]
         changed = "\n".join(f"  {line}" for line in lines)
         raise SweepError(
-            Fault(
+            Issue(
                 str(self.folder),
                 "holds another sweep than the file now asks for (- then, + now); change the file back, or choose "
                 f"another folder with --out. Nothing was changed.\n{changed}",
@@ -301,7 +301,7 @@ def _locked(folder: Path) -> int | None:
     except BlockingIOError:
         os.close(handle)
         raise SweepError(
-            Fault(str(folder), "is being written by another sweep; wait for it, or choose another folder with --out.")
+            Issue(str(folder), "is being written by another sweep; wait for it, or choose another folder with --out.")
         ) from None
     except OSError:  # a file system without locks; rows are unique all the same
         os.close(handle)
@@ -314,16 +314,16 @@ def _said(folder: Path, work: Any) -> Any:
     try:
         return work()
     except sqlite3.IntegrityError as error:
-        raise OutputError(Fault(str(folder), f"already has a row that was to be written ({error}).")) from error
+        raise OutputError(Issue(str(folder), f"already has a row that was to be written ({error}).")) from error
     except sqlite3.DatabaseError as error:
         text = str(error)
         if "disk is full" in text or "disk I/O error" in text:
             remedy = "make room, then go on with --resume. What was written is safe"
-            raise OutputError(Fault(str(folder), f"cannot be written any further ({text}); {remedy}.")) from error
+            raise OutputError(Issue(str(folder), f"cannot be written any further ({text}); {remedy}.")) from error
         if "not a database" in text or "malformed" in text or "no such table" in text:
-            raise SweepError(Fault(str(folder / FILE), f"is no sweep's file ({text}).")) from error
+            raise SweepError(Issue(str(folder / FILE), f"is no sweep's file ({text}).")) from error
         raise _unwritable(folder, text) from error
 
 
 def _unwritable(folder: Path, reason: str) -> OutputError:
-    return OutputError(Fault(str(folder), f"cannot be written ({reason}); choose another folder with --out."))
+    return OutputError(Issue(str(folder), f"cannot be written ({reason}); choose another folder with --out."))

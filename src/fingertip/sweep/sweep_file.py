@@ -12,13 +12,13 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from fingertip.design.cascade import gather
-from fingertip.design.faults import from_pydantic, nearest
 from fingertip.design.fields import quantity
+from fingertip.design.issues import from_pydantic, nearest
 from fingertip.design.model import Design
 from fingertip.design.tables import Tables
-from fingertip.errors import DesignError, Fault, FingertipError, SweepError
+from fingertip.errors import DesignError, FingertipError, Issue, SweepError
 
-MOST_POINTS = 100_000_000
+MAX_POINTS = 100_000_000
 """More rows do not fit what reads them."""
 
 
@@ -32,15 +32,19 @@ class SweepFile(BaseModel):
     sampling: Literal["grid", "latin_hypercube", "sobol"] = Field(
         "grid", description="grid: every combination; the others draw `points` from the whole space."
     )
-    points: int = quantity(0, "points", "How many a sampler draws.", least=0, most=MOST_POINTS)
-    seed: int = quantity(0, "", "Of the sampler.", least=0, most=2**31 - 1)
-    tolerance_mm: float = quantity(0.02, "mm", "Most a facet strays from the exact surface.", least=0.0005, most=1)
-    time_limit_s: float = quantity(60.0, "s", "A point that takes longer is given up.", least=0.05, most=86400)
-    trials: int = quantity(8, "", "Simulated trials of each point, for the detection's outputs.", least=1, most=100_000)
-    first_seed: int = quantity(0, "", "Of the first trial; the others follow.", least=0, most=2**31 - 1)
+    points: int = quantity(0, "points", "How many a sampler draws.", minimum=0, maximum=MAX_POINTS)
+    seed: int = quantity(0, "", "Of the sampler.", minimum=0, maximum=2**31 - 1)
+    tolerance_mm: float = quantity(0.02, "mm", "Most a facet strays from the exact surface.", minimum=0.0005, maximum=1)
+    time_limit_s: float = quantity(60.0, "s", "A point that takes longer is given up.", minimum=0.05, maximum=86400)
+    trials: int = quantity(
+        8, "", "Simulated trials of each point, for the detection's outputs.", minimum=1, maximum=100_000
+    )
+    first_seed: int = quantity(0, "", "Of the first trial; the others follow.", minimum=0, maximum=2**31 - 1)
     detector: str = Field("fast", description="Which detector the trials are judged by.")
     silicone: str = Field("addition_40a", description="Material card of the skin.")
-    print_density_g_cm3: float = quantity(1.2, "g/cm3", "Of the printed parts.", least=0.1, most=20, verified=False)
+    print_density_g_cm3: float = quantity(
+        1.2, "g/cm3", "Of the printed parts.", minimum=0.1, maximum=20, verified=False
+    )
     minimise: list[str] = Field([], description="Outputs of which less is better.")
     maximise: list[str] = Field([], description="Outputs of which more is better.")
     axes: dict[str, Any] = Field(description="Dotted parameter: a list, or low and high, with steps on a grid.")
@@ -60,19 +64,19 @@ def read(file: str | Path, changes: Iterable[str] = ()) -> dict[str, Any]:
         With everything that cannot be read.
     """
     of_sweep, of_design, of_scene = _split(changes)
-    faults: list[Fault] = []
+    issues: list[Issue] = []
     try:
         tables = gather([file], of_sweep)
     except DesignError as error:
-        raise SweepError([Fault(f.field, f.sentence.replace("a design", "a sweep")) for f in error.faults]) from None
+        raise SweepError([Issue(f.field, f.message.replace("a design", "a sweep")) for f in error.issues]) from None
     for name, more in (("design", of_design), ("scene", of_scene)):
         given = tables.get(name, {} if name == "design" else None)
         try:
             tables[name] = _base(Path(file).parent, name, given, more)
         except FingertipError as error:
-            faults += error.faults
-    if faults:
-        raise SweepError(faults)
+            issues += error.issues
+    if issues:
+        raise SweepError(issues)
     return {name: table for name, table in tables.items() if table is not None}
 
 
@@ -80,9 +84,9 @@ def _base(folder: Path, name: str, given: Any, changes: list[str]) -> dict[str, 
     if isinstance(given, str):
         return gather([folder / given], changes)
     if given is None and changes:
-        raise SweepError(Fault(f"--set scene.{changes[0]}", "changes a base scene; the sweep file names none."))
+        raise SweepError(Issue(f"--set scene.{changes[0]}", "changes a base scene; the sweep file names none."))
     if given is not None and not isinstance(given, Mapping):
-        raise SweepError(Fault(name, f"{given!r} is refused; give the path of a file, or a table [{name}]."))
+        raise SweepError(Issue(name, f"{given!r} is refused; give the path of a file, or a table [{name}]."))
     if given is None:
         return None
     return _merged(dict(given), gather((), changes))
@@ -112,22 +116,22 @@ def _split(changes: Iterable[str]) -> tuple[list[str], list[str], list[str]]:
     return sweep, design, scene
 
 
-def validated(tables: Mapping[str, Any]) -> tuple[SweepFile | None, list[Fault]]:
+def validated(tables: Mapping[str, Any]) -> tuple[SweepFile | None, list[Issue]]:
     """The file's own fields, or what is wrong with them."""
     try:
         return SweepFile(**tables), []
     except ValidationError as error:
-        return None, [_missing(fault) for fault in from_pydantic(error, SweepFile)]
+        return None, [_missing(issue) for issue in from_pydantic(error, SweepFile)]
 
 
-def _missing(fault: Fault) -> Fault:
-    if "Field required" not in fault.sentence:
-        return fault
+def _missing(issue: Issue) -> Issue:
+    if "Field required" not in issue.message:
+        return issue
     remedy = {
         "outputs": 'is missing; name what you want, such as outputs = ["checks_failed"], or [] for the rules only.',
         "axes": "is missing; write [axes] and below it what varies, such as skin.width_mm = [16, 17].",
     }
-    return Fault(fault.field, remedy[fault.field])
+    return Issue(issue.field, remedy[issue.field])
 
 
 def to_text(tables: Mapping[str, Any]) -> str:
@@ -167,24 +171,24 @@ def _value(value: Any) -> str:
     return repr(value)
 
 
-def base_design(tables: Mapping[str, Any]) -> tuple[Tables | None, list[Fault]]:
+def base_design(tables: Mapping[str, Any]) -> tuple[Tables | None, list[Issue]]:
     """The base design within the bounds of its parameters; rules between them are asked of each point."""
     try:
         return Tables(**tables), []
     except ValidationError as error:
-        return None, [Fault(f"design.{f.field}", f.sentence) for f in from_pydantic(error, Design)]
+        return None, [Issue(f"design.{f.field}", f.message) for f in from_pydantic(error, Design)]
 
 
-def objectives(file: SweepFile) -> Iterator[Fault]:
+def objectives(file: SweepFile) -> Iterator[Issue]:
     """What is wrong with the names of outputs and objectives among themselves."""
     for key in ("minimise", "maximise"):
         for name in dict.fromkeys(getattr(file, key)):
             if name not in file.outputs:
                 remedy = nearest(name, file.outputs) if file.outputs else "add it to outputs."
-                yield Fault(key, f"{name!r} is not among the sweep's outputs; {remedy}")
+                yield Issue(key, f"{name!r} is not among the sweep's outputs; {remedy}")
     for name in dict.fromkeys(file.minimise):
         if name in file.maximise:
-            yield Fault("maximise", f"{name!r} is to be minimised too; leave it out of one of them.")
+            yield Issue("maximise", f"{name!r} is to be minimised too; leave it out of one of them.")
 
 
 def parsed(text: str) -> dict[str, Any]:

@@ -28,7 +28,7 @@ class Placed:
     colour: Colour
 
 
-def draw(design: Design, width_px: int = 1600, say: Callable[[str], None] = lambda message: None) -> bytes:
+def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] = lambda message: None) -> bytes:
     """PNG of a design: two exploded views over a section through the closed mold.
 
     Parameters
@@ -37,7 +37,7 @@ def draw(design: Design, width_px: int = 1600, say: Callable[[str], None] = lamb
         The fingertip.
     width_px
         Width of the picture [px]; its height follows.
-    say
+    progress
         Called with a sentence at each step.
     """
     from PIL import Image
@@ -53,7 +53,7 @@ def draw(design: Design, width_px: int = 1600, say: Callable[[str], None] = lamb
         ("from the palm", exploded, Camera.looking(28, -26), width_px - half),
         ("cut along the finger, mold closed", _cut(design, evaluator), Camera.looking(0, 0), width_px),
     ):
-        say(f"drawing: {title}")
+        progress(f"drawing: {title}")
         panels.append(_panel(title, placed, camera, width, labelled=placed is exploded))
     top_height = max(panels[0].shape[0], panels[1].shape[0])
     sheet = np.full((top_height + panels[2].shape[0], width_px, 3), 255, dtype=np.uint8)

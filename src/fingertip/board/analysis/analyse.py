@@ -42,7 +42,7 @@ class Analysis:
     alias: AliasFigures
     limits: Limits
     rest: Rest | None
-    """Where offsets let the envelope rest; None in variant paper."""
+    """Where offsets let the envelope rest; None in variant article."""
     ripple: Ripple
     decision: Decision | None
     tolerance: Tolerance
@@ -66,7 +66,7 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
     return Analysis(
         noise=noise,
         noise_total_v=total,
-        quieter=remedies(circuit, board.gain_bandwidth_hz, board.band_limit_hz, values.variant == "paper"),
+        quieter=remedies(circuit, board.gain_bandwidth_hz, board.band_limit_hz, values.variant == "article"),
         threshold_v=design.detector.threshold_v,
         alias=values.alias,
         limits=values.limits,

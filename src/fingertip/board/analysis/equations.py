@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from fingertip.board.analysis.nodal import Array, Source, System
+from fingertip.arrays import Array
+from fingertip.board.analysis.nodal import Source, System
 from fingertip.board.circuit import RAILS, Circuit, Part, farads_or_ohms
 from fingertip.board.values.amplifiers import (
     AD623_BANDWIDTH_HZ,

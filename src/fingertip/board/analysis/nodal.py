@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fingertip.arrays import Array
+
 Spectrum = NDArray[np.complex128]
 
 

@@ -48,7 +48,7 @@ class Remedy:
     filtered_v: float
     """Noise ahead of the rectifier, rms [V]."""
     rest_v: float
-    """Mean of it behind a rectifier without dead zone [V]: where the envelope rests. Variant paper's diode hides it."""
+    """Mean of it behind a rectifier without dead zone [V]: where the envelope rests; hidden by variant article's diode."""
 
 
 def budget(system: System) -> tuple[tuple[Contribution, ...], tuple[float, ...]]:

@@ -12,7 +12,7 @@ from fingertip.board.values.limits import Limits, converter_line, swing_line
 from fingertip.board.values.rest import rest_line
 from fingertip.board.values.ripple import ripple_line
 from fingertip.board.values.white_noise import BAND_HZ
-from fingertip.design.filter_components import FOOTPRINT_MOST_F
+from fingertip.design.filter_components import MAX_FOOTPRINT_F
 
 _LABELS = {
     "cutoff_hz": "-3 dB overall [Hz]",
@@ -54,7 +54,7 @@ def analysis_text(analysis: Analysis) -> str:
 
 def _large(analysis: Analysis) -> str:
     has = "C14" in analysis.sensitivity["cutoff_hz"]
-    return f" (C14 above {engineering(FOOTPRINT_MOST_F)}: {LARGE_PERCENT:g} %)" if has else ""
+    return f" (C14 above {engineering(MAX_FOOTPRINT_F)}: {LARGE_PERCENT:g} %)" if has else ""
 
 
 def _heads() -> str:
@@ -86,10 +86,10 @@ def _alias_lines(a: AliasFigures) -> list[str]:
 
 def _limit_lines(v: Limits) -> list[str]:
     return [
-        f"signals rest at {v.rest_v:.2f} V; tactile voltage {v.tactile_least_v:.2f} to {v.tactile_most_v:.2f} V "
+        f"signals rest at {v.rest_v:.2f} V; tactile voltage {v.min_tactile_v:.2f} to {v.max_tactile_v:.2f} V "
         f"(20 N to none)",
         f"{swing_line(v)}; vibrations of {1e3 * v.vibration_peak_v:.1f} mV reach that; "
-        f"envelope up to {v.envelope_most_v:.2f} V above its rest",
+        f"envelope up to {v.max_envelope_v:.2f} V above its rest",
         f"converter's pins held between {v.clamp_low_v:.0f} and {v.clamp_high_v:g} V; bridge's amplifier has "
         f"{v.bridge_amplifier_margin_v:.2f} V left",
         converter_line(v),

@@ -10,7 +10,7 @@ from fingertip.board.kicad import symbols
 from fingertip.board.values.amplifiers import AMPLIFIERS
 from fingertip.board.values.board_values import Tolerance
 from fingertip.board.values.built import LARGE_PERCENT
-from fingertip.design.filter_components import FOOTPRINT_MOST_F
+from fingertip.design.filter_components import MAX_FOOTPRINT_F
 
 Wiring = Mapping[Part, Mapping[str, str]]
 """Each part's pins -> nets."""
@@ -34,7 +34,7 @@ def part(reference: str, value: str, symbol: Symbol, footprint: str, role: str) 
 def amplifier(reference: str, name: str, role: str) -> Part:
     """A dual amplifier by its name in `AMPLIFIERS`; all that are used have the same pins."""
     data, symbol = AMPLIFIERS[name], symbols.DUAL_AMPLIFIERS[name]
-    rating = f"{symbol.description}, offset {1e3 * data.most_offset_v:g} mV at most"
+    rating = f"{symbol.description}, offset {1e3 * data.max_offset_v:g} mV at most"
     return Part(reference, data.buy, symbol, symbols.SOIC_8, role, rating)
 
 
@@ -55,7 +55,7 @@ class Rated:
 
     def capacitor(self, reference: str, farad: float, role: str) -> Part:
         """A capacitor; above what carries a voltage in its size, one across which there is none."""
-        if farad > FOOTPRINT_MOST_F * (1 + 1e-9):
+        if farad > MAX_FOOTPRINT_F * (1 + 1e-9):
             return Part(reference, engineering(farad), symbols.CAPACITOR, symbols.C_1206, role, _LARGE_RATING)
         return self._capacitor(reference, farad, role, symbols.C_1206)
 

@@ -1,6 +1,6 @@
 """Variant `precision`: a rectifier without dead zone, a true pole for the envelope, no offset ahead of C2, less noise.
 
-As `paper` up to FILTERED but for two capacitors: C14 blocks R4's direct current, so that the first stage does not
+As `article` up to FILTERED but for two capacitors: C14 blocks R4's direct current, so that the first stage does not
 amplify its own offset; C20 across R5 ends its gain above the vibrations, where the bridge's amplifier has only noise.
 Behind FILTERED an inverting half-wave rectifier (U3a, D1, D4) drives an inverting low-pass (U3b): both inputs are
 virtual grounds, so R_LP and C_LP give the article's 36.17 Hz whether a diode conducts or not. Two inversions: the
@@ -10,7 +10,7 @@ envelope is positive, of the positive half waves. Its mean for a sine is 1/pi of
 from __future__ import annotations
 
 from fingertip.board.circuit import Circuit
-from fingertip.board.circuits.paper import high_passes
+from fingertip.board.circuits.article import high_passes
 from fingertip.board.circuits.parts import (
     Rated,
     Wiring,
@@ -42,7 +42,7 @@ def precision_path(values: BoardValues) -> Wiring:
     """From TACTILE to ENVELOPE."""
     c, supply, extra = values.preferred, SUPPLIES[values.supply], values.first_stage
     if extra is None:
-        raise BoardError("the values are of variant paper; compute them with the variant that is built.")
+        raise BoardError("the values are of variant article; compute them with the variant that is built.")
     zero, rated = supply.zero, Rated(values.tolerance)
     diodes = [
         part(name, "1N4148W", symbols.DIODE_1N4148W, symbols.SOD_123, role)

@@ -29,7 +29,7 @@ _LAYERS = "F.Cu,B.Cu,F.Paste,F.SilkS,B.SilkS,F.Mask,B.Mask,Edge.Cuts"
 _DATE = re.compile(rb"^(%TF\.CreationDate.*|G04 Created by KiCad.*|; DRILL file.*|; #@! TF\.CreationDate.*)\r?\n", re.M)
 _LONG_AGO = (1980, 1, 1, 0, 0, 0)
 
-Tell = Callable[[str], None]
+Progress = Callable[[str], None]
 Run = Callable[..., None]
 """What it is called, and KiCad's arguments."""
 
@@ -51,7 +51,7 @@ def find_kicad() -> str:
 
 
 def fabrication_files(
-    files: dict[str, bytes], circuit: Circuit, placement: Placement, tell: Tell = lambda _words: None
+    files: dict[str, bytes], circuit: Circuit, placement: Placement, progress: Progress = lambda _words: None
 ) -> dict[str, bytes]:
     """File name -> content of all fabrication files, for the board's files.
 
@@ -64,7 +64,7 @@ def fabrication_files(
     """
     name = circuit.name
     board, sheet = f"{name}.kicad_pcb", f"{name}.kicad_sch"
-    with _bench(files, tell) as (here, run):
+    with _bench(files, progress) as (here, run):
         run(
             "electrical rules check", "sch", "erc", sheet, "--severity-error", "--exit-code-violations", "-o", "erc.rpt"
         )
@@ -93,7 +93,7 @@ def gerbers(files: dict[str, bytes], name: str) -> bytes:
 
 
 @contextmanager
-def _bench(files: dict[str, bytes], tell: Tell) -> Iterator[tuple[Path, Run]]:
+def _bench(files: dict[str, bytes], progress: Progress) -> Iterator[tuple[Path, Run]]:
     """A folder with the board's files, and KiCad to be run in it."""
     kicad = find_kicad()
     with tempfile.TemporaryDirectory(prefix="fingertip-") as folder:
@@ -102,7 +102,7 @@ def _bench(files: dict[str, bytes], tell: Tell) -> Iterator[tuple[Path, Run]]:
             (here / file).write_bytes(data)
 
         def run(what: str, *arguments: str) -> None:
-            tell(what)
+            progress(what)
             done = subprocess.run([kicad, *arguments], cwd=here, capture_output=True, text=True, check=False)
             if done.returncode:
                 said = " ".join((done.stdout + done.stderr).split())[-400:]

@@ -17,7 +17,7 @@ PLACES = Path(__file__).parent / "places"
 
 @functools.cache
 def load_placement(name: str) -> Placement:
-    """The placement of this name, such as "paper_split"."""
+    """The placement of this name, such as "article_split"."""
     data = json.loads((PLACES / f"{name}.json").read_text("utf-8"))
     return Placement(
         data["width"],

@@ -6,14 +6,14 @@ import textwrap
 
 from fingertip.board.values.amplifiers import AMPLIFIERS, PAPERS
 from fingertip.board.values.board_values import BoardValues
-from fingertip.board.values.converter import CLAMP_A, CLAMP_MOST_A
+from fingertip.board.values.converter import CLAMP_A, MAX_CLAMP_A
 from fingertip.board.values.decision import PULL_UP_OHM, Decision
 from fingertip.board.values.limits import converter_line
 from fingertip.board.values.rest import Rest
 from fingertip.board.values.ripple import RIPPLE_BAND_HZ
 from fingertip.board.values.white_noise import noise_warning
 from fingertip.design import Design
-from fingertip.design.comparator_parts import COMPARATOR_OFFSET_V, MOST_COMPARATOR_OFFSET_V
+from fingertip.design.comparator_parts import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
 
 _SPLIT = "Signals rest at ground; {converter}."
 _SINGLE = (
@@ -21,7 +21,7 @@ _SINGLE = (
     "sensor's second pin is at the middle too: let it touch neither ground nor metal that is grounded."
 )
 _SIGNALS = (
-    " T lies between {least:.2f} V (20 N) and {most:.2f} V (no force), E rises by {envelope:.1f} V at most. {swing} "
+    " T lies between {minimum:.2f} V (20 N) and {maximum:.2f} V (no force), E rises by {envelope:.1f} V at most. {swing} "
     "D2 and D3 keep T and E between ground and + {supply:g} V (and a diode's drop beyond), R7 to R9 limit what flows "
     "then. R8, C9, R9 and C19 (and R7, C8) fit a converter of {rate:g} samples per second: they take {alias:.0f} dB "
     "off what would fold onto {band:.0f} Hz, the upper end of slip's vibrations. For another rate set "
@@ -89,17 +89,17 @@ def signals(values: BoardValues, design: Design) -> str:
         rest=limits.rest_v,
         converter=converter_line(limits),
         supply=supply_v,
-        least=limits.tactile_least_v,
-        most=limits.tactile_most_v,
-        envelope=limits.envelope_most_v,
+        minimum=limits.min_tactile_v,
+        maximum=limits.max_tactile_v,
+        envelope=limits.max_envelope_v,
         swing=swing,
         rate=design.detector.sample_rate_hz,
         alias=-values.alias.raw_alias_db,
         band=values.alias.band_hz,
         leak=1e3 * values.converter.envelope_ohm * CLAMP_A,
-        leaks=1e3 * values.converter.envelope_ohm * CLAMP_MOST_A,
+        leaks=1e3 * values.converter.envelope_ohm * MAX_CLAMP_A,
         micro=1e6 * CLAMP_A,
-        micros=1e6 * CLAMP_MOST_A,
+        micros=1e6 * MAX_CLAMP_A,
     )
     return paragraph(text)
 
@@ -113,7 +113,7 @@ def before_power(values: BoardValues, design: Design) -> str:
         "Nothing protects the board from a supply the wrong way round: it dies of it. Check J2 with a meter before the "
         "board is in it.",
         f"The bridge hangs on + {supply_v:g} V, whose ripple comes to the rectifier {ripple.gain:.0f} times as large: "
-        f"between {low:g} Hz and {high:g} Hz its peak must stay below {1e3 * ripple.most_v:.2g} mV ({harm}). Use a "
+        f"between {low:g} Hz and {high:g} Hz its peak must stay below {1e3 * ripple.max_v:.2g} mV ({harm}). Use a "
         "linear regulator of low noise, near the board, and nothing else on it.",
     ]
     if values.decision:
@@ -125,7 +125,7 @@ def before_power(values: BoardValues, design: Design) -> str:
 
 
 def rest_and_threshold(values: BoardValues, design: Design) -> str:
-    """The section on the rest level; for variant comparator with its trimmer's procedure. Empty for variant paper."""
+    """The section on the rest level; for variant comparator with its trimmer's procedure. Empty for variant article."""
     if values.rest is None:
         return ""
     rest = paragraph(_rest_words(values.rest, values, design))
@@ -143,11 +143,11 @@ def rest_and_threshold(values: BoardValues, design: Design) -> str:
 def _rest_words(rest: Rest, values: BoardValues, design: Design) -> str:
     amplifier = AMPLIFIERS[values.amplifier]
     return (
-        f"Offsets of U1 and U3 are in the envelope: with {1e3 * amplifier.most_offset_v:g} mV each, the most a "
-        f"{amplifier.buy} has, E rests anywhere between {1e3 * rest.least_v:.1f} and + {1e3 * rest.most_v:.1f} mV "
+        f"Offsets of U1 and U3 are in the envelope: with {1e3 * amplifier.max_offset_v:g} mV each, the most a "
+        f"{amplifier.buy} has, E rests anywhere between {1e3 * rest.min_v:.1f} and + {1e3 * rest.max_v:.1f} mV "
         f"(with typical ones within {1e3 * rest.typical_v:.0f} mV), and the design's threshold is "
         f"{1e3 * design.detector.threshold_v:g} mV. An {rest.finer_name} has the same pins and lets it rest below "
-        f"{1e3 * rest.finer_most_v:.1f} mV."
+        f"{1e3 * rest.max_finer_v:.1f} mV."
     )
 
 
@@ -156,10 +156,10 @@ def _trimming(decision: Decision, values: BoardValues, design: Design) -> str:
     threshold = f"{1e3 * design.detector.threshold_v:g} mV"
     words = (
         f"With RV1 in its middle S goes low where E's mean rises above {1e3 * decision.on_v:.1f} mV and high again "
-        f"below {1e3 * decision.off_v:.1f} mV; RV1 reaches {1e3 * decision.most_on_v:.0f} mV. The comparator adds its "
+        f"below {1e3 * decision.off_v:.1f} mV; RV1 reaches {1e3 * decision.max_on_v:.0f} mV. The comparator adds its "
         f"own errors: its input current lifts the mean by {1e3 * decision.bias_v:.1f} mV in R18 "
-        f"({1e3 * decision.most_bias_v:.1f} mV at most), its offset is {1e3 * COMPARATOR_OFFSET_V:g} mV "
-        f"({1e3 * MOST_COMPARATOR_OFFSET_V:g} mV at most). One procedure takes all of them in, rest and comparator:"
+        f"({1e3 * decision.max_bias_v:.1f} mV at most), its offset is {1e3 * COMPARATOR_OFFSET_V:g} mV "
+        f"({1e3 * MAX_COMPARATOR_OFFSET_V:g} mV at most). One procedure takes all of them in, rest and comparator:"
     )
     steps = (
         f"Nothing touching the sensor, measure the threshold at RV1's middle pin, the one alone on its side, against "

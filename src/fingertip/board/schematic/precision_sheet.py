@@ -1,4 +1,4 @@
-"""The sheet of variant `precision`: as `paper`'s, with rectifier and envelope on a row of their own."""
+"""The sheet of variant `precision`: as `article`'s, with rectifier and envelope on a row of their own."""
 
 from __future__ import annotations
 

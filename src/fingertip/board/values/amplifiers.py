@@ -1,6 +1,6 @@
 """What data sheets say of the amplifiers, and which stands on which board: the one source of their figures.
 
-The article's TL082 stands on the board that is the article's, variant `paper` on plus and minus 5 V. Its inputs end 3 V
+The article's TL082 stands on the board that is the article's, variant `article` on plus and minus 5 V. Its inputs end 3 V
 above its negative rail (typically; the data sheet is sure of 4 V), and below, its output jumps up; an ordinary press
 takes the second stage's input there. All others have the TLV2372, whose inputs and outputs reach both rails; it has the
 same pins and takes 16 V of supply.
@@ -26,7 +26,7 @@ class Amplifier:
     """Density at the input [V/sqrt(Hz)], white."""
     offset_v: float
     """At the input, typical [V]."""
-    most_offset_v: float
+    max_offset_v: float
     """The same, at most at 25 degrees Celsius [V]; of the grade in `buy`."""
     output_from_rail_v: float
     """How far from its rails the output stops [V], typical, into 2 to 10 kohm."""
@@ -56,7 +56,7 @@ FINER_NAME, FINER_OFFSET_V = "OPA2197", 0.1e-3
 
 def dual_amplifier(variant: str, supply: str) -> str:
     """Name in `AMPLIFIERS` of the dual amplifier in a board's filter and rectifier."""
-    return PAPERS if (variant, supply) == ("paper", "split") else OTHERS
+    return PAPERS if (variant, supply) == ("article", "split") else OTHERS
 
 
 AD623_NOISE_V = 35e-9

@@ -55,9 +55,9 @@ class BoardValues:
     bridge: Bridge
     """What is fitted ahead of the filter, preferred values."""
     first_stage: FirstStage | None
-    """Capacitors that variant paper has not; None there."""
+    """Capacitors that variant article has not; None there."""
     rest: Rest | None
-    """Where the envelope rests for its amplifiers' offsets; None in variant paper, whose diode hides them."""
+    """Where the envelope rests for its amplifiers' offsets; None in variant article, whose diode hides them."""
     ripple: Ripple
     """What ripple on the supply does."""
     noise: WhiteNoise
@@ -96,12 +96,12 @@ def filter_values(board: Board) -> tuple[Components, Components, Response]:
 
 
 def _first_stage(board: Board, preferred: Components) -> FirstStage | None:
-    return None if board.variant == "paper" else fit_first_stage(preferred, board.band_limit_hz)
+    return None if board.variant == "article" else fit_first_stage(preferred, board.band_limit_hz)
 
 
 def _wanted(board: Board, ideal: Components) -> Response:
     found = response(ideal, board.gain_bandwidth_hz)
-    return found if board.variant == "paper" else replace(found, upper_cutoff_hz=board.band_limit_hz)
+    return found if board.variant == "article" else replace(found, upper_cutoff_hz=board.band_limit_hz)
 
 
 def board_values(design: Design) -> BoardValues:
@@ -117,7 +117,7 @@ def board_values(design: Design) -> BoardValues:
     diameter_mm = design.dimensions.sensor.active_diameter_mm
     ideal, preferred, achieved = filter_values(board)
     bridge = fit_bridge(supply_v, board.series, diameter_mm, supply.zero_share)
-    plain = board.variant == "paper"
+    plain = board.variant == "article"
     amplifier = dual_amplifier(board.variant, board.supply)
     swing = swing_of(AMPLIFIERS[amplifier], supply, supply_v)
     found = limits(bridge, supply, supply_v, swing, achieved.passband_gain, plain, detector.adc_range_v)

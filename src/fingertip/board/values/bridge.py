@@ -28,9 +28,9 @@ NEWTON_PER_GRAM = 9.80665e-3
 ARTICLE_POINTS = ((0.2, 4.3), (0.8, 4.0), (1.3, 3.85))
 """Force [N] and voltage [V]: light contact at the sensor's turn-on, then the two figures of the article's IV.A."""
 
-MOST_FORCE_N = 20.0
+MAX_FORCE_N = 20.0
 """Upper end of the sensor's range (Interlink)."""
-MOST_CURRENT_A_PER_CM2 = 1e-3
+MAX_CURRENT_A_PER_CM2 = 1e-3
 """Most current through the sensor, by its active area (Interlink's integration guide)."""
 SATURATION = 1.0 / 3.0
 """R_thevenin G at the upper end: the smaller, the straighter V over G, and the smaller the signal."""
@@ -97,15 +97,15 @@ class Bridge:
         return conductance_s * (self.sensor_v(conductance_s, supply_v) - self.zero_share * supply_v)
 
 
-def most_current_a(active_diameter_mm: float) -> float:
+def max_current_a(active_diameter_mm: float) -> float:
     """Most current [A] through a sensor, by its active area."""
-    return MOST_CURRENT_A_PER_CM2 * math.pi * (active_diameter_mm / 20.0) ** 2
+    return MAX_CURRENT_A_PER_CM2 * math.pi * (active_diameter_mm / 20.0) ** 2
 
 
 def fit_bridge(supply_v: float, series: str, active_diameter_mm: float, zero_share: float = 0.0) -> Bridge:
     """Preferred values that meet the article's three voltages best, with the sensor's current within its limit.
 
-    The sensor's arm comes from the limit: the greatest excitation allowed at `MOST_FORCE_N`. Gain and reference are
+    The sensor's arm comes from the limit: the greatest excitation allowed at `MAX_FORCE_N`. Gain and reference are
     then searched among all pairs of one decade for the least sum of squared errors at `ARTICLE_POINTS`.
 
     Parameters
@@ -119,11 +119,11 @@ def fit_bridge(supply_v: float, series: str, active_diameter_mm: float, zero_sha
     zero_share
         As `Bridge.zero_share`.
     """
-    g_most = sensor_conductance_s(MOST_FORCE_N)
+    max_g = sensor_conductance_s(MAX_FORCE_N)
     # The same curve is used for every sensor, so a larger one gains nothing from a larger limit.
-    limit_a = most_current_a(min(active_diameter_mm, CURVE_DIAMETER_MM))
-    thevenin_ohm = SATURATION / g_most
-    thevenin_v = limit_a / g_most * (1.0 + SATURATION)
+    limit_a = max_current_a(min(active_diameter_mm, CURVE_DIAMETER_MM))
+    thevenin_ohm = SATURATION / max_g
+    thevenin_v = limit_a / max_g * (1.0 + SATURATION)
     zero_v = zero_share * supply_v
     excitation_v = supply_v - zero_v
     top_ohm = max(neighbours(thevenin_ohm * excitation_v / thevenin_v, series))

@@ -15,7 +15,7 @@ from fingertip.design.filter_components import Components, limit_capacitor_f, se
 
 @dataclass(frozen=True)
 class FirstStage:
-    """Capacitors that variants other than `paper` add to the first stage [F]."""
+    """Capacitors that variants other than `article` add to the first stage [F]."""
 
     series_f: float
     """In series with R4: no gain for the amplifier's offset."""
@@ -33,7 +33,7 @@ def fit_first_stage(c: Components, band_limit_hz: float) -> FirstStage:
 
 
 LARGE_PERCENT = 20.0
-"""Tolerance of a series capacitor above `FOOTPRINT_MOST_F`: nothing finer is made in its size."""
+"""Tolerance of a series capacitor above `MAX_FOOTPRINT_F`: nothing finer is made in its size."""
 
 OPEN_LOOP_GAIN = 2e5
 """A0 of the TL082 (typical, its data sheet): 106 dB; the TLV2372's 110 dB change nothing here."""
@@ -47,7 +47,7 @@ def open_loop(f_hz: float, gain_bandwidth_hz: float) -> complex:
 def first_stage(f_hz: float, c: Components, gain_bandwidth_hz: float, extra: FirstStage | None = None) -> complex:
     """H1 at f [Hz]: the high-pass C1, R1, then G / (1 + G / A).
 
-    Variants other than `paper` make G = 1 + Z5 / Z4, Z4 = R4 + 1 / (s C14), Z5 = R5 / (1 + s R5 C20).
+    Variants other than `article` make G = 1 + Z5 / Z4, Z4 = R4 + 1 / (s C14), Z5 = R5 / (1 + s R5 C20).
     """
     s = 2j * math.pi * f_hz
     G: complex = passband_gain(c.r4_ohm, c.r5_ohm)

@@ -3,7 +3,7 @@
 What lies above half the rate comes back below it, and the vibrations (`BAND_CUTOFFS` cutoffs) are met first by what
 lies at the rate less the band. The tactile voltage gets two poles, both near a quarter of the rate: the second section
 has ten times the first's impedance, so that they hardly see each other. The envelope has a pole of its own already (in
-variant `paper` only for falling voltages), and gets one.
+variant `article` only for falling voltages), and gets one.
 
 No two poles keep a tone of full size below a step of 16 bits; what is there beyond the band, noise and a resonance's
 skirt, is small. `AliasFigures` says how large a tone may be. Sampling faster and averaging moves the fold away.
@@ -22,7 +22,7 @@ POLES_PER_RATE = 0.25
 FIRST_OHM, SECOND_OHM = 1e3, 10e3
 """About; with the clamp they limit its current to 1 mA at 10 V beyond the rails."""
 CAPACITORS = "E6"
-CLAMP_A, CLAMP_MOST_A = 0.1e-6, 2e-6
+CLAMP_A, MAX_CLAMP_A = 0.1e-6, 2e-6
 """Reverse current of a clamp's diode: that of the SPICE deck's model, and the most a BAT54 may have at 25 V and 25
 degrees Celsius (its data sheets; unverified)."""
 
@@ -66,7 +66,7 @@ class AliasFigures:
     """Gain of the tactile voltage's two poles at these."""
     envelope_nyquist_db: float
     envelope_alias_db: float
-    """Gain from the rectifier (in variant paper from the envelope) to the pin."""
+    """Gain from the rectifier (in variant article from the envelope) to the pin."""
     needed_db: float
     """Attenuation that would bring a tone of the board's full swing below one step of the converter."""
     hidden_v: float
@@ -96,7 +96,7 @@ def alias_figures(
     swing_v
         Largest voltage the board gives.
     envelope_pole_hz
-        The envelope's own pole where it is one for rising voltages too; None: variant paper's diode.
+        The envelope's own pole where it is one for rising voltages too; None: variant article's diode.
     """
     nyquist_hz = sample_rate_hz / 2.0
     band_hz = min(BAND_CUTOFFS * cutoff_hz, nyquist_hz)

@@ -15,17 +15,17 @@ from fingertip.board.values.preferred import nearest, neighbours
 from fingertip.design.comparator_parts import (
     BIAS_A,
     COMPARATOR_OFFSET_V,
-    MEAN_MOST_F,
+    MAX_BIAS_A,
+    MAX_COMPARATOR_OFFSET_V,
+    MAX_MEAN_F,
     MEAN_OHM,
-    MOST_BIAS_A,
-    MOST_COMPARATOR_OFFSET_V,
 )
 
 TRIMMER_OHM = 10e3
 PULL_UP_OHM = 4.7e3
 HYSTERESIS = 0.25
 """Of the threshold."""
-_LEAST_MEAN_F = 1e-9
+_MIN_MEAN_F = 1e-9
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class Decision:
     """Mean of the envelope above where signals rest [V] at which slip is said, the trimmer in its middle."""
     off_v: float
     """And at which it ends."""
-    most_on_v: float
+    max_on_v: float
     """The first, with the trimmer at its end."""
     bias_v: float
     """By how much the comparator's input current lifts the mean [V], typically."""
-    most_bias_v: float
+    max_bias_v: float
     """The same, at most."""
 
     @property
@@ -88,12 +88,12 @@ def fit_decision(
 
     tops, backs = neighbours(1.0 / (pull - feedback) - low_ohm, series), neighbours(1.0 / feedback, series)
     top_ohm, hysteresis_ohm = min(itertools.product(tops, backs), key=error)
-    mean_f = min(max(nearest(window_s / 2.0 / MEAN_OHM, "E6", 1e-12, 1e-3), _LEAST_MEAN_F), MEAN_MOST_F)
+    mean_f = min(max(nearest(window_s / 2.0 / MEAN_OHM, "E6", 1e-12, 1e-3), _MIN_MEAN_F), MAX_MEAN_F)
     mean_ohm = nearest(window_s / 2.0 / mean_f, series)
     on_v, off_v = thresholds_v(top_ohm, hysteresis_ohm, supply_v, zero_share)
-    most_on_v, _ = thresholds_v(top_ohm, hysteresis_ohm, supply_v, zero_share, turn=1.0)
+    max_on_v, _ = thresholds_v(top_ohm, hysteresis_ohm, supply_v, zero_share, turn=1.0)
     return Decision(
-        mean_ohm, mean_f, top_ohm, hysteresis_ohm, on_v, off_v, most_on_v, BIAS_A * mean_ohm, MOST_BIAS_A * mean_ohm
+        mean_ohm, mean_f, top_ohm, hysteresis_ohm, on_v, off_v, max_on_v, BIAS_A * mean_ohm, MAX_BIAS_A * mean_ohm
     )
 
 
@@ -101,7 +101,7 @@ def decision_lines(d: Decision) -> list[str]:
     """Where slip is said, and by how much the comparator errs, as sentences."""
     return [
         f"slip is ON above {1e3 * d.on_v:.1f} mV and OFF below {1e3 * d.off_v:.1f} mV in the trimmer's middle; the "
-        f"trimmer reaches {1e3 * d.most_on_v:.1f} mV",
-        f"the comparator's input current lifts the mean by {1e3 * d.bias_v:.2f} mV ({1e3 * d.most_bias_v:.2f} mV at "
-        f"most) in R18, its offset is {1e3 * COMPARATOR_OFFSET_V:g} mV ({1e3 * MOST_COMPARATOR_OFFSET_V:g} mV at most)",
+        f"trimmer reaches {1e3 * d.max_on_v:.1f} mV",
+        f"the comparator's input current lifts the mean by {1e3 * d.bias_v:.2f} mV ({1e3 * d.max_bias_v:.2f} mV at "
+        f"most) in R18, its offset is {1e3 * COMPARATOR_OFFSET_V:g} mV ({1e3 * MAX_COMPARATOR_OFFSET_V:g} mV at most)",
     ]

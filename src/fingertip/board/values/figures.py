@@ -11,14 +11,15 @@ from itertools import product
 
 import numpy as np
 
+from fingertip.arrays import Array
 from fingertip.board.values.built import LARGE_PERCENT, FirstStage
-from fingertip.board.values.passbands import Array, passbands
-from fingertip.design.filter_components import FOOTPRINT_MOST_F, Components
+from fingertip.board.values.passbands import passbands
+from fingertip.design.filter_components import MAX_FOOTPRINT_F, Components
 
 NAMES = ("R1", "R2", "R3", "R4", "R5", "C1", "C2", "C3")
 """Order of the values in every array here."""
 FIRST_STAGE_NAMES = ("C14", "C20")
-"""The same where the first stage has these, which variant paper has not."""
+"""The same where the first stage has these, which variant article has not."""
 FIGURES = ("cutoff_hz", "section_quality", "passband_gain", "first_pole_hz", "section_hz")
 
 
@@ -85,7 +86,7 @@ def monte_carlo(
     gain_bandwidth_hz
         Of the amplifier, which is taken to have it.
     extra
-        The first stage's capacitors; None in variant paper.
+        The first stage's capacitors; None in variant article.
     resistor_percent, capacitor_percent
         Tolerances. A C14 too large for them has its own.
     boards
@@ -95,7 +96,7 @@ def monte_carlo(
     """
     percent = [resistor_percent] * 5 + [capacitor_percent] * 3
     if extra is not None:
-        large = extra.series_f > FOOTPRINT_MOST_F * (1 + 1e-9)
+        large = extra.series_f > MAX_FOOTPRINT_F * (1 + 1e-9)
         percent += [LARGE_PERCENT if large else capacitor_percent, capacitor_percent]
     tolerance, base = np.array(percent) / 100.0, nominal(c, extra)
     rng = np.random.default_rng(seed)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from fingertip.board.supplies import Supply
 from fingertip.board.values.amplifiers import Amplifier
-from fingertip.board.values.bridge import MOST_FORCE_N, Bridge, sensor_conductance_s
+from fingertip.board.values.bridge import MAX_FORCE_N, Bridge, sensor_conductance_s
 
 DIODE_V = 0.6
-"""What variant paper's diode takes off a large signal."""
+"""What variant article's diode takes off a large signal."""
 
 # The AD623's insides (its data sheet, "input and output voltage range"): its input followers lift their inputs by a
 # diode's drop and must stay clear of both rails, as must the output.
@@ -49,9 +49,9 @@ class Limits:
 
     rest_v: float
     """Where signals rest: ground, or the supply's middle."""
-    tactile_least_v: float
+    min_tactile_v: float
     """At the sensor's greatest force (20 N)."""
-    tactile_most_v: float
+    max_tactile_v: float
     """With the sensor open."""
     bridge_amplifier_margin_v: float
     """From what the bridge's amplifier carries, inside and out, to where it would stop; over all forces."""
@@ -65,7 +65,7 @@ class Limits:
     """Whether the output jumps up where the signal goes further down: a TL082's does."""
     vibration_peak_v: float
     """The smaller of both peaks ahead of the filter: a larger vibration of the tactile voltage is cut off."""
-    envelope_most_v: float
+    max_envelope_v: float
     """Largest envelope above its rest."""
     clamp_low_v: float
     clamp_high_v: float
@@ -76,7 +76,7 @@ class Limits:
     @property
     def converter_misses_v(self) -> float:
         """By how much the pins go beyond what the converter takes; 0 if they do not."""
-        return max(self.tactile_most_v, self.rest_v + self.envelope_most_v, self.converter_v) - self.converter_v
+        return max(self.max_tactile_v, self.rest_v + self.max_envelope_v, self.converter_v) - self.converter_v
 
 
 def limits(
@@ -91,22 +91,22 @@ def limits(
     gain
         The filter's largest.
     diode
-        Whether the envelope lies behind a diode (variant paper).
+        Whether the envelope lies behind a diode (variant article).
     converter_v
         What the converter takes, plus and minus.
     """
-    g_most = sensor_conductance_s(MOST_FORCE_N)
+    max_g = sensor_conductance_s(MAX_FORCE_N)
     return Limits(
         rest_v=supply.zero_v(supply_v),
-        tactile_least_v=bridge.tactile_v(g_most, supply_v),
-        tactile_most_v=bridge.tactile_v(0.0, supply_v),
-        bridge_amplifier_margin_v=min(_margin_v(bridge, g, supply, supply_v) for g in (0.0, g_most)),
+        min_tactile_v=bridge.tactile_v(max_g, supply_v),
+        max_tactile_v=bridge.tactile_v(0.0, supply_v),
+        bridge_amplifier_margin_v=min(_margin_v(bridge, g, supply, supply_v) for g in (0.0, max_g)),
         filter_peak_v=swing.up_v,
         filter_trough_v=swing.down_v,
         filter_sure_trough_v=swing.sure_down_v,
         reverses_below=swing.reverses,
         vibration_peak_v=min(swing.up_v, swing.down_v) / gain,
-        envelope_most_v=swing.up_v - DIODE_V if diode else swing.up_v,
+        max_envelope_v=swing.up_v - DIODE_V if diode else swing.up_v,
         clamp_low_v=0.0,
         clamp_high_v=supply_v,
         converter_v=converter_v,
@@ -135,8 +135,8 @@ def converter_line(v: Limits) -> str:
 
 def converter_remarks(v: Limits) -> Iterator[str]:
     """A converter that clips the tactile voltage, as which slip does not show."""
-    if v.tactile_most_v > v.converter_v:
-        yield f"the tactile voltage, up to {v.tactile_most_v:.2f} V, is clipped: {converter_line(v)}."
+    if v.max_tactile_v > v.converter_v:
+        yield f"the tactile voltage, up to {v.max_tactile_v:.2f} V, is clipped: {converter_line(v)}."
 
 
 def _margin_v(bridge: Bridge, conductance_s: float, supply: Supply, supply_v: float) -> float:

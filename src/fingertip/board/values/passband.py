@@ -17,7 +17,7 @@ from fingertip.design.filter_components import Components
 _PER_DECADE = 6
 _BELOW = 3.0
 """Where the search begins, in cutoffs below the formulas'."""
-_MOST_STEPS = 60
+_MAX_STEPS = 60
 _PEAK = 1e-6
 """How near the peak is looked for, as a share of the frequency: its gain is then within 1e-12."""
 _END = 1e-13
@@ -48,8 +48,8 @@ def passband(c: Components, gain_bandwidth_hz: float, extra: FirstStage | None =
     step = (last - first) / count
     grid = [gain(first + i * step) for i in range(count + 1)]
     at = max(range(1, count), key=grid.__getitem__)
-    most = _largest(gain, first + at * step, step, (grid[at - 1], grid[at], grid[at + 1]))
-    level = most - 0.5 * math.log(2.0)
+    maximum = _largest(gain, first + at * step, step, (grid[at - 1], grid[at], grid[at + 1]))
+    level = maximum - 0.5 * math.log(2.0)
 
     def crossing(outward: int) -> float:
         i = at
@@ -58,13 +58,13 @@ def passband(c: Components, gain_bandwidth_hz: float, extra: FirstStage | None =
         ends = (first + i * step, first + (i + outward) * step)
         return math.exp(_root(lambda x: gain(x) - level, ends, (grid[i] - level, grid[i + outward] - level)))
 
-    return Passband(math.exp(most), crossing(-1), crossing(1))
+    return Passband(math.exp(maximum), crossing(-1), crossing(1))
 
 
 def _largest(f: Callable[[float], float], x: float, step: float, values: tuple[float, float, float]) -> float:
     """The largest f, which rises to x and falls from it at this step: by parabolas through the three nearest points."""
     (a, b, c), (fa, fb, fc) = (x - step, x, x + step), values
-    for _ in range(_MOST_STEPS):
+    for _ in range(_MAX_STEPS):
         left, right = (b - a) * (fb - fc), (b - c) * (fb - fa)
         if left == right:
             break
@@ -86,7 +86,7 @@ def _root(f: Callable[[float], float], ends: tuple[float, float], values: tuple[
     """Where f changes its sign between the ends, at which it is known: by chords, an end that stays weighing half
     (Illinois)."""
     (a, b), (fa, fb) = ends, values
-    for _ in range(_MOST_STEPS):
+    for _ in range(_MAX_STEPS):
         if fa == fb or abs(b - a) < _END:
             break
         new = b - fb * (b - a) / (fb - fa)

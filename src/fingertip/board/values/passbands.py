@@ -6,11 +6,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.board.values.built import OPEN_LOOP_GAIN
-
-Array = NDArray[np.float64]
 
 _PER_DECADE = 6
 _BELOW = 4.0
@@ -66,17 +64,17 @@ def passbands(values: Array, gain_bandwidth_hz: float) -> tuple[Array, Array]:
     step = (last - first) / count
     grid = np.array([power(np.full_like(f0, first + i * step)) for i in range(count + 1)])
     at = np.clip(grid.argmax(axis=0), 1, count - 1)
-    most = np.maximum(_largest(power, first + (at - 1) * step, first + (at + 1) * step), grid.max(axis=0))
+    maximum = np.maximum(_largest(power, first + (at - 1) * step, first + (at + 1) * step), grid.max(axis=0))
 
     index = np.arange(count + 1)[:, None]
-    low = first + step * np.where((grid < 0.5 * most) & (index < at), index, 0).max(axis=0)
+    low = first + step * np.where((grid < 0.5 * maximum) & (index < at), index, 0).max(axis=0)
     high = low + step
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        below = power(middle) < 0.5 * most
+        below = power(middle) < 0.5 * maximum
         low, high = np.where(below, middle, low), np.where(below, high, middle)
     shape = values.shape[:-1]
-    return np.sqrt(most).reshape(shape), (f0 * np.exp(high)).reshape(shape)
+    return np.sqrt(maximum).reshape(shape), (f0 * np.exp(high)).reshape(shape)
 
 
 def _largest(power: Callable[[Array], Array], low: Array, high: Array) -> Array:

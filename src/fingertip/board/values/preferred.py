@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from fingertip.board.values.filters import section_frequency_hz, section_quality
-from fingertip.design.filter_components import LEAST_OHM, MOST_OHM, Components
-from fingertip.errors import BoardError, Fault
+from fingertip.design.filter_components import MAX_OHM, MIN_OHM, Components
+from fingertip.errors import BoardError, Issue
 
 # Mantissas of one decade. E96 is 10^(i/96) to three digits; E12 and E24 follow no formula throughout.
 _E24 = (10, 11, 12, 13, 15, 16, 18, 20, 22, 24, 27, 30, 33, 36, 39, 43, 47, 51, 56, 62, 68, 75, 82, 91)
@@ -33,11 +33,11 @@ def decade(series: str) -> tuple[int, ...]:
         If there is no such series here.
     """
     if series not in _MANTISSAS:
-        raise BoardError(Fault("board.series", f"{series!r} is not known; choose {', '.join(_MANTISSAS)}."))
+        raise BoardError(Issue("board.series", f"{series!r} is not known; choose {', '.join(_MANTISSAS)}."))
     return _MANTISSAS[series]
 
 
-def neighbours(value: float, series: str, least: float = LEAST_OHM, most: float = MOST_OHM) -> tuple[float, ...]:
+def neighbours(value: float, series: str, minimum: float = MIN_OHM, maximum: float = MAX_OHM) -> tuple[float, ...]:
     """The preferred values next below and above `value`; one if it is preferred itself or beyond the range.
 
     Parameters
@@ -57,7 +57,7 @@ def neighbours(value: float, series: str, least: float = LEAST_OHM, most: float 
     mantissas = decade(series)
     if not (value > 0 and math.isfinite(value)):
         raise BoardError(f"{value!r} has no preferred value; give a positive finite number.")
-    value = min(max(value, least), most)
+    value = min(max(value, minimum), maximum)
     exponent = math.floor(math.log10(value)) - (len(str(mantissas[0])) - 1)
     # The decade's own values and one more on either side, where rounding of the logarithm cannot matter.
     lower = _scaled(mantissas[-1], exponent - 1)
@@ -68,9 +68,9 @@ def neighbours(value: float, series: str, least: float = LEAST_OHM, most: float 
     return (below,) if below == above else (below, above)
 
 
-def nearest(value: float, series: str, least: float = LEAST_OHM, most: float = MOST_OHM) -> float:
+def nearest(value: float, series: str, minimum: float = MIN_OHM, maximum: float = MAX_OHM) -> float:
     """The preferred value nearest to `value` by ratio, or the lower of two. Raises as `neighbours` does."""
-    return min(neighbours(value, series, least, most), key=lambda v: abs(math.log(v / value)))
+    return min(neighbours(value, series, minimum, maximum), key=lambda v: abs(math.log(v / value)))
 
 
 def spread(value: float, series: str) -> tuple[float, ...]:
@@ -78,7 +78,7 @@ def spread(value: float, series: str) -> tuple[float, ...]:
     mantissas = decade(series)
     exponent = math.floor(math.log10(value)) - (len(str(mantissas[0])) - 1)
     values = (_scaled(m, e) for e in (exponent - 1, exponent, exponent + 1) for m in mantissas)
-    return tuple(v for v in values if value / 2 <= v <= 2 * value and LEAST_OHM <= v <= MOST_OHM)
+    return tuple(v for v in values if value / 2 <= v <= 2 * value and MIN_OHM <= v <= MAX_OHM)
 
 
 def within(low: float, high: float, series: str) -> tuple[float, ...]:

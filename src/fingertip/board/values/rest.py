@@ -26,15 +26,15 @@ _CONDUCTING = (1.0, 2.0, 2.0)
 class Rest:
     """Where the envelope rests for its amplifiers' offsets, above where signals rest [V], at 25 degrees Celsius."""
 
-    least_v: float
-    most_v: float
+    min_v: float
+    max_v: float
     """All offsets at the worst ends of the grade that is bought."""
     typical_v: float
     """Offsets as data sheets call typical, added as what does not hang together."""
     finer_name: str
     """An amplifier of the same pins and reach with less offset."""
-    finer_most_v: float
-    """As `most_v`, with that one."""
+    max_finer_v: float
+    """As `max_v`, with that one."""
 
 
 def rest_of(amplifier: Amplifier, envelope_ohm: float) -> Rest:
@@ -42,18 +42,18 @@ def rest_of(amplifier: Amplifier, envelope_ohm: float) -> Rest:
     blocked = 1.0 + 2.0 * envelope_ohm / (RECTIFIER_OHM + envelope_ohm)
     worst = math.fsum(_CONDUCTING)
     return Rest(
-        least_v=-blocked * amplifier.most_offset_v,
-        most_v=worst * amplifier.most_offset_v,
+        min_v=-blocked * amplifier.max_offset_v,
+        max_v=worst * amplifier.max_offset_v,
         typical_v=math.hypot(*_CONDUCTING) * amplifier.offset_v,
         finer_name=FINER_NAME,
-        finer_most_v=worst * FINER_OFFSET_V,
+        max_finer_v=worst * FINER_OFFSET_V,
     )
 
 
 def rest_line(rest: Rest, threshold_v: float) -> str:
     """Where the envelope rests, beside the threshold."""
     return (
-        f"offsets of U1 and U3 let the envelope rest between {1e3 * rest.least_v:.1f} and {1e3 * rest.most_v:.1f} mV "
-        f"(typically within {1e3 * rest.typical_v:.1f} mV; with {rest.finer_name} below {1e3 * rest.finer_most_v:.1f} "
+        f"offsets of U1 and U3 let the envelope rest between {1e3 * rest.min_v:.1f} and {1e3 * rest.max_v:.1f} mV "
+        f"(typically within {1e3 * rest.typical_v:.1f} mV; with {rest.finer_name} below {1e3 * rest.max_finer_v:.1f} "
         f"mV), and the threshold is {1e3 * threshold_v:g} mV: measure the rest and set the threshold above it"
     )

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from fingertip.board.values.bridge import CABLE_F, Bridge
 
 DEAD_ZONE_V = 0.45
-"""From where on variant paper's diode conducts: below, nothing of the filtered signal comes out."""
+"""From where on variant article's diode conducts: below, nothing of the filtered signal comes out."""
 RIPPLE_BAND_HZ = (30.0, 1000.0)
 """Where a supply's ripple counts: around the mains and its harmonics, from half the article's cutoff on."""
 
@@ -24,9 +24,9 @@ class Ripple:
     """What ripple on the positive supply does, the sensor open, which is the worst."""
 
     gain: float
-    """The largest from the supply to the filtered signal within `RIPPLE_BAND_HZ` [V/V]."""
-    most_v: float
-    """Peak of the ripple [V] that alone brings the envelope's mean to the detector's threshold; in variant paper, that
+    """The largest from the supply to the filtered signal in `RIPPLE_BAND_HZ` [V/V]."""
+    max_v: float
+    """Peak of the ripple [V] that alone brings the envelope's mean to the detector's threshold; in variant article, that
     makes the diode conduct."""
 
 
@@ -42,7 +42,7 @@ def ripple_of(
     threshold_v
         Mean of the envelope at which slip is said.
     diode
-        Whether the envelope lies behind a bare diode (variant paper).
+        Whether the envelope lies behind a bare diode (variant article).
     points
         At how many frequencies.
     """
@@ -66,5 +66,5 @@ def ripple_line(ripple: Ripple, diode: bool) -> str:
     harm = "makes the diode conduct" if diode else "brings the envelope to the threshold"
     return (
         f"ripple on the plus supply reaches the rectifier {ripple.gain:.0f} times as large: from {low:g} Hz to "
-        f"{high:g} Hz a peak of {1e3 * ripple.most_v:.2g} mV alone {harm}"
+        f"{high:g} Hz a peak of {1e3 * ripple.max_v:.2g} mV alone {harm}"
     )

@@ -40,7 +40,7 @@ class WhiteNoise:
     open_v: float
     """The same without C20, which ends the first stage's gain above the vibrations."""
     rest_v: float | None
-    """Where the envelope rests for it: its rectified mean. None in variant paper, whose diode hides it."""
+    """Where the envelope rests for it: its rectified mean. None in variant article, whose diode hides it."""
 
 
 def white_noise(
@@ -53,7 +53,7 @@ def white_noise(
     transfer, without
         From the tactile voltage to the filtered one at f [Hz], as built and without C20.
     diode
-        Whether the envelope lies behind a bare diode (variant paper).
+        Whether the envelope lies behind a bare diode (variant article).
     """
     low, high = BAND_HZ
     steps = round(_POINTS_PER_DECADE * math.log10(high / low))

@@ -8,8 +8,8 @@ from fingertip.cad.kernel.mesh import Evaluator, Mesh
 from fingertip.cad.shapes.parts import parts_of
 from fingertip.cad.solids import Solid
 from fingertip.design import Design
-from fingertip.design.faults import nearest
-from fingertip.errors import DesignError, Fault
+from fingertip.design.issues import nearest
+from fingertip.errors import DesignError, Issue
 
 if TYPE_CHECKING:
     import cadquery
@@ -60,5 +60,5 @@ def part_trimesh(design: Design, name: str, tolerance_mm: float = 0.01) -> trime
 def _expression(design: Design, name: str) -> Solid:
     parts = parts_of(design)
     if name not in parts:
-        raise DesignError(Fault("part", f"there is no {name!r}; {nearest(name, tuple(parts))}"))
+        raise DesignError(Issue("part", f"there is no {name!r}; {nearest(name, tuple(parts))}"))
     return parts[name].describe(design)

@@ -28,7 +28,7 @@ def to_bytes(suites: Mapping[str, Iterable[Check]]) -> bytes:
     return text + b"\n"
 
 
-def sentence(check: Check) -> str:
+def message(check: Check) -> str:
     """What was found, against what: `value 3 edges, must be 0`."""
     must = f"{check.relation} {check.limit:g}"
     return f"value {check.value:g} {check.unit}".rstrip() + f", {must}"
@@ -43,9 +43,9 @@ def _suite(root: Element, name: str, checks: tuple[Check, ...]) -> None:
     for check in checks:
         case = SubElement(suite, "testcase", classname=classname, name=_clean(check.name))
         if not check.passed:
-            failure = SubElement(case, "failure", type="check", message=sentence(check))
-            failure.text = f"{name}: {check.name}: {sentence(check)}"
-        SubElement(case, "system-out").text = sentence(check)
+            failure = SubElement(case, "failure", type="check", message=message(check))
+            failure.text = f"{name}: {check.name}: {message(check)}"
+        SubElement(case, "system-out").text = message(check)
 
 
 def _clean(text: str) -> str:

@@ -16,7 +16,7 @@ from types import TracebackType
 
 from fingertip import errors
 from fingertip.cad.solids import Solid
-from fingertip.errors import Fault, GeometryError
+from fingertip.errors import GeometryError, Issue
 
 TIME_LIMIT_S = 180.0
 DOING = "doing.txt"
@@ -102,15 +102,15 @@ class StepRequest:
             doing = Path(self._folder.name) / DOING
             stage = doing.read_text(encoding="utf-8") if doing.exists() else "starting"
             sentence = f"the B-rep kernel was still {stage} after {time_limit_s:g} s; use --formats stl,3mf."
-            raise GeometryError(Fault("STEP", sentence)) from None
+            raise GeometryError(Issue("STEP", sentence)) from None
         folder = Path(self._folder.name)
         answer_file = folder / "answer.json"
         if not answer_file.exists():
             last = words.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
-            raise GeometryError(Fault("STEP", f"the B-rep process ended without an answer ({last[0]})."))
+            raise GeometryError(Issue("STEP", f"the B-rep process ended without an answer ({last[0]})."))
         answer = json.loads(answer_file.read_text(encoding="utf-8"))
         if "error" in answer:
-            raise getattr(errors, answer["error"])([Fault(*fault) for fault in answer["faults"]])
+            raise getattr(errors, answer["error"])([Issue(*issue) for issue in answer["issues"]])
         contents = {path.name: path.read_bytes() for path in sorted(folder.glob("*.step"))}
         exact = {name: Exact(**measures) for name, measures in answer["exact"].items()}
         return StepFiles(contents, exact, answer["hollow_mm3"])

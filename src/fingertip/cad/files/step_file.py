@@ -14,7 +14,7 @@ from OCP.TDataStd import TDataStd_Name
 from OCP.TDocStd import TDocStd_Document
 from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
 
-from fingertip.errors import Fault, GeometryError
+from fingertip.errors import GeometryError, Issue
 
 Coloured = tuple[str, cq.Solid, tuple[float, float, float]]
 """Name, solid, colour."""
@@ -43,7 +43,7 @@ def write_part(path: Path, part: Coloured) -> None:
     colours.SetColor(label, cq.Color(*colour).wrapped, XCAFDoc_ColorType.XCAFDoc_ColorGen)
     writer = STEPCAFControl_Writer()
     if not writer.Transfer(document) or writer.Write(str(path)) != IFSelect_RetDone:
-        raise GeometryError(Fault("STEP", f"the B-rep kernel could not write {name}."))
+        raise GeometryError(Issue("STEP", f"the B-rep kernel could not write {name}."))
     _settle(path)
 
 

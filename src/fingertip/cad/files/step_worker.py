@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.cad.files.step import DOING, Exact, StepJob
-from fingertip.errors import Fault, FingertipError, GeometryError
+from fingertip.errors import FingertipError, GeometryError, Issue
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class _Beside:
 
     def _ended(self) -> GeometryError:
         sentence = f"the B-rep process of {self._names} ended without an answer; use --formats stl,3mf."
-        return GeometryError(Fault("STEP", sentence))
+        return GeometryError(Issue("STEP", sentence))
 
 
 def _work_beside(job: StepJob, folder: Path, answer: Any) -> None:
@@ -166,13 +166,13 @@ def note(folder: Path, doing: str) -> None:
 
 
 def main() -> None:
-    """Do the job on stdin; the answer, measures or faults, goes to `answer.json` in the folder."""
+    """Do the job on stdin; the answer, measures or issues, goes to `answer.json` in the folder."""
     folder = Path(sys.argv[1])
     job: StepJob = pickle.load(sys.stdin.buffer)
     try:
         answer: dict[str, object] = asdict(work(job, folder))
     except FingertipError as error:
-        answer = {"error": type(error).__name__, "faults": [[f.field, f.sentence] for f in error.faults]}
+        answer = {"error": type(error).__name__, "issues": [[f.field, f.message] for f in error.issues]}
     (folder / "answer.json").write_text(json.dumps(answer), encoding="utf-8")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.errors import Fault, GeometryError
+from fingertip.errors import GeometryError, Issue
 
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -32,7 +32,7 @@ def from_bytes(data: bytes) -> Mesh:
     """
     count = int(np.frombuffer(data[80:84], "<u4")[0]) if len(data) >= 84 else -1
     if len(data) != 84 + count * _RECORD.itemsize:
-        raise GeometryError(Fault("STL", f"{len(data)} bytes do not hold the {count} triangles it states."))
+        raise GeometryError(Issue("STL", f"{len(data)} bytes do not hold the {count} triangles it states."))
     corners = np.frombuffer(data, _RECORD, offset=84)["corners"].astype(np.float64).reshape(-1, 3)
     order = np.lexsort(corners.T[::-1])  # numpy's own unique rows take four times as long
     ordered = corners[order]

@@ -25,7 +25,7 @@ from fingertip.cad.solids import (
     place,
 )
 from fingertip.conic import ConicBody, CrossSection
-from fingertip.errors import Fault, GeometryError, MissingLibraryError
+from fingertip.errors import GeometryError, Issue, MissingLibraryError
 
 try:
     import cadquery as cq
@@ -41,7 +41,7 @@ try:
     from OCP.TopoDS import TopoDS_Shape
 except ImportError as error:
     raise MissingLibraryError(
-        Fault(
+        Issue(
             "STEP",
             f"cadquery cannot be loaded ({error}); on Debian or Ubuntu: apt-get install libgl1 libx11-6 libexpat1, "
             "or leave STEP out with --formats stl,3mf.",
@@ -76,7 +76,7 @@ class Evaluator:
         bodies = shape.Solids()
         if len(bodies) != 1 or not shape.isValid():
             found = f"{len(bodies)} solids, {'valid' if shape.isValid() else 'invalid'}"
-            raise GeometryError(Fault("", f"the B-rep kernel returned {found}; one valid solid was expected."))
+            raise GeometryError(Issue("", f"the B-rep kernel returned {found}; one valid solid was expected."))
         return bodies[0]
 
     def _evaluate(self, solid: Solid) -> Any:

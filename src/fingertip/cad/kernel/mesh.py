@@ -9,7 +9,7 @@ import numpy as np
 
 from fingertip.cad.kernel.tessellate import Triangles, Vertices, tessellate
 from fingertip.cad.solids import Difference, Intersection, Scaled, Solid, Union
-from fingertip.errors import Fault, GeometryError
+from fingertip.errors import GeometryError, Issue
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -77,7 +77,7 @@ class Evaluator:
             case primitive:
                 result = to_manifold(*tessellate(primitive, self.tolerance_mm))
                 if result.volume() <= 0.0:  # the kernel itself takes a mesh turned inside out without a word
-                    raise GeometryError(Fault("", f"{primitive} is inside out; this is a fault of fingertip."))
+                    raise GeometryError(Issue("", f"{primitive} is inside out; this is a bug in fingertip."))
         _raise_unless_valid(result)
         return result
 
@@ -117,4 +117,4 @@ def _raise_unless_valid(manifold: Manifold) -> None:
 
     status = manifold.status()
     if status != Error.NoError:
-        raise GeometryError(Fault("", f"the mesh kernel refused a solid ({status}); this is a fault of fingertip."))
+        raise GeometryError(Issue("", f"the mesh kernel refused a solid ({status}); this is a bug in fingertip."))

@@ -10,7 +10,7 @@ from fingertip.design.mold_layout import MoldLayout
 
 STROKE = 0.8
 """Width of the letters' strokes, in units of their grid."""
-LEAST_STROKE_MM = 0.4
+MIN_STROKE_MM = 0.4
 """Narrower strokes close up in printing; the least height of letters has this one. An assumption."""
 _FOOT = 2.0  # of a line, from the middle between the two, in units of the grid
 _BESIDE_MM = 0.5  # between letters and nut traps
@@ -21,7 +21,7 @@ def lines(design: Design, m: MoldLayout, half: str) -> Iterator[tuple[str, float
     """Each line that is engraved: its text, the grid's unit and its foot's distance from the middle [mm]."""
     for text, foot in ((design.name, _FOOT), (half, -_FOOT - strokes.HEIGHT)):
         unit = _unit(design, m, text)
-        if design.mold.engraving_depth_mm and STROKE * unit >= LEAST_STROKE_MM - 1e-9:
+        if design.mold.engraving_depth_mm and STROKE * unit >= MIN_STROKE_MM - 1e-9:
             yield text, unit, unit * foot
 
 

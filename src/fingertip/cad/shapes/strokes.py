@@ -52,7 +52,7 @@ def letters(text: str, stroke: float) -> list[Rings]:
                 [(round(x, 9) + ADVANCE * place, round(y, 9)) for x, y in np.asarray(ring).tolist()]
                 for ring in piece.to_polygons()
             ]
-            found.append(tuple(_from_least(ring) for ring in sorted(rings, key=_area, reverse=True)))
+            found.append(tuple(_above_minimum(ring) for ring in sorted(rings, key=_area, reverse=True)))
     return found
 
 
@@ -68,7 +68,7 @@ def quads(letter: str, stroke: float) -> list[tuple[Point, ...]]:
     return found
 
 
-def _from_least(ring: list[Point]) -> tuple[Point, ...]:
+def _above_minimum(ring: list[Point]) -> tuple[Point, ...]:
     """The ring begun at its least corner, wherever a library began it."""
     first = ring.index(min(ring))
     return (*ring[first:], *ring[:first])

@@ -25,7 +25,7 @@ _FELT_MM3 = 1.0
 def of_closing(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     """Walls of bolts and keys, the number of keys, and what is in the way of a half turned round."""
     m = lay_out(design, design.dimensions)
-    wall = design.printer.least_wall_mm - evaluator.tolerance_mm
+    wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     block = evaluator.manifold(mold.block(design))
     bolts = evaluator.manifold(union(*mold.bolts(design, m), *mold.nut_traps(design, m)))
     keys = evaluator.manifold(union(*mold.keys(design, m, design.mold.key_clearance_mm)))

@@ -13,9 +13,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.conic import ConicBody
 
-Array = NDArray[np.float64]
 STEPS = 12
 _REACH_MM = 1.5  # more than any facet strays, whose tolerance is 1 mm at most
 _ON_SURFACE_MM = 1e-4  # vertices nearer than this lie on the surface: the files' grid is ten times finer

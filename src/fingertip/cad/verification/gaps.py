@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 
-def apart(name: str, first: Manifold, second: Manifold, least_mm: float) -> Check:
-    """The gap between two solids must be at least `least_mm`.
+def apart(name: str, first: Manifold, second: Manifold, min_mm: float) -> Check:
+    """The gap between two solids must be at least `min_mm`.
 
     Gaps beyond twice that are not searched for (the search costs with its radius): the value then is twice the limit.
     """
-    return Check(name, first.min_gap(second, 2.0 * least_mm), least_mm, "mm", "at least")
+    return Check(name, first.min_gap(second, 2.0 * min_mm), min_mm, "mm", "at least")
 
 
 def around(evaluator: Evaluator, solid: Solid) -> Manifold:

@@ -27,14 +27,14 @@ def thinnest(design: Design, evaluator: Evaluator) -> Check:
         solid.trim_by_plane((0.0, 0.0, 1.0), _CLEAR_MM)
         for solid in (evaluator.manifold(inside_skin(design)), around(evaluator, Form(design.dimensions.outer)))
     )
-    least = design.skin.least_thickness_mm - evaluator.tolerance_mm
-    for farthest in (_SEARCHED * least, 3.0 * least):
+    minimum = design.skin.min_thickness_mm - evaluator.tolerance_mm
+    for farthest in (_SEARCHED * minimum, 3.0 * minimum):
         left = farthest
         for towards in _TOWARDS_DEG:
             left = min(left, _leaning(design, inside, towards).min_gap(outside, left))
         if left < farthest:
             break
-    return Check("skin.thinnest_when_leaning", left, least, "mm", "at least")
+    return Check("skin.thinnest_when_leaning", left, minimum, "mm", "at least")
 
 
 def _leaning(design: Design, inside: Manifold, towards_deg: float) -> Manifold:

@@ -61,13 +61,13 @@ def _skin(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     """Thinnest silicone between bone and surface; only above the plane where the skin ends, where it is cut square."""
     inside = _above(evaluator.manifold(inside_skin(design)), _CLEAR_MM)
     outside = _above(around(evaluator, Form(design.dimensions.outer)), _CLEAR_MM)
-    least = design.skin.least_thickness_mm - evaluator.tolerance_mm
-    yield apart("skin.thinnest", inside, outside, least)
+    minimum = design.skin.min_thickness_mm - evaluator.tolerance_mm
+    yield apart("skin.thinnest", inside, outside, minimum)
 
 
 def _bone(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     """Walls of the bone: around the channel, beside the sensor, around socket and tie hole."""
-    dims, wall = design.dimensions, design.printer.least_wall_mm - evaluator.tolerance_mm
+    dims, wall = design.dimensions, design.printer.min_wall_mm - evaluator.tolerance_mm
     d, y_flat = design.bone.channel_diameter_mm, -dims.flat_depth
     whole = evaluator.manifold(core(design))
     outside = around(evaluator, core(design))
@@ -131,7 +131,7 @@ def _stretch(design: Design, evaluator: Evaluator) -> Check:
     narrowest = min(_perimeter(skin, z) for z in heights)
     widest = max(_perimeter(whole, z) for z in heights)
     worst = widest / narrowest - 1.0
-    return Check("skin.stretch_to_strip", 100 * worst, design.mold.most_stretch_percent, "%")
+    return Check("skin.stretch_to_strip", 100 * worst, design.mold.max_stretch_percent, "%")
 
 
 def _perimeter(solid: Manifold, z: float) -> float:

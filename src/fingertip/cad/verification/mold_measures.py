@@ -46,7 +46,7 @@ def of_mold(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     vented = (cavity ^ runners).bounding_box()[5]
     yield Check("mold.unvented_height", highest - vented, 2 * evaluator.tolerance_mm, "mm")
 
-    wall = design.printer.least_wall_mm - evaluator.tolerance_mm
+    wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     outer = around(evaluator, mold.block(design))
     yield apart("mold.wall.cavity_to_outside", cavity, outer, wall)
     yield apart("mold.wall.cavity_to_cuts", cavity, evaluator.manifold(mold.cuts(design, m)), wall)
@@ -56,8 +56,8 @@ def of_mold(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     }
     for name, solids in fasteners.items():
         # sockets are wider than keys by their clearance
-        least = design.mold.land_mm - 2 * design.mold.key_clearance_mm
-        yield apart(f"mold.land.{name}_to_cavity", cavity, evaluator.manifold(union(*solids)), least)
+        minimum = design.mold.land_mm - 2 * design.mold.key_clearance_mm
+        yield apart(f"mold.land.{name}_to_cavity", cavity, evaluator.manifold(union(*solids)), minimum)
 
 
 def _undercut(hollow: Manifold, opens: float) -> float:
@@ -79,12 +79,12 @@ def _fits(design: Design, evaluator: Evaluator) -> Iterator[Check]:
     Half width and half heights are greater by the gap; where arcs of little weight run flat between them, up to a
     fifth of it is missing.
     """
-    least = 0.75 * design.mold.fit_clearance_mm - evaluator.tolerance_mm
-    if least <= 0.0:
+    minimum = 0.75 * design.mold.fit_clearance_mm - evaluator.tolerance_mm
+    if minimum <= 0.0:
         return  # a mesh this coarse cannot tell; an overlap is found elsewhere
     held = _in_recess(design, evaluator)
     for name, half in (("mold_palmar", mold.mold_palmar), ("mold_dorsal", mold.mold_dorsal)):
-        yield apart(f"{name}.gap_in_recess", held, evaluator.manifold(half(design)), least)
+        yield apart(f"{name}.gap_in_recess", held, evaluator.manifold(half(design)), minimum)
 
 
 def _in_recess(design: Design, evaluator: Evaluator) -> Manifold:

@@ -13,7 +13,7 @@ from fingertip.cad.solids import scaled
 from fingertip.cad.verification import checks, measures
 from fingertip.cad.verification.checks import Check
 from fingertip.design import Design
-from fingertip.errors import DesignError, Fault
+from fingertip.errors import DesignError, Issue
 
 MESH_FORMATS = {"stl": stl, "3mf": threemf}
 FINEST_MM, COARSEST_MM = 0.0005, 1.0
@@ -34,7 +34,7 @@ def verify(
     parts: Iterable[str],
     formats: Iterable[str],
     evaluator: Evaluator,
-    say: Callable[[str], None] = lambda message: None,
+    progress: Callable[[str], None] = lambda message: None,
 ) -> Verified:
     """Make the parts' mesh files in memory, read them back, and check them and the assembly they make.
 
@@ -48,7 +48,7 @@ def verify(
         Any of "stl", "3mf"; others are ignored.
     evaluator
         The mesh kernel at the tolerance wanted; it keeps what it evaluates for whoever asks next.
-    say
+    progress
         Called with a sentence at each part.
 
     Raises
@@ -61,7 +61,7 @@ def verify(
     meshes = {}
     for name, expression in expressions.items():
         meshes[name] = evaluator.mesh(scaled(expression, print_scale(design, PARTS[name])))
-        say(f"{name}: {len(meshes[name].triangles)} triangles, {meshes[name].volume() / 1000:.2f} cm3")
+        progress(f"{name}: {len(meshes[name].triangles)} triangles, {meshes[name].volume() / 1000:.2f} cm3")
     contents = {
         f"{name}.{kind}": MESH_FORMATS[kind].to_bytes(mesh, name) for name, mesh in meshes.items() for kind in kinds
     }
@@ -75,7 +75,7 @@ def refuse_tolerance(tolerance_mm: float) -> None:
     """Raise a DesignError unless meshes can be made at this tolerance [mm]."""
     if not FINEST_MM <= tolerance_mm <= COARSEST_MM:
         bounds = f"choose {FINEST_MM:g} to {COARSEST_MM:g} mm; 0.01 is finer than a printer draws."
-        raise DesignError(Fault("--tolerance-mm", f"{tolerance_mm:g} mm is out of bounds; {bounds}"))
+        raise DesignError(Issue("--tolerance-mm", f"{tolerance_mm:g} mm is out of bounds; {bounds}"))
 
 
 def settled(value: float) -> float:

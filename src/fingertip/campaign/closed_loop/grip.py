@@ -15,12 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.sim import Seen
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.electronics.board_output import bridge_v
 from fingertip.slip import DETECTORS, make
-from fingertip.slip.detectors.stream import Array
 
 _TABLE_N = np.concatenate((np.linspace(0.0, 2.0, 401), np.linspace(2.05, 20.0, 360)))
 
@@ -42,7 +42,7 @@ class GripSettings:
     """Factor on every finger's force at a claim that is believed."""
     rest_s: float = 0.06
     """Until the motors have begun to follow, no other claim is believed [s]."""
-    most_n: float = 10.0
+    max_n: float = 10.0
     """No finger is told to press harder than this."""
 
 
@@ -100,8 +100,8 @@ class Grip:
 
     def _yield_m(self, force_n: float) -> float:
         """How much further a finger closes to press that much harder [m]."""
-        least = max(force_n, 0.1)
-        return self._pad.depth_m(min(least * self.settings.firmer, self.settings.most_n)) - self._pad.depth_m(least)
+        minimum = max(force_n, 0.1)
+        return self._pad.depth_m(min(minimum * self.settings.firmer, self.settings.max_n)) - self._pad.depth_m(minimum)
 
     def _claimed(self, samples: Array) -> bool:
         """Whether any finger's detector was ON at any of the new samples."""

@@ -57,7 +57,7 @@ class Handled:
 
 def closed_loop(
     design: Design,
-    detectors: Sequence[str] = ("paper", "fast"),
+    detectors: Sequence[str] = ("analog", "fast"),
     repeats: int = 3,
     first_seed: int = FIRST_SEED,
 ) -> list[Handled]:

@@ -81,7 +81,7 @@ def as_markdown(study: Study, checked: Sequence[Check], handled: Sequence[Handle
         The manipulations.
     """
     lines = ["# What failed, and what was taken for granted", "", "## Requirements missed", ""]
-    lines += [f"- {check.sentence}" for check in checked if not check.passed] or ["None."]
+    lines += [f"- {check.message}" for check in checked if not check.passed] or ["None."]
     lines += ["", "## Slips not found, and alarms without slip", ""]
     for name in study.totals:
         lines += list(_failures(study, name))
@@ -116,17 +116,17 @@ def _failures(study: Study, name: str) -> Iterator[str]:
 
 def _manipulations(handled: Sequence[Handled]) -> Iterator[str]:
     for one in handled:
-        faults = []
+        issues = []
         if not one.held:
-            faults.append("lost")
+            issues.append("lost")
         if one.detector != NONE:
             if one.onset_s is not None and one.reaction_s is None:
-                faults.append("slip without any answer")
+                issues.append("slip without any answer")
             if one.false_grips:
-                faults.append(f"gripped {one.false_grips} times without slip")
+                issues.append(f"gripped {one.false_grips} times without slip")
             if one.ignored:
-                faults.append(f"{one.ignored} true claims discarded before the first grip")
-        if faults:
-            yield f"- {one.detector}, {one.name}, seed {one.seed}: {'; '.join(faults)}."
+                issues.append(f"{one.ignored} true claims discarded before the first grip")
+        if issues:
+            yield f"- {one.detector}, {one.name}, seed {one.seed}: {'; '.join(issues)}."
     if all(one.held for one in handled):
         yield "- No object was lost, even without control: the grip was not what held it."

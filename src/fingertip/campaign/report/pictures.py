@@ -10,7 +10,7 @@ from fingertip.campaign.studies.windows import Row
 from fingertip.campaign.study import Study, speed_m_s, surface
 from fingertip.drawing import BLUE, INK, ORANGE, RED, plain, png, sheet
 
-COLORS = {"paper": BLUE, "digital": "#5b8fb9", "fft": ORANGE, "fast": RED}
+COLORS = {"analog": BLUE, "digital": "#5b8fb9", "fft": ORANGE, "fast": RED}
 _SPEED_COLORS = ("#9ecae1", "#4292c6", "#08519c")
 NOTE = "simulated, on seeds that tuned nothing"
 
@@ -76,13 +76,13 @@ def comparison(study: Study, limit_s: float) -> bytes:
     [s]: a PNG."""
     figure = sheet(10, 6)
     axes = figure.subplots()
-    least = 0.02  # where none was counted
+    minimum = 0.02  # where none was counted
     for name, totals in study.totals.items():
         color = COLORS.get(name, "#555555")
         # Where nothing is counted any more, a higher threshold only adds delay: the first such one is drawn.
         silent = [t for t in totals if not t.alarms_per_minute][:1]
         totals = tuple([t for t in totals if t.alarms_per_minute] + silent)
-        rates = [max(t.alarms_per_minute, least) for t in totals]
+        rates = [max(t.alarms_per_minute, minimum) for t in totals]
         for share, style in ((0.5, "-"), (0.9, "--")):
             values = [1000 * t.delay_s(share) for t in totals]
             kept = [(r, v) for r, v in zip(rates, values, strict=True) if math.isfinite(v)]
@@ -90,13 +90,13 @@ def comparison(study: Study, limit_s: float) -> bytes:
             axes.plot([r for r, _ in kept], [v for _, v in kept], style, marker=".", color=color, label=label)
         own = study.at_design(name)
         if math.isfinite(own.delay_s(0.5)):
-            at = (max(own.alarms_per_minute, least), 1000 * own.delay_s(0.5))
+            at = (max(own.alarms_per_minute, minimum), 1000 * own.delay_s(0.5))
             axes.plot(*at, "o", markersize=11, markerfacecolor="none", color=color)
     axes.axhline(1000 * limit_s, color="#2e7d5b", linewidth=1, label="limit on average (Lorden), median")
     axes.axvline(0.1, color=INK, linewidth=1, linestyle=":")
     axes.set_xscale("log")
     axes.set_ylim(0, 160)
-    axes.set_xlabel(f"false alarms per minute of contact, release, load change and drift; {least:g}: none ({NOTE})")
+    axes.set_xlabel(f"false alarms per minute of contact, release, load change and drift; {minimum:g}: none ({NOTE})")
     axes.set_ylabel("delay of all slips [ms]")
     axes.set_title("Each line: one detector at thresholds from noisy to deaf; circle: its own", loc="left", fontsize=10)
     axes.legend(frameon=False, ncols=3, fontsize=9)

@@ -29,11 +29,11 @@ ASSUMPTIONS = (
     "and would spring back, is not sliding; with it the pad has moved at 1 mm/s for 5 to 7 ms by then, and the robot "
     "for some 13. What goes ON in the last 7 ms before gross slip has heard it, with a delay of 0. The surface starts "
     "with 1 m/s2: how much that matters stands in the table of starts.",
-    "The detector paper takes the output of the design's simulated board. The variant paper has a bare 1N4148; the "
+    "The detector analog takes the output of the design's simulated board. The variant article has a bare 1N4148; the "
     "article does not say which diode it had. The table of boards shows one without dead zone beside it.",
     f"The seeds from {TUNING_SEEDS.start} to {TUNING_SEEDS.stop - 1} tuned the detector fast; none of them is among "
-    "those used here. Paper, digital and fft were not tuned. The thresholds of fft and fast follow from the noise; "
-    "that of paper and digital is the design's detector.threshold_v, by default the one that digital's noise allows.",
+    "those used here. Analog, digital and fft were not tuned. The thresholds of fft and fast follow from the noise; "
+    "that of analog and digital is the design's detector.threshold_v, by default the one that digital's noise allows.",
     f"Counted apart: {', '.join(APART)}. They shake finger or wire in the band of slip.",
 )
 
@@ -80,7 +80,7 @@ def as_data(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
                 "value": _number(check.value),
                 "bound": check.bound,
                 "passed": check.passed,
-                "sentence": check.sentence,
+                "sentence": check.message,
             }
             for check in checked
         ],
@@ -214,13 +214,13 @@ def as_text(study: Study, detector: str, checked: Sequence[Check], grounds: Grou
         for row in grounds.windows
     ]
     lines.append("")
-    lines += [f"{'met   ' if check.passed else 'MISSED'}  {check.sentence}" for check in checked]
+    lines += [f"{'met   ' if check.passed else 'MISSED'}  {check.message}" for check in checked]
     return "\n".join(lines)
 
 
 def _tables(grounds: Grounds) -> list[str]:
     """The article's detector by its board, delays by the surface's start, and how long motors look like slip."""
-    lines = ["", "paper by board and threshold:       found     median        p90   < 30 ms   worst mean   alarms/min"]
+    lines = ["", "analog by board and threshold:       found     median        p90   < 30 ms   worst mean   alarms/min"]
     lines += [
         f"{b.variant:10} {1000 * b.threshold_v:6.2f} mV {'(rule)  ' if b.by_rule else '(design)'} "
         f"{100 * b.found_share:9.1f}% {_ms(b.median_s):>10} {_ms(b.p90_s):>10} {100 * b.below_30_ms:7.1f}% "

@@ -25,7 +25,7 @@ from fingertip.slip.intervals import intervals
 _VOLTAGE, _ENVELOPE, _TRUTH, _GREY = "#1f4e79", "#d98c2b", "#7fb3a6", "#4a5157"
 SHORT_S = 0.01
 """The window that takes a contact for slip in the article's figure 5."""
-ROWS = ("paper", "digital", "fast")
+ROWS = ("analog", "digital", "fast")
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +90,7 @@ def all_signals(design: Design, one: Typical) -> bytes:
     voltage.set_ylabel("tactile voltage [V]")
     made = make("digital", design).process(one.trace.voltage_v)
     bar = 1000 * design.detector.threshold_v
-    sampled = samples(one.trace, "paper")
+    sampled = samples(one.trace, "analog")
     envelope.plot(t, 1000 * sampled, color=_ENVELOPE, linewidth=0.7, label=f"board's output ({design.board.variant})")
     envelope.plot(t, 1000 * made.level_v, color=COLORS["digital"], linewidth=1.2, label="digital, mean over the window")
     envelope.axhline(bar, color="black", linestyle="--", linewidth=1, label=f"threshold {bar:g} mV")

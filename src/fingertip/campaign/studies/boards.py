@@ -22,12 +22,12 @@ from fingertip.errors import DesignError
 from fingertip.sim.electronics.board_output import rest_level
 from fingertip.sim.jit import compiled
 
-VARIANTS = ("paper", "precision")
+VARIANTS = ("article", "precision")
 
 
 @dataclass(frozen=True)
 class Board:
-    """The detector `paper` on one board at one threshold; delays infinite if too few slips were found."""
+    """The detector `analog` on one board at one threshold; delays infinite if too few slips were found."""
 
     variant: str
     threshold_v: float
@@ -55,8 +55,8 @@ def of_variant(design: Design, variant: str) -> Design:
     """The design with another board. What only that one has is moved out of the vibrations' way."""
     tables = design.model_dump()
     if design.board.variant != variant:
-        least = BAND_CUTOFFS * design.board.cutoff_hz
-        tables["board"] |= {"variant": variant, "band_limit_hz": max(design.board.band_limit_hz, least)}
+        minimum = BAND_CUTOFFS * design.board.cutoff_hz
+        tables["board"] |= {"variant": variant, "band_limit_hz": max(design.board.band_limit_hz, minimum)}
     return Design(**tables)
 
 
@@ -73,7 +73,7 @@ def boards(
         with compiled():
             for case in cases(Amount(trials, quiet_minutes), first_seed):
                 trace, force_n = record(built, case)
-                judged = judge(case, trace, force_n, "paper", built, [1.0, rule / own])
+                judged = judge(case, trace, force_n, "analog", built, [1.0, rule / own])
                 for kept, verdict in zip(verdicts, judged, strict=True):
                     kept.append(verdict)
         for by_rule, kept in zip((False, True), verdicts, strict=True):

@@ -27,7 +27,7 @@ from fingertip.slip.detectors.fast import Fast, FastSettings
 from fingertip.slip.detectors.noise import mean_quantised_v
 
 ALARMS_PER_MINUTE = 0.1
-_LEAST_V = 1e-12
+_MIN_V = 1e-12
 """Stands for no noise at all."""
 _AHEAD_S = 0.02
 """Before slip is gross, what a creeping pad tells counts too: the robot has moved for some 13 ms by then."""
@@ -51,7 +51,7 @@ def limits_s(
     knows enough."""
     detector = design.detector
     seen_in_v = mean_quantised_v(detector.noise_v, 2 * detector.adc_range_v / 2**detector.adc_bits)
-    settings = FastSettings.of(design, max(seen_in_v, _LEAST_V))
+    settings = FastSettings.of(design, max(seen_in_v, _MIN_V))
     rate, width = settings.sample_rate_hz, settings.high_hz - settings.low_hz
     wanted = math.log(2 * width * 60 / ALARMS_PER_MINUTE)
     noise = Fast(settings).noise_energy_v2

@@ -101,7 +101,7 @@ def _design(design: Design, change: Change) -> Design:
 def _scene(scene: SceneFile, change: Change | None) -> SceneFile:
     tables: dict[str, Any] = scene.model_dump()
     if change and change.table != "detector":
-        keys = ["force_least_n", "force_most_n"] if change.key == "force" else [change.key]
+        keys = ["min_force_n", "max_force_n"] if change.key == "force" else [change.key]
         for key in keys:
             tables[change.table][key] *= change.factor
     return SceneFile(**tables)

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingertip.arrays import Array
 from fingertip.campaign.plan import HELD_OUT_FROM
 from fingertip.design import Design
 from fingertip.sim import run_scene
 from fingertip.sim.campaign import trials
 from fingertip.sim.jit import compiled
-from fingertip.slip.detectors.stream import Array
 
 PORTION_S = 0.512
 RESONANCES_HZ = {"embedded": 90.0, "bare": 230.0}

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingertip.arrays import Array
 from fingertip.campaign.plan import HELD_OUT_FROM, QUIET, Amount, Case, cases
 from fingertip.campaign.record import record
 from fingertip.design import Design
 from fingertip.sim.jit import compiled
 from fingertip.slip.detectors.noise import input_noise_v
-from fingertip.slip.detectors.stream import Array
 
 STRETCHES_S = (0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15)
 FREQUENCIES_HZ = tuple(np.arange(25.0, 121.0, 2.5).tolist())

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.jit import once
 from fingertip.sim.bench import ngspice
@@ -26,8 +26,6 @@ from fingertip.sim.bench.measure import Diagram
 from fingertip.sim.electronics.analog import respond
 from fingertip.sim.electronics.circuit import Analog
 from fingertip.sim.electronics.envelope_loop import omega
-
-Array = NDArray[np.float64]
 
 STEP_S = 1 / 2000
 TARGET_V = 5e-4

@@ -13,8 +13,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.jit import once
 from fingertip.sim.bench.measure import Diagram
@@ -22,8 +22,6 @@ from fingertip.sim.contact.contact import Mount
 from fingertip.sim.contact.coupled import Press, integrate
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
-
-Array = NDArray[np.float64]
 
 RATE_HZ = 2000.0
 TARGET_N = 5e-6

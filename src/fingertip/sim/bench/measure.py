@@ -11,9 +11,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fingertip.arrays import Array
 
 AGREEMENT = 100.0
 """An error counts only if the two references agree to this fraction of it."""

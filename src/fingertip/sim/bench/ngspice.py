@@ -6,11 +6,9 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.sim.electronics.circuit import Analog
-
-Array = NDArray[np.float64]
 
 _DECK = """slip filter, sampled input
 V1 in 0 PWL(

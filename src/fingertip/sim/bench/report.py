@@ -6,7 +6,7 @@ from dataclasses import asdict
 from importlib.util import find_spec
 from typing import Any
 
-from fingertip.errors import Fault, MissingLibraryError
+from fingertip.errors import Issue, MissingLibraryError
 from fingertip.sim.bench.measure import Diagram
 
 
@@ -22,7 +22,7 @@ def require() -> None:
     if missing:
         names = " and ".join(missing)
         raise MissingLibraryError(
-            Fault("fingertip bench", f"needs {names}; install with `pip install {' '.join(missing)}`.")
+            Issue("fingertip bench", f"needs {names}; install with `pip install {' '.join(missing)}`.")
         )
 
 

@@ -73,7 +73,7 @@ def boards(count: int) -> dict[str, Any]:
     design = Design()
     scene = SceneFile(
         contact={"surface": "wood"},
-        hold={"force_least_n": 2.0, "force_most_n": 2.0},
+        hold={"min_force_n": 2.0, "max_force_n": 2.0},
         slide={"distance_m": 0.04},
         outputs=["tactile_v"],
     )

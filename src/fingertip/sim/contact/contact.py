@@ -18,16 +18,14 @@ from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fingertip.errors import Fault, TraceError
+from fingertip.arrays import Array
+from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.inputs import columns, not_negative, positive, refuse
 from fingertip.sim.jit import Kernel
 
 __all__ = ["Friction", "Motion", "Mount", "drag"]
-
-Array = NDArray[np.float64]
 
 _GAMMA = 1 - 1 / math.sqrt(2)  # L-stable
 _NO_MOTION = 1e3  # metres, or metres per second: no pad ever
@@ -89,11 +87,11 @@ def drag(friction: Friction, mount: Mount, step_s: float, stage_m: Array, stage_
         If the step is not above 0, a column is not finite (with its first such sample), bristles are elasto-plastic, or
         the step is too long for them.
     """
-    faults = positive("step_s", step_s, "s", "0.000125")
-    faults.extend(columns(stage_m=stage_m, stage_m_s=stage_m_s, normal_n=normal_n))
+    issues = positive("step_s", step_s, "s", "0.000125")
+    issues.extend(columns(stage_m=stage_m, stage_m_s=stage_m_s, normal_n=normal_n))
     if friction.elastic:
-        faults.append(Fault("friction.elastic", f"{friction.elastic:g} needs error control; use coupled.integrate."))
-    refuse(faults)
+        issues.append(Issue("friction.elastic", f"{friction.elastic:g} needs error control; use coupled.integrate."))
+    refuse(issues)
     x, v, z = (np.zeros(len(stage_m)) for _ in range(3))
     _drag(
         (friction.mu_c, friction.mu_s - friction.mu_c, friction.stribeck_m_s),
@@ -107,7 +105,7 @@ def drag(friction: Friction, mount: Mount, step_s: float, stage_m: Array, stage_
             sentence = (
                 f"{step_s:g} s is too long for so stiff a bristle on so light a pad: {name} is {found[lost[0]]:g}"
             )
-            raise TraceError(Fault("step_s", f"{sentence} at sample {lost[0]}; use coupled.integrate."))
+            raise TraceError(Issue("step_s", f"{sentence} at sample {lost[0]}; use coupled.integrate."))
     return Motion(x, v, z)
 
 

@@ -19,15 +19,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fingertip.errors import Fault, TraceError
+from fingertip.arrays import Array
+from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact import coupled_loop
 from fingertip.sim.contact.contact import Mount
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.inputs import columns, not_negative, positive, refuse
-
-Array = NDArray[np.float64]
 
 STEPS_CAP = 200_000
 """Most steps between two samples."""
@@ -115,8 +113,8 @@ def integrate(
     )
     out = [np.zeros(len(stage_m)) for _ in range(4)]
     count = np.zeros(3)
-    most = max(float(np.max(pressing_n)), 1e-3)
-    spring = max(mount.stiffness_n_per_m, most * friction.sigma0 * 1e-3)
+    maximum = max(float(np.max(pressing_n)), 1e-3)
+    spring = max(mount.stiffness_n_per_m, maximum * friction.sigma0 * 1e-3)
     resist = (mount.stiffness_n_per_m * mount.mass_kg) ** 0.5 + mount.damping_n_s_per_m
     omega = 2 * np.pi * press.resonance_hz
     coupled_loop.run(
@@ -126,8 +124,8 @@ def integrate(
         (float(omega), press.damping_ratio, press.hand_share),
         (
             spring / tolerance_n,
-            (resist + most * (friction.sigma1 + friction.sigma2)) / tolerance_n,
-            most * friction.sigma0 / tolerance_n,
+            (resist + maximum * (friction.sigma1 + friction.sigma2)) / tolerance_n,
+            maximum * friction.sigma0 / tolerance_n,
             1 / tolerance_n,
             1 / (tolerance_n * float(omega)),
         ),
@@ -135,7 +133,7 @@ def integrate(
     )  # fmt: skip
     if (failed := int(count[2])) > 0:
         raise TraceError(
-            Fault(
+            Issue(
                 f"sample {failed}",
                 f"needs more than {STEPS_CAP} steps after the sample before; choose a larger tolerance_n than "
                 f"{tolerance_n:g} N, or a softer contact.",

@@ -12,11 +12,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fingertip.errors import Fault, TraceError
-
-Array = NDArray[np.float64]
+from fingertip.arrays import Array
+from fingertip.errors import Issue, TraceError
 
 ELASTO_PLASTIC = 0.7
 """A usual `Friction.elastic`: bristles give way from 0.7 of the deflection they hold in fast sliding. Assumption."""
@@ -52,22 +50,22 @@ class Friction:
     """Share of ``mu_c / sigma0`` below which bristles only bend: 0 is plain LuGre, where they always creep."""
 
     def __post_init__(self) -> None:
-        faults = [
-            Fault(f"friction.{name}", f"{value:g} is refused; it must be a finite number above 0.")
+        issues = [
+            Issue(f"friction.{name}", f"{value:g} is refused; it must be a finite number above 0.")
             for name, value in vars(self).items()
             if name != "elastic" and not (math.isfinite(value) and value > 0.0)
         ]
         if not 0.0 <= self.elastic <= 0.99:
-            faults.append(Fault("friction.elastic", f"{self.elastic:g} is refused; choose 0 (plain) to 0.99."))
-        if not faults and self.mu_s < self.mu_c:
-            faults.append(Fault("friction.mu_s", f"{self.mu_s:g} is below mu_c; at least {self.mu_c:g}."))
-        if not faults and not self.is_passive:
-            most = self.sigma2 * self.mu_c / (self.mu_s - self.mu_c)
-            faults.append(
-                Fault("friction.sigma1", f"{self.sigma1:g} s/m lets bristles deliver energy; below {most:g}.")
+            issues.append(Issue("friction.elastic", f"{self.elastic:g} is refused; choose 0 (plain) to 0.99."))
+        if not issues and self.mu_s < self.mu_c:
+            issues.append(Issue("friction.mu_s", f"{self.mu_s:g} is below mu_c; at least {self.mu_c:g}."))
+        if not issues and not self.is_passive:
+            maximum = self.sigma2 * self.mu_c / (self.mu_s - self.mu_c)
+            issues.append(
+                Issue("friction.sigma1", f"{self.sigma1:g} s/m lets bristles deliver energy; below {maximum:g}.")
             )
-        if faults:
-            raise TraceError(faults)
+        if issues:
+            raise TraceError(issues)
 
     @property
     def is_passive(self) -> bool:
@@ -105,7 +103,7 @@ class Friction:
         g = self.mu_c + (self.mu_s - self.mu_c) / (1 + ratio * ratio)
         slides = self.sigma0 * v * z / g
         if self.elastic:
-            least = self.elastic * self.mu_c
-            share = np.clip((self.sigma0 * z - least) / (g - least), 0.0, 1.0)
+            minimum = self.elastic * self.mu_c
+            share = np.clip((self.sigma0 * z - minimum) / (g - minimum), 0.0, 1.0)
             slides = np.where(velocity_m_s * bristle_m > 0.0, share * share * (3 - 2 * share) * slides, 0.0)
         return np.asarray(slides, dtype=np.float64)

@@ -11,11 +11,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.design import Design
-
-Array = NDArray[np.float64]
 
 YOUNG_PA = 1.0e6
 """Silicone of 40 shore A; published figures run from 0.7 to 2.0 MPa."""

@@ -14,9 +14,8 @@ from collections.abc import MutableSequence, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.sim.jit import Kernel
-
-Array = NDArray[np.float64]
 
 HURST = 0.8
 """Exponent of the self-affine profile (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1)."""

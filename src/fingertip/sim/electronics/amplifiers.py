@@ -12,7 +12,7 @@ def amplified(design: Design, amplifiers: str) -> Analog:
     gain-bandwidth product ("ideal", "rails", "gain_bandwidth").
 
     Rails are taken as far below the signals' rest as above it. A TL082's inputs end sooner there and its output then
-    jumps up, which is not simulated: `Limits.filter_trough_v` says how far down variant paper's board may be taken.
+    jumps up, which is not simulated: `Limits.filter_trough_v` says how far down variant article's board may be taken.
     """
     board = Analog.of(design)
     if amplifiers == "rails":

@@ -11,15 +11,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.sim.electronics import envelope_loop
 from fingertip.sim.electronics.board_matrices import matrices
 from fingertip.sim.electronics.circuit import Analog
 from fingertip.sim.electronics.envelope_loop import LEVELS
 from fingertip.sim.inputs import columns, positive, refuse
-
-Array = NDArray[np.float64]
 
 _CHUNK = 256  # boards whose matrices are held at a time: 4 MB
 
@@ -134,7 +132,7 @@ class Stream:
         TraceError
             If a sample is not finite.
         """
-        refuse(fault for i, row in enumerate(voltage_v) for fault in columns(**{f"voltage_v of board {i}": row}))
+        refuse(issue for i, row in enumerate(voltage_v) for issue in columns(**{f"voltage_v of board {i}": row}))
         known = np.concatenate((self._last, voltage_v), axis=1)
         if not self._states:
             self._states = [self._made.start(row[0]) for row in voltage_v]

@@ -9,14 +9,12 @@ from __future__ import annotations
 from collections.abc import MutableSequence, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.sim.electronics.linear import augmented, exponentials
 from fingertip.sim.jit import Kernel
-
-Array = NDArray[np.float64]
 
 
 class Poles:

@@ -1,4 +1,4 @@
-"""The detector `paper` behind the design's board, which is simulated: raw voltage in, ON or OFF out."""
+"""The detector `analog` behind the design's board, which is simulated: raw voltage in, ON or OFF out."""
 
 from __future__ import annotations
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.sim.electronics.circuit import Analog, system
 from fingertip.sim.electronics.envelope_loop import ABSCISSAE, LEVELS, WIDTH
 from fingertip.sim.electronics.linear import augmented, exponentials
-
-Array = NDArray[np.float64]
 
 
 def matrices(board: Analog, step_s: float) -> tuple[int, Array, Array, Array, Array]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import random
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.sim.electronics import analog
 from fingertip.sim.electronics.anti_alias import Poles
@@ -15,8 +15,6 @@ from fingertip.sim.electronics.circuit import Analog
 from fingertip.sim.electronics.converter import noise_v, sampled_v
 from fingertip.sim.electronics.sensing import voltage_of
 from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v, quiet_level
-
-Array = NDArray[np.float64]
 
 _WINDOWS = 133
 """Windows of noise through the board: the deviation is known to 6 %."""
@@ -63,7 +61,7 @@ def bridge_v(design: Design, force_n: Array) -> Array:
 
 
 def rest_level(design: Design) -> NoiseLevel:
-    """Mean and deviation of the detector `paper`'s window behind the design's board while nothing happens: noise of the
+    """Mean and deviation of the detector `analog`'s window behind the design's board while nothing happens: noise of the
     board's amplifiers ahead of the filter, of the converter behind it."""
     return _level(design, board_noise_v(design), random.Random("converter"))
 

@@ -17,15 +17,14 @@ from dataclasses import dataclass, fields, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.board import board_values
 from fingertip.design import Design
-from fingertip.errors import Fault
+from fingertip.errors import Issue
 from fingertip.sim.electronics.state_space import GROUND, Amplifier, Part, assemble
 from fingertip.sim.inputs import not_negative, positive, refuse
 
-Array = NDArray[np.float64]
 Values = float | Array
 
 
@@ -75,17 +74,17 @@ class Analog:
     """Across R5 [F], so that the first stage's gain ends above the vibrations; None: none."""
 
     def __post_init__(self) -> None:
-        faults = []
+        issues = []
         for name, unit, example in (
             *((f.name, "ohm", "1000") for f in fields(self) if f.name.endswith("_ohm")),
             *((f.name, "F", "1e-6") for f in fields(self) if f.name.endswith("_f")),
         ):
-            faults.extend(positive(f"board.{name}", float(np.min(getattr(self, name))), unit, example))
+            issues.extend(positive(f"board.{name}", float(np.min(getattr(self, name))), unit, example))
         d = self.diode
-        faults.extend(positive("diode.saturation_a", float(np.min(d.saturation_a)), "A", "2.52e-9"))
-        faults.extend(positive("diode.emission", float(np.min(d.emission)), "", "1.752"))
-        faults.extend(not_negative("diode.series_ohm", float(np.min(d.series_ohm)), "ohm"))
-        faults.extend(positive("diode.thermal_v", float(np.min(d.thermal_v)), "V", "0.0259"))
+        issues.extend(positive("diode.saturation_a", float(np.min(d.saturation_a)), "A", "2.52e-9"))
+        issues.extend(positive("diode.emission", float(np.min(d.emission)), "", "1.752"))
+        issues.extend(not_negative("diode.series_ohm", float(np.min(d.series_ohm)), "ohm"))
+        issues.extend(positive("diode.thermal_v", float(np.min(d.thermal_v)), "V", "0.0259"))
         for name, unit, example in (
             ("rail_v", "V", "3.5"),
             ("gain_bandwidth_hz", "Hz", "3e6"),
@@ -93,12 +92,12 @@ class Analog:
             ("limiting_capacitor", "F", "1.5e-9"),
         ):
             if getattr(self, name) is not None:
-                faults.extend(positive(f"board.{name}", float(np.min(getattr(self, name))), unit, example))
+                issues.extend(positive(f"board.{name}", float(np.min(getattr(self, name))), unit, example))
         if self.rail_v is not None and self.gain_bandwidth_hz is not None:
             # At a rail a slow amplifier's input stage saturates, and how it comes back is in no data sheet.
             words = "stands beside gain_bandwidth_hz, and both together are not modelled; leave one out."
-            faults.append(Fault("board.rail_v", f"{self.rail_v:g} V {words}"))
-        refuse(faults)
+            issues.append(Issue("board.rail_v", f"{self.rail_v:g} V {words}"))
+        refuse(issues)
 
     @classmethod
     def of(cls, design: Design) -> Analog:
@@ -106,10 +105,12 @@ class Analog:
         values = board_values(design)
         c, extra = values.preferred, values.first_stage
         resistors = (c.r1_ohm, c.r2_ohm, c.r3_ohm, c.r4_ohm, c.r5_ohm, c.r_lp_ohm)
-        paper = cls(*resistors, c.c_f, c.c_f, c.c_f, c.c_lp_f)
+        article = cls(*resistors, c.c_f, c.c_f, c.c_f, c.c_lp_f)
         if extra is None:
-            return paper
-        return paper.changed(rectifier="precision", blocking_capacitor=extra.series_f, limiting_capacitor=extra.limit_f)
+            return article
+        return article.changed(
+            rectifier="precision", blocking_capacitor=extra.series_f, limiting_capacitor=extra.limit_f
+        )
 
     def changed(self, **values: object) -> Analog:
         """The same board with other values."""

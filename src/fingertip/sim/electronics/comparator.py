@@ -14,18 +14,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.board import board_values
 from fingertip.design import Design
-from fingertip.errors import Fault, TraceError
+from fingertip.errors import Issue, TraceError
 from fingertip.sim.electronics.circuit import Analog
 from fingertip.sim.inputs import columns, positive, refuse
 from fingertip.sim.jit import Kernel
 
-Array = NDArray[np.float64]
-
 LOW_V = 0.0
 """Of the pin while it says slip: an open collector's 0.05 V at 1 mA are neglected."""
-_MOST_EDGES = 100_000
+_MAX_EDGES = 100_000
 
 
 @dataclass(frozen=True)
@@ -48,11 +47,11 @@ class Comparator:
     """Of the pin while it says nothing [V]."""
 
     def __post_init__(self) -> None:
-        faults = positive("comparator.mean_s", self.mean_s, "s", "0.015")
+        issues = positive("comparator.mean_s", self.mean_s, "s", "0.015")
         if not self.off_v < self.on_v:
             sentence = f"{self.off_v:g} V is not below on_v; below {self.on_v:g} V, or its output would ring."
-            faults.append(Fault("comparator.off_v", sentence))
-        refuse(faults)
+            issues.append(Issue("comparator.off_v", sentence))
+        refuse(issues)
 
     @classmethod
     def of(cls, design: Design) -> Comparator:
@@ -65,7 +64,7 @@ class Comparator:
         """
         values = board_values(design)
         if values.decision is None:
-            raise TraceError(Fault("outputs", missing(design)))
+            raise TraceError(Issue("outputs", missing(design)))
         decision = values.decision
         return cls(decision.mean_s, decision.on_v, decision.off_v, design.board.supply_v)
 
@@ -99,12 +98,12 @@ def decide(comparator: Comparator, board: Analog, step_s: float, filtered_v: Arr
         If the board has no precision rectifier, whose envelope's slope is known at every sample, or its outputs are not
         finite.
     """
-    faults = list(columns(filtered_v=filtered_v, envelope_v=envelope_v))
+    issues = list(columns(filtered_v=filtered_v, envelope_v=envelope_v))
     if board.rectifier != "precision":
-        faults.append(Fault("board.rectifier", f"{board.rectifier!r} has no comparator behind it; use 'precision'."))
-    refuse([*faults, *positive("step_s", step_s, "s", "0.0005")])
+        issues.append(Issue("board.rectifier", f"{board.rectifier!r} has no comparator behind it; use 'precision'."))
+    refuse([*issues, *positive("step_s", step_s, "s", "0.0005")])
     slope = (np.maximum(filtered_v, 0.0) - envelope_v) / (np.asarray(board.r_lp_ohm) * np.asarray(board.c_lp_f))
-    mean, on, edges, count = np.zeros(len(envelope_v)), np.zeros(len(envelope_v)), np.zeros(_MOST_EDGES), np.zeros(1)
+    mean, on, edges, count = np.zeros(len(envelope_v)), np.zeros(len(envelope_v)), np.zeros(_MAX_EDGES), np.zeros(1)
     _follow(comparator.mean_s, comparator.on_v, comparator.off_v, step_s, envelope_v, slope, mean, on, edges, count)
     return Decided(mean, on > 0.0, edges[: int(count[0])])
 

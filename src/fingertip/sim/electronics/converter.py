@@ -5,11 +5,9 @@ from __future__ import annotations
 import random
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.design import Design
-
-Array = NDArray[np.float64]
 
 
 def sampled_v(design: Design, voltage_v: Array, rng: random.Random | None) -> Array:

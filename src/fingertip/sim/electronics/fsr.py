@@ -7,12 +7,10 @@ from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.board.values.bridge import ARTICLE_POINTS, sensor_conductance_s
 from fingertip.sim.jit import Kernel
-
-Array = NDArray[np.float64]
 
 HYSTERESIS = 0.10
 """Most by which the force reads high after a higher one, of its value (article, III.B: at most 10 %)."""

@@ -10,9 +10,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fingertip.arrays import Array
 
 _TERMS = 10  # of the series, for a norm of at most 1/16: the next one is below 1e-20
 

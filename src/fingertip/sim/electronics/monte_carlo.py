@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.errors import Fault, TraceError
+from fingertip.errors import Issue, TraceError
 from fingertip.sim.electronics.circuit import Analog
 
 RESISTORS = 0.01
@@ -37,7 +37,7 @@ def spread(board: Analog, count: int, seed: int = 0) -> Analog:
         If the count is not above 0.
     """
     if count < 1:
-        raise TraceError(Fault("count", f"{count} boards are none; give at least 1."))
+        raise TraceError(Issue("count", f"{count} boards are none; give at least 1."))
     rng = random.Random(f"{seed}:boards")
     names = board.value_names
     drawn = np.array([[2 * rng.random() - 1 for _ in range(len(names) + 1)] for _ in range(count)])

@@ -6,13 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.sim.electronics import fsr
-
-Array = NDArray[np.float64]
 
 LOAD_SHIFT_PER_M = (1 - 0.035 / 0.32) / 6e-3
 """Share of the force the sensor loses per metre by which the pad is sheared towards the base [1/m].

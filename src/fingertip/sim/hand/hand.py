@@ -17,13 +17,11 @@ from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.sim.contact.pad import HAND_N_PER_M, Pad
 from fingertip.sim.hand.manipulation_file import Hand
 from fingertip.sim.jit import Kernel
-
-Array = NDArray[np.float64]
 
 COUPLED = ("ring", "little")
 ARRIVED_M = 1e-9
@@ -49,9 +47,9 @@ class Motors:
         self.closing_m, self._phase, self._root = (np.zeros(count) for _ in range(3))
 
     @property
-    def most_m(self) -> Array:
+    def max_m(self) -> Array:
         """Closing at which a tendon stalls, the other side standing still."""
-        return self.reach_m + self.pad.depth_m(self.hand.force_most_n)
+        return self.reach_m + self.pad.depth_m(self.hand.max_force_n)
 
     def follow(self, command_m: Array) -> tuple[Array, Array, Array]:
         """Closing [m], force [N] and shaking by the motor [N] of each finger at the next samples.
@@ -61,7 +59,7 @@ class Motors:
         command_m
             The command that is in force from each sample to the next, (fingers, samples).
         """
-        goal = np.clip(command_m, 0.0, self.most_m[:, None])
+        goal = np.clip(command_m, 0.0, self.max_m[:, None])
         if all(name in self.fingers for name in COUPLED):
             both = [self.fingers.index(name) for name in COUPLED]
             goal[both] = goal[both].max(axis=0)
@@ -103,19 +101,19 @@ def _loop(
     force: MutableSequence[float],
     shaking: MutableSequence[float],
 ) -> None:
-    blend, most, turn, shake = motor
+    blend, maximum, turn, shake = motor
     k, c = spring
     moved = True
     for s in range(length):
         for i in range(count):
             step = blend * (goal[i * length + s] - at[i])
-            step = most if step > most else -most if step < -most else step
+            step = maximum if step > maximum else -maximum if step < -maximum else step
             if abs(goal[i * length + s] - at[i]) <= ARRIVED_M:
                 step = 0.0
             else:
                 moved = True
             at[i] += step
-            share = abs(step) / most
+            share = abs(step) / maximum
             phase[i] = (phase[i] + turn * share) % (2 * math.pi)
             shaking[i * length + s] = shake * share * math.sin(phase[i])
             closing[i * length + s] = at[i]

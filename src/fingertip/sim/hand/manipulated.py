@@ -5,17 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.faults import nearest
-from fingertip.errors import Fault, TraceError
+from fingertip.arrays import Array
+from fingertip.design.issues import nearest
+from fingertip.errors import Issue, TraceError
 from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.hand.manipulation_plan import Plan
 from fingertip.sim.stages.stages import Ran
 from fingertip.slip.traces.trace import Trace
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +63,8 @@ class Manipulated:
             If the finger does not touch, or the scene does not name the voltage among its outputs.
         """
         if finger not in self.fingers:
-            raise TraceError(Fault("finger", f"{finger!r} does not touch; {nearest(finger, self.fingers)}"))
+            raise TraceError(Issue("finger", f"{finger!r} does not touch; {nearest(finger, self.fingers)}"))
         if "voltage_v" not in self.signals:
-            raise TraceError(Fault("outputs", "does not name voltage_v; a trace needs it."))
+            raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
         of = {name: signal[self.fingers.index(finger)] for name, signal in self.signals.items() if signal.ndim == 2}
         return Trace(self.time_s, of["voltage_v"], of.get("force_n"), of.get("slip"))

@@ -19,8 +19,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.errors import Fault, TraceError
+from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.electronics.comparator import missing, pin_v
 from fingertip.sim.hand.controller import Controller, Seen
@@ -31,15 +32,13 @@ from fingertip.sim.hand.manipulation_run import Run
 from fingertip.sim.inputs import refuse
 from fingertip.sim.stages.result import LONG_S
 
-Array = NDArray[np.float64]
-
 
 def run_manipulation(
     design: Design,
     scene: ManipulationFile,
     controller: Controller | None = None,
     seed: int = 0,
-    say: Callable[[str], None] | None = None,
+    progress: Callable[[str], None] | None = None,
 ) -> Manipulated:
     """Simulate a manipulation.
 
@@ -53,7 +52,7 @@ def run_manipulation(
         Closes the loop; None keeps the planned grip.
     seed
         Of grip, friction, surfaces and noise. The same design, scene, seed and commands give the same columns.
-    say
+    progress
         Told of progress, where a scene is long enough to need it.
 
     Raises
@@ -64,8 +63,8 @@ def run_manipulation(
     pad = Pad.of(design)
     _refuse(design, scene, seed)
     made = plan(scene, pad, seed)
-    if say and made.duration_s > LONG_S:
-        say(f"{scene.scene}, {made.duration_s:.1f} s")
+    if progress and made.duration_s > LONG_S:
+        progress(f"{scene.scene}, {made.duration_s:.1f} s")
     wanted = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
     run = Run(design, scene, made, pad, seed, wanted)
     rate = design.detector.sample_rate_hz
@@ -98,11 +97,11 @@ def _command(given: Array, time_s: float, count: int) -> Array:
     command = np.asarray(given, dtype=np.float64)
     if command.shape != (count,):
         sentence = f"gave shape {command.shape} at {time_s:g} s, needed is ({count},); give one closing per finger."
-        raise TraceError(Fault("controller", sentence))
+        raise TraceError(Issue("controller", sentence))
     if not np.isfinite(command).all():
         bad = int(np.flatnonzero(~np.isfinite(command))[0])
         sentence = f"gave {command[bad]} for finger {bad} at {time_s:g} s; give finite closings [m]."
-        raise TraceError(Fault("controller", sentence))
+        raise TraceError(Issue("controller", sentence))
     return command
 
 
@@ -122,15 +121,13 @@ def _result(design: Design, scene: ManipulationFile, seed: int, made: Plan, run:
 
 
 def _refuse(design: Design, scene: ManipulationFile, seed: int) -> None:
-    faults = []
+    issues = []
     if seed < 0:
-        faults.append(Fault("--seed", f"{seed} is negative; choose a whole number of at least 0."))
-    held, most = scene.object, thumb_n(scene, scene.grasp.margin_most)
-    if most > scene.hand.force_most_n:
-        sentence = (
-            f"{scene.hand.force_most_n:g} N is less than the thumb needs for {held.mass_kg:g} kg; at least {most:g} N."
-        )
-        faults.append(Fault("hand.force_most_n", sentence))
+        issues.append(Issue("--seed", f"{seed} is negative; choose a whole number of at least 0."))
+    held, maximum = scene.object, thumb_n(scene, scene.grasp.max_margin)
+    if maximum > scene.hand.max_force_n:
+        sentence = f"{scene.hand.max_force_n:g} N is less than the thumb needs for {held.mass_kg:g} kg; at least {maximum:g} N."
+        issues.append(Issue("hand.max_force_n", sentence))
     if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
-        faults.append(Fault("outputs", missing(design)))
-    refuse(faults)
+        issues.append(Issue("outputs", missing(design)))
+    refuse(issues)

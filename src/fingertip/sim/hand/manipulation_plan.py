@@ -6,16 +6,14 @@ import random
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.scenes.scene import ACCELERATION_M_S2, Ramp
 from fingertip.sim.scenes.timeline import OPEN_S, rise
-
-Array = NDArray[np.float64]
 
 GRAVITY_M_S2 = 9.80665
 CLEARANCE_M = 2e-3
@@ -67,7 +65,7 @@ class Plan:
 def thumb_n(scene: ManipulationFile, margin: float) -> float:
     """Force of the thumb [N] for a margin over what just holds the weight: thumb and fingers press alike, both rub."""
     grasp, mu = scene.grasp, SURFACES[scene.object.surface].friction.mu_s
-    return grasp.force_n or max(grasp.force_least_n, margin * scene.object.mass_kg * GRAVITY_M_S2 / (2 * mu))
+    return grasp.force_n or max(grasp.min_force_n, margin * scene.object.mass_kg * GRAVITY_M_S2 / (2 * mu))
 
 
 def plan(scene: ManipulationFile, pad: Pad, seed: int) -> Plan:
@@ -75,7 +73,7 @@ def plan(scene: ManipulationFile, pad: Pad, seed: int) -> Plan:
     rng = random.Random(f"{seed}:grasp")
     held, grasp, knock = scene.object, scene.grasp, scene.knock
     nominal = SURFACES[held.surface].friction
-    margin = grasp.margin_least + (grasp.margin_most - grasp.margin_least) * rng.random()
+    margin = grasp.min_margin + (grasp.max_margin - grasp.min_margin) * rng.random()
     thumb = thumb_n(scene, margin)
     shares = [1 + grasp.uneven * (2 * rng.random() - 1) for _ in scene.fingers[1:]]
     forces = [thumb, *(thumb * share / sum(shares) for share in shares)]

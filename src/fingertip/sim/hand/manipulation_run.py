@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.sim.contact.friction import GROSS_SLIP_M_S
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
@@ -31,7 +32,6 @@ from fingertip.sim.hand.sensed_finger import Sensed, Shaken
 from fingertip.sim.stages.context import LONGEST_STEP_S
 from fingertip.sim.stages.stages import Ran
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 

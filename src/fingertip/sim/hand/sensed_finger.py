@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.sim.contact import vibration
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
@@ -23,8 +23,6 @@ from fingertip.sim.electronics.board_noise import input_noise_v
 from fingertip.sim.electronics.converter import noise_v, sampled_v
 from fingertip.sim.electronics.sensing import on_sensor_n, voltage_of
 from fingertip.sim.scenes.scene_sections import Sensing
-
-Array = NDArray[np.float64]
 
 BEFORE_M = 2e-3
 """Profile ahead of the place at which the finger touches first: objects are also pushed back a little."""

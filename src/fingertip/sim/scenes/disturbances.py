@@ -6,12 +6,10 @@ import math
 import random
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.sim.scenes.scene_sections import Cable, Drift, Motor, Tap
 from fingertip.sim.scenes.timeline import rise
-
-Array = NDArray[np.float64]
 
 CREEP_FROM_S = 1.0
 """Creep is counted in decades of time after this, at which data sheets read the sensor. Assumption."""

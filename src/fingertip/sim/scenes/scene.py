@@ -11,9 +11,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fingertip.arrays import Array
 
 SLIDE_M = 0.04
 LIFT_M = 0.05

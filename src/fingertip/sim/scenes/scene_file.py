@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from pydantic import ConfigDict
 
-from fingertip.errors import Fault
+from fingertip.errors import Issue
 from fingertip.sim.scenes.scene_sections import Cable, Contact, Drift, Hold, LoadChange, Motor, Sensing, Slide, Tap
 from fingertip.sim.scenes.strict_file import StrictFile
 
@@ -29,7 +29,7 @@ low while it says slip."""
 
 
 class SceneFile(StrictFile):
-    """One scene, validated: all faults at once.
+    """One scene, validated: all issues at once.
 
     Raises
     ------
@@ -53,20 +53,20 @@ class SceneFile(StrictFile):
     def __init__(self, **tables: Any) -> None:
         super().__init__(**tables)
 
-    def broken(self) -> Iterator[tuple[Fault, set[str]]]:
+    def broken(self) -> Iterator[tuple[Issue, set[str]]]:
         """Rules between parameters that do not hold, and the parameters each reads."""
         yield from super().broken()
         hold, slide, tap = self.hold, self.slide, self.tap
-        if hold.force_least_n > hold.force_most_n:
-            sentence = f"{hold.force_least_n:g} N is above hold.force_most_n; at most {hold.force_most_n:g} N."
-            yield Fault("hold.force_least_n", sentence), {"hold.force_least_n", "hold.force_most_n"}
+        if hold.min_force_n > hold.max_force_n:
+            sentence = f"{hold.min_force_n:g} N is above hold.max_force_n; at most {hold.max_force_n:g} N."
+            yield Issue("hold.min_force_n", sentence), {"hold.min_force_n", "hold.max_force_n"}
         if slide.distance_m > self.contact.length_m:
             sentence = f"{slide.distance_m:g} m is longer than contact.length_m; at most {self.contact.length_m:g} m."
-            yield Fault("slide.distance_m", sentence), {"slide.distance_m", "contact.length_m"}
+            yield Issue("slide.distance_m", sentence), {"slide.distance_m", "contact.length_m"}
         if tap.force_n and tap.count > 1 and tap.interval_s < 2 * tap.rise_s:
             sentence = f"{tap.interval_s:g} s lets taps overlap; at least {2 * tap.rise_s:g} s."
-            yield Fault("tap.interval_s", sentence), {"tap.interval_s", "tap.rise_s", "tap.count"}
-        least = hold.force_least_n * (hold.share if hold.mode == "grasp" else 1.0)
-        if self.load_change.by_n <= -least:
-            sentence = f"{self.load_change.by_n:g} N ends the contact; above {-least:g} N, or use hold.release."
-            yield Fault("load_change.by_n", sentence), {"load_change.by_n", "hold.force_least_n", "hold.share"}
+            yield Issue("tap.interval_s", sentence), {"tap.interval_s", "tap.rise_s", "tap.count"}
+        minimum = hold.min_force_n * (hold.share if hold.mode == "grasp" else 1.0)
+        if self.load_change.by_n <= -minimum:
+            sentence = f"{self.load_change.by_n:g} N ends the contact; above {-minimum:g} N, or use hold.release."
+            yield Issue("load_change.by_n", sentence), {"load_change.by_n", "hold.min_force_n", "hold.share"}

@@ -1,4 +1,4 @@
-"""What every scene file has in common: all faults at once, rules between parameters among them."""
+"""What every scene file has in common: all issues at once, rules between parameters among them."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any, ClassVar, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from fingertip.design.cascade import gather
-from fingertip.design.faults import from_pydantic, nearest
 from fingertip.design.fields import Section
-from fingertip.errors import Fault, FingertipError, TraceError
+from fingertip.design.issues import from_pydantic, nearest
+from fingertip.errors import FingertipError, Issue, TraceError
 
 
 class StrictFile(BaseModel):
@@ -20,7 +20,7 @@ class StrictFile(BaseModel):
     Raises
     ------
     TraceError
-        With one sentence for each fault.
+        With one sentence for each issue.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
@@ -33,12 +33,12 @@ class StrictFile(BaseModel):
         try:
             super().__init__(**tables)
         except ValidationError as error:
-            faults = from_pydantic(error, type(self))
-            raise TraceError([*faults, *self._broken_beside(tables, faults)]) from None
-        if faults := [fault for fault, _ in self.broken()]:
-            raise TraceError(faults)
+            issues = from_pydantic(error, type(self))
+            raise TraceError([*issues, *self._broken_beside(tables, issues)]) from None
+        if issues := [issue for issue, _ in self.broken()]:
+            raise TraceError(issues)
 
-    def broken(self) -> Iterator[tuple[Fault, set[str]]]:
+    def broken(self) -> Iterator[tuple[Issue, set[str]]]:
         """Rules between parameters that do not hold, and the parameters each reads."""
         yield from outputs_broken(self.outputs, self.known_outputs)
 
@@ -54,13 +54,13 @@ class StrictFile(BaseModel):
         try:
             tables = gather(files, changes)
         except FingertipError as error:
-            raise TraceError(error.faults) from None
+            raise TraceError(error.issues) from None
         return cls(**tables)
 
     @classmethod
-    def _broken_beside(cls, tables: Mapping[str, Any], faults: Iterable[Fault]) -> list[Fault]:
+    def _broken_beside(cls, tables: Mapping[str, Any], issues: Iterable[Issue]) -> list[Issue]:
         """Broken rules among the parameters that are in bounds, so that one run tells everything that is wrong."""
-        faulty = {fault.field for fault in faults}
+        faulty = {issue.field for issue in issues}
         fields: dict[str, Any] = {}
         for name, info in cls.model_fields.items():
             given, default = tables.get(name), info.default
@@ -71,15 +71,15 @@ class StrictFile(BaseModel):
                 fields[name] = default.model_copy(update=kept)
             else:
                 fields[name] = default if given is None or any(f.startswith(name) for f in faulty) else given
-        return [fault for fault, reads in cls.model_construct(**fields).broken() if not reads & faulty]
+        return [issue for issue, reads in cls.model_construct(**fields).broken() if not reads & faulty]
 
 
-def outputs_broken(outputs: Sequence[str], known: Sequence[str]) -> Iterator[tuple[Fault, set[str]]]:
+def outputs_broken(outputs: Sequence[str], known: Sequence[str]) -> Iterator[tuple[Issue, set[str]]]:
     """Faults of a list of outputs."""
     if not outputs:
-        yield Fault("outputs", f"is empty; name at least one of {', '.join(known)}."), {"outputs"}
+        yield Issue("outputs", f"is empty; name at least one of {', '.join(known)}."), {"outputs"}
     for name in dict.fromkeys(outputs):
         if name not in known:
-            yield Fault("outputs", f"{name!r} is no output; {nearest(name, known)}"), {"outputs"}
+            yield Issue("outputs", f"{name!r} is no output; {nearest(name, known)}"), {"outputs"}
         elif outputs.count(name) > 1:
-            yield Fault("outputs", f"{name!r} is named {outputs.count(name)} times; name it once."), {"outputs"}
+            yield Issue("outputs", f"{name!r} is named {outputs.count(name)} times; name it once."), {"outputs"}

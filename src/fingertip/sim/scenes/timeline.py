@@ -8,13 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.scenes.scene import APPROACH_M, LIFT_M, LIFT_S, Ramp
 from fingertip.sim.scenes.scene_file import SceneFile
-
-Array = NDArray[np.float64]
 
 OPEN_S = 0.3
 """An open grasp is recorded for this long before it closes. Assumption."""
@@ -68,7 +66,7 @@ def plan(scene: SceneFile, pad: Pad, force_n: float) -> Timeline:
         held = approach.end_s
     way = Ramp.at(held + hold.wait_s, slide.distance_m, slide.speed_m_s, slide.acceleration_m_s2)
     sliding = way if slide.distance_m else None
-    busy = max(held + hold.least_s, sliding.end_s if sliding else held, held + _events_s(scene))
+    busy = max(held + hold.min_s, sliding.end_s if sliding else held, held + _events_s(scene))
     release = busy + hold.wait_s
     lift = Ramp.within(release, LIFT_M, LIFT_S) if hold.release and approach else None
     end = lift.end_s if lift else release + (hold.close_s if hold.release else 0.0)

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.sim.contact import coupled, vibration
 from fingertip.sim.contact.contact import Motion, drag
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, Friction
@@ -15,7 +15,6 @@ from fingertip.sim.contact.pad import DAMPING_RATIO, HAND_N_PER_M
 from fingertip.sim.scenes import disturbances
 from fingertip.sim.stages.context import Context
 
-Array = NDArray[np.float64]
 Given = Mapping[str, Any]
 
 

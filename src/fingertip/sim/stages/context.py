@@ -8,16 +8,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.sim.contact.contact import Mount
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import SURFACES, Surface
 from fingertip.sim.scenes.scene_file import SceneFile
 from fingertip.sim.scenes.timeline import Timeline, plan
-
-Array = NDArray[np.float64]
 
 LONGEST_STEP_S = 1.25e-4
 """Of the grid on which contacts are integrated: velocities are then within 1e-5 m/s of the limit, and the way of a
@@ -40,7 +38,7 @@ class Context:
     def force_n(self) -> float:
         """Holding force on this finger [N], drawn by the seed."""
         hold = self.scene.hold
-        force = hold.force_least_n + (hold.force_most_n - hold.force_least_n) * self.stream("force").random()
+        force = hold.min_force_n + (hold.max_force_n - hold.min_force_n) * self.stream("force").random()
         return force * hold.share if hold.mode == "grasp" else force
 
     @cached_property

@@ -57,6 +57,6 @@ def stages_of(scene: SceneFile) -> list[Stage[Context]]:
         Stage("converter", ("bridge_v",), ("voltage_v",), signal_stages.convert),
         Stage("board noise", ("bridge_v",), ("tactile_v",), signal_stages.add_noise),
         Stage("filter board", ("tactile_v", *jump), ("filtered_v", "envelope_v"), signal_stages.filter_and_envelope, 4),
-        Stage("comparator", ("filtered_v", "envelope_v"), ("slip_pin_v",), signal_stages.say, 1),
+        Stage("comparator", ("filtered_v", "envelope_v"), ("slip_pin_v",), signal_stages.sense_slip_pin, 1),
     ]
     return found

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fingertip.sim.electronics import analog, comparator, fsr
 from fingertip.sim.electronics.amplifiers import amplified
@@ -17,7 +16,6 @@ from fingertip.sim.electronics.sensing import on_sensor_n, voltage_of
 from fingertip.sim.scenes import disturbances
 from fingertip.sim.stages.context import Context
 
-Array = NDArray[np.float64]
 Given = Mapping[str, Any]
 
 
@@ -74,7 +72,7 @@ def filter_and_envelope(c: Context, given: Given) -> dict[str, Any]:
     return {"filtered_v": out.filtered_v, "envelope_v": out.envelope_v, "evaluations": out.steps + out.rejected}
 
 
-def say(c: Context, given: Given) -> dict[str, Any]:
+def sense_slip_pin(c: Context, given: Given) -> dict[str, Any]:
     """The ON/OFF pin."""
     step = 1 / c.design.detector.sample_rate_hz
     pin = comparator.pin_v(c.design, step, given["filtered_v"], given["envelope_v"])

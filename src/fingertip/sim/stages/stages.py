@@ -7,10 +7,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 Values = dict[str, Any]
 C = TypeVar("C")
 
@@ -67,17 +63,17 @@ def on_the_way(stages: Sequence[Stage[C]], wanted: Iterable[str]) -> list[Stage[
 
 
 def run(
-    stages: Sequence[Stage[C]], context: C, wanted: Iterable[str], say: Callable[[str], None] | None = None
+    stages: Sequence[Stage[C]], context: C, wanted: Iterable[str], progress: Callable[[str], None] | None = None
 ) -> tuple[Values, list[Ran]]:
     """Run what is needed for the wanted values; returns all values made, and what each stage took.
 
-    `say` is told the name of each stage before it runs.
+    `progress` is told the name of each stage before it runs.
     """
     values: Values = {}
     ran = []
     for stage in on_the_way(stages, wanted):
-        if say:
-            say(stage.name)
+        if progress:
+            progress(stage.name)
         start = time.process_time()
         made = stage.run(context, {name: values[name] for name in stage.needs})
         count = int(made.pop("evaluations", 0))

@@ -16,13 +16,11 @@ from collections.abc import Iterable, MutableSequence, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.slip.detectors.kernel import Loop
 from fingertip.slip.detectors.stream import Output, as_samples
-
-Array = NDArray[np.float64]
 
 Q = 1.0
 """Quality factor of the second-order section that makes the third order a Butterworth (article, eq. 8)."""

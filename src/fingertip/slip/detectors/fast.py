@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.slip.detectors.fast_bands import Filters, noise_of
 from fingertip.slip.detectors.fast_loop import (
@@ -36,7 +37,7 @@ from fingertip.slip.detectors.fast_loop import (
     UPPER_FLOOR,
 )
 from fingertip.slip.detectors.noise import input_noise_v
-from fingertip.slip.detectors.stream import Array, Output, as_samples
+from fingertip.slip.detectors.stream import Output, as_samples
 
 STEEPEST_V_S = 10.0
 """From `STEEPEST_FROM_HZ` on; in proportion to the rate below, where the poles ahead of the converter round knocks off.
@@ -52,7 +53,7 @@ CHOSEN_AT_HZ = 67.0
 LEAKS_BELOW, LEAKS_ABOVE = 2.2, 0.6
 """A smooth change of force leaves in both bands what falls with these powers of the cutoff, below and above that one
 (fitted to the noiseless quiet tuning scenes from 30 to 150 Hz)."""
-LEAST_NOISE_V_RTHZ = 4e-6
+MIN_NOISE_V_RTHZ = 4e-6
 """Noise in which the slope bars were chosen [V/sqrt(Hz)]: 0.4 mV at 20 kHz. In less, the first moments of a change of
 force would show before its slope does; so the bars stay at this."""
 SETTLING_PERIODS = 1.5
@@ -114,7 +115,7 @@ class FastSettings:
         found = replace(found, slope_bar_s=found.slope_bar_s * leaks, upper_slope_bar_s=found.upper_slope_bar_s * leaks)
         if noise_v is not None:  # of a signal that may be no voltage: what is too steep for slip is not known
             return replace(found, noise_v=noise_v)
-        noise = max(input_noise_v(design), LEAST_NOISE_V_RTHZ * math.sqrt(rate / 2))
+        noise = max(input_noise_v(design), MIN_NOISE_V_RTHZ * math.sqrt(rate / 2))
         return replace(found, noise_v=noise, steepest_v_s=STEEPEST_V_S * min(1.0, rate / STEEPEST_FROM_HZ))
 
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingertip.arrays import Array
 from fingertip.slip.detectors.chain import ChainSettings, high_pass
 from fingertip.slip.detectors.quadratic import ALARMS_PER_HOUR, bar_for
-from fingertip.slip.detectors.stream import Array
 
 Section = tuple[float, float, float, float, float]
 """``b0, b1, b2, a1, a2``."""

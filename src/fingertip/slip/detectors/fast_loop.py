@@ -33,7 +33,7 @@ def _fast_loop(
     g0, g1, p1, b0, b1, b2, a1, a2, c0, d1, d2, e0, f1, f2 = coefficients[:14]
     energy_share, slope_share, quick_share, floor_share, keep, rate = coefficients[14:20]
     ratio, upper_ratio, stay, slope_bar, upper_slope_bar, slope_noise, steepest, deaf = coefficients[20:28]
-    patience, least, upper_least = coefficients[28:]
+    patience, minimum, min_upper = coefficients[28:]
     s1, s2, s3, l1, l2, h1, h2 = state[0], state[1], state[2], state[3], state[4], state[5], state[6]
     energy, upper_energy, q1, q2, held = state[7], state[8], state[9], state[10], state[11]
     r, steep, floor, upper_floor = state[12], state[13], state[14], state[15]
@@ -99,10 +99,10 @@ def _fast_loop(
         if on_for > patience or (on == 0.0 and calm):
             floor += floor_share * (energy - floor)
             upper_floor += floor_share * (upper_energy - upper_floor)
-            if floor < least:
-                floor = least
-            if upper_floor < upper_least:
-                upper_floor = upper_least
+            if floor < minimum:
+                floor = minimum
+            if upper_floor < min_upper:
+                upper_floor = min_upper
         filtered[i] = y
         levels[i] = math.sqrt(energy)
         bars[i] = math.sqrt(bar)

@@ -14,10 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.slip.detectors.noise import input_noise_v
 from fingertip.slip.detectors.quadratic import bar_for
-from fingertip.slip.detectors.stream import Array, Output
+from fingertip.slip.detectors.stream import Output
 
 WINDOW_S = 0.064
 """128 samples at 2 kHz (article, IV.B)."""

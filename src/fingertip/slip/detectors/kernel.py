@@ -12,18 +12,16 @@ import sys
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.jit import available, kept
 
 __all__ = ["PAYS_AFTER", "Loop", "available"]
 
-Array = NDArray[np.float64]
-
 PAYS_AFTER = 3_000_000
 """Samples after which a stream fetches numba: importing it and loading a compiled loop takes about as long as plain
 Python takes for so many."""
-_LEAST_CHUNK = 500
+_MIN_CHUNK = 500
 """Shorter chunks are faster in plain Python, even where numba is loaded: lists must be copied into arrays and back."""
 
 
@@ -72,7 +70,7 @@ class Loop:
             Its outputs.
         """
         count = len(samples)
-        if count >= _LEAST_CHUNK and ("numba" in sys.modules or seen + count >= PAYS_AFTER) and available():
+        if count >= _MIN_CHUNK and ("numba" in sys.modules or seen + count >= PAYS_AFTER) and available():
             arrays = [np.empty(count) for _ in range(self.outputs)]
             now, then = np.array(state), np.array(ring)
             self.compiled()(coefficients, now, then, np.ascontiguousarray(samples, dtype=np.float64), *arrays)

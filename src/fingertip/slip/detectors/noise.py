@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.errors import Fault, TraceError
+from fingertip.errors import Issue, TraceError
 from fingertip.slip.detectors.chain import ChainSettings, SlipChain
 from fingertip.slip.detectors.window import Window
 
@@ -120,9 +120,9 @@ def quiet_level(envelope_v: NDArray[np.float64], design: Design, name: str) -> N
         If it is shorter than ten windows, whose deviation would not be known to a quarter.
     """
     d = design.detector
-    least = 11 * d.window_samples
-    if len(envelope_v) < least:
-        raise TraceError(Fault("--quiet-s", f"takes in {len(envelope_v)} samples of {name}; at least {least}."))
+    minimum = 11 * d.window_samples
+    if len(envelope_v) < minimum:
+        raise TraceError(Issue("--quiet-s", f"takes in {len(envelope_v)} samples of {name}; at least {minimum}."))
     means = Window.of(design).process(envelope_v).level_v[d.window_samples :]
     step = 2 * d.adc_range_v / 2**d.adc_bits
     return NoiseLevel(float(means.mean()), max(float(means.std()), step / DEVIATIONS))
@@ -156,7 +156,7 @@ def remarks(threshold_v: float, level: NoiseLevel, may_fall: bool = True) -> Ite
         )
 
 
-LEAST_CUTOFF_HZ = 45.0
+MIN_CUTOFF_HZ = 45.0
 """With lower ones every detector here alarms at contacts, in the quiet tuning scenes (article, III.A: contacts are
 located below 30 Hz)."""
 SHORTEST_S = 0.02
@@ -165,17 +165,17 @@ _COARSE = 2.0
 """Steps so many times the noise hide it."""
 
 
-WINDOWED = ("digital", "paper")
+WINDOWED = ("digital", "analog")
 """Detectors with the design's window."""
 
 
 def setting_remarks(design: Design, detector: str = WINDOWED[0]) -> Iterator[str]:
     """What a design's filter, converter and window cannot do well with a detector, though nothing forbids them."""
     d, cutoff = design.detector, design.board.cutoff_hz
-    if cutoff < LEAST_CUTOFF_HZ:
+    if cutoff < MIN_CUTOFF_HZ:
         yield (
             f"board.cutoff_hz of {cutoff:g} Hz lets in what contacts and changes of grip leave, and they are taken for "
-            f"slip; choose at least {LEAST_CUTOFF_HZ:g} Hz (article: 67 Hz)."
+            f"slip; choose at least {MIN_CUTOFF_HZ:g} Hz (article: 67 Hz)."
         )
     step = 2 * d.adc_range_v / 2**d.adc_bits
     if step > _COARSE * d.noise_v > 0.0:

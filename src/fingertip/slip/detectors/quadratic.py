@@ -6,9 +6,8 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fingertip.arrays import Array
 
 ALARMS_PER_HOUR = 1.0
 """False alarms from noise alone that a threshold's rule allows: a sixth of the 0.1 per minute that a detector may

@@ -7,17 +7,17 @@ from collections.abc import Callable
 
 import numpy as np
 
+from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.errors import Fault, TraceError
+from fingertip.errors import Issue, TraceError
 from fingertip.slip.detectors.chain import ChainSettings, SlipChain
 from fingertip.slip.detectors.fast import Fast, FastSettings
 from fingertip.slip.detectors.fft import Fft, FftSettings
 from fingertip.slip.detectors.noise import DEVIATIONS, noise_level
-from fingertip.slip.detectors.stream import Array
 
 _LOUD = 6.0
 """Times the median; noise alone reaches half of it."""
-LEAST_S = 0.3
+MIN_S = 0.3
 """Shorter stretches do not show what a band of 40 Hz is like: the deviation would not be known to a tenth."""
 
 
@@ -41,14 +41,14 @@ def quiet_noise_v(detector: str, design: Design, quiet_v: Array, name: str) -> f
     Raises
     ------
     TraceError
-        If it is shorter than `LEAST_S`, or never changes.
+        If it is shorter than `MIN_S`, or never changes.
     """
-    least = math.ceil(LEAST_S * design.detector.sample_rate_hz)
-    if len(quiet_v) < least:
-        raise TraceError(Fault("--quiet-s", f"takes in {len(quiet_v)} samples of {name}; at least {least}."))
+    minimum = math.ceil(MIN_S * design.detector.sample_rate_hz)
+    if len(quiet_v) < minimum:
+        raise TraceError(Issue("--quiet-s", f"takes in {len(quiet_v)} samples of {name}; at least {minimum}."))
     white = math.sqrt(float(np.mean(np.diff(quiet_v, 2) ** 2)) / 6)
     if not white > 0.0:
-        raise TraceError(Fault("--quiet-s", f"takes in a part of {name} that never changes; choose a longer one."))
+        raise TraceError(Issue("--quiet-s", f"takes in a part of {name} that never changes; choose a longer one."))
     return max(white, _SHOWN[detector](design, quiet_v))
 
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from fingertip.design import Design
-from fingertip.design.faults import nearest
-from fingertip.errors import Fault, TraceError
+from fingertip.design.issues import nearest
+from fingertip.errors import Issue, TraceError
 from fingertip.slip.detectors.chain import ChainSettings, SlipChain
 from fingertip.slip.detectors.fast import Fast, FastSettings
 from fingertip.slip.detectors.fft import Fft, FftSettings
@@ -27,10 +27,10 @@ class Kind:
     """From a design, the input's noise [V] (None: the design's), and a factor of the threshold that follows."""
 
 
-def _paper(design: Design, noise_v: float | None, scale: float) -> Window:
+def _analog(design: Design, noise_v: float | None, scale: float) -> Window:
     if noise_v is not None:
         said = "its threshold stands on the board's output; set detector.threshold_v"
-        raise TraceError(Fault("noise_v", f"{noise_v:g} V of the input tells paper nothing: {said}."))
+        raise TraceError(Issue("noise_v", f"{noise_v:g} V of the input tells analog nothing: {said}."))
     return Window.of(design, scale)
 
 
@@ -51,7 +51,7 @@ def _fast(design: Design, noise_v: float | None, scale: float) -> Fast:
 
 
 DETECTORS: dict[str, Kind] = {
-    "paper": Kind("the board's output, window and threshold", "envelope_v", _paper),
+    "analog": Kind("the board's output, window and threshold", "envelope_v", _analog),
     "digital": Kind("the article's chain in digital filters", "voltage_v", _digital),
     "fft": Kind("spectrum of 64 ms", "voltage_v", _fft),
     "fast": Kind("energy of 5 ms in two bands, against the force's slope", "voltage_v", _fast),
@@ -89,5 +89,5 @@ def known(name: str) -> Kind:
         If there is none.
     """
     if name not in DETECTORS:
-        raise TraceError(Fault("--detector", f"{name!r} is not known; {nearest(name, list(DETECTORS))}"))
+        raise TraceError(Issue("--detector", f"{name!r} is not known; {nearest(name, list(DETECTORS))}"))
     return DETECTORS[name]

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fingertip.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Detector `paper`: the article's, on its board's output. Filters, diode and envelope are analog; only the window and
+"""Detector `analog`: the article's, on its board's output. Filters, diode and envelope are analog; only the window and
 the threshold are software (III.A, eq. 12).
 
 Its input is the enveloped voltage as the converter samples it. That the threshold is the design's says nothing about

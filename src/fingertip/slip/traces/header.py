@@ -7,13 +7,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.design.faults import nearest
-from fingertip.errors import Fault, TraceError
+from fingertip.design.issues import nearest
+from fingertip.errors import Issue, TraceError
 from fingertip.slip.traces.own_names import is_number, own_names
 from fingertip.slip.traces.parsed import COLUMNS, Wanted
 
 DELIMITERS = (",", ";", "\t")
-MOST_ABOVE = 200
+MAX_ABOVE = 200
 """So many lines a program may write above the one that names the columns (LabVIEW: some 25)."""
 
 _SEPARATOR = re.compile(r'"?sep=.?"?', re.IGNORECASE)
@@ -78,7 +78,7 @@ def find_header(name: str, lines: Iterable[str], wanted: Wanted, *others: Wanted
     for number, line in enumerate(lines, start=1):
         text = line.lstrip("\ufeff") if number == 1 else line
         if "\0" in text:  # UTF-16 that nobody said was that
-            raise TraceError(Fault(name, "is no text; a trace is a CSV file with the columns time_s,voltage_v."))
+            raise TraceError(Issue(name, "is no text; a trace is a CSV file with the columns time_s,voltage_v."))
         is_comment = text.lstrip().startswith("#")
         text = text.lstrip().lstrip("#") if is_comment else text
         for one in (wanted, *others):
@@ -89,12 +89,12 @@ def find_header(name: str, lines: Iterable[str], wanted: Wanted, *others: Wanted
                 return Header(tuple(cells), delimiter, number)
         if not is_comment and text.strip() and not _SEPARATOR.fullmatch(text.strip()):
             passed.append((number, text))
-            if _numbers_in(text) or len(passed) == MOST_ABOVE:
+            if _numbers_in(text) or len(passed) == MAX_ABOVE:
                 break
     if not passed:
         needed = ",".join(wanted.of(column) for column in wanted.needed)
-        raise TraceError(Fault(name, f"is empty; a trace is a CSV file with the columns {needed}."))
-    raise TraceError(_faults(name, *_likeliest(passed), wanted))
+        raise TraceError(Issue(name, f"is empty; a trace is a CSV file with the columns {needed}."))
+    raise TraceError(_issues(name, *_likeliest(passed), wanted))
 
 
 def _split(line: str, wanted: Wanted) -> tuple[list[str], str]:
@@ -109,7 +109,7 @@ def _all_cells(line: str) -> list[list[str]]:
     return [_cells(line, delimiter) for delimiter in DELIMITERS]
 
 
-def _most_cells(line: str) -> list[str]:
+def _max_cells(line: str) -> list[str]:
     return max(_all_cells(line), key=lambda cells: len(cells))
 
 
@@ -136,24 +136,24 @@ def _likeliest(passed: Sequence[tuple[int, str]]) -> tuple[int, str]:
     count = _numbers_in(passed[-1][1])
     if not count or len(passed) == 1:
         return passed[0]
-    above = [one for one in passed[:-1] if not all(map(_UNIT.fullmatch, _most_cells(one[1])))]
+    above = [one for one in passed[:-1] if not all(map(_UNIT.fullmatch, _max_cells(one[1])))]
     alike = [one for one in above if count in map(len, _all_cells(one[1]))]
     return (alike or above or passed)[-1]
 
 
-def _faults(name: str, number: int, line: str, wanted: Wanted) -> list[Fault]:
+def _issues(name: str, number: int, line: str, wanted: Wanted) -> list[Issue]:
     """Why a line is no header."""
     header, _ = _split(line, wanted)
     field = f"{name}, line {number}"
     if not set(header) & {wanted.of(column) for column in COLUMNS}:
-        header = _most_cells(line)
+        header = _max_cells(line)
         start = ",".join(header)[:60]
         needed = ",".join(wanted.of(column) for column in wanted.needed)
         if all(wanted.of(column) in line for column in wanted.needed):
             sentence = f"{start!r} has its names apart by neither comma, semicolon nor tab; use one of those."
         else:
             sentence = f"{start!r} is no header of a trace; it must name {needed}{own_names(header, wanted)}."
-        return [Fault(field, sentence)]
+        return [Issue(field, sentence)]
     missing = [column for column in wanted.needed if wanted.of(column) not in header]
     found = []
     for column in missing:
@@ -162,13 +162,13 @@ def _faults(name: str, number: int, line: str, wanted: Wanted) -> list[Fault]:
             remedy += " Or give --rate-hz, if it has none."
         if column == missing[-1] and (own := own_names(header, wanted)):
             remedy += f" O{own.removeprefix('; o')}."
-        found.append(Fault(field, f"there is no column {wanted.of(column)}; {remedy}"))
+        found.append(Issue(field, f"there is no column {wanted.of(column)}; {remedy}"))
     return [*found, *_doubled(field, header, wanted)]
 
 
-def _doubled(field: str, header: Sequence[str], wanted: Wanted) -> list[Fault]:
+def _doubled(field: str, header: Sequence[str], wanted: Wanted) -> list[Issue]:
     return [
-        Fault(field, f"column {known} stands there {header.count(known)} times; keep one.")
+        Issue(field, f"column {known} stands there {header.count(known)} times; keep one.")
         for known in map(wanted.of, COLUMNS)
         if header.count(known) > 1
     ]

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design.sections import Detector
-from fingertip.errors import Fault, TraceError
+from fingertip.errors import Issue, TraceError
 from fingertip.slip.traces.rounded import rounded
-from fingertip.slip.traces.trace import Trace, column_faults, length_faults, range_faults, time_faults
+from fingertip.slip.traces.trace import Trace, column_issues, length_issues, range_issues, time_issues
 
 COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v")
 _FORCE = re.compile(r".*(_n|[\[(]N[\])]|force)$|force", re.IGNORECASE)
@@ -41,17 +41,17 @@ class Wanted:
     """Volts for each unit of the file's voltage."""
 
     def __post_init__(self) -> None:
-        faults = [
-            Fault("--column", f"{name!r} is no column of a trace; known here: {', '.join(COLUMNS)}.")
+        issues = [
+            Issue("--column", f"{name!r} is no column of a trace; known here: {', '.join(COLUMNS)}.")
             for name in self.names
             if name not in COLUMNS
         ]
         if self.rate_hz is not None and not 0.0 < self.rate_hz < float("inf"):
-            faults.append(Fault("--rate-hz", f"{self.rate_hz:g} Hz is no sampling rate; 1000 to 20000 Hz."))
+            issues.append(Issue("--rate-hz", f"{self.rate_hz:g} Hz is no sampling rate; 1000 to 20000 Hz."))
         if not (np.isfinite(self.scale) and self.scale != 0.0):
-            faults.append(Fault("--scale", f"{self.scale:g} scales nothing; give volts for each unit of the file."))
-        if faults:
-            raise TraceError(faults)
+            issues.append(Issue("--scale", f"{self.scale:g} scales nothing; give volts for each unit of the file."))
+        if issues:
+            raise TraceError(issues)
 
     def of(self, column: str) -> str:
         """The file's name for a trace's column."""
@@ -86,7 +86,7 @@ class Parsed:
 
     name: str
     trace: Trace
-    faults: tuple[Fault, ...] = ()
+    issues: tuple[Issue, ...] = ()
     """Of the file's form."""
     first_line: int | None = None
     """Line that holds the first sample, where the file has lines."""
@@ -110,16 +110,16 @@ class Parsed:
         Raises
         ------
         TraceError
-            With one sentence for each fault of the file and of its samples.
+            With one sentence for each issue of the file and of its samples.
         """
-        found = list(self.faults)
-        found.extend(length_faults(self.trace, detector, self.name))
-        found.extend(column_faults(self.trace, self.name, self.first_line))
+        found = list(self.issues)
+        found.extend(length_issues(self.trace, detector, self.name))
+        found.extend(column_issues(self.trace, self.name, self.first_line))
         if self.in_volts:
-            found.extend(range_faults(self.trace, detector, self.name, self.first_line))
+            found.extend(range_issues(self.trace, detector, self.name, self.first_line))
         time = self.trace.time_s
         if self.timed and time.ndim == 1 and len(time) > 1 and np.isfinite(time).all():
-            found.extend(time_faults(time, detector, self.name, self.first_line))
+            found.extend(time_issues(time, detector, self.name, self.first_line))
         if found:
             raise TraceError(found)
         return self.trace

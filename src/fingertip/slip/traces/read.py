@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.design.faults import nearest
-from fingertip.errors import Fault, MissingLibraryError, TraceError
+from fingertip.design.issues import nearest
+from fingertip.errors import Issue, MissingLibraryError, TraceError
 from fingertip.slip.traces.own_names import own_names
 from fingertip.slip.traces.parsed import COLUMNS, Parsed, Wanted
 from fingertip.slip.traces.trace import Trace
@@ -53,7 +53,7 @@ def read_trace(
     Raises
     ------
     TraceError
-        With one sentence for each fault of the file and of its samples.
+        With one sentence for each issue of the file and of its samples.
     MissingLibraryError
         If npTDMS is needed and not installed.
     """
@@ -78,18 +78,18 @@ def parse(path: Path, wanted: Wanted) -> Parsed:
         arrays = _tdms(path, wanted) if kind == ".tdms" else _numpy(path, wanted)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise TraceError(Fault(str(path), f"cannot be read ({reason}); give the path of a trace.")) from None
+        raise TraceError(Issue(str(path), f"cannot be read ({reason}); give the path of a trace.")) from None
     return _from_arrays(str(path), arrays, wanted)
 
 
 def _from_arrays(name: str, arrays: Mapping[str, Any], wanted: Wanted) -> Parsed:
     """A trace of named arrays."""
-    faults, columns = list[Fault](), dict[str, Any]()
+    issues, columns = list[Issue](), dict[str, Any]()
     if wanted.rate_hz is None and wanted.of("time_s") not in arrays and RATE in arrays:
         rate_hz = _rate_hz(np.asarray(arrays[RATE]))
         if not rate_hz:
             told = f"holds {_words(np.asarray(arrays[RATE]))}; save the rate in Hz as one number, such as 2000"
-            faults.append(Fault(f"{name}, {RATE}", f"{told}, or give --rate-hz."))
+            issues.append(Issue(f"{name}, {RATE}", f"{told}, or give --rate-hz."))
         # A place holder where it is wrong: the other arrays are judged all the same.
         wanted = Wanted(wanted.names, rate_hz or 1.0, wanted.scale)
     missing = [column for column in wanted.needed if wanted.of(column) not in arrays]
@@ -101,14 +101,14 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], wanted: Wanted) -> Parsed
                 more = f" Or give --rate-hz, or {RATE} in the file." if column == "time_s" else ""
                 if column == missing[-1] and (own := own_names(list(arrays), wanted)):
                     more += f" O{own.removeprefix('; o')}."
-                faults.append(Fault(name, f"holds no array {known}; {remedy}{more}"))
+                issues.append(Issue(name, f"holds no array {known}; {remedy}{more}"))
             continue
         array = np.asarray(arrays[known])
         if array.dtype.kind not in "bifu":
-            faults.append(Fault(f"{name}, {known}", f"holds {array.dtype}; give an array of numbers."))
+            issues.append(Issue(f"{name}, {known}", f"holds {array.dtype}; give an array of numbers."))
         columns[column] = array.astype(np.float64) if array.dtype.kind in "bifu" else np.zeros(0)
-    if faults:
-        raise TraceError(faults)
+    if issues:
+        raise TraceError(issues)
     return Parsed(name, wanted.trace(columns), in_volts=wanted.in_volts)
 
 
@@ -138,7 +138,7 @@ def _numpy(path: Path, wanted: Wanted) -> Mapping[str, Any]:
                 return {key: loaded[key] for key in loaded.files}
     except (ValueError, EOFError, zipfile.BadZipFile):
         raise TraceError(
-            Fault(str(path), "is no array that numpy reads without pickle; save numbers by numpy.savez.")
+            Issue(str(path), "is no array that numpy reads without pickle; save numbers by numpy.savez.")
         ) from None
     if loaded.ndim == 1:
         return {wanted.of("voltage_v"): loaded}
@@ -147,7 +147,7 @@ def _numpy(path: Path, wanted: Wanted) -> Mapping[str, Any]:
             return {wanted.of("voltage_v"): loaded[:, 1]}
         return {wanted.of("time_s"): loaded[:, 0], wanted.of("voltage_v"): loaded[:, 1]}
     raise TraceError(
-        Fault(str(path), f"has shape {loaded.shape}; give (samples,) with --rate-hz, or (samples, 2): time, voltage.")
+        Issue(str(path), f"has shape {loaded.shape}; give (samples,) with --rate-hz, or (samples, 2): time, voltage.")
     )
 
 
@@ -157,12 +157,12 @@ def _tdms(path: Path, wanted: Wanted) -> Mapping[str, Any]:
         nptdms = importlib.import_module("nptdms")
     except ImportError:
         raise MissingLibraryError(
-            Fault(str(path), "needs npTDMS, which is not installed; pip install 'fingertip[tdms]'.")
+            Issue(str(path), "needs npTDMS, which is not installed; pip install 'fingertip[tdms]'.")
         ) from None
     try:
         channels = [channel for group in nptdms.TdmsFile.read(path).groups() for channel in group.channels()]
     except (ValueError, KeyError, IndexError) as error:
-        raise TraceError(Fault(str(path), f"is no TDMS file that npTDMS reads ({error}).")) from None
+        raise TraceError(Issue(str(path), f"is no TDMS file that npTDMS reads ({error}).")) from None
     found = {channel.name: channel for channel in channels}
     if len(channels) == 1 and "voltage_v" not in wanted.names:
         found = {"voltage_v": channels[0]}

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _REPEATS = 0.05
-"""Least share of steps that repeat the time before; fewer are single faults, told one by one."""
+"""Least share of steps that repeat the time before; fewer are single issues, told one by one."""
 _STRAY = 1.5
 """Most by which a stamp may be off even times, in steps of the rounding: rounding itself moves it by less than one."""
 SURE = 0.005

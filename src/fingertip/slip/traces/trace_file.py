@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.errors import Fault, TraceError
+from fingertip.errors import Issue, TraceError
 from fingertip.slip.traces.header import Header, encoding_of, find_header, unquoted
 from fingertip.slip.traces.parsed import COLUMNS, Parsed, Wanted
 from fingertip.slip.traces.trace import Trace
@@ -55,9 +55,9 @@ def parse_csv(path: Path, wanted: Wanted) -> Parsed:
             header = find_header(name, file, wanted)
             below = file.readline()
     except UnicodeError:
-        raise TraceError(Fault(name, "is no text; a trace is a CSV file with the columns time_s,voltage_v.")) from None
+        raise TraceError(Issue(name, "is no text; a trace is a CSV file with the columns time_s,voltage_v.")) from None
     except OSError as error:
-        raise TraceError(Fault(name, f"cannot be read ({error.strerror}); give the path of a trace.")) from None
+        raise TraceError(Issue(name, f"cannot be read ({error.strerror}); give the path of a trace.")) from None
     first_line = header.line + (2 if header.has_units(below) else 1)
     return _quickly(path, encoding, header, first_line, wanted) or _carefully(
         path, encoding, header, first_line, wanted
@@ -65,7 +65,7 @@ def parse_csv(path: Path, wanted: Wanted) -> Parsed:
 
 
 def _quickly(path: Path, encoding: str, header: Header, first_line: int, wanted: Wanted) -> Parsed | None:
-    """A file without any fault, by numpy's reader; None if there is one, or if it is not sure."""
+    """A file without any issue, by numpy's reader; None if there is one, or if it is not sure."""
     present = [column for column in COLUMNS if wanted.of(column) in header.names]
     places = [header.names.index(wanted.of(column)) for column in present]
     try:
@@ -89,12 +89,12 @@ def _quickly(path: Path, encoding: str, header: Header, first_line: int, wanted:
 
 
 def _carefully(path: Path, encoding: str, header: Header, first_line: int, wanted: Wanted) -> Parsed:
-    """Line by line, with all faults."""
-    name, found = str(path), list[Fault]()
+    """Line by line, with all issues."""
+    name, found = str(path), list[Issue]()
     try:
         lines = path.read_text(encoding=encoding).rstrip().splitlines()
     except UnicodeError:
-        raise TraceError(Fault(name, "is no text; a trace is a CSV file with the columns time_s,voltage_v.")) from None
+        raise TraceError(Issue(name, "is no text; a trace is a CSV file with the columns time_s,voltage_v.")) from None
     rows = [line.split(header.delimiter) for line in lines[first_line - 1 :]]
     width = header.width(len(rows[0]), wanted) if rows else 0
     uneven = [i for i, row in enumerate(rows) if len(row) != width]
@@ -102,7 +102,7 @@ def _carefully(path: Path, encoding: str, header: Header, first_line: int, wante
         first = uneven[0]
         where = f"{name}, line {first_line + first}"
         sentence = f"has {len(rows[first])} cells, the header {len(header.names)}{_more(uneven)}"
-        found.append(Fault(where, f"{sentence}; each line must have one cell per column."))
+        found.append(Issue(where, f"{sentence}; each line must have one cell per column."))
         for i in uneven:
             rows[i] = ["0"] * width  # a place holder: the other lines are judged with their own numbers
     columns: dict[str, NDArray[np.float64]] = {}
@@ -114,14 +114,14 @@ def _carefully(path: Path, encoding: str, header: Header, first_line: int, wante
             if wrong:
                 where = f"{cells[wrong[0]].strip()!r} in line {first_line + wrong[0]}{_more(wrong)}"
                 sentence = f"{where} is not a number; write it with a decimal point."
-                found.append(Fault(f"{name}, {column}", sentence))
+                found.append(Issue(f"{name}, {column}", sentence))
                 uneven.extend(wrong if column == "time_s" else ())
     truth = columns.get("slip")
     if truth is not None:
         wrong = np.flatnonzero((truth != 0.0) & (truth != 1.0)).tolist()
         if wrong:
             where = f"{truth[wrong[0]]:g} in line {first_line + wrong[0]}{_more(wrong)}"
-            found.append(Fault(f"{name}, slip", f"{where} is neither 0 nor 1; write one of those."))
+            found.append(Issue(f"{name}, slip", f"{where} is neither 0 nor 1; write one of those."))
     trace = wanted.trace(columns)
     return Parsed(name, trace, tuple(found), first_line, not uneven, wanted.in_volts)
 

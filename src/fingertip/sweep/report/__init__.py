@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def write(
-    store: Store, folder: Path, say: Callable[[str], None] = lambda message: None, plan: Plan | None = None
+    store: Store, folder: Path, progress: Callable[[str], None] = lambda message: None, plan: Plan | None = None
 ) -> dict[str, Any]:
     """Write the report of a sweep, finished or not, into a folder.
 
@@ -29,7 +29,7 @@ def write(
         The sweep.
     folder
         Where to; files of these names are replaced.
-    say
+    progress
         Called with a sentence at each step.
     plan
         The sweep with the objectives to judge by; by default those it was begun or last resumed with.
@@ -51,7 +51,7 @@ def write(
     from fingertip.sweep.report.summary import as_data, findings
     from fingertip.sweep.report.text import as_text, best_sentence
 
-    say("reading the rows")
+    progress("reading the rows")
     if plan is not None:
         store.refuse_other(plan)
     found = findings(plan or store.plan, store.table())
@@ -62,12 +62,12 @@ def write(
     if len(found.table.point):
         from fingertip.sweep.report.drawn import pictures
 
-        say("drawing")
+        progress("drawing")
         files |= dict(pictures(found))
     data = as_data(found) | {"best_sentence": best_sentence(found), "files": sorted([*files, "summary.json"])}
     files["summary.json"] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
     write_whole(folder, files)
-    say(f"wrote {', '.join(sorted(files))} to {folder}")
+    progress(f"wrote {', '.join(sorted(files))} to {folder}")
     return data | {"text": as_text(found)}
 
 

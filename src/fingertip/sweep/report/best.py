@@ -51,8 +51,8 @@ class Choice:
 
 def objectives(plan: Plan) -> tuple[Objective, ...]:
     """Those of a sweep: what it minimises, then what it maximises."""
-    least = [Objective(name, 1) for name in plan.file.minimise]
-    return (*least, *(Objective(name, -1) for name in plan.file.maximise))
+    minimum = [Objective(name, 1) for name in plan.file.minimise]
+    return (*minimum, *(Objective(name, -1) for name in plan.file.maximise))
 
 
 def choose(table: Table, wanted: tuple[Objective, ...]) -> Choice:

@@ -44,19 +44,19 @@ def plain(column: Column) -> Column:
     return column.astype(str) if column.dtype == object else column
 
 
-def by_count(column: Column, most: int) -> Bins:
+def by_count(column: Column, maximum: int) -> Bins:
     """Each value its bin, or at most `most` bins of about as many points each; equal values share one."""
-    return _merged(column, most, lambda values, counts: most * (np.cumsum(counts) - counts / 2) / counts.sum())
+    return _merged(column, maximum, lambda values, counts: maximum * (np.cumsum(counts) - counts / 2) / counts.sum())
 
 
-def by_value(column: Column, most: int) -> Bins:
+def by_value(column: Column, maximum: int) -> Bins:
     """Each value its bin, or at most `most` bins of equal width; of equal ratio where the values are spread so."""
 
     def place(values: Column, counts: NDArray[np.intp]) -> NDArray[np.float64]:
         scale = np.log(values) if is_spread_by_ratio(values) else values.astype(float)
-        return np.asarray(most * (scale - scale[0]) / (scale[-1] - scale[0]))
+        return np.asarray(maximum * (scale - scale[0]) / (scale[-1] - scale[0]))
 
-    return _merged(column, most, place)
+    return _merged(column, maximum, place)
 
 
 def is_spread_by_ratio(column: Column) -> bool:
@@ -64,8 +64,10 @@ def is_spread_by_ratio(column: Column) -> bool:
     least, and the median nearer to the geometric than to the arithmetic mean of both."""
     if is_words(column) or not len(column) or not np.min(column) > 0:
         return False
-    least, most, middle = float(np.min(column)), float(np.max(column)), float(np.median(column))
-    return most >= 5 * least and abs(np.log(middle**2 / (least * most))) < abs(np.log(2 * middle / (least + most)))
+    minimum, maximum, middle = float(np.min(column)), float(np.max(column)), float(np.median(column))
+    return maximum >= 5 * minimum and abs(np.log(middle**2 / (minimum * maximum))) < abs(
+        np.log(2 * middle / (minimum + maximum))
+    )
 
 
 def ranks(column: Column) -> NDArray[np.float64]:
@@ -74,11 +76,11 @@ def ranks(column: Column) -> NDArray[np.float64]:
     return np.asarray((np.cumsum(counts) - (counts - 1) / 2)[code])
 
 
-def _merged(column: Column, most: int, place: Any) -> Bins:
+def _merged(column: Column, maximum: int, place: Any) -> Bins:
     values, code, counts = np.unique(plain(column), return_inverse=True, return_counts=True)
-    if len(values) <= most or is_words(column):
+    if len(values) <= maximum or is_words(column):
         return Bins(code, values, values)
-    wanted = np.clip(np.floor(place(values, counts)).astype(int), 0, most - 1)
+    wanted = np.clip(np.floor(place(values, counts)).astype(int), 0, maximum - 1)
     first = np.flatnonzero(np.diff(wanted, prepend=-1))  # bins that would be empty are left out
     last = np.append(first[1:], len(values)) - 1
     bin_of_value = np.repeat(np.arange(len(first)), last - first + 1)

@@ -12,7 +12,7 @@ from fingertip.sweep.report.pictures import feasibility, front, heat, pairs, wei
 from fingertip.sweep.report.sensitivity import strongest
 from fingertip.sweep.report.summary import Findings
 
-_MOST_HEATED = 3
+_MAX_HEATED = 3
 """Objectives that get a heat map."""
 
 
@@ -30,7 +30,7 @@ def pictures(found: Findings) -> Iterator[tuple[str, bytes]]:
     outputs = {name: column for name, column in table.outputs.items() if _varies(column[ok])}
     wanted = [one.output for one in found.choice.objectives]
     ranked = [*(name for name in wanted if name in outputs), *(name for name in outputs if name not in wanted)]
-    for output in ranked[: max(1, min(len(wanted), _MOST_HEATED))] if len(varied) > 1 else []:
+    for output in ranked[: max(1, min(len(wanted), _MAX_HEATED))] if len(varied) > 1 else []:
         two = strongest(found.sensitivity(output), [*varied], 2)
         x, y = sorted(two, key=list(varied).index)
         goal = next((one.sign > 0 for one in found.choice.objectives if one.output == output), None)
@@ -47,15 +47,15 @@ def _varies(column: Column) -> bool:
 
 def _pairs(found: Findings, axes: dict[str, Column], outputs: dict[str, Column]) -> bytes:
     """At most as many columns as can be read; half of the room is for outputs, more if axes leave it."""
-    most = pairs.MOST_COLUMNS
-    room = max(most // 2, most - len(axes))
+    maximum = pairs.MAX_COLUMNS
+    room = max(maximum // 2, maximum - len(axes))
     told = list(outputs)[:room]
     weight = dict.fromkeys(axes, 0.0)
     for one in found.sensitivities:
         for w in one.weights:
             if one.output in told and w.axis in weight:
                 weight[w.axis] += w.share
-    heaviest = sorted(axes, key=lambda name: -weight[name])[: most - len(told)]
+    heaviest = sorted(axes, key=lambda name: -weight[name])[: maximum - len(told)]
     shown = [name for name in axes if name in heaviest]
     columns = {name: axes[name] for name in shown} | {name: outputs[name] for name in told}
     left_out = [name for name in (*axes, *outputs) if name not in columns]

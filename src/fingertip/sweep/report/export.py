@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from fingertip.errors import Fault, MissingLibraryError
+from fingertip.errors import Issue, MissingLibraryError
 from fingertip.files import open_whole
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def arrow() -> tuple[Any, Any]:
         import pyarrow.parquet
     except ImportError as error:
         remedy = "pip install 'fingertip[parquet]', or write CSV with --csv"
-        raise MissingLibraryError(Fault("--parquet", f"needs the package pyarrow; {remedy}.")) from error
+        raise MissingLibraryError(Issue("--parquet", f"needs the package pyarrow; {remedy}.")) from error
     return pyarrow, pyarrow.parquet
 
 

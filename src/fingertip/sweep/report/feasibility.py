@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.sweep.report.bins import Bins, by_count, by_value
-from fingertip.sweep.report.variance import LEAST_POINTS, chance, explained
+from fingertip.sweep.report.variance import MIN_POINTS, chance, explained
 
 if TYPE_CHECKING:
     from fingertip.sweep.table import Table
@@ -107,7 +107,7 @@ def limits(table: Table, found: Verdicts) -> tuple[Limit, ...]:
 
 def _weight(hit: NDArray[np.bool_], bins: Bins) -> float:
     n = len(hit)
-    if bins.count < 2 or n < max(LEAST_POINTS, 2 * bins.count) or hit.all():
+    if bins.count < 2 or n < max(MIN_POINTS, 2 * bins.count) or hit.all():
         return 0.0
     share = explained(hit.astype(float), bins)
     return share if share > 2 * chance(bins.count, n) else 0.0

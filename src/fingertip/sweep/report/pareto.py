@@ -21,8 +21,8 @@ def front(costs: Costs) -> NDArray[np.intp]:
 
 def _front_of_two(rows: Costs) -> NDArray[np.bool_]:
     """`rows` differ and are sorted by the first column, then by the second."""
-    least_before = np.minimum.accumulate(np.append(np.inf, rows[:-1, 1]))
-    return np.asarray(rows[:, 1] < least_before)
+    min_before = np.minimum.accumulate(np.append(np.inf, rows[:-1, 1]))
+    return np.asarray(rows[:, 1] < min_before)
 
 
 def _front_of_many(rows: Costs) -> NDArray[np.bool_]:

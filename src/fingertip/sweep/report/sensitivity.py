@@ -17,12 +17,12 @@ import numpy as np
 
 from fingertip.sweep.report.bins import Column, by_count, is_words, ranks
 from fingertip.sweep.report.feasibility import FEASIBLE, feasible
-from fingertip.sweep.report.variance import LEAST_POINTS, chance, correlation, explained
+from fingertip.sweep.report.variance import MIN_POINTS, chance, correlation, explained
 
 if TYPE_CHECKING:
     from fingertip.sweep.table import Table
 
-MOST_BINS = 32
+MAX_BINS = 32
 
 
 @dataclass(frozen=True)
@@ -78,18 +78,18 @@ def sensitivity(output: str, column: Column, axes: dict[str, Column]) -> Sensiti
     Returns
     -------
     Sensitivity or None
-        None where fewer than `LEAST_POINTS` points have the output, or all have the same.
+        None where fewer than `MIN_POINTS` points have the output, or all have the same.
     """
     known = np.isfinite(column)
     y = column[known]
-    if len(y) < LEAST_POINTS or np.ptp(y) <= 1e-12 * np.max(np.abs(y)):
+    if len(y) < MIN_POINTS or np.ptp(y) <= 1e-12 * np.max(np.abs(y)):
         return None
-    most = min(MOST_BINS, max(2, math.isqrt(len(y)) // 2))
+    maximum = min(MAX_BINS, max(2, math.isqrt(len(y)) // 2))
     y_ranks = ranks(y)
     weights, noise = [], 0.0
     for name, axis in axes.items():
         x = axis[known]
-        bins = by_count(x, most)
+        bins = by_count(x, maximum)
         if bins.count < 2 or len(y) <= bins.count:
             continue
         own = chance(bins.count, len(y))

@@ -12,7 +12,7 @@ from fingertip.sweep.report.sensitivity import Sensitivity, Weight
 from fingertip.sweep.report.summary import Findings, point_data, spread
 from fingertip.sweep.table import STATUSES
 
-_MOST_LISTED = 12
+_MAX_LISTED = 12
 
 
 def as_text(found: Findings) -> str:
@@ -68,15 +68,15 @@ def _rules(found: Sequence[Limit]) -> list[str]:
     if not found:
         return []
     lines = ["", "what limits                          points   share   depends on, limits there most"]
-    for one in found[:_MOST_LISTED]:
+    for one in found[:_MAX_LISTED]:
         place = one.places[0] if one.places else None
         where = ""
         if place and place.share > 0:
             ranges = ", ".join(_ends(*ends) for ends in place.limiting)
             where = f"{place.axis} ({_percent(place.share)})" + (f": {ranges}" if ranges else "")
         lines.append(f"{one.rule:34} {one.points:8} {_percent(one.share):>7}   {where}".rstrip())
-    if len(found) > _MOST_LISTED:
-        lines.append(f"and {len(found) - _MOST_LISTED} rarer")
+    if len(found) > _MAX_LISTED:
+        lines.append(f"and {len(found) - _MAX_LISTED} rarer")
     return lines
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from fingertip.sweep.report.bins import Bins
 
-LEAST_POINTS = 20
+MIN_POINTS = 20
 """Fewer points say nothing about shares of a variance."""
 
 

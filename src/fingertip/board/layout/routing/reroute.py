@@ -61,7 +61,7 @@ def _reroute(variant: Variant, python: str) -> None:
         raise SystemExit(f"{variant.name}: " + "; ".join(found))
     rules = Rules(TRACK_MM, CLEARANCE_MM, VIA_MM, EDGE_CLEARANCE_MM)
     pads, no_vias = list(placed_pads(circuit, placement)), printed(placement).values()
-    tracks = route(placement.width, placement.height, pads, rules, no_vias, tell=print)
+    tracks = route(placement.width, placement.height, pads, rules, no_vias, progress=print)
     with tempfile.TemporaryDirectory() as name:
         board = Path(name) / f"{circuit.name}.kicad_pcb"
         board.write_bytes(kicad_board(circuit, placement, Template(tracks, {})))

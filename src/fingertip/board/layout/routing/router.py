@@ -22,7 +22,7 @@ POUR = "GND"
 
 def route(
     width: float, height: float, pads: list[PlacedPad], rules: Rules, no_vias: Iterable[Box] = (), rounds: int = 60,
-    tell: Callable[[str], None] = lambda _words: None,
+    progress: Callable[[str], None] = lambda _words: None,
 ) -> dict[str, Tracks]:  # fmt: skip
     """Net -> tracks that join all its pads, no via within the boxes `no_vias`.
 
@@ -42,7 +42,7 @@ def route(
             held[name] = connect(grid, name, groups, price)
             grid.hold(held[name])
         bad = [name for name in held if grid.trespasses(held[name])]
-        tell(f"round {turn + 1}: {len(bad)} nets trespass")
+        progress(f"round {turn + 1}: {len(bad)} nets trespass")
         if not bad:
             return gathered(held)
         for name in bad:

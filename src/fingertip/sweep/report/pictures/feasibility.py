@@ -18,9 +18,9 @@ from fingertip.sweep.report.pictures.scales import Scale, scale
 
 _OK_COLOUR, _REST_COLOUR, _NO_COLOUR = "#cfe3d8", "#b9bec4", "#f4f5f6"
 _COLOURS = ("#b03a2e", "#d98c2b", "#1f4e79", "#8e6bb0", "#d9c32b", "#4fa3c7", "#7a4b26", "#d67fa8")
-_MOST_CELLS = 80
-_MOST_MARKERS = 3000
-_MOST_BARS = 40
+_MAX_CELLS = 80
+_MAX_MARKERS = 3000
+_MAX_BARS = 40
 _NOT_RULES = {"failed": "#20252a", "timeout": "#8a9199"}
 
 
@@ -47,7 +47,7 @@ def draw(axes: dict[str, Column], found: Verdicts, telling: list[str]) -> bytes:
         figure = sheet(10, 7)
         plot = figure.subplots()
         (x_name, x), (y_name, y) = sorted(varied.items(), key=lambda item: list(axes).index(item[0]))
-        said = _map(plot, scale(x_name, x, _MOST_CELLS), scale(y_name, y, _MOST_CELLS), (x, y), code, colours)
+        said = _map(plot, scale(x_name, x, _MAX_CELLS), scale(y_name, y, _MAX_CELLS), (x, y), code, colours)
         _heading(figure, found, said, legend)
         return png(figure)
     columns = 2 if len(varied) == 4 else min(3, max(1, len(varied)))
@@ -55,7 +55,7 @@ def draw(axes: dict[str, Column], found: Verdicts, telling: list[str]) -> bytes:
     figure = sheet(max(10.0, 4.2 * columns), 1.6 + 3.0 * rows)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for plot, (name, column) in zip(panels, varied.items(), strict=False):
-        bars = min(_MOST_BARS, max(4, math.isqrt(len(column)) // 2))
+        bars = min(_MAX_BARS, max(4, math.isqrt(len(column)) // 2))
         _shares(plot, scale(name, column, bars), code, colours)
     for plot in panels[len(varied) :]:
         plot.set_visible(False)
@@ -100,7 +100,7 @@ def _map(
 ) -> str:
     """Draw cells or markers; what one of them stands for."""
     exact = x.bins.each_value and y.bins.each_value
-    markers = not exact and len(code) <= _MOST_MARKERS
+    markers = not exact and len(code) <= _MAX_MARKERS
     margin = 0.02 if markers else 0.0
     x.dress(plot, "x", margin=margin)
     y.dress(plot, "y", margin=margin)
@@ -118,10 +118,15 @@ def _map(
     shape = (y.bins.count, x.bins.count, len(colours))
     flat = (y.bins.code * shape[1] + x.bins.code) * shape[2] + code
     counts = np.bincount(flat, minlength=math.prod(shape)).reshape(shape)
-    most = np.where(counts.sum(axis=2) > 0, counts.argmax(axis=2), -1).astype(float)
+    maximum = np.where(counts.sum(axis=2) > 0, counts.argmax(axis=2), -1).astype(float)
     plot.set_facecolor(_NO_COLOUR)
     plot.pcolormesh(
-        x.edges, y.edges, np.ma.masked_less(most, 0), cmap=ListedColormap(colours), vmin=-0.5, vmax=len(colours) - 0.5
+        x.edges,
+        y.edges,
+        np.ma.masked_less(maximum, 0),
+        cmap=ListedColormap(colours),
+        vmin=-0.5,
+        vmax=len(colours) - 0.5,
     )
     if counts.sum(axis=2).max() <= 1:
         return "each cell is one design"

@@ -10,7 +10,7 @@ from fingertip.sweep.report.bins import Column
 from fingertip.sweep.report.pictures.scales import chosen
 
 _CLOUD_COLOUR = "#a9bfd4"
-_MOST_POINTS = 20000
+_MAX_POINTS = 20000
 
 
 def draw(
@@ -42,7 +42,7 @@ def draw(
     figure = sheet(10, 7)
     plot = figure.subplots()
     x, y = values
-    drawn = np.array(chosen(len(x), _MOST_POINTS), dtype=np.intp)
+    drawn = np.array(chosen(len(x), _MAX_POINTS), dtype=np.intp)
     size = 3.5 if len(drawn) > 2000 else 6.0
     plot.plot(x[drawn], y[drawn], ".", color=_CLOUD_COLOUR, markersize=size, markeredgewidth=0)
     order = front[np.lexsort((y[front], x[front]))]

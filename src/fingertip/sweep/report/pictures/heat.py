@@ -16,7 +16,7 @@ from fingertip.sweep.report.cells import cells
 from fingertip.sweep.report.pictures.scales import Scale, scale
 
 _NONE_COLOUR = "#e9ebed"
-_MOST_CELLS = 40
+_MAX_CELLS = 40
 
 
 def draw(
@@ -43,8 +43,8 @@ def draw(
     bytes
         A PNG with one panel where each cell is one design, else with two.
     """
-    most = max(5, min(_MOST_CELLS, math.isqrt(len(ok) // 12)))
-    x, y = (scale(name, axes[name], _cells(axes[name], most)) for name in (x_name, y_name))
+    maximum = max(5, min(_MAX_CELLS, math.isqrt(len(ok) // 12)))
+    x, y = (scale(name, axes[name], _cells(axes[name], maximum)) for name in (x_name, y_name))
     found = cells(x.bins, y.bins, values, ok, lower_is_better is not False)
     others = [name for name, column in axes.items() if name not in (x_name, y_name) and len(np.unique(column)) > 1]
     if found.count.max(initial=0) <= 1 and not others:
@@ -68,10 +68,10 @@ def draw(
     return png(figure)
 
 
-def _cells(column: Column, most: int) -> int:
+def _cells(column: Column, maximum: int) -> int:
     """A grid's own values are kept while they can be told apart."""
     count = len(np.unique(column))
-    return count if count <= _MOST_CELLS else most
+    return count if count <= _MAX_CELLS else maximum
 
 
 def _panel(

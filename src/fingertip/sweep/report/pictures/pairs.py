@@ -14,8 +14,8 @@ from fingertip.sweep.report.bins import Column, is_words, ranks
 from fingertip.sweep.report.pictures.scales import Scale, chosen, scale
 from fingertip.sweep.report.variance import correlation
 
-MOST_COLUMNS = 8
-_MOST_POINTS = 2000
+MAX_COLUMNS = 8
+_MAX_POINTS = 2000
 _HISTOGRAM_BINS = 24
 _REFUSED_COLOUR = "#e2b6b1"
 
@@ -26,7 +26,7 @@ def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: Sequence[s
     Parameters
     ----------
     columns
-        Axes and outputs, name -> values of shape (points,); not finite where there is none. `MOST_COLUMNS` at most.
+        Axes and outputs, name -> values of shape (points,); not finite where there is none. `MAX_COLUMNS` at most.
     ok
         Feasible points, shape (points,).
     left_out
@@ -43,7 +43,7 @@ def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: Sequence[s
     figure = sheet(width, height, arranged=False)
     figure.subplots_adjust(0.95 / width, 0.6 / height, 1 - 0.1 / width, 1 - 0.45 / height, 0.12, 0.12)
     panels = figure.subplots(size, size, squeeze=False)
-    drawn = np.array(chosen(len(ok), _MOST_POINTS), dtype=np.intp)
+    drawn = np.array(chosen(len(ok), _MAX_POINTS), dtype=np.intp)
     scales = [scale(name, _finite(column), _HISTOGRAM_BINS) for name, column in columns.items()]
     values = list(columns.values())
     for i, y in enumerate(scales):
@@ -54,11 +54,11 @@ def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: Sequence[s
             if j > i:
                 _correlation(plot, values[j][ok], values[i][ok])
                 continue
-            x.dress(plot, "x", size=8, margin=0.03, most=20)
+            x.dress(plot, "x", size=8, margin=0.03, maximum=20)
             if i == j:
                 _histogram(plot, x, values[j], ok)
             else:
-                y.dress(plot, "y", size=8, margin=0.03, most=20)
+                y.dress(plot, "y", size=8, margin=0.03, maximum=20)
                 _scatter(plot, _spread(x, values[j][drawn]), _spread(y, values[i][drawn]), ok[drawn])
             for side, shown in (("x", x), ("y", y)):
                 if not shown.words and not shown.log and (i != j or side == "x"):

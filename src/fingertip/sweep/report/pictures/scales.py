@@ -32,11 +32,11 @@ class Scale:
         return np.searchsorted(self.bins.low, plain(column)).astype(float) if self.words else column.astype(float)
 
     def dress(
-        self, axes: Axes, side: Literal["x", "y"], *, size: float = 9.0, margin: float = 0.0, most: int = 34
+        self, axes: Axes, side: Literal["x", "y"], *, size: float = 9.0, margin: float = 0.0, maximum: int = 34
     ) -> None:
         """Give a side of a plot this scale, its limits (and that share of them beyond each) and its name in lines of at
         most that many characters."""
-        getattr(axes, f"set_{side}label")(wrapped(self.name, most), fontsize=size)
+        getattr(axes, f"set_{side}label")(wrapped(self.name, maximum), fontsize=size)
         if self.words:
             getattr(axes, f"set_{side}ticks")(range(len(self.words)), self.words)
         elif self.log:
@@ -54,9 +54,9 @@ class Scale:
         getattr(axes, f"set_{side}lim")(low, high)
 
 
-def scale(name: str, column: Column, most: int) -> Scale:
+def scale(name: str, column: Column, maximum: int) -> Scale:
     """The scale of a column in at most `most` cells (words: as many as there are)."""
-    bins = by_value(column, most)
+    bins = by_value(column, maximum)
     if is_words(column) or column.dtype.kind == "b":
         words = tuple(str(word) for word in bins.low)
         return Scale(name, bins, np.arange(len(words) + 1, dtype=float) - 0.5, False, words)
@@ -78,17 +78,17 @@ def _edges(bins: Bins, log: bool) -> NDArray[np.float64]:
     return np.asarray(np.exp(edges) if log else edges, dtype=np.float64)
 
 
-def wrapped(name: str, most: int) -> str:
+def wrapped(name: str, maximum: int) -> str:
     """A parameter's name, in two lines if it is longer: parted near the middle, at a dot or underscore."""
     ends = [found.end() for found in re.finditer(r"[._]+", name)]
-    if len(name) <= most or not ends:
+    if len(name) <= maximum or not ends:
         return name
     cut = min(ends, key=lambda end: abs(2 * end - len(name)))
     return f"{name[:cut]}\n{name[cut:]}"
 
 
-def chosen(count: int, most: int) -> Sequence[int] | NDArray[np.intp]:
+def chosen(count: int, maximum: int) -> Sequence[int] | NDArray[np.intp]:
     """All of `count` points, or `most` of them at random, always the same: a stride might keep step with a grid."""
-    if count <= most:
+    if count <= maximum:
         return range(count)
-    return np.sort(np.random.default_rng(0).choice(count, most, replace=False))
+    return np.sort(np.random.default_rng(0).choice(count, maximum, replace=False))

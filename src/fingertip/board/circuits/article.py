@@ -1,4 +1,4 @@
-"""Variant `paper`: the article's circuit (figure 3) from TACTILE to ENVELOPE.
+"""Variant `article`: the article's circuit (figure 3) from TACTILE to ENVELOPE.
 
 Two high-pass stages, a diode, an envelope. The article's references stand here; its R_LP and C_LP are R6 and C4,
 because KiCad's annotation wants references that end in a digit.
@@ -25,7 +25,7 @@ from fingertip.board.supplies import SUPPLIES
 from fingertip.board.values.board_values import BoardValues
 
 
-def paper_circuit(values: BoardValues) -> Circuit:
+def article_circuit(values: BoardValues) -> Circuit:
     """The board with these values, checked."""
     return whole_board(values, {**high_passes(values), **_peak_detector(values)})
 

@@ -8,12 +8,12 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from fingertip.errors import Fault
+from fingertip.errors import Issue
 
 
-def from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
-    """One fault for each thing pydantic refused in a `model`."""
-    return [_fault(detail, model) for detail in error.errors(include_url=False)]
+def from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:
+    """One issue for each thing pydantic refused in a `model`."""
+    return [_issue(detail, model) for detail in error.errors(include_url=False)]
 
 
 def nearest(word: str, known: Sequence[str]) -> str:
@@ -22,32 +22,32 @@ def nearest(word: str, known: Sequence[str]) -> str:
     return f"did you mean {close[0]}?" if close else f"known here: {', '.join(known)}."
 
 
-def _fault(detail: Any, model: type[BaseModel]) -> Fault:
+def _issue(detail: Any, model: type[BaseModel]) -> Issue:
     location = [str(step) for step in detail["loc"]]
     field = ".".join(location)
     value, kind, context = detail["input"], detail["type"], detail.get("ctx", {})
     if kind == "extra_forbidden":
-        return Fault(field, f"there is no such parameter; {_nearest_path(location, model)}")
+        return Issue(field, f"there is no such parameter; {_nearest_path(location, model)}")
     unit = _unit(location, model)
     match kind:
         case "greater_than_equal":
-            return Fault(field, f"{value!r}{unit} is too small; at least {context['ge']:g}{unit}.")
+            return Issue(field, f"{value!r}{unit} is too small; at least {context['ge']:g}{unit}.")
         case "greater_than":
-            return Fault(field, f"{value!r}{unit} is too small; it must be above {context['gt']:g}{unit}.")
+            return Issue(field, f"{value!r}{unit} is too small; it must be above {context['gt']:g}{unit}.")
         case "less_than_equal":
-            return Fault(field, f"{value!r}{unit} is too large; at most {context['le']:g}{unit}.")
+            return Issue(field, f"{value!r}{unit} is too large; at most {context['le']:g}{unit}.")
         case "finite_number":
-            return Fault(field, f"{value!r} is not a finite number; give one in{unit or ' plain numbers'}.")
+            return Issue(field, f"{value!r} is not a finite number; give one in{unit or ' plain numbers'}.")
         case "literal_error":
-            return Fault(field, f"{value!r} is not known; choose {context['expected']}.")
+            return Issue(field, f"{value!r} is not known; choose {context['expected']}.")
         case "float_type" | "int_type":
             whole = "a whole number" if kind == "int_type" else "a number"
-            return Fault(field, f"{value!r} is not {whole}; write {whole}{unit and ' in' + unit}, without quotes.")
+            return Issue(field, f"{value!r} is not {whole}; write {whole}{unit and ' in' + unit}, without quotes.")
         case "model_type":
-            return Fault(field, f"{value!r} is not a table; write [{field}] and its parameters below it.")
+            return Issue(field, f"{value!r} is not a table; write [{field}] and its parameters below it.")
         case "string_pattern_mismatch":
-            return Fault(field, f"{value!r} cannot name a folder; use up to 40 letters, digits, - and _.")
-    return Fault(field, f"{value!r} is refused: {detail['msg']}.")
+            return Issue(field, f"{value!r} cannot name a folder; use up to 40 letters, digits, - and _.")
+    return Issue(field, f"{value!r} is refused: {detail['msg']}.")
 
 
 def _section(location: Sequence[str], model: type[BaseModel]) -> type[BaseModel]:

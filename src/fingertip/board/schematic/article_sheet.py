@@ -1,4 +1,4 @@
-"""The sheet of variant `paper`: signal from left to right, in three rows; supply below. Units of 1.27 mm."""
+"""The sheet of variant `article`: signal from left to right, in three rows; supply below. Units of 1.27 mm."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _FILTERS = Sheet(
 )  # fmt: skip
 
 
-def paper_sheet(supply: Supply) -> Sheet:
+def article_sheet(supply: Supply) -> Sheet:
     """The whole sheet."""
     plus = ("C10", "C5", "C12", *(("C22",) if supply.zero_share else ()))
     row = supply_row(supply, plus, ("C11", "C6", "C13"), ("U1",))

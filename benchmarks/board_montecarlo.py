@@ -21,7 +21,7 @@ from fingertip.board.values.capacitors import choose_capacitor
 from fingertip.board.values.figures import monte_carlo
 from fingertip.board.values.preferred import choose_section
 from fingertip.design import Design
-from fingertip.design.sections import Board
+from fingertip.design.parameters import Board
 
 
 def timed(action: Callable[[], object], runs: int) -> list[float]:

@@ -29,10 +29,10 @@ from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.kernel.tessellate import tessellate
-from fingertip.cad.solids import Form
+from fingertip.cad.solids import SuperconicSolid
 from fingertip.cad.verification.deviation import distance
-from fingertip.conic import ConicBody
 from fingertip.design import Design
+from fingertip.design.geometry.conic import ConicBody
 
 DESIGN = Path(__file__).resolve().parent.parent / "params" / "fsr400.toml"
 TOLERANCES_MM = (0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
@@ -113,8 +113,8 @@ def judged(body: ConicBody, way: str, setting: str, mesh: Mesh, cpu_s: float) ->
 def ours(body: ConicBody) -> Iterator[Row]:
     """The structured grid."""
     for tolerance in TOLERANCES_MM:
-        mesh = Mesh(*tessellate(Form(body), tolerance))
-        yield judged(body, OURS, f"{tolerance:g} mm", mesh, timed(lambda at=tolerance: tessellate(Form(body), at)))
+        mesh = Mesh(*tessellate(SuperconicSolid(body), tolerance))
+        yield judged(body, OURS, f"{tolerance:g} mm", mesh, timed(lambda at=tolerance: tessellate(SuperconicSolid(body), at)))
 
 
 def open_cascade(body: ConicBody) -> Iterator[Row]:
@@ -124,7 +124,7 @@ def open_cascade(body: ConicBody) -> Iterator[Row]:
 
     from fingertip.cad.kernel import brep
 
-    shape = brep.Evaluator().shape(Form(body))
+    shape = brep.BrepEvaluator().shape(SuperconicSolid(body))
 
     def run(linear: float, angular: float) -> None:
         BRepTools.Clean_s(shape.wrapped)  # or it takes over a finer mesh that is there already
@@ -152,7 +152,7 @@ def gmsh_rows(body: ConicBody) -> Iterator[Row]:
     gmsh.option.setNumber("General.NumThreads", 1)
     with tempfile.TemporaryDirectory() as folder:
         step = str(Path(folder) / "outer.step")
-        cq.exporters.export(cq.Workplane(brep.Evaluator().shape(Form(body))), step)
+        cq.exporters.export(cq.Workplane(brep.BrepEvaluator().shape(SuperconicSolid(body))), step)
         gmsh.model.occ.importShapes(step)
     gmsh.model.occ.synchronize()
 
@@ -243,11 +243,11 @@ def cpu_of(*command: str) -> tuple[float, float]:
 
 def whole_designs(design: Design) -> None:
     """What all parts with all their checks cost, and all files with STEP against importing cadquery alone."""
-    from fingertip.cad.kernel.mesh import Evaluator
-    from fingertip.cad.shapes.parts import parts_of
+    from fingertip.cad.kernel.mesh import MeshEvaluator
+    from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.verify import verify
 
-    cpu = timed(lambda: verify(design, parts_of(design), ("stl",), Evaluator(0.01)))
+    cpu = timed(lambda: verify(design, parts_by_name(design), ("stl",), MeshEvaluator(0.01)))
     print(f"\nall parts with all mesh checks at 0.01 mm: {cpu:.2f} s CPU, warm (goal 0.5 s)")
     with tempfile.TemporaryDirectory() as folder:
         cold = [cpu_of("-m", "fingertip", "check", str(DESIGN), "-q") for _ in range(3)]

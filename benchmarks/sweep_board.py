@@ -40,7 +40,7 @@ MILLION = 1_000_000
 
 def in_worker(points: int = 20_000) -> float:
     """Points per CPU second of one worker, without pool and file."""
-    from fingertip.sweep.part import Part
+    from fingertip.sweep.chunk import Part
     from fingertip.sweep.plan import Plan
     from fingertip.sweep.work import work
 
@@ -72,7 +72,7 @@ def pace(points: int, jobs: int) -> float:
     from fingertip.sweep.engines import Processes
     from fingertip.sweep.plan import Plan
     from fingertip.sweep.run import State, run
-    from fingertip.sweep.store import Store
+    from fingertip.sweep.database import Store
 
     first: list[tuple[float, int]] = []
 

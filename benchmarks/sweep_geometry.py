@@ -53,21 +53,21 @@ def plain_cadquery(design: Any, folder: Path, shared: bool) -> None:
     A plain script has a function for each part, and asks whether its solid is valid. `shared` is what can be made of
     it at best: solids that several parts are cut with are made once, and nobody asks.
     """
-    from fingertip.cad.kernel.brep import Evaluator
-    from fingertip.cad.shapes.parts import parts_of
+    from fingertip.cad.kernel.brep import BrepEvaluator
+    from fingertip.cad.shapes.parts import parts_by_name
 
-    kernel = Evaluator()
-    for name, part in parts_of(design).items():
-        solid = kernel.shape(part.describe(design)) if shared else Evaluator().solid(part.describe(design))
+    kernel = BrepEvaluator()
+    for name, part in parts_by_name(design).items():
+        solid = kernel.shape(part.solid(design)) if shared else BrepEvaluator().solid(part.solid(design))
         solid.exportStl(str(folder / f"{name}.stl"), TOLERANCE_MM, 0.5)
 
 
 def compare(designs: int) -> None:
     """Print CPU times of both ways, and their ratios."""
-    from fingertip.cad.shapes.parts import parts_of
+    from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.design import Design
-    from fingertip.sweep.evaluate import Bench
-    from fingertip.sweep.solids import RememberingEvaluator
+    from fingertip.sweep.point_evaluator import Bench
+    from fingertip.sweep.cached_solids import CachedEvaluator
 
     made = plan(designs)
     bench = Bench(made)
@@ -91,8 +91,8 @@ def compare(designs: int) -> None:
             row = timed("sweep", lambda: Bench(made).outcome(number, point))  # noqa: B023 (nothing remembered)
             assert row[1] == "ok", row
             failed, checks = failed + (row[4][0] > 0), int(row[4][1])
-            kernel = RememberingEvaluator(TOLERANCE_MM)
-            timed("parts", lambda: [kernel.mesh(p.describe(design)) for p in parts_of(design).values()])  # noqa: B023
+            kernel = CachedEvaluator(TOLERANCE_MM)
+            timed("parts", lambda: [kernel.mesh(p.solid(design)) for p in parts_by_name(design).values()])  # noqa: B023
             timed("plain", lambda: plain_cadquery(design, folder, shared=False))  # noqa: B023
             timed("shared", lambda: plain_cadquery(design, folder, shared=True))  # noqa: B023
     mean = statistics.mean(times["sweep"])
@@ -110,7 +110,7 @@ def two_against_one(points: int) -> None:
     """Pace with one and two workers, from when the first tenth is written: their start is not counted."""
     from fingertip.sweep.engines import Processes
     from fingertip.sweep.run import State, run
-    from fingertip.sweep.store import Store
+    from fingertip.sweep.database import Store
 
     pace = {}
     for jobs in (1, 2):
@@ -134,7 +134,7 @@ def memory(points: int) -> None:
 import sys
 sys.path.insert(0, {str(Path(__file__).parent)!r})
 import sweep_geometry
-from fingertip.sweep.evaluate import Bench
+from fingertip.sweep.point_evaluator import Bench
 made = sweep_geometry.plan({points})
 bench = Bench(made)
 for number in range({points}):

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from fingertip.casting.batch import MIN_PART_G, WASTE_SHARE, batch, mass_g, split
-from fingertip.casting.materials import MATERIALS, SOURCES, Figure, Silicone, modulus_from_hardness_mpa, silicone
+from fingertip.casting.batches import MIN_PART_G, WASTE_FRACTION, batch, mass_g, split
+from fingertip.casting.materials import MATERIALS, SOURCES, MaterialProperty, Silicone, modulus_from_hardness_mpa, silicone
 from fingertip.errors import DesignError
 
 
@@ -37,8 +37,8 @@ class TestEachCard:
     def test_a_batch_holds_what_fills_the_mold_and_the_waste(self, card: Silicone) -> None:
         mixed = batch(card, 40.0)
         assert mixed.in_mold_g == pytest.approx(40.0 * card.density_g_cm3.high)
-        assert mixed.total_g == pytest.approx((1 + WASTE_SHARE) * mixed.in_mold_g)
-        assert mixed.waste_g == pytest.approx(WASTE_SHARE * mixed.in_mold_g)
+        assert mixed.total_g == pytest.approx((1 + WASTE_FRACTION) * mixed.in_mold_g)
+        assert mixed.waste_g == pytest.approx(WASTE_FRACTION * mixed.in_mold_g)
         assert mixed.a_g + mixed.b_g == pytest.approx(mixed.total_g)
 
     def test_a_small_batch_can_still_be_weighed(self, card: Silicone) -> None:
@@ -59,14 +59,14 @@ def test_ruess_at_40_is_the_upper_end_of_the_modulus() -> None:
 
 
 def test_another_ratio_is_followed() -> None:
-    equal = replace(MATERIALS["addition_40a"], parts_a=Figure(1, 1, "neat"), parts_b=Figure(1, 1, "neat"))
+    equal = replace(MATERIALS["addition_40a"], parts_a=MaterialProperty(1, 1, "neat"), parts_b=MaterialProperty(1, 1, "neat"))
     assert split(equal, 10.0) == (5.0, 5.0)
     assert batch(equal, 0.01).a_g == pytest.approx(MIN_PART_G)
 
 
 def test_the_mark_is_printed() -> None:
-    assert str(Figure(5.0, 40.0, "neat")) == "5 to 40"
-    assert str(Figure(1.08, 1.08, "", verified=False)) == "1.08 (unverified)"
+    assert str(MaterialProperty(5.0, 40.0, "neat")) == "5 to 40"
+    assert str(MaterialProperty(1.08, 1.08, "", verified=False)) == "1.08 (unverified)"
 
 
 def test_an_unknown_card_names_the_nearest() -> None:

@@ -6,14 +6,14 @@ import math
 
 import pytest
 
-from fingertip.cad.kernel.mesh import Evaluator
+from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.hardware import clamp_bolts
 from fingertip.casting.sheet import bill_of_materials
-from fingertip.casting.volumes import Volumes, measure
+from fingertip.casting.quantities import SiliconeVolumes, measure_volumes
 from fingertip.design import Design
-from fingertip.design.mold_layout import lay_out
-from fingertip.design.threads import THREADS, passing
+from fingertip.design.geometry.mold_layout import lay_out
+from fingertip.design.threads import THREADS, select_thread
 from fingertip.errors import DesignError
 from tests.conftest import design_file
 
@@ -31,39 +31,39 @@ def test_a_deeper_funnel_adds_a_frustum_and_longer_vents() -> None:
     frustum = math.pi / 3 * (throat**2 + throat * mouth + mouth**2) * 2.0
     longer = vents * math.pi * (mold.vent_diameter_mm / 2) ** 2 * 2.0
     added = 1000 * (
-        measure(deep, Evaluator(TOLERANCE)).runners_cm3 - measure(shallow, Evaluator(TOLERANCE)).runners_cm3
+        measure_volumes(deep, MeshEvaluator(TOLERANCE)).runners_cm3 - measure_volumes(shallow, MeshEvaluator(TOLERANCE)).runners_cm3
     )
     assert added == pytest.approx(frustum + longer, rel=4 * TOLERANCE / (mold.vent_diameter_mm / 2))
 
 
 def test_without_shrinkage_the_cavity_is_filled_by_the_skin() -> None:
     still = fsr400("mold.silicone_shrinkage_percent=0")
-    skin = Evaluator(TOLERANCE).manifold(PARTS["skin"].describe(still)).volume() / 1000
-    assert measure(still, Evaluator(TOLERANCE)).skin_cm3 == pytest.approx(skin, rel=1e-9)
+    skin = MeshEvaluator(TOLERANCE).manifold(PARTS["skin"].solid(still)).volume() / 1000
+    assert measure_volumes(still, MeshEvaluator(TOLERANCE)).skin_cm3 == pytest.approx(skin, rel=1e-9)
 
 
 def test_a_sleeve_is_poured_larger_by_the_cube_of_its_shrinkage() -> None:
     still, shrinking = (
         fsr400("mold.method=sleeve", f"mold.silicone_shrinkage_percent={percent}") for percent in (0.0, 1.0)
     )
-    ratio = measure(shrinking, Evaluator(TOLERANCE)).skin_cm3 / measure(still, Evaluator(TOLERANCE)).skin_cm3
+    ratio = measure_volumes(shrinking, MeshEvaluator(TOLERANCE)).skin_cm3 / measure_volumes(still, MeshEvaluator(TOLERANCE)).skin_cm3
     assert ratio == pytest.approx(shrinking.dimensions.shrinkage**3, rel=1e-3)
     assert shrinking.dimensions.shrinkage == pytest.approx(1.01, abs=2e-4)
 
 
 def test_the_gap_grows_with_the_fit() -> None:
-    tight, loose = (measure(fsr400(f"mold.fit_clearance_mm={gap}"), Evaluator(TOLERANCE)) for gap in (0.1, 0.2))
+    tight, loose = (measure_volumes(fsr400(f"mold.fit_clearance_mm={gap}"), MeshEvaluator(TOLERANCE)) for gap in (0.1, 0.2))
     assert 0.0 < tight.gap_cm3 < loose.gap_cm3
     assert loose.gap_cm3 / tight.gap_cm3 == pytest.approx(2.0, rel=0.1)
 
 
 def test_the_total_is_the_sum() -> None:
-    assert Volumes(1.5, 0.25, 0.125).total_cm3 == 1.875
+    assert SiliconeVolumes(1.5, 0.25, 0.125).total_cm3 == 1.875
 
 
 @pytest.mark.parametrize(("hole", "thread"), [(3.4, 3.0), (3.2, 3.0), (3.19, 2.5), (2.2, 2.0), (9.0, 8.0), (1.7, 1.6)])
 def test_the_largest_thread_that_passes_the_hole(hole: float, thread: float) -> None:
-    assert passing(hole).diameter_mm == thread
+    assert select_thread(hole).diameter_mm == thread
 
 
 @pytest.mark.parametrize(

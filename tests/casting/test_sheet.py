@@ -10,22 +10,22 @@ from typing import Any
 
 import pytest
 
-from fingertip.cad.printing import orientations
+from fingertip.build_files import Build, build
+from fingertip.cad.printing import print_orientations
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting import markdown, sheet
 from fingertip.casting.materials import MATERIALS
-from fingertip.casting.slicer import HOW_TO_INSTALL, Print, from_gcode, minutes, slice_part
-from fingertip.casting.volumes import Volumes
+from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_gcode, minutes, slice_part
+from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.design import Design
-from fingertip.design.tilt import thinnest_held
+from fingertip.design.geometry.misalignment import min_thickness_held
 from fingertip.errors import DesignError, GeometryError
-from fingertip.kit import Build, build
 from tests.conftest import design_file, run_fingertip
 from tests.tools import require_tool
 
 FSR400 = design_file("fsr400")
-VOLUMES = Volumes(12.625, 0.5, 0.125)
-PRINTS = {name: Print(31.4 + i, 2.87 + i) for i, name in enumerate(PARTS)}
+VOLUMES = SiliconeVolumes(12.625, 0.5, 0.125)
+PRINTS = {name: PrintEstimate(31.4 + i, 2.87 + i) for i, name in enumerate(PARTS)}
 
 
 def fsr400(*changes: str) -> Design:
@@ -56,7 +56,7 @@ def foreign_numbers(page: str, data: dict[str, Any]) -> list[str]:
 @pytest.mark.parametrize("prints", [None, PRINTS], ids=["unsliced", "sliced"])
 @pytest.mark.parametrize("material", MATERIALS)
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
-def test_every_number_of_the_page_is_in_the_data(method: str, material: str, prints: dict[str, Print] | None) -> None:
+def test_every_number_of_the_page_is_in_the_data(method: str, material: str, prints: dict[str, PrintEstimate] | None) -> None:
     data = sheet.figures(fsr400(f"mold.method={method}"), VOLUMES, MATERIALS[material], prints)
     page = markdown.page(data)
     assert foreign_numbers(page, data) == []
@@ -121,7 +121,7 @@ def test_only_a_tail_that_leaves_the_mold_needs_its_passage_filled() -> None:
 def test_the_caster_is_told_to_hold_what_would_lean(method: str) -> None:
     design = fsr400(f"mold.method={method}")
     told = steps_of(f"mold.method={method}")
-    left = thinnest_held(design, design.dimensions)
+    left = min_thickness_held(design, design.dimensions)
     assert f"{left:.2f}".rstrip("0").rstrip(".") + " mm of silicone at least" in told
     assert "could lean by 2.1 degrees and leave" in told, "2 x 0.15 mm of play in a recess of 8 mm"
     assert "two narrow sides" in told
@@ -149,7 +149,7 @@ def test_what_stands_on_end_takes_supports_under_its_collar() -> None:
     """The collar's foot is a shelf in the air, wherever it is wider than the base below it."""
     for changes in (["mold.method=sleeve"], ["bone.interface=socket", "bone.base_length_mm=32"]):
         design = fsr400(*changes)
-        lying = orientations(design)
+        lying = print_orientations(design)
         assert all(lying[name].supports for name in lying if name in ("bone", "core"))
         assert not any(lying[name].supports for name in lying if name.startswith("mold"))
 
@@ -158,15 +158,15 @@ def test_what_stands_on_end_takes_supports_under_its_collar() -> None:
 def test_every_printed_part_has_an_orientation(method: str) -> None:
     design = fsr400(f"mold.method={method}")
     printed = {name for name, part in PARTS.items() if part.printed and (name != "core" or method == "sleeve")}
-    assert set(orientations(design)) == printed
+    assert set(print_orientations(design)) == printed
 
 
 def test_the_figures_in_gcode() -> None:
     code = "G1 X0\n; filament used [cm3] = 2.87\n; estimated printing time (normal mode) = 1h 31m 30s\n"
-    assert from_gcode("bone", code) == Print(91.5, 2.87)
+    assert parse_gcode("bone", code) == PrintEstimate(91.5, 2.87)
     assert minutes("1d 2h 31m 30s") == pytest.approx(1591.5)
     with pytest.raises(GeometryError, match="states no time"):
-        from_gcode("bone", "G1 X0\n")
+        parse_gcode("bone", "G1 X0\n")
 
 
 def test_the_command_writes_page_and_data(tmp_path: Path) -> None:
@@ -237,4 +237,4 @@ def test_the_real_slicer_gives_times(tmp_path: Path) -> None:
 def test_what_the_slicer_cannot_read_is_said() -> None:
     slicer = require_tool("prusa-slicer", "apt-get install prusa-slicer")
     with pytest.raises(GeometryError, match="bone: was not sliced"):
-        slice_part(slicer, "bone", b"no STL at all", orientations(fsr400())["bone"])
+        slice_part(slicer, "bone", b"no STL at all", print_orientations(fsr400())["bone"])

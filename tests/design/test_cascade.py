@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.design import Design
-from fingertip.design.document import parameters, schema, to_toml
+from fingertip.design.export import json_schema, list_parameters, to_toml
 from fingertip.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 
@@ -56,14 +56,14 @@ def test_every_parameter_has_a_meaning_and_its_unit_in_its_name() -> None:
         "mm": "_mm", "degree": "_deg", "Hz": "_hz", "uF": "_uf", "ohm": "_ohm", "V": "_v",
         "samples": "_samples", "bit": "_bits", "%": "_percent",
     }  # fmt: skip
-    for parameter in parameters():
+    for parameter in list_parameters():
         assert parameter.description, parameter.path
         if parameter.unit:
             assert parameter.path.endswith(suffix[parameter.unit]), parameter.path
 
 
 def test_schema_is_for_editors() -> None:
-    described = schema()
+    described = json_schema()
     assert described["title"] == "fingertip design"
     assert described["$defs"]["Mold"]["properties"]["draft_deg"]["maximum"] == 15
     assert described["additionalProperties"] is False
@@ -136,7 +136,7 @@ def test_python_face_raises_the_same() -> None:
 
 
 @given(
-    key=st.sampled_from([p.path for p in parameters() if p.unit == "mm"]),
+    key=st.sampled_from([p.path for p in list_parameters() if p.unit == "mm"]),
     value=st.floats(allow_nan=True, allow_infinity=True),
 )
 def test_any_number_is_accepted_or_refused_with_a_sentence(key: str, value: float) -> None:

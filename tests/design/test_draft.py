@@ -5,8 +5,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fingertip.conic import CrossSection, arc_at_height, arc_leaning, arc_point
-from fingertip.design.draft import drafted
+from fingertip.design.geometry.conic import CrossSection, arc_parameter_at_height, arc_parameter_at_slope, arc_point
+from fingertip.design.geometry.draft import add_draft
 
 LENGTHS, WEIGHTS, SLOPES = st.floats(2.0, 30.0), st.floats(0.4, 8.0), st.floats(0.001, 0.3)
 
@@ -19,14 +19,14 @@ def lean(a: float, b: float, weight: float, t: float) -> float:
 
 @given(LENGTHS, LENGTHS, WEIGHTS, SLOPES)
 def test_the_arc_leans_by_the_draft_where_its_wall_begins(a: float, b: float, weight: float, slope: float) -> None:
-    t = arc_leaning(a, b, weight, slope)
+    t = arc_parameter_at_slope(a, b, weight, slope)
     assert abs(lean(a, b, weight, t) - slope) < 1e-4 * (1.0 + slope)
     assert all(lean(a, b, weight, t + (0.999 - t) * i / 8) >= slope * (1 - 1e-3) for i in range(1, 9))
 
 
 @given(st.floats(0.0, 0.999), WEIGHTS)
 def test_the_parameter_at_a_height(y: float, weight: float) -> None:
-    assert abs(arc_point(arc_at_height(y, weight), weight)[1] - y) < 1e-9
+    assert abs(arc_point(arc_parameter_at_height(y, weight), weight)[1] - y) < 1e-9
 
 
 @given(LENGTHS, LENGTHS, LENGTHS, WEIGHTS, WEIGHTS, SLOPES, st.floats(0.01, 0.99))
@@ -34,9 +34,9 @@ def test_both_walls_lean_and_meet(
     a: float, palmar: float, dorsal: float, wp: float, wd: float, slope: float, flat: float
 ) -> None:
     section = CrossSection(a, palmar, dorsal, wp, wd)
-    found = drafted(section, slope, flat * palmar)
-    for height, weight, t in ((palmar, wp, found.palmar_from), (dorsal, wd, found.dorsal_from)):
+    found = add_draft(section, slope, flat * palmar)
+    for height, weight, t in ((palmar, wp, found.palmar_start), (dorsal, wd, found.dorsal_start)):
         x, y = arc_point(t, weight)
         assert found.half_width - a * x >= slope * height * y - 1e-9
-    assert arc_point(found.palmar_from, wp)[1] <= flat + 1e-9, "above the flat the line has begun"
+    assert arc_point(found.palmar_start, wp)[1] <= flat + 1e-9, "above the flat the line has begun"
     assert found.half_width >= a

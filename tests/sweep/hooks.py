@@ -11,8 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from fingertip.sweep.part import Done, Outcome, Part
-from fingertip.sweep.turns import each_limited
+from fingertip.sweep.chunk import Done, Outcome, Part
+from fingertip.sweep.worker_loop import each_limited
 
 LIMIT_S = 0.4
 BAD = (3, 17)

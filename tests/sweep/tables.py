@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fingertip.sweep.table import Table
+from fingertip.sweep.rows import Table
 
 
 def table(

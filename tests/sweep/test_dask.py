@@ -20,10 +20,10 @@ from typer.testing import CliRunner
 from fingertip import __version__
 from fingertip.cli import app
 from fingertip.errors import SweepError
-from fingertip.sweep.cluster import Cluster
+from fingertip.sweep.dask_engine import Cluster
 from fingertip.sweep.engines import Processes
 from fingertip.sweep.run import State, run
-from fingertip.sweep.store import Row, Store
+from fingertip.sweep.database import Row, Store
 from tests.conftest import ROOT, run_fingertip
 from tests.sweep import hooks
 from tests.sweep.plans import plan
@@ -157,7 +157,7 @@ def test_a_scheduler_lost_midway_is_a_sentence_and_resume_goes_on(
     dask: Dask, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     dask.begin(1)
-    monkeypatch.setattr("fingertip.sweep.cluster._LOST_S", 1.0)
+    monkeypatch.setattr("fingertip.sweep.dask_engine._LOST_S", 1.0)
     cluster = Cluster(dask.address)
     made = plan(**LONG)
 
@@ -215,7 +215,7 @@ def test_what_is_no_address_is_refused(tmp_path: Path, address: str) -> None:
 def test_a_port_at_which_something_else_listens_is_refused_soon(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("fingertip.sweep.cluster._PATIENCE_S", 0.5)
+    monkeypatch.setattr("fingertip.sweep.dask_engine._PATIENCE_S", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
         start = time.monotonic()
@@ -226,12 +226,12 @@ def test_a_port_at_which_something_else_listens_is_refused_soon(
 def test_no_workers_or_those_of_another_version_are_refused(
     dask: Dask, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("fingertip.sweep.cluster._PATIENCE_S", 0.5)
+    monkeypatch.setattr("fingertip.sweep.dask_engine._PATIENCE_S", 0.5)
     dask.begin(0)
     remedy = f"start some there with dask worker {dask.address}."
     assert f"{dask.address} has no workers; {remedy}" in refused(tmp_path, dask.address)
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "fingertip.py").write_text("__version__ = '9.9'")
-    monkeypatch.setattr("fingertip.sweep.cluster._PATIENCE_S", 30.0)
+    monkeypatch.setattr("fingertip.sweep.dask_engine._PATIENCE_S", 30.0)
     dask.start("worker", dask.address, "--death-timeout", "20", path=tmp_path / "other")
     assert f"has fingertip 9.9, this is {__version__}; install the same everywhere." in refused(tmp_path, dask.address)

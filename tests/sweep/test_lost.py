@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 
 from fingertip.errors import OutputError, SweepError
+from fingertip.sweep.chunk import Work
 from fingertip.sweep.engines import Processes
-from fingertip.sweep.part import Work
 from fingertip.sweep.run import run
-from fingertip.sweep.store import FILE, Row, Store
+from fingertip.sweep.database import FILE, Row, Store
 from tests.conftest import run_fingertip
 from tests.sweep import hooks
 from tests.sweep.plans import plan
@@ -252,7 +252,7 @@ def test_sqlite_s_own_word_for_a_full_disk_is_understood(tmp_path: Path) -> None
 def test_a_reader_that_takes_its_time_keeps_nobody_from_writing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("fingertip.sweep.store._PAGE", 10)
+    monkeypatch.setattr("fingertip.sweep.database._PAGE", 10)
     made = plan()
     with Store.create(tmp_path, made) as store:
         row = ("ok", "", "", 20.0, 1.0, "E12", 1.0, 2.0, 3.0)

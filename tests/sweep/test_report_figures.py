@@ -15,8 +15,8 @@ from scipy import stats
 from scipy.stats import qmc
 
 from fingertip.cad.verification.checks import Check
-from fingertip.sweep.evaluate import Bench
-from fingertip.sweep.report.bins import by_count, by_value, is_spread_by_ratio, ranks
+from fingertip.sweep.point_evaluator import Bench
+from fingertip.sweep.report.statistics import by_count, by_value, is_spread_by_ratio, ranks
 from fingertip.sweep.report.cells import cells
 from fingertip.sweep.report.feasibility import feasible, limits, verdicts
 from fingertip.sweep.report.pareto import front, nearest_to_ideal

@@ -25,10 +25,12 @@ from fingertip.sweep.plan import Plan
 from fingertip.sweep.report import write
 from fingertip.sweep.report.export import write_csv, write_parquet
 from fingertip.sweep.report.feasibility import verdicts
-from fingertip.sweep.report.pictures import feasibility, front, pairs
+from fingertip.sweep.report.pictures import front
+from fingertip.sweep.report import scatter_matrix
+from fingertip.sweep.report import feasibility_plot
 from fingertip.sweep.report.summary import as_data, findings
 from fingertip.sweep.report.text import as_text
-from fingertip.sweep.store import Row, Store
+from fingertip.sweep.database import Row, Store
 from tests.conftest import run_python
 from tests.sweep.tables import table
 
@@ -92,7 +94,7 @@ def reported(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Store, 
 def test_the_report_says_what_it_wrote(reported) -> None:
     _, out, said = reported
     assert sorted(path.name for path in out.iterdir()) == said["files"]
-    assert {"best.toml", "front.csv", "front.png", "feasibility.png", "weights.png", "pairs.png"} <= set(said["files"])
+    assert {"best.toml", "front.csv", "front.png", "feasibility_plot.png", "weights.png", "scatter_matrix.png"} <= set(said["files"])
     assert {"heat_skin_volume_mm3.png", "heat_delay_ms.png"} <= set(said["files"])
     kept = json.loads((out / "summary.json").read_text())
     assert kept == {key: value for key, value in said.items() if key != "text"}
@@ -171,7 +173,7 @@ def test_nothing_feasible_names_the_rule_and_what_to_move(tmp_path: Path) -> Non
     assert "none of 50 points is feasible; most are refused by skin.width_mm (100 %)." in said["best_sentence"]
     assert TALE in said["best_sentence"]
     assert "best.toml" not in said["files"]
-    assert "feasibility.png" in said["files"]
+    assert "feasibility_plot.png" in said["files"]
 
 
 def test_an_objective_without_bound_anywhere_has_no_best(tmp_path: Path) -> None:
@@ -196,7 +198,7 @@ def test_few_rows_are_reported_too(tmp_path: Path, only: int) -> None:
 def test_a_sweep_without_outputs_or_objectives_still_has_its_map(tmp_path: Path) -> None:
     with swept(tmp_path / "sweep", outputs=["checks_failed"], minimise=[], maximise=[]) as store:
         said = write(store, tmp_path / "out")
-    assert "feasibility.png" in said["files"]
+    assert "feasibility_plot.png" in said["files"]
     assert "names no objective" in said["best_sentence"]
 
 
@@ -225,7 +227,7 @@ def test_the_map_is_painted_in_the_shares_of_the_rules() -> None:
     field = np.where(x < 12, "skin.width_mm", "")
     status[(x >= 12) & (y >= 30)] = "timeout"
     swept_grid = table({"a": x, "b": y}, {}, status, field, field)
-    png = feasibility.draw(swept_grid.axes, verdicts(swept_grid), ["a", "b"])
+    png = feasibility_plot.draw(swept_grid.axes, verdicts(swept_grid), ["a", "b"])
     feasible, refused, late = pixels(png, 0xCFE3D8, 0xB03A2E, 0x8A9199)
     total = feasible + refused + late
     assert (feasible / total, refused / total, late / total) == pytest.approx((0.525, 0.3, 0.175), abs=0.01)
@@ -235,7 +237,7 @@ def test_the_map_is_painted_in_the_shares_of_the_rules() -> None:
 def test_a_hundred_thousand_points_are_thinned_out_and_drawn_soon() -> None:
     rng = np.random.default_rng(0)
     columns = {name: rng.random(100_000) for name in ("skin.width_mm", "board.cutoff_hz", "delay_ms")}
-    assert pairs.draw(columns, rng.random(100_000) < 0.5).startswith(b"\x89PNG")
+    assert scatter_matrix.draw(columns, rng.random(100_000) < 0.5).startswith(b"\x89PNG")
     place = np.arange(3)
     x, y = columns["delay_ms"], columns["skin.width_mm"]
     assert front.draw(("x", "y"), ("minimise", "minimise"), (x, y), place, 0, 2).startswith(b"\x89PNG")

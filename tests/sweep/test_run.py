@@ -10,7 +10,7 @@ import pytest
 from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.errors import DesignError
-from fingertip.sweep.store import Row, Store
+from fingertip.sweep.database import Row, Store
 from tests.conftest import run_fingertip
 
 FILE = """

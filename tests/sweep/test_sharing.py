@@ -8,35 +8,35 @@ from typing import Any
 import pytest
 
 from fingertip.board import board_values
-from fingertip.cad.kernel.mesh import Evaluator
-from fingertip.cad.shapes.parts import parts_of
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.checks import Check
 from fingertip.cad.verification.verify import as_data, verify
 from fingertip.design import Design
+from fingertip.design.parameters import DesignTables
 from fingertip.design.rules import RULES
-from fingertip.design.tables import Tables
-from fingertip.sweep import stages
-from fingertip.sweep.designs import SIGNAL, Designs
-from fingertip.sweep.evaluate import Bench
-from fingertip.sweep.memory import Memory
+from fingertip.sweep import compute
+from fingertip.sweep.design_builder import SIGNAL, Designs
+from fingertip.sweep.point_evaluator import Bench
+from fingertip.sweep.cache import Memory
 from fingertip.sweep.outputs import OUTPUTS, STAGES
 from fingertip.sweep.plan import Plan
-from fingertip.sweep.solids import MAX_TRIANGLES, RememberingEvaluator
+from fingertip.sweep.cached_solids import MAX_TRIANGLES, CachedEvaluator
 from tests.conftest import run_python
 from tests.sweep.plans import plan
 
 COARSE = 0.1
 
 
-def checks_of(design: Design, evaluator: Evaluator) -> tuple[Check, ...]:
-    return verify(design, parts_of(design), ("stl",), evaluator).checks
+def checks_of(design: Design, evaluator: MeshEvaluator) -> tuple[Check, ...]:
+    return verify(design, parts_by_name(design), ("stl",), evaluator).checks
 
 
 def imported(outputs: str, axes: str) -> set[str]:
     """Packages a fresh process has loaded after computing one point."""
     program = f"""
 import sys
-from fingertip.sweep.evaluate import Bench
+from fingertip.sweep.point_evaluator import Bench
 from fingertip.sweep.plan import Plan
 plan = Plan.of({{"outputs": {outputs}, "tolerance_mm": {COARSE}, "axes": {axes}}})
 outcome = Bench(plan).outcome(0, plan.point(0))
@@ -62,7 +62,7 @@ def test_volumes_load_the_mesh_kernel_only() -> None:
 def test_a_worker_s_kernel_computes_on_one_thread() -> None:
     program = """
 import os, time
-from fingertip.sweep.evaluate import Bench
+from fingertip.sweep.point_evaluator import Bench
 from fingertip.sweep.plan import Plan
 plan = Plan.of({"outputs": ["checks_failed"], "tolerance_mm": 0.02, "axes": {"skin.width_mm": [17.0, 17.5]}})
 before = os.sched_getaffinity(0)
@@ -80,17 +80,17 @@ print((time.process_time() - cpu) / (time.perf_counter() - wall), os.sched_getaf
 
 def counted(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     """How often each stage is computed from now on."""
-    calls = dict.fromkeys(stages.COMPUTE, 0)
+    calls = dict.fromkeys(compute.COMPUTE, 0)
 
     def counting(name: str, compute: Any) -> Any:
-        def called(asked: stages.Asked) -> Any:
+        def called(asked: compute.Asked) -> Any:
             calls[name] += 1
             return compute(asked)
 
         return called
 
-    for name, compute in list(stages.COMPUTE.items()):
-        monkeypatch.setitem(stages.COMPUTE, name, counting(name, compute))
+    for name, compute in list(compute.COMPUTE.items()):
+        monkeypatch.setitem(compute.COMPUTE, name, counting(name, compute))
     return calls
 
 
@@ -109,14 +109,14 @@ def test_axes_of_the_board_mesh_nothing_again(monkeypatch: pytest.MonkeyPatch) -
 
 def test_the_skin_alone_is_meshed_for_its_volume() -> None:
     design = Design()
-    evaluator = RememberingEvaluator(COARSE)
+    evaluator = CachedEvaluator(COARSE)
     made = plan(outputs=["skin_volume_mm3"], axes={"skin.width_mm": [17.0]})
-    asked = stages.Asked(design, None, made.file, lambda: evaluator)
-    stages.skin(asked)
+    asked = compute.Asked(design, None, made.file, lambda: evaluator)
+    compute.skin(asked)
     alone = evaluator.evaluated
-    stages.skin(asked)
+    compute.skin(asked)
     assert evaluator.evaluated == alone
-    stages.halves(asked)
+    compute.halves(asked)
     assert evaluator.evaluated > 3 * alone  # the halves would have been noticed
 
 
@@ -126,7 +126,7 @@ def test_the_bone_is_neither_meshed_nor_measured_while_the_mold_varies(monkeypat
     meshed: list[int] = []
     original = kernel.to_manifold
     monkeypatch.setattr(kernel, "to_manifold", lambda v, t: meshed.append(len(v)) or original(v, t))
-    evaluator = RememberingEvaluator(COARSE)
+    evaluator = CachedEvaluator(COARSE)
     wider = [Design.load(changes=[f"mold.wall_mm={wall}"]) for wall in (4.0, 5.0, 5.5)]
     checks_of(wider[0], evaluator)
     first = len(meshed)
@@ -150,16 +150,16 @@ def test_the_bone_is_neither_meshed_nor_measured_while_the_mold_varies(monkeypat
 )
 def test_checks_on_the_memory_are_those_of_verify(changes: list[str]) -> None:
     design = Design.load(changes=changes)
-    alone = [as_data(check) for check in verify(design, parts_of(design), ("stl",), Evaluator(COARSE)).checks]
+    alone = [as_data(check) for check in verify(design, parts_by_name(design), ("stl",), MeshEvaluator(COARSE)).checks]
     assert [as_data(check) for check in checks_of(design, EVALUATOR)] == alone  # after other designs
     evaluated = EVALUATOR.evaluated
     assert [as_data(check) for check in checks_of(design, EVALUATOR)] == alone
     assert EVALUATOR.evaluated == evaluated  # all of it remembered
     # What was computed after other designs is what it is by itself, to the last bit.
-    assert checks_of(design, EVALUATOR) == checks_of(design, RememberingEvaluator(COARSE))
+    assert checks_of(design, EVALUATOR) == checks_of(design, CachedEvaluator(COARSE))
 
 
-EVALUATOR = RememberingEvaluator(COARSE)
+EVALUATOR = CachedEvaluator(COARSE)
 
 
 def test_the_memory_forgets_what_was_not_used_for_longest() -> None:
@@ -176,13 +176,13 @@ def test_the_memory_forgets_what_was_not_used_for_longest() -> None:
 
 
 def test_evaluated_solids_stay_within_their_bound(monkeypatch: pytest.MonkeyPatch) -> None:
-    evaluator = RememberingEvaluator(COARSE)
+    evaluator = CachedEvaluator(COARSE)
     evaluator._solids.maximum = 20_000
     assert MAX_TRIANGLES > 20_000
     made = plan(outputs=["skin_volume_mm3"], axes={"skin.width_mm": [17.0]})
     for i in range(40):
         design = Design.load(changes=[f"skin.width_mm={17 + i / 100}"])
-        stages.skin(stages.Asked(design, None, made.file, lambda: evaluator))
+        compute.skin(compute.Asked(design, None, made.file, lambda: evaluator))
     assert evaluator._solids.weight <= 20_000
     assert evaluator.evaluated > len(evaluator._solids)
 
@@ -195,7 +195,7 @@ class Poison:
 
 
 def test_rules_of_the_finger_do_not_read_the_signal() -> None:
-    without = Tables().model_copy(update=dict.fromkeys(SIGNAL, Poison()))
+    without = DesignTables().model_copy(update=dict.fromkeys(SIGNAL, Poison()))
     kept = [rule for rule in RULES if not any(name.partition(".")[0] in SIGNAL for name in rule.reads)]
     assert len(kept) > 20
     for rule in kept:
@@ -294,21 +294,21 @@ def test_a_stage_depends_on_no_table_it_does_not_announce(stage: str) -> None:
     made = plan(outputs=everything(stage), tolerance_mm=COARSE, axes={"skin.width_mm": [17.0]})
 
     def figures(design: Design) -> dict[str, float]:
-        evaluator = RememberingEvaluator(COARSE)
-        return stages.COMPUTE[stage](stages.Asked(design, None, made.file, lambda: evaluator))
+        evaluator = CachedEvaluator(COARSE)
+        return compute.COMPUTE[stage](compute.Asked(design, None, made.file, lambda: evaluator))
 
     first = figures(base)
     assert set(first) == set(everything(stage))
     # The tables it does not announce, replaced by poison: dimensions are derived before.
     _ = base.dimensions
-    others = [name for name in Tables.model_fields if name not in STAGES[stage].reads]
+    others = [name for name in DesignTables.model_fields if name not in STAGES[stage].reads]
     poisoned = base.model_copy(update={name: Poison() for name in others})
     assert figures(poisoned) == first
     assert others
 
 
 def test_every_output_has_a_stage_that_gives_it() -> None:
-    assert {output.stage for output in OUTPUTS.values()} == set(STAGES) == set(stages.COMPUTE)
+    assert {output.stage for output in OUTPUTS.values()} == set(STAGES) == set(compute.COMPUTE)
 
 
 def test_neighbours_share_the_dear_stages_and_no_point_is_left_out() -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from fingertip.design.issues import nearest
+from fingertip.design.issues import suggest_name
 from fingertip.errors import DesignError, Issue
 
 SOURCES = {
@@ -28,7 +28,7 @@ SOURCES = {
 
 
 @dataclass(frozen=True)
-class Figure:
+class MaterialProperty:
     """A figure of a material as a range; one value where both ends are equal."""
 
     low: float
@@ -50,32 +50,32 @@ class Silicone:
     label: str
     cure: Literal["addition", "condensation"]
     """Addition (platinum) shrinks least and is inhibited by uncured resin; condensation (tin) is not."""
-    shore_a: Figure
-    modulus_mpa: Figure
+    shore_a: MaterialProperty
+    modulus_mpa: MaterialProperty
     """Young's modulus at small strain."""
-    density_g_cm3: Figure
-    parts_a: Figure
-    parts_b: Figure
-    shrinkage_percent: Figure
+    density_g_cm3: MaterialProperty
+    parts_a: MaterialProperty
+    parts_b: MaterialProperty
+    shrinkage_percent: MaterialProperty
     """Linear."""
-    pot_life_min: Figure
+    pot_life_min: MaterialProperty
     """At room temperature, from the first stirring."""
-    cure_h: Figure
+    cure_h: MaterialProperty
     """At room temperature, until it can be taken out of the mold."""
-    elongation_percent: Figure
+    elongation_percent: MaterialProperty
     """At break."""
 
-    def figures(self) -> dict[str, Figure]:
+    def figures(self) -> dict[str, MaterialProperty]:
         """Every figure by its field's name, which carries the unit."""
-        return {name: value for name, value in vars(self).items() if isinstance(value, Figure)}
+        return {name: value for name, value in vars(self).items() if isinstance(value, MaterialProperty)}
 
 
-def _unverified(low: float, high: float, source: str = "") -> Figure:
-    return Figure(low, high, source, verified=False)
+def _unverified(low: float, high: float, source: str = "") -> MaterialProperty:
+    return MaterialProperty(low, high, source, verified=False)
 
 
-def _one(value: float, source: str) -> Figure:
-    return Figure(value, value, source)
+def _one(value: float, source: str) -> MaterialProperty:
+    return MaterialProperty(value, value, source)
 
 
 MATERIALS: dict[str, Silicone] = {
@@ -89,25 +89,25 @@ MATERIALS: dict[str, Silicone] = {
             parts_a=_unverified(10.0, 10.0, "common"),
             parts_b=_unverified(1.0, 1.0, "common"),
             shrinkage_percent=_unverified(0.2, 0.2, "common"),
-            pot_life_min=Figure(5.0, 40.0, "neat"),
-            cure_h=Figure(2.0, 24.0, "neat"),
+            pot_life_min=MaterialProperty(5.0, 40.0, "neat"),
+            cure_h=MaterialProperty(2.0, 24.0, "neat"),
             elongation_percent=_unverified(250.0, 400.0),
         ),
         Silicone(
             "condensation_40a", "condensation-cure (tin) silicone, 40 Shore A", "condensation",
             shore_a=_one(40.0, "article"),
             modulus_mpa=_unverified(0.7, 2.0, "common"),
-            density_g_cm3=Figure(1.07, 1.09, "stmpro"),
+            density_g_cm3=MaterialProperty(1.07, 1.09, "stmpro"),
             parts_a=_unverified(10.0, 10.0, "common"),
             parts_b=_unverified(1.0, 1.0, "common"),
-            shrinkage_percent=Figure(0.8, 1.2, "troll"),
-            pot_life_min=Figure(5.0, 40.0, "neat"),
-            cure_h=Figure(2.0, 24.0, "neat"),
+            shrinkage_percent=MaterialProperty(0.8, 1.2, "troll"),
+            pot_life_min=MaterialProperty(5.0, 40.0, "neat"),
+            cure_h=MaterialProperty(2.0, 24.0, "neat"),
             elongation_percent=_unverified(250.0, 400.0),
         ),
         Silicone(
             "sylgard_184", "Sylgard 184", "addition",
-            shore_a=Figure(40.7, 42.7, "psi2022"),
+            shore_a=MaterialProperty(40.7, 42.7, "psi2022"),
             modulus_mpa=_one(2.0, "wang2014"),
             density_g_cm3=_unverified(1.03, 1.03),
             parts_a=_one(10.0, "psi2022"),
@@ -130,7 +130,7 @@ def silicone(name: str) -> Silicone:
         If there is none.
     """
     if name not in MATERIALS:
-        raise DesignError(Issue("--material", f"there is no {name!r}; {nearest(name, tuple(MATERIALS))}"))
+        raise DesignError(Issue("--material", f"there is no {name!r}; {suggest_name(name, tuple(MATERIALS))}"))
     return MATERIALS[name]
 
 

@@ -9,21 +9,21 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from fingertip.cad.printing import orientations
+from fingertip.cad.printing import print_orientations
 from fingertip.cad.shapes.lettering import MIN_STROKE_MM, left_out
 from fingertip.casting import hardware
-from fingertip.casting.batch import MIN_PART_G, WASTE_SHARE, batch
+from fingertip.casting.batches import MIN_PART_G, WASTE_FRACTION, batch
 from fingertip.casting.materials import SOURCES, Silicone
-from fingertip.casting.slicer import LAYER_MM, Print
-from fingertip.casting.volumes import Volumes
+from fingertip.casting.slicer import LAYER_MM, PrintEstimate
+from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.design import Design
-from fingertip.design.mold_layout import lay_out
-from fingertip.design.threads import passing
-from fingertip.design.tilt import loose_lean, thinnest_held, thinnest_loose
+from fingertip.design.geometry.misalignment import loose_tilt_slope, min_thickness_held, min_thickness_loose
+from fingertip.design.geometry.mold_layout import lay_out
+from fingertip.design.threads import select_thread
 
 
 def figures(
-    design: Design, volumes: Volumes, card: Silicone, prints: Mapping[str, Print] | None = None
+    design: Design, volumes: SiliconeVolumes, card: Silicone, prints: Mapping[str, PrintEstimate] | None = None
 ) -> dict[str, Any]:
     """The sheet of a design as data.
 
@@ -64,9 +64,9 @@ def _fit(design: Design) -> dict[str, float]:
     dims = design.dimensions
     return {
         "clearance_mm": design.mold.fit_clearance_mm,
-        "thinnest_held_mm": round(thinnest_held(design, dims), 2),
-        "loose_lean_deg": round(math.degrees(math.atan(loose_lean(design))), 1),
-        "thinnest_loose_mm": round(thinnest_loose(design, dims), 2),
+        "thinnest_held_mm": round(min_thickness_held(design, dims), 2),
+        "loose_lean_deg": round(math.degrees(math.atan(loose_tilt_slope(design))), 1),
+        "thinnest_loose_mm": round(min_thickness_loose(design, dims), 2),
     }
 
 
@@ -81,7 +81,7 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     bolts = hardware.clamp_bolts(design)
     thread = bolts.thread
     bone, sensor = design.bone, design.sensor
-    cross = passing(bone.cross_bolt_diameter_mm).diameter_mm
+    cross = select_thread(bone.cross_bolt_diameter_mm).diameter_mm
     around = bone.post_diameter_mm if bone.interface == "plain" else design.dimensions.envelope.section.half_width * 2
     return [
         {"item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1},
@@ -109,7 +109,7 @@ def _card(card: Silicone) -> dict[str, Any]:
     return {"name": card.name, "label": card.label, "cure": card.cure, "figures": values}
 
 
-def _volumes(volumes: Volumes) -> dict[str, float]:
+def _volumes(volumes: SiliconeVolumes) -> dict[str, float]:
     return {
         "skin": round(volumes.skin_cm3, 2),
         "runners": round(volumes.runners_cm3, 2),
@@ -118,7 +118,7 @@ def _volumes(volumes: Volumes) -> dict[str, float]:
     }
 
 
-def _batch(card: Silicone, volumes: Volumes) -> dict[str, float]:
+def _batch(card: Silicone, volumes: SiliconeVolumes) -> dict[str, float]:
     mixed = batch(card, volumes.total_cm3)
     a, b = round(mixed.a_g, 1), round(mixed.b_g, 2)
     return {
@@ -126,16 +126,16 @@ def _batch(card: Silicone, volumes: Volumes) -> dict[str, float]:
         "a_g": a,
         "b_g": b,
         "total_g": round(a + b, 2),
-        "waste_percent": round(100.0 * WASTE_SHARE, 1),
+        "waste_percent": round(100.0 * WASTE_FRACTION, 1),
         "min_part_g": MIN_PART_G,
     }
 
 
-def _printing(design: Design, prints: Mapping[str, Print] | None) -> dict[str, Any]:
+def _printing(design: Design, prints: Mapping[str, PrintEstimate] | None) -> dict[str, Any]:
     parts = []
-    for name, how in orientations(design).items():
+    for name, how in print_orientations(design).items():
         entry: dict[str, Any] = {
-            "part": name, "on_the_plate": how.on_the_plate, "turn_x_deg": how.turn_x_deg, "supports": how.supports
+            "part": name, "on_the_plate": how.face_on_plate, "turn_x_deg": how.rotate_x_deg, "supports": how.supports
         }  # fmt: skip
         if prints and name in prints:
             entry |= {"minutes": round(prints[name].minutes), "filament_cm3": round(prints[name].filament_cm3, 1)}

@@ -25,7 +25,7 @@ _UNITS_MIN = {"d": 1440.0, "h": 60.0, "m": 1.0, "s": 1.0 / 60.0}
 
 
 @dataclass(frozen=True)
-class Print:
+class PrintEstimate:
     """What the slicer says of one part, printed from filament with the slicer's own settings."""
 
     minutes: float
@@ -39,7 +39,7 @@ def find_slicer() -> Path | None:
     return Path(found) if found else None
 
 
-def slice_part(program: Path, name: str, stl: bytes, orientation: Orientation) -> Print:
+def slice_part(program: Path, name: str, stl: bytes, orientation: Orientation) -> PrintEstimate:
     """Slice a part, given as STL, in layers of `LAYER_MM`.
 
     Raises
@@ -51,8 +51,8 @@ def slice_part(program: Path, name: str, stl: bytes, orientation: Orientation) -
         part, code = Path(folder) / f"{name}.stl", Path(folder) / f"{name}.gcode"
         part.write_bytes(stl)
         command = [str(program), "--export-gcode", "--layer-height", f"{LAYER_MM:g}"]
-        command += ["--rotate-x", f"{orientation.turn_x_deg:g}"]
-        command += ["--support-material"] if orientation.supports else []
+        command += ["--rotate-x", f"{orientation.rotate_x_deg:g}"]
+        command += ["--support-material"] if orientation.needs_supports else []
         try:
             done = subprocess.run(
                 [*command, "-o", str(code), str(part)],
@@ -67,10 +67,10 @@ def slice_part(program: Path, name: str, stl: bytes, orientation: Orientation) -
         if not code.exists():
             last = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[-1]
             raise GeometryError(Issue(name, f"was not sliced ({last}); leave out --slicer."))
-        return from_gcode(name, code.read_text(encoding="utf-8", errors="replace"))
+        return parse_gcode(name, code.read_text(encoding="utf-8", errors="replace"))
 
 
-def from_gcode(name: str, code: str) -> Print:
+def parse_gcode(name: str, code: str) -> PrintEstimate:
     """The figures in the comments at the end of PrusaSlicer's G-code.
 
     Raises
@@ -83,7 +83,7 @@ def from_gcode(name: str, code: str) -> Print:
         raise GeometryError(
             Issue(name, "was sliced, but the G-code states no time or no filament; leave out --slicer.")
         )
-    return Print(minutes(time[1]), float(filament[1]))
+    return PrintEstimate(minutes(time[1]), float(filament[1]))
 
 
 def minutes(text: str) -> float:

@@ -26,7 +26,7 @@ def bench(
     import json
 
     from fingertip.errors import FingertipError, Issue
-    from fingertip.files import write_whole
+    from fingertip.files import atomic_write
     from fingertip.sim.bench import report
 
     console = Console(as_json, quiet)
@@ -45,10 +45,10 @@ def bench(
         raise FingertipError(issues)
     report.require()
 
+    from fingertip.jit import compiled
     from fingertip.sim.bench import board, contact, throughput
     from fingertip.sim.bench.measure import machine
     from fingertip.sim.bench.plot import draw
-    from fingertip.sim.jit import compiled
 
     state = machine()
     with compiled(console.progress):
@@ -80,7 +80,7 @@ def bench(
     )
     picture = draw(diagrams, f"{load}. CPU time, loops compiled before; making the input is part of every point.")
     whole = json.dumps(data, indent=2, allow_nan=False) + "\n"
-    write_whole(out, {"work_precision.png": picture, "work_precision.json": whole.encode()})
+    atomic_write(out, {"work_precision.png": picture, "work_precision.json": whole.encode()})
     console.progress(f"wrote {out / 'work_precision.png'} and .json")
     lines = [load]
     for diagram in diagrams:

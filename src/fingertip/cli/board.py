@@ -47,7 +47,7 @@ def board(
         write_board,
         write_fabrication,
     )
-    from fingertip.cli.given import load_design
+    from fingertip.cli.load import load_design
 
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes)
@@ -102,7 +102,7 @@ def _warnings(design: Design, values: BoardValues) -> Iterator[str]:
     if values.decision:  # here parts decide, so the detector's remarks are the board's; they need numpy
         from fingertip.slip.detectors import noise
 
-        yield from noise.setting_remarks(design)
+        yield from noise.settings_warnings(design)
 
 
 def _table(design: Design, values: BoardValues) -> str:

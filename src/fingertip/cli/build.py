@@ -27,8 +27,8 @@ def build(
     quiet: QuietOption = False,
 ) -> None:
     """Build bone, skin and mold as STL, 3MF and STEP, check them, and write a report and the casting sheet."""
-    from fingertip.cli.given import load_design
-    from fingertip.kit import build as build_parts
+    from fingertip.build_files import build as build_parts
+    from fingertip.cli.load import load_design
 
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes)

@@ -29,8 +29,8 @@ def check(
     The checks read the STL each part would have. If any file is refused, all its issues and those of the other files
     are told, no design is checked and no report is written.
     """
-    from fingertip.cad.kernel.mesh import Evaluator
-    from fingertip.cad.shapes.parts import parts_of
+    from fingertip.cad.kernel.mesh import MeshEvaluator
+    from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.verify import as_data, refuse_tolerance, verify
 
     console = Console(as_json, quiet)
@@ -39,7 +39,7 @@ def check(
     found: dict[str, tuple[Check, ...]] = {}
     for label, design in loaded.items():
         console.progress(f"checking {label}")
-        found[label] = verify(design, parts_of(design), ("stl",), Evaluator(tolerance_mm), console.progress).checks
+        found[label] = verify(design, parts_by_name(design), ("stl",), MeshEvaluator(tolerance_mm), console.progress).checks
     if junit is not None:
         from fingertip.cad.files.junit import to_bytes
         from fingertip.files import write_file
@@ -61,11 +61,11 @@ def check(
 
 def _load(files: Sequence[Path], changes: Sequence[str]) -> dict[str, Design]:
     """Each design by its name; by its file where two share a name (files that leave it out share the default's)."""
-    from fingertip.cli.given import load_design
-    from fingertip.design.cascade import gather
+    from fingertip.cli.load import load_design
+    from fingertip.design.load import load_tables
     from fingertip.errors import DesignError, Issue
 
-    gather((), changes)  # what is wrong with a change itself is told once, not once for each file
+    load_tables((), changes)  # what is wrong with a change itself is told once, not once for each file
     loaded: dict[Path, Design] = {}
     issues: list[Issue] = []
     for file in dict.fromkeys(files):

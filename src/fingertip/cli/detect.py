@@ -57,12 +57,12 @@ def detect(
     design's board makes of the voltage.
     """
     from fingertip import slip
-    from fingertip.cli.given import load_design
     from fingertip.cli.live import live
-    from fingertip.design.cascade import gather
+    from fingertip.cli.load import load_design
+    from fingertip.design.load import load_tables
     from fingertip.errors import FingertipError, Issue, TraceError
     from fingertip.slip.detectors import noise, registry
-    from fingertip.slip.detectors.quiet import disturbed_at, quiet_noise_v
+    from fingertip.slip.detectors.noise_calibration import first_disturbance, equivalent_noise_v
     from fingertip.slip.traces.parsed import Wanted
     from fingertip.slip.traces.read import parse
     from fingertip.slip.traces.trace import remarks
@@ -72,8 +72,8 @@ def detect(
         raise TraceError(refused)
     loaded, told = load_design(design, changes)
     chosen = "threshold_v" in told.get("detector", {})
-    own_window = "window_samples" in gather([], changes or ()).get("detector", {})
-    registry.known(detector)
+    own_window = "window_samples" in load_tables([], changes or ()).get("detector", {})
+    registry.find_detector_type(detector)
     if rate_hz is not None:
         loaded, made, where = _at_rate(loaded, rate_hz, detector, chosen, own_window, quiet_s)
         console.progress(f"{made} are made for {rate_hz:g} Hz{where}")
@@ -81,7 +81,7 @@ def detect(
     if not wanted.in_volts and quiet_s is None and detector != "analog":
         raise TraceError(Issue("--quiet-s", "is missing: the design's thresholds are in volts, this column is not."))
     if str(trace) == "-":
-        _warn(console, noise.setting_remarks(loaded, detector) if wanted.in_volts else ())
+        _warn(console, noise.settings_warnings(loaded, detector) if wanted.in_volts else ())
         live(console, loaded, detector, wanted, plot, quiet_s)
         return
     parsed = parse(trace, wanted)
@@ -97,7 +97,7 @@ def detect(
             raise TraceError(Issue(f"{trace}, time_s", sentence)) from None
     read = parsed.checked(loaded.detector)
     if wanted.in_volts:
-        _warn(console, (*remarks(read, loaded.detector), *noise.setting_remarks(loaded, detector)))
+        _warn(console, (*remarks(read, loaded.detector), *noise.settings_warnings(loaded, detector)))
     noise_v, level = None, None
     early = slice(0, 0)
     if quiet_s is not None:
@@ -105,13 +105,13 @@ def detect(
     if detector == "analog":
         read, loaded, level = _board(console, read, loaded, wanted, early, trace.name)
     elif quiet_s is not None:
-        noise_v = quiet_noise_v(detector, loaded, read.voltage_v[early], trace.name)
+        noise_v = equivalent_noise_v(detector, loaded, read.voltage_v[early], trace.name)
     found = slip.detect(read, loaded, detector, noise_v)
     level = level or found.noise
     if level:
         may_fall = detector != "analog" or quiet_s is not None
         _warn(console, noise.remarks(found.threshold_v, level, may_fall))
-    if early.stop and (at := disturbed_at(loaded, read.voltage_v[early])) is not None:
+    if early.stop and (at := first_disturbance(loaded, read.voltage_v[early])) is not None:
         sentence = f"something happens at {read.time_s[at]:.4f} s, within the {quiet_s:g} s of --quiet-s: thresholds"
         console.progress(f"warning: {sentence} may be too high; choose a shorter part.")
     if plot is not None:
@@ -136,10 +136,10 @@ def _at_rate(
     A window that --set gave stays; one of a design file was for that file's rate. A threshold that was chosen stays,
     and so does one on the board's output, which has no rate.
     """
-    from fingertip.slip.traces.rate import at_rate
+    from fingertip.slip.rate_adaptation import adapt_rate
 
     keep = chosen or detector == "analog"
-    anew = at_rate(design, rate_hz, keep, own_window)
+    anew = adapt_rate(design, rate_hz, keep, own_window)
     follows = quiet_s is not None or detector not in ("digital", "analog")  # the threshold, from the noise
     volts, samples = anew.detector.threshold_v, anew.detector.window_samples
     lasts = f"{samples} samples, {1000 * samples / rate_hz:.4g} ms"
@@ -184,7 +184,7 @@ def _board(
 
     from fingertip.design import Design
     from fingertip.sim.electronics import board_output
-    from fingertip.slip.detectors.noise import quiet_level
+    from fingertip.slip.detectors.noise import measure_noise_level
 
     replayed = read.envelope_v is None
     if replayed:
@@ -195,9 +195,9 @@ def _board(
         read = replace(read, voltage_v=volts, envelope_v=board_output.envelope_v(design, volts))
     assert read.envelope_v is not None
     if early.stop:
-        level = quiet_level(read.envelope_v[early], design, name)
+        level = measure_noise_level(read.envelope_v[early], design, name)
         changed = design.model_dump()
-        changed["detector"]["threshold_v"] = level.rounded_v
+        changed["detector"]["threshold_v"] = level.rounded_threshold_v
         return read, Design(**changed), level
     level_of = board_output.replayed_level if replayed else board_output.rest_level
     return read, design, level_of(design)
@@ -231,7 +231,7 @@ def _interval(interval: Interval) -> dict[str, float]:
 
 
 def _text(found: Detection) -> str:
-    from fingertip.slip.words import verdict
+    from fingertip.slip.format import verdict
 
     lines = [f"ON   {i.onset_s:9.4f} s to {i.end_s:9.4f} s" for i in found.intervals] or ["never ON"]
     if found.score is None:

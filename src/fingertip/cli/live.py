@@ -12,7 +12,7 @@ from fingertip.cli.console import BAD_INPUT, INTERRUPTED, Console
 
 if TYPE_CHECKING:
     from fingertip.design import Design
-    from fingertip.slip.detectors.stream import Detector
+    from fingertip.slip.detectors.detector import Detector
     from fingertip.slip.live import Opened
     from fingertip.slip.traces.parsed import Wanted
 
@@ -60,14 +60,14 @@ def _detector(
     console: Console, design: Design, detector: str, source: Opened, wanted: Wanted, envelope: Wanted
 ) -> tuple[Detector, Wanted]:
     """The detector, and the column it takes: analog takes the board's output where the lines hold it."""
-    from fingertip.slip import make
+    from fingertip.slip import make_detector
     from fingertip.slip.detectors import registry
     from fingertip.slip.live import NAME
 
-    if registry.known(detector).reads != "envelope_v":
-        return make(detector, design), wanted
+    if registry.find_detector_type(detector).reads != "envelope_v":
+        return make_detector(detector, design), wanted
     if envelope.of("voltage_v") in source.header.names:
-        return make(detector, design), envelope
+        return make_detector(detector, design), envelope
     from fingertip.sim.electronics.board_detector import BoardDetector
 
     console.progress(f"{NAME} holds no column {wanted.of('envelope_v')}: simulating the design's board")

@@ -23,26 +23,26 @@ def params(
     quiet: QuietOption = False,
 ) -> None:
     """Print every parameter: value, unit, bounds, meaning."""
-    from fingertip.cli.given import load_design
-    from fingertip.design import document
+    from fingertip.cli.load import load_design
+    from fingertip.design import export
 
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes)
     if schema:  # one JSON object by itself
-        console.write(json.dumps(document.schema(), indent=2))
+        console.write(json.dumps(export.json_schema(), indent=2))
         return
     if toml:
-        text = document.to_toml(loaded)
+        text = export.to_toml(loaded)
         console.result({"toml": text}, text.removesuffix("\n"))
         return
-    values = {p.path: _value(loaded, p.path) for p in document.parameters()}
+    values = {p.path: _value(loaded, p.path) for p in export.list_parameters()}
     data = [
         {"name": p.path, "value": values[p.path], "default": p.default, "unit": p.unit, "bounds": p.bounds,
          "description": p.description}
-        for p in document.parameters()
+        for p in export.list_parameters()
     ]  # fmt: skip
     lines = [
-        f"{p.path:32} {values[p.path]!s:>10} {p.unit:8} {p.bounds:24} {p.description}" for p in document.parameters()
+        f"{p.path:32} {values[p.path]!s:>10} {p.unit:8} {p.bounds:24} {p.description}" for p in export.list_parameters()
     ]
     console.result({"parameters": data}, "\n".join(lines))
 

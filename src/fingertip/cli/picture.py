@@ -20,7 +20,7 @@ def picture(
     quiet: QuietOption = False,
 ) -> None:
     """Draw the exploded fingertip and a section through the closed mold."""
-    from fingertip.cli.given import load_design
+    from fingertip.cli.load import load_design
     from fingertip.errors import OutputError
     from fingertip.files import write_file
     from fingertip.view.picture import draw

@@ -23,32 +23,33 @@ def sheet(
     quiet: QuietOption = False,
 ) -> None:
     """Write the casting sheet: silicone and its parts A and B, steps, warnings, bill of materials, printing."""
-    from fingertip.cad.kernel.mesh import Evaluator
-    from fingertip.cad.printing import orientations
-    from fingertip.casting import markdown, volumes
+    from fingertip.cad.kernel.mesh import MeshEvaluator
+    from fingertip.cad.printing import print_orientations
+    from fingertip.casting import markdown
+    from fingertip.casting import quantities
     from fingertip.casting.materials import silicone
     from fingertip.casting.sheet import figures
-    from fingertip.casting.slicer import HOW_TO_INSTALL, Print, find_slicer, slice_part
-    from fingertip.cli.given import load_design
+    from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_part
+    from fingertip.cli.load import load_design
     from fingertip.files import write_file
 
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes)
     card = silicone(material)
-    prints: dict[str, Print] | None = None
+    prints: dict[str, PrintEstimate] | None = None
     program = find_slicer() if slicer else None
     if slicer and program is None:
         console.progress(f"no printing times: PrusaSlicer is not installed ({HOW_TO_INSTALL})")
     if program is not None:
         from fingertip.cad.verification.verify import verify
 
-        lies = orientations(loaded)
-        files = verify(loaded, lies, ("stl",), Evaluator(0.02)).contents
+        lies = print_orientations(loaded)
+        files = verify(loaded, lies, ("stl",), MeshEvaluator(0.02)).contents
         prints = {}
         for name, how in lies.items():
             console.progress(f"slicing {name}")
             prints[name] = slice_part(program, name, files[f"{name}.stl"], how)
-    data = figures(loaded, volumes.measure(loaded, Evaluator(0.01)), card, prints)
+    data = figures(loaded, measure_volumes(loaded, MeshEvaluator(0.01)), card, prints)
     path = out or Path("out") / loaded.name / "casting.md"
     write_file(path, markdown.page(data).encode())
     batch = data["batch"]

@@ -54,14 +54,14 @@ def simulate(
     from fingertip import sim
     from fingertip.board.values.board_values import board_values
     from fingertip.board.values.limits import converter_remarks
-    from fingertip.cli.given import load_design, refuse_sweep
+    from fingertip.cli.load import load_design, refuse_sweep
     from fingertip.design import Design
     from fingertip.errors import FingertipError, Issue
     from fingertip.files import write_file
     from fingertip.sim import summary
     from fingertip.sim.kinds import kind_of, split
     from fingertip.sim.scenes import scene_table
-    from fingertip.sim.trace_bytes import file_bytes
+    from fingertip.sim.trace_export import file_bytes
 
     console = Console(as_json, quiet)
     issues: list[Issue] = []
@@ -146,12 +146,12 @@ def simulate(
 
 def _grip_issues(grip: str, is_manipulation: bool) -> Iterable[Issue]:
     from fingertip.errors import FingertipError, Issue
-    from fingertip.slip.detectors.registry import known
+    from fingertip.slip.detectors.registry import find_detector_type
 
     if not is_manipulation:
         yield Issue("--grip", "closes the loop of a hand; give a manipulation, such as real_manipulation.toml.")
     try:
-        known(grip)
+        find_detector_type(grip)
     except FingertipError as error:
         yield from (Issue("--grip", issue.message) for issue in error.issues)
 

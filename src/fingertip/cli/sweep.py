@@ -14,7 +14,7 @@ from fingertip.cli.console import CHECK_FAILED, INTERRUPTED, Console, JsonOption
 if TYPE_CHECKING:
     from fingertip.sweep.engines import Engine
     from fingertip.sweep.plan import Plan
-    from fingertip.sweep.store import Store
+    from fingertip.sweep.database import Store
 
 
 @command
@@ -80,7 +80,7 @@ def sweep(
 
 def _load(file: Path, changes: Sequence[str]) -> Plan:
     """The sweep of a file; a file of another kind is answered with what it is."""
-    from fingertip.cli.given import refuse_other
+    from fingertip.cli.load import refuse_other
     from fingertip.errors import SweepError
     from fingertip.sweep.plan import Plan
 
@@ -92,7 +92,7 @@ def _load(file: Path, changes: Sequence[str]) -> Plan:
 
 
 def _cluster(address: str) -> Engine:
-    from fingertip.sweep.cluster import Cluster
+    from fingertip.sweep.dask_engine import Cluster
 
     return Cluster(address)
 
@@ -116,7 +116,7 @@ def _asked(file: Path | None, out: Path | None, changes: Sequence[str]) -> Plan 
 
 def _show(console: Console, plan: Plan | None, out: Path | None, csv: Path | None, parquet: Path | None) -> None:
     from fingertip.sweep.report import write
-    from fingertip.sweep.store import Store
+    from fingertip.sweep.database import Store
 
     folder = out if out is not None or plan is None else _default(plan)
     assert folder is not None
@@ -137,7 +137,7 @@ def _export(console: Console, store: Store, csv: Path | None, parquet: Path | No
 
 
 def _open(console: Console, folder: Path, plan: Plan, resume: bool) -> Store:
-    from fingertip.sweep.store import Store
+    from fingertip.sweep.database import Store
 
     if resume and folder.is_dir() and Store.exists(folder):
         return Store.resume(folder, plan)

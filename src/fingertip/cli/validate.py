@@ -28,6 +28,7 @@ def validate(
     quiet: QuietOption = False,
 ) -> None:
     """Try a design's detectors on simulated slips, and on minutes without any. Exit code 1: a requirement is missed."""
+    from fingertip import jit
     from fingertip.board.values.board_values import board_values
     from fingertip.board.values.limits import converter_remarks
     from fingertip.campaign import plan, requirements, study
@@ -35,17 +36,17 @@ def validate(
     from fingertip.campaign.report import omissions
     from fingertip.campaign.report import tables as report
     from fingertip.campaign.studies import boards, limit, rates, sensitivity, spectra, starts, taps, tones, windows
-    from fingertip.cli.given import load_design
-    from fingertip.files import write_whole
-    from fingertip.slip.detectors import kernel, noise, registry
+    from fingertip.cli.load import load_design
+    from fingertip.files import atomic_write
+    from fingertip.slip.detectors import noise, registry
 
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes)
-    registry.known(detector)
+    registry.find_detector_type(detector)
     amount = plan.Amount(trials, minutes)
-    if not kernel.available():
+    if not jit.available():
         console.progress("numba is not installed (pip install 'fingertip[fast]'): this takes some twenty times longer")
-    for remark in (*noise.setting_remarks(loaded, detector), *converter_remarks(board_values(loaded).limits)):
+    for remark in (*noise.settings_warnings(loaded, detector), *converter_remarks(board_values(loaded).limits)):
         console.progress(f"warning: {remark}")
     found = study.run(loaded, amount, progress=console.progress)
     console.progress("closed loop: four objects, knocked")
@@ -91,7 +92,7 @@ def validate(
         **loop_pictures.files(handled, detector),
         "omissions.md": omissions.as_markdown(found, checked, handled).encode(),
     }
-    write_whole(folder, files)
+    atomic_write(folder, files)
     console.progress(f"wrote {', '.join(files)} to {folder}")
     console.result(data, report.as_text(found, detector, checked, grounds))
     if not data["passed"]:

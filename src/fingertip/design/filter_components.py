@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fingertip.design.sections import Board
+from fingertip.design.parameters import Board
 
 # Third-order Butterworth: (s + 1)(s^2 + s + 1), from the article's reference 30.
 A1 = 1.0
@@ -23,7 +23,7 @@ MAX_OHM = 10e6
 
 
 @dataclass(frozen=True)
-class Components:
+class FilterComponents:
     """Resistances [ohm] and capacitances [F] of the filter network and the envelope."""
 
     r1_ohm: float
@@ -62,11 +62,11 @@ def r_lp_ohm(envelope_cutoff_hz: float, c_lp_f: float) -> float:
     return _ratio(1.0, c_lp_f * math.tau * envelope_cutoff_hz)
 
 
-def ideal_components(board: Board) -> Components:
+def ideal_components(board: Board) -> FilterComponents:
     """The values the formulas give; the capacitors and R5 are those of the design. Never raises."""
     c_f = farad(board.capacitor_uf)
     c_lp_f = farad(board.envelope_capacitor_uf)
-    return Components(
+    return FilterComponents(
         r1_ohm=r1_ohm(board.cutoff_hz, c_f),
         r2_ohm=r2_ohm(board.cutoff_hz, c_f),
         r3_ohm=r3_ohm(board.cutoff_hz, c_f),

@@ -11,12 +11,12 @@ from pydantic import BaseModel, ValidationError
 from fingertip.errors import Issue
 
 
-def from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:
+def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:
     """One issue for each thing pydantic refused in a `model`."""
     return [_issue(detail, model) for detail in error.errors(include_url=False)]
 
 
-def nearest(word: str, known: Sequence[str]) -> str:
+def suggest_name(word: str, known: Sequence[str]) -> str:
     """The remedy for an unknown name: the nearest valid one, else all of them."""
     close = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
     return f"did you mean {close[0]}?" if close else f"known here: {', '.join(known)}."
@@ -66,7 +66,7 @@ def _nearest_path(location: Sequence[str], model: type[BaseModel]) -> str:
         for table, info in model.model_fields.items():
             if word in getattr(info.annotation, "model_fields", {}):
                 return f"did you mean {table}.{word}?"
-    return nearest(word, known)
+    return suggest_name(word, known)
 
 
 def _unit(location: Sequence[str], model: type[BaseModel]) -> str:

@@ -9,15 +9,14 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fingertip.design.dimensions import Dimensions, derive
-from fingertip.design.fields import Section
-from fingertip.design.issues import from_pydantic
-from fingertip.design.rules import broken
-from fingertip.design.tables import Tables
+from fingertip.design.geometry.dimensions import Dimensions, compute_dimensions
+from fingertip.design.issues import issues_from_pydantic
+from fingertip.design.parameters import DesignTables, ParameterTable
+from fingertip.design.rules import find_broken_rules
 from fingertip.errors import DesignError, Issue
 
 
-class Design(Tables):
+class Design(DesignTables):
     """One fingertip. Constructing it checks every bound and every rule, and raises all issues at once.
 
     Raises
@@ -30,9 +29,9 @@ class Design(Tables):
         try:
             super().__init__(**tables)
         except ValidationError as error:
-            issues = from_pydantic(error, type(self))
+            issues = issues_from_pydantic(error, type(self))
             raise DesignError([*issues, *_rules_beside(tables, issues)]) from None
-        if issues := [issue for issue, _ in broken(self)]:
+        if issues := [issue for issue, _ in find_broken_rules(self)]:
             raise DesignError(issues)
 
     @classmethod
@@ -44,27 +43,27 @@ class Design(Tables):
         DesignError
             If a file is missing or no valid TOML, or the design it gives is refused.
         """
-        from fingertip.design.cascade import gather
+        from fingertip.design.load import load_tables
 
-        return cls(**gather(files, changes))
+        return cls(**load_tables(files, changes))
 
     @cached_property
     def dimensions(self) -> Dimensions:
         """Lengths that follow from the parameters."""
-        return derive(self)
+        return compute_dimensions(self)
 
 
 def _rules_beside(tables: Mapping[str, Any], issues: Iterable[Issue]) -> list[Issue]:
     """Broken rules among the parameters that are in bounds, so that one run tells everything that is wrong."""
     faulty = {issue.field for issue in issues}
     fields: dict[str, Any] = {}
-    for name, info in Tables.model_fields.items():
+    for name, info in DesignTables.model_fields.items():
         table, default = tables.get(name), info.default
-        if isinstance(default, Section):
+        if isinstance(default, ParameterTable):
             given = table if isinstance(table, Mapping) else {}
             known = type(default).model_fields
             kept = {k: v for k, v in given.items() if k in known and f"{name}.{k}" not in faulty}
             fields[name] = default.model_copy(update=kept)
         else:
             fields[name] = default
-    return [issue for issue, reads in broken(Tables.model_construct(**fields)) if not reads & faulty]
+    return [issue for issue, reads in find_broken_rules(DesignTables.model_construct(**fields)) if not reads & faulty]

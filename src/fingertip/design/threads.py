@@ -43,6 +43,6 @@ TRAP_TURNS = 1.09
 """In a trap as much wider than the nut's flats the nut turns: its corners are 1.09 times as far apart (ISO 4032)."""
 
 
-def passing(hole_mm: float) -> Thread:
+def select_thread(hole_mm: float) -> Thread:
     """The thickest thread whose bolt passes a hole [mm], of `MIN_HOLE_MM` or more."""
     return max((t for t in THREADS if t.hole_mm <= hole_mm + 1e-9), key=lambda thread: thread.diameter_mm)

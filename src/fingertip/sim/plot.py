@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from fingertip.drawing import INK, plain, png, sheet
+from fingertip.plot_style import TEXT_COLOUR, style_axes, to_png, new_figure
 from fingertip.sim.hand.manipulated import Manipulated
 from fingertip.sim.stages.result import Simulated
 from fingertip.slip.intervals import intervals
@@ -46,13 +46,13 @@ def draw(found: Simulated | Manipulated, title: str) -> bytes:
     several = isinstance(found, Manipulated)
     fingers = found.fingers if isinstance(found, Manipulated) else ("",)
     ratios = [0.25 + 0.15 * len(fingers) if name == "slip" else 1.0 for name in names]
-    figure = sheet(10, 1.4 + 1.9 * sum(ratios))
+    figure = new_figure(10, 1.4 + 1.9 * sum(ratios))
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold", fontsize=12)
     for axes, name in zip(panels, names, strict=True):
         signal = found.signals[name] if isinstance(found, Manipulated) else found.columns[name]
         rows = signal if signal.ndim == 2 else signal[None, :]
-        plain(axes, "both")
+        style_axes(axes, "both")
         label, factor = _LABELS[name]
         if name == "slip":
             _bars(axes, found.time_s, rows, fingers)
@@ -67,7 +67,7 @@ def draw(found: Simulated | Manipulated, title: str) -> bytes:
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(float(found.time_s[0]), float(found.time_s[-1]))
     figure.align_ylabels()
-    return png(figure)
+    return to_png(figure)
 
 
 def _bars(axes: Axes, time_s: Array, rows: Array, fingers: tuple[str, ...]) -> None:
@@ -117,8 +117,8 @@ def _moments(panels: Array, found: Simulated | Manipulated) -> None:
         moments.append(("lost", found.lost_s))
     for words, at in moments:
         for axes in panels:
-            axes.axvline(at, color=INK, linewidth=0.9, linestyle=":")
+            axes.axvline(at, color=TEXT_COLOUR, linewidth=0.9, linestyle=":")
         panels[0].annotate(
             words, (at, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 3), textcoords="offset points",
-            ha="center", va="bottom", fontsize=9, color=INK,
+            ha="center", va="bottom", fontsize=9, color=TEXT_COLOUR,
         )  # fmt: skip

@@ -6,7 +6,7 @@ import random
 from dataclasses import dataclass
 
 from fingertip.design import Design
-from fingertip.design.issues import nearest
+from fingertip.design.issues import suggest_name
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.scenes.scene import SLIDE_M
@@ -41,7 +41,7 @@ class Trial:
     def __post_init__(self) -> None:
         issues = []
         if self.surface not in SURFACES:
-            issues.append(Issue("--surface", f"{self.surface!r} is not known; {nearest(self.surface, list(SURFACES))}"))
+            issues.append(Issue("--surface", f"{self.surface!r} is not known; {suggest_name(self.surface, list(SURFACES))}"))
         minimum, maximum = SPEEDS_M_S
         if not minimum <= self.speed_m_s <= maximum:
             issues.append(

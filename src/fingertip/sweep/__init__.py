@@ -1,1 +1,1 @@
-"""Design-parameter sweeps: many designs from one file, each a row that is never dropped."""
+"""Design-parameter sweeps: evaluate many designs described by one file, and keep one row for every point."""

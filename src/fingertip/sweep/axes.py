@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from fingertip.design.fields import Section
-from fingertip.design.issues import from_pydantic, nearest
-from fingertip.design.tables import Tables
+from fingertip.design.issues import issues_from_pydantic, suggest_name
+from fingertip.design.parameters import DesignTables, ParameterTable
 from fingertip.errors import Issue
 
 Value: TypeAlias = float | int | bool | str
@@ -110,7 +109,7 @@ def parameter_names(model: type[BaseModel], before: str = "") -> list[str]:
     """Dotted names of all parameters of a design or a scene."""
     names = []
     for name, info in model.model_fields.items():
-        if isinstance(info.default, Section):
+        if isinstance(info.default, ParameterTable):
             names += [f"{before}{name}.{key}" for key in type(info.default).model_fields]
         elif get_origin(info.annotation) is not list:
             names.append(f"{before}{name}")
@@ -130,7 +129,7 @@ def read_axis(name: str, given: Any, sampled: bool) -> tuple[Axis | None, list[I
         Whether a sampler draws from it; else it takes part in a grid.
     """
     field = f"axes.{name}"
-    model: type[BaseModel] = Tables
+    model: type[BaseModel] = DesignTables
     path = name
     if name.startswith("scene."):
         model, path = _scene(), name.removeprefix("scene.")
@@ -138,8 +137,8 @@ def read_axis(name: str, given: Any, sampled: bool) -> tuple[Axis | None, list[I
         if name.startswith("scene.") and path in parameter_names(_manipulation()):
             words = "is a manipulation's, and sweeps run scenes of one finger; `fingertip simulate --set` takes it."
             return None, [Issue(field, words)]
-        known = parameter_names(Tables) + parameter_names(_scene(), "scene.")
-        return None, [Issue(field, f"there is no such parameter; {nearest(name, known)}")]
+        known = parameter_names(DesignTables) + parameter_names(_scene(), "scene.")
+        return None, [Issue(field, f"there is no such parameter; {suggest_name(name, known)}")]
     axis, issues = _read(name, field, given, sampled, _annotation(model, path))
     if axis is None or issues:
         return None, issues
@@ -174,7 +173,7 @@ def _range(
         words = get_args(annotation) or ("its values",)
         return None, [Issue(field, f"is no number, so it has no range; list its values, such as {list(words)}.")]
     issues = [
-        Issue(f"{field}.{key}", f"there is no such key; {nearest(key, KEYS)}") for key in given if key not in KEYS
+        Issue(f"{field}.{key}", f"there is no such key; {suggest_name(key, KEYS)}") for key in given if key not in KEYS
     ]
     low, high = given.get("low"), given.get("high")
     for key, value in (("low", low), ("high", high)):
@@ -230,10 +229,10 @@ def _bounds(model: type[BaseModel], path: str, field: str, value: Value) -> list
     """What the parameter itself refuses of a value: its type and its bounds."""
     table, _, key = path.rpartition(".")
     tables: dict[str, Any] = {table: {key: value}} if table else {key: value}
-    checked = Tables if model is Tables else model
+    checked = DesignTables if model is DesignTables else model
     try:
         # The fields alone: rules between parameters are asked of each point.
         checked.__pydantic_validator__.validate_python(tables, self_instance=checked.model_construct())
     except ValidationError as error:
-        return [Issue(field, issue.message) for issue in from_pydantic(error, model)]
+        return [Issue(field, issue.message) for issue in issues_from_pydantic(error, model)]
     return []

@@ -14,7 +14,7 @@ from multiprocessing.process import BaseProcess
 from typing import Protocol
 
 from fingertip.errors import Issue, SweepError
-from fingertip.sweep.watch import end_with_parent
+from fingertip.sweep.time_limit import end_with_parent
 
 NOBODY = -1
 PATIENCE_S = 5.0

@@ -1,7 +1,7 @@
 """What a sweep can compute of a point: each output with its meaning, and the stage that gives it.
 
 A stage is asked only where one of its outputs is wanted, and again only where one of the tables it reads has changed.
-Nothing is imported here; `fingertip.sweep.stages` holds the computing.
+Nothing is imported here; `fingertip.sweep.compute` holds the computing.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from fingertip.design.issues import nearest
+from fingertip.design.issues import suggest_name
 from fingertip.errors import Issue
 
 FINGER = frozenset({"sensor", "custom_sensor", "bone", "skin"})
@@ -136,7 +136,7 @@ def unknown(outputs: Iterable[str]) -> list[Issue]:
     issues = []
     for name in dict.fromkeys(listed):
         if name not in OUTPUTS:
-            close = nearest(name.lower(), tuple(OUTPUTS))
+            close = suggest_name(name.lower(), tuple(OUTPUTS))
             remedy = close if close.startswith("did you mean") else "see fingertip sweep --outputs."
             issues.append(Issue("outputs", f"{name!r} is no output; {remedy}"))
         elif listed.count(name) > 1:

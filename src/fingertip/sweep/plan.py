@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.rules import broken
-from fingertip.design.tables import Tables
+from fingertip.design.parameters import DesignTables
+from fingertip.design.rules import find_broken_rules
 from fingertip.errors import FingertipError, Issue, SweepError
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Axis, Value, flatten, read_axis
@@ -35,7 +35,7 @@ class Plan:
 
     file: SweepFile
     axes: tuple[Axis, ...]
-    design: Tables
+    design: DesignTables
     """Base design; within bounds, but its rules are asked of the points."""
     scene: SceneFile | None
 
@@ -203,10 +203,10 @@ def _amount(file: SweepFile, axes: list[Axis]) -> list[Issue]:
 def _catalogues(file: SweepFile) -> list[Issue]:
     """Names of things that other packages list."""
     from fingertip.casting.materials import silicone
-    from fingertip.slip.detectors.registry import known
+    from fingertip.slip.detectors.registry import find_detector_type
 
     issues: list[Issue] = []
-    for name, look_up, word in (("silicone", silicone, file.silicone), ("detector", known, file.detector)):
+    for name, look_up, word in (("silicone", silicone, file.silicone), ("detector", find_detector_type, file.detector)):
         try:
             look_up(word)
         except FingertipError as error:
@@ -225,7 +225,7 @@ def _together(plan: Plan) -> list[Issue]:
     if "scene" not in read:
         issues += [Issue(f"axes.{n}", "changes no output that is wanted; add one, such as delay_ms.") for n in of_scene]
     swept = {axis.name for axis in plan.axes}
-    for issue, reads in broken(plan.design):
+    for issue, reads in find_broken_rules(plan.design):
         if not reads & swept:
             issues.append(Issue(f"design.{issue.field}", f"{issue.message} No axis changes that."))
     return issues

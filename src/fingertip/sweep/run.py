@@ -16,11 +16,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fingertip.errors import Issue, SweepError
-from fingertip.sweep import part as parts
+from fingertip.sweep import chunk as parts
 from fingertip.sweep.engines import Engine
-from fingertip.sweep.part import Done, Part, Work
+from fingertip.sweep.chunk import Done, Part, Work
 from fingertip.sweep.plan import Plan
-from fingertip.sweep.store import Store, Stored
+from fingertip.sweep.database import Store, Stored
 from fingertip.sweep.work import work as work_on
 
 PART_S = 0.5
@@ -191,12 +191,12 @@ class _Sweep:
 
     def _take(self, part: Part, done: Done) -> None:
         self._keep(part, done)
-        pace = done.took_s / len(part.points)
+        pace = done.took_s / len(chunk.points)
         wanted = round(PART_S / pace) if pace > 0 else MAX_IN_PART
         self.part_size = max(1, min(wanted, 4 * self.part_size, MAX_IN_PART))
 
     def _keep(self, part: Part, done: Done) -> None:
-        values = zip(*part.columns.values(), strict=True)
+        values = zip(*chunk.columns.values(), strict=True)
         for (point, status, field_, reason, outputs), axes in zip(done.outcomes, values, strict=True):
             self._rows.append((point, status, field_, reason, *axes, *outputs))
             self.state.failures += status in ("failed", "timeout")
@@ -215,18 +215,18 @@ class _Sweep:
                 Issue("--jobs", f"{sentence} What was written is safe, go on with --resume and fewer jobs.")
             )
         for part in lost:
-            at = range(len(part.points))
-            guilty = [i for i in at if accused is None or part.points[i] in accused]
-            self._suspects += (part.single(i) for i in guilty)
+            at = range(len(chunk.points))
+            guilty = [i for i in at if accused is None or chunk.points[i] in accused]
+            self._suspects += (chunk.single(i) for i in guilty)
             rest = [i for i in at if i not in set(guilty)]
             if rest:
-                columns = {name: [column[i] for i in rest] for name, column in part.columns.items()}
-                self._again.append(Part(part.text, tuple(part.points[i] for i in rest), columns))
+                columns = {name: [column[i] for i in rest] for name, column in chunk.columns.items()}
+                self._again.append(Part(chunk.text, tuple(chunk.points[i] for i in rest), columns))
 
     def _lost(self, part: Part, error: BaseException) -> None:
         if isinstance(error, CancelledError):
             raise SweepError(Issue("--cluster", "is gone; what was written is safe, go on with --resume.")) from None
-        self._suspects += (part.single(i) for i in range(len(part.points)))
+        self._suspects += (chunk.single(i) for i in range(len(chunk.points)))
 
     def _alone(self, part: Part) -> None:
         """Compute one suspect with nobody beside it."""
@@ -249,9 +249,9 @@ class _Sweep:
             accused = self.engine.suspects() if isinstance(error, BrokenExecutor) else None
             took_s = time.perf_counter() - start
             if accused is not None:
-                took_s = accused.get(part.points[0], 0.0)
+                took_s = accused.get(chunk.points[0], 0.0)
             late = took_s >= limit * self.engine.tries
-            row = parts.too_long(part.points[0], limit, outputs) if late else parts.died(part.points[0], outputs)
+            row = parts.too_long(chunk.points[0], limit, outputs) if late else parts.died(chunk.points[0], outputs)
             done = Done([row], 0.0)
             if isinstance(error, BrokenExecutor):
                 self._executor = None

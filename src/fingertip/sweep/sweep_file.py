@@ -11,11 +11,10 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from fingertip.design.cascade import gather
-from fingertip.design.fields import quantity
-from fingertip.design.issues import from_pydantic, nearest
+from fingertip.design.issues import issues_from_pydantic, suggest_name
+from fingertip.design.load import load_tables
 from fingertip.design.model import Design
-from fingertip.design.tables import Tables
+from fingertip.design.parameters import DesignTables, quantity
 from fingertip.errors import DesignError, FingertipError, Issue, SweepError
 
 MAX_POINTS = 100_000_000
@@ -66,7 +65,7 @@ def read(file: str | Path, changes: Iterable[str] = ()) -> dict[str, Any]:
     of_sweep, of_design, of_scene = _split(changes)
     issues: list[Issue] = []
     try:
-        tables = gather([file], of_sweep)
+        tables = load_tables([file], of_sweep)
     except DesignError as error:
         raise SweepError([Issue(f.field, f.message.replace("a design", "a sweep")) for f in error.issues]) from None
     for name, more in (("design", of_design), ("scene", of_scene)):
@@ -82,14 +81,14 @@ def read(file: str | Path, changes: Iterable[str] = ()) -> dict[str, Any]:
 
 def _base(folder: Path, name: str, given: Any, changes: list[str]) -> dict[str, Any] | None:
     if isinstance(given, str):
-        return gather([folder / given], changes)
+        return load_tables([folder / given], changes)
     if given is None and changes:
         raise SweepError(Issue(f"--set scene.{changes[0]}", "changes a base scene; the sweep file names none."))
     if given is not None and not isinstance(given, Mapping):
         raise SweepError(Issue(name, f"{given!r} is refused; give the path of a file, or a table [{name}]."))
     if given is None:
         return None
-    return _merged(dict(given), gather((), changes))
+    return _merged(dict(given), load_tables((), changes))
 
 
 def _merged(into: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
@@ -109,7 +108,7 @@ def _split(changes: Iterable[str]) -> tuple[list[str], list[str], list[str]]:
         first, dot, _ = name.partition(".")
         if first in ("design", "scene") and dot:
             (design if first == "design" else scene).append(change.strip().partition(".")[2])
-        elif first in SweepFile.model_fields or first not in Tables.model_fields:
+        elif first in SweepFile.model_fields or first not in DesignTables.model_fields:
             sweep.append(change)
         else:
             design.append(change)
@@ -121,7 +120,7 @@ def validated(tables: Mapping[str, Any]) -> tuple[SweepFile | None, list[Issue]]
     try:
         return SweepFile(**tables), []
     except ValidationError as error:
-        return None, [_missing(issue) for issue in from_pydantic(error, SweepFile)]
+        return None, [_missing(issue) for issue in issues_from_pydantic(error, SweepFile)]
 
 
 def _missing(issue: Issue) -> Issue:
@@ -171,12 +170,12 @@ def _value(value: Any) -> str:
     return repr(value)
 
 
-def base_design(tables: Mapping[str, Any]) -> tuple[Tables | None, list[Issue]]:
+def base_design(tables: Mapping[str, Any]) -> tuple[DesignTables | None, list[Issue]]:
     """The base design within the bounds of its parameters; rules between them are asked of each point."""
     try:
-        return Tables(**tables), []
+        return DesignTables(**tables), []
     except ValidationError as error:
-        return None, [Issue(f"design.{f.field}", f.message) for f in from_pydantic(error, Design)]
+        return None, [Issue(f"design.{f.field}", f.message) for f in issues_from_pydantic(error, Design)]
 
 
 def objectives(file: SweepFile) -> Iterator[Issue]:
@@ -184,7 +183,7 @@ def objectives(file: SweepFile) -> Iterator[Issue]:
     for key in ("minimise", "maximise"):
         for name in dict.fromkeys(getattr(file, key)):
             if name not in file.outputs:
-                remedy = nearest(name, file.outputs) if file.outputs else "add it to outputs."
+                remedy = suggest_name(name, file.outputs) if file.outputs else "add it to outputs."
                 yield Issue(key, f"{name!r} is not among the sweep's outputs; {remedy}")
     for name in dict.fromkeys(file.minimise):
         if name in file.maximise:

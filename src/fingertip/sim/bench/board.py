@@ -20,7 +20,7 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.jit import once
+from fingertip.jit import compile_for_process
 from fingertip.sim.bench import ngspice
 from fingertip.sim.bench.measure import Diagram
 from fingertip.sim.electronics.analog import respond
@@ -124,7 +124,7 @@ def _theirs(board: Analog) -> tuple[Callable[..., Any], Callable[..., Any]]:
     nvt, saturation, series = d.emission * d.thermal_v, d.saturation_a, d.series_ohm
     rho = series / nvt
     shift = math.log(rho * saturation) + rho * saturation
-    wright = once(omega)
+    wright = compile_for_process(omega)
 
     def rates(t: float, s: Array, voltage: Array) -> Array:
         place = min(int(t / STEP_S), len(voltage) - 2)
@@ -159,4 +159,4 @@ def _theirs(board: Analog) -> tuple[Callable[..., Any], Callable[..., Any]]:
         out[3, 3] = -(slope + 1 / r) / c
         return out
 
-    return once(rates), once(jacobian)
+    return compile_for_process(rates), compile_for_process(jacobian)

@@ -16,12 +16,12 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.jit import once
+from fingertip.jit import compile_for_process
 from fingertip.sim.bench.measure import Diagram
-from fingertip.sim.contact.contact import Mount
 from fingertip.sim.contact.coupled import Press, integrate
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
+from fingertip.sim.contact.tangential import Mount
 
 RATE_HZ = 2000.0
 TARGET_N = 5e-6
@@ -140,4 +140,4 @@ def _theirs(mount: Mount, press: Press) -> tuple[Callable[..., Any], Callable[..
         out[4, 4] = -damp
         return out
 
-    return once(rates), once(jacobian)
+    return compile_for_process(rates), compile_for_process(jacobian)

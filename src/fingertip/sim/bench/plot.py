@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fingertip.drawing import plain, png, sheet
+from fingertip.plot_style import style_axes, to_png, new_figure
 from fingertip.sim.bench.measure import Diagram
 
 _STYLES = (("#b03a2e", "o"), ("#1f4e79", "s"), ("#2e8b57", "^"), ("#b8860b", "D"), ("#6c5b7b", "v"))
@@ -18,7 +18,7 @@ def draw(diagrams: Sequence[Diagram], footnote: str) -> bytes:
     bytes
         A PNG, 1800 x 975 pixels.
     """
-    figure = sheet(12, 6.5)
+    figure = new_figure(12, 6.5)
     panels = figure.subplots(1, len(diagrams), squeeze=False)[0]
     for axes, diagram in zip(panels, diagrams, strict=True):
         solvers = list(dict.fromkeys(point.solver for point in diagram.points))
@@ -34,7 +34,7 @@ def draw(diagrams: Sequence[Diagram], footnote: str) -> bytes:
         axes.set_title(diagram.problem, loc="left", fontweight="bold")
         axes.set_xlabel(f"largest error at a sample [{diagram.unit}]")
         axes.set_ylabel("CPU time [s]")
-        plain(axes, "both")
+        style_axes(axes, "both")
         axes.legend(frameon=False, fontsize=9, loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=3)
     figure.supxlabel(footnote, x=0.01, ha="left", fontsize=8, color="#5d6d7e")
-    return png(figure)
+    return to_png(figure)

@@ -31,7 +31,7 @@ import time
 start = time.process_time()
 from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
-from fingertip.sim.jit import compiled
+from fingertip.jit import compiled
 scene = SceneFile(slide={"distance_m": 0.01}, outputs=["voltage_v", "envelope_v"])
 with compiled():
     run_scene(Design(), scene)

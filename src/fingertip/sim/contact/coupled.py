@@ -23,9 +23,9 @@ import numpy as np
 from fingertip.arrays import Array
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact import coupled_loop
-from fingertip.sim.contact.contact import Mount
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.inputs import columns, not_negative, positive, refuse
+from fingertip.sim.contact.tangential import Mount
+from fingertip.sim.validation import columns, not_negative, positive, refuse
 
 STEPS_CAP = 200_000
 """Most steps between two samples."""

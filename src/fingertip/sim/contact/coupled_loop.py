@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import MutableSequence, Sequence
 
+from fingertip.jit import CompiledLoop
 from fingertip.sim.contact.rosenbrock import A, C
-from fingertip.sim.jit import Kernel
 
 (A21,), (A31, A32), (A41, A42, A43), (A51, A52, A53, A54) = A
 (C21,), (C31, C32), (C41, C42, C43), (C51, C52, C53, C54), (C61, C62, C63, C64, C65) = C
@@ -250,5 +250,5 @@ def _loop(
     count[0], count[1] = steps, rejected
 
 
-run = Kernel(_loop, rates, outputs=5)
+run = CompiledLoop(_loop, rates, outputs=5, samples="Xs", plain_us=30.0)
 """Fills x, v, z, y, and (steps, rejected, sample at which it gave up or 0)."""

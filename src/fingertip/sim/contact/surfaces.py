@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fingertip.sim.contact.contact import Friction
+from fingertip.sim.contact.tangential import Friction
 
 
 @dataclass(frozen=True)

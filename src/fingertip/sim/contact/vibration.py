@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.arrays import Array
-from fingertip.sim.jit import Kernel
+from fingertip.jit import CompiledLoop
 
 HURST = 0.8
 """Exponent of the self-affine profile (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1)."""
@@ -136,6 +136,6 @@ def _swing_loop(
     state[0], state[1], state[2] = y, rate, before
 
 
-_rotate = Kernel(_rotate_loop, outputs=1)
-_follow = Kernel(_follow_loop, outputs=2)
-_swing = Kernel(_swing_loop, outputs=2)
+_rotate = CompiledLoop(_rotate_loop, outputs=1, samples="heights", plain_us=8.0)
+_follow = CompiledLoop(_follow_loop, outputs=2, samples="heights", plain_us=0.3)
+_swing = CompiledLoop(_swing_loop, outputs=2, samples="drive", plain_us=0.4)

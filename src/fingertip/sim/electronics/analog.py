@@ -17,7 +17,7 @@ from fingertip.sim.electronics import envelope_loop
 from fingertip.sim.electronics.board_matrices import matrices
 from fingertip.sim.electronics.circuit import Analog
 from fingertip.sim.electronics.envelope_loop import LEVELS
-from fingertip.sim.inputs import columns, positive, refuse
+from fingertip.sim.validation import columns, positive, refuse
 
 _CHUNK = 256  # boards whose matrices are held at a time: 4 MB
 

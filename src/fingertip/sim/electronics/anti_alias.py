@@ -13,8 +13,8 @@ import numpy as np
 from fingertip.arrays import Array
 from fingertip.board import board_values
 from fingertip.design import Design
+from fingertip.jit import CompiledLoop
 from fingertip.sim.electronics.linear import augmented, exponentials
-from fingertip.sim.jit import Kernel
 
 
 class Poles:
@@ -76,4 +76,4 @@ def _loop(
     state[0], state[1], state[2] = x, y, u
 
 
-_run = Kernel(_loop, outputs=2)
+_run = CompiledLoop(_loop, outputs=2, samples="samples", plain_us=0.5)

@@ -8,8 +8,8 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.sim.electronics.board_output import BoardStream
-from fingertip.slip.detectors.stream import Output
-from fingertip.slip.detectors.window import Window
+from fingertip.slip.detectors.analog import AnalogDetector
+from fingertip.slip.detectors.detector import DetectorOutput
 
 
 class BoardDetector:
@@ -22,7 +22,7 @@ class BoardDetector:
     """
 
     def __init__(self, design: Design) -> None:
-        self._board, self._window = BoardStream(design), Window.of(design)
+        self._board, self._window = BoardStream(design), AnalogDetector.from_design(design)
 
     @property
     def threshold_v(self) -> float:
@@ -34,7 +34,7 @@ class BoardDetector:
         """The window [s]."""
         return self._window.memory_s
 
-    def process(self, voltage_v: Iterable[float]) -> Output:
+    def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
         """Take the next samples of the tactile voltage [V], any number of them, and return as many outputs."""
         samples = np.asarray(voltage_v if isinstance(voltage_v, np.ndarray) else list(voltage_v), dtype=np.float64)
         return self._window.process(self._board.process(samples[None])[0] if len(samples) else samples)

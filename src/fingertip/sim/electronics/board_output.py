@@ -14,7 +14,7 @@ from fingertip.sim.electronics.board_noise import input_noise_v as board_noise_v
 from fingertip.sim.electronics.circuit import Analog
 from fingertip.sim.electronics.converter import noise_v, sampled_v
 from fingertip.sim.electronics.sensing import voltage_of
-from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v, quiet_level
+from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v, measure_noise_level
 
 _WINDOWS = 133
 """Windows of noise through the board: the deviation is known to 6 %."""
@@ -79,4 +79,4 @@ def _level(design: Design, sigma_v: float, converter: random.Random | None) -> N
     noise = noise_v(random.Random(0), sigma_v, _WINDOWS * d.window_samples + settling)
     enveloped = analog.respond(Analog.of(design), 1 / d.sample_rate_hz, noise).envelope_v
     at_pin = Poles.envelope(design).process(enveloped)
-    return quiet_level(sampled_v(design, at_pin, converter)[settling:], design, "simulated noise")
+    return measure_noise_level(sampled_v(design, at_pin, converter)[settling:], design, "simulated noise")

@@ -23,7 +23,7 @@ from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.errors import Issue
 from fingertip.sim.electronics.state_space import GROUND, Amplifier, Part, assemble
-from fingertip.sim.inputs import not_negative, positive, refuse
+from fingertip.sim.validation import not_negative, positive, refuse
 
 Values = float | Array
 

@@ -18,9 +18,9 @@ from fingertip.arrays import Array
 from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
+from fingertip.jit import CompiledLoop
 from fingertip.sim.electronics.circuit import Analog
-from fingertip.sim.inputs import columns, positive, refuse
-from fingertip.sim.jit import Kernel
+from fingertip.sim.validation import columns, positive, refuse
 
 LOW_V = 0.0
 """Of the pin while it says slip: an open collector's 0.05 V at 1 mA are neglected."""
@@ -167,5 +167,5 @@ def _loop(
     count[0] = found
 
 
-_follow = Kernel(_loop, mean_at, outputs=4)
+_follow = CompiledLoop(_loop, mean_at, outputs=4, samples="level", plain_us=4.0)
 """Fills the mean, ON or OFF, the moments of change, and how many there are."""

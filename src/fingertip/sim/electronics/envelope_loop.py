@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import MutableSequence, Sequence
 
-from fingertip.sim.jit import Kernel
+from fingertip.jit import CompiledLoop
 
 LEVELS = 25
 """Steps down to the sample's over 2^24: 30 ps at 2 kHz."""
@@ -230,6 +230,6 @@ def _loop(
     count[0], count[1], count[2] = steps, rejected, implicit
 
 
-run = Kernel(_loop, omega, dot, outputs=7)
+run = CompiledLoop(_loop, omega, dot, outputs=7, samples="before", plain_us=10.0)
 """Carries (envelope, level of the next step) and z (the states); new and decays are scratch; fills filtered, enveloped,
 and (steps, rejected, implicit steps)."""

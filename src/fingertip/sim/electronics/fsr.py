@@ -10,7 +10,7 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.board.values.bridge import ARTICLE_POINTS, sensor_conductance_s
-from fingertip.sim.jit import Kernel
+from fingertip.jit import CompiledLoop
 
 HYSTERESIS = 0.10
 """Most by which the force reads high after a higher one, of its value (article, III.B: at most 10 %)."""
@@ -109,4 +109,4 @@ def _play_loop(
     state[0] = p
 
 
-_play = Kernel(_play_loop, outputs=2)
+_play = CompiledLoop(_play_loop, outputs=2, samples="forces", plain_us=0.4)

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import MutableSequence, Sequence
 
-from fingertip.sim.jit import Kernel
+from fingertip.jit import CompiledLoop
 
 GAMMA = 1 - 1 / math.sqrt(2)
 RELAX_PER_S = 1e3
@@ -175,7 +175,7 @@ def _loop(
     state[3 * count], state[3 * count + 1], state[3 * count + 2] = X, V, gone
 
 
-run = Kernel(_loop, pin_n, outputs=8)
+run = CompiledLoop(_loop, pin_n, outputs=8, samples="x_out", plain_us=9.0)
 """Carries state (x, v, z of each pad; X, V, gone) and scratch; sets loads to 0 where the object has left; fills each
 pad's way, the object's velocity over it, its bristles' deflection, the object's way and the pin's force, at the end of
 each step."""

@@ -8,11 +8,11 @@ from typing import Any
 from numpy.typing import NDArray
 
 from fingertip.arrays import Array
-from fingertip.design.issues import nearest
+from fingertip.design.issues import suggest_name
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.hand.manipulation_file import ManipulationFile
-from fingertip.sim.hand.manipulation_plan import Plan
-from fingertip.sim.stages.stages import Ran
+from fingertip.sim.hand.motion_plan import Plan
+from fingertip.sim.stages.stage import Ran
 from fingertip.slip.traces.trace import Trace
 
 
@@ -63,7 +63,7 @@ class Manipulated:
             If the finger does not touch, or the scene does not name the voltage among its outputs.
         """
         if finger not in self.fingers:
-            raise TraceError(Issue("finger", f"{finger!r} does not touch; {nearest(finger, self.fingers)}"))
+            raise TraceError(Issue("finger", f"{finger!r} does not touch; {suggest_name(finger, self.fingers)}"))
         if "voltage_v" not in self.signals:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
         of = {name: signal[self.fingers.index(finger)] for name, signal in self.signals.items() if signal.ndim == 2}

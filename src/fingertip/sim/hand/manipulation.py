@@ -27,10 +27,10 @@ from fingertip.sim.electronics.comparator import missing, pin_v
 from fingertip.sim.hand.controller import Controller, Seen
 from fingertip.sim.hand.manipulated import Manipulated
 from fingertip.sim.hand.manipulation_file import OUTPUTS, ManipulationFile
-from fingertip.sim.hand.manipulation_plan import Plan, plan, thumb_n
-from fingertip.sim.hand.manipulation_run import Run
-from fingertip.sim.inputs import refuse
+from fingertip.sim.hand.motion_plan import Plan, plan, thumb_n
+from fingertip.sim.hand.stepper import Run
 from fingertip.sim.stages.result import LONG_S
+from fingertip.sim.validation import refuse
 
 
 def run_manipulation(

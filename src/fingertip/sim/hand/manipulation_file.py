@@ -11,11 +11,11 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict
 
-from fingertip.design.fields import Section, choice, quantity
+from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.errors import Issue
 from fingertip.sim.scenes.scene import ACCELERATION_M_S2
 from fingertip.sim.scenes.scene_sections import Sensing
-from fingertip.sim.scenes.strict_file import StrictFile
+from fingertip.sim.scenes.simulation_file import StrictFile
 
 OUTPUTS = (
     "voltage_v",
@@ -34,7 +34,7 @@ over the pad; closing_m, of the finger; command_m, closing it was told; envelope
 scene. Of the object: object_m, its way; pin_n, the pin's force."""
 
 
-class Held(Section):
+class Held(ParameterTable):
     """The object."""
 
     mass_kg: float = quantity(0.255, "kg", "The article's: 0.5, 0.255, 0.06, 0.02.", minimum=0.005, maximum=5)
@@ -49,7 +49,7 @@ class Held(Section):
     )
 
 
-class Grasp(Section):
+class Grasp(ParameterTable):
     """Which fingers hold it, how hard before anything happens, and when."""
 
     kind: Literal["pinch", "power"] = choice("power", "pinch: thumb against index; power: thumb against four fingers.")
@@ -91,7 +91,7 @@ class Grasp(Section):
     )
 
 
-class Knock(Section):
+class Knock(ParameterTable):
     """The robot's pin hits the object along the way in which it would slip; 0 m/s: it does not."""
 
     speed_m_s: float = quantity(0.08, "m/s", "Velocity (article: 0.08).", minimum=0, maximum=0.2)
@@ -108,7 +108,7 @@ class Knock(Section):
     )
 
 
-class Hand(Section):
+class Hand(ParameterTable):
     """From a command to the fingers' closing."""
 
     period_s: float = quantity(0.01, "s", "Between commands. Assumption.", minimum=0.0005, maximum=0.2)

@@ -9,7 +9,7 @@ from pydantic import ConfigDict
 
 from fingertip.errors import Issue
 from fingertip.sim.scenes.scene_sections import Cable, Contact, Drift, Hold, LoadChange, Motor, Sensing, Slide, Tap
-from fingertip.sim.scenes.strict_file import StrictFile
+from fingertip.sim.scenes.simulation_file import StrictFile
 
 OUTPUTS = (
     "voltage_v",

@@ -10,10 +10,10 @@ from typing import Literal
 
 from pydantic import Field
 
-from fingertip.design.fields import Section, choice, quantity
+from fingertip.design.parameters import ParameterTable, choice, quantity
 
 
-class Contact(Section):
+class Contact(ParameterTable):
     """The surface, and how the pad answers it."""
 
     surface: Literal["smooth", "medium", "gross", "wood", "paper", "plastic"] = choice(
@@ -33,7 +33,7 @@ class Contact(Section):
     feedback: bool = Field(False, description="Whether vibration of the load acts back on friction.")
 
 
-class Hold(Section):
+class Hold(ParameterTable):
     """The hand: how it presses, and how hard."""
 
     mode: Literal["press", "grasp"] = choice("press", "Down to a depth (sliding finger), or up to a force (grasp).")
@@ -53,7 +53,7 @@ class Hold(Section):
     after_s: float = quantity(0.2, "s", "Recorded at the end. Assumption.", minimum=0, maximum=60)
 
 
-class Slide(Section):
+class Slide(ParameterTable):
     """The surface passes under the finger; 0 m: it does not."""
 
     distance_m: float = quantity(0.0, "m", "Way (article: 0.04).", minimum=0, maximum=1)
@@ -61,7 +61,7 @@ class Slide(Section):
     acceleration_m_s2: float = quantity(1.0, "m/s2", "Of the trapezoid's ends. Assumption.", minimum=0.05, maximum=20)
 
 
-class LoadChange(Section):
+class LoadChange(ParameterTable):
     """The holding force changes once; 0 N: it does not."""
 
     by_n: float = quantity(0.0, "N", "Added to the force on this finger.", minimum=-4, maximum=4)
@@ -69,7 +69,7 @@ class LoadChange(Section):
     at_s: float = quantity(1.0, "s", "After the force is reached. Assumption.", minimum=0, maximum=600)
 
 
-class Tap(Section):
+class Tap(ParameterTable):
     """Something knocks on the held object; 0 N: nothing does."""
 
     force_n: float = quantity(0.0, "N", "Peak of the force.", minimum=0, maximum=50)
@@ -81,7 +81,7 @@ class Tap(Section):
     interval_s: float = quantity(0.5, "s", "From one to the next. Assumption.", minimum=0.01, maximum=600)
 
 
-class Motor(Section):
+class Motor(ParameterTable):
     """The hand's motors shake the finger; 0 N: they stand still."""
 
     force_n: float = quantity(0.0, "N", "Amplitude of the fundamental.", minimum=0, maximum=5)
@@ -93,7 +93,7 @@ class Motor(Section):
     duration_s: float = quantity(1.0, "s", "For this long. Assumption.", minimum=0.01, maximum=600)
 
 
-class Drift(Section):
+class Drift(ParameterTable):
     """The sensor's slow changes."""
 
     share_per_decade: float = quantity(
@@ -104,7 +104,7 @@ class Drift(Section):
     )
 
 
-class Cable(Section):
+class Cable(ParameterTable):
     """Somebody touches the cable; 0 V: nobody does."""
 
     step_v: float = quantity(0.0, "V", "Jump when the touch begins, and back when it ends.", minimum=-1, maximum=1)
@@ -115,7 +115,7 @@ class Cable(Section):
     duration_s: float = quantity(0.5, "s", "For this long. Assumption.", minimum=0.01, maximum=600)
 
 
-class Sensing(Section):
+class Sensing(ParameterTable):
     """From force to voltage."""
 
     bridge: Literal["board", "article"] = choice(

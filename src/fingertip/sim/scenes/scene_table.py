@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from fingertip.design.fields import Section
-from fingertip.sim.scenes.strict_file import StrictFile
+from fingertip.design.parameters import ParameterTable
+from fingertip.sim.scenes.simulation_file import StrictFile
 
 
 def parameters(scene: StrictFile) -> Iterator[dict[str, Any]]:
@@ -14,7 +14,7 @@ def parameters(scene: StrictFile) -> Iterator[dict[str, Any]]:
     schema = type(scene).model_json_schema()
     for name in type(scene).model_fields:
         value = getattr(scene, name)
-        if isinstance(value, Section):
+        if isinstance(value, ParameterTable):
             table = schema["$defs"][type(value).__name__]["properties"]
             for key, field in table.items():
                 yield _row(f"{name}.{key}", getattr(value, key), field, scene.known_outputs)

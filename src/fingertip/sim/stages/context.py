@@ -11,9 +11,9 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.sim.contact.contact import Mount
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import SURFACES, Surface
+from fingertip.sim.contact.tangential import Mount
 from fingertip.sim.scenes.scene_file import SceneFile
 from fingertip.sim.scenes.timeline import Timeline, plan
 

@@ -1,7 +1,7 @@
 """The stages of a scene: hand, friction, surface, contact, sensor, bridge, converter, filter board.
 
 A scene without a slide has no friction state; without vibration sources, no profile; and what nobody asked for is not
-among the stages that run (`fingertip.sim.stages.stages`).
+among the stages that run (`fingertip.sim.stages.stage`).
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from fingertip.sim.contact import coupled
 from fingertip.sim.scenes.scene_file import SceneFile
 from fingertip.sim.stages import contact_stages, signal_stages
 from fingertip.sim.stages.context import Context
-from fingertip.sim.stages.stages import Stage
+from fingertip.sim.stages.stage import Stage
 
 
 def stages_of(scene: SceneFile) -> list[Stage[Context]]:

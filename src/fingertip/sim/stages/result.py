@@ -14,7 +14,7 @@ from fingertip.sim.electronics.comparator import missing
 from fingertip.sim.scenes.scene_file import SceneFile
 from fingertip.sim.stages.context import Context
 from fingertip.sim.stages.pipeline import stages_of
-from fingertip.sim.stages.stages import Ran, run
+from fingertip.sim.stages.stage import Ran, run
 from fingertip.slip.traces.trace import Trace
 
 LONG_S = 15.0

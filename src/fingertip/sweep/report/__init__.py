@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fingertip.sweep.plan import Plan
     from fingertip.sweep.report.summary import Findings
-    from fingertip.sweep.store import Store
+    from fingertip.sweep.database import Store
 
 
 def write(
@@ -46,8 +46,8 @@ def write(
     SweepError
         If the store holds another sweep than the plan.
     """
-    from fingertip.files import write_whole
-    from fingertip.sweep.report.best import as_toml
+    from fingertip.files import atomic_write
+    from fingertip.sweep.report.best_design import as_toml
     from fingertip.sweep.report.summary import as_data, findings
     from fingertip.sweep.report.text import as_text, best_sentence
 
@@ -60,13 +60,13 @@ def write(
         files["best.toml"] = as_toml(found.plan, found.table, found.choice).encode()
         files["front.csv"] = front_csv(found)
     if len(found.table.point):
-        from fingertip.sweep.report.drawn import pictures
+        from fingertip.sweep.report.plots import pictures
 
         progress("drawing")
         files |= dict(pictures(found))
     data = as_data(found) | {"best_sentence": best_sentence(found), "files": sorted([*files, "summary.json"])}
     files["summary.json"] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
-    write_whole(folder, files)
+    atomic_write(folder, files)
     progress(f"wrote {', '.join(sorted(files))} to {folder}")
     return data | {"text": as_text(found)}
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.sweep.report.bins import Bins, Column
+from fingertip.sweep.report.statistics import Bins, Column
 
 
 @dataclass(frozen=True)

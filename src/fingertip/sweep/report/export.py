@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from fingertip.errors import Issue, MissingLibraryError
-from fingertip.files import open_whole
+from fingertip.files import open_atomic
 
 if TYPE_CHECKING:
     from fingertip.sweep.plan import Plan
-    from fingertip.sweep.store import Row
+    from fingertip.sweep.database import Row
 
 _GROUP = 65_536
 """Rows of one row group."""
@@ -43,7 +43,7 @@ def write_csv(store: Rows, path: Path) -> None:
     OutputError
         If the file cannot be written; what was there has not changed then.
     """
-    with open_whole(path, "--csv") as raw:
+    with open_atomic(path, "--csv") as raw:
         text = io.TextIOWrapper(raw, encoding="utf-8", newline="", write_through=False)
         lines = csv.writer(text, lineterminator="\n")
         lines.writerow(names(store.plan))
@@ -71,7 +71,7 @@ def write_parquet(store: Rows, path: Path) -> None:
     word = pyarrow.dictionary(pyarrow.int32(), pyarrow.string())
     schema = pyarrow.schema([*types.items(), ("status", word), ("field", word), ("reason", pyarrow.string())])
     rows = store.rows()
-    with open_whole(path, "--parquet") as raw, parquet.ParquetWriter(raw, schema) as writer:
+    with open_atomic(path, "--parquet") as raw, parquet.ParquetWriter(raw, schema) as writer:
         while group := list(itertools.islice(rows, _GROUP)):
             columns = [_column(pyarrow, field, group) for field in schema]
             writer.write_table(pyarrow.Table.from_arrays(columns, schema=schema), row_group_size=_GROUP)

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.sweep.report.bins import Bins, by_count, by_value
+from fingertip.sweep.report.statistics import Bins, by_count, by_value
 from fingertip.sweep.report.variance import MIN_POINTS, chance, explained
 
 if TYPE_CHECKING:
-    from fingertip.sweep.table import Table
+    from fingertip.sweep.rows import Table
 
 FEASIBLE = "feasible"
 CHECKS = "checks_failed"

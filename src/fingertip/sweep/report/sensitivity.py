@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fingertip.sweep.report.bins import Column, by_count, is_words, ranks
+from fingertip.sweep.report.statistics import Column, by_count, is_words, ranks
 from fingertip.sweep.report.feasibility import FEASIBLE, feasible
 from fingertip.sweep.report.variance import MIN_POINTS, chance, correlation, explained
 
 if TYPE_CHECKING:
-    from fingertip.sweep.table import Table
+    from fingertip.sweep.rows import Table
 
 MAX_BINS = 32
 

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fingertip.sweep.report.best import Choice, choose, objectives
+from fingertip.sweep.report.best_design import Choice, choose, objectives
 from fingertip.sweep.report.feasibility import Limit, Verdicts, feasible, limits, verdicts
 from fingertip.sweep.report.sensitivity import Sensitivity, sensitivities
-from fingertip.sweep.table import STATUSES
+from fingertip.sweep.rows import STATUSES
 
 if TYPE_CHECKING:
     from fingertip.sweep.plan import Plan
-    from fingertip.sweep.table import Table
+    from fingertip.sweep.rows import Table
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from fingertip.sweep.report.feasibility import Limit, feasible
 from fingertip.sweep.report.sensitivity import Sensitivity, Weight
 from fingertip.sweep.report.summary import Findings, point_data, spread
-from fingertip.sweep.table import STATUSES
+from fingertip.sweep.rows import STATUSES
 
 _MAX_LISTED = 12
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.sweep.report.bins import Bins
+from fingertip.sweep.report.statistics import Bins
 
 MIN_POINTS = 20
 """Fewer points say nothing about shares of a variance."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.drawing import INK, RED, plain, png, sheet
-from fingertip.sweep.report.bins import Column
-from fingertip.sweep.report.pictures.scales import chosen
+from fingertip.plot_style import TEXT_COLOUR, RED, style_axes, to_png, new_figure
+from fingertip.sweep.report.statistics import Column
+from fingertip.sweep.report.plot_scales import chosen
 
 _CLOUD_COLOUR = "#a9bfd4"
 _MAX_POINTS = 20000
@@ -39,7 +39,7 @@ def draw(
     bytes
         A PNG.
     """
-    figure = sheet(10, 7)
+    figure = new_figure(10, 7)
     plot = figure.subplots()
     x, y = values
     drawn = np.array(chosen(len(x), _MAX_POINTS), dtype=np.intp)
@@ -51,7 +51,7 @@ def draw(
         # A step: nothing between two designs of the front is known to exist.
         plot.step(x[order], y[order], where="post" if words[0] == "minimise" else "pre", color=RED, linewidth=1)
     plot.plot(x[order], y[order], "o", color=RED, markersize=4.5, markeredgewidth=0, label=label)
-    plot.plot(x[best], y[best], "o", markersize=14, markerfacecolor="none", color=INK, label="best.toml")
+    plot.plot(x[best], y[best], "o", markersize=14, markerfacecolor="none", color=TEXT_COLOUR, label="best.toml")
     plot.set_xlabel(f"{names[0]}, to {words[0]}")
     plot.set_ylabel(f"{names[1]}, to {words[1]}")
     how = f"{len(drawn)} of {len(x)} feasible designs, drawn at random" if len(drawn) < len(x) else (
@@ -59,5 +59,5 @@ def draw(
     )  # fmt: skip
     plot.set_title(f"{how}, and their Pareto front", loc="left", fontsize=10)
     plot.legend(frameon=False, fontsize=9)
-    plain(plot, "both")
-    return png(figure)
+    style_axes(plot, "both")
+    return to_png(figure)

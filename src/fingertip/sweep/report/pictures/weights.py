@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fingertip.drawing import png, sheet
-from fingertip.sweep.report.pictures.scales import wrapped
+from fingertip.plot_style import to_png, new_figure
+from fingertip.sweep.report.plot_scales import wrapped
 from fingertip.sweep.report.sensitivity import Sensitivity
 
 
@@ -16,7 +16,7 @@ def draw(found: Sequence[Sensitivity], axes: Sequence[str]) -> bytes:
     """A row for each output, a column for each axis and one for what is not explained by any alone: a PNG."""
     columns = [*axes, "no axis alone"]
     shares = np.zeros((len(found), len(columns)))
-    figure = sheet(max(9.0, 2.6 + 1.15 * len(columns)), 1.9 + 0.55 * len(found))
+    figure = new_figure(max(9.0, 2.6 + 1.15 * len(columns)), 1.9 + 0.55 * len(found))
     plot = figure.subplots()
     for i, one in enumerate(found):
         signs = {weight.axis: weight.rank_correlation for weight in one.weights}
@@ -41,7 +41,7 @@ def draw(found: Sequence[Sensitivity], axes: Sequence[str]) -> bytes:
         "arrow: it rises or falls with the axis; empty: no more than chance; infeasible points let shares overlap"
     )
     figure.suptitle(said, x=0.01, ha="left", fontsize=9)
-    return png(figure)
+    return to_png(figure)
 
 
 def _percent(share: float) -> str:

@@ -1,0 +1,55 @@
+"""Rows of a sweep, one by one and as a table of columns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.sweep.axes import Value
+
+Status: TypeAlias = Literal["ok", "refused", "failed", "timeout"]
+STATUSES: tuple[Status, ...] = ("ok", "refused", "failed", "timeout")
+"""ok: computed. refused: the design breaks a rule, which is a valid result. failed: an error, or the worker died.
+timeout: the point took longer than the sweep's time limit."""
+
+
+@dataclass(frozen=True)
+class SweepRow:
+    """Row of one point: its parameters, its outputs and its status."""
+
+    point: int
+    axes: dict[str, Value]
+    """Swept parameter -> value."""
+    outputs: dict[str, float]
+    """Output -> value; NaN where it was not computed."""
+    status: Status
+    field: str
+    """Parameter or check that `reason` is about; "" if there is none."""
+    reason: str
+    """Why the point is not ok, or which checks failed; "" otherwise."""
+
+
+@dataclass(frozen=True, eq=False)
+class SweepTable:
+    """All rows as columns of one length n, ordered by point number."""
+
+    point: NDArray[np.int64]
+    """(n,) number of the point in the plan. Points without a row are left out."""
+    axes: dict[str, NDArray[Any]]
+    """Swept parameter, dotted (`skin.width_mm`, `scene.slide.speed_m_s`) -> (n,) values: float, int, bool or str."""
+    outputs: dict[str, NDArray[np.float64]]
+    """Output, with the unit in its name -> (n,) values. NaN where it was not computed, infinite where it is unbounded
+    (the median delay where fewer than half of the slips were detected)."""
+    status: NDArray[np.str_]
+    """(n,) one of `STATUSES`."""
+    field: NDArray[np.str_]
+    """(n,) first parameter that a refused point's broken rule names, or first failed check of a computed point; ""
+    otherwise."""
+    reason: NDArray[np.object_]
+    """(n,) of str: why a row is not ok, or which checks failed; "" otherwise."""
+
+    def __len__(self) -> int:
+        return len(self.point)

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from fingertip.cli import app
 from fingertip.design import Design
-from fingertip.slip import make
+from fingertip.slip import make_detector
 
 
 def run(*words, lines=None):
@@ -35,4 +35,4 @@ def the_onset(done) -> float:
 
 
 T, V = burst()
-ONSET = float(T[np.flatnonzero(make("digital", Design()).process(np.round(V, 6)).on)[0]])
+ONSET = float(T[np.flatnonzero(make_detector("digital", Design()).process(np.round(V, 6)).on)[0]])

@@ -13,17 +13,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.design import Design
-from fingertip.slip.detectors.chain import ChainOutput, ChainSettings, SlipChain, analog_response, response
+from fingertip.slip.detectors.digital import ChainOutput, ChainSettings, SlipChain, analog_response, response
 from fingertip.slip.detectors.noise import (
     NoiseLevel,
-    mean_quantised_v,
+    mean_quantised_noise_v,
     noise_level,
-    quantised_v,
+    quantised_noise_v,
     remarks,
-    setting_remarks,
+    settings_warnings,
 )
 
-SETTINGS = ChainSettings.of(Design())
+SETTINGS = ChainSettings.from_design(Design())
 FIELDS = ("filtered_v", "envelope_v", "mean_v", "on")
 
 
@@ -128,7 +128,7 @@ def test_noise_level_is_what_noise_gives():
     rng = np.random.default_rng(3)
     step = 20 / 65536
     noise = np.round((4.3 + rng.normal(0, design.detector.noise_v, 200_000)) / step) * step
-    means = SlipChain(ChainSettings.of(design)).process(noise).mean_v[200:]
+    means = SlipChain(ChainSettings.from_design(design)).process(noise).mean_v[200:]
     assert means.mean() == pytest.approx(level.mean_v, rel=0.03)
     assert means.std() == pytest.approx(level.deviation_v, rel=0.10)
     assert means.max() < level.threshold_v
@@ -156,20 +156,20 @@ def test_noise_smaller_than_a_step_is_hidden_at_most_voltages():
         at = rng.uniform(-0.5, 0.5, 400)[:, None] * step
         codes = np.round((at + rng.normal(0, noise, (400, 2000))) / step) * step
         drawn = float(np.sqrt(np.mean(codes.var(axis=1))))
-        assert mean_quantised_v(noise, step) == pytest.approx(drawn, rel=0.04)
-        assert mean_quantised_v(noise, step) < 1.01 * quantised_v(noise, step)
-    assert mean_quantised_v(0.0, 3e-4) == 0.0
-    assert mean_quantised_v(1e-2, 3e-4) == quantised_v(1e-2, 3e-4)
+        assert mean_quantised_noise_v(noise, step) == pytest.approx(drawn, rel=0.04)
+        assert mean_quantised_noise_v(noise, step) < 1.01 * quantised_noise_v(noise, step)
+    assert mean_quantised_noise_v(0.0, 3e-4) == 0.0
+    assert mean_quantised_noise_v(1e-2, 3e-4) == quantised_noise_v(1e-2, 3e-4)
 
 
 def test_settings_that_cannot_work_well_are_worth_a_word():
-    assert list(setting_remarks(Design())) == []
-    (low,) = setting_remarks(Design(board={"cutoff_hz": 40.0}))
+    assert list(settings_warnings(Design())) == []
+    (low,) = settings_warnings(Design(board={"cutoff_hz": 40.0}))
     assert "cutoff_hz of 40 Hz lets in what contacts" in low
-    (coarse,) = setting_remarks(Design(detector={"adc_bits": 12}))
+    (coarse,) = settings_warnings(Design(detector={"adc_bits": 12}))
     assert "steps of 4.88 mV" in coarse
     assert "noise of 0.4 mV" in coarse
-    (short,) = setting_remarks(Design(detector={"sample_rate_hz": 10000.0}))
-    assert list(setting_remarks(Design(detector={"sample_rate_hz": 10000.0}), "fast")) == []
+    (short,) = settings_warnings(Design(detector={"sample_rate_hz": 10000.0}))
+    assert list(settings_warnings(Design(detector={"sample_rate_hz": 10000.0}), "fast")) == []
     assert "last 6 ms" in short
     assert "300 last 30 ms" in short

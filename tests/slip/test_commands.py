@@ -225,11 +225,12 @@ def test_detection_never_imports_the_simulation():
 
 
 def test_csv_round_trip(tmp_path):
-    from fingertip.design import Design
     from fingertip.slip.traces.parsed import Wanted
+
+    from fingertip.design import Design
+    from fingertip.slip.traces.csv_file import to_csv
     from fingertip.slip.traces.read import parse
     from fingertip.slip.traces.trace import Trace
-    from fingertip.slip.traces.trace_file import to_csv
 
     time = np.arange(100) / 2000
     trace = Trace(time, np.round(np.sin(time), 6), np.round(np.cos(time), 6), time > 0.02)

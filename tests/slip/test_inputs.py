@@ -10,14 +10,14 @@ import types
 
 import numpy as np
 import pytest
+from fingertip.slip.traces.parsed import Wanted
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingertip.design import Design
 from fingertip.errors import MissingLibraryError
-from fingertip.slip import make
-from fingertip.slip.traces.parsed import Wanted
-from fingertip.slip.traces.rate import at_rate
+from fingertip.slip import make_detector
+from fingertip.slip.rate_adaptation import adapt_rate
 from fingertip.slip.traces.read import parse
 from tests.conftest import design_file
 from tests.slip.recordings import ONSET, T, V, burst, csv, run, the_onset
@@ -121,11 +121,11 @@ DESIGN = design_file("fsr400")
 def test_another_rate_keeps_the_windows_duration_and_the_thresholds_place():
     from fingertip.slip.detectors.noise import noise_level
 
-    anew = at_rate(Design(), 8000.0)
+    anew = adapt_rate(Design(), 8000.0)
     assert anew.detector.window_samples == 240
     ratio = anew.detector.threshold_v / noise_level(anew).threshold_v
     assert ratio == pytest.approx(Design().detector.threshold_v / noise_level(Design()).threshold_v)
-    assert at_rate(Design(), 2000.0) == Design()
+    assert adapt_rate(Design(), 2000.0) == Design()
 
 
 def test_a_force_and_a_noise_that_was_measured(tmp_path):
@@ -329,20 +329,19 @@ def test_analog_line_by_line_on_a_simulated_board(tmp_path):
 @settings(max_examples=10, deadline=None)
 @given(sizes=st.lists(st.integers(0, 400), max_size=6))
 def test_a_simulated_board_in_any_chunks_gives_the_same_bits_though_pickled(sizes):
-    from fingertip.sim.electronics.board_detector import BoardDetector
-    from fingertip.sim.electronics.board_output import envelope_v
+    from fingertip.sim.electronics.board_output import SimulatedBoardDetector, simulate_envelope_v
 
     design = Design(board={"variant": "precision"})
-    whole = make("analog", design).process(envelope_v(design, V))
-    detector, parts, start = BoardDetector(design), [], 0
+    whole = make_detector("analog", design).process(simulate_envelope_v(design, V))
+    detector, parts, start = SimulatedBoardDetector(design), [], 0
     for size in [*sizes, len(V)]:
         parts.append(detector.process(V[start : start + size]))
         start += size
         detector = pickle.loads(pickle.dumps(detector))
     for field in ("level_v", "on"):
         assert np.concatenate([getattr(part, field) for part in parts]).tobytes() == getattr(whole, field).tobytes()
-    assert detector.threshold_v == whole.bar_v[0]
-    stepping = BoardDetector(design)
+    assert detector.threshold_v == whole.threshold_v[0]
+    stepping = SimulatedBoardDetector(design)
     assert [stepping.step(x) for x in V[:300].tolist()] == whole.on[:300].tolist()
 
 
@@ -367,11 +366,11 @@ def test_digital_and_a_board_without_dead_zone_agree():
     from fingertip.sim.electronics import board_output
 
     design = Design(board={"variant": "precision"})
-    digital = make("digital", design).process(V)
-    analog = make("analog", design).process(board_output.envelope_v(design, V))
+    digital = make_detector("digital", design).process(V)
+    analog = make_detector("analog", design).process(board_output.simulate_envelope_v(design, V))
     during = (T >= 0.53) & (T < 0.7)
-    off = analog.level_v[during] - digital.level_v[during]
-    assert np.sqrt(np.mean(off**2)) < 0.05 * np.sqrt(np.mean(digital.level_v[during] ** 2))
+    off = analog.statistic_v[during] - digital.statistic_v[during]
+    assert np.sqrt(np.mean(off**2)) < 0.05 * np.sqrt(np.mean(digital.statistic_v[during] ** 2))
     assert np.mean(analog.on != digital.on) < 0.01
 
 

@@ -8,8 +8,8 @@ import pytest
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.slip import Interval, Trace, detect
-from fingertip.slip.intervals import intervals, merged, score
-from fingertip.slip.words import verdict
+from fingertip.slip.format import format_delay
+from fingertip.slip.intervals import intervals, merge, score
 
 TIME = np.arange(10) / 10
 
@@ -34,7 +34,7 @@ def test_intervals(text, expected):
 
 def test_close_parts_are_one_slip():
     parts = [Interval(0.0, 0.1), Interval(0.12, 0.2), Interval(0.3, 0.4)]
-    assert merged(parts, 0.03) == (Interval(0.0, 0.2), Interval(0.3, 0.4))
+    assert merge(parts, 0.03) == (Interval(0.0, 0.2), Interval(0.3, 0.4))
 
 
 def test_score():
@@ -60,10 +60,10 @@ def test_an_alarm_that_ends_where_slip_begins_does_not_take_it():
 
 
 def test_what_goes_on_in_incipient_slip_is_told_from_what_was_on_before():
-    assert verdict(None) == "missed"
-    assert verdict(0.0123) == "found after 12.3 ms"
-    assert verdict(-0.006) == "found 6.0 ms before, in incipient slip"
-    assert verdict(-0.01) == "ON already, 10 ms before"
+    assert format_delay(None) == "missed"
+    assert format_delay(0.0123) == "found after 12.3 ms"
+    assert format_delay(-0.006) == "found 6.0 ms before, in incipient slip"
+    assert format_delay(-0.01) == "ON already, 10 ms before"
 
 
 def test_how_many_slips_there_are_is_no_detectors_affair():

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.slip import make
-from fingertip.slip.traces.rate import at_rate
+from fingertip.slip import make_detector
+from fingertip.slip.rate_adaptation import adapt_rate
 from tests.slip.recordings import ONSET, T, V, burst, csv, run, the_onset
 
 PLAIN = csv(T, V)
@@ -134,7 +134,7 @@ def test_a_threshold_that_was_set_stays_at_any_rate(tmp_path):
     (tmp_path / "t.csv").write_text(csv(t, v))
     (tmp_path / "d.toml").write_text("[detector]\nthreshold_v = 0.0123\n")
     rate, mine = ("--rate-hz", 5000), ("--set", "detector.threshold_v=0.0123")
-    usual, anew = Design().detector.threshold_v, at_rate(Design(), 5000.0).detector.threshold_v
+    usual, anew = Design().detector.threshold_v, adapt_rate(Design(), 5000.0).detector.threshold_v
     assert anew != pytest.approx(usual, rel=0.05)
     for words, volts, said in (
         ((), anew, f"the threshold is {anew:.3g} V"),
@@ -174,11 +174,11 @@ def test_a_window_that_was_set_stays_at_any_rate(tmp_path):
     ):
         assert said in run("detect", tmp_path / "t.csv", *words).stderr, words
     # A window that lasts as long as usual has the usual threshold.
-    thirty = at_rate(Design(detector={"window_samples": 300}), 10_000.0, keep_window=True).detector
-    assert thirty == at_rate(Design(), 10_000.0).detector
+    thirty = adapt_rate(Design(detector={"window_samples": 300}), 10_000.0, keep_window=True).detector
+    assert thirty == adapt_rate(Design(), 10_000.0).detector
     # It is the window that detects, and not the message alone.
     kept = run("detect", tmp_path / "t.csv", *rate, *mine, "--json").stdout
-    taken = make("digital", at_rate(Design(detector={"window_samples": 400}), 10_000.0, keep_window=True))
+    taken = make_detector("digital", adapt_rate(Design(detector={"window_samples": 400}), 10_000.0, keep_window=True))
     expected = t[np.flatnonzero(taken.process(np.round(v, 6)).on)[0]]
     assert json.loads(kept)["intervals"][0]["onset_s"] == pytest.approx(expected)
 

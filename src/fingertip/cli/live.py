@@ -1,8 +1,9 @@
-"""`fingertip detect -`: lines from standard input, each change printed when it is found."""
+"""`fingertip detect -`: detection on lines from standard input; each transition is printed when it occurs."""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,63 +13,57 @@ from fingertip.cli.console import BAD_INPUT, INTERRUPTED, Console
 
 if TYPE_CHECKING:
     from fingertip.design import Design
-    from fingertip.slip.detectors.detector import Detector
-    from fingertip.slip.live import Opened
-    from fingertip.slip.traces.parsed import Wanted
 
 
-def live(
-    console: Console, design: Design, detector: str, wanted: Wanted, plot: Path | None, quiet_s: float | None
+def detect_standard_input(
+    console: Console,
+    design: Design,
+    detector: str,
+    rate_hz: float | None,
+    scale: float,
+    columns: Mapping[str, str],
+    keep_window: bool,
+    plot: Path | None,
+    quiet_s: float | None,
 ) -> None:
-    """Follow standard input until it ends, is wrong, or is interrupted; what was found till then is told."""
+    """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
+    from fingertip.detect_trace import detect_stream
     from fingertip.errors import FingertipError, Issue, TraceError
-    from fingertip.slip.live import NAME, follow, opened
-    from fingertip.slip.traces.parsed import Wanted
+    from fingertip.slip.live import NAME
 
-    if not wanted.in_volts and detector == "analog":
-        raise TraceError(
-            Issue("--column", "names a force; line by line analog takes volts only: save the lines first.")
-        )
     if not sys.stdin or sys.stdin.closed:
         raise TraceError(Issue("-", "standard input is closed; pipe lines into it."))
-    if refused := [name for name, value in (("--plot", plot), ("--quiet-s", quiet_s)) if value is not None]:
-        raise TraceError([Issue(name, "needs the whole trace; save the lines in a file first.") for name in refused])
-    changes: list[dict[str, Any]] = []
-    data: dict[str, Any] = {"detector": detector, "changes": changes}
+    if unavailable := [name for name, value in (("--plot", plot), ("--quiet-s", quiet_s)) if value is not None]:
+        message = "requires the whole recording; save the lines in a file first."
+        raise TraceError([Issue(name, message) for name in unavailable])
+    transitions: list[dict[str, Any]] = []
+    data: dict[str, Any] = {"detector": detector, "transitions": transitions}
     try:
-        envelope = Wanted({**wanted.names, "voltage_v": wanted.of("envelope_v")}, wanted.rate_hz)
-        source = opened(sys.stdin, wanted, *([envelope] if detector == "analog" else []))
-        made, column = _detector(console, design, detector, source, wanted, envelope)
-        for change in follow(source, made, design.detector, column):
+        found = detect_stream(
+            sys.stdin,
+            design,
+            detector,
+            rate_hz=rate_hz,
+            scale=scale,
+            columns=columns,
+            keep_window=keep_window,
+            progress=console.progress,
+        )
+        for warning in found.warnings:
+            console.progress(f"warning: {warning}")
+        for transition in found.transitions:
             if console.as_json:
-                changes.append({"on": change.on, "time_s": round(change.time_s, 7)})
+                transitions.append({"on": transition.on, "time_s": round(transition.time_s, 7)})
             else:
-                console.write(f"{'ON ' if change.on else 'OFF'}  {change.time_s:9.4f} s")
+                console.write(f"{'ON ' if transition.on else 'OFF'}  {transition.time_s:9.4f} s")
     except FingertipError as error:
         console.issues(error, data)
         raise typer.Exit(BAD_INPUT) from None
     except UnicodeDecodeError:
-        console.issues(TraceError(Issue(NAME, "is no UTF-8 text; save it in a file, which may be UTF-16.")), data)
+        message = "is not UTF-8 text; save it in a file, which may be UTF-16."
+        console.issues(TraceError(Issue(NAME, message)), data)
         raise typer.Exit(BAD_INPUT) from None
     except KeyboardInterrupt:
         console.result(data, "")
         raise typer.Exit(INTERRUPTED) from None
     console.result(data, "")
-
-
-def _detector(
-    console: Console, design: Design, detector: str, source: Opened, wanted: Wanted, envelope: Wanted
-) -> tuple[Detector, Wanted]:
-    """The detector, and the column it takes: analog takes the board's output where the lines hold it."""
-    from fingertip.slip import make_detector
-    from fingertip.slip.detectors import registry
-    from fingertip.slip.live import NAME
-
-    if registry.find_detector_type(detector).reads != "envelope_v":
-        return make_detector(detector, design), wanted
-    if envelope.of("voltage_v") in source.header.names:
-        return make_detector(detector, design), envelope
-    from fingertip.sim.electronics.board_detector import BoardDetector
-
-    console.progress(f"{NAME} holds no column {wanted.of('envelope_v')}: simulating the design's board")
-    return BoardDetector(design), wanted

@@ -1,9 +1,9 @@
-"""Slip detection on a sampled voltage: traces, detectors, intervals. Knows nothing of the simulation."""
+"""Slip detection on a sampled voltage: traces, detectors and intervals, independent of the simulation."""
 
 from fingertip.slip.detection import Detection, detect
-from fingertip.slip.detectors.chain import ChainSettings, SlipChain
-from fingertip.slip.detectors.registry import DETECTORS, make
-from fingertip.slip.detectors.stream import Detector, Output
+from fingertip.slip.detectors.detector import Detector, DetectorOutput
+from fingertip.slip.detectors.digital import ChainSettings, SlipChain
+from fingertip.slip.detectors.registry import DETECTORS, make_detector
 from fingertip.slip.intervals import Interval, Score
 from fingertip.slip.traces.read import read_trace
 from fingertip.slip.traces.trace import Trace
@@ -13,12 +13,12 @@ __all__ = [
     "ChainSettings",
     "Detection",
     "Detector",
+    "DetectorOutput",
     "Interval",
-    "Output",
     "Score",
     "SlipChain",
     "Trace",
     "detect",
-    "make",
+    "make_detector",
     "read_trace",
 ]

@@ -1,4 +1,4 @@
-"""A whole trace through a detector, judged where the truth is known."""
+"""Detection on a whole trace, scored where the trace contains the true slip."""
 
 from __future__ import annotations
 
@@ -6,28 +6,28 @@ from dataclasses import dataclass
 
 from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
+from fingertip.slip.detectors.detector import DetectorOutput
 from fingertip.slip.detectors.noise import NoiseLevel, noise_level
-from fingertip.slip.detectors.registry import known, make
-from fingertip.slip.detectors.stream import Output
+from fingertip.slip.detectors.registry import find_detector_type, make_detector
 from fingertip.slip.intervals import Interval, Score, intervals, score
-from fingertip.slip.traces.trace import Trace, issues
+from fingertip.slip.traces.trace import Trace, find_issues
 
 
 @dataclass(frozen=True, eq=False)
 class Detection:
-    """What was found in a trace, and with which settings."""
+    """Result of detection on one trace, with the settings used."""
 
     detector: str
     threshold_v: float
-    """The bar in noise alone [V]."""
+    """Threshold in noise alone [V]."""
     memory_s: float
-    """How long ON may outlast slip [s]."""
+    """Longest time that ON outlasts slip [s]."""
     noise: NoiseLevel | None
-    """What the article's digital chain shows in this noise; None for other detectors."""
-    output: Output
+    """Noise level of the article's chain at this input noise; None for other detectors than `digital`."""
+    output: DetectorOutput
     intervals: tuple[Interval, ...]
     score: Score | None
-    """None where the trace does not say when it slipped."""
+    """Score against the true slips; None if the trace does not contain them."""
 
 
 def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: float | None = None) -> Detection:
@@ -36,34 +36,35 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
     Parameters
     ----------
     trace
-        The trace; its voltage may be any signal that follows the force, if `noise_v` is given in the same unit.
+        The trace. Its voltage may be any signal that follows the force if `noise_v` is given in the same unit.
     design
-        Gives rate, filters, window and threshold.
+        Source of sampling rate, filters, window and threshold.
     detector
-        Name of one of the detectors; by default the article's chain in digital filters. `analog` takes the trace's
-        `envelope_v`, which `fingertip.sim.electronics.board_output` makes where no board was there.
+        Name of a detector; by default the article's chain in digital filters. The detector `analog` takes the trace's
+        `envelope_v`. For a trace without one, `fingertip.detect_trace.detect_file` simulates the board.
     noise_v
-        White noise of the signal, rms [V]; without it, the design's.
+        White RMS noise of the signal; by default the design's [V].
 
     Raises
     ------
     TraceError
-        With one sentence for each issue of the trace, among them another sampling rate than the design's, and no
-        envelope where the detector takes one.
+        With all issues of the trace. They include another sampling rate than the design's, and a missing envelope for
+        a detector that takes it.
     """
-    found = issues(trace, design.detector, in_volts=noise_v is None)
-    samples = getattr(trace, known(detector).reads)
+    issues = find_issues(trace, design.detector, in_volts=noise_v is None)
+    samples = getattr(trace, find_detector_type(detector).reads)
     if samples is None:
-        remedy = "record it, or take --detector digital, which needs no board"
-        found.append(Issue("trace, envelope_v", f"is missing: {detector} works on the board's output; {remedy}."))
-    if found:
-        raise TraceError(found)
-    made = make(detector, design, noise_v)
-    threshold = made.threshold_v
-    output = made.process(samples)
+        remedy = "record it, or use --detector digital, which works without a board"
+        message = f"is missing: the detector {detector} works on the board's output; {remedy}."
+        issues.append(Issue("trace, envelope_v", message))
+    if issues:
+        raise TraceError(issues)
+    instance = make_detector(detector, design, noise_v)
+    threshold_v = instance.threshold_v  # before the noise floor adapts
+    output = instance.process(samples)
     detected = intervals(trace.time_s, output.on)
-    judged = None
+    scored = None
     if trace.slip is not None:
-        judged = score(detected, intervals(trace.time_s, trace.slip), made.memory_s)
+        scored = score(detected, intervals(trace.time_s, trace.slip), instance.memory_s)
     level = noise_level(design, noise_v) if detector == "digital" else None
-    return Detection(detector, threshold, made.memory_s, level, output, detected, judged)
+    return Detection(detector, threshold_v, instance.memory_s, level, output, detected, scored)

@@ -1,4 +1,4 @@
-"""Flags to intervals, and intervals against the truth: delays, missed slips, false intervals."""
+"""Intervals in which a flag is true, and detected intervals scored against true slip."""
 
 from __future__ import annotations
 
@@ -8,49 +8,65 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.arrays import Array
+
 STICK_S = 0.05
-"""True slips closer together are one that sticks for a moment, whoever judges: no hand could answer between them, and
-every detector is judged by as many slips."""
+"""Gap up to which two true slips count as one stick-slip event [s].
+
+No hand can respond between them. The gap is the same for every detector, so all are scored on the same slips."""
 
 INCIPIENT_S = 0.007
-"""A pad creeps faster and faster before its slip is gross: on the article's trials, as simulated, it passes 1 mm/s 4 to
-7 ms before. What goes ON in that time, and stays, has heard this slip, and was not ON already."""
+"""Duration of incipient slip [s].
+
+A pad creeps faster and faster before its slip is gross. On the article's trials, as simulated, it exceeds 1 mm/s 4 to
+7 ms before. A detector that turns ON in that time and remains ON has detected this slip; it was not ON already."""
 
 
 @dataclass(frozen=True)
 class Interval:
-    """From the first sample that holds to the first that no longer does (or the trace's last)."""
+    """Time from the first sample at which a flag is true to the first at which it is false (or the trace's last)."""
 
     onset_s: float
     end_s: float
 
     def overlaps(self, other: Interval, slack_s: float = 0.0) -> bool:
-        """Whether they share time, with `slack_s` [s] added to this one's end. A last sample shares its moment."""
+        """Return whether two intervals overlap.
+
+        An interval of length 0, at a trace's last sample, overlaps one that contains its time.
+
+        Parameters
+        ----------
+        other
+            The other interval.
+        slack_s
+            Time by which this interval's end is extended [s].
+        """
         begin, end = max(self.onset_s, other.onset_s), min(self.end_s + slack_s, other.end_s)
-        momentary = self.onset_s == self.end_s or other.onset_s == other.end_s
-        return begin < end or (momentary and begin == end)
+        has_zero_length = self.onset_s == self.end_s or other.onset_s == other.end_s
+        return begin < end or (has_zero_length and begin == end)
 
 
 @dataclass(frozen=True)
 class Score:
-    """Detected intervals against true ones."""
+    """Result of scoring detected intervals against true slips."""
 
     slips: tuple[Interval, ...]
-    """True slips, those closer together than `STICK_S` taken as one."""
+    """True slips; those no further apart than `STICK_S` are merged."""
     delays_s: tuple[float | None, ...]
-    """Per slip, from its onset to the first interval that meets it [s]; None: missed. Negative: it was ON before, by
-    less than `INCIPIENT_S` in the slip's own beginning."""
+    """Time from each slip's onset to the onset of the first interval that overlaps it [s].
+
+    None: missed. Negative: the detector was ON before; from ``-INCIPIENT_S`` on it detected the incipient slip."""
     false_intervals: tuple[Interval, ...]
-    """Intervals that meet no slip."""
+    """Detected intervals that overlap no slip."""
 
     @property
     def missed(self) -> tuple[Interval, ...]:
-        """Slips without any interval."""
+        """Slips that no detected interval overlaps."""
         return tuple(slip for slip, delay in zip(self.slips, self.delays_s, strict=True) if delay is None)
 
 
-def intervals(time_s: NDArray[np.float64], flags: NDArray[np.bool_]) -> tuple[Interval, ...]:
-    """The stretches where `flags` holds."""
+def intervals(time_s: Array, flags: NDArray[np.bool_]) -> tuple[Interval, ...]:
+    """Find the intervals in which `flags` is true."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
     last = len(time_s) - 1
     return tuple(
@@ -59,8 +75,8 @@ def intervals(time_s: NDArray[np.float64], flags: NDArray[np.bool_]) -> tuple[In
     )
 
 
-def merged(parts: Sequence[Interval], gap_s: float) -> tuple[Interval, ...]:
-    """Intervals in order, those not further apart than `gap_s` [s] made one (stick-slip is one slip)."""
+def merge(parts: Sequence[Interval], gap_s: float) -> tuple[Interval, ...]:
+    """Merge intervals, given in order of time, that are no further apart than `gap_s` [s]."""
     out: list[Interval] = []
     for part in parts:
         if out and part.onset_s - out[-1].end_s <= gap_s:
@@ -71,20 +87,20 @@ def merged(parts: Sequence[Interval], gap_s: float) -> tuple[Interval, ...]:
 
 
 def score(detected: Sequence[Interval], truth: Sequence[Interval], memory_s: float) -> Score:
-    """Judge detected intervals.
+    """Score detected intervals against true slips.
 
     Parameters
     ----------
     detected, truth
-        In order of time.
+        Intervals in order of time.
     memory_s
-        How long a detector still rests on its samples [s]: an interval that begins less than this after a slip's end
-        rests on the slip's own, so it is not false.
+        The detector's memory [s]. A detected interval that begins within this time after a slip's end still results
+        from the slip's own samples, so it is not false.
     """
-    slips = merged(truth, STICK_S)
+    slips = merge(truth, STICK_S)
     delays = []
     for slip in slips:
-        met = next((interval for interval in detected if slip.overlaps(interval)), None)
-        delays.append(None if met is None else met.onset_s - slip.onset_s)
+        first = next((interval for interval in detected if slip.overlaps(interval)), None)
+        delays.append(None if first is None else first.onset_s - slip.onset_s)
     false = tuple(d for d in detected if not any(slip.overlaps(d, memory_s) for slip in slips))
     return Score(slips, tuple(delays), false)

@@ -1,4 +1,4 @@
-"""Detection on lines as they come: one sample taken, one decision made, nothing kept."""
+"""Detection on a stream of CSV lines: each line gives one sample and one decision, and no samples are stored."""
 
 from __future__ import annotations
 
@@ -7,152 +7,157 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from fingertip.design.sections import Detector as Settings
+from fingertip.design.parameters import Detector as DetectorParameters
 from fingertip.errors import Issue, TraceError
-from fingertip.slip.detectors.stream import Detector
-from fingertip.slip.traces.header import Header, find_header, unquoted
-from fingertip.slip.traces.parsed import Wanted
-from fingertip.slip.traces.trace import RATE_TOLERANCE, STEP_TOLERANCE, beyond_sentence, rate_sentence
+from fingertip.slip.detectors.detector import Detector
+from fingertip.slip.traces.csv_file import Header, find_header, unquote
+from fingertip.slip.traces.sampling import RATE_TOLERANCE, STEP_TOLERANCE, rate_message
+from fingertip.slip.traces.trace import ColumnMap, range_message
 
 NAME = "standard input"
-_STRETCH = 100
-"""Windows over which the mean rate is taken, before it begins anew."""
+_RATE_WINDOWS = 100
+"""Number of windows over which the mean rate is measured before the measurement restarts."""
 
 
 @dataclass(frozen=True)
-class Change:
-    """From OFF to ON, or back."""
+class Transition:
+    """Transition between OFF and ON."""
 
     on: bool
+    """State after the transition."""
     time_s: float
+    """Time of the first sample in that state [s]."""
 
 
 @dataclass(frozen=True)
-class Opened:
-    """Lines of which the header has been taken."""
+class CsvStream:
+    """Stream of CSV lines whose header has been read."""
 
     header: Header
     rows: Iterator[tuple[int, str]]
-    """Numbers and lines below it, empty ones left out."""
+    """Numbers and texts of the lines below the header, without empty lines."""
 
 
-def opened(lines: Iterable[str], wanted: Wanted, *others: Wanted) -> Opened:
-    """Take the lines up to the header, and the units below it.
+def open_stream(lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap) -> CsvStream:
+    """Read the lines up to the header, and the line of units below it.
 
     Parameters
     ----------
     lines
-        CSV, as in a file.
-    wanted, others
-        Names of the columns; any of them will do.
+        CSV lines, as in a file.
+    columns, alternatives
+        Columns to look for; the header must match one of these maps.
 
     Raises
     ------
     TraceError
         If there is no header.
     """
-    left = iter(lines)
-    header = find_header(NAME, left, wanted, *others)
-    rows = ((n, line) for n, line in enumerate(left, start=header.line + 1) if line.strip())
-    if (first := next(rows, None)) is None or header.has_units(first[1]):
-        return Opened(header, rows)
-    return Opened(header, itertools.chain([first], rows))
+    remaining = iter(lines)
+    header = find_header(NAME, remaining, columns, *alternatives)
+    rows = ((n, line) for n, line in enumerate(remaining, start=header.line + 1) if line.strip())
+    if (first := next(rows, None)) is None or header.is_unit_line(first[1]):
+        return CsvStream(header, rows)
+    return CsvStream(header, itertools.chain([first], rows))
 
 
-def follow(source: Opened, detector: Detector, settings: Settings, wanted: Wanted) -> Iterator[Change]:
-    """Take one sample for each line, and tell every change when it is there.
+def follow(
+    stream: CsvStream, detector: Detector, parameters: DetectorParameters, columns: ColumnMap
+) -> Iterator[Transition]:
+    """Process one sample per line and yield each transition as soon as it occurs.
 
     Parameters
     ----------
-    source
+    stream
         The lines.
     detector
-        Takes the samples.
-    settings
-        The rate [Hz] it is made for, its window, and the converter's range [V].
-    wanted
-        Names of the columns; the one for the voltage is what the detector takes.
+        Detector that processes the samples.
+    parameters
+        Sampling rate and window for which the detector was made, and the ADC range.
+    columns
+        Names of the columns; the detector reads the column of `voltage_v`.
 
     Raises
     ------
     TraceError
-        At the first line that is wrong: detection cannot go on across a gap, nor at another rate, nor on what is no
-        voltage of this converter. And at the end, if there was no line at all.
+        At the first wrong line: detection cannot continue across a gap, at another rate, or with a voltage outside the
+        ADC range. Also at the end, if there was no sample.
     """
-    names, delimiter = source.header.names, source.header.delimiter
-    voltage_at = names.index(wanted.of("voltage_v"))
-    time_at = names.index(wanted.of("time_s")) if wanted.of("time_s") in names else -1
-    clock, on, whole, width, sample = _Clock(settings), False, True, 0, -1
-    for sample, (number, line) in enumerate(source.rows):
+    names, delimiter = stream.header.names, stream.header.delimiter
+    voltage_index = names.index(columns.name_in_file("voltage_v"))
+    time_name = columns.name_in_file("time_s")
+    time_index = names.index(time_name) if time_name in names else None
+    clock, on, all_whole, width, sample = _SampleClock(parameters), False, True, 0, -1
+    for sample, (number, line) in enumerate(stream.rows):
         cells = line.rstrip("\r\n").split(delimiter)
-        width = width or source.header.width(len(cells), wanted)
+        width = width or stream.header.count_cells(len(cells), columns)
         if len(cells) != width:
-            raise _issue(number, f"has {len(cells)} cells, the header {len(names)}; one cell per column.")
-        volts = _number(cells[voltage_at], delimiter, number) * wanted.scale
-        whole = whole and volts % 1 == 0
-        if wanted.in_volts and abs(volts) > settings.adc_range_v:
-            raise _issue(number, beyond_sentence(f"{volts:g}", whole, settings))
-        time = sample / settings.sample_rate_hz
-        if time_at >= 0:
-            time = _number(cells[time_at], delimiter, number)
-            clock.take(time, number)
+            raise _line_error(number, f"has {len(cells)} cells, but the header has {len(names)}; give one per column.")
+        volts = _parse_number(cells[voltage_index], delimiter, number) * columns.scale
+        all_whole = all_whole and volts % 1 == 0
+        if columns.in_volts and abs(volts) > parameters.adc_range_v:
+            raise _line_error(number, range_message(f"{volts:g}", all_whole, parameters))
+        time_s = sample / parameters.sample_rate_hz
+        if time_index is not None:
+            time_s = _parse_number(cells[time_index], delimiter, number)
+            clock.check(time_s, number)
         if detector.step(volts) != on:
             on = not on
-            yield Change(on, time)
+            yield Transition(on, time_s)
     if sample < 0:
-        raise TraceError(Issue(NAME, "ends below its header; write at least one sample a line."))
+        raise TraceError(Issue(NAME, "has no samples below its header; write at least one line of samples."))
 
 
-class _Clock:
-    """Holds the samples' times against the rate: each step, and the mean of many once a window is full."""
+class _SampleClock:
+    """Checks the times of samples against the sampling rate: each step, and the mean rate once a window is full."""
 
-    def __init__(self, settings: Settings) -> None:
-        self._settings = settings
-        self._usual_s = 1 / settings.sample_rate_hz
-        self._before_s = -math.inf
-        self._since_s = 0.0
+    def __init__(self, parameters: DetectorParameters) -> None:
+        self._parameters = parameters
+        self._step_s = 1 / parameters.sample_rate_hz
+        self._previous_s = -math.inf
+        self._start_s = 0.0
         self._steps = 0
 
-    def take(self, time_s: float, line: int) -> None:
-        """The time of the next sample [s]."""
-        before_s, self._before_s = self._before_s, time_s
-        if before_s == -math.inf:
-            self._since_s = time_s
+    def check(self, time_s: float, line: int) -> None:
+        """Check the time of the next sample [s]."""
+        previous_s, self._previous_s = self._previous_s, time_s
+        if previous_s == -math.inf:
+            self._start_s = time_s
             return
-        step_s = time_s - before_s
-        if abs(step_s - self._usual_s) > STEP_TOLERANCE * self._usual_s:
-            remedy = "use --rate-hz, or close the gap"
+        step_s = time_s - previous_s
+        if abs(step_s - self._step_s) > STEP_TOLERANCE * self._step_s:
+            remedy = "use --rate-hz, or record without gaps"
             if step_s == 0.0:
-                remedy = "set times that are rounded aside with --column time_s=none and --rate-hz"
-            raise _issue(
+                remedy = "ignore rounded times with --column time_s=none and --rate-hz"
+            raise _line_error(
                 line,
-                f"{time_s:.9g} s comes {step_s:.4g} s after the sample before it; the detector is made for steps of "
-                f"{self._usual_s:.4g} s ({self._settings.sample_rate_hz:g} Hz): {remedy}.",
+                f"{time_s:.9g} s is {step_s:.4g} s after the previous sample, but the detector requires steps of "
+                f"{self._step_s:.4g} s ({self._parameters.sample_rate_hz:g} Hz); {remedy}.",
             )
         self._steps += 1
-        if self._steps % self._settings.window_samples == 0:
-            self._judge(time_s, line)
+        if self._steps % self._parameters.window_samples == 0:
+            self._check_rate(time_s, line)
 
-    def _judge(self, time_s: float, line: int) -> None:
-        rate_hz = self._steps / (time_s - self._since_s)
-        # Stamps may stray as single steps may: of few steps that makes more of the mean.
+    def _check_rate(self, time_s: float, line: int) -> None:
+        rate_hz = self._steps / (time_s - self._start_s)
+        # A single time stamp may be off by STEP_TOLERANCE, which affects the mean of few steps more than that of many.
         tolerance = RATE_TOLERANCE + STEP_TOLERANCE / self._steps
-        if abs(rate_hz / self._settings.sample_rate_hz - 1) > tolerance:
-            raise _issue(line, rate_sentence(rate_hz, self._settings))
-        if self._steps >= _STRETCH * self._settings.window_samples:
-            self._since_s, self._steps = time_s, 0
+        if abs(rate_hz / self._parameters.sample_rate_hz - 1) > tolerance:
+            raise _line_error(line, rate_message(rate_hz, self._parameters))
+        if self._steps >= _RATE_WINDOWS * self._parameters.window_samples:
+            self._start_s, self._steps = time_s, 0
 
 
-def _number(cell: str, delimiter: str, line: int) -> float:
-    plain = unquoted(cell) if '"' in cell else cell
+def _parse_number(cell: str, delimiter: str, line: int) -> float:
+    plain = unquote(cell) if '"' in cell else cell
     try:
         value = float(plain if delimiter == "," else plain.replace(",", "."))
     except ValueError:
-        raise _issue(line, f"{cell.strip()!r} is not a number; write it with a decimal point.") from None
+        raise _line_error(line, f"{cell.strip()!r} is not a number; write it with a decimal point.") from None
     if not math.isfinite(value):
-        raise _issue(line, f"{value} is not a finite number; detection cannot go on across it.")
+        raise _line_error(line, f"{value} is not a finite number; detection cannot continue across it.")
     return value
 
 
-def _issue(line: int, sentence: str) -> TraceError:
-    return TraceError(Issue(f"{NAME}, line {line}", sentence))
+def _line_error(line: int, message: str) -> TraceError:
+    return TraceError(Issue(f"{NAME}, line {line}", message))

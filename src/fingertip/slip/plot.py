@@ -1,4 +1,4 @@
-"""A detection as a picture. The only module of `slip` that imports matplotlib."""
+"""Plot of a detection. This is the only module of `slip` that imports matplotlib."""
 
 from __future__ import annotations
 
@@ -7,58 +7,56 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from fingertip.drawing import GRID, INK, png, sheet
+from fingertip.plot_style import GRID_COLOUR, TEXT_COLOUR, new_figure, to_png
 from fingertip.slip.detection import Detection
-from fingertip.slip.detectors.chain import ChainOutput
+from fingertip.slip.detectors.digital import ChainOutput
 from fingertip.slip.detectors.registry import DETECTORS
+from fingertip.slip.format import format_delay
 from fingertip.slip.intervals import Interval, intervals
 from fingertip.slip.traces.trace import Trace
-from fingertip.slip.words import verdict
 
-_VOLTAGE, _FORCE, _ENVELOPE, _MEAN, _ON, _TRUTH = (
-    "#1f4e79",
-    "#b0b7bf",
-    "#f0b27a",
-    "#b03a2e",
-    "#c0392b",
-    "#7fb3a6",
-)
+_VOLTAGE_COLOUR = "#1f4e79"
+_FORCE_COLOUR = "#b0b7bf"
+_ENVELOPE_COLOUR = "#f0b27a"
+_STATISTIC_COLOUR = "#b03a2e"
+_DETECTED_COLOUR = "#c0392b"
+_SLIP_COLOUR = "#7fb3a6"
 
 
 def draw(trace: Trace, detection: Detection, title: str) -> bytes:
-    """Draw voltage, enveloped signal and ON/OFF over one time axis.
+    """Draw the voltage, the statistic with its threshold, and ON/OFF over a common time axis.
 
     Returns
     -------
     bytes
-        A PNG, 1500 x 1050 pixels, the same for the same data (no date, no version in it).
+        PNG of 1500 x 1050 pixels. It contains no date and no version, so the same data gives the same bytes.
     """
-    figure = sheet(10, 7)
+    figure = new_figure(10, 7)
     top, middle, bottom = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 1))
-    truth = None if trace.slip is None else intervals(trace.time_s, trace.slip)
+    slips = None if trace.slip is None else intervals(trace.time_s, trace.slip)
     for axes in (top, middle):
-        for slip in truth or ():
-            axes.axvspan(slip.onset_s, slip.end_s, color=_TRUTH, alpha=0.25, linewidth=0)
-        axes.grid(True, color=GRID, linewidth=0.7)
+        for slip in slips or ():
+            axes.axvspan(slip.onset_s, slip.end_s, color=_SLIP_COLOUR, alpha=0.25, linewidth=0)
+        axes.grid(True, color=GRID_COLOUR, linewidth=0.7)
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
-    _voltage(top, trace)
-    _enveloped(middle, trace, detection)
-    _on_off(bottom, detection, truth)
+    _draw_voltage(top, trace)
+    _draw_statistic(middle, trace, detection)
+    _draw_intervals(bottom, detection, slips)
     bottom.set_xlabel("time [s]")
     bottom.set_xlim(float(trace.time_s[0]), float(trace.time_s[-1]))
     figure.align_ylabels()
     for axes in (top, middle, bottom):
         axes.spines[["top", "right"]].set_visible(False)
-    return png(figure)
+    return to_png(figure)
 
 
-def _voltage(axes: Axes, trace: Trace) -> None:
-    axes.plot(trace.time_s, trace.voltage_v, color=_VOLTAGE, linewidth=0.8)
-    axes.set_ylabel("tactile voltage [V]", color=_VOLTAGE)
+def _draw_voltage(axes: Axes, trace: Trace) -> None:
+    axes.plot(trace.time_s, trace.voltage_v, color=_VOLTAGE_COLOUR, linewidth=0.8)
+    axes.set_ylabel("tactile voltage [V]", color=_VOLTAGE_COLOUR)
     if trace.force_n is None:
         return
     twin = axes.twinx()
-    twin.plot(trace.time_s, trace.force_n, color=_FORCE, linewidth=0.8)
+    twin.plot(trace.time_s, trace.force_n, color=_FORCE_COLOUR, linewidth=0.8)
     twin.set_ylabel("normal force [N]", color="#7b848d")
     twin.set_ylim(0.0, max(0.1, 1.15 * float(np.max(trace.force_n))))
     twin.spines["top"].set_visible(False)
@@ -66,38 +64,39 @@ def _voltage(axes: Axes, trace: Trace) -> None:
     axes.patch.set_visible(False)
 
 
-def _enveloped(axes: Axes, trace: Trace, detection: Detection) -> None:
-    output, what, envelope = detection.output, "level", None
+def _draw_statistic(axes: Axes, trace: Trace, detection: Detection) -> None:
+    output, label, envelope = detection.output, "statistic", None
     if isinstance(output, ChainOutput):
         envelope = output.envelope_v
     elif DETECTORS[detection.detector].reads == "envelope_v":
         envelope = trace.envelope_v
     if envelope is not None:
-        axes.plot(trace.time_s, 1000 * envelope, color=_ENVELOPE, linewidth=0.7, label="envelope")
-        what = f"mean over {1000 * detection.memory_s:g} ms"
-    axes.plot(trace.time_s, 1000 * output.level_v, color=_MEAN, linewidth=1.4, label=what)
-    bar = 1000 * output.bar_v
-    still = f"threshold {1000 * detection.threshold_v:.3g} mV"
-    axes.plot(trace.time_s, bar, color="black", linestyle="--", linewidth=1, label=still)
-    # Contact and release tower above everything: the level decides, so the axis follows it.
-    axes.set_ylim(0.0, max(2500 * detection.threshold_v, 1350 * float(np.max(output.level_v))))
-    axes.set_ylabel(f"{detection.detector} [mV]" if envelope is None else "enveloped signal [mV]")
+        axes.plot(trace.time_s, 1000 * envelope, color=_ENVELOPE_COLOUR, linewidth=0.7, label="envelope")
+        label = f"mean over {1000 * detection.memory_s:g} ms"
+    axes.plot(trace.time_s, 1000 * output.statistic_v, color=_STATISTIC_COLOUR, linewidth=1.4, label=label)
+    threshold_label = f"threshold {1000 * detection.threshold_v:.3g} mV"
+    axes.plot(
+        trace.time_s, 1000 * output.threshold_v, color="black", linestyle="--", linewidth=1, label=threshold_label
+    )
+    # The envelope of contacts and releases is much larger than the statistic, so the axis is scaled to the statistic.
+    axes.set_ylim(0.0, max(2500 * detection.threshold_v, 1350 * float(np.max(output.statistic_v))))
+    axes.set_ylabel(f"{detection.detector} [mV]" if envelope is None else "envelope [mV]")
     axes.legend(loc="upper right", frameon=False, ncols=3, fontsize=9)
 
 
-def _on_off(axes: Axes, detection: Detection, truth: Sequence[Interval] | None) -> None:
-    rows = [("detected", detection.intervals, _ON)]
-    if truth is not None:
-        rows.append(("true slip", tuple(truth), _TRUTH))
+def _draw_intervals(axes: Axes, detection: Detection, slips: Sequence[Interval] | None) -> None:
+    rows = [("detected", detection.intervals, _DETECTED_COLOUR)]
+    if slips is not None:
+        rows.append(("true slip", tuple(slips), _SLIP_COLOUR))
     for row, (_, parts, color) in enumerate(rows):
         axes.broken_barh([(p.onset_s, p.end_s - p.onset_s) for p in parts], (row - 0.35, 0.7), color=color, linewidth=0)
     axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
     axes.set_ylim(-0.6, len(rows) - 0.4)
     axes.invert_yaxis()
     axes.tick_params(axis="y", length=0)
-    axes.grid(True, axis="x", color=GRID, linewidth=0.7)
+    axes.grid(True, axis="x", color=GRID_COLOUR, linewidth=0.7)
     axes.set_axisbelow(True)
     if detection.score is not None:
-        words = [verdict(delay) for delay in detection.score.delays_s]
-        words.append(f"false intervals: {len(detection.score.false_intervals)}")
-        axes.set_title("; ".join(words), loc="left", fontsize=9, color=INK)
+        phrases = [format_delay(delay) for delay in detection.score.delays_s]
+        phrases.append(f"false intervals: {len(detection.score.false_intervals)}")
+        axes.set_title("; ".join(phrases), loc="left", fontsize=9, color=TEXT_COLOUR)

@@ -1,1 +1,1 @@
-"""The detectors, behind one face."""
+"""Slip detectors: analog, digital, FFT and fast, behind one interface."""

@@ -1,17 +1,18 @@
-"""Detector `fast`: short energy in two bands of a fingertip's vibration, against bars that grow with the slope.
+"""Detector `fast`: short-time energy in two bands, compared with thresholds that grow with the force's slew rate.
 
-The article's chain waits for a window of 30 ms because a shorter one takes contacts for slip (its figure 5). Contacts,
-releases and changes of grip are smooth, though: what they leave in a band is in proportion to how fast the force
-changes. So the bar is the noise's and, as energies add, that slope times a time; it needs no window. Once ON the bar is
-lower and forgets the slope, because slip changes the force too; and the noise floor is learnt only while OFF.
+The article's chain needs a window of 30 ms, because a shorter one reports contacts as slip (its figure 5). Contacts,
+releases and changes of grip are smooth, however: the voltage that they leave in a band is proportional to the slew rate
+of the force. This detector therefore adds two energies for its threshold, that of the noise and that of the slew rate
+times a constant, and needs no window. While ON the threshold is lower and ignores the slew rate, because slip changes
+the force too. The noise floor adapts only while OFF.
 
-The wide band begins at 0.6 of the board's cutoff, 40 Hz: contacts are located below 30 Hz, slip's spectrum in an
-embedded sensor begins lower than 67 Hz and rarely exceeds 100 Hz (article, III.A and figure 2). The upper band begins
-at the cutoff. Slip that starts slowly shows in the wide one first. Slip that starts at once, while the force still
-changes, shows in the upper one, where a change of force leaves a third as much. Either is enough.
+The wide band begins at 0.6 of the board's cutoff, 40 Hz by default. Contacts lie below 30 Hz, and the spectrum of slip
+in an embedded sensor begins below 67 Hz and rarely exceeds 100 Hz (article, section III.A and figure 2). The upper band
+begins at the cutoff. Slip that starts slowly appears in the wide band first. Slip that starts at once, while the force
+still changes, appears in the upper band, where a change of force leaves a third as much. Either band is sufficient.
 
-How soon is decided by noise and by these changes alike. A converter's noise is spread over half the sampling rate, so
-the same converter read ten times as often leaves a tenth of its power in the bands (`fingertip.campaign.studies`).
+Noise and changes of force limit the delay alike. The noise of an ADC is spread over half the sampling rate, so the same
+ADC sampled ten times as fast leaves a tenth of its noise power in the bands (`fingertip.campaign.studies`).
 """
 
 from __future__ import annotations
@@ -24,185 +25,232 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.slip.detectors.fast_bands import Filters, noise_of
-from fingertip.slip.detectors.fast_loop import (
-    ENERGY,
-    FLOOR,
-    LOOP,
-    ON,
-    SETTLING,
-    SLOPES,
-    STATES,
-    UPPER_ENERGY,
-    UPPER_FLOOR,
-)
+from fingertip.slip.detectors import fast_loop
+from fingertip.slip.detectors.detector import DetectorOutput, as_samples
+from fingertip.slip.detectors.fast_bands import BandFilters, compute_noise
+from fingertip.slip.detectors.fast_loop import LOOP, FastCoefficients
 from fingertip.slip.detectors.noise import input_noise_v
-from fingertip.slip.detectors.stream import Output, as_samples
 
-STEEPEST_V_S = 10.0
-"""From `STEEPEST_FROM_HZ` on; in proportion to the rate below, where the poles ahead of the converter round knocks off.
+MAX_SLEW_RATE_V_S = 10.0
+"""Slew rate above which a signal is a knock [V/s], for sampling rates from `FULL_SLEW_RATE_HZ` on.
 
-Of the tuning slips, with starts of 1 to 10 m/s2, one in seventy was steeper than this before it was found, all the
-larger finger's with 5 m/s2 or more. Knocks of 1 N and more that rise in 2 to 10 ms are beyond it before their energy
-has reached a bar, but for one in fifty of the slowest; of those of 0.5 N the slow ones are not, and look like slip in
-the only force there is. After a hard knock the detector is deaf for 60 ms, and so it is to slip that is as strong as
-that from the first."""
-STEEPEST_FROM_HZ = 2000.0
-CHOSEN_AT_HZ = 67.0
-"""Cutoff at which the slope bars were chosen."""
-LEAKS_BELOW, LEAKS_ABOVE = 2.2, 0.6
-"""A smooth change of force leaves in both bands what falls with these powers of the cutoff, below and above that one
-(fitted to the noiseless quiet tuning scenes from 30 to 150 Hz)."""
+Below that rate the limit is proportional to the sampling rate, because the ADC's anti-aliasing poles round knocks off.
+
+Of the tuning slips, which start with 1 to 10 m/s2, one in seventy exceeds this limit before its detection. All of those
+are of the larger finger and start with 5 m/s2 or more. Knocks of 1 N and more that rise in 2 to 10 ms exceed the limit
+before their energy reaches a threshold, except one in fifty of the slowest. Slow knocks of 0.5 N do not exceed it; the
+force alone does not distinguish them from slip. After a hard knock the detector is blanked for 60 ms, and so it is at
+the onset of slip that is as strong as a knock."""
+FULL_SLEW_RATE_HZ = 2000.0
+"""Sampling rate from which `MAX_SLEW_RATE_V_S` applies in full [Hz]."""
+REFERENCE_CUTOFF_HZ = 67.0
+"""Cutoff for which the slew thresholds were chosen [Hz]."""
+LEAKAGE_EXPONENT_BELOW, LEAKAGE_EXPONENT_ABOVE = 2.2, 0.6
+"""Exponents with which the leakage of a smooth change of force into the bands falls with the cutoff, below and above
+`REFERENCE_CUTOFF_HZ` (fitted to the noiseless negative tuning scenes from 30 to 150 Hz)."""
 MIN_NOISE_V_RTHZ = 4e-6
-"""Noise in which the slope bars were chosen [V/sqrt(Hz)]: 0.4 mV at 20 kHz. In less, the first moments of a change of
-force would show before its slope does; so the bars stay at this."""
+"""Noise density for which the slew thresholds were chosen [V/sqrt(Hz)]: 0.4 mV at 20 kHz.
+
+In less noise the first moments of a change of force would appear before its slew rate does. The noise thresholds
+therefore never assume less."""
 SETTLING_PERIODS = 1.5
-"""Of the wide band's lowest frequency. It starts settled on the first sample, whose noise is a step to it: OFF until
-nearly all of that has died away."""
-LOWEST = 0.6
-"""The wide band begins at this share of the board's cutoff."""
-HIGHEST = 0.4
-"""The bands end at this share of the sampling rate at the latest."""
+"""Duration of the initial OFF, in periods of the wide band's lower edge.
+
+The detector starts in the steady state of the first sample. The noise of that sample acts as a step, most of which has
+decayed after this time."""
+LOW_EDGE_RATIO = 0.6
+"""Lower edge of the wide band, as a share of the board's cutoff."""
+MAX_HIGH_EDGE_RATIO = 0.4
+"""Greatest upper edge of the bands, as a share of the sampling rate."""
 
 
 @dataclass(frozen=True)
 class FastSettings:
-    """What the detector needs to know. The times and ratios were chosen on simulated trials of the seeds that
-    `fingertip.campaign` names as its tuning seeds, and on no others."""
+    """Settings of the detector.
+
+    The times and ratios were chosen on simulated trials of the seeds that `fingertip.campaign` names as its tuning
+    seeds, and on no others.
+    """
 
     sample_rate_hz: float
     low_hz: float
-    """Third-order Butterworth high-pass: the wide band begins."""
+    """Lower edge of the wide band [Hz]: cutoff of a third-order Butterworth high-pass filter."""
     upper_hz: float
-    """Second-order Butterworth high-pass behind it: the upper band begins."""
+    """Lower edge of the upper band [Hz]: cutoff of a second-order Butterworth high-pass filter after the wide band."""
     high_hz: float
-    """Second-order Butterworth low-pass: both end."""
+    """Upper edge of both bands [Hz]: cutoff of a second-order Butterworth low-pass filter."""
     noise_v: float
-    """Of the input, white, rms."""
+    """White RMS noise at the input [V]."""
     energy_s: float = 0.005
-    """Time constant of the energies."""
-    slope_s: float = 0.00125
-    """Lag of each of the two poles that smooth the slope."""
-    quick_s: float = 0.0005
-    """Lag of the one pole that smooths the slope by which knocks are known."""
-    slope_hold_s: float = 0.05
-    """Time constant with which the greatest slope is forgotten: longer than the high-pass rings."""
-    slope_bar_s: float = 8.9e-4
-    """Volts of the wide band's bar for each volt per second of slope."""
-    upper_slope_bar_s: float = 3.4e-4
-    """And of the upper band's."""
-    steepest_v_s: float = math.inf
-    """Slope beyond which it was a knock: OFF does not become ON before the slope is forgotten down to this [V/s], or
-    has been kept up for longer than a knock rings."""
-    deaf_s: float = 0.06
-    """How long a knock rings."""
+    """Time constant of the energies [s]."""
+    slew_smoothing_s: float = 0.00125
+    """Time constant of each of the two poles that smooth the slew rate [s]."""
+    knock_smoothing_s: float = 0.0005
+    """Time constant of the one pole that smooths the slew rate by which knocks are identified [s]."""
+    peak_decay_s: float = 0.05
+    """Time constant with which peak slew rates decay [s]; longer than the high-pass filter rings."""
+    slew_threshold_s: float = 8.9e-4
+    """Wide band's threshold per slew rate [V per V/s]."""
+    upper_slew_threshold_s: float = 3.4e-4
+    """Upper band's threshold per slew rate [V per V/s]."""
+    max_slew_rate_v_s: float = math.inf
+    """Slew rate above which a signal is a knock [V/s].
+
+    A knock inhibits the transition to ON until its peak slew rate has decayed to this limit, or until the slew rate has
+    exceeded it for longer than `blanking_s`."""
+    blanking_s: float = 0.06
+    """Longest time for which a knock inhibits detection [s]: knocks ring for as long."""
     floor_s: float = 2.0
-    """Time constant of the noise floor."""
-    stay: float = 0.5
-    """The bars of the noise, times this, are where ON ends."""
-    patience_s: float = 3.0
-    """ON for longer than any slip lasts is hum, or more noise than was stated: then the floor learns it after all."""
-    scale: float = 1.0
-    """Of the bars of the noise, to trade delay against false alarms."""
+    """Time constant of the noise floors [s]."""
+    hysteresis_ratio: float = 0.5
+    """Factor of the noise thresholds while ON."""
+    max_on_s: float = 3.0
+    """Duration of ON that exceeds any slip [s]. After it the input is taken for hum or for more noise than stated, and
+    the noise floors adapt although the detector is ON."""
+    threshold_scale: float = 1.0
+    """Factor of the noise thresholds, to trade delay for false alarms."""
 
     @classmethod
-    def of(cls, design: Design, noise_v: float | None = None) -> FastSettings:
-        """The settings of a design: bands from 0.6, once and up to four times its board's cutoff, its rate, its noise
-        unless given [V]."""
+    def from_design(cls, design: Design, noise_v: float | None = None) -> FastSettings:
+        """Take the settings from a design.
+
+        The wide band extends from 0.6 to four times the board's cutoff, and the upper band begins at the cutoff.
+
+        Parameters
+        ----------
+        design
+            Source of the sampling rate, the cutoff and the noise.
+        noise_v
+            White RMS noise of the input; by default the design's [V]. The input may then have another unit than volts,
+            so no signal is treated as a knock.
+        """
         cutoff, rate = design.board.cutoff_hz, design.detector.sample_rate_hz
-        leaks = (CHOSEN_AT_HZ / cutoff) ** (LEAKS_BELOW if cutoff < CHOSEN_AT_HZ else LEAKS_ABOVE)
-        found = cls(rate, LOWEST * cutoff, cutoff, min(4 * cutoff, HIGHEST * rate), 0.0)
-        found = replace(found, slope_bar_s=found.slope_bar_s * leaks, upper_slope_bar_s=found.upper_slope_bar_s * leaks)
-        if noise_v is not None:  # of a signal that may be no voltage: what is too steep for slip is not known
-            return replace(found, noise_v=noise_v)
+        exponent = LEAKAGE_EXPONENT_BELOW if cutoff < REFERENCE_CUTOFF_HZ else LEAKAGE_EXPONENT_ABOVE
+        leakage = (REFERENCE_CUTOFF_HZ / cutoff) ** exponent
+        settings = cls(rate, LOW_EDGE_RATIO * cutoff, cutoff, min(4 * cutoff, MAX_HIGH_EDGE_RATIO * rate), 0.0)
+        settings = replace(
+            settings,
+            slew_threshold_s=settings.slew_threshold_s * leakage,
+            upper_slew_threshold_s=settings.upper_slew_threshold_s * leakage,
+        )
+        if noise_v is not None:
+            return replace(settings, noise_v=noise_v)
         noise = max(input_noise_v(design), MIN_NOISE_V_RTHZ * math.sqrt(rate / 2))
-        return replace(found, noise_v=noise, steepest_v_s=STEEPEST_V_S * min(1.0, rate / STEEPEST_FROM_HZ))
+        max_slew_rate_v_s = MAX_SLEW_RATE_V_S * min(1.0, rate / FULL_SLEW_RATE_HZ)
+        return replace(settings, noise_v=noise, max_slew_rate_v_s=max_slew_rate_v_s)
 
 
 @dataclass(frozen=True, eq=False)
-class FastOutput(Output):
-    """One value per input sample."""
+class FastOutput(DetectorOutput):
+    """Output of the detector: one value per input sample."""
 
     filtered_v: Array
+    """Wide band [V]."""
 
 
-class Fast:
-    """The detector with its state. It starts settled on the first sample it is given."""
+class FastDetector:
+    """Fast detector with its state. It starts in the steady state of the first sample."""
 
     def __init__(self, settings: FastSettings) -> None:
         self.settings = s = settings
-        rate, filters = s.sample_rate_hz, Filters.of(s.sample_rate_hz, s.low_hz, s.upper_hz, s.high_hz)
-        self._noise = noise = noise_of(filters, rate, s.low_hz, s.high_hz, s.energy_s, s.slope_s)
-        wide, upper = noise.wide, noise.upper
-        # Poles that lag by their time at every rate, so that level and slope keep their places.
-        energy_share, slope_share, quick_share, floor_share = (
-            1 / (1 + rate * t) for t in (s.energy_s, s.slope_s, s.quick_s, s.floor_s)
+        rate = s.sample_rate_hz
+        self._filters = BandFilters.butterworth(rate, s.low_hz, s.upper_hz, s.high_hz)
+        self._noise = compute_noise(self._filters, rate, s.low_hz, s.high_hz, s.energy_s, s.slew_smoothing_s)
+        self._coefficients = self._compute_coefficients()
+        # Energies and noise floors start at those of the stated noise.
+        self._state = [0.0] * fast_loop.STATES
+        self._state[fast_loop.ENERGY] = self._state[fast_loop.FLOOR] = self._coefficients.min_floor
+        self._state[fast_loop.UPPER_ENERGY] = self._coefficients.upper_min_floor
+        self._state[fast_loop.UPPER_FLOOR] = self._coefficients.upper_min_floor
+        self._state[fast_loop.SETTLING_SAMPLES] = round(SETTLING_PERIODS * rate / s.low_hz)
+        self._started = False
+
+    def _compute_coefficients(self) -> FastCoefficients:
+        s, noise, filters = self.settings, self._noise, self._filters
+        rate, wide, upper = s.sample_rate_hz, noise.wide, noise.upper
+        # Smoothing factors of poles whose group delay is the time constant at every sampling rate, so that energy and
+        # slew rate keep their alignment.
+        energy, slew, knock, floor = (
+            1 / (1 + rate * t) for t in (s.energy_s, s.slew_smoothing_s, s.knock_smoothing_s, s.floor_s)
         )
-        keep = math.exp(-1 / (rate * s.slope_hold_s))
-        self._ratio = s.scale**2 * wide.bar / wide.energy
-        upper_ratio = s.scale**2 * upper.bar / upper.energy
-        self._coefficients = (
-            *filters.coefficients, energy_share, slope_share, quick_share, floor_share, keep, rate,
-            self._ratio, upper_ratio, s.stay**2, s.slope_bar_s**2, s.upper_slope_bar_s**2, noise.slope_ratio**2,
-            s.steepest_v_s, s.deaf_s * rate, s.patience_s * rate,
-            wide.energy * s.noise_v**2, upper.energy * s.noise_v**2,
-        )  # fmt: skip
-        # Energies and floors start at what the stated noise gives, and floors never fall below it.
-        self._state = [0.0] * STATES
-        self._state[ENERGY] = self._state[FLOOR] = wide.energy * s.noise_v**2
-        self._state[UPPER_ENERGY] = self._state[UPPER_FLOOR] = upper.energy * s.noise_v**2
-        self._state[SETTLING] = round(SETTLING_PERIODS * rate / s.low_hz)
-        self._ring = [0.0]
-        self._seen = 0
+        return FastCoefficients(
+            *filters.first,
+            *filters.second,
+            low_pass_b0=filters.low_pass.b0,
+            low_pass_a1=filters.low_pass.a1,
+            low_pass_a2=filters.low_pass.a2,
+            upper_b0=filters.upper.b0,
+            upper_a1=filters.upper.a1,
+            upper_a2=filters.upper.a2,
+            energy_smoothing=energy,
+            slew_smoothing=slew,
+            knock_smoothing=knock,
+            floor_smoothing=floor,
+            peak_decay=math.exp(-1 / (rate * s.peak_decay_s)),
+            sample_rate_hz=rate,
+            noise_ratio=s.threshold_scale**2 * wide.threshold / wide.energy,
+            upper_noise_ratio=s.threshold_scale**2 * upper.threshold / upper.energy,
+            hysteresis=s.hysteresis_ratio**2,
+            slew_gain=s.slew_threshold_s**2,
+            upper_slew_gain=s.upper_slew_threshold_s**2,
+            slew_noise=noise.slew_rate_ratio**2,
+            max_slew_rate=s.max_slew_rate_v_s,
+            blanking_samples=s.blanking_s * rate,
+            max_on_samples=s.max_on_s * rate,
+            min_floor=wide.energy * s.noise_v**2,
+            upper_min_floor=upper.energy * s.noise_v**2,
+        )
 
     @property
     def threshold_v(self) -> float:
-        """The wide band's bar in the noise that was learnt [V], where the force does not change."""
-        return math.sqrt(self._ratio * self._state[FLOOR])
+        """Wide band's threshold above the present noise floor, while the force is constant [V]."""
+        return math.sqrt(self._coefficients.noise_ratio * self._state[fast_loop.FLOOR])
 
     @property
     def memory_s(self) -> float:
-        """An energy falls from a hundred bars to where ON ends within this [s]."""
-        return 2 * math.log(100 / self.settings.stay) * self.settings.energy_s
+        """Time in which an energy decays from a hundred times the threshold to the end of ON [s]."""
+        return 2 * math.log(100 / self.settings.hysteresis_ratio) * self.settings.energy_s
 
     @property
     def noise_energy_v2(self) -> float:
         """Mean power of the stated noise in the wide band [V^2]."""
         return self._noise.wide.energy * self.settings.noise_v**2
 
-    def noise_bars(self) -> Iterator[tuple[Array, float, float]]:
-        """What `quadratic.bar_for` made each bar of: weights [V^2], time above the bar [s]; and the bar [V]."""
+    def noise_thresholds(self) -> Iterator[tuple[Array, float, float]]:
+        """Yield, for each band, the weights [V^2] and excursion time [s] of its threshold, and the threshold [V]."""
         for band in (self._noise.wide, self._noise.upper):
-            bar_v = self.settings.scale * math.sqrt(band.bar) * self.settings.noise_v
-            yield band.weights * self.settings.noise_v**2, band.excursion_s, bar_v
+            threshold_v = self.settings.threshold_scale * math.sqrt(band.threshold) * self.settings.noise_v
+            yield band.weights * self.settings.noise_v**2, band.excursion_s, threshold_v
 
-    def white_v(self, quiet_v: Array) -> float:
-        """White noise that would leave as much in the bands as these samples of a quiet signal do, rms [V]."""
-        rate, memory = self.settings.sample_rate_hz, round(4 * self.settings.sample_rate_hz / self.settings.low_hz)
-        wide, upper = Filters.of(rate, self.settings.low_hz, self.settings.upper_hz, self.settings.high_hz).impulses(
-            memory
+    def equivalent_noise_v(self, quiet_v: Array) -> float:
+        """Compute the white RMS noise that has as much energy in the bands as these samples of a quiet signal [V]."""
+        count = round(4 * self.settings.sample_rate_hz / self.settings.low_hz)
+        responses = self._filters.impulse_responses(count)
+        energies = (self._noise.wide.energy, self._noise.upper.energy)
+        return max(
+            math.sqrt(float(np.mean(np.convolve(quiet_v - quiet_v[0], h, "valid") ** 2)) / energy)
+            for h, energy in zip(responses, energies, strict=True)
         )
-        shown = ((h, band.energy) for h, band in ((wide, self._noise.wide), (upper, self._noise.upper)))
-        return max(math.sqrt(float(np.mean(np.convolve(quiet_v - quiet_v[0], h, "valid") ** 2)) / e) for h, e in shown)
 
     def process(self, voltage_v: Iterable[float]) -> FastOutput:
-        """Take the next samples [V], any number of them, and return as many outputs."""
+        """Process the next samples [V], any number of them, and return one output per sample."""
         samples = as_samples(voltage_v)
         if len(samples):
-            self._settle(float(samples[0]))
-        filtered, level, bar, on = LOOP.run(self._coefficients, self._state, self._ring, samples, self._seen)
-        self._seen += len(samples)
-        return FastOutput(level, bar, on > 0.0, filtered)
+            self._start(float(samples[0]))
+        filtered, statistic, threshold, on = np.zeros((4, len(samples)))
+        LOOP(self._coefficients, samples, self._state, filtered, statistic, threshold, on)
+        return FastOutput(statistic, threshold, on > 0.0, filtered)
 
     def step(self, voltage_v: float) -> bool:
-        """Take one sample [V] and return whether slip is ON."""
-        self._settle(voltage_v)
-        self._seen += 1
-        LOOP.plain(self._coefficients, self._state, self._ring, (voltage_v,), [0.0], [0.0], [0.0], [0.0])
-        return self._state[ON] > 0.0
+        """Process one sample [V] and return whether slip is ON."""
+        self._start(voltage_v)
+        LOOP.plain(self._coefficients, (voltage_v,), self._state, [0.0], [0.0], [0.0], [0.0])
+        return self._state[fast_loop.ON] > 0.0
 
-    def _settle(self, x: float) -> None:
-        if not self._seen:
-            self._state[0] = -self._coefficients[0] * x
-            for pole in SLOPES:
-                self._state[pole] = x
+    def _start(self, voltage_v: float) -> None:
+        """Set the steady state of a constant input before the first sample."""
+        if not self._started:
+            self._started = True
+            self._state[fast_loop.FIRST] = -self._coefficients.first_b0 * voltage_v
+            for index in fast_loop.SMOOTHED_VOLTAGES:
+                self._state[index] = voltage_v

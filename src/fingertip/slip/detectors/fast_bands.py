@@ -1,4 +1,4 @@
-"""The two bands of the detector `fast`: their filters, and what white noise leaves in each."""
+"""Filters of the detector `fast`'s two bands, and the energy that white noise has in each."""
 
 from __future__ import annotations
 
@@ -10,55 +10,59 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.slip.detectors.chain import ChainSettings, high_pass
-from fingertip.slip.detectors.quadratic import ALARMS_PER_HOUR, bar_for
-
-Section = tuple[float, float, float, float, float]
-"""``b0, b1, b2, a1, a2``."""
+from fingertip.slip.detectors.digital import ChainSettings, FirstOrder, SecondOrder, high_pass
+from fingertip.slip.detectors.false_alarms import ALARMS_PER_HOUR, solve_threshold
 
 
 @dataclass(frozen=True)
-class Filters:
-    """One after the other: to the low-pass' output it is the wide band, to the last the upper one."""
+class BandFilters:
+    """Filter sections in series. The output of `low_pass` is the wide band, that of `upper` the upper band."""
 
-    first: tuple[float, float, float]
-    """``b0, b1, a1`` of the third-order high-pass, as the article's."""
-    second: Section
-    low: Section
-    upper: Section
+    first: FirstOrder
+    """First-order section of the article's third-order high-pass filter."""
+    second: SecondOrder
+    """Second-order section of the same filter."""
+    low_pass: SecondOrder
+    upper: SecondOrder
 
     @classmethod
-    def of(cls, sample_rate_hz: float, low_hz: float, upper_hz: float, high_hz: float) -> Filters:
-        """Butterworth filters: third order above `low_hz`, second below `high_hz`, second above `upper_hz`."""
+    def butterworth(cls, sample_rate_hz: float, low_hz: float, upper_hz: float, high_hz: float) -> BandFilters:
+        """Design Butterworth filters for a sampling rate.
+
+        Parameters
+        ----------
+        sample_rate_hz
+            Sampling rate [Hz].
+        low_hz
+            Cutoff of the third-order high-pass filter [Hz].
+        upper_hz
+            Cutoff of the second-order high-pass filter of the upper band [Hz].
+        high_hz
+            Cutoff of the second-order low-pass filter [Hz].
+        """
         first, second = high_pass(ChainSettings(sample_rate_hz, low_hz, 1.0, low_hz, 1, 1.0))
-        return cls(
-            first, second, _second_order(sample_rate_hz, high_hz, 1), _second_order(sample_rate_hz, upper_hz, -1)
-        )
+        low_pass = _second_order(sample_rate_hz, high_hz, 1)
+        return cls(first, second, low_pass, _second_order(sample_rate_hz, upper_hz, -1))
 
-    @property
-    def coefficients(self) -> tuple[float, ...]:
-        """For the loop, which knows the numerators of the last two from b0: ``b1`` is 2 b0 or -2 b0, b2 is b0."""
-        return (*self.first, *self.second, self.low[0], *self.low[3:], self.upper[0], *self.upper[3:])
-
-    def impulses(self, count: int) -> tuple[Array, Array]:
-        """Impulse responses of both bands."""
+    def impulse_responses(self, count: int) -> tuple[Array, Array]:
+        """Compute the impulse responses of the wide and the upper band, `count` samples each."""
         b0, b1, a1 = self.first
         wide = np.zeros(count)
         wide[0] = 1.0
-        for section in ((b0, b1, 0.0, a1, 0.0), self.second, self.low):
-            wide = _filtered(section, wide)
-        return wide, _filtered(self.upper, wide)
+        for section in (SecondOrder(b0, b1, 0.0, a1, 0.0), self.second, self.low_pass):
+            wide = _filter(section, wide)
+        return wide, _filter(self.upper, wide)
 
 
-def _second_order(rate: float, cutoff: float, sign: int) -> Section:
-    """Butterworth's by the bilinear transform: a low-pass for sign 1, a high-pass for -1."""
-    K = math.tan(math.pi * cutoff / rate)
+def _second_order(sample_rate_hz: float, cutoff_hz: float, sign: int) -> SecondOrder:
+    """Design a second-order Butterworth filter by the bilinear transform: a low-pass for sign 1, a high-pass for -1."""
+    K = math.tan(math.pi * cutoff_hz / sample_rate_hz)
     norm = 1 / (1 + math.sqrt(2) * K + K * K)
     b = norm * (K * K if sign > 0 else 1.0)
-    return b, 2 * sign * b, b, 2 * (K * K - 1) * norm, (1 - math.sqrt(2) * K + K * K) * norm
+    return SecondOrder(b, 2 * sign * b, b, 2 * (K * K - 1) * norm, (1 - math.sqrt(2) * K + K * K) * norm)
 
 
-def _filtered(section: Section, samples: Sequence[float] | Array) -> Array:
+def _filter(section: SecondOrder, samples: Sequence[float] | Array) -> Array:
     b0, b1, b2, a1, a2 = section
     out, s1, s2 = np.zeros(len(samples)), 0.0, 0.0
     for i in range(len(samples)):
@@ -71,51 +75,71 @@ def _filtered(section: Section, samples: Sequence[float] | Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class BandNoise:
-    """What white noise of unit variance gives in a band."""
+    """Energy of white noise of unit variance in one band."""
 
     weights: Array
-    """Of the energy, as a sum of squares (`quadratic.tail`)."""
+    """Weights of the energy as a sum of squares (`false_alarms.tail_probability`)."""
     excursion_s: float
-    """How long the energy stays above a high bar [s]."""
+    """Mean duration of an excursion above a high threshold [s]."""
     energy: float
-    """Its mean."""
-    bar: float
-    """Energy of the bar."""
+    """Mean energy."""
+    threshold: float
+    """Threshold of the energy."""
 
 
 @dataclass(frozen=True, eq=False)
-class Noise:
-    """What white noise of unit variance gives."""
+class DetectorNoise:
+    """Response of the detector to white noise of unit variance."""
 
     wide: BandNoise
     upper: BandNoise
-    slope_ratio: float
-    """Slope [1/s] that noise alone keeps up, over the square root of the wide band's mean energy."""
+    slew_rate_ratio: float
+    """Slew rate that noise alone sustains [1/s], divided by the square root of the wide band's mean energy."""
 
 
 @functools.lru_cache(maxsize=64)
-def noise_of(filters: Filters, rate: float, low_hz: float, high_hz: float, energy_s: float, slope_s: float) -> Noise:
-    """Of both bands, each with a bar for half the alarms of `quadratic.ALARMS_PER_HOUR`."""
-    every = max(1, int(rate / (8 * high_hz)))  # steps that still resolve the bands
-    wide, upper = (_band(h, rate, energy_s, every) for h in filters.impulses(math.ceil(8 * rate / low_hz)))
-    share = 1 / (1 + rate * slope_s)
-    k = np.arange(math.ceil(12 * rate * slope_s))
-    smooth = share * share * (k + 1) * (1 - share) ** k
-    slope = np.diff(smooth, prepend=0.0) * rate
-    return Noise(wide, upper, 4.0 * math.sqrt(float(slope @ slope) / wide.energy))
+def compute_noise(
+    filters: BandFilters, sample_rate_hz: float, low_hz: float, high_hz: float, energy_s: float, slew_rate_s: float
+) -> DetectorNoise:
+    """Compute the noise of both bands. Each band's threshold permits half of `false_alarms.ALARMS_PER_HOUR`.
+
+    Parameters
+    ----------
+    filters
+        The band filters.
+    sample_rate_hz, low_hz, high_hz
+        Sampling rate and edges of the wide band [Hz].
+    energy_s
+        Time constant of the energies [s].
+    slew_rate_s
+        Time constant of each of the two poles that smooth the slew rate [s].
+    """
+    stride = max(1, int(sample_rate_hz / (8 * high_hz)))  # still resolves the bands
+    wide, upper = (
+        _band_noise(h, sample_rate_hz, energy_s, stride)
+        for h in filters.impulse_responses(math.ceil(8 * sample_rate_hz / low_hz))
+    )
+    smoothing = 1 / (1 + sample_rate_hz * slew_rate_s)
+    k = np.arange(math.ceil(12 * sample_rate_hz * slew_rate_s))
+    smoothed = smoothing * smoothing * (k + 1) * (1 - smoothing) ** k
+    slew_rate = np.diff(smoothed, prepend=0.0) * sample_rate_hz
+    return DetectorNoise(wide, upper, 4.0 * math.sqrt(float(slew_rate @ slew_rate) / wide.energy))
 
 
-def _band(h: Array, rate: float, energy_s: float, every: int) -> BandNoise:
-    steps = np.arange(0, math.ceil(6 * energy_s * rate), every)
-    alike = np.array([float(h[: len(h) - lag] @ h[lag:]) if lag < len(h) else 0.0 for lag in steps.tolist()])
-    weight = (1 - 1 / (1 + rate * energy_s)) ** steps
-    weight /= weight.sum()
-    root = np.sqrt(weight)
-    apart = np.arange(len(steps))
-    spread = alike[np.abs(apart[:, None] - apart[None, :])] * root[:, None] * root[None, :]
-    weights = np.linalg.eigvalsh(spread)
+def _band_noise(impulse_response: Array, sample_rate_hz: float, energy_s: float, stride: int) -> BandNoise:
+    h = impulse_response
+    lags = np.arange(0, math.ceil(6 * energy_s * sample_rate_hz), stride)
+    autocorrelation = np.array([float(h[: len(h) - lag] @ h[lag:]) if lag < len(h) else 0.0 for lag in lags.tolist()])
+    # The energy is an exponentially weighted sum of squares of correlated samples. The eigenvalues of their weighted
+    # covariance are the weights of the equivalent sum over independent samples.
+    decay = (1 - 1 / (1 + sample_rate_hz * energy_s)) ** lags
+    decay /= decay.sum()
+    root = np.sqrt(decay)
+    index = np.arange(len(lags))
+    covariance = autocorrelation[np.abs(index[:, None] - index[None, :])] * root[:, None] * root[None, :]
+    weights = np.linalg.eigvalsh(covariance)
     mean = float(weights.sum())
-    # A stay above the bar ends when the energy, which decays with energy_s, has lost its excess: about the share
-    # 2 w_max / bar of it. A third of the time constant stands for that (a test counts alarms in noise).
+    # An excursion ends when the energy, which decays with energy_s, has lost its excess: a share of about
+    # 2 w_max / threshold. A third of the time constant stands for that (a test counts alarms in noise).
     weights, excursion_s = weights[weights > 1e-9 * weights.max()], energy_s / 3
-    return BandNoise(weights, excursion_s, mean, bar_for(weights, excursion_s, ALARMS_PER_HOUR / 2))
+    return BandNoise(weights, excursion_s, mean, solve_threshold(weights, excursion_s, ALARMS_PER_HOUR / 2))

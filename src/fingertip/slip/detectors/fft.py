@@ -1,8 +1,9 @@
-"""Detector `fft`: energy in a band of a short spectrum, the article's baseline (IV.B) as well as it can be made.
+"""Detector `fft`: energy in one band of a short spectrum, the article's baseline (section IV.B).
 
-The article takes 128 samples (64 ms) and a threshold, and says no more. Here the windows overlap, one every 2 ms; a
-Hann window keeps the leakage of contacts out of the band, which a bare window would not; the band is the board's
-cutoff to three times that; and the threshold follows from the noise by the same rule as the others'.
+The article states 128 samples (64 ms) and a threshold, and no other detail. This implementation makes the baseline as
+good as it can be. The windows overlap: one every 2 ms. A Hann window keeps the leakage of contacts out of the band,
+which a rectangular window does not. The band extends from the board's cutoff to three times that frequency. The
+threshold follows from the noise by the same rule as those of the other detectors.
 """
 
 from __future__ import annotations
@@ -16,110 +17,116 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.design import Design
+from fingertip.slip.detectors.detector import DetectorOutput
+from fingertip.slip.detectors.false_alarms import solve_threshold
 from fingertip.slip.detectors.noise import input_noise_v
-from fingertip.slip.detectors.quadratic import bar_for
-from fingertip.slip.detectors.stream import Output
 
 WINDOW_S = 0.064
-"""128 samples at 2 kHz (article, IV.B)."""
+"""Window length [s]: 128 samples at 2 kHz (article, section IV.B)."""
 HOP_S = 0.002
+"""Time between the starts of two windows [s]."""
 _EXCURSION_S = WINDOW_S / 8
-# An eighth of the window stands for a stay above the bar (a test counts alarms in noise).
+"""Assumed mean duration of an excursion above the threshold [s]; a test counts the alarms in noise."""
 
 
 @dataclass(frozen=True)
 class FftSettings:
-    """What the detector needs to know."""
+    """Settings of the detector."""
 
     sample_rate_hz: float
     window_samples: int
     hop_samples: int
     low_hz: float
+    """Lower edge of the band [Hz]."""
     high_hz: float
+    """Upper edge of the band [Hz]."""
     noise_v: float
-    """Of the input, white, rms."""
-    scale: float = 1.0
-    """Of the threshold, to trade delay against false alarms."""
+    """White RMS noise at the input [V]."""
+    threshold_scale: float = 1.0
+    """Factor of the threshold, to trade delay for false alarms."""
 
     @classmethod
-    def of(cls, design: Design, noise_v: float | None = None) -> FftSettings:
-        """The settings of a design: its rate and board's cutoff, its noise unless given [V]."""
+    def from_design(cls, design: Design, noise_v: float | None = None) -> FftSettings:
+        """Take the settings from a design: its sampling rate, its board's cutoff and, by default, its noise [V]."""
         rate, cutoff = design.detector.sample_rate_hz, design.board.cutoff_hz
         noise = input_noise_v(design) if noise_v is None else noise_v
         return cls(rate, round(WINDOW_S * rate), max(1, round(HOP_S * rate)), cutoff, 3 * cutoff, noise)
 
 
 @functools.lru_cache(maxsize=64)
-def _bar(weights: tuple[float, ...]) -> float:
-    return math.sqrt(bar_for(np.array(weights), _EXCURSION_S))
+def _unit_noise_threshold(weights: tuple[float, ...]) -> float:
+    return math.sqrt(solve_threshold(np.array(weights), _EXCURSION_S))
 
 
-class Fft:
-    """The detector with its state. It starts as if the first sample had always been there."""
+class FftDetector:
+    """FFT detector with its state. It starts as if the input had always had the value of the first sample."""
 
     def __init__(self, settings: FftSettings) -> None:
         self.settings = settings
         n = settings.window_samples
         self._window = np.array([0.5 - 0.5 * math.cos(2 * math.pi * i / n) for i in range(n)])
-        # So scaled, a tone of the band shows its rms, and white noise the rms of its part in the band.
+        # With this scale the statistic of a tone in the band is its RMS value, and that of white noise the RMS value of
+        # its part in the band.
         self._window *= math.sqrt(2 / n / float(self._window @ self._window))
         bins = range(n // 2 + 1)
-        kept = [k for k in bins if settings.low_hz <= k * settings.sample_rate_hz / n <= settings.high_hz]
-        kept = kept or [max(1, round(settings.low_hz * n / settings.sample_rate_hz))]  # a band narrower than a bin
-        self._low, self._high = kept[0], kept[-1] + 1
-        self._bar = _bar(tuple(self._noise_weights().tolist())) * settings.noise_v * settings.scale
+        in_band = [k for k in bins if settings.low_hz <= k * settings.sample_rate_hz / n <= settings.high_hz]
+        # A band narrower than a bin takes the nearest bin.
+        in_band = in_band or [max(1, round(settings.low_hz * n / settings.sample_rate_hz))]
+        self._first_bin, self._end_bin = in_band[0], in_band[-1] + 1
+        unit_threshold = _unit_noise_threshold(tuple(self._noise_weights().tolist()))
+        self._threshold_v = unit_threshold * settings.noise_v * settings.threshold_scale
         self._past = np.zeros(0)
         self._until_next = 0
-        self._level = 0.0
+        self._rms_v = 0.0
 
     @property
     def threshold_v(self) -> float:
-        """Rms in the band above which slip is ON [V]."""
-        return self._bar
+        """RMS value in the band above which slip is ON [V]."""
+        return self._threshold_v
 
     @property
     def memory_s(self) -> float:
-        """The window [s]."""
+        """Window length [s]."""
         return self.settings.window_samples / self.settings.sample_rate_hz
 
-    def process(self, voltage_v: Iterable[float]) -> Output:
-        """Take the next samples [V], any number of them, and return as many outputs."""
+    def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
+        """Process the next samples [V], any number of them, and return one output per sample."""
         new = np.asarray(voltage_v if isinstance(voltage_v, np.ndarray) else list(voltage_v), dtype=np.float64)
-        n, level = self.settings.window_samples, np.empty(len(new))
+        n, statistic = self.settings.window_samples, np.empty(len(new))
         if not len(self._past) and len(new):
             self._past = np.full(n - 1, new[0])
-        known = np.concatenate((self._past, new))
+        samples = np.concatenate((self._past, new))
         start = 0
-        # One spectrum at a time: the library may round a batch of them otherwise.
-        for at in range(self._until_next, len(new), self.settings.hop_samples):
-            level[start:at] = self._level
-            self._level, start = self._rms(known[at : at + n]), at
-            self._until_next = at + self.settings.hop_samples
-        level[start:] = self._level
+        # One spectrum at a time: numpy may round a batch of transforms differently.
+        for end in range(self._until_next, len(new), self.settings.hop_samples):
+            statistic[start:end] = self._rms_v
+            self._rms_v, start = self._band_rms(samples[end : end + n]), end
+            self._until_next = end + self.settings.hop_samples
+        statistic[start:] = self._rms_v
         self._until_next -= len(new)
-        self._past = known[len(new) :]
-        return Output(level, np.full(len(new), self._bar), level > self._bar)
+        self._past = samples[len(new) :]
+        return DetectorOutput(statistic, np.full(len(new), self._threshold_v), statistic > self._threshold_v)
 
     def step(self, voltage_v: float) -> bool:
-        """Take one sample [V] and return whether slip is ON."""
+        """Process one sample [V] and return whether slip is ON."""
         return bool(self.process([voltage_v]).on[0])
 
-    def _rms(self, samples: Array) -> float:
-        band = np.fft.rfft((samples - samples[0]) * self._window)[self._low : self._high]
+    def _band_rms(self, samples: Array) -> float:
+        band = np.fft.rfft((samples - samples[0]) * self._window)[self._first_bin : self._end_bin]
         return math.sqrt(float(np.sum(band.real**2 + band.imag**2)))
 
     @property
-    def white_level(self) -> float:
-        """Root mean square of the level in white noise of unit variance."""
+    def unit_noise_rms(self) -> float:
+        """RMS value of the statistic in white noise of unit variance."""
         return math.sqrt(float(self._noise_weights().sum()))
 
-    def noise_bars(self) -> Iterator[tuple[Array, float, float]]:
-        """What `quadratic.bar_for` made the bar of: weights [V^2], time above the bar [s]; and the bar [V]."""
-        yield self._noise_weights() * self.settings.noise_v**2, _EXCURSION_S, self._bar
+    def noise_thresholds(self) -> Iterator[tuple[Array, float, float]]:
+        """Yield the weights [V^2] and excursion time [s] from which the threshold was solved, and the threshold [V]."""
+        yield self._noise_weights() * self.settings.noise_v**2, _EXCURSION_S, self._threshold_v
 
     def _noise_weights(self) -> Array:
-        """Of the energy, as a sum of squares, in noise of unit variance."""
-        spectra = np.fft.rfft(np.diag(self._window))[:, self._low : self._high]
+        """Weights of the energy as a sum of squares (`false_alarms.tail_probability`), in noise of unit variance."""
+        spectra = np.fft.rfft(np.diag(self._window))[:, self._first_bin : self._end_bin]
         rows = np.concatenate((spectra.real, spectra.imag), axis=1)
         weights = np.linalg.eigvalsh(rows.T @ rows)
         return np.asarray(weights[weights > 1e-9 * weights.max()])

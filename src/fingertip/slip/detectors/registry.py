@@ -1,4 +1,4 @@
-"""The detectors by name."""
+"""Detectors by name."""
 
 from __future__ import annotations
 
@@ -6,88 +6,92 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from fingertip.design import Design
-from fingertip.design.issues import nearest
+from fingertip.design.issues import suggest_name
 from fingertip.errors import Issue, TraceError
-from fingertip.slip.detectors.chain import ChainSettings, SlipChain
-from fingertip.slip.detectors.fast import Fast, FastSettings
-from fingertip.slip.detectors.fft import Fft, FftSettings
+from fingertip.slip.detectors.analog import AnalogDetector
+from fingertip.slip.detectors.detector import Detector
+from fingertip.slip.detectors.digital import ChainSettings, SlipChain
+from fingertip.slip.detectors.fast import FastDetector, FastSettings
+from fingertip.slip.detectors.fft import FftDetector, FftSettings
 from fingertip.slip.detectors.noise import noise_level
-from fingertip.slip.detectors.stream import Detector
-from fingertip.slip.detectors.window import Window
 
 
 @dataclass(frozen=True)
-class Kind:
-    """One kind of detector."""
+class DetectorType:
+    """Type of detector."""
 
     label: str
     reads: str
-    """The trace's column that it takes: ``voltage_v``, or the board's output ``envelope_v``."""
+    """Column of the trace that the detector takes: ``voltage_v``, or the board's output ``envelope_v``."""
     make: Callable[[Design, float | None, float], Detector]
-    """From a design, the input's noise [V] (None: the design's), and a factor of the threshold that follows."""
+    """Factory. It takes a design, the noise of the input [V] (None: the design's), and a factor of the threshold."""
 
 
-def _analog(design: Design, noise_v: float | None, scale: float) -> Window:
+def _make_analog(design: Design, noise_v: float | None, threshold_scale: float) -> AnalogDetector:
     if noise_v is not None:
-        said = "its threshold stands on the board's output; set detector.threshold_v"
-        raise TraceError(Issue("noise_v", f"{noise_v:g} V of the input tells analog nothing: {said}."))
-    return Window.of(design, scale)
+        message = (
+            f"{noise_v:g} V of input noise does not determine the threshold of the detector analog, which applies to "
+            "the board's output; set detector.threshold_v instead."
+        )
+        raise TraceError(Issue("noise_v", message))
+    return AnalogDetector.from_design(design, threshold_scale)
 
 
-def _digital(design: Design, noise_v: float | None, scale: float) -> SlipChain:
-    settings = ChainSettings.of(design)
-    threshold = settings.threshold_v
-    if noise_v is not None:  # as the design's default: the rule, rounded up
-        threshold = noise_level(design, noise_v).rounded_v
-    return SlipChain(replace(settings, threshold_v=threshold * scale))
+def _make_digital(design: Design, noise_v: float | None, threshold_scale: float) -> SlipChain:
+    settings = ChainSettings.from_design(design)
+    threshold_v = settings.threshold_v
+    if noise_v is not None:  # the noise-derived threshold, rounded up as the design's default is
+        threshold_v = noise_level(design, noise_v).rounded_threshold_v
+    return SlipChain(replace(settings, threshold_v=threshold_v * threshold_scale))
 
 
-def _fft(design: Design, noise_v: float | None, scale: float) -> Fft:
-    return Fft(replace(FftSettings.of(design, noise_v), scale=scale))
+def _make_fft(design: Design, noise_v: float | None, threshold_scale: float) -> FftDetector:
+    return FftDetector(replace(FftSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
 
 
-def _fast(design: Design, noise_v: float | None, scale: float) -> Fast:
-    return Fast(replace(FastSettings.of(design, noise_v), scale=scale))
+def _make_fast(design: Design, noise_v: float | None, threshold_scale: float) -> FastDetector:
+    return FastDetector(replace(FastSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
 
 
-DETECTORS: dict[str, Kind] = {
-    "analog": Kind("the board's output, window and threshold", "envelope_v", _analog),
-    "digital": Kind("the article's chain in digital filters", "voltage_v", _digital),
-    "fft": Kind("spectrum of 64 ms", "voltage_v", _fft),
-    "fast": Kind("energy of 5 ms in two bands, against the force's slope", "voltage_v", _fast),
+DETECTORS: dict[str, DetectorType] = {
+    "analog": DetectorType("window mean of the analog board's envelope output", "envelope_v", _make_analog),
+    "digital": DetectorType("the article's chain in digital filters", "voltage_v", _make_digital),
+    "fft": DetectorType("spectrum of 64 ms", "voltage_v", _make_fft),
+    "fast": DetectorType("energy of 5 ms in two bands, relative to the force's slew rate", "voltage_v", _make_fast),
 }
+"""Types of detector by name."""
 
 
-def make(name: str, design: Design, noise_v: float | None = None, scale: float = 1.0) -> Detector:
-    """A detector of a design, ready for its first sample.
+def make_detector(name: str, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> Detector:
+    """Create a detector for a design, ready for its first sample.
 
     Parameters
     ----------
     name
         One of `DETECTORS`.
     design
-        Gives rate, filters, window and, unless `noise_v` is given, thresholds.
+        Source of sampling rate, filters and window, and of the thresholds unless `noise_v` is given.
     noise_v
-        White noise of the input, rms [V]; thresholds then follow from it.
-    scale
-        Factor of the threshold, to trade delay against false alarms.
+        White RMS noise of the input [V], from which the thresholds then follow.
+    threshold_scale
+        Factor of the threshold, to trade delay for false alarms.
 
     Raises
     ------
     TraceError
         If there is no detector of that name.
     """
-    return known(name).make(design, noise_v, scale)
+    return find_detector_type(name).make(design, noise_v, threshold_scale)
 
 
-def known(name: str) -> Kind:
-    """The kind of detector of a name.
+def find_detector_type(name: str) -> DetectorType:
+    """Look up a type of detector by name.
 
     Raises
     ------
     TraceError
-        If there is none.
+        If there is no detector of that name.
     """
     if name not in DETECTORS:
-        raise TraceError(Issue("--detector", f"{name!r} is not known; {nearest(name, list(DETECTORS))}"))
+        raise TraceError(Issue("--detector", f"{name!r} is not a detector; {suggest_name(name, list(DETECTORS))}"))
     return DETECTORS[name]

@@ -1,1 +1,1 @@
-"""Traces: columns of samples, and the files and streams they come from."""
+"""Traces: columns of samples, their validation, and the files they are read from."""

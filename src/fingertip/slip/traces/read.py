@@ -1,4 +1,4 @@
-"""Traces from files of any kind known here, chosen by the end of the file's name."""
+"""Reading of traces from CSV, NumPy and TDMS files, selected by the file name's suffix."""
 
 from __future__ import annotations
 
@@ -12,15 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.design.issues import nearest
+from fingertip.design.issues import suggest_name
 from fingertip.errors import Issue, MissingLibraryError, TraceError
-from fingertip.slip.traces.own_names import own_names
-from fingertip.slip.traces.parsed import COLUMNS, Parsed, Wanted
-from fingertip.slip.traces.trace import Trace
-from fingertip.slip.traces.trace_file import parse_csv
+from fingertip.slip.traces.csv_file import read_csv
+from fingertip.slip.traces.guess_columns import suggest_options
+from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace
 
 RATE = "sample_rate_hz"
-"""A number of this name in an archive stands for its times."""
+"""Name of a number in an archive that replaces its times."""
 
 
 def read_trace(
@@ -30,20 +29,20 @@ def read_trace(
     rate_hz: float | None = None,
     scale: float = 1.0,
 ) -> Trace:
-    """Read a trace that somebody recorded: .csv, .npz, .npy or .tdms.
+    """Read a recorded trace from a .csv, .npz, .npy or .tdms file, and validate it for a design's detector.
 
     Parameters
     ----------
     path
         The file.
     design
-        What the trace is checked for: the detector's rate and window, the converter's range. By default the defaults.
+        Source of the detector's sampling rate and window, and of the ADC range; by default the default design.
     columns
-        A trace's column -> the file's name for it, such as ``{"voltage_v": "AI0"}``.
+        Name in the file for each column of a trace, such as ``{"voltage_v": "AI0"}``.
     rate_hz
         Sampling rate of a file without times [Hz].
     scale
-        Volts for each unit of the file's voltage.
+        Volts per unit of the file's voltage.
 
     Returns
     -------
@@ -53,67 +52,69 @@ def read_trace(
     Raises
     ------
     TraceError
-        With one sentence for each issue of the file and of its samples.
+        With all issues of the file and of its samples.
     MissingLibraryError
-        If npTDMS is needed and not installed.
+        If npTDMS is required and not installed.
     """
-    parsed = parse(Path(path), Wanted(columns or {}, rate_hz, scale))
-    return parsed.checked((design or Design()).detector)
+    raw = read_raw_trace(Path(path), ColumnMap(columns or {}, rate_hz, scale))
+    return raw.validate((design or Design()).detector)
 
 
-def parse(path: Path, wanted: Wanted) -> Parsed:
-    """Read a trace: .npz and .npy by numpy, .tdms by npTDMS, anything else as CSV.
+def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
+    """Read a trace without validation: .npz and .npy by numpy, .tdms by npTDMS, any other file as CSV.
 
     Raises
     ------
     TraceError
-        If there is no trace in the file.
+        If the file does not contain a trace.
     MissingLibraryError
-        If npTDMS is needed and not installed.
+        If npTDMS is required and not installed.
     """
-    kind = path.suffix.lower()
-    if kind not in (".npz", ".npy", ".tdms"):
-        return parse_csv(path, wanted)
+    suffix = path.suffix.lower()
+    if suffix not in (".npz", ".npy", ".tdms"):
+        return read_csv(path, columns)
     try:
-        arrays = _tdms(path, wanted) if kind == ".tdms" else _numpy(path, wanted)
+        arrays = _load_tdms(path, columns) if suffix == ".tdms" else _load_numpy(path, columns)
     except OSError as error:
         reason = error.strerror or str(error)
         raise TraceError(Issue(str(path), f"cannot be read ({reason}); give the path of a trace.")) from None
-    return _from_arrays(str(path), arrays, wanted)
+    return _from_arrays(str(path), arrays, columns)
 
 
-def _from_arrays(name: str, arrays: Mapping[str, Any], wanted: Wanted) -> Parsed:
-    """A trace of named arrays."""
-    issues, columns = list[Issue](), dict[str, Any]()
-    if wanted.rate_hz is None and wanted.of("time_s") not in arrays and RATE in arrays:
-        rate_hz = _rate_hz(np.asarray(arrays[RATE]))
+def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> RawTrace:
+    """Make a trace of named arrays."""
+    issues, values = list[Issue](), dict[str, Any]()
+    if columns.rate_hz is None and columns.name_in_file("time_s") not in arrays and RATE in arrays:
+        stated = np.asarray(arrays[RATE])
+        rate_hz = _parse_rate(stated)
         if not rate_hz:
-            told = f"holds {_words(np.asarray(arrays[RATE]))}; save the rate in Hz as one number, such as 2000"
-            issues.append(Issue(f"{name}, {RATE}", f"{told}, or give --rate-hz."))
-        # A place holder where it is wrong: the other arrays are judged all the same.
-        wanted = Wanted(wanted.names, rate_hz or 1.0, wanted.scale)
-    missing = [column for column in wanted.needed if wanted.of(column) not in arrays]
+            message = f"contains {_describe(stated)}; save the rate in Hz as one number, such as 2000"
+            issues.append(Issue(f"{name}, {RATE}", f"{message}, or give --rate-hz."))
+        # A placeholder replaces a wrong rate, so that the other arrays are still validated.
+        columns = ColumnMap(columns.names, rate_hz or 1.0, columns.scale)
+    missing = [column for column in columns.required if columns.name_in_file(column) not in arrays]
     for column in COLUMNS:
-        known = wanted.of(column)
-        if known not in arrays:
+        name_in_file = columns.name_in_file(column)
+        if name_in_file not in arrays:
             if column in missing:
-                remedy = nearest(known, list(arrays))
-                more = f" Or give --rate-hz, or {RATE} in the file." if column == "time_s" else ""
-                if column == missing[-1] and (own := own_names(list(arrays), wanted)):
-                    more += f" O{own.removeprefix('; o')}."
-                issues.append(Issue(name, f"holds no array {known}; {remedy}{more}"))
+                remedy = suggest_name(name_in_file, list(arrays))
+                remedy += f" Or give --rate-hz, or {RATE} in the file." if column == "time_s" else ""
+                if column == missing[-1] and (options := suggest_options(list(arrays), columns)):
+                    remedy += f" Or {options}."
+                issues.append(Issue(name, f"there is no array {name_in_file}; {remedy}"))
             continue
-        array = np.asarray(arrays[known])
-        if array.dtype.kind not in "bifu":
-            issues.append(Issue(f"{name}, {known}", f"holds {array.dtype}; give an array of numbers."))
-        columns[column] = array.astype(np.float64) if array.dtype.kind in "bifu" else np.zeros(0)
+        array = np.asarray(arrays[name_in_file])
+        is_numeric = array.dtype.kind in "bifu"
+        if not is_numeric:
+            issues.append(Issue(f"{name}, {name_in_file}", f"has the type {array.dtype}; give an array of numbers."))
+        values[column] = array.astype(np.float64) if is_numeric else np.zeros(0)
     if issues:
         raise TraceError(issues)
-    return Parsed(name, wanted.trace(columns), in_volts=wanted.in_volts)
+    return RawTrace(name, columns.make_trace(values), in_volts=columns.in_volts)
 
 
-def _rate_hz(stated: NDArray[Any]) -> float | None:
-    """A rate [Hz] that an archive states; None if that is no single number above 0."""
+def _parse_rate(stated: NDArray[Any]) -> float | None:
+    """Parse the sampling rate that an archive states [Hz]; None if it is not one number above 0."""
     if stated.size != 1 or stated.dtype.kind not in "iufUS":
         return None
     try:
@@ -123,51 +124,50 @@ def _rate_hz(stated: NDArray[Any]) -> float | None:
     return rate_hz if 0.0 < rate_hz < float("inf") else None
 
 
-def _words(stated: NDArray[Any]) -> str:
-    """What an array holds instead of a number."""
+def _describe(stated: NDArray[Any]) -> str:
+    """Describe an array that is not one number."""
     if stated.size != 1:
         return f"{stated.size} values" if stated.size else "no value"
     return repr(stated.ravel()[0].item())
 
 
-def _numpy(path: Path, wanted: Wanted) -> Mapping[str, Any]:
+def _load_numpy(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     try:
         loaded = np.load(path, allow_pickle=False)
         if not isinstance(loaded, np.ndarray):
             with loaded:
                 return {key: loaded[key] for key in loaded.files}
     except (ValueError, EOFError, zipfile.BadZipFile):
-        raise TraceError(
-            Issue(str(path), "is no array that numpy reads without pickle; save numbers by numpy.savez.")
-        ) from None
+        message = "is not a file that numpy can read without pickle; save numbers with numpy.savez."
+        raise TraceError(Issue(str(path), message)) from None
     if loaded.ndim == 1:
-        return {wanted.of("voltage_v"): loaded}
+        return {columns.name_in_file("voltage_v"): loaded}
     if loaded.ndim == 2 and loaded.shape[1] == 2:
-        if wanted.rate_hz is not None and "time_s" in wanted.names:  # no column has a name here: it is set aside
-            return {wanted.of("voltage_v"): loaded[:, 1]}
-        return {wanted.of("time_s"): loaded[:, 0], wanted.of("voltage_v"): loaded[:, 1]}
-    raise TraceError(
-        Issue(str(path), f"has shape {loaded.shape}; give (samples,) with --rate-hz, or (samples, 2): time, voltage.")
-    )
+        # The columns of an array have no names: a name for the time (`--column time_s=none`) means to ignore it.
+        if columns.rate_hz is not None and "time_s" in columns.names:
+            return {columns.name_in_file("voltage_v"): loaded[:, 1]}
+        return {columns.name_in_file("time_s"): loaded[:, 0], columns.name_in_file("voltage_v"): loaded[:, 1]}
+    message = f"has shape {loaded.shape}; give (samples,) with --rate-hz, or (samples, 2) for time and voltage."
+    raise TraceError(Issue(str(path), message))
 
 
-def _tdms(path: Path, wanted: Wanted) -> Mapping[str, Any]:
-    """Channels by name; a lone channel is the voltage, and the recording's increment gives the times."""
+def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
+    """Load channels by name. A single channel is the voltage, and the recording's increment gives the times."""
     try:
         nptdms = importlib.import_module("nptdms")
     except ImportError:
-        raise MissingLibraryError(
-            Issue(str(path), "needs npTDMS, which is not installed; pip install 'fingertip[tdms]'.")
-        ) from None
+        message = "requires npTDMS, which is not installed; pip install 'fingertip[tdms]'."
+        raise MissingLibraryError(Issue(str(path), message)) from None
     try:
         channels = [channel for group in nptdms.TdmsFile.read(path).groups() for channel in group.channels()]
     except (ValueError, KeyError, IndexError) as error:
-        raise TraceError(Issue(str(path), f"is no TDMS file that npTDMS reads ({error}).")) from None
-    found = {channel.name: channel for channel in channels}
-    if len(channels) == 1 and "voltage_v" not in wanted.names:
-        found = {"voltage_v": channels[0]}
-    arrays: dict[str, Any] = {name: channel[:] for name, channel in found.items()}
-    voltage = found.get(wanted.of("voltage_v"))
+        message = f"is not a TDMS file that npTDMS can read ({error}); export it again, or save it as CSV."
+        raise TraceError(Issue(str(path), message)) from None
+    by_name = {channel.name: channel for channel in channels}
+    if len(channels) == 1 and "voltage_v" not in columns.names:
+        by_name = {"voltage_v": channels[0]}
+    arrays: dict[str, Any] = {name: channel[:] for name, channel in by_name.items()}
+    voltage = by_name.get(columns.name_in_file("voltage_v"))
     increment = voltage.properties.get("wf_increment") if voltage is not None else None
     if increment:
         arrays[RATE] = float(f"{1 / float(increment):.9g}")

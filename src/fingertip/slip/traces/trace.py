@@ -1,193 +1,250 @@
-"""A trace: sampled tactile voltage over time, with the true force and slip where they are known; and what
-is wrong with one."""
+"""Traces and their validation: sampled tactile voltage, with the true force and slip where they are known."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.sections import Detector
-from fingertip.errors import Issue
-from fingertip.slip.traces.rounded import Rounded, rounded
+from fingertip.arrays import Array
+from fingertip.design.parameters import Detector
+from fingertip.errors import Issue, TraceError
+from fingertip.slip.traces.sampling import find_rounding, sample_location, time_issues
 
-RATE_TOLERANCE = 0.005
-"""Most by which a trace's mean rate may differ from the detector's: as much as it moves the cutoff
-frequency."""
-STEP_TOLERANCE = 0.5
-"""Most by which one time step may differ from the mean, as a share of it: more is a gap or a wrong stamp."""
+COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v")
+"""Names of a trace's columns."""
+_FORCE = re.compile(r".*(_n|[\[(]N[\])]|force)$|force", re.IGNORECASE)
 
 
 @dataclass(frozen=True, eq=False)
 class Trace:
     """Columns of equal length."""
 
-    time_s: NDArray[np.float64]
-    voltage_v: NDArray[np.float64]
+    time_s: Array
+    voltage_v: Array
     """Raw tactile voltage [V]: bridge and instrumentation amplifier, before the filter board."""
-    force_n: NDArray[np.float64] | None = None
+    force_n: Array | None = None
     """True normal force [N]."""
     slip: NDArray[np.bool_] | None = None
     """True gross slip."""
-    envelope_v: NDArray[np.float64] | None = None
+    envelope_v: Array | None = None
     """Output of the filter board [V], which the detector `analog` takes."""
 
 
-def issues(trace: Trace, detector: Detector, in_volts: bool = True) -> list[Issue]:
-    """Everything that keeps a trace from being detected on, one sentence each; samples are counted from 0.
+def is_force(name: str) -> bool:
+    """Return whether a column's name indicates a force: `force_n`, `Load [N]`, `Force`."""
+    return _FORCE.match(name) is not None
+
+
+@dataclass(frozen=True)
+class ColumnMap:
+    """Names of a trace's columns in a file, and how to convert the file's values.
+
+    Raises
+    ------
+    TraceError
+        If `names` contains a column that a trace does not have, or a number is not valid.
+    """
+
+    names: Mapping[str, str] = field(default_factory=dict)
+    """Name in the file for each column of a trace; without an entry the names are the same."""
+    rate_hz: float | None = None
+    """Sampling rate of a file without times [Hz]; times in the file are kept and validated."""
+    scale: float = 1.0
+    """Volts per unit of the file's voltage."""
+
+    def __post_init__(self) -> None:
+        issues = [
+            Issue("--column", f"{name!r} is not a column of a trace; choose one of {', '.join(COLUMNS)}.")
+            for name in self.names
+            if name not in COLUMNS
+        ]
+        if self.rate_hz is not None and not 0.0 < self.rate_hz < float("inf"):
+            issues.append(Issue("--rate-hz", f"{self.rate_hz:g} Hz is not a sampling rate; choose 1000 to 20000 Hz."))
+        if not (np.isfinite(self.scale) and self.scale != 0.0):
+            issues.append(
+                Issue("--scale", f"{self.scale:g} is not a scale; give volts per unit of the file's voltage.")
+            )
+        if issues:
+            raise TraceError(issues)
+
+    def name_in_file(self, column: str) -> str:
+        """Return the file's name for a trace's column."""
+        return self.names.get(column, column)
+
+    @property
+    def required(self) -> tuple[str, ...]:
+        """Columns that every trace must have."""
+        return ("voltage_v",) if self.rate_hz is not None else ("time_s", "voltage_v")
+
+    @property
+    def in_volts(self) -> bool:
+        """Whether the signal is a voltage: the column of a force may replace it."""
+        return not is_force(self.name_in_file("voltage_v"))
+
+    def make_trace(self, columns: Mapping[str, Array]) -> Trace:
+        """Make a trace of the file's columns, given by a trace's names."""
+        voltage = columns["voltage_v"]
+        time = columns.get("time_s")
+        if time is None:
+            assert self.rate_hz is not None
+            time = np.arange(len(voltage)) / self.rate_hz
+        slip = columns.get("slip")
+        volts = voltage if self.scale == 1.0 else voltage * self.scale
+        flags = None if slip is None else slip == 1.0
+        return Trace(time, volts, columns.get("force_n"), flags, columns.get("envelope_v"))
+
+
+@dataclass(frozen=True, eq=False)
+class RawTrace:
+    """Content of a trace file before validation for a detector."""
+
+    name: str
+    trace: Trace
+    issues: tuple[Issue, ...] = ()
+    """Issues of the file's form."""
+    first_line: int | None = None
+    """Line that contains the first sample, in a file of lines."""
+    has_all_times: bool = True
+    """Whether every sample's time was read, so that the times can be validated."""
+    in_volts: bool = True
+    """Whether the signal is a voltage."""
+
+    @property
+    def rate_hz(self) -> float | None:
+        """Sampling rate from the median time step, to six digits [Hz]; None if the times do not determine it."""
+        time = self.trace.time_s
+        if not self._times_are_valid or find_rounding(time):
+            return None
+        usual = float(np.median(np.diff(time)))
+        return float(f"{1 / usual:.6g}") if usual > 0.0 else None
+
+    def validate(self, detector: Detector) -> Trace:
+        """Return the trace if it is valid for a detector's sampling rate, window and ADC.
+
+        Raises
+        ------
+        TraceError
+            With all issues of the file and of its samples.
+        """
+        issues = [*self.issues, *value_issues(self.trace, detector, self.name, self.first_line, self.in_volts)]
+        if self._times_are_valid:
+            issues.extend(time_issues(self.trace.time_s, detector, self.name, self.first_line))
+        if issues:
+            raise TraceError(issues)
+        return self.trace
+
+    @property
+    def _times_are_valid(self) -> bool:
+        return self.has_all_times and _are_finite_times(self.trace.time_s)
+
+
+def find_issues(trace: Trace, detector: Detector, in_volts: bool = True) -> list[Issue]:
+    """Find everything that prevents detection on a trace; the messages count samples from 0.
 
     Parameters
     ----------
     trace
         The trace.
     detector
-        Gives the rate [Hz], the least length: one window, and the converter's range [V].
+        Source of the sampling rate, the window (the minimum length) and the ADC range.
     in_volts
-        Whether the signal is a voltage, so that the range means something.
+        Whether the signal is a voltage, to which the ADC range applies.
     """
-    found = [*length_issues(trace, detector, "trace"), *column_issues(trace, "trace", None)]
-    if in_volts:
-        found.extend(range_issues(trace, detector, "trace", None))
-    if np.isfinite(trace.time_s).all() and trace.time_s.ndim == 1 and len(trace.time_s) > 1:
-        found.extend(time_issues(trace.time_s, detector, "trace", None))
-    return found
+    issues = list(value_issues(trace, detector, "trace", None, in_volts))
+    if _are_finite_times(trace.time_s):
+        issues.extend(time_issues(trace.time_s, detector, "trace", None))
+    return issues
 
 
-def length_issues(trace: Trace, detector: Detector, name: str) -> Iterator[Issue]:
-    """A trace too short for one window."""
-    count, minimum = len(trace.time_s), max(2, detector.window_samples)
-    if count < minimum:
-        yield Issue(
-            name,
-            f"holds {count} sample{'s' * (count != 1)}; at least one window of {minimum}, record for longer.",
-        )
+def _are_finite_times(time_s: Array) -> bool:
+    return time_s.ndim == 1 and len(time_s) > 1 and bool(np.isfinite(time_s).all())
 
 
-def column_issues(trace: Trace, name: str, first_line: int | None) -> Iterator[Issue]:
-    """Columns of unequal length, values that are not finite.
+def value_issues(
+    trace: Trace, detector: Detector, name: str, first_line: int | None, in_volts: bool
+) -> Iterator[Issue]:
+    """Find issues of a trace's length, shapes and values.
 
     Parameters
     ----------
     trace
         The trace.
+    detector
+        Source of the window (the minimum length) and the ADC range.
     name
-        What the sentences call the trace, such as its file.
+        Name of the trace in the messages, such as its file.
     first_line
-        Line of the file that holds the first sample; without it the sentences count samples from 0.
+        Line of the file that contains the first sample; None: the messages count samples from 0.
+    in_volts
+        Whether the signal is a voltage, to which the ADC range applies.
     """
-    for column in ("time_s", "voltage_v", "force_n", "slip", "envelope_v"):
+    count, minimum = len(trace.time_s), max(2, detector.window_samples)
+    if count < minimum:
+        samples = f"{count} sample{'s' * (count != 1)}"
+        yield Issue(name, f"has {samples}; at least one window of {minimum} is required; record for longer.")
+    for column in COLUMNS:
         values = getattr(trace, column)
         if values is None:
             continue
-        field = f"{name}, {column}"
+        column_field = f"{name}, {column}"
         if values.shape != trace.time_s.shape or values.ndim != 1:
-            shapes = f"has shape {values.shape}, time_s {trace.time_s.shape}"
-            yield Issue(field, f"{shapes}; give one value per sample.")
-        elif (bad := np.flatnonzero(~np.isfinite(values))).size:
-            first = int(bad[0])
-            more = f", and {bad.size - 1} more after it," if bad.size > 1 else ""
-            yield Issue(
-                field,
-                f"{values[first]} {_where(first, first_line)}{more} is not a finite number; "
-                "record again or cut it out.",
-            )
+            shapes = f"has shape {values.shape}, but time_s has shape {trace.time_s.shape}"
+            yield Issue(column_field, f"{shapes}; give one value per sample.")
+        elif (wrong := np.flatnonzero(~np.isfinite(values))).size:
+            first = int(wrong[0])
+            others = f", and {wrong.size - 1} more after it," if wrong.size > 1 else ""
+            location = sample_location(first, first_line)
+            message = f"{values[first]} {location}{others} is not a finite number; record again or remove it."
+            yield Issue(column_field, message)
+    if in_volts and trace.voltage_v.ndim == 1:
+        yield from _range_issues(trace.voltage_v, detector, name, first_line)
 
 
-def range_issues(trace: Trace, detector: Detector, name: str, first_line: int | None) -> Iterator[Issue]:
-    """Voltages that the converter cannot have given; whole numbers among them are its counts."""
-    volts, maximum = trace.voltage_v, detector.adc_range_v
-    beyond = np.flatnonzero(np.isfinite(volts) & (np.abs(volts) > maximum)) if volts.ndim == 1 else np.zeros(0)
-    if not beyond.size:
-        return
-    first = int(beyond[0])
-    whole = bool(np.all(volts[np.isfinite(volts)] % 1 == 0))
-    yield Issue(f"{name}, voltage_v", beyond_sentence(f"{volts[first]:g} {_where(first, first_line)}", whole, detector))
+def _range_issues(volts: Array, detector: Detector, name: str, first_line: int | None) -> Iterator[Issue]:
+    """Find voltages outside the ADC range."""
+    outside = np.flatnonzero(np.isfinite(volts) & (np.abs(volts) > detector.adc_range_v))
+    if outside.size:
+        first = int(outside[0])
+        all_whole = bool(np.all(volts[np.isfinite(volts)] % 1 == 0))
+        value = f"{volts[first]:g} {sample_location(first, first_line)}"
+        yield Issue(f"{name}, voltage_v", range_message(value, all_whole, detector))
 
 
-def beyond_sentence(value: str, whole: bool, detector: Detector) -> str:
-    """Of a voltage that the converter cannot have given, and its place; `whole`: all of them are whole numbers."""
+def range_message(value: str, all_whole: bool, detector: Detector) -> str:
+    """Describe a voltage outside the ADC range, with the remedy.
+
+    Parameters
+    ----------
+    value
+        The voltage and its location.
+    all_whole
+        Whether all values are whole numbers, as ADC counts are.
+    detector
+        Source of the ADC range and resolution.
+    """
     maximum = detector.adc_range_v
-    if whole:
+    if all_whole:
         step = 2 * maximum / 2**detector.adc_bits
-        remedy = f"whole numbers throughout look like its counts: --scale {step:.8g} makes volts of them"
+        remedy = f"the values are whole numbers, as ADC counts are: --scale {step:.8g} converts counts to volts"
     else:
-        remedy = "give --scale if the column is not in volts, or --set detector.adc_range_v"
-    return f"{value} is beyond the converter's {maximum:g} V; {remedy}."
+        remedy = "use --scale if the column is not in volts, or --set detector.adc_range_v"
+    return f"{value} exceeds the ADC range of +/-{maximum:g} V; {remedy}."
 
 
-def remarks(trace: Trace, detector: Detector) -> Iterator[str]:
-    """What makes an answer doubtful without making it wrong: a voltage that never changes, or stands at an end."""
+def signal_warnings(trace: Trace, detector: Detector) -> Iterator[str]:
+    """Warn of a voltage that makes detection unreliable: clipped by the ADC, or constant."""
     volts, maximum = trace.voltage_v, detector.adc_range_v
     step = 2 * maximum / 2**detector.adc_bits
-    ends = int(np.sum((volts >= maximum - 1.5 * step) | (volts <= step / 2 - maximum)))
-    if ends:
-        many = f"all {ends}" if ends == len(volts) else f"{ends} of {len(volts)}"
+    clipped = int(np.sum((volts >= maximum - 1.5 * step) | (volts <= step / 2 - maximum)))
+    if clipped:
+        count = f"all {clipped}" if clipped == len(volts) else f"{clipped} of {len(volts)}"
         yield (
-            f"{many} samples stand at an end of the converter's range, plus and minus {maximum:g} V: slip does not show "
-            "there. Divide the signal ahead of the converter, or record with a wider range (detector.adc_range_v)."
+            f"{count} samples are at the limits of the ADC range, +/-{maximum:g} V: slip is not visible there. "
+            "Attenuate the signal before the ADC, or record with a wider range (detector.adc_range_v)."
         )
     elif np.ptp(volts) == 0.0:
-        yield f"the voltage is {volts[0]:g} V throughout: is a sensor connected?"
-
-
-def time_issues(time_s: NDArray[np.float64], detector: Detector, name: str, first_line: int | None) -> Iterator[Issue]:
-    """Finite times that go backwards, repeat, leave gaps, or come at another rate than the detector's."""
-    field = f"{name}, time_s"
-    if coarse := rounded(time_s):
-        yield Issue(field, _rounded_sentence(time_s, coarse, detector, first_line))
-        return
-    steps = np.diff(time_s)
-    # The median is the recording's own step, whatever single gaps do to the mean.
-    usual = float(np.median(steps))
-    if usual <= 0.0:
-        yield Issue(field, "does not advance in most of its steps; write the time of each sample in seconds.")
-        return
-    even = True
-    for bad, what in (
-        (steps < 0.0, "goes backwards"),
-        (steps == 0.0, "repeats the time before it"),
-        (steps > usual * (1 + STEP_TOLERANCE), "comes after a gap"),
-        ((steps > 0.0) & (steps < usual * (1 - STEP_TOLERANCE)), "comes too early"),
-    ):
-        places = np.flatnonzero(bad)
-        if places.size:
-            even = False
-            i = int(places[0]) + 1
-            more = f", and {places.size - 1} more like it" if places.size > 1 else ""
-            yield Issue(
-                field,
-                f"{time_s[i]:.9g} s {_where(i, first_line)} {what} (before it {time_s[i - 1]:.9g} s, "
-                f"usual step {usual:.4g} s){more}; detection needs evenly spaced samples.",
-            )
-    rate = float(len(steps) / (time_s[-1] - time_s[0])) if even else 1 / usual
-    if abs(rate / detector.sample_rate_hz - 1) > RATE_TOLERANCE:
-        yield Issue(field, rate_sentence(rate, detector))
-
-
-def _rounded_sentence(time_s: NDArray[np.float64], coarse: Rounded, detector: Detector, first_line: int | None) -> str:
-    """With what sets the times aside: at their mean rate, or at the detector's if that agrees with it."""
-    at, more = coarse.first, f", and {coarse.repeats - 1} more like it" if coarse.repeats > 1 else ""
-    found, rate, mean = coarse.rate_hz, "HZ, as it was recorded, and", ""
-    if found:
-        agrees = abs(found / detector.sample_rate_hz - 1) <= RATE_TOLERANCE
-        rate = f"{detector.sample_rate_hz if agrees else found:.9g}"
-        mean = f", at a mean rate of {found:.6g} Hz"
-    return (
-        f"{time_s[at]:.9g} s {_where(at, first_line)} repeats the time before it{more}: the times are rounded to "
-        f"{coarse.step_s:.4g} s{mean}; set them aside with --rate-hz {rate} --column time_s=none."
-    )
-
-
-def rate_sentence(rate_hz: float, detector: Detector) -> str:
-    """Of samples that come at another rate [Hz] than the detector's."""
-    return (
-        f"is sampled at {rate_hz:.6g} Hz, the detector is designed for {detector.sample_rate_hz:g} Hz "
-        f"(within {100 * RATE_TOLERANCE:g} %); use --rate-hz {rate_hz:.6g} to make its filters "
-        "for that, or sample the trace anew."
-    )
-
-
-def _where(sample: int, first_line: int | None) -> str:
-    return f"at sample {sample}" if first_line is None else f"in line {first_line + sample}"
+        yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"

@@ -1,0 +1,278 @@
+"""Detection on recorded files and on streams of lines, from reading the recording to warnings about the result.
+
+`fingertip detect` prints what these functions return. They adapt the design to the recording's sampling rate, derive
+thresholds from a quiet start, and simulate the analog board for the detector `analog` where a recording contains only
+the voltage ahead of the board.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from fingertip.design import Design
+from fingertip.errors import FingertipError, Issue, TraceError
+from fingertip.slip.detection import Detection, detect
+from fingertip.slip.detectors.detector import Detector
+from fingertip.slip.detectors.noise import NoiseLevel, measure_noise_level, settings_warnings, threshold_warnings
+from fingertip.slip.detectors.registry import find_detector_type, make_detector
+from fingertip.slip.live import NAME as STREAM_NAME
+from fingertip.slip.live import CsvStream, Transition, follow, open_stream
+from fingertip.slip.noise_calibration import equivalent_noise_v, first_disturbance, select_quiet_start
+from fingertip.slip.rate_adaptation import adapt_detector
+from fingertip.slip.traces.read import read_raw_trace
+from fingertip.slip.traces.sampling import RATE_TOLERANCE
+from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, signal_warnings
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class FileDetection:
+    """Result of detection on a file."""
+
+    detection: Detection
+    trace: Trace
+    """Validated trace, with the board's output if that was simulated."""
+    design: Design
+    """Design used: at the recording's sampling rate, and for `analog` with the threshold from the quiet start."""
+    noise: NoiseLevel | None
+    """Noise level of the quantity that the threshold applies to; None for the detectors `fft` and `fast`."""
+    warnings: tuple[str, ...]
+    """What makes the result doubtful."""
+
+
+@dataclass(frozen=True, eq=False)
+class StreamDetection:
+    """Detection on a stream of lines, in progress."""
+
+    transitions: Iterator[Transition]
+    """Transitions between ON and OFF; each is available as soon as its line has been read."""
+    design: Design
+    """Design used, at the stream's sampling rate."""
+    warnings: tuple[str, ...]
+    """What makes the result doubtful."""
+
+
+def detect_file(
+    path: str | Path,
+    design: Design | None = None,
+    detector: str = "digital",
+    *,
+    rate_hz: float | None = None,
+    quiet_s: float | None = None,
+    scale: float = 1.0,
+    columns: Mapping[str, str] | None = None,
+    adapt_to_file: bool | None = None,
+    keep_threshold: bool | None = None,
+    keep_window: bool = False,
+    progress: Progress | None = None,
+) -> FileDetection:
+    """Detect slip in a recorded file (.csv, .npz, .npy or .tdms).
+
+    Parameters
+    ----------
+    path
+        The file. The detector `analog` takes its column `envelope_v` and, if there is none, the output of the design's
+        board, simulated for the voltage.
+    design
+        Source of sampling rate, filters, window, threshold and board; by default the default design.
+    detector
+        Name of a detector: `digital`, `analog`, `fft` or `fast`.
+    rate_hz
+        Sampling rate to which the design is adapted [Hz]. Times in the file must agree with it.
+    quiet_s
+        Duration at the start during which nothing happens [s]. Thresholds then follow from the noise there.
+    scale
+        Volts per unit of the file's voltage.
+    columns
+        Name in the file for each column of a trace, such as ``{"voltage_v": "AI0"}``. The voltage may be the column of
+        a force; its thresholds require `quiet_s`.
+    adapt_to_file
+        Whether the design is adapted to the file's sampling rate; another rate is otherwise an error. By default it is
+        adapted unless `rate_hz` or the design states a rate.
+    keep_threshold
+        Whether the threshold remains the same when the design is adapted; by default if the design states one.
+    keep_window
+        Whether the number of samples in the window remains the same when the design is adapted.
+    progress
+        Called with each step of the progress.
+
+    Raises
+    ------
+    TraceError
+        With all issues of the file, or if an option does not apply to it.
+    DesignError
+        If `rate_hz` is out of bounds, or too low for the design's filters.
+    MissingLibraryError
+        If npTDMS is required and not installed.
+    """
+    path, report = Path(path), progress or _ignore
+    design = design or Design()
+    find_detector_type(detector)
+    adapt = _RateAdapter(detector, _keeps_threshold(design, keep_threshold), keep_window, quiet_s is not None, report)
+    if adapt_to_file is None:
+        adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
+    if rate_hz is not None:
+        design = adapt(design, rate_hz)
+    column_map = ColumnMap(columns or {}, rate_hz, scale)
+    if not column_map.in_volts and quiet_s is None and detector != "analog":
+        message = "is missing: the design's thresholds are in volts, but this column is a force; give the duration "
+        raise TraceError(Issue("--quiet-s", message + "at the start during which nothing happens."))
+    raw = read_raw_trace(path, column_map)
+    if rate_hz is None and adapt_to_file:
+        design = _adapt_to_file(design, raw, adapt, report)
+    trace = raw.validate(design.detector)
+    warnings: list[str] = []
+    if column_map.in_volts:
+        warnings += [*signal_warnings(trace, design.detector), *settings_warnings(design, detector)]
+
+    quiet = slice(0, 0) if quiet_s is None else select_quiet_start(trace, quiet_s, path.name)
+    noise_v, level = None, None
+    if detector == "analog":
+        is_replayed = trace.envelope_v is None
+        if is_replayed:
+            trace = _simulate_board(trace, design, column_map, path.name, report)
+        level = _board_noise(trace, design, is_replayed, quiet, path.name)
+        if quiet_s is not None:
+            tables = design.model_dump()
+            tables["detector"]["threshold_v"] = level.rounded_threshold_v
+            design = Design(**tables)
+    elif quiet_s is not None:
+        noise_v = equivalent_noise_v(detector, design, trace.voltage_v[quiet], path.name)
+
+    detection = detect(trace, design, detector, noise_v)
+    level = level or detection.noise
+    if level:
+        may_be_lower = detector != "analog" or quiet_s is not None
+        warnings += threshold_warnings(detection.threshold_v, level, may_be_lower)
+    if quiet.stop and (sample := first_disturbance(design, trace.voltage_v[quiet])) is not None:
+        message = f"the signal is disturbed at {trace.time_s[sample]:.4f} s, within the {quiet_s:g} s of --quiet-s: "
+        warnings.append(message + "thresholds may be too high; choose a shorter part.")
+    return FileDetection(detection, trace, design, level, tuple(warnings))
+
+
+def detect_stream(
+    lines: Iterable[str],
+    design: Design | None = None,
+    detector: str = "digital",
+    *,
+    rate_hz: float | None = None,
+    scale: float = 1.0,
+    columns: Mapping[str, str] | None = None,
+    keep_threshold: bool | None = None,
+    keep_window: bool = False,
+    progress: Progress | None = None,
+) -> StreamDetection:
+    """Detect slip in CSV lines while they arrive. The header is read at once, the samples as transitions are taken.
+
+    Parameters
+    ----------
+    lines
+        CSV lines, as in a file. The detector `analog` takes the column `envelope_v` and, if there is none, the output
+        of the design's board, simulated for the voltage.
+    design, detector, rate_hz, scale, columns, keep_threshold, keep_window, progress
+        As for `detect_file`, but the voltage may not be the column of a force.
+
+    Raises
+    ------
+    TraceError
+        If the lines have no header or an option does not apply; while transitions are taken, at the first wrong line.
+    DesignError
+        If `rate_hz` is out of bounds, or too low for the design's filters.
+    """
+    report = progress or _ignore
+    design = design or Design()
+    find_detector_type(detector)
+    if rate_hz is not None:
+        adapt = _RateAdapter(detector, _keeps_threshold(design, keep_threshold), keep_window, False, report)
+        design = adapt(design, rate_hz)
+    voltage = ColumnMap(columns or {}, rate_hz, scale)
+    if not voltage.in_volts:
+        message = "names a force, whose thresholds require --quiet-s and the whole recording; save the lines in a file."
+        raise TraceError(Issue("--column", message))
+    envelope = ColumnMap({**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}, rate_hz)
+    reads_envelope = find_detector_type(detector).reads == "envelope_v"
+    stream = open_stream(lines, voltage, *([envelope] if reads_envelope else []))
+    instance, column_map = _select_stream_detector(stream, design, detector, voltage, envelope, report)
+    transitions = follow(stream, instance, design.detector, column_map)
+    return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)))
+
+
+def _ignore(message: str) -> None:
+    pass
+
+
+def _keeps_threshold(design: Design, keep_threshold: bool | None) -> bool:
+    return "threshold_v" in design.detector.model_fields_set if keep_threshold is None else keep_threshold
+
+
+@dataclass(frozen=True)
+class _RateAdapter:
+    """Adapts designs to a sampling rate for one detector, and reports what it changes."""
+
+    detector: str
+    keep_threshold: bool
+    keep_window: bool
+    noise_is_measured: bool
+    progress: Progress
+
+    def __call__(self, design: Design, rate_hz: float, prefix: str = "") -> Design:
+        result = adapt_detector(
+            design, rate_hz, self.detector, self.keep_threshold, self.keep_window, self.noise_is_measured
+        )
+        self.progress(f"{prefix}{result.adapted} adapted to {rate_hz:g} Hz; {result.values}")
+        return result.design
+
+
+def _adapt_to_file(design: Design, raw: RawTrace, adapt: _RateAdapter, progress: Progress) -> Design:
+    """Adapt the design to the file's sampling rate, if the rates differ and the file has no issues."""
+    rate_hz = raw.rate_hz
+    if not rate_hz or raw.issues or abs(rate_hz / design.detector.sample_rate_hz - 1) <= RATE_TOLERANCE:
+        return design
+    try:
+        return adapt(design, rate_hz, f"{raw.name} is sampled at {rate_hz:g} Hz: ")
+    except FingertipError as error:
+        reasons = " ".join(issue.message for issue in error.issues)
+        message = f"is sampled at {rate_hz:g} Hz, for which no detector can be designed: {reasons}"
+        raise TraceError(Issue(f"{raw.name}, time_s", message)) from None
+
+
+def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, progress: Progress) -> Trace:
+    """Add the simulated output of the design's board to a trace; a force passes the design's bridge first."""
+    from fingertip.sim.electronics import board_output
+
+    voltage_v, circuits = trace.voltage_v, "the design's board"
+    if not columns.in_volts:
+        voltage_v, circuits = board_output.compute_bridge_v(design, voltage_v), "the design's bridge and board"
+    progress(
+        f"{name} has no column {columns.name_in_file('envelope_v')}: simulating {circuits} for the column "
+        f"{columns.name_in_file('voltage_v')}"
+    )
+    return replace(trace, voltage_v=voltage_v, envelope_v=board_output.simulate_envelope_v(design, voltage_v))
+
+
+def _board_noise(trace: Trace, design: Design, is_replayed: bool, quiet: slice, name: str) -> NoiseLevel:
+    """Find the noise level of the board's output: measured in the quiet start if there is one, otherwise simulated."""
+    if quiet.stop:
+        assert trace.envelope_v is not None
+        return measure_noise_level(trace.envelope_v[quiet], design, name)
+    from fingertip.sim.electronics import board_output
+
+    simulate_level = board_output.simulate_replay_level if is_replayed else board_output.simulate_quiescent_level
+    return simulate_level(design)
+
+
+def _select_stream_detector(
+    stream: CsvStream, design: Design, detector: str, voltage: ColumnMap, envelope: ColumnMap, progress: Progress
+) -> tuple[Detector, ColumnMap]:
+    """Create the detector and select its columns; `analog` takes the board's output if the lines contain it."""
+    if find_detector_type(detector).reads != "envelope_v":
+        return make_detector(detector, design), voltage
+    if envelope.name_in_file("voltage_v") in stream.header.names:
+        return make_detector(detector, design), envelope
+    from fingertip.sim.electronics.board_output import SimulatedBoardDetector
+
+    progress(f"{STREAM_NAME} has no column {voltage.name_in_file('envelope_v')}: simulating the design's board")
+    return SimulatedBoardDetector(design), voltage

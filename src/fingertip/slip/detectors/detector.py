@@ -1,0 +1,55 @@
+"""Interface that all detectors share: samples in; test statistic, threshold and ON or OFF out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.arrays import Array
+
+
+@dataclass(frozen=True, eq=False)
+class DetectorOutput:
+    """Output of a detector: one value per input sample."""
+
+    statistic_v: Array
+    """Quantity that the detector compares with its threshold, in the input's unit (volts for a voltage)."""
+    threshold_v: Array
+    """Threshold at each sample, in the same unit."""
+    on: NDArray[np.bool_]
+    """Whether slip is detected."""
+
+
+class Detector(Protocol):
+    """Causal detector that keeps its state between chunks of samples.
+
+    The output has the same bits however the input is divided into chunks. The state can be pickled between any two
+    chunks.
+    """
+
+    @property
+    def threshold_v(self) -> float:
+        """Threshold in noise alone, while the force is constant [V]."""
+        ...
+
+    @property
+    def memory_s(self) -> float:
+        """Longest time that ON outlasts the slip that caused it, because its samples are still averaged [s]."""
+        ...
+
+    def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
+        """Process the next samples, any number of them, and return one output per sample."""
+        ...
+
+    def step(self, voltage_v: float) -> bool:
+        """Process one sample and return whether slip is ON; same result as `process`, without its arrays."""
+        ...
+
+
+def as_samples(voltage_v: Iterable[float]) -> list[float] | Array:
+    """Convert samples to a sequence that the loops accept: an array stays an array, anything else becomes a list."""
+    return voltage_v if isinstance(voltage_v, np.ndarray) else list(voltage_v)

@@ -1,0 +1,204 @@
+"""Detector `digital`: the article's signal chain in software.
+
+The chain is high-pass filter, half-wave rectifier, envelope filter, window mean and threshold. The article implements
+the first three as analog circuits (see `fingertip.slip.detectors.analog`); its predecessor implemented all of them in
+software. The input is the raw tactile voltage. The filters are the board's ideal filters by the bilinear transform,
+the rectifier is an ideal diode without a dead zone, and the envelope filter is a one-pole follower without the faster
+attack of the board's.
+
+Every sample undergoes the same scalar operations in the same order, so the output has the same bits however the input
+is divided into chunks. The chain is causal, and its state can be pickled between chunks.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, MutableSequence, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.design import Design
+from fingertip.jit import CompiledLoop
+from fingertip.slip.detectors.detector import DetectorOutput, as_samples
+
+Q = 1.0
+"""Quality factor of the second-order section of a third-order Butterworth filter (article, eq. 8)."""
+
+
+@dataclass(frozen=True)
+class ChainSettings:
+    """Settings of the chain."""
+
+    sample_rate_hz: float
+    cutoff_hz: float
+    gain: float
+    envelope_cutoff_hz: float
+    window_samples: int
+    threshold_v: float
+
+    @classmethod
+    def from_design(cls, design: Design) -> ChainSettings:
+        """Take the settings from a design: the board's ideal filters, the detector's window and threshold."""
+        board, detector = design.board, design.detector
+        return cls(
+            detector.sample_rate_hz,
+            board.cutoff_hz,
+            board.passband_gain,
+            board.envelope_cutoff_hz,
+            detector.window_samples,
+            detector.threshold_v,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ChainOutput(DetectorOutput):
+    """Output of the chain: one value per input sample."""
+
+    filtered_v: Array
+    envelope_v: Array
+
+    @property
+    def mean_v(self) -> Array:
+        """Mean of the envelope over the window that ends with the sample (article, eq. 12) [V]."""
+        return self.statistic_v
+
+
+class FirstOrder(NamedTuple):
+    """Coefficients of a first-order digital filter section."""
+
+    b0: float
+    b1: float
+    a1: float
+
+
+class SecondOrder(NamedTuple):
+    """Coefficients of a second-order digital filter section (biquad)."""
+
+    b0: float
+    b1: float
+    b2: float
+    a1: float
+    a2: float
+
+
+class SlipChain:
+    """The article's chain with its state.
+
+    It starts in the steady state of the first sample, as if the input had always had that value.
+    """
+
+    def __init__(self, settings: ChainSettings) -> None:
+        self.settings = settings
+        first, second = high_pass(settings)
+        # Pole of the analog envelope filter. The discrete step response equals the analog one at the samples.
+        smoothing = 1 - math.exp(-2 * math.pi * settings.envelope_cutoff_hz / settings.sample_rate_hz)
+        self._coefficients = (*first, *second, smoothing)
+        self._state = [0.0] * STATES
+        self._ring_buffer = [0.0] * settings.window_samples
+        self._started = False
+
+    @property
+    def threshold_v(self) -> float:
+        """Window mean above which slip is ON [V]."""
+        return self.settings.threshold_v
+
+    @property
+    def memory_s(self) -> float:
+        """Window length [s]."""
+        return self.settings.window_samples / self.settings.sample_rate_hz
+
+    def process(self, voltage_v: Iterable[float]) -> ChainOutput:
+        """Process the next samples [V], any number of them, and return one output per sample."""
+        samples = as_samples(voltage_v)
+        if len(samples):
+            self._start(float(samples[0]))
+        filtered, envelope, mean = np.zeros((3, len(samples)))
+        _LOOP(self._coefficients, samples, self._state, self._ring_buffer, filtered, envelope, mean)
+        threshold_v = self.settings.threshold_v
+        return ChainOutput(mean, np.full(len(mean), threshold_v), mean > threshold_v, filtered, envelope)
+
+    def step(self, voltage_v: float) -> bool:
+        """Process one sample [V] and return whether slip is ON."""
+        self._start(voltage_v)
+        mean = [0.0]
+        _LOOP.plain(self._coefficients, (voltage_v,), self._state, self._ring_buffer, [0.0], [0.0], mean)
+        return mean[0] > self.settings.threshold_v
+
+    def _start(self, voltage_v: float) -> None:
+        """Set the steady state of a constant input before the first sample: both sections' outputs are exactly 0."""
+        if not self._started:
+            self._started = True
+            self._state[FIRST_ORDER] = -self._coefficients[0] * voltage_v
+
+
+# Indices into the loop's state.
+FIRST_ORDER = 0
+SECOND_ORDER_1 = 1
+SECOND_ORDER_2 = 2
+ENVELOPE = 3
+SUM = 4
+POSITION = 5
+STATES = 6
+
+
+def _chain_loop(
+    coefficients: tuple[float, ...],
+    samples: Sequence[float],
+    state: MutableSequence[float],
+    ring_buffer: MutableSequence[float],
+    filtered: MutableSequence[float],
+    envelopes: MutableSequence[float],
+    means: MutableSequence[float],
+) -> None:
+    # First-order section (g), second-order section (b, a), smoothing factor of the envelope.
+    g0, g1, g_a1, b0, b1, b2, a1, a2, smoothing = coefficients
+    s, s1, s2 = state[FIRST_ORDER], state[SECOND_ORDER_1], state[SECOND_ORDER_2]
+    envelope, total = state[ENVELOPE], state[SUM]
+    position, length = int(state[POSITION]), len(ring_buffer)
+    for i in range(len(samples)):
+        # High-pass filter: both sections in transposed direct form II.
+        x = samples[i]
+        w = g0 * x + s
+        s = g1 * x - g_a1 * w
+        y = b0 * w + s1
+        s1 = b1 * w - a1 * y + s2
+        s2 = b2 * w - a2 * y
+
+        # Half-wave rectifier and one-pole envelope filter.
+        envelope += smoothing * ((y if y > 0.0 else 0.0) - envelope)
+
+        # Moving average: replace the oldest envelope in the window by the newest. The whole buffer is summed once per
+        # revolution, so that rounding errors of the running sum do not accumulate.
+        total += envelope - ring_buffer[position]
+        ring_buffer[position] = envelope
+        position += 1
+        if position == length:
+            position, total = 0, 0.0
+            for j in range(length):
+                total += ring_buffer[j]
+
+        filtered[i] = y
+        envelopes[i] = envelope
+        means[i] = total / length
+    state[FIRST_ORDER], state[SECOND_ORDER_1], state[SECOND_ORDER_2] = s, s1, s2
+    state[ENVELOPE], state[SUM], state[POSITION] = envelope, total, float(position)
+
+
+_LOOP = CompiledLoop(_chain_loop, outputs=5, samples="samples", plain_us=0.55)
+
+
+def high_pass(settings: ChainSettings) -> tuple[FirstOrder, SecondOrder]:
+    """Compute the third-order Butterworth high-pass: a first-order section with the gain, then a second-order section.
+
+    The analog prototypes are eqs. 1, 4 and 9 of the article. The bilinear transform is prewarped at the cutoff
+    frequency, where the response is exact.
+    """
+    K = math.tan(math.pi * settings.cutoff_hz / settings.sample_rate_hz)
+    g = settings.gain / (1 + K)
+    norm = 1 / (1 + K / Q + K * K)
+    first = FirstOrder(g, -g, (K - 1) / (K + 1))
+    second = SecondOrder(norm, -2 * norm, norm, 2 * (K * K - 1) * norm, (1 - K / Q + K * K) * norm)
+    return first, second

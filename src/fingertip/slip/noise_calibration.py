@@ -1,0 +1,124 @@
+"""Noise of a recording's quiet start, expressed as the white noise for which a detector has the threshold it needs.
+
+The quiet start is the part at the beginning of a recording during which nothing happens. Its spectrum may have any
+shape: hum, drift, noise behind a low-pass filter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.design import Design
+from fingertip.errors import Issue, TraceError
+from fingertip.slip.detectors.digital import ChainSettings, SlipChain
+from fingertip.slip.detectors.fast import FastDetector, FastSettings
+from fingertip.slip.detectors.fft import FftDetector, FftSettings
+from fingertip.slip.detectors.noise import DEVIATIONS, noise_level
+from fingertip.slip.traces.trace import Trace
+
+_DISTURBANCE_RATIO = 6.0
+"""Ratio of the energy statistic to its median that indicates a disturbance; noise alone reaches half of it."""
+MIN_S = 0.3
+"""Minimum duration [s]. A shorter part does not determine the deviation in a band of 40 Hz to 10 %."""
+
+
+def select_quiet_start(trace: Trace, quiet_s: float, name: str) -> slice:
+    """Select the samples of a trace's quiet start.
+
+    Parameters
+    ----------
+    trace
+        The trace.
+    quiet_s
+        Duration of the quiet start [s].
+    name
+        Name of the trace for error messages.
+
+    Raises
+    ------
+    TraceError
+        If the part is empty or the whole trace, or if the trace's true slip lies within it.
+    """
+    part = slice(0, int((trace.time_s < trace.time_s[0] + quiet_s).sum()))
+    if not part.stop:
+        raise TraceError(Issue("--quiet-s", f"{quiet_s:g} s covers no sample; choose a value above 0 s."))
+    if part.stop == len(trace.time_s):
+        duration_s = trace.time_s[-1] - trace.time_s[0]
+        message = f"{quiet_s:g} s covers all {duration_s:.4g} s of {name}; choose a shorter part at the start"
+        raise TraceError(Issue("--quiet-s", f"{message} during which nothing happens."))
+    if trace.slip is not None and trace.slip[part].any():
+        onset_s = trace.time_s[part][trace.slip[part]][0] - trace.time_s[0]
+        message = f"{quiet_s:g} s covers slip, which begins at {onset_s:.4g} s; choose a shorter part."
+        raise TraceError(Issue("--quiet-s", message))
+    return part
+
+
+def equivalent_noise_v(detector: str, design: Design, quiet_v: Array, name: str) -> float:
+    """Compute the white RMS noise for which a detector's threshold exceeds this signal as its rule requires.
+
+    The detector's own output for the signal decides. The white noise of the signal's second differences is the lower
+    bound; drift and a constant load do not contribute to it.
+
+    Parameters
+    ----------
+    detector
+        Name of a detector that reads the voltage.
+    design
+        Source of sampling rate, filters and window.
+    quiet_v
+        Signal while nothing happens, in any unit.
+    name
+        Name of the trace for error messages.
+
+    Raises
+    ------
+    TraceError
+        If the signal is shorter than `MIN_S`, or constant.
+    """
+    minimum = math.ceil(MIN_S * design.detector.sample_rate_hz)
+    if len(quiet_v) < minimum:
+        message = f"covers {len(quiet_v)} samples of {name}; at least {minimum} are required; choose a longer part."
+        raise TraceError(Issue("--quiet-s", message))
+    white_v = math.sqrt(float(np.mean(np.diff(quiet_v, 2) ** 2)) / 6)
+    if not white_v > 0.0:
+        raise TraceError(Issue("--quiet-s", f"covers a constant part of {name}; choose a longer part."))
+    return max(white_v, _EQUIVALENT_NOISE[detector](design, quiet_v))
+
+
+def first_disturbance(design: Design, quiet_v: Array) -> int | None:
+    """Find the first sample of a quiet start whose energy is far above the median; None if there is none."""
+    settling = round(0.1 * design.detector.sample_rate_hz)
+    statistic = FastDetector(FastSettings.from_design(design, 1.0)).process(quiet_v).statistic_v[settling:]
+    if not len(statistic):
+        return None
+    loud = np.flatnonzero(statistic > _DISTURBANCE_RATIO * float(np.median(statistic)))
+    return settling + int(loud[0]) if len(loud) else None
+
+
+def _digital_noise_v(design: Design, quiet_v: Array) -> float:
+    """Noise from the mean and deviation of the window mean, as in the rule for its threshold."""
+    chain = SlipChain(ChainSettings.from_design(design))
+    settling = min(len(quiet_v) // 2, round(0.1 * design.detector.sample_rate_hz) + design.detector.window_samples)
+    means = chain.process(quiet_v).statistic_v[settling:]
+    return float(means.mean() + DEVIATIONS * means.std()) / noise_level(design, 1.0).threshold_v
+
+
+def _fast_noise_v(design: Design, quiet_v: Array) -> float:
+    return FastDetector(FastSettings.from_design(design, 1.0)).equivalent_noise_v(quiet_v)
+
+
+def _fft_noise_v(design: Design, quiet_v: Array) -> float:
+    fft = FftDetector(FftSettings.from_design(design, 1.0))
+    rms_v = fft.process(quiet_v).statistic_v[fft.settings.window_samples :]
+    return math.sqrt(float(np.mean(rms_v**2))) / fft.unit_noise_rms
+
+
+_EQUIVALENT_NOISE: dict[str, Callable[[Design, Array], float]] = {
+    "digital": _digital_noise_v,
+    "fast": _fast_noise_v,
+    "fft": _fft_noise_v,
+}

@@ -1,0 +1,58 @@
+"""Guesses which columns of a recording contain what a trace requires, and suggests them as options to type."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Sequence
+
+from fingertip.slip.traces.trace import ColumnMap, is_force
+
+_TIME = re.compile(r"(time|zeit|timestamp|elapsed|seconds?|x_value|t)\b|.*([\[(]s[\])]|_s)$", re.IGNORECASE)
+_VOLTAGE = re.compile(r".*(volt|[\[(]V[\])]|_v$)|(ai|ch|channel) ?\d", re.IGNORECASE)
+
+
+def suggest_options(names: Sequence[str], columns: ColumnMap) -> str:
+    """Suggest ``--column`` options for the required columns that a file's names do not contain.
+
+    Parameters
+    ----------
+    names
+        Names of the file's columns.
+    columns
+        The required columns.
+
+    Returns
+    -------
+    str
+        Phrase such as ``name the file's columns: --column ...``, or "" if there is nothing to suggest.
+    """
+    candidates = [name for name in names if name and not is_number(name)]
+    guesses: dict[str, str] = {}
+    for column in columns.required:
+        if columns.name_in_file(column) in candidates:
+            candidates.remove(columns.name_in_file(column))
+    for column, pattern in (("time_s", _TIME), ("voltage_v", _VOLTAGE)):
+        if column in columns.required and columns.name_in_file(column) not in names and candidates:
+            best = next((name for name in candidates if pattern.match(name)), None)
+            if best is None and column == "time_s" and len(candidates) == 1:
+                continue  # the only other column is the signal
+            guesses[column] = best or candidates[0]
+            candidates.remove(guesses[column])
+    if not guesses:
+        return ""
+    options = [f"--column {column}={shlex.quote(name)}" for column, name in guesses.items()]
+    if is_force(guesses.get("voltage_v", "")):
+        options.append(
+            "--quiet-s 0.5 (a force has no threshold in volts: give the duration at the start in which nothing happens)"
+        )
+    return f"name the file's column{'s' * (len(guesses) > 1)}: {' '.join(options)}"
+
+
+def is_number(cell: str) -> bool:
+    """Return whether a cell contains a number, with a decimal point or a decimal comma."""
+    try:
+        float(cell.replace(",", "."))
+    except ValueError:
+        return False
+    return True

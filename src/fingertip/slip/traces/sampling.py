@@ -1,0 +1,139 @@
+"""Sampling times of a trace: their rate, gaps, and times that were rounded to too few decimals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.design.parameters import Detector
+from fingertip.errors import Issue
+
+RATE_TOLERANCE = 0.005
+"""Maximum deviation of a trace's mean sampling rate from the detector's, as a share of it.
+
+The cutoff frequency deviates by the same share."""
+STEP_TOLERANCE = 0.5
+"""Maximum deviation of a time step from the usual one, as a share of it; more is a gap or a wrong time stamp."""
+_MIN_REPEATS = 0.05
+"""Minimum share of repeated times in a rounded trace; fewer repetitions are reported one by one."""
+_MAX_DEVIATION_STEPS = 1.5
+"""Maximum deviation of a rounded time from even spacing, in rounding steps; rounding itself causes less than one."""
+_MAX_RATE_UNCERTAINTY = 0.005
+"""Relative uncertainty above which the rate of rounded times is not reported."""
+
+
+@dataclass(frozen=True)
+class RoundedTimes:
+    """Evenly spaced times that were rounded, so that several samples share one time."""
+
+    repeats: int
+    """Number of samples whose time equals that of the sample before."""
+    first: int
+    """Index of the first of those samples, from 0."""
+    step_s: float
+    """Rounding step [s]."""
+    rate_hz: float | None
+    """Mean rate, with as few digits as its uncertainty permits [Hz]; None if the uncertainty is too large."""
+
+
+def find_rounding(time_s: Array) -> RoundedTimes | None:
+    """Detect the rounding of finite times; None if they do not look like evenly spaced times that were rounded."""
+    steps = np.diff(time_s)
+    places = np.flatnonzero(steps == 0.0)
+    if len(places) < max(1.0, _MIN_REPEATS * len(steps)) or (steps < 0.0).any() or not steps.any():
+        return None
+    step_s, duration_s = float(steps[steps > 0.0].min()), float(time_s[-1] - time_s[0])
+    even = time_s[0] + duration_s * np.arange(len(time_s)) / len(steps)
+    if np.abs(time_s - even).max() > _MAX_DEVIATION_STEPS * step_s:
+        return None
+    rate_hz = _round_rate(len(steps) / duration_s, step_s / duration_s)
+    return RoundedTimes(len(places), int(places[0]) + 1, step_s, rate_hz)
+
+
+def _round_rate(rate_hz: float, uncertainty: float) -> float | None:
+    """Round a rate [Hz] to the fewest digits within its relative uncertainty."""
+    if uncertainty > _MAX_RATE_UNCERTAINTY:
+        return None
+    candidates = (float(f"{rate_hz:.{digits}g}") for digits in range(1, 6))
+    return next((rate for rate in candidates if abs(rate / rate_hz - 1) <= uncertainty), rate_hz)
+
+
+def time_issues(time_s: Array, detector: Detector, name: str, first_line: int | None) -> Iterator[Issue]:
+    """Find finite times that decrease, repeat, leave gaps, or have another rate than the detector's.
+
+    Parameters
+    ----------
+    time_s
+        Times [s].
+    detector
+        Source of the sampling rate.
+    name
+        Name of the trace in the messages, such as its file.
+    first_line
+        Line of the file that contains the first sample; None: the messages count samples from 0.
+    """
+    field = f"{name}, time_s"
+    if rounding := find_rounding(time_s):
+        yield Issue(field, _rounding_message(time_s, rounding, detector, first_line))
+        return
+    steps = np.diff(time_s)
+    # The median is the usual step, whatever single gaps do to the mean.
+    usual = float(np.median(steps))
+    if usual <= 0.0:
+        yield Issue(field, "does not increase in most of its steps; give the time of each sample in seconds.")
+        return
+    is_even = True
+    for is_wrong, what in (
+        (steps < 0.0, "goes backwards"),
+        (steps == 0.0, "repeats the time before it"),
+        (steps > usual * (1 + STEP_TOLERANCE), "comes after a gap"),
+        ((steps > 0.0) & (steps < usual * (1 - STEP_TOLERANCE)), "comes too early"),
+    ):
+        places = np.flatnonzero(is_wrong)
+        if places.size:
+            is_even = False
+            i = int(places[0]) + 1
+            others = f", and {places.size - 1} more such samples" if places.size > 1 else ""
+            yield Issue(
+                field,
+                f"{time_s[i]:.9g} s {sample_location(i, first_line)} {what} (previous time {time_s[i - 1]:.9g} s, "
+                f"median step {usual:.4g} s){others}; detection requires evenly spaced samples.",
+            )
+    rate = float(len(steps) / (time_s[-1] - time_s[0])) if is_even else 1 / usual
+    if abs(rate / detector.sample_rate_hz - 1) > RATE_TOLERANCE:
+        yield Issue(field, rate_message(rate, detector))
+
+
+def _rounding_message(time_s: Array, rounding: RoundedTimes, detector: Detector, first_line: int | None) -> str:
+    """Describe rounded times, with the options that ignore them.
+
+    The rate in the remedy is the detector's if the mean rate agrees with it, and the mean rate otherwise.
+    """
+    at = rounding.first
+    others = f", and {rounding.repeats - 1} more such samples" if rounding.repeats > 1 else ""
+    rate, mean = "HZ, the rate of the recording, and", ""
+    if rounding.rate_hz:
+        agrees = abs(rounding.rate_hz / detector.sample_rate_hz - 1) <= RATE_TOLERANCE
+        rate = f"{detector.sample_rate_hz if agrees else rounding.rate_hz:.9g}"
+        mean = f", at a mean rate of {rounding.rate_hz:.6g} Hz"
+    return (
+        f"{time_s[at]:.9g} s {sample_location(at, first_line)} repeats the time before it{others}: the times are "
+        f"rounded to {rounding.step_s:.4g} s{mean}; ignore them with --rate-hz {rate} --column time_s=none."
+    )
+
+
+def rate_message(rate_hz: float, detector: Detector) -> str:
+    """Describe a sampling rate [Hz] that differs from the detector's, with the remedy."""
+    return (
+        f"is sampled at {rate_hz:.6g} Hz, but the detector is designed for {detector.sample_rate_hz:g} Hz "
+        f"(tolerance {100 * RATE_TOLERANCE:g} %); use --rate-hz {rate_hz:.6g} to adapt its filters, or resample the "
+        "trace."
+    )
+
+
+def sample_location(sample: int, first_line: int | None) -> str:
+    """Say where a sample is: its line in the file or, without a first line, its index from 0."""
+    return f"at sample {sample}" if first_line is None else f"in line {first_line + sample}"

@@ -1,0 +1,1 @@
+"""Independent implementations that only tests use, to compare the product with."""

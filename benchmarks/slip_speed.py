@@ -137,8 +137,9 @@ def measure_break_even(samples: int) -> dict[str, object]:
     loads = [json.loads(run_python(_LOAD)) for _ in range(COLD_ROUNDS)]
     imported, first, second = (round(statistics.median(column), 3) for column in zip(*loads, strict=True))
     call = (
-        "import sys, time; import numpy as np; from fingertip.design import Design; from fingertip.slip import make_detector; "
-        "volts = np.full({samples}, 4.0); detector = make_detector('{name}', Design()); start = time.process_time(); "
+        "import time; import numpy as np; from fingertip.design import Design; "
+        "from fingertip.slip import make_detector; volts = np.full({samples}, 4.0); "
+        "detector = make_detector('{name}', Design()); start = time.process_time(); "
         "detector.process(volts); print(time.process_time() - start)"
     )
     loops = {"digital": digital._LOOP, "fast": fast_loop.LOOP, "analog": analog._LOOP}

@@ -1,4 +1,4 @@
-"""The board in the time domain: against closed forms, scipy, ngspice, and on extreme parts and inputs."""
+"""Board in the time domain: against closed forms, scipy and ngspice, and with extreme components and inputs."""
 
 from __future__ import annotations
 
@@ -10,18 +10,19 @@ import pytest
 
 from fingertip.board import board_circuit
 from fingertip.board.values.board_values import board_values
-from fingertip.board.values.filters import filter_network
+from fingertip.board.values.ideal_response import filter_network
 from fingertip.design import Design
 from fingertip.errors import TraceError
-from fingertip.sim.electronics.analog import Stream, respond
-from fingertip.sim.electronics.circuit import Analog, Diode, system, topology
-from fingertip.sim.electronics.envelope_loop import omega
-from fingertip.sim.electronics.linear import augmented, exponentials
-from fingertip.sim.jit import compiled
+from fingertip.jit import compiled
+from fingertip.sim.electronics.analog import AnalogStream, simulate_board
+from fingertip.sim.electronics.circuit import AnalogBoard, Diode, compute_state_space, topology
+from fingertip.sim.electronics.envelope_loop import wright_omega
+from fingertip.sim.electronics.state_space import augment, exponentials
+from tests.oracles.ngspice import simulate_with_ngspice
 from tests.tools import require_tool
 
 DESIGN = Design()
-BOARD = Analog.of(DESIGN)
+BOARD = AnalogBoard.from_design(DESIGN)
 STEP_S = 1 / 2000
 STIFF_DIODES = {
     "as fitted": {},
@@ -42,7 +43,7 @@ STIFF_DIODES = {
 
 
 def burst(seconds: float = 0.5) -> np.ndarray:
-    """90 Hz that comes and goes, on a constant, bent between samples as converters see it."""
+    """Tactile voltage with a burst of 90 Hz on a constant [V]."""
     time = np.arange(round(seconds / STEP_S) + 1) * STEP_S
     return 4.0 + np.where((time > 0.1) & (time < 0.35), 0.02 * np.sin(2 * math.pi * 90 * time), 0.0)
 
@@ -51,49 +52,49 @@ def burst(seconds: float = 0.5) -> np.ndarray:
 def test_omega_solves_its_equation(y):
     from scipy.special import wrightomega
 
-    assert omega(y) == pytest.approx(float(wrightomega(y)), rel=1e-14)
+    assert wright_omega(y) == pytest.approx(float(wrightomega(y)), rel=1e-14)
 
 
-def test_omega_everywhere():
+def test_omega_agrees_with_scipy_over_its_range():
     from scipy.special import wrightomega
 
     y = np.linspace(-45, 60, 20_001)
-    assert np.abs(np.array([omega(a) for a in y.tolist()]) / wrightomega(y) - 1).max() < 1e-14
+    assert np.abs(np.array([wright_omega(a) for a in y.tolist()]) / wrightomega(y) - 1).max() < 1e-14
 
 
 # At 1 pF the rates span nine decades, and scipy's own result moves by 1.5e-11 with the BLAS of the processor.
 @pytest.mark.parametrize(("capacitor_f", "bound"), [(1e-6, 1e-12), (1e-12, 1e-10)])
-def test_exponentials_against_scipy(capacitor_f, bound):
+def test_exponentials_agree_with_scipy(capacitor_f, bound):
     from scipy.linalg import expm
 
-    A, b, k, _, _ = system(BOARD.changed(c1_f=capacitor_f, c2_f=capacitor_f, c3_f=capacitor_f))
-    M = augmented(A, b, k)
+    A, b, k, _, _ = compute_state_space(BOARD.with_values(c1_f=capacitor_f, c2_f=capacitor_f, c3_f=capacitor_f))
+    M = augment(A, b, k)
     for level, ours in enumerate(exponentials(M, STEP_S, 6)[0]):
         theirs = expm(M[0] * STEP_S / 2**level)
         assert np.abs(ours - theirs).max() < bound * np.abs(theirs).max()
 
 
 @pytest.mark.parametrize("frequency", [20.0, 67.0, 90.0, 200.0])
-def test_a_tone_comes_out_as_the_formulas_have_it(frequency):
-    """Finely sampled, so that straight lines between samples are a sine; below the diode's reach."""
+def test_tone_has_the_gain_of_the_filter_formula(frequency):
+    """The tone is finely sampled, so that straight lines between samples are a sine, and too weak for the diode."""
     step = 1 / 32_000
     time = np.arange(32_000) * step
-    out = respond(BOARD, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[16_000:]
+    out = simulate_board(BOARD, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[16_000:]
     gain = abs(filter_network(frequency, board_values(DESIGN).preferred))
     assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * gain, rel=2e-3)
 
 
-def test_agrees_with_another_solver():
-    """scipy's Radau on the circuit's own equations, restarted at every sample, where the input bends."""
+def test_agrees_with_scipys_radau():
+    """Radau solves the circuit's own equations and restarts at every sample, where the input has a corner."""
     from scipy.integrate import solve_ivp
     from scipy.optimize import brentq
 
     b, d, voltage = BOARD, BOARD.diode, burst(0.15)
-    ours = respond(b, STEP_S, voltage, 1e-8)
+    ours = simulate_board(b, STEP_S, voltage, 1e-8)
     nvt = d.emission * d.thermal_v
 
     def current(v):
-        if v < -0.5:  # what is missing to the reverse current is below 1e-4 of it
+        if v < -0.5:  # within 1e-4 of the saturation current
             return -d.saturation_a
         return brentq(lambda i: v - i * d.series_ohm - nvt * math.log1p(i / d.saturation_a), -0.999999 * 2.52e-9, 1.0,
                       xtol=1e-18)  # fmt: skip
@@ -117,40 +118,40 @@ def test_agrees_with_another_solver():
 
 
 def test_agrees_with_ngspice(tmp_path):
-    from fingertip.sim.bench.ngspice import run_ngspice
-
     voltage = burst()
-    ours = respond(BOARD, STEP_S, voltage, 1e-8)
+    ours = simulate_board(BOARD, STEP_S, voltage, 1e-8)
     program = require_tool("ngspice", "run `sh .ci/install-ngspice` as root on Debian, or install ngspice")
-    filtered, envelope = run_ngspice(program, tmp_path, BOARD, STEP_S, voltage, reltol=1e-6, longest_s=2e-5)
+    filtered, envelope = simulate_with_ngspice(program, tmp_path, BOARD, STEP_S, voltage, reltol=1e-6, longest_s=2e-5)
     assert np.abs(filtered - ours.filtered_v).max() < 1e-4
     assert np.abs(envelope - ours.envelope_v).max() < 2e-4
     assert ours.envelope_v.max() > 0.5
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5])
-def test_the_tolerance_is_kept(tolerance):
+def test_error_stays_below_the_tolerance(tolerance):
     voltage = burst()
-    exact = respond(BOARD, STEP_S, voltage, 1e-10).envelope_v
-    assert np.abs(respond(BOARD, STEP_S, voltage, tolerance).envelope_v - exact).max() < tolerance
+    exact = simulate_board(BOARD, STEP_S, voltage, 1e-10).envelope_v
+    assert np.abs(simulate_board(BOARD, STEP_S, voltage, tolerance).envelope_v - exact).max() < tolerance
 
 
-def test_the_error_falls_with_the_fourth_power_of_the_steps():
-    """While the diode conducts nearly all the time, so that the method's stages are what is seen."""
+def test_error_falls_with_the_fourth_power_of_the_step():
+    """The diode conducts nearly all the time, so that the stages of SDIRK4 determine the error."""
     t = np.arange(400) / 2000
     tone = 0.03 * np.sin(2 * np.pi * 120 * t)
-    exact = respond(Analog.of(Design()), 1 / 2000, tone, 1e-11).envelope_v
-    coarse, fine = (respond(Analog.of(Design()), 1 / 2000, tone, tolerance) for tolerance in (1e-4, 1e-7))
+    exact = simulate_board(AnalogBoard.from_design(Design()), 1 / 2000, tone, 1e-11).envelope_v
+    coarse, fine = (
+        simulate_board(AnalogBoard.from_design(Design()), 1 / 2000, tone, tolerance) for tolerance in (1e-4, 1e-7)
+    )
     assert min(run.implicit / run.steps for run in (coarse, fine)) > 0.8
     errors = [np.abs(run.envelope_v - exact).max() for run in (coarse, fine)]
     assert math.log(errors[0] / errors[1]) / math.log(fine.steps / coarse.steps) > 3.7
 
 
-def test_steps_are_few_and_rest_is_free():
-    rest = respond(BOARD, STEP_S, np.full(1001, 4.3))
-    assert (rest.steps, rest.rejected, rest.implicit) == (1000, 0, 0)
-    assert np.abs(rest.envelope_v).max() < 1e-9
-    found = respond(BOARD, STEP_S, burst())
+def test_steps_are_few_and_a_constant_input_needs_one_per_sample():
+    constant = simulate_board(BOARD, STEP_S, np.full(1001, 4.3))
+    assert (constant.steps, constant.rejected, constant.implicit) == (1000, 0, 0)
+    assert np.abs(constant.envelope_v).max() < 1e-9
+    found = simulate_board(BOARD, STEP_S, burst())
     assert found.steps < 1.8 * 1000
     assert found.rejected < 0.15 * found.steps
     assert found.implicit < 0.9 * 1000
@@ -159,8 +160,8 @@ def test_steps_are_few_and_rest_is_free():
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
 @pytest.mark.parametrize("what", ["burst", "100 V jump", "100 V ramp", "zero", "denormal"])
 @pytest.mark.parametrize("parts", STIFF_DIODES)
-def test_extremes(parts, what, tolerance):
-    board, voltage = BOARD.changed(**STIFF_DIODES[parts]), burst()
+def test_extreme_components_and_inputs_give_bounded_envelopes(parts, what, tolerance):
+    board, voltage = BOARD.with_values(**STIFF_DIODES[parts]), burst()
     late = np.arange(len(voltage)) > 200
     after = None
     if what == "100 V jump":
@@ -173,11 +174,11 @@ def test_extremes(parts, what, tolerance):
     elif what == "denormal":
         voltage = np.where(late, 1e-310, 0.0)
     with compiled():
-        found = respond(board, STEP_S, voltage, tolerance, after)
-        finer = respond(board, STEP_S, voltage, tolerance / 10, after)
+        found = simulate_board(board, STEP_S, voltage, tolerance, after)
+        finer = simulate_board(board, STEP_S, voltage, tolerance / 10, after)
     assert np.isfinite(found.envelope_v).all()
     assert np.isfinite(found.filtered_v).all()
-    # The envelope stays below the most the filter gives, above what reverse current can do, and never rings.
+    # The envelope stays between the reverse current's voltage and the filter's maximum, and does not oscillate.
     maximum = float(np.max(board.gain)) * np.ptp(np.append(voltage, after if after is not None else voltage))
     if board.rail_v:
         maximum = min(maximum, board.rail_v)
@@ -189,33 +190,33 @@ def test_extremes(parts, what, tolerance):
         assert np.abs(found.envelope_v).max() < tolerance
 
 
-def test_a_jump_charges_the_envelope_to_its_top():
-    """No Rs, no load to speak of: the peak is the jump times the gain, less the diode's drop."""
-    board = BOARD.changed(diode=Diode(1e-6, 1.0, 0.0), r_lp_ohm=1e9)
+def test_jump_charges_the_envelope_to_its_peak():
+    """Without Rs and with hardly any load, the peak is the jump times the gain, less the diode's drop."""
+    board = BOARD.with_values(diode=Diode(1e-6, 1.0, 0.0), r_lp_ohm=1e9)
     voltage = np.where(np.arange(50) > 20, 1.0, 0.0)
     after = np.where(np.arange(50) >= 20, 1.0, 0.0)
-    out = respond(board, STEP_S, voltage, 1e-6, after).envelope_v
+    out = simulate_board(board, STEP_S, voltage, 1e-6, after).envelope_v
     assert out[20] == pytest.approx(0.0, abs=1e-6)
     assert float(board.gain) - 0.8 < out[21] < float(board.gain)
-    ramp = respond(board, STEP_S, voltage, 1e-6).envelope_v
+    ramp = simulate_board(board, STEP_S, voltage, 1e-6).envelope_v
     assert ramp[21] < 0.9 * out[21]
 
 
-def test_rails_hold_the_output_and_leave_small_signals_alone():
+def test_rails_limit_the_output_and_do_not_change_small_signals():
     strong = 50 * (burst() - 4.0)
-    clipped = respond(BOARD.changed(rail_v=3.5), STEP_S, strong)
+    clipped = simulate_board(BOARD.with_values(rail_v=3.5), STEP_S, strong)
     assert np.abs(clipped.filtered_v).max() == 3.5
-    assert np.abs(respond(BOARD, STEP_S, strong).filtered_v).max() > 50
+    assert np.abs(simulate_board(BOARD, STEP_S, strong).filtered_v).max() > 50
     small = 0.5 * burst()
-    free, railed = respond(BOARD, STEP_S, small), respond(BOARD.changed(rail_v=3.5), STEP_S, small)
+    free, railed = simulate_board(BOARD, STEP_S, small), simulate_board(BOARD.with_values(rail_v=3.5), STEP_S, small)
     assert np.abs(free.envelope_v - railed.envelope_v).max() < 1e-12
 
 
-def test_rails_against_small_steps():
-    """Both amplifiers clip: Euler's rule with a step of 0.1 us, on equations of its own."""
+def test_rails_agree_with_small_explicit_steps():
+    """Both amplifiers saturate; the comparison is the explicit Euler rule with a step of 1 us on separate equations."""
     b, rail = BOARD, 3.5
     voltage = (12 * (burst() - 4.0))[200:320]
-    ours = respond(b.changed(rail_v=rail), STEP_S, voltage, 1e-7).filtered_v
+    ours = simulate_board(b.with_values(rail_v=rail), STEP_S, voltage, 1e-7).filtered_v
     q1, q2, q3, h, inner = voltage[0], 0.0, 0.0, 1e-6, 500
     for i in range(len(voltage) - 1):
         for j in range(inner):
@@ -232,28 +233,28 @@ def test_rails_against_small_steps():
         assert ours[i + 1] == pytest.approx(min(max(n, -rail), rail), abs=0.01)
 
 
-def test_precision_follows_the_positive_half_waves():
-    """The mean of a half-wave rectified sine is its peak / pi, however small: there is no dead zone."""
-    board = Analog.of(Design(board={"variant": "precision"}))
+def test_precision_rectifier_has_no_dead_zone():
+    """The mean of a half-wave rectified sine is its peak / pi, however small the sine."""
+    board = AnalogBoard.from_design(Design(board={"variant": "precision"}))
     assert board.rectifier == "precision"
     time = np.arange(64_000) / 32_000
     for volt in (1e-6, 1e-2):
-        out = respond(board, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
+        out = simulate_board(board, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
         peak = out.filtered_v[32_000:].max()
         assert out.envelope_v[32_000:].mean() == pytest.approx(peak / math.pi, rel=1e-3)
-        article = respond(BOARD, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
+        article = simulate_board(BOARD, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
         assert (article.envelope_v[32_000:].mean() < 1e-3 * peak) == (volt == 1e-6)
 
 
 @pytest.mark.parametrize("supply", ["split", "single"])
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
-def test_the_parts_are_those_of_the_netlist(variant, supply):
+def test_component_values_are_those_of_the_netlist(variant, supply):
     design = Design(board={"variant": variant, "supply": supply, "cutoff_hz": 80.0, "capacitor_series": "E12"})
-    circuit, board = board_circuit(board_values(design)), Analog.of(design)
+    circuit, board = board_circuit(board_values(design)), AnalogBoard.from_design(design)
     scale = {"M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9}
 
     def fitted(reference: str) -> float:
-        value = circuit.part(reference).value
+        value = circuit.component(reference).value
         return float(value.rstrip("Mkmun")) * scale.get(value[-1], 1.0)
 
     ours = {f"R{i}": getattr(board, f"r{i}_ohm") for i in range(1, 6)} | {"R6": board.r_lp_ohm, "C4": board.c_lp_f}
@@ -265,52 +266,52 @@ def test_the_parts_are_those_of_the_netlist(variant, supply):
 
 
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
-def test_the_nodes_are_those_of_the_netlist(variant):
-    """Each part lies between the nets its reference lies between; the two names of a node are one to one."""
+def test_nodes_are_those_of_the_netlist(variant):
+    """Each component lies between the nets of its reference designator; nodes and nets correspond one to one."""
     design = Design(board={"variant": variant})
-    circuit, board = board_circuit(board_values(design)), Analog.of(design)
+    circuit, board = board_circuit(board_values(design)), AnalogBoard.from_design(design)
     nets = {node: net.name for net in circuit.nets for node in net.nodes}
     references = {"blocking_capacitor": "C14", "limiting_capacitor": "C20"}
     known = {"in": "TACTILE", "o1": "STAGE1_OUT", "o2": "FILTERED"}
     nodes = {node for _, *between in topology(board) for node in between}
-    for _ in nodes:  # what is known of one end tells the other
+    for _ in nodes:  # one known end of a component determines the other
         for name, *between in topology(board):
             reference = references.get(name, name.partition("_")[0].upper())
             pair = {nets[reference, "1"], nets[reference, "2"]}
             for node, other in (between, between[::-1]):
                 if node in known:
                     assert known[node] in pair, (name, node)
-                    (rest,) = pair - {known[node]}
-                    assert known.setdefault(other, rest) == rest, (name, other)
+                    (net,) = pair - {known[node]}
+                    assert known.setdefault(other, net) == net, (name, other)
     assert len(set(known.values())) == len(known) == len(nodes)
 
 
-def test_precision_decays_with_one_pole():
-    board = BOARD.changed(rectifier="precision", c1_f=1.0, c2_f=1.0, c3_f=1.0)  # the filter passes a step
+def test_precision_rectifier_follows_a_step_with_one_pole():
+    board = BOARD.with_values(rectifier="precision", c1_f=1.0, c2_f=1.0, c3_f=1.0)  # the filter passes a step
     voltage = np.where(np.arange(40) >= 1, 0.01, 0.0)
     after = np.where(np.arange(40) >= 0, 0.01, 0.0)
-    out = respond(board, STEP_S, voltage, 1e-8, after).envelope_v
+    out = simulate_board(board, STEP_S, voltage, 1e-8, after).envelope_v
     top, tau = 0.01 * float(board.gain), 2000 * 2.2e-6
     assert out == pytest.approx(top * (1 - np.exp(-np.arange(40) * STEP_S / tau)), abs=1e-4 * top)
 
 
-def test_the_blocking_capacitor_takes_the_gain_away_at_rest_only():
-    """1 + R5 / (R4 + 1/(s C)) against a tone."""
-    board, c = BOARD.changed(blocking_capacitor=66e-6), 66e-6
+def test_blocking_capacitor_removes_the_gain_at_dc_only():
+    """The first stage has the gain 1 + R5 / (R4 + 1/(s C)) for tones."""
+    board, c = BOARD.with_values(blocking_capacitor=66e-6), 66e-6
     step = 1 / 16_000
     time = np.arange(64_000) * step
     for frequency in (2.0, 100.0):
         s = 2j * math.pi * frequency
         first = 1 + board.r5_ohm / (board.r4_ohm + 1 / (s * c))
         gain = abs(filter_network(frequency, board_values(DESIGN).preferred) * first / board.gain)
-        out = respond(board, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[32_000:]
+        out = simulate_board(board, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[32_000:]
         assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * gain, rel=3e-3)
 
 
 @pytest.mark.parametrize("blocking", [None, 22e-6])
-def test_the_limiting_capacitor_ends_the_gain_above_its_corner(blocking):
-    """1 + Z5 / Z4, R5 parallel to 1.5 nF over R4 in series with what blocks, against tones."""
-    board = BOARD.changed(blocking_capacitor=blocking, limiting_capacitor=1.5e-9)
+def test_limiting_capacitor_reduces_the_gain_above_its_corner(blocking):
+    """The gain is 1 + Z5 / Z4 for tones: R5 parallel to 1.5 nF over R4 in series with the blocking capacitor."""
+    board = BOARD.with_values(blocking_capacitor=blocking, limiting_capacitor=1.5e-9)
     for frequency in (100.0, 1000.0, 8000.0):
         step = 1 / (64 * frequency)
         time = np.arange(64 * 200) * step
@@ -318,22 +319,24 @@ def test_the_limiting_capacitor_ends_the_gain_above_its_corner(blocking):
         z4 = board.r4_ohm + (1 / (s * blocking) if blocking else 0.0)
         first = 1 + board.r5_ohm / (1 + s * board.r5_ohm * 1.5e-9) / z4
         gain = abs(filter_network(frequency, board_values(DESIGN).preferred) * first / board.gain)
-        out = respond(board, step, 1e-5 * np.sin(2 * math.pi * frequency * time)).filtered_v[64 * 100 :]
+        out = simulate_board(board, step, 1e-5 * np.sin(2 * math.pi * frequency * time)).filtered_v[64 * 100 :]
         assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-5 * gain, rel=3e-3)
 
 
-def test_a_finite_gain_bandwidth_changes_little_and_only_so_much():
-    fast, slow = (respond(BOARD.changed(gain_bandwidth_hz=f), STEP_S, burst()).filtered_v for f in (1e9, 3e4))
-    ideal = respond(BOARD, STEP_S, burst()).filtered_v
+def test_finite_gain_bandwidth_changes_the_output_by_a_bounded_amount():
+    fast, slow = (
+        simulate_board(BOARD.with_values(gain_bandwidth_hz=f), STEP_S, burst()).filtered_v for f in (1e9, 3e4)
+    )
+    ideal = simulate_board(BOARD, STEP_S, burst()).filtered_v
     assert np.abs(fast - ideal).max() < 1e-4 * np.abs(ideal).max()
     assert 0.01 < np.abs(slow - ideal).max() / np.abs(ideal).max() < 0.5  # 30 kHz / 67.7 = 443 Hz of bandwidth
 
 
 @pytest.mark.parametrize("gain_bandwidth_hz", [3e4, 3e6])
 @pytest.mark.parametrize("extra", [{}, {"blocking_capacitor": 66e-6, "limiting_capacitor": 1.5e-9}], ids=["", "extra"])
-def test_a_finite_gain_bandwidth_against_its_formula(extra, gain_bandwidth_hz):
-    """G / (1 + G / A) and K = A / (1 + A), with A = 2 pi GBW / s; also with the variants' two capacitors."""
-    b = BOARD.changed(gain_bandwidth_hz=gain_bandwidth_hz, **extra)
+def test_finite_gain_bandwidth_agrees_with_its_formula(extra, gain_bandwidth_hz):
+    """The stages have the gains G / (1 + G / A) and A / (1 + A), A = 2 pi GBW / s; with both extra capacitors too."""
+    b = BOARD.with_values(gain_bandwidth_hz=gain_bandwidth_hz, **extra)
     step = 1 / 32_000
     time = np.arange(64_000) * step
     for frequency in (20.0, 90.0, 400.0):
@@ -344,62 +347,62 @@ def test_a_finite_gain_bandwidth_against_its_formula(extra, gain_bandwidth_hz):
         first = s * b.r1_ohm * b.c1_f / (1 + s * b.r1_ohm * b.c1_f) * G / (1 + G / A)
         square, C = s * b.c2_f * b.r2_ohm * s * b.c2_f * b.r3_ohm, b.c2_f
         second = A / (1 + A) * square / (square + s * C * (2 * b.r2_ohm + b.r3_ohm / (1 + A)) + 1)
-        out = respond(b, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[32_000:]
+        out = simulate_board(b, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[32_000:]
         ideal = 2 * (1 - math.cos(2 * math.pi * frequency * step)) / (2 * math.pi * frequency * step) ** 2
         assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * abs(first * second) * ideal, rel=2e-3)
 
 
-def test_a_million_samples():
+def test_a_million_samples_stay_periodic():
     voltage = np.tile(burst(0.5)[:-1], 1000)
     pytest.importorskip("numba")
     with compiled():
-        found = respond(BOARD, STEP_S, voltage)
+        found = simulate_board(BOARD, STEP_S, voltage)
     period = found.envelope_v.reshape(1000, 1000)
-    assert np.abs(period[1:] - period[-1]).max() < 1e-4  # as in its second period, so in its last
+    assert np.abs(period[1:] - period[-1]).max() < 1e-4  # every period after the first is equal
     assert np.isfinite(found.envelope_v).all()
 
 
-def test_many_boards_at_once_are_the_single_ones():
+def test_many_boards_equal_single_boards():
     caps = np.array([0.9e-6, 1e-6, 1.1e-6])
-    many = respond(BOARD.changed(c2_f=caps), STEP_S, burst(0.2))
+    many = simulate_board(BOARD.with_values(c2_f=caps), STEP_S, burst(0.2))
     for row, c in zip(many.envelope_v, caps.tolist(), strict=True):
-        assert np.array_equal(row, respond(BOARD.changed(c2_f=c), STEP_S, burst(0.2)).envelope_v)
+        assert np.array_equal(row, simulate_board(BOARD.with_values(c2_f=c), STEP_S, burst(0.2)).envelope_v)
     assert many.envelope_v.shape == (3, 401)
 
 
 @pytest.mark.parametrize("parts", ["as fitted", "rails", "gain-bandwidth", "precision", "C 1p"])
 def test_any_chunks_give_the_same_bits(parts):
-    board = BOARD.changed(**STIFF_DIODES[parts])
+    board = BOARD.with_values(**STIFF_DIODES[parts])
     rows = np.stack((burst(0.3), 3 * burst(0.3), np.zeros(601)))
-    stream, cuts = Stream(board, STEP_S, 3), [0, 1, 2, 21, 300, 301, 555, 601]
-    got = [stream.process(rows[:, a:b]) for a, b in itertools.pairwise(cuts)]
+    stream, cuts = AnalogStream(board, STEP_S, 3), [0, 1, 2, 21, 300, 301, 555, 601]
+    chunks = [stream.process(rows[:, a:b]) for a, b in itertools.pairwise(cuts)]
     for i, row in enumerate(rows):
-        whole = respond(board, STEP_S, row)
-        assert np.array_equal(np.concatenate([filtered[i] for filtered, _ in got]), whole.filtered_v)
-        assert np.array_equal(np.concatenate([enveloped[i] for _, enveloped in got]), whole.envelope_v)
+        whole = simulate_board(board, STEP_S, row)
+        assert np.array_equal(np.concatenate([filtered[i] for filtered, _ in chunks]), whole.filtered_v)
+        assert np.array_equal(np.concatenate([enveloped[i] for _, enveloped in chunks]), whole.envelope_v)
     with pytest.raises(TraceError, match="voltage_v of board 1: nan at sample 2"):
         stream.process(np.array([[1.0, 1.0, 1.0], [1.0, 1.0, math.nan], [0.0, 0.0, 0.0]]))
 
 
-def test_compiled_gives_the_same_numbers():
+def test_compiled_loop_gives_the_same_bits():
     pytest.importorskip("numba")
-    plain = respond(BOARD, STEP_S, burst())
+    plain = simulate_board(BOARD, STEP_S, burst())
     with compiled():
-        fast = respond(BOARD, STEP_S, burst())
+        fast = simulate_board(BOARD, STEP_S, burst())
     assert np.array_equal(plain.envelope_v, fast.envelope_v)
     assert plain.steps == fast.steps
 
 
-def test_input_that_is_not_finite_is_named_with_its_sample():
+def test_input_that_is_not_finite_is_reported_with_its_sample():
     for bad in (math.nan, math.inf):
         voltage = burst()
         voltage[[17, 30]] = bad
         with pytest.raises(TraceError, match=rf"voltage_v: {bad} at sample 17, and 1 more after it, is not a finite"):
-            respond(BOARD, STEP_S, voltage)
+            simulate_board(BOARD, STEP_S, voltage)
 
 
 @pytest.mark.parametrize(
-    ("change", "words"),
+    ("change", "message"),
     [
         ({"c1_f": 0.0}, r"board\.c1_f: 0 F is refused; give a finite number above 0, such as 1e-6 F"),
         ({"r_lp_ohm": -1.0}, r"board\.r_lp_ohm: -1 ohm"),
@@ -412,12 +415,12 @@ def test_input_that_is_not_finite_is_named_with_its_sample():
     ],
     ids=str,
 )
-def test_impossible_parts_are_refused(change, words):
-    with pytest.raises(TraceError, match=words):
-        BOARD.changed(**change)
+def test_impossible_components_are_refused(change, message):
+    with pytest.raises(TraceError, match=message):
+        BOARD.with_values(**change)
 
 
 @pytest.mark.parametrize("step", [0.0, -1.0, math.nan])
-def test_a_rate_of_nothing_is_refused(step):
+def test_step_that_is_not_positive_is_refused(step):
     with pytest.raises(TraceError, match=r"step_s: .* above 0, such as 0\.0005 s"):
-        respond(BOARD, step, burst())
+        simulate_board(BOARD, step, burst())

@@ -1,4 +1,4 @@
-"""The ON/OFF pin in hardware: against closed forms, fine steps, and the netlist's own deck in ngspice."""
+"""Slip pin of variant comparator: against closed forms, fine steps, and the netlist's own deck in ngspice."""
 
 from __future__ import annotations
 
@@ -14,33 +14,33 @@ from fingertip.board.values.board_values import board_values
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
-from fingertip.sim.electronics.analog import respond
-from fingertip.sim.electronics.circuit import Analog
-from fingertip.sim.electronics.comparator import Comparator, decide
+from fingertip.sim.electronics.analog import simulate_board
+from fingertip.sim.electronics.circuit import AnalogBoard
+from fingertip.sim.electronics.comparator import Comparator, simulate_comparator
 from tests.tools import require_tool
 
 DESIGN = Design(board={"variant": "comparator"})
-BOARD = Analog.of(DESIGN)
+BOARD = AnalogBoard.from_design(DESIGN)
 STEP_S = 1 / 2000
 PLAIN = Comparator(0.015, 0.02, 0.015)
 
 
-def slip(seconds: float = 0.6) -> np.ndarray:
-    """Vibration that comes and goes, and a slow press before it."""
+def slip_voltage(seconds: float = 0.6) -> np.ndarray:
+    """Tactile voltage with a slow increase of force and then a burst of vibration [V]."""
     time = np.arange(round(seconds / STEP_S) + 1) * STEP_S
     press = 0.3 * np.clip((time - 0.02) / 0.05, 0.0, 1.0)
     shake = 0.004 * np.sin(2 * math.pi * 95 * time) + 0.002 * np.sin(2 * math.pi * 143 * time)
     return 4.3 - press + np.where((time > 0.2) & (time < 0.4), shake, 0.0)
 
 
-def test_a_settled_step_switches_when_one_pole_says_so():
-    """The envelope jumps to a constant (its rectifier rests there), so m = v (1 - exp(-t / tau))."""
+def test_step_switches_when_the_exponential_mean_crosses_the_threshold():
+    """The envelope steps to a constant v, so m = v (1 - exp(-t / tau))."""
     n = 400
     level = np.full(n, 0.05)
     level[0] = 0.0
     filtered = np.full(n, 0.05)  # max(u, 0) = v: slope 0
     filtered[0] = 0.0
-    found = decide(PLAIN, BOARD, STEP_S, filtered, level)
+    found = simulate_comparator(PLAIN, BOARD, STEP_S, filtered, level)
     # Over the first sample the cubic climbs from 0 to 0.05 with slopes 0: half of it, on average.
     exact = STEP_S / 2 - 0.015 * math.log(1 - 0.02 / 0.05)
     assert found.edges_s == pytest.approx([exact], abs=2e-6)
@@ -49,63 +49,63 @@ def test_a_settled_step_switches_when_one_pole_says_so():
     assert found.on[int(exact / STEP_S) + 1 :].all()
 
 
-def test_moments_between_samples_are_those_of_fine_steps():
-    """The same input, straight between its samples, given forty times as often."""
-    voltage, many = slip(), 40
+def test_edges_between_samples_equal_those_of_a_finer_grid():
+    """The finer grid samples the same piecewise linear input forty times as often."""
+    voltage, many = slip_voltage(), 40
     fine = np.interp(np.arange((len(voltage) - 1) * many + 1) / many, np.arange(len(voltage)), voltage)
-    comparator = Comparator.of(DESIGN)
+    comparator = Comparator.from_design(DESIGN)
     edges = []
     for step, samples in ((STEP_S, voltage), (STEP_S / many, fine)):
-        out = respond(BOARD, step, samples, 1e-7)
-        edges.append(decide(comparator, BOARD, step, out.filtered_v, out.envelope_v).edges_s)
+        out = simulate_board(BOARD, step, samples, 1e-7)
+        edges.append(simulate_comparator(comparator, BOARD, step, out.filtered_v, out.envelope_v).edges_s)
     assert len(edges[0]) == len(edges[1]) >= 2
     assert np.abs(edges[0] - edges[1]).max() < 2e-6
-    assert np.abs((edges[0] / STEP_S + 0.5) % 1 - 0.5).max() > 0.05  # not merely at samples
+    assert np.abs((edges[0] / STEP_S + 0.5) % 1 - 0.5).max() > 0.05  # at least one edge lies between samples
 
 
-def test_hysteresis_keeps_it_on():
+def test_hysteresis_keeps_the_output_on():
     time = np.arange(4000) * STEP_S
     level = 0.0175 + 0.002 * np.sin(2 * math.pi * 2 * time)  # between both thresholds
     dipped = np.where((time > 0.5) & (time < 0.6), 0.06, level)
-    still = decide(PLAIN, BOARD, STEP_S, level, level)
+    still = simulate_comparator(PLAIN, BOARD, STEP_S, level, level)
     assert len(still.edges_s) == 0
     assert not still.on.any()
-    once = decide(PLAIN, BOARD, STEP_S, dipped, dipped)
+    once = simulate_comparator(PLAIN, BOARD, STEP_S, dipped, dipped)
     assert len(once.edges_s) == 1
     assert once.on[-1]
 
 
 @pytest.mark.parametrize("supply", ["split", "single"])
-def test_the_netlists_deck_switches_at_the_same_moments(supply, tmp_path):
-    """The board's own deck, its bridge replaced by a source: real diodes, amplifiers of 3 MHz, a switch."""
-    voltage = np.concatenate((np.full(700, 4.3), slip()))  # ngspice's own start is no rest: 0.35 s to settle
+def test_netlist_in_ngspice_switches_at_the_same_moments(supply, tmp_path):
+    """The deck has real diodes, amplifiers of 3 MHz and a switch; a source replaces its bridge."""
+    voltage = np.concatenate((np.full(700, 4.3), slip_voltage()))  # ngspice takes 0.35 s to settle
     program = require_tool("ngspice", "run `sh .ci/install-ngspice` as root on Debian, or install ngspice")
     design = Design(board={"variant": "comparator", "supply": supply})
     values = board_values(design)
-    rest = "v(vmid)" if supply == "single" else "0"
+    ground = "v(vmid)" if supply == "single" else "0"
     deck = spice_deck(board_circuit(values), design.board.gain_bandwidth_hz, 5.0).decode()
     ends = (" instrumentation", ".end")  # the bridge's amplifier, for the source in its place
     lines = [line for line in deck.splitlines() if not (line.startswith((".ac", ".print")) or line.endswith(ends))]
     points = "\n".join(f"+ {i * STEP_S:.9g} {v:.15g}" for i, v in enumerate(voltage.tolist()))
     lines += [f"Vdrive tactile 0 PWL(\n{points}\n+ )", ".options reltol=1e-5", ".control", "set wr_singlescale"]
     lines += [f"tran 2e-5 {(len(voltage) - 1) * STEP_S:.9g} 0 2e-5"]
-    lines += [f"let above = v(envelope) - {rest}", "wrdata out above v(slip)", "quit"]
+    lines += [f"let above = v(envelope) - {ground}", "wrdata out above v(slip)", "quit"]
     (tmp_path / "slip.cir").write_text("\n".join([*lines, ".endc", ".end", ""]))
     subprocess.run([program, "-b", "slip.cir"], cwd=tmp_path, check=True, capture_output=True)
     theirs = np.loadtxt(next(tmp_path.glob("out*")))
     time, envelope, pin = theirs[:, 0], theirs[:, 1], theirs[:, 2]
     switched = np.flatnonzero(((pin[:-1] < 2.5) != (pin[1:] < 2.5)) & (time[1:] > 0.35))
 
-    board = Analog.of(design).changed(gain_bandwidth_hz=design.board.gain_bandwidth_hz)
-    out = respond(board, STEP_S, voltage, 1e-6)
-    ours = decide(Comparator.of(design), board, STEP_S, out.filtered_v, out.envelope_v)
+    board = AnalogBoard.from_design(design).with_values(gain_bandwidth_hz=design.board.gain_bandwidth_hz)
+    out = simulate_board(board, STEP_S, voltage, 1e-6)
+    ours = simulate_comparator(Comparator.from_design(design), board, STEP_S, out.filtered_v, out.envelope_v)
     assert len(ours.edges_s) >= 4
     assert ours.edges_s == pytest.approx(time[switched + 1], abs=1e-4)
     at_samples = np.interp(np.arange(len(voltage)) * STEP_S, time, envelope)[700:]
     assert np.abs(out.envelope_v[700:] - at_samples).max() < 2e-3 * out.envelope_v.max()
 
 
-def test_a_scene_names_the_pin_and_only_a_board_that_has_one_gives_it():
+def test_scene_outputs_the_slip_pin_only_for_boards_that_have_one():
     tables = SceneFile(
         contact={"surface": "gross"},
         hold={"min_force_n": 1.0, "max_force_n": 1.0},
@@ -114,9 +114,9 @@ def test_a_scene_names_the_pin_and_only_a_board_that_has_one_gives_it():
     )
     found = run_scene(DESIGN, tables, 1)
     assert [stage.name for stage in found.ran][-2:] == ["filter board", "comparator"]
-    said = found.columns["slip_pin_v"] < 2.5
+    low = found.columns["slip_pin_v"] < 2.5
     assert set(found.columns["slip_pin_v"].tolist()) == {0.0, 5.0}
-    assert said[found.columns["slip"]].mean() > 0.8
+    assert low[found.columns["slip"]].mean() > 0.8
     hand = ManipulationFile(grasp={"kind": "pinch"}, outputs=["slip_pin_v", "envelope_v"])
     assert run_manipulation(DESIGN, hand, None, 1).columns["index_slip_pin_v"].min() == 0.0
     for run, scene in ((run_scene, tables), (run_manipulation, hand)):
@@ -127,19 +127,24 @@ def test_a_scene_names_the_pin_and_only_a_board_that_has_one_gives_it():
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("values", "message"),
     [
         ((0.0, 0.02, 0.01), r"mean_s: 0 s is refused"),
-        ((0.015, 0.02, 0.02), r"off_v: 0\.02 V is not below on_v; below 0"),
+        (
+            (0.015, 0.02, 0.02),
+            r"off_v: 0\.02 V is not below on_v, so the output would oscillate; choose less than 0\.02 V",
+        ),
     ],
 )
-def test_what_cannot_be_is_refused(given, words):
-    with pytest.raises(TraceError, match=words):
-        Comparator(*given)
+def test_impossible_comparators_are_refused(values, message):
+    with pytest.raises(TraceError, match=message):
+        Comparator(*values)
 
 
-def test_input_that_is_none_is_named():
+def test_invalid_input_is_reported():
     with pytest.raises(TraceError) as caught:
-        decide(PLAIN, Analog.of(Design()), STEP_S, np.zeros(5), np.array([0.0, math.nan, 0, 0, 0]))
+        simulate_comparator(
+            PLAIN, AnalogBoard.from_design(Design()), STEP_S, np.zeros(5), np.array([0.0, math.nan, 0, 0, 0])
+        )
     assert "envelope_v: nan at sample 1" in str(caught.value)
     assert "board.rectifier: 'diode' has no comparator behind it" in str(caught.value)

@@ -1,4 +1,4 @@
-"""Loops in plain Python and compiled: when which runs, and that asking costs nothing."""
+"""Loops in plain Python and compiled: which form runs when, and that both give the same bits."""
 
 from __future__ import annotations
 
@@ -6,64 +6,144 @@ import numpy as np
 import pytest
 
 from fingertip import jit
-from fingertip.sim import jit as sim_jit
-from fingertip.sim.jit import Kernel, compiled
+from fingertip.design import Design
+from fingertip.jit import CALL_S, LOAD_S, CompiledLoop, compile_for_process, compiled
+from fingertip.sim import SceneFile, run_scene
 from tests.conftest import run_python
 
 
-def _twice(values, out):
+def _double(values, out):
     for i in range(len(values)):
         out[i] = 2 * values[i]
 
 
-def test_plain_loops_see_lists_and_arrays_come_back():
-    seen = []
+def _accumulate(values, total, out):
+    for i in range(len(values)):
+        total[0] += values[i]
+        out[i] = total[0]
+
+
+def make_loop(function=_double, outputs=1, plain_us=1e3):
+    return CompiledLoop(function, outputs=outputs, samples="values", plain_us=plain_us)
+
+
+def test_plain_loop_receives_lists_and_fills_arrays():
+    received = []
 
     def loop(values, factor, out):
-        seen.append((type(values), type(out)))
+        received.append((type(values), type(out)))
         out[0] = factor * values[1]
 
     values, out = np.array([1.0, 2.0]), np.zeros(2)
-    Kernel(loop, outputs=1)(values, 3.0, out)
-    assert seen == [(list, list)]
+    make_loop(loop)(values, 3.0, out)
+    assert received == [(list, list)]
     assert out.tolist() == [6.0, 0.0]
     assert values.tolist() == [1.0, 2.0]
 
 
-def test_compiled_only_within_the_block_and_said_once():
+def test_block_compiles_and_reports_each_loop_once():
     pytest.importorskip("numba")
-    kernel, said, out = Kernel(_twice, outputs=1), [], np.zeros(3)
-    kernel(np.ones(3), out)
-    assert kernel._compiled is None
+    loop, lines, out = make_loop(), [], np.zeros(3)
+    loop(np.ones(3), out)
+    assert loop._compiled is None
     for _ in range(2):
-        with compiled(said.append):
-            kernel(np.full(3, 2.0), out)
+        with compiled(lines.append):
+            loop(np.full(3, 2.0), out)
     assert out.tolist() == [4.0, 4.0, 4.0]
-    assert len(said) == 1
-    assert "compiled once, then kept" in said[0]
-    assert not sim_jit._fast
+    assert len(lines) == 1
+    assert "compiled once, then cached" in lines[0]
+    assert not jit._always_compile
 
 
-def test_a_loop_that_can_be_kept_nowhere_is_compiled_all_the_same():
+def test_loop_compiles_from_its_break_even_on():
+    """Only the samples asked for count, whether in one call or in many."""
+    pytest.importorskip("numba")
+    loop = make_loop()
+    assert loop.break_even == round(LOAD_S / 1e-3)
+    for _ in range(2):
+        half = loop.break_even // 2
+        loop(np.ones(half - 1), np.zeros(half - 1))
+        assert loop._compiled is None
+    loop(np.ones(2), np.zeros(2))
+    assert loop._compiled is not None
+    whole = make_loop()
+    whole(np.ones(whole.break_even), np.zeros(whole.break_even))
+    assert whole._compiled is not None
+
+
+def test_an_imported_numba_changes_nothing():
+    pytest.importorskip("numba")
+    loop = make_loop()
+    loop(np.ones(loop.break_even - 1), np.zeros(loop.break_even - 1))
+    assert loop._compiled is None
+
+
+def test_short_calls_run_plain_even_in_the_block():
+    loop = make_loop(plain_us=1e6 * CALL_S / 10)
+    with compiled():
+        loop(np.ones(9), np.zeros(9))
+    assert loop._compiled is None
+
+
+def test_state_in_lists_carries_over_from_plain_to_compiled():
+    pytest.importorskip("numba")
+    values = np.random.default_rng(0).normal(size=300)
+    loop, total, first, second = make_loop(_accumulate, outputs=2), [0.0], np.zeros(100), np.zeros(200)
+    loop(values[:100], total, first)
+    with compiled():
+        loop(values[100:].tolist(), total, second)
+    assert isinstance(total, list)
+    whole = np.zeros(300)
+    make_loop(_accumulate, outputs=2)(values, [0.0], whole)
+    assert np.concatenate((first, second)).tobytes() == whole.tobytes()
+    assert total == [whole[-1]]
+
+
+def test_views_and_single_precision_compile_no_second_form():
+    pytest.importorskip("numba")
+    loop, out = make_loop(), np.zeros(3)
+    with compiled():
+        for values in (np.ones(3), np.ones(6)[::2], np.ones(3, dtype=np.float32), [1, 1, 1]):
+            loop(values, out)
+            assert out.tolist() == [2.0, 2.0, 2.0]
+    assert len(loop._compiled.signatures) == 1
+
+
+def test_simulated_board_has_the_same_bits_in_both_forms(monkeypatch):
+    pytest.importorskip("numba")
+    scene = SceneFile(slide={"distance_m": 0.005}, outputs=["voltage_v", "envelope_v"])
+    with compiled():
+        fast = run_scene(Design(), scene, 3).columns
+    monkeypatch.setattr(jit, "available", lambda: False)
+    plain = run_scene(Design(), scene, 3).columns
+    for name in ("voltage_v", "envelope_v"):
+        assert fast[name].tobytes() == plain[name].tobytes()
+
+
+def test_loop_without_a_cache_folder_is_compiled_for_this_process():
     pytest.importorskip("numba")
     names: dict = {}
-    exec("def loop(values, out):\n    out[0] = values[0] + 1.0\n", names)  # from no file
+    exec("def loop(values, out):\n    out[0] = values[0] + 1.0\n", names)  # no source file
     out = np.zeros(1)
     with compiled():
-        Kernel(names["loop"], outputs=1)(np.ones(1), out)
+        make_loop(names["loop"])(np.ones(1), out)
     assert out[0] == 2.0
 
 
-def test_without_numba_the_plain_loop_runs(monkeypatch):
+def test_without_numba_every_loop_runs_plain(monkeypatch):
     monkeypatch.setattr(jit, "available", lambda: False)
-    kernel, out = Kernel(_twice, outputs=1), np.zeros(1)
+    loop = make_loop()
+    out = np.zeros(loop.break_even)
     with compiled():
-        kernel(np.ones(1), out)
+        loop(np.ones(loop.break_even), out)
     assert out[0] == 2.0
-    assert kernel._compiled is None
-    assert jit.once(_twice) is _twice
+    assert loop._compiled is None
+    assert compile_for_process(_double) is _double
 
 
-def test_looking_for_numba_does_not_import_it():
-    code = "import sys; from fingertip import jit, sim; jit.available(); sim.compiled; print('numba' in sys.modules)"
+def test_a_short_detection_does_not_import_numba():
+    code = (
+        "import sys; from fingertip.design import Design; from fingertip.slip import make_detector; "
+        "make_detector('fast', Design()).process([4.0] * 12_000); print('numba' in sys.modules)"
+    )
     assert run_python("-c", code).stdout.strip() == "False"

@@ -1,4 +1,4 @@
-"""Noise where it arises: the amplifiers' ahead of the filter board, the converter's at the samples."""
+"""Noise of the simulation: the amplifiers' ahead of the filter, the ADC's at the samples."""
 
 import random
 
@@ -9,77 +9,84 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.noise import total_v
 from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
-from fingertip.sim.electronics.board_noise import gain, input_noise_v
-from fingertip.sim.electronics.board_output import replayed_level, rest_level
-from fingertip.sim.electronics.converter import quantise, sampled_v
+from fingertip.sim.electronics.adc import quantise_v, sample_v
+from fingertip.sim.electronics.board_noise import compute_input_noise_v, compute_noise_gain
+from fingertip.sim.electronics.board_output import simulate_quiescent_level, simulate_replay_level
 
-STILL = {"hold": {"mode": "grasp", "min_force_n": 1.0, "max_force_n": 1.0, "min_s": 20.0, "release": False}}
+CONSTANT_FORCE = {"hold": {"mode": "grasp", "min_force_n": 1.0, "max_force_n": 1.0, "min_s": 20.0, "release": False}}
 SETTLED = 4000
-"""Samples: the grasp has closed, and the filter has forgotten it."""
+"""Number of samples after which the grasp is closed and the filter settled."""
 DESIGN = Design()
 
 
-def still(design: Design, *outputs: str, **sensing) -> dict[str, np.ndarray]:
-    found = run_scene(design, SceneFile(**STILL, sensing=sensing, outputs=list(outputs)), 3)
+def simulate_hold(design: Design, *outputs: str, **sensing) -> dict[str, np.ndarray]:
+    """Columns of a scene with constant force, after it has settled."""
+    found = run_scene(design, SceneFile(**CONSTANT_FORCE, sensing=sensing, outputs=list(outputs)), 3)
     return {name: column[SETTLED:] for name, column in found.columns.items()}
 
 
 @pytest.mark.parametrize("supply", ["split", "single"])
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
-def test_the_simulated_board_is_as_noisy_as_its_budget(variant, supply):
-    """Which ngspice's own noise analysis confirms (tests/board/test_noise.py)."""
+def test_simulated_board_is_as_noisy_as_its_noise_budget(variant, supply):
+    """ngspice's noise analysis confirms the budget (tests/board/test_noise.py)."""
     design = Design(board={"variant": variant, "supply": supply})
-    said = total_v(board_circuit(board_values(design)), design.board.gain_bandwidth_hz, "FILTERED")
-    assert said == pytest.approx({"article": 18.6e-3, "precision": 5.65e-3, "comparator": 5.65e-3}[variant], rel=0.1)
-    filtered = still(design, "filtered_v")["filtered_v"]
-    assert np.std(filtered) == pytest.approx(said, rel=0.03)  # 40 000 samples of a band of a kilohertz: within 1 %
+    budget = total_v(board_circuit(board_values(design)), design.board.gain_bandwidth_hz, "FILTERED")
+    assert budget == pytest.approx({"article": 18.6e-3, "precision": 5.65e-3, "comparator": 5.65e-3}[variant], rel=0.1)
+    filtered = simulate_hold(design, "filtered_v")["filtered_v"]
+    assert np.std(filtered) == pytest.approx(budget, rel=0.03)  # 40 000 samples of a band of a kilohertz: within 1 %
 
 
 @pytest.mark.parametrize(("rate_hz", "cutoff_hz"), [(1000.0, 67.0), (2000.0, 30.0), (20000.0, 150.0)])
-def test_whatever_the_rate_and_the_cutoff(rate_hz, cutoff_hz):
+def test_noise_budget_holds_at_every_rate_and_cutoff(rate_hz, cutoff_hz):
     design = Design(detector={"sample_rate_hz": rate_hz}, board={"variant": "precision", "cutoff_hz": cutoff_hz})
-    said = total_v(board_circuit(board_values(design)), design.board.gain_bandwidth_hz, "FILTERED")
-    filtered = still(design, "filtered_v")["filtered_v"]
-    assert np.std(filtered) == pytest.approx(said, rel=0.05)
-    assert input_noise_v(design) * gain(design) == pytest.approx(said)
+    budget = total_v(board_circuit(board_values(design)), design.board.gain_bandwidth_hz, "FILTERED")
+    filtered = simulate_hold(design, "filtered_v")["filtered_v"]
+    assert np.std(filtered) == pytest.approx(budget, rel=0.05)
+    assert compute_input_noise_v(design) * compute_noise_gain(design) == pytest.approx(budget)
 
 
-def test_the_converter_adds_its_own_behind_the_gain():
-    """The sampled voltage has its noise and its steps; the board's output is smooth until it is sampled."""
-    noisy, silent = still(DESIGN, "voltage_v"), still(DESIGN, "voltage_v", noise=False)
+def test_adc_adds_its_noise_behind_the_gain():
+    """The sampled voltage has the ADC's noise and steps; the board's output has them only once it is sampled."""
+    noisy, silent = (
+        simulate_hold(DESIGN, "voltage_v"),
+        simulate_hold(DESIGN, "voltage_v", noise=False),
+    )
     step = 2 * DESIGN.detector.adc_range_v / 2**DESIGN.detector.adc_bits
-    wanted = np.hypot(DESIGN.detector.noise_v, step / np.sqrt(12))
-    assert np.std(np.diff(noisy["voltage_v"])) == pytest.approx(wanted * np.sqrt(2), rel=0.02)
+    expected = np.hypot(DESIGN.detector.noise_v, step / np.sqrt(12))
+    assert np.std(np.diff(noisy["voltage_v"])) == pytest.approx(expected * np.sqrt(2), rel=0.02)
     assert np.std(np.diff(silent["voltage_v"])) < step
-    sampled = sampled_v(DESIGN, np.full(20_000, 0.1), random.Random(1))
-    assert np.std(sampled) == pytest.approx(wanted, rel=0.02)
-    assert np.array_equal(sampled_v(DESIGN, np.array([0.1]), None), quantise(np.array([0.1]), 16, 10.0))
+    sampled = sample_v(DESIGN, np.full(20_000, 0.1), random.Random(1))
+    assert np.std(sampled) == pytest.approx(expected, rel=0.02)
+    assert np.array_equal(sample_v(DESIGN, np.array([0.1]), None), quantise_v(np.array([0.1]), 16, 10.0))
 
 
-def test_without_noise_nothing_moves():
-    quiet = still(Design(board={"variant": "precision"}), "tactile_v", "filtered_v", "envelope_v", noise=False)
+def test_signals_are_constant_without_noise():
+    quiet = simulate_hold(Design(board={"variant": "precision"}), "tactile_v", "filtered_v", "envelope_v", noise=False)
     for name, column in quiet.items():
         assert np.ptp(column) < 1e-6, name
 
 
-def test_the_converter_is_nothing_to_the_board():
-    """A better converter makes the sampled voltage quieter, and changes no bit of what the board does."""
+def test_adc_does_not_affect_the_board():
+    """An ADC without noise does not change a bit of the board's output."""
     better = Design(detector={"noise_v": 0.0})
-    assert np.array_equal(still(DESIGN, "envelope_v")["envelope_v"], still(better, "envelope_v")["envelope_v"])
+    assert np.array_equal(
+        simulate_hold(DESIGN, "envelope_v")["envelope_v"],
+        simulate_hold(better, "envelope_v")["envelope_v"],
+    )
 
 
 @pytest.mark.parametrize("variant", ["article", "precision"])
-def test_the_rest_level_is_what_a_board_at_rest_shows(variant):
+def test_quiescent_level_is_that_of_a_scene_with_constant_force(variant):
     design = Design(board={"variant": variant})
-    level = rest_level(design)
-    enveloped = sampled_v(design, still(design, "envelope_v")["envelope_v"], random.Random(2))
+    level = simulate_quiescent_level(design)
+    enveloped = sample_v(design, simulate_hold(design, "envelope_v")["envelope_v"], random.Random(2))
     width = design.detector.window_samples
     means = np.convolve(enveloped, np.full(width, 1 / width), "valid")
     assert means.mean() == pytest.approx(level.mean_v, abs=0.1 * level.mean_v + 5e-6)
     assert means.std() == pytest.approx(level.deviation_v, rel=0.25)
 
 
-def test_a_recorded_voltage_carries_the_converters_noise_into_the_board():
-    """68 times stronger, so that the threshold has to be higher than behind the board itself."""
+def test_recorded_voltage_carries_the_adc_noise_into_the_board():
+    """The board amplifies it 68 times, so that the threshold has to be higher than behind the board itself."""
     design = Design(board={"variant": "precision"})
-    assert replayed_level(design).threshold_v > 3 * rest_level(design).threshold_v
+    assert simulate_replay_level(design).threshold_v > 3 * simulate_quiescent_level(design).threshold_v

@@ -1,4 +1,4 @@
-"""`fingertip bench`: error against run time of the simulation, beside scipy and ngspice; times of campaigns."""
+"""`fingertip bench`: error and run time of the simulation beside scipy and ngspice; run time of campaigns."""
 
 from __future__ import annotations
 
@@ -15,19 +15,21 @@ def bench(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for work_precision.png and .json.")] = Path(
         "out/bench"
     ),
-    seconds: Annotated[float, typer.Option(help="Length of the problems; a fifth of it for the board's.")] = 5.0,
-    boards: Annotated[int, typer.Option(help="How many boards at once.")] = 10_000,
-    solvers: Annotated[str, typer.Option(help="Methods of scipy to compare with.")] = "LSODA,Radau,BDF",
-    first_run: Annotated[bool, typer.Option(help="Measure the compiler's first run too.")] = True,
+    seconds: Annotated[
+        float, typer.Option(help="Length of the problems [s]; the board's problem is a fifth as long.")
+    ] = 5.0,
+    boards: Annotated[int, typer.Option(help="Number of boards to simulate at once.")] = 10_000,
+    solvers: Annotated[str, typer.Option(help="scipy methods to compare with, comma-separated.")] = "LSODA,Radau,BDF",
+    first_run: Annotated[bool, typer.Option(help="Also measure the first run of the compiler.")] = True,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Measure the simulation's error against its run time, beside other solvers."""
+    """Measure error and run time of the simulation beside other solvers."""
     import json
 
     from fingertip.errors import FingertipError, Issue
     from fingertip.files import atomic_write
-    from fingertip.sim.bench import report
+    from fingertip.sim.bench.work_precision import describe_machine, require_libraries
 
     console = Console(as_json, quiet)
     methods = tuple(name.strip() for name in solvers.split(",") if name.strip())
@@ -43,60 +45,62 @@ def bench(
         issues.append(Issue("--boards", f"{boards} is refused; choose 1 to 1000000."))
     if issues:
         raise FingertipError(issues)
-    report.require()
+    require_libraries()
 
     from fingertip.jit import compiled
-    from fingertip.sim.bench import board, contact, throughput
-    from fingertip.sim.bench.measure import machine
+    from fingertip.sim.bench import throughput
+    from fingertip.sim.bench.board import measure_board
+    from fingertip.sim.bench.contact import measure_contact
     from fingertip.sim.bench.plot import draw
 
-    state = machine()
+    machine = describe_machine()
     with compiled(console.progress):
-        console.progress("contact: every solver at every tolerance")
-        diagrams = [contact.diagram(seconds, methods)]
-        console.progress("board: every solver at every tolerance (scipy's Radau is slow)")
-        diagrams.append(board.diagram(seconds / 5, methods))
-        console.progress("120 trials")
-        trials = throughput.campaign()
-        console.progress("12 manipulations")
-        hands = throughput.hands()
-        console.progress(f"{boards} boards")
-        many = throughput.boards(boards)
+        console.progress("contact: running every solver at every tolerance")
+        diagrams = [measure_contact(seconds, methods)]
+        console.progress("board: running every solver at every tolerance (scipy's Radau is slow)")
+        diagrams.append(measure_board(seconds / 5, methods))
+        console.progress("running 120 trials")
+        trials = throughput.measure_trials()
+        console.progress("running 12 manipulations")
+        manipulations = throughput.measure_manipulations()
+        console.progress(f"simulating {boards} boards")
+        many = throughput.measure_boards(boards)
     first = None
     if first_run:
-        console.progress("first run of the compiler")
-        first = throughput.first_run()
-    state["load_after"] = machine()["load"]
+        console.progress("measuring the first run of the compiler")
+        first = throughput.measure_first_run()
+    machine["load_after"] = describe_machine()["load"]
     data: dict[str, Any] = {
-        "machine": state,
-        "diagrams": [report.as_data(diagram) for diagram in diagrams],
-        "campaign": trials,
-        "manipulations": hands,
+        "machine": machine,
+        "diagrams": [diagram.as_data() for diagram in diagrams],
+        "trials": trials,
+        "manipulations": manipulations,
         "boards": many,
         "first_run": first,
     }
     load = (
-        f"{state['machine']}, {state['cores']} cores, load {state['load'][0]} before and {state['load_after'][0]} after"
+        f"{machine['machine']}, {machine['cores']} cores, load {machine['load'][0]} before and "
+        f"{machine['load_after'][0]} after"
     )
-    picture = draw(diagrams, f"{load}. CPU time, loops compiled before; making the input is part of every point.")
+    picture = draw(diagrams, f"{load}. CPU time without compilation; generating the input is part of every point.")
     whole = json.dumps(data, indent=2, allow_nan=False) + "\n"
     atomic_write(out, {"work_precision.png": picture, "work_precision.json": whole.encode()})
     console.progress(f"wrote {out / 'work_precision.png'} and .json")
     lines = [load]
     for diagram in diagrams:
-        lines += report.as_text(diagram)
+        lines += diagram.as_text()
     lines += [
-        f"{trials['trials']} trials: {trials['cpu_s']:.2f} s of CPU, target {trials['target_s']:g} s",
-        f"{hands['manipulations']} manipulations of {hands['simulated_s']:.0f} s in all, stepped every 10 ms: "
-        f"{hands['cpu_s']:.2f} s of CPU, target {hands['target_s']:g} s",
-        f"{many['boards']} boards x {many['samples']} samples: {many['cpu_s']:.2f} s of CPU, target "
-        f"{many['target_s']:g} s; the diode conducts in {100 * many['conducting']:.1f} % of the steps",
+        f"{trials['trials']} trials: {trials['cpu_s']:.2f} s of CPU time, target {trials['target_s']:g} s",
+        f"{manipulations['manipulations']} manipulations of {manipulations['simulated_s']:.0f} s in total, "
+        f"controlled every 10 ms: {manipulations['cpu_s']:.2f} s of CPU time, target {manipulations['target_s']:g} s",
+        f"{many['boards']} boards x {many['samples']} samples: {many['cpu_s']:.2f} s of CPU time, target "
+        f"{many['target_s']:g} s; the diode conducts in {100 * many['conducting_ratio']:.1f} % of the steps",
     ]
     if first:
         lines.append(
-            f"fresh process: {first['empty_cache_cpu_s']:.1f} s of CPU with an empty compiler cache, then "
-            f"{first['kept_cache_cpu_s']:.1f} s"
+            f"fresh process: {first['empty_cache_cpu_s']:.1f} s of CPU time with an empty compiler cache, then "
+            f"{first['full_cache_cpu_s']:.1f} s with a full one"
         )
     console.result(data, "\n".join(lines))
-    if any(found["cpu_s"] > found["target_s"] for found in (trials, hands, many)):
+    if any(found["cpu_s"] > found["target_s"] for found in (trials, manipulations, many)):
         raise typer.Exit(CHECK_FAILED)

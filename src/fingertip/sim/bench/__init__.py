@@ -1,1 +1,1 @@
-"""Error against run time: our integrators and other people's on the same problems. Needs scipy; ngspice if there."""
+"""Benchmarks: error against run time of our integrators and of other solvers. Needs scipy."""

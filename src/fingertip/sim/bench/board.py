@@ -1,8 +1,8 @@
 """Work-precision of the board: a burst of vibration through filter, diode and envelope, by us, scipy and ngspice.
 
-The samples are joined by straight lines, for everyone. scipy gets compiled right sides and Jacobians, with the diode
-and its series resistance solved by the same function as ours, and may not step over a sample. ngspice reads the
-samples as a piecewise linear source and evaluates it itself; writing its deck and reading its result are not counted.
+Every solver joins the samples by straight lines. scipy gets compiled right sides and Jacobians, with the diode and its
+series resistance solved by the same function as ours, and must not step over a sample. ngspice reads the samples as a
+piecewise linear source and evaluates it itself. Writing its deck and reading its result are not counted.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import resource
 import shutil
+import subprocess
 import tempfile
 import time
 from collections.abc import Callable
@@ -21,102 +22,154 @@ import numpy as np
 from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.jit import compile_for_process
-from fingertip.sim.bench import ngspice
-from fingertip.sim.bench.measure import Diagram
-from fingertip.sim.electronics.analog import respond
-from fingertip.sim.electronics.circuit import Analog
-from fingertip.sim.electronics.envelope_loop import omega
+from fingertip.sim.bench.work_precision import WorkPrecision
+from fingertip.sim.electronics.analog import simulate_board
+from fingertip.sim.electronics.circuit import AnalogBoard
+from fingertip.sim.electronics.envelope_loop import wright_omega
 
 STEP_S = 1 / 2000
 TARGET_V = 5e-4
 OURS = "fingertip (exact + SDIRK4)"
-_SPICE = ((1e-2, 5e-4), (1e-3, 5e-4), (1e-4, 1e-4), (1e-5, 5e-5), (1e-6, 2e-5))
+_SPICE_SETTINGS = ((1e-2, 5e-4), (1e-3, 5e-4), (1e-4, 1e-4), (1e-5, 5e-5), (1e-6, 2e-5))
+# Relative tolerance, and longest step [s].
+_DECK = """slip filter, sampled input
+V1 in 0 PWL(
+{points}
++ )
+C1 in p {b.c1_f!r}
+R1 p 0 {b.r1_ohm!r}
+E1 o1 0 p 0 {gain!r}
+C2 o1 m {b.c2_f!r}
+C3 m n {b.c3_f!r}
+R2 m o2 {b.r2_ohm!r}
+R3 n 0 {b.r3_ohm!r}
+E2 o2 0 n 0 1
+D1 o2 env dd
+RL env 0 {b.r_lp_ohm!r}
+CL env 0 {b.c_lp_f!r}
+.model dd D(IS={b.diode.saturation_a!r} N={b.diode.emission!r} RS={b.diode.series_ohm!r})
+.options reltol={reltol!r} gmin=1e-18
+.temp 27
+.control
+set wr_singlescale
+option numdgt=10
+tran {step!r} {end!r} 0 {longest!r}
+wrdata out v(o2) v(env)
+quit
+.endc
+.end
+"""
 
 
-def problem(seconds: float) -> Array:
-    """Tactile voltage at the samples [V]: 90 Hz of 20 mV, two fifths of the time, on 4 V."""
+def make_input(seconds: float) -> Array:
+    """Tactile voltage at the samples [V]: 90 Hz of 20 mV during two fifths of the time, on 4 V."""
     t = np.arange(round(seconds / STEP_S) + 1) * STEP_S
     during = (t > 0.2 * seconds) & (t < 0.6 * seconds)
     return 4.0 + np.where(during, 0.02 * np.sin(2 * math.pi * 90 * t), 0.0)
 
 
-def diagram(seconds: float, solvers: tuple[str, ...] = ("LSODA", "Radau", "BDF")) -> Diagram:
+def measure_board(seconds: float, methods: tuple[str, ...] = ("LSODA", "Radau", "BDF")) -> WorkPrecision:
     """Measure all solvers on the same problem."""
-    board = Analog.of(Design())
-    found = Diagram(
+    board = AnalogBoard.from_design(Design())
+    diagram = WorkPrecision(
         f"board, {seconds:g} s with a burst of {0.4 * seconds:g} s",
         "V",
         TARGET_V,
         {"scipy LSODA": 20.0, "ngspice": 50.0},
     )
     start = time.process_time()
-    voltage = problem(seconds)
-    found.input_s = time.process_time() - start
-    rates, jacobian = _theirs(board)
+    voltage = make_input(seconds)
+    diagram.input_s = time.process_time() - start
+    rates, jacobian = _scipy_equations(board)
     t = np.arange(len(voltage)) * STEP_S
     start_state = np.array([voltage[0], 0.0, 0.0, 0.0])
 
-    def ours(tolerance: float) -> Array:
-        return respond(board, STEP_S, voltage, tolerance).envelope_v
+    def run_ours(tolerance: float) -> Array:
+        return simulate_board(board, STEP_S, voltage, tolerance).envelope_v
 
-    def theirs(method: str, tolerance: float) -> Array:
+    def run_scipy(method: str, tolerance: float) -> Array:
         from scipy.integrate import solve_ivp
 
-        part = solve_ivp(
+        solution = solve_ivp(
             rates, (0.0, t[-1]), start_state, method, t, args=(voltage,), rtol=tolerance, atol=tolerance * 0.1,
             max_step=STEP_S, jac=jacobian,
         )  # fmt: skip
-        if not part.success:
-            raise ArithmeticError(part.message)
-        return np.asarray(part.y[3])
+        if not solution.success:
+            raise ArithmeticError(solution.message)
+        return np.asarray(solution.y[3])
 
-    def restarted(tolerance: float) -> Array:
-        """LSODA begun anew at every sample, where the input bends: the reference that is not ours."""
+    def run_restarted(tolerance: float) -> Array:
+        """LSODA restarted at every sample, where the input has a corner: the reference that is not ours."""
         from scipy.integrate import solve_ivp
 
         state, out = start_state, [0.0]
         for i in range(len(voltage) - 1):
-            part = solve_ivp(rates, (t[i], t[i + 1]), state, "LSODA", args=(voltage,), rtol=tolerance, atol=1e-14,
-                             jac=jacobian)  # fmt: skip
-            state = part.y[:, -1]
+            solution = solve_ivp(rates, (t[i], t[i + 1]), state, "LSODA", args=(voltage,), rtol=tolerance, atol=1e-14,
+                                 jac=jacobian)  # fmt: skip
+            state = solution.y[:, -1]
             out.append(float(state[3]))
         return np.array(out)
 
-    ours(1e-3)
-    reference = ours(1e-12)
-    found.agreement = float(np.abs(restarted(1e-12) - reference).max())
+    run_ours(1e-3)  # compiles
+    reference = run_ours(1e-12)
+    diagram.reference_difference = float(np.abs(run_restarted(1e-12) - reference).max())
     for exponent in range(-2, -8, -1):
-        found.add(OURS, f"1e{exponent} V", lambda e=exponent: ours(10.0**e), reference)  # type: ignore[misc]
-    for solver in solvers:
-        for exponent in (-2, -3, -4, -5, -6) if solver == "LSODA" else (-2, -4, -6):
-            run: Callable[[], Array] = lambda s=solver, e=exponent: theirs(s, 10.0**e)  # type: ignore[misc]  # noqa: E731
-            found.add(f"scipy {solver}", f"rtol 1e{exponent}", run, reference)
-    _ngspice(found, board, voltage, reference)
-    return found
+        diagram.measure(OURS, f"1e{exponent} V", lambda e=exponent: run_ours(10.0**e), reference)  # type: ignore[misc]
+    for method in methods:
+        for exponent in (-2, -3, -4, -5, -6) if method == "LSODA" else (-2, -4, -6):
+            run: Callable[[], Array] = lambda m=method, e=exponent: run_scipy(m, 10.0**e)  # type: ignore[misc]  # noqa: E731
+            diagram.measure(f"scipy {method}", f"rtol 1e{exponent}", run, reference)
+    _measure_ngspice(diagram, board, voltage, reference)
+    return diagram
 
 
-def _ngspice(found: Diagram, board: Analog, voltage: Array, reference: Array) -> None:
+def _measure_ngspice(diagram: WorkPrecision, board: AnalogBoard, voltage: Array, reference: Array) -> None:
     program = shutil.which("ngspice")
     if not program:
-        found.omissions.append("ngspice: is not installed here")
+        diagram.omissions.append("ngspice: is not installed")
         return
-    for reltol, longest in _SPICE:
+    for reltol, longest in _SPICE_SETTINGS:
         with tempfile.TemporaryDirectory() as folder:
-            ngspice.write_deck(Path(folder), board, STEP_S, voltage, reltol, longest)
+            write_deck(Path(folder), board, STEP_S, voltage, reltol, longest)
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
             setting = f"reltol {reltol:g}, step {longest:g} s"
             try:
-                ngspice.run_deck(Path(program), Path(folder))
+                run_deck(Path(program), Path(folder))
                 after = resource.getrusage(resource.RUSAGE_CHILDREN)
-                _, envelope = ngspice.read_result(Path(folder), STEP_S, len(voltage))
+                _, envelope = read_result(Path(folder), STEP_S, len(voltage))
             except Exception as error:
-                found.omissions.append(f"ngspice, {setting}: failed ({type(error).__name__}: {str(error)[:80]})")
+                diagram.omissions.append(f"ngspice, {setting}: failed ({type(error).__name__}: {str(error)[:80]})")
                 continue
             cpu = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
-            found.judge("ngspice", setting, cpu, envelope, reference)
+            diagram.add_result("ngspice", setting, cpu, envelope, reference)
 
 
-def _theirs(board: Analog) -> tuple[Callable[..., Any], Callable[..., Any]]:
+def write_deck(
+    folder: Path, board: AnalogBoard, step_s: float, voltage_v: Array, reltol: float, longest_s: float
+) -> None:
+    """Write the deck `slip.cir` for ngspice; its amplifiers are ideal, as in `electronics.circuit` without rails."""
+    pairs = [f"{i * step_s:.9g} {v:.17g}" for i, v in enumerate(voltage_v.tolist())]
+    points = "\n".join("+ " + " ".join(pairs[i : i + 4]) for i in range(0, len(pairs), 4))
+    deck = _DECK.format(
+        points=points, b=board, gain=board.gain, reltol=reltol, step=step_s, end=(len(pairs) - 1) * step_s,
+        longest=longest_s,
+    )  # fmt: skip
+    (folder / "slip.cir").write_text(deck)
+
+
+def run_deck(program: Path, folder: Path) -> None:
+    """Run ngspice on the deck; raises CalledProcessError if it fails."""
+    subprocess.run([program, "-b", "slip.cir"], cwd=folder, check=True, capture_output=True)
+
+
+def read_result(folder: Path, step_s: float, samples: int) -> tuple[Array, Array]:
+    """Read filtered and enveloped voltage at the samples; ngspice has time points there, at its source's corners."""
+    out = np.loadtxt(folder / "out.data" if (folder / "out.data").exists() else folder / "out")
+    time = np.arange(samples) * step_s
+    return np.interp(time, out[:, 0], out[:, 1]), np.interp(time, out[:, 0], out[:, 2])
+
+
+def _scipy_equations(board: AnalogBoard) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Right side and Jacobian for scipy."""
     b, d = board, board.diode
     G, t1, t3 = b.gain, b.r1_ohm * b.c1_f, b.r3_ohm * b.c3_f
@@ -124,14 +177,14 @@ def _theirs(board: Analog) -> tuple[Callable[..., Any], Callable[..., Any]]:
     nvt, saturation, series = d.emission * d.thermal_v, d.saturation_a, d.series_ohm
     rho = series / nvt
     shift = math.log(rho * saturation) + rho * saturation
-    wright = compile_for_process(omega)
+    omega = compile_for_process(wright_omega)
 
     def rates(t: float, s: Array, voltage: Array) -> Array:
         place = min(int(t / STEP_S), len(voltage) - 2)
         u = voltage[place] + (voltage[place + 1] - voltage[place]) * (t / STEP_S - place)
         p = u - s[0]
         n = G * p - s[1] - s[2]
-        current = wright(shift + (n - s[3]) / nvt) / rho - saturation
+        current = omega(shift + (n - s[3]) / nvt) / rho - saturation
         out = np.empty(4)
         out[0] = p / t1
         out[1] = (n / r3 + s[2] / r2) / c2
@@ -143,7 +196,7 @@ def _theirs(board: Analog) -> tuple[Callable[..., Any], Callable[..., Any]]:
         place = min(int(t / STEP_S), len(voltage) - 2)
         u = voltage[place] + (voltage[place + 1] - voltage[place]) * (t / STEP_S - place)
         n = G * (u - s[0]) - s[1] - s[2]
-        w = wright(shift + (n - s[3]) / nvt)
+        w = omega(shift + (n - s[3]) / nvt)
         slope = w / (1 + w) / series
         out = np.zeros((4, 4))
         out[0, 0] = -1 / t1

@@ -1,7 +1,7 @@
 """Work-precision of the contact: a pad dragged to and fro under a changing load, by us and by scipy.
 
-scipy gets compiled right sides and Jacobians of its own, is restarted at the drive's few kinks (we land on every
-sample), and gives its dense output at the samples.
+scipy gets compiled right sides and Jacobians of its own, is restarted at the drive's few corners (ours steps from
+sample to sample), and returns its dense output at the samples.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ import numpy as np
 from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.jit import compile_for_process
-from fingertip.sim.bench.measure import Diagram
-from fingertip.sim.contact.coupled import Press, integrate
+from fingertip.sim.bench.work_precision import WorkPrecision
+from fingertip.sim.contact.coupled import NormalContact, integrate
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.tangential import Mount
@@ -28,13 +28,13 @@ TARGET_N = 5e-6
 OURS = "fingertip (RODAS)"
 _FRICTION = Friction(0.6, 0.48)
 _LOAD_N = 0.8
-# Knots of the drive: time [s] and stage velocity [m/s]; time [s] and load [N]. Straight between them.
+# Corners of the piecewise linear drive: time [s] and stage velocity [m/s]; time [s] and load [N].
 _VELOCITY = ((0.0, 0.0), (0.2, 0.0), (0.24, 0.04), (1.0, 0.04), (1.04, 0.0), (1.3, 0.0), (1.36, -0.06), (1.9, -0.06),
              (1.96, 0.0), (2.2, 0.0), (2.21, 0.004), (4.2, 0.004), (4.25, 0.0), (5.0, 0.0))  # fmt: skip
 _LOADS = ((0.0, 0.8), (0.5, 0.8), (0.6, 1.2), (1.5, 1.2), (1.6, 0.5), (3.0, 0.5), (3.1, 0.9), (5.0, 0.9))
 
 
-def problem(seconds: float) -> tuple[Array, Array, Array, Array]:
+def make_input(seconds: float) -> tuple[Array, Array, Array, Array]:
     """Time [s], stage position [m] and velocity [m/s], load [N] at the samples: exact for our interpolation."""
     t = np.arange(round(seconds * RATE_HZ) + 1) / RATE_HZ
     velocity = np.interp(t, [x for x, _ in _VELOCITY], [y for _, y in _VELOCITY])
@@ -43,33 +43,33 @@ def problem(seconds: float) -> tuple[Array, Array, Array, Array]:
     return t, position, velocity, load
 
 
-def diagram(seconds: float, solvers: tuple[str, ...] = ("LSODA", "Radau", "BDF")) -> Diagram:
+def measure_contact(seconds: float, methods: tuple[str, ...] = ("LSODA", "Radau", "BDF")) -> WorkPrecision:
     """Measure all solvers on the same problem."""
     pad = Pad.of(Design())
     k = pad.tangential_stiffness_n_per_m(_LOAD_N)
     mount = Mount(pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * pad.mass_kg))
-    press = Press(pad.resonance_hz(_LOAD_N), DAMPING_RATIO)
-    found = Diagram(f"contact, {seconds:g} s to and fro", "N", TARGET_N, {"scipy LSODA": 15.0})
+    press = NormalContact(pad.resonance_hz(_LOAD_N), DAMPING_RATIO)
+    diagram = WorkPrecision(f"contact, {seconds:g} s to and fro", "N", TARGET_N, {"scipy LSODA": 15.0})
     start = time.process_time()
-    t, X, V, load = problem(seconds)
-    found.input_s = time.process_time() - start
+    t, X, V, load = make_input(seconds)
+    diagram.input_s = time.process_time() - start
 
-    def forces(position: Array, normal: Array) -> Array:
+    def as_forces(position: Array, normal: Array) -> Array:
         return np.concatenate((k * (X - position), normal))
 
-    def ours(tolerance: float) -> Array:
+    def run_ours(tolerance: float) -> Array:
         run = integrate(_FRICTION, mount, press, 1 / RATE_HZ, X, V, load, tolerance)
-        return forces(run.position_m, run.force_n)
+        return as_forces(run.position_m, run.force_n)
 
-    rates, jacobian = _theirs(mount, press)
+    rates, jacobian = _scipy_equations(mount, press)
     knots = sorted({x for x, _ in (*_VELOCITY, *_LOADS) if x < seconds} | {seconds})
 
-    def theirs(method: str, tolerance: float) -> Array:
+    def run_scipy(method: str, tolerance: float) -> Array:
         from scipy.integrate import solve_ivp
 
         state, place = np.array([0.0, 0.0, 0.0, load[0], 0.0]), 0
         out = np.zeros((5, len(t)))
-        # Its tolerances by component: the same newtons, through the same stiffnesses as ours.
+        # Absolute tolerances by component: the same force error as ours, through the same stiffnesses.
         scale = np.array([1 / k, 1 / math.sqrt(k * mount.mass_kg), 1 / _FRICTION.sigma0, 1.0, 600.0])
         for begin, end in pairwise(knots):
             last = round(end * RATE_HZ)
@@ -83,23 +83,23 @@ def diagram(seconds: float, solvers: tuple[str, ...] = ("LSODA", "Radau", "BDF")
                 raise ArithmeticError(part.message)
             out[:, place : last + 1] = part.y
             state, place = part.y[:, -1], last
-        return forces(out[0], np.maximum(out[3], 0.0))
+        return as_forces(out[0], np.maximum(out[3], 0.0))
 
-    ours(1e-3)  # compiled before anything is measured
-    reference = ours(1e-12)
-    found.agreement = float(np.abs(theirs("Radau", 1e-11) - reference).max())
+    run_ours(1e-3)  # compiles
+    reference = run_ours(1e-12)
+    diagram.reference_difference = float(np.abs(run_scipy("Radau", 1e-11) - reference).max())
     for exponent in range(-3, -10, -1):
-        found.add(OURS, f"1e{exponent} N", lambda e=exponent: ours(10.0**e), reference)  # type: ignore[misc]
-    for solver in solvers:
+        diagram.measure(OURS, f"1e{exponent} N", lambda e=exponent: run_ours(10.0**e), reference)  # type: ignore[misc]
+    for method in methods:
         for exponent in (-3, -4, -5, -6, -7, -8, -9):
-            run: Callable[[], Array] = lambda s=solver, e=exponent: theirs(s, 10.0**e)  # type: ignore[misc]  # noqa: E731
-            found.add(f"scipy {solver}", f"rtol 1e{exponent}", run, reference)
-    found.omissions.append("ngspice: knows no friction, so it is not asked")
-    return found
+            run: Callable[[], Array] = lambda m=method, e=exponent: run_scipy(m, 10.0**e)  # type: ignore[misc]  # noqa: E731
+            diagram.measure(f"scipy {method}", f"rtol 1e{exponent}", run, reference)
+    diagram.omissions.append("ngspice: has no model of friction")
+    return diagram
 
 
-def _theirs(mount: Mount, press: Press) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Right side and Jacobian for scipy, written for themselves; compiled where numba is there, as ours are."""
+def _scipy_equations(mount: Mount, press: NormalContact) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Right side and Jacobian for scipy, independent of ours; compiled where numba is installed, as ours are."""
     f = _FRICTION
     mu_c, drop, vs, s0, s1, s2 = f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.sigma0, f.sigma1, f.sigma2
     m, k, c = mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m

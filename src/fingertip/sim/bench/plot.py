@@ -1,17 +1,17 @@
-"""Work-precision diagrams as a picture. The only module of `sim` that imports matplotlib."""
+"""Plot of work-precision diagrams."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fingertip.plot_style import style_axes, to_png, new_figure
-from fingertip.sim.bench.measure import Diagram
+from fingertip.plot_style import new_figure, style_axes, to_png
+from fingertip.sim.bench.work_precision import WorkPrecision
 
 _STYLES = (("#b03a2e", "o"), ("#1f4e79", "s"), ("#2e8b57", "^"), ("#b8860b", "D"), ("#6c5b7b", "v"))
 
 
-def draw(diagrams: Sequence[Diagram], footnote: str) -> bytes:
-    """One panel for each problem, error to the right and CPU time upwards, both logarithmic.
+def draw(diagrams: Sequence[WorkPrecision], footnote: str) -> bytes:
+    """Draw one panel per problem: CPU time over error, both logarithmic.
 
     Returns
     -------

@@ -1,5 +1,4 @@
-"""How long campaigns take: the article's 120 trials and 12 manipulations, thousands of boards, the compiler's first
-run."""
+"""CPU time of the article's 120 trials and 12 manipulations, of thousands of boards, and of the first compilation."""
 
 from __future__ import annotations
 
@@ -13,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.sim.campaign import manipulations, trials
-from fingertip.sim.electronics.analog import respond_in_parts
-from fingertip.sim.electronics.circuit import Analog
-from fingertip.sim.electronics.monte_carlo import spread
+from fingertip.sim.article import article_manipulations, article_trials
+from fingertip.sim.electronics.analog import simulate_boards
+from fingertip.sim.electronics.circuit import AnalogBoard
+from fingertip.sim.electronics.monte_carlo import draw_boards
 from fingertip.sim.hand.controller import FixedGrip
 from fingertip.sim.hand.manipulation import run_manipulation
 from fingertip.sim.scenes.scene_file import SceneFile
-from fingertip.sim.stages.result import run_scene
+from fingertip.sim.stages.pipeline import run_scene
 
 CAMPAIGN_TARGET_S = 6.0
 MANIPULATION_TARGET_S = 1.0
@@ -40,36 +39,36 @@ print(time.process_time() - start)
 """
 
 
-def campaign() -> dict[str, Any]:
-    """CPU time of the 120 trials [s], loops compiled before."""
+def measure_trials() -> dict[str, Any]:
+    """Measure the CPU time of the 120 trials [s], with compiled loops."""
     design = Design()
-    wanted = list(trials())
-    run_scene(design, *wanted[0])
+    planned = list(article_trials())
+    run_scene(design, *planned[0])
     start = time.process_time()
-    slipping = sum(bool(run_scene(design, scene, seed).columns["slip"].any()) for scene, seed in wanted)
+    slipping = sum(bool(run_scene(design, scene, seed).columns["slip"].any()) for scene, seed in planned)
     cpu = time.process_time() - start
-    return {"trials": len(wanted), "slipping": slipping, "cpu_s": cpu, "target_s": CAMPAIGN_TARGET_S}
+    return {"trials": len(planned), "slipping": slipping, "cpu_s": cpu, "target_s": CAMPAIGN_TARGET_S}
 
 
-def hands() -> dict[str, Any]:
-    """CPU time of the 12 manipulations [s], stepped by a controller that does nothing, loops compiled before."""
+def measure_manipulations() -> dict[str, Any]:
+    """Measure the CPU time of the 12 manipulations [s] under a controller without feedback, with compiled loops."""
     design = Design()
-    wanted = list(manipulations())
-    run_manipulation(design, wanted[0][0], FixedGrip(), 0)
+    planned = list(article_manipulations())
+    run_manipulation(design, planned[0][0], FixedGrip(), 0)
     start = time.process_time()
-    made = [run_manipulation(design, scene, FixedGrip(), seed) for scene, seed in wanted]
+    results = [run_manipulation(design, scene, FixedGrip(), seed) for scene, seed in planned]
     cpu = time.process_time() - start
     return {
-        "manipulations": len(made),
-        "simulated_s": round(sum(float(one.time_s[-1]) for one in made), 3),
-        "lost": sum(one.lost_s is not None for one in made),
+        "manipulations": len(results),
+        "simulated_s": round(sum(float(result.time_s[-1]) for result in results), 3),
+        "lost": sum(result.lost_s is not None for result in results),
         "cpu_s": cpu,
-        "target_s": MANIPULATION_TARGET_S * len(made),
+        "target_s": MANIPULATION_TARGET_S * len(results),
     }
 
 
-def boards(count: int) -> dict[str, Any]:
-    """CPU time of many boards on 5 s of one strong trial [s], and what their tolerances do to the envelope's peak."""
+def measure_boards(count: int) -> dict[str, Any]:
+    """Measure the CPU time of many boards on 5 s of one strong trial [s], and the spread of the envelope's peak."""
     design = Design()
     scene = SceneFile(
         contact={"surface": "wood"},
@@ -78,13 +77,13 @@ def boards(count: int) -> dict[str, Any]:
         outputs=["tactile_v"],
     )
     voltage = run_scene(design, scene, 1).columns["tactile_v"][: round(5 * design.detector.sample_rate_hz)]
-    step, nominal = 1 / design.detector.sample_rate_hz, Analog.of(design)
-    list(respond_in_parts(nominal, step, voltage[:10]))
+    step, nominal = 1 / design.detector.sample_rate_hz, AnalogBoard.from_design(design)
+    list(simulate_boards(nominal, step, voltage[:10]))
     start = time.process_time()
     peaks, implicit, steps = [], 0, 0
-    for part in respond_in_parts(spread(nominal, count), step, voltage, BOARDS_TOLERANCE_V):
-        peaks.append(part.envelope_v.max(axis=1))
-        implicit, steps = implicit + part.implicit, steps + part.steps
+    for chunk in simulate_boards(draw_boards(nominal, count), step, voltage, BOARDS_TOLERANCE_V):
+        peaks.append(chunk.envelope_v.max(axis=1))
+        implicit, steps = implicit + chunk.implicit, steps + chunk.steps
     cpu = time.process_time() - start
     low, middle, high = np.quantile(np.concatenate(peaks), [0.05, 0.5, 0.95]).tolist()
     return {
@@ -93,13 +92,13 @@ def boards(count: int) -> dict[str, Any]:
         "cpu_s": cpu,
         "target_s": BOARDS_TARGET_S * count / 10_000,
         "tolerance_v": BOARDS_TOLERANCE_V,
-        "conducting": implicit / steps,
+        "conducting_ratio": implicit / steps,
         "peak_v": {"5 %": low, "50 %": middle, "95 %": high},
     }
 
 
-def first_run() -> dict[str, Any]:
-    """CPU time of a fresh process [s] that uses every loop: with an empty cache, and again."""
+def measure_first_run() -> dict[str, Any]:
+    """Measure the CPU time of a fresh process that uses the loops [s], with an empty and with a full compiler cache."""
     with tempfile.TemporaryDirectory() as folder:
         times = []
         for _ in range(2):
@@ -108,4 +107,4 @@ def first_run() -> dict[str, Any]:
                 text=True, check=True,
             )  # fmt: skip
             times.append(float(done.stdout))
-    return {"empty_cache_cpu_s": times[0], "kept_cache_cpu_s": times[1]}
+    return {"empty_cache_cpu_s": times[0], "full_cache_cpu_s": times[1]}

@@ -1,1 +1,1 @@
-"""From force to samples: the sensor, its bridge, the board in the time domain, the converter."""
+"""Electronics from force to samples: sensor, bridge, filter board in the time domain, comparator and ADC."""

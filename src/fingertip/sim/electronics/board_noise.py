@@ -1,14 +1,14 @@
-"""What the board's amplifiers add to its signals, so that a simulated board is as noisy as the real one is said to be.
+"""Noise of the board's amplifiers, so that a simulated board is as noisy as its noise budget.
 
-Nearly all of it arises ahead of the filter, in the bridge's amplifier, and nearly all of that lies above what samples
-can show (`fingertip.board.analysis.noise`). It is put into the board's input as white noise of the samples, as strong
-as makes the filter's output as noisy as the noise budget says, from 0.1 Hz to 1 MHz. So its strength ahead of the
-rectifier is right, and with it where the envelope rests; within the band of slip it is stronger than it would be, at
-2 kHz 1.6 times on a board with a low-pass in its first stage and four times on one without, where a bare diode hides
-it.
+Nearly all of this noise arises ahead of the filter, in the bridge's amplifier, and nearly all of that lies above half
+the sampling rate (`fingertip.board.analysis.noise`). The simulation adds white noise of the samples to the board's
+input, of the strength that makes the filter's output as noisy as the noise budget, from 0.1 Hz to 1 MHz. So the noise
+ahead of the rectifier has the right strength, and with it the envelope's quiescent level. Within the band of slip it is
+too strong: at 2 kHz 1.6 times on a board with a low-pass in its first stage, and four times on one without, where a
+bare diode hides it.
 
-The converter's noise is another matter: it comes behind the board's gain, or with no gain at all
-(`fingertip.sim.electronics.converter`).
+The noise of the ADC is separate: it comes behind the board's gain, or with no gain at all
+(`fingertip.sim.electronics.adc`).
 """
 
 from __future__ import annotations
@@ -22,25 +22,27 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.noise import total_v
 from fingertip.board.nets import FILTERED
 from fingertip.design import Design
-from fingertip.sim.electronics.analog import respond
-from fingertip.sim.electronics.circuit import Analog
+from fingertip.sim.electronics.analog import simulate_board
+from fingertip.sim.electronics.circuit import AnalogBoard
 
 _MEMORY_S = 0.1
-"""After which the filter has forgotten an impulse, in periods of 67 Hz: seven."""
+"""Time in which the filter forgets an impulse at a cutoff of 67 Hz [s]: seven periods."""
 _SMALL_V = 1e-6
-"""An impulse that no diode notices."""
+"""Impulse too small for the diode to conduct [V]."""
 
 
 @functools.lru_cache(maxsize=256)
-def input_noise_v(design: Design) -> float:
-    """White noise of the samples at the board's input that stands for its amplifiers', rms [V]."""
-    return total_v(board_circuit(board_values(design)), design.board.gain_bandwidth_hz, FILTERED) / gain(design)
+def compute_input_noise_v(design: Design) -> float:
+    """Compute the white RMS noise of the samples at the board's input that stands for its amplifiers' noise [V]."""
+    return total_v(board_circuit(board_values(design)), design.board.gain_bandwidth_hz, FILTERED) / compute_noise_gain(
+        design
+    )
 
 
-def gain(design: Design) -> float:
-    """Deviation at the filter's output for white samples of deviation 1 at the board's input."""
+def compute_noise_gain(design: Design) -> float:
+    """Compute the standard deviation at the filter's output for white samples of deviation 1 at the board's input."""
     rate, cutoff = design.detector.sample_rate_hz, design.board.cutoff_hz
     impulse = np.zeros(2 + round(_MEMORY_S * rate * 67.0 / cutoff))
     impulse[1] = _SMALL_V
-    h = respond(Analog.of(design), 1 / rate, impulse).filtered_v / _SMALL_V
+    h = simulate_board(AnalogBoard.from_design(design), 1 / rate, impulse).filtered_v / _SMALL_V
     return math.sqrt(float(h @ h))

@@ -1,82 +1,127 @@
-"""The design's board on a recorded voltage or force, as its converter samples it; and what noise leaves there."""
+"""Sampled output of the design's simulated board: for recorded voltages or forces, as a stream, and in noise alone."""
 
 from __future__ import annotations
 
 import random
+from collections.abc import Iterable
 
 import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.sim.electronics import analog
-from fingertip.sim.electronics.anti_alias import Poles
-from fingertip.sim.electronics.board_noise import input_noise_v as board_noise_v
-from fingertip.sim.electronics.circuit import Analog
-from fingertip.sim.electronics.converter import noise_v, sampled_v
-from fingertip.sim.electronics.sensing import voltage_of
+from fingertip.sim.electronics.adc import AntiAliasFilter, draw_noise_v, sample_v
+from fingertip.sim.electronics.analog import AnalogStream, simulate_board
+from fingertip.sim.electronics.board_noise import compute_input_noise_v
+from fingertip.sim.electronics.circuit import AnalogBoard
+from fingertip.sim.electronics.sensor import select_voltage_function
+from fingertip.slip.detectors.analog import AnalogDetector
+from fingertip.slip.detectors.detector import DetectorOutput
 from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v, measure_noise_level
 
 _WINDOWS = 133
-"""Windows of noise through the board: the deviation is known to 6 %."""
+"""Number of detector windows of simulated noise: the standard deviation is known to 6 %."""
 
 
-def envelope_v(design: Design, voltage_v: Array) -> Array:
-    """The board's enveloped output, sampled [V], for its sampled input [V], between whose samples it is linear.
+def simulate_envelope_v(design: Design, voltage_v: Array) -> Array:
+    """Simulate the board's sampled envelope [V] for a sampled input [V] that is linear between samples.
 
-    A recording has passed the tactile voltage's poles (`fingertip.sim.electronics.anti_alias`), which the real board's
-    filter has not: the envelope comes out some 3 % low at 2 kHz, 12 % at 1 kHz.
+    A recording has passed the anti-aliasing poles of the tactile voltage (`fingertip.sim.electronics.adc`), which the
+    real board's filter has not: the envelope comes out some 3 % low at 2 kHz, 12 % at 1 kHz.
 
     Raises
     ------
     TraceError
         If a sample is not finite.
     """
-    enveloped = analog.respond(Analog.of(design), 1 / design.detector.sample_rate_hz, voltage_v).envelope_v
-    return sampled_v(design, Poles.envelope(design).process(enveloped), None)
+    board = AnalogBoard.from_design(design)
+    enveloped = simulate_board(board, 1 / design.detector.sample_rate_hz, voltage_v).envelope_v
+    return sample_v(design, AntiAliasFilter.for_envelope(design).process(enveloped), None)
 
 
-class BoardStream:
-    """The boards of some fingers, on voltages that come in chunks; any chunks give the same bits as the whole."""
+class EnvelopeStream:
+    """Sampled envelopes of several fingers' boards for voltages that come in chunks; any chunks give the same bits."""
 
     def __init__(self, design: Design) -> None:
         self._design = design
-        self._stream: analog.Stream | None = None
-        self._poles: list[Poles] = []
+        self._boards: AnalogStream | None = None
+        self._filters: list[AntiAliasFilter] = []
 
     def process(self, voltage_v: Array) -> Array:
-        """The enveloped outputs at the chunk's samples [V], (fingers, samples) like the voltages [V]."""
-        if self._stream is None:
+        """Return the sampled envelopes of the next samples [V], (fingers, samples) like the voltages [V]."""
+        if self._boards is None:
             step_s = 1 / self._design.detector.sample_rate_hz
-            self._stream = analog.Stream(Analog.of(self._design), step_s, len(voltage_v))
-            self._poles = [Poles.envelope(self._design) for _ in voltage_v]
-        enveloped = self._stream.process(voltage_v)[1]
-        at_pins = np.stack([poles.process(v) for poles, v in zip(self._poles, enveloped, strict=True)])
-        return sampled_v(self._design, at_pins, None)
+            self._boards = AnalogStream(AnalogBoard.from_design(self._design), step_s, len(voltage_v))
+            self._filters = [AntiAliasFilter.for_envelope(self._design) for _ in voltage_v]
+        enveloped = self._boards.process(voltage_v)[1]
+        at_pins = np.stack([poles.process(v) for poles, v in zip(self._filters, enveloped, strict=True)])
+        return sample_v(self._design, at_pins, None)
 
 
-def bridge_v(design: Design, force_n: Array) -> Array:
-    """What the design's sensor and bridge make of a normal force [N], without the sensor's hysteresis [V]."""
-    voltage = voltage_of(design, "board")
+class SimulatedBoardDetector:
+    """Detector `analog` behind the design's simulated board: raw voltage in, ON or OFF out.
+
+    It is a detector like those of `fingertip.slip`: any chunks give the same bits, and it is causal.
+
+    Parameters
+    ----------
+    design
+        Its board, ADC, window and threshold.
+    """
+
+    def __init__(self, design: Design) -> None:
+        self._board, self._detector = EnvelopeStream(design), AnalogDetector.from_design(design)
+
+    @property
+    def threshold_v(self) -> float:
+        """Mean of the envelope above which slip is ON [V]."""
+        return self._detector.threshold_v
+
+    @property
+    def memory_s(self) -> float:
+        """Length of the window [s]."""
+        return self._detector.memory_s
+
+    def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
+        """Process the next samples of the tactile voltage [V], any number of them, and return as many outputs."""
+        samples = np.asarray(voltage_v if isinstance(voltage_v, np.ndarray) else list(voltage_v), dtype=np.float64)
+        return self._detector.process(self._board.process(samples[None])[0] if len(samples) else samples)
+
+    def step(self, voltage_v: float) -> bool:
+        """Process one sample [V] and return whether slip is ON."""
+        return self._detector.step(float(self._board.process(np.array([[voltage_v]]))[0, 0]))
+
+
+def compute_bridge_v(design: Design, force_n: Array) -> Array:
+    """Compute the bridge's voltage [V] for a normal force [N], without the sensor's hysteresis."""
+    voltage = select_voltage_function(design, "board")
     return np.array([voltage(force) for force in force_n.tolist()])
 
 
-def rest_level(design: Design) -> NoiseLevel:
-    """Mean and deviation of the detector `analog`'s window behind the design's board while nothing happens: noise of the
-    board's amplifiers ahead of the filter, of the converter behind it."""
-    return _level(design, board_noise_v(design), random.Random("converter"))
+def simulate_quiescent_level(design: Design) -> NoiseLevel:
+    """Simulate the noise level of the detector `analog` behind the design's board while nothing happens.
+
+    The board's amplifiers add noise ahead of the filter, the ADC adds noise behind it.
+    """
+    return _simulate_level(design, compute_input_noise_v(design), random.Random("converter"))
 
 
-def replayed_level(design: Design) -> NoiseLevel:
-    """The same where the board is simulated on a recorded voltage, whose noise is the converter's already."""
-    return _level(design, input_noise_v(design), None)
+def simulate_replay_level(design: Design) -> NoiseLevel:
+    """Simulate the noise level of the detector `analog` behind a board that is simulated on a recorded voltage.
+
+    The recording already contains the ADC's noise, which therefore comes ahead of the filter.
+    """
+    return _simulate_level(design, input_noise_v(design), None)
 
 
-def _level(design: Design, sigma_v: float, converter: random.Random | None) -> NoiseLevel:
-    """Measured on the simulated board. The threshold that follows is at least one step of the converter: a diode
-    without bias passes so little noise that the converter shows none."""
+def _simulate_level(design: Design, sigma_v: float, adc: random.Random | None) -> NoiseLevel:
+    """Measure the noise level on the simulated board.
+
+    The threshold that follows is at least one step of the ADC: a diode without bias passes so little noise that the
+    ADC shows none.
+    """
     d = design.detector
     settling = round(0.1 * d.sample_rate_hz)
-    noise = noise_v(random.Random(0), sigma_v, _WINDOWS * d.window_samples + settling)
-    enveloped = analog.respond(Analog.of(design), 1 / d.sample_rate_hz, noise).envelope_v
-    at_pin = Poles.envelope(design).process(enveloped)
-    return measure_noise_level(sampled_v(design, at_pin, converter)[settling:], design, "simulated noise")
+    noise = draw_noise_v(random.Random(0), sigma_v, _WINDOWS * d.window_samples + settling)
+    enveloped = simulate_board(AnalogBoard.from_design(design), 1 / d.sample_rate_hz, noise).envelope_v
+    at_pin = AntiAliasFilter.for_envelope(design).process(enveloped)
+    return measure_noise_level(sample_v(design, at_pin, adc)[settling:], design, "simulated noise")

@@ -1,13 +1,13 @@
-"""The board's filter as a linear system: from component values to x' = A x + b u + k, one for each state of the rails.
+"""Filter board as a linear system: from component values to x' = A x + b u + k, one for each saturation of amplifiers.
 
-States: the voltages across C1, C2, C3 and whatever capacitors a variant adds [V]; with a finite gain-bandwidth product
-also both amplifiers' outputs. Signals rest at 0, which on a single supply is the supply's middle. Kept batched: every
-value may be an array over many boards.
+The states are the voltages across C1, C2, C3 and the capacitors that a variant adds [V]; with a finite gain-bandwidth
+product also both amplifiers' outputs. Voltages are relative to the signal ground, which on a single supply is the
+middle of the supply. Equations are batched: every value may be an array over many boards.
 
 The gain-bandwidth product is that of the filter's amplifiers. A precision rectifier's amplifier also has to cross two
-diode drops, 1.2 V, at each zero of its input, which at a slope s takes sqrt(2 * 1.2 V / (2 pi GBW s)): 0.11 ms for the
-TLV2372 and 10 V/s, the slope of a slip, in which some 1 mV is lost. Left out: ngspice on the whole netlist, diodes and
-amplifiers of 3 MHz, differs by 0.1 mV in 0.18 V (tests/sim/test_comparator.py).
+diode drops, 1.2 V, at each zero of its input. At a slope s that takes sqrt(2 * 1.2 V / (2 pi GBW s)): 0.11 ms for the
+TLV2372 and 10 V/s, the slope of a slip, in which some 1 mV is lost. This is not modelled: ngspice on the whole netlist,
+with diodes and amplifiers of 3 MHz, differs by 0.1 mV in 0.18 V (tests/sim/test_comparator.py).
 """
 
 from __future__ import annotations
@@ -22,17 +22,26 @@ from fingertip.arrays import Array
 from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.errors import Issue
-from fingertip.sim.electronics.state_space import GROUND, Amplifier, Part, assemble
-from fingertip.sim.validation import not_negative, positive, refuse
+from fingertip.sim.electronics.envelope_loop import ABSCISSAE, LEVELS, WIDTH
+from fingertip.sim.electronics.state_space import (
+    GROUND,
+    Amplifier,
+    PassiveComponent,
+    assemble,
+    augment,
+    exponentials,
+)
+from fingertip.sim.validation import find_negative, find_not_positive, raise_issues
 
 Values = float | Array
+"""One value, or one for each of many boards."""
 
 
 @dataclass(frozen=True)
 class Diode:
-    """Shockley's diode with a series resistance: ``i = Is (exp((v - i Rs) / (n Vt)) - 1)``.
+    """Shockley diode with a series resistance: ``i = Is (exp((v - i Rs) / (n Vt)) - 1)``.
 
-    Default: the 1N4148 of common SPICE libraries, at SPICE's 27 degree Celsius.
+    The defaults are the 1N4148 of common SPICE libraries at SPICE's nominal 27 degrees Celsius.
     """
 
     saturation_a: Values = 2.52e-9
@@ -42,13 +51,13 @@ class Diode:
 
 
 @dataclass(frozen=True)
-class Analog:
-    """The article's board (figure 3) as it runs: values [ohm, F], diode, amplifiers.
+class AnalogBoard:
+    """Values [ohm, F], diode and amplifiers of the article's board (figure 3) or one of its variants.
 
     Raises
     ------
     TraceError
-        With one sentence for each value that is not above 0.
+        With one issue for each value that is not above 0.
     """
 
     r1_ohm: Values
@@ -63,15 +72,15 @@ class Analog:
     c_lp_f: Values
     diode: Diode = Diode()
     rail_v: float | None = None
-    """Both amplifiers' outputs stop at plus and minus this [V]; None: they never do."""
+    """Voltage at which both amplifiers' outputs saturate, of either sign [V]; None: they never do."""
     gain_bandwidth_hz: float | None = None
-    """Of both amplifiers [Hz]; None: infinite."""
+    """Gain-bandwidth product of both amplifiers [Hz]; None: infinite."""
     rectifier: Literal["diode", "precision"] = "diode"
     """A diode that charges R_LP parallel to C_LP (article), or amplifiers that rectify and follow with one pole."""
     blocking_capacitor: Values | None = None
-    """In series with R4 [F], so that the first stage amplifies no offset; None: R4 goes to ground."""
+    """Capacitor in series with R4 [F], so that the first stage amplifies no offset; None: R4 goes to ground."""
     limiting_capacitor: Values | None = None
-    """Across R5 [F], so that the first stage's gain ends above the vibrations; None: none."""
+    """Capacitor across R5 [F], so that the first stage's gain ends above the vibrations; None: there is none."""
 
     def __post_init__(self) -> None:
         issues = []
@@ -79,12 +88,12 @@ class Analog:
             *((f.name, "ohm", "1000") for f in fields(self) if f.name.endswith("_ohm")),
             *((f.name, "F", "1e-6") for f in fields(self) if f.name.endswith("_f")),
         ):
-            issues.extend(positive(f"board.{name}", float(np.min(getattr(self, name))), unit, example))
+            issues.extend(find_not_positive(f"board.{name}", float(np.min(getattr(self, name))), unit, example))
         d = self.diode
-        issues.extend(positive("diode.saturation_a", float(np.min(d.saturation_a)), "A", "2.52e-9"))
-        issues.extend(positive("diode.emission", float(np.min(d.emission)), "", "1.752"))
-        issues.extend(not_negative("diode.series_ohm", float(np.min(d.series_ohm)), "ohm"))
-        issues.extend(positive("diode.thermal_v", float(np.min(d.thermal_v)), "V", "0.0259"))
+        issues.extend(find_not_positive("diode.saturation_a", float(np.min(d.saturation_a)), "A", "2.52e-9"))
+        issues.extend(find_not_positive("diode.emission", float(np.min(d.emission)), "", "1.752"))
+        issues.extend(find_negative("diode.series_ohm", float(np.min(d.series_ohm)), "ohm"))
+        issues.extend(find_not_positive("diode.thermal_v", float(np.min(d.thermal_v)), "V", "0.0259"))
         for name, unit, example in (
             ("rail_v", "V", "3.5"),
             ("gain_bandwidth_hz", "Hz", "3e6"),
@@ -92,71 +101,103 @@ class Analog:
             ("limiting_capacitor", "F", "1.5e-9"),
         ):
             if getattr(self, name) is not None:
-                issues.extend(positive(f"board.{name}", float(np.min(getattr(self, name))), unit, example))
+                issues.extend(find_not_positive(f"board.{name}", float(np.min(getattr(self, name))), unit, example))
         if self.rail_v is not None and self.gain_bandwidth_hz is not None:
-            # At a rail a slow amplifier's input stage saturates, and how it comes back is in no data sheet.
-            words = "stands beside gain_bandwidth_hz, and both together are not modelled; leave one out."
-            issues.append(Issue("board.rail_v", f"{self.rail_v:g} V {words}"))
-        refuse(issues)
+            # The input stage of a slow amplifier saturates at a rail, and no data sheet says how it recovers.
+            message = "cannot be combined with gain_bandwidth_hz; both together are not modelled; leave one out."
+            issues.append(Issue("board.rail_v", f"{self.rail_v:g} V {message}"))
+        raise_issues(issues)
 
     @classmethod
-    def of(cls, design: Design) -> Analog:
-        """The board of a design with the values that are fitted."""
+    def from_design(cls, design: Design) -> AnalogBoard:
+        """Board of a design, with the values of the components that are fitted."""
         values = board_values(design)
         c, extra = values.preferred, values.first_stage
         resistors = (c.r1_ohm, c.r2_ohm, c.r3_ohm, c.r4_ohm, c.r5_ohm, c.r_lp_ohm)
         article = cls(*resistors, c.c_f, c.c_f, c.c_f, c.c_lp_f)
         if extra is None:
             return article
-        return article.changed(
+        return article.with_values(
             rectifier="precision", blocking_capacitor=extra.series_f, limiting_capacitor=extra.limit_f
         )
 
-    def changed(self, **values: object) -> Analog:
-        """The same board with other values."""
+    def with_values(self, **values: object) -> AnalogBoard:
+        """Copy of the board with other values."""
         return replace(self, **values)  # type: ignore[arg-type]
 
     @property
     def value_names(self) -> tuple[str, ...]:
-        """Names of all resistors and capacitors that this board has."""
-        extra = ("blocking_capacitor", "limiting_capacitor")
-        fitted = (name for name in extra if getattr(self, name) is not None)
+        """Names of all resistors and capacitors of this board."""
+        optional = ("blocking_capacitor", "limiting_capacitor")
+        fitted = (name for name in optional if getattr(self, name) is not None)
         return (*(f.name for f in fields(self) if f.name.endswith(("_f", "_ohm"))), *fitted)
 
     @property
     def gain(self) -> Values:
-        """G = 1 + R5/R4."""
+        """Gain of the first stage in the passband: G = 1 + R5/R4."""
         return 1 + self.r5_ohm / self.r4_ohm
 
 
-def system(board: Analog, mode: int = 0) -> tuple[Array, Array, Array, Array, Array]:
-    """A (B, n, n), b and k (B, n), and rows (B, n + 3) over (x, u, slope, 1): the output, and the first amplifier's
-    output as it would be without rails.
+def board_with_amplifiers(design: Design, amplifiers: str) -> AnalogBoard:
+    """Board of a design with one of three models of its amplifiers.
+
+    The rails are taken as far below the signal ground as above it. A TL082's inputs leave their common-mode range
+    sooner, and its output then jumps up. This is not simulated: `VoltageLimits.filter_trough_v` says how far down the
+    board of variant article may be driven.
+
+    Parameters
+    ----------
+    design
+        Its board.
+    amplifiers
+        "ideal", "rails" (outputs saturate) or "gain_bandwidth" (the design's gain-bandwidth product).
+    """
+    board = AnalogBoard.from_design(design)
+    if amplifiers == "rails":
+        return board.with_values(rail_v=board_values(design).voltage_limits.filter_peak_v)
+    if amplifiers == "gain_bandwidth":
+        return board.with_values(gain_bandwidth_hz=design.board.gain_bandwidth_hz)
+    return board
+
+
+def compute_state_space(board: AnalogBoard, mode: int = 0) -> tuple[Array, Array, Array, Array, Array]:
+    """Compute the board's state equations.
 
     Parameters
     ----------
     board
         Its values give the batch's length B (1 for plain numbers).
     mode
-        3 times the first amplifier's state plus the second's; each 0 free, 1 at the upper rail, 2 at the lower.
+        3 times the first amplifier's state plus the second's; each is 0 (linear), 1 (saturated at the upper rail) or 2
+        (at the lower rail).
+
+    Returns
+    -------
+    A, b, k
+        Matrices of shapes (B, n, n), (B, n), (B, n).
+    output, first_stage
+        Rows of shape (B, n + 3) over (x, u, slope of u, 1): the filter's output, and the first amplifier's output as it
+        would be without rails.
     """
-    parts = [Part(name, a, b, getattr(board, name)) for name, a, b in topology(board)]
-    resistors = [part for part in parts if part.name.endswith("_ohm")]
-    capacitors = [part for part in parts if not part.name.endswith("_ohm")]
-    batch = max(np.size(part.value) for part in parts)
+    components = [PassiveComponent(name, a, b, getattr(board, name)) for name, a, b in topology(board)]
+    resistors = [component for component in components if component.name.endswith("_ohm")]
+    capacitors = [component for component in components if not component.name.endswith("_ohm")]
+    batch = max(np.size(component.value) for component in components)
     rail = board.rail_v or 0.0
-    held = [(None, rail, -rail)[state] for state in divmod(mode, 3)]
+    saturated = [(None, rail, -rail)[state] for state in divmod(mode, 3)]
     first, second = (
-        Amplifier(*pins, board.gain_bandwidth_hz, at)
-        for pins, at in zip((("p", "f", "o1"), ("n", "o2", "o2")), held, strict=True)
+        Amplifier(*pins, board.gain_bandwidth_hz, voltage)
+        for pins, voltage in zip((("p", "f", "o1"), ("n", "o2", "o2")), saturated, strict=True)
     )
     found = assemble(resistors, capacitors, (first, second), "in", batch)
-    free = assemble(resistors, capacitors, (replace(first, rail_v=None), second), "in", batch) if held[0] else found
-    return found.A, found.b, found.k, found.nodes["o2"], free.nodes["o1"]
+    linear = found
+    if saturated[0]:
+        linear = assemble(resistors, capacitors, (replace(first, saturated_v=None), second), "in", batch)
+    return found.A, found.b, found.k, found.nodes["o2"], linear.nodes["o1"]
 
 
-def topology(board: Analog) -> Iterator[tuple[str, str, str]]:
-    """Name of a value, and the nodes it lies between: C1, C2, C3 are the first states, as the loop expects."""
+def topology(board: AnalogBoard) -> Iterator[tuple[str, str, str]]:
+    """Name of each value and the nodes it lies between; C1, C2, C3 are the first states, as the loop expects."""
     yield from (("c1_f", "in", "p"), ("c2_f", "o1", "m"), ("c3_f", "m", "n"))
     yield from (("r1_ohm", "p", GROUND), ("r2_ohm", "m", "o2"), ("r3_ohm", "n", GROUND), ("r5_ohm", "f", "o1"))
     yield "r4_ohm", "f", GROUND if board.blocking_capacitor is None else "s"
@@ -164,3 +205,40 @@ def topology(board: Analog) -> Iterator[tuple[str, str, str]]:
         yield "blocking_capacitor", "s", GROUND
     if board.limiting_capacitor is not None:
         yield "limiting_capacitor", "f", "o1"
+
+
+def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, Array, Array, Array, Array]:
+    """Compute the board's exact steps in the layout of `envelope_loop`: one flat array for each board.
+
+    Returns
+    -------
+    states
+        Number of states.
+    steps, stages
+        Rows of the state at the end of a step, and of the output at `ABSCISSAE` within it, by mode of the rails and
+        level of the step.
+    output, first_stage
+        Rows of the output, and of the first amplifier's output without rails, at one moment.
+    """
+    steps, stages = [], []
+    outputs = first_stages = np.zeros(0)
+    n = 0
+    for mode in range(9 if board.rail_v else 1):
+        A, b, k, output, first_stage = compute_state_space(board, mode)
+        n = A.shape[-1]
+        padding = max(0, WIDTH - n - 3)
+        if mode == 0:
+            outputs, first_stages = (np.pad(row, ((0, 0), (0, padding))) for row in (output, first_stage))
+        M = augment(A, b, k)
+        # Two levels more than the loop uses give the quarters and halves of the shortest step.
+        powers = exponentials(M, step_s, LEVELS + 2)
+        odd = exponentials(M, step_s * 0.55, LEVELS)
+        quarter, half, full = powers[:, 2:], powers[:, 1:-1], powers[:, :-2]
+        transition = {0.25: quarter, 0.5: half, 0.75: quarter @ half, 0.55: odd, 1.0: full}
+        row = np.stack([(output[:, None, None, :] @ transition[c])[:, :, 0] for c in ABSCISSAE], axis=2)
+        pad = ((0, 0), (0, 0), (0, 0), (0, padding))
+        steps.append(np.pad(full[:, :, :n], pad))
+        stages.append(np.pad(row, pad))
+    count = len(outputs)
+    flat_steps, flat_stages = (np.stack(arrays, axis=1).reshape(count, -1) for arrays in (steps, stages))
+    return n, flat_steps, flat_stages, outputs, first_stages

@@ -1,13 +1,16 @@
-"""The loop of `fingertip.sim.electronics.analog`: exact linear steps, and a diode that charges R parallel to C.
+"""Loop of `fingertip.sim.electronics.analog`: exact linear steps, and a diode that charges R parallel to C.
 
-    C dv/dt = i - v / R,   i = Is (exp((u - v - i Rs) / nVt) - 1)     article
-    C dv/dt = (max(u, 0) - v) / R                                      variant precision
+    C dv/dt = i - v / R,   i = Is (exp((u - v - i Rs) / nVt) - 1)     variant article
+    C dv/dt = (max(u, 0) - v) / R                                      variants precision, comparator
 
-Where the diode hardly conducts, the decay is exact and its current a correction by Simpson's rule. Elsewhere SDIRK4
-(Hairer and Wanner, as in `sim.rosenbrock`, table IV.6.5; L-stable, order 4, embedded order 3): every stage, also with
-Rs, is one value of Wright's omega function, so there is no iteration that could fail. Steps are the sample's divided
-by powers of two. The shortest is taken as it is, by Euler's implicit rule: after a jump of 100 V into a diode without
-Rs the stages of any higher order overshoot, and what has flown through a diode does not flow back.
+u is the filter's output and v the envelope. Where the diode hardly conducts, the decay of v is exact and the diode's
+current is a correction by Simpson's rule. Elsewhere v follows SDIRK4 (E. Hairer, G. Wanner, Solving Ordinary
+Differential Equations II, table IV.6.5; L-stable, order 4, embedded order 3). Every stage, also with Rs, is one value
+of Wright's omega function, so no iteration can fail.
+
+A step is the sampling interval divided by a power of two, its level. The shortest step is accepted without an error
+estimate and taken by the implicit Euler rule: after a jump of 100 V into a diode without Rs, the stages of any method
+of higher order overshoot, and charge that has passed the diode does not return.
 """
 
 from __future__ import annotations
@@ -18,18 +21,26 @@ from collections.abc import MutableSequence, Sequence
 from fingertip.jit import CompiledLoop
 
 LEVELS = 25
-"""Steps down to the sample's over 2^24: 30 ps at 2 kHz."""
+"""Number of step sizes, from the sampling interval down to the interval over 2^24: 30 ps at 2 kHz."""
 ABSCISSAE = (0.25, 0.75, 0.55, 0.5, 1.0)
-"""Where within a step the method needs the filter's output."""
+"""Positions within a step at which SDIRK4 needs the filter's output (the method's c)."""
 WIDTH = 8
-"""Least length of a row of the matrices, for up to five states; longer rows take their own."""
+"""Minimum length of a row of the matrices, for up to five states; longer rows keep their own length."""
+
+# SDIRK4 in the variables z_i = gamma h k_i with gamma = 1/4: the table's a_ij times 4, and its error weights times 4.
+A21 = 2.0
+A31, A32 = 1.36, -0.16
+A41, A42, A43 = 371 / 340, -137 / 680, 15 / 136
+A51, A52, A53, A54 = 25 / 6, -49 / 12, 31.25, -85 / 3
+E1, E2, E3 = -0.75, -3.375, 3.125
 
 
-def omega(y: float) -> float:
-    """Wright's omega: the w with w + ln w = y.
+def wright_omega(y: float) -> float:
+    """Wright's omega function: the w with w + ln w = y.
 
-    Start as in P. W. Lawrence, R. M. Corless, D. J. Jeffrey, ACM TOMS 38(3), 2012, doi:10.1145/2168773.2168779, then
-    their (Fritsch's) iteration of order 4, twice: error below 4e-16 of the value.
+    The initial value follows P. W. Lawrence, R. M. Corless, D. J. Jeffrey, ACM TOMS 38(3), 2012,
+    doi:10.1145/2168773.2168779. Two iterations of order 4 follow (theirs, after Fritsch): the relative error is below
+    4e-16.
     """
     if y < -40.0:
         return math.exp(y)
@@ -49,34 +60,34 @@ def omega(y: float) -> float:
     return w
 
 
-def dot(row: Sequence[float], at: int, z: Sequence[float], width: int) -> float:
-    """A row times the state; what is not used is 0."""
-    first = row[at] * z[0] + row[at + 1] * z[1] + row[at + 2] * z[2] + row[at + 3] * z[3]
-    total = first + (row[at + 4] * z[4] + row[at + 5] * z[5] + row[at + 6] * z[6] + row[at + 7] * z[7])
+def dot(rows: Sequence[float], start: int, z: Sequence[float], width: int) -> float:
+    """Product of the row that begins at `start` with the state; unused places of both are 0."""
+    first = rows[start] * z[0] + rows[start + 1] * z[1] + rows[start + 2] * z[2] + rows[start + 3] * z[3]
+    total = first + (rows[start + 4] * z[4] + rows[start + 5] * z[5] + rows[start + 6] * z[6] + rows[start + 7] * z[7])
     for i in range(8, width):
-        total += row[at + i] * z[i]
+        total += rows[start + i] * z[i]
     return total
 
 
 def _loop(
     tolerance: float,
     H: float,
-    n: int,
+    states: int,
     width: int,
     levels: int,
     rail: float,
-    ideal: bool,
+    precision: bool,
     diode: tuple[float, float, float],
     load: tuple[float, float],
     before: Sequence[float],
     after: Sequence[float],
-    step: Sequence[float],
-    rows: Sequence[float],
-    out: Sequence[float],
-    first: Sequence[float],
+    step_rows: Sequence[float],
+    stage_rows: Sequence[float],
+    output_row: Sequence[float],
+    first_stage_row: Sequence[float],
     carried: MutableSequence[float],
     z: MutableSequence[float],
-    new: MutableSequence[float],
+    z_next: MutableSequence[float],
     decays: MutableSequence[float],
     filtered: MutableSequence[float],
     enveloped: MutableSequence[float],
@@ -84,8 +95,9 @@ def _loop(
 ) -> None:
     saturation, nvt, series = diode
     R, C = load
-    top = levels - 1
-    whole = 1 << top
+    shortest = levels - 1
+    # A tick is the shortest step; a step at level l takes 2^(levels - 1 - l) of them.
+    ticks_per_sample = 1 << shortest
     for a in range(levels):
         decays[a] = math.exp(-H / (1 << a) / (R * C))
     v = carried[0]
@@ -95,131 +107,151 @@ def _loop(
     enveloped[0] = v
     mode = 0
     for i in range(len(before) - 1):
-        z[n] = after[i]
-        z[n + 1] = (before[i + 1] - after[i]) / H
-        z[n + 2] = 1.0
-        u0 = dot(out, 0, z, width)
-        place = 0
+        # The input is linear over the interval: z holds the circuit's states, the input, its slope and 1.
+        z[states] = after[i]
+        z[states + 1] = (before[i + 1] - after[i]) / H
+        z[states + 2] = 1.0
+        u0 = dot(output_row, 0, z, width)
+        tick = 0
         if before[i] != after[i]:
-            level = top  # a jump: what follows it may be as fast as it likes
-        while place < whole:
-            size = whole >> level
-            while place & (size - 1):
+            level = shortest  # after a jump the response may be arbitrarily fast
+        while tick < ticks_per_sample:
+            # A step begins at a multiple of its own length, so that every step size divides the interval.
+            step_ticks = ticks_per_sample >> level
+            while tick & (step_ticks - 1):
                 level += 1
-                size >>= 1
+                step_ticks >>= 1
+
+            # Rails: the mode says which amplifier is saturated, and selects the matrices.
             if rail > 0.0:
-                p = dot(first, 0, z, width)
+                p = dot(first_stage_row, 0, z, width)
                 o1 = rail if p > rail else -rail if p < -rail else p
                 o2 = o1 - z[1] - z[2]
                 mode = (1 if p > rail else 2 if p < -rail else 0) * 3 + (1 if o2 > rail else 2 if o2 < -rail else 0)
                 u0 = rail if o2 > rail else -rail if o2 < -rail else o2
+
+            # Linear part: exact states at the end of the step, and the filter's output in its middle and at its end.
             h = H / (1 << level)
-            at = (mode * levels + level) * n * width
-            for a in range(n):
-                new[a] = dot(step, at + a * width, z, width)
-            at = (mode * levels + level) * 5 * width
-            u4, u5 = dot(rows, at + 3 * width, z, width), dot(rows, at + 4 * width, z, width)
-            # Between three points the output bends by no more than they do; twice that is a bound with room.
-            highest = max(max(u0, u4), u5) + abs(u0 - 2 * u4 + u5)
+            start = (mode * levels + level) * states * width
+            for a in range(states):
+                z_next[a] = dot(step_rows, start + a * width, z, width)
+            start = (mode * levels + level) * 5 * width
+            u4, u5 = dot(stage_rows, start + 3 * width, z, width), dot(stage_rows, start + 4 * width, z, width)
+
+            # Bounds for the step: the largest output, the smallest envelope, and the largest current between them.
+            # Between three points the output bends by no more than they do; twice that is a bound with a margin.
+            max_output = max(max(u0, u4), u5) + abs(u0 - 2 * u4 + u5)
             decay = decays[level]
-            lowest = v * decay - saturation * R * (1 - decay)
-            if v < lowest:
-                lowest = v
-            strongest = (highest - lowest) / nvt
-            flow = saturation * math.exp(strongest) if strongest < 300.0 else 1e300
-            if ideal:
-                # An amplifier takes the diode's drop away: R and C follow the positive half waves.
-                if highest <= 0.0:
-                    ve = v * decay
+            min_envelope = v * decay - saturation * R * (1 - decay)
+            if v < min_envelope:
+                min_envelope = v
+            max_exponent = (max_output - min_envelope) / nvt
+            max_current = saturation * math.exp(max_exponent) if max_exponent < 300.0 else 1e300
+
+            if precision:
+                # Amplifiers compensate the diode's drop: R and C follow the positive half waves.
+                if max_output <= 0.0:
+                    v_next = v * decay
                     error = 0.0
                 else:
+                    # SDIRK4; every stage is linear in its own value.
                     implicit += 1
-                    u1, u2, u3 = (
-                        dot(rows, at, z, width),
-                        dot(rows, at + width, z, width),
-                        dot(rows, at + 2 * width, z, width),
-                    )
+                    u1 = dot(stage_rows, start, z, width)
+                    u2 = dot(stage_rows, start + width, z, width)
+                    u3 = dot(stage_rows, start + 2 * width, z, width)
                     g = 0.25 * h / (R * C)
                     alpha = g / (1 + g)
                     k1 = alpha * (max(u1, 0.0) - v)
-                    k2 = alpha * (max(u2, 0.0) - v - 2 * k1)
-                    k3 = alpha * (max(u3, 0.0) - v - 1.36 * k1 + 0.16 * k2)
-                    k4 = alpha * (max(u4, 0.0) - v - 371 / 340 * k1 + 137 / 680 * k2 - 15 / 136 * k3)
-                    base = v + 25 / 6 * k1 - 49 / 12 * k2 + 31.25 * k3 - 85 / 3 * k4
+                    k2 = alpha * (max(u2, 0.0) - v - A21 * k1)
+                    k3 = alpha * (max(u3, 0.0) - v - A31 * k1 - A32 * k2)
+                    k4 = alpha * (max(u4, 0.0) - v - A41 * k1 - A42 * k2 - A43 * k3)
+                    base = v + A51 * k1 + A52 * k2 + A53 * k3 + A54 * k4
                     k5 = alpha * (max(u5, 0.0) - base)
-                    ve = base + k5
-                    error = abs(-0.75 * k1 - 3.375 * k2 + 3.125 * k3 + k5)
+                    v_next = base + k5
+                    error = abs(E1 * k1 + E2 * k2 + E3 * k3 + k5)
                     if min(min(min(u0, u1), min(u2, u3)), min(u4, u5)) < 0.0:
-                        # The bend at u = 0 lies within the step, and the stages may all miss it.
-                        error = max(error, 0.4 * g * highest)
-            elif flow * h < 1e-3 * tolerance * C and saturation * R < 1e-2 * tolerance:
-                ve = v * decay
+                        # The corner at u = 0 lies within the step, and all stages may miss it.
+                        error = max(error, 0.4 * g * max_output)
+            elif max_current * h < 1e-3 * tolerance * C and saturation * R < 1e-2 * tolerance:
+                # The diode is off: neither its forward nor its reverse current matters.
+                v_next = v * decay
                 error = 0.0
-            elif flow * h < tolerance * C and flow * series < 0.01 * nvt:
-                # What the reverse current and R do is exact, what conducts is within the tolerance.
-                half = math.sqrt(decay)
-                leak = saturation * R
-                vm = (v + leak) * half - leak
-                ve = (v + leak) * decay - leak
-                feed = (
-                    decay * math.exp((u0 - v) / nvt) + 4 * half * math.exp((u4 - vm) / nvt) + math.exp((u5 - ve) / nvt)
+            elif max_current * h < tolerance * C and max_current * series < 0.01 * nvt:
+                # The diode hardly conducts: reverse current and decay are exact, the forward current is within the
+                # tolerance and integrated by Simpson's rule.
+                half_decay = math.sqrt(decay)
+                leakage_v = saturation * R
+                v_middle = (v + leakage_v) * half_decay - leakage_v
+                v_next = (v + leakage_v) * decay - leakage_v
+                conduction = (
+                    decay * math.exp((u0 - v) / nvt)
+                    + 4 * half_decay * math.exp((u4 - v_middle) / nvt)
+                    + math.exp((u5 - v_next) / nvt)
                 )
-                ve += h / 6 / C * saturation * feed
+                v_next += h / 6 / C * saturation * conduction
                 error = 0.0
-            elif level == top:
+            elif level == shortest:
+                # The implicit Euler rule, solved by Wright's omega function.
                 implicit += 1
                 alpha = 1 / (1 + h / (R * C))
                 charge = alpha * h / C
                 rho = (series + charge) / nvt
-                current = omega(math.log(rho * saturation) + rho * saturation + (u5 - alpha * v) / nvt) / rho
-                ve = alpha * v + charge * (current - saturation)
+                current = wright_omega(math.log(rho * saturation) + rho * saturation + (u5 - alpha * v) / nvt) / rho
+                v_next = alpha * v + charge * (current - saturation)
                 error = 0.0
             else:
+                # SDIRK4. With k_i = gamma h dv/dt, a stage's own value is base + k_i.
                 implicit += 1
-                u1, u2, u3 = (
-                    dot(rows, at, z, width),
-                    dot(rows, at + width, z, width),
-                    dot(rows, at + 2 * width, z, width),
-                )
+                u1 = dot(stage_rows, start, z, width)
+                u2 = dot(stage_rows, start + width, z, width)
+                u3 = dot(stage_rows, start + 2 * width, z, width)
                 g = 0.25 * h
                 alpha = 1 / (1 + g / (R * C))
                 charge = alpha * g / C
                 rho = (series + charge) / nvt
                 shift = math.log(rho * saturation) + rho * saturation
                 drop = g / (R * C)
-                # z_i = gamma h k_i; the stage's own value is then base + z_i.
                 base = v
-                k1 = charge * (omega(shift + (u1 - alpha * base) / nvt) / rho - saturation) - alpha * drop * base
-                base = v + 2 * k1
-                k2 = charge * (omega(shift + (u2 - alpha * base) / nvt) / rho - saturation) - alpha * drop * base
-                base = v + 1.36 * k1 - 0.16 * k2
-                k3 = charge * (omega(shift + (u3 - alpha * base) / nvt) / rho - saturation) - alpha * drop * base
-                base = v + 371 / 340 * k1 - 137 / 680 * k2 + 15 / 136 * k3
-                k4 = charge * (omega(shift + (u4 - alpha * base) / nvt) / rho - saturation) - alpha * drop * base
-                base = v + 25 / 6 * k1 - 49 / 12 * k2 + 31.25 * k3 - 85 / 3 * k4
-                k5 = charge * (omega(shift + (u5 - alpha * base) / nvt) / rho - saturation) - alpha * drop * base
-                ve = base + k5
-                error = abs(-0.75 * k1 - 3.375 * k2 + 3.125 * k3 + k5)
-            if rail > 0.0 and level < top:
-                # Did an amplifier reach or leave a rail on the way? Then the step is cut there.
-                p = dot(first, 0, new, width) + first[n] * (z[n] + h * z[n + 1])
+                k1 = charge * (wright_omega(shift + (u1 - alpha * base) / nvt) / rho - saturation) - alpha * drop * base
+                base = v + A21 * k1
+                k2 = charge * (wright_omega(shift + (u2 - alpha * base) / nvt) / rho - saturation) - alpha * drop * base
+                base = v + A31 * k1 + A32 * k2
+                k3 = charge * (wright_omega(shift + (u3 - alpha * base) / nvt) / rho - saturation) - alpha * drop * base
+                base = v + A41 * k1 + A42 * k2 + A43 * k3
+                k4 = charge * (wright_omega(shift + (u4 - alpha * base) / nvt) / rho - saturation) - alpha * drop * base
+                base = v + A51 * k1 + A52 * k2 + A53 * k3 + A54 * k4
+                k5 = charge * (wright_omega(shift + (u5 - alpha * base) / nvt) / rho - saturation) - alpha * drop * base
+                v_next = base + k5
+                error = abs(E1 * k1 + E2 * k2 + E3 * k3 + k5)
+
+            # Reject a step in which an amplifier reaches or leaves a rail: bisection locates the moment.
+            if rail > 0.0 and level < shortest:
+                p = dot(first_stage_row, 0, z_next, width) + first_stage_row[states] * (z[states] + h * z[states + 1])
                 o1 = rail if p > rail else -rail if p < -rail else p
-                o2 = o1 - new[1] - new[2]
-                now = (1 if p > rail else 2 if p < -rail else 0) * 3 + (1 if o2 > rail else 2 if o2 < -rail else 0)
-                if now != mode:
+                o2 = o1 - z_next[1] - z_next[2]
+                mode_next = (1 if p > rail else 2 if p < -rail else 0) * 3 + (
+                    1 if o2 > rail else 2 if o2 < -rail else 0
+                )
+                if mode_next != mode:
                     error = 1e300
-            if error > tolerance and level < top:
+            if error > tolerance and level < shortest:
                 rejected += 1
                 level += 1
                 continue
+
+            # Accept the step; double the next one where the error is far below the tolerance and the grid allows it.
             steps += 1
-            v = ve
+            v = v_next
             u0 = u5
-            for a in range(n):
-                z[a] = new[a]
-            place += size
-            z[n] = before[i + 1] if place == whole else after[i] + z[n + 1] * (H * (place / whole))
-            if level > 0 and error < 0.03 * tolerance and not place & (2 * size - 1):
+            for a in range(states):
+                z[a] = z_next[a]
+            tick += step_ticks
+            z[states] = (
+                before[i + 1]
+                if tick == ticks_per_sample
+                else after[i] + z[states + 1] * (H * (tick / ticks_per_sample))
+            )
+            if level > 0 and error < 0.03 * tolerance and not tick & (2 * step_ticks - 1):
                 level -= 1
         if rail > 0.0:
             u0 = rail if u0 > rail else -rail if u0 < -rail else u0
@@ -230,6 +262,9 @@ def _loop(
     count[0], count[1], count[2] = steps, rejected, implicit
 
 
-run = CompiledLoop(_loop, omega, dot, outputs=7, samples="before", plain_us=10.0)
-"""Carries (envelope, level of the next step) and z (the states); new and decays are scratch; fills filtered, enveloped,
-and (steps, rejected, implicit steps)."""
+run = CompiledLoop(_loop, wright_omega, dot, outputs=7, samples="before", plain_us=7.0)
+"""Follows one board over one chunk of samples.
+
+It carries (envelope, level of the next step) and z (the states) to the next chunk, uses z_next and decays as scratch
+memory, and fills filtered, enveloped and (steps, rejected steps, implicit steps).
+"""

@@ -1,4 +1,4 @@
-"""Boards as they are bought: every part within its tolerance, thousands of them at once."""
+"""Monte Carlo samples of the board: components within their tolerances, for thousands of boards at once."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.errors import Issue, TraceError
-from fingertip.sim.electronics.circuit import Analog
+from fingertip.sim.electronics.circuit import AnalogBoard
 
-RESISTORS = 0.01
-"""Tolerance of the resistors, as a share."""
-CAPACITORS = 0.05
-"""Tolerance of the capacitors, as a share."""
-SATURATION = 2.0
-"""Saturation current of diodes: from the fitted one divided by this to that times it. Assumption."""
+RESISTOR_TOLERANCE = 0.01
+"""Relative tolerance of the resistors."""
+CAPACITOR_TOLERANCE = 0.05
+"""Relative tolerance of the capacitors."""
+SATURATION_FACTOR = 2.0
+"""Range of the diodes' saturation current: from the nominal value divided by this to the value times it. Assumption."""
 
 
-def spread(board: Analog, count: int, seed: int = 0) -> Analog:
-    """Boards whose parts lie evenly within their tolerances, each part by itself.
+def draw_boards(board: AnalogBoard, count: int, seed: int = 0) -> AnalogBoard:
+    """Draw boards whose components are uniformly distributed within their tolerances and independent.
 
     Parameters
     ----------
     board
-        The one they are meant to be.
+        Board with nominal values.
     count
-        How many.
+        Number of boards.
     seed
-        The same seed gives the same boards; the first ones are the same for every count.
+        The same seed gives the same boards; the first boards are the same for every count.
 
     Raises
     ------
@@ -37,13 +37,15 @@ def spread(board: Analog, count: int, seed: int = 0) -> Analog:
         If the count is not above 0.
     """
     if count < 1:
-        raise TraceError(Issue("count", f"{count} boards are none; give at least 1."))
+        raise TraceError(Issue("count", f"{count} is too few; give at least 1 board."))
     rng = random.Random(f"{seed}:boards")
     names = board.value_names
     drawn = np.array([[2 * rng.random() - 1 for _ in range(len(names) + 1)] for _ in range(count)])
     values: dict[str, NDArray[np.float64]] = {
-        name: getattr(board, name) * (1 + (RESISTORS if name.endswith("_ohm") else CAPACITORS) * drawn[:, i])
+        name: getattr(board, name)
+        * (1 + (RESISTOR_TOLERANCE if name.endswith("_ohm") else CAPACITOR_TOLERANCE) * drawn[:, i])
         for i, name in enumerate(names)
     }
-    saturation = np.asarray(board.diode.saturation_a) * np.array([SATURATION**x for x in drawn[:, -1].tolist()])
-    return board.changed(diode=replace(board.diode, saturation_a=saturation), **values)
+    factors = np.array([SATURATION_FACTOR**x for x in drawn[:, -1].tolist()])
+    saturation = np.asarray(board.diode.saturation_a) * factors
+    return board.with_values(diode=replace(board.diode, saturation_a=saturation), **values)

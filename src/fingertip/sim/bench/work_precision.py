@@ -1,0 +1,145 @@
+"""Work-precision diagrams: error and CPU time of several solvers on one problem, as data and as text."""
+
+from __future__ import annotations
+
+import os
+import platform
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.errors import Issue, MissingLibraryError
+
+MIN_ERROR_RATIO = 100.0
+"""Smallest ratio of an error to the difference of the two references at which the error counts as known."""
+_REPEAT_BELOW_S = 1.0
+
+
+@dataclass(frozen=True)
+class Point:
+    """One solver at one setting."""
+
+    solver: str
+    setting: str
+    cpu_s: float
+    error: float
+
+
+@dataclass
+class WorkPrecision:
+    """Points of one problem, and the runs that gave no point."""
+
+    problem: str
+    unit: str
+    target: float
+    """Error that is small enough in practice, in `unit`."""
+    target_ratios: dict[str, float] = field(default_factory=dict)
+    """Solver -> how many times our CPU time it should take at that error."""
+    reference_difference: float = 0.0
+    """Largest difference between the two references, in `unit`."""
+    input_s: float = 0.0
+    """CPU time of generating the input once [s]; part of every point, of ours and of the others."""
+    points: list[Point] = field(default_factory=list)
+    omissions: list[str] = field(default_factory=list)
+
+    def measure(self, solver: str, setting: str, run: Callable[[], Array], reference: Array) -> None:
+        """Measure a run; list it among the omissions if it fails or its error is not known."""
+        try:
+            result, cpu = measure_cpu_s(run)
+        except Exception as error:  # another solver may fail in any way; the failure is reported
+            self.omissions.append(f"{solver}, {setting}: failed ({type(error).__name__}: {str(error)[:80]})")
+            return
+        self.add_result(solver, setting, cpu, result, reference)
+
+    def add_result(self, solver: str, setting: str, cpu_s: float, result: Array, reference: Array) -> None:
+        """Add a result as a point, or list it among the omissions."""
+        error = float(np.abs(result - reference).max()) if result.shape == reference.shape else float("nan")
+        if not np.isfinite(error):
+            self.omissions.append(f"{solver}, {setting}: result is not finite at every sample")
+        elif error < MIN_ERROR_RATIO * self.reference_difference:
+            self.omissions.append(
+                f"{solver}, {setting}: error {error:.1e} {self.unit} is below {MIN_ERROR_RATIO:g} times the difference "
+                f"of the references, {self.reference_difference:.1e} {self.unit} ({cpu_s:.3g} s)"
+            )
+        else:
+            self.points.append(Point(solver, setting, cpu_s + self.input_s, error))
+
+    def fastest_point(self, solver: str, max_error: float) -> Point | None:
+        """Fastest point of a solver with at most this error."""
+        good = [p for p in self.points if p.solver == solver and p.error <= max_error]
+        return min(good, key=lambda p: p.cpu_s, default=None)
+
+    def cpu_ratio(self, ours: str, solver: str) -> float | None:
+        """CPU time of `solver` over ours, at an error at which ours is at least as accurate.
+
+        The solver's fastest point within the target is compared with our fastest point that is at least as accurate.
+        """
+        theirs = self.fastest_point(solver, self.target)
+        best = self.fastest_point(ours, theirs.error) if theirs else None
+        return theirs.cpu_s / best.cpu_s if theirs and best else None
+
+    def cpu_ratios(self) -> dict[str, float | None]:
+        """CPU time of each other solver over ours, the first solver's; None where there is no point to compare."""
+        solvers = list(dict.fromkeys(point.solver for point in self.points))
+        return {solver: self.cpu_ratio(solvers[0], solver) for solver in solvers[1:]}
+
+    def as_data(self) -> dict[str, Any]:
+        """Diagram for JSON."""
+        return asdict(self) | {"cpu_ratios": self.cpu_ratios()}
+
+    def as_text(self) -> list[str]:
+        """Diagram as lines of text."""
+        unit = self.unit
+        lines = [f"{self.problem}: the references differ by {self.reference_difference:.1e} {unit}"]
+        lines += [f"  {p.solver:28}{p.setting:28}{p.error:10.1e} {unit}{1e3 * p.cpu_s:12.2f} ms" for p in self.points]
+        for solver, ratio in self.cpu_ratios().items():
+            text = f"{ratio:.0f} times our CPU time" if ratio else "no comparable point"
+            if solver in self.target_ratios:
+                text += f" (target {self.target_ratios[solver]:g})"
+            lines.append(f"  {solver}: {text} at an error of at most {self.target:g} {unit}, with ours no larger")
+        lines.append("  omitted:")
+        return lines + [f"    {line}" for line in self.omissions]
+
+
+def measure_cpu_s(run: Callable[[], Array]) -> tuple[Array, float]:
+    """Return a result, and the median CPU time of five runs [s] (of one run if it is slow)."""
+    times = []
+    for _ in range(5):
+        start = time.process_time()
+        result = run()
+        times.append(time.process_time() - start)
+        if times[-1] > _REPEAT_BELOW_S:
+            break
+    return result, statistics.median(times)
+
+
+def describe_machine() -> dict[str, Any]:
+    """Describe the machine that the times are measured on, and its load."""
+    return {
+        "machine": platform.machine(),
+        "cores": os.cpu_count(),
+        "load": [round(x, 2) for x in os.getloadavg()],
+        "python": platform.python_version(),
+    }
+
+
+def require_libraries() -> None:
+    """Raise unless the libraries that the benchmark compares with are installed.
+
+    Raises
+    ------
+    MissingLibraryError
+        With the names of the missing packages.
+    """
+    missing = [name for name in ("scipy", "numba") if find_spec(name) is None]
+    if missing:
+        names = " and ".join(missing)
+        raise MissingLibraryError(
+            Issue("fingertip bench", f"needs {names}; install with `pip install {' '.join(missing)}`.")
+        )

@@ -1,0 +1,18 @@
+"""Oracle: the article's filter and envelope in ngspice, driven by a sampled voltage."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fingertip.arrays import Array
+from fingertip.sim.bench.board import read_result, run_deck, write_deck
+from fingertip.sim.electronics.circuit import AnalogBoard
+
+
+def simulate_with_ngspice(
+    program: Path, folder: Path, board: AnalogBoard, step_s: float, voltage_v: Array, reltol: float, longest_s: float
+) -> tuple[Array, Array]:
+    """Filtered and enveloped voltage at the samples [V]."""
+    write_deck(folder, board, step_s, voltage_v, reltol, longest_s)
+    run_deck(program, folder)
+    return read_result(folder, step_s, len(voltage_v))

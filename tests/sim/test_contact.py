@@ -10,19 +10,19 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.errors import TraceError
-from fingertip.sim.contact.contact import Friction, Motion, Mount, drag
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
-from fingertip.sim.scenes.timeline import plan
-from fingertip.sim.trial import Trial
+from fingertip.sim.contact.tangential import Friction, Mount, PadMotion, drag
+from fingertip.sim.scenes.timeline import build_timeline
+from fingertip.sim.article import Trial
 
 FRICTION = Friction(0.6, 0.48)
 FORCE_N = 0.8
-PAD = Pad.of(Design())
+PAD = Pad.from_design(Design())
 STIFFNESS = PAD.tangential_stiffness_n_per_m(FORCE_N)
 MOUNT = Mount(PAD.mass_kg, STIFFNESS, 2 * DAMPING_RATIO * math.sqrt(STIFFNESS * PAD.mass_kg))
 
 
-def slow_pull(speed_m_s: float, seconds: float, mount: Mount = MOUNT, friction: Friction = FRICTION) -> Motion:
+def slow_pull(speed_m_s: float, seconds: float, mount: Mount = MOUNT, friction: Friction = FRICTION) -> PadMotion:
     h = 1e-4
     time = np.arange(round(seconds / h)) * h
     return drag(friction, mount, h, speed_m_s * time, np.full_like(time, speed_m_s), np.full_like(time, FORCE_N))
@@ -100,8 +100,8 @@ def test_impossible_friction_is_refused(bad):
         Friction(**({"mu_s": 0.6, "mu_c": 0.48} | bad))
 
 
-def sliding(substeps: int, seconds: float = 2.1) -> Motion:
-    scene = plan(Trial().scene, PAD, FORCE_N)
+def sliding(substeps: int, seconds: float = 2.1) -> PadMotion:
+    scene = build_timeline(Trial().scene, PAD, FORCE_N)
     h = 1 / (2000 * substeps)
     time = np.arange(round(seconds * 2000) * substeps + 1) * h
     motion = drag(
@@ -109,7 +109,7 @@ def sliding(substeps: int, seconds: float = 2.1) -> Motion:
         scene.load_n(PAD, time),
     )  # fmt: skip
     every = slice(None, None, substeps)
-    return Motion(motion.position_m[every], motion.velocity_m_s[every], motion.bristle_m[every])
+    return PadMotion(motion.position_m[every], motion.velocity_m_s[every], motion.bristle_m[every])
 
 
 def test_halving_the_step_quarters_the_error():
@@ -123,7 +123,7 @@ def test_halving_the_step_quarters_the_error():
 def test_agrees_with_another_solver():
     from scipy.integrate import solve_ivp
 
-    scene = plan(Trial().scene, PAD, FORCE_N)
+    scene = build_timeline(Trial().scene, PAD, FORCE_N)
     start, end = scene.slide.start_s, scene.slide.start_s + 0.12
 
     def rates(t, y):
@@ -163,7 +163,7 @@ def test_a_step_too_long_for_its_bristles_is_refused_and_no_nan_returned(sigma0,
     try:
         found = slow_pull(0.04, 0.5, Mount(mass_kg, STIFFNESS, 0.5), friction)
     except TraceError as error:
-        assert "is too long for so stiff a bristle" in str(error)  # noqa: PT017 (either answer is right)
+        assert "is too long for such stiff bristles" in str(error)  # noqa: PT017 (either answer is right)
     else:
         assert np.isfinite(found.velocity_m_s).all()
         assert np.abs(found.velocity_m_s).max() < 10.0

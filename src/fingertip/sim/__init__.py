@@ -1,30 +1,38 @@
-"""What happens to a finger, up to the voltage that is sampled: scenes, contact, sensor, board."""
+"""Simulation of a fingertip up to the sampled voltage: scenes, contact, sensor and board.
+
+Scenes of one finger and manipulations with a whole hand are described by files (`SceneFile`, `ManipulationFile`).
+`load_simulation` reads them together with a design, as ``fingertip simulate`` does. `run_scene` and `run_manipulation`
+run them, and `fingertip.sim.summary` summarises their results. `simulate` runs one sliding-finger trial of the article.
+"""
 
 from fingertip.jit import compiled
-from fingertip.sim.campaign import manipulations, trials
+from fingertip.sim.article import Trial, article_manipulations, article_trials, simulate
 from fingertip.sim.contact.surfaces import SURFACES
-from fingertip.sim.hand.controller import Controller, FixedGrip, Seen
-from fingertip.sim.hand.manipulated import Manipulated
-from fingertip.sim.hand.manipulation import run_manipulation
+from fingertip.sim.hand.controller import Controller, FixedGrip, Observation
+from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.scenes.scene_file import SceneFile
-from fingertip.sim.stages.result import Simulated, run_scene
-from fingertip.sim.trial import Trial, simulate
+from fingertip.sim.simulation import Simulation, load_simulation
+from fingertip.sim.stages.pipeline import SceneResult, run_scene
+from fingertip.sim.trace_export import encode_trace
 
 __all__ = [
     "SURFACES",
     "Controller",
     "FixedGrip",
-    "Manipulated",
     "ManipulationFile",
+    "ManipulationResult",
+    "Observation",
     "SceneFile",
-    "Seen",
-    "Simulated",
+    "SceneResult",
+    "Simulation",
     "Trial",
+    "article_manipulations",
+    "article_trials",
     "compiled",
-    "manipulations",
+    "encode_trace",
+    "load_simulation",
     "run_manipulation",
     "run_scene",
     "simulate",
-    "trials",
 ]

@@ -1,4 +1,4 @@
-"""Columns as the bytes of a trace file."""
+"""Recorded columns as the bytes of a trace file, CSV or NPZ."""
 
 from __future__ import annotations
 
@@ -14,43 +14,48 @@ from fingertip.errors import Issue, TraceError
 from fingertip.slip.traces.csv_file import to_csv
 from fingertip.slip.traces.trace import Trace
 
-Array = NDArray[Any]
-
 DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
-"""Of a column by the end of its name, so that the same numbers give the same bytes: 1 uV, 1 uN, 1 nm, 0.1 um/s."""
+"""Decimals of a column by the end of its name: 1 uV, 1 uN, 1 nm, 0.1 um/s. The same numbers then give the same
+bytes."""
 
 
-def file_bytes(time_s: Array, columns: Mapping[str, Array], path: Path) -> bytes:
-    """The columns as CSV or, for a path that ends in .npz, as numpy's archive; the same numbers give the same bytes.
+def find_path_issues(path: Path, option: str = "--out") -> list[Issue]:
+    """Report a path whose suffix is not that of a trace file."""
+    if path.suffix.lower() in (".csv", ".npz"):
+        return []
+    return [Issue(option, f"{path.name!r} is not a known kind of trace file; end it in .csv or .npz.")]
+
+
+def encode_trace(time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]], path: Path) -> bytes:
+    """Encode columns as CSV or, for a path that ends in .npz, as numpy archive. The same numbers give the same bytes.
 
     Raises
     ------
     TraceError
-        If the path ends otherwise.
+        If the path has another suffix.
     """
-    rounded = {name: _rounded(name, values) for name, values in columns.items()}
-    match path.suffix.lower():
-        case ".npz":
-            out = io.BytesIO()
-            np.savez_compressed(out, time_s=np.round(time_s, 7), **rounded)  # type: ignore[arg-type]
-            return out.getvalue()
-        case ".csv":
-            if list(rounded) == ["voltage_v", "force_n", "slip"]:
-                return to_csv(Trace(time_s, columns["voltage_v"], columns["force_n"], columns["slip"]))
-            cells = [[f"{t:.7f}" for t in time_s.tolist()]]
-            cells += [[_cell(name, value) for value in values.tolist()] for name, values in rounded.items()]
-            lines = [",".join(["time_s", *rounded]), *map(",".join, zip(*cells, strict=True))]
-            return ("\n".join(lines) + "\n").encode("ascii")
-    raise TraceError(Issue("--out", f"{path.name!r} is no kind of trace file known here; end it in .csv or .npz."))
+    if issues := find_path_issues(path):
+        raise TraceError(issues)
+    rounded = {name: _round(name, values) for name, values in columns.items()}
+    if path.suffix.lower() == ".npz":
+        out = io.BytesIO()
+        np.savez_compressed(out, time_s=np.round(time_s, 7), **rounded)  # type: ignore[arg-type]
+        return out.getvalue()
+    if list(rounded) == ["voltage_v", "force_n", "slip"]:
+        return to_csv(Trace(time_s, columns["voltage_v"], columns["force_n"], columns["slip"]))
+    cells = [[f"{t:.7f}" for t in time_s.tolist()]]
+    cells += [[_format_cell(name, value) for value in values.tolist()] for name, values in rounded.items()]
+    lines = [",".join(["time_s", *rounded]), *map(",".join, zip(*cells, strict=True))]
+    return ("\n".join(lines) + "\n").encode("ascii")
 
 
 def _decimals(name: str) -> int:
     return next(decimals for end, decimals in reversed(DECIMALS.items()) if name.endswith(end))
 
 
-def _rounded(name: str, values: Array) -> Array:
+def _round(name: str, values: NDArray[Any]) -> NDArray[Any]:
     return values if values.dtype == np.bool_ else np.round(values, _decimals(name)) + 0.0
 
 
-def _cell(name: str, value: float | bool) -> str:
+def _format_cell(name: str, value: float | bool) -> str:
     return ("1" if value else "0") if isinstance(value, bool) else f"{value:.{_decimals(name)}f}"

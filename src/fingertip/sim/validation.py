@@ -1,4 +1,4 @@
-"""What every integrator refuses before it starts: values out of bounds, and input that is not finite."""
+"""Checks that every integrator makes before it starts: values within bounds, and input that is finite."""
 
 from __future__ import annotations
 
@@ -11,37 +11,54 @@ from fingertip.arrays import Array
 from fingertip.errors import Issue, TraceError
 
 
-def positive(field: str, value: float, unit: str, example: str) -> list[Issue]:
-    """A issue unless `value` [unit] is finite and above 0; `example` is a value that passes."""
+def find_not_positive(field: str, value: float, unit: str, example: str) -> list[Issue]:
+    """Report a value that is not a finite number above 0.
+
+    Parameters
+    ----------
+    field
+        Name of the value in the error.
+    value, unit
+        The value and its unit.
+    example
+        A value that passes, for the remedy.
+    """
     if math.isfinite(value) and value > 0.0:
         return []
-    return [Issue(field, f"{_said(value, unit)} is refused; give a finite number above 0, such as {example} {unit}.")]
+    remedy = f"give a finite number above 0, such as {example} {unit}"
+    return [Issue(field, f"{_with_unit(value, unit)} is refused; {remedy}.")]
 
 
-def not_negative(field: str, value: float, unit: str) -> list[Issue]:
-    """A issue unless `value` [unit] is finite and at least 0."""
+def find_negative(field: str, value: float, unit: str) -> list[Issue]:
+    """Report a value that is not a finite number of at least 0."""
     if math.isfinite(value) and value >= 0.0:
         return []
-    return [Issue(field, f"{_said(value, unit)} is refused; give a finite number of at least 0.")]
+    return [Issue(field, f"{_with_unit(value, unit)} is refused; give a finite number of at least 0.")]
 
 
-def columns(**arrays: Array) -> Iterable[Issue]:
-    """Columns that are not finite, with the first such sample, and columns of unequal length."""
+def find_column_issues(**arrays: Array) -> Iterable[Issue]:
+    """Report columns that are not finite, with the first such sample, and columns of unequal length."""
     length = len(next(iter(arrays.values())))
     for name, values in arrays.items():
         if values.shape != (length,) or length < 1:
-            yield Issue(name, f"has shape {values.shape}, needed is ({max(length, 1)},); give one value per sample.")
+            yield Issue(name, f"shape is {values.shape}; must be ({max(length, 1)},); give one value per sample.")
         elif (bad := np.flatnonzero(~np.isfinite(values))).size:
-            more = f", and {bad.size - 1} more after it," if bad.size > 1 else ""
-            sentence = f"{values[bad[0]]} at sample {bad[0]}{more} is not a finite number; give the true value."
-            yield Issue(name, sentence)
+            more = f" (and {bad.size - 1} more after it)" if bad.size > 1 else ""
+            message = f"{values[bad[0]]} at sample {bad[0]}{more} is not a finite number; give the true value."
+            yield Issue(name, message)
 
 
-def refuse(issues: Iterable[Issue]) -> None:
-    """Raise all issues at once, if there are any."""
+def raise_issues(issues: Iterable[Issue]) -> None:
+    """Raise all issues as one error, if there are any.
+
+    Raises
+    ------
+    TraceError
+        With one issue for each problem found.
+    """
     if found := list(issues):
         raise TraceError(found)
 
 
-def _said(value: float, unit: str) -> str:
+def _with_unit(value: float, unit: str) -> str:
     return f"{value:g} {unit}".rstrip()

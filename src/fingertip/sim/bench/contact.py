@@ -45,7 +45,7 @@ def make_input(seconds: float) -> tuple[Array, Array, Array, Array]:
 
 def measure_contact(seconds: float, methods: tuple[str, ...] = ("LSODA", "Radau", "BDF")) -> WorkPrecision:
     """Measure all solvers on the same problem."""
-    pad = Pad.of(Design())
+    pad = Pad.from_design(Design())
     k = pad.tangential_stiffness_n_per_m(_LOAD_N)
     mount = Mount(pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * pad.mass_kg))
     press = NormalContact(pad.resonance_hz(_LOAD_N), DAMPING_RATIO)

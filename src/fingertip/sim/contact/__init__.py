@@ -1,1 +1,1 @@
-"""Skin on a surface: friction, travel, vibration, and the steppers that solve them."""
+"""Contact between skin and surface: friction, pad, surface profile, vibration, and the integrators for them."""

@@ -1,17 +1,18 @@
-"""Contact in both directions with error control: a pad dragged and pressed, that sticks, slips, bounces.
+"""Contact in both directions with error control: a pad that is dragged and pressed, and that sticks, slips or bounces.
 
-States: x, v of the pad along the surface [m, m/s], z of the bristles [m], y, w: the contact's compression as the
-force it makes, and its rate [N, N/s]. With N = max(y, 0):
+States: position x [m] and velocity v [m/s] of the pad along the surface, bristle deflection z [m], compression of the
+contact expressed as its force y [N], and its rate w [N/s]. With the normal force N = max(y, 0):
 
-    dz/dt = v - alpha(v, z) sigma0 |v| z / g(v) - r(N) z       alpha = 1: plain LuGre
+    dz/dt = v - alpha(v, z) sigma0 |v| z / g(v) - r(N) z       plain LuGre friction: alpha = 1
     m dv/dt = k (X - x) + c (V - v) - N (sigma0 z + sigma1 dz/dt + sigma2 v)
     dy/dt = w
     dw/dt = omega^2 (d - y) - 2 zeta omega w                   touching, y > 0
-    dw/dt = omega^2 (d - rho y) - 2 zeta sqrt(rho) omega w     in flight: only the hand pulls the pad back
+    dw/dt = omega^2 (d - rho y) - 2 zeta sqrt(rho) omega w     in flight, where only the hand pulls the pad back
 
-X, V is the stage's motion (cubic between samples), d the force that presses (linear between samples). Every sample is
-a step's end, so kinks and jumps of the drive at samples cost no order. RODAS with analytic Jacobian; the blocks
-(y, w) and (x, v, z) are solved in closed form.
+X and V are position and velocity of the carriage (cubic between samples), d is the pressing force (linear between
+samples), alpha is the elasto-plastic factor of Dupont et al. 2002, and r(N) relaxes bristles without contact. Every
+sample is the end of a step, so kinks and jumps of the drive at samples do not reduce the order. The method is RODAS
+with the analytic Jacobian (`fingertip.sim.contact.coupled_loop`).
 """
 
 from __future__ import annotations
@@ -25,16 +26,17 @@ from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact import coupled_loop
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.tangential import Mount
-from fingertip.sim.validation import columns, not_negative, positive, refuse
+from fingertip.sim.validation import find_column_issues, find_negative, find_not_positive, raise_issues
 
-STEPS_CAP = 200_000
-"""Most steps between two samples."""
+MAX_STEPS = 200_000
+"""Maximum number of steps between two samples."""
 STATES = 5
+"""Number of integrated states."""
 
 
 @dataclass(frozen=True)
-class Press:
-    """How the contact swings in the normal direction.
+class NormalContact:
+    """Resonance of the contact in the normal direction.
 
     Raises
     ------
@@ -43,76 +45,84 @@ class Press:
     """
 
     resonance_hz: float
+    """Undamped resonance while touching [Hz]."""
     damping_ratio: float
+    """Damping ratio while touching."""
     hand_share: float = 0.02
-    """Stiffness of the hand behind the pad, as a share of the contact's: 90 N/m of some 5 kN/m (`sim.pad`)."""
+    """Stiffness of the hand behind the pad as a share of the contact's: 90 N/m of some 5 kN/m (`sim.contact.pad`)."""
 
     def __post_init__(self) -> None:
-        refuse(
+        raise_issues(
             [
-                *positive("press.resonance_hz", self.resonance_hz, "Hz", "90"),
-                *not_negative("press.damping_ratio", self.damping_ratio, ""),
-                *positive("press.hand_share", self.hand_share, "", "0.02"),
+                *find_not_positive("press.resonance_hz", self.resonance_hz, "Hz", "90"),
+                *find_negative("press.damping_ratio", self.damping_ratio, ""),
+                *find_not_positive("press.hand_share", self.hand_share, "", "0.02"),
             ]
         )
 
 
 @dataclass(frozen=True)
-class Coupled:
-    """What the pad does, one value per sample, and what it took."""
+class CoupledMotion:
+    """Motion of the pad and normal force, one value per sample, and the number of steps."""
 
     position_m: Array
+    """Position along the surface [m]."""
     velocity_m_s: Array
+    """Velocity along the surface [m/s]."""
     bristle_m: Array
+    """Mean bristle deflection [m]."""
     force_n: Array
-    """Normal force, exactly 0 in flight."""
+    """Normal force [N], exactly 0 in flight."""
     steps: int
+    """Accepted steps."""
     rejected: int
+    """Rejected steps."""
 
     @property
     def evaluations(self) -> int:
-        """Evaluations of the right side."""
+        """Number of evaluations of the right-hand side."""
         return 6 * (self.steps + self.rejected)
 
 
 def integrate(
     friction: Friction,
     mount: Mount,
-    press: Press,
+    press: NormalContact,
     step_s: float,
-    stage_m: Array,
-    stage_m_s: Array,
+    carriage_m: Array,
+    carriage_m_s: Array,
     pressing_n: Array,
     tolerance_n: float = 1e-6,
-) -> Coupled:
-    """Integrate from rest, in balance with the first sample's pressing force.
+) -> CoupledMotion:
+    """Integrate from standstill, in balance with the pressing force of the first sample.
 
     Parameters
     ----------
     friction, mount, press
-        The surface, and the pad along and across it.
+        Surface, and suspension of the pad along and normal to it.
     step_s
         Time between samples [s].
-    stage_m, stage_m_s, pressing_n
-        Position [m] and velocity [m/s] of the stage, and the force that presses [N], at the samples.
+    carriage_m, carriage_m_s, pressing_n
+        Position [m] and velocity [m/s] of the carriage, and pressing force [N], at the samples.
     tolerance_n
-        Error of one step, as a force [N].
+        Permitted error of one step, as a force [N].
 
     Raises
     ------
     TraceError
-        For values out of bounds, input that is not finite (with its first such sample), or a sample that needs more
-        than `STEPS_CAP` steps.
+        If a value is out of bounds, an input is not finite (the error names the first such sample), or a sample needs
+        more than `MAX_STEPS` steps.
     """
-    refuse(
+    raise_issues(
         [
-            *positive("step_s", step_s, "s", "0.0005"),
-            *positive("tolerance_n", tolerance_n, "N", "1e-6"),
-            *columns(stage_m=stage_m, stage_m_s=stage_m_s, pressing_n=pressing_n),
+            *find_not_positive("step_s", step_s, "s", "0.0005"),
+            *find_not_positive("tolerance_n", tolerance_n, "N", "1e-6"),
+            *find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n),
         ]
     )
-    out = [np.zeros(len(stage_m)) for _ in range(4)]
+    out = [np.zeros(len(carriage_m)) for _ in range(4)]
     count = np.zeros(3)
+    # The error weights turn each state into a force, so that one tolerance [N] applies to all.
     maximum = max(float(np.max(pressing_n)), 1e-3)
     spring = max(mount.stiffness_n_per_m, maximum * friction.sigma0 * 1e-3)
     resist = (mount.stiffness_n_per_m * mount.mass_kg) ** 0.5 + mount.damping_n_s_per_m
@@ -129,15 +139,15 @@ def integrate(
             1 / tolerance_n,
             1 / (tolerance_n * float(omega)),
         ),
-        STEPS_CAP, step_s, stage_m, stage_m_s, pressing_n, *out, count,
+        MAX_STEPS, step_s, carriage_m, carriage_m_s, pressing_n, *out, count,
     )  # fmt: skip
     if (failed := int(count[2])) > 0:
         raise TraceError(
             Issue(
                 f"sample {failed}",
-                f"needs more than {STEPS_CAP} steps after the sample before; choose a larger tolerance_n than "
+                f"needs more than {MAX_STEPS} steps after the sample before; choose a larger tolerance_n than "
                 f"{tolerance_n:g} N, or a softer contact.",
             )
         )
     x, v, z, y = out
-    return Coupled(x, v, z, np.maximum(y, 0.0), int(count[0]), int(count[1]))
+    return CoupledMotion(x, v, z, np.maximum(y, 0.0), int(count[0]), int(count[1]))

@@ -1,21 +1,54 @@
-"""The loop of `fingertip.sim.contact.coupled`: RODAS on five states, every stage solved in closed form."""
+"""Loop of `fingertip.sim.contact.coupled`: RODAS on five states, with every linear system solved in closed form.
+
+RODAS is a linearly implicit Runge-Kutta (Rosenbrock) method of order 4 with an embedded method of order 3. It is
+L-stable and has six stages (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., 1996, section
+IV.10, and their code RODAS, doi:10.1007/978-3-642-05221-7). One factorised matrix
+``E = 1/(gamma h) - J`` serves all six solves:
+
+    E u_i = f(t + alpha_i h, y + sum_j a_ij u_j) + sum_j c_ij u_j / h + d_i h df/dt
+    y_new = y + sum_j a_5j u_j + u_5 + u_6, and u_6 estimates the error.
+
+On very stiff problems the order falls to 1 or 2; tests/sim/test_rosenbrock.py records by how much. The loop is written
+out without arrays, because numba and plain Python must both execute it fast and with the same bits.
+"""
 
 from __future__ import annotations
 
 from collections.abc import MutableSequence, Sequence
 
 from fingertip.jit import CompiledLoop
-from fingertip.sim.contact.rosenbrock import A, C
+
+GAMMA = 0.25
+ALPHA = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
+"""Times of the stages, as shares of the step."""
+D = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
+"""Coefficients of the time derivative."""
+_LAST = (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950)
+A = (
+    (1.544,),
+    (0.9466785280815826, 0.2557011698983284),
+    (3.314825187068521, 2.896124015972201, 0.9986419139977817),
+    _LAST,
+)
+"""Coefficients a_ij of stages 2 to 5. Stage 6 has those of stage 5, and 1 for u_5."""
+C = (
+    (-5.6688,),
+    (-2.430093356833875, -0.2063599157091915),
+    (-0.1073529058151375, -9.594562251023355, -20.47028614809616),
+    (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160),
+    (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054),
+)
+"""Coefficients c_ij of stages 2 to 6."""
 
 (A21,), (A31, A32), (A41, A42, A43), (A51, A52, A53, A54) = A
 (C21,), (C31, C32), (C41, C42, C43), (C51, C52, C53, C54), (C61, C62, C63, C64, C65) = C
 
 RELAX_PER_S = 1e3
-"""Rate at which bristles that touch nothing straighten up. Assumption."""
+"""Rate at which bristles without contact straighten up [1/s]. Assumption."""
 RELAX_BELOW_N = 1e-3
-"""Load below which that fades in, so that the right side stays continuous."""
-SMALLEST_SHARE = 1e-12
-"""Of the grid's step: a step as short as this is taken as it is."""
+"""Load below which this relaxation fades in [N], so that the right-hand side stays continuous."""
+MIN_STEP_RATIO = 1e-12
+"""Shortest step as a share of the time between samples. Such a step is accepted whatever its error."""
 
 
 def rates(
@@ -32,7 +65,7 @@ def rates(
     y: float,
     w: float,
 ) -> tuple[float, float, float]:
-    """Right sides of v, z, w."""
+    """Return the right-hand sides dv/dt, dz/dt and dw/dt (equations in `fingertip.sim.contact.coupled`)."""
     mu_c, drop, vs, elastic = curve
     s0, s1, s2 = sigma
     m, k, c = mount
@@ -40,6 +73,7 @@ def rates(
     load = y if y > 0.0 else 0.0
     ratio = v / vs
     g = mu_c + drop / (1 + ratio * ratio)
+    # alpha(v, z) of Dupont et al. 2002: 0 while bristles bend elastically or straighten up, 1 in full sliding.
     alpha = 1.0
     if elastic > 0.0:
         if v * z <= 0.0:
@@ -47,21 +81,23 @@ def rates(
         else:
             share = (s0 * abs(z) - elastic * mu_c) / (g - elastic * mu_c)
             alpha = 0.0 if share <= 0.0 else 1.0 if share >= 1.0 else share * share * (3 - 2 * share)
+    # LuGre friction, and relaxation of bristles that hardly touch.
     dz = v - alpha * s0 * abs(v) * z / g
     if load < RELAX_BELOW_N:
         dz -= RELAX_PER_S * (1 - load / RELAX_BELOW_N) * z
     dv = (k * (X - x) + c * (V - v) - load * (s0 * z + s1 * dz + s2 * v)) / m
+    # Normal direction: contact resonance while touching, the softer and slower hand in flight.
     if y > 0.0:
         return dv, dz, omega * (omega * (d - y) - 2 * zeta * w)
     return dv, dz, omega * (omega * (d - rho * y) - 2 * zeta * rho**0.5 * w)
 
 
-def _loop(
+def _coupled_loop(
     curve: tuple[float, float, float, float],
     sigma: tuple[float, float, float],
     mount: tuple[float, float, float],
     press: tuple[float, float, float],
-    per: tuple[float, float, float, float, float],
+    weights: tuple[float, float, float, float, float],
     cap: int,
     H: float,
     Xs: Sequence[float],
@@ -73,10 +109,16 @@ def _loop(
     ys: MutableSequence[float],
     count: MutableSequence[float],
 ) -> None:
+    # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2; mass m, stiffness k
+    # and damping c of the suspension; normal resonance omega, its damping zeta, and the hand's share rho of the
+    # stiffness.
     mu_c, drop, vs, elastic = curve
     s0, s1, s2 = sigma
     m, k, c = mount
     omega, zeta, rho = press
+    weight_x, weight_v, weight_z, weight_y, weight_w = weights
+
+    # State: x, v, z of the pad and y, w of the contact, in balance with the first sample.
     x, v, z, y, w = Xs[0], 0.0, 0.0, ds[0], 0.0
     if y < 0.0:
         y = y / rho
@@ -85,7 +127,7 @@ def _loop(
     steps = rejected = 0
     for i in range(len(Xs) - 1):
         X0, V0, X1, V1, d0, d1 = Xs[i], Vs[i], Xs[i + 1], Vs[i + 1], ds[i], ds[i + 1]
-        # Hermite's cubic: X = X0 + t (V0 + t (q2 + t q3)).
+        # Drive between the samples: cubic Hermite polynomial X = X0 + t (V0 + t (q2 + t q3)), and a linear force d.
         q2 = (3 * (X1 - X0) / H - 2 * V0 - V1) / H
         q3 = ((V0 + V1) - 2 * (X1 - X0) / H) / (H * H)
         slope = (d1 - d0) / H
@@ -95,13 +137,17 @@ def _loop(
             if tried > cap:
                 count[2] = i + 1
                 return
+            # Step size: land exactly on the sample, and split what is left into halves rather than leave a tiny rest.
             last = t + h >= H * (1 - 1e-9)
             taken = H - t if last else 0.5 * (H - t) if t + 2 * h > H else h
-            # Right side and Jacobian where the step starts.
+
+            # Drive and right-hand side at the start of the step.
             V = V0 + t * (2 * q2 + 3 * q3 * t)
             X = X0 + t * (V0 + t * (q2 + t * q3))
             d = d0 + slope * t
             dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, x, v, z, y, w)
+
+            # Stribeck curve g(v) and its derivative; elasto-plastic factor alpha(v, z) and its derivatives.
             load = y if y > 0.0 else 0.0
             ratio = v / vs
             bottom = 1 + ratio * ratio
@@ -121,6 +167,9 @@ def _loop(
                         steep = 6 * share * (1 - share)
                         by_z = steep * (s0 if z > 0.0 else -s0) / width
                         by_v = -steep * share * dg / width
+
+            # Jacobian. Row z: b by v, a by z, zy by y. Row v: vx, vv, vz, vy. Row w: wy, ww. In rows x and y the only
+            # entry is 1, by v and by w.
             b = 1 - s0 * z * (alpha * (sign - speed * dg / g) + by_v * speed) / g
             a = -s0 * speed * (alpha + by_z * z) / g
             zy = 0.0
@@ -134,13 +183,19 @@ def _loop(
             vy = -(mu + load * s1 * zy) / m if y > 0.0 else 0.0
             wy = -omega * omega if y > 0.0 else -omega * omega * rho
             ww = -2 * zeta * omega if y > 0.0 else -2 * zeta * omega * rho**0.5
+
+            # Pivots of E = e - J with e = 1/(gamma h). The blocks (y, w) and (x, v, z) are solved one after the other:
+            # y and w do not depend on the others.
             e = 4 / taken
             py = 1 / (e * (e - ww) - wy)
             pz = 1 / (e - a)
             pv = 1 / (e - vv - vx / e - vz * b * pz)
+
+            # Time derivatives of the drive, times the step.
             tv = taken * (k * V + c * (2 * q2 + 6 * q3 * t)) / m
             tw = taken * omega * omega * slope
-            # Six stages; each solves (e - J) u = right side.
+
+            # Stage 1. Each stage solves E u = right-hand side, for y and w first, then v, then x and z.
             r = dw + 0.25 * tw
             uy1 = ((e - ww) * w + r) * py
             uw1 = e * uy1 - w
@@ -149,6 +204,7 @@ def _loop(
             ux1 = (v + uv1) / e
             uz1 = (rz + b * uv1) * pz
 
+            # Stage 2.
             at = t + 0.386 * taken
             X, V, d = X0 + at * (V0 + at * (q2 + at * q3)), V0 + at * (2 * q2 + 3 * q3 * at), d0 + slope * at
             xe, ve, ze, ye, we = x + A21 * ux1, v + A21 * uv1, z + A21 * uz1, y + A21 * uy1, w + A21 * uw1
@@ -162,6 +218,7 @@ def _loop(
             ux2 = (rx + uv2) / e
             uz2 = (rz + b * uv2) * pz
 
+            # Stage 3.
             at = t + 0.21 * taken
             X, V, d = X0 + at * (V0 + at * (q2 + at * q3)), V0 + at * (2 * q2 + 3 * q3 * at), d0 + slope * at
             xe, ve, ze = x + A31 * ux1 + A32 * ux2, v + A31 * uv1 + A32 * uv2, z + A31 * uz1 + A32 * uz2
@@ -177,6 +234,7 @@ def _loop(
             ux3 = (rx + uv3) / e
             uz3 = (rz + b * uv3) * pz
 
+            # Stage 4.
             at = t + 0.63 * taken
             X, V, d = X0 + at * (V0 + at * (q2 + at * q3)), V0 + at * (2 * q2 + 3 * q3 * at), d0 + slope * at
             xe = x + A41 * ux1 + A42 * ux2 + A43 * ux3
@@ -195,6 +253,7 @@ def _loop(
             ux4 = (rx + uv4) / e
             uz4 = (rz + b * uv4) * pz
 
+            # Stage 5.
             at = t + taken
             X, V, d = X0 + at * (V0 + at * (q2 + at * q3)), V0 + at * (2 * q2 + 3 * q3 * at), d0 + slope * at
             xe = x + A51 * ux1 + A52 * ux2 + A53 * ux3 + A54 * ux4
@@ -214,6 +273,7 @@ def _loop(
             ux5 = (rx + uv5) / e
             uz5 = (rz + b * uv5) * pz
 
+            # Stage 6, at the end of the step: its state is the embedded solution of order 3.
             xe, ve, ze, ye, we = xe + ux5, ve + uv5, ze + uz5, ye + uy5, we + uw5
             dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
             c1, c2, c3, c4, c5 = C61 / taken, C62 / taken, C63 / taken, C64 / taken, C65 / taken
@@ -228,15 +288,18 @@ def _loop(
             ux6 = (rx + uv6) / e
             uz6 = (rz + b * uv6) * pz
 
-            error = max(abs(ux6) * per[0], abs(uv6) * per[1], abs(uz6) * per[2], abs(uy6) * per[3], abs(uw6) * per[4])
-            # Order 3 of the estimate: its fourth root. Not a number counts as too large.
+            # Error: the largest of the five, each as a force relative to the tolerance. The step follows the fourth
+            # root of the error, because the estimate has order 3. NaN counts as too large.
+            error = max(
+                abs(ux6) * weight_x, abs(uv6) * weight_v, abs(uz6) * weight_z, abs(uy6) * weight_y, abs(uw6) * weight_w
+            )
             factor = 0.9 / error**0.25 if error > 1e-6 else 6.0
             factor = 6.0 if factor > 6.0 else factor if factor > 0.15 else 0.15
-            if error <= 1.0 or taken <= SMALLEST_SHARE * H:
+            if error <= 1.0 or taken <= MIN_STEP_RATIO * H:
                 x, v, z, y, w = xe + ux6, ve + uv6, ze + uz6, ye + uy6, we + uw6
                 steps += 1
                 t = H if last else t + taken
-                # A step cut short by a sample says nothing against the longer one.
+                # A step that a sample cut short is no reason to give up a longer one.
                 h = max(h, taken * factor) if last and factor > 1.0 else taken * factor
                 if h > 64 * H:
                     h = 64 * H
@@ -250,5 +313,5 @@ def _loop(
     count[0], count[1] = steps, rejected
 
 
-run = CompiledLoop(_loop, rates, outputs=5, samples="Xs", plain_us=30.0)
-"""Fills x, v, z, y, and (steps, rejected, sample at which it gave up or 0)."""
+run = CompiledLoop(_coupled_loop, rates, outputs=5, samples="Xs", plain_us=12.0)
+"""Fills x, v, z and y at the samples, and (steps, rejected steps, sample at which it gave up or 0)."""

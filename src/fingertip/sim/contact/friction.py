@@ -1,7 +1,7 @@
-"""LuGre friction per newton of normal force: parameters, their bounds, and the curve of steady sliding.
+"""LuGre friction per newton of normal force: parameters, their bounds, and steady sliding.
 
-C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, IEEE Trans. Automatic Control 40(3), 1995,
-doi:10.1109/9.376053. Stribeck's curve in the rational form of D. P. Hess and A. Soom (Trans. ASME J. Tribology
+Model: C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, IEEE Trans. Automatic Control 40(3), 1995,
+doi:10.1109/9.376053. The Stribeck curve has the rational form of D. P. Hess and A. Soom (Trans. ASME J. Tribology
 112(1), 1990), which needs no exponential. Elasto-plastic bristles: P. Dupont, V. Hayward, B. Armstrong, F. Altpeter,
 IEEE Trans. Automatic Control 47(5), 2002, doi:10.1109/TAC.2002.1000274.
 """
@@ -17,11 +17,10 @@ from fingertip.arrays import Array
 from fingertip.errors import Issue, TraceError
 
 ELASTO_PLASTIC = 0.7
-"""A usual `Friction.elastic`: bristles give way from 0.7 of the deflection they hold in fast sliding. Assumption."""
-
+"""Usual value of `Friction.elastic`: bristles yield from 0.7 of their deflection in fast sliding. Assumption."""
 
 GROSS_SLIP_M_S = 1e-3
-"""`Friction.sliding_m_s` above which slip is gross [m/s]. Assumption: 1/40 of the slowest sliding."""
+"""Sliding speed above which slip is gross [m/s]. Assumption: 1/40 of the article's slowest slide."""
 
 
 @dataclass(frozen=True)
@@ -31,23 +30,24 @@ class Friction:
     Raises
     ------
     TraceError
-        If a parameter is out of its bound, or the bristles could deliver energy they never took up.
+        If a parameter is out of bounds, or the friction could deliver energy that it never took up.
     """
 
     mu_s: float
-    """Breakaway coefficient."""
+    """Static (breakaway) coefficient of friction."""
     mu_c: float
-    """Coefficient of fast sliding."""
+    """Kinetic coefficient of friction, at high speed."""
     stribeck_m_s: float = 0.005
-    """Velocity at which half of the way from `mu_s` to `mu_c` is gone [m/s]. Assumption."""
+    """Stribeck velocity, at which half of the drop from `mu_s` to `mu_c` has happened [m/s]. Assumption."""
     sigma0: float = 25e3
-    """Bristle stiffness [1/m]: breakaway after some 20 um. Assumption."""
+    """Bristle stiffness [1/m]. Assumption: breakaway after some 20 um."""
     sigma1: float = 2.0
     """Bristle damping [s/m]. Assumption within the passivity bound."""
     sigma2: float = 0.6
-    """Viscous friction [s/m]. Assumption; at 8 cm/s it adds 0.05 to the coefficient."""
+    """Viscous friction [s/m]. Assumption: at 8 cm/s it adds 0.05 to the coefficient."""
     elastic: float = 0.0
-    """Share of ``mu_c / sigma0`` below which bristles only bend: 0 is plain LuGre, where they always creep."""
+    """Share of the deflection ``mu_c / sigma0`` up to which bristles bend elastically. 0 is plain LuGre friction, where
+    bristles always creep."""
 
     def __post_init__(self) -> None:
         issues = [
@@ -71,38 +71,39 @@ class Friction:
     def is_passive(self) -> bool:
         """Whether friction only ever takes energy: ``sigma2 > sigma1 (mu_s - mu_c) / mu_c``.
 
-        N. Barabanov, R. Ortega, IEEE Trans. Automatic Control 45(4), 2000, doi:10.1109/9.847131, for plain LuGre.
-        Elasto-plastic bristles give way less, so the same bound is kept for them (a test drives them to find
-        otherwise).
+        The bound holds for plain LuGre friction (N. Barabanov, R. Ortega, IEEE Trans. Automatic Control 45(4), 2000,
+        doi:10.1109/9.847131). Elasto-plastic bristles yield less, so the same bound serves for them. A test drives them
+        to look for a counterexample.
         """
         return self.sigma2 * self.mu_c > self.sigma1 * (self.mu_s - self.mu_c)
 
     def stribeck(self, v: float) -> float:
-        """Coefficient g(v) that the bristles carry in steady sliding."""
+        """Stribeck curve g(v): coefficient that the bristles carry in steady sliding at `v` [m/s]."""
         return self.mu_c + (self.mu_s - self.mu_c) / (1 + (v / self.stribeck_m_s) ** 2)
 
     def steady(self, v: float) -> float:
-        """Coefficient of friction in steady sliding at `v` [m/s], signed as `v`."""
+        """Coefficient of friction in steady sliding at `v` [m/s], with the sign of `v`."""
         return math.copysign(self.stribeck(v), v) + self.sigma2 * v if v else 0.0
 
-    def sliding_m_s(self, velocity_m_s: Array, bristle_m: Array) -> Array:
-        """Speed at which the contact slides [m/s]: what of the pad's velocity does not bend bristles, ``v - dz/dt``.
+    def sliding_speed_m_s(self, velocity_m_s: Array, bristle_m: Array) -> Array:
+        """Speed at which the contact slides [m/s]: the part of the velocity that does not bend bristles, ``v - dz/dt``.
 
-        Bent bristles spring back when the pad is let go, so bending is no slip: a pad that is pulled creeps for as long
-        as it sticks. What does not spring back is (Dupont et al.: the plastic part of the way).
+        A pad that is pulled creeps as long as it sticks. Its bent bristles spring back when it is released, so bending
+        is no slip. The remaining motion does not spring back: it is the plastic displacement of Dupont et al.
 
         Parameters
         ----------
         velocity_m_s
-            Of the pad over the surface [m/s], any shape.
+            Velocity of the pad over the surface [m/s], any shape.
         bristle_m
-            Mean deflection of its bristles [m], of that shape.
+            Mean deflection of its bristles [m], same shape.
         """
         v, z = np.abs(velocity_m_s), np.abs(bristle_m)
         ratio = v / self.stribeck_m_s
         g = self.mu_c + (self.mu_s - self.mu_c) / (1 + ratio * ratio)
         slides = self.sigma0 * v * z / g
         if self.elastic:
+            # alpha(v, z) of Dupont et al.: 0 below the elastic limit and for bristles that straighten up, 1 in sliding.
             minimum = self.elastic * self.mu_c
             share = np.clip((self.sigma0 * z - minimum) / (g - minimum), 0.0, 1.0)
             slides = np.where(velocity_m_s * bristle_m > 0.0, share * share * (3 - 2 * share) * slides, 0.0)

@@ -1,8 +1,8 @@
-"""The soft pad between bone and surface: stiffness from the design's form, moving mass from its resonance.
+"""Soft pad between bone and surface: stiffness from the shape of the design, moving mass from its resonance.
 
-Hertz's contact of a sphere on a flat and Mindlin's tangential stiffness (K. L. Johnson, Contact Mechanics,
-1985, sections 4.2 and 7.2). The pad is treated as half space, though the bone lies only a skin's thickness
-below: real pads are stiffer. Assumption.
+The normal stiffness is that of a Hertzian contact between a sphere and a flat, the tangential stiffness is Mindlin's
+(K. L. Johnson, Contact Mechanics, 1985, sections 4.2 and 7.2). The pad is treated as a half-space, although the bone
+lies only the thickness of the skin below. Real pads are stiffer. Assumption.
 """
 
 from __future__ import annotations
@@ -16,30 +16,31 @@ from fingertip.arrays import Array
 from fingertip.design import Design
 
 YOUNG_PA = 1.0e6
-"""Silicone of 40 shore A; published figures run from 0.7 to 2.0 MPa."""
+"""Young's modulus of silicone of Shore hardness 40 A [Pa]. Published values range from 0.7 to 2.0 MPa."""
 POISSON = 0.5
-"""Rubber keeps its volume."""
+"""Poisson's ratio: rubber is incompressible."""
 HAND_N_PER_M = 90.0
-"""Compliance of the hand behind the finger, from the article's III.C: targets spread over 2 cm gave 0.2 to
-2 N."""
+"""Stiffness of the hand behind the finger [N/m]. In the article (III.C), target positions spread over 2 cm gave forces
+of 0.2 to 2 N."""
 RESONANCE_HZ = 90.0
-"""Of the embedded fingertip at 1 N: its spectrum rarely exceeds 100 Hz (article, figure 2). Assumption
-within that."""
+"""Normal resonance of the embedded fingertip at 1 N [Hz]. Its spectrum rarely exceeds 100 Hz (article, figure 2); the
+value below that is an assumption."""
 DAMPING_RATIO = 0.15
-"""Of the pad's motion in both directions. Assumption (loss factor of soft silicone 0.1 to 0.4)."""
+"""Damping ratio of the pad in both directions. Assumption: soft silicone has a loss factor of 0.1 to 0.4."""
 
 
 @dataclass(frozen=True)
 class Pad:
-    """A pad on a flat, linear around a holding force, quasi-static at every force."""
+    """Pad on a flat surface: linear stiffness at a holding force, and the quasi-static force at any depth."""
 
     radius_m: float
-    """Radius of curvature across the finger [m], taken in both directions (assumption)."""
+    """Radius of curvature across the finger [m], used in both directions (assumption)."""
     resonance_at_1n_hz: float = RESONANCE_HZ
+    """Normal resonance at a holding force of 1 N [Hz]."""
 
     @classmethod
-    def of(cls, design: Design, resonance_hz: float = RESONANCE_HZ) -> Pad:
-        """The pad of a design: curvature of its palmar conic arc, ``R = 2 w^2 a^2 / b``."""
+    def from_design(cls, design: Design, resonance_hz: float = RESONANCE_HZ) -> Pad:
+        """Build the pad of a design, with the curvature of its palmar conic arc: ``R = 2 w^2 a^2 / b``."""
         a, b = design.skin.width_mm / 2, design.skin.semi_axis_palmar_mm
         return cls(2 * design.skin.squareness_palmar**2 * a * a / b * 1e-3, resonance_hz)
 
@@ -48,36 +49,36 @@ class Pad:
         return YOUNG_PA / (1 - POISSON**2)
 
     def normal_stiffness_n_per_m(self, force_n: float) -> float:
-        """``dN/d(indentation) = (6 E*^2 R N)^(1/3)`` [N/m]."""
+        """Normal stiffness ``dN/d(indentation) = (6 E*^2 R N)^(1/3)`` [N/m] (Hertz; Johnson 1985, section 4.2)."""
         return math.cbrt(6 * self._modulus_pa**2 * self.radius_m * force_n)
 
     def tangential_stiffness_n_per_m(self, force_n: float) -> float:
-        """Mindlin: the normal stiffness times ``2 (1 - nu) / (2 - nu)`` [N/m]."""
+        """Tangential stiffness [N/m]: the normal one times ``2 (1 - nu) / (2 - nu)`` (Mindlin; Johnson 1985, 7.2)."""
         return self.normal_stiffness_n_per_m(force_n) * 2 * (1 - POISSON) / (2 - POISSON)
 
     @property
     def mass_kg(self) -> float:
-        """Mass that moves with the pad [kg]: the one with its resonance under 1 N."""
+        """Mass that moves with the pad [kg], from its stiffness and resonance at 1 N."""
         return self.normal_stiffness_n_per_m(1.0) / (2 * math.pi * self.resonance_at_1n_hz) ** 2
 
     def resonance_hz(self, force_n: float) -> float:
-        """Normal resonance at a holding force [Hz]; it grows with the sixth root of the force."""
+        """Normal resonance at a holding force [Hz]. It grows with the sixth root of the force."""
         return math.sqrt(self.normal_stiffness_n_per_m(force_n) / self.mass_kg) / (2 * math.pi)
 
     @property
     def hand_hz(self) -> float:
-        """Frequency [Hz] at which that mass swings on the compliant hand; slower motion the hand follows."""
+        """Resonance of the pad's mass on the compliant hand [Hz]. The hand follows slower motion."""
         return math.sqrt(HAND_N_PER_M / self.mass_kg) / (2 * math.pi)
 
     def depth_m(self, force_n: float) -> float:
-        """How far the hand has to be pressed on for a force [m]: the hand's give plus Hertz's indentation."""
+        """Travel of the hand beyond the touch for a force [m]: deflection of the hand plus Hertzian indentation."""
         return force_n / HAND_N_PER_M + self.hertz_m_per_n23 * math.cbrt(force_n) ** 2
 
     def force_n(self, depth_m: Array) -> Array:
-        """Quasi-static normal force [N], the inverse of `depth_m`; exactly 0 where `depth_m` is not above 0.
+        """Quasi-static normal force [N]: the inverse of the method `depth_m`, exactly 0 where the depth is not above 0.
 
-        Newton's method on ``n^3/k + c n^2 = depth`` for n, the cube root of the force. It starts above the
-        root of a convex function and so falls monotonically.
+        Newton's method solves ``n^3/k + c n^2 = depth`` for n, the cube root of the force. It starts above the root of
+        a convex function, so it decreases monotonically.
         """
         k, c = HAND_N_PER_M, self.hertz_m_per_n23
         depth = np.maximum(depth_m, 0.0)
@@ -88,5 +89,5 @@ class Pad:
 
     @property
     def hertz_m_per_n23(self) -> float:
-        """Hertz's indentation under 1 N [m]; it grows with the force to the power 2/3."""
+        """Hertzian indentation under 1 N [m]. It grows with the force to the power 2/3."""
         return math.cbrt(9 / (16 * self.radius_m * self._modulus_pa**2))

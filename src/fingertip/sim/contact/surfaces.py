@@ -1,17 +1,16 @@
 """The article's six flat surfaces: friction per newton of normal force, and roughness.
 
-Roughness of the three metals: article, section III.C. The cutoff wavelength that belongs to a roughness:
-ISO 4288, table 1 (Ra above 0.1 to 2 um: 0.8 mm; above 2 to 10 um: 2.5 mm). Everything else is an
-assumption: the article gives no friction coefficient and calls the other surfaces' roughness unknown. Only
-their order follows it (section IV): wood is rougher than paper and plastic; the smoother a surface, the
-smaller its friction.
+The roughness of the three metals is the article's (section III.C). The cutoff wavelength for a roughness is that of
+ISO 4288, table 1 (Ra above 0.1 to 2 um: 0.8 mm; above 2 to 10 um: 2.5 mm). All other values are assumptions: the
+article gives no friction coefficient and calls the roughness of the other surfaces unknown. Their order follows the
+article (section IV): wood is rougher than paper and plastic, and smoother surfaces have less friction.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fingertip.sim.contact.tangential import Friction
+from fingertip.sim.contact.friction import Friction
 
 
 @dataclass(frozen=True)
@@ -19,13 +18,15 @@ class Surface:
     """One test surface."""
 
     label: str
+    """Name for reports."""
     roughness_um: float
     """Arithmetic mean deviation Ra of the profile [um]."""
     friction: Friction
+    """Friction between the pad and this surface."""
 
     @property
     def cutoff_wavelength_m(self) -> float:
-        """Longest wavelength that still counts as roughness [m] (ISO 4288, table 1); longer is waviness."""
+        """Longest wavelength that counts as roughness [m] (ISO 4288, table 1). Longer ones count as waviness."""
         return 0.8e-3 if self.roughness_um <= 2.0 else 2.5e-3
 
 

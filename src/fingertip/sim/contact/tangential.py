@@ -1,14 +1,16 @@
-"""Tangential contact: a soft pad dragged by a stage, held by LuGre friction per newton of normal force.
+"""Tangential contact: a soft pad dragged over a surface against LuGre friction, integrated with fixed steps.
 
-States: x, v of the pad [m, m/s] and z, the mean deflection of the bristles [m]. Stick, incipient slip and
-gross slip follow from the equations:
+States: position x [m] and velocity v [m/s] of the pad, and mean bristle deflection z [m]. The carriage that drags the
+pad has position X and velocity V, and N is the normal force. The equations cover stick, incipient slip and gross slip
+(Canudas de Wit et al. 1995, see `fingertip.sim.contact.friction`):
 
     dz/dt = v - sigma0 |v| z / g(v)
     mu    = sigma0 z + sigma1 dz/dt + sigma2 v
     m dv/dt = k (X - x) + c (V - v) - N mu
 
-Per newton, losing contact is not singular: at N = 0 friction vanishes. The step here is fixed: right for the surfaces
-and pads of the catalogue, whose convergence is tested. `sim.contact.coupled` controls its error, for all others.
+Friction is written per newton of normal force, so losing contact is not singular: at N = 0 friction vanishes. The fixed
+step suits the surfaces and pads of the catalogue, for which tests check its convergence. For all others,
+`fingertip.sim.contact.coupled` controls its own error.
 """
 
 from __future__ import annotations
@@ -23,93 +25,102 @@ from fingertip.arrays import Array
 from fingertip.errors import Issue, TraceError
 from fingertip.jit import CompiledLoop
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.validation import columns, not_negative, positive, refuse
+from fingertip.sim.validation import find_column_issues, find_negative, find_not_positive, raise_issues
 
-__all__ = ["Friction", "Motion", "Mount", "drag"]
-
-_GAMMA = 1 - 1 / math.sqrt(2)  # L-stable
-_NO_MOTION = 1e3  # metres, or metres per second: no pad ever
-_RELAXATION_S = 1e-3  # bristles that touch nothing straighten up; assumption
+_GAMMA = 1 - 1 / math.sqrt(2)
+"""Parameter of ROS2 that makes it L-stable (Verwer et al. 1999)."""
+_DIVERGED = 1e3
+"""Position [m] or velocity [m/s] that no pad reaches, so the integration has diverged."""
+_RELAXATION_S = 1e-3
+"""Time in which bristles without contact straighten up [s]. Assumption."""
 
 
 @dataclass(frozen=True)
 class Mount:
-    """How the pad hangs on the stage.
+    """Spring and damper between the pad and the carriage that drags it.
 
     Raises
     ------
     TraceError
-        If the mass is not above 0, or stiffness or damping are below.
+        If the mass is not above 0, or stiffness or damping is negative.
     """
 
     mass_kg: float
+    """Mass that moves with the pad [kg]."""
     stiffness_n_per_m: float
+    """Tangential stiffness [N/m]."""
     damping_n_s_per_m: float
+    """Tangential damping [N s/m]."""
 
     def __post_init__(self) -> None:
-        refuse(
+        raise_issues(
             [
-                *positive("mount.mass_kg", self.mass_kg, "kg", "0.002"),
-                *not_negative("mount.stiffness_n_per_m", self.stiffness_n_per_m, "N/m"),
-                *not_negative("mount.damping_n_s_per_m", self.damping_n_s_per_m, "N s/m"),
+                *find_not_positive("mount.mass_kg", self.mass_kg, "kg", "0.002"),
+                *find_negative("mount.stiffness_n_per_m", self.stiffness_n_per_m, "N/m"),
+                *find_negative("mount.damping_n_s_per_m", self.damping_n_s_per_m, "N s/m"),
             ]
         )
 
 
 @dataclass(frozen=True)
-class Motion:
-    """What the pad does, on the grid of the drive."""
+class PadMotion:
+    """Motion of the pad at the points of the time grid."""
 
     position_m: Array
+    """Position [m]."""
     velocity_m_s: Array
+    """Velocity [m/s]."""
     bristle_m: Array
+    """Mean bristle deflection [m]."""
 
 
-def drag(friction: Friction, mount: Mount, step_s: float, stage_m: Array, stage_m_s: Array, normal_n: Array) -> Motion:
-    """Integrate the pad's motion from rest, with bristles relaxed.
+def drag(
+    friction: Friction, mount: Mount, step_s: float, carriage_m: Array, carriage_m_s: Array, normal_n: Array
+) -> PadMotion:
+    """Integrate the pad's motion from standstill, with relaxed bristles.
 
-    ROS2 with the analytic Jacobian: linearly implicit, second order, L-stable, two solves a step, no
-    iteration (J. G. Verwer, E. J. Spee, J. G. Blom, W. Hundsdorfer, SIAM J. Sci. Comput. 20(4), 1999,
-    doi:10.1137/S1064827597326651). At v = 0 the right side has a kink.
+    The method is ROS2 with the analytic Jacobian: linearly implicit, second order, L-stable, two linear solves per step
+    and no iteration (J. G. Verwer, E. J. Spee, J. G. Blom, W. Hundsdorfer, SIAM J. Sci. Comput. 20(4), 1999,
+    doi:10.1137/S1064827597326651). At v = 0 the right-hand side has a kink.
 
     Parameters
     ----------
     friction, mount
-        The surface and the pad.
+        Surface, and suspension of the pad.
     step_s
-        Step of the grid [s].
-    stage_m, stage_m_s, normal_n
-        Position [m] and velocity [m/s] of the stage and normal force [N] on the grid.
+        Step of the time grid [s].
+    carriage_m, carriage_m_s, normal_n
+        Position [m] and velocity [m/s] of the carriage, and normal force [N], at the points of the grid.
 
     Raises
     ------
     TraceError
-        If the step is not above 0, a column is not finite (with its first such sample), bristles are elasto-plastic, or
-        the step is too long for them.
+        If the step is not above 0, a column is not finite (the error names the first such sample), the bristles are
+        elasto-plastic, or the step is too long for the stiffness of the bristles.
     """
-    issues = positive("step_s", step_s, "s", "0.000125")
-    issues.extend(columns(stage_m=stage_m, stage_m_s=stage_m_s, normal_n=normal_n))
+    issues = find_not_positive("step_s", step_s, "s", "0.000125")
+    issues.extend(find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, normal_n=normal_n))
     if friction.elastic:
         issues.append(Issue("friction.elastic", f"{friction.elastic:g} needs error control; use coupled.integrate."))
-    refuse(issues)
-    x, v, z = (np.zeros(len(stage_m)) for _ in range(3))
+    raise_issues(issues)
+    x, v, z = (np.zeros(len(carriage_m)) for _ in range(3))
     _drag(
         (friction.mu_c, friction.mu_s - friction.mu_c, friction.stribeck_m_s),
         (friction.sigma0, friction.sigma1, friction.sigma2),
         (mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m),
-        step_s, stage_m, stage_m_s, normal_n, x, v, z,
+        step_s, carriage_m, carriage_m_s, normal_n, x, v, z,
     )  # fmt: skip
-    for name, found in (("position_m", x), ("velocity_m_s", v), ("bristle_m", z)):
-        lost = np.flatnonzero(~np.isfinite(found) | (np.abs(found) > _NO_MOTION))
-        if lost.size:
-            sentence = (
-                f"{step_s:g} s is too long for so stiff a bristle on so light a pad: {name} is {found[lost[0]]:g}"
-            )
-            raise TraceError(Issue("step_s", f"{sentence} at sample {lost[0]}; use coupled.integrate."))
-    return Motion(x, v, z)
+    for name, values in (("position_m", x), ("velocity_m_s", v), ("bristle_m", z)):
+        diverged = np.flatnonzero(~np.isfinite(values) | (np.abs(values) > _DIVERGED))
+        if diverged.size:
+            first = diverged[0]
+            reason = f"{step_s:g} s is too long for such stiff bristles on such a light pad"
+            state = f"{name} is {values[first]:g} at sample {first}"
+            raise TraceError(Issue("step_s", f"{reason}: {state}; use coupled.integrate."))
+    return PadMotion(x, v, z)
 
 
-def _loop(
+def _drag_loop(
     curve: tuple[float, float, float],
     sigma: tuple[float, float, float],
     mount: tuple[float, float, float],
@@ -121,14 +132,14 @@ def _loop(
     vs_out: MutableSequence[float],
     zs: MutableSequence[float],
 ) -> None:
-    mu_c, drop, vs = curve
+    mu_c, drop, vs = curve  # drop = mu_s - mu_c, vs = Stribeck velocity
     s0, s1, s2 = sigma
     m, k, c = mount
     G = _GAMMA * h
     x, v, z = X[0], 0.0, 0.0
     xs[0] = x
     for i in range(len(X) - 1):
-        # First stage, with the Jacobian at the start of the step; rows v: [p, q, s] and z: [0, b, a].
+        # Friction at the start of the step: g(v), dz/dt, and the derivatives a = d(dz/dt)/dz, b = d(dz/dt)/dv.
         load = N[i]
         ratio = v / vs
         denominator = 1 + ratio * ratio
@@ -136,24 +147,31 @@ def _loop(
         speed = v if v >= 0.0 else -v
         if load > 0.0:
             a = -s0 * speed / g
-            slope = -2 * drop * ratio / (vs * denominator * denominator)
+            slope = -2 * drop * ratio / (vs * denominator * denominator)  # dg/dv
             b = 1 - s0 * z * ((1.0 if v >= 0.0 else -1.0) - speed * slope / g) / g
             dz = v + a * z
         else:
             a, b, dz = -1 / _RELAXATION_S, 0.0, -z / _RELAXATION_S
         mu = s0 * z + s1 * dz + s2 * v
         dv = (k * (X[i] - x) + c * (V[i] - v) - load * mu) / m
-        # gamma h times the derivative of dv by time alone, from the drive's own differences.
+
+        # gamma h times the partial derivative of dv by time, from the differences of the drive over the step.
         drift = _GAMMA * (k * (X[i + 1] - X[i]) + c * (V[i + 1] - V[i]) - (N[i + 1] - load) * mu) / m
+
+        # Row v of the Jacobian is [p, q, s]; row z is [0, b, a]; row x is [0, 1, 0]. Eliminating x and z from
+        # (I - gamma h J) k = right-hand side leaves one scalar equation for the velocity.
         p = -k / m
         q = -(c + load * (s1 * b + s2)) / m
         s = -load * (s0 + s1 * a) / m
         za = 1 / (1 - G * a)
         pivot = 1 / (1 - G * (q + G * (p + s * b * za)))
+
+        # First stage of ROS2.
         kv1 = (dv + drift + G * (p * v + s * za * dz)) * pivot
         kx1 = v + G * kv1
         kz1 = (dz + G * b * kv1) * za
-        # Second stage at the end of the step.
+
+        # Second stage: right-hand side at the end of the step, solved with the same matrix.
         load = N[i + 1]
         xe, ve, ze = x + h * kx1, v + h * kv1, z + h * kz1
         ratio = ve / vs
@@ -164,6 +182,8 @@ def _loop(
         kv2 = (rv + G * (p * rx + s * za * rz)) * pivot
         kx2 = rx + G * kv2
         kz2 = (rz + G * b * kv2) * za
+
+        # New state: y + h (3/2 k1 + 1/2 k2).
         x += h * (1.5 * kx1 + 0.5 * kx2)
         v += h * (1.5 * kv1 + 0.5 * kv2)
         z += h * (1.5 * kz1 + 0.5 * kz2)
@@ -172,4 +192,5 @@ def _loop(
         zs[i + 1] = z
 
 
-_drag = CompiledLoop(_loop, outputs=3, samples="X", plain_us=3.0)
+_drag = CompiledLoop(_drag_loop, outputs=3, samples="X", plain_us=3.0)
+"""Fills position, velocity and bristle deflection at each point of the grid."""

@@ -1,8 +1,9 @@
-"""Normal vibration: the surface's profile passes under the pad and shakes it through its resonance.
+"""Normal vibration: the surface profile passes under the pad and excites its resonance.
 
-A wavelength lambda passing at v excites v/lambda. Its height times the contact's normal stiffness is the
-force that drives the resonance, so vibration grows with roughness and, by the stiffness, with load. The pad
-is taken to follow the profile at its summits, without averaging over the patch: an upper bound (assumption).
+A wavelength lambda that passes at speed v excites the frequency v/lambda. Its height times the normal stiffness of the
+contact is the force that drives the resonance. So vibration grows with the roughness and, through the stiffness, with
+the load. The pad is assumed to follow the summits of the profile without averaging over the contact patch, which gives
+an upper bound.
 """
 
 from __future__ import annotations
@@ -18,30 +19,44 @@ from fingertip.arrays import Array
 from fingertip.jit import CompiledLoop
 
 HURST = 0.8
-"""Exponent of the self-affine profile (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1)."""
+"""Hurst exponent of the self-affine profile (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1)."""
 _ROUGH_OCTAVES = 5
-"""Octaves of roughness below the cutoff wavelength: up to 0.5 kHz and more at 4 cm/s, far above the resonance."""
+"""Octaves of roughness below the cutoff wavelength: to at least 0.5 kHz at 4 cm/s, far above the resonance."""
 _WAVY_OCTAVES = 2
-"""Octaves of waviness above it, where the self-affine spectrum is taken to go on. Assumption."""
+"""Octaves of waviness above the cutoff wavelength, where the self-affine spectrum is assumed to continue."""
 _PER_OCTAVE = 6
+"""Waves per octave."""
 _SPACING_M = 5e-6
+"""Spacing of the profile's points [m]."""
 
 
-def profile(rng: random.Random, roughness_um: float, cutoff_m: float, length_m: float) -> Array:
-    """Heights [m] of one line across a surface, every `_SPACING_M`.
+def generate_profile(rng: random.Random, roughness_um: float, cutoff_m: float, length_m: float) -> Array:
+    """Generate the heights [m] of one line across a surface, every `_SPACING_M`.
 
-    Waves of random phase, amplitudes as lambda^H, scaled so that those up to the cutoff wavelength [m] have
-    the roughness: a Gaussian profile's rms is ``Ra sqrt(pi / 2)``.
+    The profile is a sum of waves with random phases and amplitudes proportional to lambda^H. Its scale makes the waves
+    up to the cutoff wavelength have the given roughness: the RMS height of a Gaussian profile is ``Ra sqrt(pi / 2)``.
+
+    Parameters
+    ----------
+    rng
+        Source of phases and wavelengths.
+    roughness_um
+        Arithmetic mean deviation Ra [um].
+    cutoff_m
+        Cutoff wavelength between roughness and waviness [m].
+    length_m
+        Length of the line [m].
     """
     count = math.ceil(length_m / _SPACING_M) + 2
     waves, square = [], 0.0
     for i in range(-_WAVY_OCTAVES * _PER_OCTAVE, _ROUGH_OCTAVES * _PER_OCTAVE):
-        octave = (i + rng.random()) / _PER_OCTAVE  # not on a lattice: no beats of a common period
+        octave = (i + rng.random()) / _PER_OCTAVE  # random wavelengths share no common period, so they do not beat
         amplitude = 2.0 ** (-HURST * octave)
         square += amplitude * amplitude / 2 if octave >= 0.0 else 0.0
         waves.append((amplitude, 2 * math.pi * 2.0**octave / cutoff_m, 2 * math.pi * rng.random()))
     scale = roughness_um * 1e-6 * math.sqrt(math.pi / 2) / math.sqrt(square)
-    # The rotation by one spacing needs no cosine per point, and no vector cosine, whose last bit varies.
+    # Each wave is a phasor that turns by a fixed angle per point. This needs no cosine per point, and no vectorised
+    # cosine, whose last bit varies between processors.
     turns = [complex(math.cos(k * _SPACING_M), math.sin(k * _SPACING_M)) for _, k, _ in waves]
     starts = [scale * amplitude * complex(math.cos(phase), math.sin(phase)) for amplitude, _, phase in waves]
     heights = np.zeros(count)
@@ -57,17 +72,28 @@ def _rotate_loop(starts: Sequence[complex], turns: Sequence[complex], heights: M
             pointer *= turn
 
 
-def height_m(heights: Array, position_m: Array) -> Array:
-    """The profile's height [m] under the pad, linear between its points, held beyond its ends."""
+def interpolate_height_m(heights: Array, position_m: Array) -> Array:
+    """Height of the profile under the pad [m]: linear between its points, constant beyond its ends."""
     return np.interp(position_m, np.arange(len(heights)) * _SPACING_M, heights)
 
 
-def left_by_hand(height_m: Array, step_s: float, follow_hz: float, state: Array | None = None) -> Array:
-    """What a compliant hand leaves of a height for the pad to take up [m].
+def compute_pad_deflection_m(height_m: Array, step_s: float, follow_hz: float, state: Array | None = None) -> Array:
+    """Deflection of the pad over a height profile, after the compliant hand has followed its slow part [m].
 
-    Below the frequency [Hz] at which the finger's mass swings on the hand, the hand rides up and down with the
-    surface; above it the mass stays and the pad yields. A first-order follower stands for that swing (assumption: the
-    hand is well damped). `state` of shape (1,), at first the first height, carries the hand's from chunk to chunk.
+    Below the resonance of the finger's mass on the hand, the hand moves up and down with the surface. Above it the mass
+    stays where it is and the pad deforms. A first-order high-pass filter models this (assumption: the hand is well
+    damped).
+
+    Parameters
+    ----------
+    height_m
+        Height of the surface under the pad [m], per step.
+    step_s
+        Step [s].
+    follow_hz
+        Resonance of the finger's mass on the hand [Hz].
+    state
+        Height of the hand, shape (1,), carried from chunk to chunk. Starts at the first height.
     """
     share = 1 - math.exp(-2 * math.pi * follow_hz * step_s)
     out = np.zeros(len(height_m))
@@ -85,7 +111,7 @@ def _follow_loop(
     state[0] = hand
 
 
-def resonate(
+def apply_resonance(
     drive_n: Array,
     touching: NDArray[np.bool_],
     step_s: float,
@@ -93,17 +119,30 @@ def resonate(
     damping_ratio: float,
     state: Array | None = None,
 ) -> Array:
-    """Contact force [N] from the force that drives the pad: a second-order low-pass of unit gain at rest.
+    """Contact force [N] from the driving force: a second-order low-pass filter with unit gain at 0 Hz.
 
-    Exact for a drive that is linear between grid points. Where the finger does not touch, the force is
-    exactly 0 and the resonance starts anew; where the surface would have to pull, it is 0. `state` of shape (3,), at
-    first 0, carries force, rate and drive from chunk to chunk.
+    The solution is exact for a drive that is linear between grid points. Where the finger does not touch, the force is
+    exactly 0 and the resonance restarts from zero. Where the surface would have to pull, the force is 0.
+
+    Parameters
+    ----------
+    drive_n
+        Force that drives the pad [N], per step.
+    touching
+        Whether the finger touches, per step.
+    step_s
+        Step [s].
+    frequency_hz, damping_ratio
+        Resonance of the contact [Hz] and its damping ratio.
+    state
+        Force, its rate and the drive, shape (3,), carried from chunk to chunk. Starts at 0.
     """
     w, zeta, h = 2 * math.pi * frequency_hz, damping_ratio, step_s
     wd = w * math.sqrt(1 - zeta * zeta)
     decay = math.exp(-zeta * w * h)
     C, S = decay * math.cos(wd * h), decay * math.sin(wd * h) / wd
-    # e = y - (particular solution of the ramp), which swings freely: e'' + 2 zeta w e' + w^2 e = 0.
+    # For a drive that is a ramp, y = particular solution + e, where e decays freely: e'' + 2 zeta w e' + w^2 e = 0.
+    # One step multiplies (e, e') by the matrix a.
     a11, a12, a21, a22 = C + zeta * w * S, S, -w * w * S, C - zeta * w * S
     lag = 2 * zeta / w
     out = np.zeros(len(drive_n))
@@ -125,6 +164,7 @@ def _swing_loop(
     for i in range(len(drive)):
         now = drive[i]
         if touching[i]:
+            # Subtract the particular solution (drive - lag * ramp), advance the free part, add the solution again.
             ramp = (now - before) / h
             e, de = y - (before - lag * ramp), rate - ramp
             y = a11 * e + a12 * de + now - lag * ramp
@@ -136,6 +176,6 @@ def _swing_loop(
     state[0], state[1], state[2] = y, rate, before
 
 
-_rotate = CompiledLoop(_rotate_loop, outputs=1, samples="heights", plain_us=8.0)
+_rotate = CompiledLoop(_rotate_loop, outputs=1, samples="heights", plain_us=4.0)
 _follow = CompiledLoop(_follow_loop, outputs=2, samples="heights", plain_us=0.3)
-_swing = CompiledLoop(_swing_loop, outputs=2, samples="drive", plain_us=0.4)
+_swing = CompiledLoop(_swing_loop, outputs=2, samples="drive", plain_us=0.3)

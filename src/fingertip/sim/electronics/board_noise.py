@@ -19,7 +19,7 @@ import math
 import numpy as np
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.noise import total_v
+from fingertip.board.analysis.noise import total_noise_v
 from fingertip.board.nets import FILTERED
 from fingertip.design import Design
 from fingertip.sim.electronics.analog import simulate_board
@@ -34,7 +34,7 @@ _SMALL_V = 1e-6
 @functools.lru_cache(maxsize=256)
 def compute_input_noise_v(design: Design) -> float:
     """Compute the white RMS noise of the samples at the board's input that stands for its amplifiers' noise [V]."""
-    return total_v(board_circuit(board_values(design)), design.board.gain_bandwidth_hz, FILTERED) / compute_noise_gain(
+    return total_noise_v(board_circuit(board_values(design)), design.board.gain_bandwidth_hz, FILTERED) / compute_noise_gain(
         design
     )
 

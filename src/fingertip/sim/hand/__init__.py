@@ -1,1 +1,1 @@
-"""A hand that holds an object which is knocked: motors, grasp, sensed fingers, and who controls them."""
+"""Hand that holds an object while a pin hits it: motors, grasp, sensors of the fingers, and the controller."""

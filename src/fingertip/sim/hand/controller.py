@@ -1,4 +1,4 @@
-"""What closes the loop of a hand: all that a controller is handed, and what it gives back."""
+"""Controller of a hand in closed loop: what it observes, and the commands it returns."""
 
 from __future__ import annotations
 
@@ -9,33 +9,33 @@ from fingertip.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
-    """What a controller is handed at the end of a period."""
+class Observation:
+    """Values that a controller receives at the end of each control period. It sees nothing of the ground truth."""
 
     time_s: float
-    """Now; the first time 0, before any sample but the first."""
+    """Present time [s]. The first observation is at time 0 and holds one sample."""
     voltage_v: Array
-    """Samples since the last time, (fingers, samples), as the converters gave them."""
+    """Voltages sampled by the ADC since the previous observation [V], (fingers, samples)."""
     closing_m: Array
-    """Closing of each finger now, as its motor's encoder shows it."""
+    """Present closing of each finger [m], as the encoder of its motor shows it."""
     planned_m: Array
-    """Closing of each finger that a hand without control would be told now: it closes and keeps its grip."""
+    """Closing of each finger that a hand without control would command now [m]: it closes and keeps its grip."""
     envelope_v: Array | None = None
-    """Samples of the filter boards' outputs, like those of the voltage; None unless the scene names ``envelope_v``
-    among its outputs."""
+    """Sampled outputs of the filter boards [V], shaped like `voltage_v`. None unless ``envelope_v`` is among the
+    outputs of the scene."""
 
 
 class Controller(Protocol):
-    """What closes the loop."""
+    """Object that closes the loop."""
 
-    def step(self, seen: Seen) -> Array:
-        """The closing [m] each finger is told, (fingers,), in force until the next command."""
+    def step(self, observation: Observation) -> Array:
+        """Return the commanded closing of each finger [m], (fingers,), valid until the next command."""
         ...
 
 
 class FixedGrip:
-    """No control: the planned closing."""
+    """Controller that does not react: it commands the planned closing."""
 
-    def step(self, seen: Seen) -> Array:
-        """As planned."""
-        return seen.planned_m
+    def step(self, observation: Observation) -> Array:
+        """Return the planned closing [m]."""
+        return observation.planned_m

@@ -1,7 +1,7 @@
-"""One finger of a hand in the loop, from its load to the sampled voltages, chunk by chunk.
+"""One finger of a hand, from its load to the sampled voltages, computed chunk by chunk.
 
-The same stages as a scene's (`sim.pipeline`), which runs them over all of its time at once: a chunk begins with the
-state in which the one before it ended, so that any chunks give the same bits.
+The computations are those of a scene (`fingertip.sim.stages`), which runs each of them over its whole duration at once.
+Here a chunk starts with the state in which the previous one ended, so that the cuts between chunks change no bit.
 """
 
 from __future__ import annotations
@@ -17,84 +17,101 @@ from fingertip.design import Design
 from fingertip.sim.contact import vibration
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import Surface
-from fingertip.sim.electronics import fsr
-from fingertip.sim.electronics.anti_alias import Poles
-from fingertip.sim.electronics.board_noise import input_noise_v
-from fingertip.sim.electronics.converter import noise_v, sampled_v
-from fingertip.sim.electronics.sensing import on_sensor_n, voltage_of
-from fingertip.sim.scenes.scene_sections import Sensing
+from fingertip.sim.electronics.adc import AntiAliasFilter, draw_noise_v, sample_v
+from fingertip.sim.electronics.board_noise import compute_input_noise_v
+from fingertip.sim.electronics.sensor import apply_hysteresis, compute_sensor_force_n, select_voltage_function
+from fingertip.sim.scenes.scene_file import Sensing
 
-BEFORE_M = 2e-3
-"""Profile ahead of the place at which the finger touches first: objects are also pushed back a little."""
+PROFILE_MARGIN_M = 2e-3
+"""Length of the surface profile before the point of first touch [m], because objects are also pushed back a little."""
 
 
 @dataclass
-class Shaken:
-    """The pad's normal vibration: the surface's profile and whatever else shakes it, through its resonance."""
+class VibratingPad:
+    """Normal vibration of the pad: surface profile and other forces through the resonance of the contact."""
 
     pad: Pad
     held_n: float
-    """Force for which its resonance is taken."""
+    """Holding force for which the resonance is computed [N]."""
     step_s: float
+    """Step of the grid [s]."""
     surface: Surface
     length_m: float
+    """Distance that the object can slide [m]."""
     rng: random.Random
+    """Source of the surface profile."""
     _profile: Array = field(init=False)
-    _hand: Array = field(init=False)
-    _swing: Array = field(init=False)
+    _hand_state: Array = field(init=False)
+    _resonance_state: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        s = self.surface
-        self._profile = vibration.profile(self.rng, s.roughness_um, s.cutoff_wavelength_m, BEFORE_M + self.length_m)
-        self._hand = vibration.height_m(self._profile, np.array([BEFORE_M]))
-        self._swing = np.zeros(3)
+        surface, length = self.surface, PROFILE_MARGIN_M + self.length_m
+        self._profile = vibration.generate_profile(self.rng, surface.roughness_um, surface.cutoff_wavelength_m, length)
+        self._hand_state = vibration.interpolate_height_m(self._profile, np.array([PROFILE_MARGIN_M]))
+        self._resonance_state = np.zeros(3)
 
-    def contact_n(self, load_n: Array, way_m: Array, push_n: Array) -> Array:
-        """Contact force [N] on the grid, from the quasi-static load, the way over the surface, and other pushes."""
-        height = vibration.height_m(self._profile, BEFORE_M + way_m)
-        felt = vibration.left_by_hand(height, self.step_s, self.pad.hand_hz, self._hand)
+    def contact_n(self, load_n: Array, path_m: Array, push_n: Array) -> Array:
+        """Contact force on the grid [N].
+
+        Parameters
+        ----------
+        load_n
+            Quasi-static load [N].
+        path_m
+            Position of the pad along the surface [m].
+        push_n
+            Other forces that drive the vibration [N].
+        """
+        height = vibration.interpolate_height_m(self._profile, PROFILE_MARGIN_M + path_m)
+        deflection = vibration.compute_pad_deflection_m(height, self.step_s, self.pad.hand_hz, self._hand_state)
         touching = load_n > 0.0
-        drive = load_n + self.pad.normal_stiffness_n_per_m(1.0) * np.cbrt(load_n) * felt
+        drive = load_n + self.pad.normal_stiffness_n_per_m(1.0) * np.cbrt(load_n) * deflection
         drive += np.where(touching, push_n, 0.0)
         frequency = self.pad.resonance_hz(self.held_n)
-        return vibration.resonate(drive, touching, self.step_s, frequency, DAMPING_RATIO, self._swing)
+        return vibration.apply_resonance(drive, touching, self.step_s, frequency, DAMPING_RATIO, self._resonance_state)
 
 
 @dataclass
-class Sensed:
-    """Sensor, bridge and converters of one finger."""
+class FingerSensor:
+    """Sensor, bridge and ADC channels of one finger."""
 
     design: Design
     sensing: Sensing
-    stream: Callable[[str], random.Random]
-    """Random numbers of this finger for one purpose."""
-    _play: Array = field(init=False)
-    _voltage_of: Callable[[float], float] = field(init=False)
+    """Parameters of the conversion."""
+    random_stream: Callable[[str], random.Random]
+    """Function from a purpose to random numbers of this finger."""
+    _hysteresis_state: Array = field(init=False)
+    _voltage_function: Callable[[float], float] = field(init=False)
     _noise: dict[str, random.Random] = field(init=False)
-    _poles: tuple[Poles, Poles] = field(init=False)
+    _tactile_filter: AntiAliasFilter = field(init=False)
+    _envelope_filter: AntiAliasFilter = field(init=False)
 
     def __post_init__(self) -> None:
-        self._play = np.zeros(1)
-        self._voltage_of = voltage_of(self.design, self.sensing.bridge)
+        self._hysteresis_state = np.zeros(1)
+        self._voltage_function = select_voltage_function(self.design, self.sensing.bridge)
         self._noise = {}
-        self._poles = Poles.tactile(self.design), Poles.envelope(self.design)
+        self._tactile_filter = AntiAliasFilter.for_tactile(self.design)
+        self._envelope_filter = AntiAliasFilter.for_envelope(self.design)
         if self.sensing.noise:
-            self._noise = {what: self.stream(what) for what in ("noise", "board noise", "envelope noise")}
+            purposes = ("noise", "board noise", "envelope noise")
+            self._noise = {purpose: self.random_stream(purpose) for purpose in purposes}
 
     def bridge_v(self, contact_n: Array, shear_m: Array) -> Array:
         """Voltage of bridge and amplifier at the samples, without noise [V]."""
-        shown = fsr.with_hysteresis(on_sensor_n(contact_n, shear_m), self._play)
-        return np.array([*map(self._voltage_of, shown.tolist())])
+        sensor_n = apply_hysteresis(compute_sensor_force_n(contact_n, shear_m), self._hysteresis_state)
+        return np.array([*map(self._voltage_function, sensor_n.tolist())])
 
     def tactile_v(self, bridge_v: Array) -> Array:
         """Voltage ahead of the filter board, with the noise of the board's amplifiers [V]."""
         rng = self._noise.get("board noise")
-        return bridge_v if rng is None else bridge_v + noise_v(rng, input_noise_v(self.design), len(bridge_v))
+        return (
+            bridge_v if rng is None else bridge_v + draw_noise_v(rng, compute_input_noise_v(self.design), len(bridge_v))
+        )
 
     def sampled_v(self, bridge_v: Array) -> Array:
-        """What the converter gives of the tactile voltage [V]."""
-        return sampled_v(self.design, self._poles[0].process(bridge_v), self._noise.get("noise"))
+        """Tactile voltage as sampled by the ADC [V]."""
+        return sample_v(self.design, self._tactile_filter.process(bridge_v), self._noise.get("noise"))
 
     def sampled_envelope_v(self, envelope_v: Array) -> Array:
-        """What the converter gives of the board's output [V]."""
-        return sampled_v(self.design, self._poles[1].process(envelope_v), self._noise.get("envelope noise"))
+        """Envelope output of the board as sampled by the ADC [V]."""
+        return sample_v(self.design, self._envelope_filter.process(envelope_v), self._noise.get("envelope noise"))

@@ -1,15 +1,17 @@
-"""A grasped object along the way in which it can slip: its weight, a pin that hits it, friction at every finger.
+"""Motion of a grasped object along the direction of slip: weight, impact of a pin, friction at each finger.
 
-States: X, V of the object [m, m/s]; of each pad x, v [m, m/s] against its finger and z of its bristles [m]. With
-w = v - V, the pad's velocity over the object, and normal forces N:
+States: position X [m] and velocity V [m/s] of the object; for each pad, position x [m] and velocity v [m/s] relative to
+its finger and bristle deflection z [m]. With w = v - V, the velocity of the pad over the object, and normal forces N:
 
     dz/dt   = w - sigma0 |w| z / g(w)
     mu      = sigma0 z + sigma1 dz/dt + sigma2 w
     m dv/dt = -k x - c v - N mu
     M dV/dt = weight + sum N mu + pin,   pin = kp d (1 + lambda dd/dt), d = Xp - X > 0
 
-The pin is Hunt and Crossley's (Trans. ASME J. Applied Mechanics 42(2), 1975, doi:10.1115/1.3423596). ROS2 with the
-analytic Jacobian, as in `sim.contact`; the fingers meet in the object's velocity only, so each is eliminated by itself.
+Xp is the position of the pin. Its contact model is that of Hunt and Crossley (Trans. ASME J. Applied Mechanics 42(2),
+1975, doi:10.1115/1.3423596). Friction is LuGre friction as in `fingertip.sim.contact.friction`. The method is ROS2 with
+the analytic Jacobian, as in `fingertip.sim.contact.tangential`. The fingers are coupled through the velocity of the
+object only, so each one is eliminated by itself, and one scalar equation for the object remains.
 """
 
 from __future__ import annotations
@@ -20,16 +22,18 @@ from collections.abc import MutableSequence, Sequence
 from fingertip.jit import CompiledLoop
 
 GAMMA = 1 - 1 / math.sqrt(2)
+"""Parameter of ROS2 that makes it L-stable (Verwer et al. 1999)."""
 RELAX_PER_S = 1e3
-"""Rate at which bristles that touch nothing straighten up. Assumption."""
+"""Rate at which bristles without contact straighten up [1/s]. Assumption."""
+SCRATCH_SIZE = 13
+"""Number of values kept for each finger between the parts of a step.
 
-
-WIDTH = 13
-"""Numbers kept for each finger from the first stage to the second."""
+In this order: A, B, za, b, pivot, s, dz (later rz), drift (later rx), kx1, kv1, kz1, S, E.
+"""
 
 
 def pin_n(k: float, damping: float, X: float, V: float, Xp: float, Vp: float) -> float:
-    """The pin's force [N], never pulling."""
+    """Force of the pin on the object [N], which never pulls (Hunt and Crossley 1975)."""
     d = Xp - X
     if d <= 0.0:
         return 0.0
@@ -37,7 +41,7 @@ def pin_n(k: float, damping: float, X: float, V: float, Xp: float, Vp: float) ->
     return f if f > 0.0 else 0.0
 
 
-def _loop(
+def _grasp_loop(
     curve: tuple[float, float, float],
     sigma: tuple[float, float, float],
     h: float,
@@ -59,16 +63,21 @@ def _loop(
     object_out: MutableSequence[float],
     pin_out: MutableSequence[float],
 ) -> None:
+    # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2; stiffness and damping
+    # of the pin. Arrays hold one finger after the other: mount (mass, stiffness, damping), state (x, v, z), load.
     mu_c, drop, vs = curve
     s0, s1, s2 = sigma
     kp, damping = pin
     G = GAMMA * h
     X, V, gone = state[3 * count], state[3 * count + 1], state[3 * count + 2]
     for j in range(length):
+        # No finger touches an object that has left.
         if gone > 0.0:
             for i in range(count):
                 load[i * (length + 1) + j + 1] = 0.0
-        # First stage, with the Jacobian at the step's start.
+
+        # First stage, object: forces of weight and pin at the start of the step, their time derivative (drift, from the
+        # differences over the step) and their derivatives by X and V.
         P0 = pin_n(kp, damping, X, V, pin_x[j], pin_v[j])
         P1 = pin_n(kp, damping, X, V, pin_x[j + 1], pin_v[j + 1])
         jx = jv = 0.0
@@ -78,8 +87,10 @@ def _loop(
             jv = -kp * damping * d / mass
         dV = (weight[j] + P0) / mass
         drift_V = GAMMA * (weight[j + 1] - weight[j] + P1 - P0) / mass
+        # down * kV = right is the scalar equation of the object; each finger adds to both sides.
         down, right = 1 - G * jv - G * G * jx, 0.0
         for i in range(count):
+            # LuGre friction of this finger: dz/dt, and its derivatives a by z and b by w.
             m, k, c = mount[3 * i], mount[3 * i + 1], mount[3 * i + 2]
             x, v, z = state[3 * i], state[3 * i + 1], state[3 * i + 2]
             N, N1 = load[i * (length + 1) + j], load[i * (length + 1) + j + 1]
@@ -100,26 +111,29 @@ def _loop(
             drift = -GAMMA * (N1 - N) * mu / m
             dV += N * mu / mass
             drift_V += GAMMA * (N1 - N) * mu / mass
+
+            # Row v of the finger's Jacobian is [p, q, s] by x, v, z, and e / m by V. Eliminating x and z leaves
+            # kv = A + B kV, and with it the finger's contribution to the object's equation.
             p = -k / m
             e = N * (s1 * b + s2)
             q = -(c + e) / m
             s = -N * (s0 + s1 * a) / m
             za = 1 / (1 - G * a)
             pivot = 1 / (1 - G * (q + G * (p + s * b * za)))
-            # kv = A + B kV, kz = za (dz + G b (kv - kV)).
             A = (dv + drift + G * (p * v + s * za * dz)) * pivot
             B = G * (e / m - G * s * b * za) * pivot
             S = -s * m / mass
             E = e / mass
             down += G * E - G * (E * B + S * za * G * b * (B - 1))
             right += G * (E * A + S * za * (dz + G * b * A))
-            at = WIDTH * i
+            at = SCRATCH_SIZE * i
             scratch[at], scratch[at + 1], scratch[at + 2], scratch[at + 3] = A, B, za, b
             scratch[at + 4], scratch[at + 5], scratch[at + 6], scratch[at + 7] = pivot, s, dz, drift
             scratch[at + 11], scratch[at + 12] = S, E
         kV1 = (dV + drift_V + G * jx * V + right) / down
         kX1 = V + G * kV1
-        # Second stage at the step's end.
+
+        # Second stage, object: right-hand side at the end of the step, solved with the same matrix.
         Xe, Ve = X + h * kX1, V + h * kV1
         dV = (weight[j + 1] + pin_n(kp, damping, Xe, Ve, pin_x[j + 1], pin_v[j + 1])) / mass
         right = 0.0
@@ -127,13 +141,15 @@ def _loop(
             m, k, c = mount[3 * i], mount[3 * i + 1], mount[3 * i + 2]
             x, v, z = state[3 * i], state[3 * i + 1], state[3 * i + 2]
             N1 = load[i * (length + 1) + j + 1]
-            at = WIDTH * i
+            at = SCRATCH_SIZE * i
             za, b = scratch[at + 2], scratch[at + 3]
             pivot, s, dz, drift = scratch[at + 4], scratch[at + 5], scratch[at + 6], scratch[at + 7]
+            # First-stage increments of this finger, from the object's.
             kv1 = scratch[at] + scratch[at + 1] * kV1
             kx1 = v + G * kv1
             kz1 = za * (dz + G * b * (kv1 - kV1))
             xe, ve, ze = x + h * kx1, v + h * kv1, z + h * kz1
+            # Friction at the end of the step, and the finger's contribution to the object's equation.
             w = ve - Ve
             ratio = w / vs
             g = mu_c + drop / (1 + ratio * ratio)
@@ -147,6 +163,8 @@ def _loop(
             scratch[at], scratch[at + 6] = A, rz
             scratch[at + 8], scratch[at + 9], scratch[at + 10] = kx1, kv1, kz1
             scratch[at + 7] = rx
+
+        # New state of the object: y + h (3/2 k1 + 1/2 k2).
         rX = Ve - 2 * kX1
         kV2 = (dV - drift_V - 2 * kV1 + G * jx * rX + right) / down
         kX2 = rX + G * kV2
@@ -155,9 +173,11 @@ def _loop(
         if leaves < X and gone == 0.0:
             gone = 1.0
         if gone > 0.0:
-            X, V = leaves, 0.0  # it has left; where it falls does not matter here
+            X, V = leaves, 0.0  # the object has left the fingers; its fall does not matter here
+
+        # New state of each pad, and outputs.
         for i in range(count):
-            at = WIDTH * i
+            at = SCRATCH_SIZE * i
             kx1, kv1, kz1 = scratch[at + 8], scratch[at + 9], scratch[at + 10]
             kv2 = scratch[at] + scratch[at + 1] * kV2
             kx2 = scratch[at + 7] + G * kv2
@@ -175,7 +195,10 @@ def _loop(
     state[3 * count], state[3 * count + 1], state[3 * count + 2] = X, V, gone
 
 
-run = CompiledLoop(_loop, pin_n, outputs=8, samples="x_out", plain_us=9.0)
-"""Carries state (x, v, z of each pad; X, V, gone) and scratch; sets loads to 0 where the object has left; fills each
-pad's way, the object's velocity over it, its bristles' deflection, the object's way and the pin's force, at the end of
-each step."""
+run = CompiledLoop(_grasp_loop, pin_n, outputs=8, samples="x_out", plain_us=4.5)
+"""Advances the grasp over a chunk.
+
+The state (x, v, z of each pad; X, V and whether the object has left) and the scratch values are carried from chunk to
+chunk. Loads become 0 once the object has left. The outputs are, at the end of each step: position of each pad, velocity
+of the object over it, its bristle deflection, position of the object, and force of the pin.
+"""

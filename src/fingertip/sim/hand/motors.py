@@ -1,13 +1,14 @@
-"""The hand: from commands to how far each finger has closed, and with how much force it then presses.
+"""Motors of the hand: from commands to the closing of each finger and the force with which it presses.
 
-A command is a finger's closing [m] from the open hand. It reaches the motors after a delay; they follow with a lag of
-first order and a greatest velocity. Ring and little finger have one motor (article, III.C): the greater command moves
-both. A finger that closes beyond the touch presses by what its pad and the hand behind it yield (`sim.pad`):
+A command is the closing of a finger [m], counted from the open hand. It reaches the motors after a delay. The motors
+follow with a first-order lag and a maximum velocity. Ring and little finger share one motor (article, III.C): the
+larger command moves both. A finger that closes beyond the touch deflects its pad and the hand behind it
+(`fingertip.sim.contact.pad`), and its force F satisfies
 
     closing - reach -+ q = F / k + c F^(2/3)
 
-The object moves by q between thumb and fingers so that both sides press alike. Its mass in that direction is neglected:
-tendon drives damp whatever would swing there (assumption).
+The object moves by q between thumb and fingers until both sides press with the same force. Its mass in that direction
+is neglected, because tendon drives damp any oscillation there (assumption).
 """
 
 from __future__ import annotations
@@ -23,59 +24,72 @@ from fingertip.jit import CompiledLoop
 from fingertip.sim.contact.pad import HAND_N_PER_M, Pad
 from fingertip.sim.hand.manipulation_file import Hand
 
-COUPLED = ("ring", "little")
-ARRIVED_M = 1e-9
-"""A motor this close to its command stands still."""
+SHARED_MOTOR = ("ring", "little")
+"""Fingers that one motor drives."""
+POSITION_TOLERANCE_M = 1e-9
+"""Distance from its command at which a motor stops [m]."""
 
 
 @dataclass
 class Motors:
-    """The closing of some fingers, and the forces they press with; carried from chunk to chunk."""
+    """Closing of the fingers and the forces they press with, carried from chunk to chunk."""
 
     hand: Hand
+    """Parameters of the motors."""
     pad: Pad
     fingers: tuple[str, ...]
+    """Names of the fingers, the thumb first."""
     reach_m: Array
-    """Closing at which each finger touches."""
+    """Closing at which each finger touches [m]."""
     step_s: float
+    """Time between samples [s]."""
     closing_m: Array = field(init=False)
-    _phase: Array = field(init=False)
-    _root: Array = field(init=False)  # cube roots of the forces [N^(1/3)], where Newton's method starts
+    """Present closing of each finger [m]."""
+    _phase: Array = field(init=False)  # phase of each motor's vibration [rad]
+    _root: Array = field(init=False)  # cube root of each force [N^(1/3)], the start of Newton's method
 
     def __post_init__(self) -> None:
         count = len(self.fingers)
         self.closing_m, self._phase, self._root = (np.zeros(count) for _ in range(3))
 
     @property
-    def max_m(self) -> Array:
-        """Closing at which a tendon stalls, the other side standing still."""
+    def stall_closing_m(self) -> Array:
+        """Closing at which each tendon stalls while the other side stands still [m]."""
         return self.reach_m + self.pad.depth_m(self.hand.max_force_n)
 
     def follow(self, command_m: Array) -> tuple[Array, Array, Array]:
-        """Closing [m], force [N] and shaking by the motor [N] of each finger at the next samples.
+        """Advance the motors over a chunk.
 
         Parameters
         ----------
         command_m
-            The command that is in force from each sample to the next, (fingers, samples).
+            Commanded closing [m] from each sample to the next, (fingers, samples).
+
+        Returns
+        -------
+        tuple of three arrays
+            Closing [m], force [N] and vibration of the motor [N] of each finger at the next samples.
         """
-        goal = np.clip(command_m, 0.0, self.max_m[:, None])
-        if all(name in self.fingers for name in COUPLED):
-            both = [self.fingers.index(name) for name in COUPLED]
+        goal = np.clip(command_m, 0.0, self.stall_closing_m[:, None])
+        if all(name in self.fingers for name in SHARED_MOTOR):
+            both = [self.fingers.index(name) for name in SHARED_MOTOR]
             goal[both] = goal[both].max(axis=0)
         count, length = goal.shape
-        closing, force, shaking = (np.zeros(count * length) for _ in range(3))
+        closing, force, vibration = (np.zeros(count * length) for _ in range(3))
         h, hand = self.step_s, self.hand
         _follow(
             (1 - math.exp(-h / hand.lag_s), hand.rate_m_s * h, 2 * math.pi * hand.motor_hz * h, hand.motor_n),
             (HAND_N_PER_M, self.pad.hertz_m_per_n23), count, length, self.reach_m, goal.ravel(),
-            self.closing_m, self._phase, self._root, closing, force, shaking,
+            self.closing_m, self._phase, self._root, closing, force, vibration,
         )  # fmt: skip
-        return closing.reshape(goal.shape), force.reshape(goal.shape), shaking.reshape(goal.shape)
+        return closing.reshape(goal.shape), force.reshape(goal.shape), vibration.reshape(goal.shape)
 
 
-def root_of(depth: float, k: float, c: float, start: float) -> float:
-    """The n >= 0 with ``n^3 / k + c n^2 = depth``: Newton's method, from above at the latest after its first step."""
+def solve_force_root(depth: float, k: float, c: float, start: float) -> float:
+    """Solve ``n^3 / k + c n^2 = depth`` for n >= 0, the cube root of a force, with Newton's method.
+
+    The function is convex, so from its first step at the latest the iteration approaches the root from above.
+    """
     if depth <= 0.0:
         return 0.0
     n = start if start > 0.0 else math.sqrt(depth / c)
@@ -87,54 +101,59 @@ def root_of(depth: float, k: float, c: float, start: float) -> float:
     return n
 
 
-def _loop(
+def _motor_loop(
     motor: tuple[float, float, float, float],
     spring: tuple[float, float],
     count: int,
     length: int,
     reach: Sequence[float],
     goal: Sequence[float],
-    at: MutableSequence[float],
+    position: MutableSequence[float],
     phase: MutableSequence[float],
     root: MutableSequence[float],
     closing: MutableSequence[float],
     force: MutableSequence[float],
-    shaking: MutableSequence[float],
+    vibration: MutableSequence[float],
 ) -> None:
-    blend, maximum, turn, shake = motor
+    lag_share, max_step, phase_step, amplitude = motor
     k, c = spring
     moved = True
     for s in range(length):
+        # Motors: a first-order lag towards the command with limited velocity; vibration in proportion to velocity.
         for i in range(count):
-            step = blend * (goal[i * length + s] - at[i])
-            step = maximum if step > maximum else -maximum if step < -maximum else step
-            if abs(goal[i * length + s] - at[i]) <= ARRIVED_M:
+            step = lag_share * (goal[i * length + s] - position[i])
+            step = max_step if step > max_step else -max_step if step < -max_step else step
+            if abs(goal[i * length + s] - position[i]) <= POSITION_TOLERANCE_M:
                 step = 0.0
             else:
                 moved = True
-            at[i] += step
-            share = abs(step) / maximum
-            phase[i] = (phase[i] + turn * share) % (2 * math.pi)
-            shaking[i * length + s] = shake * share * math.sin(phase[i])
-            closing[i * length + s] = at[i]
+            position[i] += step
+            share = abs(step) / max_step
+            phase[i] = (phase[i] + phase_step * share) % (2 * math.pi)
+            vibration[i * length + s] = amplitude * share * math.sin(phase[i])
+            closing[i * length + s] = position[i]
         if moved:
-            # The thumb's root n: what the fingers press with, when the object has yielded to it, less n^3, falls in n.
-            reserve = at[0] - reach[0]
+            # Balance of forces: find the thumb's root n, so that all fingers together press with n^3. The larger n, the
+            # deeper the thumb's pad is compressed and the less the fingers are. So the difference between their force
+            # and n^3 falls with n and has one root. Its upper bound is the force of the fingers on a rigid thumb.
+            thumb_travel = position[0] - reach[0]
             low = total = 0.0
             for i in range(1, count):
-                root[i] = root_of(at[i] - reach[i] + reserve, k, c, root[i])
+                root[i] = solve_force_root(position[i] - reach[i] + thumb_travel, k, c, root[i])
                 total += root[i] * root[i] * root[i]
             if total <= 0.0:
                 n = 0.0
             else:
                 high = total ** (1 / 3)
                 n = root[0] if 0.0 < root[0] < high else 0.5 * high
+                # Newton's method within the bracket [low, high], with bisection where a step leaves it. m is the root
+                # of a finger.
                 for _ in range(200):
-                    yields = n * n * (n / k + c)
+                    thumb_depth = n * n * (n / k + c)
                     total = 0.0
                     slope = 0.0
                     for i in range(1, count):
-                        m = root_of(at[i] - reach[i] + reserve - yields, k, c, root[i])
+                        m = solve_force_root(position[i] - reach[i] + thumb_travel - thumb_depth, k, c, root[i])
                         root[i] = m
                         total += m * m * m
                         if m > 0.0:
@@ -157,5 +176,5 @@ def _loop(
             force[i * length + s] = root[i] * root[i] * root[i]
 
 
-_follow = CompiledLoop(_loop, root_of, outputs=6, samples="force", plain_us=8.0)
-"""Carries closing, phase and root; fills closing, force and shaking, finger by finger."""
+_follow = CompiledLoop(_motor_loop, solve_force_root, outputs=6, samples="force", plain_us=4.0)
+"""Advances closing, phase and root of each finger, and fills closing, force and vibration, finger by finger."""

@@ -1,7 +1,7 @@
-"""The stages of a manipulation, stepped: motors, forces, the object's motion, vibration, sensors.
+"""Stepper of a manipulation: motors, forces, motion of the object, vibration and sensors, chunk by chunk.
 
-Every stage carries its state, so that it does not matter to any bit how its time is cut. What nobody asked for is not
-made: no vibration for slip alone, no sensor where neither a voltage nor a controller wants one.
+Every part carries its state, so the cuts between chunks change no bit. Parts that no output needs do not run: there is
+no vibration for slip alone, and no sensor where neither an output nor a controller needs a voltage.
 """
 
 from __future__ import annotations
@@ -22,51 +22,54 @@ from fingertip.design import Design
 from fingertip.sim.contact.friction import GROSS_SLIP_M_S
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import SURFACES
-from fingertip.sim.electronics.amplifiers import amplified
-from fingertip.sim.electronics.analog import Stream
+from fingertip.sim.electronics.analog import AnalogStream
+from fingertip.sim.electronics.circuit import board_with_amplifiers
 from fingertip.sim.hand import grasp_loop
-from fingertip.sim.hand.finger import Sensed, Shaken
+from fingertip.sim.hand.finger import FingerSensor, VibratingPad
 from fingertip.sim.hand.manipulation_file import ManipulationFile
-from fingertip.sim.hand.motion_plan import Plan
+from fingertip.sim.hand.motion_plan import MotionPlan
 from fingertip.sim.hand.motors import Motors
-from fingertip.sim.stages.context import LONGEST_STEP_S
-from fingertip.sim.stages.stage import Ran
+from fingertip.sim.stages.context import MAX_STEP_S
+from fingertip.sim.stages.stage import StageStats
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """What the converters gave, (fingers, samples)."""
+    """Samples of the ADC in one chunk, (fingers, samples)."""
 
     voltage_v: Array
+    """Sampled tactile voltages [V]."""
     envelope_v: Array | None
-    """Of the boards; None where no output needs them."""
+    """Sampled envelope outputs of the boards [V]. None where no output needs them."""
 
 
 @dataclass
-class Run:
-    """A manipulation under way."""
+class ManipulationStepper:
+    """Manipulation in progress."""
 
     design: Design
     scene: ManipulationFile
-    plan: Plan
+    plan: MotionPlan
     pad: Pad
     seed: int
-    wanted: frozenset[str]
-    """Names of outputs."""
-    at: int = 0
-    """Samples made after the first."""
+    outputs: frozenset[str]
+    """Names of the outputs to compute."""
+    position: int = 0
+    """Number of samples computed after the first."""
     samples: Samples | None = None
-    """The newest; None where no sensor runs."""
-    parts: dict[str, list[NDArray[Any]]] = field(default_factory=dict)
-    ran: dict[str, Ran] = field(default_factory=dict)
+    """Samples of the latest chunk. None where no sensor runs."""
+    chunks: dict[str, list[NDArray[Any]]] = field(default_factory=dict)
+    """Chunks of each signal."""
+    stats: dict[str, StageStats] = field(default_factory=dict)
+    """Cost of each stage so far."""
 
     def __post_init__(self) -> None:
         scene, plan, count = self.scene, self.plan, len(self.scene.fingers)
         rate = self.design.detector.sample_rate_hz
-        self._every = math.ceil(1 / (rate * LONGEST_STEP_S) - 1e-9)
-        self._step_s = 1 / (rate * self._every)
+        self._substeps = math.ceil(1 / (rate * MAX_STEP_S) - 1e-9)
+        self._step_s = 1 / (rate * self._substeps)
         self.motors = Motors(scene.hand, self.pad, scene.fingers, plan.reach_m, 1 / rate)
         mounts = []
         for force in plan.force_n.tolist():
@@ -74,67 +77,83 @@ class Run:
             mounts += [self.pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * self.pad.mass_kg)]
         self._mounts = np.array(mounts)
         self._state = np.zeros(3 * count + 3)
-        self._scratch = np.zeros(grasp_loop.WIDTH * count)
-        self._load = np.zeros(count)
-        self._quiet = np.zeros(count)
-        self._shaken: list[Shaken] = []
-        self._sensed: list[Sensed] = []
-        self._boards: Stream | None = None
-        boards = bool({"envelope_v", "slip_pin_v"} & self.wanted)
-        sensing = boards or "voltage_v" in self.wanted
-        if sensing or "force_n" in self.wanted:
-            self._shaken = self._timed("profile", 0, 0, lambda: [self._shaker(i) for i in range(count)])
-        if sensing:
-            streams = [functools.partial(self._stream, finger=i) for i in range(count)]
-            self._sensed = [Sensed(self.design, scene.sensing, stream) for stream in streams]
-        if boards:
-            self._boards = Stream(amplified(self.design, scene.sensing.amplifiers), 1 / rate, count)
+        self._scratch = np.zeros(grasp_loop.SCRATCH_SIZE * count)
+        self._last_load_n = np.zeros(count)
+        self._last_motor_n = np.zeros(count)
+        self._pads: list[VibratingPad] = []
+        self._sensors: list[FingerSensor] = []
+        self._boards: AnalogStream | None = None
+        needs_boards = bool({"envelope_v", "slip_pin_v"} & self.outputs)
+        needs_sensors = needs_boards or "voltage_v" in self.outputs
+        if needs_sensors or "force_n" in self.outputs:
+            self._pads = self._timed("profile", 0, 0, lambda: [self._build_pad(i) for i in range(count)])
+        if needs_sensors:
+            streams = [functools.partial(self._random_stream, finger=i) for i in range(count)]
+            self._sensors = [FingerSensor(self.design, scene.sensing, stream) for stream in streams]
+        if needs_boards:
+            self._boards = AnalogStream(board_with_amplifiers(self.design, scene.sensing.amplifiers), 1 / rate, count)
         first = np.zeros((count, 1))
-        self._note(
+        self._record(
             closing_m=first, command_m=first, force_n=first, velocity_m_s=first, slip=first > 0.0,
             object_m=first[0], pin_n=first[0],
         )  # fmt: skip
-        if sensing:
-            self._sense(first, first)
+        if needs_sensors:
+            self._sample(first, first)
 
     @property
-    def lost(self) -> bool:
+    def is_lost(self) -> bool:
         """Whether the object has left the fingers."""
         return bool(self._state[-1] > 0.0)
 
     def advance(self, command_m: Array) -> None:
-        """Go on by as many samples as there are commands (closing [m], (fingers, samples)), each in force up to its
-        sample."""
+        """Advance by one sample per command.
+
+        Parameters
+        ----------
+        command_m
+            Commanded closing up to each sample [m], (fingers, samples).
+        """
         count, length = command_m.shape
-        closing, force, shaking = self._timed("hand", 2, length, lambda: self.motors.follow(command_m))
-        grid = length * self._every
-        loads = self._on_grid(self._load, force)
-        time_s = (self.at * self._every + np.arange(grid + 1)) * self._step_s
-        way, over, bristle, moved, pin = self._timed(
+
+        # Motors, and the quasi-static forces on the fine grid.
+        closing, force, motor_n = self._timed("hand", 2, length, lambda: self.motors.follow(command_m))
+        grid = length * self._substeps
+        loads = self._interpolate_to_grid(self._last_load_n, force)
+        time_s = (self.position * self._substeps + np.arange(grid + 1)) * self._step_s
+
+        # Object and pads along the direction of slip. The loop sets the loads of a lost object to 0.
+        shear, over, bristle, moved, pin = self._timed(
             "object", 3 * count + 2, 2 * grid, lambda: self._move(time_s, loads)
         )
-        self._load = force[:, -1] * (0.0 if self.lost else 1.0)
-        every = slice(self._every - 1, None, self._every)
+        self._last_load_n = force[:, -1] * (0.0 if self.is_lost else 1.0)
+
+        # Vibration of the contacts.
+        samples = slice(self._substeps - 1, None, self._substeps)
         contact = loads[:, 1:]
-        if self._shaken:
-            pushes = self._on_grid(self._quiet, shaking)[:, 1:]
-            self._quiet = shaking[:, -1].copy()
-            contact = self._timed("contact", 3 * count, grid, lambda: self._shake(contact, moved - way, pushes, pin))
-        self.at += length
-        velocity = np.where(loads[:, 1:][:, every] > 0.0, over[:, every], 0.0)
-        sliding = self.plan.friction.sliding_m_s(velocity, bristle[:, every])
-        self._note(
-            closing_m=closing, command_m=command_m, force_n=contact[:, every], velocity_m_s=velocity,
-            slip=sliding > GROSS_SLIP_M_S, object_m=moved[every], pin_n=pin[every],
+        if self._pads:
+            pushes = self._interpolate_to_grid(self._last_motor_n, motor_n)[:, 1:]
+            self._last_motor_n = motor_n[:, -1].copy()
+            contact = self._timed(
+                "contact", 3 * count, grid, lambda: self._vibrate(contact, moved - shear, pushes, pin)
+            )
+
+        # True slip, and the sensors.
+        self.position += length
+        velocity = np.where(loads[:, 1:][:, samples] > 0.0, over[:, samples], 0.0)
+        sliding = self.plan.friction.sliding_speed_m_s(velocity, bristle[:, samples])
+        self._record(
+            closing_m=closing, command_m=command_m, force_n=contact[:, samples], velocity_m_s=velocity,
+            slip=sliding > GROSS_SLIP_M_S, object_m=moved[samples], pin_n=pin[samples],
         )  # fmt: skip
-        if self._sensed:
-            self._timed("sensor", count, length, lambda: self._sense(contact[:, every], way[:, every]))
+        if self._sensors:
+            self._timed("sensor", count, length, lambda: self._sample(contact[:, samples], shear[:, samples]))
 
     def _move(self, time_s: Array, loads: Array) -> tuple[Array, ...]:
+        """Compute shear and bristle deflection of each pad, velocity and position of the object, and the pin force."""
         scene, friction, count = self.scene, self.plan.friction, len(self.scene.fingers)
         length = len(time_s) - 1
         pin_x, pin_v = self.plan.pin_m(time_s)
-        way, over, bristle = (np.zeros(count * length) for _ in range(3))
+        shear, over, bristle = (np.zeros(count * length) for _ in range(3))
         moved, pin = np.zeros(length), np.zeros(length)
         flat = loads.ravel()
         grasp_loop.run(
@@ -142,61 +161,61 @@ class Run:
             (friction.sigma0, friction.sigma1, friction.sigma2),
             self._step_s, scene.object.mass_kg, (scene.knock.stiffness_n_per_m, scene.knock.damping_s_per_m),
             scene.object.length_m, count, length, self._mounts, self.plan.weight_n(time_s), pin_x, pin_v,
-            self._state, self._scratch, flat, way, over, bristle, moved, pin,
+            self._state, self._scratch, flat, shear, over, bristle, moved, pin,
         )  # fmt: skip
         loads[...] = flat.reshape(loads.shape)
-        return way.reshape(count, -1), over.reshape(count, -1), bristle.reshape(count, -1), moved, pin
+        return shear.reshape(count, -1), over.reshape(count, -1), bristle.reshape(count, -1), moved, pin
 
-    def _shake(self, loads: Array, slid: Array, pushes: Array, pin: Array) -> Array:
-        """The pin hits a little off the middle: what it adds to the thumb it takes from the fingers."""
+    def _vibrate(self, loads: Array, path_m: Array, pushes: Array, pin: Array) -> Array:
+        """Contact force of each finger. The pin hits off centre: it presses on the thumb and relieves the fingers."""
         share = self.scene.knock.normal_share * pin
         against = -share / (len(loads) - 1)
         return np.stack(
             [
-                shaken.contact_n(loads[i], slid[i], pushes[i] + (against if i else share))
-                for i, shaken in enumerate(self._shaken)
+                pad.contact_n(loads[i], path_m[i], pushes[i] + (against if i else share))
+                for i, pad in enumerate(self._pads)
             ]
         )
 
-    def _sense(self, contact: Array, shear: Array) -> None:
-        fingers = self._sensed
-        bridge = [s.bridge_v(contact[i], shear[i]) for i, s in enumerate(fingers)]
-        sampled = np.stack([s.sampled_v(v) for s, v in zip(fingers, bridge, strict=True)])
-        self._note(voltage_v=sampled)
-        out = None
+    def _sample(self, contact: Array, shear: Array) -> None:
+        sensors = self._sensors
+        bridge = [s.bridge_v(contact[i], shear[i]) for i, s in enumerate(sensors)]
+        sampled = np.stack([s.sampled_v(v) for s, v in zip(sensors, bridge, strict=True)])
+        self._record(voltage_v=sampled)
+        sampled_envelope = None
         if self._boards:
-            tactile = np.stack([s.tactile_v(v) for s, v in zip(fingers, bridge, strict=True)])
-            filtered, enveloped = self._boards.process(tactile)
-            self._note(filtered_v=filtered, envelope_v=enveloped)
-            out = np.stack([s.sampled_envelope_v(v) for s, v in zip(fingers, enveloped, strict=True)])
-        self.samples = Samples(sampled, out)
+            tactile = np.stack([s.tactile_v(v) for s, v in zip(sensors, bridge, strict=True)])
+            filtered, envelope = self._boards.process(tactile)
+            self._record(filtered_v=filtered, envelope_v=envelope)
+            sampled_envelope = np.stack([s.sampled_envelope_v(v) for s, v in zip(sensors, envelope, strict=True)])
+        self.samples = Samples(sampled, sampled_envelope)
 
-    def _on_grid(self, before: Array, values: Array) -> Array:
-        """Values at samples, straight between them on the grid; the first is the one before."""
+    def _interpolate_to_grid(self, before: Array, values: Array) -> Array:
+        """Interpolate values at samples linearly to the grid, starting with the value before the chunk."""
         ends = np.concatenate((before[:, None], values), axis=1)
-        share = np.arange(1, self._every + 1) / self._every
+        share = np.arange(1, self._substeps + 1) / self._substeps
         inner = ends[:, :-1, None] + (ends[:, 1:] - ends[:, :-1])[:, :, None] * share
         inner[:, :, -1] = ends[:, 1:]
         return np.concatenate((before[:, None], inner.reshape(len(values), -1)), axis=1)
 
-    def _shaker(self, finger: int) -> Shaken:
+    def _build_pad(self, finger: int) -> VibratingPad:
         surface = SURFACES[self.scene.object.surface]
-        held = float(self.plan.force_n[finger])
+        force = float(self.plan.force_n[finger])
         length = self.scene.object.length_m
-        return Shaken(self.pad, held, self._step_s, surface, length, self._stream("surface", finger))
+        return VibratingPad(self.pad, force, self._step_s, surface, length, self._random_stream("surface", finger))
 
-    def _stream(self, what: str, finger: int) -> random.Random:
+    def _random_stream(self, purpose: str, finger: int) -> random.Random:
         """Random numbers of one finger for one purpose."""
-        return random.Random(f"{self.seed}:{self.scene.fingers[finger]}:{what}")
+        return random.Random(f"{self.seed}:{self.scene.fingers[finger]}:{purpose}")
 
-    def _note(self, **made: Array | NDArray[np.bool_]) -> None:
-        for name, values in made.items():
-            self.parts.setdefault(name, []).append(values)
+    def _record(self, **signals: Array | NDArray[np.bool_]) -> None:
+        for name, values in signals.items():
+            self.chunks.setdefault(name, []).append(values)
 
     def _timed(self, name: str, states: int, evaluations: int, work: Callable[[], T]) -> T:
         start = time.process_time()
         result = work()
-        before = self.ran.get(name, Ran(name, states, 0, 0.0))
-        took = before.cpu_s + time.process_time() - start
-        self.ran[name] = Ran(name, states, before.evaluations + evaluations, took)
+        before = self.stats.get(name, StageStats(name, states, 0, 0.0))
+        cpu_s = before.cpu_s + time.process_time() - start
+        self.stats[name] = StageStats(name, states, before.evaluations + evaluations, cpu_s)
         return result

@@ -1,1 +1,1 @@
-"""What happens to a finger, as strict files: sections, parameters, the timeline they make."""
+"""Scenes of one finger: strict files, their timeline, and the disturbances they contain."""

@@ -1,4 +1,4 @@
-"""What is not slip: taps and motors shake the contact, drift and a touched cable change the voltage."""
+"""Disturbances that are not slip: taps and motors shake the contact, drift and a touched cable change the voltage."""
 
 from __future__ import annotations
 
@@ -8,47 +8,78 @@ import random
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.sim.scenes.scene_sections import Cable, Drift, Motor, Tap
-from fingertip.sim.scenes.timeline import rise
+from fingertip.sim.scenes.scene_file import Cable, Drift, Motor, Tap
+from fingertip.sim.scenes.timeline import smoothstep
 
 CREEP_FROM_S = 1.0
-"""Creep is counted in decades of time after this, at which data sheets read the sensor. Assumption."""
+"""Time under load from which creep is counted in decades [s]: data sheets read the sensor then. Assumption."""
+MOTOR_RAMP_S = 0.02
+"""Time in which the vibration of a motor starts and stops [s]. Assumption."""
 
 
-def taps_n(tap: Tap, held_s: float, time_s: Array) -> Array:
-    """Force of the taps [N]: each rises and falls as ``x^2 (3 - 2 x)``."""
+def tap_force_n(tap: Tap, held_s: float, time_s: Array) -> Array:
+    """Force of the taps [N]. Each one rises and falls as a smooth step.
+
+    Parameters
+    ----------
+    tap
+        Section of the scene.
+    held_s
+        Moment at which the holding force is reached [s].
+    time_s
+        Time grid [s].
+    """
     total = np.zeros_like(time_s)
     for i in range(tap.count):
         t = (time_s - held_s - tap.at_s - i * tap.interval_s) / tap.rise_s
-        total += rise(t) - rise(t - 1)
+        total += smoothstep(t) - smoothstep(t - 1)
     return tap.force_n * total
 
 
-def motor_n(motor: Motor, rng: random.Random, held_s: float, time_s: Array) -> Array:
-    """Force of the motors' vibration [N]; the seed sets its phases. It swells and ends within 20 ms."""
+def motor_force_n(motor: Motor, rng: random.Random, held_s: float, time_s: Array) -> Array:
+    """Force of the motors' vibration [N]. The seed sets its phases.
+
+    Parameters
+    ----------
+    motor
+        Section of the scene.
+    rng
+        Source of the phases.
+    held_s
+        Moment at which the holding force is reached [s].
+    time_s
+        Time grid [s].
+    """
     phases = [2 * math.pi * rng.random() for _ in range(2)]
     w = 2 * math.pi * motor.frequency_hz
     t = time_s - held_s - motor.at_s
-    swell = rise(t / 0.02) - rise((t - motor.duration_s) / 0.02 + 1)
+    envelope = smoothstep(t / MOTOR_RAMP_S) - smoothstep((t - motor.duration_s) / MOTOR_RAMP_S + 1)
     force = np.zeros_like(t)
-    for i in np.flatnonzero(swell).tolist():
+    # math.sin point by point: the last bit of a vectorised sine varies between processors.
+    for i in np.flatnonzero(envelope).tolist():
         x = w * float(t[i])
         force[i] = math.sin(x + phases[0]) + motor.harmonic * math.sin(2 * x + phases[1])
-    return motor.force_n * swell * force
+    return motor.force_n * envelope * force
 
 
-def creep(drift: Drift, shown_n: Array, step_s: float) -> Array:
-    """Force as a creeping sensor shows it [N]: more by a share for each decade of time under load."""
-    out, since = [], 0
-    for force in shown_n.tolist():
-        since = since + 1 if force > 0.0 else 0
-        out.append(force * (1 + drift.share_per_decade * math.log10(1 + since * step_s / CREEP_FROM_S)))
+def apply_creep(drift: Drift, sensor_n: Array, step_s: float) -> Array:
+    """Force that a creeping sensor shows [N]: it grows by a fixed share per decade of time under load."""
+    out, loaded_steps = [], 0
+    for force in sensor_n.tolist():
+        loaded_steps = loaded_steps + 1 if force > 0.0 else 0
+        out.append(force * (1 + drift.share_per_decade * math.log10(1 + loaded_steps * step_s / CREEP_FROM_S)))
     return np.array(out)
 
 
-def cable_v(cable: Cable, held_s: float, time_s: Array) -> tuple[Array, Array]:
-    """Voltage that a touched cable adds [V]: a jump that decays, at each end, and hum between. Second: the same right
-    before each sample, for a jump since the sample before is taken to fall on the sample."""
+def cable_voltage_v(cable: Cable, held_s: float, time_s: Array) -> tuple[Array, Array]:
+    """Voltage that a touched cable adds [V]: a jump that decays at each end of the touch, and mains hum in between.
+
+    Returns
+    -------
+    tuple of two arrays
+        The voltage at each sample, and the voltage right before it. They differ where a jump has happened since the
+        previous sample: such a jump is assumed to happen at the sample.
+    """
     out, before = [], []
     ends, last = (0.0, cable.duration_s), -math.inf
     for t in (time_s - held_s - cable.at_s).tolist():

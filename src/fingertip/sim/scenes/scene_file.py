@@ -1,15 +1,20 @@
-"""A scene file: what one fingertip goes through, and which signals are wanted of it. Strict like a design file."""
+"""Scene file: what happens to one fingertip, and which signals to record. As strict as a design file.
+
+Every parameter stands here once, with default, unit, bounds and meaning. All defaults are neutral, so a file names only
+what happens: no distance means no slide, no force means no tap. Values from a source name it; the others are marked as
+assumptions.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field
 
+from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.errors import Issue
-from fingertip.sim.scenes.scene_sections import Cable, Contact, Drift, Hold, LoadChange, Motor, Sensing, Slide, Tap
-from fingertip.sim.scenes.simulation_file import StrictFile
+from fingertip.sim.scenes.simulation_file import SimulationFile
 
 OUTPUTS = (
     "voltage_v",
@@ -22,19 +27,153 @@ OUTPUTS = (
     "envelope_v",
     "slip_pin_v",
 )
-"""voltage_v: sampled; force_n: true normal force; slip: true gross slip, without the bending of bristles that stick;
-velocity_m_s: of the pad over the surface, with it; shear_m: of the pad; tactile_v: ahead of converter and filter board;
-filtered_v, envelope_v: of the filter board, above the level at which it rests; slip_pin_v: of the comparator's output,
-low while it says slip."""
+"""Signals that a scene can record.
+
+voltage_v: voltage as sampled by the ADC. force_n: true normal force. slip: true gross slip; bristles that bend while
+the contact sticks do not count. velocity_m_s: velocity of the pad over the surface, including that bending. shear_m:
+shear of the pad. tactile_v: voltage ahead of ADC and filter board. filtered_v, envelope_v: outputs of the filter board,
+above its output offset. slip_pin_v: voltage of the comparator's output, low while it reports slip.
+"""
 
 
-class SceneFile(StrictFile):
-    """One scene, validated: all issues at once.
+class Contact(ParameterTable):
+    """Surface, and response of the pad to it."""
+
+    surface: Literal["smooth", "medium", "gross", "wood", "paper", "plastic"] = choice(
+        "medium", "One of the article's six surfaces (III.C)."
+    )
+    length_m: float = quantity(0.1, "m", "Length of the surface. Assumption.", above=0, maximum=1)
+    resonance_hz: float = quantity(
+        90.0,
+        "Hz",
+        "Normal resonance at 1 N: 90 embedded, 230 for the bare sensor (article, fig. 2).",
+        minimum=20,
+        maximum=500,
+    )
+    bristles: Literal["plain", "elasto_plastic"] = choice(
+        "plain", "LuGre friction as published, or without its creep below breakaway."
+    )
+    feedback: bool = Field(False, description="Whether vibration of the load acts back on friction.")
+
+
+class Hold(ParameterTable):
+    """How the hand presses, and with which force."""
+
+    mode: Literal["press", "grasp"] = choice("press", "Press to a depth (sliding finger), or grasp with a force.")
+    min_force_n: float = quantity(
+        0.2, "N", "Lower limit of the force that the seed draws (article, III.C).", above=0, maximum=4
+    )
+    max_force_n: float = quantity(
+        2.0, "N", "Upper limit; the lift of 5 cm ends contacts of up to 4 N.", above=0, maximum=4
+    )
+    share: float = quantity(
+        1.0,
+        "",
+        "Share of a grasp's force on this finger: thumb 1, each of two opposing fingers 0.5.",
+        above=0,
+        maximum=1,
+    )
+    close_s: float = quantity(
+        0.4, "s", "Time in which the force of a grasp rises. Assumption.", minimum=0.02, maximum=10
+    )
+    wait_s: float = quantity(1.0, "s", "Wait between the phases (article, III.C).", minimum=0, maximum=60)
+    min_s: float = quantity(0.0, "s", "Minimum holding time.", minimum=0, maximum=600)
+    release: bool = Field(True, description="Whether the finger lifts (press) or the grasp opens at the end.")
+    after_s: float = quantity(0.2, "s", "Recording time after the end. Assumption.", minimum=0, maximum=60)
+
+
+class Slide(ParameterTable):
+    """Slide of the surface under the finger; 0 m means none."""
+
+    distance_m: float = quantity(0.0, "m", "Distance (article: 0.04).", minimum=0, maximum=1)
+    speed_m_s: float = quantity(0.04, "m/s", "Peak velocity (article: 0.04, 0.06, 0.08).", minimum=0.005, maximum=0.2)
+    acceleration_m_s2: float = quantity(
+        1.0, "m/s2", "Acceleration of the trapezoidal velocity profile. Assumption.", minimum=0.05, maximum=20
+    )
+
+
+class LoadChange(ParameterTable):
+    """One change of the holding force; 0 N means none."""
+
+    by_n: float = quantity(0.0, "N", "Force added on this finger.", minimum=-4, maximum=4)
+    rise_s: float = quantity(0.1, "s", "Duration of the change. Assumption.", minimum=0.001, maximum=10)
+    at_s: float = quantity(1.0, "s", "Start, after the holding force is reached. Assumption.", minimum=0, maximum=600)
+
+
+class Tap(ParameterTable):
+    """Taps on the held object; 0 N means none."""
+
+    force_n: float = quantity(0.0, "N", "Peak force.", minimum=0, maximum=50)
+    rise_s: float = quantity(
+        0.004, "s", "Rise time, and fall time, of a tap: 2 to 10 ms. Assumption.", minimum=0.001, maximum=0.1
+    )
+    at_s: float = quantity(
+        1.0, "s", "Time of the first tap, after the holding force is reached. Assumption.", minimum=0, maximum=600
+    )
+    count: int = quantity(1, "", "Number of taps. Assumption.", minimum=1, maximum=1000)
+    interval_s: float = quantity(0.5, "s", "Time from one tap to the next. Assumption.", minimum=0.01, maximum=600)
+
+
+class Motor(ParameterTable):
+    """Vibration of the hand's motors; 0 N means none."""
+
+    force_n: float = quantity(0.0, "N", "Amplitude of the fundamental.", minimum=0, maximum=5)
+    frequency_hz: float = quantity(45.0, "Hz", "Frequency of the fundamental. Assumption.", minimum=1, maximum=500)
+    harmonic: float = quantity(
+        0.3, "", "Amplitude of the second harmonic, relative to the fundamental. Assumption.", minimum=0, maximum=1
+    )
+    at_s: float = quantity(1.0, "s", "Start, after the holding force is reached. Assumption.", minimum=0, maximum=600)
+    duration_s: float = quantity(1.0, "s", "Duration. Assumption.", minimum=0.01, maximum=600)
+
+
+class Drift(ParameterTable):
+    """Slow changes of sensor and amplifier."""
+
+    share_per_decade: float = quantity(
+        0.0, "", "Creep: relative increase per decade of time (data sheet: below 0.05).", minimum=0, maximum=0.2
+    )
+    volt_per_s: float = quantity(
+        0.0, "V/s", "Drift of the amplifier with temperature. Assumption.", minimum=-0.1, maximum=0.1
+    )
+
+
+class Cable(ParameterTable):
+    """Touch of the cable; 0 V means none."""
+
+    step_v: float = quantity(0.0, "V", "Jump when the touch begins, and back when it ends.", minimum=-1, maximum=1)
+    decay_s: float = quantity(0.05, "s", "Decay time of the jump. Assumption.", minimum=0.001, maximum=10)
+    hum_v: float = quantity(0.0, "V", "Amplitude of the mains hum during the touch.", minimum=0, maximum=1)
+    hum_hz: float = quantity(50.0, "Hz", "Mains frequency.", minimum=16, maximum=60)
+    at_s: float = quantity(1.0, "s", "Start, after the holding force is reached. Assumption.", minimum=0, maximum=600)
+    duration_s: float = quantity(0.5, "s", "Duration. Assumption.", minimum=0.01, maximum=600)
+
+
+class Sensing(ParameterTable):
+    """Conversion of force to voltage."""
+
+    bridge: Literal["board", "article"] = choice(
+        "board", "The design's bridge and amplifier; or, for comparison, a curve through the article's voltages."
+    )
+    amplifiers: Literal["ideal", "rails", "gain_bandwidth"] = choice(
+        "ideal", "Amplifiers of the filter: ideal, limited at their rails, or with the design's gain-bandwidth product."
+    )
+    noise: bool = Field(True, description="Whether the board's amplifiers and the ADC add noise.")
+    jitter_s: float = quantity(
+        0.0,
+        "s",
+        "RMS sampling jitter of the ADC; 0: none (assumption: a data acquisition card's).",
+        minimum=0,
+        maximum=1e-3,
+    )
+
+
+class SceneFile(SimulationFile):
+    """One validated scene; a faulty one reports all its issues at once.
 
     Raises
     ------
     TraceError
-        With one sentence for each parameter out of bounds, unknown name or broken rule.
+        With one issue for each parameter out of bounds, unknown name or broken rule.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip scene")
@@ -53,20 +192,20 @@ class SceneFile(StrictFile):
     def __init__(self, **tables: Any) -> None:
         super().__init__(**tables)
 
-    def broken(self) -> Iterator[tuple[Issue, set[str]]]:
-        """Rules between parameters that do not hold, and the parameters each reads."""
-        yield from super().broken()
+    def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:
+        """Yield each broken rule between parameters, with the names of the parameters it reads."""
+        yield from super().find_rule_issues()
         hold, slide, tap = self.hold, self.slide, self.tap
         if hold.min_force_n > hold.max_force_n:
-            sentence = f"{hold.min_force_n:g} N is above hold.max_force_n; at most {hold.max_force_n:g} N."
-            yield Issue("hold.min_force_n", sentence), {"hold.min_force_n", "hold.max_force_n"}
+            message = f"{hold.min_force_n:g} N is above hold.max_force_n; at most {hold.max_force_n:g} N."
+            yield Issue("hold.min_force_n", message), {"hold.min_force_n", "hold.max_force_n"}
         if slide.distance_m > self.contact.length_m:
-            sentence = f"{slide.distance_m:g} m is longer than contact.length_m; at most {self.contact.length_m:g} m."
-            yield Issue("slide.distance_m", sentence), {"slide.distance_m", "contact.length_m"}
+            message = f"{slide.distance_m:g} m is longer than contact.length_m; at most {self.contact.length_m:g} m."
+            yield Issue("slide.distance_m", message), {"slide.distance_m", "contact.length_m"}
         if tap.force_n and tap.count > 1 and tap.interval_s < 2 * tap.rise_s:
-            sentence = f"{tap.interval_s:g} s lets taps overlap; at least {2 * tap.rise_s:g} s."
-            yield Issue("tap.interval_s", sentence), {"tap.interval_s", "tap.rise_s", "tap.count"}
+            message = f"{tap.interval_s:g} s lets taps overlap; at least {2 * tap.rise_s:g} s."
+            yield Issue("tap.interval_s", message), {"tap.interval_s", "tap.rise_s", "tap.count"}
         minimum = hold.min_force_n * (hold.share if hold.mode == "grasp" else 1.0)
         if self.load_change.by_n <= -minimum:
-            sentence = f"{self.load_change.by_n:g} N ends the contact; above {-minimum:g} N, or use hold.release."
-            yield Issue("load_change.by_n", sentence), {"load_change.by_n", "hold.min_force_n", "hold.share"}
+            message = f"{self.load_change.by_n:g} N ends the contact; above {-minimum:g} N, or use hold.release."
+            yield Issue("load_change.by_n", message), {"load_change.by_n", "hold.min_force_n", "hold.share"}

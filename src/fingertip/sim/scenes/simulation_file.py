@@ -1,4 +1,4 @@
-"""What every scene file has in common: all issues at once, rules between parameters among them."""
+"""Base class of scene and manipulation files: strict tables, all issues reported at once, and a table of parameters."""
 
 from __future__ import annotations
 
@@ -14,42 +14,43 @@ from fingertip.design.parameters import ParameterTable
 from fingertip.errors import FingertipError, Issue, TraceError
 
 
-class StrictFile(BaseModel):
-    """A frozen file of tables; an unknown name, a value out of bounds or a broken rule is refused.
+class SimulationFile(BaseModel):
+    """Frozen file of tables that refuses unknown names, values out of bounds and broken rules between parameters.
 
     Raises
     ------
     TraceError
-        With one sentence for each issue.
+        With one issue for each problem found.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
     known_outputs: ClassVar[tuple[str, ...]]
+    """Names that `outputs` may contain."""
 
     scene: str = Field("scene", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the scene.")
-    outputs: list[str] = Field(["voltage_v", "force_n", "slip"], description="Columns wanted beside the time.")
+    outputs: list[str] = Field(["voltage_v", "force_n", "slip"], description="Columns to record beside the time.")
 
     def __init__(self, **tables: Any) -> None:
         try:
             super().__init__(**tables)
         except ValidationError as error:
             issues = issues_from_pydantic(error, type(self))
-            raise TraceError([*issues, *self._broken_beside(tables, issues)]) from None
-        if issues := [issue for issue, _ in self.broken()]:
+            raise TraceError([*issues, *self._rule_issues_beside(tables, issues)]) from None
+        if issues := [issue for issue, _ in self.find_rule_issues()]:
             raise TraceError(issues)
 
-    def broken(self) -> Iterator[tuple[Issue, set[str]]]:
-        """Rules between parameters that do not hold, and the parameters each reads."""
-        yield from outputs_broken(self.outputs, self.known_outputs)
+    def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:
+        """Yield each broken rule between parameters, with the names of the parameters it reads."""
+        yield from find_output_issues(self.outputs, self.known_outputs)
 
     @classmethod
     def load(cls, *files: str | Path, changes: Iterable[str] = ()) -> Self:
-        """Read a scene: defaults, then each file, then changes such as ``"tap.force_n=5"``.
+        """Read a file: defaults first, then each file, then changes such as ``"tap.force_n=5"``.
 
         Raises
         ------
         TraceError
-            If a file is missing or no valid TOML, or the scene it gives is refused.
+            If a file is missing or is not valid TOML, or if its content has issues.
         """
         try:
             tables = load_tables(files, changes)
@@ -57,25 +58,44 @@ class StrictFile(BaseModel):
             raise TraceError(error.issues) from None
         return cls(**tables)
 
+    def list_parameters(self) -> Iterator[dict[str, Any]]:
+        """Yield name, value, default, unit, bounds and description of every parameter, in the order of the file."""
+        schema = type(self).model_json_schema()
+        for name in type(self).model_fields:
+            value = getattr(self, name)
+            if isinstance(value, ParameterTable):
+                table = schema["$defs"][type(value).__name__]["properties"]
+                for key, field in table.items():
+                    yield _describe(f"{name}.{key}", getattr(value, key), field, self.known_outputs)
+            else:
+                yield _describe(name, value, schema["properties"][name], self.known_outputs)
+
+    def format_parameters(self) -> list[str]:
+        """Return the parameters as text, one line each."""
+        return [
+            f"{p['name']:28} {p['value']!s:>14} {p['unit']:5} {p['bounds']:24} {p['description']}"
+            for p in self.list_parameters()
+        ]
+
     @classmethod
-    def _broken_beside(cls, tables: Mapping[str, Any], issues: Iterable[Issue]) -> list[Issue]:
-        """Broken rules among the parameters that are in bounds, so that one run tells everything that is wrong."""
+    def _rule_issues_beside(cls, tables: Mapping[str, Any], issues: Iterable[Issue]) -> list[Issue]:
+        """Broken rules among the parameters that are in bounds, so that one run reports everything that is wrong."""
         faulty = {issue.field for issue in issues}
         fields: dict[str, Any] = {}
         for name, info in cls.model_fields.items():
-            given, default = tables.get(name), info.default
+            value, default = tables.get(name), info.default
             if isinstance(default, ParameterTable):
                 known = type(default).model_fields
-                table = given if isinstance(given, Mapping) else {}
-                kept = {k: v for k, v in table.items() if k in known and f"{name}.{k}" not in faulty}
-                fields[name] = default.model_copy(update=kept)
+                table = value if isinstance(value, Mapping) else {}
+                valid = {k: v for k, v in table.items() if k in known and f"{name}.{k}" not in faulty}
+                fields[name] = default.model_copy(update=valid)
             else:
-                fields[name] = default if given is None or any(f.startswith(name) for f in faulty) else given
-        return [issue for issue, reads in cls.model_construct(**fields).broken() if not reads & faulty]
+                fields[name] = default if value is None or any(f.startswith(name) for f in faulty) else value
+        return [issue for issue, reads in cls.model_construct(**fields).find_rule_issues() if not reads & faulty]
 
 
-def outputs_broken(outputs: Sequence[str], known: Sequence[str]) -> Iterator[tuple[Issue, set[str]]]:
-    """Faults of a list of outputs."""
+def find_output_issues(outputs: Sequence[str], known: Sequence[str]) -> Iterator[tuple[Issue, set[str]]]:
+    """Yield the issues of a list of outputs."""
     if not outputs:
         yield Issue("outputs", f"is empty; name at least one of {', '.join(known)}."), {"outputs"}
     for name in dict.fromkeys(outputs):
@@ -83,3 +103,20 @@ def outputs_broken(outputs: Sequence[str], known: Sequence[str]) -> Iterator[tup
             yield Issue("outputs", f"{name!r} is no output; {suggest_name(name, known)}"), {"outputs"}
         elif outputs.count(name) > 1:
             yield Issue("outputs", f"{name!r} is named {outputs.count(name)} times; name it once."), {"outputs"}
+
+
+def _describe(name: str, value: Any, field: dict[str, Any], outputs: Sequence[str]) -> dict[str, Any]:
+    low = f">= {field['minimum']:g}" if "minimum" in field else ""
+    low = f"> {field['exclusiveMinimum']:g}" if "exclusiveMinimum" in field else low
+    high = f"<= {field['maximum']:g}" if "maximum" in field else ""
+    bounds = " | ".join(field["enum"]) if "enum" in field else ", ".join(part for part in (low, high) if part)
+    if name == "outputs":
+        bounds = " | ".join(outputs)
+    return {
+        "name": name,
+        "value": value,
+        "default": field.get("default"),
+        "unit": field.get("unit", ""),
+        "bounds": bounds,
+        "description": field.get("description", ""),
+    }

@@ -1,37 +1,115 @@
-"""When everything in a scene happens, and the two motions that follow: the hand's force, the stage's way.
+"""Timeline of a scene: the moments of its events, and the motions that follow from them.
 
-Only sums, products, square and cube roots are used, so that every processor gives the same bits.
+The motions are the force of the hand and the position of the carriage. Moves have trapezoidal velocity profiles with
+the article's values (section III.C, figures 8 and 9). The formulas use only sums, products, square and cube roots, so
+that every processor gives the same bits.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.scenes.scene import APPROACH_M, LIFT_M, LIFT_S, Ramp
 from fingertip.sim.scenes.scene_file import SceneFile
 
+SLIDE_M = 0.04
+"""Length of the article's slide [m]."""
+LIFT_M = 0.05
+"""Height by which the finger lifts at the end [m]."""
+LIFT_S = 2.0
+"""Duration of that lift [s]."""
+ACCELERATION_M_S2 = 1.0
+"""Acceleration and deceleration of a move [m/s2]. Assumption: the article only says that 4 cm at 4 cm/s took about one
+second. This value gives 1.04 s."""
+APPROACH_M = 0.01
+"""Travel in air before the touch [m]. Assumption: half of the article's 2 cm. The other half presses the finger on."""
 OPEN_S = 0.3
-"""An open grasp is recorded for this long before it closes. Assumption."""
+"""Time for which an open grasp is recorded before it closes [s]. Assumption."""
+
+
+@dataclass(frozen=True)
+class TrapezoidalMove:
+    """Move between two standstills with a trapezoidal velocity profile.
+
+    The velocity rises at constant acceleration, stays at its peak and falls. If the distance is too short to reach the
+    requested speed, the profile is a triangle.
+    """
+
+    start_s: float
+    """Start [s]."""
+    distance_m: float
+    """Distance [m]."""
+    acceleration_m_s2: float
+    """Acceleration and deceleration [m/s2]."""
+    peak_m_s: float
+    """Peak velocity [m/s]."""
+
+    @classmethod
+    def with_speed(
+        cls, start_s: float, distance_m: float, speed_m_s: float, acceleration_m_s2: float | None = None
+    ) -> TrapezoidalMove:
+        """Build the move that reaches `speed_m_s`, where the distance allows it."""
+        a = ACCELERATION_M_S2 if acceleration_m_s2 is None else acceleration_m_s2
+        return cls(start_s, distance_m, a, min(speed_m_s, math.sqrt(a * distance_m)))
+
+    @classmethod
+    def with_duration(cls, start_s: float, distance_m: float, duration_s: float) -> TrapezoidalMove:
+        """Build the move that takes `duration_s` [s], which must be at least ``2 sqrt(distance / acceleration)``."""
+        a, T = ACCELERATION_M_S2, duration_s
+        return cls(start_s, distance_m, a, (a * T - math.sqrt(a * a * T * T - 4 * a * distance_m)) / 2)
+
+    @property
+    def _ramp_s(self) -> float:
+        return self.peak_m_s / self.acceleration_m_s2
+
+    @property
+    def _cruise_s(self) -> float:
+        return max(0.0, self.distance_m / self.peak_m_s - self._ramp_s)
+
+    @property
+    def end_s(self) -> float:
+        """End of the move [s]."""
+        return self.start_s + 2 * self._ramp_s + self._cruise_s
+
+    def velocity_m_s(self, time_s: Array) -> Array:
+        """Velocity [m/s]."""
+        a = self.acceleration_m_s2
+        rising, falling = a * (time_s - self.start_s), a * (self.end_s - time_s)
+        return np.clip(np.minimum(rising, falling), 0.0, self.peak_m_s)
+
+    def position_m(self, time_s: Array) -> Array:
+        """Distance travelled since the start [m]."""
+        a, v, ramp, cruise = self.acceleration_m_s2, self.peak_m_s, self._ramp_s, self._cruise_s
+        t = time_s - self.start_s
+        up = np.clip(t, 0.0, ramp)
+        even = np.clip(t - ramp, 0.0, cruise)
+        down = np.clip(t - ramp - cruise, 0.0, ramp)
+        return a * up * up / 2 + v * even + (v * down - a * down * down / 2)
 
 
 @dataclass(frozen=True)
 class Timeline:
-    """A scene's moments [s] and ramps."""
+    """Moments [s] and moves of a scene."""
 
     scene: SceneFile
     force_n: float
-    """Holding force on this finger."""
+    """Holding force on this finger [N]."""
     held_s: float
-    """When that force is reached."""
+    """Moment at which the holding force is reached."""
     release_s: float
+    """Moment at which the release begins."""
     duration_s: float
-    slide: Ramp | None
-    approach: Ramp | None
-    lift: Ramp | None
+    """End of the recording."""
+    slide: TrapezoidalMove | None
+    """Move of the surface under the finger, if it slides."""
+    approach: TrapezoidalMove | None
+    """Approach of a finger that presses; None for a grasp."""
+    lift: TrapezoidalMove | None
+    """Lift at the end, if a pressing finger is released."""
 
     def load_n(self, pad: Pad, time_s: Array) -> Array:
         """Quasi-static normal force [N]."""
@@ -40,41 +118,46 @@ class Timeline:
             depth = self.approach.position_m(time_s) - APPROACH_M
             load = pad.force_n(depth - self.lift.position_m(time_s) if self.lift else depth)
         else:
-            load = self.force_n * rise((time_s - OPEN_S) / hold.close_s)
+            load = self.force_n * smoothstep((time_s - OPEN_S) / hold.close_s)
             if hold.release:
-                load = load - self.force_n * rise((time_s - self.release_s) / hold.close_s)
+                load = load - self.force_n * smoothstep((time_s - self.release_s) / hold.close_s)
         if change.by_n:
-            # As a share of the force, so that it ends with the contact.
-            load = load * (1 + change.by_n / self.force_n * rise((time_s - self.held_s - change.at_s) / change.rise_s))
+            # The change is a share of the force, so that it ends with the contact.
+            share = change.by_n / self.force_n * smoothstep((time_s - self.held_s - change.at_s) / change.rise_s)
+            load = load * (1 + share)
         return np.maximum(load, 0.0)
 
 
-def rise(x: Array) -> Array:
-    """From 0 at 0 to 1 at 1, flat at both ends: ``x^2 (3 - 2 x)``."""
+def smoothstep(x: Array) -> Array:
+    """Smooth step from 0 at 0 to 1 at 1, with zero slope at both ends: ``x^2 (3 - 2 x)``."""
     x = np.clip(x, 0.0, 1.0)
     return x * x * (3 - 2 * x)
 
 
-def plan(scene: SceneFile, pad: Pad, force_n: float) -> Timeline:
-    """The moments of a scene whose holding force on this finger is `force_n` [N]."""
+def build_timeline(scene: SceneFile, pad: Pad, force_n: float) -> Timeline:
+    """Set the moments of a scene whose holding force on this finger is `force_n` [N]."""
     hold, slide = scene.hold, scene.slide
     approach = None
     held = OPEN_S + hold.close_s
     if hold.mode == "press":
-        # Down as fast as up (assumption; the article gives the lift's time only).
-        approach = Ramp.at(0.0, APPROACH_M + pad.depth_m(force_n), Ramp.within(0.0, LIFT_M, LIFT_S).peak_m_s)
+        # Approach and lift have the same speed (assumption: the article gives the duration of the lift only).
+        speed = TrapezoidalMove.with_duration(0.0, LIFT_M, LIFT_S).peak_m_s
+        approach = TrapezoidalMove.with_speed(0.0, APPROACH_M + pad.depth_m(force_n), speed)
         held = approach.end_s
-    way = Ramp.at(held + hold.wait_s, slide.distance_m, slide.speed_m_s, slide.acceleration_m_s2)
-    sliding = way if slide.distance_m else None
-    busy = max(held + hold.min_s, sliding.end_s if sliding else held, held + _events_s(scene))
+    sliding = None
+    if slide.distance_m:
+        sliding = TrapezoidalMove.with_speed(
+            held + hold.wait_s, slide.distance_m, slide.speed_m_s, slide.acceleration_m_s2
+        )
+    busy = max(held + hold.min_s, sliding.end_s if sliding else held, held + _events_end_s(scene))
     release = busy + hold.wait_s
-    lift = Ramp.within(release, LIFT_M, LIFT_S) if hold.release and approach else None
+    lift = TrapezoidalMove.with_duration(release, LIFT_M, LIFT_S) if hold.release and approach else None
     end = lift.end_s if lift else release + (hold.close_s if hold.release else 0.0)
     return Timeline(scene, force_n, held, release, end + hold.after_s, sliding, approach, lift)
 
 
-def _events_s(scene: SceneFile) -> float:
-    """How long after the force is reached the last event ends [s]."""
+def _events_end_s(scene: SceneFile) -> float:
+    """Time from the moment the force is reached to the end of the last event [s]."""
     change, tap, motor, cable = scene.load_change, scene.tap, scene.motor, scene.cable
     ends = [0.0]
     if change.by_n:

@@ -1,1 +1,1 @@
-"""What a scene needs is computed and nothing else: stages, their order, the result."""
+"""Stages of a scene: each computes one quantity, and only those that the recorded outputs need run."""

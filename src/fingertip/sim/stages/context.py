@@ -1,4 +1,4 @@
-"""One run of a scene: what every stage may read, and nothing that one of them makes."""
+"""Context of one run of a scene: the inputs that every stage may read, and nothing that a stage computes."""
 
 from __future__ import annotations
 
@@ -15,51 +15,51 @@ from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import SURFACES, Surface
 from fingertip.sim.contact.tangential import Mount
 from fingertip.sim.scenes.scene_file import SceneFile
-from fingertip.sim.scenes.timeline import Timeline, plan
+from fingertip.sim.scenes.timeline import Timeline, build_timeline
 
-LONGEST_STEP_S = 1.25e-4
-"""Of the grid on which contacts are integrated: velocities are then within 1e-5 m/s of the limit, and the way of a
-grasped object within 5 um (tests hold both)."""
+MAX_STEP_S = 1.25e-4
+"""Maximum step of the grid on which contacts are integrated [s]. Velocities are then within 1e-5 m/s of the limit for
+vanishing steps, and the position of a grasped object within 5 um. Tests check both."""
 
 
 @dataclass(frozen=True)
-class Context:
-    """One run of a scene: what every stage may read."""
+class SceneContext:
+    """Design, scene and seed of one run, and everything that follows from them before a stage runs."""
 
     design: Design
     scene: SceneFile
     seed: int
 
-    def stream(self, what: str) -> random.Random:
-        """Random numbers for one purpose: setting the force changes neither the surface nor the noise."""
-        return random.Random(f"{self.seed}:{what}")
+    def random_stream(self, purpose: str) -> random.Random:
+        """Random numbers for one purpose, so that setting the force changes neither the surface nor the noise."""
+        return random.Random(f"{self.seed}:{purpose}")
 
     @cached_property
     def force_n(self) -> float:
-        """Holding force on this finger [N], drawn by the seed."""
+        """Holding force on this finger, drawn by the seed [N]."""
         hold = self.scene.hold
-        force = hold.min_force_n + (hold.max_force_n - hold.min_force_n) * self.stream("force").random()
+        force = hold.min_force_n + (hold.max_force_n - hold.min_force_n) * self.random_stream("force").random()
         return force * hold.share if hold.mode == "grasp" else force
 
     @cached_property
     def pad(self) -> Pad:
-        """The pad."""
-        return Pad.of(self.design, self.scene.contact.resonance_hz)
+        """Pad of the finger."""
+        return Pad.from_design(self.design, self.scene.contact.resonance_hz)
 
     @cached_property
     def surface(self) -> Surface:
-        """The surface."""
+        """Surface that the pad touches."""
         return SURFACES[self.scene.contact.surface]
 
     @cached_property
     def timeline(self) -> Timeline:
-        """When what happens."""
-        return plan(self.scene, self.pad, self.force_n)
+        """Moments of the scene's events."""
+        return build_timeline(self.scene, self.pad, self.force_n)
 
     @property
     def substeps(self) -> int:
-        """Steps of the grid for each sample."""
-        return math.ceil(1 / (self.design.detector.sample_rate_hz * LONGEST_STEP_S) - 1e-9)
+        """Number of grid steps per sample."""
+        return math.ceil(1 / (self.design.detector.sample_rate_hz * MAX_STEP_S) - 1e-9)
 
     @property
     def step_s(self) -> float:
@@ -68,17 +68,17 @@ class Context:
 
     @cached_property
     def time_s(self) -> Array:
-        """The grid [s]."""
+        """Times of the grid points [s]."""
         count = math.ceil(self.timeline.duration_s * self.design.detector.sample_rate_hz) * self.substeps + 1
         return np.arange(count, dtype=np.float64) * self.step_s
 
     @property
-    def every(self) -> slice:
-        """The samples among the grid's points."""
+    def samples(self) -> slice:
+        """Slice that selects the samples among the grid points."""
         return slice(None, None, self.substeps)
 
     @cached_property
     def mount(self) -> Mount:
-        """The pad along the surface."""
+        """Tangential suspension of the pad."""
         k = self.pad.tangential_stiffness_n_per_m(self.force_n)
         return Mount(self.pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * self.pad.mass_kg))

@@ -1,4 +1,4 @@
-"""A scene's stages from the contact's force to voltages: sensor, cable, bridge, converter, filter board, comparator."""
+"""Stages of a scene from contact force to voltages: sensor, cable, bridge, ADC, filter board, comparator."""
 
 from __future__ import annotations
 
@@ -7,73 +7,77 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.sim.electronics import analog, comparator, fsr
-from fingertip.sim.electronics.amplifiers import amplified
-from fingertip.sim.electronics.anti_alias import Poles
-from fingertip.sim.electronics.board_noise import input_noise_v
-from fingertip.sim.electronics.converter import noise_v, sampled_v
-from fingertip.sim.electronics.sensing import on_sensor_n, voltage_of
+from fingertip.sim.electronics import analog, comparator
+from fingertip.sim.electronics.adc import AntiAliasFilter, draw_noise_v, sample_v
+from fingertip.sim.electronics.board_noise import compute_input_noise_v
+from fingertip.sim.electronics.circuit import board_with_amplifiers
+from fingertip.sim.electronics.sensor import apply_hysteresis, compute_sensor_force_n, select_voltage_function
 from fingertip.sim.scenes import disturbances
-from fingertip.sim.stages.context import Context
+from fingertip.sim.stages.context import SceneContext
 
-Given = Mapping[str, Any]
-
-
-def sense(c: Context, given: Given) -> dict[str, Any]:
-    """Force as the sensor shows it."""
-    sensed = given["contact_n"]
-    if "grid_shear_m" in given:
-        sensed = on_sensor_n(sensed, given["grid_shear_m"])
-    shown = fsr.with_hysteresis(sensed[c.every])
-    if c.scene.drift.share_per_decade:
-        shown = disturbances.creep(c.scene.drift, shown, 1 / c.design.detector.sample_rate_hz)
-    return {"shown_n": shown, "evaluations": len(shown)}
+Inputs = Mapping[str, Any]
 
 
-def touch_cable(c: Context, given: Given) -> dict[str, Any]:
-    """What a touched cable adds, and its jumps, each taken to fall on a sample."""
-    jumped, before = disturbances.cable_v(c.scene.cable, c.timeline.held_s, c.time_s[c.every])
-    return {"cable_v": jumped, "cable_jump_v": jumped - before}
+def compute_sensor_force(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
+    """Compute the force that the sensor shows, with shear, hysteresis and creep."""
+    force = inputs["contact_n"]
+    if "grid_shear_m" in inputs:
+        force = compute_sensor_force_n(force, inputs["grid_shear_m"])
+    sensor_n = apply_hysteresis(force[context.samples])
+    if context.scene.drift.share_per_decade:
+        sensor_n = disturbances.apply_creep(context.scene.drift, sensor_n, 1 / context.design.detector.sample_rate_hz)
+    return {"sensor_n": sensor_n, "evaluations": len(sensor_n)}
 
 
-def bridge(c: Context, given: Given) -> dict[str, Any]:
-    """Voltage of bridge and amplifier, without noise."""
-    voltage = np.array([*map(voltage_of(c.design, c.scene.sensing.bridge), given["shown_n"].tolist())])
-    if "cable_v" in given:
-        voltage = voltage + given["cable_v"]
-    if c.scene.drift.volt_per_s:
-        voltage = voltage + c.scene.drift.volt_per_s * c.time_s[c.every]
+def compute_cable_voltage(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
+    """Compute the voltage that a touched cable adds, and its jumps, each assumed to happen at a sample."""
+    time = context.time_s[context.samples]
+    voltage, before = disturbances.cable_voltage_v(context.scene.cable, context.timeline.held_s, time)
+    return {"cable_v": voltage, "cable_jump_v": voltage - before}
+
+
+def compute_bridge_voltage(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
+    """Compute the voltage of bridge and amplifier, without noise."""
+    voltage = np.array(
+        [*map(select_voltage_function(context.design, context.scene.sensing.bridge), inputs["sensor_n"].tolist())]
+    )
+    if "cable_v" in inputs:
+        voltage = voltage + inputs["cable_v"]
+    if context.scene.drift.volt_per_s:
+        voltage = voltage + context.scene.drift.volt_per_s * context.time_s[context.samples]
     return {"bridge_v": voltage}
 
 
-def convert(c: Context, given: Given) -> dict[str, Any]:
-    """Sampled voltage."""
-    jitter, voltage = c.scene.sensing.jitter_s, Poles.tactile(c.design).process(given["bridge_v"])
-    if jitter:
-        rng, time = c.stream("jitter"), c.time_s[c.every]
-        # The voltage is taken a little early or late, on the straight line between samples.
-        voltage = np.interp(time + [rng.gauss(0.0, jitter) for _ in range(len(time))], time, voltage)
-    return {"voltage_v": sampled_v(c.design, voltage, c.stream("noise") if c.scene.sensing.noise else None)}
+def sample_voltage(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
+    """Sample the voltage with the ADC: anti-alias poles, jitter, noise and quantisation."""
+    design, sensing = context.design, context.scene.sensing
+    voltage = AntiAliasFilter.for_tactile(design).process(inputs["bridge_v"])
+    if sensing.jitter_s:
+        rng, time = context.random_stream("jitter"), context.time_s[context.samples]
+        # The ADC samples a little early or late, on the straight line between samples.
+        voltage = np.interp(time + [rng.gauss(0.0, sensing.jitter_s) for _ in range(len(time))], time, voltage)
+    return {"voltage_v": sample_v(design, voltage, context.random_stream("noise") if sensing.noise else None)}
 
 
-def add_noise(c: Context, given: Given) -> dict[str, Any]:
-    """Voltage ahead of the filter board, with the noise of the board's amplifiers."""
-    voltage = given["bridge_v"]
-    if c.scene.sensing.noise:
-        voltage = voltage + noise_v(c.stream("board noise"), input_noise_v(c.design), len(voltage))
+def add_board_noise(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
+    """Compute the voltage ahead of the filter board, with the noise of the board's amplifiers."""
+    voltage = inputs["bridge_v"]
+    if context.scene.sensing.noise:
+        rng = context.random_stream("board noise")
+        voltage = voltage + draw_noise_v(rng, compute_input_noise_v(context.design), len(voltage))
     return {"tactile_v": voltage}
 
 
-def filter_and_envelope(c: Context, given: Given) -> dict[str, Any]:
-    """Outputs of the filter board; a jump of its input is an event."""
-    after, board = given["tactile_v"], amplified(c.design, c.scene.sensing.amplifiers)
-    before = after - given["cable_jump_v"] if "cable_jump_v" in given else after
-    out = analog.respond(board, 1 / c.design.detector.sample_rate_hz, before, after_v=after)
+def filter_on_board(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
+    """Compute the outputs of the filter board. A jump of its input restarts the integration."""
+    after, board = inputs["tactile_v"], board_with_amplifiers(context.design, context.scene.sensing.amplifiers)
+    before = after - inputs["cable_jump_v"] if "cable_jump_v" in inputs else after
+    out = analog.simulate_board(board, 1 / context.design.detector.sample_rate_hz, before, after_v=after)
     return {"filtered_v": out.filtered_v, "envelope_v": out.envelope_v, "evaluations": out.steps + out.rejected}
 
 
-def sense_slip_pin(c: Context, given: Given) -> dict[str, Any]:
-    """The ON/OFF pin."""
-    step = 1 / c.design.detector.sample_rate_hz
-    pin = comparator.pin_v(c.design, step, given["filtered_v"], given["envelope_v"])
+def compute_slip_pin(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
+    """Compute the voltage of the comparator's ON/OFF output."""
+    step = 1 / context.design.detector.sample_rate_hz
+    pin = comparator.simulate_pin_v(context.design, step, inputs["filtered_v"], inputs["envelope_v"])
     return {"slip_pin_v": pin, "evaluations": len(pin)}

@@ -1,4 +1,4 @@
-"""Stages that say what they need and what they give; only those on the way to the wanted values are run."""
+"""Stages with declared inputs and outputs. Only the stages that the requested values depend on are run."""
 
 from __future__ import annotations
 
@@ -13,70 +13,92 @@ C = TypeVar("C")
 
 @dataclass(frozen=True)
 class Stage(Generic[C]):
-    """One step of a simulation."""
+    """One stage of the simulation pipeline."""
 
     name: str
+    """Name for reports and progress."""
     needs: tuple[str, ...]
-    gives: tuple[str, ...]
+    """Names of the values it reads."""
+    provides: tuple[str, ...]
+    """Names of the values it computes."""
     run: Callable[[C, Mapping[str, Any]], Values]
-    """From the context and what it needs, to what it gives; may add "evaluations", of its right side."""
+    """Function from the context and the needed values to the provided values. It may add "evaluations", the number of
+    evaluations of its right-hand side."""
     states: int = 0
-    """How many states it integrates."""
+    """Number of states it integrates."""
 
 
 @dataclass(frozen=True)
-class Ran:
-    """What a stage took."""
+class StageStats:
+    """Cost of one stage in one run."""
 
     name: str
+    """Name of the stage."""
     states: int
+    """Number of integrated states."""
     evaluations: int
+    """Number of evaluations of the right-hand side."""
     cpu_s: float
+    """CPU time [s]."""
 
 
-def on_the_way(stages: Sequence[Stage[C]], wanted: Iterable[str]) -> list[Stage[C]]:
-    """The stages that the wanted values need, in an order in which they can run.
+def select_stages(stages: Sequence[Stage[C]], requested: Iterable[str]) -> list[Stage[C]]:
+    """Return the stages that the requested values depend on, in an order in which they can run.
 
     Raises
     ------
     KeyError
-        If nothing gives a value, or the stages need each other.
+        If no stage provides a value, or stages depend on each other in a cycle.
     """
-    giver = {value: stage for stage in stages for value in stage.gives}
+    provider = {value: stage for stage in stages for value in stage.provides}
     order: list[Stage[C]] = []
-    open_stages: list[str] = []
+    pending: list[str] = []
 
     def visit(value: str) -> None:
-        stage = giver[value]
+        stage = provider[value]
         if stage in order:
             return
-        if stage.name in open_stages:
+        if stage.name in pending:
             raise KeyError(f"{stage.name} needs itself")
-        open_stages.append(stage.name)
+        pending.append(stage.name)
         for need in stage.needs:
             visit(need)
         order.append(stage)
 
-    for value in wanted:
+    for value in requested:
         visit(value)
     return order
 
 
-def run(
-    stages: Sequence[Stage[C]], context: C, wanted: Iterable[str], progress: Callable[[str], None] | None = None
-) -> tuple[Values, list[Ran]]:
-    """Run what is needed for the wanted values; returns all values made, and what each stage took.
+def run_stages(
+    stages: Sequence[Stage[C]], context: C, requested: Iterable[str], progress: Callable[[str], None] | None = None
+) -> tuple[Values, list[StageStats]]:
+    """Run the stages that the requested values depend on.
 
-    `progress` is told the name of each stage before it runs.
+    Parameters
+    ----------
+    stages
+        All stages.
+    context
+        First argument of every stage.
+    requested
+        Names of values.
+    progress
+        Receives the name of each stage before it runs.
+
+    Returns
+    -------
+    tuple
+        All computed values, and the cost of each stage.
     """
     values: Values = {}
-    ran = []
-    for stage in on_the_way(stages, wanted):
+    stats = []
+    for stage in select_stages(stages, requested):
         if progress:
             progress(stage.name)
         start = time.process_time()
-        made = stage.run(context, {name: values[name] for name in stage.needs})
-        count = int(made.pop("evaluations", 0))
-        values.update({name: made[name] for name in stage.gives})
-        ran.append(Ran(stage.name, stage.states, count, time.process_time() - start))
-    return values, ran
+        computed = stage.run(context, {name: values[name] for name in stage.needs})
+        count = int(computed.pop("evaluations", 0))
+        values.update({name: computed[name] for name in stage.provides})
+        stats.append(StageStats(stage.name, stage.states, count, time.process_time() - start))
+    return values, stats

@@ -1,0 +1,168 @@
+"""Simulation from files: everything that ``fingertip simulate`` does before it prints and writes.
+
+from fingertip.sim import load_simulation
+
+simulation = load_simulation("params/scenes/hard_tap.toml", "params/fsr400.toml", changes=["tap.count=1"])
+result = simulation.run()
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from fingertip.board.values.board_values import board_values
+from fingertip.board.values.voltage_limits import adc_range_warnings
+from fingertip.design import Design
+from fingertip.errors import FingertipError, Issue
+from fingertip.sim.article import Trial
+from fingertip.sim.hand.controller import Controller
+from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
+from fingertip.sim.hand.manipulation_file import ManipulationFile
+from fingertip.sim.kinds import Kind, kind_of, split
+from fingertip.sim.scenes.scene_file import SceneFile
+from fingertip.sim.stages.pipeline import SceneResult, run_scene
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """Design, scene and seed of one simulation, ready to run."""
+
+    design: Design
+    scene: SceneFile | ManipulationFile
+    seed: int = 0
+
+    def find_warnings(self) -> Iterator[str]:
+        """Yield what limits the recorded voltage, such as an ADC range that the board exceeds."""
+        if "voltage_v" in self.scene.outputs:
+            yield from adc_range_warnings(board_values(self.design).voltage_limits)
+
+    def run(
+        self, controller: Controller | None = None, progress: Callable[[str], None] | None = None
+    ) -> SceneResult | ManipulationResult:
+        """Run the simulation.
+
+        Parameters
+        ----------
+        controller
+            Controller that closes the loop of a manipulation. None keeps the planned grip. A scene of one finger
+            ignores it. `fingertip.campaign.closed_loop.grip.run_with_grip` provides one that reacts to a slip detector.
+        progress
+            Receives progress messages.
+
+        Raises
+        ------
+        TraceError
+            If the scene cannot be simulated with this design.
+        """
+        if isinstance(self.scene, ManipulationFile):
+            return run_manipulation(self.design, self.scene, controller, self.seed, progress)
+        return run_scene(self.design, self.scene, self.seed, progress)
+
+
+def load_simulation(
+    file: str | Path | None = None,
+    design_file: str | Path | None = None,
+    *,
+    changes: Iterable[str] = (),
+    surface: str | None = None,
+    speed_m_s: float | None = None,
+    force_n: float | None = None,
+    seed: int = 0,
+) -> Simulation:
+    """Load design and scene from files, apply changes, and report all issues at once.
+
+    Parameters
+    ----------
+    file
+        Design, scene or manipulation file. A design, or None for the default design, gives one sliding-finger trial of
+        the article.
+    design_file
+        Design file, beside a scene or manipulation file. None means the default design.
+    changes
+        Changes such as ``"tap.force_n=5"`` or ``"skin.width_mm=18"``. The first name decides whether a change belongs
+        to the scene or to the design.
+    surface
+        Name of the surface. None keeps the scene's.
+    speed_m_s
+        Sliding speed, or speed of the knock in a manipulation [m/s]. None keeps the scene's.
+    force_n
+        Holding force, or that of the thumb in a manipulation [N]. None keeps the scene's.
+    seed
+        Seed of everything random.
+
+    Raises
+    ------
+    FingertipError
+        With one issue for each problem in the files, the changes and the values.
+    """
+    file = None if file is None else Path(file)
+    design_file = None if design_file is None else Path(design_file)
+    kind: Kind = kind_of(file) if file else Design
+    scene_changes, design_changes = split(changes, kind)
+    issues: list[Issue] = []
+    if kind is Design:
+        if design_file:
+            message = f"stands beside {file or 'no file'}, which is not a scene; leave --design out."
+            issues.append(Issue("--design", message))
+        if scene_changes:
+            message = "changes a scene; give a scene file, such as params/scenes/*.toml."
+            issues.append(Issue(f"--set {scene_changes[0]}", message))
+    elif seed < 0:  # a trial checks its seed itself
+        issues.append(Issue("--seed", f"{seed} is negative; choose a whole number of at least 0."))
+
+    design: Design | None = None
+    scene: SceneFile | ManipulationFile | None = None
+    path = file if kind is Design else design_file
+    try:
+        design = Design.load(*([path] if path else []), changes=design_changes)
+    except FingertipError as error:
+        issues.extend(error.issues)
+    try:
+        if file is None or kind is Design:
+            scene = _build_trial(surface, speed_m_s, force_n, seed).scene
+        elif kind is ManipulationFile:
+            options = _manipulation_changes(surface, speed_m_s, force_n)
+            scene = ManipulationFile.load(file, changes=[*scene_changes, *options])
+        else:
+            scene = SceneFile.load(file, changes=[*scene_changes, *_scene_changes(surface, speed_m_s, force_n)])
+    except FingertipError as error:
+        issues.extend(error.issues)
+    if speed_m_s is not None and isinstance(scene, SceneFile) and not scene.slide.distance_m:
+        remedy = "leave it out, or let the finger slide with --set slide.distance_m=0.04"
+        issues.append(Issue("--speed-m-s", f"{speed_m_s:g} m/s has no effect, because nothing slides here; {remedy}."))
+    if issues or design is None or scene is None:
+        raise FingertipError(issues)
+    return Simulation(design, scene, seed)
+
+
+def _build_trial(surface: str | None, speed_m_s: float | None, force_n: float | None, seed: int) -> Trial:
+    default = Trial()
+    return Trial(
+        default.surface if surface is None else surface,
+        default.speed_m_s if speed_m_s is None else speed_m_s,
+        force_n,
+        seed,
+    )
+
+
+def _scene_changes(surface: str | None, speed_m_s: float | None, force_n: float | None) -> Iterator[str]:
+    """Express the values as changes of a scene."""
+    if surface is not None:
+        yield f'contact.surface="{surface}"'
+    if speed_m_s is not None:
+        yield f"slide.speed_m_s={speed_m_s!r}"
+    if force_n is not None:
+        yield f"hold.min_force_n={force_n!r}"
+        yield f"hold.max_force_n={force_n!r}"
+
+
+def _manipulation_changes(surface: str | None, speed_m_s: float | None, force_n: float | None) -> Iterator[str]:
+    """Express the values as changes of a manipulation."""
+    if surface is not None:
+        yield f'object.surface="{surface}"'
+    if speed_m_s is not None:
+        yield f"knock.speed_m_s={speed_m_s!r}"
+    if force_n is not None:
+        yield f"grasp.force_n={force_n!r}"

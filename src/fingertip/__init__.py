@@ -1,6 +1,6 @@
-"""A bioinspired prosthetic fingertip from one file of parameters.
+"""Parametric design of a sensorised prosthetic fingertip: printable parts, filter board, simulation, slip detection.
 
-The names below read as the command line does::
+The public names follow the commands of the command line::
 
     from fingertip import Design, build, write_board, simulate, detect
 
@@ -9,7 +9,7 @@ The names below read as the command line does::
     write_board(design, "pcb")
     detect(simulate(design), design).intervals
 
-Importing this package loads nothing; each name loads what it needs when it is first used.
+Importing this package loads none of its modules. Each name is imported when it is first used.
 """
 
 from importlib import import_module
@@ -19,52 +19,62 @@ from fingertip._version import __version__
 
 if TYPE_CHECKING:
     from fingertip.board import BoardValues, board_values, write_board
-    from fingertip.cad.files.interop import part_mesh, part_solid, part_trimesh
+    from fingertip.build_files import Build, build
+    from fingertip.cad.convert import part_mesh, part_solid, part_trimesh
     from fingertip.design import Design
+    from fingertip.detect_trace import FileDetection, StreamDetection, detect_file, detect_stream
     from fingertip.errors import FingertipError
-    from fingertip.kit import Build, build
     from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene, simulate
     from fingertip.slip import Detection, SlipChain, Trace, detect, read_trace
 
-_HOME = {
+_MODULES = {
     "BoardValues": "fingertip.board",
-    "Build": "fingertip.kit",
+    "Build": "fingertip.build_files",
     "Design": "fingertip.design",
     "Detection": "fingertip.slip",
+    "FileDetection": "fingertip.detect_trace",
     "FingertipError": "fingertip.errors",
     "ManipulationFile": "fingertip.sim",
     "SceneFile": "fingertip.sim",
     "SlipChain": "fingertip.slip",
+    "StreamDetection": "fingertip.detect_trace",
     "Trace": "fingertip.slip",
     "Trial": "fingertip.sim",
     "board_values": "fingertip.board",
-    "build": "fingertip.kit",
+    "build": "fingertip.build_files",
     "detect": "fingertip.slip",
-    "part_mesh": "fingertip.cad.files.interop",
-    "part_solid": "fingertip.cad.files.interop",
-    "part_trimesh": "fingertip.cad.files.interop",
+    "detect_file": "fingertip.detect_trace",
+    "detect_stream": "fingertip.detect_trace",
+    "part_mesh": "fingertip.cad.convert",
+    "part_solid": "fingertip.cad.convert",
+    "part_trimesh": "fingertip.cad.convert",
     "read_trace": "fingertip.slip",
     "run_manipulation": "fingertip.sim",
     "run_scene": "fingertip.sim",
     "simulate": "fingertip.sim",
     "write_board": "fingertip.board",
 }
+"""Public name -> module that defines it."""
 
 __all__ = [
     "BoardValues",
     "Build",
     "Design",
     "Detection",
+    "FileDetection",
     "FingertipError",
     "ManipulationFile",
     "SceneFile",
     "SlipChain",
+    "StreamDetection",
     "Trace",
     "Trial",
     "__version__",
     "board_values",
     "build",
     "detect",
+    "detect_file",
+    "detect_stream",
     "part_mesh",
     "part_solid",
     "part_trimesh",
@@ -77,9 +87,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOME:
+    if name not in _MODULES:
         raise AttributeError(f"module 'fingertip' has no attribute {name!r}")
-    return getattr(import_module(_HOME[name]), name)
+    return getattr(import_module(_MODULES[name]), name)
 
 
 def __dir__() -> list[str]:

@@ -1,4 +1,7 @@
-"""Outputs appear whole or not at all: everything is written aside and renamed into place at the end."""
+"""Output files: atomic writing, and rounding of the numbers written.
+
+Files are written to a temporary folder and renamed into place at the end, so that each appears complete or not at all.
+"""
 
 from __future__ import annotations
 
@@ -12,33 +15,42 @@ from typing import BinaryIO
 from fingertip.errors import Issue, OutputError
 
 
-def write_whole(folder: Path, contents: Mapping[str, bytes], outdated: Iterable[str] = ()) -> None:
-    """Write several files into one folder so that each appears whole, and none before all could be written.
+def atomic_write(folder: Path, contents: Mapping[str, bytes], remove: Iterable[str] = ()) -> None:
+    """Write several files to one folder: each appears complete, and none before all have been written.
 
     Parameters
     ----------
     folder
-        Made if missing, with its parents.
+        Output folder. It is created if missing, with its parents.
     contents
-        File name -> bytes. Existing files of these names are replaced, others are left alone.
-    outdated
-        Names of files that the new ones make wrong: removed once those are in place.
+        File name -> bytes. Existing files of these names are replaced, all others are left alone.
+    remove
+        Names of files that the new ones make obsolete. They are deleted once the new files are in place.
 
     Raises
     ------
     OutputError
-        If the folder or a file cannot be written; nothing that was there has changed then.
+        If the folder or a file cannot be written. Existing files are then unchanged.
     """
-    _write(folder, contents, str(folder), "choose another folder with --out", outdated)
+    _write(folder, contents, str(folder), "choose another folder with --out", remove)
 
 
 def write_file(path: Path, data: bytes, option: str = "--out") -> None:
-    """Write one file whole; `option` is the command's word for where it goes, for the error's remedy.
+    """Write one file atomically.
+
+    Parameters
+    ----------
+    path
+        Output file.
+    data
+        Content of the file.
+    option
+        Command-line option that names the file. The error message refers to it.
 
     Raises
     ------
     OutputError
-        If it cannot be written; what was there has not changed then.
+        If the file cannot be written. An existing file is then unchanged.
     """
     if path.is_dir():
         raise OutputError(Issue(str(path), f"is a folder; give {option} the name of a file."))
@@ -46,46 +58,65 @@ def write_file(path: Path, data: bytes, option: str = "--out") -> None:
 
 
 @contextlib.contextmanager
-def open_whole(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
-    """A file to write piece by piece, for what does not fit in memory; it appears whole when the block ends.
+def open_atomic(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
+    """Open a file to write piece by piece, for data that does not fit in memory.
 
-    An error within the block leaves what was there. `option` as in `write_file`.
+    The file appears when the `with` block ends. After an error within the block an existing file is unchanged.
+
+    Parameters
+    ----------
+    path
+        Output file.
+    option
+        Command-line option that names the file. The error message refers to it.
 
     Raises
     ------
     OutputError
-        If it cannot be written.
+        If the file cannot be written.
     """
     if path.is_dir():
         raise OutputError(Issue(str(path), f"is a folder; give {option} the name of a file."))
-    with _aside(path.parent, str(path), f"choose another file with {option}") as aside:
-        with (aside / path.name).open("wb") as file:
+    with _temporary_folder(path.parent, str(path), f"choose another file with {option}") as temporary:
+        with (temporary / path.name).open("wb") as file:
             yield file
-        os.replace(aside / path.name, path)
+        os.replace(temporary / path.name, path)
 
 
-def _write(folder: Path, contents: Mapping[str, bytes], field: str, remedy: str, outdated: Iterable[str] = ()) -> None:
-    with _aside(folder, field, remedy) as aside:
+def round_for_output(value: float) -> float:
+    """Round a number to six decimals before it is written to a report or table.
+
+    The last bits of a sum differ between processors; six decimals do not. Negative zero becomes zero; infinity and NaN
+    are returned as they are.
+    """
+    return round(float(value), 6) + 0.0
+
+
+def _write(folder: Path, contents: Mapping[str, bytes], field: str, remedy: str, remove: Iterable[str] = ()) -> None:
+    with _temporary_folder(folder, field, remedy) as temporary:
         for file, data in contents.items():
-            (aside / file).write_bytes(data)
+            (temporary / file).write_bytes(data)
         for file in contents:
-            os.replace(aside / file, folder / file)
-        for file in outdated:
+            os.replace(temporary / file, folder / file)
+        for file in remove:
             (folder / file).unlink(missing_ok=True)
 
 
 @contextlib.contextmanager
-def _aside(folder: Path, field: str, remedy: str) -> Iterator[Path]:
-    """A place within `folder`, which is made, for what is not done yet. After an error nothing is left of it, nor of
-    folders that were made; the system's errors become one sentence."""
-    made = _missing_folders(folder)
+def _temporary_folder(folder: Path, field: str, remedy: str) -> Iterator[Path]:
+    """Create a temporary folder inside `folder` for unfinished files.
+
+    `folder` is created if missing. After an error the temporary folder and all folders created here are removed, and an
+    `OSError` becomes an `OutputError` with `field` and `remedy`.
+    """
+    created = _missing_folders(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        # On the same file system: a rename across two is not atomic.
+        # It lies in the output folder because a rename is atomic only within one file system.
         with tempfile.TemporaryDirectory(prefix=".fingertip-", dir=folder) as name:
             yield Path(name)
     except BaseException as error:
-        for path in made:
+        for path in created:
             with contextlib.suppress(OSError):
                 path.rmdir()
         if not isinstance(error, OSError):
@@ -95,5 +126,5 @@ def _aside(folder: Path, field: str, remedy: str) -> Iterator[Path]:
 
 
 def _missing_folders(folder: Path) -> list[Path]:
-    """The folders that have to be made for `folder` to exist, innermost first."""
+    """List the folders that must be created for `folder` to exist, innermost first."""
     return [path for path in (folder, *folder.parents) if not path.exists()]

@@ -1,9 +1,10 @@
-"""Catalogue of force-sensing resistors: what the parts must fit, with the source of every figure.
+"""Catalogue of force-sensing resistors (FSR), with the source of every dimension.
 
-Catalogue data stands apart from geometry, so that a figure can be corrected without touching a solid.
-Sources: [G] Interlink Electronics, FSR Integration Guide; [D] Interlink's one-page data sheet of the model.
-Figures in `unverified` were not found in an Interlink document, or its editions contradict each other:
-measure your own sensor before you print.
+The catalogue is separate from the geometry, so that a value can be corrected without changing a solid.
+
+Sources: [G] Interlink Electronics, FSR Integration Guide; [D] Interlink's one-page data sheet of the model. Dimensions
+listed in `unverified` were not found in an Interlink document, or differ between its editions. Measure your own sensor
+before you print.
 """
 
 from __future__ import annotations
@@ -13,9 +14,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class ForceSensor:
-    """The outline of one force-sensing resistor, flat, as bought.
+    """Outline of a flat force-sensing resistor as bought.
 
-    The head is the round end; the tail is the strip that leads from it to the two solder tabs.
+    The head is the round end. The tail is the strip that leads from the head to the two solder tabs.
     """
 
     model: str
@@ -24,11 +25,13 @@ class ForceSensor:
     head_diameter_mm: float
     thickness_mm: float
     length_mm: float
-    """From the far edge of the head to the end of the tail [mm]."""
+    """Length from the far edge of the head to the end of the tail [mm]."""
     tail_width_mm: float
     tab_pitch_mm: float
+    """Distance between the solder tabs [mm]."""
     source: str
     unverified: tuple[str, ...]
+    """Names of the dimensions that no Interlink document confirms."""
 
 
 CATALOGUE: dict[str, ForceSensor] = {
@@ -41,7 +44,7 @@ CATALOGUE: dict[str, ForceSensor] = {
         ),
         ForceSensor(
             "fsr402", "FSR 402", 12.7, 18.28, 0.46, 56.0, 7.6, 2.54, "[D] FSR 402",
-            ("tail_width_mm", "active_diameter_mm"),  # a newer sheet says 14.68 mm active
+            ("tail_width_mm", "active_diameter_mm"),  # a newer data sheet states 14.68 mm for the active diameter
         ),
         ForceSensor(
             "fsr402_short", "FSR 402 short tail", 12.7, 18.28, 0.46, 25.0, 7.6, 2.54, "[D] FSR 402 Short",
@@ -49,3 +52,4 @@ CATALOGUE: dict[str, ForceSensor] = {
         ),
     )
 }  # fmt: skip
+"""Catalogue sensors by model name."""

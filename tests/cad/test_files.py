@@ -1,4 +1,4 @@
-"""Every exported file, read back from disk by readers that share no code with the writers."""
+"""Exported files, read back from disk by readers that share no code with the writers."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import pytest
 import trimesh
 from manifold3d import Error, Manifold, Mesh64
 
+from fingertip.build_files import Build
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.kit import Build
 from tests.conftest import design_file, run_fingertip
 
 NAMES = ("bone", "skin", "mold_palmar", "mold_dorsal")  # the bundled designs are overmolded
@@ -26,7 +26,7 @@ def load(built: Build, name: str, kind: str) -> trimesh.Trimesh:
     return loaded
 
 
-def test_all_files_are_there_and_nothing_else(built: Build) -> None:
+def test_build_writes_exactly_the_expected_files(built: Build) -> None:
     expected = {f"{name}.{kind}" for name in NAMES for kind in ("stl", "3mf", "step")}
     assert {path.name for path in built.folder.iterdir()} == expected | {
         "assembly.step",
@@ -47,7 +47,7 @@ def test_trimesh_finds_a_watertight_solid_of_the_expected_genus(built: Build, na
 
 
 @pytest.mark.parametrize(("name", "kind"), MESHES)
-def test_manifold3d_finds_the_same(built: Build, name: str, kind: str) -> None:
+def test_manifold3d_finds_a_valid_solid_of_the_expected_genus(built: Build, name: str, kind: str) -> None:
     mesh = load(built, name, kind)
     solid = Manifold(Mesh64(np.array(mesh.vertices, order="C"), np.array(mesh.faces, dtype=np.uint64, order="C")))
     assert solid.status() == Error.NoError
@@ -66,7 +66,7 @@ def test_stl_and_3mf_hold_the_same_mesh(built: Build, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_no_facet_is_degenerate_in_topology(built: Build, name: str) -> None:
+def test_every_facet_has_three_different_vertices(built: Build, name: str) -> None:
     faces = load(built, name, "stl").faces
     assert (faces[:, 0] != faces[:, 1]).all()
     assert (faces[:, 1] != faces[:, 2]).all()
@@ -74,7 +74,7 @@ def test_no_facet_is_degenerate_in_topology(built: Build, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_step_holds_one_valid_named_solid_of_the_meshes_volume(built: Build, name: str) -> None:
+def test_step_holds_one_valid_named_solid_with_the_volume_of_the_mesh(built: Build, name: str) -> None:
     import cadquery as cq
 
     from fingertip.cad.kernel import brep
@@ -89,7 +89,7 @@ def test_step_holds_one_valid_named_solid_of_the_meshes_volume(built: Build, nam
     assert f"PRODUCT('{name}','{name}'" in path.read_text()
 
 
-def test_assembly_holds_all_parts_named_and_coloured(built: Build) -> None:
+def test_assembly_holds_all_parts_with_names_and_colours(built: Build) -> None:
     import cadquery as cq
 
     path = built.folder / "assembly.step"
@@ -101,7 +101,7 @@ def test_assembly_holds_all_parts_named_and_coloured(built: Build) -> None:
     assert len(cq.importers.importStep(str(path)).solids().vals()) == len(NAMES)
 
 
-def test_report_is_true_of_the_files(built: Build) -> None:
+def test_report_agrees_with_the_files(built: Build) -> None:
     report = json.loads((built.folder / "report.json").read_text())
     assert report["passed"]
     assert report["checks"]
@@ -113,14 +113,14 @@ def test_report_is_true_of_the_files(built: Build) -> None:
         assert set(check) == {"name", "value", "limit", "unit", "passed"}
 
 
-def test_effective_design_builds_the_same_again(built: Build) -> None:
+def test_written_design_equals_the_design_built(built: Build) -> None:
     from fingertip.design import Design
 
     assert Design.load(built.folder / "design.toml") == built.design
 
 
 def test_two_builds_in_two_processes_are_byte_identical(built: Build, tmp_path) -> None:
-    """The hash seed differs on purpose: nothing may depend on the order of a set."""
+    """The hash seed differs on purpose, because no output may depend on the order of a set."""
     done = run_fingertip("build", design_file(built.design.name), "--out", tmp_path, "-q", PYTHONHASHSEED="4711")
     assert done.returncode == 0, done.stderr
     for path in built.folder.iterdir():
@@ -133,7 +133,7 @@ def test_files_carry_no_date(built: Build) -> None:
     assert "1970-01-01T00:00:00" in (built.folder / "bone.step").read_text()[:600]
 
 
-def test_report_keeps_no_bits_that_differ_between_processors(built: Build) -> None:
+def test_report_rounds_numbers_to_six_decimals(built: Build) -> None:
     for line in (built.folder / "report.json").read_text().splitlines():
         digits = re.search(r"\.(\d+)(e[-+]?\d+)?,?$", line)
         assert digits is None or len(digits[1]) <= 6, line

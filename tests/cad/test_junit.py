@@ -1,4 +1,4 @@
-"""The JUnit report as its readers read it."""
+"""The JUnit report as its readers interpret it."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from xml.etree import ElementTree
 import pytest
 
 from fingertip.cad.files.junit import to_bytes
-from fingertip.cad.verification.checks import Check
+from fingertip.cad.verification.check import Check
 
-HOLDS = Check("bone.stl.genus", 2, 2, "holes", "exactly")
-FAILS = Check("overlap.bone.skin", 0.5, 1e-3, "mm3")
-# Attributes that the schema of Jenkins' xUnit plug-in (junit-10.xsd) requires or allows, and the others read.
+PASSED = Check("bone.stl.genus", 2, 2, "holes", "exactly")
+FAILED = Check("overlap.bone.skin", 0.5, 1e-3, "mm3")
+# (required, allowed) attributes of each element in the schema of Jenkins' xUnit plug-in (junit-10.xsd).
 ALLOWED = {
     "testsuites": ({"name", "tests", "failures", "errors"}, {"name", "time", "tests", "failures", "errors"}),
     "testsuite": ({"name", "tests", "failures", "errors"}, {"name", "tests", "failures", "errors", "skipped", "time"}),
@@ -22,17 +22,17 @@ ALLOWED = {
 }
 
 
-def test_counts_are_those_of_the_cases() -> None:
-    root = ElementTree.fromstring(to_bytes({"one": [HOLDS, FAILS], "two": [HOLDS]}))
+def test_counts_equal_the_number_of_cases() -> None:
+    root = ElementTree.fromstring(to_bytes({"one": [PASSED, FAILED], "two": [PASSED]}))
     assert (root.get("tests"), root.get("failures"), root.get("errors")) == ("3", "1", "0")
     assert [(s.get("name"), s.get("tests"), s.get("failures")) for s in root] == [("one", "2", "1"), ("two", "1", "0")]
     (failure,) = root.iter("failure")
-    assert failure.get("message") == "value 0.5 mm3, at most 0.001"
-    assert [case.get("name") for case in root.iter("testcase") if case.find("failure") is not None] == [FAILS.name]
+    assert failure.get("message") == "value 0.5 mm3, must be at most 0.001"
+    assert [case.get("name") for case in root.iter("testcase") if case.find("failure") is not None] == [FAILED.name]
 
 
-def test_elements_and_attributes_are_those_of_the_schema() -> None:
-    root = ElementTree.fromstring(to_bytes({"one": [HOLDS, FAILS]}))
+def test_elements_and_attributes_conform_to_the_schema() -> None:
+    root = ElementTree.fromstring(to_bytes({"one": [PASSED, FAILED]}))
     for element in root.iter():
         required, allowed = ALLOWED[element.tag]
         assert required <= set(element.attrib) <= allowed, element.tag
@@ -40,19 +40,19 @@ def test_elements_and_attributes_are_those_of_the_schema() -> None:
 
 def test_junitparser_reads_it() -> None:
     junitparser = pytest.importorskip("junitparser")
-    report = junitparser.JUnitXml.fromroot(ElementTree.parse(io.BytesIO(to_bytes({"one": [HOLDS, FAILS]}))).getroot())
+    report = junitparser.JUnitXml.fromroot(ElementTree.parse(io.BytesIO(to_bytes({"one": [PASSED, FAILED]}))).getroot())
     (suite,) = report
     assert (suite.tests, suite.failures, suite.errors) == (2, 1, 0)
     assert [case.is_passed for case in suite] == [True, False]
 
 
-def test_names_that_xml_has_no_way_to_write() -> None:
-    root = ElementTree.fromstring(to_bytes({'a<&"\x00\x1b.toml': [HOLDS]}))
+def test_characters_invalid_in_xml_are_replaced() -> None:
+    root = ElementTree.fromstring(to_bytes({'a<&"\x00\x1b.toml': [PASSED]}))
     assert root[0].get("name") == 'a<&"??.toml'
     (case,) = root.iter("testcase")
-    assert case.get("classname", "").count(".") == 1, "readers make a folder of every dot"
+    assert case.get("classname", "").count(".") == 1, "readers group test cases by the dots in the class name"
 
 
-def test_a_value_that_is_no_number_is_a_failure() -> None:
-    root = ElementTree.fromstring(to_bytes({"one": [Check("pull", float("nan"), 1.0, "mm3")]}))
+def test_nan_value_is_a_failure() -> None:
+    root = ElementTree.fromstring(to_bytes({"one": [Check("overlap", float("nan"), 1.0, "mm3")]}))
     assert root.get("failures") == "1"

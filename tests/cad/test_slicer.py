@@ -1,4 +1,4 @@
-"""The real slicer reads what a user would print."""
+"""PrusaSlicer reads and slices the exported files."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.kit import Build
+from fingertip.build_files import Build
 from tests.tools import require_tool
 
 
@@ -19,11 +19,11 @@ def slicer() -> Path:
 @pytest.mark.parametrize("kind", ["stl", "3mf"])
 @pytest.mark.parametrize("name", ["bone", "skin", "mold_palmar", "mold_dorsal"])
 def test_slicer_sees_one_manifold_part(slicer: Path, built: Build, name: str, kind: str) -> None:
-    """Its exit code says nothing about manifoldness; its text does."""
-    told = subprocess.run(
+    """The exit code of PrusaSlicer does not report whether a mesh is manifold; its output does."""
+    output = subprocess.run(
         [slicer, "--info", built.folder / f"{name}.{kind}"], capture_output=True, text=True, check=True
     )
-    facts = dict(line.split(" = ", 1) for line in told.stdout.splitlines() if " = " in line)
+    facts = dict(line.split(" = ", 1) for line in output.stdout.splitlines() if " = " in line)
     assert facts["manifold"].strip() == "yes"
     assert facts["number_of_parts"].strip() == "1"
     part = next(p for p in built.parts if p.part.name == name)
@@ -31,7 +31,7 @@ def test_slicer_sees_one_manifold_part(slicer: Path, built: Build, name: str, ki
 
 
 @pytest.mark.parametrize("name", ["bone", "mold_palmar", "mold_dorsal"])
-def test_slicer_slices_what_is_printed(slicer: Path, built: Build, name: str, tmp_path: Path) -> None:
+def test_slicer_slices_printed_parts(slicer: Path, built: Build, name: str, tmp_path: Path) -> None:
     code = tmp_path / f"{name}.gcode"
     command = [slicer, "--export-gcode", "--layer-height", "0.15", "-o", code, built.folder / f"{name}.3mf"]
     subprocess.run(command, capture_output=True, text=True, check=True)

@@ -1,4 +1,4 @@
-"""The mesh kernel's primitives: on the surface, within the tolerance, converging at order two."""
+"""Tessellated primitives: closed, on the exact surface, within the tolerance, and of second-order convergence."""
 
 from __future__ import annotations
 
@@ -10,28 +10,29 @@ import pytest
 
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.kernel.tessellate import arc_segments, tessellate
-from fingertip.cad.solids import Bar, Box, Cone, ElbowTube, Form, Primitive, cylinder, hexagon
-from fingertip.cad.verification.checks import open_edges
-from fingertip.conic import ConicBody, CrossSection, Tip, arc_point
-from fingertip.design.draft import drafted
+from fingertip.cad.solids import Box, Cone, DraftedExtrusion, ElbowTube, Primitive, SuperconicSolid, cylinder, hexagon
+from fingertip.cad.verification.part_files import count_open_edges
+from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, arc_point
+from fingertip.design.geometry.draft import add_draft
 
 SECTION = CrossSection(8.5, 6.0, 7.0, 0.8, 0.75)
-PRISM = Form(ConicBody(SECTION, ((-3.0, 1.0), (24.0, 0.94))))
-# A round tip on a straight body of elliptic section: half a prolate spheroid on a cylinder, in closed form.
-SPHEROID = Form(
+PRISM = SuperconicSolid(ConicBody(SECTION, ((-3.0, 1.0), (24.0, 0.94))))
+# A round tip on a straight elliptic body: half an ellipsoid on an elliptic cylinder, whose volume is known in closed
+# form.
+ELLIPSOID = SuperconicSolid(
     ConicBody(CrossSection(4.0, 3.0, 3.0, 0.5**0.5, 0.5**0.5), ((0.0, 1.0), (5.0, 1.0)), Tip(11.0, 0.5**0.5))
 )
 ELBOW = ElbowTube(start_y=-1.0, start_z=5.0, exit_z=-4.0, end_y=6.0, bend_radius=3.0, radius=1.2)
 
-DRAFTED = drafted(SECTION, 0.05, flat=2.0)
+DRAFTED = add_draft(SECTION, 0.05, flat=2.0)
 
 
 def drafted_area() -> float:
-    """Area of the drafted section: straight walls, then the arcs in 20 000 chords [mm2]."""
+    """Compute the area [mm2] of the drafted section: straight walls, and arcs divided into 20 000 chords."""
     area = 0.0
     for height, weight, start in (
-        (SECTION.dorsal, SECTION.dorsal_weight, DRAFTED.dorsal_from),
-        (SECTION.palmar, SECTION.palmar_weight, DRAFTED.palmar_from),
+        (SECTION.dorsal, SECTION.dorsal_weight, DRAFTED.dorsal_start),
+        (SECTION.palmar, SECTION.palmar_weight, DRAFTED.palmar_start),
     ):
         arc = [arc_point(start + (1.0 - start) * i / 20_000, weight) for i in range(20_001)]
         outline = [(DRAFTED.half_width / SECTION.half_width, 0.0), *arc]
@@ -46,9 +47,9 @@ EXACT: list[tuple[Primitive, float]] = [
     (Cone("y", (1.0, 2.0), 0.0, 3.0, 1.0, 2.0), math.pi * 3 * (1 + 2 + 4) / 3),
     (hexagon(2.0, 3.0, 5.5, -1.0, 1.0), 2 * math.sqrt(3) / 2 * 5.5**2),
     (ELBOW, math.pi * 1.2**2 * (6.0 + math.pi / 2 * 3.0 + 4.0)),
-    (Bar(DRAFTED, -2.0, 5.0), 7.0 * drafted_area()),
+    (DraftedExtrusion(DRAFTED, -2.0, 5.0), 7.0 * drafted_area()),
     (PRISM, SECTION.area() * 27 * (1 + 0.94 + 0.94**2) / 3),
-    (SPHEROID, math.pi * 12 * 5 + math.pi * 12 * 6 * 2 / 3),
+    (ELLIPSOID, math.pi * 12 * 5 + math.pi * 12 * 6 * 2 / 3),
 ]
 
 
@@ -57,16 +58,16 @@ def mesh(solid: Primitive, tolerance_mm: float) -> Mesh:
 
 
 @pytest.mark.parametrize(("solid", "volume"), EXACT)
-def test_closed_and_of_the_exact_volume(solid: Primitive, volume: float) -> None:
+def test_mesh_is_closed_and_has_the_exact_volume(solid: Primitive, volume: float) -> None:
     m = mesh(solid, 0.001)
-    assert open_edges(m) == 0
+    assert count_open_edges(m) == 0
     assert abs(m.volume() - volume) <= 0.001 * m.area()
     assert m.volume() > 0
 
 
 @pytest.mark.parametrize(("solid", "volume"), EXACT[1:3] + EXACT[4:])
-def test_volume_converges_at_order_two_in_the_chord(solid: Primitive, volume: float) -> None:
-    """Chords shrink with the root of the tolerance, so the volume's error falls in proportion to it."""
+def test_volume_error_is_proportional_to_the_tolerance(solid: Primitive, volume: float) -> None:
+    """Chords shrink with the root of the tolerance, and the error is of second order in the chord length."""
     errors = [abs(mesh(solid, tolerance).volume() - volume) for tolerance in (0.04, 0.01, 0.0025)]
     for coarse, fine in itertools.pairwise(errors):
         assert 3.0 < coarse / fine < 5.4
@@ -74,7 +75,7 @@ def test_volume_converges_at_order_two_in_the_chord(solid: Primitive, volume: fl
 
 @pytest.mark.parametrize("weight", [0.5, 0.7071, 1.3, 4.0])
 @pytest.mark.parametrize("tolerance", [0.1, 0.01, 0.001])
-def test_no_chord_strays_further_than_the_tolerance(weight: float, tolerance: float) -> None:
+def test_no_chord_deviates_by_more_than_the_tolerance(weight: float, tolerance: float) -> None:
     a, b = 8.5, 6.0
     n = arc_segments(a, b, weight, tolerance)
     ends = [np.array(arc_point(i / n, weight)) * (a, b) for i in range(n + 1)]
@@ -85,24 +86,24 @@ def test_no_chord_strays_further_than_the_tolerance(weight: float, tolerance: fl
             off = np.array(arc_point((i + f) / n, weight)) * (a, b) - ends[i]
             worst = max(worst, abs(off[0] * chord[1] - off[1] * chord[0]) / np.hypot(*chord))
     assert worst <= tolerance * 1.02
-    assert n == 2 or worst >= tolerance / 4, "finer than asked for"
+    assert n == 2 or worst >= tolerance / 4, "finer than necessary"
 
 
 @pytest.mark.parametrize("tolerance", [0.05, 0.005])
 def test_facets_of_a_tip_stay_within_the_tolerance(tolerance: float) -> None:
-    """The spheroid's facets against its implicit equation, in the middle of every triangle."""
-    m = mesh(SPHEROID, tolerance)
+    """The centre of every triangle is compared with the implicit equation of the ellipsoid."""
+    m = mesh(ELLIPSOID, tolerance)
     tip = m.vertices[m.triangles]
     tip = tip[(tip[:, :, 2] >= 5.0).all(axis=1)]
-    middle = tip.mean(axis=1) - (0, 0, 5)
+    centre = tip.mean(axis=1) - (0, 0, 5)
     axes = np.array([4.0, 3.0, 6.0])
-    level = np.sqrt(((middle / axes) ** 2).sum(axis=1))
-    gradient = np.linalg.norm(middle / axes**2, axis=1) / level
+    level = np.sqrt(((centre / axes) ** 2).sum(axis=1))
+    gradient = np.linalg.norm(centre / axes**2, axis=1) / level
     assert np.abs((1 - level) / gradient).max() <= tolerance
 
 
-def test_only_exactly_rounded_arithmetic_places_vertices() -> None:
-    """No sine, cosine or power in the mesher: their last bits differ between machines."""
+def test_vertices_are_placed_by_correctly_rounded_arithmetic_only() -> None:
+    """The module uses no sine, cosine or power, whose last bits differ between machines."""
     import inspect
 
     from fingertip.cad.kernel import tessellate as module

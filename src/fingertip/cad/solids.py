@@ -1,8 +1,8 @@
-"""Parts as plain expressions: primitives and booleans that know no kernel.
+"""Constructive solid geometry: parts as trees of primitives and boolean operations, independent of any kernel.
 
-Each part is described once as a tree of these frozen values and evaluated by two kernels that share no geometry
-code: `cad.kernel.mesh` (numpy and manifold3d) and `cad.kernel.brep` (cadquery). All lengths in mm, all axes along x, y
-or z; expressions compare and hash by value, so equal solids are recognised and evaluated once.
+Each part is described once as a tree of the frozen dataclasses below. Two geometry kernels evaluate the tree and share
+no geometry code: `cad.kernel.mesh` (numpy and manifold3d) and `cad.kernel.brep` (cadquery). All lengths are in mm and
+all axes are parallel to x, y or z. Solids compare and hash by value, so that a kernel evaluates equal solids once.
 """
 
 from __future__ import annotations
@@ -11,15 +11,18 @@ import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from fingertip.conic import ConicBody
-from fingertip.design.draft import DraftedSection
+from fingertip.design.geometry.conic import ConicBody
+from fingertip.design.geometry.draft import DraftedSection
 
 Axis = Literal["x", "y", "z"]
 Point3: TypeAlias = tuple[float, float, float]
 
 
-def place(axis: Axis, u: float, v: float, w: float) -> Point3:
-    """The point at w along the axis and (u, v) across it, in cyclic order."""
+def axis_point(axis: Axis, u: float, v: float, w: float) -> Point3:
+    """Return (x, y, z) of the point at `w` along an axis and at (`u`, `v`) across it.
+
+    `u` and `v` follow the axis in cyclic order: (y, z) for x, (z, x) for y, (x, y) for z.
+    """
     match axis:
         case "x":
             return w, u, v
@@ -31,7 +34,7 @@ def place(axis: Axis, u: float, v: float, w: float) -> Point3:
 
 @dataclass(frozen=True)
 class Box:
-    """Axis-parallel box between two corners [mm]."""
+    """Axis-parallel box between two opposite corners [mm]."""
 
     low: tuple[float, float, float]
     high: tuple[float, float, float]
@@ -39,9 +42,9 @@ class Box:
 
 @dataclass(frozen=True)
 class Cone:
-    """Frustum about an axis-parallel line; equal radii make a cylinder.
+    """Frustum of a cone about an axis-parallel line; a cylinder if both radii are equal.
 
-    `centre` is the line's two other coordinates in cyclic order: (y, z) for x, (z, x) for y, (x, y) for z [mm].
+    `centre` holds the two coordinates of the line in cyclic order: (y, z) for x, (z, x) for y, (x, y) for z [mm].
     """
 
     axis: Axis
@@ -53,16 +56,16 @@ class Cone:
 
 
 def cylinder(axis: Axis, centre: tuple[float, float], low: float, high: float, radius: float) -> Cone:
-    """Cylinder about an axis-parallel line; see `Cone` for `centre` [mm]."""
+    """Create a cylinder about an axis-parallel line [mm]; `centre` as in `Cone`."""
     return Cone(axis, centre, low, high, radius, radius)
 
 
 @dataclass(frozen=True)
 class Prism:
-    """Polygon across an axis, drawn out along it [mm].
+    """Polygon extruded along an axis from `low` to `high` [mm].
 
-    `corners` are the two other coordinates in cyclic order, as in `Cone`, and run counter-clockwise in that order:
-    (z, x) for y, which is clockwise seen from the back of the finger. `holes` run the other way round.
+    `corners` hold the two other coordinates in cyclic order, as in `Cone`, and run counter-clockwise in that order. For
+    the y axis this is (z, x), which is clockwise seen from the dorsal side. `holes` run clockwise.
     """
 
     axis: Axis
@@ -73,7 +76,10 @@ class Prism:
 
 
 def hexagon(z: float, x: float, width: float, low: float, high: float) -> Prism:
-    """Hexagonal prism along y around (z, x), its corners towards +-x: a nut trap. `width` is across flats [mm]."""
+    """Create a hexagonal prism along y around (`z`, `x`), as for a nut trap.
+
+    Two corners point along +x and -x. `width` is measured across flats [mm].
+    """
     r = width / math.sqrt(3.0)
     half, side = r / 2, width / 2
     ring = ((0.0, r), (-side, half), (-side, -half), (0.0, -r), (side, -half), (side, half))
@@ -82,9 +88,9 @@ def hexagon(z: float, x: float, width: float, low: float, high: float) -> Prism:
 
 @dataclass(frozen=True)
 class ElbowTube:
-    """Round tube in the plane x = 0: down along -z, a quarter turn, then up along +y [mm].
+    """Round tube in the plane x = 0: straight along -z, a 90 degree bend, then straight along +y [mm].
 
-    The centre line starts at (`start_y`, `start_z`), turns with `bend_radius`, and ends at (`end_y`, `exit_z`).
+    The centre line starts at (`start_y`, `start_z`), bends with `bend_radius`, and ends at (`end_y`, `exit_z`).
     """
 
     start_y: float
@@ -96,15 +102,15 @@ class ElbowTube:
 
 
 @dataclass(frozen=True)
-class Form:
-    """A superconic body."""
+class SuperconicSolid:
+    """Solid bounded by a superconic surface, as `design.geometry.conic` defines it."""
 
     body: ConicBody
 
 
 @dataclass(frozen=True)
-class Bar:
-    """A drafted section drawn out along z [mm]."""
+class DraftedExtrusion:
+    """Cross-section with draft, extruded along z from `low` to `high` [mm]."""
 
     section: DraftedSection
     low: float
@@ -113,53 +119,53 @@ class Bar:
 
 @dataclass(frozen=True)
 class Union:
-    """What any of `solids` covers."""
+    """Boolean union of solids."""
 
     solids: tuple[Solid, ...]
 
 
 @dataclass(frozen=True)
 class Difference:
-    """What `solid` covers and none of `without` does."""
+    """Boolean difference: `solid` minus every solid of `subtracted`."""
 
     solid: Solid
-    without: tuple[Solid, ...]
+    subtracted: tuple[Solid, ...]
 
 
 @dataclass(frozen=True)
 class Intersection:
-    """What all of `solids` cover."""
+    """Boolean intersection of solids."""
 
     solids: tuple[Solid, ...]
 
 
 @dataclass(frozen=True)
 class Scaled:
-    """`solid` scaled about the origin."""
+    """Solid scaled about the origin."""
 
     solid: Solid
     factor: float
 
 
-Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | Form | Bar
+Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | SuperconicSolid | DraftedExtrusion
 Solid: TypeAlias = Primitive | Union | Difference | Intersection | Scaled
 
 
 def union(*solids: Solid) -> Solid:
-    """What any of the solids covers."""
+    """Unite solids; a single one is returned as it is."""
     return solids[0] if len(solids) == 1 else Union(solids)
 
 
-def difference(solid: Solid, *without: Solid) -> Solid:
-    """`solid` with the others taken away."""
-    return Difference(solid, without) if without else solid
+def difference(solid: Solid, *subtracted: Solid) -> Solid:
+    """Subtract solids from `solid`; without any, it is returned as it is."""
+    return Difference(solid, subtracted) if subtracted else solid
 
 
 def intersection(*solids: Solid) -> Solid:
-    """What all of the solids cover."""
+    """Intersect solids; a single one is returned as it is."""
     return solids[0] if len(solids) == 1 else Intersection(solids)
 
 
 def scaled(solid: Solid, factor: float) -> Solid:
-    """`solid` scaled about the origin; itself at a factor of one."""
+    """Scale a solid about the origin; a factor of one returns it as it is."""
     return solid if factor == 1.0 else Scaled(solid, factor)

@@ -1,4 +1,4 @@
-"""`fingertip build`: a design in, printable parts out."""
+"""Command `fingertip build`: make the printable parts of a design."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption
 def build(
     design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
     out: Annotated[
-        str | None, typer.Option(metavar="PATH", help="Folder to write to; out/<design name> if left out.")
+        str | None, typer.Option(metavar="PATH", help="Output folder; out/<design name> by default.")
     ] = None,
-    parts: Annotated[str | None, typer.Option(help="Which parts, separated by commas; all if left out.")] = None,
-    formats: Annotated[str, typer.Option(help="Which formats, separated by commas.")] = "stl,3mf,step",
-    tolerance_mm: Annotated[float, typer.Option(help="Most a facet strays from the exact surface.")] = 0.01,
+    parts: Annotated[str | None, typer.Option(help="Parts, separated by commas; all by default.")] = None,
+    formats: Annotated[str, typer.Option(help="File formats, separated by commas.")] = "stl,3mf,step",
+    tolerance_mm: Annotated[float, typer.Option(help="Largest distance of a facet from the exact surface.")] = 0.01,
     material: Annotated[
         str, typer.Option(help="Silicone of the casting sheet, as in `fingertip sheet`.")
     ] = "addition_40a",
@@ -26,7 +26,7 @@ def build(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Build bone, skin and mold as STL, 3MF and STEP, check them, and write a report and the casting sheet."""
+    """Build bone, skin and mold as STL, 3MF and STEP files, check them, and write a report and a casting sheet."""
     from fingertip.build_files import build as build_parts
     from fingertip.cli.load import load_design
 
@@ -35,8 +35,8 @@ def build(
     result = build_parts(
         loaded,
         out,
-        parts=None if parts is None else _words(parts),
-        formats=_words(formats),
+        parts=None if parts is None else _split_names(parts),
+        formats=_split_names(formats),
         tolerance_mm=tolerance_mm,
         material=material,
         progress=console.progress,
@@ -46,7 +46,7 @@ def build(
         for built in result.parts
     ]
     failed = [check for check in result.checks if not check.passed]
-    lines += [f"FAILED {c.name}: {c.value:g} {c.unit}, limit {c.limit:g}" for c in failed]
+    lines += [f"FAILED {c.name}: {c.value:g} {c.unit}, must be {c.relation} {c.limit:g}" for c in failed]
     lines.append(
         f"{len(result.checks) - len(failed)} of {len(result.checks)} checks passed; written to {result.folder}"
     )
@@ -56,5 +56,6 @@ def build(
         raise typer.Exit(CHECK_FAILED)
 
 
-def _words(text: str) -> list[str]:
-    return [word.strip() for word in text.split(",") if word.strip()]
+def _split_names(text: str) -> list[str]:
+    """Split a comma-separated option into names."""
+    return [name.strip() for name in text.split(",") if name.strip()]

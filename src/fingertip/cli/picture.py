@@ -1,4 +1,4 @@
-"""`fingertip picture`: look at a design before it is printed."""
+"""Command `fingertip picture`: draw a design before it is printed."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, c
 @command
 def picture(
     design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
-    out: Annotated[Path | None, typer.Option(help="PNG to write; out/<design name>/exploded.png if left out.")] = None,
-    width_px: Annotated[int, typer.Option(min=400, max=6000, help="Width of the picture.")] = 1600,
+    out: Annotated[Path | None, typer.Option(help="Output PNG; out/<design name>/exploded.png by default.")] = None,
+    width_px: Annotated[int, typer.Option(min=400, max=6000, help="Width of the picture [pixels].")] = 1600,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Draw the exploded fingertip and a section through the closed mold."""
+    """Draw an exploded view of the fingertip and a section through the closed mold."""
     from fingertip.cli.load import load_design
     from fingertip.errors import OutputError
     from fingertip.files import write_file
     from fingertip.view.picture import draw
 
     console = Console(as_json, quiet)
-    if refused := list(picture_issues("--out", out)):
-        raise OutputError(refused)
+    if issues := list(picture_issues("--out", out)):
+        raise OutputError(issues)
     loaded, _ = load_design(design, changes)
     path = out or Path("out") / loaded.name / "exploded.png"
     write_file(path, draw(loaded, width_px, console.progress))

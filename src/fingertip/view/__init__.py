@@ -1,1 +1,1 @@
-"""Pictures of the parts, drawn in software: no display, no graphics card, no system library."""
+"""Pictures of the parts, rendered in software: no display, graphics card or system library is needed."""

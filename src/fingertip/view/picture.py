@@ -1,4 +1,4 @@
-"""The picture of a design: exploded from the back, exploded from the palm, and cut along the finger."""
+"""Picture of a design: exploded views from the dorsal and palmar sides, and a section along the finger."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.cad.kernel.mesh import Evaluator, Mesh, canonical
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.bone import sensor_body
-from fingertip.cad.shapes.parts import PARTS, parts_of
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
 from fingertip.view.raster import Camera, Canvas, Colour, bounds
 
@@ -20,8 +20,8 @@ _SENSOR_COLOUR: Colour = (0.86, 0.68, 0.24)
 
 
 @dataclass(frozen=True)
-class Placed:
-    """A mesh where it is drawn."""
+class PlacedMesh:
+    """Mesh at the position where it is drawn."""
 
     label: str
     mesh: Mesh
@@ -29,44 +29,49 @@ class Placed:
 
 
 def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] = lambda message: None) -> bytes:
-    """PNG of a design: two exploded views over a section through the closed mold.
+    """Draw two exploded views of a design above a section through the closed mold.
 
     Parameters
     ----------
     design
         The fingertip.
     width_px
-        Width of the picture [px]; its height follows.
+        Width of the picture [pixels]; the height follows from it.
     progress
-        Called with a sentence at each step.
+        Called with a message for each view.
+
+    Returns
+    -------
+    bytes
+        Picture as PNG.
     """
     from PIL import Image
 
-    evaluator = Evaluator(_TOLERANCE_MM)
-    parts = {name: evaluator.mesh(part.describe(design)) for name, part in parts_of(design).items()}
+    evaluator = MeshEvaluator(_TOLERANCE_MM)
+    parts = {name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()}
     parts["sensor"] = evaluator.mesh(sensor_body(design))
     exploded = _explode(parts)
     half = width_px // 2
     panels = []
     for title, placed, camera, width in (
-        ("from the back", exploded, Camera.looking(28, 24), half),
-        ("from the palm", exploded, Camera.looking(28, -26), width_px - half),
-        ("cut along the finger, mold closed", _cut(design, evaluator), Camera.looking(0, 0), width_px),
+        ("dorsal view", exploded, Camera.from_angles(28, 24), half),
+        ("palmar view", exploded, Camera.from_angles(28, -26), width_px - half),
+        ("longitudinal section of the closed mold", _cut_open(design, evaluator), Camera.from_angles(0, 0), width_px),
     ):
         progress(f"drawing: {title}")
-        panels.append(_panel(title, placed, camera, width, labelled=placed is exploded))
+        panels.append(_draw_panel(title, placed, camera, width, labelled=placed is exploded))
     top_height = max(panels[0].shape[0], panels[1].shape[0])
-    sheet = np.full((top_height + panels[2].shape[0], width_px, 3), 255, dtype=np.uint8)
-    sheet[: panels[0].shape[0], :half] = panels[0]
-    sheet[: panels[1].shape[0], half:] = panels[1]
-    sheet[top_height:] = panels[2]
+    picture = np.full((top_height + panels[2].shape[0], width_px, 3), 255, dtype=np.uint8)
+    picture[: panels[0].shape[0], :half] = panels[0]
+    picture[: panels[1].shape[0], half:] = panels[1]
+    picture[top_height:] = panels[2]
     file = io.BytesIO()
-    Image.fromarray(sheet).save(file, format="PNG", optimize=True)
+    Image.fromarray(picture).save(file, format="PNG", optimize=True)
     return file.getvalue()
 
 
-def _explode(parts: Mapping[str, Mesh]) -> list[Placed]:
-    """Halves above and below, the bone with its sensor and the skin drawn apart between them."""
+def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
+    """Move the parts apart: mold halves above and below, and between them the bone with its sensor and the skin."""
     size = {name: np.ptp(mesh.vertices, axis=0) for name, mesh in parts.items()}
     gap = 6.0
     back = size["bone"][1] + size["mold_palmar"][1] / 2 + 2 * gap
@@ -81,48 +86,50 @@ def _explode(parts: Mapping[str, Mesh]) -> list[Placed]:
         shift["core"] = (0.0, 2.0, shift["bone"][2] - size["bone"][2] - 2 * gap)
     colours = {name: part.colour for name, part in PARTS.items()} | {"sensor": _SENSOR_COLOUR}
     return [
-        Placed(name, Mesh(parts[name].vertices + np.array(offset), parts[name].triangles), colours[name])
+        PlacedMesh(name, Mesh(parts[name].vertices + np.array(offset), parts[name].triangles), colours[name])
         for name, offset in shift.items()
     ]
 
 
-def _cut(design: Design, evaluator: Evaluator) -> list[Placed]:
-    """What lies in the closed mold, less the half nearer to the viewer."""
-    expressions = {name: part.describe(design) for name, part in parts_of(design).items()}
-    if "core" in expressions:  # a sleeve is cast around it, without bone and sensor
-        del expressions["bone"]
+def _cut_open(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:
+    """Place what lies in the closed mold, without the half of each part on the viewer's side of the plane x = 0."""
+    solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
+    if "core" in solids:  # a sleeve is cast around the core, without bone and sensor
+        del solids["bone"]
     else:
-        expressions["sensor"] = sensor_body(design)
+        solids["sensor"] = sensor_body(design)
     colours = {name: part.colour for name, part in PARTS.items()} | {"sensor": _SENSOR_COLOUR}
     return [
-        Placed(name, canonical(evaluator.manifold(solid).trim_by_plane((1.0, 0.0, 0.0), 0.0)), colours[name])
-        for name, solid in expressions.items()
+        PlacedMesh(
+            name, to_canonical_mesh(evaluator.manifold(solid).trim_by_plane((1.0, 0.0, 0.0), 0.0)), colours[name]
+        )
+        for name, solid in solids.items()
     ]
 
 
-def _panel(
-    title: str, placed: list[Placed], camera: Camera, width_px: int, *, labelled: bool
+def _draw_panel(
+    title: str, placed: list[PlacedMesh], camera: Camera, width_px: int, *, labelled: bool
 ) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
     from PIL import Image, ImageDraw, ImageFont
 
-    middle, size = bounds([item.mesh for item in placed], camera)
+    centre, size = bounds([item.mesh for item in placed], camera)
     scale = (width_px - 2 * _MARGIN_PX) / size[0]
     if not labelled:
-        scale *= 0.62  # the section is long and flat: it need not fill the sheet
+        scale *= 0.62  # the section is long and flat, so it need not fill the width
     height_px = int(size[1] * scale) + 2 * _MARGIN_PX + 24
     canvas = Canvas(width_px, height_px, scale, camera)
     for item in placed:
-        canvas.draw(item.mesh, item.colour, middle)
+        canvas.draw(item.mesh, item.colour, centre)
     picture = Image.fromarray(canvas.image())
     pen, font = ImageDraw.Draw(picture), ImageFont.load_default(size=17)
     pen.text((16, 10), title, fill=(40, 40, 40), font=font)
     for item in placed if labelled else []:
-        seen = (item.mesh.vertices - middle) @ camera.axes.T * scale
-        (left, low), (right, high) = seen.min(axis=0)[:2], seen.max(axis=0)[:2]
+        projected = (item.mesh.vertices - centre) @ camera.axes.T * scale
+        (left, low), (right, high) = projected.min(axis=0)[:2], projected.max(axis=0)[:2]
         x, y, anchor = {
             "mold_dorsal": (right, high, "rt"),
             "skin": (right, low - 4, "rt"),
         }.get(item.label, (left, low - 2, "lt"))
-        place = (width_px / 2 + x, height_px / 2 - y)
-        pen.text(place, item.label.replace("_", " "), fill=(40, 40, 40), font=font, anchor=anchor)
+        position = (width_px / 2 + x, height_px / 2 - y)
+        pen.text(position, item.label.replace("_", " "), fill=(40, 40, 40), font=font, anchor=anchor)
     return np.asarray(picture)

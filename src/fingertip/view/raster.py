@@ -1,4 +1,4 @@
-"""A depth-buffered orthographic rasteriser for meshes of some ten thousand triangles."""
+"""Orthographic rasteriser with a depth buffer, for meshes of some ten thousand triangles."""
 
 from __future__ import annotations
 
@@ -9,21 +9,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import Mesh
 
 Colour = tuple[float, float, float]
-_CREASE_COSINE = math.cos(math.radians(35.0))  # facets of one smooth surface meet below this angle
+_CREASE_COSINE = math.cos(math.radians(35.0))
+"""Cosine of the angle between facets above which they are shaded as separate surfaces."""
 
 
 @dataclass(frozen=True)
 class Camera:
-    """Orthographic view: the picture's right, up and towards-the-viewer directions, orthonormal (3, 3)."""
+    """Orthographic camera."""
 
-    axes: NDArray[np.float64]
+    axes: Array
+    """Directions to the right, upwards and towards the viewer, orthonormal rows of shape (3, 3)."""
 
     @classmethod
-    def looking(cls, azimuth_deg: float, elevation_deg: float) -> Camera:
-        """Distal (z) to the right, dorsal (y) up; turned about y by the azimuth, then tilted by the elevation."""
+    def from_angles(cls, azimuth_deg: float, elevation_deg: float) -> Camera:
+        """Create a camera with distal (z) to the right and dorsal (y) up, turned about y by the azimuth and tilted."""
         a, e = math.radians(azimuth_deg), math.radians(elevation_deg)
         right = np.array([math.sin(a), 0.0, math.cos(a)])
         towards = np.array([-math.cos(a) * math.cos(e), math.sin(e), math.sin(a) * math.cos(e)])
@@ -31,7 +34,7 @@ class Camera:
 
 
 class Canvas:
-    """An RGB picture with a depth buffer, `oversample` times finer than what `image` returns."""
+    """RGB picture with a depth buffer, rendered `oversample` times finer than the image it returns."""
 
     def __init__(self, width: int, height: int, pixels_per_mm: float, camera: Camera, oversample: int = 2) -> None:
         self._k = oversample
@@ -40,20 +43,21 @@ class Canvas:
         self._colour = np.ones((*shape, 3))
         self._depth = np.full(shape, -np.inf)
 
-    def draw(self, mesh: Mesh, colour: Colour, centre: NDArray[np.float64]) -> None:
-        """Draw a mesh; `centre` [mm] is the point that lies in the middle of the picture."""
+    def draw(self, mesh: Mesh, colour: Colour, centre: Array) -> None:
+        """Draw a mesh; `centre` is the point [mm] shown in the middle of the picture."""
         height, width = self._depth.shape
-        seen = (mesh.vertices - centre) @ self._camera.axes.T * self._scale
-        seen[:, 0] += width / 2
-        seen[:, 1] = height / 2 - seen[:, 1]
-        corners = seen[mesh.triangles]
+        projected = (mesh.vertices - centre) @ self._camera.axes.T * self._scale
+        projected[:, 0] += width / 2
+        projected[:, 1] = height / 2 - projected[:, 1]
+        corners = projected[mesh.triangles]
         shades = _shades(mesh, self._camera)
         facing = shades[:, 0, 1] > 0
         base = np.array(colour)
         for triangle, shade in zip(corners[facing], shades[facing, :, 0], strict=True):
-            self._fill(triangle, shade, base)
+            self._fill_triangle(triangle, shade, base)
 
-    def _fill(self, p: NDArray[np.float64], shade: NDArray[np.float64], base: NDArray[np.float64]) -> None:
+    def _fill_triangle(self, p: Array, shade: Array, base: Array) -> None:
+        """Fill a triangle where it is nearer to the viewer than what has been drawn, using barycentric coordinates."""
         height, width = self._depth.shape
         x0, x1 = max(math.ceil(p[:, 0].min()), 0), min(math.floor(p[:, 0].max()), width - 1)
         y0, y1 = max(math.ceil(p[:, 1].min()), 0), min(math.floor(p[:, 1].max()), height - 1)
@@ -77,7 +81,7 @@ class Canvas:
             self._colour[y0 : y1 + 1, x0 : x1 + 1][visible] = light[:, None] * base
 
     def image(self) -> NDArray[np.uint8]:
-        """The picture (height, width, 3), with the edges of depth drawn in and averaged down."""
+        """Return the picture (height, width, 3), outlined at steps in depth and averaged to its final resolution."""
         colour = self._colour.copy()
         colour[_outline(self._depth, self._scale)] *= 0.45
         k = self._k
@@ -87,8 +91,8 @@ class Canvas:
         return picture
 
 
-def _outline(depth: NDArray[np.float64], scale: float) -> NDArray[np.bool_]:
-    """Pixels behind which the depth falls away by more than 1 mm, or where the background begins."""
+def _outline(depth: Array, scale: float) -> NDArray[np.bool_]:
+    """Find the pixels at which the depth drops by more than 1 mm to a neighbour, or the background begins."""
     step = np.zeros(depth.shape, dtype=bool)
     near = np.where(np.isfinite(depth), depth, -1e9)
     for axis in (0, 1):
@@ -101,27 +105,27 @@ def _outline(depth: NDArray[np.float64], scale: float) -> NDArray[np.bool_]:
     return step
 
 
-def _shades(mesh: Mesh, camera: Camera) -> NDArray[np.float64]:
-    """(m, 3, 2): at each corner the light, and the cosine between the facet's normal and the view."""
+def _shades(mesh: Mesh, camera: Camera) -> Array:
+    """Compute at each corner the brightness and the cosine between facet normal and view direction, shape (m, 3, 2)."""
     corners = mesh.vertices[mesh.triangles]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(cross, axis=1, keepdims=True)
     facet = np.divide(cross, length, out=np.zeros_like(cross), where=length > 0)
     normal = _smooth_normals(mesh, cross, facet)
-    # A lamp over the viewer's left shoulder, and light from all sides.
+    # Directional light from behind the viewer's left shoulder, plus ambient light.
     lamp = camera.axes.T @ (np.array([-0.45, 0.6, 0.66]))
     light = 0.42 + 0.58 * np.clip(normal @ lamp, 0.0, 1.0)
     towards = np.repeat((facet @ camera.axes[2])[:, None], 3, axis=1)
     return np.stack((light, towards), axis=2)
 
 
-def _smooth_normals(mesh: Mesh, weighted: NDArray[np.float64], facet: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(m, 3, 3): at each corner the mean normal of those facets around its vertex that meet it without a crease."""
+def _smooth_normals(mesh: Mesh, weighted: Array, facet: Array) -> Array:
+    """Compute at each corner the mean normal of the facets around its vertex that meet without a crease, (m, 3, 3)."""
     vertex = mesh.triangles.ravel()
     order = np.argsort(vertex, kind="stable")
     count = np.bincount(vertex, minlength=len(mesh.vertices))
     start = np.concatenate(([0], np.cumsum(count)[:-1]))
-    each = count[vertex]  # every corner is paired with all corners at its vertex
+    each = count[vertex]  # each corner is paired with every corner at its vertex
     corner = np.repeat(np.arange(len(vertex)), each)
     within = np.arange(len(corner)) - np.repeat(np.cumsum(each) - each, each)
     other = order[np.repeat(start[vertex], each) + within] // 3
@@ -129,12 +133,12 @@ def _smooth_normals(mesh: Mesh, weighted: NDArray[np.float64], facet: NDArray[np
     total = np.zeros((len(vertex), 3))
     np.add.at(total, corner[smooth], weighted[other[smooth]])
     length = np.linalg.norm(total, axis=1, keepdims=True)
-    unit: NDArray[np.float64] = np.divide(total, length, out=np.zeros_like(total), where=length > 0)
+    unit: Array = np.divide(total, length, out=np.zeros_like(total), where=length > 0)
     return unit.reshape(-1, 3, 3)
 
 
-def bounds(meshes: Iterable[Mesh], camera: Camera) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Middle [mm, in space] and size [mm, right and up] of what the camera sees of the meshes."""
-    seen = np.concatenate([mesh.vertices for mesh in meshes]) @ camera.axes.T
-    low, high = seen.min(axis=0), seen.max(axis=0)
+def bounds(meshes: Iterable[Mesh], camera: Camera) -> tuple[Array, Array]:
+    """Compute the centre [mm, in space] and the size [mm, right and up] of the meshes as the camera sees them."""
+    projected = np.concatenate([mesh.vertices for mesh in meshes]) @ camera.axes.T
+    low, high = projected.min(axis=0), projected.max(axis=0)
     return (low + high) / 2 @ camera.axes, (high - low)[:2]

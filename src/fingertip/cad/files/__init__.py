@@ -1,1 +1,1 @@
-"""Parts as files: STL, 3MF, STEP; checks as JUnit XML; parts for other libraries."""
+"""File formats: STL, 3MF and STEP for parts, JUnit XML for checks."""

@@ -1,7 +1,7 @@
-"""Checks as JUnit XML, in the dialect that Jenkins, GitLab and GitHub's readers share.
+"""Checks as a JUnit XML report, in the dialect that Jenkins, GitLab and GitHub readers share.
 
-One suite for each design, one test case for each check. No times, dates or host stand in it: the same designs give
-the same bytes.
+Each design is a test suite and each check a test case. The report holds no times, dates or host names, so the same
+designs give the same bytes.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from collections.abc import Iterable, Mapping
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from fingertip.cad.verification.checks import Check
+from fingertip.cad.verification.check import Check
 
-_NOT_XML = re.compile(r"[^\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]")
+_INVALID_IN_XML = re.compile(r"[^\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]")
 
 
 def to_bytes(suites: Mapping[str, Iterable[Check]]) -> bytes:
-    """A JUnit report of the checks of each design, by its name."""
+    """Write the report for the checks of each design, given by the design's name."""
     root = Element("testsuites", name="fingertip check")
     for name, checks in suites.items():
         _suite(root, _clean(name), tuple(checks))
@@ -29,14 +29,13 @@ def to_bytes(suites: Mapping[str, Iterable[Check]]) -> bytes:
 
 
 def message(check: Check) -> str:
-    """What was found, against what: `value 3 edges, must be 0`."""
-    must = f"{check.relation} {check.limit:g}"
-    return f"value {check.value:g} {check.unit}".rstrip() + f", {must}"
+    """Describe a check's value and limit, such as `value 3 edges, must be exactly 0`."""
+    return f"value {check.value:g} {check.unit}".rstrip() + f", must be {check.relation} {check.limit:g}"
 
 
 def _suite(root: Element, name: str, checks: tuple[Check, ...]) -> None:
     failed = sum(not check.passed for check in checks)
-    # Readers group by the class name's dots, so a design's own dots must not make a folder.
+    # Readers group test cases by the dots in the class name, so dots in the design's name are replaced.
     classname = "fingertip." + name.replace(".", "_")
     suite = SubElement(root, "testsuite", name=name, tests=str(len(checks)), failures=str(failed), errors="0")
     suite.set("skipped", "0")
@@ -49,5 +48,5 @@ def _suite(root: Element, name: str, checks: tuple[Check, ...]) -> None:
 
 
 def _clean(text: str) -> str:
-    """XML 1.0 has no way to write most control characters, not even escaped."""
-    return _NOT_XML.sub("?", text)
+    """Replace characters that XML 1.0 cannot represent, not even escaped, by question marks."""
+    return _INVALID_IN_XML.sub("?", text)

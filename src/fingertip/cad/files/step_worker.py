@@ -1,7 +1,8 @@
-"""The process that makes STEP files: `python -m fingertip.cad.files.step_worker FOLDER`, its job pickled on stdin.
+"""Program of the STEP process: `python -m fingertip.cad.files.step_worker FOLDER`, with the pickled job on stdin.
 
-A process of its own, because the B-rep kernel can hang or crash, counts products through the life of a process
-(which would end up in the files), and takes seconds to load while the meshes are made beside it.
+STEP files are made in a process of their own for three reasons. The B-rep kernel can hang or crash. It numbers products
+through the life of a process, and the numbers would end up in the files. It takes seconds to load, during which the
+calling process makes the meshes.
 """
 
 from __future__ import annotations
@@ -15,91 +16,97 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.cad.files.step import DOING, Exact, StepJob
+from fingertip.cad.files.step_process import STATUS_FILE, BrepMeasurements, StepJob
 from fingertip.errors import FingertipError, GeometryError, Issue
 
 
 @dataclass(frozen=True)
-class Measured:
-    """What was found on parts, and volumes of hollows [mm3]."""
+class JobMeasurements:
+    """Measurements of the parts, and volumes of the other solids [mm3], by name."""
 
-    exact: dict[str, Exact]
-    hollow_mm3: dict[str, float]
+    measurements: dict[str, BrepMeasurements]
+    volumes_mm3: dict[str, float]
 
-    def __or__(self, other: Measured) -> Measured:
-        return Measured(self.exact | other.exact, self.hollow_mm3 | other.hollow_mm3)
+    def __or__(self, other: JobMeasurements) -> JobMeasurements:
+        return JobMeasurements(self.measurements | other.measurements, self.volumes_mm3 | other.volumes_mm3)
 
 
-def work(job: StepJob, folder: Path) -> Measured:
-    """Write `<part>.step` for each part and `assembly.step`; return what was measured.
+def run_job(job: StepJob, folder: Path) -> JobMeasurements:
+    """Write `<part>.step` for each part and `assembly.step`, and measure parts and solids.
 
-    Half of the parts are made in a second process where the system can fork: they share little, and most machines have
-    two cores. It is forked before any boolean, because the kernel's threads do not outlive a fork.
+    On Linux half of the parts are made in a forked process: the halves share little, and most machines have two cores.
+    The fork precedes every boolean, because the kernel's threads do not survive it.
 
     Raises
     ------
     MissingLibraryError
-        If cadquery or a library of the system it needs is not there.
+        If cadquery or a system library it needs is missing.
     GeometryError
-        If a part is not one valid solid.
+        If a part is not a single valid solid.
     """
-    note(folder, "loading cadquery")
-    from fingertip.cad.kernel import brep  # it says what is missing if cadquery cannot be loaded
+    write_status(folder, "loading cadquery")
+    from fingertip.cad.kernel import brep  # raises MissingLibraryError if cadquery cannot be loaded
 
-    here, beside = _shares(job) if sys.platform == "linux" else (job, StepJob(job.title, ()))
-    with _Beside(beside, folder) as second:
-        evaluator, solids = _make(here, folder)
-        _write(solids, folder)
-        second.made()
-        together = solids + [(name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in beside.parts]
-        note(folder, "writing the assembly")
-        from fingertip.cad.files import step_file
+    own_job, forked_job = _split_job(job) if sys.platform == "linux" else (job, StepJob(job.title, ()))
+    with _ForkedJob(forked_job, folder) as forked:
+        evaluator, solids = _make_solids(own_job, folder)
+        _write_parts(solids, folder)
+        forked.wait_for_solids()
+        all_solids = solids + [
+            (name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in forked_job.parts
+        ]
+        write_status(folder, "writing the assembly")
+        from fingertip.cad.files import step_writer
 
-        step_file.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", together)
-        return _measure(here, evaluator, solids, folder) | second.measured()
+        step_writer.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", all_solids)
+        return _measure(own_job, evaluator, solids, folder) | forked.wait_for_measurements()
 
 
-def _shares(job: StepJob) -> tuple[StepJob, StepJob]:
-    """The first half of parts and of hollows, and the second: neighbours share expressions."""
-    parts, hollows = len(job.parts) // 2, (len(job.hollows) + 1) // 2
+def _split_job(job: StepJob) -> tuple[StepJob, StepJob]:
+    """Split a job into two halves; neighbouring parts stay together, because they share solids."""
+    parts, measured = len(job.parts) // 2, (len(job.measured_solids) + 1) // 2
     return (
-        StepJob(job.title, job.parts[:parts], job.hollows[:hollows]),
-        StepJob(job.title, job.parts[parts:], job.hollows[hollows:]),
+        StepJob(job.title, job.parts[:parts], job.measured_solids[:measured]),
+        StepJob(job.title, job.parts[parts:], job.measured_solids[measured:]),
     )
 
 
-def _make(job: StepJob, folder: Path) -> tuple[Any, list[Any]]:
-    """Name, solid and colour of each part, and the evaluator that made them."""
+def _make_solids(job: StepJob, folder: Path) -> tuple[Any, list[Any]]:
+    """Evaluate the parts; returns the evaluator, and name, solid and colour of each part."""
     from fingertip.cad.kernel import brep
 
-    evaluator, solids = brep.Evaluator(), []
-    for name, expression, colour in job.parts:
-        note(folder, f"making {name}")
-        solids.append((name, evaluator.solid(expression), colour))
+    evaluator, solids = brep.BrepEvaluator(), []
+    for name, solid, colour in job.parts:
+        write_status(folder, f"making {name}")
+        solids.append((name, evaluator.solid(solid), colour))
     return evaluator, solids
 
 
-def _measure(job: StepJob, evaluator: Any, solids: list[Any], folder: Path) -> Measured:
+def _measure(job: StepJob, evaluator: Any, solids: list[Any], folder: Path) -> JobMeasurements:
     from fingertip.cad.kernel import brep
 
     volumes = {}
-    for name, expression in job.hollows:
-        note(folder, f"measuring {name}")
-        volumes[name] = brep.volume(evaluator.shape(expression))
-    exact = {name: Exact(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}
-    return Measured(exact, volumes)
+    for name, solid in job.measured_solids:
+        write_status(folder, f"measuring {name}")
+        volumes[name] = brep.volume(evaluator.shape(solid))
+    measurements = {name: BrepMeasurements(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}
+    return JobMeasurements(measurements, volumes)
 
 
-def _write(solids: list[Any], folder: Path) -> None:
-    from fingertip.cad.files import step_file
+def _write_parts(solids: list[Any], folder: Path) -> None:
+    from fingertip.cad.files import step_writer
 
     for part in solids:
-        note(folder, f"writing {part[0]}")
-        step_file.write_part(folder / f"{part[0]}.step", part)
+        write_status(folder, f"writing {part[0]}")
+        step_writer.write_part(folder / f"{part[0]}.step", part)
 
 
-class _Beside:
-    """Parts made in a forked process: handed over as `<part>.brep`, then measured and written while the assembly is."""
+class _ForkedJob:
+    """Job that runs in a forked process; without parts, no process is started.
+
+    The process saves its solids as `<part>.brep`. While this process writes the assembly from them, it measures them
+    and writes their STEP files.
+    """
 
     def __init__(self, job: StepJob, folder: Path) -> None:
         self._names = ", ".join(name for name, _, _ in job.parts)
@@ -107,11 +114,11 @@ class _Beside:
         if job.parts:
             fork = multiprocessing.get_context("fork")
             self._answer, answer = fork.Pipe(duplex=False)
-            self._process = fork.Process(target=_work_beside, args=(job, folder, answer), daemon=True)
+            self._process = fork.Process(target=_run_forked_job, args=(job, folder, answer), daemon=True)
             self._process.start()
-            answer.close()  # so that the pipe ends if the other process does
+            answer.close()  # so that reading raises EOFError if the process ends
 
-    def __enter__(self) -> _Beside:
+    def __enter__(self) -> _ForkedJob:
         return self
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
@@ -121,35 +128,36 @@ class _Beside:
             self._process.kill()
         self._process.join()
         if not error and self._process.exitcode:
-            raise self._ended()
+            raise self._crash_error()
 
-    def made(self) -> None:
-        """Wait until the parts are there."""
-        if self._process and isinstance(refusal := self._receive(), FingertipError):
-            raise refusal
+    def wait_for_solids(self) -> None:
+        """Wait until the solids have been saved."""
+        if self._process and isinstance(error := self._receive(), FingertipError):
+            raise error
 
-    def measured(self) -> Measured:
-        """Wait for what was measured."""
-        answer = self._receive() if self._process else Measured({}, {})
-        assert isinstance(answer, Measured)
+    def wait_for_measurements(self) -> JobMeasurements:
+        """Wait for the measurements."""
+        answer = self._receive() if self._process else JobMeasurements({}, {})
+        assert isinstance(answer, JobMeasurements)
         return answer
 
     def _receive(self) -> object:
         try:
             return self._answer.recv()
         except EOFError:
-            raise self._ended() from None
+            raise self._crash_error() from None
 
-    def _ended(self) -> GeometryError:
-        sentence = f"the B-rep process of {self._names} ended without an answer; use --formats stl,3mf."
-        return GeometryError(Issue("STEP", sentence))
+    def _crash_error(self) -> GeometryError:
+        message = f"the B-rep kernel crashed while it made {self._names}; use --formats stl,3mf."
+        return GeometryError(Issue("STEP", message))
 
 
-def _work_beside(job: StepJob, folder: Path, answer: Any) -> None:
+def _run_forked_job(job: StepJob, folder: Path, answer: Any) -> None:
+    """Do the job in the forked process; sends an error, or "made" and then the measurements."""
     from fingertip.cad.kernel import brep
 
     try:
-        evaluator, solids = _make(job, folder)
+        evaluator, solids = _make_solids(job, folder)
     except FingertipError as error:
         answer.send(error)
         return
@@ -157,25 +165,28 @@ def _work_beside(job: StepJob, folder: Path, answer: Any) -> None:
         brep.save(solid, folder / f"{name}.brep")
     answer.send("made")
     answer.send(_measure(job, evaluator, solids, folder))
-    _write(solids, folder)
+    _write_parts(solids, folder)
 
 
-def note(folder: Path, doing: str) -> None:
-    """Leave word of what is being done, for whoever stops this process."""
-    (folder / DOING).write_text(doing, encoding="utf-8")
+def write_status(folder: Path, status: str) -> None:
+    """State the current step in the status file, for the calling process."""
+    (folder / STATUS_FILE).write_text(status, encoding="utf-8")
 
 
 def main() -> None:
-    """Do the job on stdin; the answer, measures or issues, goes to `answer.json` in the folder."""
+    """Run the job on stdin and write measurements or issues to `answer.json` in the folder."""
     folder = Path(sys.argv[1])
     job: StepJob = pickle.load(sys.stdin.buffer)
     try:
-        answer: dict[str, object] = asdict(work(job, folder))
+        answer: dict[str, object] = asdict(run_job(job, folder))
     except FingertipError as error:
-        answer = {"error": type(error).__name__, "issues": [[f.field, f.message] for f in error.issues]}
+        answer = {
+            "error": type(error).__name__,
+            "issues": [[issue.field, issue.message] for issue in error.issues],
+        }
     (folder / "answer.json").write_text(json.dumps(answer), encoding="utf-8")
 
 
 if __name__ == "__main__":
     main()
-    os._exit(0)  # everything is written and closed; unloading the kernel's libraries takes a third of a second
+    os._exit(0)  # all files are closed; unloading the kernel's libraries would take a third of a second

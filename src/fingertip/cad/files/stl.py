@@ -1,4 +1,4 @@
-"""Binary STL, written and read back with its vertices merged by equality."""
+"""Binary STL files: writing, and reading with equal vertices merged."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribut
 
 
 def to_bytes(mesh: Mesh, name: str) -> bytes:
-    """Binary STL of a mesh, in mm; the header names the part and holds no date."""
+    """Write a mesh as binary STL in mm; the header names the part and holds no date."""
     corners = mesh.vertices[mesh.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.sqrt((normal * normal).sum(axis=1, keepdims=True))
@@ -23,18 +23,18 @@ def to_bytes(mesh: Mesh, name: str) -> bytes:
 
 
 def from_bytes(data: bytes) -> Mesh:
-    """The mesh a reader gets from a binary STL: equal corners become one vertex.
+    """Read a binary STL file; equal corners become one vertex.
 
     Raises
     ------
     GeometryError
-        If the length does not match the stated number of triangles.
+        If the length of the data does not match the stated number of triangles.
     """
     count = int(np.frombuffer(data[80:84], "<u4")[0]) if len(data) >= 84 else -1
     if len(data) != 84 + count * _RECORD.itemsize:
-        raise GeometryError(Issue("STL", f"{len(data)} bytes do not hold the {count} triangles it states."))
+        raise GeometryError(Issue("STL", f"file of {len(data)} bytes does not match its triangle count of {count}."))
     corners = np.frombuffer(data, _RECORD, offset=84)["corners"].astype(np.float64).reshape(-1, 3)
-    order = np.lexsort(corners.T[::-1])  # numpy's own unique rows take four times as long
+    order = np.lexsort(corners.T[::-1])  # np.unique of rows takes four times as long
     ordered = corners[order]
     first = np.concatenate(([True], (ordered[1:] != ordered[:-1]).any(axis=1)))[: len(corners)]
     index = np.empty(len(corners), dtype=np.int64)

@@ -1,7 +1,7 @@
-"""3MF: one part as one object with shared vertices, so that a slicer sees a manifold.
+"""3MF files: one part as one object with shared vertices, which slicers recognise as manifold.
 
-The archive is stored, not deflated, and carries fixed dates: compressed bytes differ between builds of zlib, and the
-same design must give the same file on every machine.
+The archive is stored without compression and with fixed dates. Compressed bytes differ between versions of zlib, and
+the same design must give the same file on every machine.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _RELATIONS = (
 
 
 def to_bytes(mesh: Mesh, name: str) -> bytes:
-    """3MF archive of a mesh, in mm. The name is a part's: letters, digits and underscores."""
+    """Write a mesh as a 3MF archive in mm; the part's name holds letters, digits and underscores only."""
     vertices = "".join(f'<vertex x="{x!r}" y="{y!r}" z="{z!r}"/>\n' for x, y, z in mesh.vertices.tolist())
     triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>\n' for a, b, c in mesh.triangles.tolist())
     model = (
@@ -55,7 +55,7 @@ def to_bytes(mesh: Mesh, name: str) -> bytes:
 
 
 def from_bytes(data: bytes) -> Mesh:
-    """The mesh of the one object in a 3MF archive written by `to_bytes`."""
+    """Read the single object of a 3MF archive that `to_bytes` wrote."""
     from xml.etree import ElementTree
 
     with zipfile.ZipFile(io.BytesIO(data)) as bundle:

@@ -1,1 +1,5 @@
-"""Two kernels that evaluate the same expressions: meshes by numpy and manifold3d, exact solids by cadquery."""
+"""Geometry kernels: two independent programs that turn the solids of `cad.solids` into geometry.
+
+- `mesh`: mesh kernel. Approximates surfaces by triangles within a tolerance (numpy grids, booleans of manifold3d).
+- `brep`: boundary-representation (B-rep) kernel. Represents faces by exact surfaces (cadquery on Open CASCADE).
+"""

@@ -1,7 +1,11 @@
-"""The B-rep kernel: evaluates the same expressions with cadquery (Open CASCADE), exactly. The only cadquery import.
+"""Boundary-representation (B-rep) kernel: evaluates solids exactly with cadquery, that is Open CASCADE.
 
-Superconic bodies become rational Bezier patches sewn into a solid; everything else is planes, cylinders, cones and
-tori. No lofts and no fillets: both return wrong solids without a word.
+A B-rep describes a solid by its faces, each a piece of an exact surface, and by the edges where they meet; STEP files
+hold the same description. Superconic bodies become rational Bezier faces, sewn into a solid. All other faces are
+planes, cylinders, cones and tori. Lofts and fillets are not used, because the kernel sometimes returns wrong solids for
+them without an error.
+
+Only this module and `cad.files.step_writer` import cadquery at the top. Import both only where STEP is needed.
 """
 
 from __future__ import annotations
@@ -11,20 +15,20 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.cad.solids import (
-    Bar,
     Box,
     Cone,
     Difference,
+    DraftedExtrusion,
     ElbowTube,
-    Form,
     Intersection,
     Prism,
     Scaled,
     Solid,
+    SuperconicSolid,
     Union,
-    place,
+    axis_point,
 )
-from fingertip.conic import ConicBody, CrossSection
+from fingertip.design.geometry.conic import ConicBody, CrossSection
 from fingertip.errors import GeometryError, Issue, MissingLibraryError
 
 try:
@@ -48,24 +52,26 @@ except ImportError as error:
         )
     ) from error
 
-Point = tuple[float, float, float]
+ControlPoint = tuple[float, float, float]
+"""Control point of a plane rational Bezier curve: (x, y, weight)."""
 _SEWING_MM = 1e-6
+"""Distance within which edges of neighbouring faces are sewn together [mm]."""
 
 
-class Evaluator:
-    """Evaluates expressions exactly; solids that occur more than once are evaluated once."""
+class BrepEvaluator:
+    """Evaluates solids as exact shapes; equal solids are evaluated once."""
 
     def __init__(self) -> None:
-        self._done: dict[Solid, Any] = {}
+        self._evaluated: dict[Solid, Any] = {}
 
     def shape(self, solid: Solid) -> Any:
-        """The solid as a `cadquery.Shape`."""
-        if solid not in self._done:
-            self._done[solid] = self._evaluate(solid)
-        return self._done[solid]
+        """Evaluate a solid as a `cadquery.Shape`."""
+        if solid not in self._evaluated:
+            self._evaluated[solid] = self._evaluate(solid)
+        return self._evaluated[solid]
 
     def solid(self, solid: Solid) -> cq.Solid:
-        """The solid as one valid `cadquery.Solid`.
+        """Evaluate a solid as one valid `cadquery.Solid`.
 
         Raises
         ------
@@ -89,8 +95,8 @@ class Evaluator:
                 for other in others:
                     first = first.intersect(other)
                 return first
-            case Difference(first, without):
-                return self.shape(first).cut(*(self.shape(s) for s in without))
+            case Difference(first, subtracted):
+                return self.shape(first).cut(*(self.shape(s) for s in subtracted))
             case Scaled(inner, factor):
                 return self.shape(inner).scale(factor)
             case Box(low, high):
@@ -102,17 +108,18 @@ class Evaluator:
                 return _prism(solid)
             case ElbowTube():
                 return _elbow(solid)
-            case Form(body):
-                return _form(body)
-            case Bar():
-                return _bar(solid)
+            case SuperconicSolid(body):
+                return _superconic(body)
+            case DraftedExtrusion():
+                return _drafted_extrusion(solid)
 
 
 def volume(shape: Any) -> float:
-    """Volume [mm3] by Gauss-Kronrod integration.
+    """Compute the volume [mm3] of a shape by adaptive Gauss-Kronrod quadrature.
 
-    On the end of a superconic prism with an arc of weight 4 it is exact to 1e-10 mm3 of 4259; the kernel's plain rule
-    (`Shape.Volume()`) is off by 0.3 mm3 there, its adaptive rule at a stated 1e-6 by 11 mm3.
+    On a straight superconic prism with an arc of weight 4 the result is exact to 1e-10 mm3 of 4259 mm3. There the
+    kernel's plain quadrature (`Shape.Volume()`) is off by 0.3 mm3, and its adaptive Gauss quadrature with a stated
+    tolerance of 1e-6 by 11 mm3.
     """
     properties = GProp_GProps()
     BRepGProp.VolumePropertiesGK_s(shape.wrapped, properties, 1e-6, False, True, False, False, False)
@@ -120,9 +127,10 @@ def volume(shape: Any) -> float:
 
 
 def genus(solid: Any) -> int:
-    """Through holes, by the Euler-Poincare formula V - E + F - (L - F) = 2 (1 - G), L the loops of all faces.
+    """Count the through holes G of a solid by the Euler-Poincare formula V - E + F - (L - F) = 2 (1 - G).
 
-    Edges of no length (at the tip's apex) are none.
+    V, E, F and L are the numbers of vertices, edges, faces and loops (edge cycles that bound faces). Degenerate edges,
+    which have no length and occur at the tip's apex, are not counted.
     """
     edges = sum(not BRep_Tool.Degenerated_s(edge.wrapped) for edge in solid.Edges())
     faces = solid.Faces()
@@ -131,31 +139,31 @@ def genus(solid: Any) -> int:
 
 
 def save(shape: Any, path: Path) -> None:
-    """Write a shape as the kernel's own bytes, to the last bit."""
+    """Write a shape to a file in Open CASCADE's binary format, without loss."""
     BinTools.Write_s(shape.wrapped, str(path))
 
 
 def load(path: Path) -> Any:
-    """Read what `save` wrote."""
+    """Read a shape that `save` wrote."""
     shape = TopoDS_Shape()
     BinTools.Read_s(shape, str(path))
     return cq.Shape.cast(shape)
 
 
 def _cone(c: Cone) -> Any:
-    origin, direction = cq.Vector(*place(c.axis, *c.centre, c.low)), cq.Vector(*place(c.axis, 0.0, 0.0, 1.0))
+    origin, direction = cq.Vector(*axis_point(c.axis, *c.centre, c.low)), cq.Vector(*axis_point(c.axis, 0.0, 0.0, 1.0))
     height = c.high - c.low
-    if c.low_radius == c.high_radius:  # makeCone refuses equal radii
+    if c.low_radius == c.high_radius:  # makeCone rejects equal radii
         return cq.Solid.makeCylinder(c.low_radius, height, origin, direction)
     return cq.Solid.makeCone(c.low_radius, c.high_radius, height, origin, direction)
 
 
 def _prism(p: Prism) -> Any:
     outline, *holes = (
-        cq.Wire.makePolygon([cq.Vector(*place(p.axis, u, v, p.low)) for u, v in ring], close=True)
+        cq.Wire.makePolygon([cq.Vector(*axis_point(p.axis, u, v, p.low)) for u, v in ring], close=True)
         for ring in (p.corners, *p.holes)
     )
-    return cq.Solid.extrudeLinear(outline, holes, cq.Vector(*place(p.axis, 0.0, 0.0, p.high - p.low)))
+    return cq.Solid.extrudeLinear(outline, holes, cq.Vector(*axis_point(p.axis, 0.0, 0.0, p.high - p.low)))
 
 
 def _elbow(e: ElbowTube) -> Any:
@@ -174,8 +182,8 @@ def _elbow(e: ElbowTube) -> Any:
     return down.fuse(bend, up)
 
 
-def _form(body: ConicBody) -> Any:
-    """Four patches between each pair of stations, four on the tip, and flat ends, sewn."""
+def _superconic(body: ConicBody) -> Any:
+    """Sew a superconic body from four faces between each pair of stations, four on the tip, and flat end faces."""
     faces = []
     for quadrant in _quadrants(body.section):
         levels = [(z, s, 1.0) for z, s in body.stations]
@@ -193,33 +201,38 @@ def _form(body: ConicBody) -> Any:
     sewing.Perform()
     shell = cq.Shape.cast(sewing.SewedShape())
     solid = cq.Solid.makeSolid(shell)
+    # The shell may have been sewn with its faces pointing inwards.
     return solid if volume(solid) > 0 else cq.Solid.makeSolid(cq.Shape.cast(shell.wrapped.Reversed()))
 
 
-def _bar(bar: Bar) -> Any:
-    """Arcs and the straight walls between them, drawn out."""
-    section, half_width = bar.section.section, bar.section.half_width
+def _drafted_extrusion(extrusion: DraftedExtrusion) -> Any:
+    """Extrude the outline of a drafted section: four arcs and the straight walls between them."""
+    section, half_width = extrusion.section.section, extrusion.section.half_width
     edges = []
     for side, start, height, weight in (
-        (1.0, bar.section.dorsal_from, section.dorsal, section.dorsal_weight),
-        (-1.0, bar.section.palmar_from, section.palmar, section.palmar_weight),
+        (1.0, extrusion.section.dorsal_start, section.dorsal, section.dorsal_weight),
+        (-1.0, extrusion.section.palmar_start, section.palmar, section.palmar_weight),
     ):
-        arc = _rest_of_arc(section.half_width, height, weight, start)
+        arc = _split_arc(section.half_width, height, weight, start)
         for mirror in (1.0, -1.0):
             row = [(mirror * x, side * y, w) for x, y, w in arc]
-            wall = [cq.Vector(mirror * half_width, 0.0, bar.low), cq.Vector(row[0][0], row[0][1], bar.low)]
-            edges += [cq.Edge.makeLine(*wall), _arc(row, bar.low)]
-    # In the order they follow each other, counter-clockwise from the right.
+            wall = [cq.Vector(mirror * half_width, 0.0, extrusion.low), cq.Vector(row[0][0], row[0][1], extrusion.low)]
+            edges += [cq.Edge.makeLine(*wall), _arc(row, extrusion.low)]
+    # Arrange the eight edges counter-clockwise, from the right side on (d dorsal, p palmar).
     (right_d, d_right, left_d, d_left, right_p, p_right, left_p, p_left) = edges
     outline = cq.Wire.assembleEdges([right_d, d_right, d_left, left_d, left_p, p_left, p_right, right_p])
-    return cq.Solid.extrudeLinear(outline, [], cq.Vector(0.0, 0.0, bar.high - bar.low))
+    return cq.Solid.extrudeLinear(outline, [], cq.Vector(0.0, 0.0, extrusion.high - extrusion.low))
 
 
-def _rest_of_arc(a: float, b: float, weight: float, start: float) -> list[tuple[float, float, float]]:
-    """Control points (x, y, weight) of an arc from parameter `start` on: de Casteljau's, in homogeneous coordinates."""
+def _split_arc(a: float, b: float, weight: float, start: float) -> list[ControlPoint]:
+    """Compute the control points (x, y, weight) of the part of an arc from parameter `start` to its end.
+
+    De Casteljau's algorithm in homogeneous coordinates. The whole arc runs from (`a`, 0) over the control point (`a`,
+    `b`) with `weight` to (0, `b`).
+    """
     first, middle, last = ((a, 0.0, 1.0), (weight * a, weight * b, weight), (0.0, b, 1.0))
 
-    def between(p: Point, q: Point) -> Point:
+    def between(p: ControlPoint, q: ControlPoint) -> ControlPoint:
         return (p[0] + start * (q[0] - p[0]), p[1] + start * (q[1] - p[1]), p[2] + start * (q[2] - p[2]))
 
     later = between(middle, last)
@@ -227,8 +240,8 @@ def _rest_of_arc(a: float, b: float, weight: float, start: float) -> list[tuple[
     return [(x / w, y / w, w) for x, y, w in controls]
 
 
-def _quadrants(section: CrossSection) -> list[tuple[tuple[float, float, float], ...]]:
-    """Control points (x, y, weight) of the four arcs, in turn."""
+def _quadrants(section: CrossSection) -> list[tuple[ControlPoint, ...]]:
+    """List the control points (x, y, weight) of the section's four arcs, counter-clockwise."""
     a, dorsal, palmar = section.half_width, section.dorsal, section.palmar
     wd, wp = section.dorsal_weight, section.palmar_weight
     return [
@@ -240,7 +253,7 @@ def _quadrants(section: CrossSection) -> list[tuple[tuple[float, float, float], 
 
 
 def _patch(quadrant: Any, rows: Any) -> Any:
-    """Tensor product of the section's arc with rows of (z, scale, weight): a rational Bezier face."""
+    """Create a rational Bezier face: the tensor product of a section arc with rows of (z, scale, weight)."""
     poles = TColgp_Array2OfPnt(1, len(quadrant), 1, len(rows))
     weights = TColStd_Array2OfReal(1, len(quadrant), 1, len(rows))
     for i, (x, y, w) in enumerate(quadrant, 1):
@@ -251,7 +264,7 @@ def _patch(quadrant: Any, rows: Any) -> Any:
 
 
 def _end(section: CrossSection, z: float, scale: float) -> Any:
-    """Flat end bounded by the section's four arcs."""
+    """Create the flat end face at height `z` [mm], bounded by the section's four arcs."""
     edges = []
     for quadrant in _quadrants(section):
         row = [(x * scale, y * scale, w) for x, y, w in quadrant]
@@ -260,6 +273,7 @@ def _end(section: CrossSection, z: float, scale: float) -> Any:
 
 
 def _arc(row: Any, z: float) -> Any:
+    """Create an edge in the plane at height `z` [mm] from control points (x, y, weight)."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
     from OCP.Geom import Geom_BezierCurve
     from OCP.TColgp import TColgp_Array1OfPnt

@@ -1,4 +1,8 @@
-"""The mesh kernel: evaluates an expression with numpy grids and manifold3d's booleans. STL, 3MF, checks and sweeps."""
+"""Mesh kernel: evaluates solids as closed triangle meshes.
+
+Primitives are tessellated by `cad.kernel.tessellate`; manifold3d computes the booleans. A mesh approximates curved
+surfaces within a stated tolerance. STL and 3MF files, the checks and the sweeps are made from these meshes.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fingertip.cad.kernel.tessellate import Triangles, Vertices, tessellate
+from fingertip.arrays import Array
+from fingertip.cad.kernel.tessellate import Triangles, tessellate
 from fingertip.cad.solids import Difference, Intersection, Scaled, Solid, Union
 from fingertip.errors import GeometryError, Issue
 
@@ -15,52 +20,58 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 GRID_MM = 2.0**-17
-"""Vertices are rounded to this grid [mm], which binary32 holds exactly up to 128 mm: the STL is the mesh, not an
-approximation of it, and two kernels' last bits never reach the files."""
+"""Spacing of the grid to which vertices are rounded [mm].
+
+Binary32 numbers, as in STL, hold multiples of it exactly up to 128 mm. An STL file therefore holds the mesh itself, and
+rounding errors of floating-point arithmetic do not reach the files.
+"""
 
 
 @dataclass(frozen=True)
 class Mesh:
-    """A closed triangle mesh, in canonical order: equal shapes of one evaluation have equal bytes."""
+    """Closed triangle mesh.
 
-    vertices: Vertices
-    """(n, 3) [mm]"""
+    Vertices and triangles are in canonical order, so that the same solid always gives the same bytes.
+    """
+
+    vertices: Array
+    """Coordinates, shape (n, 3) [mm]."""
     triangles: Triangles
-    """(m, 3), counter-clockwise seen from outside"""
+    """Vertex indices, shape (m, 3), counter-clockwise seen from outside."""
 
     def volume(self) -> float:
-        """Signed volume [mm3]."""
+        """Compute the volume [mm3], by the divergence theorem; negative if the mesh is inside out."""
         a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
     def area(self) -> float:
-        """Surface area [mm2]."""
+        """Compute the surface area [mm2]."""
         a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
         return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
 
 
-class Evaluator:
-    """Evaluates expressions at one tolerance; solids that occur more than once are evaluated once."""
+class MeshEvaluator:
+    """Evaluates solids as meshes at one tolerance; equal solids are evaluated once."""
 
     def __init__(self, tolerance_mm: float) -> None:
         self.tolerance_mm = tolerance_mm
-        self._done: dict[Solid, Manifold] = {}
+        self._evaluated: dict[Solid, Manifold] = {}
 
     def manifold(self, solid: Solid) -> Manifold:
-        """The solid as a manifold3d object.
+        """Evaluate a solid as a `manifold3d.Manifold`.
 
         Raises
         ------
         GeometryError
-            If the kernel refuses a primitive or a boolean.
+            If manifold3d rejects a primitive or the result of a boolean.
         """
-        if solid not in self._done:
-            self._done[solid] = self._evaluate(solid)
-        return self._done[solid]
+        if solid not in self._evaluated:
+            self._evaluated[solid] = self._evaluate(solid)
+        return self._evaluated[solid]
 
     def mesh(self, solid: Solid) -> Mesh:
-        """The solid as a mesh on the grid, in canonical order."""
-        return canonical(self.manifold(solid))
+        """Evaluate a solid as a mesh on the vertex grid, in canonical order."""
+        return to_canonical_mesh(self.manifold(solid))
 
     def _evaluate(self, solid: Solid) -> Manifold:
         from manifold3d import Manifold, OpType
@@ -70,45 +81,50 @@ class Evaluator:
                 result = Manifold.batch_boolean([self.manifold(s) for s in solids], OpType.Add)
             case Intersection(solids):
                 result = Manifold.batch_boolean([self.manifold(s) for s in solids], OpType.Intersect)
-            case Difference(first, without):
-                result = Manifold.batch_boolean([self.manifold(s) for s in (first, *without)], OpType.Subtract)
+            case Difference(first, subtracted):
+                result = Manifold.batch_boolean([self.manifold(s) for s in (first, *subtracted)], OpType.Subtract)
             case Scaled(inner, factor):
                 result = self.manifold(inner).scale((factor, factor, factor))
             case primitive:
                 result = to_manifold(*tessellate(primitive, self.tolerance_mm))
-                if result.volume() <= 0.0:  # the kernel itself takes a mesh turned inside out without a word
-                    raise GeometryError(Issue("", f"{primitive} is inside out; this is a bug in fingertip."))
+                if result.volume() <= 0.0:  # manifold3d accepts an inverted mesh silently
+                    raise GeometryError(Issue("", f"{primitive} has an inverted mesh; this is a bug in fingertip."))
         _raise_unless_valid(result)
         return result
 
 
-def to_manifold(vertices: Vertices, triangles: Triangles) -> Manifold:
-    """A manifold3d object from arrays, in double precision."""
+def to_manifold(vertices: Array, triangles: Triangles) -> Manifold:
+    """Create a `manifold3d.Manifold` from arrays, in double precision."""
     from manifold3d import Manifold, Mesh64
 
     return Manifold(Mesh64(np.ascontiguousarray(vertices), np.ascontiguousarray(triangles, dtype=np.uint64)))
 
 
-def canonical(manifold: Manifold) -> Mesh:
-    """Vertices on the grid and sorted, triangles turned to their smallest index first and sorted.
+def to_canonical_mesh(manifold: Manifold) -> Mesh:
+    """Convert a `manifold3d.Manifold` to a mesh on the vertex grid, in canonical order.
 
-    Short edges left by booleans are collapsed first. Those the kernel would not collapse may end on one grid point: a
-    reader takes both ends for one, so they are one here, and the triangles between them are gone.
+    Vertices are rounded to the grid and sorted. Triangles start at their smallest index and are sorted.
+
+    Booleans leave very short edges, which are collapsed first. Where manifold3d does not collapse one, both its ends
+    may round to the same grid point. Readers of the file would merge these two vertices, so they are merged here, and
+    the triangles between them are removed.
     """
-    smooth = manifold.simplify(8 * GRID_MM)
-    _raise_unless_valid(smooth)
-    raw: Any = smooth.to_mesh64()
+    simplified = manifold.simplify(8 * GRID_MM)
+    _raise_unless_valid(simplified)
+    raw: Any = simplified.to_mesh64()
     vertices = np.round(np.asarray(raw.vert_properties, dtype=np.float64)[:, :3] / GRID_MM) * GRID_MM + 0.0
+    # Sort the vertices and give equal ones the same index.
     order = np.lexsort(vertices.T[::-1])
     vertices = vertices[order]
     distinct = np.ones(len(order), dtype=bool)
     distinct[1:] = (vertices[1:] != vertices[:-1]).any(axis=1)
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.cumsum(distinct) - 1
+    # Renumber the triangles, drop those that have become degenerate, and bring them into canonical order.
     triangles = rank[np.asarray(raw.tri_verts, dtype=np.int64)]
     triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
-    first = triangles.argmin(axis=1)
-    triangles = np.take_along_axis(triangles, (first[:, None] + np.arange(3)) % 3, axis=1)
+    smallest = triangles.argmin(axis=1)
+    triangles = np.take_along_axis(triangles, (smallest[:, None] + np.arange(3)) % 3, axis=1)
     return Mesh(vertices[distinct], triangles[np.lexsort(triangles.T[::-1])])
 
 
@@ -117,4 +133,4 @@ def _raise_unless_valid(manifold: Manifold) -> None:
 
     status = manifold.status()
     if status != Error.NoError:
-        raise GeometryError(Issue("", f"the mesh kernel refused a solid ({status}); this is a bug in fingertip."))
+        raise GeometryError(Issue("", f"the mesh kernel rejected a solid ({status}); this is a bug in fingertip."))

@@ -1,1 +1,1 @@
-"""What each part is, as an expression; and which parts a design has."""
+"""Solid of each part, and the registry of the parts that a design has."""

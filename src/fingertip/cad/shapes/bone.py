@@ -1,45 +1,48 @@
-"""The bone: pocket and slot for the sensor, channel for its cables, and the interface to the proximal phalanx."""
+"""Bone: pocket and slot for the sensor, channel for its cables, interface to the proximal phalanx."""
 
 from __future__ import annotations
 
-from fingertip.cad.shapes.core import core
+from fingertip.cad.shapes.core import filled_bone
 from fingertip.cad.solids import Box, ElbowTube, Solid, cylinder, difference, union
 from fingertip.design import Design
 
 
 def bone(design: Design) -> Solid:
-    """The printable bone."""
-    plus, minus = interface(design)
-    hollows = (sensor_recess(design), cable_channel(design), tie_hole(design), *minus)
-    return difference(union(core(design), *plus), *hollows)
+    """Build the printable bone."""
+    added, removed = interface(design)
+    hollows = (sensor_recess(design), cable_channel(design), tie_hole(design), *removed)
+    return difference(union(filled_bone(design), *added), *hollows)
 
 
 def sensor_recess(design: Design) -> Solid:
-    """Pocket of the head, slot of the tail and relief of the solder joints, open on the palmar side.
+    """Build the recess of the sensor, open on the palmar side: head pocket, tail slot, relief for the solder joints.
 
-    Through the collar the slot is a closed passage, so that no silicone follows the tail out of the mold.
+    A tail that leaves through the collar does so in a closed passage, so that no silicone follows it out of the mold.
     """
     dims, bone = design.dimensions, design.bone
     flat = -dims.flat_depth
-    above = -dims.collar.section.palmar - dims.envelope.section.palmar  # on the palmar side, outside everything
+    outside = -dims.collar.section.palmar - dims.envelope.section.palmar  # below the palmar surface of every solid
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
     tail = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
     floor = flat + dims.pocket_depth
-    # A little deeper than the channel's crest: a plane that touched it would leave a stray edge in the exact solid.
+    # 0.1 mm deeper than the top of the channel: a plane tangent to it would leave a stray edge in the B-rep solid.
     relief_floor = flat + dims.channel_depth + bone.channel_diameter_mm / 2 + 0.1
     relief_top = dims.tail_end_z + dims.relief_half_length
-    pocket = cylinder("y", (dims.sensor_z, 0.0), above, floor, head)
-    tail_top = dims.sensor_z + design.sensor.clearance_mm  # room for a tail that is wider than its head, too
-    relief = Box((-tail, above, dims.relief_proximal_z), (tail, relief_floor, relief_top))
+    pocket = cylinder("y", (dims.sensor_z, 0.0), outside, floor, head)
+    tail_top = dims.sensor_z + design.sensor.clearance_mm  # also clears a tail that is wider than the head
+    relief = Box((-tail, outside, dims.relief_proximal_z), (tail, relief_floor, relief_top))
     if not dims.tail_passes_collar:
-        return union(pocket, Box((-tail, above, dims.tail_end_z), (tail, floor, tail_top)), relief)
+        return union(pocket, Box((-tail, outside, dims.tail_end_z), (tail, floor, tail_top)), relief)
     passage = Box((-tail, floor - dims.passage_height, dims.tail_end_z), (tail, floor, tail_top))
-    under_skin = Box((-tail, above, 0.0), (tail, floor, tail_top))
+    under_skin = Box((-tail, outside, 0.0), (tail, floor, tail_top))
     return union(pocket, passage, under_skin, relief)
 
 
 def cable_channel(design: Design) -> Solid:
-    """From the relief of the solder joints along the bone, then by one bend out of its back (posterior hole)."""
+    """Build the cable channel.
+
+    It runs from the solder relief along the bone, then by one bend out of the back through the posterior hole.
+    """
     dims, bone = design.dimensions, design.bone
     section = dims.envelope.section
     return ElbowTube(
@@ -53,7 +56,7 @@ def cable_channel(design: Design) -> Solid:
 
 
 def tie_hole(design: Design) -> Solid:
-    """Hole across the back, one wall below the posterior hole: the strain relief of the cables."""
+    """Build the hole for a cable tie (strain relief), across the back, one wall thickness below the posterior hole."""
     dims, bone = design.dimensions, design.bone
     radius, half_width = bone.tie_hole_diameter_mm / 2, dims.envelope.section.half_width
     y = dims.envelope.section.dorsal - bone.wall_mm - radius
@@ -61,7 +64,13 @@ def tie_hole(design: Design) -> Solid:
 
 
 def interface(design: Design) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
-    """What the interface to the proximal phalanx adds to the base, and what it takes away."""
+    """Build the interface to the proximal phalanx.
+
+    Returns
+    -------
+    added, removed
+        Solids that the interface adds to the base, and solids that it removes.
+    """
     dims, bone = design.dimensions, design.bone
     y = (dims.envelope.section.dorsal - dims.flat_depth) / 2
     end, across = -bone.base_length_mm, 2 * dims.envelope.section.half_width
@@ -78,7 +87,7 @@ def interface(design: Design) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
 
 
 def sensor_body(design: Design) -> Solid:
-    """The sensor itself as it lies in the bone: for pictures and checks, never printed."""
+    """Build the sensor as mounted in the bone, for pictures and checks; it is not printed."""
     dims = design.dimensions
     back = -dims.flat_depth + dims.pocket_depth - design.sensor.adhesive_thickness_mm
     front, half_tail = back - dims.sensor.thickness_mm, dims.sensor.tail_width_mm / 2
@@ -87,9 +96,10 @@ def sensor_body(design: Design) -> Solid:
 
 
 def genus(design: Design) -> int:
-    """Through holes of the bone: the strongest single sign that something broke through a wall.
+    """Count the through holes that the bone must have.
 
-    Channel, cross bolt and tie hole; the tail's passage through the collar; and a socket crossed by its bolt has two
-    mouths more than a blind hole has.
+    Three are the cable channel, the cross bolt and the tie hole. The passage of the tail through the collar adds one. A
+    socket that the cross bolt crosses adds one more, because its two mouths come with it. A different count in the
+    built solid reveals a hollow that breaks through a wall.
     """
     return 3 + design.dimensions.tail_passes_collar + (design.bone.interface == "socket")

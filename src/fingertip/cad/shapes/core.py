@@ -1,7 +1,7 @@
-"""The core: the bone's outer form with everything let into it filled. The silicone flows around it.
+"""Filled bone, collar, and the dummy core of a sleeve: the bodies around which silicone is cast.
 
-Overmolding casts around the bone itself; a sleeve is cast around a dummy core, smaller by the interference that makes
-the skin sit tight, and pulled over the bone afterwards.
+Overmolding casts the skin around the bone itself. A sleeve is cast around a dummy core and pulled over the bone
+afterwards; the core is smaller than the bone by an interference, which makes the skin fit tightly.
 """
 
 from __future__ import annotations
@@ -9,47 +9,50 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from fingertip.cad.solids import Box, Form, Prism, Solid, difference, intersection, scaled, union
-from fingertip.conic import ConicBody, CrossSection
+from fingertip.cad.solids import Box, Prism, Solid, SuperconicSolid, difference, intersection, scaled, union
 from fingertip.design import Design
+from fingertip.design.geometry.conic import ConicBody, CrossSection
 
-_BODY_ENDS_MM, _BASE_ENDS_MM = 0.2, 0.4
-"""Body and base of a dummy core end this deep within the collar, whose draft leaves more of it everywhere: no faces
-merely touch."""
-
-
-def core(design: Design, inset_mm: float = 0.0) -> Solid:
-    """Envelope with palmar flat, groove and collar; smaller by `inset_mm` all round, but for the collar."""
-    body = _grooved(design, _smaller(design.dimensions.envelope, inset_mm))
-    return union(_flattened(design, body, inset_mm), collar(design))
+_BODY_OVERLAP_MM, _BASE_OVERLAP_MM = 0.2, 0.4
+"""Depths to which the body and the base of a dummy core reach into the collar [mm]. Solids that only touch would leave
+coincident faces."""
 
 
-def _flattened(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
-    """The body, cut at the palmar flat, which lies `inset_mm` deeper than the bone's."""
+def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
+    """Build the bone with its channel, pocket and holes filled: envelope with palmar flat, groove and collar.
+
+    All surfaces but the collar's lie `inset_mm` inside the bone's.
+    """
+    body = _add_groove(design, _inset(design.dimensions.envelope, inset_mm))
+    return union(_cut_flat(design, body, inset_mm), collar(design))
+
+
+def _cut_flat(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
+    """Cut the palmar flat, `inset_mm` deeper than the bone's."""
     section = body.section
-    # The cutting box reaches past the envelope by a length of its own size, never by a literal "big" number.
-    past = section.half_width
+    # The cutting box extends past the envelope by a length that scales with the design.
+    margin = section.half_width
     below = Box(
-        (-section.half_width - past, -section.palmar - past, body.stations[0][0] - past),
-        (section.half_width + past, -design.dimensions.flat_depth + inset_mm, design.skin.length_mm + past),
+        (-section.half_width - margin, -section.palmar - margin, body.stations[0][0] - margin),
+        (section.half_width + margin, -design.dimensions.flat_depth + inset_mm, design.skin.length_mm + margin),
     )
-    return difference(Form(body), below)
+    return difference(SuperconicSolid(body), below)
 
 
 def collar(design: Design) -> Solid:
-    """The flange the skin ends on."""
+    """Build the collar: the flange below the skin, on which the skin ends."""
     dims = design.dimensions
     section = dims.collar.section
-    low = dims.collar.stations[0][0] - section.half_width  # past the foot, which the intersection cuts
-    flange = Form(ConicBody(section, ((low, 1.0), (0.0, 1.0))))
-    return intersection(flange, above_foot(design))
+    low = dims.collar.stations[0][0] - section.half_width  # below the foot, where the intersection cuts it
+    flange = SuperconicSolid(ConicBody(section, ((low, 1.0), (0.0, 1.0))))
+    return intersection(flange, above_collar_foot(design))
 
 
-def above_foot(design: Design, gap_mm: float = 0.0) -> Solid:
-    """Everything above the foot of the collar, or above its recess's, which lies `gap_mm` lower.
+def above_collar_foot(design: Design, gap_mm: float = 0.0) -> Solid:
+    """Build the region above the collar's foot, or above the foot of its recess, which lies `gap_mm` lower.
 
-    The foot falls towards the parting plane from both sides: the recess's is parallel to it, and leaves it at once
-    when a half is pulled off.
+    The foot slopes down towards the parting plane from both sides. The foot of the recess is parallel to it, so that
+    the two separate at once when a mold half is pulled off.
     """
     dims, slope = design.dimensions, design.dimensions.draft_slope
     lowest = dims.collar.stations[0][0] - gap_mm * math.hypot(1.0, slope)
@@ -60,8 +63,8 @@ def above_foot(design: Design, gap_mm: float = 0.0) -> Solid:
     return Prism("x", outline, -2 * section.half_width, 2 * section.half_width)
 
 
-def grown(section: CrossSection, gap_mm: float) -> CrossSection:
-    """The section with `gap_mm` more half width and half heights [mm]."""
+def offset_section(section: CrossSection, gap_mm: float) -> CrossSection:
+    """Enlarge a section: half width and both half heights grow by `gap_mm` [mm]."""
     return replace(
         section,
         half_width=section.half_width + gap_mm,
@@ -71,51 +74,53 @@ def grown(section: CrossSection, gap_mm: float) -> CrossSection:
 
 
 def dummy_core(design: Design) -> Solid:
-    """The core a sleeve is cast around: printed, without the bone's hollows.
+    """Build the core around which a sleeve is cast: printed, without the bone's hollows.
 
-    What the silicone surrounds is smaller by the interference and larger by the shrinkage. Base and collar are the
-    bone's own: they lie in the mold's recess, which must fit both.
+    Inside the skin it is smaller than the bone by the interference and then enlarged to allow for shrinkage. Its base
+    and collar equal the bone's, because both fit the same recess of the mold.
     """
     inset = design.mold.sleeve_interference_mm
-    body = _smaller(design.dimensions.envelope, inset)
-    (base, scale), *rest = body.stations
-    above = _grooved(design, replace(body, stations=((-_BODY_ENDS_MM, scale), *rest)))
-    below = ConicBody(design.dimensions.envelope.section, ((base, scale), (-_BASE_ENDS_MM, scale)))
-    within_skin = scaled(_flattened(design, above, inset), design.dimensions.shrinkage)
-    return union(within_skin, _flattened(design, below), collar(design))
+    body = _inset(design.dimensions.envelope, inset)
+    (base, scale), *stations = body.stations
+    above = _add_groove(design, replace(body, stations=((-_BODY_OVERLAP_MM, scale), *stations)))
+    below = ConicBody(design.dimensions.envelope.section, ((base, scale), (-_BASE_OVERLAP_MM, scale)))
+    within_skin = scaled(_cut_flat(design, above, inset), design.dimensions.shrinkage)
+    return union(within_skin, _cut_flat(design, below), collar(design))
 
 
-def cast_around(design: Design) -> Solid:
-    """What lies in the closed mold while the silicone cures, its hollows filled."""
-    return dummy_core(design) if design.mold.method == "sleeve" else core(design)
+def mold_insert(design: Design) -> Solid:
+    """Build the body that lies in the closed mold while the silicone cures, with its hollows filled."""
+    return dummy_core(design) if design.mold.method == "sleeve" else filled_bone(design)
 
 
-def inside_skin(design: Design) -> Solid:
-    """What the finished skin, relaxed, surrounds."""
-    return core(design, design.mold.sleeve_interference_mm if design.mold.method == "sleeve" else 0.0)
+def skin_interior(design: Design) -> Solid:
+    """Build the region that the finished, unstretched skin encloses."""
+    return filled_bone(design, design.mold.sleeve_interference_mm if design.mold.method == "sleeve" else 0.0)
 
 
-def _smaller(body: ConicBody, inset: float) -> ConicBody:
+def _inset(body: ConicBody, inset: float) -> ConicBody:
+    """Shrink section and tip of a body by `inset` [mm]."""
     assert body.tip is not None
-    return replace(body, section=grown(body.section, -inset), tip=replace(body.tip, z=body.tip.z - inset))
+    return replace(body, section=offset_section(body.section, -inset), tip=replace(body.tip, z=body.tip.z - inset))
 
 
-def _grooved(design: Design, body: ConicBody) -> ConicBody:
-    """The body with a ring whose silicone keeps the skin from slipping off; its flanks rise at 45 degrees at the sides.
+def _add_groove(design: Design, body: ConicBody) -> ConicBody:
+    """Add a groove around the bone; silicone fills it and keeps the skin from slipping off.
 
-    Floor and flanks are four more stations between the skin's end and the tip: no boolean, and both kernels' forms.
+    The flanks rise at 45 degrees at the sides. Flanks and floor are four more stations of the superconic body, so that
+    no boolean is needed and both kernels represent the groove directly.
     """
     bone = design.bone
     if bone.groove_depth_mm == 0.0:
         return body
     base, (z_a, s_a), (z_b, s_b) = body.stations
     taper = (s_a - s_b) / (z_b - z_a)
-    rise = 1.0 / body.section.half_width  # of a flank, in scale per length
+    rise = 1.0 / body.section.half_width  # slope of a flank: scale per mm
     z0 = bone.groove_distance_mm + bone.groove_depth_mm
     z1 = z0 + bone.groove_width_mm
     floor = 1.0 - bone.groove_depth_mm * rise
     s0, s1 = (body.scale_at(z) * floor for z in (z0, z1))
-    # Where the flanks' lines meet the taper's, s = s_a - taper (z - z_a).
+    # Heights at which the lines of the flanks meet the taper s = s_a - taper (z - z_a).
     low = (s0 + rise * z0 - s_a - taper * z_a) / (rise - taper)
     high = (s_a + taper * z_a - s1 + rise * z1) / (rise + taper)
     edges = ((low, s_a - taper * (low - z_a)), (z0, s0), (z1, s1), (high, s_a - taper * (high - z_a)))

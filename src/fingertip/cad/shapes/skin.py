@@ -1,22 +1,22 @@
-"""The silicone skin as it is worn: the outer form around the bone, the sensor lying flush in its pocket."""
+"""Silicone skin and the mold cavity in which it is cast."""
 
 from __future__ import annotations
 
-from fingertip.cad.shapes.core import inside_skin
-from fingertip.cad.solids import Form, Solid, difference, scaled
+from fingertip.cad.shapes.core import skin_interior
+from fingertip.cad.solids import Solid, SuperconicSolid, difference, scaled
 from fingertip.design import Design
 
 
 def skin(design: Design) -> Solid:
-    """The skin after curing, with its designed size."""
-    return difference(Form(design.dimensions.outer), inside_skin(design))
+    """Build the cured skin at its design size, unstretched."""
+    return difference(SuperconicSolid(design.dimensions.outer), skin_interior(design))
 
 
 def cavity(design: Design) -> Solid:
-    """The closed mold's cavity: the outer form, larger by the silicone's shrinkage.
+    """Build the cavity of the closed mold: the outer surface, enlarged to allow for silicone shrinkage.
 
-    A sleeve shrinks freely, and its core is larger by as much. Overmolded silicone is held by the bone and shrinks
-    towards it by three times the linear figure of its thickness; at a thickness of a third of the finger's half width
-    that is the same distance.
+    A sleeve shrinks freely, and its core is enlarged by the same factor. An overmolded skin is held by the bone: its
+    volume shrinkage, three times the linear one, reduces its thickness only. The distance is the same as for free
+    shrinkage where the skin is a third of the finger's half width thick.
     """
-    return scaled(Form(design.dimensions.outer), design.dimensions.shrinkage)
+    return scaled(SuperconicSolid(design.dimensions.outer), design.dimensions.shrinkage)

@@ -1,1 +1,4 @@
-"""Proof that the parts are what was designed: identities, measures, and all checks of a design."""
+"""Verification of built parts: file topology, identities between parts, clearances and wall thicknesses.
+
+`verify.verify` runs every check of a design. `bone`, `skin` and `mold` measure the parts that `cad.shapes` builds.
+"""

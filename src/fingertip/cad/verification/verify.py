@@ -1,31 +1,37 @@
-"""Every check a design can be put to, on the bytes its files would have: what `build` writes and `check` does not."""
+"""Every check of a design, run on the bytes its files would hold.
+
+`fingertip build` writes these files; `fingertip check` only verifies them.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from fingertip.cad.files import stl, threemf
-from fingertip.cad.kernel.mesh import Evaluator, Mesh
-from fingertip.cad.shapes.parts import PARTS, print_scale
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.shapes.parts import PARTS, print_scale, print_volume_excess
 from fingertip.cad.solids import scaled
-from fingertip.cad.verification import checks, measures
-from fingertip.cad.verification.checks import Check
+from fingertip.cad.verification.assembly import check_assembly
+from fingertip.cad.verification.bone import check_air_vent, check_bone
+from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.mold import check_mold
+from fingertip.cad.verification.part_files import check_mesh_file
+from fingertip.cad.verification.skin import check_skin, check_sleeve_stretch
 from fingertip.design import Design
 from fingertip.errors import DesignError, Issue
 
 MESH_FORMATS = {"stl": stl, "3mf": threemf}
-FINEST_MM, COARSEST_MM = 0.0005, 1.0
+MIN_TOLERANCE_MM, MAX_TOLERANCE_MM = 0.0005, 1.0
 
 
 @dataclass(frozen=True)
-class Verified:
-    """Parts as meshes, the files they make, and what was found in them."""
+class VerifiedParts:
+    """Meshes of the parts, the contents of their files, and the checks made on them."""
 
     meshes: Mapping[str, Mesh]
     contents: Mapping[str, bytes]
-    """File name -> bytes, not written anywhere."""
+    """File name -> bytes; no file has been written."""
     checks: tuple[Check, ...]
 
 
@@ -33,10 +39,10 @@ def verify(
     design: Design,
     parts: Iterable[str],
     formats: Iterable[str],
-    evaluator: Evaluator,
+    evaluator: MeshEvaluator,
     progress: Callable[[str], None] = lambda message: None,
-) -> Verified:
-    """Make the parts' mesh files in memory, read them back, and check them and the assembly they make.
+) -> VerifiedParts:
+    """Make the mesh files of the parts in memory, read them back, and check the parts and their assembly.
 
     Parameters
     ----------
@@ -47,54 +53,62 @@ def verify(
     formats
         Any of "stl", "3mf"; others are ignored.
     evaluator
-        The mesh kernel at the tolerance wanted; it keeps what it evaluates for whoever asks next.
+        The mesh kernel, at the tolerance of the files.
     progress
-        Called with a sentence at each part.
+        Called with a message for each part.
 
     Raises
     ------
     GeometryError
-        If the mesh kernel refuses a solid.
+        If the mesh kernel rejects a solid.
     """
-    kinds = [kind for kind in formats if kind in MESH_FORMATS]
-    expressions = {name: PARTS[name].describe(design) for name in parts}
+    mesh_formats = [file_format for file_format in formats if file_format in MESH_FORMATS]
+    solids = {name: PARTS[name].solid(design) for name in parts}
     meshes = {}
-    for name, expression in expressions.items():
-        meshes[name] = evaluator.mesh(scaled(expression, print_scale(design, PARTS[name])))
+    for name, solid in solids.items():
+        meshes[name] = evaluator.mesh(scaled(solid, print_scale(design, PARTS[name])))
         progress(f"{name}: {len(meshes[name].triangles)} triangles, {meshes[name].volume() / 1000:.2f} cm3")
     contents = {
-        f"{name}.{kind}": MESH_FORMATS[kind].to_bytes(mesh, name) for name, mesh in meshes.items() for kind in kinds
+        f"{name}.{file_format}": MESH_FORMATS[file_format].to_bytes(mesh, name)
+        for name, mesh in meshes.items()
+        for file_format in mesh_formats
     }
-    found = [check for file, data in contents.items() for check in _of_file(design, file, data)]
-    found += checks.of_assembly(design, evaluator, expressions)
-    found += measures.of_parts(design, evaluator, meshes)
-    return Verified(meshes, contents, tuple(found))
+    checks = [check for file, data in contents.items() for check in _check_file(design, file, data)]
+    checks += check_assembly(design, evaluator, solids)
+    checks += check_parts(design, evaluator, meshes)
+    return VerifiedParts(meshes, contents, tuple(checks))
 
 
-def refuse_tolerance(tolerance_mm: float) -> None:
-    """Raise a DesignError unless meshes can be made at this tolerance [mm]."""
-    if not FINEST_MM <= tolerance_mm <= COARSEST_MM:
-        bounds = f"choose {FINEST_MM:g} to {COARSEST_MM:g} mm; 0.01 is finer than a printer draws."
-        raise DesignError(Issue("--tolerance-mm", f"{tolerance_mm:g} mm is out of bounds; {bounds}"))
+def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, Mesh]) -> Iterator[Check]:
+    """Check print size, walls, clearances and mold function of those parts that have a mesh in `meshes`."""
+    for name, mesh in meshes.items():
+        if PARTS[name].is_printed:
+            yield Check(f"{name}.print_volume_excess", print_volume_excess(design, name, mesh), 0.0, "mm")
+    if "skin" in meshes:
+        yield from check_skin(design, evaluator, meshes["skin"])
+    if "bone" in meshes:
+        yield from check_bone(design, evaluator)
+    if "bone" in meshes and "skin" in meshes:
+        yield check_air_vent(design, evaluator)
+    if "mold_palmar" in meshes and "mold_dorsal" in meshes:
+        yield from check_mold(design, evaluator)
+    if "core" in meshes:
+        yield check_sleeve_stretch(design, evaluator)
 
 
-def settled(value: float) -> float:
-    """A figure as it is written down: the last bits of a sum differ between processors, six decimals do not."""
-    return round(value, 6) + 0.0
+def validate_tolerance(tolerance_mm: float) -> None:
+    """Raise a `DesignError` unless meshes can be made at this tolerance [mm]."""
+    if not MIN_TOLERANCE_MM <= tolerance_mm <= MAX_TOLERANCE_MM:
+        bounds = f"choose {MIN_TOLERANCE_MM:g} to {MAX_TOLERANCE_MM:g} mm"
+        raise DesignError(
+            Issue(
+                "--tolerance-mm",
+                f"{tolerance_mm:g} mm is out of bounds; {bounds}; 0.01 is finer than the resolution of a printer.",
+            )
+        )
 
 
-def as_data(check: Check) -> dict[str, Any]:
-    """A check as it stands in report.json."""
-    return {
-        "name": check.name,
-        "value": settled(check.value),
-        "limit": settled(check.limit),
-        "unit": check.unit,
-        "passed": check.passed,
-    }
-
-
-def _of_file(design: Design, file: str, data: bytes) -> Iterator[Check]:
-    """Checks on the mesh a reader gets from the file, not on the one in memory."""
-    name, kind = file.rsplit(".", 1)
-    return checks.of_file(design, PARTS[name], MESH_FORMATS[kind].from_bytes(data), kind)
+def _check_file(design: Design, file: str, data: bytes) -> Iterator[Check]:
+    """Check the mesh read back from a file's bytes, not the mesh it was made from."""
+    name, file_format = file.rsplit(".", 1)
+    return check_mesh_file(design, PARTS[name], MESH_FORMATS[file_format].from_bytes(data), file_format)

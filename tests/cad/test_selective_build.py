@@ -1,4 +1,4 @@
-"""What is not asked for is not built, not written and not imported."""
+"""Parts and formats that are not requested are not built, written or imported."""
 
 from __future__ import annotations
 
@@ -6,35 +6,35 @@ from pathlib import Path
 
 import pytest
 
+from fingertip.build_files import build
 from fingertip.cad.kernel import mesh
 from fingertip.design import Design
-from fingertip.kit import build
 from tests.conftest import design_file, run_python
 
 HEAVY = ("cadquery", "OCP", "trimesh", "vtk", "matplotlib", "scipy", "numba")
 
 
-def test_only_the_parts_asked_for_are_evaluated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_the_requested_parts_are_evaluated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     evaluated = []
-    original = mesh.Evaluator.manifold
+    original = mesh.MeshEvaluator.manifold
 
-    def spy(self: mesh.Evaluator, solid: object) -> object:
+    def spy(self: mesh.MeshEvaluator, solid: object) -> object:
         evaluated.append(solid)
         return original(self, solid)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(mesh.Evaluator, "manifold", spy)
+    monkeypatch.setattr(mesh.MeshEvaluator, "manifold", spy)
     design = Design()
     result = build(design, tmp_path, parts=["bone"], formats=["stl"])
     assert {path.name for path in tmp_path.iterdir()} == {"bone.stl", "design.toml", "report.json"}
     assert [built.part.name for built in result.parts] == ["bone"]
     from fingertip.cad.shapes.parts import PARTS
-    from fingertip.cad.solids import Form
+    from fingertip.cad.solids import SuperconicSolid
 
-    assert Form(design.dimensions.outer) not in evaluated
-    assert not {PARTS[name].describe(design) for name in ("skin", "mold_palmar", "mold_dorsal")} & set(evaluated)
+    assert SuperconicSolid(design.dimensions.outer) not in evaluated
+    assert not {PARTS[name].solid(design) for name in ("skin", "mold_palmar", "mold_dorsal")} & set(evaluated)
 
 
-def test_a_mesh_build_imports_no_brep_and_starts_no_process(tmp_path: Path) -> None:
+def test_mesh_build_imports_no_brep_kernel_and_starts_no_process(tmp_path: Path) -> None:
     script = f"""
 import subprocess, sys
 subprocess.Popen = None
@@ -50,7 +50,7 @@ print(sorted({{name.split(".")[0] for name in sys.modules}} & set({HEAVY!r})))
     assert done.stdout.splitlines()[-1] == "[]"
 
 
-def test_step_alone_writes_step_alone(tmp_path: Path) -> None:
+def test_step_build_writes_no_mesh_files(tmp_path: Path) -> None:
     build(Design(), tmp_path, parts=["skin"], formats=["step"])
     assert {p.name for p in tmp_path.iterdir()} == {
         "skin.step",
@@ -60,6 +60,6 @@ def test_step_alone_writes_step_alone(tmp_path: Path) -> None:
     }
 
 
-def test_importing_fingertip_is_light() -> None:
+def test_importing_fingertip_imports_no_heavy_package() -> None:
     done = run_python("-c", "import fingertip, sys; print(len({'numpy','pydantic','typer'} & set(sys.modules)))")
     assert done.stdout.strip() == "0", done.stderr

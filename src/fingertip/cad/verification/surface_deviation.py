@@ -1,8 +1,8 @@
-"""How far a mesh strays from the exact surface of a superconic body.
+"""Distance of points and facets from the exact surface of a superconic body.
 
-The surface is four kinds of patches (tapered side and tip, palmar and dorsal) and the flat end. A point is folded to
-x >= 0 by symmetry; on each patch the nearest point is found by damped Gauss-Newton steps on the patch's two
-parameters, clamped to it. The least distance of all patches counts.
+The surface consists of patches (tapered side and tip, each palmar and dorsal) and the flat end. Points are reflected to
+x >= 0 by symmetry. On each patch the nearest point is found by damped Gauss-Newton steps in the two parameters of the
+patch, which are clamped to it. The distance from the surface is the smallest distance from any patch.
 """
 
 from __future__ import annotations
@@ -14,57 +14,64 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.arrays import Array
-from fingertip.conic import ConicBody
+from fingertip.design.geometry.conic import ConicBody
 
 STEPS = 12
-_REACH_MM = 1.5  # more than any facet strays, whose tolerance is 1 mm at most
-_ON_SURFACE_MM = 1e-4  # vertices nearer than this lie on the surface: the files' grid is ten times finer
+"""Gauss-Newton steps that reduce the error of a distance to rounding."""
+_NEARBY_STEPS = 3
+"""Gauss-Newton steps that suffice for points very near the surface."""
+_REACH_MM = 1.5  # exceeds the deviation of every facet, since the tolerance is at most 1 mm
+_ON_SURFACE_MM = 1e-4  # vertices nearer than this lie on the surface; the vertex grid is ten times finer
 
 
-def of_facets(body: ConicBody, vertices: Array, triangles: NDArray[np.int64]) -> float:
-    """Largest distance [mm] between the body's surface and the middles of those facets whose corners lie on it.
+def max_facet_deviation(body: ConicBody, vertices: Array, triangles: NDArray[np.int64]) -> float:
+    """Measure the largest distance [mm] of facet centres from the surface.
 
-    The middle of a facet is where a surface of one curvature is farthest; a few steps are enough that near.
+    Only facets whose corners lie on the surface are measured. A surface of constant curvature is farthest from a facet
+    at its centre. Few Gauss-Newton steps are needed so near the surface.
     """
     corners = vertices[triangles]
-    on = (_near(body, vertices) < _ON_SURFACE_MM)[triangles].all(axis=1)
-    level = np.ptp(corners[:, :, 2], axis=1) == 0.0  # the flat end is no facet of the form
-    middles = corners[on & ~level].mean(axis=1)
-    return float(_near(body, middles).max()) if len(middles) else 0.0
+    on_surface = (_nearby_distance(body, vertices) < _ON_SURFACE_MM)[triangles].all(axis=1)
+    level = np.ptp(corners[:, :, 2], axis=1) == 0.0  # facets of the flat end are exact
+    centres = corners[on_surface & ~level].mean(axis=1)
+    return float(_nearby_distance(body, centres).max()) if len(centres) else 0.0
 
 
-def _near(body: ConicBody, points: Array) -> Array:
-    """Distance [mm] of points that lie near the surface: each is held against the patches it lies over only.
+def _nearby_distance(body: ConicBody, points: Array) -> Array:
+    """Measure the distance [mm] of points that lie near the surface, each from the patches it lies over.
 
-    For others it is an upper bound, or infinite; the flat end is left out.
+    For points farther away the result is an upper bound, or infinite. The flat end is left out.
     """
     folded = points.copy()
     folded[:, 0] = np.abs(folded[:, 0])
     best = np.full(len(points), np.inf)
-    for patch in patches(body):
+    for patch in surface_patches(body):
         over = patch.over(folded, _REACH_MM)
-        best[over] = np.minimum(best[over], patch.distance(folded[over], steps=3))
+        best[over] = np.minimum(best[over], patch.distance(folded[over], steps=_NEARBY_STEPS))
     return best
 
 
-def distance(body: ConicBody, points: Array, steps: int = STEPS) -> Array:
-    """Distance [mm] of each point (n, 3) from the body's surface, to rounding after `STEPS` steps."""
+def distance_to_surface(body: ConicBody, points: Array, steps: int = STEPS) -> Array:
+    """Measure the distance [mm] of each point (n, 3) from the surface."""
     folded = points.copy()
     folded[:, 0] = np.abs(folded[:, 0])
-    best = _to_end(body, folded)
-    for patch in patches(body):
+    best = _distance_to_end(body, folded)
+    for patch in surface_patches(body):
         best = np.minimum(best, patch.distance(folded, steps))
     return best
 
 
 class Patch:
-    """Section arc (parameter t) times profile (parameter v), one quadrant of a station's span or of the tip."""
+    """Patch of the surface, one quadrant of a taper or of the tip.
+
+    It is the tensor product of a section arc (parameter t) and a profile (parameter v).
+    """
 
     def __init__(self, a: float, b: float, weight: float, profile: tuple[tuple[float, float, float], ...]) -> None:
         self.a, self.b, self.weight, self.profile = a, b, weight, profile
 
     def at(self, t: Array, v: Array) -> tuple[Array, Array, Array]:
-        """Points of the patch and their derivatives by t and v, each (n, 3)."""
+        """Evaluate points of the patch and their derivatives by t and v, each of shape (n, 3)."""
         x, dx = _rational(t, ((1.0, 1.0), (1.0, self.weight), (0.0, 1.0)))
         y, dy = _rational(t, ((0.0, 1.0), (1.0, self.weight), (1.0, 1.0)))
         z, dz = _rational(v, tuple((z, w) for z, _, w in self.profile))
@@ -78,14 +85,14 @@ class Patch:
         )
 
     def over(self, points: Array, reach_mm: float) -> NDArray[np.bool_]:
-        """Points that lie within the patch's half and heights, or by at most `reach_mm` beside them."""
+        """Select the points that lie within the patch's half and heights, extended by `reach_mm`."""
         low, high = self.profile[0][0], self.profile[-1][0]
         y, z = points[:, 1] * np.sign(self.b), points[:, 2]
         within: NDArray[np.bool_] = (y >= -reach_mm) & (z >= low - reach_mm) & (z <= high + reach_mm)
         return within
 
     def distance(self, points: Array, steps: int) -> Array:
-        """Distance [mm] of points from the patch."""
+        """Measure the distance [mm] of points from the patch."""
         if not len(points):
             return np.zeros(0)
         t, v = self._start(points)
@@ -95,7 +102,7 @@ class Patch:
             r = points - here
             tt, tv, vv = (np.einsum("ij,ij->i", p, q) for p, q in ((by_t, by_t), (by_t, by_v), (by_v, by_v)))
             rt, rv = np.einsum("ij,ij->i", by_t, r), np.einsum("ij,ij->i", by_v, r)
-            # At the apex the section has no width: the small ridge keeps the step finite there.
+            # The section has zero width at the apex. A small ridge term keeps the step finite there.
             tt, vv = tt + 1e-9 * tt.max(), vv + 1e-9 * vv.max()
             det = tt * vv - tv * tv
             t = np.clip(t + (vv * rt - tv * rv) / det, 0.0, 1.0)
@@ -105,7 +112,7 @@ class Patch:
         return best
 
     def _start(self, points: Array) -> tuple[Array, Array]:
-        """Parameters of the surface point at the same height and about the same direction."""
+        """Estimate the parameters of the nearest point: same height, and about the same direction from the axis."""
         lengthwise = np.linspace(0.0, 1.0, 4001)
         z, _ = _rational(lengthwise, tuple((z, w) for z, _, w in self.profile))
         s, _ = _rational(lengthwise, tuple((s, w) for _, s, w in self.profile))
@@ -119,7 +126,7 @@ class Patch:
 
 
 def _rational(t: Array, poles: tuple[tuple[float, float], ...]) -> tuple[Array, Array]:
-    """Value and derivative of the rational Bezier curve with these (value, weight) poles, of degree 1 or 2."""
+    """Evaluate a rational Bezier curve of degree 1 or 2 and its derivative; `poles` are (value, weight) pairs."""
     u = 1.0 - t
     basis = (u, t) if len(poles) == 2 else (u * u, 2.0 * u * t, t * t)
     slope = (-np.ones_like(t), np.ones_like(t)) if len(poles) == 2 else (-2.0 * u, 2.0 * (u - t), 2.0 * t)
@@ -129,8 +136,8 @@ def _rational(t: Array, poles: tuple[tuple[float, float], ...]) -> tuple[Array, 
     return n / d, (dn - n / d * dd) / d
 
 
-def patches(body: ConicBody) -> Iterator[Patch]:
-    """The patches of one side, dorsal and palmar, of a body with a tip."""
+def surface_patches(body: ConicBody) -> Iterator[Patch]:
+    """List the patches of the side x >= 0 of a body with a tip, dorsal and palmar."""
     assert body.tip is not None
     spans = [((z0, s0, 1.0), (z1, s1, 1.0)) for (z0, s0), (z1, s1) in pairwise(body.stations)]
     z, s = body.stations[-1]
@@ -141,8 +148,8 @@ def patches(body: ConicBody) -> Iterator[Patch]:
             yield Patch(section.half_width, height, weight, profile)
 
 
-def _to_end(body: ConicBody, points: Array) -> Array:
-    """Distance from the plane of the flat end; only points over it count, its rim belongs to the side too."""
+def _distance_to_end(body: ConicBody, points: Array) -> Array:
+    """Measure the distance from the flat end for points over it, else infinity; the rim belongs to the side patches."""
     z, scale = body.stations[0]
     over = np.array([body.section.half_width_at(y, scale) for y in points[:, 1]]) >= points[:, 0] - 1e-12
     return np.where(over, np.abs(points[:, 2] - z), np.inf)

@@ -1,4 +1,4 @@
-"""Every choice a design offers, built in both kernels and checked."""
+"""Every option of a design is built with both kernels and checked."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
+from fingertip.build_files import build
 from fingertip.design import Design
-from fingertip.kit import build
 
 VARIANTS = {
     "sleeve": ["mold.method=sleeve", "mold.silicone_shrinkage_percent=1.2"],
     "socket": ["bone.interface=socket", "bone.base_length_mm=31"],
     "short tail": ["sensor.model=fsr400_short", "bone.base_length_mm=15"],
     "plain": ["bone.groove_depth_mm=0", "mold.engraving_depth_mm=0", "mold.silicone_shrinkage_percent=0"],
-    "own sensor": ["sensor.model=custom", "custom_sensor.head_diameter_mm=6", "custom_sensor.length_mm=30"],
+    "custom sensor": ["sensor.model=custom", "custom_sensor.head_diameter_mm=6", "custom_sensor.length_mm=30"],
     "no draft": ["mold.draft_deg=0"],
     "compensated": ["printer.scale_percent=100.4"],
     "long name": ["name=A_very-long_name_with-forty_characters_1"],
@@ -22,7 +22,7 @@ VARIANTS = {
 
 
 @pytest.mark.parametrize("changes", VARIANTS.values(), ids=VARIANTS)
-def test_a_variant_builds_and_passes(changes: list[str], tmp_path: Path) -> None:
+def test_variant_builds_and_passes_all_checks(changes: list[str], tmp_path: Path) -> None:
     result = build(Design.load(changes=changes), tmp_path, formats=["stl", "step"], tolerance_mm=0.02)
     assert [check for check in result.checks if not check.passed] == []
     assert any(check.name.endswith("step.genus") for check in result.checks)
@@ -37,24 +37,24 @@ def test_only_a_sleeve_has_a_core(tmp_path: Path) -> None:
     assert (tmp_path / "core.stl").exists()
 
 
-def test_compensation_scales_what_is_printed_and_nothing_else(tmp_path: Path) -> None:
+def test_printer_compensation_scales_printed_parts_only(tmp_path: Path) -> None:
     nominal = build(Design(), tmp_path / "a", formats=["stl"])
     scaled = build(Design.load(changes=["printer.scale_percent=101"]), tmp_path / "b", formats=["stl"])
     for before, after in zip(nominal.parts, scaled.parts, strict=True):
-        growth = 1.01**3 if before.part.printed else 1.0
+        growth = 1.01**3 if before.part.is_printed else 1.0
         assert after.mesh.volume() == pytest.approx(growth * before.mesh.volume(), rel=1e-3)
 
 
-def test_shrinkage_grows_the_cavity_not_the_skin(tmp_path: Path) -> None:
-    """1 % linear shrinkage: the cavity holds 1 / 0.99^3 of the outer form, the skin keeps its size."""
-    from fingertip.cad.kernel.mesh import Evaluator
+def test_shrinkage_enlarges_the_cavity_but_not_the_skin(tmp_path: Path) -> None:
+    """At 1 % linear shrinkage the cavity has 1 / 0.99^3 times the volume of the design; the skin keeps its size."""
+    from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.skin import cavity
-    from fingertip.cad.solids import Form
+    from fingertip.cad.solids import SuperconicSolid
 
     plain = Design.load(changes=["mold.silicone_shrinkage_percent=0"])
     shrinking = Design.load(changes=["mold.silicone_shrinkage_percent=1"])
-    evaluator = Evaluator(0.02)
-    outer = evaluator.manifold(Form(plain.dimensions.outer)).volume()
+    evaluator = MeshEvaluator(0.02)
+    outer = evaluator.manifold(SuperconicSolid(plain.dimensions.outer)).volume()
     assert evaluator.manifold(cavity(shrinking)).volume() == pytest.approx(outer / 0.99**3, rel=1e-9)
     a = build(plain, tmp_path / "a", parts=["skin"], formats=["stl"]).parts[0]
     b = build(shrinking, tmp_path / "b", parts=["skin"], formats=["stl"]).parts[0]

@@ -1,0 +1,67 @@
+"""Parts as objects of other libraries: cadquery solids, trimesh meshes, and plain arrays.
+
+Use them in CQ-editor and Jupyter, or for analysis.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.cad.solids import Solid
+from fingertip.design import Design
+from fingertip.design.issues import suggest_name
+from fingertip.errors import DesignError, Issue
+
+if TYPE_CHECKING:
+    import cadquery
+    import trimesh
+
+
+def part_solid(design: Design, name: str) -> cadquery.Solid:
+    """Build a part as an exact `cadquery.Solid` [mm].
+
+    Raises
+    ------
+    DesignError
+        If the design has no part of this name.
+    MissingLibraryError
+        If cadquery, or a system library it needs, is missing.
+    """
+    solid = _find_solid(design, name)
+    from fingertip.cad.kernel import brep
+
+    return brep.BrepEvaluator().solid(solid)
+
+
+def part_mesh(design: Design, name: str, tolerance_mm: float = 0.01) -> Mesh:
+    """Build a part as a mesh: vertices (n, 3) [mm] and triangles (m, 3).
+
+    Raises
+    ------
+    DesignError
+        If the design has no part of this name.
+    """
+    return MeshEvaluator(tolerance_mm).mesh(_find_solid(design, name))
+
+
+def part_trimesh(design: Design, name: str, tolerance_mm: float = 0.01) -> trimesh.Trimesh:
+    """Build a part as a `trimesh.Trimesh` [mm].
+
+    Raises
+    ------
+    DesignError
+        If the design has no part of this name.
+    """
+    mesh = part_mesh(design, name, tolerance_mm)
+    import trimesh
+
+    return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+
+
+def _find_solid(design: Design, name: str) -> Solid:
+    parts = parts_by_name(design)
+    if name not in parts:
+        raise DesignError(Issue("part", f"there is no {name!r}; {suggest_name(name, tuple(parts))}"))
+    return parts[name].solid(design)

@@ -1,0 +1,125 @@
+"""Separate process that makes STEP files: its job, its result, and a handle that starts it and waits for it.
+
+The process runs `cad.files.step_worker`. It works while this process makes the meshes, and within a time limit.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+
+from fingertip import errors
+from fingertip.cad.solids import Solid
+from fingertip.errors import GeometryError, Issue
+
+TIME_LIMIT_S = 180.0
+"""Time after which the process is stopped [s]."""
+STATUS_FILE = "status.txt"
+"""File in which the process states its current step, for the message if it is stopped."""
+
+
+@dataclass(frozen=True)
+class StepJob:
+    """Parts to write as STEP files, and further solids to measure."""
+
+    title: str
+    """Name of the assembly."""
+    parts: tuple[tuple[str, Solid, tuple[float, float, float]], ...]
+    """Name, solid and colour of each part."""
+    measured_solids: tuple[tuple[str, Solid], ...] = ()
+    """Name and solid of what is not written, and of which only the volume is computed."""
+
+
+@dataclass(frozen=True)
+class BrepMeasurements:
+    """Measurements of a part's B-rep solid, which is known to be a single valid solid."""
+
+    volume_mm3: float
+    genus: int
+
+
+@dataclass(frozen=True)
+class StepFiles:
+    """Result of a STEP job."""
+
+    contents: dict[str, bytes]
+    """File name -> bytes."""
+    measurements: dict[str, BrepMeasurements]
+    """Part name -> measurements."""
+    volumes_mm3: dict[str, float]
+    """Name of a measured solid -> volume [mm3]."""
+
+
+class StepProcess:
+    """Running STEP job; a context manager, so that the process ends with the block."""
+
+    def __init__(self, job: StepJob) -> None:
+        self._job = job
+
+    def __enter__(self) -> StepProcess:
+        self._folder = tempfile.TemporaryDirectory(prefix="fingertip-step-")
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "fingertip.cad.files.step_worker", self._folder.name],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,  # Open CASCADE prints there
+            stderr=subprocess.PIPE,
+            start_new_session=True,  # the process group lets `_kill` end its child process too
+        )
+        assert self._process.stdin is not None
+        self._process.stdin.write(pickle.dumps(self._job))
+        self._process.stdin.flush()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._kill()
+        self._process.communicate()
+        self._folder.cleanup()
+
+    def _kill(self) -> None:
+        """Kill the process and its child process, if they still run."""
+        if sys.platform == "win32":
+            self._process.kill()
+            return
+        with contextlib.suppress(ProcessLookupError, PermissionError):  # both have ended
+            os.killpg(self._process.pid, signal.SIGKILL)
+
+    def result(self, time_limit_s: float = TIME_LIMIT_S) -> StepFiles:
+        """Wait for the files.
+
+        Raises
+        ------
+        GeometryError
+            If the kernel fails, crashes, or takes longer than `time_limit_s` [s].
+        MissingLibraryError
+            If cadquery cannot be loaded. The message names the packages to install.
+        """
+        try:
+            _, stderr = self._process.communicate(timeout=time_limit_s)
+        except subprocess.TimeoutExpired:
+            status_file = Path(self._folder.name) / STATUS_FILE
+            status = status_file.read_text(encoding="utf-8") if status_file.exists() else "starting"
+            message = f"the B-rep kernel was still {status} after {time_limit_s:g} s; use --formats stl,3mf."
+            raise GeometryError(Issue("STEP", message)) from None
+        folder = Path(self._folder.name)
+        answer_file = folder / "answer.json"
+        if not answer_file.exists():
+            last = stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
+            message = f"the B-rep kernel crashed ({last[0]}); use --formats stl,3mf."
+            raise GeometryError(Issue("STEP", message))
+        answer = json.loads(answer_file.read_text(encoding="utf-8"))
+        if "error" in answer:
+            raise getattr(errors, answer["error"])([Issue(*issue) for issue in answer["issues"]])
+        contents = {path.name: path.read_bytes() for path in sorted(folder.glob("*.step"))}
+        measurements = {name: BrepMeasurements(**measured) for name, measured in answer["measurements"].items()}
+        return StepFiles(contents, measurements, answer["volumes_mm3"])

@@ -1,0 +1,157 @@
+"""Text engraved into the mold halves: stroke font, and size and position of each line.
+
+The font is made of straight strokes on a 4 x 6 grid. Both kernels therefore cut the same letters, and no system font is
+needed. Lower-case letters are engraved as capitals. A line for which there is no room at a legible size is omitted.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from fingertip.design import Design
+
+Point = tuple[float, float]
+Rings = tuple[tuple[Point, ...], ...]
+
+ADVANCE = 6.0
+"""Distance from one letter to the next [grid units]."""
+HEIGHT = 6.0
+"""Height of a letter, measured between the centre lines of its strokes [grid units]."""
+STROKE_WIDTH = 0.8
+"""Width of a stroke [grid units]."""
+MIN_STROKE_MM = 0.4
+"""Minimum stroke width [mm]. Narrower strokes close up in printing. The minimum letter height follows from it. An
+assumption."""
+_BASELINE = 2.0  # distance of each baseline from the centre line between the two lines of text [grid units]
+_NUT_DISTANCE_MM = 0.5  # minimum distance between letters and nut traps
+_MAX_LENGTH_RATIO = 0.8  # length of the longest line divided by the length of the block
+
+# A letter is a set of polylines, and a polyline a list of points "xy": x 0 to 4, y 0 (baseline) to 6 (cap height).
+# The letters have few strokes, because each one costs the B-rep kernel a boolean.
+_GLYPHS = {
+    "0": "00 40 46 06 00", "1": "05 26 20", "2": "06 46 43 03 00 40", "3": "06 46 40 00|13 43", "4": "30 36 02 42",
+    "5": "46 06 03 33 42 41 30 00", "6": "46 06 00 40 43 03", "7": "06 46 10", "8": "00 40 46 06 00|03 43",
+    "9": "43 03 06 46 40 00", "A": "00 26 40|12 32", "B": "00 06 36 33 03|33 43 40 00", "C": "46 06 00 40",
+    "D": "00 06 26 44 42 20 00", "E": "46 06 00 40|03 33", "F": "46 06 00|03 33", "G": "46 06 00 40 43 23",
+    "H": "00 06|40 46|03 43", "I": "20 26", "J": "46 40 00 02", "K": "00 06|46 03 40", "L": "06 00 40",
+    "M": "00 06 23 46 40", "N": "00 06 40 46", "O": "10 30 41 45 36 16 05 01 10", "P": "00 06 46 43 03",
+    "Q": "00 40 46 06 00|22 40", "R": "00 06 46 43 03|23 40", "S": "46 06 03 43 40 00", "T": "06 46|26 20",
+    "U": "06 00 40 46", "V": "06 20 46", "W": "06 10 23 30 46", "X": "00 46|06 40", "Y": "06 23 46|23 20",
+    "Z": "06 46 00 40", "-": "13 33", "_": "00 40",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class TextLine:
+    """Line of text to engrave."""
+
+    text: str
+    unit_mm: float
+    """Size of a grid unit [mm]."""
+    baseline_mm: float
+    """Signed distance of the baseline from the centre of the face [mm]."""
+
+
+def engraved_lines(design: Design, half: str) -> Iterator[TextLine]:
+    """Lay out the lines of a mold half that are large enough to be legible.
+
+    Parameters
+    ----------
+    design
+        The fingertip, whose name is the first line.
+    half
+        "palmar" or "dorsal", the second line.
+    """
+    for text, baseline in ((design.name, _BASELINE), (half, -_BASELINE - HEIGHT)):
+        unit = _grid_unit_mm(design, text)
+        if design.mold.engraving_depth_mm and STROKE_WIDTH * unit >= MIN_STROKE_MM - 1e-9:
+            yield TextLine(text, unit, unit * baseline)
+
+
+def omitted_lines(design: Design) -> list[str]:
+    """List the lines of text for which there is no room; none if the design asks for no engraving."""
+    if not design.mold.engraving_depth_mm:
+        return []
+    engraved = {line.text for half in ("palmar", "dorsal") for line in engraved_lines(design, half)}
+    return [text for text in (design.name, "palmar", "dorsal") if text not in engraved]
+
+
+def text_width(text: str) -> float:
+    """Compute the width of a line of text, from the first stroke to the last [grid units]."""
+    return ADVANCE * len(text) - (ADVANCE - 4.0)
+
+
+def letter_outlines(text: str, stroke_width: float) -> list[Rings]:
+    """Outline the letters of a line of text in grid units, with x to the right and y up.
+
+    Returns
+    -------
+    letters
+        Rings of each letter: its outline, counter-clockwise, then its counters (the holes of an O or B), clockwise.
+    """
+    from manifold3d import CrossSection, FillRule
+
+    outlines = []
+    for position, letter in enumerate(text.upper()):
+        united = CrossSection(stroke_rectangles(letter, stroke_width), FillRule.NonZero)
+        for piece in united.decompose():
+            rings = [
+                [(round(x, 9) + ADVANCE * position, round(y, 9)) for x, y in np.asarray(ring).tolist()]
+                for ring in piece.to_polygons()
+            ]
+            outlines.append(tuple(_rotate_to_minimum(ring) for ring in sorted(rings, key=_area, reverse=True)))
+    return outlines
+
+
+def stroke_rectangles(letter: str, stroke_width: float) -> list[tuple[Point, ...]]:
+    """Return the strokes of a letter as rectangles in grid units, counter-clockwise.
+
+    Each rectangle extends past both ends of its stroke by half the stroke width, so that strokes overlap at a corner.
+    """
+    rectangles = []
+    for polyline in _GLYPHS[letter.upper()].split("|"):
+        points = [(float(xy[0]), float(xy[1])) for xy in polyline.split()]
+        rectangles += [_rectangle(a, b, stroke_width / 2) for a, b in pairwise(points)]
+    return rectangles
+
+
+def _grid_unit_mm(design: Design, text: str) -> float:
+    """Compute the size of a grid unit [mm].
+
+    Letters have the requested height, unless the length of the block or the space between the nut traps limits it.
+    """
+    layout = design.mold_layout
+    across = layout.bolts[-1][0] - layout.nut_circumradius - _NUT_DISTANCE_MM
+    return min(
+        design.mold.engraving_height_mm / HEIGHT,
+        _MAX_LENGTH_RATIO * (layout.distal_z - layout.proximal_z) / text_width(text),
+        across / (_BASELINE + HEIGHT + STROKE_WIDTH / 2),
+    )
+
+
+def _rotate_to_minimum(ring: list[Point]) -> tuple[Point, ...]:
+    """Start a ring at its smallest corner; which corner manifold3d starts at is not specified."""
+    first = ring.index(min(ring))
+    return (*ring[first:], *ring[:first])
+
+
+def _area(ring: list[Point]) -> float:
+    """Compute the signed area of a ring by the shoelace formula; positive if it runs counter-clockwise."""
+    return sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise([*ring, ring[0]])) / 2
+
+
+def _rectangle(a: Point, b: Point, half: float) -> tuple[Point, ...]:
+    """Return the rectangle around the stroke from `a` to `b`, extended on all sides by `half`."""
+    length = math.hypot(b[0] - a[0], b[1] - a[1])
+    ux, uy = half * (b[0] - a[0]) / length, half * (b[1] - a[1]) / length
+    return (
+        (a[0] - ux + uy, a[1] - uy - ux),
+        (b[0] + ux + uy, b[1] + uy - ux),
+        (b[0] + ux - uy, b[1] + uy + ux),
+        (a[0] - ux - uy, a[1] - uy + ux),
+    )

@@ -1,0 +1,189 @@
+"""Checks of the assembly: overlaps, demolding, and volume balances between the parts.
+
+A volume balance states that volumes which must add up do so, such as core + skin = cavity. The balances are checked on
+the meshes, and again on the volumes of the B-rep solids, which involve no mesh.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from itertools import combinations, pairwise
+from typing import TYPE_CHECKING
+
+from fingertip.cad.files.step_process import BrepMeasurements
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes import mold
+from fingertip.cad.shapes.core import mold_insert
+from fingertip.cad.shapes.skin import cavity
+from fingertip.cad.solids import Box, Cone, Prism, Solid, intersection, scaled, union
+from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, check_zero_volume
+from fingertip.design import Design
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+HALVES = ("mold_palmar", "mold_dorsal")
+_PULL_DISTANCES_MM = (0.02, 0.2, 1.0, 4.0, 12.0)
+_BREP_VOLUME_ERROR = 2e-6
+"""Relative error allowed in volumes of the B-rep kernel, whose quadrature has a tolerance of 1e-6."""
+
+
+def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str, Solid]) -> Iterator[Check]:
+    """Check identities between the given parts on meshes.
+
+    Parameters
+    ----------
+    design
+        The fingertip.
+    evaluator
+        The mesh kernel.
+    parts
+        Solids by name. Identities that involve a missing part are skipped.
+    """
+    if "skin" in parts:
+        yield check_zero_volume("volume_balance.cavity", _cavity_imbalance(design, evaluator, parts["skin"]))
+    inside = {name: solid for name, solid in parts.items() if name not in HALVES}
+    if design.mold.method == "sleeve":
+        # The bone does not lie in the mold, and a sleeve is smaller than it by the interference.
+        inside.pop("bone", None)
+        if "skin" in inside:
+            inside["skin"] = scaled(inside["skin"], design.dimensions.shrinkage)  # size before it shrinks
+    halves = {name: solid for name, solid in parts.items() if name in HALVES}
+    yield from _check_overlaps(evaluator, inside, halves)
+    if inside:
+        cast = evaluator.manifold(union(*inside.values()))
+        for name, half in halves.items():
+            pulled = _demolding_overlap(evaluator.manifold(half), cast, -1.0 if name == HALVES[0] else 1.0)
+            yield check_zero_volume(f"demolding_overlap.{name}", pulled)
+    if len(halves) == 2:
+        yield check_zero_volume("volume_balance.mold", _mold_imbalance(design, evaluator, halves.values()))
+
+
+def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[str, Solid], ...]:
+    """List the solids, besides the parts, whose volumes `check_brep_assembly` needs, by name."""
+    solids: list[tuple[str, Solid]] = []
+    if "skin" in parts:
+        solids += [("cavity", cavity(design)), ("core_in_cavity", intersection(cavity(design), mold_insert(design)))]
+    if set(HALVES) <= set(parts):
+        solids.append(("hollow", intersection(mold.hollow(design), mold.block(design))))
+    return tuple(solids)
+
+
+def check_brep_assembly(
+    design: Design, parts: Mapping[str, BrepMeasurements], volumes_mm3: Mapping[str, float]
+) -> Iterator[Check]:
+    """Check the volume balances on B-rep solids.
+
+    Parameters
+    ----------
+    design
+        The fingertip.
+    parts
+        Measurements of the parts, by name.
+    volumes_mm3
+        Volumes of the solids of `brep_balance_solids` [mm3].
+    """
+    if "cavity" in volumes_mm3:
+        growth = design.dimensions.shrinkage**3
+        skin, whole = parts["skin"].volume_mm3, volumes_mm3["cavity"]
+        expected = growth * skin
+        if design.mold.method == "overmold":
+            # The bone does not shrink, so silicone also fills what the cavity is larger than the skin around it.
+            expected += (growth - 1.0) * (whole / growth - skin)
+        imbalance = abs(whole - volumes_mm3["core_in_cavity"] - expected)
+        yield Check("step.volume_balance.cavity", imbalance, _BREP_VOLUME_ERROR * whole, "mm3")
+    if "hollow" in volumes_mm3:
+        outline = mold.block(design)
+        assert isinstance(outline, Box)
+        block = math.prod(high - low for low, high in zip(outline.low, outline.high, strict=True))
+        filled = volumes_mm3["hollow"] + _cutout_volume_mm3(design) + sum(parts[half].volume_mm3 for half in HALVES)
+        filled += sum(map(_volume_below_parting_plane_mm3, mold.keys(design, design.mold.key_clearance_mm)))
+        filled -= sum(map(_volume_below_parting_plane_mm3, mold.keys(design)))
+        yield Check("step.volume_balance.mold", abs(block - filled), _BREP_VOLUME_ERROR * block, "mm3")
+
+
+def _check_overlaps(
+    evaluator: MeshEvaluator, inside: Mapping[str, Solid], halves: Mapping[str, Solid]
+) -> Iterator[Check]:
+    """Check that no two parts overlap.
+
+    Parts inside the mold share surfaces. The intersection of such solids takes four times as long as their union, so
+    their overlap is computed as |A & B| = |A| + |B| - |A + B|. Against a half they are tested all at once, and one by
+    one only if the union overlaps it.
+    """
+
+    def volume(solid: Solid) -> float:
+        return float(evaluator.manifold(solid).volume())
+
+    for (first, one), (second, other) in combinations(inside.items(), 2):
+        yield check_zero_volume(f"overlap.{first}.{second}", volume(one) + volume(other) - volume(union(one, other)))
+    for half, solid in halves.items():
+        together = volume(intersection(union(*inside.values()), solid)) if inside else 0.0
+        for name, one in inside.items():
+            alone = together if together <= VOLUME_TOLERANCE_MM3 else volume(intersection(one, solid))
+            yield check_zero_volume(f"overlap.{name}.{half}", alone)
+    if len(halves) == 2:
+        yield check_zero_volume(f"overlap.{'.'.join(halves)}", volume(intersection(*halves.values())))
+
+
+def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> float:
+    """Compute |cavity - core - silicone that shrinks to the skin| [mm3].
+
+    A sleeve and its core are enlarged by the same factor. Overmolded silicone is not: the bone keeps its size, so
+    silicone also fills the space by which the cavity is enlarged around it.
+    """
+    hollow, around = evaluator.manifold(cavity(design)), evaluator.manifold(mold_insert(design))
+    cast = hollow.volume() - (hollow ^ around).volume()
+    growth = design.dimensions.shrinkage**3
+    expected = growth * evaluator.manifold(skin).volume()
+    if design.mold.method == "overmold":
+        expected += (growth - 1.0) * (hollow.scale((1.0 / design.dimensions.shrinkage,) * 3) ^ around).volume()
+    return abs(float(cast - expected))
+
+
+def _demolding_overlap(half: Manifold, cast: Manifold, direction: float) -> float:
+    """Compute the largest overlap [mm3] of a half with the cast parts while it is pulled off along y."""
+    pulled = (half.translate((0.0, direction * distance, 0.0)) for distance in _PULL_DISTANCES_MM)
+    return max(float((position ^ cast).volume()) for position in pulled)
+
+
+def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[Solid]) -> float:
+    """Compute |block - halves - hollow - cut-outs| [mm3]; hollow and cut-outs are evaluated apart from the halves."""
+    block = mold.block(design)
+    hollows = (intersection(mold.hollow(design), block), intersection(mold.outer_cutouts(design), block))
+    filled = sum(evaluator.manifold(solid).volume() for solid in (*hollows, *halves))
+    below = evaluator.manifold(block).trim_by_plane((0.0, -1.0, 0.0), 0.0)
+    for socket, key in zip(mold.keys(design, design.mold.key_clearance_mm), mold.keys(design), strict=True):
+        filled += (evaluator.manifold(socket) ^ below).volume() - (evaluator.manifold(key) ^ below).volume()
+    return abs(float(evaluator.manifold(block).volume() - filled))
+
+
+def _cutout_volume_mm3(design: Design) -> float:
+    """Compute the volume [mm3] of bolt holes, nut traps, pry slots and letters in closed form.
+
+    This is exact and saves the B-rep kernel forty booleans.
+    """
+    d, m = design.mold, design.mold_layout
+    bolt = math.pi * (d.bolt_diameter_mm / 2) ** 2
+    fastener = (
+        bolt * (m.palmar_height + m.dorsal_height) + (math.sqrt(0.75) * d.nut_width_mm**2 - bolt) * d.nut_depth_mm
+    )
+    pry_slot = d.pry_width_mm * d.pry_depth_mm * 2.0 * d.pry_height_mm
+    letters = (prism for half in ("palmar", "dorsal") for prism in mold.engraved_text(design, half))
+    return len(m.bolts) * fastener + 2.0 * pry_slot + d.engraving_depth_mm * sum(map(_prism_area_mm2, letters))
+
+
+def _prism_area_mm2(prism: Solid) -> float:
+    """Compute the area [mm2] of a prism's end by the shoelace formula; holes run clockwise and count as negative."""
+    assert isinstance(prism, Prism)
+    edges = (pair for ring in (prism.corners, *prism.holes) for pair in pairwise([*ring, ring[0]]))
+    return sum(a[0] * b[1] - b[0] * a[1] for a, b in edges) / 2.0
+
+
+def _volume_below_parting_plane_mm3(key: Solid) -> float:
+    """Compute the volume [mm3] of the frustum of a key below the parting plane."""
+    assert isinstance(key, Cone)
+    top, height = key.low_radius, -key.low
+    root = top + (key.high_radius - top) * height / (key.high - key.low)
+    return math.pi * height / 3.0 * (top * top + top * root + root * root)

@@ -1,0 +1,96 @@
+"""Checks of the bone: wall thicknesses, seat and clearance of the sensor, and its air vent.
+
+The mesh kernel computes the distance between two meshes exactly. Facets deviate from the exact surface by up to the
+tolerance, so the limits are relaxed by the tolerance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes import bone
+from fingertip.cad.shapes.core import filled_bone
+from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.solids import union
+from fingertip.cad.verification.check import (
+    PLANE_OFFSET_MM,
+    Check,
+    above_z,
+    check_min_distance,
+    check_zero_volume,
+    complement,
+)
+from fingertip.design import Design
+
+_AREA_TOLERANCE_MM2 = 0.01
+"""Largest area that counts as zero [mm2]: a strip along the sensor as narrow as the rounding to the vertex grid."""
+
+
+def check_bone(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check the walls of the bone and the seat of the sensor."""
+    yield from _check_walls(design, evaluator)
+    yield from _check_sensor_seat(design, evaluator)
+
+
+def check_air_vent(design: Design, evaluator: MeshEvaluator) -> Check:
+    """Check that the sensor's air vent, which lies in its tail, is open to the outside.
+
+    The check counts the connected volumes of air in and around bone and skin. A pocket that is cut off from the outside
+    is a second one.
+    """
+    solid = union(PARTS["bone"].solid(design), PARTS["skin"].solid(design))
+    air = complement(evaluator, solid) - evaluator.manifold(bone.sensor_body(design))
+    volumes = [body for body in air.decompose() if body.volume() > 0.0]  # inner walls have a negative volume
+    return Check("sensor.air_volumes", len(volumes), 1, "volumes", "exactly")
+
+
+def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check the walls around channel, sensor, tie hole and interface."""
+    dims, wall = design.dimensions, design.printer.min_wall_mm - evaluator.tolerance_mm
+    diameter, y_flat = design.bone.channel_diameter_mm, -dims.flat_depth
+    whole = evaluator.manifold(filled_bone(design))
+    outside = complement(evaluator, filled_bone(design))
+    channel, recess = (evaluator.manifold(s(design)) for s in (bone.cable_channel, bone.sensor_recess))
+    _, removed = bone.interface(design)
+    holes = [evaluator.manifold(s) for s in (bone.tie_hole(design), *removed)]
+
+    # The part of the channel that has bone on all sides: behind the solder relief, and below its mouth in the back.
+    buried = channel.trim_by_plane((0.0, 0.0, -1.0), -(dims.relief_proximal_z - 1e-3))
+    mouth = dims.envelope.section.dorsal - wall - diameter
+    buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
+    yield check_min_distance("bone.wall.channel_to_outside", buried, outside, wall)
+    for name, hole in zip(("tie_hole", "interface"), holes, strict=False):
+        yield check_min_distance(f"bone.wall.channel_to_{name}", buried, hole, wall)
+
+    # Pocket and slot open in the plane of the flat, so only what lies above that plane is measured.
+    recessed = recess.trim_by_plane((0.0, 1.0, 0.0), y_flat + PLANE_OFFSET_MM) ^ whole
+    beside = outside.trim_by_plane((0.0, 1.0, 0.0), y_flat + PLANE_OFFSET_MM)
+    rim = min(design.bone.rim_mm, wall)
+    yield check_min_distance("bone.wall.sensor_to_outside", recessed, beside, 0.95 * rim)
+    yield check_min_distance("bone.wall.sensor_to_tie_hole", recess, holes[0], wall)
+    if design.bone.interface == "socket":
+        # The socket opens in the proximal face, so its mouth is left out.
+        deep = above_z(holes[1], -design.bone.base_length_mm + 2 * wall)
+        yield check_min_distance("bone.wall.socket_to_outside", deep, outside, wall)
+        yield check_min_distance("bone.wall.socket_to_sensor", deep, recess, wall)
+
+
+def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check the clearance around the sensor, and that its seat is flat from the head to the solder joints.
+
+    A sensor that bends over an unsupported area reads a false force.
+    """
+    dims = design.dimensions
+    solid, body = evaluator.manifold(PARTS["bone"].solid(design)), evaluator.manifold(bone.sensor_body(design))
+    clearance = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm) - evaluator.tolerance_mm
+    if clearance > 0.0:
+        yield check_min_distance("sensor.pocket_clearance", body, solid, clearance)
+    yield check_zero_volume("overlap.bone.sensor", (body ^ solid).volume())
+    floor = -dims.flat_depth + dims.pocket_depth
+    distal = above_z(body, dims.tail_end_z + dims.relief_half_length + PLANE_OFFSET_MM)
+    low, high = distal.bounding_box()[1], distal.bounding_box()[4]
+    # Move the sensor into its seat by its own thickness. Where it then meets no bone, the seat does not support it.
+    sunk = distal.translate((0.0, floor - low, 0.0))
+    unsupported = (sunk.volume() - (sunk ^ solid).volume()) / (high - low)
+    yield Check("sensor.unsupported_area", unsupported, _AREA_TOLERANCE_MM2, "mm2")

@@ -1,0 +1,85 @@
+"""The `Check` record, and checks of the minimum distance between two solids."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.solids import Box, Solid, difference
+from fingertip.files import round_for_output
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+Relation = Literal["at most", "at least", "exactly"]
+
+VOLUME_TOLERANCE_MM3 = 1e-3
+"""Largest volume that counts as zero [mm3]. Rounding 10 000 mm2 of surface to a grid of 8 nm stays below it."""
+PLANE_OFFSET_MM = 0.02
+"""Distance of a cut from a plane on which solids end [mm]. In the plane itself they would touch."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """Verified property of a built part: `value` must be `relation` `limit`."""
+
+    name: str
+    value: float
+    limit: float
+    unit: str
+    relation: Relation = "at most"
+
+    @property
+    def sign(self) -> str:
+        """Relation as a sign, for tables."""
+        return {"at most": "<=", "at least": ">=", "exactly": "="}[self.relation]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the value satisfies the limit."""
+        match self.relation:
+            case "at most":
+                return self.value <= self.limit
+            case "at least":
+                return self.value >= self.limit
+            case "exactly":
+                return self.value == self.limit
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the entry of this check in report.json."""
+        return {
+            "name": self.name,
+            "value": round_for_output(self.value),
+            "limit": round_for_output(self.limit),
+            "unit": self.unit,
+            "passed": self.passed,
+        }
+
+
+def check_zero_volume(name: str, volume_mm3: float) -> Check:
+    """Check that a volume is zero, apart from rounding."""
+    return Check(name, volume_mm3, VOLUME_TOLERANCE_MM3, "mm3")
+
+
+def check_min_distance(name: str, first: Manifold, second: Manifold, min_mm: float) -> Check:
+    """Check that two solids are at least `min_mm` apart.
+
+    The thickness of a wall is the distance between the solids on both of its sides. The search takes longer the farther
+    it reaches, so it ends at twice the limit. Larger distances are reported as twice the limit.
+    """
+    return Check(name, first.min_gap(second, 2.0 * min_mm), min_mm, "mm", "at least")
+
+
+def complement(evaluator: MeshEvaluator, solid: Solid) -> Manifold:
+    """Evaluate the complement of a solid within a box that extends past it on all sides by the solid's width."""
+    inner = evaluator.manifold(solid)
+    low_x, low_y, low_z, high_x, high_y, high_z = inner.bounding_box()
+    margin = high_x - low_x
+    box = Box((low_x - margin, low_y - margin, low_z - margin), (high_x + margin, high_y + margin, high_z + margin))
+    return evaluator.manifold(difference(box, solid))
+
+
+def above_z(solid: Manifold, z: float) -> Manifold:
+    """Cut off everything below the height `z` [mm]."""
+    return solid.trim_by_plane((0.0, 0.0, 1.0), z)

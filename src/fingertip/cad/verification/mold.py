@@ -1,0 +1,175 @@
+"""Checks of the mold: gate and vents, walls, fit and draft of the recess, bolts and keys, and unique assembly."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes import bone, mold
+from fingertip.cad.shapes.core import filled_bone, mold_insert
+from fingertip.cad.shapes.skin import cavity
+from fingertip.cad.solids import intersection, union
+from fingertip.cad.verification.check import (
+    PLANE_OFFSET_MM,
+    Check,
+    check_min_distance,
+    check_zero_volume,
+    complement,
+)
+from fingertip.design import Design
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+_AREA_TOLERANCE_MM2 = 1e-4
+"""Largest undercut area that counts as zero [mm2]."""
+_FACE_DEPTH_MM = 0.01
+"""Depth below the distal face at which the openings of gate and vents are counted [mm]."""
+_FIT_RATIO = 0.75
+"""Smallest clearance in the recess relative to the nominal fit clearance. The nominal clearance is added to the half
+width and the half heights of a section. Between them up to a fifth of it is lost, where arcs of small weight are
+flat."""
+_PULL_RATIO = 0.8
+"""Distance by which a half is pulled to measure its draft, relative to the height of the keys, which must still be in
+their sockets."""
+_KEY_COUNT = 2
+_MIN_BLOCKING_VOLUME_MM3 = 1.0
+"""Smallest overlap that keeps the halves from being assembled the wrong way round [mm3]. A smaller volume would yield
+when they are pressed together."""
+
+
+def check_mold(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check both halves of the mold."""
+    yield from _check_gate_and_vents(design, evaluator)
+    yield from _check_recess_clearance(design, evaluator)
+    yield from _check_draft(design, evaluator)
+    if design.mold.method == "overmold":
+        yield _check_cable_channel(design, evaluator)
+    yield _check_air_trap(design, evaluator)
+    yield from _check_cavity_walls(design, evaluator)
+    yield from _check_fasteners(design, evaluator)
+
+
+def _check_gate_and_vents(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check that the hollow is one connected volume, opens to the outside at gate and vents, and has no undercut."""
+    m = design.mold_layout
+    hollow = evaluator.manifold(intersection(mold.hollow(design), mold.block(design)))
+    yield Check("mold.hollow_bodies", len(hollow.decompose()), 1, "bodies", "exactly")
+    openings = hollow.trim_by_plane((0.0, 0.0, 1.0), m.distal_z - _FACE_DEPTH_MM).decompose()
+    yield Check("mold.gate_and_vent_openings", len(openings), 1 + len(m.vents_x), "openings", "exactly")
+    for half, direction in (("mold_palmar", -1.0), ("mold_dorsal", 1.0)):
+        yield Check(f"{half}.undercut", _undercut_area_mm2(hollow, direction), _AREA_TOLERANCE_MM2, "mm2")
+
+
+def _undercut_area_mm2(hollow: Manifold, direction: float) -> float:
+    """Compute the area [mm2] of undercuts in the half that is pulled off in `direction` along y.
+
+    An undercut is a surface that faces back towards the parting plane. It would hold the casting in the half.
+    """
+    raw: Any = hollow.trim_by_plane((0.0, direction, 0.0), 0.0).to_mesh64()
+    corners = np.asarray(raw.vert_properties)[:, :3][np.asarray(raw.tri_verts, dtype=np.int64)]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
+    area = np.linalg.norm(normal, axis=1)
+    # Triangles in the parting plane itself come from the cut and are left out.
+    faces_back = (normal[:, 1] * direction < -1e-4 * area) & (np.abs(corners[:, :, 1]).max(axis=1) > 1e-6)
+    return float(area[faces_back].sum())
+
+
+def _check_recess_clearance(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check the clearance between each half and the base of bone or core in the recess."""
+    minimum = _FIT_RATIO * design.mold.fit_clearance_mm - evaluator.tolerance_mm
+    if minimum <= 0.0:
+        return  # the mesh is too coarse to measure the clearance; the overlap checks still apply
+    base = _insert_base(design, evaluator)
+    for name, half in (("mold_palmar", mold.mold_palmar), ("mold_dorsal", mold.mold_dorsal)):
+        yield check_min_distance(f"{name}.recess_clearance", base, evaluator.manifold(half(design)), minimum)
+
+
+def _insert_base(design: Design, evaluator: MeshEvaluator) -> Manifold:
+    """Evaluate the part of bone or core that lies in the recess, below the plane where the skin ends."""
+    return evaluator.manifold(mold_insert(design)).trim_by_plane((0.0, 0.0, -1.0), PLANE_OFFSET_MM)
+
+
+def _check_draft(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check that the distance to every rigid surface grows as soon as a half is pulled off.
+
+    A wall with the draft angle d gains sin(d) times the distance pulled; a wall without draft gains nothing and rubs
+    all along. The cavity is exempt: its round outline has no draft at the parting plane, but silicone yields there.
+    """
+    pull = _PULL_RATIO * design.mold.key_height_mm
+    gain = math.sin(math.radians(design.mold.draft_deg)) * pull
+    palmar, dorsal = (evaluator.manifold(half(design)) for half in (mold.mold_palmar, mold.mold_dorsal))
+    base = _insert_base(design, evaluator)
+    keys = dorsal.trim_by_plane((0.0, -1.0, 0.0), PLANE_OFFSET_MM)
+    search = design.mold.fit_clearance_mm + design.mold.key_clearance_mm + 2 * gain
+    for name, half, other, distance in (
+        ("mold_palmar.draft_clearance_gain.bone", palmar, base, -pull),
+        ("mold_dorsal.draft_clearance_gain.bone", dorsal, base, pull),
+        ("mold_palmar.draft_clearance_gain.keys", palmar, keys, -pull),
+    ):
+        gained = half.translate((0.0, distance, 0.0)).min_gap(other, search) - half.min_gap(other, search)
+        yield Check(name, gained, gain - evaluator.tolerance_mm, "mm", "at least")
+
+
+def _check_cable_channel(design: Design, evaluator: MeshEvaluator) -> Check:
+    """Check that the cables, which are in place during overmolding, leave the bone outside the mold."""
+    channel = evaluator.manifold(bone.cable_channel(design))
+    block = evaluator.manifold(mold.block(design))
+    in_mold = (channel ^ block).volume()
+    in_bone = (channel ^ evaluator.manifold(filled_bone(design)) ^ block).volume()
+    return check_zero_volume("mold.cable_channel_overlap", in_mold - in_bone)
+
+
+def _check_air_trap(design: Design, evaluator: MeshEvaluator) -> Check:
+    """Check the height of the cavity above the highest vent, where air would be trapped."""
+    hollow = evaluator.manifold(cavity(design))
+    runners = evaluator.manifold(union(*mold.runners(design)))
+    highest = hollow.bounding_box()[5]
+    vented = (hollow ^ runners).bounding_box()[5]
+    return Check("mold.air_trap_height", highest - vented, 2 * evaluator.tolerance_mm, "mm")
+
+
+def _check_cavity_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check the walls around the cavity, and the land: the sealing surface between cavity and bolts or keys."""
+    wall = design.printer.min_wall_mm - evaluator.tolerance_mm
+    hollow, outside = evaluator.manifold(cavity(design)), complement(evaluator, mold.block(design))
+    yield check_min_distance("mold.wall.cavity_to_outside", hollow, outside, wall)
+    cutouts = evaluator.manifold(mold.outer_cutouts(design))
+    yield check_min_distance("mold.wall.cavity_to_cutouts", hollow, cutouts, wall)
+    # The sockets are wider than the keys by their clearance.
+    land = design.mold.land_mm - 2 * design.mold.key_clearance_mm
+    for name, solids in (
+        ("bolts", (*mold.bolts(design), *mold.nut_traps(design))),
+        ("keys", mold.keys(design, design.mold.key_clearance_mm)),
+    ):
+        yield check_min_distance(f"mold.land.{name}_to_cavity", hollow, evaluator.manifold(union(*solids)), land)
+
+
+def _check_fasteners(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check the walls around bolts and keys, the number of keys, and that the mold closes in one way only."""
+    wall = design.printer.min_wall_mm - evaluator.tolerance_mm
+    block = evaluator.manifold(mold.block(design))
+    bolts = evaluator.manifold(union(*mold.bolts(design), *mold.nut_traps(design)))
+    keys = evaluator.manifold(union(*mold.keys(design, design.mold.key_clearance_mm)))
+    yield Check("mold.wall.bolts_to_outside", _distance_to_sides(bolts, block), wall, "mm", "at least")
+    yield check_min_distance("mold.wall.keys_to_outside", keys, complement(evaluator, mold.block(design)), wall)
+    yield check_min_distance("mold.wall.keys_to_bolts", keys, bolts, wall)
+
+    palmar, dorsal = (evaluator.manifold(half(design)) for half in (mold.mold_palmar, mold.mold_dorsal))
+    protruding = dorsal.trim_by_plane((0.0, -1.0, 0.0), PLANE_OFFSET_MM)
+    yield Check("mold_dorsal.key_count", len(protruding.decompose()), _KEY_COUNT, "keys", "exactly")
+    # Turn the keys by half a turn about the middle of the block. They must then collide with the palmar half.
+    low, high = block.bounding_box()[:3], block.bounding_box()[3:]
+    reversed_keys = protruding.rotate((0.0, 180.0, 0.0)).translate((low[0] + high[0], 0.0, low[2] + high[2]))
+    blocking = (reversed_keys ^ palmar).volume()
+    yield Check("mold.reversed_assembly_overlap", blocking, _MIN_BLOCKING_VOLUME_MM3, "mm3", "at least")
+
+
+def _distance_to_sides(inner: Manifold, block: Manifold) -> float:
+    """Compute the smallest distance [mm] from solids that pass through the block along y to its four sides."""
+    i, b = inner.bounding_box(), block.bounding_box()
+    return float(min(i[0] - b[0], i[2] - b[2], b[3] - i[3], b[5] - i[5]))

@@ -1,0 +1,52 @@
+"""Style shared by all plots: figure size, colours, axes and PNG output.
+
+Imports matplotlib. Import this module only from modules that draw.
+"""
+
+from __future__ import annotations
+
+import io
+from typing import Literal
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+DPI = 150
+"""Resolution of every figure [pixels/inch]."""
+TEXT_COLOUR = "#4a5157"
+"""Colour of annotations and of reference lines."""
+GRID_COLOUR = "#e5e8eb"
+"""Colour of grid lines."""
+BLUE, RED, ORANGE, GREEN = "#1f4e79", "#b03a2e", "#d98c2b", "#2e7d5b"
+
+
+def new_figure(width_in: float, height_in: float, *, automatic_layout: bool = True) -> Figure:
+    """Create an empty figure.
+
+    Parameters
+    ----------
+    width_in, height_in
+        Size [inch].
+    automatic_layout
+        Whether matplotlib keeps axes and labels from overlapping. With many axes this takes seconds; pass False to
+        place the axes yourself.
+    """
+    return Figure(figsize=(width_in, height_in), dpi=DPI, layout="constrained" if automatic_layout else None)
+
+
+def style_axes(axes: Axes, grid: Literal["x", "y", "both"] = "y") -> None:
+    """Remove the top and right spines and draw a light grid behind the data."""
+    axes.grid(True, axis=grid, color=GRID_COLOUR, linewidth=0.7)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def to_png(figure: Figure) -> bytes:
+    """Render a figure as PNG.
+
+    The file holds no date and no version, so the same data gives the same bytes.
+    """
+    out = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
+    return out.getvalue()

@@ -1,0 +1,25 @@
+"""Runs the part checks on a design whose geometry a test may have broken on purpose."""
+
+from __future__ import annotations
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.verify import check_parts
+from fingertip.design import Design
+
+TOLERANCE = 0.02
+SOCKET = ["bone.interface=socket", "bone.base_length_mm=32"]
+SLEEVE = ["mold.method=sleeve"]
+
+
+def run_checks(*changes: str) -> dict[str, Check]:
+    """Return the checks of the default design with these changes, by name."""
+    design, evaluator = Design.load(changes=changes), MeshEvaluator(TOLERANCE)
+    meshes = {name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()}
+    return {check.name: check for check in check_parts(design, evaluator, meshes)}
+
+
+def failed_checks(*changes: str) -> set[str]:
+    """Return the names of the checks that fail."""
+    return {name for name, check in run_checks(*changes).items() if not check.passed}

@@ -1,0 +1,197 @@
+"""Each check of part files and of the assembly fails when the geometry it verifies is broken."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fingertip.build_files import build
+from fingertip.cad.files.step_process import BrepMeasurements
+from fingertip.cad.kernel import brep
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
+from fingertip.cad.shapes import bone
+from fingertip.cad.shapes.core import filled_bone
+from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name
+from fingertip.cad.solids import Box, Solid, SuperconicSolid, cylinder, difference, union
+from fingertip.cad.verification.assembly import check_assembly
+from fingertip.cad.verification.part_files import check_brep_solid, check_mesh_file, count_open_edges
+from fingertip.design import Design
+
+TOLERANCE = 0.02
+
+
+@pytest.fixture(scope="module")
+def finger() -> Design:
+    return Design()
+
+
+@pytest.fixture(scope="module")
+def evaluator() -> MeshEvaluator:
+    return MeshEvaluator(TOLERANCE)
+
+
+def mesh_failures(part: Part, mesh: Mesh) -> set[str]:
+    return {check.name.rsplit(".", 1)[1] for check in check_mesh_file(Design(), part, mesh, "stl") if not check.passed}
+
+
+def assembly_failures(design: Design, evaluator: MeshEvaluator, **changed: Solid) -> set[str]:
+    parts = {name: changed.get(name, part.solid(design)) for name, part in parts_by_name(design).items()}
+    return {check.name for check in check_assembly(design, evaluator, parts) if not check.passed}
+
+
+def brep_failures(design: Design, part: Part, mesh: Mesh, exact: BrepMeasurements, tolerance_mm: float) -> set[str]:
+    found = check_brep_solid(design, part, mesh, exact, 1.0, tolerance_mm)
+    return {check.name.rsplit(".", 1)[1] for check in found if not check.passed}
+
+
+def mesh_of(evaluator: MeshEvaluator, solid: Solid) -> Mesh:
+    return to_canonical_mesh(evaluator.manifold(solid))
+
+
+def test_unmodified_design_passes_all_checks(finger: Design, evaluator: MeshEvaluator) -> None:
+    assert mesh_failures(PARTS["bone"], mesh_of(evaluator, bone.bone(finger))) == set()
+    assert assembly_failures(finger, evaluator) == set()
+
+
+def test_missing_triangle_leaves_open_edges(finger: Design, evaluator: MeshEvaluator) -> None:
+    whole = mesh_of(evaluator, bone.bone(finger))
+    torn = replace(whole, triangles=np.delete(whole.triangles, 100, axis=0))
+    assert count_open_edges(torn) == 3
+    assert count_open_edges(whole) == 0
+
+
+def test_vertex_on_an_edge_leaves_a_degenerate_triangle(finger: Design, evaluator: MeshEvaluator) -> None:
+    """Every edge is matched and the volume is unchanged, but many programs drop the triangle that closes the mesh."""
+    whole = evaluator.mesh(PARTS["bone"].solid(finger))
+    a, b, c = whole.triangles[0]
+    midpoint = len(whole.vertices)
+    vertices = np.concatenate((whole.vertices, (whole.vertices[a] + whole.vertices[b])[None] / 2))
+    fan = np.array([[a, midpoint, c], [midpoint, b, c], [a, b, midpoint]])
+    sliver = Mesh(vertices, np.concatenate((whole.triangles[1:], fan)))
+    assert count_open_edges(sliver) == 0
+    assert mesh_failures(PARTS["bone"], sliver) == {"degenerate_triangles"}
+
+
+def test_duplicate_triangle_leaves_open_edges(finger: Design, evaluator: MeshEvaluator) -> None:
+    whole = mesh_of(evaluator, bone.bone(finger))
+    doubled = replace(whole, triangles=np.vstack((whole.triangles, whole.triangles[:1])))
+    assert count_open_edges(doubled) > 0
+
+
+def test_inverted_mesh_fails(finger: Design, evaluator: MeshEvaluator) -> None:
+    whole = mesh_of(evaluator, bone.bone(finger))
+    assert "inverted" in mesh_failures(PARTS["bone"], replace(whole, triangles=whole.triangles[:, ::-1].copy()))
+
+
+def test_second_body_fails(finger: Design, evaluator: MeshEvaluator) -> None:
+    crumb = Box((30.0, 30.0, 30.0), (31.0, 31.0, 31.0))
+    assert "bodies" in mesh_failures(PARTS["bone"], mesh_of(evaluator, union(bone.bone(finger), crumb)))
+
+
+def test_hole_through_a_wall_changes_the_genus(finger: Design, evaluator: MeshEvaluator) -> None:
+    hole = cylinder("x", (2.0, 5.0), -20.0, 20.0, 0.5)
+    assert mesh_failures(PARTS["bone"], mesh_of(evaluator, difference(bone.bone(finger), hole))) == {"genus"}
+
+
+def test_missing_cable_channel_changes_the_genus(finger: Design, evaluator: MeshEvaluator) -> None:
+    added, removed = bone.interface(finger)
+    hollows = (bone.sensor_recess(finger), bone.tie_hole(finger), *removed)
+    blind = difference(union(filled_bone(finger), *added), *hollows)
+    assert mesh_failures(PARTS["bone"], mesh_of(evaluator, blind)) == {"genus"}
+
+
+def test_skin_that_does_not_fill_the_cavity_fails(finger: Design, evaluator: MeshEvaluator) -> None:
+    pierced = difference(PARTS["skin"].solid(finger), cylinder("y", (20.0, 0.0), 0.0, 20.0, 1.0))
+    assert assembly_failures(finger, evaluator, skin=pierced) == {"volume_balance.cavity"}
+
+
+def test_overlapping_parts_fail(finger: Design, evaluator: MeshEvaluator) -> None:
+    thick = union(bone.bone(finger), Box((-1.0, 3.0, 5.0), (1.0, 5.8, 7.0)))
+    assert assembly_failures(finger, evaluator, bone=thick) == {"overlap.bone.skin"}
+
+
+def test_ledge_in_the_cavity_prevents_demolding(finger: Design, evaluator: MeshEvaluator) -> None:
+    """A ledge in the cavity above the widest section of the skin, with a matching notch in the skin."""
+    ledge = Box((7.4, 2.0, 8.0), (12.0, 2.6, 12.0))
+    lower = union(PARTS["mold_palmar"].solid(finger), difference(ledge, Box((7.4, 2.0, 0.0), (7.4001, 2.6, 1.0))))
+    notched = difference(PARTS["skin"].solid(finger), ledge)
+    upper = difference(PARTS["mold_dorsal"].solid(finger), ledge)
+    found = assembly_failures(finger, evaluator, mold_palmar=lower, skin=notched, mold_dorsal=upper)
+    assert "demolding_overlap.mold_palmar" in found
+    assert not any(name.startswith("overlap") for name in found)
+
+
+def test_chipped_half_breaks_the_volume_balance(finger: Design, evaluator: MeshEvaluator) -> None:
+    chipped = difference(PARTS["mold_dorsal"].solid(finger), Box((15.0, 9.0, 0.0), (30.0, 30.0, 5.0)))
+    assert assembly_failures(finger, evaluator, mold_dorsal=chipped) == {"volume_balance.mold"}
+
+
+def test_mesh_too_coarse_for_its_stated_tolerance_fails(finger: Design) -> None:
+    part, coarse = PARTS["skin"], MeshEvaluator(0.5).mesh(PARTS["skin"].solid(finger))
+    exact = MeshEvaluator(0.0005).mesh(PARTS["skin"].solid(finger)).volume()
+    assert brep_failures(finger, part, coarse, BrepMeasurements(exact, 0), 0.5) == set()
+    assert brep_failures(finger, part, coarse, BrepMeasurements(exact, 0), 0.001) == {"volume_difference_to_mesh"}
+
+
+def test_brep_solid_with_an_extra_hole_fails(finger: Design, evaluator: MeshEvaluator) -> None:
+    """The genus follows from the B-rep solid itself by the Euler-Poincare formula, not from its mesh."""
+    hole = cylinder("x", (2.0, 5.0), -20.0, 20.0, 0.5)
+    pierced = brep.BrepEvaluator().solid(difference(bone.bone(finger), hole))
+    exact = BrepMeasurements(brep.volume(pierced), brep.genus(pierced))
+    mesh = mesh_of(evaluator, difference(bone.bone(finger), hole))
+    assert exact.genus == PARTS["bone"].genus(finger) + 1
+    assert brep_failures(finger, PARTS["bone"], mesh, exact, TOLERANCE) == {"genus"}
+
+
+def test_mesh_kernel_rejects_an_inverted_primitive(finger: Design, evaluator: MeshEvaluator) -> None:
+    from fingertip.errors import GeometryError
+
+    with pytest.raises(GeometryError, match="inverted mesh"):
+        evaluator.manifold(Box((0.0, 0.0, 1.0), (1.0, 1.0, 0.0)))
+
+
+def test_failed_check_is_reported_and_files_are_written(
+    finger: Design, tmp_path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 1))
+    result = build(finger, tmp_path, parts=["skin"], formats=["stl"])
+    assert not result.passed
+    assert {c.name for c in result.checks if not c.passed} == {"skin.stl.genus"}
+    assert (tmp_path / "skin.stl").exists()
+
+
+def test_kernels_agree_on_the_volume_of_every_primitive(finger: Design, design: Design) -> None:
+    """The kernels share no geometry code, so an error in either one shows as a difference in volume."""
+    from fingertip.cad.kernel import brep
+
+    exact, meshes = brep.BrepEvaluator(), MeshEvaluator(0.001)
+    for solid in sorted(
+        {s for part in parts_by_name(design).values() for s in primitives(part.solid(design))}, key=repr
+    ):
+        mesh = meshes.manifold(solid)
+        assert abs(brep.volume(exact.shape(solid)) - mesh.volume()) <= 0.001 * mesh.surface_area(), solid
+
+
+def test_brep_volume_equals_the_closed_form() -> None:
+    """On arcs of weight 4 other quadratures of the kernel are off by 0.3 to 11 mm3."""
+    from fingertip.cad.kernel import brep
+    from fingertip.design.geometry.conic import ConicBody, CrossSection
+
+    section = CrossSection(10.55, 5.35, 7.15, 4.0, 0.75)
+    shape = brep.BrepEvaluator().shape(SuperconicSolid(ConicBody(section, ((-18.4, 1.0), (0.25, 1.0)))))
+    assert brep.volume(shape) == pytest.approx(section.area() * 18.65, abs=1e-6)
+
+
+def primitives(solid: Solid) -> set[Solid]:
+    from fingertip.cad.solids import Difference, Intersection, Scaled, Union
+
+    match solid:
+        case Scaled(inner):
+            return primitives(inner)
+        case Union(solids) | Intersection(solids):
+            return {p for s in solids for p in primitives(s)}
+        case Difference(first, without):
+            return {p for s in (first, *without) for p in primitives(s)}
+    return {solid}

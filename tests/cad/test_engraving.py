@@ -1,0 +1,111 @@
+"""Engraving font and layout: every character a name may hold is distinct, legible and within the mold."""
+
+from __future__ import annotations
+
+import random
+import string
+from collections.abc import Sequence
+
+import pytest
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes import engraving, mold
+from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines, stroke_rectangles
+from fingertip.cad.solids import intersection, union
+from fingertip.design import Design
+from fingertip.design.export import list_parameters
+
+ALLOWED = string.ascii_letters + string.digits + "-_"
+
+
+def area(ring: Sequence[engraving.Point]) -> float:
+    return sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(ring, [*ring[1:], ring[0]], strict=True)) / 2
+
+
+def is_inside(point: engraving.Point, ring: Sequence[engraving.Point]) -> bool:
+    """Test whether a ray from the point to the right crosses the ring an odd number of times."""
+    x, y = point
+    edges = zip(ring, [*ring[1:], ring[0]], strict=True)
+    return sum(
+        (a[1] > y) != (b[1] > y) and x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) for a, b in edges
+    ) % 2 == 1  # fmt: skip
+
+
+@pytest.mark.parametrize("letter", ALLOWED)
+def test_every_allowed_character_has_valid_outlines(letter: str) -> None:
+    for quad in stroke_rectangles(letter, STROKE_WIDTH):
+        assert area(quad) > 0, "counter-clockwise"
+        assert all(-0.57 <= x <= 4.57 and -0.57 <= y <= 6.57 for x, y in quad)
+    for outline, *counters in letter_outlines(letter, STROKE_WIDTH):
+        assert area(outline) > 0
+        assert all(area(ring) < 0 for ring in counters)
+
+
+@pytest.mark.parametrize("letter", string.ascii_uppercase + string.digits + "-_")
+def test_outline_covers_the_same_area_as_the_strokes(letter: str) -> None:
+    """2000 random points lie inside a stroke exactly if they lie inside the outline and in no counter."""
+    quads, pieces = (
+        stroke_rectangles(letter, STROKE_WIDTH),
+        letter_outlines(letter, STROKE_WIDTH),
+    )
+    rng = random.Random(letter)
+    for _ in range(2000):
+        point = (rng.uniform(-0.7, 4.7), rng.uniform(-0.7, 6.7))
+        by_stroke = any(is_inside(point, quad) for quad in quads)
+        assert by_stroke == (sum(is_inside(point, ring) for rings in pieces for ring in rings) % 2 == 1)
+
+
+def test_number_of_counters() -> None:
+    assert {letter: [len(rings) for rings in letter_outlines(letter, STROKE_WIDTH)] for letter in "COB8"} == {
+        "C": [1], "O": [2], "B": [3], "8": [3],
+    }  # fmt: skip
+
+
+def test_all_letters_differ() -> None:
+    shapes = {
+        letter: tuple(letter_outlines(letter, STROKE_WIDTH)) for letter in string.ascii_uppercase + string.digits + "-_"
+    }
+    assert len(set(shapes.values())) == len(shapes)
+
+
+def test_letters_follow_each_other_at_a_constant_distance() -> None:
+    first, second = (
+        letter_outlines("I", STROKE_WIDTH),
+        letter_outlines("II", STROKE_WIDTH),
+    )
+    moved = [tuple(tuple((x + engraving.ADVANCE, y) for x, y in ring) for ring in rings) for rings in first]
+    assert second == [*first, *moved]
+    assert engraving.text_width("II") == pytest.approx(10.0)
+
+
+LARGE = ["name=a", "mold.engraving_height_mm=20"]
+
+
+@pytest.mark.parametrize("changes", [[], LARGE, ["skin.width_mm=30", *LARGE], ["name=thirteen_long"]], ids=str)
+def test_text_stays_on_the_block_and_clear_of_the_nut_traps(changes: list[str]) -> None:
+    design, evaluator = Design.load(changes=changes), MeshEvaluator(0.02)
+    m = design.mold_layout
+    letters = union(*mold.engraved_text(design, "palmar"), *mold.engraved_text(design, "dorsal"))
+    low_x, _, low_z, high_x, _, high_z = evaluator.manifold(letters).bounding_box()
+    assert -m.half_width < low_x < high_x < m.half_width
+    assert m.proximal_z < low_z < high_z < m.distal_z
+    fasteners = union(*mold.nut_traps(design), *mold.bolts(design))
+    assert evaluator.manifold(intersection(letters, fasteners)).volume() == 0.0
+
+
+def test_illegible_lines_are_omitted_and_listed() -> None:
+    def engraved(*changes: str) -> tuple[list[str], list[str]]:
+        design = Design.load(changes=changes)
+        lines = engraving.engraved_lines(design, "palmar")
+        return [line.text for line in lines], engraving.omitted_lines(design)
+
+    assert engraved() == (["fsr400", "palmar"], [])
+    long = "abcdefghij" * 4
+    assert engraved(f"name={long}") == (["palmar"], [long])
+    assert engraved(f"name={long}", "mold.engraving_depth_mm=0") == ([], [])
+
+
+def test_min_height_in_the_parameters_corresponds_to_the_min_stroke() -> None:
+    (bounds,) = (p.bounds for p in list_parameters() if p.path == "mold.engraving_height_mm")
+    minimum = engraving.MIN_STROKE_MM / STROKE_WIDTH * engraving.HEIGHT
+    assert bounds.startswith(f">= {minimum:g},")

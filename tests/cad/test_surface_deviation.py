@@ -1,0 +1,79 @@
+"""Distances from the exact surface, and facets compared with the tolerance for which they were made."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.tessellate import tessellate
+from fingertip.cad.solids import SuperconicSolid
+from fingertip.cad.verification import surface_deviation
+from fingertip.cad.verification.surface_deviation import distance_to_surface, max_facet_deviation, surface_patches
+from fingertip.design import Design
+
+
+def test_points_offset_from_the_surface_have_that_distance(design: Design) -> None:
+    """Offsets along the normal, in and out. Points near the rim and the planes of symmetry are left out.
+
+    Other patches are nearer to those.
+    """
+    body, random = design.dimensions.outer, np.random.default_rng(1)
+    for patch in surface_patches(body):
+        t, v = random.uniform(0.0, 1.0, (2, 500))
+        here, by_t, by_v = patch.at(t, v)
+        normal = np.cross(by_t, by_v)
+        normal /= np.linalg.norm(normal, axis=1)[:, None]
+        inner = (here[:, 2] > body.stations[0][0] + 0.2) & (here[:, 0] > 0.2) & (np.abs(here[:, 1]) > 0.2)
+        for offset in (0.001, -0.001, 0.1, -0.1):
+            found = distance_to_surface(body, (here + offset * normal)[inner])
+            assert np.abs(found - abs(offset)).max() < 1e-9
+
+
+@pytest.mark.parametrize("tolerance", [0.1, 0.02, 0.005])
+def test_facets_stay_within_their_tolerance_without_wasting_it(design: Design, tolerance: float) -> None:
+    body = design.dimensions.outer
+    deviation = max_facet_deviation(body, *tessellate(SuperconicSolid(body), tolerance))
+    assert tolerance / 5 < deviation <= tolerance
+
+
+def test_deviation_falls_in_proportion_to_the_tolerance() -> None:
+    """The deviation is of second order in the chord length, which falls with the root of the tolerance."""
+    body = Design().dimensions.outer
+    deviations = [
+        max_facet_deviation(body, *tessellate(SuperconicSolid(body), tolerance)) for tolerance in (0.08, 0.02, 0.005)
+    ]
+    for coarse, fine in pairwise(deviations):
+        assert 2.8 < coarse / fine < 5.6
+
+
+def test_coarse_facets_exceed_a_fine_tolerance() -> None:
+    body = Design().dimensions.outer
+    vertices, triangles = tessellate(SuperconicSolid(body), 0.02)
+    coarse, faces = tessellate(SuperconicSolid(body), 0.5)
+    assert max_facet_deviation(body, vertices, triangles) < 0.02 < max_facet_deviation(body, coarse, faces)
+
+
+def test_only_facets_on_the_outer_surface_are_measured() -> None:
+    """The interior and the cut end of the skin do not belong to its outer surface."""
+    from fingertip.cad.shapes.skin import skin
+
+    design = Design()
+    mesh = MeshEvaluator(0.02).mesh(skin(design))
+    assert 0.002 < max_facet_deviation(design.dimensions.outer, mesh.vertices, mesh.triangles) <= 0.02
+
+
+def test_nearby_distance_equals_the_full_distance_near_the_surface() -> None:
+    """Centres of coarse facets have the same distance from the patches beside them as from all patches."""
+    body = Design().dimensions.outer
+    vertices, triangles = tessellate(SuperconicSolid(body), 0.5)
+    centres = vertices[triangles].mean(axis=1)
+    centres = centres[centres[:, 2] > 1.5]  # the flat end is left out of the nearby distance
+    near, whole = (
+        surface_deviation._nearby_distance(body, centres),
+        surface_deviation.distance_to_surface(body, centres, steps=3),
+    )
+    assert 0.1 < near.max() < 0.5
+    np.testing.assert_allclose(near, whole, rtol=0, atol=1e-12)

@@ -1,4 +1,4 @@
-"""Recordings for the tests of what reads them, and the command line that does."""
+"""Recordings for tests, and the command line in this process."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from fingertip.slip import make_detector
 
 
 def run(*words, lines=None):
+    """Run `fingertip` with these words; `lines` is its standard input."""
     return CliRunner().invoke(app, [str(word) for word in words], input=lines)
 
 
@@ -28,7 +29,8 @@ def csv(t, v, delimiter=",", header=("time_s", "voltage_v"), comma=False) -> str
     return "\n".join([lines[0], *(line.replace(".", ",") if comma else line for line in lines[1:])]) + "\n"
 
 
-def the_onset(done) -> float:
+def single_onset(done) -> float:
+    """Onset of the only interval that `fingertip detect --json` printed [s]."""
     assert done.exit_code == 0, done.stderr
     (interval,) = json.loads(done.stdout)["intervals"]
     return interval["onset_s"]

@@ -1,4 +1,4 @@
-"""`fingertip simulate` and `fingertip detect` as a user meets them."""
+"""Commands `fingertip simulate` and `fingertip detect`: results, messages and exit codes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def trace(tmp_path):
     return write
 
 
-def edited(changes):
+def edit(changes):
     lines = list(GOOD)
     for at, line in changes.items():
         lines[at] = line
@@ -38,20 +38,20 @@ def edited(changes):
 
 
 @pytest.mark.parametrize("surface", ["smooth", "medium", "gross", "wood", "paper", "plastic"])
-def test_simulate_then_detect_finds_the_slip(tmp_path, surface):
+def test_slip_of_a_simulated_trace_is_detected(tmp_path, surface):
     out = tmp_path / "new" / "trace.csv"
     done = run("simulate", "--out", out, "--surface", surface, "--force-n", 1.0, "--seed", 5, "--json", "--quiet")
     assert done.exit_code == 0
-    told = json.loads(done.stdout)
+    simulated = json.loads(done.stdout)
     lines = out.read_text().splitlines()
     assert lines[0] == HEADER
-    assert len(lines) == told["samples"] + 1
+    assert len(lines) == simulated["samples"] + 1
     found = run("detect", out, "--json", "--quiet")
     assert found.exit_code == 0
     data = json.loads(found.stdout)
-    assert data["slips"] == told["slips"]
+    assert data["slips"] == simulated["slips"]
     assert len(data["delays_s"]) == 1
-    # The smoothest surface barely leaves the noise of a 16-bit converter ahead of the gain.
+    # On the smoothest surface the signal barely exceeds the noise of a 16-bit ADC ahead of the gain.
     assert 0.0 < data["delays_s"][0] < (0.2 if surface == "smooth" else 0.05)
     assert set(data["intervals"][0]) == {"onset_s", "end_s"}
     assert data["missed_slips"] == []
@@ -60,28 +60,28 @@ def test_simulate_then_detect_finds_the_slip(tmp_path, surface):
 CLIPPED = ("--set", "detector.adc_range_v=3.3", "--set", "board.supply=single", "--set", "board.variant=precision")
 
 
-def test_a_converter_that_clips_the_voltage_is_told_by_both(tmp_path):
+def test_simulate_and_detect_warn_of_a_clipped_voltage(tmp_path):
     done = run("simulate", "--out", tmp_path / "t.csv", *CLIPPED)
-    told = "warning: the tactile voltage, up to 4.36 V, is clipped: a converter for plus and minus 3.3 V cuts the last"
-    assert told in done.stderr
-    assert "set detector.adc_range_v to 4.90 at least" in done.stderr
+    message = "warning: the tactile voltage, up to 4.36 V, is clipped: an ADC with a range of plus and minus 3.3 V"
+    assert message in done.stderr
+    assert "set detector.adc_range_v to at least 4.90" in done.stderr
     wide = run("simulate", "--out", tmp_path / "w.csv", *CLIPPED, "--set", "detector.adc_range_v=4.9")
     assert "clipped" not in wide.stderr
     found = run("detect", tmp_path / "t.csv", *CLIPPED)
-    assert "samples stand at an end of the converter's range, plus and minus 3.3 V" in found.stderr
-    assert "Divide the signal ahead of the converter" in found.stderr
+    assert "samples are at the limits of the ADC range, +/-3.3 V" in found.stderr
+    assert "Attenuate the signal before the ADC" in found.stderr
     assert "is a sensor connected?" not in found.stderr
-    assert " end of the converter's" not in run("detect", tmp_path / "w.csv", *CLIPPED[2:]).stderr
+    assert "limits of the ADC range" not in run("detect", tmp_path / "w.csv", *CLIPPED[2:]).stderr
 
 
-def test_a_converter_that_clips_every_sample(trace):
+def test_detect_warns_if_every_sample_is_clipped(trace):
     top = 10 - 20 / 65536
     found = run("detect", trace([f"{i / 2000:.4f},{top:.6f},0.8,0" for i in range(200)]))
-    assert "all 200 samples stand at an end of the converter's range" in found.stderr
+    assert "all 200 samples are at the limits of the ADC range" in found.stderr
     assert "is a sensor connected?" not in found.stderr
 
 
-def test_a_quieter_converter_finds_the_smoothest_surface_sooner(tmp_path):
+def test_an_adc_with_less_noise_detects_the_smoothest_surface_sooner(tmp_path):
     quiet = ["--set", "detector.noise_v=2e-5", "--set", "detector.adc_bits=24", "--set", "detector.threshold_v=0.005"]
     out = tmp_path / "trace.csv"
     assert run("simulate", "--out", out, "--surface", "smooth", "--force-n", 1, "--seed", 5, *quiet).exit_code == 0
@@ -89,7 +89,7 @@ def test_a_quieter_converter_finds_the_smoothest_surface_sooner(tmp_path):
     assert 0.0 < delay < 0.05
 
 
-def test_detect_without_truth_and_with_text(trace):
+def test_detect_without_true_slip_as_json_and_text(trace):
     path = trace([",".join(line.split(",")[:2]) for line in GOOD], "time_s,voltage_v")
     data = json.loads(run("detect", path, "--json").stdout)
     assert data["intervals"] == []
@@ -97,49 +97,49 @@ def test_detect_without_truth_and_with_text(trace):
     assert run("detect", path).stdout == "never ON\n"
 
 
-BAD = {
+INVALID = {
     "no column": (GOOD, "time_s,volts,force_n,slip", ["there is no column voltage_v; did you mean volts?"]),
-    "no header": (GOOD, "1,2,3,4", ["is no header of a trace"]),
-    "doubled column": (GOOD, "time_s,voltage_v,voltage_v,slip", ["column voltage_v stands there 2 times"]),
-    "nan": (edited({7: "0.0035,nan,0.8,0"}), HEADER, ["nan in line 9 is not a finite number"]),
-    "inf": (edited({7: "0.0035,4,-inf,0"}), HEADER, ["force_n: -inf in line 9 is not a finite number"]),
-    "word": (edited({7: "0.0035,4 V,0.8,0"}), HEADER, ["'4 V' in line 9 is not a number"]),
-    "slip": (edited({7: "0.0035,4,0.8,2"}), HEADER, ["2 in line 9 is neither 0 nor 1"]),
-    "cells": (edited({7: "0.0035,4"}), HEADER, ["line 9: has 2 cells, the header 4"]),
+    "no header": (GOOD, "1,2,3,4", ["is not the header of a trace"]),
+    "duplicate column": (GOOD, "time_s,voltage_v,voltage_v,slip", ["column voltage_v appears 2 times"]),
+    "nan": (edit({7: "0.0035,nan,0.8,0"}), HEADER, ["nan in line 9 is not a finite number"]),
+    "inf": (edit({7: "0.0035,4,-inf,0"}), HEADER, ["force_n: -inf in line 9 is not a finite number"]),
+    "word": (edit({7: "0.0035,4 V,0.8,0"}), HEADER, ["'4 V' in line 9 is not a number"]),
+    "slip": (edit({7: "0.0035,4,0.8,2"}), HEADER, ["2 in line 9 is neither 0 nor 1"]),
+    "cells": (edit({7: "0.0035,4"}), HEADER, ["line 9: has 2 cells, but the header has 4"]),
     "gap": (GOOD[:50] + GOOD[60:], HEADER, ["0.03 s in line 52 comes after a gap"]),
     "repeated": (GOOD[:50] + GOOD[49:], HEADER, ["0.0245 s in line 52 repeats the time before it"]),
     "backwards": (
         GOOD[:50] + GOOD[40:],
         HEADER,
-        ["0.02 s in line 52 goes backwards (before it 0.0245 s, usual step 0.0005 s)"],
+        ["0.02 s in line 52 goes backwards (previous time 0.0245 s, median step 0.0005 s)"],
     ),
-    "still": (["0,4,0,0"] * 100, HEADER, ["does not advance"]),
-    "header only": ([], HEADER, ["holds 0 samples; at least one window of 60"]),
-    "short": (GOOD[:59], HEADER, ["holds 59 samples; at least one window of 60"]),
+    "constant": (["0,4,0,0"] * 100, HEADER, ["does not increase"]),
+    "header only": ([], HEADER, ["has 0 samples; at least one window of 60 is required"]),
+    "short": (GOOD[:59], HEADER, ["has 59 samples; at least one window of 60 is required"]),
     "several": (
-        edited({3: "0.0015,nan,0.8,0", 7: "0.0035,4,x,0", 9: "0.0020,4,0.8,0"}),
+        edit({3: "0.0015,nan,0.8,0", 7: "0.0035,4,x,0", 9: "0.0020,4,0.8,0"}),
         HEADER,
         ["nan in line 5", "'x' in line 9", "0.002 s in line 11 goes backwards"],
     ),
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", BAD)
-def test_bad_traces_are_refused_with_sentences(trace, tmp_path, name):
-    lines, header, sentences = BAD[name]
+@pytest.mark.parametrize("name", INVALID)
+def test_invalid_traces_give_errors_and_write_nothing(trace, tmp_path, name):
+    lines, header, messages = INVALID[name]
     picture = tmp_path / "p.png"
     picture.write_text("mine")
     done = run("detect", trace(lines, header), "--plot", picture)
     assert done.exit_code == 2
     assert done.stdout == ""
-    for sentence in sentences:
-        assert sentence in done.stderr
+    for message in messages:
+        assert message in done.stderr
     assert all(line.startswith("error: ") for line in done.stderr.splitlines())
     assert picture.read_text() == "mine"
 
 
 @pytest.mark.parametrize("content", [b"", b"\x89PNG\x00\xff\xfe", b"hello\nworld\n", b"\n\n"])
-def test_what_is_no_csv(tmp_path, content):
+def test_files_that_are_not_csv_give_an_error(tmp_path, content):
     path = tmp_path / "t.csv"
     path.write_bytes(content)
     done = run("detect", path, "--json")
@@ -148,12 +148,12 @@ def test_what_is_no_csv(tmp_path, content):
     assert str(path) in issue["field"]
 
 
-def test_missing_trace_and_folder(tmp_path):
+def test_a_missing_trace_and_a_folder_give_an_error(tmp_path):
     assert "cannot be read" in run("detect", tmp_path / "none.csv").stderr
     assert run("detect", tmp_path).exit_code == 2
 
 
-def test_simulate_tells_every_fault_and_writes_nothing(tmp_path):
+def test_simulate_reports_every_issue_and_writes_nothing(tmp_path):
     out = tmp_path / "t.csv"
     done = run(
         "simulate", "--out", out, "--surface", "ice", "--speed-m-s", -1, "--force-n", 99, "--seed", -3,
@@ -167,27 +167,29 @@ def test_simulate_tells_every_fault_and_writes_nothing(tmp_path):
     assert not out.exists()
 
 
-def test_unwritable_places(tmp_path, trace):
-    wall = tmp_path / "wall"
-    wall.write_text("mine")
+@pytest.mark.slow
+def test_outputs_that_cannot_be_written_give_an_error(tmp_path, trace):
+    file = tmp_path / "file"
+    file.write_text("mine")
     for done in (
-        run("simulate", "--out", wall / "t.csv"),
+        run("simulate", "--out", file / "t.csv"),
         run("simulate", "--out", tmp_path),
-        run("detect", trace(GOOD), "--plot", wall / "p.png"),
+        run("detect", trace(GOOD), "--plot", file / "p.png"),
         run("detect", trace(GOOD), "--plot", tmp_path),
     ):
         assert done.exit_code == 2
         assert done.stderr.splitlines()[-1].startswith("error: ")
-    assert wall.read_text() == "mine"
+    assert file.read_text() == "mine"
 
 
-def test_rate_rule_names_the_remedy():
+def test_the_rule_for_the_sampling_rate_states_the_remedy():
     done = run("simulate", "--set", "board.cutoff_hz=700")
     assert done.exit_code == 2
     assert "detector.sample_rate_hz: 2000 Hz is too slow for board.cutoff_hz of 700 Hz; at least 2800 Hz" in done.stderr
 
 
-def test_a_plot_is_a_png_without_metadata_and_always_the_same(tmp_path):
+@pytest.mark.slow
+def test_a_plot_is_a_reproducible_png_without_metadata(tmp_path):
     out = tmp_path / "t.csv"
     run("simulate", "--out", out)
     pictures = []
@@ -199,14 +201,15 @@ def test_a_plot_is_a_png_without_metadata_and_always_the_same(tmp_path):
     assert b"tEXt" not in pictures[0]
 
 
-def test_threshold_below_the_noise_is_said(trace):
+def test_detect_warns_of_a_threshold_below_the_noise(trace):
     done = run("detect", trace(GOOD), "--set", "detector.threshold_v=0.001")
     assert done.exit_code == 0
-    assert "is below the level of the noise alone" in done.stderr
+    assert "is below the mean noise level" in done.stderr
     assert "warning" not in run("detect", trace(GOOD), "--set", "detector.threshold_v=0.001", "--quiet").stderr
 
 
-def test_neither_command_imports_what_it_does_not_need(tmp_path):
+@pytest.mark.slow
+def test_simulate_and_detect_import_no_optional_libraries(tmp_path):
     code = (
         "import sys; from fingertip.cli import app\n"
         "for words in (['simulate', '--quiet'], ['detect', 'trace.csv', '--quiet']):\n"
@@ -218,24 +221,22 @@ def test_neither_command_imports_what_it_does_not_need(tmp_path):
     assert done.stdout.splitlines()[-1] == "[]"
 
 
+@pytest.mark.slow
 def test_detection_never_imports_the_simulation():
     code = "import sys, fingertip.slip, fingertip.slip.plot; print([m for m in sys.modules if 'fingertip.sim' in m])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 
 
-def test_csv_round_trip(tmp_path):
-    from fingertip.slip.traces.parsed import Wanted
-
+def test_csv_round_trip_keeps_all_columns(tmp_path):
     from fingertip.design import Design
-    from fingertip.slip.traces.csv_file import to_csv
-    from fingertip.slip.traces.read import parse
-    from fingertip.slip.traces.trace import Trace
+    from fingertip.slip.traces.csv_file import read_csv, to_csv
+    from fingertip.slip.traces.trace import ColumnMap, Trace
 
     time = np.arange(100) / 2000
     trace = Trace(time, np.round(np.sin(time), 6), np.round(np.cos(time), 6), time > 0.02)
     (tmp_path / "t.csv").write_bytes(to_csv(trace))
-    read = parse(tmp_path / "t.csv", Wanted()).checked(Design().detector)
+    read = read_csv(tmp_path / "t.csv", ColumnMap()).validate(Design().detector)
     for column in ("time_s", "voltage_v", "force_n", "slip"):
         assert np.array_equal(getattr(read, column), getattr(trace, column))
     assert to_csv(read) == to_csv(trace)

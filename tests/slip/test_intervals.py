@@ -1,4 +1,4 @@
-"""Flags to intervals, delays, missed slips and false intervals, on traces made by hand."""
+"""Intervals of flags, and their score: delays, missed slips and false intervals."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from fingertip.slip.intervals import intervals, merge, score
 TIME = np.arange(10) / 10
 
 
-def flags(text: str) -> np.ndarray:
+def to_flags(text: str) -> np.ndarray:
     return np.array([c == "1" for c in text])
 
 
@@ -28,58 +28,58 @@ def flags(text: str) -> np.ndarray:
         ("0101000000", [(0.1, 0.2), (0.3, 0.4)]),
     ],
 )
-def test_intervals(text, expected):
-    assert [(i.onset_s, i.end_s) for i in intervals(TIME, flags(text))] == expected
+def test_intervals_of_flags(text, expected):
+    assert [(i.onset_s, i.end_s) for i in intervals(TIME, to_flags(text))] == expected
 
 
-def test_close_parts_are_one_slip():
+def test_intervals_with_small_gaps_are_merged():
     parts = [Interval(0.0, 0.1), Interval(0.12, 0.2), Interval(0.3, 0.4)]
     assert merge(parts, 0.03) == (Interval(0.0, 0.2), Interval(0.3, 0.4))
 
 
-def test_score():
+def test_score_of_detected_missed_and_false_intervals():
     truth = [Interval(1.0, 2.0), Interval(3.0, 3.5), Interval(5.0, 6.0)]
     found = [
         Interval(0.2, 0.3),  # false
-        Interval(1.025, 2.03), Interval(2.02, 2.04),  # the slip, and an echo within its window
+        Interval(1.025, 2.03), Interval(2.02, 2.04),  # the slip, and a second interval within the window after it
         Interval(2.5, 2.6),  # false
         Interval(4.9, 5.5),  # ON before the slip
     ]  # fmt: skip
-    judged = score(found, truth, 0.03)
-    assert judged.delays_s == (pytest.approx(0.025), None, pytest.approx(-0.1))
-    assert judged.missed == (truth[1],)
-    assert judged.false_intervals == (found[0], found[3])
+    scored = score(found, truth, 0.03)
+    assert scored.delays_s == (pytest.approx(0.025), None, pytest.approx(-0.1))
+    assert scored.missed == (truth[1],)
+    assert scored.false_intervals == (found[0], found[3])
 
 
-def test_an_alarm_that_ends_where_slip_begins_does_not_take_it():
-    judged = score([Interval(0.9, 1.0), Interval(1.02, 1.4)], [Interval(1.0, 1.5)], 0.03)
-    assert judged.delays_s == (pytest.approx(0.02),)
-    assert judged.false_intervals == (Interval(0.9, 1.0),)
-    # a last sample, though it has no length, is met
+def test_an_alarm_that_ends_at_the_onset_does_not_detect_the_slip():
+    scored = score([Interval(0.9, 1.0), Interval(1.02, 1.4)], [Interval(1.0, 1.5)], 0.03)
+    assert scored.delays_s == (pytest.approx(0.02),)
+    assert scored.false_intervals == (Interval(0.9, 1.0),)
+    # An interval of one last sample has no length but is detected.
     assert score([Interval(1.5, 1.5)], [Interval(1.5, 1.5)], 0.03).delays_s == (0.0,)
 
 
-def test_what_goes_on_in_incipient_slip_is_told_from_what_was_on_before():
+def test_description_distinguishes_incipient_slip_from_already_on():
     assert format_delay(None) == "missed"
-    assert format_delay(0.0123) == "found after 12.3 ms"
-    assert format_delay(-0.006) == "found 6.0 ms before, in incipient slip"
-    assert format_delay(-0.01) == "ON already, 10 ms before"
+    assert format_delay(0.0123) == "detected after 12.3 ms"
+    assert format_delay(-0.006) == "detected 6.0 ms before onset, in incipient slip"
+    assert format_delay(-0.01) == "already ON 10 ms before onset"
 
 
-def test_how_many_slips_there_are_is_no_detectors_affair():
+def test_number_of_slips_does_not_depend_on_the_detector():
     truth = [Interval(1.0, 1.5), Interval(1.52, 1.523), Interval(2.0, 2.1)]
     assert score([], truth, 0.001).slips == score([], truth, 0.5).slips == (Interval(1.0, 1.523), truth[2])
 
 
-def burst(length: int = 4000, start: int = 2000, stop: int = 3000) -> Trace:
+def make_burst(length: int = 4000, start: int = 2000, stop: int = 3000) -> Trace:
     time = np.arange(length) / 2000
     slip = (np.arange(length) >= start) & (np.arange(length) < stop)
     voltage = 4.0 + np.where(slip, 0.01 * np.sin(2 * np.pi * 90 * time), 0.0)
     return Trace(time, voltage, None, slip)
 
 
-def test_a_burst_is_found_within_the_window():
-    found = detect(burst(), Design())
+def test_a_burst_is_detected_within_the_window():
+    found = detect(make_burst(), Design())
     assert len(found.intervals) == 1
     (delay,) = found.score.delays_s
     assert 0.0 < delay < 0.030
@@ -89,16 +89,16 @@ def test_a_burst_is_found_within_the_window():
     assert not found.score.false_intervals
 
 
-def test_without_truth_nothing_is_judged():
-    trace = burst()
+def test_a_trace_without_true_slip_has_no_score():
+    trace = make_burst()
     assert detect(Trace(trace.time_s, trace.voltage_v), Design()).score is None
 
 
-def test_a_trace_in_memory_is_checked_too():
-    trace = burst()
-    broken = Trace(trace.time_s * 2, np.where(np.arange(4000) == 7, np.nan, trace.voltage_v))
+def test_a_trace_in_memory_is_validated():
+    trace = make_burst()
+    invalid = Trace(trace.time_s * 2, np.where(np.arange(4000) == 7, np.nan, trace.voltage_v))
     with pytest.raises(TraceError) as caught:
-        detect(broken, Design())
+        detect(invalid, Design())
     assert [issue.field for issue in caught.value.issues] == ["trace, voltage_v", "trace, time_s"]
     assert "at sample 7 is not a finite number" in str(caught.value)
     assert "--rate-hz 1000" in str(caught.value)

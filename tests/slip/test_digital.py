@@ -1,4 +1,4 @@
-"""The chain against closed forms, and streaming against batch."""
+"""Detector `digital`: the chain compared with closed forms, and streaming compared with batch processing."""
 
 from __future__ import annotations
 
@@ -13,52 +13,53 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.design import Design
-from fingertip.slip.detectors.digital import ChainOutput, ChainSettings, SlipChain, analog_response, response
+from fingertip.slip.detectors.digital import ChainOutput, ChainSettings, SlipChain
 from fingertip.slip.detectors.noise import (
     NoiseLevel,
     mean_quantised_noise_v,
     noise_level,
     quantised_noise_v,
-    remarks,
     settings_warnings,
+    threshold_warnings,
 )
+from tests.oracles.chain_response import analog_response, digital_response
 
 SETTINGS = ChainSettings.from_design(Design())
 FIELDS = ("filtered_v", "envelope_v", "mean_v", "on")
 
 
-def test_exact_at_the_cutoff():
-    assert cmath.isclose(response(SETTINGS, 67.0), analog_response(SETTINGS, 67.0), rel_tol=1e-12)
-    assert abs(response(SETTINGS, 67.0)) == pytest.approx((1 + 100 / 1.5) / math.sqrt(2), rel=1e-12)
+def test_response_at_the_cutoff_equals_the_analog_filters():
+    assert cmath.isclose(digital_response(SETTINGS, 67.0), analog_response(SETTINGS, 67.0), rel_tol=1e-12)
+    assert abs(digital_response(SETTINGS, 67.0)) == pytest.approx((1 + 100 / 1.5) / math.sqrt(2), rel=1e-12)
 
 
 @pytest.mark.parametrize("cutoff", [5.0, 67.0, 200.0, 499.0])
-def test_exact_at_any_cutoff(cutoff):
+def test_response_at_the_cutoff_is_exact_for_any_cutoff(cutoff):
     settings = replace(SETTINGS, cutoff_hz=cutoff)
-    assert cmath.isclose(response(settings, cutoff), analog_response(settings, cutoff), rel_tol=1e-11)
+    assert cmath.isclose(digital_response(settings, cutoff), analog_response(settings, cutoff), rel_tol=1e-11)
 
 
-def test_close_to_the_analog_filter_where_fingertips_vibrate():
+def test_response_is_close_to_the_analog_filters_from_10_to_150_hz():
     for frequency in (10.0, 30.0, 67.0, 90.0, 150.0):
-        digital, analog = abs(response(SETTINGS, frequency)), abs(analog_response(SETTINGS, frequency))
+        digital, analog = abs(digital_response(SETTINGS, frequency)), abs(analog_response(SETTINGS, frequency))
         assert digital == pytest.approx(analog, rel=0.03)
-    assert abs(response(SETTINGS, 0.0)) == 0.0
+    assert abs(digital_response(SETTINGS, 0.0)) == 0.0
 
 
 @pytest.mark.parametrize("frequency", [30.0, 67.0, 120.0])
-def test_what_the_stream_does_is_the_response(frequency):
+def test_rms_of_a_filtered_tone_matches_the_response(frequency):
     time = np.arange(8000) / 2000
     out = SlipChain(SETTINGS).process(np.sin(2 * math.pi * frequency * time)).filtered_v[4000:]
-    assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(abs(response(SETTINGS, frequency)), rel=1e-9)
+    assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(abs(digital_response(SETTINGS, frequency)), rel=1e-9)
 
 
-def test_a_constant_voltage_is_silence_from_the_first_sample():
+def test_a_constant_voltage_gives_no_output_from_the_first_sample():
     out = SlipChain(SETTINGS).process([4.3] * 500)
     assert np.abs(out.filtered_v).max() < 1e-10
     assert not out.on.any()
 
 
-def test_envelope_step_is_that_of_the_analog_pole():
+def test_envelope_step_response_matches_the_analog_pole():
     chain = SlipChain(replace(SETTINGS, cutoff_hz=1e-4, gain=1.0, window_samples=1))
     out = chain.process([0.0] + [1.0] * 200).envelope_v[1:]
     tau = 1 / (2 * math.pi * 36.17)
@@ -66,10 +67,10 @@ def test_envelope_step_is_that_of_the_analog_pole():
     assert out == pytest.approx(np.array(expected), abs=2e-4)
 
 
-def test_only_one_half_wave_counts():
-    falling = SlipChain(replace(SETTINGS, cutoff_hz=1e-4)).process([1.0] + [0.0] * 100)
-    assert falling.filtered_v[1:].max() < 0.0
-    assert not falling.envelope_v.any()
+def test_negative_half_wave_is_rectified_to_zero():
+    output = SlipChain(replace(SETTINGS, cutoff_hz=1e-4)).process([1.0] + [0.0] * 100)
+    assert output.filtered_v[1:].max() < 0.0
+    assert not output.envelope_v.any()
 
 
 @given(st.lists(st.floats(-10, 10), min_size=1, max_size=300), st.integers(1, 40))
@@ -81,7 +82,7 @@ def test_window_mean_is_the_mean_of_the_last_samples(samples, length):
     assert np.array_equal(out.on, out.mean_v > SETTINGS.threshold_v)
 
 
-def glued(parts: list[ChainOutput]) -> dict[str, bytes]:
+def join(parts: list[ChainOutput]) -> dict[str, bytes]:
     return {name: np.concatenate([getattr(part, name) for part in parts]).tobytes() for name in FIELDS}
 
 
@@ -90,7 +91,7 @@ def glued(parts: list[ChainOutput]) -> dict[str, bytes]:
     st.lists(st.integers(0, 90), max_size=12),
     st.sampled_from([1, 7, 60]),
 )
-def test_any_chunking_gives_the_same_bits(samples, sizes, length):
+def test_any_division_into_chunks_gives_the_same_bits(samples, sizes, length):
     settings = replace(SETTINGS, window_samples=length)
     whole = SlipChain(settings).process(np.array(samples))
     chain, parts, start = SlipChain(settings), [], 0
@@ -98,14 +99,14 @@ def test_any_chunking_gives_the_same_bits(samples, sizes, length):
         parts.append(chain.process(samples[start : start + size]))
         start += size
         chain = pickle.loads(pickle.dumps(chain))
-    assert glued(parts) == glued([whole])
+    assert join(parts) == join([whole])
     single = SlipChain(settings)
     if samples:
-        assert glued([single.process([x]) for x in samples]) == glued([whole])
+        assert join([single.process([x]) for x in samples]) == join([whole])
 
 
 @given(st.integers(1, 299))
-def test_causal(cut):
+def test_output_is_causal(cut):
     rng = np.random.default_rng(1)
     one, other = rng.normal(size=300), rng.normal(size=300)
     other[:cut] = one[:cut]
@@ -114,7 +115,7 @@ def test_causal(cut):
         assert np.array_equal(getattr(a, name)[:cut], getattr(b, name)[:cut])
 
 
-def test_running_sum_does_not_drift():
+def test_running_sum_does_not_accumulate_rounding_errors():
     chain = SlipChain(SETTINGS)
     rng = np.random.default_rng(2)
     chain.process(rng.normal(0, 5, 100_000))
@@ -122,7 +123,7 @@ def test_running_sum_does_not_drift():
     assert abs(out.mean_v[-1]) < 1e-15
 
 
-def test_noise_level_is_what_noise_gives():
+def test_noise_level_matches_simulated_noise():
     design = Design()
     level = noise_level(design)
     rng = np.random.default_rng(3)
@@ -134,23 +135,24 @@ def test_noise_level_is_what_noise_gives():
     assert means.max() < level.threshold_v
 
 
-def test_the_default_threshold_follows_the_rule():
-    rule = noise_level(Design()).threshold_v
-    assert Design().detector.threshold_v == math.ceil(rule * 1000) / 1000
+def test_default_threshold_is_the_rounded_noise_derived_threshold():
+    derived_v = noise_level(Design()).threshold_v
+    assert Design().detector.threshold_v == math.ceil(derived_v * 1000) / 1000
 
 
-def test_thresholds_within_the_noise_are_worth_a_word():
+def test_threshold_within_the_noise_gives_a_warning():
     level = NoiseLevel(0.010, 0.001)
-    (below,) = remarks(0.009, level)
-    (within,) = remarks(0.0135, level)
-    (far,) = remarks(0.1, level)
-    assert "below the level of the noise alone" in below
-    assert "where the noise alone gets, again and again: its level is 0.01 V, give or take 0.001 V; 0.016" in within
-    assert "finds weaker slip" in far
-    assert list(remarks(0.017, level)) == list(remarks(0.1, level, may_fall=False)) == []
+    (below,) = threshold_warnings(0.009, level)
+    (within,) = threshold_warnings(0.0135, level)
+    (far,) = threshold_warnings(0.1, level)
+    assert "is below the mean noise level (0.01 V)" in below
+    assert "is within the noise, which crosses it repeatedly" in within
+    assert "(mean level 0.01 V, standard deviation 0.001 V); the noise-derived threshold is 0.016 V" in within
+    assert "detects weaker slip" in far
+    assert list(threshold_warnings(0.017, level)) == list(threshold_warnings(0.1, level, may_be_lower=False)) == []
 
 
-def test_noise_smaller_than_a_step_is_hidden_at_most_voltages():
+def test_noise_smaller_than_an_adc_step_vanishes_at_most_voltages():
     rng = np.random.default_rng(0)
     for noise, step in ((4e-4, 3e-4), (4e-4, 2.4e-3), (1e-4, 3e-3)):
         at = rng.uniform(-0.5, 0.5, 400)[:, None] * step
@@ -162,14 +164,14 @@ def test_noise_smaller_than_a_step_is_hidden_at_most_voltages():
     assert mean_quantised_noise_v(1e-2, 3e-4) == quantised_noise_v(1e-2, 3e-4)
 
 
-def test_settings_that_cannot_work_well_are_worth_a_word():
+def test_unsuitable_settings_give_a_warning():
     assert list(settings_warnings(Design())) == []
     (low,) = settings_warnings(Design(board={"cutoff_hz": 40.0}))
-    assert "cutoff_hz of 40 Hz lets in what contacts" in low
+    assert "cutoff_hz of 40 Hz passes contacts and changes of grip" in low
     (coarse,) = settings_warnings(Design(detector={"adc_bits": 12}))
     assert "steps of 4.88 mV" in coarse
     assert "noise of 0.4 mV" in coarse
     (short,) = settings_warnings(Design(detector={"sample_rate_hz": 10000.0}))
     assert list(settings_warnings(Design(detector={"sample_rate_hz": 10000.0}), "fast")) == []
-    assert "last 6 ms" in short
-    assert "300 last 30 ms" in short
+    assert "is 6 ms" in short
+    assert "Choose 300 samples for 30 ms" in short

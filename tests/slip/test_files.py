@@ -1,0 +1,262 @@
+"""Trace files: delimiters, preambles, units, the columns' names, NumPy and TDMS, and the issues of invalid files."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import sys
+import types
+
+import numpy as np
+import pytest
+
+import fingertip
+from fingertip.design import Design
+from fingertip.errors import MissingLibraryError
+from fingertip.slip.traces.read import read_raw_trace
+from fingertip.slip.traces.trace import ColumnMap
+from tests.slip.recordings import ONSET, T, V, burst, csv, run, single_onset
+
+
+@pytest.mark.parametrize(("delimiter", "comma"), [(",", False), (";", False), (";", True), ("\t", False), ("\t", True)])
+def test_all_delimiters_and_decimal_commas_are_read(tmp_path, delimiter, comma):
+    (tmp_path / "t.txt").write_text(csv(T, V, delimiter, comma=comma))
+    assert single_onset(run("detect", tmp_path / "t.txt", "--json")) == ONSET
+
+
+@pytest.mark.parametrize(("delimiter", "comma"), [(",", False), (";", True)])
+def test_quoted_numbers_are_read(tmp_path, delimiter, comma):
+    text = re.sub(f"[^{delimiter}\n]+", r'"\g<0>"', csv(T, V, delimiter, comma=comma))
+    assert text.splitlines()[1].startswith('"0,000000";"' if comma else '"0.000000","')
+    (tmp_path / "t.csv").write_text(text)
+    assert single_onset(run("detect", tmp_path / "t.csv", "--json")) == ONSET
+    transitions = json.loads(run("detect", "-", "--json", lines=text).stdout)["transitions"]
+    assert transitions[0] == {"on": True, "time_s": ONSET}
+    (tmp_path / "t.csv").write_text(text.replace('"0' + ("," if comma else ".") + '000500"', '"NA"'))
+    stderr = run("detect", tmp_path / "t.csv").stderr
+    assert "'\"NA\"' in line 3 is not a number" in stderr
+
+
+PLAIN = csv(T, V)
+
+SAVED = {
+    "a spreadsheet's first line": "sep=;\n" + csv(T, V, ";", comma=True),
+    "comments": "# recorded today\n\n#\n" + PLAIN,
+    "a header that is a comment": "# " + PLAIN,
+    "LabVIEW": "LabVIEW Measurement\t\nWriter_Version\t2\nSamples\t2000\t\n***End_of_Header***\t\n"
+    + csv(T, V, "\t", ("time_s", "voltage_v\tComment"), comma=True),
+    "units below": "time_s,voltage_v\n[s],V\n" + PLAIN.split("\n", 1)[1],
+    "another case": "Time_s,Voltage_V\n" + PLAIN.split("\n", 1)[1],
+}
+
+
+@pytest.mark.parametrize("name", SAVED)
+def test_preambles_and_unit_lines_are_skipped(tmp_path, name):
+    (tmp_path / "t.csv").write_text(SAVED[name])
+    assert single_onset(run("detect", tmp_path / "t.csv", "--json")) == ONSET
+    (tmp_path / "u16.csv").write_bytes(SAVED[name].encode("utf-16"))
+    assert single_onset(run("detect", tmp_path / "u16.csv", "--json")) == ONSET
+    data = json.loads(run("detect", "-", "--json", lines=SAVED[name]).stdout)
+    assert data["transitions"][0] == {"on": True, "time_s": ONSET}
+    # The messages number the lines as an editor does.
+    lines = SAVED[name].splitlines()
+    first = next(i for i, line in enumerate(lines) if line[:4] in ("0.00", "0,00"))
+    lines[first + 100] = "word" + lines[first + 100][4:]
+    (tmp_path / "t.csv").write_text("\n".join(lines))
+    assert f" in line {first + 101} is not a number" in run("detect", tmp_path / "t.csv").stderr
+    assert f"standard input, line {first + 101}: 'word" in run("detect", "-", lines="\n".join(lines)).stderr
+
+
+SUGGESTIONS = {
+    "Time [s],AI0 (V)": "; or name the file's columns: --column time_s='Time [s]' --column voltage_v='AI0 (V)'.",
+    "AI0,Time": "--column time_s=Time --column voltage_v=AI0.",
+    "date,temp,elapsed_s,ch1": "--column time_s=elapsed_s --column voltage_v=ch1.",
+    "time_s,force_n": "Or name the file's column: --column voltage_v=force_n --quiet-s 0.5",
+    "t,Load [N]": "--column time_s=t --column voltage_v='Load [N]' --quiet-s 0.5",
+    "time_s,Time_S,Voltage_V,VOLTAGE_V": "--column voltage_v=Voltage_V.",
+    "time_s,level": "--column voltage_v=level.",
+}
+
+
+@pytest.mark.parametrize("header", SUGGESTIONS)
+def test_columns_are_suggested_as_options_that_work(tmp_path, header):
+    cells = {name: (V if name in SUGGESTIONS[header].replace("'", "") else 0 * V) for name in header.split(",")}
+    for time in ("Time [s]", "Time", "elapsed_s", "time_s", "t"):
+        if time in cells:
+            cells[time] = T
+    rows = "\n".join(",".join(f"{x:.6f}" for x in row) for row in zip(*cells.values(), strict=True))
+    (tmp_path / "t.csv").write_text(f"made by a logger\n{header}\n{rows}\n")
+    done = run("detect", tmp_path / "t.csv")
+    assert done.exit_code == 2
+    assert "t.csv, line 2: " in done.stderr
+    assert SUGGESTIONS[header] in done.stderr
+    options = shlex.split(re.search(r"(--column.*?)(?: \(a force|\.$)", done.stderr, re.MULTILINE)[1])
+    if "--quiet-s" in options:
+        options[-1] = "0.4"
+    assert single_onset(run("detect", tmp_path / "t.csv", *options, "--json")) == pytest.approx(ONSET, abs=0.003)
+
+
+def test_two_names_that_differ_in_case_are_ambiguous(tmp_path):
+    (tmp_path / "t.csv").write_text("time_s,Voltage_V,VOLTAGE_V\n" + "0.0,4.0,4.0\n" * 100)
+    assert "there is no column voltage_v" in run("detect", tmp_path / "t.csv").stderr
+
+
+def test_numpy_files_are_read(tmp_path):
+    v = np.round(V, 6)
+    np.savez(tmp_path / "a.npz", time_s=T, voltage_v=v, slip=(T >= 0.5) & (T < 0.7))
+    np.savez(tmp_path / "b.npz", voltage_v=v, sample_rate_hz=2000)
+    np.save(tmp_path / "c.npy", v)
+    np.save(tmp_path / "d.npy", np.column_stack((T, v)))
+    np.savez(tmp_path / "e.npz", t=T, AI0=v)
+    done = run("detect", tmp_path / "a.npz", "--json")
+    assert single_onset(done) == ONSET
+    assert json.loads(done.stdout)["delays_s"] == [pytest.approx(ONSET - 0.5)]
+    for words in (
+        ("b.npz",),
+        ("c.npy", "--rate-hz", 2000),
+        ("d.npy",),
+        ("e.npz", "--column", "time_s=t", "--column", "voltage_v=AI0"),
+    ):
+        assert single_onset(run("detect", tmp_path / words[0], *words[1:], "--json")) == ONSET, words
+
+
+def test_output_of_simulate_is_read_from_every_format(tmp_path):
+    onsets = []
+    for end in ("csv", "npz"):
+        assert run("simulate", "--out", tmp_path / f"t.{end}", "--seed", 4).exit_code == 0
+        onsets.append(single_onset(run("detect", tmp_path / f"t.{end}", "--detector", "fast", "--json")))
+    assert onsets[0] == onsets[1]
+
+
+def test_tdms_file_written_by_nptdms_is_read(tmp_path):
+    nptdms = pytest.importorskip("nptdms", reason="the extra tdms is not installed; a fake library is tested below")
+    channel = nptdms.ChannelObject("group", "AI0", np.round(V, 6), properties={"wf_increment": 1 / 2000})
+    with nptdms.TdmsWriter(tmp_path / "t.tdms") as writer:
+        writer.write_segment([channel])
+    assert single_onset(run("detect", tmp_path / "t.tdms", "--json")) == ONSET
+
+
+class FakeChannel:
+    name, properties = "AI0", {"wf_increment": 1 / 2000}
+
+    def __getitem__(self, _):
+        return np.round(V, 6)
+
+
+def test_tdms_file_is_read_with_a_fake_library(tmp_path, monkeypatch):
+    group = types.SimpleNamespace(channels=lambda: [FakeChannel()])
+    file = types.SimpleNamespace(read=lambda path: types.SimpleNamespace(groups=lambda: [group]))
+    monkeypatch.setitem(sys.modules, "nptdms", types.SimpleNamespace(TdmsFile=file))
+    (tmp_path / "t.tdms").write_bytes(b"TDSm")
+    assert single_onset(run("detect", tmp_path / "t.tdms", "--json")) == ONSET
+
+
+def test_tdms_without_nptdms_names_the_extra_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "nptdms", None)
+    with pytest.raises(MissingLibraryError, match="pip install 'fingertip\\[tdms\\]'"):
+        read_raw_trace(tmp_path / "t.tdms", ColumnMap())
+
+
+# Name -> text of the file, part of the message, exit code.
+SHORT = slice(0, 10)
+
+OUTSIDE_GAP = (np.arange(2000) < 300) | (np.arange(2000) >= 400)
+
+UNUSUAL = {
+    "constant": (csv(T, np.full(2000, 4.0)), "the voltage is constant at 4 V; is a sensor connected?", 0),
+    "saturated": (csv(T, np.minimum(V + 6.0, 10.0)), "samples are at the limits of the ADC range", 0),
+    "all nan": (csv(T, np.full(2000, np.nan)), "nan in line 2, and 1999 more after it, is not a finite number", 2),
+    "ten samples": (csv(T[SHORT], V[SHORT]), "has 10 samples; at least one window of 60 is required", 2),
+    "wrong delimiter": (csv(T, V, "|"), "does not separate its names by comma, semicolon or tab", 2),
+    "decimal commas between commas": (csv(T, V, comma=True), "has 4 cells, but the header has 2", 2),
+    "negative time": (csv(T - 0.3, V), "", 0),  # times relative to a trigger are valid
+    "time that runs backwards": (csv(-T, V), "does not increase in most of its steps", 2),
+    "duplicate times": (csv(np.floor(T * 1000) / 1000, V), "0 s in line 3 repeats the time before it, and 999", 2),
+    "one duplicate": (csv(np.sort(np.append(T[1:], T[7])), V), "0.0035 s in line 9 repeats the time before it", 2),
+    "rate changing midway": (csv(np.where(T < 0.5, T, 0.5 + 3 * (T - 0.5)), V), "comes after a gap", 2),
+    "counts": (csv(T, np.round(V / 20 * 65536)), "the values are whole numbers, as ADC counts are", 2),
+    "millivolts": (csv(T, 1000 * V), "exceeds the ADC range of +/-10 V; use --scale", 2),
+    "milliseconds": (csv(1000 * T, V), "time_s: is sampled at 2 Hz, for which no detector can be designed", 2),
+    "too slow": (csv(*burst(500.0)), "time_s: is sampled at 500 Hz, for which no detector can be designed", 2),
+    "a gap": (csv(T[OUTSIDE_GAP], V[OUTSIDE_GAP]), "0.2 s in line 302 comes after a gap", 2),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", UNUSUAL)
+def test_unusual_input_gives_an_error_or_a_correct_result(tmp_path, name):
+    text, message, code = UNUSUAL[name]
+    (tmp_path / "t.csv").write_text(text)
+    done = run("detect", tmp_path / "t.csv")
+    assert done.exit_code == code, done.stderr
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    expected = {"constant": "never ON", "saturated": "ON", "negative time": "ON"}
+    assert done.stdout.startswith(expected[name]) if code == 0 else done.stdout == ""
+
+
+INVALID_ARRAYS = {
+    "objects": ({"time_s": T, "voltage_v": np.array(["a"] * 2000)}, "give an array of numbers"),
+    "no voltage": ({"time_s": T, "volts": V}, "did you mean volts? Or name the file's column: --column voltage_v="),
+    "no time": ({"voltage_v": V}, "Or give --rate-hz, or sample_rate_hz in the file."),
+    "other length": ({"time_s": T, "voltage_v": V[:-1]}, "has shape (1999,), but time_s has shape (2000,)"),
+    "two columns": ({"time_s": T, "voltage_v": np.column_stack((V, V))}, "has shape (2000, 2)"),
+    "infinite": ({"time_s": T, "voltage_v": np.where(T == 0.1, np.inf, V)}, "inf at sample 200 is not a finite"),
+}
+
+
+@pytest.mark.parametrize("name", INVALID_ARRAYS)
+def test_invalid_arrays_give_an_error(tmp_path, name):
+    arrays, message = INVALID_ARRAYS[name]
+    np.savez(tmp_path / "t.npz", **arrays)
+    done = run("detect", tmp_path / "t.npz")
+    assert done.exit_code == 2
+    assert message in done.stderr
+
+
+INVALID_RATES = {
+    "words": (np.array("2 kHz"), "contains '2 kHz'"),
+    "nothing": (np.zeros(0), "contains no value"),
+    "zero": (0, "contains 0"),
+    "nan": (np.nan, "contains nan"),
+    "infinite": (np.inf, "contains inf"),
+    "negative": (-2000.0, "contains -2000.0"),
+    "two": (np.array([2000.0, 5000.0]), "contains 2 values"),
+    "complex": (2000 + 1j, "contains (2000+1j)"),
+}
+
+
+@pytest.mark.parametrize("name", INVALID_RATES)
+def test_invalid_rates_in_an_archive_give_an_error(tmp_path, name):
+    stated, message = INVALID_RATES[name]
+    np.savez(tmp_path / "t.npz", voltage_v=np.array(["a"] * 2000), sample_rate_hz=stated)
+    done = run("detect", tmp_path / "t.npz")
+    assert done.exit_code == 2, done.stderr
+    first, second = done.stderr.splitlines()
+    assert first.endswith(
+        f"t.npz, sample_rate_hz: {message}; save the rate in Hz as one number, such as 2000, or give --rate-hz."
+    )
+    assert "give an array of numbers" in second
+    np.savez(tmp_path / "t.npz", voltage_v=np.round(V, 6), sample_rate_hz=stated)
+    assert single_onset(run("detect", tmp_path / "t.npz", "--rate-hz", 2000, "--json")) == ONSET
+
+
+@pytest.mark.parametrize("name", ["t.npz", "t.npy", "t.tdms"])
+def test_files_with_a_wrong_suffix_give_an_error(tmp_path, name, monkeypatch):
+    (tmp_path / name).write_bytes(b"hello world, this is not an archive at all")
+    done = run("detect", tmp_path / name)
+    assert done.exit_code == 2
+    assert done.stderr.startswith("error: ")
+    assert run("detect", tmp_path / "none" / name).exit_code == 2
+
+
+def test_read_trace_in_python(tmp_path):
+    (tmp_path / "t.csv").write_text(csv(T, V, header=("t", "AI0")))
+    trace = fingertip.read_trace(tmp_path / "t.csv", columns={"time_s": "t", "voltage_v": "AI0"})
+    assert fingertip.detect(trace, Design()).intervals[0].onset_s == ONSET
+    np.save(tmp_path / "v.npy", V)
+    assert np.array_equal(fingertip.read_trace(str(tmp_path / "v.npy"), rate_hz=2000, scale=0.5).voltage_v, 0.5 * V)
+    with pytest.raises(fingertip.FingertipError, match="is sampled at 2000 Hz, but the detector is designed for 4000"):
+        fingertip.read_trace(
+            tmp_path / "t.csv", Design(detector={"sample_rate_hz": 4000.0}), {"time_s": "t", "voltage_v": "AI0"}
+        )

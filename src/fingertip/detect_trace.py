@@ -193,7 +193,7 @@ def detect_stream(
         message = "names a force, whose thresholds require --quiet-s and the whole recording; save the lines in a file."
         raise TraceError(Issue("--column", message))
     envelope = ColumnMap({**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}, rate_hz)
-    reads_envelope = find_detector_type(detector).reads == "envelope_v"
+    reads_envelope = find_detector_type(detector).input_column == "envelope_v"
     stream = open_stream(lines, voltage, *([envelope] if reads_envelope else []))
     instance, column_map = _select_stream_detector(stream, design, detector, voltage, envelope, report)
     transitions = follow(stream, instance, design.detector, column_map)
@@ -268,7 +268,7 @@ def _select_stream_detector(
     stream: CsvStream, design: Design, detector: str, voltage: ColumnMap, envelope: ColumnMap, progress: Progress
 ) -> tuple[Detector, ColumnMap]:
     """Create the detector and select its columns; `analog` takes the board's output if the lines contain it."""
-    if find_detector_type(detector).reads != "envelope_v":
+    if find_detector_type(detector).input_column != "envelope_v":
         return make_detector(detector, design), voltage
     if envelope.name_in_file("voltage_v") in stream.header.names:
         return make_detector(detector, design), envelope

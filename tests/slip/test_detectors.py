@@ -37,7 +37,7 @@ def make_signal(count: int, seed: int = 0) -> np.ndarray:
 
 def make_input(name: str, volts: np.ndarray, design: Design = DESIGN) -> np.ndarray:
     """Convert a voltage to a detector's input: for `analog` it is the envelope."""
-    if DETECTORS[name].reads == "voltage_v":
+    if DETECTORS[name].input_column == "voltage_v":
         return volts
     return SlipChain(ChainSettings.from_design(design)).process(volts).envelope_v
 

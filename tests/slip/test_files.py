@@ -158,21 +158,20 @@ def test_tdms_without_nptdms_names_the_extra_to_install(tmp_path, monkeypatch):
         read_raw_trace(tmp_path / "t.tdms", ColumnMap())
 
 
-# Name -> text of the file, part of the message, exit code.
 SHORT = slice(0, 10)
-
 OUTSIDE_GAP = (np.arange(2000) < 300) | (np.arange(2000) >= 400)
 
+# Name -> text of the file, part of the message, exit code.
 UNUSUAL = {
     "constant": (csv(T, np.full(2000, 4.0)), "the voltage is constant at 4 V; is a sensor connected?", 0),
     "saturated": (csv(T, np.minimum(V + 6.0, 10.0)), "samples are at the limits of the ADC range", 0),
-    "all nan": (csv(T, np.full(2000, np.nan)), "nan in line 2, and 1999 more after it, is not a finite number", 2),
+    "all nan": (csv(T, np.full(2000, np.nan)), "nan in line 2 is not a finite number (and 1999 more)", 2),
     "ten samples": (csv(T[SHORT], V[SHORT]), "has 10 samples; at least one window of 60 is required", 2),
     "wrong delimiter": (csv(T, V, "|"), "does not separate its names by comma, semicolon or tab", 2),
-    "decimal commas between commas": (csv(T, V, comma=True), "has 4 cells, but the header has 2", 2),
+    "decimal commas between commas": (csv(T, V, comma=True), "has 4 cells, but the header has 2 (and 1999 more", 2),
     "negative time": (csv(T - 0.3, V), "", 0),  # times relative to a trigger are valid
     "time that runs backwards": (csv(-T, V), "does not increase in most of its steps", 2),
-    "duplicate times": (csv(np.floor(T * 1000) / 1000, V), "0 s in line 3 repeats the time before it, and 999", 2),
+    "duplicate times": (csv(np.floor(T * 1000) / 1000, V), "0 s in line 3 repeats the time before it, as do 999", 2),
     "one duplicate": (csv(np.sort(np.append(T[1:], T[7])), V), "0.0035 s in line 9 repeats the time before it", 2),
     "rate changing midway": (csv(np.where(T < 0.5, T, 0.5 + 3 * (T - 0.5)), V), "comes after a gap", 2),
     "counts": (csv(T, np.round(V / 20 * 65536)), "the values are whole numbers, as ADC counts are", 2),

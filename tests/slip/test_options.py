@@ -70,7 +70,7 @@ def test_a_plot_must_have_the_suffix_png(tmp_path):
     for words in (("detect", tmp_path / "t.csv"), ("simulate", "--out", tmp_path / "s.csv")):
         done = run(*words, "--plot", tmp_path / "p.svg")
         assert done.exit_code == 2
-        assert "'p.svg' is no name of a PNG, which is what is written; end it in .png" in done.stderr
+        assert "'p.svg' is not the name of a PNG file, the only format written; end it in .png" in done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["t.csv"]
 
 

@@ -134,7 +134,7 @@ def test_rounded_times_are_ignored_with_the_options_in_the_message(tmp_path, rat
     assert "ignore rounded times with --column time_s=none" in live
 
 
-def test_only_evenly_spaced_times_are_recognised_as_find_rounding():
+def test_only_evenly_spaced_times_are_recognised_as_rounded():
     assert find_rounding(T) is None
     assert find_rounding(np.zeros(100)) is None
     assert find_rounding(np.sort(np.append(T, T[7]))) is None  # one

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, picture_issues
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_png_path_issues
 
 
 @command
@@ -60,10 +60,10 @@ def detect(
     from fingertip.design.load import load_tables
     from fingertip.detect_trace import detect_file
     from fingertip.errors import TraceError
-    from fingertip.slip import format
+    from fingertip.slip.format import as_data, as_text
 
     console = Console(as_json, quiet)
-    if issues := list(picture_issues("--plot", plot)):
+    if issues := list(find_png_path_issues("--plot", plot)):
         raise TraceError(issues)
     loaded, _ = load_design(design, changes)
     names = _parse_columns(columns or [])
@@ -92,7 +92,7 @@ def detect(
 
         console.progress(f"drawing {plot}")
         write_file(plot, draw(found.trace, found.detection, trace.name), "--plot")
-    console.result(format.as_data(found.detection, found.noise), format.as_text(found.detection))
+    console.result(as_data(found.detection, found.noise), as_text(found.detection))
 
 
 def _parse_columns(columns: list[str]) -> dict[str, str]:

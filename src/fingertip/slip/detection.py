@@ -52,7 +52,7 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
         a detector that takes it.
     """
     issues = find_issues(trace, design.detector, in_volts=noise_v is None)
-    samples = getattr(trace, find_detector_type(detector).reads)
+    samples = getattr(trace, find_detector_type(detector).input_column)
     if samples is None:
         remedy = "record it, or use --detector digital, which works without a board"
         message = f"is missing: the detector {detector} works on the board's output; {remedy}."

@@ -21,7 +21,7 @@ class DetectorType:
     """Type of detector."""
 
     label: str
-    reads: str
+    input_column: str
     """Column of the trace that the detector takes: ``voltage_v``, or the board's output ``envelope_v``."""
     make: Callable[[Design, float | None, float], Detector]
     """Factory. It takes a design, the noise of the input [V] (None: the design's), and a factor of the threshold."""

@@ -143,7 +143,8 @@ def _read_by_line(path: Path, encoding: str, header: Header, first_line: int, co
     uneven = [i for i, row in enumerate(rows) if len(row) != width]
     if uneven:
         first = uneven[0]
-        message = f"has {len(rows[first])} cells, but the header has {len(header.names)}{_count_others(uneven)}"
+        others = f" (and {len(uneven) - 1} more such lines)" if len(uneven) > 1 else ""
+        message = f"has {len(rows[first])} cells, but the header has {len(header.names)}{others}"
         issues.append(Issue(f"{name}, line {first_line + first}", f"{message}; each line must have one per column."))
         for i in uneven:
             rows[i] = ["0"] * width
@@ -158,8 +159,8 @@ def _read_by_line(path: Path, encoding: str, header: Header, first_line: int, co
             else:
                 values[column], wrong = _parse_numbers(cells)
             if wrong:
-                location = f"{cells[wrong[0]].strip()!r} in line {first_line + wrong[0]}{_count_others(wrong)}"
-                message = f"{location} is not a number; write it with a decimal point."
+                value = f"{cells[wrong[0]].strip()!r} in line {first_line + wrong[0]}"
+                message = f"{value} is not a number{_count_others(wrong)}; write it with a decimal point."
                 issues.append(Issue(f"{name}, {column}", message))
                 has_all_times = has_all_times and column != "time_s"
 
@@ -167,8 +168,8 @@ def _read_by_line(path: Path, encoding: str, header: Header, first_line: int, co
     if slip is not None:
         wrong = np.flatnonzero((slip != 0.0) & (slip != 1.0)).tolist()
         if wrong:
-            location = f"{slip[wrong[0]]:g} in line {first_line + wrong[0]}{_count_others(wrong)}"
-            issues.append(Issue(f"{name}, slip", f"{location} is neither 0 nor 1; write 0 or 1."))
+            value = f"{slip[wrong[0]]:g} in line {first_line + wrong[0]}"
+            issues.append(Issue(f"{name}, slip", f"{value} is neither 0 nor 1{_count_others(wrong)}; write 0 or 1."))
     return RawTrace(name, columns.make_trace(values), tuple(issues), first_line, has_all_times, columns.in_volts)
 
 
@@ -185,7 +186,7 @@ def _parse_numbers(cells: Sequence[str]) -> tuple[Array, list[int]]:
 
 
 def _count_others(places: Sequence[int]) -> str:
-    return f", and {len(places) - 1} more after it," if len(places) > 1 else ""
+    return f" (and {len(places) - 1} more)" if len(places) > 1 else ""
 
 
 def unquote(cell: str) -> str:

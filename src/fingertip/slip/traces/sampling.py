@@ -96,11 +96,10 @@ def time_issues(time_s: Array, detector: Detector, name: str, first_line: int | 
         if places.size:
             is_even = False
             i = int(places[0]) + 1
-            others = f", and {places.size - 1} more such samples" if places.size > 1 else ""
             yield Issue(
                 field,
                 f"{time_s[i]:.9g} s {sample_location(i, first_line)} {what} (previous time {time_s[i - 1]:.9g} s, "
-                f"median step {usual:.4g} s){others}; detection requires evenly spaced samples.",
+                f"median step {usual:.4g} s){_count_others(places.size)}; detection requires evenly spaced samples.",
             )
     rate = float(len(steps) / (time_s[-1] - time_s[0])) if is_even else 1 / usual
     if abs(rate / detector.sample_rate_hz - 1) > RATE_TOLERANCE:
@@ -113,15 +112,15 @@ def _rounding_message(time_s: Array, rounding: RoundedTimes, detector: Detector,
     The rate in the remedy is the detector's if the mean rate agrees with it, and the mean rate otherwise.
     """
     at = rounding.first
-    others = f", and {rounding.repeats - 1} more such samples" if rounding.repeats > 1 else ""
     rate, mean = "HZ, the rate of the recording, and", ""
     if rounding.rate_hz:
         agrees = abs(rounding.rate_hz / detector.sample_rate_hz - 1) <= RATE_TOLERANCE
         rate = f"{detector.sample_rate_hz if agrees else rounding.rate_hz:.9g}"
         mean = f", at a mean rate of {rounding.rate_hz:.6g} Hz"
     return (
-        f"{time_s[at]:.9g} s {sample_location(at, first_line)} repeats the time before it{others}: the times are "
-        f"rounded to {rounding.step_s:.4g} s{mean}; ignore them with --rate-hz {rate} --column time_s=none."
+        f"{time_s[at]:.9g} s {sample_location(at, first_line)} repeats the time before it"
+        f"{_count_others(rounding.repeats)}: the times are rounded to {rounding.step_s:.4g} s{mean}; "
+        f"ignore them with --rate-hz {rate} --column time_s=none."
     )
 
 
@@ -132,6 +131,12 @@ def rate_message(rate_hz: float, detector: Detector) -> str:
         f"(tolerance {100 * RATE_TOLERANCE:g} %); use --rate-hz {rate_hz:.6g} to adapt its filters, or resample the "
         "trace."
     )
+
+
+def _count_others(count: int) -> str:
+    if count == 1:
+        return ""
+    return ", as does 1 more sample" if count == 2 else f", as do {count - 1} more samples"
 
 
 def sample_location(sample: int, first_line: int | None) -> str:

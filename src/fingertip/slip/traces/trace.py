@@ -196,9 +196,9 @@ def value_issues(
             yield Issue(column_field, f"{shapes}; give one value per sample.")
         elif (wrong := np.flatnonzero(~np.isfinite(values))).size:
             first = int(wrong[0])
-            others = f", and {wrong.size - 1} more after it," if wrong.size > 1 else ""
+            others = f" (and {wrong.size - 1} more)" if wrong.size > 1 else ""
             location = sample_location(first, first_line)
-            message = f"{values[first]} {location}{others} is not a finite number; record again or remove it."
+            message = f"{values[first]} {location} is not a finite number{others}; record again or remove it."
             yield Issue(column_field, message)
     if in_volts and trace.voltage_v.ndim == 1:
         yield from _range_issues(trace.voltage_v, detector, name, first_line)

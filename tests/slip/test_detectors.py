@@ -42,12 +42,12 @@ def make_input(name: str, volts: np.ndarray, design: Design = DESIGN) -> np.ndar
     return SlipChain(ChainSettings.from_design(design)).process(volts).envelope_v
 
 
-def make_whole(name: str) -> np.ndarray:
+def make_full_input(name: str) -> np.ndarray:
     return make_input(name, make_signal(1700))
 
 
 def assert_equal_to_whole(name: str, parts: list) -> None:
-    whole = make_detector(name, DESIGN).process(make_whole(name))
+    whole = make_detector(name, DESIGN).process(make_full_input(name))
     assert whole.on.any()
     assert not whole.on.all()
     for field in FIELDS:
@@ -58,7 +58,7 @@ def assert_equal_to_whole(name: str, parts: list) -> None:
 @settings(max_examples=25, deadline=None)
 @given(sizes=st.lists(st.integers(0, 499), max_size=12))
 def test_any_division_into_chunks_gives_the_same_bits_even_if_pickled_between(name, sizes):
-    whole = make_whole(name)
+    whole = make_full_input(name)
     detector, parts, start = make_detector(name, DESIGN), [], 0
     for size in [*sizes, len(whole)]:
         parts.append(detector.process(whole[start : start + size]))
@@ -69,7 +69,7 @@ def test_any_division_into_chunks_gives_the_same_bits_even_if_pickled_between(na
 
 @pytest.mark.parametrize("name", NAMES)
 def test_sample_by_sample_gives_the_same_flags(name):
-    whole, detector, stepping = make_whole(name), make_detector(name, DESIGN), make_detector(name, DESIGN)
+    whole, detector, stepping = make_full_input(name), make_detector(name, DESIGN), make_detector(name, DESIGN)
     assert_equal_to_whole(name, [detector.process([x]) for x in whole.tolist()])
     flags = [stepping.step(x) for x in whole.tolist()]
     assert flags == make_detector(name, DESIGN).process(whole).on.tolist()
@@ -83,7 +83,7 @@ def test_sample_by_sample_gives_the_same_flags(name):
 @given(cut=st.integers(1, 1699))
 @settings(max_examples=25, deadline=None)
 def test_output_is_causal(name, cut):
-    whole = make_whole(name)
+    whole = make_full_input(name)
     other = np.concatenate((whole[:cut], make_signal(1700 - cut, 9)))
     a, b = make_detector(name, DESIGN).process(whole), make_detector(name, DESIGN).process(other)
     for field in FIELDS:
@@ -178,10 +178,10 @@ def test_a_hard_knock_is_not_slip_and_slip_after_it_is_detected():
 
 def test_noise_of_the_first_sample_is_not_slip():
     """At 20 kHz a sample has more noise relative to the thresholds; 2 mV is five standard deviations."""
-    quick = adapt_rate(DESIGN, 20_000.0)
+    at_20_khz = adapt_rate(DESIGN, 20_000.0)
     volts = 4.0 + np.random.default_rng(3).normal(0, 4e-4, 20_000)
     volts[0] = 4.002
-    out = make_detector("fast", quick).process(volts)
+    out = make_detector("fast", at_20_khz).process(volts)
     assert not out.on.any()
     assert (out.statistic_v[:900] > out.threshold_v[:900]).any()
 
@@ -308,9 +308,9 @@ def test_quantised_noise_matches_simulated_noise():
 @pytest.mark.parametrize("name", ["digital", "analog", "fast"])
 def test_compiled_and_plain_give_the_same_bits(name, monkeypatch):
     with jit.compiled():
-        compiled = make_detector(name, DESIGN).process(make_whole(name))
+        compiled = make_detector(name, DESIGN).process(make_full_input(name))
     monkeypatch.setattr(jit, "available", lambda: False)
-    plain = make_detector(name, DESIGN).process(make_whole(name))
+    plain = make_detector(name, DESIGN).process(make_full_input(name))
     for field in FIELDS:
         assert getattr(compiled, field).tobytes() == getattr(plain, field).tobytes()
 
@@ -318,7 +318,7 @@ def test_compiled_and_plain_give_the_same_bits(name, monkeypatch):
 @pytest.mark.skipif(not jit.available(), reason="numba is not installed")
 @pytest.mark.parametrize("name", ["digital", "analog", "fast"])
 def test_a_stream_that_switches_to_compiled_code_keeps_its_bits(name, monkeypatch):
-    samples = make_whole(name)
+    samples = make_full_input(name)
     middle = len(samples) // 2
     stream = make_detector(name, DESIGN)
     monkeypatch.setattr(jit, "available", lambda: False)

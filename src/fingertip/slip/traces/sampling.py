@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.design.parameters import Detector
+from fingertip.design.parameters import Detector as DetectorParameters
 from fingertip.errors import Issue
 
 RATE_TOLERANCE = 0.005
@@ -61,7 +61,7 @@ def _round_rate(rate_hz: float, uncertainty: float) -> float | None:
     return next((rate for rate in candidates if abs(rate / rate_hz - 1) <= uncertainty), rate_hz)
 
 
-def time_issues(time_s: Array, detector: Detector, name: str, first_line: int | None) -> Iterator[Issue]:
+def time_issues(time_s: Array, detector: DetectorParameters, name: str, first_line: int | None) -> Iterator[Issue]:
     """Find finite times that decrease, repeat, leave gaps, or have another rate than the detector's.
 
     Parameters
@@ -106,7 +106,9 @@ def time_issues(time_s: Array, detector: Detector, name: str, first_line: int | 
         yield Issue(field, rate_message(rate, detector))
 
 
-def _rounding_message(time_s: Array, rounding: RoundedTimes, detector: Detector, first_line: int | None) -> str:
+def _rounding_message(
+    time_s: Array, rounding: RoundedTimes, detector: DetectorParameters, first_line: int | None
+) -> str:
     """Describe rounded times, with the options that ignore them.
 
     The rate in the remedy is the detector's if the mean rate agrees with it, and the mean rate otherwise.
@@ -124,7 +126,7 @@ def _rounding_message(time_s: Array, rounding: RoundedTimes, detector: Detector,
     )
 
 
-def rate_message(rate_hz: float, detector: Detector) -> str:
+def rate_message(rate_hz: float, detector: DetectorParameters) -> str:
     """Describe a sampling rate [Hz] that differs from the detector's, with the remedy."""
     return (
         f"is sampled at {rate_hz:.6g} Hz, but the detector is designed for {detector.sample_rate_hz:g} Hz "

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.arrays import Array
-from fingertip.design.parameters import Detector
+from fingertip.design.parameters import Detector as DetectorParameters
 from fingertip.errors import Issue, TraceError
 from fingertip.slip.traces.sampling import find_rounding, sample_location, time_issues
 
@@ -122,7 +122,7 @@ class RawTrace:
         usual = float(np.median(np.diff(time)))
         return float(f"{1 / usual:.6g}") if usual > 0.0 else None
 
-    def validate(self, detector: Detector) -> Trace:
+    def validate(self, detector: DetectorParameters) -> Trace:
         """Return the trace if it is valid for a detector's sampling rate, window and ADC.
 
         Raises
@@ -142,7 +142,7 @@ class RawTrace:
         return self.has_all_times and _are_finite_times(self.trace.time_s)
 
 
-def find_issues(trace: Trace, detector: Detector, in_volts: bool = True) -> list[Issue]:
+def find_issues(trace: Trace, detector: DetectorParameters, in_volts: bool = True) -> list[Issue]:
     """Find everything that prevents detection on a trace; the messages count samples from 0.
 
     Parameters
@@ -165,7 +165,7 @@ def _are_finite_times(time_s: Array) -> bool:
 
 
 def value_issues(
-    trace: Trace, detector: Detector, name: str, first_line: int | None, in_volts: bool
+    trace: Trace, detector: DetectorParameters, name: str, first_line: int | None, in_volts: bool
 ) -> Iterator[Issue]:
     """Find issues of a trace's length, shapes and values.
 
@@ -204,7 +204,7 @@ def value_issues(
         yield from _range_issues(trace.voltage_v, detector, name, first_line)
 
 
-def _range_issues(volts: Array, detector: Detector, name: str, first_line: int | None) -> Iterator[Issue]:
+def _range_issues(volts: Array, detector: DetectorParameters, name: str, first_line: int | None) -> Iterator[Issue]:
     """Find voltages outside the ADC range."""
     outside = np.flatnonzero(np.isfinite(volts) & (np.abs(volts) > detector.adc_range_v))
     if outside.size:
@@ -214,7 +214,7 @@ def _range_issues(volts: Array, detector: Detector, name: str, first_line: int |
         yield Issue(f"{name}, voltage_v", range_message(value, all_whole, detector))
 
 
-def range_message(value: str, all_whole: bool, detector: Detector) -> str:
+def range_message(value: str, all_whole: bool, detector: DetectorParameters) -> str:
     """Describe a voltage outside the ADC range, with the remedy.
 
     Parameters
@@ -235,7 +235,7 @@ def range_message(value: str, all_whole: bool, detector: Detector) -> str:
     return f"{value} exceeds the ADC range of +/-{maximum:g} V; {remedy}."
 
 
-def signal_warnings(trace: Trace, detector: Detector) -> Iterator[str]:
+def signal_warnings(trace: Trace, detector: DetectorParameters) -> Iterator[str]:
     """Warn of a voltage that makes detection unreliable: clipped by the ADC, or constant."""
     volts, maximum = trace.voltage_v, detector.adc_range_v
     step = 2 * maximum / 2**detector.adc_bits

@@ -1,10 +1,10 @@
-"""Cold start: `fingertip build` as STL alone against the same build with STEP, in one run, turn by turn.
+"""Cold start of `fingertip build`: STL alone compared with STL, 3MF and STEP.
 
     python benchmarks/cold_build.py [runs]
 
-Each build is a fresh process. CPU time counts the process and its children; beside it stands what the time buys: the
-largest relative distance between a part's mesh volume and its exact volume. `import cadquery` alone, which every script
-that writes STEP pays, is measured between them.
+Each build runs in a fresh process, and the variants alternate. CPU time counts the process and its children. The volume
+error is the largest relative difference between a part's mesh and its B-rep solid. `import cadquery` alone, which every
+script that writes STEP must pay for, is measured for comparison.
 """
 
 from __future__ import annotations
@@ -21,13 +21,12 @@ from pathlib import Path
 
 DESIGN = Path(__file__).resolve().parent.parent / "params" / "fsr400.toml"
 VARIANTS = {"stl": "stl", "stl + 3mf": "stl,3mf", "stl + 3mf + step": "stl,3mf,step"}
-
-
+"""Label -> value of --formats."""
 IMPORT = "import cadquery"
 
 
 def measure(name: str, folder: str) -> tuple[float, float]:
-    """Wall and CPU time [s] of one build, or of the import, in a fresh process."""
+    """Measure wall and CPU time [s] of one build, or of the import, in a fresh process."""
     build = ["-m", "fingertip", "build", str(DESIGN), "--out", folder, "--formats", VARIANTS.get(name, ""), "-q"]
     command = [sys.executable, *(["-c", IMPORT] if name == IMPORT else build)]
     before, start = os.times(), time.perf_counter()
@@ -38,12 +37,12 @@ def measure(name: str, folder: str) -> tuple[float, float]:
 
 
 def main() -> None:
-    """Print the table and the ratios the project promises: a quarter, and twice."""
+    """Print the table, and the ratios that the project aims at: a quarter and twice."""
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else 5
     names = [IMPORT, *VARIANTS]
     times: dict[str, list[tuple[float, float]]] = {name: [] for name in names}
     with tempfile.TemporaryDirectory() as folder:
-        for name in names:  # once each, uncounted: byte code and disk cache
+        for name in names:  # one run each, not counted, fills byte code and disk caches
             measure(name, folder)
         for _ in range(runs):
             for name in names:
@@ -56,13 +55,13 @@ def main() -> None:
         wall, cpu = (statistics.median(column) for column in zip(*pairs, strict=True))
         print(f"{name:20}{wall:18.2f}{cpu:18.2f}" + ("" if name == IMPORT else f"{error:16.1e}"))
     step = "stl + 3mf + step"
-    print(f"STL alone takes {ratio(times['stl'], times[step])} of the build with STEP")
-    print(f"the build with STEP takes {ratio(times[step], times[IMPORT])} of import cadquery alone")
+    print(f"STL alone takes {format_ratio(times['stl'], times[step])} of the build with STEP")
+    print(f"the build with STEP takes {format_ratio(times[step], times[IMPORT])} of import cadquery alone")
 
 
-def ratio(some: list[tuple[float, float]], others: list[tuple[float, float]]) -> str:
-    """Wall time of some runs against others, pair by pair."""
-    ratios = sorted(a[0] / b[0] for a, b in zip(some, others, strict=True))
+def format_ratio(numerators: list[tuple[float, float]], denominators: list[tuple[float, float]]) -> str:
+    """Format the median ratio of two series of wall times, pair by pair, with its range."""
+    ratios = sorted(a[0] / b[0] for a, b in zip(numerators, denominators, strict=True))
     return f"{statistics.median(ratios):.2f} (pairs {ratios[0]:.2f} to {ratios[-1]:.2f})"
 
 

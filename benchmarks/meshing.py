@@ -1,12 +1,12 @@
-"""Error against run time for every way of meshing the skin's outer form, and what all checks of a design cost.
+"""Error against run time of several meshers on the skin's outer surface, and cost of all checks of a design.
 
     python benchmarks/meshing.py [picture.png]
 
-Ways: the structured grid of `cad.kernel.tessellate`; Open CASCADE's mesher at several linear and angular tolerances;
-gmsh, if it is installed, on the STEP file, at several counts of elements per turn. Each is measured by what it made,
-not by what it was asked for: the farthest point of any facet from the exact surface (`cad.verification.deviation`), and
-the volume against the closed form. Only the meshing itself is timed, in CPU seconds of this process, one thread each;
-reading a mesh out of Open CASCADE or gmsh is not counted against them.
+The meshers are the structured grid of `cad.kernel.tessellate`, Open CASCADE's mesher at several linear and angular
+tolerances, and gmsh, if it is installed, on the STEP file at several numbers of elements per turn. Each mesh is judged
+by its measured errors, not by the requested tolerance: the largest distance of a facet from the exact surface
+(`cad.verification.surface_deviation`), and the volume error against the closed form. Only meshing is timed, in CPU
+seconds of this process on one thread. Reading a mesh out of Open CASCADE or gmsh is not counted.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.kernel.tessellate import tessellate
 from fingertip.cad.solids import SuperconicSolid
-from fingertip.cad.verification.deviation import distance
+from fingertip.cad.verification.surface_deviation import distance_to_surface
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody
 
@@ -41,28 +41,30 @@ OCC = {
     "OCC by both": [(linear, 0.2) for linear in (0.1, 0.03, 0.01, 0.003)],
     "OCC by angle": [(1.0, angular) for angular in (0.2, 0.1, 0.05, 0.03, 0.02, 0.01)],
 }
-"""Linear [mm] and angular [rad] tolerance: one of them steers, or both."""
+"""Linear [mm] and angular [rad] tolerances of each series, in which one of them or both limit the mesh."""
 GMSH_PER_TURN = (12, 24, 48, 96, 192, 384)
-ENOUGH_S = 8.0  # a way is not refined further once a mesh of it takes longer than this
-MAX_POINTS = 300_000  # of the facets, measured against the surface
-OURS = "our grid"
+MAX_MESHING_S = 8.0
+"""CPU time after which a mesher is not refined further [s]."""
+MAX_POINTS = 300_000
+"""Number of points on facets whose distance from the surface is measured."""
+GRID = "structured grid"
 MARKS = {"deviation_mm": (0.1, 0.05, 0.03, 0.01, 0.003, 0.001), "volume_error": (5e-3, 2e-3, 1e-3, 5e-4, 1e-4)}
-OMITTED = (
-    "angular tolerance below 0.01 with Open CASCADE: on parts with booleans it ran for minutes already at 0.1",
-    "Open CASCADE and gmsh with several threads: CPU time, not wall time, is compared",
-    "the time to import cadquery or gmsh, to build the B-rep, to read STEP, and to read the meshes out",
-    "gmsh takes no tolerance: elements per turn of curvature stand in for it; its other algorithms were not tried",
-    "parts with booleans: their cost is in the second table, for our kernel alone",
-    "distances are from facets to the surface; that no place is left out shows in the volume only",
-    "above 50 000 triangles a random part of the facets is measured, which favours the way that made them",
+NOT_COVERED = (
+    "Open CASCADE with angular tolerances below 0.01: on parts with booleans 0.1 already took minutes",
+    "Open CASCADE and gmsh on several threads: CPU time is compared, not wall time",
+    "time to import cadquery or gmsh, to build the B-rep, to read STEP, and to read the meshes out",
+    "gmsh has no tolerance; elements per turn of curvature replace it; its other algorithms were not tried",
+    "parts with booleans: the second table gives their cost for our mesh kernel only",
+    "distances are measured from facets to the surface; a missing piece of surface shows in the volume only",
+    "meshes of more than 50 000 triangles are measured on a random sample of facets, which favours their mesher",
 )
 
 
 @dataclass(frozen=True)
-class Row:
-    """One mesh."""
+class MeshResult:
+    """Errors and CPU time of one mesh."""
 
-    way: str
+    mesher: str
     setting: str
     triangles: int
     deviation_mm: float
@@ -71,7 +73,7 @@ class Row:
 
 
 def exact_volume(body: ConicBody) -> float:
-    """Closed form [mm3]: area of the section times the integral of the squared scale (Gauss on the tip's conic)."""
+    """Compute the volume [mm3]: section area times the integral of the squared scale (Gauss quadrature in the tip)."""
     total = sum(
         (z1 - z0) * (a * a + a * b + b * b) / 3
         for (z0, a), (z1, b) in zip(body.stations, body.stations[1:], strict=False)
@@ -84,8 +86,8 @@ def exact_volume(body: ConicBody) -> float:
     return body.section.area() * total
 
 
-def timed(make: Callable[[], object]) -> float:
-    """Median CPU time [s] of a few runs, of many if they are short."""
+def median_cpu_time(make: Callable[[], object]) -> float:
+    """Return the median CPU time [s] of a few runs, or of many if they are short."""
     times: list[float] = []
     while len(times) < 3 or (sum(times) < 0.3 and len(times) < 60):
         start = time.process_time()
@@ -96,8 +98,8 @@ def timed(make: Callable[[], object]) -> float:
     return statistics.median(times)
 
 
-def judged(body: ConicBody, way: str, setting: str, mesh: Mesh, cpu_s: float) -> Row:
-    """A mesh with its errors; on big meshes fewer points of each facet, then fewer facets, are measured."""
+def measure_mesh(body: ConicBody, mesher: str, setting: str, mesh: Mesh, cpu_s: float) -> MeshResult:
+    """Measure the errors of a mesh; on large meshes at fewer points per facet, and then on fewer facets."""
     corners = mesh.vertices[mesh.triangles]
     k = 4 if 15 * len(corners) <= MAX_POINTS else 2
     weights = np.array([(i, j, k - i - j) for i in range(k + 1) for j in range(k + 1 - i)], dtype=float) / k
@@ -105,20 +107,26 @@ def judged(body: ConicBody, way: str, setting: str, mesh: Mesh, cpu_s: float) ->
     if len(corners) > maximum:
         corners = corners[np.random.default_rng(0).choice(len(corners), maximum, replace=False)]
     points = np.einsum("kc,fcx->fkx", weights, corners).reshape(-1, 3)
-    deviation = float(np.concatenate([distance(body, part) for part in np.array_split(points, 8)]).max())
+    deviation = float(np.concatenate([distance_to_surface(body, part) for part in np.array_split(points, 8)]).max())
     error = abs(mesh.volume() / exact_volume(body) - 1)
-    return Row(way, setting, len(mesh.triangles), deviation, error, cpu_s)
+    return MeshResult(mesher, setting, len(mesh.triangles), deviation, error, cpu_s)
 
 
-def ours(body: ConicBody) -> Iterator[Row]:
-    """The structured grid."""
+def structured_grid(body: ConicBody) -> Iterator[MeshResult]:
+    """Mesh with the structured grid of `cad.kernel.tessellate`."""
     for tolerance in TOLERANCES_MM:
         mesh = Mesh(*tessellate(SuperconicSolid(body), tolerance))
-        yield judged(body, OURS, f"{tolerance:g} mm", mesh, timed(lambda at=tolerance: tessellate(SuperconicSolid(body), at)))
+        yield measure_mesh(
+            body,
+            GRID,
+            f"{tolerance:g} mm",
+            mesh,
+            median_cpu_time(lambda at=tolerance: tessellate(SuperconicSolid(body), at)),
+        )
 
 
-def open_cascade(body: ConicBody) -> Iterator[Row]:
-    """Open CASCADE's incremental mesher on the B-rep that `cad.kernel.brep` makes."""
+def open_cascade(body: ConicBody) -> Iterator[MeshResult]:
+    """Mesh with Open CASCADE's incremental mesher, on the B-rep solid of `cad.kernel.brep`."""
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepTools import BRepTools
 
@@ -127,21 +135,21 @@ def open_cascade(body: ConicBody) -> Iterator[Row]:
     shape = brep.BrepEvaluator().shape(SuperconicSolid(body))
 
     def run(linear: float, angular: float) -> None:
-        BRepTools.Clean_s(shape.wrapped)  # or it takes over a finer mesh that is there already
+        BRepTools.Clean_s(shape.wrapped)  # otherwise the mesher reuses a finer mesh of a previous run
         BRepMesh_IncrementalMesh(shape.wrapped, linear, False, angular, False)
 
-    for way, tolerances in OCC.items():
+    for mesher, tolerances in OCC.items():
         for linear, angular in tolerances:
-            cpu = timed(lambda at=linear, turn=angular: run(at, turn))
+            cpu = median_cpu_time(lambda at=linear, turn=angular: run(at, turn))
             vertices, triangles = shape.tessellate(linear, angular)
             mesh = Mesh(np.array([v.toTuple() for v in vertices]), np.array(triangles))
-            yield judged(body, way, f"{linear:g} mm, {angular:g}", mesh, cpu)
-            if cpu > ENOUGH_S:
+            yield measure_mesh(body, mesher, f"{linear:g} mm, {angular:g}", mesh, cpu)
+            if cpu > MAX_MESHING_S:
                 break
 
 
-def gmsh_rows(body: ConicBody) -> Iterator[Row]:
-    """gmsh's default mesher for surfaces, on the STEP file."""
+def gmsh_surface_mesher(body: ConicBody) -> Iterator[MeshResult]:
+    """Mesh with gmsh's default surface mesher, on the STEP file."""
     import cadquery as cq
     import gmsh
 
@@ -162,20 +170,20 @@ def gmsh_rows(body: ConicBody) -> Iterator[Row]:
 
     for count in GMSH_PER_TURN:
         gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", count)
-        cpu = timed(run)
+        cpu = median_cpu_time(run)
         tags, xyz, _ = gmsh.model.mesh.getNodes()
         row_of = np.zeros(int(tags.max()) + 1, dtype=np.int64)
         row_of[tags] = np.arange(len(tags))
         triangles = row_of[gmsh.model.mesh.getElementsByType(2)[1].astype(np.int64)].reshape(-1, 3)
         mesh = Mesh(np.array(xyz).reshape(-1, 3), triangles)
-        yield judged(body, "gmsh", f"{count} a turn", mesh, cpu)
-        if cpu > ENOUGH_S:
+        yield measure_mesh(body, "gmsh", f"{count} per turn", mesh, cpu)
+        if cpu > MAX_MESHING_S:
             break
     gmsh.finalize()
 
 
-def time_at(rows: list[Row], measure: str, error: float) -> float | None:
-    """CPU time [s] at an error, between two meshes in logarithms; None outside what was measured."""
+def interpolate_time(rows: list[MeshResult], measure: str, error: float) -> float | None:
+    """Interpolate the CPU time [s] at an error between meshes, in logarithms; None outside the measured range."""
     known = sorted((math.log(getattr(r, measure)), math.log(r.cpu_s)) for r in rows)
     x = math.log(error)
     if not known[0][0] <= x <= known[-1][0]:
@@ -183,80 +191,93 @@ def time_at(rows: list[Row], measure: str, error: float) -> float | None:
     return math.exp(float(np.interp(x, *zip(*known, strict=True))))
 
 
-def order(rows: list[Row], errors: NDArray[np.float64]) -> float:
-    """Slope of an error against the chord length, which falls with the root of the number of triangles."""
+def convergence_order(rows: list[MeshResult], errors: NDArray[np.float64]) -> float:
+    """Fit the order of convergence: slope of the error against the chord length, in logarithms.
+
+    The chord length falls with the root of the number of triangles.
+    """
     chords = -0.5 * np.log([r.triangles for r in rows])
     return float(np.polyfit(chords, np.log(errors), 1)[0])
 
 
-def print_tables(rows: list[Row]) -> None:
-    print(f"{'way':20}{'asked for':>15}{'triangles':>11}{'deviation mm':>14}{'volume error':>14}{'CPU s':>10}")
+def print_tables(rows: list[MeshResult]) -> None:
+    print(f"{'mesher':20}{'requested':>15}{'triangles':>11}{'deviation mm':>14}{'volume error':>14}{'CPU s':>10}")
     for r in rows:
-        print(f"{r.way:20}{r.setting:>15}{r.triangles:11}{r.deviation_mm:14.2e}{r.volume_error:14.2e}{r.cpu_s:10.4f}")
-    ways = {way: [r for r in rows if r.way == way] for way in dict.fromkeys(r.way for r in rows)}
+        print(
+            f"{r.mesher:20}{r.setting:>15}{r.triangles:11}{r.deviation_mm:14.2e}{r.volume_error:14.2e}{r.cpu_s:10.4f}"
+        )
+    meshers = {mesher: [r for r in rows if r.mesher == mesher] for mesher in dict.fromkeys(r.mesher for r in rows)}
     for measure, marks in MARKS.items():
-        print(f"\nCPU time against our grid's at equal {measure} (interpolated; - where not measured)")
+        print(f"\nCPU time relative to the structured grid at equal {measure} (interpolated; - where not measured)")
         print(f"{'':20}" + "".join(f"{mark:>10g}" for mark in marks))
-        for way, its in ways.items():
-            if way != OURS:
-                pairs = [(time_at(its, measure, mark), time_at(ways[OURS], measure, mark)) for mark in marks]
-                print(f"{way:20}" + "".join(f"{a / b:9.0f}x" if a and b else f"{'-':>10}" for a, b in pairs))
+        for mesher, its in meshers.items():
+            if mesher != GRID:
+                pairs = [
+                    (interpolate_time(its, measure, mark), interpolate_time(meshers[GRID], measure, mark))
+                    for mark in marks
+                ]
+                print(f"{mesher:20}" + "".join(f"{a / b:9.0f}x" if a and b else f"{'-':>10}" for a, b in pairs))
     print("\nOrder of convergence in the chord length (2 expected)")
-    for way, its in ways.items():
+    for mesher, its in meshers.items():
         if len(its) >= 3:
-            fitted = [order(its, np.array(e)) for e in ([r.deviation_mm for r in its], [r.volume_error for r in its])]
-            print(f"{way:20} deviation {fitted[0]:5.2f}   volume {fitted[1]:5.2f}")
+            fitted = [
+                convergence_order(its, np.array(e))
+                for e in ([r.deviation_mm for r in its], [r.volume_error for r in its])
+            ]
+            print(f"{mesher:20} deviation {fitted[0]:5.2f}   volume {fitted[1]:5.2f}")
 
 
-def draw(rows: list[Row], path: Path) -> None:
-    """Work-precision picture: deviation and volume error over CPU time."""
+def draw(rows: list[MeshResult], path: Path) -> None:
+    """Draw a work-precision diagram: deviation and volume error over CPU time."""
     import matplotlib
 
     matplotlib.use("Agg")
     from matplotlib import pyplot as plt
 
     figure, axes = plt.subplots(1, 2, figsize=(12, 5.2), sharex=True, layout="constrained")
-    for way in dict.fromkeys(r.way for r in rows):
-        its = [r for r in rows if r.way == way]
-        style = {"linewidth": 2.6, "marker": "o", "color": "black"} if way == OURS else {"marker": "s", "markersize": 4}
-        axes[0].loglog([r.cpu_s for r in its], [r.deviation_mm for r in its], label=way, **style)
-        axes[1].loglog([r.cpu_s for r in its], [r.volume_error for r in its], label=way, **style)
-    axes[0].set_ylabel("farthest facet point from the exact surface [mm]")
-    axes[1].set_ylabel("relative error of the volume")
+    for mesher in dict.fromkeys(r.mesher for r in rows):
+        its = [r for r in rows if r.mesher == mesher]
+        style = (
+            {"linewidth": 2.6, "marker": "o", "color": "black"} if mesher == GRID else {"marker": "s", "markersize": 4}
+        )
+        axes[0].loglog([r.cpu_s for r in its], [r.deviation_mm for r in its], label=mesher, **style)
+        axes[1].loglog([r.cpu_s for r in its], [r.volume_error for r in its], label=mesher, **style)
+    axes[0].set_ylabel("largest deviation from the exact surface [mm]")
+    axes[1].set_ylabel("relative volume error")
     axes[0].axhspan(0.001, 0.1, color="0.93", zorder=0)
     axes[0].text(0.98, 0.098, "0.1 to 0.001 mm", ha="right", va="top", transform=axes[0].get_yaxis_transform())
     for axis in axes:
         axis.set_xlabel("CPU time of meshing [s]")
         axis.grid(True, which="major", color="0.85")
-    axes[1].legend(loc="upper right")  # for both: in the left picture it would hide a mesh
-    figure.suptitle("Meshing the outer form of the FSR 400 fingertip: lower and further left is better")
+    axes[1].legend(loc="upper right")  # one legend for both; in the left diagram it would cover data
+    figure.suptitle("Meshing the outer surface of the FSR 400 fingertip (lower and further left is better)")
     figure.savefig(path, dpi=110, metadata={"Software": None})
 
 
-def cpu_of(*command: str) -> tuple[float, float]:
-    """Wall and CPU time [s] of a process and its children."""
+def process_times(*command: str) -> tuple[float, float]:
+    """Measure wall and CPU time [s] of a Python process and its children."""
     before, start = os.times(), time.perf_counter()
     subprocess.run([sys.executable, *command], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     wall, after = time.perf_counter() - start, os.times()
     return wall, after.children_user - before.children_user + after.children_system - before.children_system
 
 
-def whole_designs(design: Design) -> None:
-    """What all parts with all their checks cost, and all files with STEP against importing cadquery alone."""
+def print_design_costs(design: Design) -> None:
+    """Print the cost of all parts with all checks, and of all files with STEP against importing cadquery alone."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.verify import verify
 
-    cpu = timed(lambda: verify(design, parts_by_name(design), ("stl",), MeshEvaluator(0.01)))
+    cpu = median_cpu_time(lambda: verify(design, parts_by_name(design), ("stl",), MeshEvaluator(0.01)))
     print(f"\nall parts with all mesh checks at 0.01 mm: {cpu:.2f} s CPU, warm (goal 0.5 s)")
     with tempfile.TemporaryDirectory() as folder:
-        cold = [cpu_of("-m", "fingertip", "check", str(DESIGN), "-q") for _ in range(3)]
+        cold = [process_times("-m", "fingertip", "check", str(DESIGN), "-q") for _ in range(3)]
         print("`fingertip check`, cold: {:.2f} s wall, {:.2f} s CPU".format(*min(cold)))
         build = ("-m", "fingertip", "build", str(DESIGN), "--out", folder, "-q")
-        stl = [cpu_of(*build, "--formats", "stl") for _ in range(3)]
+        stl = [process_times(*build, "--formats", "stl") for _ in range(3)]
         print("`fingertip build --formats stl`, cold: {:.2f} s wall, {:.2f} s CPU (goal 0.8 s)".format(*min(stl)))
-        cpu_of("-c", "import cadquery")  # once, uncounted: disk cache
-        pairs = [(cpu_of("-c", "import cadquery"), cpu_of(*build)) for _ in range(3)]
+        process_times("-c", "import cadquery")  # one run, not counted, fills the disk cache
+        pairs = [(process_times("-c", "import cadquery"), process_times(*build)) for _ in range(3)]
     walls = statistics.median(full[0] / alone[0] for alone, full in pairs)
     cpus = statistics.median(full[1] / alone[1] for alone, full in pairs)
     alone, full = pairs[-1]
@@ -271,17 +292,17 @@ def main() -> None:
     load, design = os.getloadavg()[0], Design.load(DESIGN)
     body = design.dimensions.outer
     print(f"{platform.machine()}, {os.cpu_count()} cores, load {load:.1f}, Python {platform.python_version()}")
-    rows = [*ours(body), *open_cascade(body)]
-    omitted = list(OMITTED)
+    rows = [*structured_grid(body), *open_cascade(body)]
+    not_covered = list(NOT_COVERED)
     if importlib.util.find_spec("gmsh"):
-        rows += gmsh_rows(body)
+        rows += gmsh_surface_mesher(body)
     else:
-        omitted.append("gmsh: not installed (pip install gmsh)")
+        not_covered.append("gmsh: not installed (pip install gmsh)")
     print_tables(rows)
-    whole_designs(design)
+    print_design_costs(design)
     picture.parent.mkdir(parents=True, exist_ok=True)
     draw(rows, picture)
-    print("\nleft out:", *omitted, sep="\n- ")
+    print("\nnot covered:", *not_covered, sep="\n- ")
     print(f"\ndrawn to {picture}; load at the end {os.getloadavg()[0]:.1f}")
 
 

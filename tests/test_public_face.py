@@ -1,4 +1,4 @@
-"""`from fingertip import ...`: every name is there, nothing is loaded before it is used."""
+"""Public names of the package: all can be imported, and none is loaded before it is used."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from tests.conftest import run_python
 
 
 @pytest.mark.parametrize("name", fingertip.__all__)
-def test_every_name_is_there_and_documented(name: str) -> None:
+def test_every_public_name_exists_and_is_documented(name: str) -> None:
     value = getattr(fingertip, name)
     assert name == "__version__" or value.__doc__
     assert name in dir(fingertip)
 
 
-def test_unknown_names_are_attribute_errors() -> None:
+def test_unknown_name_raises_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = fingertip.nothing  # type: ignore[attr-defined]
 
 
-def test_the_example_of_the_docstring_runs(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_example_in_the_docstring_runs(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
     from tests.conftest import ROOT
 
     example = (fingertip.__doc__ or "").split("::\n")[1].split("Importing this")[0]
@@ -32,7 +32,7 @@ def test_the_example_of_the_docstring_runs(tmp_path, monkeypatch: pytest.MonkeyP
     assert (tmp_path / "pcb/slip_filter.net").exists()
 
 
-def test_a_part_as_other_peoples_types() -> None:
+def test_part_as_cadquery_solid_and_trimesh() -> None:
     import cadquery
     import trimesh
 
@@ -47,8 +47,8 @@ def test_a_part_as_other_peoples_types() -> None:
         fingertip.part_mesh(design, "bome")
 
 
-def test_commands_that_need_no_geometry_import_none() -> None:
-    """One line for each command, in a process of its own."""
+def test_commands_without_geometry_import_no_heavy_package() -> None:
+    """Each command runs in a process of its own, which prints the heavy packages it has imported."""
     from tests.conftest import design_file
 
     heavy = ("cadquery", "OCP", "trimesh", "vtk", "matplotlib", "scipy", "numba", "manifold3d")

@@ -74,8 +74,8 @@ def test_random_designs_that_break_a_rule_are_rejected_quickly() -> None:
 def test_kernels_agree_on_a_random_design(seed: int) -> None:
     design, evaluator, exact = next(generate_accepted(seed)), MeshEvaluator(TOLERANCE), brep.BrepEvaluator()
     for part in parts_by_name(design).values():
-        expression = part.solid(design)
-        solid = exact.solid(expression)
-        measured = BrepMeasurements(brep.volume(solid), brep.genus(solid))
-        found = check_brep_solid(design, part, evaluator.mesh(expression), measured, 1.0, TOLERANCE)
+        solid = part.solid(design)
+        brep_solid = exact.solid(solid)
+        measured = BrepMeasurements(brep.volume(brep_solid), brep.genus(brep_solid))
+        found = check_brep_solid(design, part, evaluator.mesh(solid), measured, 1.0, TOLERANCE)
         assert [check for check in found if not check.passed] == []

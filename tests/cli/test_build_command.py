@@ -1,13 +1,15 @@
-"""`fingertip build` as a user meets it: exit codes, what is printed where, what is left behind when it fails."""
+"""`fingertip build`: exit codes, output streams, and the files that remain after an error."""
 
 from __future__ import annotations
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from fingertip.cad.shapes.parts import PARTS
 from tests.conftest import design_file, run_fingertip
 
 FSR400 = design_file("fsr400")
@@ -17,23 +19,23 @@ def snapshot(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_json_is_one_object_and_nothing_else(tmp_path: Path) -> None:
+def test_json_output_is_a_single_object(tmp_path: Path) -> None:
     done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--json")
     assert done.returncode == 0
-    told = json.loads(done.stdout)
-    assert told["passed"] is True
-    assert told["parts"]["bone"]["files"] == {"stl": "bone.stl"}
+    output = json.loads(done.stdout)
+    assert output["passed"] is True
+    assert output["parts"]["bone"]["files"] == {"stl": "bone.stl"}
     assert "bone:" in done.stderr, "progress goes to stderr"
 
 
-def test_quiet_says_nothing_on_stderr(tmp_path: Path) -> None:
+def test_quiet_prints_nothing_on_stderr(tmp_path: Path) -> None:
     done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--quiet")
     assert done.returncode == 0
     assert done.stderr == ""
     assert "checks passed" in done.stdout
 
 
-def test_default_folder_is_out_and_the_designs_name(tmp_path: Path) -> None:
+def test_default_folder_is_out_and_the_name_of_the_design(tmp_path: Path) -> None:
     done = run_fingertip(
         "build", FSR400, "--formats", "stl", "--parts", "bone", "--set", "name=mine", PWD=str(tmp_path)
     )
@@ -42,14 +44,14 @@ def test_default_folder_is_out_and_the_designs_name(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "sentence"),
+    ("arguments", "message"),
     [
         (["--set", "skin.width_mm=10"], "skin.width_mm"),
         (["--set", "bone.channel_diameter_mm=9.5"], "wider than the base allows"),
         (["--set", "skin.width=17"], "did you mean width_mm?"),
         (["--set", "skin.width_mm=nan"], "not a finite number"),
         (["--parts", "bone,skinn"], "did you mean skin?"),
-        (["--parts", ","], "nothing was asked for"),
+        (["--parts", ","], "--parts: is empty; choose from bone, skin"),
         (["--parts", "core"], "has no 'core', which only a sleeve is cast around; --set mold.method=sleeve"),
         (["--out", ""], "--out: is empty; give a folder"),
         (["--formats", "stl,obj"], "there is no 'obj'"),
@@ -57,27 +59,27 @@ def test_default_folder_is_out_and_the_designs_name(tmp_path: Path) -> None:
         (["--tolerance-mm", "nan"], "out of bounds"),
     ],
 )
-def test_bad_input_exits_2_with_a_sentence_and_changes_nothing(
-    tmp_path: Path, arguments: list[str], sentence: str
+def test_invalid_input_exits_2_with_a_message_and_changes_nothing(
+    tmp_path: Path, arguments: list[str], message: str
 ) -> None:
     out = tmp_path / "out"
     out.mkdir()
     (out / "bone.stl").write_bytes(b"precious")
     done = run_fingertip("build", FSR400, "--out", out, *arguments)
     assert done.returncode == 2
-    assert sentence in done.stderr
+    assert message in done.stderr
     assert "Traceback" not in done.stderr
     assert done.stdout == ""
     assert snapshot(out) == {"bone.stl": b"precious"}
 
 
-def test_faults_are_json_too(tmp_path: Path) -> None:
+def test_issues_are_printed_as_json(tmp_path: Path) -> None:
     done = run_fingertip("build", tmp_path / "none.toml", "--json")
     assert done.returncode == 2
     assert json.loads(done.stdout)["issues"][0]["message"].startswith("cannot be read")
 
 
-def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
+def test_folder_that_cannot_be_created_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     done = run_fingertip("build", FSR400, "--formats", "stl", "--out", tmp_path / "file" / "deeper")
     assert done.returncode == 2
@@ -85,29 +87,23 @@ def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
     assert snapshot(tmp_path) == {"file": b"in the way"}
 
 
-def test_a_failed_check_exits_1(tmp_path: Path) -> None:
-    script = (
-        "import sys\nfrom dataclasses import replace\nfrom fingertip.cad.shapes.parts import PARTS\n"
-        "PARTS['skin'] = replace(PARTS['skin'], genus=lambda design: 3)\n"
-        "from fingertip.cli import app\napp(sys.argv[1:])\n"
-    )
-    from tests.conftest import run_python
-
-    done = run_python("-c", script, "build", str(FSR400), "--out", str(tmp_path), "--parts", "skin", "--formats", "stl")
+def test_failed_check_exits_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 3))
+    done = run_fingertip("build", FSR400, "--out", tmp_path, "--parts", "skin", "--formats", "stl")
     assert done.returncode == 1, done.stderr
     assert "FAILED skin.stl.genus" in done.stdout
     assert json.loads((tmp_path / "report.json").read_text())["passed"] is False
 
 
 def without_cadquery(tmp_path: Path) -> str:
-    """A PYTHONPATH on which cadquery fails as it does on a Debian without libGL."""
+    """Create a PYTHONPATH on which importing cadquery fails as on a Debian system without libGL."""
     fake = tmp_path / "fake"
     fake.mkdir()
     (fake / "cadquery.py").write_text("raise ImportError('libGL.so.1: cannot open shared object file')\n")
     return str(fake)
 
 
-def test_without_libgl_step_says_what_to_install(tmp_path: Path) -> None:
+def test_without_libgl_the_step_error_names_the_packages_to_install(tmp_path: Path) -> None:
     out = tmp_path / "out"
     done = run_fingertip("build", FSR400, "--out", out, PYTHONPATH=without_cadquery(tmp_path))
     assert done.returncode == 2
@@ -119,26 +115,26 @@ def test_without_libgl_step_says_what_to_install(tmp_path: Path) -> None:
     assert not out.exists()
 
 
-def test_without_libgl_stl_and_3mf_work(tmp_path: Path) -> None:
+def test_without_libgl_stl_and_3mf_are_written(tmp_path: Path) -> None:
     out = tmp_path / "out"
     done = run_fingertip("build", FSR400, "--out", out, "--formats", "stl,3mf", PYTHONPATH=without_cadquery(tmp_path))
     assert done.returncode == 0, done.stderr
     assert (out / "mold_dorsal.3mf").exists()
 
 
-def test_a_step_process_that_dies_leaves_nothing(tmp_path: Path) -> None:
+def test_crashed_step_process_leaves_no_files(tmp_path: Path) -> None:
     fake, out = tmp_path / "fake", tmp_path / "out"
     fake.mkdir()
     (fake / "cadquery.py").write_text("import os\nos.kill(os.getpid(), 9)\n")
     done = run_fingertip("build", FSR400, "--out", out, PYTHONPATH=str(fake))
     assert done.returncode == 2
-    assert "ended without an answer" in done.stderr
+    assert "the B-rep kernel crashed" in done.stderr
     assert not out.exists()
 
 
-def test_a_step_process_that_hangs_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from fingertip import kit as module
-    from fingertip.cad.files.step import StepRequest
+def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from fingertip import build_files as module
+    from fingertip.cad.files.step_process import StepProcess
     from fingertip.design import Design
     from fingertip.errors import GeometryError
 
@@ -146,17 +142,17 @@ def test_a_step_process_that_hangs_is_stopped(tmp_path: Path, monkeypatch: pytes
     fake.mkdir()
     (fake / "cadquery.py").write_text("import time\ntime.sleep(600)\n")
     monkeypatch.setenv("PYTHONPATH", str(fake) + os.pathsep + os.environ.get("PYTHONPATH", ""))
-    monkeypatch.setattr(StepRequest.result, "__defaults__", (3.0,))
+    monkeypatch.setattr(StepProcess.result, "__defaults__", (3.0,))
     with pytest.raises(GeometryError, match="still loading cadquery after 3 s"):
         module.build(Design(), tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
-def test_nothing_half_written_when_the_disk_is_full(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_full_disk_leaves_existing_files_unchanged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip.errors import OutputError
-    from fingertip.files import write_whole
+    from fingertip.files import atomic_write
 
-    write_whole(tmp_path, {"a": b"old", "b": b"old"})
+    atomic_write(tmp_path, {"a": b"old", "b": b"old"})
     original = Path.write_bytes
 
     def full(self: Path, data: bytes) -> int:
@@ -166,68 +162,68 @@ def test_nothing_half_written_when_the_disk_is_full(tmp_path: Path, monkeypatch:
 
     monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(OutputError, match="No space left on device"):
-        write_whole(tmp_path, {"a": b"new", "b": b"new"})
+        atomic_write(tmp_path, {"a": b"new", "b": b"new"})
     assert snapshot(tmp_path) == {"a": b"old", "b": b"old"}
 
 
-def test_a_folder_holds_one_design(tmp_path: Path) -> None:
-    """What an earlier build of another design wrote goes with it, once the new files are there; nothing else does."""
+def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
+    """Files of another design are removed once the new ones are written. Files of the user are kept."""
     quick = ("--formats", "stl", "--tolerance-mm", "0.05")
     run_fingertip("build", FSR400, "--out", tmp_path, *quick)
-    for name in ("bone.step", "skin.3mf", "assembly.step", "core.stl"):  # of earlier runs, and
+    for name in ("bone.step", "skin.3mf", "assembly.step", "core.stl"):  # from earlier builds
         (tmp_path / name).write_bytes(b"old")
     mine = {"mine.txt": b"mine", "exploded.png": b"a picture", "my_bone.stl": b"mine"}
     for name, data in mine.items():
         (tmp_path / name).write_bytes(data)
     before = snapshot(tmp_path)
 
-    refused = run_fingertip("build", FSR400, "--out", tmp_path, *quick, "--set", "skin.width_mm=10")
-    assert refused.returncode == 2
+    rejected = run_fingertip("build", FSR400, "--out", tmp_path, *quick, "--set", "skin.width_mm=10")
+    assert rejected.returncode == 2
     assert snapshot(tmp_path) == before
 
     same = run_fingertip("build", FSR400, "--out", tmp_path, *quick, "--parts", "bone", "--json")
     assert json.loads(same.stdout)["removed"] == []
-    assert set(snapshot(tmp_path)) == set(before), "the same design's other parts stay"
+    assert set(snapshot(tmp_path)) == set(before), "other parts of the same design stay"
 
     other = run_fingertip("build", FSR400, "--out", tmp_path, *quick, "--parts", "bone", "--set", "skin.width_mm=18")
     assert other.returncode == 0, other.stderr
     left = snapshot(tmp_path)
     assert set(left) == {"bone.stl", "design.toml", "report.json", *mine}
     assert {name: left[name] for name in mine} == mine
-    (said,) = (line for line in other.stderr.splitlines() if line.startswith("removed"))
-    assert {word.strip(",") for word in said.split()} >= set(before) - set(left)
+    (message,) = (line for line in other.stderr.splitlines() if line.startswith("removed"))
+    assert {word.strip(",") for word in message.split()} >= set(before) - set(left)
 
 
-def test_a_folder_without_a_design_keeps_everything(tmp_path: Path) -> None:
+def test_folder_without_a_design_file_keeps_all_files(tmp_path: Path) -> None:
     (tmp_path / "skin.stl").write_bytes(b"of somebody")
     done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--parts", "bone")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "skin.stl").read_bytes() == b"of somebody"
 
 
-def test_outdated_files_stay_when_the_new_ones_cannot_be_written(tmp_path: Path) -> None:
+def test_obsolete_files_stay_if_the_new_ones_cannot_be_written(tmp_path: Path) -> None:
     from fingertip.errors import OutputError
-    from fingertip.files import write_whole
+    from fingertip.files import atomic_write
 
-    (tmp_path / "bone.stl").mkdir()  # in the way of a rename
+    (tmp_path / "bone.stl").mkdir()  # keeps the new file from being renamed into place
     (tmp_path / "skin.stl").write_bytes(b"old")
     with pytest.raises(OutputError):
-        write_whole(tmp_path, {"bone.stl": b"new"}, ["skin.stl"])
+        atomic_write(tmp_path, {"bone.stl": b"new"}, ["skin.stl"])
     assert snapshot(tmp_path) == {"skin.stl": b"old"}
 
 
-def test_every_file_of_a_build_is_known(built: object) -> None:
-    from fingertip.kit import WRITTEN, Build
+def test_all_files_of_a_build_are_listed(built: object) -> None:
+    from fingertip.build_files import ALL_FILES, Build
 
     assert isinstance(built, Build)
-    assert set(built.contents) <= set(WRITTEN)
+    assert set(built.contents) <= set(ALL_FILES)
 
 
-def test_a_text_where_a_list_belongs() -> None:
+def test_string_instead_of_a_list_is_rejected() -> None:
     from fingertip import Design, build
     from fingertip.errors import DesignError
 
-    with pytest.raises(DesignError, match=r"--formats: 'stl,3mf' is one text; give a list, such as \['stl', '3mf'\]"):
+    with pytest.raises(DesignError, match=r"--formats: 'stl,3mf' is a string; give a list, such as \['stl', '3mf'\]"):
         build(Design(), formats="stl,3mf")
     with pytest.raises(DesignError, match=r"changes: 'skin.width_mm=18' is one text; give a list"):
         Design.load(changes="skin.width_mm=18")

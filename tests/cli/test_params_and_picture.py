@@ -11,7 +11,7 @@ import numpy as np
 from tests.conftest import design_file, run_fingertip
 
 
-def test_params_lists_everything_with_units_and_bounds() -> None:
+def test_params_lists_units_and_bounds() -> None:
     done = run_fingertip("params")
     assert done.returncode == 0
     line = next(line for line in done.stdout.splitlines() if line.startswith("mold.draft_deg"))
@@ -19,9 +19,9 @@ def test_params_lists_everything_with_units_and_bounds() -> None:
     assert ">= 0, <= 15" in line
 
 
-def test_params_shows_a_designs_own_values() -> None:
-    told = json.loads(run_fingertip("params", design_file("fsr402"), "--set", "mold.wall_mm=5", "--json").stdout)
-    shown = {p["name"]: p for p in told["parameters"]}
+def test_params_shows_the_values_of_a_design() -> None:
+    output = json.loads(run_fingertip("params", design_file("fsr402"), "--set", "mold.wall_mm=5", "--json").stdout)
+    shown = {p["name"]: p for p in output["parameters"]}
     assert shown["sensor.model"]["value"] == "fsr402_short"
     assert shown["mold.wall_mm"]["value"] == 5
     assert shown["mold.wall_mm"]["default"] == 4
@@ -33,10 +33,10 @@ def test_params_prints_a_design_and_a_schema() -> None:
     assert json.loads(run_fingertip("params", "--schema").stdout)["title"] == "fingertip design"
 
 
-def test_picture_shows_all_colours(tmp_path: Path) -> None:
+def test_picture_shows_the_colour_of_every_part(tmp_path: Path) -> None:
     from PIL import Image
 
-    from fingertip.cad.shapes.parts import parts_of
+    from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.design import Design
 
     path = tmp_path / "p.png"
@@ -47,6 +47,6 @@ def test_picture_shows_all_colours(tmp_path: Path) -> None:
     drawn = pixels[(pixels < 250).any(axis=2)]
     assert 0.1 < len(drawn) / pixels[..., 0].size < 0.9
     hue = drawn / drawn.sum(axis=1, keepdims=True)
-    for part in parts_of(Design()).values():
+    for part in parts_by_name(Design()).values():
         own = np.array(part.colour) / sum(part.colour)
         assert (np.abs(hue - own).max(axis=1) < 0.01).mean() > 0.01, part.name

@@ -1,1 +1,5 @@
-"""The parts: described once as expressions, evaluated by a mesh kernel and a B-rep kernel, checked, written."""
+"""Computer-aided design of the parts.
+
+A part is described once as a solid (`solids`, `shapes`). Two geometry kernels evaluate it (`kernel`): one as a triangle
+mesh, the other as an exact B-rep. `files` writes the results, and `verification` checks them.
+"""

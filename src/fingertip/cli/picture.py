@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, picture_issues
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_png_path_issues
 
 
 @command
@@ -26,7 +26,7 @@ def picture(
     from fingertip.view.picture import draw
 
     console = Console(as_json, quiet)
-    if issues := list(picture_issues("--out", out)):
+    if issues := list(find_png_path_issues("--out", out)):
         raise OutputError(issues)
     loaded, _ = load_design(design, changes)
     path = out or Path("out") / loaded.name / "exploded.png"

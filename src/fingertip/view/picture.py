@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.bone import sensor_body
@@ -109,7 +110,7 @@ def _cut_open(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:
 
 def _draw_panel(
     title: str, placed: list[PlacedMesh], camera: Camera, width_px: int, *, labelled: bool
-) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+) -> NDArray[np.uint8]:
     from PIL import Image, ImageDraw, ImageFont
 
     centre, size = bounds([item.mesh for item in placed], camera)

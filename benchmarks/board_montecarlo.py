@@ -17,9 +17,9 @@ import time
 from collections.abc import Callable
 
 from fingertip.board import board_values
-from fingertip.board.values.capacitors import choose_capacitor
-from fingertip.board.values.figures import monte_carlo
-from fingertip.board.values.preferred import choose_section
+from fingertip.board.values.component_selection import select_filter_capacitor
+from fingertip.board.values.tolerance import monte_carlo
+from fingertip.board.values.preferred_values import select_section_resistors
 from fingertip.design import Design
 from fingertip.design.parameters import Board
 
@@ -44,8 +44,8 @@ def main() -> None:
         command = [sys.executable, "-m", "fingertip", "board", "--out", folder, "--quiet"]
         rows: list[tuple[str, Callable[[], object], float]] = [
             ("10 000 boards", lambda: monte_carlo(made.preferred, 3e6, made.first_stage, 1.0, 5.0), 0.2),
-            ("joint E96 search", lambda: choose_section(67.0, 1.0, 1e-6, "E96"), 0.05),
-            ("joint E12 x E96 search", lambda: choose_capacitor(chosen), 0.05),
+            ("joint E96 search", lambda: select_section_resistors(67.0, 1.0, 1e-6, "E96"), 0.05),
+            ("joint E12 x E96 search", lambda: select_filter_capacitor(chosen), 0.05),
             ("fingertip board, cold", lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL), 0.5),
         ]
         print(f"Python {platform.python_version()}, {platform.machine()}, {runs} runs each\n")

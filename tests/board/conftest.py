@@ -1,4 +1,4 @@
-"""Boards that many tests look at: written once a session, read by each."""
+"""Boards that many tests read: written once per session."""
 
 from __future__ import annotations
 
@@ -8,21 +8,24 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import write_board
-from fingertip.board.variants import VARIANTS
+from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 
-BOARDS = {name: variant.changes for name, variant in VARIANTS.items()} | {
+BOARDS = {name: configuration.changes for name, configuration in BOARD_CONFIGURATIONS.items()} | {
     "other values": ("board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.series=E96"),
     "chosen capacitors": ("board.cutoff_hz=50", "board.capacitor_series=E12", "board.supply=single"),
 }
-"""Every variant with every supply, and others of the same places and nets."""
+"""Every configuration, and two more with the same placement and nets."""
 
 Written = Callable[..., Path]
 
 
 @pytest.fixture(scope="session")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Written:
-    """The folder of a design with these changes, for reading only (KiCad's reports may be put beside)."""
+    """Return a function that writes the board of a design with these changes, once, and returns its folder.
+
+    Tests only read from the folder. KiCad's reports may be written into it.
+    """
     folders: dict[tuple[str, ...], Path] = {}
 
     def folder(*changes: str) -> Path:

@@ -1,4 +1,4 @@
-"""Runs kicad-cli with a home of its own, and reads what it writes."""
+"""Run kicad-cli with a home folder of its own, and read its netlists."""
 
 from __future__ import annotations
 
@@ -6,18 +6,20 @@ import os
 import subprocess
 from pathlib import Path
 
-from tests.board.expressions import children, parse
+from tests.oracles.sexpressions import children, parse
 from tests.tools import require_tool
 
-HOW = "run `sh .ci/install-kicad` as root on Debian 12, or install KiCad 9 with its symbols and footprints"
+HOW_TO_INSTALL_KICAD = (
+    "run `sh .ci/install-kicad` as root on Debian 12, or install KiCad 9 with its symbols and footprints"
+)
 
 
 def kicad_cli(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """kicad-cli in this folder; its settings stay there too."""
+    """Run kicad-cli in a folder. Its settings go to a folder beside that."""
     home = folder.parent / "kicad-home"
     home.mkdir(exist_ok=True)
     return subprocess.run(
-        [require_tool("kicad-cli", HOW), *arguments],
+        [require_tool("kicad-cli", HOW_TO_INSTALL_KICAD), *arguments],
         cwd=folder, env=os.environ | {"KICAD_CONFIG_HOME": str(home), "HOME": str(home)},
         capture_output=True, text=True, check=False, timeout=120,
     )  # fmt: skip
@@ -26,8 +28,8 @@ def kicad_cli(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]
 Nets = dict[str, set[tuple[str, str]]]
 
 
-def nets_and_parts(netlist: Path) -> tuple[Nets, dict[str, tuple[str, str]]]:
-    """Net -> its pins, and reference -> value and footprint, of a netlist file."""
+def read_netlist(netlist: Path) -> tuple[Nets, dict[str, tuple[str, str]]]:
+    """Read a netlist file: pins by net, and value and footprint by reference."""
     tree = parse(netlist.read_text("utf-8"))
     nets = {
         next(children(net, "name"))[1]: {
@@ -35,8 +37,8 @@ def nets_and_parts(netlist: Path) -> tuple[Nets, dict[str, tuple[str, str]]]:
         }
         for net in children(next(children(tree, "nets")), "net")
     }
-    parts = {
+    components = {
         next(children(c, "ref"))[1]: (next(children(c, "value"))[1], next(children(c, "footprint"))[1])
         for c in children(next(children(tree, "components")), "comp")
     }
-    return nets, parts
+    return nets, components

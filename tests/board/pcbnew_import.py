@@ -74,7 +74,7 @@ class _Import:
 
     def __init__(self):
         self.steps = 0
-        self.opened = False
+        self.is_open = False
 
     def step(self):
         self.steps += 1
@@ -86,7 +86,7 @@ class _Import:
             _finish({"failed": "the editor's window or its dialog did not appear"})
 
     def _do(self):
-        if self.opened and (dialogs := _dialogs()):
+        if self.is_open and (dialogs := _dialogs()):
             dialog = dialogs[0]
             text = next(w for w in _descendants(dialog) if isinstance(w, wx.TextCtrl))
             text.SetValue(os.environ["FINGERTIP_NETLIST"])
@@ -99,8 +99,8 @@ class _Import:
             _finish({"tested": tested, "updated": _messages(dialog), "board": _board()})
         wx.CallLater(STEP_MS, self.step)
         frame = next((w for w in wx.GetTopLevelWindows() if w.GetName() == "PcbFrame" and w.IsShown()), None)
-        if frame and not self.opened and self.steps > 5:
-            self.opened = True
+        if frame and not self.is_open and self.steps > 5:
+            self.is_open = True
             for menu, _ in frame.GetMenuBar().GetMenus():
                 if found := _menu_item(menu, "Netlist"):
                     event = wx.CommandEvent(wx.wxEVT_MENU, found[1].GetId())

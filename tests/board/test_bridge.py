@@ -1,4 +1,4 @@
-"""The bridge: the article's voltages, the sensor's current, and Kirchhoff's law on the netlist."""
+"""The bridge, compared with the article's voltages, the sensor's current limit and Kirchhoff's law on the netlist."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from fingertip.board.values.bridge import (
     MAX_FORCE_N,
     NEWTON_PER_GRAM,
     article_error_v,
-    fit_bridge,
     max_current_a,
     sensor_conductance_s,
-)  # fmt: skip
-from fingertip.board.values.preferred import decade
+    size_bridge,
+)
+from fingertip.board.values.preferred_values import mantissas
 from fingertip.design import Design
-from tests.board.nodal import number
+from tests.oracles.netlist_nodal import number
 
 CASES = list(itertools.product((5.0, 6.0), ("E24", "E96"), (5.08, 12.7, 4.0), (0.0, 0.5)))
 
 
-def test_the_curve_goes_through_its_points() -> None:
+def test_sensor_curve_passes_through_its_points_and_is_monotonic() -> None:
     for gram, ohm in INTERLINK_CURVE:
         assert sensor_conductance_s(gram * NEWTON_PER_GRAM * (1 + 1e-12)) == pytest.approx(1 / ohm, rel=1e-9)
     forces = [0.2 * 1.05**i for i in range(130)]
@@ -33,9 +33,11 @@ def test_the_curve_goes_through_its_points() -> None:
     assert sensor_conductance_s(0.19) == sensor_conductance_s(0.0) == 0.0
 
 
-@pytest.mark.parametrize(("supply_v", "series", "diameter_mm", "zero"), CASES)
-def test_the_articles_voltages(supply_v: float, series: str, diameter_mm: float, zero: float) -> None:
-    bridge = fit_bridge(supply_v, series, diameter_mm, zero)
+@pytest.mark.parametrize(("supply_v", "series", "diameter_mm", "signal_ground_ratio"), CASES)
+def test_sized_bridge_reproduces_the_articles_voltages(
+    supply_v: float, series: str, diameter_mm: float, signal_ground_ratio: float
+) -> None:
+    bridge = size_bridge(supply_v, series, diameter_mm, signal_ground_ratio)
     for force, volt in ARTICLE_POINTS:
         assert bridge.tactile_v(sensor_conductance_s(force), supply_v) == pytest.approx(volt, abs=0.06)
     # The amplifier's output reaches 0.5 V below the rail (AD623, 10 kohm load).
@@ -43,32 +45,34 @@ def test_the_articles_voltages(supply_v: float, series: str, diameter_mm: float,
     assert bridge.tactile_v(sensor_conductance_s(MAX_FORCE_N), supply_v) > 0
 
 
-@pytest.mark.parametrize(("supply_v", "series", "diameter_mm", "zero"), CASES)
-def test_the_sensors_current_stays_within_its_limit(
-    supply_v: float, series: str, diameter_mm: float, zero: float
+@pytest.mark.parametrize(("supply_v", "series", "diameter_mm", "signal_ground_ratio"), CASES)
+def test_sensor_current_stays_within_its_limit(
+    supply_v: float, series: str, diameter_mm: float, signal_ground_ratio: float
 ) -> None:
-    bridge = fit_bridge(supply_v, series, diameter_mm, zero)
-    currents = [bridge.sensor_current_a(sensor_conductance_s(f / 10), supply_v) for f in range(201)]
+    bridge = size_bridge(supply_v, series, diameter_mm, signal_ground_ratio)
+    conductances = [sensor_conductance_s(f / 10) for f in range(201)]
+    ground_v = signal_ground_ratio * supply_v
+    currents = [g * (bridge.sensor_v(g, supply_v) - ground_v) for g in conductances]
     assert 0.7 * max_current_a(min(diameter_mm, 5.08)) < max(currents) <= max_current_a(diameter_mm)
 
 
-def test_default_values_come_close() -> None:
-    assert article_error_v(fit_bridge(5.0, "E24", 5.08), 5.0) < 0.01
+def test_default_bridge_has_a_small_error() -> None:
+    assert article_error_v(size_bridge(5.0, "E24", 5.08), 5.0) < 0.01
 
 
-def test_values_are_preferred() -> None:
+def test_resistors_of_the_bridge_are_preferred_values() -> None:
     for series in ("E12", "E24", "E96"):
-        bridge = fit_bridge(5.0, series, 5.08)
+        bridge = size_bridge(5.0, series, 5.08)
         for ohm in (bridge.top_ohm, bridge.shunt_ohm, bridge.high_ohm, bridge.low_ohm, bridge.gain_ohm):
-            assert float(f"{ohm:e}".split("e")[0]) * (100 if series == "E96" else 10) in decade(series)
+            assert float(f"{ohm:e}".split("e")[0]) * (100 if series == "E96" else 10) in mantissas(series)
 
 
 @pytest.mark.parametrize("supply", ["split", "single"])
-def test_voltage_by_kirchhoff_from_the_circuit(supply: str) -> None:
-    """Said again from the circuit's own values and nets, with the amplifier's rule alone taken from its data sheet."""
+def test_tactile_voltage_agrees_with_kirchhoffs_law_on_the_circuit(supply: str) -> None:
+    """The voltage follows from values and nets of the circuit, and from the amplifier's gain by its data sheet."""
     values = board_values(Design.load(changes=[f"board.supply={supply}"]))
     circuit = board_circuit(values)
-    ohm = {part.reference: number(part.value) for part in circuit.parts if part.symbol.name == "R"}
+    ohm = {c.reference: number(c.value) for c in circuit.components if c.symbol.name == "R"}
     net = {node: n.name for n in circuit.nets for node in n.nodes}
     volt = {"VCC": 5.0, "GND": 0.0}
     if supply == "single":
@@ -77,6 +81,7 @@ def test_voltage_by_kirchhoff_from_the_circuit(supply: str) -> None:
     for g in (0.0, 1e-4, 1e-3):
         for name, pin in (("SENSOR", ("U2", "3")), ("REFERENCE", ("U2", "2"))):
             assert net[pin] == name
+            # Node voltage: sum of conductance times neighbouring voltage over the sum of conductances.
             total = g if name == net["J1", "1"] else 0.0
             current = total * volt[net["J1", "2"]]
             for r in ("R10", "R11", "R12", "R13"):

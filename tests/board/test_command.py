@@ -1,4 +1,4 @@
-"""`fingertip board` in fresh processes: output, errors, files, and what it does not import."""
+"""`fingertip board`: output, errors, files and imports."""
 
 from __future__ import annotations
 
@@ -10,43 +10,43 @@ import pytest
 from tests.board.test_netlist import FILES
 from tests.conftest import run_fingertip, run_python
 
-FORBIDDEN = ("cadquery", "OCP", "trimesh", "vtk", "numba", "scipy", "matplotlib", "numpy", "manifold3d")
+HEAVY_MODULES = ("cadquery", "OCP", "trimesh", "vtk", "numba", "scipy", "matplotlib", "numpy", "manifold3d")
 
 
-def test_table_and_files(tmp_path: Path) -> None:
+def test_command_prints_tables_and_writes_files(tmp_path: Path) -> None:
     run = run_fingertip("board", "--out", tmp_path / "deep" / "pcb")
     assert run.returncode == 0
-    for figure in ("2375.4", "1187.7", "4750.9", "2.4k", "1.2k", "4.7k", "67.2505", "0.989529", "67.67 (36.61 dB)"):
-        assert figure in run.stdout
+    for text in ("2375.4", "1187.7", "4750.9", "2.4k", "1.2k", "4.7k", "67.2505", "0.989529", "67.67 (36.61 dB)"):
+        assert text in run.stdout
     assert run.stderr.count("wrote ") == len(FILES)
     assert sorted(p.name for p in (tmp_path / "deep" / "pcb").iterdir()) == FILES
 
 
-def test_json_and_quiet(tmp_path: Path) -> None:
+def test_json_output_equals_the_values_file_and_quiet_prints_no_messages(tmp_path: Path) -> None:
     design = tmp_path / "mine.toml"
     design.write_text('[board]\nseries = "E12"\n')
     run = run_fingertip("board", design, "--out", tmp_path, "--json", "--quiet", "--set", "board.series=E96")
     assert (run.returncode, run.stderr) == (0, "")
     data = json.loads(run.stdout)
-    assert {"ideal", "preferred", "achieved", "findings", "files"} <= set(data)
+    assert {"ideal", "preferred", "achieved_response", "errata", "files"} <= set(data)
     assert data["preferred"]["r1_ohm"] == 2370.0
-    assert round(data["achieved"]["cutoff_hz"], 2) == 67.06
-    assert all({"subject", "says", "right"} == set(finding) for finding in data["findings"])
+    assert round(data["achieved_response"]["cutoff_hz"], 2) == 67.06
+    assert all({"subject", "statement", "correction"} == set(erratum) for erratum in data["errata"])
     assert sorted(Path(name).name for name in data["files"]) == FILES
     assert all(Path(name).is_file() for name in data["files"])
-    kept = json.loads((tmp_path / "values.json").read_text())
-    assert kept["parameters"]["series"] == "E96"
-    assert all(kept[key] == data[key] for key in ("ideal", "preferred", "achieved", "findings"))
+    written = json.loads((tmp_path / "values.json").read_text())
+    assert written["parameters"]["series"] == "E96"
+    assert all(written[key] == data[key] for key in ("ideal", "preferred", "achieved_response", "errata"))
 
 
-def test_default_folder_is_pcb(tmp_path: Path) -> None:
+def test_default_output_folder_is_pcb(tmp_path: Path) -> None:
     run = run_fingertip("board", "--quiet", PWD=str(tmp_path))
     assert run.returncode == 0
     assert (tmp_path / "pcb" / "slip_filter.net").is_file()
 
 
-def test_bad_input_says_everything_and_touches_nothing(tmp_path: Path) -> None:
-    (tmp_path / "slip_filter.net").write_text("mine")
+def test_bad_input_reports_all_issues_and_writes_nothing(tmp_path: Path) -> None:
+    (tmp_path / "slip_filter.net").write_text("existing")
     changes = ("board.capacitor_uf=1000", "board.series=E6", "board.gain=5", "board.supply_v=nan")
     run = run_fingertip("board", "--out", tmp_path, "--json", *(a for c in changes for a in ("--set", c)))
     assert run.returncode == 2
@@ -55,18 +55,18 @@ def test_bad_input_says_everything_and_touches_nothing(tmp_path: Path) -> None:
     assert {line.split(": ")[1] for line in lines} == fields
     assert len(lines) == 4
     assert {issue["field"] for issue in json.loads(run.stdout)["issues"]} == fields
-    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("slip_filter.net", "mine")]
+    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("slip_filter.net", "existing")]
 
 
-def test_missing_design_file(tmp_path: Path) -> None:
+def test_missing_design_file_is_reported(tmp_path: Path) -> None:
     run = run_fingertip("board", tmp_path / "none.toml", "--out", tmp_path / "out")
     assert run.returncode == 2
     assert "none.toml: cannot be read" in run.stderr
     assert not (tmp_path / "out").exists()
 
 
-def test_folder_that_cannot_be_written(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("in the way")
+def test_folder_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("a file instead of a folder")
     run = run_fingertip("board", "--out", tmp_path / "file" / "pcb")
     assert run.returncode == 2
     assert "choose another folder with --out" in run.stderr
@@ -74,13 +74,13 @@ def test_folder_that_cannot_be_written(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("arguments", [["board", "--out", "OUT"], ["board", "--out", "OUT", "--json"]])
-def test_heavy_modules_stay_out(tmp_path: Path, arguments: list[str]) -> None:
+def test_command_imports_no_heavy_modules(tmp_path: Path, arguments: list[str]) -> None:
     script = (
         "import sys, contextlib, io\n"
         "from fingertip.cli import app\n"
         "with contextlib.redirect_stdout(io.StringIO()):\n"
         "    app(sys.argv[1:], standalone_mode=False)\n"
-        f"print([name for name in {FORBIDDEN!r} if name in sys.modules])\n"
+        f"print([name for name in {HEAVY_MODULES!r} if name in sys.modules])\n"
     )
     run = run_python("-c", script, *(a.replace("OUT", str(tmp_path)) for a in arguments))
     assert run.returncode == 0, run.stderr
@@ -88,23 +88,25 @@ def test_heavy_modules_stay_out(tmp_path: Path, arguments: list[str]) -> None:
     assert (tmp_path / "values.json").is_file()
 
 
-LOUD = ("board.variant=precision", "board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
-SHORT = ("board.variant=comparator", "detector.sample_rate_hz=10000", "detector.window_samples=60")
+NOISY = ("board.variant=precision", "board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
+SHORT_WINDOW = ("board.variant=comparator", "detector.sample_rate_hz=10000", "detector.window_samples=60")
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    ("changes", "expected"),
     [
-        ((*LOUD, "detector.threshold_v=0.004"), ["rest at 10.9 mV, and detector.threshold_v is 4 mV"]),
-        (LOUD, []),
-        (SHORT, ["detector.window_samples of 60 at 10000 Hz last 6 ms"]),
-        (SHORT[:1], []),
+        ((*NOISY, "detector.threshold_v=0.004"), ["rest at 10.9 mV, and detector.threshold_v is 4 mV"]),
+        (NOISY, []),
+        (SHORT_WINDOW, ["detector.window_samples of 60 at 10000 Hz last 6 ms"]),
+        (SHORT_WINDOW[:1], []),
     ],
 )
-def test_what_a_board_does_badly_is_warned_of(tmp_path: Path, changes: tuple[str, ...], words: list[str]) -> None:
+def test_noisy_boards_and_short_windows_are_warned_of(
+    tmp_path: Path, changes: tuple[str, ...], expected: list[str]
+) -> None:
     run = run_fingertip("board", "--out", tmp_path, "--json", *(a for c in changes for a in ("--set", c)))
     assert run.returncode == 0
-    told = [line for line in run.stderr.splitlines() if line.startswith("warning: ")]
-    assert len(told) == len(words)
-    assert all(part in line for part, line in zip(words, told, strict=True))
-    assert [f"warning: {sentence}" for sentence in json.loads(run.stdout)["warnings"]] == told
+    warnings = [line for line in run.stderr.splitlines() if line.startswith("warning: ")]
+    assert len(warnings) == len(expected)
+    assert all(part in line for part, line in zip(expected, warnings, strict=True))
+    assert [f"warning: {text}" for text in json.loads(run.stdout)["warnings"]] == warnings

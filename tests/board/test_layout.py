@@ -1,4 +1,4 @@
-"""The board: KiCad's design rules, parity with the schematic, and the tracks without KiCad."""
+"""The layout: KiCad's design rules check, parity with the schematic, tracks, silkscreen and pads."""
 
 from __future__ import annotations
 
@@ -12,39 +12,47 @@ import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.circuit import Circuit
-from fingertip.board.kicad.footprints import DOT_MM, FOOTPRINTS, ROUND_RATIO
+from fingertip.board.kicad.footprints import CORNER_RATIOS, DEFAULT_CORNER_RATIO, FOOTPRINTS, PIN_1_DOT_MM
 from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_MM
-from fingertip.board.layout.file import EDGE_CLEARANCE_MM
-from fingertip.board.layout.names import obscured
-from fingertip.board.layout.placement import PlacedPad, Placement, Spot, crowded, placed_pads, turned
-from fingertip.board.layout.placements import load_placement
-from fingertip.board.layout.routing.grid import Rules
-from fingertip.board.layout.routing.paths import cut
+from fingertip.board.layout.pcb_file import EDGE_CLEARANCE_MM
+from fingertip.board.layout.placement import (
+    PlacedPad,
+    Placement,
+    Position,
+    courtyard_overlaps,
+    load_placement,
+    place_pads,
+    rotate_offset,
+)
+from fingertip.board.layout.routing.grid import DesignRules
+from fingertip.board.layout.routing.paths import split_at_junctions
 from fingertip.board.layout.routing.router import route
-from fingertip.board.layout.tracks import load_template
+from fingertip.board.layout.silkscreen import silkscreen_conflicts
+from fingertip.board.layout.template import load_template
 from fingertip.board.output import LAYOUT
-from fingertip.board.variants import VARIANTS
+from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.errors import BoardError
 from tests.board.conftest import BOARDS, Written
-from tests.board.expressions import children, parse
-from tests.board.kicad import HOW, kicad_cli
+from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
+from tests.oracles.sexpressions import children, parse
 from tests.tools import require_tool
 
 CIRCUIT = board_circuit(board_values(Design()))
 ARTICLE_PLACEMENT = load_placement("article_split")
 
 
-def made(name: str) -> tuple[Circuit, Placement]:
-    """A variant's circuit and placement."""
-    return board_circuit(board_values(Design.load(changes=VARIANTS[name].changes))), VARIANTS[name].placement
+def load_board(name: str) -> tuple[Circuit, Placement]:
+    """Circuit and placement of a board."""
+    configuration = BOARD_CONFIGURATIONS[name]
+    return board_circuit(board_values(Design.load(changes=configuration.changes))), configuration.placement
 
 
-RULES = Rules(TRACK_MM, CLEARANCE_MM, VIA_MM, EDGE_CLEARANCE_MM)
+DESIGN_RULES = DesignRules(TRACK_MM, CLEARANCE_MM, VIA_MM, EDGE_CLEARANCE_MM)
 
 
-def findings(folder: Path) -> dict[str, list[str]]:
-    """What KiCad's check of the board finds: violations, unconnected items, differences from the schematic."""
+def run_drc(folder: Path) -> dict[str, list[str]]:
+    """Violations, unconnected items and differences from the schematic that KiCad's design rules check finds."""
     run = kicad_cli(
         folder, "pcb", "drc", LAYOUT, "--schematic-parity", "--severity-all", "--exit-code-violations",
         "--all-track-errors", "--format", "json", "-o", "drc.json",
@@ -55,15 +63,15 @@ def findings(folder: Path) -> dict[str, list[str]]:
     return found
 
 
-NOTHING: dict[str, list[str]] = {"violations": [], "unconnected_items": [], "schematic_parity": []}
+NO_VIOLATIONS: dict[str, list[str]] = {"violations": [], "unconnected_items": [], "schematic_parity": []}
 
 
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
-def test_design_rules_are_kept_and_the_schematic_is_matched(written: Written, changes: tuple[str, ...]) -> None:
-    assert findings(written(*changes)) == NOTHING
+def test_board_passes_design_rules_check_and_matches_the_schematic(written: Written, changes: tuple[str, ...]) -> None:
+    assert run_drc(written(*changes)) == NO_VIOLATIONS
 
 
-SPOILED = {
+CORRUPTIONS = {
     "reference": ('(property "Reference" "R4"', '(property "Reference" "R44"', "schematic_parity"),
     "pin": (r'\(pad "2" smd(.*?)\(pintype "passive"\)', r'(pad "7" smd\1(pintype "passive")', "schematic_parity"),
     "value": ('(property "Value" "4.7k"', '(property "Value" "47k"', "schematic_parity"),
@@ -74,8 +82,8 @@ SPOILED = {
 }
 
 
-@pytest.mark.parametrize(("right", "wrong", "key"), SPOILED.values(), ids=SPOILED)
-def test_a_spoiled_board_is_noticed(tmp_path: Path, right: str, wrong: str, key: str) -> None:
+@pytest.mark.parametrize(("right", "wrong", "key"), CORRUPTIONS.values(), ids=CORRUPTIONS)
+def test_design_rules_check_detects_a_corrupted_board(tmp_path: Path, right: str, wrong: str, key: str) -> None:
     write_board(Design(), tmp_path / "pcb")
     path = tmp_path / "pcb" / LAYOUT
     pattern = right if "\\" in right else re.escape(right)
@@ -83,27 +91,30 @@ def test_a_spoiled_board_is_noticed(tmp_path: Path, right: str, wrong: str, key:
     text, count = re.subn(pattern, wrong, path.read_text("utf-8"), count=maximum, flags=re.DOTALL)
     assert count
     path.write_text(text, encoding="utf-8")
-    assert findings(tmp_path / "pcb")[key]
+    assert run_drc(tmp_path / "pcb")[key]
 
 
-@pytest.mark.parametrize("name", VARIANTS)
-def test_size_and_holes(name: str) -> None:
-    circuit, placement = made(name)
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_board_has_its_size_and_holes_and_no_overlapping_components(name: str) -> None:
+    circuit, placement = load_board(name)
     assert (placement.width, placement.height) == (40.0, 25.0)
-    assert sum(part.reference[0] == "H" for part in circuit.parts) == 4
-    assert list(crowded(circuit, placement)) == []
+    assert sum(component.reference[0] == "H" for component in circuit.components) == 4
+    assert list(courtyard_overlaps(circuit, placement)) == []
 
 
-def test_crowded_parts_are_noticed() -> None:
-    spots = ARTICLE_PLACEMENT.spots
-    close = replace(ARTICLE_PLACEMENT, spots={**spots, "R1": Spot(spots["R4"].x, spots["R4"].y + 1.0)})
-    assert ("R4", "R1") in list(crowded(CIRCUIT, close)) or ("R1", "R4") in list(crowded(CIRCUIT, close))
-    outside = replace(ARTICLE_PLACEMENT, spots={**spots, "R1": Spot(39.5, 12.0)})
-    assert ("R1", "edge") in list(crowded(CIRCUIT, outside))
+def test_overlapping_components_are_detected() -> None:
+    positions = ARTICLE_PLACEMENT.positions
+
+    def overlaps(r1: Position) -> list[tuple[str, str]]:
+        return list(courtyard_overlaps(CIRCUIT, replace(ARTICLE_PLACEMENT, positions={**positions, "R1": r1})))
+
+    close = overlaps(Position(positions["R4"].x, positions["R4"].y + 1.0))
+    assert ("R4", "R1") in close or ("R1", "R4") in close
+    assert ("R1", "edge") in overlaps(Position(39.5, 12.0))
 
 
-def islands(pads: list[PlacedPad], tracks: object) -> int:
-    """Groups of one net's pads that its tracks leave apart, with vias joining the layers."""
+def count_islands(pads: list[PlacedPad], tracks: object) -> int:
+    """Number of groups of one net's pads that its tracks leave unconnected. Vias connect the layers."""
     segments, vias = tracks.segments, tracks.vias  # type: ignore[attr-defined]
     items: list[tuple[set[int], object]] = [({0, 1} if p.pad.drill else {0}, p) for p in pads]
     items += [({s[0]}, s) for s in segments] + [({0, 1}, v) for v in vias]
@@ -137,147 +148,157 @@ def islands(pads: list[PlacedPad], tracks: object) -> int:
     return len({root(i) for i in range(len(pads))})
 
 
-@pytest.mark.parametrize("name", VARIANTS)
-def test_tracks_join_every_net(name: str) -> None:
-    """Said again without KiCad; ground is joined by the pour, so there every pad has a via of its own."""
-    circuit, placement = made(name)
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_tracks_connect_all_pads_of_every_net(name: str) -> None:
+    """An independent check without KiCad. The pour connects ground, so every ground pad has a via of its own."""
+    circuit, placement = load_board(name)
     template = load_template(name, circuit, placement)
-    pads = list(placed_pads(circuit, placement))
+    pads = list(place_pads(circuit, placement))
     for net in circuit.nets:
-        mine = [p for p in pads if p.net == net.name]
+        net_pads = [p for p in pads if p.net == net.name]
         if net.name != "GND":
-            assert islands(mine, template.tracks[net.name]) == 1, net.name
-    front = [p for p in pads if p.net == "GND" and not p.pad.drill]
-    assert len(template.tracks["GND"].vias) == len(front)
+            assert count_islands(net_pads, template.tracks[net.name]) == 1, net.name
+    front_ground_pads = [p for p in pads if p.net == "GND" and not p.pad.drill]
+    assert len(template.tracks["GND"].vias) == len(front_ground_pads)
     assert set(template.fills) == {"F.Cu", "B.Cu"}
-    assert len(template.fills["B.Cu"]) == 1  # one piece behind
+    assert len(template.fills["B.Cu"]) == 1  # a single area on the back
 
 
-def test_a_missing_track_is_noticed() -> None:
+def test_missing_track_or_via_is_detected() -> None:
     tracks = load_template("article_split", CIRCUIT, ARTICLE_PLACEMENT).tracks
-    behind = next(net for net, found in tracks.items() if found.vias and net != "GND")
-    for net, less in ((behind, {"segments": tracks[behind].segments[1:]}), (behind, {"vias": ()})):
-        pads = [p for p in placed_pads(CIRCUIT, ARTICLE_PLACEMENT) if p.net == net]
-        assert islands(pads, tracks[net]) == 1
-        assert islands(pads, replace(tracks[net], **less)) > 1  # type: ignore[arg-type]
+    net = next(net for net, copper in tracks.items() if copper.vias and net != "GND")
+    for change in ({"segments": tracks[net].segments[1:]}, {"vias": ()}):
+        pads = [p for p in place_pads(CIRCUIT, ARTICLE_PLACEMENT) if p.net == net]
+        assert count_islands(pads, tracks[net]) == 1
+        assert count_islands(pads, replace(tracks[net], **change)) > 1  # type: ignore[arg-type]
 
 
-def test_a_template_of_another_placement_is_refused() -> None:
-    moved = replace(ARTICLE_PLACEMENT, spots={**ARTICLE_PLACEMENT.spots, "R1": Spot(11.4, 16.4)})
-    with pytest.raises(BoardError, match=r"another placement: run python -m fingertip\.board\.layout\.rout"):
+def test_template_of_another_placement_is_refused() -> None:
+    moved = replace(ARTICLE_PLACEMENT, positions={**ARTICLE_PLACEMENT.positions, "R1": Position(11.4, 16.4)})
+    message = r"another placement or other nets; run python -m fingertip\.board\.layout\.routing\.reroute article_split"
+    with pytest.raises(BoardError, match=message):
         load_template("article_split", CIRCUIT, moved)
 
 
-@pytest.mark.parametrize("name", VARIANTS)
-def test_every_part_has_its_name_on_the_board_and_it_can_be_read(name: str) -> None:
-    circuit, placement = made(name)
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_every_component_has_a_legible_reference_on_the_board(name: str) -> None:
+    circuit, placement = load_board(name)
     template = load_template(name, circuit, placement)
     vias = [via for tracks in template.tracks.values() for via in tracks.vias]
-    assert list(obscured(circuit, placement, vias, VIA_MM)) == []
-    assert set(placement.names) == {part.reference for part in circuit.parts if part.reference[0] != "H"}
+    assert list(silkscreen_conflicts(circuit, placement, vias, VIA_MM)) == []
+    assert set(placement.reference_labels) == {
+        component.reference for component in circuit.components if component.reference[0] != "H"
+    }
 
 
-@pytest.mark.parametrize("name", VARIANTS)
-def test_the_print_says_which_board_it_is(name: str) -> None:
-    assert VARIANTS[name].placement.words[-1][0].split()[-2:] == name.split("_")
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_silkscreen_names_the_board(name: str) -> None:
+    assert BOARD_CONFIGURATIONS[name].placement.texts[-1][0].split()[-2:] == name.split("_")
 
 
-@pytest.mark.parametrize("name", VARIANTS)
-def test_a_dot_stands_at_pin_1_of_every_amplifier_clear_of_all_pads(name: str) -> None:
-    circuit, placement = made(name)
-    pads = list(placed_pads(circuit, placement))
-    for part in circuit.parts:
-        if part.reference[0] != "U":
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_every_amplifier_has_a_dot_at_pin_1_clear_of_all_pads(name: str) -> None:
+    circuit, placement = load_board(name)
+    pads = list(place_pads(circuit, placement))
+    for component in circuit.components:
+        if component.reference[0] != "U":
             continue
-        dot, spot = FOOTPRINTS[part.footprint].dot, placement.spots[part.reference]
+        dot, position = FOOTPRINTS[component.footprint].pin_1_dot, placement.positions[component.reference]
         assert dot is not None
-        x, y = (a + b for a, b in zip((spot.x, spot.y), turned(spot.angle, *dot), strict=True))
+        x, y = (a + b for a, b in zip((position.x, position.y), rotate_offset(position.angle, *dot), strict=True))
 
-        def away(pad: PlacedPad, x: float = x, y: float = y) -> float:
-            beside = max(abs(pad.x - x) - pad.half_width, 0.0), max(abs(pad.y - y) - pad.half_height, 0.0)
-            return math.hypot(*beside) - DOT_MM / 2
+        def distance_to_dot(pad: PlacedPad, x: float = x, y: float = y) -> float:
+            offset = max(abs(pad.x - x) - pad.half_width, 0.0), max(abs(pad.y - y) - pad.half_height, 0.0)
+            return math.hypot(*offset) - PIN_1_DOT_MM / 2
 
-        assert min(map(away, pads)) > 0.1
-        nearest = min((pad for pad in pads if pad.reference == part.reference), key=away)
-        assert nearest.pad.number == "1", part.reference
+        assert min(map(distance_to_dot, pads)) > 0.1
+        nearest = min((pad for pad in pads if pad.reference == component.reference), key=distance_to_dot)
+        assert nearest.pad.number == "1", component.reference
 
 
-def test_print_that_cannot_be_read_is_noticed() -> None:
-    names, spots = ARTICLE_PLACEMENT.names, ARTICLE_PLACEMENT.spots
-    dot = FOOTPRINTS[CIRCUIT.part("U1").footprint].dot
+def test_illegible_silkscreen_is_detected() -> None:
+    labels, amplifier = ARTICLE_PLACEMENT.reference_labels, ARTICLE_PLACEMENT.positions["U1"]
+    dot = FOOTPRINTS[CIRCUIT.component("U1").footprint].pin_1_dot
     assert dot is not None
-    x, y = turned(spots["U1"].angle, *dot)
-    close = replace(ARTICLE_PLACEMENT, names={**names, "C1": (spots["U1"].x + x, spots["U1"].y + y)})
-    assert "C1 lies on the dot of U1" in list(obscured(CIRCUIT, close))
+    dot_x, dot_y = rotate_offset(amplifier.angle, *dot)
 
-    def found(**moved: tuple[float, float]) -> str:
-        return "; ".join(obscured(CIRCUIT, replace(ARTICLE_PLACEMENT, names={**names, **moved}), [names["R1"]], VIA_MM))
+    def conflicts(**moved: tuple[float, float]) -> str:
+        placement = replace(ARTICLE_PLACEMENT, reference_labels={**labels, **moved})
+        return "; ".join(silkscreen_conflicts(CIRCUIT, placement, [labels["R1"]], VIA_MM))
 
-    assert "R1 lies on via 1" in found()
-    assert "C1 lies on part U1" in found(C1=(spots["U1"].x, spots["U1"].y))
-    assert "C1 lies on R8" in found(C1=names["R8"]) or "R8 lies on C1" in found(C1=names["R8"])
-    assert "C1 lies at the edge" in found(C1=(20.0, 0.4))
-    without = replace(ARTICLE_PLACEMENT, names={k: v for k, v in names.items() if k != "C1"})
-    assert "C1 has no name on the board" in list(obscured(CIRCUIT, without))
+    assert "R1 overlaps via 1" in conflicts()
+    assert "C1 overlaps the pin 1 dot of U1" in conflicts(C1=(amplifier.x + dot_x, amplifier.y + dot_y))
+    assert "C1 overlaps component U1" in conflicts(C1=(amplifier.x, amplifier.y))
+    close = conflicts(C1=labels["R8"])
+    assert "C1 overlaps or nearly touches R8" in close or "R8 overlaps or nearly touches C1" in close
+    assert "C1 is too close to the edge" in conflicts(C1=(20.0, 0.4))
+    without = replace(ARTICLE_PLACEMENT, reference_labels={k: v for k, v in labels.items() if k != "C1"})
+    assert "C1 has no label on the board" in list(silkscreen_conflicts(CIRCUIT, without))
 
 
-@pytest.mark.parametrize("no_vias", [(), ((3.0, 0.0, 9.0, 12.0),)], ids=["free", "print"])
-def test_the_router_joins_and_keeps_clear(no_vias: tuple[tuple[float, float, float, float], ...]) -> None:
-    """Four parts whose nets cross on one layer: one must go behind, and not through what is printed."""
-    names = {"R1": (2.0, 6.0), "R2": (10.0, 6.0), "R4": (6.0, 2.0), "R5": (6.0, 10.0)}
-    pads = [p for p in placed_pads(CIRCUIT, ARTICLE_PLACEMENT) if p.reference in names and p.pad.number == "1"]
+@pytest.mark.parametrize("no_vias", [(), ((3.0, 0.0, 9.0, 12.0),)], ids=["vias anywhere", "no vias in a box"])
+def test_router_connects_crossing_nets_without_vias_in_blocked_boxes(
+    no_vias: tuple[tuple[float, float, float, float], ...],
+) -> None:
+    """The nets of four components cross on one layer, so one must change to the back, outside the boxes."""
+    positions = {"R1": (2.0, 6.0), "R2": (10.0, 6.0), "R4": (6.0, 2.0), "R5": (6.0, 10.0)}
+    nets = {"R1": "A", "R2": "A", "R4": "B", "R5": "B"}
     moved = [
-        replace(p, x=names[p.reference][0], y=names[p.reference][1], net="A" if p.reference in ("R1", "R2") else "B")
-        for p in pads
+        replace(p, x=positions[p.reference][0], y=positions[p.reference][1], net=nets[p.reference])
+        for p in place_pads(CIRCUIT, ARTICLE_PLACEMENT)
+        if p.reference in positions and p.pad.number == "1"
     ]
-    found = route(12.0, 12.0, moved, RULES, no_vias)
-    assert set(found) == {"A", "B"}
-    for net, tracks in found.items():
-        assert islands([p for p in moved if p.net == net], tracks) == 1
-    vias = found["A"].vias + found["B"].vias
+    routed = route(12.0, 12.0, moved, DESIGN_RULES, no_vias)
+    assert set(routed) == {"A", "B"}
+    for net, tracks in routed.items():
+        assert count_islands([p for p in moved if p.net == net], tracks) == 1
+    vias = routed["A"].vias + routed["B"].vias
     assert len(vias) in (0, 2)
     for left, top, right, bottom in no_vias:
-        reach = VIA_MM / 2
-        assert not any(left - reach < x < right + reach and top - reach < y < bottom + reach for x, y in vias)
+        radius = VIA_MM / 2
+        assert not any(left - radius < x < right + radius and top - radius < y < bottom + radius for x, y in vias)
 
 
-def test_tracks_are_cut_where_others_of_their_layer_end_on_them() -> None:
-    """KiCad takes an end in the middle of another track for a loose one."""
-    long, stub, behind = (0, (1.0, 3.0), (3.0, 1.0)), (0, (2.0, 2.0), (2.0, 5.0)), (1, (1.4, 2.6), (9.0, 9.0))
-    assert cut([long, stub, behind]) == [(0, (1.0, 3.0), (2.0, 2.0)), (0, (2.0, 2.0), (3.0, 1.0)), stub, behind]
-    for name in VARIANTS:
-        circuit, placement = made(name)
+def test_segments_are_split_where_others_of_their_layer_end_on_them() -> None:
+    """KiCad reports an end in the middle of another segment as dangling."""
+    long, stub, back = (0, (1.0, 3.0), (3.0, 1.0)), (0, (2.0, 2.0), (2.0, 5.0)), (1, (1.4, 2.6), (9.0, 9.0))
+    first_half, second_half = (0, (1.0, 3.0), (2.0, 2.0)), (0, (2.0, 2.0), (3.0, 1.0))
+    assert split_at_junctions([long, stub, back]) == [first_half, second_half, stub, back]
+    for name in BOARD_CONFIGURATIONS:
+        circuit, placement = load_board(name)
         for tracks in load_template(name, circuit, placement).tracks.values():
-            assert cut(tracks.segments) == list(tracks.segments)
+            assert split_at_junctions(tracks.segments) == list(tracks.segments)
 
 
 @pytest.mark.parametrize("footprint", sorted(FOOTPRINTS))
-def test_pads_are_those_of_kicads_library(footprint: str) -> None:
-    folder = require_tool("/usr/share/kicad/footprints", HOW)
+def test_pads_equal_those_of_kicads_library(footprint: str) -> None:
+    folder = require_tool("/usr/share/kicad/footprints", HOW_TO_INSTALL_KICAD)
     library, name = footprint.split(":")
     module = parse((folder / f"{library}.pretty" / f"{name}.kicad_mod").read_text("utf-8"))
-    theirs = set()
+    kicad_pads = set()
     for pad in children(module, "pad"):
         x, y = (float(word) for word in next(children(pad, "at"))[1:3])
         w, h = (float(word) for word in next(children(pad, "size"))[1:3])
         drill = next((float(d[1]) for d in children(pad, "drill")), 0.0)
         ratio = next((float(r[1]) for r in children(pad, "roundrect_rratio")), 0.0)
         paste = any("Paste" in layer for layer in next(children(pad, "layers")))
-        theirs.add((pad[1], pad[3], x, y, w, h, drill, ratio, paste))
-    shape = FOOTPRINTS[footprint]
-    ratio = ROUND_RATIO.get(footprint, 0.25)
-    ours = {
+        kicad_pads.add((pad[1], pad[3], x, y, w, h, drill, ratio, paste))
+    own = FOOTPRINTS[footprint]
+    ratio = CORNER_RATIOS.get(footprint, DEFAULT_CORNER_RATIO)
+    own_pads = {
         (p.number, p.shape, p.x, p.y, p.width, p.height, p.drill, ratio if p.shape == "roundrect" else 0.0,
-         shape.paste and not p.drill)
-        for p in shape.pads
+         own.has_paste and not p.drill)
+        for p in own.pads
     }  # fmt: skip
-    rounded = [{tuple(round(v, 4) if isinstance(v, float) else v for v in pad) for pad in s} for s in (ours, theirs)]
+    rounded = [
+        {tuple(round(v, 4) if isinstance(v, float) else v for v in pad) for pad in s} for s in (own_pads, kicad_pads)
+    ]
     assert rounded[0] == rounded[1]
 
 
-def test_turning_left_moves_a_pad_on_the_right_to_the_top() -> None:
-    """y runs downwards."""
-    assert turned(0, 1.0, 0.5) == (1.0, 0.5)
-    assert turned(90, 1.0, 0.5) == (0.5, -1.0)
-    assert turned(180, 1.0, 0.5) == (-1.0, -0.5)
-    assert turned(270, 1.0, 0.5) == (-0.5, 1.0)
+def test_counterclockwise_rotation_moves_a_pad_on_the_right_to_the_top() -> None:
+    """The y axis points down."""
+    assert rotate_offset(0, 1.0, 0.5) == (1.0, 0.5)
+    assert rotate_offset(90, 1.0, 0.5) == (0.5, -1.0)
+    assert rotate_offset(180, 1.0, 0.5) == (-1.0, -0.5)
+    assert rotate_offset(270, 1.0, 0.5) == (-0.5, 1.0)

@@ -1,4 +1,4 @@
-"""The schematic, judged by KiCad: no errors, and KiCad's own netlist of the drawing is ours."""
+"""The schematic: KiCad's electrical rules check passes, and KiCad's netlist of the drawing equals ours."""
 
 from __future__ import annotations
 
@@ -9,38 +9,38 @@ import pytest
 
 from fingertip.board import board_values, write_board
 from fingertip.board.output import NETLIST, SCHEMATIC
-from fingertip.board.schematic.file import pin_point
-from fingertip.board.schematic.symbol_shapes import SHAPES
-from fingertip.board.variants import VARIANTS, Variant
+from fingertip.board.schematic.symbol_graphics import SYMBOL_GRAPHICS
+from fingertip.board.schematic.symbols import pin_position
+from fingertip.board.variants import BOARD_CONFIGURATIONS, BoardConfiguration
 from fingertip.design import Design
 from tests.board.conftest import BOARDS, Written
-from tests.board.expressions import children, everywhere
-from tests.board.kicad import HOW, kicad_cli, nets_and_parts
-from tests.board.test_kicad_libraries import PARTS, all_symbols
+from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli, read_netlist
+from tests.board.test_kicad_libraries import COMPONENTS, all_symbols
+from tests.oracles.sexpressions import children, descendants
 from tests.tools import require_tool
 
 
-def violations(folder: Path) -> list[str]:
+def run_erc(folder: Path) -> list[str]:
     run = kicad_cli(folder, "sch", "erc", SCHEMATIC, "--severity-all", "--format", "json", "-o", "erc.json")
     assert run.returncode == 0, run.stderr
     report = json.loads((folder / "erc.json").read_text("utf-8"))
     return [violation["type"] for sheet in report["sheets"] for violation in sheet["violations"]]
 
 
-def exported(folder: Path) -> tuple[object, object]:
+def export_netlist(folder: Path) -> tuple[object, object]:
     run = kicad_cli(folder, "sch", "export", "netlist", SCHEMATIC, "-o", "kicad.net")
     assert run.returncode == 0, run.stderr
-    return nets_and_parts(folder / "kicad.net")
+    return read_netlist(folder / "kicad.net")
 
 
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
-def test_kicads_netlist_of_the_drawing_is_ours(written: Written, changes: tuple[str, ...]) -> None:
-    assert exported(written(*changes)) == nets_and_parts(written(*changes) / NETLIST)
+def test_kicads_netlist_of_the_drawing_equals_ours(written: Written, changes: tuple[str, ...]) -> None:
+    assert export_netlist(written(*changes)) == read_netlist(written(*changes) / NETLIST)
 
 
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
-def test_electrical_rules_are_kept(written: Written, changes: tuple[str, ...]) -> None:
-    assert violations(written(*changes)) == []
+def test_schematic_passes_electrical_rules_check(written: Written, changes: tuple[str, ...]) -> None:
+    assert run_erc(written(*changes)) == []
 
 
 @pytest.mark.parametrize(
@@ -52,40 +52,44 @@ def test_electrical_rules_are_kept(written: Written, changes: tuple[str, ...]) -
     ],
     ids=["label", "wire", "value"],
 )
-def test_a_spoiled_drawing_is_noticed(tmp_path: Path, right: str, wrong: str) -> None:
-    """The check above can fail."""
+def test_kicads_netlist_reveals_a_corrupted_drawing(tmp_path: Path, right: str, wrong: str) -> None:
+    """The comparison of netlists can fail."""
     write_board(Design(), tmp_path / "pcb")
     path = tmp_path / "pcb" / SCHEMATIC
     assert right in path.read_text("utf-8")
     path.write_text(path.read_text("utf-8").replace(right, wrong), encoding="utf-8")
-    assert exported(tmp_path / "pcb") != nets_and_parts(tmp_path / "pcb" / NETLIST)
+    assert export_netlist(tmp_path / "pcb") != read_netlist(tmp_path / "pcb" / NETLIST)
 
 
-@pytest.mark.parametrize("variant", VARIANTS.values(), ids=VARIANTS)
-def test_every_unit_is_placed_once_on_the_grid(variant: Variant) -> None:
-    circuit = variant.kind.circuit(board_values(Design.load(changes=variant.changes)))
-    placed = [(p.reference, p.unit) for p in variant.sheet.placed]
-    wanted = {(part.reference, unit) for part in circuit.parts for unit in range(1, len(SHAPES[part.symbol.name]) + 1)}
+@pytest.mark.parametrize("variant", BOARD_CONFIGURATIONS.values(), ids=BOARD_CONFIGURATIONS)
+def test_every_unit_is_placed_once_and_on_the_grid(variant: BoardConfiguration) -> None:
+    circuit = variant.variant.circuit(board_values(Design.load(changes=variant.changes)))
+    placed = [(p.reference, p.unit) for p in variant.sheet.symbols]
+    expected = {
+        (component.reference, unit)
+        for component in circuit.components
+        for unit in range(1, len(SYMBOL_GRAPHICS[component.symbol.name]) + 1)
+    }
     assert len(placed) == len(set(placed))
-    assert set(placed) == wanted
-    for p in variant.sheet.placed:
-        for pin in SHAPES[circuit.part(p.reference).symbol.name][p.unit - 1].pins.values():
-            x, y = pin_point(p, pin)
+    assert set(placed) == expected
+    for p in variant.sheet.symbols:
+        for pin in SYMBOL_GRAPHICS[circuit.component(p.reference).symbol.name][p.unit - 1].pins.values():
+            x, y = pin_position(p, pin)
             assert (x, y) == (int(x), int(y))
 
 
-@pytest.mark.parametrize("name", sorted(SHAPES))
-def test_pins_lie_where_kicads_library_has_them(name: str) -> None:
-    """So that somebody can update the symbols from the library without tearing wires off."""
-    folder = require_tool("/usr/share/kicad/symbols", HOW)
-    libraries = {part.symbol.name: part.symbol.library for part in PARTS}
+@pytest.mark.parametrize("name", sorted(SYMBOL_GRAPHICS))
+def test_pin_positions_equal_those_of_kicads_library(name: str) -> None:
+    """Symbols can then be updated from the library without disconnecting wires."""
+    folder = require_tool("/usr/share/kicad/symbols", HOW_TO_INSTALL_KICAD)
+    libraries = {component.symbol.name: component.symbol.library for component in COMPONENTS}
     symbols = all_symbols(folder / f"{libraries.get(name, 'power')}.kicad_sym")
     symbol = symbols[name]
     while extended := next(children(symbol, "extends"), None):
         symbol = symbols[extended[1]]
-    theirs = {
+    kicad_pins = {
         next(children(pin, "number"))[1]: tuple(float(word) for word in next(children(pin, "at"))[1:])
-        for pin in everywhere(symbol, "pin")
+        for pin in descendants(symbol, "pin")
     }
-    ours = {key: (p.x, p.y, float(p.angle)) for shape in SHAPES[name] for key, p in shape.pins.items()}
-    assert ours == theirs
+    own_pins = {key: (p.x, p.y, float(p.angle)) for unit in SYMBOL_GRAPHICS[name] for key, p in unit.pins.items()}
+    assert own_pins == kicad_pins

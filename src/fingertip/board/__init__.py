@@ -1,9 +1,9 @@
-"""The slip-filter board: from a design to component values, a circuit, a schematic and a layout for KiCad."""
+"""Slip-filter board: component values, circuit, and KiCad schematic and layout of a design."""
 
 from fingertip.board.output import (
     board_circuit,
+    board_differences,
     board_files,
-    differences,
     fabrication_differences,
     write_board,
     write_fabrication,

@@ -1,4 +1,4 @@
-"""The board's files: what each holds, writing them whole, comparing them with a folder's."""
+"""Files of a board: their content, writing them to a folder, and comparing them with those in a folder."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from pathlib import Path
 
 from fingertip.board.circuit import Circuit
 from fingertip.board.fabrication.bom import bill_of_materials
-from fingertip.board.fabrication.made_from import differing, origin
-from fingertip.board.kicad.netlist import kicad_netlist
-from fingertip.board.kicad.project import kicad_project
-from fingertip.board.layout.file import kicad_board
-from fingertip.board.layout.tracks import load_template
-from fingertip.board.readme.file import HEADING, folder_readme
-from fingertip.board.schematic.file import kicad_schematic
-from fingertip.board.spice.deck import spice_deck
+from fingertip.board.fabrication.provenance import find_outdated_files, provenance_record
+from fingertip.board.kicad.netlist import kicad_netlist_file
+from fingertip.board.kicad.project import kicad_project_file
+from fingertip.board.layout.pcb_file import kicad_pcb_file
+from fingertip.board.layout.template import load_template
+from fingertip.board.readme import HEADING, folder_readme
+from fingertip.board.schematic.schematic_file import kicad_schematic_file
+from fingertip.board.spice import spice_deck
 from fingertip.board.values.board_values import BoardValues, board_values
-from fingertip.board.variants import variant_of
+from fingertip.board.variants import find_configuration
 from fingertip.design import Design
-from fingertip.files import write_whole
+from fingertip.files import atomic_write
 
 NETLIST = "slip_filter.net"
 VALUES = "values.json"
@@ -32,126 +32,125 @@ PROJECT = "slip_filter.kicad_pro"
 README = "README.md"
 
 FAB_FOLDER = "fab"
-MADE_FROM = "made_from.sha256"
-_SHOWN_LINES = 12
+PROVENANCE = "made_from.sha256"
+_MAX_DIFF_LINES = 12
 
 
 def board_circuit(values: BoardValues) -> Circuit:
-    """The circuit with the preferred values. Raises BoardError if it is inconsistent."""
-    return variant_of(values).kind.circuit(values)
+    """Circuit of a board with its preferred values. Raises BoardError if it is inconsistent."""
+    return find_configuration(values).variant.circuit(values)
 
 
 def board_files(design: Design) -> dict[str, bytes]:
-    """File name -> content: KiCad project, netlist, SPICE deck, bill of materials, the values of all, a README.
+    """Content of a board's files by name: KiCad project, netlist, SPICE deck, bill of materials, values and README.
 
     The same design gives the same bytes. Raises BoardError if the values cannot be computed.
     """
     values = board_values(design)
     record = {"parameters": design.board.model_dump(), **values.as_data()}
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    circuit, variant = board_circuit(values), variant_of(values)
-    template = load_template(variant.name, circuit, variant.placement)
+    circuit, configuration = board_circuit(values), find_configuration(values)
+    title = f"Slip filter: variant {values.variant}, {configuration.supply.description}"
+    template = load_template(configuration.name, circuit, configuration.placement)
     return {
-        NETLIST: kicad_netlist(circuit),
-        SCHEMATIC: kicad_schematic(
-            circuit, variant.sheet, f"Slip filter: variant {values.variant}, {variant.supply.words}"
-        ),
-        LAYOUT: kicad_board(circuit, variant.placement, template),
-        PROJECT: kicad_project(circuit),
+        NETLIST: kicad_netlist_file(circuit),
+        SCHEMATIC: kicad_schematic_file(circuit, configuration.sheet, title),
+        LAYOUT: kicad_pcb_file(circuit, configuration.placement, template),
+        PROJECT: kicad_project_file(circuit),
         DECK: spice_deck(circuit, design.board.gain_bandwidth_hz, design.board.supply_v),
         PARTS: bill_of_materials(circuit),
         VALUES: text.encode(),
-        README: folder_readme(circuit, variant, values, design),
+        README: folder_readme(circuit, configuration, values, design),
     }
 
 
 def write_board(design: Design, out: str | Path = "pcb") -> tuple[Path, ...]:
-    """Write the board's files into the folder `out`, all or none; returns their paths.
+    """Write the board's files to the folder `out`, all or none, and return their paths.
 
-    A README.md that is not of this kind is left alone.
+    A README.md that this function did not write is left alone.
 
     Raises
     ------
     BoardError
         If the values cannot be computed.
     OutputError
-        If `out` cannot be written; what was there is unchanged then.
+        If `out` cannot be written. Its files are then unchanged.
     """
     files = board_files(design)
     folder = Path(out)
-    if _foreign(folder / README):
+    if _is_foreign_readme(folder / README):
         del files[README]
-    write_whole(folder, files)
+    atomic_write(folder, files)
     return tuple(folder / name for name in files)
 
 
 def write_fabrication(
-    design: Design, out: str | Path = "pcb", progress: Callable[[str], None] = lambda _words: None
+    design: Design, out: str | Path = "pcb", progress: Callable[[str], None] = lambda message: None
 ) -> tuple[Path, ...]:
-    """Write what is sent to a board house into `out`/fab, all or none; returns the paths. Needs KiCad.
+    """Write the fabrication files to `out`/fab, all or none, and return their paths. Requires KiCad.
 
-    `made_from.sha256` beside them says of which board's files they are, as `sha256sum --check` reads it.
+    `made_from.sha256` beside them records which board files they were made from, in the format of `sha256sum --check`.
 
     Raises
     ------
     MissingLibraryError
         If KiCad is not installed.
     BoardError
-        If KiCad's checks find something.
+        If KiCad's checks find an error.
     OutputError
         If the folder cannot be written.
     """
-    from fingertip.board.fabrication.fab import fabrication_files
+    from fingertip.board.fabrication.fabrication_files import fabrication_files
 
     values = board_values(design)
-    placement, board = variant_of(values).placement, board_files(design)
-    files = fabrication_files(board, board_circuit(values), placement, progress)
-    files[MADE_FROM] = origin(board, files)
+    placement, sources = find_configuration(values).placement, board_files(design)
+    files = fabrication_files(sources, board_circuit(values), placement, progress)
+    files[PROVENANCE] = provenance_record(sources, files)
     folder = Path(out) / FAB_FOLDER
-    write_whole(folder, files)
+    atomic_write(folder, files)
     return tuple(folder / name for name in files)
 
 
-def differences(design: Design, folder: str | Path) -> list[str]:
-    """What a folder's files differ in from those of the design, as sentences and lines; empty if they are current."""
+def board_differences(design: Design, folder: str | Path) -> list[str]:
+    """Describe how a folder's files differ from those of a design, with the first differing lines; empty if equal."""
     found: list[str] = []
     for name, data in board_files(design).items():
         path = Path(folder) / name
-        if name == README and _foreign(path):
+        if name == README and _is_foreign_readme(path):
             continue
         try:
-            kept = path.read_bytes()
+            existing = path.read_bytes()
         except OSError as error:
             found.append(f"{path}: cannot be read ({error.strerror}).")
             continue
-        if kept != data:
+        if existing != data:
             found.append(f"{path}: differs from what this design gives.")
-            found += _first_lines(kept, data)
+            found += _first_difference(existing, data)
     return found
 
 
 def fabrication_differences(design: Design, folder: str | Path, expected: bool = False) -> list[str]:
-    """Why the fabrication files beside a folder's board are not of this design, as sentences; empty if they are.
+    """Describe how the fabrication files in a board's folder differ from those of a design; empty if they do not.
 
-    Where there are none, that is a issue if they are `expected`.
+    If there are none, that counts as a difference only if they are `expected`.
     """
     fab = Path(folder) / FAB_FOLDER
-    if not expected and not (fab / MADE_FROM).is_file() and not any(fab.glob("slip_filter_*")):
+    if not expected and not (fab / PROVENANCE).is_file() and not any(fab.glob("slip_filter_*")):
         return []
-    return differing(fab, MADE_FROM, board_files(design))
+    return find_outdated_files(fab, PROVENANCE, board_files(design))
 
 
-def _first_lines(kept: bytes, data: bytes) -> list[str]:
-    old, new = (text.decode(errors="replace").splitlines() for text in (kept, data))
-    # Files of thousands of lines: from the first that differs on, that is enough.
+def _first_difference(existing: bytes, data: bytes) -> list[str]:
+    old, new = (text.decode(errors="replace").splitlines() for text in (existing, data))
+    # The files have thousands of lines. A few from the first difference on are enough.
     first = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), min(len(old), len(new)))
-    window = slice(first, first + _SHOWN_LINES)
+    window = slice(first, first + _MAX_DIFF_LINES)
     lines = difflib.unified_diff(old[window], new[window], "folder", "design", n=0, lineterm="")
-    return [f"    line {first + 1}:", *(f"    {line}" for line in list(lines)[3 : 3 + _SHOWN_LINES])]
+    return [f"    line {first + 1}:", *(f"    {line}" for line in list(lines)[3 : 3 + _MAX_DIFF_LINES])]
 
 
-def _foreign(path: Path) -> bool:
-    """Whether this is somebody else's README."""
+def _is_foreign_readme(path: Path) -> bool:
+    """Whether a README was not written by `write_board`."""
     try:
         return not path.read_bytes().startswith(HEADING.encode())
     except OSError:

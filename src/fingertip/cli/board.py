@@ -1,4 +1,4 @@
-"""`fingertip board`: component values of the board, and its files for KiCad and SPICE."""
+"""`fingertip board`: compute the component values of the board and write its files for KiCad and SPICE."""
 
 from __future__ import annotations
 
@@ -14,23 +14,30 @@ if TYPE_CHECKING:
     from fingertip.board.values.board_values import BoardValues
     from fingertip.design import Design
 
+_FORCES_N = (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0)
+"""Forces for which the tactile voltage is printed."""
+
 
 @command
 def board(
-    design: Annotated[Path | None, typer.Argument(help="Design file; without it, the defaults.")] = None,
-    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the files.")] = Path("pcb"),
+    design: Annotated[Path | None, typer.Argument(help="Design file; omit it for the default design.")] = None,
+    out: Annotated[Path, typer.Option("--out", "-o", help="Output folder.")] = Path("pcb"),
     check: Annotated[
         bool,
         typer.Option(
             "--check",
-            help="Write nothing; compare the folder (with --fab, OUT/fab too) with the design, exit 1 if it differs.",
+            help="Write nothing; compare the folder (with --fab also OUT/fab) with the design; exit 1 if they differ.",
         ),
     ] = False,
     fab: Annotated[
-        bool, typer.Option("--fab", help="Also gerbers, drill, placement, parts, pictures into OUT/fab; needs KiCad 9.")
+        bool,
+        typer.Option(
+            "--fab",
+            help="Also write gerbers, drill file, placement, parts and renderings to OUT/fab; requires KiCad 9.",
+        ),
     ] = False,
     analysis: Annotated[
-        bool, typer.Option("--analysis", help="Also noise, offsets, tolerances (10 000 boards) and sensitivities.")
+        bool, typer.Option("--analysis", help="Also analyze noise, offsets, tolerances (10 000 boards), sensitivities.")
     ] = False,
     bode: Annotated[
         Path | None, typer.Option("--bode", metavar="FILE", help="Write the Bode table of each stage as CSV.")
@@ -41,8 +48,8 @@ def board(
 ) -> None:
     """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill of materials."""
     from fingertip.board import (
+        board_differences,
         board_values,
-        differences,
         fabrication_differences,
         write_board,
         write_fabrication,
@@ -52,9 +59,9 @@ def board(
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes)
     if check:
-        found = differences(loaded, out) + fabrication_differences(loaded, out, expected=fab)
-        current = "" if found else f"{out} is what this design gives"
-        console.result({"current": not found, "differences": found}, "\n".join(found) or current)
+        found = board_differences(loaded, out) + fabrication_differences(loaded, out, expected=fab)
+        up_to_date = f"{out} is up to date with this design"
+        console.result({"current": not found, "differences": found}, "\n".join(found) or up_to_date)
         if found:
             raise typer.Exit(CHECK_FAILED)
         return
@@ -63,17 +70,18 @@ def board(
     for path in paths:
         console.progress(f"wrote {path}")
     if fab:
-        made = write_fabrication(loaded, out, console.progress)
-        for path in made:
+        fabrication_paths = write_fabrication(loaded, out, console.progress)
+        for path in fabrication_paths:
             console.progress(f"wrote {path}")
-        paths += made
-    outdated = fabrication_differences(loaded, out)
-    for sentence in outdated:
-        console.progress(f"warning: {sentence} Do not send it to anybody.")
-    warnings = list(_warnings(loaded, values))
-    for sentence in warnings:
-        console.progress(f"warning: {sentence}")
-    data, text = values.as_data(), _table(loaded, values)
+        paths += fabrication_paths
+    # Fabrication files of an earlier design may be left in the folder.
+    fab_differences = fabrication_differences(loaded, out)
+    for difference in fab_differences:
+        console.progress(f"warning: {difference} Do not send these files to a board house.")
+    warnings = list(_find_warnings(loaded, values))
+    for warning in warnings:
+        console.progress(f"warning: {warning}")
+    data, text = values.as_data(), _format_tables(loaded, values)
     if bode:
         from fingertip.board.analysis.analyse import bode_table
         from fingertip.files import write_file
@@ -85,33 +93,60 @@ def board(
         from fingertip.board.analysis.analyse import analyse
         from fingertip.board.analysis.report import analysis_text
 
-        found_figures = analyse(loaded)
-        data["analysis"] = found_figures.as_data()
-        text += "\n\n" + analysis_text(found_figures)
-    console.result(
-        {**data, "files": [path.as_posix() for path in paths], "outdated": outdated, "warnings": warnings}, text
-    )
+        analysis_result = analyse(loaded)
+        data["analysis"] = analysis_result.as_data()
+        text += "\n\n" + analysis_text(analysis_result)
+    data |= {
+        "files": [path.as_posix() for path in paths],
+        "fabrication_differences": fab_differences,
+        "warnings": warnings,
+    }
+    console.result(data, text)
 
 
-def _warnings(design: Design, values: BoardValues) -> Iterator[str]:
-    """What the board will do badly, though nothing forbids it."""
-    from fingertip.board.values.white_noise import noise_warning
+def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
+    """Find settings that are valid but make a board that performs badly."""
+    from fingertip.board.values.noise_and_ripple import noise_warning
 
     if warning := noise_warning(values.noise, design.detector.threshold_v):
         yield warning
-    if values.decision:  # here parts decide, so the detector's remarks are the board's; they need numpy
+    if values.comparator_stage:
+        # The comparator is the detector here, so the warnings on detector settings apply. They need numpy.
         from fingertip.slip.detectors import noise
 
         yield from noise.settings_warnings(design)
 
 
-def _table(design: Design, values: BoardValues) -> str:
-    from fingertip.board.circuit import engineering
-    from fingertip.board.values.bridge import sensor_conductance_s
-    from fingertip.board.values.limits import converter_line, swing_line
+def _format_tables(design: Design, values: BoardValues) -> str:
+    from fingertip.board.values.voltage_limits import describe_adc_range, describe_filter_swing
 
-    ideal, preferred = values.ideal, values.preferred
-    resistors = [
+    aliasing, limits = values.aliasing, values.voltage_limits
+    lines = [
+        *_component_lines(design, values),
+        "",
+        *_response_lines(values),
+        "",
+        f"{design.board.supply} supply of {design.board.supply_v:g} V: the signal ground is at "
+        f"{limits.signal_ground_v:g} V, {describe_filter_swing(limits)}",
+        f"at {aliasing.nyquist_hz:g} Hz, half the ADC's sample rate, the tactile voltage is attenuated by "
+        f"{-aliasing.tactile_nyquist_db:.1f} dB and the envelope by {-aliasing.envelope_nyquist_db:.1f} dB",
+        describe_adc_range(limits),
+        "",
+        *_force_lines(design, values),
+        "",
+        "Errata of the article:",
+    ]
+    for erratum in values.errata:
+        lines += [f"  {erratum.subject}", f"    article: {erratum.statement}", f"    correct: {erratum.correction}"]
+    return "\n".join(lines)
+
+
+def _component_lines(design: Design, values: BoardValues) -> list[str]:
+    """Component values: ideal, preferred, deviation and function."""
+    from fingertip.board.circuit import format_value
+
+    ideal, preferred, bridge, adc = values.ideal, values.preferred, values.bridge, values.adc_interface
+    filter_resistors = [
         ("R1", ideal.r1_ohm, preferred.r1_ohm, "first stage, pole"),
         ("R2", ideal.r2_ohm, preferred.r2_ohm, "Sallen-Key, feedback"),
         ("R3", ideal.r3_ohm, preferred.r3_ohm, "Sallen-Key, to ground"),
@@ -119,68 +154,61 @@ def _table(design: Design, values: BoardValues) -> str:
         ("R5", ideal.r5_ohm, preferred.r5_ohm, "gain, feedback"),
         ("R6", ideal.r_lp_ohm, preferred.r_lp_ohm, "R_LP, envelope"),
     ]
-    lines = [f"{'part':10} {'ideal':>14} {design.board.series:>10} {'off by':>9}  what it does"]
-    lines += [
-        f"{name:10} {ohm:10.1f} ohm {engineering(fitted):>10} {100 * (fitted / ohm - 1):+8.2f}%  {role}"
-        for name, ohm, fitted, role in resistors
-    ]
-    lines += [
-        f"{'C1 C2 C3':10} {'':14} {engineering(preferred.c_f):>10} {'':9}  both filters",
-        f"{'C4':10} {'':14} {engineering(preferred.c_lp_f):>10} {'':9}  C_LP, envelope",
-    ]
-    bridge = values.bridge
-    lines += [
-        f"{name:10} {'':14} {engineering(ohm):>10} {'':9}  bridge, {role}"
-        for name, ohm, role in (
-            ("R10", bridge.top_ohm, "supply to sensor"),
-            ("R11", bridge.shunt_ohm, "parallel to the sensor"),
-            ("R12", bridge.high_ohm, "supply to reference"),
-            ("R13", bridge.low_ohm, "reference to ground"),
-            ("R14", bridge.gain_ohm, f"gain of {bridge.gain:.2f}"),
-        )
-    ]
     others = [
-        ("R7 C8", values.converter.envelope_ohm, values.converter.envelope_f, "anti-alias, envelope"),
-        ("R8 C9", values.converter.first_ohm, values.converter.first_f, "anti-alias, tactile voltage"),
-        ("R9 C19", values.converter.second_ohm, values.converter.second_f, "the same, second pole"),
+        ("C1 C2 C3", (preferred.c_f,), "both filters"),
+        ("C4", (preferred.c_lp_f,), "C_LP, envelope"),
+        ("R10", (bridge.top_ohm,), "bridge, supply to sensor"),
+        ("R11", (bridge.shunt_ohm,), "bridge, parallel to the sensor"),
+        ("R12", (bridge.high_ohm,), "bridge, supply to reference"),
+        ("R13", (bridge.low_ohm,), "bridge, reference to signal ground"),
+        ("R14", (bridge.gain_ohm,), f"bridge, gain of {bridge.gain:.2f}"),
+        ("R7 C8", (adc.envelope_ohm, adc.envelope_f), "anti-aliasing, envelope"),
+        ("R8 C9", (adc.first_ohm, adc.first_f), "anti-aliasing, tactile voltage, first pole"),
+        ("R9 C19", (adc.second_ohm, adc.second_f), "anti-aliasing, tactile voltage, second pole"),
     ]
-    if values.first_stage:
-        series_f, limit_f = values.first_stage.series_f, values.first_stage.limit_f
-        others.append(("C14 C20", series_f, limit_f, "no gain at rest, none above the vibrations"))
+    if first_stage := values.first_stage:
+        capacitors = (first_stage.series_f, first_stage.limit_f)
+        others.append(("C14 C20", capacitors, "first stage, no gain for DC and above the vibrations"))
+    lines = [f"{'component':10} {'ideal':>14} {design.board.series:>10} {'deviation':>9}  function"]
     lines += [
-        f"{name:10} {'':14} {f'{engineering(one)} {engineering(two)}':>10} {'':9}  {role}"
-        for name, one, two, role in others
+        f"{name:10} {ohm:10.1f} ohm {format_value(fitted):>10} {100 * (fitted / ohm - 1):+8.2f}%  {function}"
+        for name, ohm, fitted, function in filter_resistors
     ]
-    wanted, achieved = values.wanted, values.achieved
+    lines += [
+        f"{names:10} {'':14} {' '.join(map(format_value, components)):>10} {'':9}  {function}"
+        for names, components, function in others
+    ]
+    return lines
+
+
+def _response_lines(values: BoardValues) -> list[str]:
+    """Frequency response of the ideal and of the preferred components."""
+    target, achieved = values.target_response, values.achieved_response
     quantities = [
-        ("largest gain", wanted.passband_gain, achieved.passband_gain, ""),
-        ("largest gain", wanted.passband_gain_db, achieved.passband_gain_db, "dB"),
-        ("first pole", wanted.first_pole_hz, achieved.first_pole_hz, "Hz"),
-        ("Sallen-Key f0", wanted.section_hz, achieved.section_hz, "Hz"),
-        ("Sallen-Key Q", wanted.section_quality, achieved.section_quality, ""),
-        ("-3 dB overall", wanted.cutoff_hz, achieved.cutoff_hz, "Hz"),
-        ("upper -3 dB", wanted.upper_cutoff_hz, achieved.upper_cutoff_hz, "Hz"),
-        ("envelope pole", wanted.envelope_pole_hz, achieved.envelope_pole_hz, "Hz"),
-        ("envelope decay", 1e3 * wanted.envelope_decay_s, 1e3 * achieved.envelope_decay_s, "ms"),
-        ("amplifier bandwidth", wanted.amplifier_bandwidth_hz, achieved.amplifier_bandwidth_hz, "Hz"),
+        ("maximum gain", target.passband_gain, achieved.passband_gain, ""),
+        ("maximum gain", target.passband_gain_db, achieved.passband_gain_db, "dB"),
+        ("first pole", target.first_pole_hz, achieved.first_pole_hz, "Hz"),
+        ("Sallen-Key f0", target.section_hz, achieved.section_hz, "Hz"),
+        ("Sallen-Key Q", target.section_quality, achieved.section_quality, ""),
+        ("lower -3 dB", target.cutoff_hz, achieved.cutoff_hz, "Hz"),
+        ("upper -3 dB", target.upper_cutoff_hz, achieved.upper_cutoff_hz, "Hz"),
+        ("envelope pole", target.envelope_pole_hz, achieved.envelope_pole_hz, "Hz"),
+        ("envelope decay time", 1e3 * target.envelope_decay_s, 1e3 * achieved.envelope_decay_s, "ms"),
+        ("amplifier bandwidth", target.amplifier_bandwidth_hz, achieved.amplifier_bandwidth_hz, "Hz"),
     ]
-    lines += ["", f"{'response':20} {'ideal':>12} {'achieved':>12}"]
-    lines += [f"{name:20} {was:12.6g} {now:12.6g} {unit}".rstrip() for name, was, now, unit in quantities]
-    alias, limits = values.alias, values.limits
-    lines += [
-        "",
-        f"{design.board.supply} supply of {design.board.supply_v:g} V: signals rest at {limits.rest_v:g} V, "
-        f"{swing_line(limits)}",
-        f"at {alias.nyquist_hz:g} Hz, half the converter's rate, the tactile voltage has lost "
-        f"{-alias.raw_nyquist_db:.1f} dB, the envelope {-alias.envelope_nyquist_db:.1f} dB",
-        converter_line(limits),
-    ]
-    lines += ["", f"{'force':>8} {'sensor':>10} {'tactile voltage':>16}"]
-    for force in (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0):
-        conductance = sensor_conductance_s(force)
-        ohm = f"{1 / conductance:.0f} ohm" if conductance else "open"
-        lines.append(f"{force:6g} N {ohm:>10} {bridge.tactile_v(conductance, design.board.supply_v):14.2f} V")
-    lines += ["", "The article's own figures:"]
-    for finding in values.findings:
-        lines += [f"  {finding.subject}", f"    says:  {finding.says}", f"    right: {finding.right}"]
-    return "\n".join(lines)
+    lines = [f"{'response':20} {'ideal':>12} {'achieved':>12}"]
+    lines += [f"{name:20} {ideal:12.6g} {real:12.6g} {unit}".rstrip() for name, ideal, real, unit in quantities]
+    return lines
+
+
+def _force_lines(design: Design, values: BoardValues) -> list[str]:
+    """Sensor resistance and tactile voltage at a few forces."""
+    from fingertip.board.values.bridge import sensor_conductance_s
+
+    lines = [f"{'force':>8} {'sensor':>10} {'tactile voltage':>16}"]
+    for force_n in _FORCES_N:
+        conductance_s = sensor_conductance_s(force_n)
+        resistance = f"{1 / conductance_s:.0f} ohm" if conductance_s else "open"
+        tactile_v = values.bridge.tactile_v(conductance_s, design.board.supply_v)
+        lines.append(f"{force_n:6g} N {resistance:>10} {tactile_v:14.2f} V")
+    return lines

@@ -1,1 +1,1 @@
-"""The board's values: formulas, preferred values, and what built parts achieve."""
+"""Component values of the board: formulas, preferred values, and the resulting response, noise and limits."""

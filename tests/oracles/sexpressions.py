@@ -1,4 +1,4 @@
-"""S-expressions as nested lists: a reader that shares nothing with the package."""
+"""Oracle: a reader of s-expressions as nested lists that shares no code with the package."""
 
 from __future__ import annotations
 
@@ -10,26 +10,28 @@ Expression = list[Any]
 
 
 def parse(text: str) -> Expression:
-    """An s-expression as nested lists of words."""
+    """Parse an s-expression into nested lists of words."""
     stack: list[Expression] = [[]]
     for quoted, bracket, word in re.findall(r'"((?:[^"\\]|\\.)*)"|([()])|([^\s()"]+)', text):
         if bracket == "(":
             stack.append([])
         elif bracket == ")":
-            done = stack.pop()
-            stack[-1].append(done)
+            closed = stack.pop()
+            stack[-1].append(closed)
         else:
             stack[-1].append(word or quoted)
     return stack[0][0]  # type: ignore[no-any-return]
 
 
 def children(expression: Expression, head: str) -> Iterator[Expression]:
+    """Direct children of an expression whose first word is `head`."""
     return (item for item in expression if isinstance(item, list) and item and item[0] == head)
 
 
-def everywhere(expression: Expression, head: str) -> Iterator[Expression]:
+def descendants(expression: Expression, head: str) -> Iterator[Expression]:
+    """Descendants of an expression at any depth whose first word is `head`."""
     for item in expression:
         if isinstance(item, list):
             if item and item[0] == head:
                 yield item
-            yield from everywhere(item, head)
+            yield from descendants(item, head)

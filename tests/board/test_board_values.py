@@ -1,4 +1,4 @@
-"""From a design to ideal, preferred and achieved values, and the rules between the board's parameters."""
+"""Ideal, preferred and achieved values of a design, and the rules between the board's parameters."""
 
 from __future__ import annotations
 
@@ -10,46 +10,50 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.circuit import Circuit, farads_or_ohms
-from fingertip.board.layout.tracks import fingerprint
-from fingertip.board.values.filters import response
-from fingertip.board.values.ripple import DEAD_ZONE_V
-from fingertip.board.variants import VARIANTS
+from fingertip.board.circuit import Circuit, parse_value
+from fingertip.board.layout.template import fingerprint
+from fingertip.board.values.ideal_response import ideal_response
+from fingertip.board.values.noise_and_ripple import DEAD_ZONE_V
+from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
-from fingertip.design.filter_components import MAX_OHM, MIN_OHM, Components
+from fingertip.design.filter_components import MAX_OHM, MIN_OHM, FilterComponents
 from fingertip.errors import DesignError
 
 
-def resistors(c: Components) -> tuple[float, ...]:
+def resistances(c: FilterComponents) -> tuple[float, ...]:
+    """All resistances of the filter [ohm]."""
     return (c.r1_ohm, c.r2_ohm, c.r3_ohm, c.r4_ohm, c.r5_ohm, c.r_lp_ohm)
 
 
-def test_defaults_are_the_articles() -> None:
+def test_default_values_are_the_articles() -> None:
     values = board_values(Design())
-    assert values.preferred == Components(2400.0, 1200.0, 4700.0, 1500.0, 100e3, 2000.0, 1e-6, 2.2e-6)
-    formulas = response(values.preferred, 3e6)
-    assert values.achieved.section_quality == formulas.section_quality
-    # From the circuit: the amplifier's finite gain takes half a thousandth.
-    assert values.achieved.passband_gain == pytest.approx(formulas.passband_gain, rel=1e-3)
-    assert values.achieved.cutoff_hz == pytest.approx(formulas.cutoff_hz, rel=2e-4)
-    assert values.wanted.cutoff_hz == pytest.approx(67, rel=1e-12)
+    assert values.preferred == FilterComponents(2400.0, 1200.0, 4700.0, 1500.0, 100e3, 2000.0, 1e-6, 2.2e-6)
+    formulas = ideal_response(values.preferred, 3e6)
+    assert values.achieved_response.section_quality == formulas.section_quality
+    # Computed from the circuit: the amplifier's finite gain reduces the gain by half a thousandth.
+    assert values.achieved_response.passband_gain == pytest.approx(formulas.passband_gain, rel=1e-3)
+    assert values.achieved_response.cutoff_hz == pytest.approx(formulas.cutoff_hz, rel=2e-4)
+    assert values.target_response.cutoff_hz == pytest.approx(67, rel=1e-12)
     assert round(formulas.cutoff_hz, 2) == 67.26
 
 
 def test_finer_series_come_nearer() -> None:
-    cutoff = {s: board_values(Design.load(changes=[f"board.series={s}"])).achieved for s in ("E12", "E24", "E96")}
+    cutoff = {
+        s: board_values(Design.load(changes=[f"board.series={s}"])).achieved_response for s in ("E12", "E24", "E96")
+    }
     assert round(cutoff["E96"].cutoff_hz, 2) == 67.06
     assert round(cutoff["E96"].section_quality, 3) == 1.003
     error = [abs(math.log(cutoff[s].cutoff_hz / 67)) for s in ("E12", "E24", "E96")]
     assert error == sorted(error, reverse=True)
 
 
-def test_findings_are_sentences_with_both_sides() -> None:
-    findings = board_values(Design()).findings
-    assert len(findings) == len({f.subject for f in findings}) >= 7
-    assert all(f.says and f.right and f.says != f.right for f in findings)
-    said = " ".join(f.right for f in findings)
-    formulas, found = response(board_values(Design()).preferred, 3e6), board_values(Design()).limits
+def test_errata_agree_with_the_computed_figures() -> None:
+    values = board_values(Design())
+    errata, limits = values.errata, values.voltage_limits
+    assert len(errata) == len({erratum.subject for erratum in errata}) >= 7
+    assert all(e.statement and e.correction and e.statement != e.correction for e in errata)
+    corrections = " ".join(erratum.correction for erratum in errata)
+    formulas = ideal_response(values.preferred, 3e6)
     for figure in (
         f"{formulas.passband_gain:.2f}",
         f"{formulas.passband_gain_db:.2f} dB",
@@ -59,14 +63,14 @@ def test_findings_are_sentences_with_both_sides() -> None:
         f"{formulas.cutoff_hz:.2f} Hz",
         f"{1e3 * formulas.envelope_decay_s:.2f} ms",
         f"{3 * formulas.passband_gain:.0f} mV",  # 3 mV of offset
-        f"{1e3 * DEAD_ZONE_V / formulas.passband_gain:.1f} mV",  # the diode's at the input
-        f"-{found.filter_trough_v:.0f} V (-{found.filter_sure_trough_v:.0f} V to be sure)",
+        f"{1e3 * DEAD_ZONE_V / formulas.passband_gain:.1f} mV",  # the diode's dead zone, referred to the input
+        f"-{limits.filter_trough_v:.0f} V (guaranteed: -{limits.filter_guaranteed_trough_v:.0f} V)",
     ):
-        assert figure in said
+        assert figure in corrections
 
 
-def attempt(board: dict[str, object]) -> tuple[Design | None, set[str]]:
-    """A design with this board, or the fields for which it is refused."""
+def validate(board: dict[str, object]) -> tuple[Design | None, set[str]]:
+    """Return a design with this board, or the fields for which it is refused."""
     try:
         return Design(board=board), set()
     except DesignError as error:
@@ -74,6 +78,7 @@ def attempt(board: dict[str, object]) -> tuple[Design | None, set[str]]:
 
 
 def decades(low: float, high: float) -> st.SearchStrategy[float]:
+    """Numbers from 10^low to 10^high, uniform in their logarithm."""
     return st.floats(low, high).map(lambda exponent: float(10.0**exponent))
 
 
@@ -81,9 +86,10 @@ def decades(low: float, high: float) -> st.SearchStrategy[float]:
 @given(
     decades(-2.0, 4.0), decades(-6.0, 3.0), decades(-2.0, 3.0).map(lambda g: 1.0 + g), decades(3.0, 7.0),
     decades(-2.0, 4.0), decades(-6.0, 3.0), decades(4.0, 9.0), st.sampled_from(["E12", "E24", "E96"]),
-    st.sampled_from(["given", "E6", "E12"]), st.sampled_from(sorted(VARIANTS)), decades(1.0, 5.0), st.floats(5.0, 6.0),
+    st.sampled_from(["given", "E6", "E12"]), st.sampled_from(sorted(BOARD_CONFIGURATIONS)), decades(1.0, 5.0),
+    st.floats(5.0, 6.0),
 )  # fmt: skip
-def test_every_accepted_design_has_a_board(
+def test_every_valid_design_has_a_board(
     f: float, c: float, gain: float, r5: float, f_lp: float, c_lp: float, gbw: float, series: str, capacitors: str,
     name: str, limit: float, supply_v: float,
 ) -> None:  # fmt: skip
@@ -93,25 +99,28 @@ def test_every_accepted_design_has_a_board(
         "envelope_capacitor_uf": c_lp, "gain_bandwidth_hz": gbw, "series": series, "capacitor_series": capacitors,
         "variant": variant, "supply": supply, "band_limit_hz": limit, "supply_v": supply_v,
     }  # fmt: skip
-    design, refused = attempt(board)
+    design, refused = validate(board)
     assert {field.split(".")[0] for field in refused} <= {"board", "detector"}
     if design is None:
         return
     values = board_values(design)
-    assert all(MIN_OHM <= r <= MAX_OHM for r in resistors(values.ideal) + resistors(values.preferred))
-    # Half a step of E12 in every resistor is 10.6%, and the cutoff moves by no more.
-    assert abs(math.log(values.achieved.section_hz / f)) < 0.12
+    assert all(MIN_OHM <= r <= MAX_OHM for r in resistances(values.ideal) + resistances(values.preferred))
+    # Half a step of E12 in every resistor is 10.6 %, and the cutoff changes by no more.
+    assert abs(math.log(values.achieved_response.section_hz / f)) < 0.12
     circuit = board_circuit(values)
-    fitted = {p.reference: farads_or_ohms(p.value) for p in circuit.parts if p.symbol.name in ("R", "C")}
+    fitted = {c.reference: parse_value(c.value) for c in circuit.components if c.symbol.name in ("R", "C")}
     assert all(1e-12 <= v <= 1e-3 for reference, v in fitted.items() if reference[0] == "C")
     assert all(10 <= v <= 10e6 for reference, v in fitted.items() if reference[0] == "R")
-    assert values.limits.bridge_amplifier_margin_v > 0
-    assert fingerprint(circuit, VARIANTS[name].placement) == fingerprint(nominal(name), VARIANTS[name].placement)
+    assert values.voltage_limits.bridge_amplifier_margin_v > 0
+    assert fingerprint(circuit, BOARD_CONFIGURATIONS[name].placement) == fingerprint(
+        default_circuit(name), BOARD_CONFIGURATIONS[name].placement
+    )
 
 
 @functools.cache
-def nominal(name: str) -> Circuit:
-    return board_circuit(board_values(Design.load(changes=VARIANTS[name].changes)))
+def default_circuit(name: str) -> Circuit:
+    """Circuit of a configuration with the other parameters at their defaults."""
+    return board_circuit(board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes)))
 
 
 REFUSED = {
@@ -140,13 +149,13 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("change", REFUSED)
-def test_refused_with_bound_and_remedy(change: str) -> None:
+def test_invalid_parameters_are_refused_with_a_bound_and_a_remedy(change: str) -> None:
     field, remedy = REFUSED[change]
     with pytest.raises(DesignError) as caught:
         Design.load(changes=[change])
-    sentences = {issue.field: issue.message for issue in caught.value.issues if issue.field.startswith("board.")}
-    assert list(sentences) == [field]
-    assert remedy in sentences[field]
+    messages = {issue.field: issue.message for issue in caught.value.issues if issue.field.startswith("board.")}
+    assert list(messages) == [field]
+    assert remedy in messages[field]
 
 
 @pytest.mark.parametrize(
@@ -154,23 +163,23 @@ def test_refused_with_bound_and_remedy(change: str) -> None:
     ["board.capacitor_uf=10", "board.envelope_capacitor_uf=10", "board.capacitor_uf=0.0004751",
      "board.passband_gain=1.01", "board.gain_bandwidth_hz=4.534e4"],
 )  # fmt: skip
-def test_printed_bounds_pass(change: str) -> None:
+def test_printed_bounds_are_valid(change: str) -> None:
     assert board_values(Design.load(changes=[change]))
 
 
-def test_gain_of_a_small_r5() -> None:
+def test_r4_below_its_range_is_refused() -> None:
     with pytest.raises(DesignError, match=r"R4 of 0\.1 ohm, below 10 ohm; at most 101 with"):
         Design.load(changes=["board.r5_ohm=1000", "board.passband_gain=1e4"])
 
 
-def test_faults_of_the_parts_and_of_the_board_come_together() -> None:
+def test_issues_of_the_parts_and_of_the_board_are_reported_together() -> None:
     with pytest.raises(DesignError) as caught:
         Design.load(changes=["board.capacitor_uf=1000", "skin.tip_length_mm=33", "board.series=E6"])
     fields = {issue.field for issue in caught.value.issues}
     assert {"board.capacitor_uf", "skin.tip_length_mm", "board.series"} <= fields
 
 
-def test_precision_needs_a_series_capacitor_that_exists() -> None:
+def test_precision_refuses_a_series_capacitor_above_the_largest() -> None:
     changes = ["board.variant=precision", "board.r5_ohm=10000"]
     with pytest.raises(
         DesignError, match=r"above 100 uF; at least 1\.584e\+04 ohm, or board\.variant=article"
@@ -181,12 +190,12 @@ def test_precision_needs_a_series_capacitor_that_exists() -> None:
     assert Design.load(changes=changes[1:])
 
 
-def test_threshold_outside_the_supply() -> None:
+def test_threshold_beyond_a_split_supply_is_refused() -> None:
     with pytest.raises(DesignError, match=r"6 V is never reached by a board supplied with 5 V; at most 4\.95 V"):
         Design.load(changes=["detector.threshold_v=6"])
 
 
-def test_threshold_outside_a_single_supply() -> None:
+def test_threshold_beyond_a_single_supply_is_refused() -> None:
     with pytest.raises(DesignError, match=r"supplied with 5 V, whose signals rest at 2\.5 V; at most 2\.475 V"):
         Design.load(changes=["detector.threshold_v=2.5", "board.supply=single"])
     assert Design.load(changes=["detector.threshold_v=2.475", "board.supply=single"])
@@ -197,7 +206,7 @@ def test_threshold_outside_a_single_supply() -> None:
 
 @pytest.mark.parametrize("variant", ["precision", "comparator"])
 @pytest.mark.parametrize(
-    ("changes", "sentence", "passing"),
+    ("changes", "message", "passing"),
     [
         (["board.band_limit_hz=200"], "3 cutoffs of 67 Hz; at least 201 Hz", "board.band_limit_hz=201"),
         (
@@ -212,61 +221,61 @@ def test_threshold_outside_a_single_supply() -> None:
         ),
     ],
 )
-def test_band_limits_that_cannot_be(variant: str, changes: list[str], sentence: str, passing: str) -> None:
+def test_impossible_band_limits_are_refused(variant: str, changes: list[str], message: str, passing: str) -> None:
     with pytest.raises(DesignError) as caught:
         Design.load(changes=[f"board.variant={variant}", *changes])
     assert [issue.field for issue in caught.value.issues] == ["board.band_limit_hz"]
-    assert sentence in str(caught.value)
+    assert message in str(caught.value)
     assert Design.load(changes=[f"board.variant={variant}", *changes, passing])
-    assert Design.load(changes=changes)  # variant article has none
+    assert Design.load(changes=changes)  # variant article has no band limit
 
 
 @pytest.mark.parametrize(
-    ("change", "sentence"),
+    ("change", "message"),
     [
         ("board.supply_v=6", "board.supply_v: 6 V is too much for variant comparator's LMV331; at most 5.5 V."),
         ("detector.threshold_v=0.005", "0.011 to 1.25 V with this supply"),
         ("detector.threshold_v=2", "0.011 to 1.25 V with this supply"),
     ],
 )
-def test_comparators_bounds(change: str, sentence: str) -> None:
+def test_bounds_of_the_comparator_apply_to_its_variant_only(change: str, message: str) -> None:
     with pytest.raises(DesignError) as caught:
         Design.load(changes=["board.variant=comparator", change])
     assert len(caught.value.issues) == 1
-    assert sentence in str(caught.value)
+    assert message in str(caught.value)
     assert Design.load(changes=[change])
 
 
 @pytest.mark.parametrize("threshold", ["0.011", "1.25"])
 @pytest.mark.parametrize("series", ["E12", "E96"])
 @pytest.mark.parametrize("supply", ["split", "single"])
-def test_comparator_values_stay_within_range(threshold: str, series: str, supply: str) -> None:
+def test_comparator_thresholds_and_resistances_stay_within_range(threshold: str, series: str, supply: str) -> None:
     if supply == "single" and threshold == "1.25":
         threshold = "0.625"
     changes = ["board.variant=comparator", f"detector.threshold_v={threshold}", f"board.series={series}"]
-    decision = board_values(Design.load(changes=[*changes, f"board.supply={supply}"])).decision
-    assert decision is not None
-    for ohm in (decision.mean_ohm, decision.top_ohm, decision.hysteresis_ohm):
+    stage = board_values(Design.load(changes=[*changes, f"board.supply={supply}"])).comparator_stage
+    assert stage is not None
+    for ohm in (stage.mean_ohm, stage.top_ohm, stage.hysteresis_ohm):
         assert MIN_OHM <= ohm <= MAX_OHM
-    # ON is the design's threshold, to half the series' step; OFF a quarter below, as the series lets it.
-    assert decision.on_v == pytest.approx(float(threshold), rel=0.06 if series == "E12" else 0.01)
-    assert (decision.on_v - decision.off_v) / float(threshold) == pytest.approx(0.25, rel=0.25)
-    assert decision.max_on_v > 1.7 * float(threshold)
+    # ON is the design's threshold to half a step of the series; OFF is a quarter lower, as far as the series permits.
+    assert stage.on_v == pytest.approx(float(threshold), rel=0.06 if series == "E12" else 0.01)
+    assert (stage.on_v - stage.off_v) / float(threshold) == pytest.approx(0.25, rel=0.25)
+    assert stage.max_on_v > 1.7 * float(threshold)
 
 
 @pytest.mark.parametrize("window", [1, 10, 60, 136])
-def test_the_mean_lags_half_the_window_and_bears_the_comparators_current(window: int) -> None:
+def test_averaging_low_pass_has_half_the_window_as_time_constant_and_limits_the_bias_error(window: int) -> None:
     changes = ["board.variant=comparator", f"detector.window_samples={window}"]
-    decision = board_values(Design.load(changes=changes)).decision
-    assert decision is not None
-    assert decision.mean_s == pytest.approx(window / 2000 / 2, rel=0.05)
-    assert decision.max_bias_v == 250e-9 * decision.mean_ohm < 0.55 * 0.017
-    assert decision.mean_f <= 1e-6
+    stage = board_values(Design.load(changes=changes)).comparator_stage
+    assert stage is not None
+    assert stage.mean_s == pytest.approx(window / 2000 / 2, rel=0.05)
+    assert stage.max_bias_v == 250e-9 * stage.mean_ohm < 0.55 * 0.017
+    assert stage.mean_f <= 1e-6
     if window == 60:
-        assert (decision.mean_ohm, decision.mean_f) == (15e3, 1e-6)
+        assert (stage.mean_ohm, stage.mean_f) == (15e3, 1e-6)
 
 
-def test_a_window_too_long_for_the_comparator() -> None:
+def test_a_window_too_long_for_the_comparator_is_refused() -> None:
     changes = ["board.variant=comparator", "detector.window_samples=2000"]
     with pytest.raises(DesignError, match=r"mean of 5e\+05 ohm, .* make 125 mV, .* at most 136 samples") as caught:
         Design.load(changes=changes)

@@ -1,0 +1,97 @@
+"""Preferred values (IEC 60063): the values of a series, and those nearest to a computed one.
+
+Nearest means nearest by ratio.
+"""
+
+from __future__ import annotations
+
+import math
+
+from fingertip.design.filter_components import MAX_OHM, MIN_OHM
+from fingertip.errors import BoardError, Issue
+
+# Mantissas of one decade. E96 is 10^(i/96) to three digits; E12 and E24 follow no formula throughout.
+_E24 = (10, 11, 12, 13, 15, 16, 18, 20, 22, 24, 27, 30, 33, 36, 39, 43, 47, 51, 56, 62, 68, 75, 82, 91)
+_MANTISSAS: dict[str, tuple[int, ...]] = {
+    "E6": _E24[::4],
+    "E12": _E24[::2],
+    "E24": _E24,
+    "E96": tuple(round(100 * 10 ** (i / 96)) for i in range(96)),
+}
+
+
+def mantissas(series: str) -> tuple[int, ...]:
+    """Integer mantissas of one decade: 10 to 68 (E6), 10 to 82 (E12), 10 to 91 (E24), 100 to 976 (E96).
+
+    Raises
+    ------
+    BoardError
+        If the series is not known.
+    """
+    if series not in _MANTISSAS:
+        raise BoardError(Issue("board.series", f"{series!r} is not known; choose {', '.join(_MANTISSAS)}."))
+    return _MANTISSAS[series]
+
+
+def neighbouring_values(
+    value: float, series: str, minimum: float = MIN_OHM, maximum: float = MAX_OHM
+) -> tuple[float, ...]:
+    """Find the preferred values next below and next above `value`.
+
+    Only one is returned if `value` is itself preferred or lies beyond the range.
+
+    Parameters
+    ----------
+    value
+        Positive and finite; in ohm for resistors.
+    series
+        "E6", "E12", "E24" or "E96".
+    minimum, maximum
+        Range of the returned values. Both must be preferred values.
+
+    Raises
+    ------
+    BoardError
+        If `value` is not positive and finite, or the series is not known.
+    """
+    decade = mantissas(series)
+    if not (value > 0 and math.isfinite(value)):
+        raise BoardError(f"{value!r} has no preferred value; give a positive finite number.")
+    value = min(max(value, minimum), maximum)
+    exponent = math.floor(math.log10(value)) - (len(str(decade[0])) - 1)
+    # The values of the decade and one or two more on either side, so that rounding of the logarithm cannot matter.
+    lower = _scaled(decade[-1], exponent - 1)
+    values = [lower, *(_scaled(m, exponent) for m in decade), _scaled(decade[0], exponent + 1)]
+    values.append(_scaled(decade[1], exponent + 1))
+    below = max(v for v in values if v <= value)
+    above = min(v for v in values if v >= value)
+    return (below,) if below == above else (below, above)
+
+
+def nearest_value(value: float, series: str, minimum: float = MIN_OHM, maximum: float = MAX_OHM) -> float:
+    """Find the preferred value nearest to `value` by ratio; of two, the lower. Raises as `neighbouring_values` does."""
+    return min(neighbouring_values(value, series, minimum, maximum), key=lambda v: abs(math.log(v / value)))
+
+
+def values_around(value: float, series: str) -> tuple[float, ...]:
+    """List the preferred resistances from half of `value` to twice `value`. Raises as `neighbouring_values` does."""
+    decade = mantissas(series)
+    exponent = math.floor(math.log10(value)) - (len(str(decade[0])) - 1)
+    values = (_scaled(m, e) for e in (exponent - 1, exponent, exponent + 1) for m in decade)
+    return tuple(v for v in values if value / 2 <= v <= 2 * value and MIN_OHM <= v <= MAX_OHM)
+
+
+def values_in_range(low: float, high: float, series: str) -> tuple[float, ...]:
+    """List the preferred values from `low` to `high`, or the one nearest to `low` where there is none between."""
+    decade = mantissas(series)
+    digits = len(str(decade[0])) - 1
+    exponents = range(math.floor(math.log10(low)) - digits, math.floor(math.log10(high)) - digits + 1)
+    values = (_scaled(m, e) for e in exponents for m in decade)
+    # The ends are computed, so rounding must not exclude a value that lies exactly on one of them.
+    found = tuple(v for v in values if low * (1 - 1e-9) <= v <= high * (1 + 1e-9))
+    return found or (nearest_value(low, series, 1e-12, 1e-3),)
+
+
+def _scaled(mantissa: int, exponent: int) -> float:
+    """mantissa * 10^exponent, correctly rounded."""
+    return float(mantissa * 10**exponent) if exponent >= 0 else mantissa / 10**-exponent

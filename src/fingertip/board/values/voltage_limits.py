@@ -1,0 +1,166 @@
+"""Voltage limits of the board: input range of the ADC, and levels at which its signals clip."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from fingertip.board.supplies import Supply
+from fingertip.board.values.amplifiers import Amplifier
+from fingertip.board.values.bridge import MAX_FORCE_N, Bridge, sensor_conductance_s
+
+DIODE_V = 0.6
+"""Forward voltage of variant article's diode for a large signal [V]."""
+
+# Internal limits of the AD623 (its data sheet, "input and output voltage range"): its input followers shift their
+# inputs up by the drop of a diode and must stay clear of both rails, as must the output.
+_INPUT_SHIFT_V = 0.59
+_INTERNAL_MARGIN_V = 0.11
+_OUTPUT_UPPER_MARGIN_V = 0.5
+_OUTPUT_LOWER_MARGIN_V = 0.01
+
+
+@dataclass(frozen=True)
+class OutputSwing:
+    """Swing of a voltage follower of the filter around the signal ground [V]."""
+
+    up_v: float
+    """Upward swing, limited by the output."""
+    down_v: float
+    """Typical downward swing, limited by the output or the input, whichever ends first."""
+    guaranteed_down_v: float
+    """Downward swing that the data sheet guarantees."""
+    has_phase_reversal: bool
+    """Whether the output jumps to the upper end when the input leaves its range below."""
+
+
+def compute_output_swing(amplifier: Amplifier, supply: Supply, supply_v: float) -> OutputSwing:
+    """Compute the swing of an amplifier as a voltage follower on a supply, as in the filter's second stage."""
+    up_v = supply.upper_headroom_v(supply_v) - amplifier.output_from_rail_v
+    typical, guaranteed = (
+        supply.lower_headroom_v(supply_v) - max(input_margin_v, amplifier.output_from_rail_v)
+        for input_margin_v in amplifier.input_from_lower_v
+    )
+    return OutputSwing(up_v, typical, guaranteed, typical < up_v)
+
+
+@dataclass(frozen=True)
+class VoltageLimits:
+    """Voltage limits [V] against ground, unless stated otherwise."""
+
+    signal_ground_v: float
+    """Quiescent level of the signals: ground, or the midpoint of the supply."""
+    min_tactile_v: float
+    """Tactile voltage at the sensor's maximum force (20 N)."""
+    max_tactile_v: float
+    """Tactile voltage with the sensor open."""
+    bridge_amplifier_margin_v: float
+    """Smallest margin of the bridge amplifier's internal and output voltages to their limits, over all forces."""
+    filter_peak_v: float
+    """Largest peak of the filtered signal above the signal ground."""
+    filter_trough_v: float
+    """Largest typical peak of the filtered signal below the signal ground.
+
+    The second stage's output or, on a TL082, its input limits it.
+    """
+    filter_guaranteed_trough_v: float
+    """Peak below the signal ground that the amplifier's data sheet guarantees."""
+    has_phase_reversal: bool
+    """Whether the output jumps up where the signal goes further down, as a TL082's does."""
+    vibration_peak_v: float
+    """Smaller of both peaks, referred to the filter's input: larger vibrations of the tactile voltage are clipped."""
+    max_envelope_v: float
+    """Largest envelope above the signal ground."""
+    clamp_low_v: float
+    """Lower clamp voltage of the ADC pins; the drop of a Schottky diode comes on top of it."""
+    clamp_high_v: float
+    """Upper clamp voltage of the ADC pins; the drop of a Schottky diode comes on top of it."""
+    adc_range_v: float
+    """Input range of the ADC, plus and minus."""
+
+    @property
+    def adc_overrange_v(self) -> float:
+        """Voltage by which the pins exceed the range of the ADC [V]; 0 if they do not."""
+        return max(self.max_tactile_v, self.signal_ground_v + self.max_envelope_v, self.adc_range_v) - self.adc_range_v
+
+
+def compute_voltage_limits(
+    bridge: Bridge, supply: Supply, supply_v: float, swing: OutputSwing, gain: float, diode: bool, adc_range_v: float
+) -> VoltageLimits:
+    """Compute the voltage limits of a board.
+
+    Parameters
+    ----------
+    bridge
+        Resistors of the bridge.
+    supply, supply_v
+        Supply and its positive voltage.
+    swing
+        Output swing of the filter's second stage.
+    gain
+        Maximum gain of the filter.
+    diode
+        Whether a diode precedes the envelope (variant article).
+    adc_range_v
+        Input range of the ADC, plus and minus.
+    """
+    max_g = sensor_conductance_s(MAX_FORCE_N)
+    return VoltageLimits(
+        signal_ground_v=supply.signal_ground_v(supply_v),
+        min_tactile_v=bridge.tactile_v(max_g, supply_v),
+        max_tactile_v=bridge.tactile_v(0.0, supply_v),
+        bridge_amplifier_margin_v=min(_bridge_amplifier_margin_v(bridge, g, supply, supply_v) for g in (0.0, max_g)),
+        filter_peak_v=swing.up_v,
+        filter_trough_v=swing.down_v,
+        filter_guaranteed_trough_v=swing.guaranteed_down_v,
+        has_phase_reversal=swing.has_phase_reversal,
+        vibration_peak_v=min(swing.up_v, swing.down_v) / gain,
+        max_envelope_v=swing.up_v - DIODE_V if diode else swing.up_v,
+        clamp_low_v=0.0,
+        clamp_high_v=supply_v,
+        adc_range_v=adc_range_v,
+    )
+
+
+def describe_filter_swing(limits: VoltageLimits) -> str:
+    """Describe the swing of the filter's signals."""
+    if not limits.has_phase_reversal:
+        return f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down"
+    return (
+        f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down (typical; "
+        f"{limits.filter_guaranteed_trough_v:.1f} V guaranteed), and below that the TL082's output jumps up"
+    )
+
+
+def describe_adc_range(limits: VoltageLimits) -> str:
+    """Describe whether the range of the ADC covers the board's outputs."""
+    if not limits.adc_overrange_v:
+        return f"an ADC with a range of plus and minus {limits.adc_range_v:g} V covers all signals"
+    return (
+        f"an ADC with a range of plus and minus {limits.adc_range_v:g} V clips the top {limits.adc_overrange_v:.2f} V: "
+        "divide the signals ahead of it, or set detector.adc_range_v to at least "
+        f"{limits.adc_range_v + limits.adc_overrange_v:.2f}"
+    )
+
+
+def adc_range_warnings(limits: VoltageLimits) -> Iterator[str]:
+    """Find an ADC that clips the tactile voltage, in which slip then does not show."""
+    if limits.max_tactile_v > limits.adc_range_v:
+        yield f"the tactile voltage, up to {limits.max_tactile_v:.2f} V, is clipped: {describe_adc_range(limits)}."
+
+
+def _bridge_amplifier_margin_v(bridge: Bridge, conductance_s: float, supply: Supply, supply_v: float) -> float:
+    """Margin [V] of the bridge amplifier at one conductance of the sensor [S].
+
+    The margins are monotonic in the conductance, so the ends of its range are the worst cases.
+    """
+    lower_v = 0.0 if supply.signal_ground_ratio else -supply_v
+    reference_v, sensor_v = bridge.reference_v(supply_v), bridge.sensor_v(conductance_s, supply_v)
+    output_v = bridge.tactile_v(conductance_s, supply_v)
+    common_v, half_v = (reference_v + sensor_v) / 2.0, abs(bridge.gain * (sensor_v - reference_v)) / 2.0
+    return min(
+        supply_v - _INTERNAL_MARGIN_V - (common_v + _INPUT_SHIFT_V + half_v),
+        common_v + _INPUT_SHIFT_V - half_v - lower_v,
+        supply_v - _OUTPUT_UPPER_MARGIN_V - output_v,
+        output_v - lower_v - _OUTPUT_LOWER_MARGIN_V,
+    )

@@ -1,0 +1,61 @@
+"""ADC interface: anti-aliasing poles by the circuit's equations and by ngspice, and the attenuation of aliases."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.equations import build_equations
+from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.design import Design
+from tests.board.conftest import Written
+from tests.board.ngspice import run_ngspice
+
+SAMPLE_RATES_HZ = (1000.0, 2000.0, 5000.0, 20000.0)
+
+
+@pytest.mark.parametrize("rate", SAMPLE_RATES_HZ)
+@pytest.mark.parametrize("series", ["E12", "E96"])
+def test_anti_aliasing_poles_follow_the_sample_rate(rate: float, series: str) -> None:
+    design = Design.load(changes=[f"detector.sample_rate_hz={rate}", f"board.series={series}"])
+    values = board_values(design)
+    f = np.array([1.0, 50.0, rate / 4, rate / 2, rate])
+    system = build_equations(board_circuit(values), 3e6, 0.0, "TACTILE")
+    gains = system.driven_response(f, "ADC_TACTILE")
+    for hz, gain in zip(f, gains, strict=True):
+        assert gain == pytest.approx(values.adc_interface.tactile_transfer(float(hz)), rel=1e-9)
+    # Two poles near a quarter of the sample rate attenuate by 6 dB there; a single pole would by 3 dB.
+    assert 20 * math.log10(abs(gains[2])) == pytest.approx(-6.4, abs=0.8)
+    assert values.aliasing.tactile_nyquist_db == pytest.approx(20 * math.log10(abs(gains[3])), abs=1e-9)
+    assert values.aliasing.tactile_nyquist_db < -13
+    assert values.aliasing.nyquist_hz == rate / 2
+
+
+def test_alias_attenuation_of_the_default_board() -> None:
+    a = board_values(Design()).aliasing
+    assert (a.band_hz, a.nyquist_hz, a.alias_hz) == (201.0, 1000.0, 1799.0)
+    assert a.step_v == 20 / 65536
+    # A swing of 3.5 V against a step of 0.305 mV.
+    assert a.required_db == pytest.approx(20 * math.log10(3.5 * 65536 / 20), rel=1e-12)
+    assert a.one_step_tone_v * 10 ** (a.tactile_alias_db / 20) == pytest.approx(a.step_v, rel=1e-12)
+    assert -1.7 < a.tactile_band_db < -1.5  # slip ends below 100 Hz in the embedded finger: 0.4 dB
+    precision = board_values(Design.load(changes=["board.variant=precision"])).aliasing
+    envelope_pole_db = -10 * math.log10(1 + (1000 / 36.17) ** 2)
+    assert precision.envelope_nyquist_db - a.envelope_nyquist_db == pytest.approx(envelope_pole_db, abs=0.01)
+
+
+@pytest.mark.parametrize("name", ["article_split", "comparator_single"])
+def test_anti_aliasing_poles_of_the_spice_deck_match(written: Written, tmp_path: Path, name: str) -> None:
+    folder = written(*BOARD_CONFIGURATIONS[name].changes)
+    values = board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes))
+    rows = run_ngspice(
+        tmp_path, (folder / "slip_filter.cir").read_text("utf-8"),
+        "ac dec 20 1 10k\nwrdata out vr(tactile) vi(tactile) vr(adc_tactile) vi(adc_tactile)",
+    )  # fmt: skip
+    for f, tr, ti, ar, ai in rows:
+        # The clamp's 10 pF and its leakage load the pin slightly.
+        assert complex(ar, ai) / complex(tr, ti) == pytest.approx(values.adc_interface.tactile_transfer(f), rel=3e-3)

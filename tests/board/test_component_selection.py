@@ -1,0 +1,99 @@
+"""Capacitors that the board selects itself, compared with brute force over both series."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fingertip.board import board_values
+from fingertip.board.values.component_selection import filter_error, select_capacitors, select_filter_capacitor
+from fingertip.board.values.preferred_values import mantissas
+from fingertip.design import Design
+from fingertip.design.filter_components import MAX_OHM, MIN_OHM, FilterComponents
+from fingertip.design.parameters import Board
+from fingertip.errors import DesignError
+
+capacitor_series = st.sampled_from(["E6", "E12"])
+resistor_series = st.sampled_from(["E12", "E24", "E96"])
+
+
+def preferred_values(series: str, low: float, high: float) -> list[float]:
+    """All values of a series from `low` to `high`."""
+    digits = len(str(mantissas(series)[0])) - 1
+    values = (m * 10.0 ** (e - digits) for e in range(-13, 8) for m in mantissas(series))
+    return [v for v in values if low * (1 - 1e-9) <= v <= high * (1 + 1e-9)]
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(5.0, 500.0), capacitor_series, st.sampled_from(["E12", "E24"]))
+def test_no_combination_of_components_is_better_than_the_selected_one(
+    cutoff: float, capacitors: str, resistors: str
+) -> None:
+    """Every C with R1 from 2k to 20k is combined with every R1, R2, R3 near its ideal value."""
+    board = Board(cutoff_hz=cutoff, capacitor_series=capacitors, series=resistors)
+    omega, best = math.tau * cutoff, math.inf
+    for c in preferred_values(capacitors, 1 / (omega * 20e3), 1 / (omega * 2e3)):
+        ideal = (1 / (omega * c), 1 / (2 * omega * c), 2 / (omega * c))
+        for r1, r2, r3 in itertools.product(*(preferred_values(resistors, 0.8 * r, 1.25 * r) for r in ideal)):
+            f1, f0 = 1 / (math.tau * r1 * c), 1 / (math.tau * c * math.sqrt(r2 * r3))
+            errors = (math.log(f0 / cutoff), math.log(math.sqrt(r3 / r2) / 2), math.log(f1 / cutoff))
+            best = min(best, math.sqrt(sum(e * e for e in errors)))
+    assert filter_error(select_filter_capacitor(board), cutoff, resistors) == pytest.approx(best, abs=1e-12)
+
+
+@settings(max_examples=100)
+@given(st.floats(0.01, 2000.0), st.floats(0.01, 2000.0), capacitor_series, resistor_series)
+def test_selected_capacitors_belong_to_the_series_and_give_resistors_in_range(
+    cutoff: float, envelope: float, capacitors: str, resistors: str
+) -> None:
+    board = Board(cutoff_hz=cutoff, envelope_cutoff_hz=envelope, capacitor_series=capacitors, series=resistors)
+    selected = select_capacitors(board)
+    for microfarads in (selected.capacitor_uf, selected.envelope_capacitor_uf):
+        assert 1e-4 <= microfarads <= 10
+        assert int(f"{microfarads:e}".replace(".", "")[:2]) in mantissas(capacitors)
+    ohm = 1 / (math.tau * cutoff * selected.capacitor_uf / 1e6)
+    assert ohm / 2 >= MIN_OHM
+    assert 2 * ohm <= MAX_OHM
+    assert 1.9e3 < ohm < 21e3 or selected.capacitor_uf in (10, 1e-4)
+
+
+def test_selecting_capacitors_reproduces_the_article_and_reduces_the_error_of_other_designs() -> None:
+    article = FilterComponents(2400.0, 1200.0, 4700.0, 1500.0, 100e3, 2000.0, 1e-6, 2.2e-6)
+    assert board_values(Design()).preferred == article
+    # The article's own values are the best of E12 and E24 for 67 Hz and 36.17 Hz.
+    for series in ("E6", "E12"):
+        assert board_values(Design.load(changes=[f"board.capacitor_series={series}"])).preferred == article
+    changes = ["board.cutoff_hz=80", "board.series=E96", "board.envelope_cutoff_hz=30"]
+    default, selected = (
+        board_values(Design.load(changes=[*changes, *more])) for more in ([], ["board.capacitor_series=E12"])
+    )
+    assert filter_error(selected.preferred.c_f, 80.0, "E96") < 0.2 * filter_error(default.preferred.c_f, 80.0, "E96")
+    board = Board(cutoff_hz=80, capacitor_series="E12", series="E96")
+    assert selected.preferred.c_f == select_filter_capacitor(board) == 390e-9
+    selected_error, default_error = (
+        abs(values.achieved_response.envelope_pole_hz / 30 - 1) for values in (selected, default)
+    )
+    assert selected_error <= default_error
+
+
+def test_given_capacitors_are_ignored_where_the_board_selects_its_own() -> None:
+    changes = ["board.capacitor_series=E12", "board.capacitor_uf=1000", "board.envelope_capacitor_uf=1e-6"]
+    assert board_values(Design.load(changes=changes)) == board_values(Design.load(changes=changes[:1]))
+    with pytest.raises(DesignError, match=r"board\.capacitor_uf"):
+        Design.load(changes=changes[1:])
+
+
+@pytest.mark.parametrize(
+    ("change", "minimum"), [("board.cutoff_hz=0.003", "0.003184 Hz"), ("board.envelope_cutoff_hz=0.001", "0.001592 Hz")]
+)
+def test_cutoffs_without_a_suitable_capacitor_are_refused(change: str, minimum: str) -> None:
+    with pytest.raises(DesignError) as caught:
+        Design.load(changes=["board.capacitor_series=E6", change])
+    assert [issue.field for issue in caught.value.issues] == [change.split("=")[0]]
+    assert f"at least {minimum}" in str(caught.value)
+    passing = f"{change.split('=')[0]}={minimum.split()[0]}"
+    assert board_values(Design.load(changes=["board.capacitor_series=E6", passing]))

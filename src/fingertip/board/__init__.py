@@ -13,9 +13,9 @@ from fingertip.board.values.board_values import BoardValues, board_values
 __all__ = [
     "BoardValues",
     "board_circuit",
+    "board_differences",
     "board_files",
     "board_values",
-    "differences",
     "fabrication_differences",
     "write_board",
     "write_fabrication",

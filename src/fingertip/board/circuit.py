@@ -1,4 +1,4 @@
-"""A circuit as data: parts, pins, nets. Everything that leaves for KiCad is written from this alone."""
+"""A circuit as data: components, pins and nets. The netlist, schematic, layout and SPICE deck all derive from it."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ _REFERENCE = re.compile(r"[A-Za-z]+[1-9][0-9]*")
 
 @dataclass(frozen=True)
 class Pin:
-    """A pin of a symbol, as KiCad's library has it."""
+    """Pin of a symbol, as in KiCad's library."""
 
     number: str
     name: str
-    """"~" where the library gives none."""
-    kind: str
+    """Name of the pin; "~" where the library gives none."""
+    electrical_type: str
     """KiCad's electrical type: passive, input, output, power_in."""
 
 
 @dataclass(frozen=True)
 class Symbol:
-    """A symbol of KiCad's own libraries."""
+    """Symbol of KiCad's own libraries."""
 
     library: str
     name: str
@@ -34,31 +34,32 @@ class Symbol:
 
 
 @dataclass(frozen=True)
-class Part:
-    """One part on the board."""
+class Component:
+    """Component on the board: a purchased part, a test point or a mounting hole."""
 
     reference: str
+    """Reference designator, such as R6."""
     value: str
     symbol: Symbol
     footprint: str
-    """library:name, of KiCad's own libraries."""
+    """Footprint as library:name, of KiCad's own libraries."""
     role: str
-    """What it does here, in words; with the article's name where that differs from the reference."""
+    """Function on this board, in words. It includes the article's name where that differs from the reference."""
     rating: str = ""
-    """What to look for when buying it, no maker's name; empty for what is not bought."""
+    """Requirements for purchase, without a manufacturer's name. Empty for what is not purchased."""
 
 
 RAILS = ("GND", "VCC", "VEE")
 """Nets that power symbols name in a schematic."""
 
 
-GLOBALS = (*RAILS, "VMID")
-"""Nets that are the same on all sheets: the rails, and what a global label names."""
+GLOBAL_NETS = (*RAILS, "VMID")
+"""Nets that are the same on all sheets: the rails, and the net that a global label names."""
 
 
-def kicad_name(net: str) -> str:
-    """A net as KiCad names it: labels on a sheet get the sheet's path, which is "/" here; power symbols do not."""
-    return net if net in GLOBALS else f"/{net}"
+def kicad_net_name(net: str) -> str:
+    """Name of a net in KiCad: a label's net carries the path of its sheet, here "/"; a power symbol's net does not."""
+    return net if net in GLOBAL_NETS else f"/{net}"
 
 
 Node = tuple[str, str]
@@ -67,7 +68,7 @@ Node = tuple[str, str]
 
 @dataclass(frozen=True)
 class Net:
-    """Pins that are connected."""
+    """Pins that are connected to each other."""
 
     name: str
     nodes: tuple[Node, ...]
@@ -75,78 +76,83 @@ class Net:
 
 @dataclass(frozen=True)
 class Circuit:
-    """Parts and nets. Construct it with `connected`, which checks it."""
+    """Components and nets. `build_circuit` constructs a checked one."""
 
     name: str
-    parts: tuple[Part, ...]
+    components: tuple[Component, ...]
     nets: tuple[Net, ...]
 
-    def part(self, reference: str) -> Part:
-        """The part of this reference; KeyError if there is none."""
-        for part in self.parts:
-            if part.reference == reference:
-                return part
+    def component(self, reference: str) -> Component:
+        """The component with this reference; KeyError if there is none."""
+        for component in self.components:
+            if component.reference == reference:
+                return component
         raise KeyError(reference)
 
 
-def connected(name: str, wiring: Mapping[Part, Mapping[str, str]]) -> Circuit:
-    """A checked circuit from each part's wiring, pin number -> net name; nets come in the order first named.
+def build_circuit(name: str, wiring: Mapping[Component, Mapping[str, str]]) -> Circuit:
+    """Build and check a circuit from the wiring of each component, pin number -> net name.
+
+    Nets appear in the order in which they are first named.
 
     Raises
     ------
     BoardError
-        With every issue `issues` finds.
+        With every issue that `find_issues` reports.
     """
     nodes: dict[str, list[Node]] = {}
-    for part, pins in wiring.items():
+    for component, pins in wiring.items():
         for number, net in pins.items():
-            nodes.setdefault(net, []).append((part.reference, number))
-    circuit = Circuit(name, tuple(wiring), tuple(Net(net, tuple(found)) for net, found in nodes.items()))
-    if found := list(issues(circuit)):
-        raise BoardError(found)
+            nodes.setdefault(net, []).append((component.reference, number))
+    circuit = Circuit(name, tuple(wiring), tuple(Net(net, tuple(members)) for net, members in nodes.items()))
+    if issues := list(find_issues(circuit)):
+        raise BoardError(issues)
     return circuit
 
 
-def issues(circuit: Circuit) -> Iterator[Issue]:
-    """What is inconsistent: doubled references, unknown pins, pins in two nets or none, nets of one pin."""
-    for reference, count in Counter(part.reference for part in circuit.parts).items():
+def find_issues(circuit: Circuit) -> Iterator[Issue]:
+    """Find inconsistencies: duplicate references, unknown pins, pins in two nets or none, nets with a single pin."""
+    for reference, count in Counter(component.reference for component in circuit.components).items():
         if count > 1:
-            yield Issue(reference, f"names {count} parts; give each its own reference.")
+            yield Issue(reference, f"names {count} components; give each its own reference.")
         if not _REFERENCE.fullmatch(reference):
-            yield Issue(reference, "is not letters and a number, such as R6; KiCad would number it anew.")
+            yield Issue(reference, "is not letters followed by a number, such as R6; KiCad would renumber it.")
     for name, count in Counter(net.name for net in circuit.nets).items():
         if count > 1:
-            yield Issue(name, f"names {count} nets; KiCad would join them.")
+            yield Issue(name, f"names {count} nets, which KiCad would join; give each its own name.")
 
-    known = {(part.reference, pin.number) for part in circuit.parts for pin in part.symbol.pins}
+    known = {(component.reference, pin.number) for component in circuit.components for pin in component.symbol.pins}
     uses = Counter(node for net in circuit.nets for node in net.nodes)
     for net in circuit.nets:
         if len(set(net.nodes)) < 2:
-            yield Issue(net.name, f"connects {len(set(net.nodes))} pin; a net needs two at least.")
+            yield Issue(net.name, f"connects {len(set(net.nodes))} pin; a net needs at least two.")
     for (reference, number), count in uses.items():
         if (reference, number) not in known:
-            yield Issue(f"{reference}.{number}", "is connected, but there is no such part or pin.")
+            yield Issue(f"{reference}.{number}", "is connected, but there is no such component or pin.")
         if count > 1:
-            yield Issue(f"{reference}.{number}", f"is connected {count} times; a pin lies in one net.")
+            yield Issue(f"{reference}.{number}", f"is connected {count} times; a pin belongs to one net.")
     for reference, number in sorted(known - set(uses)):
-        yield Issue(f"{reference}.{number}", "is not connected; connect it or take the part out.")
+        yield Issue(f"{reference}.{number}", "is not connected; connect it or remove the component.")
 
 
-def by_reference(part: Part) -> tuple[str, int]:
-    """Sorting key: R2 before R10."""
-    letters = part.reference.rstrip("0123456789")
-    return letters, int(part.reference[len(letters) :])
+def reference_sort_key(component: Component) -> tuple[str, int]:
+    """Sorting key of a component by its reference: R2 comes before R10."""
+    letters = component.reference.rstrip("0123456789")
+    return letters, int(component.reference[len(letters) :])
 
 
-def engineering(value: float, unit: str = "") -> str:
-    """A part's value as a schematic prints it: 4700 -> "4.7k", 2.2e-6 -> "2.2u"; ten digits at most."""
+def format_value(value: float, unit: str = "") -> str:
+    """Format a component value with an SI prefix, as in a schematic: 4700 -> "4.7k", 2.2e-6 -> "2.2u".
+
+    At most ten digits are printed.
+    """
     for prefix, scale in (("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("u", 1e-6), ("n", 1e-9)):
         if value >= scale * (1 - 1e-12):
             return f"{value / scale:.10g}{prefix}{unit}"
     return f"{value / 1e-12:.10g}p{unit}"
 
 
-def farads_or_ohms(text: str) -> float:
-    """The number of a printed value: "4.7k" -> 4700, "2.2u" -> 2.2e-6."""
+def parse_value(text: str) -> float:
+    """Parse a component value [ohm or F]: "4.7k" -> 4700, "2.2u" -> 2.2e-6."""
     scales = {"M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12}
     return float(text[:-1]) * scales[text[-1]] if text[-1] in scales else float(text)

@@ -1,8 +1,8 @@
-"""The two ways a board is supplied: what its signals rest at, what its amplifiers hang between, and which these are.
+"""The two supplies of a board: signal ground, negative rail of the amplifiers, and headroom of each.
 
-On plus and minus 5 V signals rest at ground, as in the article. On 5 V alone they rest at a buffered half of it, to
-which bridge, filters, rectifier, envelope and threshold return; and the amplifiers must reach both rails
-(`fingertip.board.values.amplifiers`).
+On a split supply of plus and minus 5 V the signal ground is ground, as in the article. On a single supply of 5 V it is
+the buffered midpoint: bridge, filters, rectifier, envelope and threshold refer to it, and the amplifiers need
+rail-to-rail inputs and outputs (`fingertip.board.values.amplifiers`).
 """
 
 from __future__ import annotations
@@ -17,25 +17,26 @@ class Supply:
     """One way of supplying the board."""
 
     name: str
-    zero: str
-    """Net at which signals rest and to which they return."""
-    minus: str
+    signal_ground: str
+    """Net to which the signals refer: their quiescent level."""
+    negative_rail: str
     """Net of the amplifiers' negative supply pins."""
-    zero_share: float
-    """Voltage of `zero` above ground, as a share of the supply."""
-    words: str
+    signal_ground_ratio: float
+    """Voltage of the signal ground above ground, as a ratio of the supply voltage."""
+    description: str
+    """Short description for titles."""
 
-    def zero_v(self, supply_v: float) -> float:
-        """Voltage [V] above ground at which signals rest."""
-        return self.zero_share * supply_v
+    def signal_ground_v(self, supply_v: float) -> float:
+        """Voltage of the signal ground above ground [V]."""
+        return self.signal_ground_ratio * supply_v
 
-    def reach_v(self, supply_v: float) -> float:
-        """From rest to the upper rail [V]."""
-        return supply_v * (1.0 - self.zero_share)
+    def upper_headroom_v(self, supply_v: float) -> float:
+        """Voltage from the signal ground to the upper rail [V]."""
+        return supply_v * (1.0 - self.signal_ground_ratio)
 
-    def lower_reach_v(self, supply_v: float) -> float:
-        """From the lower rail to rest [V]."""
-        return supply_v * self.zero_share if self.zero_share else supply_v
+    def lower_headroom_v(self, supply_v: float) -> float:
+        """Voltage from the lower rail to the signal ground [V]."""
+        return supply_v * self.signal_ground_ratio if self.signal_ground_ratio else supply_v
 
 
 SUPPLIES = {
@@ -45,4 +46,4 @@ SUPPLIES = {
         Supply("single", VMID, GND, 0.5, "single supply with buffered middle"),
     )
 }
-"""By name; a test holds the names against those the design file takes."""
+"""Supplies by name. A test compares the names with those that the design file accepts."""

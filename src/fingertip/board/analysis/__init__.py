@@ -1,1 +1,1 @@
-"""What the board does beyond its ideal figures: Bode, noise, offsets, tolerances."""
+"""Analysis of the board: frequency response, noise, offsets and tolerances."""

@@ -1,4 +1,4 @@
-"""What the board does beyond its ideal figures: Bode of each stage, noise, offsets, tolerances. Needs numpy."""
+"""Analysis of a design's board: Bode table of each stage, noise, offsets and tolerances. Needs numpy."""
 
 from __future__ import annotations
 
@@ -8,89 +8,105 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.board.analysis.equations import equations
+from fingertip.board.analysis.equations import build_equations
 from fingertip.board.analysis.nodal import System
-from fingertip.board.analysis.noise import NETS, Contribution, Remedy, budget, remedies
+from fingertip.board.analysis.noise import (
+    NETS,
+    Contribution,
+    NoiseAlternative,
+    compare_noise_alternatives,
+    noise_budget,
+)
 from fingertip.board.circuit import Circuit
 from fingertip.board.output import board_circuit
+from fingertip.board.values.adc_interface import AliasAttenuation
 from fingertip.board.values.board_values import Tolerance, board_values
 from fingertip.board.values.bridge import Bridge, sensor_conductance_s
-from fingertip.board.values.converter import AliasFigures
-from fingertip.board.values.decision import Decision
-from fingertip.board.values.figures import Spread, monte_carlo, sensitivities
-from fingertip.board.values.limits import Limits
-from fingertip.board.values.rest import Rest
-from fingertip.board.values.ripple import Ripple
-from fingertip.board.values.white_noise import NOISE_FORCE_N
+from fingertip.board.values.comparator_stage import ComparatorStage
+from fingertip.board.values.noise_and_ripple import NOISE_FORCE_N, SupplyRipple
+from fingertip.board.values.output_offset import OutputOffset
+from fingertip.board.values.tolerance import Spread, compute_sensitivities, monte_carlo
+from fingertip.board.values.voltage_limits import VoltageLimits
 from fingertip.design import Design
 
 BRIDGE_TOLERANCE = 1e-3
-"""Of R10 to R14, as the bill of materials asks for."""
+"""Tolerance of R10 to R14, as the bill of materials specifies it."""
 
 
 @dataclass(frozen=True)
 class Analysis:
-    """Figures of one board."""
+    """Results of the analysis of one board."""
 
     noise: tuple[Contribution, ...]
-    """Root mean square over `NOISE_BAND_HZ`, largest first; white noise only, typical figures of data sheets."""
+    """RMS noise over `NOISE_BAND_HZ`, largest first; white noise only, typical figures of the data sheets."""
     noise_total_v: tuple[float, ...]
-    quieter: tuple[Remedy, ...]
-    """The total with what would lower it, and where the envelope then rests."""
+    noise_alternatives: tuple[NoiseAlternative, ...]
+    """Total noise as built and with changes that reduce it, and the quiescent envelope due to it."""
     threshold_v: float
-    """The detector's, for comparison with where the envelope rests."""
-    alias: AliasFigures
-    limits: Limits
-    rest: Rest | None
-    """Where offsets let the envelope rest; None in variant article."""
-    ripple: Ripple
-    decision: Decision | None
+    """Threshold of the detector, for comparison with the quiescent envelope."""
+    aliasing: AliasAttenuation
+    voltage_limits: VoltageLimits
+    output_offset: OutputOffset | None
+    """Quiescent envelope due to offsets; None in variant article."""
+    supply_ripple: SupplyRipple
+    comparator_stage: ComparatorStage | None
     tolerance: Tolerance
-    """What `spread` is of."""
+    """Tolerances for which `spread` is computed."""
     offset: tuple[Contribution, ...]
-    """Of each amplifier's typical offset, and of the bridge with all resistors at the worst ends of 0.1 %."""
+    """Contribution of each amplifier's typical offset, and of the bridge with worst-case resistors of 0.1 %."""
     spread: dict[str, Spread]
     sensitivity: dict[str, dict[str, float]]
 
     def as_data(self) -> dict[str, Any]:
-        """Plain mappings and lists, for JSON."""
+        """Return plain mappings and lists for JSON."""
         return {"nets": NETS, **asdict(self)}
 
 
 def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
-    """All figures of a design's board."""
+    """Analyse a design's board.
+
+    Parameters
+    ----------
+    design
+        Design of the board.
+    boards, seed
+        Number of boards and seed of the Monte Carlo analysis of tolerances.
+    """
     values, board = board_values(design), design.board
     circuit = board_circuit(values)
-    system = equations(circuit, board.gain_bandwidth_hz, sensor_conductance_s(NOISE_FORCE_N))
-    noise, total = budget(system)
+    system = build_equations(circuit, board.gain_bandwidth_hz, sensor_conductance_s(NOISE_FORCE_N))
+    noise, total = noise_budget(system)
     return Analysis(
         noise=noise,
         noise_total_v=total,
-        quieter=remedies(circuit, board.gain_bandwidth_hz, board.band_limit_hz, values.variant == "article"),
+        noise_alternatives=compare_noise_alternatives(
+            circuit, board.gain_bandwidth_hz, board.band_limit_hz, diode=values.variant == "article"
+        ),
         threshold_v=design.detector.threshold_v,
-        alias=values.alias,
-        limits=values.limits,
-        rest=values.rest,
-        ripple=values.ripple,
-        decision=values.decision,
+        aliasing=values.aliasing,
+        voltage_limits=values.voltage_limits,
+        output_offset=values.output_offset,
+        supply_ripple=values.supply_ripple,
+        comparator_stage=values.comparator_stage,
         tolerance=values.tolerance,
         offset=(*_offsets(system), _bridge_offset(values.bridge, board.supply_v)),
         spread=monte_carlo(
             values.preferred, board.gain_bandwidth_hz, values.first_stage,
             values.tolerance.resistor_percent, values.tolerance.capacitor_percent, boards, seed,
         ),
-        sensitivity=sensitivities(values.preferred, board.gain_bandwidth_hz, values.first_stage),
+        sensitivity=compute_sensitivities(values.preferred, board.gain_bandwidth_hz, values.first_stage),
     )  # fmt: skip
 
 
 def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_decade: int = 40) -> str:
-    """CSV of the article's figure 4: dB and degrees of each stage and of the whole, with the amplifier's open loop.
+    """Tabulate the article's figure 4 as CSV: magnitude [dB] and phase [degree] of each stage and of the whole filter.
 
-    From the tactile voltage; amplifiers of one pole, so the gain falls where the gain-bandwidth product ends it.
+    The response starts at the tactile voltage. Amplifiers have one pole, so their gain falls with their gain-bandwidth
+    product; the last column is the amplifier's open-loop gain.
     """
     circuit = board_circuit(board_values(design))
     f = np.logspace(math.log10(low_hz), math.log10(high_hz), round(per_decade * math.log10(high_hz / low_hz)) + 1)
-    first, whole = _stages(circuit, design, f)
+    first, whole = _stage_responses(circuit, design, f)
     lines = ["frequency_hz,stage1_db,stage1_deg,stage2_db,stage2_deg,whole_db,whole_deg,open_loop_db"]
     for i, hz in enumerate(f):
         cells = [f"{hz:.6g}"]
@@ -101,14 +117,14 @@ def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_de
     return "\n".join(lines) + "\n"
 
 
-def _stages(circuit: Circuit, design: Design, f: Any) -> tuple[Any, Any]:
-    system = equations(circuit, design.board.gain_bandwidth_hz, 0.0, "TACTILE")
-    return system.response(f, "STAGE1_OUT"), system.response(f, "FILTERED")
+def _stage_responses(circuit: Circuit, design: Design, f: Any) -> tuple[Any, Any]:
+    system = build_equations(circuit, design.board.gain_bandwidth_hz, 0.0, "TACTILE")
+    return system.driven_response(f, "STAGE1_OUT"), system.driven_response(f, "FILTERED")
 
 
 def _offsets(system: System) -> list[Contribution]:
     constant = np.zeros(1)
-    transfers = [system.transfers(constant, net)[0] for net in NETS]
+    transfers = [system.source_transfers(constant, net)[0] for net in NETS]
     return [
         Contribution(source.name, tuple(abs(float(t[i].real)) * source.offset for t in transfers))
         for i, source in enumerate(system.sources)
@@ -117,10 +133,10 @@ def _offsets(system: System) -> list[Contribution]:
 
 
 def _bridge_offset(bridge: Bridge, supply_v: float) -> Contribution:
-    """At TACTILE and its pin, with the sensor open; C1 keeps it from what follows."""
-    at_rest = bridge.tactile_v(0.0, supply_v)
-    worst = 0.0
+    """Offset of the bridge at TACTILE and its ADC pin, with the sensor open. C1 blocks it from the filter."""
+    nominal_v = bridge.tactile_v(0.0, supply_v)
+    worst_v = 0.0
     for name in ("top_ohm", "shunt_ohm", "high_ohm", "low_ohm", "gain_ohm"):
-        off = replace(bridge, **{name: getattr(bridge, name) * (1 + BRIDGE_TOLERANCE)})
-        worst += abs(off.tactile_v(0.0, supply_v) - at_rest)
-    return Contribution("R10 to R14", tuple(worst if net in ("TACTILE", "ADC_TACTILE") else 0.0 for net in NETS))
+        changed = replace(bridge, **{name: getattr(bridge, name) * (1 + BRIDGE_TOLERANCE)})
+        worst_v += abs(changed.tactile_v(0.0, supply_v) - nominal_v)
+    return Contribution("R10 to R14", tuple(worst_v if net in ("TACTILE", "ADC_TACTILE") else 0.0 for net in NETS))

@@ -1,8 +1,9 @@
-"""The board's noise: what each part adds, what would lower it, and where that leaves the envelope. Needs numpy.
+"""Noise of the board: the contribution of each component, and what would reduce it. Needs numpy.
 
-White noise only, typical figures of data sheets. Nearly all of it is the bridge's amplifier's: its input is a few
-hundred ohm, and its 35 nV/sqrt(Hz) are amplified 68 times by itself, then 68 times by the first stage up to where
-either amplifier's bandwidth ends. A low-pass above the vibrations takes most of that away; the article has none.
+White noise only, with typical figures of the data sheets. Nearly all of it comes from the bridge's amplifier: its
+source impedance is a few hundred ohm, its gain amplifies its 35 nV/sqrt(Hz) 68 times, and the first stage amplifies
+them 68 times again, up to the bandwidth of either amplifier. A low-pass above the vibrations removes most of it. The
+article has none.
 """
 
 from __future__ import annotations
@@ -13,46 +14,50 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board.analysis.equations import equations
+from fingertip.board.analysis.equations import build_equations
 from fingertip.board.analysis.nodal import System
-from fingertip.board.circuit import Circuit, Net, Part, engineering, farads_or_ohms
+from fingertip.board.circuit import Circuit, Component, Net, format_value, parse_value
 from fingertip.board.kicad import symbols
 from fingertip.board.nets import FEEDBACK, STAGE1_OUT
-from fingertip.board.values.amplifiers import AD623_NOISE_V, QUIET_NAME, QUIET_NOISE_V
+from fingertip.board.values.amplifiers import AD623_NOISE_V, LOW_NOISE_NAME, LOW_NOISE_V
 from fingertip.board.values.bridge import sensor_conductance_s
-from fingertip.board.values.preferred import nearest
-from fingertip.board.values.white_noise import BAND_HZ, HALF_WAVE_MEAN, NOISE_FORCE_N
-from fingertip.design.filter_components import limit_capacitor_f
+from fingertip.board.values.noise_and_ripple import HALF_WAVE_MEAN, NOISE_BAND_HZ, NOISE_FORCE_N
+from fingertip.board.values.preferred_values import nearest_value
+from fingertip.design.filter_components import band_limit_capacitor_f
 
 NETS = ("TACTILE", "STAGE1_OUT", "FILTERED", "ADC_TACTILE")
-"""Where noise and offset are looked at: ahead of the filter, between its stages, ahead of the rectifier, at the pin."""
+"""Nets at which noise and offset are reported: before the filter, between its stages, before the rectifier, ADC pin."""
 LIMITER = "C20"
-"""The capacitor across R5."""
+"""Capacitor across R5, which limits the band."""
 _POINTS_PER_DECADE = 50
-"""The integral is then within 0.03 % of its limit."""
+"""Integration points per decade: the error of the integral is then at most 0.03 %."""
 
 
 @dataclass(frozen=True)
 class Contribution:
-    """What one cause adds at each of `NETS` [V]."""
+    """Contribution of one cause at each of `NETS` [V]."""
 
     cause: str
     volts: tuple[float, ...]
 
 
 @dataclass(frozen=True)
-class Remedy:
-    """The board as it is, or changed."""
+class NoiseAlternative:
+    """Noise of the board as built, or with a change."""
 
     change: str
     filtered_v: float
-    """Noise ahead of the rectifier, rms [V]."""
-    rest_v: float
-    """Mean of it behind a rectifier without dead zone [V]: where the envelope rests; hidden by variant article's diode."""
+    """RMS noise ahead of the rectifier [V]."""
+    quiescent_envelope_v: float
+    """Quiescent envelope due to the noise [V]: its mean after a rectifier without dead zone. Variant article's diode
+    hides it."""
 
 
-def budget(system: System) -> tuple[tuple[Contribution, ...], tuple[float, ...]]:
-    """Root mean square over `BAND_HZ` of each source at each of `NETS`, largest at FILTERED first, and their sum."""
+def noise_budget(system: System) -> tuple[tuple[Contribution, ...], tuple[float, ...]]:
+    """Compute the RMS noise over `NOISE_BAND_HZ` of each source at each of `NETS`, and the total.
+
+    The source with the largest noise at FILTERED comes first.
+    """
     squares = [_squares(system, net) for net in NETS]
     rows = [
         Contribution(source.name, tuple(math.sqrt(float(square[i])) for square in squares))
@@ -62,50 +67,69 @@ def budget(system: System) -> tuple[tuple[Contribution, ...], tuple[float, ...]]
     return tuple(rows), tuple(math.sqrt(float(square.sum())) for square in squares)
 
 
-def total_v(circuit: Circuit, gain_bandwidth_hz: float, net: str) -> float:
-    """Root mean square of all sources together over `BAND_HZ` at one net [V]."""
-    system = equations(circuit, gain_bandwidth_hz, sensor_conductance_s(NOISE_FORCE_N))
+def total_noise_v(circuit: Circuit, gain_bandwidth_hz: float, net: str) -> float:
+    """Compute the RMS noise of all sources together over `NOISE_BAND_HZ` at one net [V]."""
+    system = build_equations(circuit, gain_bandwidth_hz, sensor_conductance_s(NOISE_FORCE_N))
     return math.sqrt(float(_squares(system, net).sum()))
 
 
 def _squares(system: System, net: str) -> NDArray[np.float64]:
-    """Mean square of each source at a net [V^2]."""
-    low, high = BAND_HZ
+    """Mean square of each source's noise at a net [V^2]."""
+    low, high = NOISE_BAND_HZ
     f = np.logspace(math.log10(low), math.log10(high), round(_POINTS_PER_DECADE * math.log10(high / low)) + 1)
     density = np.array([source.noise for source in system.sources])
-    return np.asarray(np.trapezoid(np.abs(system.transfers(f, net) * density) ** 2, f, axis=0))
+    return np.asarray(np.trapezoid(np.abs(system.source_transfers(f, net) * density) ** 2, f, axis=0))
 
 
-def remedies(circuit: Circuit, gain_bandwidth_hz: float, band_limit_hz: float, plain: bool) -> tuple[Remedy, ...]:
-    """The noise as built, with and without the low-pass in the first stage, and with a quieter amplifier."""
-    other, words = (_limited(circuit, band_limit_hz), "with") if plain else (_without(circuit, LIMITER), "without")
-    found = []
-    for change, board in (("as built", circuit), (f"{words} {LIMITER} across R5", other)):
-        rows, _ = budget(equations(board, gain_bandwidth_hz, sensor_conductance_s(NOISE_FORCE_N)))
+def compare_noise_alternatives(
+    circuit: Circuit, gain_bandwidth_hz: float, band_limit_hz: float, diode: bool
+) -> tuple[NoiseAlternative, ...]:
+    """Compute the noise as built, with and without the first stage's band limit, and with a low-noise amplifier.
+
+    Parameters
+    ----------
+    circuit
+        Circuit as built.
+    gain_bandwidth_hz
+        Gain-bandwidth product of the filter's amplifier [Hz].
+    band_limit_hz
+        Band limit of the first stage [Hz].
+    diode
+        Whether a bare diode precedes the envelope (variant article, which has no band limit).
+    """
+    if diode:
+        other, preposition = _with_limiter(circuit, band_limit_hz), "with"
+    else:
+        other, preposition = _without(circuit, LIMITER), "without"
+    alternatives = []
+    for change, board in (("as built", circuit), (f"{preposition} {LIMITER} across R5", other)):
+        rows, _ = noise_budget(build_equations(board, gain_bandwidth_hz, sensor_conductance_s(NOISE_FORCE_N)))
         volts = {row.cause: row.volts[NETS.index("FILTERED")] for row in rows}
-        found.append(_remedy(change, volts))
-        quiet = {**volts, "U2": volts["U2"] * QUIET_NOISE_V / AD623_NOISE_V}
-        found.append(_remedy(f"{change}, {QUIET_NAME} for U2", quiet))
-    return tuple(found)
+        alternatives.append(_alternative(change, volts))
+        low_noise = {**volts, "U2": volts["U2"] * LOW_NOISE_V / AD623_NOISE_V}
+        alternatives.append(_alternative(f"{change}, {LOW_NOISE_NAME} for U2", low_noise))
+    return tuple(alternatives)
 
 
-def _remedy(change: str, volts: dict[str, float]) -> Remedy:
+def _alternative(change: str, volts: dict[str, float]) -> NoiseAlternative:
     total = math.sqrt(math.fsum(v * v for v in volts.values()))
-    return Remedy(change, total, HALF_WAVE_MEAN * total)
+    return NoiseAlternative(change, total, HALF_WAVE_MEAN * total)
 
 
 def _without(circuit: Circuit, reference: str) -> Circuit:
     nets = (Net(n.name, tuple(node for node in n.nodes if node[0] != reference)) for n in circuit.nets)
-    return Circuit(circuit.name, tuple(p for p in circuit.parts if p.reference != reference), tuple(nets))
+    return Circuit(circuit.name, tuple(p for p in circuit.components if p.reference != reference), tuple(nets))
 
 
-def _limited(circuit: Circuit, band_limit_hz: float) -> Circuit:
-    """The circuit with `LIMITER`, which it lacks."""
-    farad = nearest(limit_capacitor_f(farads_or_ohms(circuit.part("R5").value), band_limit_hz), "E6", 1e-12, 1e-3)
+def _with_limiter(circuit: Circuit, band_limit_hz: float) -> Circuit:
+    """Add `LIMITER` to a circuit that lacks it."""
+    farad = nearest_value(
+        band_limit_capacitor_f(parse_value(circuit.component("R5").value), band_limit_hz), "E6", 1e-12, 1e-3
+    )
     pins = {STAGE1_OUT: (LIMITER, "1"), FEEDBACK: (LIMITER, "2")}
     nets = (Net(n.name, (*n.nodes, pins[n.name])) if n.name in pins else n for n in circuit.nets)
     return Circuit(
         circuit.name,
-        (*circuit.parts, Part(LIMITER, engineering(farad), symbols.CAPACITOR, symbols.C_0603, "")),
+        (*circuit.components, Component(LIMITER, format_value(farad), symbols.CAPACITOR, symbols.C_0603, "")),
         tuple(nets),
     )

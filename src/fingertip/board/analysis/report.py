@@ -1,96 +1,112 @@
-"""The analysis as text."""
+"""The analysis of a board as text tables."""
 
 from __future__ import annotations
 
 from fingertip.board.analysis.analyse import Analysis
 from fingertip.board.analysis.noise import NETS, Contribution
-from fingertip.board.circuit import engineering
-from fingertip.board.values.built import LARGE_PERCENT
-from fingertip.board.values.converter import AliasFigures
-from fingertip.board.values.decision import decision_lines
-from fingertip.board.values.limits import Limits, converter_line, swing_line
-from fingertip.board.values.rest import rest_line
-from fingertip.board.values.ripple import ripple_line
-from fingertip.board.values.white_noise import BAND_HZ
+from fingertip.board.circuit import format_value
+from fingertip.board.values.adc_interface import AliasAttenuation
+from fingertip.board.values.comparator_stage import describe_comparator_stage
+from fingertip.board.values.noise_and_ripple import NOISE_BAND_HZ, describe_supply_ripple
+from fingertip.board.values.nonideal_response import LARGE_CAPACITOR_PERCENT
+from fingertip.board.values.output_offset import describe_output_offset
+from fingertip.board.values.voltage_limits import VoltageLimits, describe_adc_range, describe_filter_swing
 from fingertip.design.filter_components import MAX_FOOTPRINT_F
 
 _LABELS = {
     "cutoff_hz": "-3 dB overall [Hz]",
     "section_quality": "Sallen-Key Q",
-    "passband_gain": "largest gain",
+    "passband_gain": "maximum gain",
     "first_pole_hz": "first pole [Hz]",
     "section_hz": "Sallen-Key f0 [Hz]",
 }
 _LARGEST = 6
+"""Number of noise contributions that are printed."""
 
 
 def analysis_text(analysis: Analysis) -> str:
-    """Tables for a terminal."""
-    low, high = BAND_HZ
-    lines = [f"{f'noise, {low:g} Hz to {high / 1e6:g} MHz':28}" + _heads()]
-    lines += [_row(item, 1e6, "uV") for item in analysis.noise[:_LARGEST]]
-    lines.append(_row(Contribution("all", analysis.noise_total_v), 1e6, "uV"))
-    lines += ["", f"{'noise ahead of the rectifier':44}{'rms':>11}{'envelope rests at':>20}"]
-    lines += [f"{r.change:44}{1e3 * r.filtered_v:8.2f} mV{1e3 * r.rest_v:17.2f} mV" for r in analysis.quieter]
+    """Format the analysis as tables for a terminal."""
+    low, high = NOISE_BAND_HZ
+    lines = [f"{f'noise, {low:g} Hz to {high / 1e6:g} MHz':28}" + _net_headings()]
+    lines += [_contribution_row(item, 1e6, "uV") for item in analysis.noise[:_LARGEST]]
+    lines.append(_contribution_row(Contribution("total", analysis.noise_total_v), 1e6, "uV"))
+    lines += ["", f"{'noise ahead of the rectifier':44}{'RMS':>11}{'quiescent envelope':>20}"]
+    lines += [
+        f"{item.change:44}{1e3 * item.filtered_v:8.2f} mV{1e3 * item.quiescent_envelope_v:17.2f} mV"
+        for item in analysis.noise_alternatives
+    ]
     lines.append(f"{'threshold of the detector':44}{'':11}{1e3 * analysis.threshold_v:17.2f} mV")
     lines += ["", *_error_lines(analysis)]
-    lines += ["", *_alias_lines(analysis.alias), "", *_limit_lines(analysis.limits)]
-    lines += ["", f"{'offset':28}" + _heads()]
-    lines += [_row(item, 1e3, "mV") for item in analysis.offset]
-    heads = ("nominal", "mean", "deviation", "95 % from", "to", "worst", "worst")
-    bought = analysis.tolerance
-    resistors, capacitors = f"resistors {bought.resistor_percent:g} %", f"capacitors {bought.capacitor_percent:g} %"
-    lines += ["", f"tolerances: {resistors}, {capacitors}{_large(analysis)}, as the bill of materials asks for"]
-    lines += [f"{'':20}" + "".join(f"{head:>11}" for head in heads)]
-    for name, s in analysis.spread.items():
-        cells = (s.nominal, s.mean, s.deviation, s.low_95, s.high_95, s.worst_low, s.worst_high)
-        lines.append(f"{_LABELS[name]:20}" + "".join(f"{cell:11.4g}" for cell in cells))
-    parts = list(next(iter(analysis.sensitivity.values())))
-    lines += ["", f"{'% for 1 % of':20}" + "".join(f"{part:>8}" for part in parts)]
-    for name, row in analysis.sensitivity.items():
-        lines.append(f"{_LABELS[name]:20}" + "".join(f"{row[part]:8.3f}" for part in parts))
+    lines += ["", *_alias_lines(analysis.aliasing), "", *_limit_lines(analysis.voltage_limits)]
+    lines += ["", f"{'offset':28}" + _net_headings()]
+    lines += [_contribution_row(item, 1e3, "mV") for item in analysis.offset]
+    lines += ["", *_spread_lines(analysis), "", *_sensitivity_lines(analysis)]
     return "\n".join(lines)
 
 
-def _large(analysis: Analysis) -> str:
-    has = "C14" in analysis.sensitivity["cutoff_hz"]
-    return f" (C14 above {engineering(MAX_FOOTPRINT_F)}: {LARGE_PERCENT:g} %)" if has else ""
+def _spread_lines(analysis: Analysis) -> list[str]:
+    percent = analysis.tolerance
+    resistors, capacitors = f"resistors {percent.resistor_percent:g} %", f"capacitors {percent.capacitor_percent:g} %"
+    headings = ("nominal", "mean", "std. dev.", "95 % from", "95 % to", "worst min", "worst max")
+    lines = [f"tolerances: {resistors}, {capacitors}{_large_capacitor(analysis)}, as in the bill of materials"]
+    lines.append(f"{'':20}" + "".join(f"{heading:>11}" for heading in headings))
+    for name, s in analysis.spread.items():
+        cells = (s.nominal, s.mean, s.deviation, s.low_95, s.high_95, s.worst_low, s.worst_high)
+        lines.append(f"{_LABELS[name]:20}" + "".join(f"{cell:11.4g}" for cell in cells))
+    return lines
 
 
-def _heads() -> str:
+def _sensitivity_lines(analysis: Analysis) -> list[str]:
+    components = list(next(iter(analysis.sensitivity.values())))
+    lines = [f"{'sensitivity [%/%]':20}" + "".join(f"{component:>8}" for component in components)]
+    for name, row in analysis.sensitivity.items():
+        lines.append(f"{_LABELS[name]:20}" + "".join(f"{row[component]:8.3f}" for component in components))
+    return lines
+
+
+def _large_capacitor(analysis: Analysis) -> str:
+    has_series_capacitor = "C14" in analysis.sensitivity["cutoff_hz"]
+    limit = format_value(MAX_FOOTPRINT_F)
+    return f" (C14 above {limit}: {LARGE_CAPACITOR_PERCENT:g} %)" if has_series_capacitor else ""
+
+
+def _net_headings() -> str:
     return "".join(f"{net.lower():>14}" for net in NETS)
 
 
-def _row(item: Contribution, scale: float, unit: str) -> str:
+def _contribution_row(item: Contribution, scale: float, unit: str) -> str:
     return f"  {item.cause:26}" + "".join(f"{scale * v:11.2f} {unit}" for v in item.volts)
 
 
 def _error_lines(analysis: Analysis) -> list[str]:
-    lines = [rest_line(analysis.rest, analysis.threshold_v)] if analysis.rest else []
-    lines += decision_lines(analysis.decision) if analysis.decision else []
-    return [*lines, ripple_line(analysis.ripple, diode=analysis.rest is None)]
+    lines = []
+    if analysis.output_offset:
+        lines.append(describe_output_offset(analysis.output_offset, analysis.threshold_v))
+    if analysis.comparator_stage:
+        lines += describe_comparator_stage(analysis.comparator_stage)
+    return [*lines, describe_supply_ripple(analysis.supply_ripple, diode=analysis.output_offset is None)]
 
 
-def _alias_lines(a: AliasFigures) -> list[str]:
+def _alias_lines(a: AliasAttenuation) -> list[str]:
     return [
-        f"{'ahead of the converter':44}{'tactile':>11}{'envelope':>11}",
-        f"{f'gain at {a.band_hz:.4g} Hz, the end of the vibrations':44}{a.raw_band_db:8.1f} dB",
-        f"{f'gain at {a.nyquist_hz:.4g} Hz, half the rate':44}{a.raw_nyquist_db:8.1f} dB"
+        f"{'ahead of the ADC':44}{'tactile':>11}{'envelope':>11}",
+        f"{f'gain at {a.band_hz:.4g} Hz, upper end of vibrations':44}{a.tactile_band_db:8.1f} dB",
+        f"{f'gain at {a.nyquist_hz:.4g} Hz, half the sample rate':44}{a.tactile_nyquist_db:8.1f} dB"
         f"{a.envelope_nyquist_db:8.1f} dB",
-        f"{f'gain at {a.alias_hz:.4g} Hz, which folds to that end':44}{a.raw_alias_db:8.1f} dB"
+        f"{f'gain at {a.alias_hz:.4g} Hz, which aliases to that end':44}{a.tactile_alias_db:8.1f} dB"
         f"{a.envelope_alias_db:8.1f} dB",
-        f"A tone of full swing would need {a.needed_db:.0f} dB to vanish in a step of {1e3 * a.step_v:.3g} mV; "
-        f"one of {1e3 * a.hidden_v:.2g} mV does at {a.alias_hz:.4g} Hz.",
+        f"A full-swing tone would need {a.required_db:.0f} dB of attenuation to stay below a step of "
+        f"{1e3 * a.step_v:.3g} mV; one of {1e3 * a.one_step_tone_v:.2g} mV does so at {a.alias_hz:.4g} Hz.",
     ]
 
 
-def _limit_lines(v: Limits) -> list[str]:
+def _limit_lines(limits: VoltageLimits) -> list[str]:
     return [
-        f"signals rest at {v.rest_v:.2f} V; tactile voltage {v.min_tactile_v:.2f} to {v.max_tactile_v:.2f} V "
-        f"(20 N to none)",
-        f"{swing_line(v)}; vibrations of {1e3 * v.vibration_peak_v:.1f} mV reach that; "
-        f"envelope up to {v.max_envelope_v:.2f} V above its rest",
-        f"converter's pins held between {v.clamp_low_v:.0f} and {v.clamp_high_v:g} V; bridge's amplifier has "
-        f"{v.bridge_amplifier_margin_v:.2f} V left",
-        converter_line(v),
+        f"signal ground {limits.signal_ground_v:.2f} V; tactile voltage {limits.min_tactile_v:.2f} V (20 N) to "
+        f"{limits.max_tactile_v:.2f} V (no force)",
+        f"{describe_filter_swing(limits)}; vibrations of {1e3 * limits.vibration_peak_v:.1f} mV reach these limits; "
+        f"envelope up to {limits.max_envelope_v:.2f} V above the signal ground",
+        f"ADC pins clamped between {limits.clamp_low_v:.0f} and {limits.clamp_high_v:g} V; bridge amplifier margin "
+        f"{limits.bridge_amplifier_margin_v:.2f} V",
+        describe_adc_range(limits),
     ]

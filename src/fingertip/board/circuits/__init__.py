@@ -1,1 +1,1 @@
-"""The circuits of all variants, as parts, pins and nets."""
+"""Circuits of all board variants, as components, pins and nets."""

@@ -1,0 +1,82 @@
+"""Constructors of the board's components by purpose: footprint and rating for purchase."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from fingertip.board.circuit import Component, Symbol, format_value
+from fingertip.board.kicad import symbols
+from fingertip.board.values.amplifiers import AMPLIFIERS
+from fingertip.board.values.board_values import Tolerance
+from fingertip.board.values.nonideal_response import LARGE_CAPACITOR_PERCENT
+from fingertip.design.filter_components import MAX_FOOTPRINT_F
+
+Wiring = Mapping[Component, Mapping[str, str]]
+"""Component -> pin number -> net name."""
+
+PRECISION_TOLERANCE = "0.1 %"
+_BRIDGE_RATING = f"{PRECISION_TOLERANCE}, 25 ppm/K, 0.1 W"
+_HEADER_RATING = "pin header 2.54 mm, one row; or solder the wires"
+_SUPPLY_RATING = "X7R 25 V 10 %"
+_LARGE_RATING = f"X5R or X7R, 6.3 V, {LARGE_CAPACITOR_PERCENT:g} %"
+"""Rating of large capacitors without direct voltage across them that set no cutoff."""
+_MAX_C0G_F = {symbols.C_1206: 100e-9, symbols.C_0603: 10e-9}
+"""Largest capacitance that each size is made with as C0G."""
+
+
+def component(reference: str, value: str, symbol: Symbol, footprint: str, role: str) -> Component:
+    """A component that is purchased by its name."""
+    rating = _HEADER_RATING if reference.startswith("J") else symbol.description
+    return Component(reference, value, symbol, footprint, role, rating)
+
+
+def amplifier(reference: str, name: str, role: str) -> Component:
+    """A dual amplifier by its name in `AMPLIFIERS`. All of them have the same pins."""
+    data, symbol = AMPLIFIERS[name], symbols.DUAL_AMPLIFIERS[name]
+    rating = f"{symbol.description}, offset {1e3 * data.max_offset_v:g} mV at most"
+    return Component(reference, data.order_name, symbol, symbols.SOIC_8, role, rating)
+
+
+def bridge_resistor(reference: str, ohm: float, role: str) -> Component:
+    """A precision resistor, whose value determines a voltage."""
+    return _resistor(reference, ohm, role, _BRIDGE_RATING)
+
+
+@dataclass(frozen=True)
+class RatedComponents:
+    """Constructor of the signal path's components, with the tolerances of the design."""
+
+    tolerance: Tolerance
+
+    def resistor(self, reference: str, ohm: float, role: str) -> Component:
+        """A resistor of the signal path."""
+        return _resistor(reference, ohm, role, f"{_format_tolerance(self.tolerance.resistor_percent)}, 0.1 W")
+
+    def capacitor(self, reference: str, farad: float, role: str) -> Component:
+        """A capacitor in size 1206; above what the size offers for 16 V, one that has no direct voltage across it."""
+        if farad > MAX_FOOTPRINT_F * (1 + 1e-9):
+            return Component(reference, format_value(farad), symbols.CAPACITOR, symbols.C_1206, role, _LARGE_RATING)
+        return self._capacitor(reference, farad, role, symbols.C_1206)
+
+    def small_capacitor(self, reference: str, farad: float, role: str) -> Component:
+        """A capacitor in size 0603."""
+        return self._capacitor(reference, farad, role, symbols.C_0603)
+
+    def _capacitor(self, reference: str, farad: float, role: str, footprint: str) -> Component:
+        dielectric = "C0G 25 V" if farad <= _MAX_C0G_F[footprint] * (1 + 1e-9) else "X7R 16 V"
+        rating = f"{dielectric}, {_format_tolerance(self.tolerance.capacitor_percent)}"
+        return Component(reference, format_value(farad), symbols.CAPACITOR, footprint, role, rating)
+
+
+def _format_tolerance(percent: float) -> str:
+    return f"{percent:g} % or better" if percent else "as fine as there is"
+
+
+def supply_capacitor(reference: str, farad: float, role: str, footprint: str = symbols.C_0603) -> Component:
+    """A decoupling capacitor between the rails."""
+    return Component(reference, format_value(farad), symbols.CAPACITOR, footprint, role, _SUPPLY_RATING)
+
+
+def _resistor(reference: str, ohm: float, role: str, rating: str) -> Component:
+    return Component(reference, format_value(ohm), symbols.RESISTOR, symbols.R_0603, role, rating)

@@ -1,0 +1,169 @@
+"""Circuit blocks that all variants share: bridge, ADC interface, supply, test points and mounting holes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from fingertip.board.circuit import Circuit, Component, build_circuit
+from fingertip.board.circuits.components import (
+    RatedComponents,
+    Wiring,
+    bridge_resistor,
+    component,
+    supply_capacitor,
+)
+from fingertip.board.kicad import symbols
+from fingertip.board.nets import (
+    ADC_ENVELOPE,
+    ADC_TACTILE,
+    ALIAS_MID,
+    ENVELOPE,
+    FILTERED,
+    GAIN_A,
+    GAIN_B,
+    GND,
+    HALF,
+    M_OUT,
+    REFERENCE,
+    SENSOR,
+    STAGE1_OUT,
+    TACTILE,
+    VCC,
+    VEE,
+    VMID,
+)
+from fingertip.board.supplies import SUPPLIES, Supply
+from fingertip.board.values.adc_interface import AdcInterface
+from fingertip.board.values.board_values import BoardValues
+from fingertip.board.values.bridge import SENSOR_CABLE_F
+
+NAME = "slip_filter"
+
+# Values that do not depend on parameters of the design.
+DECOUPLING_F = 100e-9
+"""Decoupling capacitor at each supply pin [F]."""
+BULK_F = 10e-6
+"""Capacitor where the supply enters, and across the divider that halves it [F]."""
+CABLE_OHM = 1e3
+"""Resistor between an amplifier's output and a pin without a filter [ohm]."""
+DIVIDER_OHM = 10e3
+"""Both resistors of the divider [ohm]. With `BULK_F` they keep supply ripple above 3 Hz out of the midpoint."""
+
+
+def complete_circuit(values: BoardValues, signal_path: Wiring, fourth_pin: str = GND) -> Circuit:
+    """Complete a variant's signal path, which starts at TACTILE, with the blocks that all variants share; checked."""
+    supply = SUPPLIES[values.supply]
+    wiring: dict[Component, Mapping[str, str]] = {}
+    rated = RatedComponents(values.tolerance)
+    supply_block = _split_supply() if supply.negative_rail == VEE else _single_supply(rated)
+    for block in (
+        _front_end(values, supply), signal_path, _adc_interface(values.adc_interface, rated, supply, fourth_pin),
+        supply_block, _test_points(supply), _mounting_holes(),
+    ):  # fmt: skip
+        wiring.update(block)
+    return build_circuit(NAME, wiring)
+
+
+def _front_end(values: BoardValues, supply: Supply) -> Wiring:
+    """Connector of the sensor, bridge and instrumentation amplifier."""
+    bridge, ground = values.bridge, supply.signal_ground
+    sensor = component("J1", "FSR", symbols.CONNECTOR_2, symbols.HEADER_2, "force-sensing resistor")
+    amplifier = component("U2", "AD623ARMZ", symbols.AD623, symbols.MSOP_8, "instrumentation amplifier of the bridge")
+    return {
+        sensor: {"1": SENSOR, "2": ground},
+        bridge_resistor("R10", bridge.top_ohm, "bridge: supply to sensor"): {"1": VCC, "2": SENSOR},
+        bridge_resistor("R11", bridge.shunt_ohm, "bridge: parallel to the sensor"): {"1": SENSOR, "2": ground},
+        bridge_resistor("R12", bridge.high_ohm, "bridge: supply to reference"): {"1": VCC, "2": REFERENCE},
+        bridge_resistor("R13", bridge.low_ohm, "bridge: reference to where signals rest"): {
+            "1": REFERENCE, "2": ground,
+        },
+        bridge_resistor("R14", bridge.gain_ohm, "bridge: gain of its amplifier"): {"1": GAIN_A, "2": GAIN_B},
+        supply_capacitor("C7", SENSOR_CABLE_F, "sensor's cable: radio interference"): {"1": SENSOR, "2": ground},
+        amplifier: {
+            "1": GAIN_A, "8": GAIN_B, "2": REFERENCE, "3": SENSOR, "5": ground, "6": TACTILE, "7": VCC,
+            "4": supply.negative_rail,
+        },
+    }  # fmt: skip
+
+
+def _adc_interface(interface: AdcInterface, rated: RatedComponents, supply: Supply, fourth_pin: str) -> Wiring:
+    """Anti-aliasing poles, and clamps to ground and VCC, for the envelope and the tactile voltage."""
+    pins = {"1": ADC_TACTILE, "2": ADC_ENVELOPE, "3": GND, "4": fourth_pin}
+    symbol, header = symbols.CONNECTOR_4, symbols.HEADER_4
+    if supply.signal_ground == VMID:  # the envelope's quiescent level, for subtraction
+        pins |= {"5": M_OUT}
+        symbol, header = symbols.CONNECTOR_5, symbols.HEADER_5
+    output = component("J3", "ADC", symbol, header, "to the converter: tactile voltage, envelope")
+    return {
+        rated.resistor("R7", interface.envelope_ohm, "anti-alias of the envelope"): {"1": ENVELOPE, "2": ADC_ENVELOPE},
+        rated.small_capacitor("C8", interface.envelope_f, "anti-alias of the envelope"): {"1": ADC_ENVELOPE, "2": GND},
+        _clamp("D2", "clamp of the envelope"): {"1": GND, "2": VCC, "3": ADC_ENVELOPE},
+        rated.resistor("R8", interface.first_ohm, "anti-alias of the tactile voltage, first pole"): {
+            "1": TACTILE, "2": ALIAS_MID,
+        },
+        rated.small_capacitor("C9", interface.first_f, "anti-alias of the tactile voltage, first pole"): {
+            "1": ALIAS_MID, "2": GND,
+        },
+        rated.resistor("R9", interface.second_ohm, "anti-alias of the tactile voltage, second pole"): {
+            "1": ALIAS_MID, "2": ADC_TACTILE,
+        },
+        rated.small_capacitor("C19", interface.second_f, "anti-alias of the tactile voltage, second pole"): {
+            "1": ADC_TACTILE, "2": GND,
+        },
+        _clamp("D3", "clamp of the tactile voltage"): {"1": GND, "2": VCC, "3": ADC_TACTILE},
+        output: pins,
+    }  # fmt: skip
+
+
+def _split_supply() -> Wiring:
+    """Connector and decoupling of a split supply."""
+    plus, minus = {"1": VCC, "2": GND}, {"1": GND, "2": VEE}
+    power = component("J2", "POWER", symbols.CONNECTOR_3, symbols.HEADER_3, "supply: plus, ground, minus")
+    return {
+        power: {"1": VCC, "2": GND, "3": VEE},
+        supply_capacitor("C10", BULK_F, "plus supply, at its entry", symbols.C_0805): plus,
+        supply_capacitor("C11", BULK_F, "minus supply, at its entry", symbols.C_0805): minus,
+        supply_capacitor("C5", DECOUPLING_F, "plus supply, at U1"): plus,
+        supply_capacitor("C6", DECOUPLING_F, "minus supply, at U1"): minus,
+        supply_capacitor("C12", DECOUPLING_F, "plus supply, at U2"): plus,
+        supply_capacitor("C13", DECOUPLING_F, "minus supply, at U2"): minus,
+    }
+
+
+def _single_supply(rated: RatedComponents) -> Wiring:
+    """Connector and decoupling of a single supply, and its midpoint: a divider and a voltage follower.
+
+    The follower's output has no capacitor, because it could not drive one, and R24 isolates it from the cable's
+    capacitance. It carries the bridge's 2 mA.
+    """
+    plus = {"1": VCC, "2": GND}
+    power = component("J2", "POWER", symbols.CONNECTOR_2, symbols.HEADER_2, "supply: plus, ground")
+    buffer = component("U5", "TLV2371DBV", symbols.TLV2371, symbols.SOT_23_5, "buffer of the supply's middle")
+    return {
+        power: plus,
+        supply_capacitor("C10", BULK_F, "supply, at its entry", symbols.C_0805): plus,
+        supply_capacitor("C5", DECOUPLING_F, "supply, at U1"): plus,
+        supply_capacitor("C12", DECOUPLING_F, "supply, at U2"): plus,
+        bridge_resistor("R22", DIVIDER_OHM, "supply's middle: upper half"): {"1": VCC, "2": HALF},
+        bridge_resistor("R23", DIVIDER_OHM, "supply's middle: lower half"): {"1": HALF, "2": GND},
+        supply_capacitor("C21", BULK_F, "supply's middle: keeps ripple out", symbols.C_0805): {"1": HALF, "2": GND},
+        buffer: {"3": HALF, "4": VMID, "1": VMID, "5": VCC, "2": GND},
+        supply_capacitor("C22", DECOUPLING_F, "supply, at U5"): plus,
+        rated.resistor("R24", CABLE_OHM, "supply's middle: keeps the cable off its buffer"): {"1": M_OUT, "2": VMID},
+    }
+
+
+def _test_points(supply: Supply) -> Wiring:
+    nets = {"TP1": TACTILE, "TP2": STAGE1_OUT, "TP3": FILTERED, "TP4": ENVELOPE, "TP5": supply.signal_ground}
+    return {
+        Component(reference, net, symbols.TEST_POINT, symbols.TEST_PAD, f"test point: {net.lower()}"): {"1": net}
+        for reference, net in nets.items()
+    }
+
+
+def _mounting_holes() -> Wiring:
+    return {Component(f"H{i}", "M2", symbols.MOUNTING_HOLE, symbols.M2_HOLE, "mounting hole"): {} for i in range(1, 5)}
+
+
+def _clamp(reference: str, role: str) -> Component:
+    return component(reference, "BAT54S", symbols.BAT54S, symbols.SOT_23, role)

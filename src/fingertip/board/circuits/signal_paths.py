@@ -1,0 +1,154 @@
+"""Signal paths of the variants from TACTILE to ENVELOPE, and the circuits with them.
+
+`article` is the article's circuit (figure 3): two high-pass stages, a diode and an envelope detector. It keeps the
+article's references, except that R_LP and C_LP are R6 and C4, because KiCad requires references that end in a digit.
+
+`precision` equals `article` up to FILTERED except for two capacitors: C14 blocks R4's direct current, so that the first
+stage does not amplify its own offset, and C20 across R5 ends its gain above the vibrations, where the bridge's
+amplifier contributes only noise. After FILTERED an inverting half-wave rectifier (U3a, D1, D4) drives an inverting
+low-pass (U3b). Both inputs are virtual grounds, so R_LP and C_LP give the article's 36.17 Hz whether a diode conducts
+or not. After two inversions the envelope is positive and follows the positive half waves. For a sine its mean is 1/pi
+of the peak.
+
+`comparator` is `precision` with the article's future work: threshold, hysteresis and an ON/OFF pin. The comparator has
+an open-collector output: SLIP is low during slip and high (VCC) otherwise.
+"""
+
+from __future__ import annotations
+
+from fingertip.board.circuit import Circuit, Component, format_value
+from fingertip.board.circuits.components import RatedComponents, Wiring, amplifier, component, supply_capacitor
+from fingertip.board.circuits.front_end_and_supply import DECOUPLING_F, complete_circuit
+from fingertip.board.kicad import symbols
+from fingertip.board.nets import (
+    ENVELOPE,
+    FEEDBACK,
+    FILTERED,
+    GND,
+    STAGE1_IN,
+    STAGE1_OUT,
+    STAGE2_IN,
+    STAGE2_MID,
+    TACTILE,
+    VCC,
+    VEE,
+)
+from fingertip.board.supplies import SUPPLIES
+from fingertip.board.values.board_values import BoardValues
+from fingertip.board.values.comparator_stage import PULL_UP_OHM, TRIMMER_OHM
+from fingertip.board.values.output_offset import RECTIFIER_OHM
+from fingertip.errors import BoardError
+
+SERIES = "SERIES"
+RECT_IN = "RECT_IN"
+RECT_OUT = "RECT_OUT"
+RECTIFIED = "RECTIFIED"
+LP_IN = "LP_IN"
+MEAN = "MEAN"
+TRIM_TOP = "TRIM_TOP"
+THRESHOLD = "THRESHOLD"
+SLIP = "SLIP"
+
+
+def article_circuit(values: BoardValues) -> Circuit:
+    """Build the checked circuit of variant `article` with these values."""
+    return complete_circuit(values, {**_high_passes(values), **_peak_detector(values)})
+
+
+def precision_circuit(values: BoardValues) -> Circuit:
+    """Build the checked circuit of variant `precision` with these values."""
+    return complete_circuit(values, _precision_path(values))
+
+
+def comparator_circuit(values: BoardValues) -> Circuit:
+    """Build the checked circuit of variant `comparator` with these values."""
+    return complete_circuit(values, {**_precision_path(values), **_comparator(values)}, fourth_pin=SLIP)
+
+
+def _high_passes(values: BoardValues, r4_net: str = "") -> Wiring:
+    """Both filters of the article's figure 3. R4 is connected to the signal ground unless another net is given."""
+    c, supply = values.preferred, SUPPLIES[values.supply]
+    ground, rated = supply.signal_ground, RatedComponents(values.tolerance)
+    return {
+        # First-order high-pass, gain 1 + R5/R4 (eqs. 1, 2).
+        rated.capacitor("C1", c.c_f, "first stage: in series"): {"1": TACTILE, "2": STAGE1_IN},
+        rated.resistor("R1", c.r1_ohm, "first stage: pole, with C1"): {"1": STAGE1_IN, "2": ground},
+        rated.resistor("R4", c.r4_ohm, "first stage: gain, with R5"): {"1": FEEDBACK, "2": r4_net or ground},
+        rated.resistor("R5", c.r5_ohm, "first stage: feedback"): {"1": STAGE1_OUT, "2": FEEDBACK},
+        amplifier("U1", values.amplifier, "first stage and Sallen-Key stage"): {
+            "3": STAGE1_IN, "2": FEEDBACK, "1": STAGE1_OUT,
+            "5": STAGE2_IN, "6": FILTERED, "7": FILTERED,
+            "8": VCC, "4": supply.negative_rail,
+        },
+        # Unity-gain Sallen-Key high-pass (eqs. 3, 4): R2 from between the capacitors to the output.
+        rated.capacitor("C2", c.c_f, "second stage: first in series"): {"1": STAGE1_OUT, "2": STAGE2_MID},
+        rated.capacitor("C3", c.c_f, "second stage: last in series"): {"1": STAGE2_MID, "2": STAGE2_IN},
+        rated.resistor("R2", c.r2_ohm, "second stage: feedback"): {"1": STAGE2_MID, "2": FILTERED},
+        rated.resistor("R3", c.r3_ohm, "second stage: pole, with R2"): {"1": STAGE2_IN, "2": ground},
+    }  # fmt: skip
+
+
+def _peak_detector(values: BoardValues) -> Wiring:
+    """The diode and, after it, R_LP parallel to C_LP (eq. 11)."""
+    c, ground, rated = values.preferred, SUPPLIES[values.supply].signal_ground, RatedComponents(values.tolerance)
+    diode = component("D1", "1N4148W", symbols.DIODE_1N4148W, symbols.SOD_123, "half-wave rectifier")
+    return {
+        diode: {"2": FILTERED, "1": ENVELOPE},
+        rated.resistor("R6", c.r_lp_ohm, "envelope: R_LP"): {"1": ENVELOPE, "2": ground},
+        rated.capacitor("C4", c.c_lp_f, "envelope: C_LP"): {"1": ENVELOPE, "2": ground},
+    }
+
+
+def _precision_path(values: BoardValues) -> Wiring:
+    """The filters without offset and with a band limit, the precision rectifier and the envelope's low-pass."""
+    c, supply, extra = values.preferred, SUPPLIES[values.supply], values.first_stage
+    if extra is None:
+        raise BoardError("the values are for variant article; compute them for the variant of this circuit.")
+    ground, rated = supply.signal_ground, RatedComponents(values.tolerance)
+    diodes = [
+        component(name, "1N4148W", symbols.DIODE_1N4148W, symbols.SOD_123, role)
+        for name, role in (("D1", "rectifier: positive half wave"), ("D4", "rectifier: negative half wave"))
+    ]
+    path: Wiring = {
+        rated.capacitor("C14", extra.series_f, "first stage: blocks its offset"): {"1": ground, "2": SERIES},
+        rated.small_capacitor("C20", extra.limit_f, "first stage: ends its gain above the vibrations"): {
+            "1": STAGE1_OUT, "2": FEEDBACK,
+        },
+        rated.resistor("R15", RECTIFIER_OHM, "rectifier: input"): {"1": FILTERED, "2": RECT_IN},
+        rated.resistor("R16", RECTIFIER_OHM, "rectifier: feedback"): {"1": RECT_IN, "2": RECTIFIED},
+        diodes[0]: {"1": RECT_OUT, "2": RECTIFIED},
+        diodes[1]: {"1": RECT_IN, "2": RECT_OUT},
+        rated.resistor("R17", c.r_lp_ohm, "envelope: input, as R_LP"): {"1": RECTIFIED, "2": LP_IN},
+        rated.resistor("R6", c.r_lp_ohm, "envelope: R_LP"): {"1": LP_IN, "2": ENVELOPE},
+        rated.capacitor("C4", c.c_lp_f, "envelope: C_LP"): {"1": LP_IN, "2": ENVELOPE},
+        amplifier("U3", values.amplifier, "rectifier and envelope"): {
+            "3": ground, "2": RECT_IN, "1": RECT_OUT, "5": ground, "6": LP_IN, "7": ENVELOPE, "8": VCC,
+            "4": supply.negative_rail,
+        },
+        supply_capacitor("C15", DECOUPLING_F, "plus supply, at U3"): {"1": VCC, "2": GND},
+    }  # fmt: skip
+    if supply.negative_rail == VEE:
+        path = {**path, supply_capacitor("C16", DECOUPLING_F, "minus supply, at U3"): {"1": GND, "2": VEE}}
+    return {**_high_passes(values, SERIES), **path}
+
+
+def _comparator(values: BoardValues) -> Wiring:
+    """The averaging low-pass, the threshold and the comparator with hysteresis."""
+    stage, ground = values.comparator_stage, SUPPLIES[values.supply].signal_ground
+    if stage is None:
+        raise BoardError("the values are for a variant without comparator; compute them with board.variant=comparator.")
+    rated = RatedComponents(values.tolerance)
+    comparator = component("U4", "LMV331", symbols.LMV331, symbols.SOT_23_5, "slip or no slip")
+    trimmer = Component(
+        "RV1", format_value(TRIMMER_OHM), symbols.TRIMMER, symbols.TC33X, "threshold", "trimmer 3 mm, one turn, top"
+    )
+    return {
+        rated.resistor("R18", stage.mean_ohm, "mean of the envelope"): {"1": ENVELOPE, "2": MEAN},
+        rated.small_capacitor("C17", stage.mean_f, "mean of the envelope"): {"1": MEAN, "2": ground},
+        rated.resistor("R19", stage.top_ohm, "threshold's range"): {"1": VCC, "2": TRIM_TOP},
+        trimmer: {"1": TRIM_TOP, "2": THRESHOLD, "3": ground},
+        rated.resistor("R20", stage.hysteresis_ohm, "hysteresis"): {"1": THRESHOLD, "2": SLIP},
+        rated.resistor("R21", PULL_UP_OHM, "pull-up of the output"): {"1": VCC, "2": SLIP},
+        comparator: {"1": THRESHOLD, "3": MEAN, "4": SLIP, "5": VCC, "2": GND},
+        supply_capacitor("C18", DECOUPLING_F, "plus supply, at U4"): {"1": VCC, "2": GND},
+    }

@@ -1,0 +1,64 @@
+"""Errata of the article about its own board: what it states, and what is correct."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """One error of the article about its own board: 1 uF, 2.4k, 1.2k, 4.7k, 100k, 1.5k, then 2k and 2.2 uF."""
+
+    subject: str
+    statement: str
+    """What the article states or omits."""
+    correction: str
+
+
+ERRATA: tuple[Erratum, ...] = (
+    Erratum(
+        "gain, eq. (2)",
+        "G = 66.7 (36.5 dB) with G = 1 + R5/R4, R5 = 100k, R4 = 1.5k",
+        "66.7 is R5/R4; G is 67.67 (36.61 dB)",
+    ),
+    Erratum("cutoff, eq. (10)", "omega_c = 1/sqrt(R2 R3 C)", "omega_c = 1/(C sqrt(R2 R3))"),
+    Erratum(
+        "transfer functions, eqs. (1), (3), (4), (9), (11)",
+        "polynomials in omega, with -omega^2 and a real term in omega",
+        "polynomials in s = j omega",
+    ),
+    Erratum(
+        "cutoff of the built filter",
+        "67 Hz and Q = 1",
+        "1.2k and 4.7k give f0 67.02 Hz and Q 0.9895; with the first pole at 66.31 Hz, -3 dB is at 67.26 Hz",
+    ),
+    Erratum(
+        "flatness",
+        "Q = 1 makes the second stage maximally flat",
+        "that stage alone peaks by 1.25 dB; the product of both is maximally flat (third-order Butterworth)",
+    ),
+    Erratum(
+        "envelope, eq. (11)",
+        "H_LP = (1/C_LP)/(omega + omega_LP) is a low-pass filter at 36.17 Hz",
+        "it is a transimpedance (ohm): a diode feeding R_LP parallel to C_LP is a peak detector, which rises fast "
+        "and decays with tau = 4.40 ms (36.17 Hz)",
+    ),
+    Erratum(
+        "rectifier",
+        "a diode downstream rectifies the filtered signal",
+        "a 1N4148 conducts from about 0.45 V: below about 6.7 mV at the filter's input the output stays zero",
+    ),
+    Erratum(
+        "offset",
+        "TL082 at this gain; its offset is not mentioned",
+        "R4 returns to ground directly, so 3 mV of offset become 203 mV ahead of C2; a capacitor of at least 16 uF in "
+        "series with R4 removes them",
+    ),
+    Erratum(
+        "input range of the amplifiers",
+        "TL082 on plus and minus 5 V; its common-mode input range is not mentioned",
+        "the range ends at about -2 V (guaranteed: -1 V), and below it the output reverses its phase and jumps up; a "
+        "press to 1.5 N within 0.2 s takes the input of the second stage to -3.5 V; variants precision and comparator "
+        "have a TLV2372",
+    ),
+)

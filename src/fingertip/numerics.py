@@ -1,0 +1,141 @@
+"""Root search in a bracket and golden-section search, for scalars and, with numpy, for arrays.
+
+The scalar functions need no numpy, which keeps the start of commands short. The functions for arrays search
+independently in every element. All of them make the same steps on every machine for the same function values, so
+results that are printed or hashed stay reproducible.
+
+References: W. H. Press et al., Numerical Recipes, 3rd ed., sections 9.1 (bisection), 9.2 (false position) and 10.2
+(golden section); M. Dowell and P. Jarratt, BIT 11 (1971) 168, for the Illinois variant of false position.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from fingertip.arrays import Array
+
+_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+"""Inverse of the golden ratio: the share of the bracket that each golden-section step keeps."""
+_MAX_STEPS = 60
+"""Largest number of steps of `find_root`; the Illinois method needs about ten."""
+
+
+def bisect(
+    is_below: Callable[[float], bool], low: float, high: float, *, halvings: int | None = None, tolerance: float = 0.0
+) -> tuple[float, float]:
+    """Narrow the bracket of a boundary by bisection, and return both its ends.
+
+    The function returns the bracket, not its midpoint, because callers need the end on one particular side.
+
+    Parameters
+    ----------
+    is_below
+        Whether a point lies below the boundary. True at `low` and False at `high`, which are not evaluated.
+    low, high
+        Ends of the bracket, `low` < `high`.
+    halvings
+        Largest number of halvings; None: as many as the tolerance needs.
+    tolerance
+        Width at which the search ends. With 0 it ends when no number lies between the two ends.
+    """
+    count = 0
+    while (halvings is None or count < halvings) and high - low > tolerance:
+        middle = 0.5 * (low + high)
+        if not low < middle < high:  # the ends are neighbouring floats
+            break
+        low, high = (middle, high) if is_below(middle) else (low, middle)
+        count += 1
+    return low, high
+
+
+def find_root(
+    function: Callable[[float], float],
+    ends: tuple[float, float],
+    tolerance: float,
+    values: tuple[float, float] | None = None,
+) -> float:
+    """Find a root of a continuous function in a bracket, by false position in the Illinois variant.
+
+    Parameters
+    ----------
+    function
+        Function whose values at both ends differ in sign.
+    ends
+        Ends of the bracket, in either order.
+    tolerance
+        Distance of two successive points at which the search ends.
+    values
+        Values of the function at the ends, where they are known already.
+    """
+    (a, b), (fa, fb) = ends, values or (function(ends[0]), function(ends[1]))
+    for _ in range(_MAX_STEPS):
+        if fa == fb or abs(b - a) < tolerance:
+            break
+        new = b - fb * (b - a) / (fb - fa)
+        value = function(new)
+        if value * fb < 0.0:
+            a, fa = b, fb
+        else:  # the end `a` stays once more: halving its value makes the next chord cross to the other side
+            fa *= 0.5
+        b, fb = new, value
+        if value == 0.0:
+            break
+    return b
+
+
+def find_maximum(function: Callable[[float], float], low: float, high: float, tolerance: float) -> tuple[float, float]:
+    """Find the maximum of a unimodal function in a bracket by golden-section search: its location and its value.
+
+    Near a smooth maximum the value is exact to the square of the tolerance. Tolerances below the square root of the
+    floating-point precision gain nothing.
+    """
+    left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+    at_left, at_right = function(left), function(right)
+    while high - low > tolerance:
+        if at_left < at_right:
+            low, left, at_left = left, right, at_right
+            right = low + _GOLDEN * (high - low)
+            at_right = function(right)
+        else:
+            high, right, at_right = right, left, at_left
+            left = high - _GOLDEN * (high - low)
+            at_left = function(left)
+    return (left, at_left) if at_left >= at_right else (right, at_right)
+
+
+def bisect_arrays(
+    is_below: Callable[[Array], NDArray[np.bool_]], low: Array, high: Array, halvings: int
+) -> tuple[Array, Array]:
+    """Narrow the bracket of a boundary in every element by a fixed number of halvings; the counterpart of `bisect`."""
+    import numpy as np
+
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        below = is_below(middle)
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return low, high
+
+
+def find_maximum_arrays(function: Callable[[Array], Array], low: Array, high: Array, steps: int) -> tuple[Array, Array]:
+    """Find the maximum in every element by a fixed number of golden-section steps; the counterpart of `find_maximum`.
+
+    Each step narrows the brackets to 0.618 of their width.
+    """
+    import numpy as np
+
+    left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+    at_left, at_right = function(left), function(right)
+    for _ in range(steps):
+        rises = at_left < at_right
+        low, high = np.where(rises, left, low), np.where(rises, high, right)
+        new = np.where(rises, low + _GOLDEN * (high - low), high - _GOLDEN * (high - low))
+        at_new = function(new)
+        left, right = np.where(rises, right, new), np.where(rises, new, left)
+        at_left, at_right = np.where(rises, at_right, at_new), np.where(rises, at_new, at_left)
+    return np.where(at_left >= at_right, left, right), np.maximum(at_left, at_right)

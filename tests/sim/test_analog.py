@@ -10,7 +10,7 @@ import pytest
 
 from fingertip.board import board_circuit
 from fingertip.board.values.board_values import board_values
-from fingertip.board.values.ideal_response import filter_network
+from tests.oracles.ideal_filter import ideal_filter_transfer
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.jit import compiled
@@ -80,7 +80,7 @@ def test_tone_has_the_gain_of_the_filter_formula(frequency):
     step = 1 / 32_000
     time = np.arange(32_000) * step
     out = simulate_board(BOARD, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[16_000:]
-    gain = abs(filter_network(frequency, board_values(DESIGN).preferred))
+    gain = abs(ideal_filter_transfer(frequency, board_values(DESIGN).preferred))
     assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * gain, rel=2e-3)
 
 
@@ -303,7 +303,7 @@ def test_blocking_capacitor_removes_the_gain_at_dc_only():
     for frequency in (2.0, 100.0):
         s = 2j * math.pi * frequency
         first = 1 + board.r5_ohm / (board.r4_ohm + 1 / (s * c))
-        gain = abs(filter_network(frequency, board_values(DESIGN).preferred) * first / board.gain)
+        gain = abs(ideal_filter_transfer(frequency, board_values(DESIGN).preferred) * first / board.gain)
         out = simulate_board(board, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[32_000:]
         assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * gain, rel=3e-3)
 
@@ -318,7 +318,7 @@ def test_limiting_capacitor_reduces_the_gain_above_its_corner(blocking):
         s = 2j * math.pi * frequency
         z4 = board.r4_ohm + (1 / (s * blocking) if blocking else 0.0)
         first = 1 + board.r5_ohm / (1 + s * board.r5_ohm * 1.5e-9) / z4
-        gain = abs(filter_network(frequency, board_values(DESIGN).preferred) * first / board.gain)
+        gain = abs(ideal_filter_transfer(frequency, board_values(DESIGN).preferred) * first / board.gain)
         out = simulate_board(board, step, 1e-5 * np.sin(2 * math.pi * frequency * time)).filtered_v[64 * 100 :]
         assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-5 * gain, rel=3e-3)
 
@@ -397,7 +397,7 @@ def test_input_that_is_not_finite_is_reported_with_its_sample():
     for bad in (math.nan, math.inf):
         voltage = burst()
         voltage[[17, 30]] = bad
-        with pytest.raises(TraceError, match=rf"voltage_v: {bad} at sample 17, and 1 more after it, is not a finite"):
+        with pytest.raises(TraceError, match=rf"voltage_v: {bad} at sample 17 \(and 1 more after it\) is not a finite"):
             simulate_board(BOARD, STEP_S, voltage)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit
-from fingertip.board.spice.deck import spice_deck
+from fingertip.board.spice import spice_deck
 from fingertip.board.values.board_values import board_values
 from fingertip.design import Design
 from fingertip.errors import TraceError
@@ -113,7 +113,7 @@ def test_scene_outputs_the_slip_pin_only_for_boards_that_have_one():
         outputs=["slip", "slip_pin_v"],
     )
     found = run_scene(DESIGN, tables, 1)
-    assert [stage.name for stage in found.ran][-2:] == ["filter board", "comparator"]
+    assert [stage.name for stage in found.stages][-2:] == ["filter board", "comparator"]
     low = found.columns["slip_pin_v"] < 2.5
     assert set(found.columns["slip_pin_v"].tolist()) == {0.0, 5.0}
     assert low[found.columns["slip"]].mean() > 0.8

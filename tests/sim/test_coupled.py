@@ -1,4 +1,4 @@
-"""Contact with error control: against another solver, against the fixed step, and on stiff and extreme cases."""
+"""Error-controlled contact: comparison with scipy and with fixed steps, and stiff or extreme cases."""
 
 from __future__ import annotations
 
@@ -10,45 +10,49 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.errors import TraceError
+from fingertip.jit import compiled
 from fingertip.sim.contact import coupled, coupled_loop
-from fingertip.sim.contact.contact import Mount, drag
-from fingertip.sim.contact.coupled import Coupled, Press, integrate
+from fingertip.sim.contact.coupled import CoupledMotion, NormalContact, integrate
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
-from fingertip.sim.jit import compiled
-from fingertip.sim.scenes.scene import Ramp
+from fingertip.sim.contact.tangential import Mount, drag
+from fingertip.sim.scenes.timeline import TrapezoidalMove
 
 FORCE_N = 0.8
-PAD = Pad.of(Design())
+PAD = Pad.from_design(Design())
 STIFFNESS = PAD.tangential_stiffness_n_per_m(FORCE_N)
 MOUNT = Mount(PAD.mass_kg, STIFFNESS, 2 * DAMPING_RATIO * math.sqrt(STIFFNESS * PAD.mass_kg))
 FRICTION = Friction(0.6, 0.48)
-PRESS = Press(90.0, 0.15)
+NORMAL = NormalContact(90.0, 0.15)
 RATE_HZ = 2000.0
 LIGHT_KG = 1e-5
 
 
 def grid(seconds: float, rate_hz: float = RATE_HZ) -> np.ndarray:
+    """Times of the samples [s]."""
     return np.arange(round(seconds * rate_hz) + 1) / rate_hz
 
 
-def slide(friction=FRICTION, mount=MOUNT, tolerance=1e-6, seconds=1.4, speed=0.04, rate=RATE_HZ, **more) -> Coupled:
-    """0.2 s of rest, a slide of 4 cm that ends, a shaken load that never leaves the surface."""
-    time, ramp = grid(seconds, rate), Ramp.at(0.2, 0.04, speed)
+def slide(
+    friction=FRICTION, mount=MOUNT, tolerance=1e-6, seconds=1.4, speed=0.04, rate=RATE_HZ, **more
+) -> CoupledMotion:
+    """Rest for 0.2 s, then slide by 4 cm, under an oscillating load that keeps contact."""
+    time, ramp = grid(seconds, rate), TrapezoidalMove.with_speed(0.2, 0.04, speed)
     load = FORCE_N * (1 + 0.1 * np.sin(2 * math.pi * 53 * time))
     return integrate(
-        friction, mount, PRESS, 1 / rate, ramp.position_m(time), ramp.velocity_m_s(time), load, tolerance, **more
+        friction, mount, NORMAL, 1 / rate, ramp.position_m(time), ramp.velocity_m_s(time), load, tolerance, **more
     )
 
 
-def test_agrees_with_another_solver():
-    """scipy's Radau on its own copy of the equations, restarted at the drive's kinks."""
+@pytest.mark.slow
+def test_motion_agrees_with_scipy_radau():
+    """scipy solves an independent copy of the equations and restarts at the kinks of the drive."""
     from scipy.integrate import solve_ivp
 
     f, omega, until = FRICTION, 2 * math.pi * 90, 0.4
-    time, ramp = grid(until), Ramp.at(0.05, 0.04, 0.04)
+    time, ramp = grid(until), TrapezoidalMove.with_speed(0.05, 0.04, 0.04)
     load = FORCE_N * (1 + 0.1 * time / until)
-    ours = integrate(f, MOUNT, PRESS, 1 / RATE_HZ, ramp.position_m(time), ramp.velocity_m_s(time), load, 1e-9)
+    ours = integrate(f, MOUNT, NORMAL, 1 / RATE_HZ, ramp.position_m(time), ramp.velocity_m_s(time), load, 1e-9)
 
     def rates(t, s):
         x, v, z, y, w = s
@@ -70,28 +74,29 @@ def test_agrees_with_another_solver():
 
 
 @pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
-def test_what_does_not_bend_bristles_slides(elastic):
-    """Velocity less the growth of the deflection, over the whole slide and the rest after it."""
+def test_sliding_speed_is_velocity_minus_bristle_rate(elastic):
+    """The relation holds over the whole slide and the rest after it."""
     friction = Friction(0.6, 0.48, elastic=elastic)
-    moved = slide(friction, rate=20000.0, seconds=1.3)
-    sliding = friction.sliding_m_s(moved.velocity_m_s, moved.bristle_m)
+    with compiled():
+        moved = slide(friction, rate=20000.0, seconds=1.3)
+    sliding = friction.sliding_speed_m_s(moved.velocity_m_s, moved.bristle_m)
     bends = np.gradient(moved.bristle_m, 1 / 20000.0)
     assert np.abs(np.abs(moved.velocity_m_s - bends) - sliding)[1:-1].max() < 2e-4
     assert np.median(sliding[(grid(1.3, 20000.0) > 0.5) & (grid(1.3, 20000.0) < 1.0)]) == pytest.approx(0.04, rel=0.01)
 
 
-def test_what_springs_back_is_no_slip():
-    """A pad that is tugged and let go moves faster than gross slip is, and is back where it was: its bristles bent."""
+def test_elastic_bending_is_not_slip():
+    """A pad that is tugged and released moves faster than gross slip and returns: only its bristles bent."""
     friction, time = Friction(0.6, 0.48, elastic=ELASTO_PLASTIC), grid(0.3)
     tug = np.where((time > 0.02) & (time < 0.04), np.sin(math.pi * (time - 0.02) / 0.02) ** 2, 0.0)
     load = np.full_like(time, FORCE_N)
-    moved = integrate(friction, MOUNT, PRESS, 1 / RATE_HZ, 5e-5 * tug, np.gradient(5e-5 * tug, 1 / RATE_HZ), load)
+    moved = integrate(friction, MOUNT, NORMAL, 1 / RATE_HZ, 5e-5 * tug, np.gradient(5e-5 * tug, 1 / RATE_HZ), load)
     assert np.abs(moved.velocity_m_s).max() > 1.2 * GROSS_SLIP_M_S
     assert np.abs(moved.position_m[-1]) < 1e-3 * np.abs(moved.position_m).max()
-    assert not friction.sliding_m_s(moved.velocity_m_s, moved.bristle_m).any()
+    assert not friction.sliding_speed_m_s(moved.velocity_m_s, moved.bristle_m).any()
 
 
-def test_the_tolerance_is_an_error_in_newtons():
+def test_tolerance_is_an_error_in_newtons():
     reference = slide(tolerance=1e-11)
     pull = [STIFFNESS * np.abs(slide(tolerance=t).position_m - reference.position_m).max() for t in (1e-6, 1e-7, 1e-8)]
     assert pull[0] < 5e-6
@@ -99,17 +104,17 @@ def test_the_tolerance_is_an_error_in_newtons():
     assert pull[2] < 5e-8
 
 
-def test_the_fixed_step_of_a_trial_agrees():
+def test_fixed_steps_of_a_trial_agree():
     rate = 8000.0
-    time, ramp = grid(1.4, rate), Ramp.at(0.2, 0.04, 0.04)
+    time, ramp = grid(1.4, rate), TrapezoidalMove.with_speed(0.2, 0.04, 0.04)
     stage, speed, load = ramp.position_m(time), ramp.velocity_m_s(time), np.full_like(time, FORCE_N)
     fixed = drag(FRICTION, MOUNT, 1 / rate, stage, speed, load)
-    controlled = integrate(FRICTION, MOUNT, PRESS, 1 / rate, stage, speed, load, 1e-8)
+    controlled = integrate(FRICTION, MOUNT, NORMAL, 1 / rate, stage, speed, load, 1e-8)
     assert np.abs(fixed.velocity_m_s - controlled.velocity_m_s).max() < 1e-5
 
 
-def test_steps_are_few():
-    """A wrong coefficient or solve first shows as steps that are refused again and again."""
+def test_few_steps_are_rejected():
+    """A wrong coefficient or solution shows first as repeatedly rejected steps."""
     found = slide()
     assert found.steps < 2 * 2800
     assert found.rejected < 0.2 * found.steps
@@ -118,7 +123,7 @@ def test_steps_are_few():
     assert tight.steps < 4 * found.steps  # order 3 of the estimate: 100^(1/4) = 3.2
 
 
-def test_compiled_gives_the_same_numbers():
+def test_compiled_loop_gives_the_same_bits():
     pytest.importorskip("numba")
     plain = slide(seconds=0.4)
     with compiled():
@@ -140,7 +145,7 @@ def test_compiled_gives_the_same_numbers():
     ],
     ids=str,
 )
-def test_stiff_bristles_and_light_pads(stiff, mass_kg, elastic):
+def test_stiff_bristles_and_light_pads_slide_steadily(stiff, mass_kg, elastic):
     friction = Friction(0.6, 0.48, elastic=elastic, **stiff)
     mount = Mount(mass_kg, STIFFNESS, MOUNT.damping_n_s_per_m)
     with compiled():
@@ -149,61 +154,61 @@ def test_stiff_bristles_and_light_pads(stiff, mass_kg, elastic):
     assert found.steps + found.rejected < 80_000
     assert np.isfinite(found.position_m).all()
     assert np.abs(found.velocity_m_s).max() < 0.15
-    if stiff != {"sigma0": 1.0}:  # bristles of 0.5 m never break loose within 4 cm
+    if stiff != {"sigma0": 1.0}:  # such soft bristles deflect by 0.5 m, so they never break loose within 4 cm
         assert found.velocity_m_s[middle - 400 : middle + 400].mean() == pytest.approx(0.04, rel=0.02)
         assert found.position_m[-1] == pytest.approx(0.04, abs=3e-4)
-        # Friction as the spring shows it, against the closed form.
+        # Friction, measured by the spring, against the closed form.
         time = grid(1.4)
-        shear = Ramp.at(0.2, 0.04, 0.04).position_m(time) - found.position_m
+        shear = TrapezoidalMove.with_speed(0.2, 0.04, 0.04).position_m(time) - found.position_m
         mu = STIFFNESS * shear[middle - 400 : middle + 400].mean() / FORCE_N
         assert mu == pytest.approx(friction.steady(0.04), rel=0.02)
 
 
-def test_a_stage_that_never_moves_leaves_everything_at_exactly_zero():
+def test_resting_carriage_leaves_the_pad_exactly_at_rest():
     still = np.zeros(401)
-    found = integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, still, still, still + FORCE_N)
+    found = integrate(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, still, still, still + FORCE_N)
     assert not found.velocity_m_s.any()
     assert not found.position_m.any()
     assert np.abs(found.force_n - FORCE_N).max() < 1e-12
     assert found.steps == 400
-    nothing = integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, still, still, still)
+    nothing = integrate(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, still, still, still)
     assert not nothing.force_n.any()
 
 
-def test_without_load_the_pad_only_follows_its_spring():
+def test_unloaded_pad_follows_its_spring():
     time = grid(0.5)
-    found = integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, 0.01 * time, np.full_like(time, 0.01), np.zeros_like(time))
+    found = integrate(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, 0.01 * time, np.full_like(time, 0.01), np.zeros_like(time))
     assert found.velocity_m_s[-1] == pytest.approx(0.01, rel=1e-3)
     assert STIFFNESS * (0.005 - found.position_m[-1]) == pytest.approx(0.0, abs=1e-4)
 
 
-def test_denormals_pass():
+def test_denormal_inputs_are_integrated():
     tiny = np.full(401, 5e-324)
-    found = integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, tiny, tiny, np.full(401, 1e-310))
+    found = integrate(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, tiny, tiny, np.full(401, 1e-310))
     assert np.isfinite(found.position_m).all()
     assert np.abs(found.velocity_m_s).max() < 1e-300
     assert found.steps < 900
 
 
-def test_a_million_samples():
+def test_million_samples_stay_periodic():
     pytest.importorskip("numba")
     time = np.arange(1_000_001) / RATE_HZ
     to_and_fro = 1e-3 * np.sin(2 * math.pi * time)
     speed = 2e-3 * math.pi * np.cos(2 * math.pi * time)
     with compiled():
-        found = integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, to_and_fro, speed, np.full_like(time, FORCE_N), 1e-5)
+        found = integrate(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, to_and_fro, speed, np.full_like(time, FORCE_N), 1e-5)
     second, last = (found.position_m[n * 2000 : (n + 1) * 2000] for n in (1, 499))
-    assert np.abs(second - last).max() < 1e-5 / STIFFNESS * 50  # as in its second period, so in its last
+    assert np.abs(second - last).max() < 1e-5 / STIFFNESS * 50  # last period like the second
     assert found.steps + found.rejected < 1.3e6
 
 
-def test_a_bouncing_pad_by_its_statistics():
-    """In flight 0.78 of the time. Single points of such a motion need not agree, its mean and spread must."""
+def test_statistics_of_a_bouncing_pad_do_not_depend_on_the_tolerance():
+    """The pad is in flight for 0.78 of the time. Single points of such a chaotic motion need not agree."""
     time = grid(8.0)
     shaken = 0.5 + 3.0 * np.sin(2 * math.pi * 90 * time)
     with compiled():
         runs = [
-            integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, 0.02 * time, np.full_like(time, 0.02), shaken, tolerance)
+            integrate(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, 0.02 * time, np.full_like(time, 0.02), shaken, tolerance)
             for tolerance in (1e-4, 1e-6, 1e-8)
         ]
     flying = [float((run.force_n == 0.0).mean()) for run in runs]
@@ -217,25 +222,28 @@ def test_a_bouncing_pad_by_its_statistics():
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
-def test_a_knock_of_a_millisecond(tolerance):
-    """100 N for 1 ms is an impulse: the linear contact answers with omega times it, less the damping's share."""
+def test_impulse_response_matches_the_linear_resonance(tolerance):
+    """The linear contact responds to 100 N for 1 ms like to an impulse."""
+    from scipy.signal import fftconvolve
+
     time = grid(0.3)
     knock = FORCE_N + np.where(np.abs(time - 0.1) < 0.75e-3, 100.0, 0.0)  # 3 samples: a trapezoid of 1.5 ms area
     still = np.zeros_like(time)
-    found = integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, still, still, knock, tolerance)
+    with compiled():
+        found = integrate(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, still, still, knock, tolerance)
     omega, zeta = 2 * math.pi * 90, 0.15
     fine = np.arange(0, 0.05, 1e-6)
     wd = omega * math.sqrt(1 - zeta**2)
     impulse = omega**2 / wd * np.exp(-zeta * omega * fine) * np.sin(wd * fine)
     drive = np.interp(fine, time[190:230] - time[190], knock[190:230] - FORCE_N)
-    peak = FORCE_N + np.convolve(drive, impulse)[: len(fine)].max() * 1e-6
+    peak = FORCE_N + fftconvolve(drive, impulse)[: len(fine)].max() * 1e-6
     assert found.force_n.max() == pytest.approx(peak, rel=2e-3)
     assert found.force_n[round(0.13 * RATE_HZ) :].max() < peak
 
 
 @pytest.mark.parametrize("rate", [2000.0, 8000.0])
-def test_drift_below_breakaway_is_the_models_not_the_solvers(rate):
-    """Plain bristles creep under vibration, by as much at four times the rate; elasto-plastic ones stay."""
+def test_creep_below_breakaway_comes_from_the_model(rate):
+    """Plain bristles creep under vibration, by the same amount at four times the rate. Elasto-plastic ones do not."""
     time = grid(3.0, rate)
     hold = 0.5 * FRICTION.mu_c * FORCE_N / STIFFNESS
     shaking = np.where(time > 0.3, 0.3 * hold, 0.0)
@@ -246,15 +254,15 @@ def test_drift_below_breakaway_is_the_models_not_the_solvers(rate):
     for elastic in (0.0, ELASTO_PLASTIC):
         friction = Friction(0.6, 0.48, elastic=elastic)
         with compiled():
-            run = integrate(friction, MOUNT, PRESS, 1 / rate, stage, speed, np.full_like(time, FORCE_N), 1e-9)
+            run = integrate(friction, MOUNT, NORMAL, 1 / rate, stage, speed, np.full_like(time, FORCE_N), 1e-9)
         creep[elastic] = (run.position_m[-1] - run.position_m[-1 - round(rate)]) / 40
     assert creep[0.0] == pytest.approx(1.264e-8, rel=0.01)  # metres per cycle
     assert abs(creep[ELASTO_PLASTIC]) < creep[0.0] / 300
 
 
 @pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
-def test_bristles_never_give_back_more_than_they_store(elastic):
-    """Work taken up less energy stored, at every instant, for a velocity that shakes across zero."""
+def test_friction_is_passive(elastic):
+    """For a velocity that oscillates across zero, the work taken up is never below the stored energy."""
     f = Friction(0.6, 0.48, sigma1=2.3, elastic=elastic)
     curve, sigma = (f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.elastic), (f.sigma0, f.sigma1, f.sigma2)
     h, z, work, minimum = 2e-6, 0.0, 0.0, math.inf
@@ -269,48 +277,48 @@ def test_bristles_never_give_back_more_than_they_store(elastic):
 
 
 @pytest.mark.parametrize(
-    ("broken", "words"),
+    ("faults", "message"),
     [
-        ({"stage_m": (7, math.nan)}, r"stage_m: nan at sample 7 is not a finite number"),
+        ({"carriage_m": (7, math.nan)}, r"carriage_m: nan at sample 7 is not a finite number"),
         ({"pressing_n": (3, math.inf)}, r"pressing_n: inf at sample 3"),
-        ({"stage_m_s": (0, -math.inf)}, r"stage_m_s: -inf at sample 0"),
+        ({"carriage_m_s": (0, -math.inf)}, r"carriage_m_s: -inf at sample 0"),
     ],
     ids=str,
 )
-def test_input_that_is_not_finite_is_named_with_its_sample(broken, words):
-    columns = {name: np.zeros(20) for name in ("stage_m", "stage_m_s", "pressing_n")}
-    for name, (sample, value) in broken.items():
+def test_non_finite_input_is_reported_with_its_sample(faults, message):
+    columns = {name: np.zeros(20) for name in ("carriage_m", "carriage_m_s", "pressing_n")}
+    for name, (sample, value) in faults.items():
         columns[name][sample] = value
-    with pytest.raises(TraceError, match=words):
-        integrate(FRICTION, MOUNT, PRESS, 1 / RATE_HZ, **columns)
+    with pytest.raises(TraceError, match=message):
+        integrate(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, **columns)
     columns = {"normal_n" if name == "pressing_n" else name: values for name, values in columns.items()}
-    with pytest.raises(TraceError, match=words.split(":")[1]):
+    with pytest.raises(TraceError, match=message.split(":")[1]):
         drag(FRICTION, MOUNT, 1 / RATE_HZ, **columns)
 
 
-def test_all_faults_at_once_before_anything_runs():
+def test_all_issues_are_reported_at_once():
     still = np.zeros(5)
     with pytest.raises(TraceError) as caught:
-        integrate(FRICTION, MOUNT, PRESS, 0.0, still, still * math.nan, still[:3], -1.0)
-    assert [issue.field for issue in caught.value.issues] == ["step_s", "tolerance_n", "stage_m_s", "pressing_n"]
+        integrate(FRICTION, MOUNT, NORMAL, 0.0, still, still * math.nan, still[:3], -1.0)
+    assert [issue.field for issue in caught.value.issues] == ["step_s", "tolerance_n", "carriage_m_s", "pressing_n"]
 
 
 @pytest.mark.parametrize("mass", [0.0, -1.0, math.nan, math.inf])
-def test_impossible_masses_are_refused(mass):
+def test_invalid_masses_are_refused(mass):
     with pytest.raises(TraceError, match=r"mount\.mass_kg: .* give a finite number above 0, such as 0\.002 kg"):
         Mount(mass, 1.0, 0.0)
 
 
-def test_impossible_contacts_are_refused():
+def test_invalid_contacts_are_refused():
     with pytest.raises(TraceError, match=r"press\.resonance_hz: 0 Hz"):
-        Press(0.0, 0.15)
+        NormalContact(0.0, 0.15)
     with pytest.raises(TraceError, match=r"friction\.elastic: 1 is refused"):
         Friction(0.6, 0.48, elastic=1.0)
     with pytest.raises(TraceError, match="use coupled"):
         drag(Friction(0.6, 0.48, elastic=0.7), MOUNT, 1e-4, *(np.zeros(3) for _ in range(3)))
 
 
-def test_a_sample_that_takes_too_many_steps_is_an_error_and_no_hang(monkeypatch):
-    monkeypatch.setattr(coupled, "STEPS_CAP", 3)
+def test_too_many_steps_are_an_error(monkeypatch):
+    monkeypatch.setattr(coupled, "MAX_STEPS", 3)
     with pytest.raises(TraceError, match=r"sample \d+: needs more than 3 steps .* choose a larger tolerance_n"):
         slide(tolerance=1e-10)

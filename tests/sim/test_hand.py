@@ -1,4 +1,4 @@
-"""The hand's motors and forces, and the object between the fingers, against closed forms and another solver."""
+"""Motors and forces of the hand, and the motion of the object, against closed forms and scipy."""
 
 from __future__ import annotations
 
@@ -9,47 +9,48 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fingertip.design import Design
+from fingertip.jit import compiled
 from fingertip.sim import ManipulationFile, run_manipulation
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.hand import grasp_loop
-from fingertip.sim.hand.hand import Motors
 from fingertip.sim.hand.manipulation_file import Hand
-from fingertip.sim.jit import compiled
+from fingertip.sim.hand.motors import Motors
 
-PAD = Pad.of(Design())
+PAD = Pad.from_design(Design())
 FIVE = ("thumb", "index", "middle", "ring", "little")
 H = 5e-4
 
 
-def motors(fingers=FIVE, **hand) -> Motors:
+def make_motors(fingers=FIVE, **hand) -> Motors:
+    """Motors of these fingers, with these parameters of the hand."""
     return Motors(Hand(**hand), PAD, fingers, np.full(len(fingers), 0.03), H)
 
 
-def test_motors_lag_and_are_limited():
-    hand = motors(("thumb", "index"), lag_s=0.05, rate_m_s=1.0)
+def test_motors_follow_with_lag_and_limited_velocity():
+    hand = make_motors(("thumb", "index"), lag_s=0.05, rate_m_s=1.0)
     closing, _, _ = hand.follow(np.full((2, 400), 0.02))
     assert closing[0] == pytest.approx(0.02 * (1 - np.exp(-np.arange(1, 401) * H / 0.05)), rel=1e-9)
-    slow = motors(("thumb", "index"), lag_s=0.005, rate_m_s=0.05)
+    slow = make_motors(("thumb", "index"), lag_s=0.005, rate_m_s=0.05)
     closing, _, shaking = slow.follow(np.full((2, 1200), 0.02))
     assert np.diff(closing[0])[:300] == pytest.approx(0.05 * H)
     turns = np.flatnonzero((shaking[0][:-1] < 0) & (shaking[0][1:] >= 0))
     assert np.diff(turns[:8]).mean() * H == pytest.approx(1 / 45, rel=0.03)
     assert np.abs(shaking).max() == pytest.approx(0.01, rel=0.01)
     assert closing[0][-1] == pytest.approx(0.02, abs=2e-9)
-    assert not slow.follow(np.full((2, 400), 0.02))[2][:, 300:].any()  # it stands still
+    assert not slow.follow(np.full((2, 400), 0.02))[2][:, 300:].any()  # a motor at rest does not vibrate
 
 
-def test_ring_and_little_have_one_motor():
+def test_ring_and_little_finger_share_a_motor():
     command = np.full((5, 1200), 0.02)
     command[3] = 0.03
-    closing, _, _ = motors().follow(command)
+    closing, _, _ = make_motors().follow(command)
     assert np.array_equal(closing[3], closing[4])
     assert closing[4][-1] > closing[1][-1]
 
 
-def test_thumb_and_fingers_press_alike_wherever_they_have_closed_to():
+def test_thumb_force_equals_the_sum_of_the_finger_forces():
     rng = np.random.default_rng(1)
-    hand = motors(lag_s=0.001, rate_m_s=1.0)
+    hand = make_motors(lag_s=0.001, rate_m_s=1.0)
     for _ in range(20):
         goal = 0.03 + rng.uniform(-0.01, 0.05, 5)
         closing, force, _ = hand.follow(np.repeat(goal[:, None], 300, axis=1))
@@ -59,63 +60,66 @@ def test_thumb_and_fingers_press_alike_wherever_they_have_closed_to():
             assert depth[0] + depth[1:].max() <= 1e-6
             continue
         yields = np.array([PAD.depth_m(f) for f in F])
-        q = depth[0] - yields[0]  # the object has moved towards the fingers by this
+        q = depth[0] - yields[0]  # displacement of the object towards the fingers
         pressing = F > 0.0
         assert yields[1:][pressing[1:]] == pytest.approx((depth[1:] + q)[pressing[1:]], abs=1e-10)
         assert (depth[1:][~pressing[1:]] + q <= 1e-9).all()
 
 
-def test_a_planned_grip_gives_its_forces_and_a_tendon_stalls():
-    hand = motors(("thumb", "index"), lag_s=0.001, rate_m_s=1.0)
+def test_planned_closing_gives_its_force_and_tendon_stalls_at_the_limit():
+    hand = make_motors(("thumb", "index"), lag_s=0.001, rate_m_s=1.0)
     goal = 0.03 + PAD.depth_m(1.7)
     assert hand.follow(np.full((2, 300), goal))[1][:, -1] == pytest.approx([1.7, 1.7], abs=1e-6)
-    weak = motors(("thumb", "index"), lag_s=0.001, rate_m_s=1.0, max_force_n=2.0)
+    weak = make_motors(("thumb", "index"), lag_s=0.001, rate_m_s=1.0, max_force_n=2.0)
     assert weak.follow(np.full((2, 600), 1.0))[1][:, -1] == pytest.approx([2.0, 2.0], abs=1e-6)
 
 
-def move(seconds: float, step_s: float, loads, mass=0.1, weight=0.98, pin=None, sigma=(25e3, 2.0, 0.6), leaves=1.0):
+def move_object(
+    seconds: float, step_s: float, loads, mass=0.1, weight=0.98, pin=None, sigma=(25e3, 2.0, 0.6), leaves=1.0
+):
     count, length = len(loads), round(seconds / step_s)
     time = np.arange(length + 1) * step_s
     pin_x = np.full(length + 1, -1.0) if pin is None else pin(time)[0]
     pin_v = np.zeros(length + 1) if pin is None else pin(time)[1]
     mount = np.array([PAD.mass_kg, 6000.0, 2.0] * count)
     flat = np.repeat(np.array(loads, dtype=float), length + 1)
-    way, over, bristle = (np.zeros(count * length) for _ in range(3))
+    shear, over, bristle = (np.zeros(count * length) for _ in range(3))
     moved, pushed = np.zeros(length), np.zeros(length)
     weights = weight * np.minimum(time / 0.05, 1.0) if weight else np.zeros(length + 1)
     grasp_loop.run(
         (0.56, 0.14, 0.005), sigma, step_s, mass, (2000.0, 5.0), leaves, count, length, mount, weights, pin_x, pin_v,
-        np.zeros(3 * count + 3), np.zeros(grasp_loop.WIDTH * count), flat, way, over, bristle, moved, pushed,
+        np.zeros(3 * count + 3), np.zeros(grasp_loop.SCRATCH_SIZE * count), flat, shear, over, bristle, moved, pushed,
     )  # fmt: skip
-    return time[1:], moved, way.reshape(count, -1), over.reshape(count, -1), pushed
+    return time[1:], moved, shear.reshape(count, -1), over.reshape(count, -1), pushed
 
 
-def test_held_at_rest_friction_carries_the_weight():
-    _, _, way, over, _ = move(1.0, 1.25e-4, [1.0, 0.6, 0.4])
-    assert (6000.0 * way[:, -1]).sum() == pytest.approx(0.98, rel=1e-6)
+def test_friction_carries_the_weight_at_rest():
+    _, _, shear, over, _ = move_object(1.0, 1.25e-4, [1.0, 0.6, 0.4])
+    assert (6000.0 * shear[:, -1]).sum() == pytest.approx(0.98, rel=1e-6)
     assert np.abs(over[:, -1]).max() < 1e-7
 
 
-def test_what_nobody_holds_falls():
-    time, moved, *_ = move(0.3, 1.25e-4, [0.0, 0.0])
+def test_released_object_falls():
+    time, moved, *_ = move_object(0.3, 1.25e-4, [0.0, 0.0])
     late = time > 0.05
-    # The weight rises for 0.05 s: g (t^2 - 0.05 t + 0.05^2 / 3) / 2 afterwards.
+    # The weight rises for 0.05 s. After that the position is g (t^2 - 0.05 t + 0.05^2 / 3) / 2.
     assert moved[late] == pytest.approx(4.9 * (time[late] ** 2 - 0.05 * time[late] + 0.05**2 / 3), abs=2e-8)
 
 
-def knock(time):
+def pin_motion(time):
+    """Position and velocity of a pin that stops at 0.2 s."""
     return 0.08 * (time - 0.1) * (time < 0.2) + 0.008 * (time >= 0.2), 0.08 * (time < 0.2)
 
 
 def rates(t, y, loads, mass, weight):
-    """The equations of `grasp_loop` once more, in the plainest form."""
+    """The equations of `grasp_loop`, written as plainly as possible."""
     n = len(loads)
     x, v, z, X, V = y[:n], y[n : 2 * n], y[2 * n : 3 * n], y[-2], y[-1]
     w = v - V
     g = 0.56 + 0.14 / (1 + (w / 0.005) ** 2)
     dz = w - 25e3 * np.abs(w) * z / g
     mu = 25e3 * z + 2.0 * dz + 0.6 * w
-    Xp, Vp = (float(q[0]) for q in knock(np.array([t])))
+    Xp, Vp = (float(q[0]) for q in pin_motion(np.array([t])))
     d = Xp - X
     push = max(0.0, 2000.0 * d * (1 + 5.0 * (Vp - V))) if d > 0 else 0.0
     dv = (-6000.0 * x - 2.0 * v - loads * mu) / PAD.mass_kg
@@ -123,11 +127,13 @@ def rates(t, y, loads, mass, weight):
     return np.concatenate((v, dv, dz, [V, dV]))
 
 
-def test_every_step_is_ros2_with_the_whole_jacobian():
-    """Against the method written out for dense matrices, its Jacobian by differences. With any other Jacobian the
-    method keeps its order, so only this test sees a wrong one."""
+def test_every_step_is_ros2_with_the_full_jacobian():
+    """The reference is the method for dense matrices, with the Jacobian from finite differences.
+
+    The method keeps its order with any other Jacobian, so only this test detects a wrong one.
+    """
     loads, h, g = np.array([0.8, 0.5, 0.3]), 1e-3, 1 - 1 / math.sqrt(2)
-    steps = 150  # past the touch of the pin, into the slide
+    steps = 150  # beyond the impact of the pin, into the slide
     y = np.zeros(11)
     for i in range(steps):
         t = i * h
@@ -147,23 +153,24 @@ def test_every_step_is_ros2_with_the_whole_jacobian():
         k1 = inverse @ (here + drift)
         k2 = inverse @ (rates(t + h, y + h * k1, loads, 0.1, 0.98) - drift - 2 * k1)
         y = y + h * (1.5 * k1 + 0.5 * k2)
-    _, moved, way, *_ = move(steps * h, h, loads, pin=knock)
+    _, moved, shear, *_ = move_object(steps * h, h, loads, pin=pin_motion)
     assert y[-2] > 1e-4
     assert moved[-1] == pytest.approx(y[-2], rel=3e-8)
-    assert way[:, -1] == pytest.approx(y[:3], rel=3e-8)
+    assert shear[:, -1] == pytest.approx(y[:3], rel=3e-8)
 
 
-def test_the_knock_against_another_solver():
-    """Radau with tight tolerances, landing on the drive's kinks."""
+@pytest.mark.slow
+def test_impact_agrees_with_scipy_radau():
+    """scipy uses tight tolerances and stops at the kinks of the drive."""
     loads, y = np.array([0.8, 0.5, 0.3]), np.zeros(11)
     for start, end in ((0.0, 0.05), (0.05, 0.1), (0.1, 0.2), (0.2, 0.4)):
         run = solve_ivp(rates, (start + 1e-12, end - 1e-12), y, "Radau", rtol=1e-9, atol=1e-12, args=(loads, 0.1, 0.98))
         y = run.y[:, -1]
     errors = []
     for step in (2.5e-4, 1.25e-4, 6.25e-5):
-        _, moved, *_ = move(0.4, step, loads, pin=knock)
+        _, moved, *_ = move_object(0.4, step, loads, pin=pin_motion)
         errors.append(abs(moved[-1] - y[-2]))
-    assert y[-2] > 0.008  # it did slide
+    assert y[-2] > 0.008  # the object slides
     assert errors[1] < 5e-6
     assert errors[2] < errors[0] / 4
 
@@ -179,23 +186,23 @@ def test_the_knock_against_another_solver():
     ],
     ids=str,
 )
-def test_extremes_that_a_file_allows(tables):
-    """Nothing moves faster than what pushes it: the pin, or the weight over the time of the fall."""
+def test_extreme_parameters_give_bounded_motion(tables):
+    """Nothing moves faster than the pin or a free fall over the length of the object."""
     quick = {"close_s": 0.05, "settle_s": 0.0, "let_go_s": 0.05, "after_s": 0.2}
     tables = tables | {"grasp": quick | tables.get("grasp", {}), "knock": {"at_s": 0.1} | tables.get("knock", {})}
     scene = ManipulationFile(**tables, outputs=["force_n", "velocity_m_s", "object_m", "pin_n"])
-    made = run_manipulation(Design(), scene, None, 1)
-    assert all(np.isfinite(signal).all() for signal in made.signals.values())
-    assert np.abs(made.signals["velocity_m_s"]).max() < 2 * scene.knock.speed_m_s + math.sqrt(2 * 9.81 * 0.05)
+    result = run_manipulation(Design(), scene, None, 1)
+    assert all(np.isfinite(signal).all() for signal in result.signals.values())
+    assert np.abs(result.signals["velocity_m_s"]).max() < 2 * scene.knock.speed_m_s + math.sqrt(2 * 9.81 * 0.05)
 
 
 def test_compiled_loops_give_the_same_bits():
-    plain = move(0.3, 1.25e-4, [0.8, 0.5], pin=knock)
+    plain = move_object(0.3, 1.25e-4, [0.8, 0.5], pin=pin_motion)
     command = 0.03 + 0.02 * np.abs(np.sin(np.arange(1500) / 200 + np.arange(5)[:, None]))
-    followed = motors().follow(command)
+    followed = make_motors().follow(command)
     with compiled():
-        for before, after in zip(plain, move(0.3, 1.25e-4, [0.8, 0.5], pin=knock), strict=True):
+        for before, after in zip(plain, move_object(0.3, 1.25e-4, [0.8, 0.5], pin=pin_motion), strict=True):
             assert np.array_equal(before, after)
-        for before, after in zip(followed, motors().follow(command), strict=True):
+        for before, after in zip(followed, make_motors().follow(command), strict=True):
             assert np.array_equal(before, after)
     assert math.isfinite(float(followed[1].max()))

@@ -1,4 +1,4 @@
-"""The whole trial: what comes out of the physics, and the same bytes every time."""
+"""Trials of the article: physical plausibility, and the same bytes for the same seed."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import SURFACES, SceneFile, Trial, run_scene, simulate
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.electronics.sensing import voltage_of
-from fingertip.sim.scenes.timeline import plan
+from fingertip.sim.electronics.sensor import select_voltage_function
+from fingertip.sim.scenes.timeline import build_timeline
 from fingertip.slip import detect
-from fingertip.slip.traces.trace_file import to_csv
+from fingertip.slip.traces.csv_file import to_csv
 
 DESIGN = Design()
 
@@ -26,9 +26,9 @@ def gross():
     return simulate(DESIGN, Trial("gross", 0.04, 1.0, 3))
 
 
-def test_the_trial_of_the_article(gross):
+def test_trial_has_the_rate_voltage_and_force_of_the_article(gross):
     assert (gross.time_s[1] - gross.time_s[0]) == 0.0005
-    assert gross.voltage_v[:200].mean() == pytest.approx(voltage_of(DESIGN, "board")(0.0), abs=1e-3)
+    assert gross.voltage_v[:200].mean() == pytest.approx(select_voltage_function(DESIGN, "board")(0.0), abs=1e-3)
     holding = (gross.time_s > 1.4) & (gross.time_s < 1.8)
     assert gross.force_n[holding].mean() == pytest.approx(1.0, rel=1e-3)
     assert gross.force_n.min() == 0.0
@@ -37,8 +37,8 @@ def test_the_trial_of_the_article(gross):
 
 
 @pytest.mark.parametrize("bridge", ["board", "article"])
-def test_no_contact_or_release_is_taken_for_slip(bridge):
-    """The turn-on is as gentle through the design's bridge as through the article's voltages."""
+def test_contact_and_release_cause_no_false_alarm(bridge):
+    """The turn-on is smooth through the design's bridge and through the article's voltages."""
     for seed in range(6):
         scene = Trial(seed=seed).scene
         scene = scene.model_copy(update={"sensing": scene.sensing.model_copy(update={"bridge": bridge})})
@@ -47,25 +47,25 @@ def test_no_contact_or_release_is_taken_for_slip(bridge):
         assert not found.score.missed
 
 
-def test_truth_begins_after_the_command_and_lasts_the_slide(gross):
+def test_true_slip_begins_after_the_move_and_lasts_as_long(gross):
     begins = gross.time_s[gross.slip][0]
-    command = 1.0 + np.flatnonzero(gross.force_n > 0.99)[0] / 2000  # a second after the touch settled
+    command = 1.0 + np.flatnonzero(gross.force_n > 0.99)[0] / 2000  # one second after the touch
     assert command < begins < command + 0.1
     assert gross.slip.sum() / 2000 == pytest.approx(1.0, abs=0.06)
 
 
-def test_a_heavier_load_sticks_longer():
+def test_onset_is_later_under_a_larger_load():
     onsets = []
     for force in (0.3, 1.0, 3.0):
         trial = Trial("gross", 0.04, force, 3)
         trace = simulate(DESIGN, trial)
-        command = plan(trial.scene, Pad.of(DESIGN), force).slide.start_s
+        command = build_timeline(trial.scene, Pad.from_design(DESIGN), force).slide.start_s
         onsets.append(trace.time_s[trace.slip][0] - command)
     assert 0.0 < onsets[0] < onsets[1] < onsets[2]
 
 
-def test_no_slip_without_sliding_far_enough():
-    """A stage that moves less than the pad shears gives no gross slip: the truth is physics, not the command."""
+def test_slide_shorter_than_the_shear_of_the_pad_is_no_gross_slip():
+    """True slip follows from the physics and not from the command."""
     slides = {}
     for distance in (5e-5, 5e-3):
         scene = SceneFile(
@@ -77,7 +77,7 @@ def test_no_slip_without_sliding_far_enough():
     assert slides == {5e-5: False, 5e-3: True}
 
 
-def test_vibration_grows_with_roughness_and_load_and_stays_low():
+def test_vibration_grows_with_roughness_and_load_and_stays_below_100_hz():
     def shaking(surface, force):
         trace = simulate(DESIGN, Trial(surface, 0.06, force, 5))
         during = trace.force_n[trace.slip][100:1100]
@@ -92,23 +92,24 @@ def test_vibration_grows_with_roughness_and_load_and_stays_low():
         assert power[above].sum() < 0.15 * power.sum(), surface
 
 
-def test_the_hand_keeps_the_force_over_a_wavy_surface():
+def test_hand_keeps_the_force_over_a_wavy_surface():
     trace = simulate(DESIGN, Trial("wood", 0.08, 1.3, 2))
     end = trace.time_s[trace.slip][-1]
     after = (trace.time_s > end + 0.3) & (trace.time_s < end + 0.8)
     assert trace.force_n[after].mean() == pytest.approx(1.3, rel=0.01)
 
 
-def test_force_by_seed_lies_in_the_articles_range():
+def test_drawn_force_lies_in_the_range_of_the_article():
     forces = [Trial(seed=seed).holding_force_n for seed in range(200)]
     assert 0.2 <= min(forces) < 0.25
     assert 1.95 < max(forces) <= 2.0
 
 
-def test_the_same_seed_gives_the_same_bytes_in_fresh_processes(tmp_path):
+@pytest.mark.slow
+def test_same_seed_gives_the_same_bytes_in_fresh_processes(tmp_path):
     code = (
         "import hashlib; from fingertip.design import Design; from fingertip.sim import *\n"
-        "from fingertip.slip.traces.trace_file import to_csv\n"
+        "from fingertip.slip.traces.csv_file import to_csv\n"
         "print(hashlib.sha256(to_csv(simulate(Design(), Trial(seed=7)))).hexdigest())"
     )
     runs = {
@@ -120,13 +121,13 @@ def test_the_same_seed_gives_the_same_bytes_in_fresh_processes(tmp_path):
 
 
 @pytest.mark.parametrize("rate", [1000.0, 3000.0, 10000.0])
-def test_other_rates_give_the_same_motion(rate):
+def test_onset_does_not_depend_on_the_sampling_rate(rate):
     trace = simulate(Design(detector={"sample_rate_hz": rate}), Trial("gross", 0.04, 1.0, 3))
     assert trace.time_s[trace.slip][0] == pytest.approx(1.8831, abs=0.003)
 
 
 @pytest.mark.parametrize(
-    ("asked", "field", "words"),
+    ("values", "field", "message"),
     [
         ({"surface": "woood"}, "--surface", "did you mean wood?"),
         ({"speed_m_s": -0.04}, "--speed-m-s", "-0.04 m/s is refused; choose 0.005 to 0.2 m/s"),
@@ -136,9 +137,9 @@ def test_other_rates_give_the_same_motion(rate):
         ({"seed": -1}, "--seed", "at least 0"),
     ],
 )
-def test_what_cannot_be_simulated_is_refused(asked, field, words):
+def test_invalid_trial_is_refused(values, field, message):
     with pytest.raises(TraceError) as caught:
-        Trial(**asked)
+        Trial(**values)
     (issue,) = caught.value.issues
     assert issue.field == field
-    assert words in issue.message
+    assert message in issue.message

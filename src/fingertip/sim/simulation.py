@@ -47,7 +47,7 @@ class Simulation:
         ----------
         controller
             Controller that closes the loop of a manipulation. None keeps the planned grip. A scene of one finger
-            ignores it. `fingertip.campaign.closed_loop.grip.run_with_grip` provides one that reacts to a slip detector.
+            ignores it. `fingertip.campaign.grip.run_with_grip` provides one that reacts to a slip detector.
         progress
             Receives progress messages.
 

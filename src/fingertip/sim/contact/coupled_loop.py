@@ -8,7 +8,7 @@ IV.10, and their code RODAS, doi:10.1007/978-3-642-05221-7). One factorised matr
     E u_i = f(t + alpha_i h, y + sum_j a_ij u_j) + sum_j c_ij u_j / h + d_i h df/dt
     y_new = y + sum_j a_5j u_j + u_5 + u_6, and u_6 estimates the error.
 
-On very stiff problems the order falls to 1 or 2; tests/sim/test_rosenbrock.py records by how much. The loop is written
+On very stiff problems the order falls to 1 or 2; tests/sim/test_rodas.py records by how much. The loop is written
 out without arrays, because numba and plain Python must both execute it fast and with the same bits.
 """
 

@@ -1,4 +1,4 @@
-"""The order of RODAS, also where stiffness takes it away (Prothero and Robinson, Math. Comp. 28, 1974)."""
+"""Order of RODAS, including its reduction by stiffness (Prothero and Robinson, Math. Comp. 28, 1974)."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import pytest
 from tests.oracles.rodas import integrate_with_fixed_steps
 
 
-def errors(stiffness: float, steps: tuple[int, ...]) -> list[float]:
-    """y' = lambda (y - sin t) + cos t from 0 to 2, whose solution is sin t for every lambda."""
+def prothero_robinson_errors(stiffness: float, steps: tuple[int, ...]) -> list[float]:
+    """Errors at t = 2 for y' = lambda (y - sin t) + cos t, whose solution is sin t for every lambda."""
     found = []
     for n in steps:
         y = integrate_with_fixed_steps(
@@ -28,20 +28,20 @@ def errors(stiffness: float, steps: tuple[int, ...]) -> list[float]:
 @pytest.mark.parametrize(
     ("stiffness", "order"),
     [
-        (-1.0, 4.0),  # the order it is named after
-        (-1e3, 1.1),  # |lambda| h above 10: almost 3 orders are lost
-        (-1e6, 0.9),  # and here no step size in use brings them back; the error is small all the same
+        (-1.0, 4.0),  # nominal order
+        (-1e3, 1.1),  # |lambda| h above 10: order reduction to about 1
+        (-1e6, 0.9),  # no practical step size restores the order, but the error is small
     ],
 )
-def test_order_as_found(stiffness, order):
-    found = errors(stiffness, (10, 20, 40))
+def test_order_with_stiffness(stiffness, order):
+    found = prothero_robinson_errors(stiffness, (10, 20, 40))
     for coarse, fine in pairwise(found):
         assert math.log2(coarse / fine) == pytest.approx(order, abs=0.15)
     assert found[0] < 5e-6
 
 
-def test_two_states_with_a_full_jacobian():
-    """Van der Pol, mu 2: order 4 with a Jacobian that changes with the state."""
+def test_order_with_full_varying_jacobian():
+    """The van der Pol oscillator (mu 2) has a Jacobian that depends on the state."""
     from scipy.integrate import solve_ivp
 
     def rates(t, y):

@@ -1,4 +1,4 @@
-"""Left out is not paid for: which stages run, what they integrate, and that the rest is the same to the last bit."""
+"""Stages of a scene: which ones run, what they integrate, and that omitted stages do not change the others."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
-from fingertip.sim.stages.stages import Stage, on_the_way, run
+from fingertip.sim.stages.stage import Stage, run_stages, select_stages
 from tests.conftest import run_python
 
 DESIGN = Design()
@@ -15,22 +15,23 @@ SLIDE = {"slide": {"distance_m": 0.01}, "hold": {"wait_s": 0.1, "release": False
 STILL = {"hold": {"wait_s": 0.1, "release": False}}
 
 
-def ran(tables: dict, outputs: list[str]):
+def run(tables: dict, outputs: list[str]):
+    """Result of a scene, and its stages by name."""
     found = run_scene(DESIGN, SceneFile(**tables, outputs=outputs), 3)
-    return found, {stage.name: stage for stage in found.ran}
+    return found, {stage.name: stage for stage in found.stages}
 
 
 @pytest.mark.parametrize(
     ("tables", "outputs", "stages"),
     [
-        (SLIDE, ["slip"], ["load", "stage", "friction", "slip"]),
-        (SLIDE, ["shear_m"], ["load", "stage", "friction", "shear"]),
-        (SLIDE, ["force_n"], ["load", "stage", "friction", "profile", "contact", "force"]),
+        (SLIDE, ["slip"], ["load", "carriage", "friction", "slip"]),
+        (SLIDE, ["shear_m"], ["load", "carriage", "friction", "shear"]),
+        (SLIDE, ["force_n"], ["load", "carriage", "friction", "profile", "contact", "force"]),
         (STILL, ["force_n"], ["load", "contact", "force"]),
-        (STILL, ["slip"], ["load", "still"]),
-        (STILL, ["voltage_v"], ["load", "contact", "sensor", "bridge", "converter"]),
+        (STILL, ["slip"], ["load", "no motion"]),
+        (STILL, ["voltage_v"], ["load", "contact", "sensor", "bridge", "ADC"]),
         (STILL, ["envelope_v"], ["load", "contact", "sensor", "bridge", "board noise", "filter board"]),
-        (STILL | {"tap": {"force_n": 1.0}}, ["force_n"], ["load", "shaking", "contact", "force"]),
+        (STILL | {"tap": {"force_n": 1.0}}, ["force_n"], ["load", "disturbances", "contact", "force"]),
         (
             STILL | {"cable": {"hum_v": 0.1}},
             ["tactile_v"],
@@ -39,51 +40,51 @@ def ran(tables: dict, outputs: list[str]):
         (
             SLIDE | {"contact": {"feedback": True}},
             ["force_n", "slip"],
-            ["load", "stage", "coupled contact", "force", "slip"],
+            ["load", "carriage", "coupled contact", "force", "slip"],
         ),
     ],
     ids=str,
 )
-def test_only_what_is_needed_runs(tables, outputs, stages):
-    found, by_name = ran(tables, outputs)
+def test_only_needed_stages_run(tables, outputs, stages):
+    found, by_name = run(tables, outputs)
     assert list(by_name) == stages
     assert list(found.columns) == outputs
 
 
-def test_states_and_evaluations_are_those_of_the_needed_stages():
-    _, slip_only = ran(SLIDE, ["slip"])
-    _, everything = ran(SLIDE, ["voltage_v", "force_n", "slip", "envelope_v"])
+def test_states_and_evaluations_count_needed_stages_only():
+    _, slip_only = run(SLIDE, ["slip"])
+    _, everything = run(SLIDE, ["voltage_v", "force_n", "slip", "envelope_v"])
     steps = everything["friction"].evaluations // 2
     assert sum(stage.states for stage in slip_only.values()) == 3
     assert sum(stage.evaluations for stage in slip_only.values()) == 2 * steps
     assert sum(stage.states for stage in everything.values()) == 3 + 1 + 2 + 1 + 4
     assert everything["contact"].evaluations == steps + 1
-    _, still = ran(STILL, ["voltage_v", "force_n", "slip"])
+    _, still = run(STILL, ["voltage_v", "force_n", "slip"])
     assert sum(stage.states for stage in still.values()) == 2 + 1
 
 
 @pytest.mark.parametrize("tables", [SLIDE, STILL | {"motor": {"force_n": 0.05}}], ids=["slide", "motor"])
-def test_shared_outputs_are_the_same_to_the_last_bit(tables):
+def test_outputs_do_not_depend_on_the_other_outputs(tables):
     every = ["voltage_v", "force_n", "slip", "velocity_m_s", "shear_m", "tactile_v", "filtered_v", "envelope_v"]
-    full, _ = ran(tables, every)
+    full, _ = run(tables, every)
     for name in every:
-        alone, _ = ran(tables, [name])
+        alone, _ = run(tables, [name])
         assert np.array_equal(alone.columns[name], full.columns[name]), name
 
 
-def test_what_is_left_out_costs_nothing():
-    """CPU time of a run without a stage: within a tenth of the full run's less that stage, best of five."""
-    ran(SLIDE, ["voltage_v", "envelope_v"])
+def test_omitted_stage_costs_no_time():
+    """Without a stage, the CPU time is within 10 % of that of the other stages in a full run, best of five."""
+    run(SLIDE, ["voltage_v", "envelope_v"])
     ratios = []
     for _ in range(5):
-        _, full = ran(SLIDE, ["voltage_v", "envelope_v"])
-        _, less = ran(SLIDE, ["voltage_v"])
+        _, full = run(SLIDE, ["voltage_v", "envelope_v"])
+        _, less = run(SLIDE, ["voltage_v"])
         expected = sum(stage.cpu_s for name, stage in full.items() if name != "filter board")
         ratios.append(sum(stage.cpu_s for stage in less.values()) / expected)
     assert min(ratios) < 1.1
 
 
-def test_a_scene_without_its_needs_loads_nothing_for_them(tmp_path):
+def test_scene_with_true_slip_only_imports_no_heavy_package(tmp_path):
     code = (
         "import sys; from fingertip.design import Design; from fingertip.sim import *\n"
         "run_scene(Design(), SceneFile(outputs=['slip'], hold={'wait_s': 0.1}))\n"
@@ -93,18 +94,18 @@ def test_a_scene_without_its_needs_loads_nothing_for_them(tmp_path):
     assert run_python("-c", code).stdout.strip() == "[]"
 
 
-def test_order_follows_the_needs():
+def test_stages_run_in_the_order_of_their_needs():
     log: list[str] = []
 
-    def stage(name: str, needs: tuple[str, ...], gives: tuple[str, ...]) -> Stage[None]:
-        return Stage(name, needs, gives, lambda _, given: log.append(name) or dict.fromkeys(gives, name))
+    def stage(name: str, needs: tuple[str, ...], provides: tuple[str, ...]) -> Stage[None]:
+        return Stage(name, needs, provides, lambda _, inputs: log.append(name) or dict.fromkeys(provides, name))
 
-    parts = [stage("c", ("b1", "a"), ("c",)), stage("b", ("a",), ("b1", "b2")), stage("a", (), ("a",))]
-    parts.append(stage("d", ("c",), ("d",)))
-    values, _ = run(parts, None, ["c"])
+    stages = [stage("c", ("b1", "a"), ("c",)), stage("b", ("a",), ("b1", "b2")), stage("a", (), ("a",))]
+    stages.append(stage("d", ("c",), ("d",)))
+    values, _ = run_stages(stages, None, ["c"])
     assert log == ["a", "b", "c"]
     assert set(values) == {"a", "b1", "b2", "c"}
     with pytest.raises(KeyError):
-        on_the_way(parts, ["nothing"])
+        select_stages(stages, ["nothing"])
     with pytest.raises(KeyError, match="x needs itself"):
-        on_the_way([stage("x", ("y",), ("x",)), stage("y", ("x",), ("y",))], ["x"])
+        select_stages([stage("x", ("y",), ("x",)), stage("y", ("x",), ("y",))], ["x"])

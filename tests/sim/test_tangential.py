@@ -1,4 +1,4 @@
-"""Friction and the soft pad: statics, steady sliding, energy, order of the integrator, an independent solver."""
+"""Tangential contact: statics, steady sliding, energy, order of the method, comparison with an independent solver."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.errors import TraceError
+from fingertip.sim.article import Trial
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.tangential import Friction, Mount, PadMotion, drag
 from fingertip.sim.scenes.timeline import build_timeline
-from fingertip.sim.article import Trial
 
 FRICTION = Friction(0.6, 0.48)
 FORCE_N = 0.8
@@ -22,13 +22,14 @@ STIFFNESS = PAD.tangential_stiffness_n_per_m(FORCE_N)
 MOUNT = Mount(PAD.mass_kg, STIFFNESS, 2 * DAMPING_RATIO * math.sqrt(STIFFNESS * PAD.mass_kg))
 
 
-def slow_pull(speed_m_s: float, seconds: float, mount: Mount = MOUNT, friction: Friction = FRICTION) -> PadMotion:
+def pull(speed_m_s: float, seconds: float, mount: Mount = MOUNT, friction: Friction = FRICTION) -> PadMotion:
+    """Pull the pad at constant speed with a constant load."""
     h = 1e-4
     time = np.arange(round(seconds / h)) * h
     return drag(friction, mount, h, speed_m_s * time, np.full_like(time, speed_m_s), np.full_like(time, FORCE_N))
 
 
-def test_at_rest_the_spring_balances_friction():
+def test_spring_balances_friction_at_rest():
     h = 1e-4
     stage = np.minimum(np.arange(20000) * h * 1e-3, 5e-5)  # stops well before breakaway
     still = np.where(stage < 5e-5, 1e-3, 0.0)
@@ -39,17 +40,17 @@ def test_at_rest_the_spring_balances_friction():
     assert abs(motion.velocity_m_s[-1]) < 1e-9
 
 
-def test_breakaway_at_mu_s_and_drop_to_the_stribeck_curve():
-    # Pulled so slowly that inertia and viscosity vanish from the balance.
-    motion = slow_pull(2e-4, 4.0)
+def test_breakaway_force_is_mu_s_times_load():
+    # The pull is so slow that inertia and viscosity are negligible.
+    motion = pull(2e-4, 4.0)
     stage = 2e-4 * np.arange(len(motion.position_m)) * 1e-4
     spring = STIFFNESS * (stage - motion.position_m)
     assert spring.max() == pytest.approx(FRICTION.mu_s * FORCE_N, rel=0.03)
 
 
 @pytest.mark.parametrize("speed", [0.02, 0.04, 0.08])
-def test_steady_sliding_is_the_closed_form(speed):
-    motion = slow_pull(speed, 1.0)
+def test_steady_sliding_matches_closed_form(speed):
+    motion = pull(speed, 1.0)
     shear = speed * (len(motion.position_m) - 1) * 1e-4 - motion.position_m[-1]
     g = 0.48 + 0.12 / (1 + (speed / 0.005) ** 2)
     assert motion.velocity_m_s[-1] == pytest.approx(speed, rel=1e-6)
@@ -58,14 +59,14 @@ def test_steady_sliding_is_the_closed_form(speed):
     assert FRICTION.steady(-speed) == -FRICTION.steady(speed)
 
 
-def test_a_soft_slow_stage_sticks_and_slips():
-    motion = slow_pull(1e-3, 4.0, Mount(0.2, 300.0, 0.05), Friction(0.9, 0.4, sigma1=0.2, sigma2=0.3))
+def test_soft_spring_and_slow_carriage_give_stick_slip():
+    motion = pull(1e-3, 4.0, Mount(0.2, 300.0, 0.05), Friction(0.9, 0.4, sigma1=0.2, sigma2=0.3))
     moving = motion.velocity_m_s > 5e-4
     starts = np.count_nonzero(np.diff(moving.astype(int)) == 1)
     assert starts >= 3
 
 
-def test_without_contact_there_is_no_friction_and_bristles_relax():
+def test_bristles_relax_and_friction_vanishes_without_contact():
     h = 1e-4
     time = np.arange(6000) * h
     load = np.where(time < 0.3, FORCE_N, 0.0)
@@ -76,8 +77,8 @@ def test_without_contact_there_is_no_friction_and_bristles_relax():
     assert motion.position_m[-1] == pytest.approx(1e-4, rel=1e-4)
 
 
-def test_friction_never_gives_back_more_than_the_bristles_store():
-    """Passivity for a velocity that shakes across zero: work taken up >= energy stored, at every instant."""
+def test_friction_is_passive():
+    """For a velocity that oscillates across zero, the work taken up is never below the stored energy."""
     h, z, work, min_stored = 1e-6, 0.0, 0.0, math.inf
     for i in range(200_000):
         t = i * h
@@ -89,56 +90,59 @@ def test_friction_never_gives_back_more_than_the_bristles_store():
     assert min_stored > -1e-9
 
 
-def test_friction_that_could_give_energy_is_refused():
+def test_friction_that_could_deliver_energy_is_refused():
     with pytest.raises(TraceError, match=r"sigma1: 300 s/m lets bristles deliver energy; below 2\.4"):
         Friction(0.6, 0.48, sigma1=300.0)
 
 
 @pytest.mark.parametrize("bad", [{"sigma0": -1.0}, {"sigma0": math.nan}, {"mu_c": 0.7}, {"stribeck_m_s": 0.0}])
-def test_impossible_friction_is_refused(bad):
+def test_invalid_friction_parameters_are_refused(bad):
     with pytest.raises(TraceError):
         Friction(**({"mu_s": 0.6, "mu_c": 0.48} | bad))
 
 
-def sliding(substeps: int, seconds: float = 2.1) -> PadMotion:
-    scene = build_timeline(Trial().scene, PAD, FORCE_N)
+def slide_trial(substeps: int, seconds: float = 2.1) -> PadMotion:
+    """Motion of the pad in a trial at the samples, with so many steps per sample."""
+    timeline = build_timeline(Trial().scene, PAD, FORCE_N)
     h = 1 / (2000 * substeps)
     time = np.arange(round(seconds * 2000) * substeps + 1) * h
     motion = drag(
-        FRICTION, MOUNT, h, scene.slide.position_m(time), scene.slide.velocity_m_s(time),
-        scene.load_n(PAD, time),
+        FRICTION, MOUNT, h, timeline.slide.position_m(time), timeline.slide.velocity_m_s(time),
+        timeline.load_n(PAD, time),
     )  # fmt: skip
     every = slice(None, None, substeps)
     return PadMotion(motion.position_m[every], motion.velocity_m_s[every], motion.bristle_m[every])
 
 
+@pytest.mark.slow
 def test_halving_the_step_quarters_the_error():
-    reference = sliding(64)
-    errors = [float(np.abs(sliding(n).velocity_m_s - reference.velocity_m_s).max()) for n in (2, 4, 8, 16)]
-    assert errors[1] < 5e-6  # the step a trial takes
+    reference = slide_trial(64)
+    errors = [float(np.abs(slide_trial(n).velocity_m_s - reference.velocity_m_s).max()) for n in (2, 4, 8, 16)]
+    assert errors[1] < 5e-6  # step of a trial
     for coarse, fine in pairwise(errors):
         assert 3.3 < coarse / fine < 5.0
 
 
-def test_agrees_with_another_solver():
+@pytest.mark.slow
+def test_motion_agrees_with_scipy_radau():
     from scipy.integrate import solve_ivp
 
-    scene = build_timeline(Trial().scene, PAD, FORCE_N)
-    start, end = scene.slide.start_s, scene.slide.start_s + 0.12
+    timeline = build_timeline(Trial().scene, PAD, FORCE_N)
+    start, end = timeline.slide.start_s, timeline.slide.start_s + 0.12
 
     def rates(t, y):
         x, v, z = y
         dz = v - FRICTION.sigma0 * abs(v) * z / FRICTION.stribeck(v)
         mu = FRICTION.sigma0 * z + FRICTION.sigma1 * dz + FRICTION.sigma2 * v
         at = np.array([t])
-        pull = MOUNT.stiffness_n_per_m * (scene.slide.position_m(at)[0] - x)
-        pull += MOUNT.damping_n_s_per_m * (scene.slide.velocity_m_s(at)[0] - v)
-        return [v, (pull - FORCE_N * mu) / MOUNT.mass_kg, dz]
+        force = MOUNT.stiffness_n_per_m * (timeline.slide.position_m(at)[0] - x)
+        force += MOUNT.damping_n_s_per_m * (timeline.slide.velocity_m_s(at)[0] - v)
+        return [v, (force - FORCE_N * mu) / MOUNT.mass_kg, dz]
 
     h = 1e-5
     time = start + np.arange(round((end - start) / h) + 1) * h
     ours = drag(
-        FRICTION, MOUNT, h, scene.slide.position_m(time), scene.slide.velocity_m_s(time),
+        FRICTION, MOUNT, h, timeline.slide.position_m(time), timeline.slide.velocity_m_s(time),
         np.full_like(time, FORCE_N),
     )  # fmt: skip
     theirs = solve_ivp(
@@ -148,22 +152,22 @@ def test_agrees_with_another_solver():
     assert np.abs(ours.position_m[::100] - theirs.y[0]).max() < 1e-9
 
 
-def test_bristles_a_hundred_times_stiffer_stay_stable():
+def test_hundredfold_bristle_stiffness_stays_stable():
     friction = Friction(0.6, 0.48, sigma0=2.5e6)
-    motion = slow_pull(0.04, 0.5, friction=friction)
+    motion = pull(0.04, 0.5, friction=friction)
     assert motion.velocity_m_s[-1] == pytest.approx(0.04, rel=1e-5)
     assert np.abs(motion.velocity_m_s).max() < 0.2
 
 
 @pytest.mark.parametrize("sigma0", [1e6, 1e8])
 @pytest.mark.parametrize("mass_kg", [1e-4, 1e-5])
-def test_a_step_too_long_for_its_bristles_is_refused_and_no_nan_returned(sigma0, mass_kg):
-    """Those a pad has are far from there; whoever goes there by hand is told, or served."""
+def test_result_is_finite_or_step_is_refused_as_too_long(sigma0, mass_kg):
+    """The bristles of the catalogue are far from this limit. Beyond it, the call succeeds or explains itself."""
     friction = Friction(0.6, 0.48, stribeck_m_s=1e-5, sigma0=sigma0)
     try:
-        found = slow_pull(0.04, 0.5, Mount(mass_kg, STIFFNESS, 0.5), friction)
+        found = pull(0.04, 0.5, Mount(mass_kg, STIFFNESS, 0.5), friction)
     except TraceError as error:
-        assert "is too long for such stiff bristles" in str(error)  # noqa: PT017 (either answer is right)
+        assert "is too long for such stiff bristles" in str(error)  # noqa: PT017 (both outcomes are valid)
     else:
         assert np.isfinite(found.velocity_m_s).all()
         assert np.abs(found.velocity_m_s).max() < 10.0

@@ -1,7 +1,8 @@
-"""Runs inside KiCad's PCB editor as a plugin: imports a netlist as a user would, and records the board it gave.
+"""Plugin of KiCad's PCB editor that imports a netlist as a user would, and records the resulting board.
 
-The editor has no command and no Python function for this, so the plugin opens File > Import > Netlist, fills in the
-dialog and presses its buttons. Environment: FINGERTIP_NETLIST (file to read), FINGERTIP_RECORD (JSON to write).
+The editor has no command and no Python function for this. So the plugin opens File > Import > Netlist, fills in the
+dialog and presses its buttons. Environment variables: FINGERTIP_NETLIST (file to read) and FINGERTIP_RECORD (JSON file
+to write).
 """
 
 import json
@@ -66,11 +67,11 @@ def _board():
 def _finish(record):
     Path(os.environ["FINGERTIP_RECORD"]).write_text(json.dumps(record), encoding="utf-8")
     sys.stdout.flush()
-    os._exit(0)  # the editor would ask whether to save
+    os._exit(0)  # a normal exit would ask whether to save
 
 
 class _Import:
-    """One step each time the editor is idle: wait for the window, open the dialog, fill it in, record."""
+    """Import in steps, one whenever the editor is idle: wait for the window, open the dialog, fill it in, record."""
 
     def __init__(self):
         self.steps = 0
@@ -90,8 +91,8 @@ class _Import:
             dialog = dialogs[0]
             text = next(w for w in _descendants(dialog) if isinstance(w, wx.TextCtrl))
             text.SetValue(os.environ["FINGERTIP_NETLIST"])
-            # Reading takes a second and no timer runs meanwhile. A file that is no netlist brings up a message box
-            # instead, which waits for somebody to press its button, and then the timer does run.
+            # Reading takes a second, during which no timer runs. A file that is not a netlist opens a message box that
+            # waits for its button. Timers do run then, so this one ends the import.
             wx.CallLater(MESSAGE_BOX_MS, _finish, {"refused": "a message box"})
             _press(dialog, "Load and Test Netlist")
             tested = _messages(dialog)

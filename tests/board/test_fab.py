@@ -1,4 +1,4 @@
-"""`fingertip board --check` and `--fab`: differences are reported, and fabrication files are complete and reproducible."""
+"""`fingertip board --check` and `--fab`: reports of differences; complete and reproducible fabrication files."""
 
 from __future__ import annotations
 

@@ -64,10 +64,16 @@ def test_readme_describes_the_output_offset_where_no_diode_hides_it() -> None:
 def test_readme_describes_the_trimming_procedure_of_the_comparator() -> None:
     text = readme("board.variant=comparator")
     for expected in (
-        "S goes low when the mean of E rises above 16.9 mV, and high again when it falls below 12.4 mV", "RV1's middle pin",
-        "against ground (TP5)", "counterclockwise", "the noted level + 17 mV", "raises the mean by 0.4 mV in R18 (at most 3.8 mV",
-        "R21 (4.7k) pulls S up to +5 V", "S: slip output, low during slip, else +5 V", "level shifter",
-    ):  # fmt: skip
+        "S goes low when the mean of E rises above 16.9 mV, and high again when it falls below 12.4 mV",
+        "raises the mean by 0.4 mV in R18 (at most 3.8 mV",
+        "RV1's middle pin",
+        "against ground (TP5)",
+        "counterclockwise",
+        "the noted level + 17 mV",
+        "R21 (4.7k) pulls S up to +5 V",
+        "S: slip output, low during slip, else +5 V",
+        "level shifter",
+    ):
         assert expected in text
     assert "against M or TP5, not against ground" in readme("board.variant=comparator", "board.supply=single")
     assert "R21" not in readme("board.variant=precision")

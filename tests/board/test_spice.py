@@ -109,7 +109,7 @@ def tone(t: float) -> float:
 
 
 def simulate_tone(folder: Path, deck: str, removed: tuple[str, ...], ground: str) -> list[tuple[float, float]]:
-    """Times [s] and envelope above the signal ground [V] for a tone at FILTERED; the elements `removed` drive that net."""
+    """Times [s] and envelope above the signal ground [V] for a tone at FILTERED, without what drives that net."""
     isolated = "\n".join(line for line in deck.splitlines() if not line.startswith(removed))
     isolated = isolated.replace("\n.ac", f"\nVtest filtered {ground} sin(0 {TONE_V} {TONE_HZ})\n.ac") + "\n"
     vectors = "v(envelope)" if ground == "0" else f"v(envelope) v({ground})"
@@ -158,7 +158,7 @@ def simulate_peak_detector(until: float) -> list[tuple[float, float]]:
 def simulate_ideal_rectifier(until: float) -> list[tuple[float, float]]:
     """Simulate variant precision independently: ideal rectifier and one pole, solved exactly in steps of 1 us."""
     dt = 1e-6
-    keep, v, found = math.exp(-dt / 4.4e-3), 0.0, []
+    keep, v, samples = math.exp(-dt / 4.4e-3), 0.0, []
     for n in range(1, round(until / dt) + 1):
         v = keep * v + (1 - keep) * max(tone((n - 0.5) * dt), 0.0)
         if n % 20 == 0:
@@ -178,7 +178,7 @@ def simulate_envelope(is_article: bool) -> dict[int, float]:
 
 
 @pytest.mark.parametrize(("variant", "supply"), CASES, ids=map(" ".join, CASES))
-def test_transient_of_each_rectifier_equals_an_independent_simulation(
+def test_transients_equal_an_independent_simulation(
     written: Written, tmp_path: Path, variant: str, supply: str
 ) -> None:
     """A tone drives the rectifier. On a single supply the signals are the same, relative to the midpoint."""

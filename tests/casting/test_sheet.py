@@ -1,4 +1,4 @@
-"""The casting sheet: its page states its data and nothing else."""
+"""The casting sheet: the page states the values of the data and no others."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from typing import Any
 import pytest
 
 from fingertip.build_files import Build, build
-from fingertip.cad.printing import print_orientations
-from fingertip.cad.shapes.parts import PARTS
-from fingertip.casting import markdown, sheet
+from fingertip.cad.shapes.parts import PARTS, print_orientations
+from fingertip.casting.markdown import render_sheet, steps, warnings
 from fingertip.casting.materials import MATERIALS
-from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_gcode, minutes, slice_part
 from fingertip.casting.quantities import SiliconeVolumes
+from fingertip.casting.sheet import casting_sheet_data
+from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_duration_min, parse_gcode, slice_part
 from fingertip.design import Design
 from fingertip.design.geometry.misalignment import min_thickness_held
 from fingertip.errors import DesignError, GeometryError
@@ -32,41 +32,46 @@ def fsr400(*changes: str) -> Design:
     return Design.load(FSR400, changes=changes)
 
 
-def leaves(data: Any) -> Iterator[Any]:
+def sheet_data(*changes: str, material: str = "addition_40a") -> dict[str, Any]:
+    return casting_sheet_data(fsr400(*changes), VOLUMES, MATERIALS[material])
+
+
+def leaf_values(data: Any) -> Iterator[Any]:
     if isinstance(data, dict):
         for value in data.values():
-            yield from leaves(value)
+            yield from leaf_values(value)
     elif isinstance(data, list):
         for value in data:
-            yield from leaves(value)
+            yield from leaf_values(value)
     else:
         yield data
 
 
-def foreign_numbers(page: str, data: dict[str, Any]) -> list[str]:
-    """Numbers of the page that the data do not hold as numbers. Names of the data, which hold digits, are left out."""
-    for name in sorted({v for v in leaves(data) if isinstance(v, str)} | {HOW_TO_INSTALL}, key=len, reverse=True):
+def numbers_missing_from_data(page: str, data: dict[str, Any]) -> list[str]:
+    """Numbers on the page that are not numbers in the data. Names from the data, which contain digits, do not count."""
+    for name in sorted({v for v in leaf_values(data) if isinstance(v, str)} | {HOW_TO_INSTALL}, key=len, reverse=True):
         page = page.replace(name, "")
     page = re.sub(r"^\d+\. ", "", page, flags=re.MULTILINE)
     page = re.sub(r"\bM(?=\d)", "", page)
-    known = {float(v) for v in leaves(data) if isinstance(v, (int, float)) and not isinstance(v, bool)}
+    known = {float(v) for v in leaf_values(data) if isinstance(v, (int, float)) and not isinstance(v, bool)}
     return [token for token in re.findall(r"(?<![\w.])-?\d+(?:\.\d+)?", page) if float(token) not in known]
 
 
 @pytest.mark.parametrize("prints", [None, PRINTS], ids=["unsliced", "sliced"])
 @pytest.mark.parametrize("material", MATERIALS)
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
-def test_every_number_of_the_page_is_in_the_data(method: str, material: str, prints: dict[str, PrintEstimate] | None) -> None:
-    data = sheet.figures(fsr400(f"mold.method={method}"), VOLUMES, MATERIALS[material], prints)
-    page = markdown.page(data)
-    assert foreign_numbers(page, data) == []
-    assert foreign_numbers(page + "\nand 98765 more", data) == ["98765"], "the test above can fail"
+def test_every_number_of_the_page_is_in_the_data(
+    method: str, material: str, prints: dict[str, PrintEstimate] | None
+) -> None:
+    data = casting_sheet_data(fsr400(f"mold.method={method}"), VOLUMES, MATERIALS[material], prints)
+    page = render_sheet(data)
+    assert numbers_missing_from_data(page, data) == []
+    assert numbers_missing_from_data(page + "\nand 98765 more", data) == ["98765"], "the helper finds a foreign number"
     assert json.loads(json.dumps(data)) == data
 
 
-def test_masses_follow_from_the_volumes() -> None:
-    card = MATERIALS["addition_40a"]
-    data = sheet.figures(fsr400(), VOLUMES, card)
+def test_masses_are_computed_from_the_volumes() -> None:
+    data = sheet_data()
     volumes, batch = data["volumes_cm3"], data["batch"]
     assert volumes["total"] == pytest.approx(13.25)
     assert batch["in_mold_g"] == pytest.approx(13.25 * 1.08)
@@ -75,107 +80,100 @@ def test_masses_follow_from_the_volumes() -> None:
     assert batch["a_g"] / batch["b_g"] == pytest.approx(10.0, rel=0.01)
 
 
-def test_only_a_platinum_silicone_is_warned_of_uncured_resin() -> None:
-    told = {
-        name: " ".join(markdown.warnings(sheet.figures(fsr400(), VOLUMES, card))) for name, card in MATERIALS.items()
-    }
-    assert {name for name, text in told.items() if "Uncured resin" in text} == {"addition_40a", "sylgard_184"}
-    for text in told.values():
+def test_only_platinum_silicones_warn_of_uncured_resin() -> None:
+    texts = {name: " ".join(warnings(sheet_data(material=name))) for name in MATERIALS}
+    assert {name for name, text in texts.items() if "Uncured resin" in text} == {"addition_40a", "sylgard_184"}
+    for text in texts.values():
         assert "cyanoacrylate" in text
         assert "air vent open" in text
 
 
-def test_a_mold_made_for_another_silicone_says_what_to_build() -> None:
-    card = MATERIALS["condensation_40a"]
-    (told,) = (w for w in markdown.warnings(sheet.figures(fsr400(), VOLUMES, card)) if "shrinkage" in w)
-    change = re.search(r"--set (\S+)`", told)
+def test_mold_made_for_another_shrinkage_is_warned_of_with_the_change_to_build() -> None:
+    (warning,) = (w for w in warnings(sheet_data(material="condensation_40a")) if "shrinkage" in w)
+    change = re.search(r"--set (\S+)`", warning)
     assert change
-    again = sheet.figures(fsr400(change[1]), VOLUMES, card)
-    assert not any("shrinkage" in warning for warning in markdown.warnings(again))
+    rebuilt = sheet_data(change[1], material="condensation_40a")
+    assert not any("shrinkage" in warning for warning in warnings(rebuilt))
 
 
-def test_what_keeps_silicone_out_depends_on_the_method() -> None:
-    over, sleeve = (
-        markdown.steps(sheet.figures(fsr400(f"mold.method={m}"), VOLUMES, MATERIALS["addition_40a"]))
-        for m in ("overmold", "sleeve")
-    )
-    assert [i for i, step in enumerate(over) if "tape" in step] < [i for i, step in enumerate(over) if "Weigh" in step]
+def test_sealing_steps_depend_on_the_casting_method() -> None:
+    overmold, sleeve = (steps(sheet_data(f"mold.method={method}")) for method in ("overmold", "sleeve"))
+    assert [i for i, step in enumerate(overmold) if "tape" in step] < [
+        i for i, step in enumerate(overmold) if "Weigh" in step
+    ]
     assert not any("tape" in step for step in sleeve)
-    assert any("Nothing is let into the core" in step for step in sleeve)
-    assert [i for i, step in enumerate(sleeve) if "sensor into" in step] > [
+    assert any("The core has no pocket, slot or channel" in step for step in sleeve)
+    assert [i for i, step in enumerate(sleeve) if "sensor in the bone's pocket" in step] > [
         i for i, step in enumerate(sleeve) if "Weigh" in step
-    ], "the sensor never sees the mold"
+    ], "the sensor is assembled after casting"
 
 
 def steps_of(*changes: str) -> str:
-    return "\n".join(markdown.steps(sheet.figures(fsr400(*changes), VOLUMES, MATERIALS["addition_40a"])))
+    return "\n".join(steps(sheet_data(*changes)))
 
 
-def test_only_a_tail_that_leaves_the_mold_needs_its_passage_filled() -> None:
+def test_collar_passage_is_filled_only_where_the_tail_leaves_the_mold() -> None:
     assert "passage around the tail" in steps_of()
     assert "passage around the tail" not in steps_of("sensor.model=fsr400_short", "bone.base_length_mm=15")
     assert "passage around the tail" not in steps_of("mold.method=sleeve")
 
 
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
-def test_the_caster_is_told_to_hold_what_would_lean(method: str) -> None:
+def test_procedure_centers_and_holds_the_insert_before_the_silicone_is_weighed(method: str) -> None:
     design = fsr400(f"mold.method={method}")
-    told = steps_of(f"mold.method={method}")
-    left = min_thickness_held(design, design.dimensions)
-    assert f"{left:.2f}".rstrip("0").rstrip(".") + " mm of silicone at least" in told
-    assert "could lean by 2.1 degrees and leave" in told, "2 x 0.15 mm of play in a recess of 8 mm"
-    assert "two narrow sides" in told
-    assert told.index("centre it") < told.index("Weigh") < told.index("two narrow sides")
+    text = steps_of(f"mold.method={method}")
+    min_skin_mm = min_thickness_held(design)
+    assert "at least " + f"{min_skin_mm:.2f}".rstrip("0").rstrip(".") + " mm thick" in text
+    assert "can tilt by 2.1 degrees and leave" in text, "2 x 0.15 mm of clearance in a recess of 8 mm"
+    assert "two narrow sides" in text
+    assert text.index("Center the") < text.index("Weigh") < text.index("two narrow sides")
 
 
-def test_a_name_that_finds_no_room_is_to_be_written() -> None:
-    long, short = (
-        markdown.warnings(sheet.figures(fsr400(f"name={name}"), VOLUMES, MATERIALS["addition_40a"]))
-        for name in ("A_very-long_name_with-forty_characters_1", "a")
-    )
-    assert [told for told in long if "engrave" in told] == [
-        "No room to engrave A_very-long_name_with-forty_characters_1 in strokes of 0.4 mm: mark the halves with a pen."
+def test_name_too_long_to_engrave_is_warned_of() -> None:
+    long_name = "A_very-long_name_with-forty_characters_1"
+    assert [warning for warning in warnings(sheet_data(f"name={long_name}")) if "engrave" in warning] == [
+        f"There is no room to engrave {long_name} in strokes of 0.4 mm. Mark the mold halves with a pen."
     ]
-    assert not any("engrave" in told for told in short)
+    assert not any("engrave" in warning for warning in warnings(sheet_data("name=a")))
 
 
-def test_what_would_touch_the_mold_is_said_to() -> None:
+def test_procedure_says_that_a_loose_insert_can_touch_the_mold() -> None:
     design = Design.load(design_file("fsr402"))
-    told = markdown.steps(sheet.figures(design, VOLUMES, MATERIALS["addition_40a"]))
-    assert any("could lean by 2.9 degrees and touch the mold" in step for step in told)
+    procedure = steps(casting_sheet_data(design, VOLUMES, MATERIALS["addition_40a"]))
+    assert any("can tilt by 2.9 degrees and touch the mold" in step for step in procedure)
 
 
-def test_what_stands_on_end_takes_supports_under_its_collar() -> None:
-    """The collar's foot is a shelf in the air, wherever it is wider than the base below it."""
+def test_parts_printed_on_end_need_supports_under_the_collar() -> None:
+    """The foot of the collar overhangs wherever it is wider than the base below it."""
     for changes in (["mold.method=sleeve"], ["bone.interface=socket", "bone.base_length_mm=32"]):
         design = fsr400(*changes)
-        lying = print_orientations(design)
-        assert all(lying[name].supports for name in lying if name in ("bone", "core"))
-        assert not any(lying[name].supports for name in lying if name.startswith("mold"))
+        orientations = print_orientations(design)
+        assert all(orientations[name].needs_supports for name in orientations if name in ("bone", "core"))
+        assert not any(orientations[name].needs_supports for name in orientations if name.startswith("mold"))
 
 
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 def test_every_printed_part_has_an_orientation(method: str) -> None:
     design = fsr400(f"mold.method={method}")
-    printed = {name for name, part in PARTS.items() if part.printed and (name != "core" or method == "sleeve")}
+    printed = {name for name, part in PARTS.items() if part.is_printed and (name != "core" or method == "sleeve")}
     assert set(print_orientations(design)) == printed
 
 
-def test_the_figures_in_gcode() -> None:
+def test_estimates_are_read_from_gcode() -> None:
     code = "G1 X0\n; filament used [cm3] = 2.87\n; estimated printing time (normal mode) = 1h 31m 30s\n"
     assert parse_gcode("bone", code) == PrintEstimate(91.5, 2.87)
-    assert minutes("1d 2h 31m 30s") == pytest.approx(1591.5)
-    with pytest.raises(GeometryError, match="states no time"):
+    assert parse_duration_min("1d 2h 31m 30s") == pytest.approx(1591.5)
+    with pytest.raises(GeometryError, match="states no print time"):
         parse_gcode("bone", "G1 X0\n")
 
 
-def test_the_command_writes_page_and_data(tmp_path: Path) -> None:
+def test_command_writes_page_and_data(tmp_path: Path) -> None:
     done = run_fingertip("sheet", FSR400, "--set", "name=mine", "--json", "--quiet", PWD=str(tmp_path))
     assert done.returncode == 0, done.stderr
     data = json.loads(done.stdout)
     page = (tmp_path / "out" / "mine" / "casting.md").read_text()
     assert data.pop("page") == str(Path("out/mine/casting.md"))
-    assert page == markdown.page(data)
+    assert page == render_sheet(data)
     assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["casting.md"]
     other = tmp_path / "other.md"
     again = run_fingertip("sheet", FSR400, "--set", "name=mine", "--out", other, PYTHONHASHSEED="7")
@@ -183,8 +181,8 @@ def test_the_command_writes_page_and_data(tmp_path: Path) -> None:
     assert other.read_text() == page, "the same design gives the same bytes"
 
 
-def test_a_build_brings_the_same_sheet(built: Build, tmp_path: Path) -> None:
-    """In the report as data, and as the page the command alone would write."""
+def test_build_writes_the_same_sheet_as_the_command(built: Build, tmp_path: Path) -> None:
+    """The report holds the sheet's data, and the page equals the one `fingertip sheet` writes."""
     done = run_fingertip("sheet", design_file(built.design.name), "--out", tmp_path / "casting.md", "--json")
     told = json.loads(done.stdout)
     told.pop("page")
@@ -192,30 +190,30 @@ def test_a_build_brings_the_same_sheet(built: Build, tmp_path: Path) -> None:
     assert (built.folder / "casting.md").read_bytes() == (tmp_path / "casting.md").read_bytes()
 
 
-def test_no_sheet_where_parts_are_left_out(tmp_path: Path) -> None:
+def test_build_of_some_parts_writes_no_sheet(tmp_path: Path) -> None:
     result = build(Design(), tmp_path, parts=["skin"], formats=["stl"], tolerance_mm=0.1)
     assert "casting" not in result.report()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["design.toml", "report.json", "skin.stl"]
 
 
-def test_an_unknown_silicone_is_refused_before_anything_is_built(tmp_path: Path) -> None:
+def test_unknown_silicone_is_refused_before_anything_is_built(tmp_path: Path) -> None:
     with pytest.raises(DesignError, match="there is no 'latex'"):
         build(Design(), tmp_path / "out", material="latex")
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(
-    ("arguments", "sentence"),
+    ("arguments", "message"),
     [(["--material", "adition_40a"], "did you mean addition_40a?"), (["--set", "skin.width_mm=5"], "skin.width_mm")],
 )
-def test_bad_input_exits_2_and_writes_nothing(tmp_path: Path, arguments: list[str], sentence: str) -> None:
+def test_bad_input_exits_2_and_writes_nothing(tmp_path: Path, arguments: list[str], message: str) -> None:
     done = run_fingertip("sheet", FSR400, *arguments, PWD=str(tmp_path))
     assert done.returncode == 2
-    assert sentence in done.stderr
+    assert message in done.stderr
     assert list(tmp_path.iterdir()) == []
 
 
-def test_without_a_slicer_the_sheet_says_how_to_get_one(tmp_path: Path) -> None:
+def test_without_a_slicer_the_sheet_says_how_to_install_one(tmp_path: Path) -> None:
     page = tmp_path / "casting.md"
     done = run_fingertip("sheet", FSR400, "--slicer", "--out", page, PATH=str(tmp_path))
     assert done.returncode == 0, done.stderr
@@ -223,7 +221,7 @@ def test_without_a_slicer_the_sheet_says_how_to_get_one(tmp_path: Path) -> None:
     assert HOW_TO_INSTALL in page.read_text()
 
 
-def test_the_real_slicer_gives_times(tmp_path: Path) -> None:
+def test_prusa_slicer_gives_plausible_estimates(tmp_path: Path) -> None:
     require_tool("prusa-slicer", "apt-get install prusa-slicer")
     page = tmp_path / "casting.md"
     done = run_fingertip("sheet", FSR400, "--slicer", "--out", page, "--json", "-q")
@@ -234,7 +232,7 @@ def test_the_real_slicer_gives_times(tmp_path: Path) -> None:
     assert HOW_TO_INSTALL not in page.read_text()
 
 
-def test_what_the_slicer_cannot_read_is_said() -> None:
+def test_part_that_cannot_be_sliced_is_reported() -> None:
     slicer = require_tool("prusa-slicer", "apt-get install prusa-slicer")
-    with pytest.raises(GeometryError, match="bone: was not sliced"):
+    with pytest.raises(GeometryError, match="bone: PrusaSlicer could not slice it"):
         slice_part(slicer, "bone", b"no STL at all", print_orientations(fsr400())["bone"])

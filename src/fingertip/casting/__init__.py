@@ -1,1 +1,1 @@
-"""From a mold to a skin: silicones, quantities and the casting sheet."""
+"""Casting of the skin: silicones, quantities to mix, hardware to buy and the casting sheet."""

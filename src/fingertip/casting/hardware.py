@@ -1,34 +1,63 @@
-"""Which bolts go through the holes a design has."""
+"""Hardware to buy: the bolts that clamp the mold and the bill of materials of a casting."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import lay_out
 from fingertip.design.threads import Thread, select_thread
 
-_LENGTHS_MM = (5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120, 130, 140, 150)
-"""Usual lengths of metric bolts (ISO 888)."""
+_BOLT_LENGTHS_MM = (
+    5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120, 130, 140, 150
+)  # fmt: skip
+"""Standard lengths of metric bolts (ISO 888)."""
 
 
 @dataclass(frozen=True)
-class Bolts:
-    """Equal bolts with a nut each."""
+class ClampBolts:
+    """Identical bolts that hold the mold halves together, each with a nut."""
 
     count: int
     thread: Thread
     length_mm: float
-    """Below the head."""
+    """Length below the head."""
 
 
-def clamp_bolts(design: Design) -> Bolts:
-    """The bolts that hold the mold's halves together.
+def size_clamp_bolts(design: Design) -> ClampBolts:
+    """Size the bolts that hold the mold halves together.
 
     They enter from the dorsal face and reach through the nut, which lies at the bottom of its trap in the palmar face.
     """
-    layout, mold = lay_out(design, design.dimensions), design.mold
+    layout, mold = design.mold_layout, design.mold
     thread = select_thread(mold.bolt_diameter_mm)
-    grip = layout.dorsal_height + layout.palmar_height - mold.nut_depth_mm + thread.nut_height_mm
-    length = next((usual for usual in _LENGTHS_MM if usual >= grip), _LENGTHS_MM[-1])
-    return Bolts(len(layout.bolts), thread, float(length))
+    grip_mm = layout.dorsal_height + layout.palmar_height - mold.nut_depth_mm + thread.nut_height_mm
+    length = next((length for length in _BOLT_LENGTHS_MM if length >= grip_mm), _BOLT_LENGTHS_MM[-1])
+    return ClampBolts(len(layout.bolts), thread, float(length))
+
+
+def bill_of_materials(design: Design) -> list[dict[str, Any]]:
+    """Items to buy besides the silicone: name, count and sizes [mm]."""
+    bolts = size_clamp_bolts(design)
+    thread = bolts.thread
+    bone, sensor = design.bone, design.sensor
+    cross_thread_mm = select_thread(bone.cross_bolt_diameter_mm).diameter_mm
+    # The cross bolt passes through the post, or through the whole bone where it has a socket.
+    crossed_mm = (
+        bone.post_diameter_mm if bone.interface == "plain" else design.dimensions.envelope.section.half_width * 2
+    )
+    return [
+        {"item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1},
+        {"item": "adhesive film for the sensor", "thickness_mm": sensor.adhesive_thickness_mm, "count": 1},
+        {
+            "item": "mold bolt", "thread_mm": thread.diameter_mm, "length_mm": bolts.length_mm, "count": bolts.count,
+        },
+        {
+            "item": "mold nut", "thread_mm": thread.diameter_mm, "across_flats_mm": thread.nut_flats_mm,
+            "count": bolts.count,
+        },
+        {"item": "cross bolt", "thread_mm": cross_thread_mm, "longer_than_mm": round(crossed_mm, 1), "count": 1},
+        {"item": "cross bolt nut", "thread_mm": cross_thread_mm, "count": 1},
+        {"item": "stranded wire", "pair_thinner_than_mm": bone.channel_diameter_mm, "count": 2},
+        {"item": "cable tie or thread", "thinner_than_mm": bone.tie_hole_diameter_mm, "count": 1},
+    ]  # fmt: skip

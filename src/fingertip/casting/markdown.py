@@ -1,4 +1,4 @@
-"""The casting sheet as a page: figures in, Markdown out. It holds no figure that is not in the data."""
+"""Markdown page of a casting sheet. It holds no number that is not in the sheet's data."""
 
 from __future__ import annotations
 
@@ -8,129 +8,140 @@ from typing import Any
 from fingertip.casting.slicer import HOW_TO_INSTALL
 
 Data = Mapping[str, Any]
-_LABELS = {
+_PROPERTY_LABELS = {
     "shore_a": ("hardness", "Shore A"),
     "modulus_mpa": ("Young's modulus", "MPa"),
     "density_g_cm3": ("density", "g/cm3"),
-    "parts_a": ("parts of A by weight", ""),
-    "parts_b": ("parts of B by weight", ""),
+    "parts_a": ("part A, parts by weight", ""),
+    "parts_b": ("part B, parts by weight", ""),
     "shrinkage_percent": ("linear shrinkage", "%"),
     "pot_life_min": ("pot life", "min"),
     "cure_h": ("cure at room temperature", "h"),
     "elongation_percent": ("elongation at break", "%"),
 }
+_CONSUMABLES = "tape, paper, rubber band, sulfur-free modeling clay, cup, stirrer, vinyl gloves"
 
 
-def page(data: Data) -> str:
-    """The casting sheet of `sheet.figures`' data."""
+def render_sheet(data: Data) -> str:
+    """Render the data of `sheet.casting_sheet_data` as a Markdown page."""
     sections = [
         f"# Casting sheet: {data['design']}",
         _summary(data),
-        "## Weigh",
-        _weigh(data),
-        "## Mind",
+        "## Quantities",
+        _quantities(data),
+        "## Warnings",
         "\n".join(f"- {warning}" for warning in warnings(data)),
-        "## Steps",
+        "## Procedure",
         "\n".join(f"{number}. {step}" for number, step in enumerate(steps(data), 1)),
-        "## Print",
-        _print(data),
-        "## Buy",
+        "## Printing",
+        _printing(data),
+        "## Bill of materials",
         _bill(data),
-        "## Silicone",
-        _card(data),
+        "## Silicone data",
+        _silicone(data),
     ]
     return "\n\n".join(sections) + "\n"
 
 
 def warnings(data: Data) -> list[str]:
-    """What spoils a casting."""
+    """List what can spoil the casting or damage the sensor."""
     found = []
     if data["silicone"]["cure"] == "addition":
         found.append(
-            "Uncured resin stops a platinum silicone from setting: wash and post-cure prints of resin fully, and test "
-            "a drop on a spare print first. Sulfur, tin silicones and latex gloves stop it too."
+            "Uncured resin inhibits the cure of platinum silicone. Wash and fully post-cure resin prints, and test a "
+            "drop of silicone on a spare print first. Sulfur, tin-cure silicone and latex gloves inhibit the cure too."
         )
     else:
         found.append(
-            "A condensation silicone gives off vapour and needs air to set: ventilate, and expect the middle of a "
-            "closed mold to take longest."
+            "Condensation-cure silicone gives off vapor and needs air to cure. Ventilate the room, and expect the "
+            "middle of a closed mold to cure last."
         )
     if not data["mold"]["made_for_this_silicone"]:
-        shrinkage = data["silicone"]["figures"]["shrinkage_percent"]
+        shrinkage = data["silicone"]["properties"]["shrinkage_percent"]
         found.append(
-            f"This mold was made for a shrinkage of {data['mold']['made_for_shrinkage_percent']:g} %, this silicone "
-            f"shrinks by {_range(shrinkage)} %: build again with `--set "
+            f"This mold compensates a shrinkage of {data['mold']['made_for_shrinkage_percent']:g} %, but this silicone "
+            f"shrinks by {_range(shrinkage)} %. Build the mold again with `--set "
             f"mold.silicone_shrinkage_percent={shrinkage['high']:g}`."
         )
     if texts := data["mold"]["not_engraved"]:
         found.append(
-            f"No room to engrave {', '.join(texts)} in strokes of {data['mold']['min_stroke_mm']:g} mm: mark the "
-            "halves with a pen."
+            f"There is no room to engrave {', '.join(texts)} in strokes of {data['mold']['min_stroke_mm']:g} mm. Mark "
+            "the mold halves with a pen."
         )
     found += [
-        "No cyanoacrylate on the sensor: it creeps into it and its vapour spoils it. Use the adhesive film.",
-        "Keep the sensor's air vent open: it breathes through the end of its tail, the relief and the cable channel.",
-        "Do not bend the sensor's tail sharply, and never at its head.",
+        "Do not use cyanoacrylate on the sensor: it wicks into the sensor, and its vapor damages it. Use the adhesive "
+        "film.",
+        "Keep the sensor's air vent open. The sensor breathes through the end of its tail, the relief and the cable "
+        "channel.",
+        "Do not bend the sensor's tail sharply. Never bend it at the head.",
     ]
     return found
 
 
 def steps(data: Data) -> list[str]:
-    """What to do, in order."""
-    figures, batch = data["silicone"]["figures"], data["batch"]
-    sleeve = data["method"] == "sleeve"
-    around = "core" if sleeve else "bone with its sensor"
-    assemble = [
-        "Lay the sensor's film and the sensor into the bone's pocket, tail in its slot. Solder the wires to the tabs "
-        "in the relief, lead them through the channel and out of the back, and tie them down at the hole below it."
+    """List the steps of the procedure, in order."""
+    properties, batch = data["silicone"]["properties"], data["batch"]
+    is_sleeve = data["method"] == "sleeve"
+    insert = "core" if is_sleeve else "bone"
+    assemble_sensor = [
+        "Place the adhesive film and the sensor in the bone's pocket, with the tail in its slot.",
+        "Solder the wires to the sensor's tabs in the relief. Route them through the channel and out of the back, and "
+        "tie them down at the hole below the channel.",
     ]
-    keep_out = (
-        "Nothing is let into the core, so no silicone can enter pocket, slot or channel: bone and sensor stay out of "
-        "the mold."
-        if sleeve
-        else "Keep silicone out of pocket, slot and channel: the sensor lies flush and fills its pocket; close slot "
-        "and relief with a strip of thin tape across the flat, edges pressed down, without filling them (the vent "
-        "breathes there); plug the posterior hole around the wires with modelling clay free of sulfur."
-    )
-    passage = [
-        "Fill the collar's passage around the tail with modelling clay free of sulfur or with silicone adhesive: it "
-        "leads out of the mold. Leave the end of the tail open, where it breathes."
-    ]
+    if is_sleeve:
+        seal = [
+            "Leave the bone and the sensor out of the mold. The core has no pocket, slot or channel, so nothing needs "
+            "to be sealed."
+        ]
+    else:
+        seal = [
+            "Keep silicone out of the pocket, the slot and the channel. The sensor sits flush and fills its pocket. "
+            "Cover the slot and the relief with a strip of thin tape across the flat and press its edges down, but do "
+            "not fill them: the vent breathes there. Plug the hole in the posterior end around the wires with "
+            "sulfur-free modeling clay.",
+        ]
+        if data["mold"]["tail_passes_collar"]:
+            seal.append(
+                "Fill the collar's passage around the tail with sulfur-free modeling clay or silicone adhesive: the "
+                "passage leads out of the mold. Leave the end of the tail open: the sensor breathes there."
+            )
     cast = [
-        keep_out,
-        *(passage if data["mold"]["tail_passes_collar"] and not sleeve else []),
-        f"Lay the {around} into the recess of the palmar half, put the dorsal half on: it closes one way only.",
-        _centre(data["fit"], "core" if sleeve else "bone"),
-        f"Tighten the {_bolts(data)['count']} bolts until the parting line shows no gap, no further.",
-        f"Weigh {batch['a_g']:g} g of A, add {batch['b_g']:g} g of B, stir slowly and scrape walls and bottom; remove "
-        "air under vacuum if you can.",
-        f"Hold the mold upright, the {'core' if sleeve else 'bone'} down: over a cup, or in a vise that grips it by "
-        "its two narrow sides, where no bolt stands out. Within "
-        f"{figures['pot_life_min']['low']:g} min of the first stirring pour a thin stream into the funnel until "
-        f"silicone stands in the {data['mold']['vents']} vents; tap the mold, and top up.",
-        f"Leave it for {figures['cure_h']['high']:g} h at room temperature. Press a nail into what is left in the cup "
-        "before you open the mold.",
-        "Take the bolts out, turn a screwdriver in the pry slots on both sides in turn, lift the halves off straight, "
-        "and cut sprue and vents flush.",
+        *seal,
+        f"Lay the {insert if is_sleeve else 'bone with its sensor'} in the recess of the palmar half and fit the "
+        "dorsal half. The mold closes only one way.",
+        _centering_step(data["fit"], insert),
+        f"Tighten the {_mold_bolt(data)['count']} bolts until the parting line shows no gap. Do not tighten further.",
+        f"Weigh {batch['a_g']:g} g of part A and add {batch['b_g']:g} g of part B. Stir slowly, and scrape the walls "
+        "and the bottom of the cup. Degas the mixture under vacuum if you can.",
+        f"Hold the mold upright over a cup, with the {insert} at the bottom. A vise may hold it by its two narrow "
+        "sides, where no bolt protrudes.",
+        f"Within {properties['pot_life_min']['low']:g} min of the start of stirring, pour a thin stream into the "
+        f"funnel until silicone rises in the {data['mold']['vents']} vents. Tap the mold and top it up.",
+        f"Let it cure for {properties['cure_h']['high']:g} h at room temperature. Before you open the mold, test the "
+        "leftover silicone in the cup with a fingernail.",
+        "Remove the bolts. Twist a screwdriver in the pry slots, alternating between the two sides, and lift the "
+        "halves straight off. Trim the sprue and the vents flush.",
     ]
-    if not sleeve:
-        return [*assemble, *cast]
+    if not is_sleeve:
+        return [*assemble_sensor, *cast]
     return [
         *cast,
         "Roll the skin off the core.",
-        *assemble,
-        "Wet the bone with soapy water, pull the skin over it until its edge sits on the collar, and let it dry.",
+        *assemble_sensor,
+        "Wet the bone with soapy water. Pull the skin over it until the edge of the skin sits on the collar, and let "
+        "it dry.",
     ]
 
 
-def _centre(fit: Data, held: str) -> str:
-    loose = f"leave {fit['thinnest_loose_mm']:g} mm" if fit["thinnest_loose_mm"] else "touch the mold"
+def _centering_step(fit: Data, insert: str) -> str:
+    """Step that centers the bone or core in the mold, with what a loose fit would cost."""
+    loose = f"leave {fit['min_skin_loose_mm']:g} mm of silicone" if fit["min_skin_loose_mm"] else "touch the mold"
     return (
-        f"Pull the end of the {held} that stands out of the mold away from the funnel until its collar sits on its "
-        "shelf all round, centre it with strips of paper between it and the mold on all four sides, and keep it there "
-        f"with a rubber band: the thinnest place then has {fit['thinnest_held_mm']:g} mm of silicone at least. Loose, "
-        f"with {fit['clearance_mm']:g} mm of play around it, the {held} could lean by {fit['loose_lean_deg']:g} "
-        f"degrees and {loose}."
+        f"Pull the exposed end of the {insert} away from the funnel until its collar sits on its shelf all round. "
+        f"Center the {insert} with strips of paper between it and the mold on all four sides, and hold it there with a "
+        f"rubber band. The skin is then at least {fit['min_skin_held_mm']:g} mm thick everywhere. A loose {insert}, "
+        f"with {fit['clearance_mm']:g} mm of clearance around it, can tilt by {fit['max_loose_tilt_deg']:g} degrees "
+        f"and {loose}."
     )
 
 
@@ -142,40 +153,46 @@ def _summary(data: Data) -> str:
     return f"{data['sensor']}, {method}. Silicone: {data['silicone']['label']}."
 
 
-def _weigh(data: Data) -> str:
+def _quantities(data: Data) -> str:
     volumes, batch = data["volumes_cm3"], data["batch"]
     rows = [
         ("skin", f"{volumes['skin']:.2f} cm3"),
         ("gate, funnel and vents", f"{volumes['runners']:.2f} cm3"),
-        ("gap around the base, if it leaks", f"{volumes['gap']:.2f} cm3"),
-        ("**in the mold**", f"**{volumes['total']:.2f} cm3, {batch['in_mold_g']:.2f} g**"),
+        ("gap around the base, in case the fit leaks", f"{volumes['gap']:.2f} cm3"),
+        ("**total in the mold**", f"**{volumes['total']:.2f} cm3, {batch['in_mold_g']:.2f} g**"),
         ("**part A**", f"**{batch['a_g']:g} g**"),
         ("**part B**", f"**{batch['b_g']:g} g**"),
-        ("mixed in all", f"{batch['total_g']:g} g"),
+        ("total to mix", f"{batch['total_g']:g} g"),
     ]
     note = (
-        f"{batch['waste_percent']:g} % more than the mold takes, for cup and stirrer; at least "
-        f"{batch['min_part_g']:g} g of either part, so that a kitchen scale can weigh it."
+        f"The batch allows {batch['waste_percent']:g} % for silicone that stays on the cup and the stirrer. It holds "
+        f"at least {batch['min_part_g']:g} g of each part, so that a kitchen scale can weigh it."
     )
-    return _table(("what", "how much"), rows) + "\n\n" + note
+    return _table(("item", "quantity"), rows) + "\n\n" + note
 
 
-def _print(data: Data) -> str:
+def _printing(data: Data) -> str:
     printing = data["printing"]
-    timed = "minutes" in printing
-    head = ("part", "lies on", "turn about x", "supports") + (("time", "filament") if timed else ())
+    is_sliced = "minutes" in printing
+    head = ("part", "face on the plate", "rotation about x", "supports") + (("time", "filament") if is_sliced else ())
     rows = [
-        (part["part"], part["on_the_plate"], f"{part['turn_x_deg']:g} degrees", "yes" if part["supports"] else "none")
-        + ((f"{part['minutes']:g} min", f"{part['filament_cm3']:.1f} cm3") if timed else ())
-        for part in printing["parts"]
-    ]
-    table = _table(head, rows)
-    if timed:
-        return (
-            f"{table}\n\nIn all {printing['minutes']:g} min and {printing['filament_cm3']:.1f} cm3, by PrusaSlicer "
-            f"with its own settings and layers of {printing['layer_mm']:g} mm."
+        (
+            part["part"], part["face_on_plate"], f"{part['rotate_x_deg']:g} degrees",
+            "yes" if part["needs_supports"] else "none",
         )
-    return f"{table}\n\nTimes and material come with `--slicer`, from PrusaSlicer ({HOW_TO_INSTALL})."
+        + ((f"{part['minutes']:g} min", f"{part['filament_cm3']:.1f} cm3") if is_sliced else ())
+        for part in printing["parts"]
+    ]  # fmt: skip
+    table = _table(head, rows)
+    if is_sliced:
+        return (
+            f"{table}\n\nTotal: {printing['minutes']:g} min and {printing['filament_cm3']:.1f} cm3, estimated by "
+            f"PrusaSlicer with its default settings and layers of {printing['layer_mm']:g} mm."
+        )
+    return (
+        f"{table}\n\nRun `fingertip sheet` with `--slicer` for print times and filament volumes, estimated by "
+        f"PrusaSlicer ({HOW_TO_INSTALL})."
+    )
 
 
 def _bill(data: Data) -> str:
@@ -187,36 +204,41 @@ def _bill(data: Data) -> str:
         if "thread_mm" in entry:
             sizes.append(f"M{entry['thread_mm']:g}" + (f" x {entry['length_mm']:g} mm" if "length_mm" in entry else ""))
         if "across_flats_mm" in entry:
-            sizes.append(f"across flats {entry['across_flats_mm']:g} mm")
+            sizes.append(f"{entry['across_flats_mm']:g} mm across flats")
         if "longer_than_mm" in entry:
-            sizes.append(f"longer than {entry['longer_than_mm']:g} mm by what else it passes and the nut")
-        sizes += [f"{entry[key]:g} mm" for key in ("thickness_mm", "diameter_mm") if key in entry]
+            sizes.append(f"{entry['longer_than_mm']:g} mm long, plus the mating part and the nut")
+        if "thickness_mm" in entry:
+            sizes.append(f"{entry['thickness_mm']:g} mm thick")
+        if "pair_thinner_than_mm" in entry:
+            sizes.append(f"both together thinner than {entry['pair_thinner_than_mm']:g} mm")
+        if "thinner_than_mm" in entry:
+            sizes.append(f"thinner than {entry['thinner_than_mm']:g} mm")
         rows.append((f"{entry['count']:g}", entry["item"], ", ".join(sizes)))
     batch = data["batch"]
-    rows.append((f"{batch['total_g']:g} g", data["silicone"]["label"], "A and B together"))
-    rows.append(("", "tape, paper, rubber band, modelling clay free of sulfur, cup, stirrer, vinyl gloves", ""))
-    return _table(("count", "item", "size"), rows)
+    rows.append((f"{batch['total_g']:g} g", data["silicone"]["label"], "parts A and B together"))
+    rows.append(("", _CONSUMABLES, ""))
+    return _table(("quantity", "item", "size"), rows)
 
 
-def _card(data: Data) -> str:
+def _silicone(data: Data) -> str:
     rows = [
         (
-            _LABELS[name][0],
-            f"{_range(figure)} {_LABELS[name][1]}".rstrip() + ("" if figure["verified"] else " (unverified)"),
-            figure["source"],
+            _PROPERTY_LABELS[name][0],
+            f"{_range(value)} {_PROPERTY_LABELS[name][1]}".rstrip() + ("" if value["verified"] else " (unverified)"),
+            value["source"],
         )
-        for name, figure in data["silicone"]["figures"].items()
+        for name, value in data["silicone"]["properties"].items()
     ]
-    return _table(("figure", "value", "source"), rows)
+    return _table(("property", "value", "source"), rows)
 
 
-def _bolts(data: Data) -> Data:
-    bolts: Data = next(entry for entry in data["bill"] if entry["item"] == "bolt of the mold")
-    return bolts
+def _mold_bolt(data: Data) -> Data:
+    entry: Data = next(entry for entry in data["bill"] if entry["item"] == "mold bolt")
+    return entry
 
 
-def _range(figure: Data) -> str:
-    return f"{figure['low']:g}" if figure["low"] == figure["high"] else f"{figure['low']:g} to {figure['high']:g}"
+def _range(value: Data) -> str:
+    return f"{value['low']:g}" if value["low"] == value["high"] else f"{value['low']:g} to {value['high']:g}"
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -1,7 +1,7 @@
-"""Material cards of Shore 40A silicones, the source of every figure beside it.
+"""Material data of 40 Shore A silicones, each value with its source.
 
-Catalogue data stands apart from code, so that a figure can be corrected without touching a formula. A figure that is
-not `verified` was not found in a document of the product or of its kind: read the data sheet of what you bought.
+Catalog data stands apart from code, so that a value can be corrected without touching a formula. A value that is not
+`verified` was not found in a document of the product or of its kind: read the data sheet of the product you bought.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from fingertip.errors import DesignError, Issue
 SOURCES = {
     "article": "Method for Automatic Slippage Detection With Tactile Sensors Embedded in Prosthetic Hands, III.B",
     "common": "commonly stated for silicones of this hardness; no document found",
-    "ruess": "Ruess' relation lg E = 0.0235 S - 0.6403 (josephborrello.com/shore-a-to-modulus)",
     "neat": "D. Neat, Silicone rubber: usual ranges (davidneat.wordpress.com/materials/mouldmaking/silicone-rubber)",
     "troll": "trollfactory.de/lexikon/kondensationsvernetzend",
     "stmpro": "STMPRO X50, a condensation silicone of 30 to 32 Shore A (kb.hairquip.nz/Main/StmproX50)",
@@ -29,7 +28,7 @@ SOURCES = {
 
 @dataclass(frozen=True)
 class MaterialProperty:
-    """A figure of a material as a range; one value where both ends are equal."""
+    """Range of a material property; a single value where both ends are equal."""
 
     low: float
     high: float
@@ -44,12 +43,13 @@ class MaterialProperty:
 
 @dataclass(frozen=True)
 class Silicone:
-    """One two-part silicone rubber. Parts A and B are mixed by weight."""
+    """Two-part silicone rubber. Parts A and B are mixed by weight."""
 
     name: str
     label: str
     cure: Literal["addition", "condensation"]
-    """Addition (platinum) shrinks least and is inhibited by uncured resin; condensation (tin) is not."""
+    """Cure system. Addition cure (platinum) shrinks least, but uncured resin inhibits it, unlike condensation cure (tin).
+    """
     shore_a: MaterialProperty
     modulus_mpa: MaterialProperty
     """Young's modulus at small strain."""
@@ -57,16 +57,16 @@ class Silicone:
     parts_a: MaterialProperty
     parts_b: MaterialProperty
     shrinkage_percent: MaterialProperty
-    """Linear."""
+    """Linear shrinkage."""
     pot_life_min: MaterialProperty
-    """At room temperature, from the first stirring."""
+    """Working time at room temperature, from the start of stirring."""
     cure_h: MaterialProperty
-    """At room temperature, until it can be taken out of the mold."""
+    """Time at room temperature until the skin can be demolded."""
     elongation_percent: MaterialProperty
-    """At break."""
+    """Elongation at break."""
 
-    def figures(self) -> dict[str, MaterialProperty]:
-        """Every figure by its field's name, which carries the unit."""
+    def properties(self) -> dict[str, MaterialProperty]:
+        """All properties by field name, which carries the unit."""
         return {name: value for name, value in vars(self).items() if isinstance(value, MaterialProperty)}
 
 
@@ -74,17 +74,17 @@ def _unverified(low: float, high: float, source: str = "") -> MaterialProperty:
     return MaterialProperty(low, high, source, verified=False)
 
 
-def _one(value: float, source: str) -> MaterialProperty:
+def _single(value: float, source: str) -> MaterialProperty:
     return MaterialProperty(value, value, source)
 
 
 MATERIALS: dict[str, Silicone] = {
-    card.name: card
-    for card in (
+    silicone.name: silicone
+    for silicone in (
         Silicone(
             "addition_40a", "addition-cure (platinum) silicone, 40 Shore A", "addition",
-            shore_a=_one(40.0, "article"),
-            modulus_mpa=_unverified(0.7, 2.0, "common"),  # the upper end is Ruess' 1.99 MPa at 40 Shore A
+            shore_a=_single(40.0, "article"),
+            modulus_mpa=_unverified(0.7, 2.0, "common"),  # upper end: Ruess, lg E = 0.0235 S - 0.6403
             density_g_cm3=_unverified(1.08, 1.08, "common"),
             parts_a=_unverified(10.0, 10.0, "common"),
             parts_b=_unverified(1.0, 1.0, "common"),
@@ -95,7 +95,7 @@ MATERIALS: dict[str, Silicone] = {
         ),
         Silicone(
             "condensation_40a", "condensation-cure (tin) silicone, 40 Shore A", "condensation",
-            shore_a=_one(40.0, "article"),
+            shore_a=_single(40.0, "article"),
             modulus_mpa=_unverified(0.7, 2.0, "common"),
             density_g_cm3=MaterialProperty(1.07, 1.09, "stmpro"),
             parts_a=_unverified(10.0, 10.0, "common"),
@@ -108,32 +108,27 @@ MATERIALS: dict[str, Silicone] = {
         Silicone(
             "sylgard_184", "Sylgard 184", "addition",
             shore_a=MaterialProperty(40.7, 42.7, "psi2022"),
-            modulus_mpa=_one(2.0, "wang2014"),
+            modulus_mpa=_single(2.0, "wang2014"),
             density_g_cm3=_unverified(1.03, 1.03),
-            parts_a=_one(10.0, "psi2022"),
-            parts_b=_one(1.0, "psi2022"),
+            parts_a=_single(10.0, "psi2022"),
+            parts_b=_single(1.0, "psi2022"),
             shrinkage_percent=_unverified(0.2, 0.2, "common"),
             pot_life_min=_unverified(90.0, 90.0),
-            cure_h=_one(48.0, "niml"),
-            elongation_percent=_one(140.0, "pmc"),
+            cure_h=_single(48.0, "niml"),
+            elongation_percent=_single(140.0, "pmc"),
         ),
     )
 }  # fmt: skip
 
 
-def silicone(name: str) -> Silicone:
-    """The material card of this name.
+def find_silicone(name: str) -> Silicone:
+    """The silicone of this name.
 
     Raises
     ------
     DesignError
-        If there is none.
+        If there is no silicone of this name.
     """
     if name not in MATERIALS:
         raise DesignError(Issue("--material", f"there is no {name!r}; {suggest_name(name, tuple(MATERIALS))}"))
     return MATERIALS[name]
-
-
-def modulus_from_hardness_mpa(shore_a: float) -> float:
-    """Young's modulus [MPa] by Ruess' relation, lg E = 0.0235 S - 0.6403, for 30 to 60 Shore A."""
-    return float(10.0 ** (0.0235 * shore_a - 0.6403))

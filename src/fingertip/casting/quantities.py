@@ -1,4 +1,4 @@
-"""How much silicone a mold takes, measured on its meshes."""
+"""Silicone quantities: the volume a mold holds, measured on its meshes, and the grams of parts A and B to mix."""
 
 from __future__ import annotations
 
@@ -8,8 +8,13 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold, skin
 from fingertip.cad.shapes.core import mold_insert
 from fingertip.cad.solids import intersection, union
+from fingertip.casting.materials import Silicone
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import lay_out
+
+WASTE_FRACTION = 0.25
+"""Extra silicone as a fraction of what the mold holds. It stays on cup, stirrer and funnel. A project choice."""
+MIN_PART_G = 1.0
+"""Minimum mass of the lighter part [g]. A scale that reads 0.1 g then errs by 5% at most, and so does the ratio."""
 
 
 @dataclass(frozen=True)
@@ -17,20 +22,39 @@ class SiliconeVolumes:
     """Silicone in the closed mold [cm3]."""
 
     skin_cm3: float
-    """Cavity less what the skin is cast around."""
+    """Volume of the cavity minus the insert that the skin is cast around."""
     runners_cm3: float
-    """Gate, funnel and vents, filled up to the mold's face."""
+    """Volume of gate, funnel and vents, filled up to the mold's face."""
     gap_cm3: float
-    """Around the base in its recess: filled only if the fit leaks, but a full cup is cheaper than a void."""
+    """Volume of the clearance around the base in its recess.
+
+    It fills only if the fit leaks, but extra silicone in the cup is cheaper than a void in the skin.
+    """
 
     @property
     def total_cm3(self) -> float:
-        """All of it [cm3]."""
+        """Total volume [cm3]."""
         return self.skin_cm3 + self.runners_cm3 + self.gap_cm3
 
 
+@dataclass(frozen=True)
+class Batch:
+    """Quantities for one mixing cup [g]."""
+
+    in_mold_g: float
+    """Mass of silicone that fills the mold."""
+    total_g: float
+    a_g: float
+    b_g: float
+
+    @property
+    def waste_g(self) -> float:
+        """Mass that does not go into the mold [g]."""
+        return self.total_g - self.in_mold_g
+
+
 def measure_volumes(design: Design, evaluator: MeshEvaluator) -> SiliconeVolumes:
-    """Volumes of a design's mold, on meshes of the evaluator's tolerance.
+    """Measure the silicone volumes of a design's mold, on meshes of the evaluator's tolerance.
 
     Raises
     ------
@@ -38,10 +62,29 @@ def measure_volumes(design: Design, evaluator: MeshEvaluator) -> SiliconeVolumes
         If the mesh kernel refuses a solid.
     """
     block, cavity = evaluator.manifold(mold.block(design)), evaluator.manifold(skin.cavity(design))
-    inside = evaluator.manifold(mold_insert(design))
-    runners = evaluator.manifold(union(*mold.runners(design, lay_out(design, design.dimensions))))
-    hollow = (evaluator.manifold(intersection(mold.openings(design), mold.block(design))) - inside).volume()
-    skin_mm3 = (cavity - inside).volume()
+    insert = evaluator.manifold(mold_insert(design))
+    runners = evaluator.manifold(union(*mold.runners(design)))
+    hollow_mm3 = (evaluator.manifold(intersection(mold.hollow(design), mold.block(design))) - insert).volume()
+    skin_mm3 = (cavity - insert).volume()
     runners_mm3 = ((runners ^ block) - cavity).volume()
-    gap_mm3 = max(0.0, hollow - skin_mm3 - runners_mm3)
+    gap_mm3 = max(0.0, hollow_mm3 - skin_mm3 - runners_mm3)
     return SiliconeVolumes(skin_mm3 / 1000.0, runners_mm3 / 1000.0, gap_mm3 / 1000.0)
+
+
+def mass_g(silicone: Silicone, volume_cm3: float) -> float:
+    """Mass [g] of a volume [cm3], at the upper end of the density range."""
+    return silicone.density_g_cm3.high * volume_cm3
+
+
+def split_by_mix_ratio(silicone: Silicone, total_g: float) -> tuple[float, float]:
+    """Split a total mass [g] into the masses of part A and part B [g]."""
+    fraction_b = silicone.parts_b.low / (silicone.parts_a.low + silicone.parts_b.low)
+    return total_g * (1.0 - fraction_b), total_g * fraction_b
+
+
+def compute_batch(silicone: Silicone, volume_cm3: float) -> Batch:
+    """Compute what to mix to fill a volume [cm3]: with waste, and never less than a scale can weigh."""
+    in_mold_g = mass_g(silicone, volume_cm3)
+    fraction_a, fraction_b = split_by_mix_ratio(silicone, 1.0)
+    total_g = max(in_mold_g * (1.0 + WASTE_FRACTION), MIN_PART_G / min(fraction_a, fraction_b))
+    return Batch(in_mold_g, total_g, *split_by_mix_ratio(silicone, total_g))

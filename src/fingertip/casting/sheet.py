@@ -1,6 +1,6 @@
-"""The figures of a casting sheet: everything a person weighs, buys, sets or waits for, as plain data.
+"""Data of a casting sheet: everything to weigh, buy, set or wait for, as plain data.
 
-`casting.markdown` turns them into a page. Figures are rounded here, once, so that page and data state the same.
+`fingertip.casting.markdown` renders it as a page. Values are rounded here, once, so that page and data agree.
 """
 
 from __future__ import annotations
@@ -9,107 +9,81 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from fingertip.cad.printing import print_orientations
-from fingertip.cad.shapes.lettering import MIN_STROKE_MM, left_out
-from fingertip.casting import hardware
-from fingertip.casting.batches import MIN_PART_G, WASTE_FRACTION, batch
+from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
+from fingertip.cad.shapes.parts import print_orientations
+from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.materials import SOURCES, Silicone
+from fingertip.casting.quantities import MIN_PART_G, WASTE_FRACTION, SiliconeVolumes, compute_batch
 from fingertip.casting.slicer import LAYER_MM, PrintEstimate
-from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.design import Design
 from fingertip.design.geometry.misalignment import loose_tilt_slope, min_thickness_held, min_thickness_loose
-from fingertip.design.geometry.mold_layout import lay_out
-from fingertip.design.threads import select_thread
+
+_SHRINKAGE_TOLERANCE_PERCENT = 0.05
 
 
-def figures(
-    design: Design, volumes: SiliconeVolumes, card: Silicone, prints: Mapping[str, PrintEstimate] | None = None
+def casting_sheet_data(
+    design: Design, volumes: SiliconeVolumes, silicone: Silicone, prints: Mapping[str, PrintEstimate] | None = None
 ) -> dict[str, Any]:
-    """The sheet of a design as data.
+    """The casting sheet of a design as plain data.
 
     Parameters
     ----------
     design
         The fingertip.
     volumes
-        What its mold takes, from `casting.volumes.measure`.
-    card
-        The silicone.
+        Silicone volumes of its mold, from `casting.quantities.measure_volumes`.
+    silicone
+        The silicone to cast.
     prints
-        What the slicer says, by part; None if it was not asked.
+        Print estimates by part name, or None if nothing was sliced.
     """
     return {
         "design": design.name,
         "method": design.mold.method,
         "sensor": design.dimensions.sensor.label,
-        "silicone": _card(card),
-        "volumes_cm3": _volumes(volumes),
-        "batch": _batch(card, volumes),
+        "silicone": _silicone_data(silicone),
+        "volumes_cm3": _volumes_data(volumes),
+        "batch": _batch_data(silicone, volumes),
         "mold": {
             "made_for_shrinkage_percent": design.mold.silicone_shrinkage_percent,
-            "made_for_this_silicone": made_for(design, card),
-            "vents": len(lay_out(design, design.dimensions).vents_x),
+            "made_for_this_silicone": mold_matches_silicone(design, silicone),
+            "vents": len(design.mold_layout.vents_x),
             "tail_passes_collar": design.dimensions.tail_passes_collar,
-            "not_engraved": left_out(design, lay_out(design, design.dimensions)),
+            "not_engraved": omitted_lines(design),
             "min_stroke_mm": MIN_STROKE_MM,
         },
-        "fit": _fit(design),
+        "fit": _fit_data(design),
         "bill": bill_of_materials(design),
-        "printing": _printing(design, prints),
+        "printing": _printing_data(design, prints),
     }
 
 
-def _fit(design: Design) -> dict[str, float]:
-    """How well bone or core is held in the mold's recess, and what that leaves of the silicone."""
-    dims = design.dimensions
+def mold_matches_silicone(design: Design, silicone: Silicone) -> bool:
+    """Whether the shrinkage the mold compensates lies within the silicone's range, with a tolerance of 0.05%."""
+    compensated, shrinkage = design.mold.silicone_shrinkage_percent, silicone.shrinkage_percent
+    low, high = shrinkage.low - _SHRINKAGE_TOLERANCE_PERCENT, shrinkage.high + _SHRINKAGE_TOLERANCE_PERCENT
+    return low <= compensated <= high
+
+
+def _fit_data(design: Design) -> dict[str, float]:
+    """Fit of the bone or core in the mold's recess, and the minimum skin thickness it leaves."""
     return {
         "clearance_mm": design.mold.fit_clearance_mm,
-        "thinnest_held_mm": round(min_thickness_held(design, dims), 2),
-        "loose_lean_deg": round(math.degrees(math.atan(loose_tilt_slope(design))), 1),
-        "thinnest_loose_mm": round(min_thickness_loose(design, dims), 2),
+        "min_skin_held_mm": round(min_thickness_held(design), 2),
+        "max_loose_tilt_deg": round(math.degrees(math.atan(loose_tilt_slope(design))), 1),
+        "min_skin_loose_mm": round(min_thickness_loose(design), 2),
     }
 
 
-def made_for(design: Design, card: Silicone) -> bool:
-    """Whether the mold's shrinkage lies within the silicone's, to half a tenth of a percent."""
-    made, range_ = design.mold.silicone_shrinkage_percent, card.shrinkage_percent
-    return range_.low - 0.05 <= made <= range_.high + 0.05
-
-
-def bill_of_materials(design: Design) -> list[dict[str, Any]]:
-    """What has to be bought beside the silicone: item, count, and its sizes [mm]."""
-    bolts = hardware.clamp_bolts(design)
-    thread = bolts.thread
-    bone, sensor = design.bone, design.sensor
-    cross = select_thread(bone.cross_bolt_diameter_mm).diameter_mm
-    around = bone.post_diameter_mm if bone.interface == "plain" else design.dimensions.envelope.section.half_width * 2
-    return [
-        {"item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1},
-        {"item": "adhesive film under the sensor", "thickness_mm": sensor.adhesive_thickness_mm, "count": 1},
-        {
-            "item": "bolt of the mold", "thread_mm": thread.diameter_mm, "length_mm": bolts.length_mm,
-            "count": bolts.count,
-        },
-        {
-            "item": "nut of the mold", "thread_mm": thread.diameter_mm, "across_flats_mm": thread.nut_flats_mm,
-            "count": bolts.count,
-        },
-        {"item": "cross bolt", "thread_mm": cross, "longer_than_mm": round(around, 1), "count": 1},
-        {"item": "nut of the cross bolt", "thread_mm": cross, "count": 1},
-        {"item": "stranded wire, both together thinner than", "diameter_mm": bone.channel_diameter_mm, "count": 2},
-        {"item": "cable tie or thread, thinner than", "diameter_mm": bone.tie_hole_diameter_mm, "count": 1},
-    ]  # fmt: skip
-
-
-def _card(card: Silicone) -> dict[str, Any]:
-    values = {
-        name: {"low": f.low, "high": f.high, "source": SOURCES[f.source], "verified": f.verified}
-        for name, f in card.figures().items()
+def _silicone_data(silicone: Silicone) -> dict[str, Any]:
+    properties = {
+        name: {"low": p.low, "high": p.high, "source": SOURCES[p.source], "verified": p.verified}
+        for name, p in silicone.properties().items()
     }
-    return {"name": card.name, "label": card.label, "cure": card.cure, "figures": values}
+    return {"name": silicone.name, "label": silicone.label, "cure": silicone.cure, "properties": properties}
 
 
-def _volumes(volumes: SiliconeVolumes) -> dict[str, float]:
+def _volumes_data(volumes: SiliconeVolumes) -> dict[str, float]:
     return {
         "skin": round(volumes.skin_cm3, 2),
         "runners": round(volumes.runners_cm3, 2),
@@ -118,24 +92,26 @@ def _volumes(volumes: SiliconeVolumes) -> dict[str, float]:
     }
 
 
-def _batch(card: Silicone, volumes: SiliconeVolumes) -> dict[str, float]:
-    mixed = batch(card, volumes.total_cm3)
-    a, b = round(mixed.a_g, 1), round(mixed.b_g, 2)
+def _batch_data(silicone: Silicone, volumes: SiliconeVolumes) -> dict[str, float]:
+    batch = compute_batch(silicone, volumes.total_cm3)
+    # Part B is a tenth of part A, so it needs one digit more for the same relative error.
+    a_g, b_g = round(batch.a_g, 1), round(batch.b_g, 2)
     return {
-        "in_mold_g": round(mixed.in_mold_g, 2),
-        "a_g": a,
-        "b_g": b,
-        "total_g": round(a + b, 2),
+        "in_mold_g": round(batch.in_mold_g, 2),
+        "a_g": a_g,
+        "b_g": b_g,
+        "total_g": round(a_g + b_g, 2),
         "waste_percent": round(100.0 * WASTE_FRACTION, 1),
         "min_part_g": MIN_PART_G,
     }
 
 
-def _printing(design: Design, prints: Mapping[str, PrintEstimate] | None) -> dict[str, Any]:
+def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -> dict[str, Any]:
     parts = []
-    for name, how in print_orientations(design).items():
+    for name, orientation in print_orientations(design).items():
         entry: dict[str, Any] = {
-            "part": name, "on_the_plate": how.face_on_plate, "turn_x_deg": how.rotate_x_deg, "supports": how.supports
+            "part": name, "face_on_plate": orientation.face_on_plate, "rotate_x_deg": orientation.rotate_x_deg,
+            "needs_supports": orientation.needs_supports,
         }  # fmt: skip
         if prints and name in prints:
             entry |= {"minutes": round(prints[name].minutes), "filament_cm3": round(prints[name].filament_cm3, 1)}

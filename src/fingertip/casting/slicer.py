@@ -1,6 +1,6 @@
-"""Printing time and material by PrusaSlicer, where it is installed.
+"""Print time and filament volume of a part, estimated by PrusaSlicer where it is installed.
 
-Its exit code is 0 for many a broken part; what counts is the G-code it writes and the figures in it.
+PrusaSlicer exits with code 0 for many a broken part. Only the G-code it writes, and the estimates in it, count.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.cad.printing import Orientation
+from fingertip.cad.shapes.parts import Orientation
 from fingertip.errors import GeometryError, Issue
 
 PROGRAM = "prusa-slicer"
@@ -26,17 +26,17 @@ _UNITS_MIN = {"d": 1440.0, "h": 60.0, "m": 1.0, "s": 1.0 / 60.0}
 
 @dataclass(frozen=True)
 class PrintEstimate:
-    """What the slicer says of one part, printed from filament with the slicer's own settings."""
+    """Estimate for one part, printed from filament with the slicer's default settings."""
 
     minutes: float
     filament_cm3: float
-    """Supports included."""
+    """Filament volume, supports included."""
 
 
 def find_slicer() -> Path | None:
-    """Where PrusaSlicer is, or None."""
-    found = shutil.which(PROGRAM)
-    return Path(found) if found else None
+    """Path of PrusaSlicer, or None if it is not installed."""
+    path = shutil.which(PROGRAM)
+    return Path(path) if path else None
 
 
 def slice_part(program: Path, name: str, stl: bytes, orientation: Orientation) -> PrintEstimate:
@@ -45,47 +45,47 @@ def slice_part(program: Path, name: str, stl: bytes, orientation: Orientation) -
     Raises
     ------
     GeometryError
-        If the slicer fails, takes longer than `TIME_LIMIT_S`, or its G-code holds no figures.
+        If the slicer fails, takes longer than `TIME_LIMIT_S`, or writes no estimates into its G-code.
     """
     with tempfile.TemporaryDirectory(prefix="fingertip-slice-") as folder:
-        part, code = Path(folder) / f"{name}.stl", Path(folder) / f"{name}.gcode"
+        part, gcode = Path(folder) / f"{name}.stl", Path(folder) / f"{name}.gcode"
         part.write_bytes(stl)
         command = [str(program), "--export-gcode", "--layer-height", f"{LAYER_MM:g}"]
         command += ["--rotate-x", f"{orientation.rotate_x_deg:g}"]
         command += ["--support-material"] if orientation.needs_supports else []
         try:
-            done = subprocess.run(
-                [*command, "-o", str(code), str(part)],
+            process = subprocess.run(
+                [*command, "-o", str(gcode), str(part)],
                 capture_output=True,
                 text=True,
                 timeout=TIME_LIMIT_S,
                 check=False,
             )
         except subprocess.TimeoutExpired:
-            sentence = f"was not sliced after {TIME_LIMIT_S:g} s; leave out --slicer."
-            raise GeometryError(Issue(name, sentence)) from None
-        if not code.exists():
-            last = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[-1]
-            raise GeometryError(Issue(name, f"was not sliced ({last}); leave out --slicer."))
-        return parse_gcode(name, code.read_text(encoding="utf-8", errors="replace"))
+            message = f"PrusaSlicer did not finish within {TIME_LIMIT_S:g} s; remove --slicer."
+            raise GeometryError(Issue(name, message)) from None
+        if not gcode.exists():
+            last_line = (process.stderr.strip() or process.stdout.strip() or "no message").splitlines()[-1]
+            raise GeometryError(Issue(name, f"PrusaSlicer could not slice it ({last_line}); remove --slicer."))
+        return parse_gcode(name, gcode.read_text(encoding="utf-8", errors="replace"))
 
 
-def parse_gcode(name: str, code: str) -> PrintEstimate:
-    """The figures in the comments at the end of PrusaSlicer's G-code.
+def parse_gcode(name: str, gcode: str) -> PrintEstimate:
+    """Read the estimates from the comments at the end of PrusaSlicer's G-code.
 
     Raises
     ------
     GeometryError
-        If they are not there.
+        If the comments are missing.
     """
-    time, filament = _TIME.search(code), _FILAMENT.search(code)
+    time, filament = _TIME.search(gcode), _FILAMENT.search(gcode)
     if time is None or filament is None:
         raise GeometryError(
-            Issue(name, "was sliced, but the G-code states no time or no filament; leave out --slicer.")
+            Issue(name, "PrusaSlicer's G-code states no print time or no filament volume; remove --slicer.")
         )
-    return PrintEstimate(minutes(time[1]), float(filament[1]))
+    return PrintEstimate(parse_duration_min(time[1]), float(filament[1]))
 
 
-def minutes(text: str) -> float:
-    """`1d 2h 31m 30s` in minutes."""
+def parse_duration_min(text: str) -> float:
+    """Convert a duration such as `1d 2h 31m 30s` to minutes."""
     return sum(float(word[:-1]) * _UNITS_MIN[word[-1]] for word in text.split())

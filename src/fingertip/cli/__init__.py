@@ -1,4 +1,4 @@
-"""The command line. Each command lives in its own module and imports what it needs when it runs."""
+"""Command line. Each command has a module of its own and imports what it needs when it runs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from fingertip.cli.validate import validate
 
 app = typer.Typer(
     name="fingertip",
-    help="A bioinspired prosthetic fingertip from one file of parameters.",
+    help="Design a bioinspired, sensorized prosthetic fingertip from one parameter file.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

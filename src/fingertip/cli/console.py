@@ -1,6 +1,6 @@
-"""What every command shares: results on stdout, words and progress on stderr, errors as sentences, exit codes.
+"""Output conventions of all commands: results on stdout; messages, progress and errors on stderr; exit codes.
 
-Exit codes: 0 done and valid, 1 a check failed, 2 bad input, 130 interrupted with part of the result told.
+Exit codes: 0 for success, 1 for a failed check, 2 for bad input, 130 for an interrupted run with a partial result.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ CHECK_FAILED = 1
 BAD_INPUT = 2
 INTERRUPTED = 130
 
-# Options of the same name mean the same in every command, so they are declared once.
-JsonOption = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else there.")]
-QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no messages on stderr.")]
+# An option of the same name means the same in every command, so it is declared once.
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object to stdout and nothing else.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print no progress or messages to stderr.")]
 SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Change a parameter of the design; repeatable."),
@@ -34,74 +34,89 @@ SetOption = Annotated[
 
 
 class Console:
-    """Where a command's words go."""
+    """Output of a command.
+
+    Parameters
+    ----------
+    as_json
+        Whether the result is printed as one JSON object.
+    quiet
+        Whether progress and messages are suppressed. Errors are always printed.
+    """
 
     def __init__(self, as_json: bool, quiet: bool) -> None:
         self.as_json = as_json
         self.quiet = quiet
 
     def progress(self, message: str) -> None:
-        """A message or a step of progress, on stderr."""
+        """Print a message or a step of progress to stderr."""
         if not self.quiet:
             print(message, file=sys.stderr, flush=True)
 
     def result(self, data: Mapping[str, Any], text: str) -> None:
-        """The command's result on stdout: `data` as one JSON object, or else `text` for people."""
+        """Print the result of the command to stdout: `data` as one JSON object, else `text` for people."""
         if self.as_json:
             self.write(json.dumps(data, indent=2, allow_nan=False))
         elif text:
             self.write(text)
 
     def write(self, text: str) -> None:
-        """A line of the result, or all of it, on stdout at once.
+        """Write a line of the result, or all of it, to stdout and flush it.
 
         Raises
         ------
         OutputError
-            If it cannot be written, as on a full disk; a reader who has seen enough is no error of that kind.
+            If stdout cannot be written, for example on a full disk.
+        BrokenPipeError
+            If the reader has closed the pipe, which is not an error of the output.
         """
         try:
             print(text, flush=True)
         except BrokenPipeError:
             raise
         except OSError as error:
-            _abandon_stdout()
+            _discard_stdout()
             reason = error.strerror or str(error)
-            raise OutputError(Issue("standard output", f"cannot be written ({reason}); send it elsewhere.")) from error
+            raise OutputError(
+                Issue("standard output", f"cannot be written ({reason}); redirect it elsewhere.")
+            ) from error
 
-    def issues(self, error: FingertipError, beside: Mapping[str, Any] | None = None) -> None:
-        """Issues as sentences on stderr, and under --json as one object on stdout, with what was found before them."""
+    def print_issues(self, error: FingertipError, partial_result: Mapping[str, Any] | None = None) -> None:
+        """Print the issues of an error to stderr, one per line.
+
+        With --json also print them to stdout as one object, together with the result found before the error.
+        """
         for issue in error.issues:
             print(f"error: {issue}", file=sys.stderr)
         if self.as_json:
             issues = [{"field": issue.field, "message": issue.message} for issue in error.issues]
-            with contextlib.suppress(OutputError):  # then they stand on stderr only
-                self.write(json.dumps({**(beside or {}), "issues": issues}, indent=2))
+            with contextlib.suppress(OutputError):  # they are on stderr in any case
+                self.write(json.dumps({**(partial_result or {}), "issues": issues}, indent=2))
 
 
-def picture_issues(option: str, path: Path | None) -> Iterator[Issue]:
-    """Pictures are PNG, and a file should be what its name says."""
+def find_png_path_issues(option: str, path: Path | None) -> Iterator[Issue]:
+    """Find a path of a plot that does not end in .png: plots are written as PNG only."""
     if path is not None and path.suffix.lower() != ".png" and not path.is_dir():
-        yield Issue(option, f"{path.name!r} is no name of a PNG, which is what is written; end it in .png.")
+        yield Issue(option, f"{path.name!r} is not the name of a PNG file, the only format written; end it in .png.")
 
 
-def _abandon_stdout() -> None:
-    """What is left in its buffer would fail once more when the process ends, with a traceback."""
+def _discard_stdout() -> None:
+    """Redirect stdout to the null device: its buffer would fail again, with a traceback, when the process ends."""
     with contextlib.suppress(OSError, ValueError):
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, sys.stdout.fileno())
-        os.close(nowhere)
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, sys.stdout.fileno())
+        os.close(null)
 
 
 def command(function: Callable[P, None]) -> Callable[P, None]:
-    """Turn issues into sentences on stderr (and a JSON object on stdout under --json) and exit code 2."""
+    """Decorate a command: print the issues of an error and exit with `BAD_INPUT`."""
 
     @functools.wraps(function)
     def run(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
             function(*args, **kwargs)
         except FingertipError as error:
-            Console(bool(kwargs.get("as_json")), False).issues(error)
+            Console(bool(kwargs.get("as_json")), False).print_issues(error)
             raise typer.Exit(BAD_INPUT) from None
 
     return run

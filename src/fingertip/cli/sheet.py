@@ -1,4 +1,4 @@
-"""`fingertip sheet`: what to weigh, buy, print and wait for to cast a design."""
+"""`fingertip sheet`: write the casting sheet of a design."""
 
 from __future__ import annotations
 
@@ -9,49 +9,57 @@ import typer
 
 from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
 
+_MESH_TOLERANCE_MM = 0.01
+_SLICED_MESH_TOLERANCE_MM = 0.02
+
 
 @command
 def sheet(
     design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
-    out: Annotated[Path | None, typer.Option(help="Page to write; out/<design name>/casting.md if left out.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Markdown file to write; default: out/<design name>/casting.md.")
+    ] = None,
     material: Annotated[
-        str, typer.Option(help="Silicone: addition_40a, condensation_40a, sylgard_184.")
+        str, typer.Option(help="Silicone: addition_40a, condensation_40a or sylgard_184.")
     ] = "addition_40a",
-    slicer: Annotated[bool, typer.Option("--slicer", help="Ask PrusaSlicer for printing times and material.")] = False,
+    slicer: Annotated[
+        bool, typer.Option("--slicer", help="Estimate print times and filament volumes with PrusaSlicer.")
+    ] = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Write the casting sheet: silicone and its parts A and B, steps, warnings, bill of materials, printing."""
+    """Write the casting sheet: silicone quantities, warnings, procedure, print settings and bill of materials."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
-    from fingertip.cad.printing import print_orientations
-    from fingertip.casting import markdown
-    from fingertip.casting import quantities
-    from fingertip.casting.materials import silicone
-    from fingertip.casting.sheet import figures
+    from fingertip.cad.shapes.parts import print_orientations
+    from fingertip.casting.markdown import render_sheet
+    from fingertip.casting.materials import find_silicone
+    from fingertip.casting.quantities import measure_volumes
+    from fingertip.casting.sheet import casting_sheet_data
     from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_part
     from fingertip.cli.load import load_design
     from fingertip.files import write_file
 
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes)
-    card = silicone(material)
+    silicone = find_silicone(material)
     prints: dict[str, PrintEstimate] | None = None
     program = find_slicer() if slicer else None
     if slicer and program is None:
-        console.progress(f"no printing times: PrusaSlicer is not installed ({HOW_TO_INSTALL})")
+        console.progress(f"no print times: PrusaSlicer is not installed ({HOW_TO_INSTALL})")
     if program is not None:
         from fingertip.cad.verification.verify import verify
 
-        lies = print_orientations(loaded)
-        files = verify(loaded, lies, ("stl",), MeshEvaluator(0.02)).contents
+        orientations = print_orientations(loaded)
+        files = verify(loaded, orientations, ("stl",), MeshEvaluator(_SLICED_MESH_TOLERANCE_MM)).contents
         prints = {}
-        for name, how in lies.items():
+        for name, orientation in orientations.items():
             console.progress(f"slicing {name}")
-            prints[name] = slice_part(program, name, files[f"{name}.stl"], how)
-    data = figures(loaded, measure_volumes(loaded, MeshEvaluator(0.01)), card, prints)
+            prints[name] = slice_part(program, name, files[f"{name}.stl"], orientation)
+    volumes = measure_volumes(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
+    data = casting_sheet_data(loaded, volumes, silicone, prints)
     path = out or Path("out") / loaded.name / "casting.md"
-    write_file(path, markdown.page(data).encode())
+    write_file(path, render_sheet(data).encode())
     batch = data["batch"]
-    text = f"{batch['a_g']:g} g of A and {batch['b_g']:g} g of B; written to {path}"
+    text = f"mix {batch['a_g']:g} g of part A and {batch['b_g']:g} g of part B; casting sheet written to {path}"
     console.result({**data, "page": str(path)}, text)

@@ -1,1 +1,1 @@
-"""What KiCad's files have in common: expressions, identifiers, symbols, footprints; and the netlist."""
+"""KiCad files: s-expressions, UUIDs, symbols and footprints, the netlist and the project file."""

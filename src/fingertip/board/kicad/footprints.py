@@ -1,6 +1,6 @@
-"""Footprints: pads as KiCad's libraries have them (a test holds them against KiCad 9), outlines drawn here [mm].
+"""Footprints [mm]: pads as in KiCad's libraries, outlines drawn here.
 
-y runs downwards, as on KiCad's boards.
+A test compares the pads with the libraries of KiCad 9. The y axis points down, as on KiCad's boards.
 """
 
 from __future__ import annotations
@@ -11,15 +11,16 @@ from itertools import pairwise
 from fingertip.board.kicad import symbols
 
 Point = tuple[float, float]
+Box = tuple[float, float, float, float]
+"""Left, top, right and bottom edge [mm]."""
 
-
-DOT_MM = 0.5
+PIN_1_DOT_MM = 0.5
 """Diameter of the dot beside pin 1."""
 
 
 @dataclass(frozen=True)
 class Pad:
-    """A pad, round where width and height are those of a circle and `shape` says so."""
+    """Pad of a footprint."""
 
     number: str
     x: float
@@ -27,60 +28,68 @@ class Pad:
     width: float
     height: float
     shape: str = "roundrect"
-    """roundrect, rect or circle."""
+    """KiCad's pad shape: roundrect, rect or circle."""
     drill: float = 0.0
-    """Diameter of the hole; 0: a pad on the front."""
+    """Diameter of the hole; 0 for a surface-mount pad on the front."""
     plated: bool = True
 
 
 @dataclass(frozen=True)
 class Footprint:
-    """Pads and outlines."""
+    """Footprint of a component: pads, outlines and silkscreen."""
 
     pads: tuple[Pad, ...]
-    courtyard: tuple[float, float, float, float]
-    """Left, top, right, bottom of the space it takes."""
-    body: tuple[float, float, float, float]
-    """Left, top, right, bottom of the part itself."""
-    silk: tuple[tuple[Point, Point], ...] = ()
-    """Lines printed on the board."""
-    paste: bool = True
-    dot: Point | None = None
-    """Middle of the dot printed beside pin 1."""
+    courtyard: Box
+    """Area to keep free of other components."""
+    body: Box
+    """Outline of the component itself."""
+    silkscreen: tuple[tuple[Point, Point], ...] = ()
+    """Silkscreen lines, by both ends."""
+    has_paste: bool = True
+    pin_1_dot: Point | None = None
+    """Center of the silkscreen dot beside pin 1."""
 
 
-def _chip(x: float, width: float, height: float, court: Point, body: Point, ratio_silk: float) -> Footprint:
-    half, tall = body
+def _chip(x: float, width: float, height: float, courtyard: Point, body: Point, silkscreen_y: float) -> Footprint:
+    """Chip resistor or capacitor: two pads at -x and x, with silkscreen lines between them where there is room."""
+    half_width, half_height = body
     gap = x - width / 2 - 0.2
-    lines = (((-gap, -ratio_silk), (gap, -ratio_silk)), ((-gap, ratio_silk), (gap, ratio_silk))) if gap > 0.15 else ()
+    lines = tuple(((-gap, y), (gap, y)) for y in (-silkscreen_y, silkscreen_y)) if gap > 0.15 else ()
     return Footprint(
         (Pad("1", -x, 0.0, width, height), Pad("2", x, 0.0, width, height)),
-        (-court[0], -court[1], court[0], court[1]),
-        (-half, -tall, half, tall),
+        (-courtyard[0], -courtyard[1], courtyard[0], courtyard[1]),
+        (-half_width, -half_height, half_width, half_height),
         lines,
     )
 
 
-def _dual_row(x: float, pitch: float, width: float, height: float, court: Point, body: Point) -> Footprint:
+def _dual_row(x: float, pitch: float, width: float, height: float, courtyard: Point, body: Point) -> Footprint:
+    """Package with four pins on either side, numbered counterclockwise."""
     rows = [pitch * (i - 1.5) for i in range(4)]
     left = [Pad(str(i), -x, y, width, height) for i, y in enumerate(rows, start=1)]
     right = [Pad(str(9 - i), x, y, width, height) for i, y in enumerate(rows, start=1)]
-    half, tall = body
-    # Both ends, and a dot where pin 1 is, clear of its pad.
-    edge = tall + 0.11
-    silk = (((-half, -edge), (half, -edge)), ((-half, edge), (half, edge)))
-    dot = (-half - 0.2 - DOT_MM, rows[0] - height / 2 - 0.15 - DOT_MM / 2)
-    box = (-court[0], -court[1], court[0], court[1])
-    return Footprint((*left, *right), box, (-half, -tall, half, tall), silk, dot=dot)
+    half_width, half_height = body
+    # Lines along both ends, and a dot beside pin 1, clear of its pad.
+    edge = half_height + 0.11
+    lines = (((-half_width, -edge), (half_width, -edge)), ((-half_width, edge), (half_width, edge)))
+    dot = (-half_width - 0.2 - PIN_1_DOT_MM, rows[0] - height / 2 - 0.15 - PIN_1_DOT_MM / 2)
+    return Footprint(
+        (*left, *right),
+        (-courtyard[0], -courtyard[1], courtyard[0], courtyard[1]),
+        (-half_width, -half_height, half_width, half_height),
+        lines,
+        pin_1_dot=dot,
+    )
 
 
 def _header(pins: int) -> Footprint:
+    """Pin header of one row with a pitch of 2.54 mm; pin 1 is square."""
     end = 2.54 * (pins - 1)
     pads = [Pad(str(i + 1), 0.0, 2.54 * i, 1.7, 1.7, "rect" if i == 0 else "circle", drill=1.0) for i in range(pins)]
     body = (-1.27, -1.27, 1.27, end + 1.27)
     corners = ((-1.33, 1.27), (-1.33, end + 1.33), (1.33, end + 1.33), (1.33, 1.27), (-1.33, 1.27))
-    silk = (*pairwise(corners), ((-1.33, 0.0), (-1.33, -1.33)), ((-1.33, -1.33), (0.0, -1.33)))
-    return Footprint(tuple(pads), (-1.77, -1.77, 1.77, end + 1.77), body, silk, paste=False)
+    lines = (*pairwise(corners), ((-1.33, 0.0), (-1.33, -1.33)), ((-1.33, -1.33), (0.0, -1.33)))
+    return Footprint(tuple(pads), (-1.77, -1.77, 1.77, end + 1.77), body, lines, has_paste=False)
 
 
 FOOTPRINTS: dict[str, Footprint] = {
@@ -91,7 +100,7 @@ FOOTPRINTS: dict[str, Footprint] = {
     symbols.SOD_123: Footprint(
         (Pad("1", -1.65, 0.0, 0.9, 1.2), Pad("2", 1.65, 0.0, 0.9, 1.2)),
         (-2.35, -1.15, 2.35, 1.15), (-1.4, -0.9, 1.4, 0.9),
-        # The line at the cathode.
+        # The line on the left marks the cathode.
         (((-2.3, -1.0), (-2.3, 1.0)), ((-2.3, -1.0), (1.65, -1.0)), ((-2.3, 1.0), (1.65, 1.0))),
     ),
     symbols.SOT_23: Footprint(
@@ -104,7 +113,7 @@ FOOTPRINTS: dict[str, Footprint] = {
         (Pad("1", -1.1375, -0.95, 1.325, 0.6), Pad("2", -1.1375, 0.0, 1.325, 0.6), Pad("3", -1.1375, 0.95, 1.325, 0.6),
          Pad("4", 1.1375, 0.95, 1.325, 0.6), Pad("5", 1.1375, -0.95, 1.325, 0.6)),
         (-2.05, -1.7, 2.05, 1.7), (-0.8, -1.45, 0.8, 1.45),
-        (((-0.8, -1.56), (0.8, -1.56)), ((-0.8, 1.56), (0.8, 1.56))), dot=(-1.4, -1.65),
+        (((-0.8, -1.56), (0.8, -1.56)), ((-0.8, 1.56), (0.8, 1.56))), pin_1_dot=(-1.4, -1.65),
     ),
     symbols.TC33X: Footprint(
         (Pad("1", -1.8, -1.0, 1.2, 1.2, "rect"), Pad("2", 1.45, 0.0, 1.5, 1.6, "rect"),
@@ -119,14 +128,15 @@ FOOTPRINTS: dict[str, Footprint] = {
     symbols.HEADER_4: _header(4),
     symbols.HEADER_5: _header(5),
     symbols.TEST_PAD: Footprint(
-        (Pad("1", 0.0, 0.0, 1.0, 1.0, "circle"),), (-1.0, -1.0, 1.0, 1.0), (-0.5, -0.5, 0.5, 0.5), (), paste=False
+        (Pad("1", 0.0, 0.0, 1.0, 1.0, "circle"),), (-1.0, -1.0, 1.0, 1.0), (-0.5, -0.5, 0.5, 0.5), (), has_paste=False
     ),
     symbols.M2_HOLE: Footprint(
         (Pad("", 0.0, 0.0, 2.2, 2.2, "circle", drill=2.2, plated=False),),
-        (-2.45, -2.45, 2.45, 2.45), (-1.1, -1.1, 1.1, 1.1), (), paste=False,
+        (-2.45, -2.45, 2.45, 2.45), (-1.1, -1.1, 1.1, 1.1), (), has_paste=False,
     ),
 }  # fmt: skip
-"""library:name -> footprint."""
+"""Footprints by KiCad identifier, "library:name"."""
 
-ROUND_RATIO = {symbols.C_1206: 0.217391}
-"""Corner radius over the pad's shorter side where it is not 0.25."""
+DEFAULT_CORNER_RATIO = 0.25
+CORNER_RATIOS = {symbols.C_1206: 0.217391}
+"""Corner radius of rounded pads relative to their shorter side, where it is not `DEFAULT_CORNER_RATIO`."""

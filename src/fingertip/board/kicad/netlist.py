@@ -1,32 +1,38 @@
-"""KiCad netlist (s-expression, version E) of a circuit: the file the PCB editor imports.
+"""KiCad netlist (s-expressions, version E) of a circuit: the file that the PCB editor imports.
 
-The same circuit gives the same bytes everywhere: no date, no path, identifiers made from the references.
+The same circuit gives the same bytes everywhere: there is no date and no path, and UUIDs follow from the references.
 
-What KiCad's own reader insists on beyond the grammar's look: a space after `export`; `components` ahead of
-`libparts` and `nets`; net codes from 1 (code 0 is dropped silently); `sheetpath` with `tstamps`; lower-case
-identifiers; nothing but its known children inside `libsource` and `property`. Other readers want a `comment`
-in the title block.
+KiCad's own reader requires more than the grammar shows:
+
+- a space after `export`
+- `components` before `libparts` and `nets`
+- net codes from 1 up (code 0 is dropped silently)
+- `sheetpath` with `tstamps`
+- lower-case UUIDs
+- only known children inside `libsource` and `property`
+
+Other readers require a `comment` in the title block.
 """
 
 from __future__ import annotations
 
-from fingertip.board.circuit import Circuit, Part, Symbol, by_reference, kicad_name
-from fingertip.board.kicad.identity import part_uuid
-from fingertip.board.kicad.sexpr import Expression, quoted, text
+from fingertip.board.circuit import Circuit, Component, Symbol, kicad_net_name, reference_sort_key
+from fingertip.board.kicad.sexpr import Expression, format_expression, quoted
+from fingertip.board.kicad.uuids import component_uuid
 
 
-def kicad_netlist(circuit: Circuit) -> bytes:
-    """The netlist of a checked circuit, UTF-8, parts sorted by reference and nets by name."""
-    parts = sorted(circuit.parts, key=by_reference)
-    symbols = sorted({part.symbol for part in parts}, key=lambda s: (s.library, s.name))
+def kicad_netlist_file(circuit: Circuit) -> bytes:
+    """Content of the netlist file, UTF-8, with components sorted by reference and nets by name."""
+    components = sorted(circuit.components, key=reference_sort_key)
+    symbols = sorted({component.symbol for component in components}, key=lambda s: (s.library, s.name))
     sections: tuple[Expression, ...] = (
         _design(circuit),
-        ("components", *(_component(circuit, part) for part in parts)),
+        ("components", *(_component(circuit, component) for component in components)),
         ("libparts", *(_libpart(symbol) for symbol in symbols)),
         ("nets", *_nets(circuit)),
     )
-    # KiCad knows the file by "(export " on its first line: a line break there will not do.
-    lines = ['(export (version "E")', *(text(section, "  ") for section in sections)]
+    # KiCad recognizes the file by "(export " on its first line, so there must be no line break after "export".
+    lines = ['(export (version "E")', *(format_expression(section, "  ") for section in sections)]
     return ("\n".join(lines) + ")\n").encode()
 
 
@@ -49,14 +55,14 @@ def _design(circuit: Circuit) -> Expression:
     )
 
 
-def _component(circuit: Circuit, part: Part) -> Expression:
-    symbol = part.symbol
+def _component(circuit: Circuit, component: Component) -> Expression:
+    symbol = component.symbol
     return (
         "comp",
-        ("ref", quoted(part.reference)),
-        ("value", quoted(part.value)),
-        ("footprint", quoted(part.footprint)),
-        ("fields", ("field", ("name", quoted("Role")), quoted(part.role))),
+        ("ref", quoted(component.reference)),
+        ("value", quoted(component.value)),
+        ("footprint", quoted(component.footprint)),
+        ("fields", ("field", ("name", quoted("Role")), quoted(component.role))),
         (
             "libsource",
             ("lib", quoted(symbol.library)),
@@ -66,13 +72,13 @@ def _component(circuit: Circuit, part: Part) -> Expression:
         ("property", ("name", quoted("Sheetname")), ("value", quoted("Root"))),
         ("property", ("name", quoted("Sheetfile")), ("value", quoted(f"{circuit.name}.kicad_sch"))),
         ("sheetpath", ("names", quoted("/")), ("tstamps", quoted("/"))),
-        ("tstamps", quoted(part_uuid(circuit, part.reference))),
+        ("tstamps", quoted(component_uuid(circuit, component.reference))),
     )
 
 
 def _libpart(symbol: Symbol) -> Expression:
     pins = (
-        ("pin", ("num", quoted(pin.number)), ("name", quoted(pin.name)), ("type", quoted(pin.kind)))
+        ("pin", ("num", quoted(pin.number)), ("name", quoted(pin.name)), ("type", quoted(pin.electrical_type)))
         for pin in symbol.pins
     )
     return (
@@ -85,15 +91,15 @@ def _libpart(symbol: Symbol) -> Expression:
 
 
 def _nets(circuit: Circuit) -> list[Expression]:
-    pins = {(part.reference, pin.number): pin for part in circuit.parts for pin in part.symbol.pins}
-    references = {part.reference: by_reference(part) for part in circuit.parts}
+    pins = {(component.reference, pin.number): pin for component in circuit.components for pin in component.symbol.pins}
+    references = {component.reference: reference_sort_key(component) for component in circuit.components}
     nets: list[Expression] = []
-    for code, net in enumerate(sorted(circuit.nets, key=lambda net: kicad_name(net.name)), start=1):
+    for code, net in enumerate(sorted(circuit.nets, key=lambda net: kicad_net_name(net.name)), start=1):
         nodes: list[Expression] = []
         for reference, number in sorted(net.nodes, key=lambda node: (references[node[0]], int(node[1]))):
             pin = pins[reference, number]
             name = () if pin.name == "~" else (("pinfunction", quoted(pin.name)),)
-            kind = ("pintype", quoted(pin.kind))
+            kind = ("pintype", quoted(pin.electrical_type))
             nodes.append(("node", ("ref", quoted(reference)), ("pin", quoted(number)), *name, kind))
-        nets.append(("net", ("code", quoted(str(code))), ("name", quoted(kicad_name(net.name))), *nodes))
+        nets.append(("net", ("code", quoted(str(code))), ("name", quoted(kicad_net_name(net.name))), *nodes))
     return nets

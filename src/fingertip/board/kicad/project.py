@@ -1,4 +1,4 @@
-"""KiCad project file: names the schematic's and board's settings, and which checks do not apply."""
+"""KiCad project file: design rules of the board, and the checks that do not apply."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ TRACK_MM = 0.2
 VIA_MM = 0.6
 VIA_DRILL_MM = 0.3
 
+# This package draws its symbols and footprints with the libraries' pins and pads, but with lines of its own. Besides,
+# the libraries may not be installed. So comparisons with the libraries are turned off.
 _IGNORED_IN_SCHEMATIC = ("lib_symbol_mismatch", "lib_symbol_issues", "footprint_link_issues")
 _IGNORED_ON_BOARD = ("lib_footprint_mismatch", "lib_footprint_issues")
-# Symbols and footprints are drawn by this package with the libraries' pins and pads, but other lines; and a machine
-# may have no libraries at all.
 
 
-def kicad_project(circuit: Circuit) -> bytes:
-    """The project's file, JSON."""
+def kicad_project_file(circuit: Circuit) -> bytes:
+    """Content of the project file, JSON in UTF-8."""
     netclass = {
         "name": "Default", "priority": 2147483647, "clearance": CLEARANCE_MM, "track_width": TRACK_MM,
         "via_diameter": VIA_MM, "via_drill": VIA_DRILL_MM, "microvia_diameter": 0.3, "microvia_drill": 0.1,

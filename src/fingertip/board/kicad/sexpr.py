@@ -1,4 +1,4 @@
-"""S-expressions as KiCad writes them: nested tuples of words to text."""
+"""S-expressions as KiCad writes them: text from nested tuples of words."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ Expression = tuple["str | Expression", ...]
 
 
 def quoted(word: str) -> str:
-    """A word in double quotes, escaped."""
+    """Return a word in double quotes, escaped."""
     return json.dumps(word, ensure_ascii=False)
 
 
 def number(value: float) -> str:
-    """A length [mm] or an angle as KiCad prints it: six decimals at most, no trailing zeros, no minus zero."""
+    """Format a length [mm] or an angle as KiCad does: at most six decimals, no trailing zeros, no minus zero."""
     text = f"{value:.6f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
 
-def text(expression: Expression, indent: str = "") -> str:
-    """On one line if it is short, else each list inside on its own line, after the words that lead."""
+def format_expression(expression: Expression, indent: str = "") -> str:
+    """Format an expression: on one line if it is short, else with each inner list on a line of its own."""
     flat = indent + _flat(expression)
     lists = [item for item in expression if not isinstance(item, str)]
     if len(flat) <= 110 or not lists:
         return flat
     words = [item for item in expression if isinstance(item, str)]
     if expression[: len(words)] != tuple(words):
-        return flat  # a word after a list has its place
-    inner = [text(item, indent + "  ") for item in lists]
+        return flat  # the order of words and lists matters here
+    inner = [format_expression(item, indent + "  ") for item in lists]
     return f"{indent}({' '.join(words)}\n" + "\n".join(inner) + ")"
 
 

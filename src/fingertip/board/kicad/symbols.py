@@ -1,6 +1,6 @@
-"""The symbols and footprints used, out of KiCad's own libraries: names that have long been there.
+"""Symbols and footprints used, by their long-standing names in KiCad's own libraries.
 
-Pins are copied here so that a netlist needs no KiCad; a test holds them against those of KiCad 9.
+Pins are copied here so that writing a netlist does not need KiCad. A test compares them with those of KiCad 9.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ CONNECTOR_4 = Symbol(
 CONNECTOR_5 = Symbol(
     "Connector_Generic", "Conn_01x05", "Generic connector, 1x5", _passive("Pin_1", "Pin_2", "Pin_3", "Pin_4", "Pin_5")
 )
-_DUAL = (
+_DUAL_PINS = (
     Pin("1", "~", "output"),
     Pin("2", "-", "input"),
     Pin("3", "+", "input"),
@@ -36,12 +36,15 @@ _DUAL = (
     Pin("7", "~", "output"),
     Pin("8", "V+", "power_in"),
 )
-TL082 = Symbol("Amplifier_Operational", "TL082", "Dual JFET-input operational amplifier, SOIC-8", _DUAL)
+TL082 = Symbol("Amplifier_Operational", "TL082", "Dual JFET-input operational amplifier, SOIC-8", _DUAL_PINS)
 TLV2372 = Symbol(
-    "Amplifier_Operational", "TLV2372", "Dual operational amplifier, inputs and outputs to both rails, SOIC-8", _DUAL
+    "Amplifier_Operational",
+    "TLV2372",
+    "Dual operational amplifier, inputs and outputs to both rails, SOIC-8",
+    _DUAL_PINS,
 )
 DUAL_AMPLIFIERS = {symbol.name: symbol for symbol in (TL082, TLV2372)}
-"""By name: what may stand in the filter and the rectifier."""
+"""Dual amplifiers for the filter and the rectifier, by name."""
 TLV2371 = Symbol(
     "Amplifier_Operational",
     "TLV2371DBV",

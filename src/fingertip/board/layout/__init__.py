@@ -1,1 +1,1 @@
-"""The layout: where parts stand, the tracks that were routed, and KiCad's file of them."""
+"""Board layout: placement, silkscreen, routed tracks and KiCad's board file."""

@@ -1,18 +1,29 @@
-"""Where the parts of a board stand, and its outline [mm]: origin in the upper left corner, y downwards."""
+"""Placement of a board's components, with its outline [mm].
+
+The origin is the upper left corner and the y axis points down. The folder `placements` holds one JSON file, edited by
+hand, for each variant and supply. All boards are 40 x 25 mm with all components on the front. Sensor and supply enter
+on the left, signals leave on the right. After a change run `python -m fingertip.board.layout.routing.reroute`, which
+routes the tracks again.
+"""
 
 from __future__ import annotations
 
+import functools
+import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 from fingertip.board.circuit import Circuit
-from fingertip.board.kicad.footprints import FOOTPRINTS, Pad
+from fingertip.board.kicad.footprints import FOOTPRINTS, Box, Pad
+
+PLACEMENTS = Path(__file__).parent / "placements"
 
 
 @dataclass(frozen=True)
-class Spot:
-    """A part's place: its footprint's origin, and by how much it is turned to the left [degree]."""
+class Position:
+    """Position of a component: the origin of its footprint, and its counterclockwise rotation [degree]."""
 
     x: float
     y: float
@@ -21,20 +32,21 @@ class Spot:
 
 @dataclass(frozen=True)
 class Placement:
-    """A board's outline and places."""
+    """Outline of a board, positions of its components, and positions of its silkscreen text."""
 
     width: float
     height: float
-    spots: dict[str, Spot]
-    names: dict[str, tuple[float, float]]
-    """Reference -> middle of its print."""
-    words: tuple[tuple[str, float, float], ...] = ()
-    """Words printed on the board, with their middle; beside the connectors, what their pins carry."""
+    positions: dict[str, Position]
+    """Positions of the components by reference."""
+    reference_labels: dict[str, tuple[float, float]]
+    """Centers of the printed references, by reference."""
+    texts: tuple[tuple[str, float, float], ...] = ()
+    """Other printed texts with their centers; beside the connectors they name the pins. The last names the board."""
 
 
 @dataclass(frozen=True)
 class PlacedPad:
-    """A pad on the board."""
+    """Pad of a component on the board."""
 
     reference: str
     pad: Pad
@@ -43,48 +55,82 @@ class PlacedPad:
     half_width: float
     half_height: float
     net: str
-    """Empty for a hole, or a pin of no net."""
+    """Name of its net; empty for a hole, or for a pin of no net."""
 
 
-def turned(angle: int, x: float, y: float) -> tuple[float, float]:
-    """An offset within a footprint as an offset on the board."""
+@functools.cache
+def load_placement(name: str) -> Placement:
+    """Load the placement of this name, such as "article_split"."""
+    data = json.loads((PLACEMENTS / f"{name}.json").read_text("utf-8"))
+    return Placement(
+        data["width"],
+        data["height"],
+        {reference: Position(x, y, angle) for reference, (x, y, angle) in data["positions"].items()},
+        {reference: (x, y) for reference, (x, y) in data["reference_labels"].items()},
+        tuple((text, x, y) for text, x, y in data["texts"]),
+    )
+
+
+def rotate_offset(angle: int, x: float, y: float) -> tuple[float, float]:
+    """Convert an offset within a footprint that is rotated by `angle` [degree] to an offset on the board."""
     return {0: (x, y), 90: (y, -x), 180: (-x, -y), 270: (-y, x)}[angle]
 
 
-def placed_pads(circuit: Circuit, placement: Placement) -> Iterator[PlacedPad]:
-    """Every pad of the board."""
+def place_pads(circuit: Circuit, placement: Placement) -> Iterator[PlacedPad]:
+    """Yield every pad of the board."""
     nets = {node: net.name for net in circuit.nets for node in net.nodes}
-    for part in circuit.parts:
-        spot = placement.spots[part.reference]
-        for pad in FOOTPRINTS[part.footprint].pads:
-            dx, dy = turned(spot.angle, pad.x, pad.y)
-            w, h = (pad.width, pad.height) if spot.angle % 180 == 0 else (pad.height, pad.width)
+    for component in circuit.components:
+        position = placement.positions[component.reference]
+        for pad in FOOTPRINTS[component.footprint].pads:
+            dx, dy = rotate_offset(position.angle, pad.x, pad.y)
+            width, height = (pad.width, pad.height) if position.angle % 180 == 0 else (pad.height, pad.width)
             yield PlacedPad(
-                part.reference, pad, spot.x + dx, spot.y + dy, w / 2, h / 2, nets.get((part.reference, pad.number), "")
+                component.reference,
+                pad,
+                position.x + dx,
+                position.y + dy,
+                width / 2,
+                height / 2,
+                nets.get((component.reference, pad.number), ""),
             )
 
 
-def crowded(circuit: Circuit, placement: Placement) -> Iterator[tuple[str, str]]:
-    """Pairs of parts whose courtyards overlap, and parts with the edge ("edge") beyond which they stick out."""
-    boxes = {}
-    for part in circuit.parts:
-        spot = placement.spots[part.reference]
-        left, top, right, bottom = FOOTPRINTS[part.footprint].courtyard
-        corners = [turned(spot.angle, x, y) for x in (left, right) for y in (top, bottom)]
-        xs, ys = [spot.x + x for x, _ in corners], [spot.y + y for _, y in corners]
-        boxes[part.reference] = (min(xs), min(ys), max(xs), max(ys))
+def courtyard_overlaps(circuit: Circuit, placement: Placement) -> Iterator[tuple[str, str]]:
+    """Yield pairs of components whose courtyards overlap.
+
+    A component that sticks out beyond the edge of the board is paired with "edge".
+    """
+    boxes: dict[str, Box] = {}
+    for component in circuit.components:
+        position = placement.positions[component.reference]
+        left, top, right, bottom = FOOTPRINTS[component.footprint].courtyard
+        corners = [rotate_offset(position.angle, x, y) for x in (left, right) for y in (top, bottom)]
+        xs, ys = [position.x + x for x, _ in corners], [position.y + y for _, y in corners]
+        boxes[component.reference] = (min(xs), min(ys), max(xs), max(ys))
     references = list(boxes)
     for i, one in enumerate(references):
         a = boxes[one]
         if a[0] < 0 or a[1] < 0 or a[2] > placement.width or a[3] > placement.height:
             yield one, "edge"
         for other in references[:i]:
-            b = boxes[other]
-            if min(a[2], b[2]) - max(a[0], b[0]) > 1e-9 and min(a[3], b[3]) - max(a[1], b[1]) > 1e-9:
-                if one[0] == "H" or other[0] == "H":  # a hole's courtyard is round
-                    hole, box = (a, b) if one[0] == "H" else (b, a)
-                    x, y = (hole[0] + hole[2]) / 2, (hole[1] + hole[3]) / 2
-                    nearest = (min(max(x, box[0]), box[2]), min(max(y, box[1]), box[3]))
-                    if math.dist((x, y), nearest) >= (hole[2] - hole[0]) / 2:
-                        continue
+            if _overlap(one, a, other, boxes[other]):
                 yield one, other
+
+
+def _overlap(one: str, a: Box, other: str, b: Box) -> bool:
+    """Whether the courtyards of two components, given with their references, overlap."""
+    if min(a[2], b[2]) - max(a[0], b[0]) <= 1e-9 or min(a[3], b[3]) - max(a[1], b[1]) <= 1e-9:
+        return False
+    # The courtyard of a mounting hole is round: it may not reach into the corner of its box.
+    if one.startswith("H"):
+        return _circle_overlaps(a, b)
+    if other.startswith("H"):
+        return _circle_overlaps(b, a)
+    return True
+
+
+def _circle_overlaps(circle: Box, box: Box) -> bool:
+    """Whether the circle inscribed in one box overlaps another box."""
+    x, y = (circle[0] + circle[2]) / 2, (circle[1] + circle[3]) / 2
+    nearest = (min(max(x, box[0]), box[2]), min(max(y, box[1]), box[3]))
+    return math.dist((x, y), nearest) < (circle[2] - circle[0]) / 2

@@ -1,1 +1,1 @@
-"""The schematic: sheets as data, and KiCad's file of them."""
+"""Schematic: sheets as data, symbol graphics and KiCad's schematic file."""

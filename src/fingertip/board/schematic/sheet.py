@@ -1,4 +1,4 @@
-"""A sheet of a schematic as data: where symbols stand and where wires run. Lengths in units of 1.27 mm, y downwards."""
+"""Sheet of a schematic as data: positions of symbols, wires and labels. Units of 1.27 mm, with the y axis down."""
 
 from __future__ import annotations
 
@@ -10,29 +10,32 @@ from fingertip.board.nets import VEE, VMID
 from fingertip.board.supplies import Supply
 
 UNIT_MM = 1.27
-"""Half of the grid that KiCad's pins lie on."""
+"""Half the pitch of the grid that KiCad's pins lie on."""
+
+SGND, VNEG = "SGND", "VNEG"
+"""Placeholders for the signal ground and for the negative rail of the amplifiers; `apply_supply` replaces them."""
 
 Point = tuple[float, float]
 Segment = tuple[Point, Point]
 
 
 @dataclass(frozen=True)
-class Placed:
-    """A part's symbol, or one unit of it, on the sheet."""
+class PlacedSymbol:
+    """Symbol of a component, or one unit of it, on the sheet."""
 
     reference: str
     x: int
     y: int
     angle: int = 0
-    """Turned to the left by this [degree]: 0, 90, 180, 270."""
+    """Counterclockwise rotation [degree]: 0, 90, 180 or 270."""
     unit: int = 1
     mirrored: bool = False
-    """Left and right exchanged; only for angle 0."""
+    """Whether left and right are exchanged; only with angle 0."""
 
 
 @dataclass(frozen=True)
-class Mark:
-    """A power symbol (GND, VCC, VEE), a PWR_FLAG, or what `supplied` makes one of (ZERO, MINUS)."""
+class PowerSymbol:
+    """Power symbol (GND, VCC or VEE), PWR_FLAG, or placeholder (SGND or VNEG)."""
 
     name: str
     x: int
@@ -42,7 +45,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Label:
-    """A net's name on a wire; angle 180 writes to the left of the point."""
+    """Name of a net on a wire. With an angle of 180 the text runs to the left of the point."""
 
     net: str
     x: int
@@ -52,7 +55,7 @@ class Label:
 
 @dataclass(frozen=True)
 class GlobalLabel:
-    """A net's name in a flag that points this way [degree]: the same net on all sheets, and at every such flag."""
+    """Name of a net in a flag that points in the direction `angle` [degree]. It connects all sheets."""
 
     net: str
     x: int
@@ -62,48 +65,62 @@ class GlobalLabel:
 
 @dataclass(frozen=True)
 class Sheet:
-    """One sheet."""
+    """Sheet of a schematic, or a block of it."""
 
-    placed: tuple[Placed, ...]
-    wires: tuple[tuple[Point, ...], ...]
-    """Runs of straight, upright or level pieces."""
-    marks: tuple[Mark, ...]
-    labels: tuple[Label, ...]
-    words: tuple[tuple[str, int, int], ...]
-    globals: tuple[GlobalLabel, ...] = ()
+    symbols: tuple[PlacedSymbol, ...] = ()
+    wires: tuple[tuple[Point, ...], ...] = ()
+    """Polylines of horizontal and vertical segments."""
+    power_symbols: tuple[PowerSymbol, ...] = ()
+    labels: tuple[Label, ...] = ()
+    texts: tuple[tuple[str, int, int], ...] = ()
+    """Texts with their positions."""
+    global_labels: tuple[GlobalLabel, ...] = ()
 
     def segments(self, pins: Iterable[Point]) -> list[Segment]:
-        """The wires' pieces, cut wherever another wire ends or a pin lies on them: there KiCad wants an end."""
-        pieces = [(a, b) for run in self.wires for a, b in pairwise(run) if a != b]
-        cuts = {point for piece in pieces for point in piece} | set(pins)
-        cuts |= {(mark.x, mark.y) for mark in self.marks}
-        found: list[Segment] = []
-        for a, b in pieces:
-            inside = sorted((c for c in cuts if _between(a, c, b)), key=lambda c: abs(c[0] - a[0]) + abs(c[1] - a[1]))
-            chain = [a, *inside, b]
-            found += list(pairwise(chain))
-        return found
+        """Segments of the wires, split where another wire ends or a pin lies on them, as KiCad requires."""
+        unsplit = [(a, b) for wire in self.wires for a, b in pairwise(wire) if a != b]
+        split_points = {point for segment in unsplit for point in segment} | set(pins)
+        split_points |= {(symbol.x, symbol.y) for symbol in self.power_symbols}
+        split: list[Segment] = []
+        for a, b in unsplit:
+            inner = sorted(
+                (c for c in split_points if _lies_between(a, c, b)), key=lambda c: abs(c[0] - a[0]) + abs(c[1] - a[1])
+            )
+            split += list(pairwise([a, *inner, b]))
+        return split
 
 
-def supplied(sheet: Sheet, supply: Supply) -> Sheet:
-    """The sheet with the supply's own symbols and flags for ZERO and MINUS.
+def join_blocks(*blocks: Sheet) -> Sheet:
+    """Join several blocks to one sheet."""
+    return Sheet(
+        symbols=tuple(item for block in blocks for item in block.symbols),
+        wires=tuple(item for block in blocks for item in block.wires),
+        power_symbols=tuple(item for block in blocks for item in block.power_symbols),
+        labels=tuple(item for block in blocks for item in block.labels),
+        texts=tuple(item for block in blocks for item in block.texts),
+        global_labels=tuple(item for block in blocks for item in block.global_labels),
+    )
 
-    Where ZERO is a flag it hangs down, points up for a mark turned by 180 degrees, and to the right for 90.
+
+def apply_supply(sheet: Sheet, supply: Supply) -> Sheet:
+    """Replace the placeholders SGND and VNEG by the symbols and global labels of a supply.
+
+    A global label for SGND points down, or up for a placeholder with an angle of 180, or right for one of 90.
     """
-    marks, flags = [], list(sheet.globals)
-    for mark in sheet.marks:
-        net = {"ZERO": supply.zero, "MINUS": supply.minus}.get(mark.name, mark.name)
+    power_symbols, global_labels = [], list(sheet.global_labels)
+    for symbol in sheet.power_symbols:
+        net = {SGND: supply.signal_ground, VNEG: supply.negative_rail}.get(symbol.name, symbol.name)
         if net == VMID:
-            flags.append(GlobalLabel(net, mark.x, mark.y, {0: 270, 90: 0, 180: 90}[mark.angle]))
-        elif mark.name == "MINUS":
-            marks.append(Mark(net, mark.x, mark.y, 180 if net == VEE else 0))
+            global_labels.append(GlobalLabel(net, symbol.x, symbol.y, {0: 270, 90: 0, 180: 90}[symbol.angle]))
+        elif symbol.name == VNEG:
+            power_symbols.append(PowerSymbol(net, symbol.x, symbol.y, 180 if net == VEE else 0))
         else:
-            marks.append(replace(mark, name=net, angle=0 if mark.angle == 90 else mark.angle))
-    return replace(sheet, marks=tuple(marks), globals=tuple(flags))
+            power_symbols.append(replace(symbol, name=net, angle=0 if symbol.angle == 90 else symbol.angle))
+    return replace(sheet, power_symbols=tuple(power_symbols), global_labels=tuple(global_labels))
 
 
-def _between(a: Point, c: Point, b: Point) -> bool:
-    """Whether c lies inside the upright or level piece from a to b."""
+def _lies_between(a: Point, c: Point, b: Point) -> bool:
+    """Whether c lies inside the horizontal or vertical segment from a to b."""
     if a[0] == b[0] == c[0]:
         return min(a[1], b[1]) < c[1] < max(a[1], b[1])
     return a[1] == b[1] == c[1] and min(a[0], b[0]) < c[0] < max(a[0], b[0])

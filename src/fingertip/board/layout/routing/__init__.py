@@ -1,1 +1,1 @@
-"""The router that made the tracks."""
+"""Grid router for two layers. It made the tracks of the templates."""

@@ -1,4 +1,4 @@
-"""The router's grid: who may go where, who is there, and what a trespass has cost so far."""
+"""Grid of the router: which net may use each node, how many paths occupy it, and its history cost."""
 
 from __future__ import annotations
 
@@ -6,113 +6,129 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from fingertip.board.layout.names import Box
+from fingertip.board.kicad.footprints import Box
 from fingertip.board.layout.placement import PlacedPad
-from fingertip.board.layout.routing.paths import BACK, FRONT, GRID_MM, VIA, Node, Path, vias_of
+from fingertip.board.layout.routing.paths import BACK, FRONT, GRID_MM, VIA, Node, Path, find_vias
+
+_HISTORY_COST = 0.5
+_NO_NET = ""
+"""Owner of a node that no net may use."""
 
 
 @dataclass(frozen=True)
-class Rules:
-    """Widths and distances [mm]."""
+class DesignRules:
+    """Widths and clearances [mm]."""
 
     track: float
     clearance: float
     via: float
     edge: float
-    """From copper to the board's edge."""
+    """Clearance of copper from the edge of the board."""
 
 
 class Grid:
-    """Claims of pads, and paths that are held."""
+    """Nodes claimed by pads and occupied by paths, for each kind: tracks on the front, tracks on the back and vias.
+
+    Attributes
+    ----------
+    owner
+        The only net that may use a node; None if every net may, `_NO_NET` if no net may.
+    occupancy
+        Number of connections that use a node or its clearance.
+    history_cost
+        Cost of a node from the conflicts there so far.
+    """
 
     def __init__(
-        self, width: float, height: float, pads: list[PlacedPad], rules: Rules, no_vias: Iterable[Box] = ()
+        self, width: float, height: float, pads: list[PlacedPad], rules: DesignRules, no_vias: Iterable[Box] = ()
     ) -> None:
         self.columns, self.rows = round(width / GRID_MM) + 1, round(height / GRID_MM) + 1
         self.size = self.columns * self.rows
         self.rules = rules
-        # Net that alone may pass (None: everybody, "": nobody), for tracks by layer and for vias.
         self.owner: list[list[str | None]] = [[None] * self.size for _ in range(3)]
-        self.count = [[0.0] * self.size for _ in range(3)]
-        self.past = [[0.0] * self.size for _ in range(3)]
-        reach = {FRONT: rules.track / 2, BACK: rules.track / 2, VIA: rules.via / 2}
-        for kind, half in reach.items():
-            self._fence(kind, rules.edge + half)
+        self.occupancy = [[0.0] * self.size for _ in range(3)]
+        self.history_cost = [[0.0] * self.size for _ in range(3)]
+        half_widths = {FRONT: rules.track / 2, BACK: rules.track / 2, VIA: rules.via / 2}
+        for kind, half_width in half_widths.items():
+            self._block_edge(kind, rules.edge + half_width)
             for pad in pads:
-                # A via's hole may not lie in a pad of its own net either: solder would run off.
+                # A via may not lie in a pad of its own net either: its hole would draw the solder off.
                 if pad.pad.drill or kind != BACK:
-                    self._claim(kind, pad, half + rules.clearance)
+                    self._claim_pad(kind, pad, half_width + rules.clearance)
         for box in no_vias:
-            self._keep_vias_out(box, rules.via / 2)
-        self.track_reach = _disc(rules.track + rules.clearance)
-        self.via_track_reach = _disc((rules.via + rules.track) / 2 + rules.clearance)
-        self.via_reach = _disc(rules.via + rules.clearance)
+            self._block_vias(box, rules.via / 2)
+        self.track_to_track = _disc(rules.track + rules.clearance)
+        self.via_to_track = _disc((rules.via + rules.track) / 2 + rules.clearance)
+        self.via_to_via = _disc(rules.via + rules.clearance)
 
-    def may(self, kind: int, i: int, net: str) -> bool:
+    def is_allowed(self, kind: int, i: int, net: str) -> bool:
         """Whether a net may use a node."""
         return self.owner[kind][i] in (None, net)
 
-    def entries(self, pad: PlacedPad) -> Path:
+    def pad_nodes(self, pad: PlacedPad) -> Path:
         """Nodes inside a pad, where a track may begin."""
-        found: list[Node] = []
+        nodes: list[Node] = []
         for layer in (FRONT, BACK) if pad.pad.drill else (FRONT,):
             for row in range(self.rows):
                 if abs(row * GRID_MM - pad.y) > pad.half_height * 0.6:
                     continue
                 for column in range(self.columns):
                     if abs(column * GRID_MM - pad.x) <= pad.half_width * 0.6:
-                        found.append((layer, column, row))
-        return found
+                        nodes.append((layer, column, row))
+        return nodes
 
-    def hold(self, paths: list[Path], by: float = 1.0) -> None:
-        """Take the room of these paths; with -1 give it back."""
-        for kind, nodes in enumerate(self._room(paths)):
+    def occupy(self, paths: list[Path], change: float = 1.0) -> None:
+        """Occupy the space of these paths; a change of -1 releases it."""
+        for kind, nodes in enumerate(self._occupied(paths)):
             for i in nodes:
-                self.count[kind][i] += by
+                self.occupancy[kind][i] += change
 
-    def trespasses(self, paths: list[Path]) -> list[tuple[int, int]]:
-        """Kinds and nodes of these held paths that others hold too; the paths' own room counts once."""
-        own = self._room(paths)
-        return [(kind, i) for kind, i in self._used(paths) if self.count[kind][i] - (i in own[kind]) > 0.5]
+    def conflicts(self, paths: list[Path]) -> list[tuple[int, int]]:
+        """Kinds and nodes where these paths, which occupy the grid, conflict with others."""
+        own = self._occupied(paths)
+        return [(kind, i) for kind, i in self._used(paths) if self.occupancy[kind][i] - (i in own[kind]) > 0.5]
 
-    def remember(self, paths: list[Path]) -> None:
-        """Make dearer for good where these paths trespass."""
-        for kind, i in self.trespasses(paths):
-            self.past[kind][i] += 0.5
+    def add_history_cost(self, paths: list[Path]) -> None:
+        """Raise the cost of the nodes where these paths conflict with others, for all later rounds."""
+        for kind, i in self.conflicts(paths):
+            self.history_cost[kind][i] += _HISTORY_COST
 
     def _used(self, paths: list[Path]) -> set[tuple[int, int]]:
+        """Kinds and nodes on the center lines of these paths."""
         used = {(layer, row * self.columns + column) for path in paths for layer, column, row in path}
-        return used | {(VIA, row * self.columns + column) for path in paths for column, row in vias_of(path)}
+        return used | {(VIA, row * self.columns + column) for path in paths for column, row in find_vias(path)}
 
-    def _room(self, paths: list[Path]) -> list[set[int]]:
-        """Nodes other nets may not use because of these paths, by kind."""
-        covered: list[set[int]] = [set(), set(), set()]
+    def _occupied(self, paths: list[Path]) -> list[set[int]]:
+        """Nodes by kind that these paths take from other nets."""
+        occupied: list[set[int]] = [set(), set(), set()]
         for path in paths:
             for layer, column, row in path:
-                self._cover(covered[layer], column, row, self.track_reach)
-                self._cover(covered[VIA], column, row, self.via_track_reach)
-            for column, row in vias_of(path):
+                self._add_disc(occupied[layer], column, row, self.track_to_track)
+                self._add_disc(occupied[VIA], column, row, self.via_to_track)
+            for column, row in find_vias(path):
                 for layer in (FRONT, BACK):
-                    self._cover(covered[layer], column, row, self.via_track_reach)
-                self._cover(covered[VIA], column, row, self.via_reach)
-        return covered
+                    self._add_disc(occupied[layer], column, row, self.via_to_track)
+                self._add_disc(occupied[VIA], column, row, self.via_to_via)
+        return occupied
 
-    def _cover(self, covered: set[int], column: int, row: int, disc: list[tuple[int, int]]) -> None:
+    def _add_disc(self, nodes: set[int], column: int, row: int, disc: list[tuple[int, int]]) -> None:
         for dx, dy in disc:
             x, y = column + dx, row + dy
             if 0 <= x < self.columns and 0 <= y < self.rows:
-                covered.add(y * self.columns + x)
+                nodes.add(y * self.columns + x)
 
-    def _fence(self, kind: int, margin: float) -> None:
+    def _block_edge(self, kind: int, margin: float) -> None:
+        """Block the nodes within a margin [mm] of the board's edge."""
         for row in range(self.rows):
             for column in range(self.columns):
                 x, y = column * GRID_MM, row * GRID_MM
                 gap = min(x, y, (self.columns - 1) * GRID_MM - x, (self.rows - 1) * GRID_MM - y)
                 if gap < margin - 1e-9:
-                    self.owner[kind][row * self.columns + column] = ""
+                    self.owner[kind][row * self.columns + column] = _NO_NET
 
-    def _claim(self, kind: int, pad: PlacedPad, margin: float) -> None:
-        hole = not pad.pad.plated
+    def _claim_pad(self, kind: int, pad: PlacedPad, margin: float) -> None:
+        """Reserve the nodes within a margin [mm] of a pad for its net."""
+        is_hole = not pad.pad.plated
         for row in range(self.rows):
             dy = max(abs(row * GRID_MM - pad.y) - pad.half_height, 0.0)
             if dy >= margin:
@@ -123,26 +139,28 @@ class Grid:
                     gap = math.hypot(column * GRID_MM - pad.x, row * GRID_MM - pad.y) - pad.half_width
                 else:
                     gap = math.hypot(dx, dy)
-                if gap < margin - 1e-9 + (0.1 if hole else 0.0):
+                if gap < margin - 1e-9 + (0.1 if is_hole else 0.0):
                     i = row * self.columns + column
-                    inside = kind == VIA and gap < self.rules.via / 2 + 0.05
-                    mine = None if hole else pad.net
-                    known = self.owner[kind][i]
-                    if hole or inside or mine == "" or known not in (None, mine):
-                        self.owner[kind][i] = ""
+                    is_via_in_pad = kind == VIA and gap < self.rules.via / 2 + 0.05
+                    net = None if is_hole else pad.net
+                    owner = self.owner[kind][i]
+                    # A node within the margin of pads of two nets is of use to neither.
+                    if is_hole or is_via_in_pad or net == _NO_NET or owner not in (None, net):
+                        self.owner[kind][i] = _NO_NET
                     else:
-                        self.owner[kind][i] = mine
+                        self.owner[kind][i] = net
 
-    def _keep_vias_out(self, box: Box, margin: float) -> None:
-        """What is printed there would be drilled away."""
+    def _block_vias(self, box: Box, margin: float) -> None:
+        """Block vias in a box with silkscreen: they would make the print illegible."""
         left, top, right, bottom = (v / GRID_MM for v in box)
         m = margin / GRID_MM
         for row in range(max(math.ceil(top - m), 0), min(math.floor(bottom + m), self.rows - 1) + 1):
             for column in range(max(math.ceil(left - m), 0), min(math.floor(right + m), self.columns - 1) + 1):
-                self.owner[VIA][row * self.columns + column] = ""
+                self.owner[VIA][row * self.columns + column] = _NO_NET
 
 
 def _disc(radius: float) -> list[tuple[int, int]]:
+    """Offsets in columns and rows of all nodes within a radius [mm]."""
     n = math.ceil(radius / GRID_MM)
     return [
         (dx, dy) for dy in range(-n, n + 1) for dx in range(-n, n + 1) if math.hypot(dx, dy) * GRID_MM < radius - 1e-9

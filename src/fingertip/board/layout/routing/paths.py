@@ -1,4 +1,4 @@
-"""Ways on the router's grid, and the tracks and vias they become."""
+"""Paths on the router's grid, and the tracks and vias made from them."""
 
 from __future__ import annotations
 
@@ -9,79 +9,85 @@ from itertools import pairwise
 
 GRID_MM = 0.2
 FRONT, BACK, VIA = 0, 1, 2
-"""Both layers; and vias, which need room on both."""
+"""Kinds of copper: tracks on the front, tracks on the back, and vias, which need space on both layers."""
 
 Node = tuple[int, int, int]
-"""Layer, column, row."""
+"""Layer, column and row."""
 Path = list[Node]
-Segment = tuple[int, tuple[float, float], tuple[float, float]]
+Point = tuple[float, float]
+Segment = tuple[int, Point, Point]
 """Layer and both ends [mm]."""
 
 
 @dataclass(frozen=True)
 class Tracks:
-    """One net's copper."""
+    """Copper of one net [mm]."""
 
     segments: tuple[Segment, ...]
-    vias: tuple[tuple[float, float], ...]
+    vias: tuple[Point, ...]
 
 
-def net_of(job: str) -> str:
-    """The net of a job, whose name begins with it."""
-    return job.split(" ")[0]
+def net_name(connection: str) -> str:
+    """Net of a connection, whose name begins with it."""
+    return connection.split(" ")[0]
 
 
-def vias_of(path: Path) -> list[tuple[int, int]]:
-    """Column and row wherever a path changes layers."""
+def find_vias(path: Path) -> list[tuple[int, int]]:
+    """Find the columns and rows where a path changes layers."""
     return [(a[1], a[2]) for a, b in pairwise(path) if a[0] != b[0]]
 
 
-def gathered(held: dict[str, list[Path]]) -> dict[str, Tracks]:
-    """Paths by net, straight runs joined."""
+def merge_paths(paths_by_connection: dict[str, list[Path]]) -> dict[str, Tracks]:
+    """Convert paths to tracks by net, with straight runs joined to one segment."""
     segments: dict[str, list[Segment]] = {}
-    vias: dict[str, list[tuple[float, float]]] = {}
-    for job, paths in sorted(held.items()):
-        net = net_of(job)
+    vias: dict[str, list[Point]] = {}
+    for connection, paths in sorted(paths_by_connection.items()):
+        net = net_name(connection)
         for path in paths:
-            segments.setdefault(net, []).extend(_runs(path))
-            vias.setdefault(net, []).extend((_mm(x), _mm(y)) for x, y in vias_of(path))
+            segments.setdefault(net, []).extend(_straight_runs(path))
+            vias.setdefault(net, []).extend((_to_mm(x), _to_mm(y)) for x, y in find_vias(path))
     return {
-        net: Tracks(tuple(cut(dict.fromkeys(segments[net]))), tuple(dict.fromkeys(vias[net])))
+        net: Tracks(tuple(split_at_junctions(dict.fromkeys(segments[net]))), tuple(dict.fromkeys(vias[net])))
         for net in sorted(segments)
     }
 
 
-def cut(segments: Iterable[Segment]) -> list[Segment]:
-    """The segments of one net, cut wherever another of the same layer ends on them: KiCad wants ends to meet there."""
-    pieces = list(segments)
-    found: list[Segment] = []
-    for layer, a, b in pieces:
-        ends = {end for other, *both in pieces for end in both if other == layer and _inside(a, end, b)}
-        chain = [a, *sorted(ends, key=lambda end: math.dist(a, end)), b]
-        found += [(layer, start, end) for start, end in pairwise(chain)]
-    return list(dict.fromkeys(found))
+def split_at_junctions(segments: Iterable[Segment]) -> list[Segment]:
+    """Split the segments of one net wherever another segment of the same layer ends on them.
+
+    KiCad reports an end in the middle of another segment as dangling.
+    """
+    unsplit = list(segments)
+    split: list[Segment] = []
+    for layer, a, b in unsplit:
+        junctions = {end for other, *ends in unsplit for end in ends if other == layer and _lies_between(a, end, b)}
+        chain = [a, *sorted(junctions, key=lambda end: math.dist(a, end)), b]
+        split += [(layer, start, end) for start, end in pairwise(chain)]
+    return list(dict.fromkeys(split))
 
 
-def _inside(a: tuple[float, float], c: tuple[float, float], b: tuple[float, float]) -> bool:
-    """Whether c lies on the straight piece between a and b, and is neither; all on the grid."""
+def _lies_between(a: Point, c: Point, b: Point) -> bool:
+    """Whether c lies on the straight line between a and b, excluding both ends. All points lie on the grid."""
     return c not in (a, b) and math.dist(a, c) + math.dist(c, b) - math.dist(a, b) < 1e-6
 
 
-def _runs(path: Path) -> list[Segment]:
+def _straight_runs(path: Path) -> list[Segment]:
+    """Segments of a path, each as long as the path keeps its direction."""
     runs: list[Segment] = []
     start = 0
     for i in range(1, len(path)):
-        last = i == len(path) - 1
         a, b = path[i - 1], path[i]
-        turns = last or tuple(q - p for p, q in zip(a, b, strict=True)) != tuple(
+        is_last = i == len(path) - 1
+        run_ends = is_last or tuple(q - p for p, q in zip(a, b, strict=True)) != tuple(
             q - p for p, q in zip(b, path[i + 1], strict=True)
         )
-        if turns:
+        if run_ends:
+            # A change of layers is a via and not a segment.
             if a[0] == b[0] and path[start] != b:
-                runs.append((b[0], (_mm(path[start][1]), _mm(path[start][2])), (_mm(b[1]), _mm(b[2]))))
+                runs.append((b[0], (_to_mm(path[start][1]), _to_mm(path[start][2])), (_to_mm(b[1]), _to_mm(b[2]))))
             start = i
     return runs
 
 
-def _mm(cells: int) -> float:
+def _to_mm(cells: int) -> float:
     return round(cells * GRID_MM, 3)

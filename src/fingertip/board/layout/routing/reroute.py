@@ -1,7 +1,8 @@
-"""Makes a board's template anew: `python -m fingertip.board.layout.routing.reroute`.
+"""Route a board and write its template: `python -m fingertip.board.layout.routing.reroute`.
 
-Run it after a change of placement (the files in `places`), footprints or nets; it takes a minute or two for each. The
-pour is made by KiCad's Python module, which belongs to the system's Python; `--python` names that.
+Run it after a change of the placement (a file in `layout/placements`), of footprints or of nets. It takes a minute or
+two for each board. KiCad's Python module pcbnew fills the ground pour. It belongs to the system's Python, which
+`--python` names.
 """
 
 from __future__ import annotations
@@ -12,24 +13,23 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_MM, kicad_project
-from fingertip.board.layout.file import EDGE_CLEARANCE_MM, kicad_board
-from fingertip.board.layout.names import obscured, printed
-from fingertip.board.layout.placed_footprint import CORNER_MM
-from fingertip.board.layout.placement import crowded, placed_pads
-from fingertip.board.layout.routing.grid import Rules
+from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_MM, kicad_project_file
+from fingertip.board.layout.pcb_file import EDGE_CLEARANCE_MM, PAGE_OFFSET_MM, kicad_pcb_file
+from fingertip.board.layout.placement import courtyard_overlaps, place_pads
+from fingertip.board.layout.routing.grid import DesignRules
 from fingertip.board.layout.routing.router import route
-from fingertip.board.layout.tracks import TEMPLATES, Template, template_text
+from fingertip.board.layout.silkscreen import silkscreen_boxes, silkscreen_conflicts
+from fingertip.board.layout.template import TEMPLATES, Template, format_template
 from fingertip.board.output import board_circuit
 from fingertip.board.values.board_values import board_values
-from fingertip.board.variants import VARIANTS, Variant
+from fingertip.board.variants import BOARD_CONFIGURATIONS, BoardConfiguration
 from fingertip.design import Design
 
-_FILL = """
+_FILL_SCRIPT = """
 import json, sys
 import pcbnew
 board = pcbnew.LoadBoard(sys.argv[1])
-pcbnew.ZONE_FILLER(board).Fill(board.Zones())
+pcbnew.ZONE_FILL_SCRIPTER(board).Fill(board.Zones())
 fills = {}
 for zone in board.Zones():
     layer = zone.GetLayer()
@@ -45,37 +45,40 @@ print("FILLS" + json.dumps(fills))
 
 
 def main() -> None:
-    """Route, pour, write the template."""
+    """Route the boards named on the command line, fill their pours and write their templates."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--python", default="/usr/bin/python3", help="a Python that has KiCad's module pcbnew")
-    parser.add_argument("variant", nargs="*", default=list(VARIANTS), help="which; without any, all")
+    parser.add_argument("--python", default="/usr/bin/python3", help="Python that has KiCad's module pcbnew")
+    parser.add_argument(
+        "board", nargs="*", default=list(BOARD_CONFIGURATIONS), help="boards such as article_split; default: all"
+    )
     arguments = parser.parse_args()
-    for name in arguments.variant:
-        _reroute(VARIANTS[name], arguments.python)
+    for name in arguments.board:
+        _reroute(BOARD_CONFIGURATIONS[name], arguments.python)
 
 
-def _reroute(variant: Variant, python: str) -> None:
-    design = Design.load(changes=variant.changes)
-    circuit, placement = board_circuit(board_values(design)), variant.placement
-    if found := [*(f"{a} overlaps {b}" for a, b in crowded(circuit, placement)), *obscured(circuit, placement)]:
-        raise SystemExit(f"{variant.name}: " + "; ".join(found))
-    rules = Rules(TRACK_MM, CLEARANCE_MM, VIA_MM, EDGE_CLEARANCE_MM)
-    pads, no_vias = list(placed_pads(circuit, placement)), printed(placement).values()
+def _reroute(configuration: BoardConfiguration, python: str) -> None:
+    design = Design.load(changes=configuration.changes)
+    circuit, placement = board_circuit(board_values(design)), configuration.placement
+    overlaps = [f"{one} overlaps {other}" for one, other in courtyard_overlaps(circuit, placement)]
+    if problems := [*overlaps, *silkscreen_conflicts(circuit, placement)]:
+        raise SystemExit(f"{configuration.name}: " + "; ".join(problems))
+    rules = DesignRules(TRACK_MM, CLEARANCE_MM, VIA_MM, EDGE_CLEARANCE_MM)
+    pads, no_vias = list(place_pads(circuit, placement)), silkscreen_boxes(placement).values()
     tracks = route(placement.width, placement.height, pads, rules, no_vias, progress=print)
-    with tempfile.TemporaryDirectory() as name:
-        board = Path(name) / f"{circuit.name}.kicad_pcb"
-        board.write_bytes(kicad_board(circuit, placement, Template(tracks, {})))
-        board.with_suffix(".kicad_pro").write_bytes(kicad_project(circuit))
-        run = subprocess.run([python, "-c", _FILL, str(board)], capture_output=True, text=True, check=True)
-    words = next(line for line in run.stdout.splitlines() if line.startswith("FILLS"))
+    with tempfile.TemporaryDirectory() as folder:
+        board = Path(folder) / f"{circuit.name}.kicad_pcb"
+        board.write_bytes(kicad_pcb_file(circuit, placement, Template(tracks, {})))
+        board.with_suffix(".kicad_pro").write_bytes(kicad_project_file(circuit))
+        process = subprocess.run([python, "-c", _FILL_SCRIPT, str(board)], capture_output=True, text=True, check=True)
+    # pcbnew prints messages of its own; the script marks its line.
+    line = next(line for line in process.stdout.splitlines() if line.startswith("FILLS"))
+    left, top = PAGE_OFFSET_MM
     fills = {
-        layer: tuple(
-            tuple((round(x - CORNER_MM[0], 4), round(y - CORNER_MM[1], 4)) for x, y in outline) for outline in outlines
-        )
-        for layer, outlines in json.loads(words.removeprefix("FILLS")).items()
+        layer: tuple(tuple((round(x - left, 4), round(y - top, 4)) for x, y in outline) for outline in outlines)
+        for layer, outlines in json.loads(line.removeprefix("FILLS")).items()
     }
-    path = TEMPLATES / f"{variant.name}.json"
-    path.write_text(template_text(Template(tracks, fills), circuit, placement), encoding="utf-8")
+    path = TEMPLATES / f"{configuration.name}.json"
+    path.write_text(format_template(Template(tracks, fills), circuit, placement), encoding="utf-8")
     print(f"wrote {path.name}: {path.stat().st_size} bytes")
 
 

@@ -1,6 +1,6 @@
-"""Tracks of a board that were routed once, and the ground pour KiCad filled around them: kept as a template.
+"""Template of a board: tracks routed once, and the ground pour KiCad filled around them.
 
-They depend on placement and nets alone. `python -m fingertip.board.layout.routing.reroute` makes a template anew.
+It depends on placement and nets alone. `python -m fingertip.board.layout.routing.reroute` makes a new one.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.board.circuit import Circuit
-from fingertip.board.layout.placement import Placement, placed_pads
+from fingertip.board.layout.placement import Placement, place_pads
 from fingertip.board.layout.routing.paths import Tracks
 from fingertip.errors import BoardError
 
@@ -25,22 +25,23 @@ class Template:
     """Copper between the pads."""
 
     tracks: dict[str, Tracks]
+    """Tracks by net."""
     fills: dict[str, tuple[tuple[Point, ...], ...]]
-    """Layer -> outlines of the filled pour."""
+    """Outlines of the filled ground pour, by layer."""
 
 
 def fingerprint(circuit: Circuit, placement: Placement) -> str:
-    """What a template depends on, as a hash: outline, pads, nets."""
+    """Hash of everything a template depends on: outline, pads and nets."""
     pads = sorted(
         (p.reference, p.pad.number, *(round(v, 4) for v in (p.x, p.y, p.half_width, p.half_height)), p.net)
-        for p in placed_pads(circuit, placement)
+        for p in place_pads(circuit, placement)
     )
     text = json.dumps([placement.width, placement.height, pads])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def load_template(name: str, circuit: Circuit, placement: Placement) -> Template:
-    """The template of this name.
+    """Load the template of this name, such as "article_split".
 
     Raises
     ------
@@ -50,7 +51,8 @@ def load_template(name: str, circuit: Circuit, placement: Placement) -> Template
     data = json.loads((TEMPLATES / f"{name}.json").read_text("utf-8"))
     if data["fingerprint"] != fingerprint(circuit, placement):
         raise BoardError(
-            f"the tracks of {name} belong to another placement: run python -m fingertip.board.layout.routing.reroute."
+            f"the tracks of {name} were routed for another placement or other nets; run "
+            f"python -m fingertip.board.layout.routing.reroute {name}."
         )
     tracks = {
         net: Tracks(
@@ -65,8 +67,8 @@ def load_template(name: str, circuit: Circuit, placement: Placement) -> Template
     return Template(tracks, fills)
 
 
-def template_text(template: Template, circuit: Circuit, placement: Placement) -> str:
-    """A template's file."""
+def format_template(template: Template, circuit: Circuit, placement: Placement) -> str:
+    """Format a template as the text of its file."""
     data = {
         "fingerprint": fingerprint(circuit, placement),
         "tracks": {

@@ -1,54 +1,55 @@
-"""How the symbols look and where their pins are, for the schematic: lengths in mm, y upwards as in KiCad's libraries.
+"""Graphics of the schematic symbols [mm], with the y axis up, as in KiCad's libraries.
 
-Pins lie exactly where KiCad's libraries have them (a test holds them against KiCad 9), so that the symbols can be
-updated from the libraries; the lines are drawn here.
+Pins lie exactly where KiCad's libraries have them, so that the symbols can be updated from the libraries. A test
+compares them with KiCad 9. The lines are drawn here.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 Point = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class PinShape:
-    """Where a pin's open end is, and which way the pin runs from there to the body."""
+class PinGraphic:
+    """Pin of a symbol: position of its open end, and its direction from there to the body."""
 
     x: float
     y: float
     angle: int
-    """0: to the right, 90: up, 180: to the left, 270: down."""
+    """Direction [degree]: 0 is right, 90 is up, 180 is left, 270 is down."""
     length: float
 
 
 @dataclass(frozen=True)
-class Shape:
-    """One unit of a symbol."""
+class UnitGraphic:
+    """Graphics of one unit of a symbol."""
 
-    pins: dict[str, PinShape]
+    pins: dict[str, PinGraphic]
     lines: tuple[tuple[Point, ...], ...] = ()
     filled: tuple[tuple[Point, ...], ...] = ()
     circles: tuple[tuple[float, float, float], ...] = ()
-    """Centre and radius."""
+    """Circles, by center and radius."""
     show_numbers: bool = False
     show_names: bool = False
     reference_at: Point = (0.0, 0.0)
-    """Where the reference's text is, for the symbol upright."""
+    """Position of the reference when the symbol is not rotated."""
     value_at: Point = (0.0, 0.0)
-    body: Point = field(default=(0.0, 0.0))
-    """Half width and half height taken by the body, for texts of rotated symbols."""
+    """Position of the value when the symbol is not rotated."""
+    body: Point = (0.0, 0.0)
+    """Half width and half height of the body, which texts of a rotated symbol must clear."""
 
 
 def _box(x0: float, y0: float, x1: float, y1: float) -> tuple[Point, ...]:
     return ((x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0))
 
 
-def _connector(pins: int, top: float) -> Shape:
+def _connector(pins: int, top: float) -> UnitGraphic:
     ys = [top - 2.54 * i for i in range(pins)]
     body = _box(-1.27, ys[-1] - 1.27, 1.27, top + 1.27)
-    return Shape(
-        {str(i): PinShape(-5.08, y, 0, 3.81) for i, y in enumerate(ys, start=1)},
+    return UnitGraphic(
+        {str(i): PinGraphic(-5.08, y, 0, 3.81) for i, y in enumerate(ys, start=1)},
         (body, *(((-1.27, y), (0.0, y)) for y in ys)),
         show_numbers=True,
         reference_at=(0.0, top + 3.81),
@@ -56,12 +57,12 @@ def _connector(pins: int, top: float) -> Shape:
     )
 
 
-def _amplifier(plus: str, minus: str, out: str) -> Shape:
-    return Shape(
+def _amplifier(plus: str, minus: str, out: str) -> UnitGraphic:
+    return UnitGraphic(
         {
-            plus: PinShape(-7.62, 2.54, 0, 2.54),
-            minus: PinShape(-7.62, -2.54, 0, 2.54),
-            out: PinShape(7.62, 0.0, 180, 2.54),
+            plus: PinGraphic(-7.62, 2.54, 0, 2.54),
+            minus: PinGraphic(-7.62, -2.54, 0, 2.54),
+            out: PinGraphic(7.62, 0.0, 180, 2.54),
         },
         filled=(((-5.08, 5.08), (5.08, 0.0), (-5.08, -5.08), (-5.08, 5.08)),),
         show_numbers=True,
@@ -71,44 +72,44 @@ def _amplifier(plus: str, minus: str, out: str) -> Shape:
     )
 
 
-_DUAL = (
+_DUAL_AMPLIFIER = (
     _amplifier("3", "2", "1"),
     _amplifier("5", "6", "7"),
-    Shape(
-        {"8": PinShape(-2.54, 7.62, 270, 3.81), "4": PinShape(-2.54, -7.62, 90, 3.81)},
+    UnitGraphic(
+        {"8": PinGraphic(-2.54, 7.62, 270, 3.81), "4": PinGraphic(-2.54, -7.62, 90, 3.81)},
         show_numbers=True, show_names=True, reference_at=(2.54, 1.27), value_at=(2.54, -1.27),
     ),
 )  # fmt: skip
 _DIODE_ARROW = ((1.27, 1.27), (-1.27, 0.0), (1.27, -1.27), (1.27, 1.27))
 
-SHAPES: dict[str, tuple[Shape, ...]] = {
+SYMBOL_GRAPHICS: dict[str, tuple[UnitGraphic, ...]] = {
     "R": (
-        Shape(
-            {"1": PinShape(0.0, 3.81, 270, 1.27), "2": PinShape(0.0, -3.81, 90, 1.27)},
+        UnitGraphic(
+            {"1": PinGraphic(0.0, 3.81, 270, 1.27), "2": PinGraphic(0.0, -3.81, 90, 1.27)},
             (_box(-1.016, -2.54, 1.016, 2.54),),
             reference_at=(2.032, 1.016), value_at=(2.032, -1.016), body=(1.016, 2.54),
         ),
     ),
     "C": (
-        Shape(
-            {"1": PinShape(0.0, 3.81, 270, 2.794), "2": PinShape(0.0, -3.81, 90, 2.794)},
+        UnitGraphic(
+            {"1": PinGraphic(0.0, 3.81, 270, 2.794), "2": PinGraphic(0.0, -3.81, 90, 2.794)},
             (((-1.9, 0.8), (1.9, 0.8)), ((-1.9, -0.8), (1.9, -0.8)), ((0.0, 0.8), (0.0, 1.016)),
              ((0.0, -0.8), (0.0, -1.016))),
             reference_at=(2.54, 1.27), value_at=(2.54, -1.524), body=(1.9, 0.8),
         ),
     ),
     "1N4148W": (
-        Shape(
-            {"1": PinShape(-3.81, 0.0, 0, 2.54), "2": PinShape(3.81, 0.0, 180, 2.54)},
+        UnitGraphic(
+            {"1": PinGraphic(-3.81, 0.0, 0, 2.54), "2": PinGraphic(3.81, 0.0, 180, 2.54)},
             (_DIODE_ARROW, ((-1.27, 1.27), (-1.27, -1.27))),
             reference_at=(0.0, -2.54), value_at=(0.0, 2.54), body=(1.27, 1.27),
         ),
     ),
     "BAT54S": (
-        Shape(
+        UnitGraphic(
             {
-                "1": PinShape(-7.62, 0.0, 0, 3.81), "2": PinShape(7.62, 0.0, 180, 3.81),
-                "3": PinShape(0.0, -5.08, 90, 5.08),
+                "1": PinGraphic(-7.62, 0.0, 0, 3.81), "2": PinGraphic(7.62, 0.0, 180, 3.81),
+                "3": PinGraphic(0.0, -5.08, 90, 5.08),
             },
             (
                 ((-3.81, 0.0), (3.81, 0.0)),
@@ -119,39 +120,39 @@ SHAPES: dict[str, tuple[Shape, ...]] = {
             reference_at=(0.0, 2.54), value_at=(0.0, 5.08), body=(3.81, 1.27),
         ),
     ),
-    "TL082": _DUAL,
-    "TLV2372": _DUAL,
+    "TL082": _DUAL_AMPLIFIER,
+    "TLV2372": _DUAL_AMPLIFIER,
     "TLV2371DBV": (
         replace(_amplifier("3", "4", "1"), pins=_amplifier("3", "4", "1").pins | {
-            "5": PinShape(-2.54, 7.62, 270, 3.81), "2": PinShape(-2.54, -7.62, 90, 3.81),
+            "5": PinGraphic(-2.54, 7.62, 270, 3.81), "2": PinGraphic(-2.54, -7.62, 90, 3.81),
         }),
     ),
     "AD623ARMZ": (
-        Shape(
+        UnitGraphic(
             {
-                "2": PinShape(-7.62, 5.08, 0, 2.54), "1": PinShape(-7.62, 2.54, 0, 2.54),
-                "8": PinShape(-7.62, -2.54, 0, 2.54), "3": PinShape(-7.62, -5.08, 0, 2.54),
-                "7": PinShape(0.0, 7.62, 270, 2.54), "4": PinShape(0.0, -7.62, 90, 2.54),
-                "5": PinShape(5.08, -7.62, 90, 5.08), "6": PinShape(12.7, 0.0, 180, 2.54),
+                "2": PinGraphic(-7.62, 5.08, 0, 2.54), "1": PinGraphic(-7.62, 2.54, 0, 2.54),
+                "8": PinGraphic(-7.62, -2.54, 0, 2.54), "3": PinGraphic(-7.62, -5.08, 0, 2.54),
+                "7": PinGraphic(0.0, 7.62, 270, 2.54), "4": PinGraphic(0.0, -7.62, 90, 2.54),
+                "5": PinGraphic(5.08, -7.62, 90, 5.08), "6": PinGraphic(12.7, 0.0, 180, 2.54),
             },
             filled=(((-5.08, 7.62), (10.16, 0.0), (-5.08, -7.62), (-5.08, 7.62)),),
             show_numbers=True, show_names=True, reference_at=(10.16, 8.4), value_at=(10.16, 6.4),
         ),
     ),
     "R_Potentiometer": (
-        Shape(
-            {"1": PinShape(0.0, 3.81, 270, 1.27), "3": PinShape(0.0, -3.81, 90, 1.27),
-             "2": PinShape(3.81, 0.0, 180, 1.27)},
+        UnitGraphic(
+            {"1": PinGraphic(0.0, 3.81, 270, 1.27), "3": PinGraphic(0.0, -3.81, 90, 1.27),
+             "2": PinGraphic(3.81, 0.0, 180, 1.27)},
             (_box(-1.016, -2.54, 1.016, 2.54), ((2.54, 0.0), (1.2, 0.0)), ((1.7, 0.4), (1.2, 0.0), (1.7, -0.4))),
             reference_at=(-3.6, 1.016), value_at=(-3.6, -1.016),
         ),
     ),
     "LMV331": (
-        Shape(
+        UnitGraphic(
             {
-                "1": PinShape(-7.62, 2.54, 0, 2.54), "3": PinShape(-7.62, -2.54, 0, 2.54),
-                "4": PinShape(7.62, 0.0, 180, 2.54), "5": PinShape(-2.54, 7.62, 270, 3.81),
-                "2": PinShape(-2.54, -7.62, 90, 3.81),
+                "1": PinGraphic(-7.62, 2.54, 0, 2.54), "3": PinGraphic(-7.62, -2.54, 0, 2.54),
+                "4": PinGraphic(7.62, 0.0, 180, 2.54), "5": PinGraphic(-2.54, 7.62, 270, 3.81),
+                "2": PinGraphic(-2.54, -7.62, 90, 3.81),
             },
             filled=(((-5.08, 5.08), (5.08, 0.0), (-5.08, -5.08), (-5.08, 5.08)),),
             show_numbers=True, show_names=True, reference_at=(3.4, 4.4), value_at=(5.08, -4.4),
@@ -162,29 +163,29 @@ SHAPES: dict[str, tuple[Shape, ...]] = {
     "Conn_01x04": (_connector(4, 2.54),),
     "Conn_01x05": (_connector(5, 5.08),),
     "TestPoint": (
-        Shape({"1": PinShape(0.0, 0.0, 90, 2.54)}, circles=((0.0, 3.302, 0.762),),
+        UnitGraphic({"1": PinGraphic(0.0, 0.0, 90, 2.54)}, circles=((0.0, 3.302, 0.762),),
               reference_at=(0.0, 5.334), value_at=(0.0, 7.62)),
     ),
     "MountingHole": (
-        Shape({}, circles=((0.0, 0.0, 1.27), (0.0, 0.0, 2.0)), reference_at=(0.0, 3.81), value_at=(0.0, -3.81)),
+        UnitGraphic({}, circles=((0.0, 0.0, 1.27), (0.0, 0.0, 2.0)), reference_at=(0.0, 3.81), value_at=(0.0, -3.81)),
     ),
     "GND": (
-        Shape({"1": PinShape(0.0, 0.0, 270, 0.0)},
+        UnitGraphic({"1": PinGraphic(0.0, 0.0, 270, 0.0)},
               (((0.0, 0.0), (0.0, -1.27)), ((-1.27, -1.27), (1.27, -1.27)), ((-0.8, -1.778), (0.8, -1.778)),
                ((-0.3, -2.286), (0.3, -2.286))), value_at=(0.0, -3.81)),
     ),
     "VCC": (
-        Shape({"1": PinShape(0.0, 0.0, 90, 0.0)},
+        UnitGraphic({"1": PinGraphic(0.0, 0.0, 90, 0.0)},
               (((0.0, 0.0), (0.0, 2.54)), ((-0.762, 1.27), (0.0, 2.54), (0.762, 1.27))), value_at=(0.0, 3.81)),
     ),
     "VEE": (
-        Shape({"1": PinShape(0.0, 0.0, 90, 0.0)},
+        UnitGraphic({"1": PinGraphic(0.0, 0.0, 90, 0.0)},
               (((0.0, 0.0), (0.0, 2.54)), ((-0.762, 1.27), (0.0, 2.54), (0.762, 1.27))), value_at=(0.0, 3.81)),
     ),
     "PWR_FLAG": (
-        Shape({"1": PinShape(0.0, 0.0, 90, 0.0)},
+        UnitGraphic({"1": PinGraphic(0.0, 0.0, 90, 0.0)},
               (((0.0, 0.0), (0.0, 1.27), (-1.016, 1.905), (0.0, 2.54), (1.016, 1.905), (0.0, 1.27)),),
               value_at=(0.0, 3.81)),
     ),
 }  # fmt: skip
-"""Symbol's name -> its units, in order."""
+"""Units of each symbol in order, by the symbol's name."""

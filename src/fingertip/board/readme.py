@@ -1,0 +1,297 @@
+"""README of the folder that a board is written to."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable
+
+from fingertip.board.circuit import Circuit
+from fingertip.board.fabrication.bom import purchased_components
+from fingertip.board.values.adc_interface import CLAMP_A, MAX_CLAMP_A
+from fingertip.board.values.amplifiers import AMPLIFIERS, ARTICLE_AMPLIFIER
+from fingertip.board.values.board_values import BoardValues
+from fingertip.board.values.comparator_stage import HYSTERESIS_RATIO, PULL_UP_OHM, ComparatorStage
+from fingertip.board.values.noise_and_ripple import RIPPLE_BAND_HZ, noise_warning
+from fingertip.board.values.output_offset import OutputOffset
+from fingertip.board.values.voltage_limits import describe_adc_range
+from fingertip.board.variants import BoardConfiguration
+from fingertip.design import Design
+from fingertip.design.comparator_data import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
+
+HEADING = "# The slip-filter board\n"
+"""First line of the README. A README without it is somebody else's and is not overwritten."""
+
+_TEMPLATE = """
+{summary}
+
+## Files
+
+| file | content |
+| --- | --- |
+| `{name}.kicad_pro` | KiCad 9 project; open this file |
+| `{name}.kicad_sch` | schematic |
+| `{name}.kicad_pcb` | layout, routed, with ground pour |
+| `{name}.net` | netlist of the same circuit, for other layouts |
+| `{name}.cir` | SPICE deck; `ngspice -b {name}.cir` prints the filter's Bode table |
+| `bom.csv` | bill of materials: quantities, values, ratings |
+| `values.json` | component values: ideal and preferred, with the response of each; voltage limits; errata |
+
+`fingertip board DESIGN --out FOLDER` wrote these files. The same design gives the same bytes. To change the cutoff, the
+gain or the resistor series, edit the design file or set a parameter on the command line (`--set board.cutoff_hz=80`),
+and run the command again. This changes component values but neither placement nor tracks.
+
+- `--set board.capacitor_series=E6` selects the capacitors too, together with the resistors.
+- `--set board.variant=...` and `--set board.supply=...` write the other boards.
+- `--check` tells whether a folder is up to date.
+- `--fab` adds the fabrication files: gerbers and drill file in one zip, parts and placement files for the assembly, and
+  renderings. It needs KiCad 9.
+
+## Connectors
+
+{connectors}
+
+## Signals
+
+{signals}
+
+## Before you apply power
+
+{power}
+{offset}
+## Components
+
+| component | value | function |
+| --- | --- | --- |
+{components}
+
+## Before you order
+
+{ordering}
+
+## Errata of the article
+
+{errata}
+
+## Known limitations
+
+- There is no filter for the bridge's supply. A filter that rejects ripple at 30 Hz does not fit on this board.
+- There is no protection against a reversed supply or an excessive supply voltage.
+"""
+
+
+def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: BoardValues, design: Design) -> bytes:
+    """Content of the README, Markdown in UTF-8."""
+    components = purchased_components(circuit)
+    text = _TEMPLATE.format(
+        name=circuit.name,
+        summary=_summary(configuration, values, len(components)),
+        connectors=_connector_table(values, design),
+        signals=_bullet_list(_signal_notes(values, design)),
+        power=_bullet_list(_power_notes(values, design)),
+        offset=_offset_section(values, design),
+        components="\n".join(f"| {c.reference} | {c.value} | {c.role} |" for c in components),
+        ordering=_bullet_list(_ordering_notes(values, design)),
+        errata=_bullet_list(
+            f"{_capitalize(e.subject)}. Article: {e.statement}. Correct: {e.correction}." for e in values.errata
+        ),
+    )
+    return (HEADING + text).encode()
+
+
+def _summary(configuration: BoardConfiguration, values: BoardValues, component_count: int) -> str:
+    placement, response = configuration.placement, values.achieved_response
+    what = (
+        f"Variant `{values.variant}`, {configuration.supply.description}: bridge and amplifier for the force-sensing "
+        f"resistor; {configuration.variant.summary}; interface to the ADC (analog-to-digital converter); supply. "
+        f"{placement.width:g} x {placement.height:g} mm, two layers, all {component_count} components on the front."
+    )
+    achieved = (
+        f"Achieved response: gain {response.passband_gain:.2f} ({response.passband_gain_db:.2f} dB), -3 dB at "
+        f"{response.cutoff_hz:.2f} Hz and {response.upper_cutoff_hz:.5g} Hz, Q {response.section_quality:.4f}, "
+        f"envelope decay time {1e3 * response.envelope_decay_s:.2f} ms."
+    )
+    return f"{_paragraph(what)}\n\n{_paragraph(achieved)}"
+
+
+def _connector_table(values: BoardValues, design: Design) -> str:
+    supply_v, is_single = design.board.supply_v, values.supply == "single"
+    slip = f"S: slip output, low during slip, else +{supply_v:g} V" if values.comparator_stage else "0 (ground)"
+    rows = [
+        ("connector", "pin 1 (square)", "pin 2", "pin 3", "pin 4", "pin 5"),
+        ("---",) * 6,
+        ("J1, sensor", "FSR", f"FSR, {'signal ground' if is_single else 'ground'}", "", "", ""),
+        ("J2, supply", f"+{supply_v:g} V", "0 (ground)", "" if is_single else f"-{supply_v:g} V", "", ""),
+        ("J3, to the ADC", "T: tactile voltage", "E: envelope", "0 (ground)", slip, "M: signal ground"),
+    ]
+    # Only boards with a single supply have a fifth pin.
+    return "\n".join("| " + " | ".join(row if is_single else row[:-1]) + " |" for row in rows)
+
+
+def _signal_notes(values: BoardValues, design: Design) -> list[str]:
+    """Signal levels, clipping and the interface to the ADC."""
+    limits, supply_v = values.voltage_limits, design.board.supply_v
+    amplifier = AMPLIFIERS[values.amplifier].order_name
+    vibration_mv = 1e3 * limits.vibration_peak_v
+    if values.supply == "single":
+        signal_ground = (
+            f"The signal ground is the buffered midpoint of the supply, {limits.signal_ground_v:.2f} V, at pin M. The "
+            "envelope is the voltage between E and M. The sensor's second pin is at the signal ground too: connect it "
+            "neither to ground nor to grounded metal."
+        )
+    else:
+        signal_ground = "The signal ground is ground."
+    if values.amplifier == ARTICLE_AMPLIFIER:
+        swing = (
+            f"U1 is the article's {amplifier}. The filtered signal can swing {limits.filter_peak_v:.1f} V up but only "
+            f"{limits.filter_trough_v:.1f} V down ({limits.filter_guaranteed_trough_v:.1f} V guaranteed), which a "
+            f"vibration of {vibration_mv:.0f} mV in the tactile voltage reaches. There the input range ends, and below "
+            "it the output jumps up (phase reversal). An ordinary press (1.5 N within 0.2 s) causes this for about a "
+            "millisecond, and E jumps with it. The amplifiers of the variants `precision` and `comparator` do not do "
+            "this."
+        )
+    else:
+        swing = (
+            f"The amplifiers are {amplifier}, with rail-to-rail inputs and outputs. The filter clips vibrations of "
+            f"more than {vibration_mv:.0f} mV in the tactile voltage."
+        )
+    adc_range = describe_adc_range(limits)
+    leak_mv, max_leak_mv = (1e3 * values.adc_interface.envelope_ohm * current for current in (CLAMP_A, MAX_CLAMP_A))
+    return [
+        signal_ground,
+        f"{_capitalize(adc_range)}.",
+        f"T lies between {limits.min_tactile_v:.2f} V (20 N) and {limits.max_tactile_v:.2f} V (no force). E rises by "
+        f"up to {limits.max_envelope_v:.1f} V.",
+        swing,
+        f"D2 and D3 clamp T and E to within a diode drop of ground and +{supply_v:g} V. R7 to R9 limit the clamp current.",
+        f"R8, C9, R9 and C19 (T) and R7 and C8 (E) are anti-aliasing filters for {design.detector.sample_rate_hz:g} "
+        f"samples per second. In T they attenuate frequencies that alias to {values.aliasing.band_hz:.0f} Hz, the "
+        f"upper end of the vibration band, by {-values.aliasing.tactile_alias_db:.0f} dB. For another sample rate set "
+        "`detector.sample_rate_hz`.",
+        "Use an ADC with an input resistance of at least 10 Mohm: it forms a voltage divider with R7 to R9.",
+        f"The reverse current of D2 flows through R7. E therefore reads {leak_mv:.0f} mV too high with the "
+        f"{1e6 * CLAMP_A:g} uA of the SPICE model, and up to {max_leak_mv:.0f} mV with the {1e6 * MAX_CLAMP_A:g} uA "
+        "that a BAT54 may have.",
+    ]
+
+
+def _power_notes(values: BoardValues, design: Design) -> list[str]:
+    """Requirements on the supply and, for variant comparator, on the input that S is connected to."""
+    (low_hz, high_hz), ripple, supply_v = RIPPLE_BAND_HZ, values.supply_ripple, design.board.supply_v
+    effect = "makes the diode conduct" if values.output_offset is None else "counts as slip at the design's threshold"
+    notes = [
+        "The board has no reverse polarity protection: a reversed supply destroys it. Check the polarity of the plug "
+        "for J2 with a meter before you connect the board.",
+        f"The bridge is fed from +{supply_v:g} V. Ripple on this supply reaches the rectifier {ripple.gain:.0f} times "
+        f"as large. Between {low_hz:g} Hz and {high_hz:g} Hz its peak must stay below {1e3 * ripple.max_v:.2g} mV: "
+        f"more {effect}. Use a low-noise linear regulator near the board, and supply nothing else from it.",
+    ]
+    if values.comparator_stage:
+        notes.append(
+            f"R21 ({PULL_UP_OHM / 1e3:g}k) pulls S up to +{supply_v:g} V. S goes to ground during slip. A 3.3 V input "
+            "needs a divider or a level shifter."
+        )
+    return notes
+
+
+def _offset_section(values: BoardValues, design: Design) -> str:
+    """Section on the output offset, with the trimming procedure of variant comparator. Empty for variant article."""
+    if values.output_offset is None:
+        return ""
+    offset = _paragraph(_describe_offset(values.output_offset, values, design))
+    if values.comparator_stage:
+        title, procedure = "Output offset and threshold", _trimming_procedure(values.comparator_stage, values, design)
+    else:
+        signal_ground = "M" if values.supply == "single" else "ground"
+        title = "Output offset"
+        procedure = _paragraph(
+            f"Measure the output offset with nothing touching the sensor: E against {signal_ground} (TP4 against TP5). "
+            "Subtract it from the ADC readings, or add it to `detector.threshold_v`. The threshold is relative to the "
+            "quiescent level."
+        )
+    return f"\n## {title}\n\n{offset}\n\n{procedure}\n"
+
+
+def _describe_offset(offset: OutputOffset, values: BoardValues, design: Design) -> str:
+    amplifier = AMPLIFIERS[values.amplifier]
+    return (
+        f"The offset voltages of U1 and U3 appear in the envelope. With {1e3 * amplifier.max_offset_v:g} mV each, the "
+        f"maximum of a {amplifier.order_name}, the quiescent level of E lies between {1e3 * offset.min_v:.1f} and "
+        f"+{1e3 * offset.max_v:.1f} mV (with typical offsets within {1e3 * offset.typical_v:.0f} mV). The design's "
+        f"threshold is {1e3 * design.detector.threshold_v:g} mV. With an {offset.low_offset_amplifier}, which has the "
+        f"same pins, the quiescent level stays below {1e3 * offset.max_low_offset_v:.1f} mV."
+    )
+
+
+def _trimming_procedure(stage: ComparatorStage, values: BoardValues, design: Design) -> str:
+    reference_point = "M or TP5, not against ground" if values.supply == "single" else "ground (TP5)"
+    threshold = f"{1e3 * design.detector.threshold_v:g} mV"
+    introduction = (
+        f"With RV1 at its midpoint, S goes low when the mean of E rises above {1e3 * stage.on_v:.1f} mV, and high "
+        f"again when it falls below {1e3 * stage.off_v:.1f} mV. The range of RV1 ends at {1e3 * stage.max_on_v:.0f} "
+        f"mV. The comparator adds its own errors: its input current raises the mean by {1e3 * stage.bias_v:.1f} mV in "
+        f"R18 (at most {1e3 * stage.max_bias_v:.1f} mV), and its offset voltage is {1e3 * COMPARATOR_OFFSET_V:g} mV "
+        f"(at most {1e3 * MAX_COMPARATOR_OFFSET_V:g} mV). One procedure compensates the output offset and these errors:"
+    )
+    steps = (
+        "Touch nothing with the sensor. Measure the threshold at RV1's middle pin, the one alone on its side, against "
+        f"{reference_point}.",
+        "Turn RV1 up, counterclockwise towards the pin beside R19, until S is high. The meter shows the direction.",
+        "Turn RV1 down slowly until S goes low. Note the last reading before that: it is the quiescent level as the "
+        "comparator sees it.",
+        f"Turn RV1 up until S is high again, and on to the noted level + {threshold}. Read the meter only while S is "
+        f"high: a low S lowers the reading by {HYSTERESIS_RATIO:.0%} of the design's threshold.",
+        f"If the noted level + {threshold} exceeds the range of RV1, choose a higher `detector.threshold_v` for the "
+        "board, or better amplifiers.",
+    )
+    numbered = "\n".join(_paragraph(step, f"{i}. ", "   ") for i, step in enumerate(steps, start=1))
+    return f"{_paragraph(introduction)}\n\n{numbered}"
+
+
+def _ordering_notes(values: BoardValues, design: Design) -> list[str]:
+    return [
+        "Use 0.1 % resistors in the bridge (R10 to R13): an error of 1 % in one of them shifts the tactile voltage by "
+        "about 0.1 V.",
+        "C1 to C4 are in the signal path. Use film or C0G capacitors where the size allows: X7R capacitors lose "
+        "capacitance with voltage, which shifts the cutoff. `bom.csv` asks for the tolerance that the design assumes "
+        "(`board.capacitor_tolerance_percent`). X7R capacitors of 5 % exist but are rarely in stock.",
+        "R6 and C4 are the article's R_LP and C_LP. KiCad requires references that end in a digit.",
+        _noise_note(values, design),
+        "Assembly houses rotate some components differently from KiCad. Compare their preview with the rendering.",
+        "Nobody has built this board yet. It passes KiCad's electrical and design rules checks, and ngspice "
+        "simulations agree with the formulas.",
+    ]
+
+
+def _noise_note(values: BoardValues, design: Design) -> str:
+    """Noise of the board, and the quiescent envelope it causes compared with the threshold."""
+    noise, first_stage = values.noise, values.first_stage
+    source = f"The bridge's amplifier contributes {1e3 * noise.tactile_v:.1f} mV of noise (rms, typical)."
+    analysis = "`--analysis` reports noise, offsets and tolerances of this board, and what"
+    if noise.quiescent_envelope_v is None or first_stage is None:
+        return (
+            f"{source} The filters raise it to {1e3 * noise.filtered_without_limit_v:.2g} mV. The dead zone of the "
+            f"diode hides it, and weak slip too. {analysis} a low-pass or a quieter amplifier would change."
+        )
+    threshold_v = design.detector.threshold_v
+    note = (
+        f"{source} The filters alone would raise it to {1e3 * noise.filtered_without_limit_v:.2g} mV. C20, which ends "
+        f"the gain of the first stage at {first_stage.limit_hz:.0f} Hz, reduces this to {1e3 * noise.filtered_v:.2g} "
+        f"mV. The quiescent envelope is {1e3 * noise.quiescent_envelope_v:.1f} mV; the threshold is "
+        f"{1e3 * threshold_v:g} mV. {analysis} a quieter amplifier would change."
+    )
+    warning = noise_warning(noise, threshold_v)
+    return f"{note} **Warning: {warning}**" if warning else note
+
+
+def _paragraph(text: str, first_indent: str = "", indent: str = "") -> str:
+    """Wrap a text to lines of 120 characters."""
+    return textwrap.fill(text, 120, initial_indent=first_indent, subsequent_indent=indent, break_on_hyphens=False)
+
+
+def _capitalize(text: str) -> str:
+    """Begin a text with a capital letter, and leave the rest as it is."""
+    return text[:1].upper() + text[1:]
+
+
+def _bullet_list(notes: Iterable[str]) -> str:
+    return "\n".join(_paragraph(note, "- ", "  ") for note in notes)

@@ -1,1 +1,0 @@
-"""The README of the folder a board is written to."""

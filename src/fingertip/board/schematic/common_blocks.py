@@ -1,0 +1,155 @@
+"""Blocks that the sheets of all variants share: bridge, connector to the ADC and supply. Units of 1.27 mm."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from fingertip.board.schematic.sheet import (
+    SGND,
+    VNEG,
+    GlobalLabel,
+    Label,
+    PlacedSymbol,
+    PowerSymbol,
+    Sheet,
+    join_blocks,
+)
+from fingertip.board.supplies import Supply
+
+BRIDGE = Sheet(
+    symbols=(
+        PlacedSymbol("J1", 16, 46, mirrored=True), PlacedSymbol("C7", 28, 53), PlacedSymbol("R11", 36, 53),
+        PlacedSymbol("R10", 36, 39), PlacedSymbol("R12", 50, 23), PlacedSymbol("R13", 50, 33),
+        PlacedSymbol("R14", 58, 40), PlacedSymbol("U2", 78, 40), PlacedSymbol("TP1", 100, 40),
+        PlacedSymbol("R8", 112, 40, 90), PlacedSymbol("C9", 122, 47), PlacedSymbol("R9", 132, 40, 90),
+        PlacedSymbol("C19", 142, 47), PlacedSymbol("D3", 160, 48, 180),
+    ),
+    wires=(
+        ((20, 46), (68, 46), (68, 44), (72, 44)), ((20, 48), (20, 56)), ((28, 46), (28, 50)),
+        ((36, 42), (36, 46), (36, 50)),
+        ((50, 26), (50, 30)), ((50, 28), (66, 28), (66, 36), (72, 36)),
+        ((58, 37), (70, 37), (70, 38), (72, 38)), ((58, 43), (70, 43), (70, 42), (72, 42)),
+        ((82, 46), (82, 48)),
+        ((88, 40), (109, 40)), ((115, 40), (129, 40)), ((122, 40), (122, 44)),
+        ((135, 40), (211, 40), (211, 60), (218, 60)), ((142, 40), (142, 44)),
+        ((160, 40), (160, 44)), ((154, 48), (154, 47)), ((166, 48), (166, 49)),
+    ),
+    power_symbols=(
+        PowerSymbol(SGND, 20, 56), PowerSymbol(SGND, 28, 56), PowerSymbol(SGND, 36, 56), PowerSymbol("VCC", 36, 36),
+        PowerSymbol("VCC", 50, 20), PowerSymbol(SGND, 50, 36), PowerSymbol("VCC", 78, 34), PowerSymbol(VNEG, 78, 46),
+        PowerSymbol(SGND, 82, 48), PowerSymbol("GND", 122, 50), PowerSymbol("GND", 142, 50),
+        PowerSymbol("VCC", 154, 47), PowerSymbol("GND", 166, 49),
+    ),
+    labels=(
+        Label("SENSOR", 40, 46), Label("REFERENCE", 52, 28), Label("GAIN_A", 60, 37), Label("GAIN_B", 60, 43),
+        Label("TACTILE", 89, 40), Label("ALIAS_MID", 117, 40), Label("ADC_TACTILE", 172, 40),
+    ),
+    texts=(
+        ("Bridge and amplifier: voltage falls with force", 12, 12),
+        ("Tactile voltage to the converter: two poles, clamp", 106, 30),
+    ),
+)  # fmt: skip
+
+MOUNTING_HOLES = Sheet(
+    symbols=tuple(PlacedSymbol(f"H{i}", 197 + 6 * i, 123) for i in range(1, 5)), texts=(("Mounting", 201, 116),)
+)
+
+
+def adc_connector(supply: Supply, has_slip_output: bool = False) -> Sheet:
+    """Connector J3 to the ADC.
+
+    Its fourth pin is the slip output or ground. On a single supply its fifth pin is the signal ground.
+    """
+    if has_slip_output:
+        pin_4 = Sheet(
+            wires=(((218, 66), (216, 66), (216, 76)), ((218, 64), (214, 64))),
+            power_symbols=(PowerSymbol("GND", 214, 64),),
+            labels=(Label("SLIP", 216, 76, 180),),
+        )
+    else:
+        pin_4 = Sheet(
+            wires=(((218, 64), (216, 64), (216, 68)), ((218, 66), (216, 66))),
+            power_symbols=(PowerSymbol("GND", 216, 68),),
+        )
+    if not supply.signal_ground_ratio:
+        return join_blocks(Sheet(symbols=(PlacedSymbol("J3", 222, 62),)), pin_4)
+    with_signal_ground = Sheet(
+        symbols=(PlacedSymbol("J3", 222, 64), PlacedSymbol("R24", 218, 89)),
+        wires=(((218, 68), (218, 86)),),
+        labels=(Label("M_OUT", 218, 82),),
+        global_labels=(GlobalLabel(supply.signal_ground, 218, 92, 270),),
+    )
+    return join_blocks(with_signal_ground, pin_4)
+
+
+def supply_block(supply: Supply, positive: Sequence[str], negative: Sequence[str], amplifiers: Sequence[str]) -> Sheet:
+    """Supply connector J2, decoupling capacitors and supply pins of the amplifiers.
+
+    Parameters
+    ----------
+    supply
+        Split or single supply.
+    positive
+        References of the capacitors from the positive rail to ground.
+    negative
+        References of the capacitors from ground to the negative rail of a split supply. They stand in the row below.
+    amplifiers
+        References of the dual amplifiers, whose third unit has the supply pins.
+    """
+    columns = [30 + 9 * i for i in range(len(positive))]
+    pins = [86 + 9 * i for i in range(len(amplifiers))]
+    rail_ends = (79, 114), *((x, 114) for x in pins)
+    positive_row = Sheet(
+        symbols=(
+            *(PlacedSymbol(reference, x, 120) for reference, x in zip(positive, columns, strict=True)),
+            *(PlacedSymbol(reference, 88 + 9 * i, 124, unit=3) for i, reference in enumerate(amplifiers)),
+        ),
+        wires=(
+            ((20, 122), (24, 122), (24, 114), *rail_ends), *(((x, 114), (x, 118)) for x in pins),
+            *(((x, 114), (x, 117)) for x in columns), *(((x, 123), (x, 124)) for x in columns),
+        ),
+        power_symbols=(PowerSymbol("VCC", 26, 114), PowerSymbol("PWR_FLAG", 79, 114), PowerSymbol("GND", 26, 124)),
+        texts=(("Supply and decoupling", 12, 108),),
+    )  # fmt: skip
+    if supply.signal_ground_ratio:
+        ground = Sheet(
+            symbols=(PlacedSymbol("J2", 16, 122, mirrored=True),),
+            wires=(((20, 124), (83, 124)),),
+            power_symbols=(*(PowerSymbol("GND", x, 130) for x in pins), PowerSymbol("PWR_FLAG", 83, 124)),
+        )
+        return join_blocks(positive_row, ground, _SUPPLY_MIDPOINT)
+    negative_columns = columns[: len(negative)]
+    negative_row = Sheet(
+        symbols=(
+            PlacedSymbol("J2", 16, 124, mirrored=True), PlacedSymbol("TP5", 79, 124),
+            *(PlacedSymbol(reference, x, 128) for reference, x in zip(negative, negative_columns, strict=True)),
+        ),
+        wires=(
+            ((20, 124), (79, 124)), ((20, 126), (24, 126), (24, 134), (74, 134), *((x, 134) for x in pins)),
+            *(((x, 134), (x, 130)) for x in pins),
+            *(((x, 124), (x, 125)) for x in negative_columns), *(((x, 131), (x, 134)) for x in negative_columns),
+        ),
+        power_symbols=(
+            PowerSymbol("VEE", 26, 134, 180), PowerSymbol("PWR_FLAG", 74, 134, 180), PowerSymbol("PWR_FLAG", 74, 124),
+        ),
+    )  # fmt: skip
+    return join_blocks(positive_row, negative_row)
+
+
+_SUPPLY_MIDPOINT = Sheet(
+    symbols=(
+        PlacedSymbol("R22", 18, 136), PlacedSymbol("R23", 18, 144), PlacedSymbol("C21", 27, 145),
+        PlacedSymbol("U5", 44, 142), PlacedSymbol("TP5", 54, 142),
+    ),
+    wires=(
+        ((18, 139), (18, 141)), ((18, 140), (27, 140), (27, 142)), ((27, 140), (38, 140)),
+        ((38, 144), (36, 144), (36, 154), (52, 154), (52, 142)), ((50, 142), (54, 142), (56, 142)),
+    ),
+    power_symbols=(
+        PowerSymbol("VCC", 18, 133), PowerSymbol("GND", 18, 147), PowerSymbol("GND", 27, 148),
+        PowerSymbol("VCC", 42, 136), PowerSymbol("GND", 42, 148),
+    ),
+    labels=(Label("HALF", 30, 140),),
+    texts=(("The supply's middle, buffered", 22, 129),),
+    global_labels=(GlobalLabel("VMID", 56, 142),),
+)  # fmt: skip

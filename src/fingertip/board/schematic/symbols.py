@@ -1,0 +1,215 @@
+"""Symbols in KiCad's schematic format: library symbols, symbols of components and power symbols on a sheet."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+from fingertip.board.circuit import Circuit
+from fingertip.board.kicad.sexpr import Expression, number, quoted
+from fingertip.board.kicad.uuids import component_uuid, named_uuid
+from fingertip.board.schematic.sheet import UNIT_MM, PlacedSymbol, Point, PowerSymbol, Sheet
+from fingertip.board.schematic.symbol_graphics import SYMBOL_GRAPHICS, PinGraphic, UnitGraphic
+
+POWER_LIBRARY = "power"
+TEXT_HEIGHT_MM = 1.27
+
+
+def format_property(
+    name: str, text: str, x: float, y: float, hidden: bool = False, angle: str = "0", justify: str = ""
+) -> Expression:
+    """Property of a symbol at a position [mm]."""
+    at = ("at", number(x), number(y), angle)
+    return ("property", quoted(name), quoted(text), at, format_text_effects(justify, hidden=hidden))
+
+
+def format_text_effects(justify: str = "", height_mm: float = TEXT_HEIGHT_MM, hidden: bool = False) -> Expression:
+    """Font size and justification of a text."""
+    font: Expression = ("font", ("size", number(height_mm), number(height_mm)))
+    sides: tuple[Expression, ...] = (("justify", *justify.split()),) if justify else ()
+    return ("effects", font, *sides, *((("hide", "yes"),) if hidden else ()))
+
+
+def format_stroke(width_mm: float) -> Expression:
+    """Stroke of a line."""
+    return ("stroke", ("width", number(width_mm)), ("type", "default"))
+
+
+# Library symbols
+
+
+def library_symbols(circuit: Circuit, sheet: Sheet) -> Iterator[Expression]:
+    """Yield every symbol used, once, for the library that a schematic contains."""
+    symbols = {component.symbol for component in circuit.components}
+    for symbol in sorted(symbols, key=lambda s: (s.library, s.name)):
+        pins = {pin.number: (pin.name, pin.electrical_type) for pin in symbol.pins}
+        prefix = next(c.reference for c in circuit.components if c.symbol == symbol).rstrip("0123456789")
+        yield _library_symbol(symbol.library, symbol.name, prefix, pins, is_power=False)
+    for name in sorted({symbol.name for symbol in sheet.power_symbols}):
+        kind = "power_out" if name == "PWR_FLAG" else "power_in"
+        yield _library_symbol(POWER_LIBRARY, name, "#PWR", {"1": ("~", kind)}, is_power=True)
+
+
+def _library_symbol(
+    library: str, name: str, prefix: str, pins: dict[str, tuple[str, str]], is_power: bool
+) -> Expression:
+    units = SYMBOL_GRAPHICS[name]
+    show_names, show_numbers = any(u.show_names for u in units), any(u.show_numbers for u in units)
+    hide: Expression = ("hide", "yes")
+    return (
+        "symbol",
+        quoted(f"{library}:{name}"),
+        *((("power",),) if is_power else ()),
+        ("pin_numbers", *(() if show_numbers else (hide,))),
+        ("pin_names", ("offset", "0.127"), *(() if show_names else (hide,))),
+        ("exclude_from_sim", "no"),
+        ("in_bom", "yes"),
+        ("on_board", "yes"),
+        format_property("Reference", prefix, 0, 0, hidden=True),
+        format_property("Value", name, 0, 0, hidden=True),
+        format_property("Footprint", "", 0, 0, hidden=True),
+        format_property("Datasheet", "", 0, 0, hidden=True),
+        format_property("Description", "", 0, 0, hidden=True),
+        *(_library_unit(name, i, unit, pins) for i, unit in enumerate(units, start=1)),
+        ("embedded_fonts", "no"),
+    )
+
+
+def _library_unit(name: str, index: int, unit: UnitGraphic, pins: dict[str, tuple[str, str]]) -> Expression:
+    def fill(kind: str) -> Expression:
+        return ("fill", ("type", kind))
+
+    def polyline(points: tuple[Point, ...], kind: str) -> Expression:
+        return ("polyline", ("pts", *(("xy", number(x), number(y)) for x, y in points)), format_stroke(0.2), fill(kind))
+
+    return (
+        "symbol",
+        quoted(f"{name}_{index}_1"),
+        *(polyline(points, "none") for points in unit.lines),
+        *(polyline(points, "background") for points in unit.filled),
+        *(
+            ("circle", ("center", number(x), number(y)), ("radius", number(r)), format_stroke(0.2), fill("none"))
+            for x, y, r in unit.circles
+        ),
+        *(
+            (
+                "pin", pins[key][1], "line",
+                ("at", number(pin.x), number(pin.y), str(pin.angle)),
+                ("length", number(pin.length)),
+                ("name", quoted(pins[key][0]), format_text_effects()),
+                ("number", quoted(key), format_text_effects()),
+            )
+            for key, pin in unit.pins.items()
+        ),
+    )  # fmt: skip
+
+
+# Symbols of components on a sheet
+
+
+def pin_position(symbol: PlacedSymbol, pin: PinGraphic) -> Point:
+    """Position of the open end of a placed symbol's pin on the sheet, in units."""
+    x, y = _rotate_offset(symbol, pin.x / UNIT_MM, pin.y / UNIT_MM)
+    return (symbol.x + round(x, 6), symbol.y + round(y, 6))
+
+
+def _rotate_offset(symbol: PlacedSymbol, x: float, y: float) -> Point:
+    """Convert an offset in a symbol (y axis up) to an offset on the sheet (y axis down)."""
+    if symbol.mirrored:
+        x = -x
+    dx, dy = {0: (x, y), 90: (-y, x), 180: (-x, -y), 270: (y, -x)}[symbol.angle]
+    return (dx, -dy)
+
+
+def component_symbol(circuit: Circuit, symbol: PlacedSymbol, root: str) -> Expression:
+    """Symbol of a component, or one unit of it, on the sheet with the UUID `root`."""
+    component = circuit.component(symbol.reference)
+    unit = SYMBOL_GRAPHICS[component.symbol.name][symbol.unit - 1]
+    if symbol.unit == 1:
+        identifier = component_uuid(circuit, component.reference)
+    else:
+        identifier = named_uuid(circuit, f"{component.reference} unit {symbol.unit}")
+    is_hole = not component.symbol.pins
+    x, y = symbol.x * UNIT_MM, symbol.y * UNIT_MM
+    return (
+        "symbol",
+        ("lib_id", quoted(f"{component.symbol.library}:{component.symbol.name}")),
+        ("at", number(x), number(y), str(symbol.angle)),
+        *((("mirror", "y"),) if symbol.mirrored else ()),
+        ("unit", str(symbol.unit)),
+        ("exclude_from_sim", "yes" if is_hole else "no"),
+        ("in_bom", "yes" if component.rating else "no"),
+        ("on_board", "yes"),
+        ("dnp", "no"),
+        ("uuid", quoted(identifier)),
+        _visible_property(symbol, unit, "Reference", component.reference, unit.reference_at, above=True),
+        _visible_property(symbol, unit, "Value", component.value, unit.value_at, above=False),
+        format_property("Footprint", component.footprint, x, y, hidden=True),
+        format_property("Datasheet", "", x, y, hidden=True),
+        format_property("Description", component.symbol.description, x, y, hidden=True),
+        format_property("Role", component.role, x, y, hidden=True),
+        *(
+            ("pin", quoted(pin), ("uuid", quoted(named_uuid(circuit, f"pin {component.reference}.{pin}"))))
+            for pin in unit.pins
+        ),
+        _instance(circuit, root, component.reference, symbol.unit),
+    )
+
+
+def _visible_property(
+    symbol: PlacedSymbol, unit: UnitGraphic, name: str, text: str, position: Point, above: bool
+) -> Expression:
+    """Reference or value: beside an upright symbol, above and below a symbol that is rotated by 90 degrees."""
+    is_beside = symbol.angle == 0 and bool(unit.body[1]) and position[0] != 0
+    if symbol.angle in (90, 270):
+        gap = unit.body[0] + 1.3
+        dx, dy = 0.0, -gap if above else gap
+    elif symbol.angle == 180:
+        dx, dy = -position[0], position[1]
+    else:
+        dx, dy = (position[0], -position[1])
+    # KiCad rotates a property with its symbol. Another 90 degrees make it read from the left again.
+    angle = "90" if symbol.angle in (90, 270) else "0"
+    x, y = symbol.x * UNIT_MM + dx, symbol.y * UNIT_MM + dy
+    return format_property(name, text, x, y, angle=angle, justify="left" if is_beside else "")
+
+
+# Power symbols on a sheet
+
+
+def power_symbols(circuit: Circuit, sheet: Sheet, root: str) -> Iterator[Expression]:
+    """Yield all power symbols and flags of a sheet, numbered."""
+    count: Counter[str] = Counter()
+    for symbol in sheet.power_symbols:
+        prefix = "#FLG" if symbol.name == "PWR_FLAG" else "#PWR"
+        count[prefix] += 1
+        yield _power_symbol(circuit, symbol, f"{prefix}{count[prefix]:02}", root)
+
+
+def _power_symbol(circuit: Circuit, symbol: PowerSymbol, reference: str, root: str) -> Expression:
+    x, y = symbol.x * UNIT_MM, symbol.y * UNIT_MM
+    value_y = SYMBOL_GRAPHICS[symbol.name][0].value_at[1]
+    value_y = y + (value_y if symbol.angle == 180 else -value_y)
+    return (
+        "symbol",
+        ("lib_id", quoted(f"{POWER_LIBRARY}:{symbol.name}")),
+        ("at", number(x), number(y), str(symbol.angle)),
+        ("unit", "1"),
+        ("exclude_from_sim", "no"),
+        ("in_bom", "yes"),
+        ("on_board", "yes"),
+        ("dnp", "no"),
+        ("uuid", quoted(named_uuid(circuit, f"power {reference}"))),
+        format_property("Reference", reference, x, y, hidden=True),
+        format_property("Value", symbol.name, x, value_y, hidden=symbol.name == "PWR_FLAG"),
+        format_property("Footprint", "", x, y, hidden=True),
+        format_property("Datasheet", "", x, y, hidden=True),
+        format_property("Description", "", x, y, hidden=True),
+        ("pin", quoted("1"), ("uuid", quoted(named_uuid(circuit, f"pin {reference}")))),
+        _instance(circuit, root, reference, 1),
+    )
+
+
+def _instance(circuit: Circuit, root: str, reference: str, unit: int) -> Expression:
+    path = ("path", quoted(f"/{root}"), ("reference", quoted(reference)), ("unit", str(unit)))
+    return ("instances", ("project", quoted(circuit.name), path))

@@ -1,1 +1,0 @@
-"""The SPICE deck."""

@@ -1,6 +1,6 @@
-"""A design tried on simulated slips and on minutes without any, before it is printed."""
+"""Validation campaigns: a design tried on simulated slips, and on minutes without slip, before it is printed."""
 
-from fingertip.campaign.plan import Amount
-from fingertip.campaign.study import Study, run
+from fingertip.campaign.plan import CampaignPlan
+from fingertip.campaign.run import CampaignResult, run_campaign
 
-__all__ = ["Amount", "Study", "run"]
+__all__ = ["CampaignPlan", "CampaignResult", "run_campaign"]

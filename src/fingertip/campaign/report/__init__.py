@@ -1,1 +1,1 @@
-"""What a validation shows: tables, pictures, and what failed."""
+"""Output of a validation: tables, plots, and the page of failures and assumptions."""

@@ -1,1 +1,1 @@
-"""Studies beside the campaign: one question each."""
+"""Studies beside the campaign; each answers one question."""

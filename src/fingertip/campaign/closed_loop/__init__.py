@@ -1,1 +1,0 @@
-"""The article's manipulations, with a detector in the loop."""

@@ -1,0 +1,138 @@
+"""One case of a campaign: its simulated recording, and the result of a detector on it at several thresholds."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.arrays import Array
+from fingertip.campaign.plan import Case
+from fingertip.design import Design
+from fingertip.sim import run_scene
+from fingertip.sim.electronics.adc import AntiAliasFilter, sample_v
+from fingertip.slip import DETECTORS, Trace, make_detector
+from fingertip.slip.intervals import INCIPIENT_S, Interval, intervals, score
+
+SAME_EVENT_S = 0.1
+"""Alarms closer together than this count as one: a hand would react to one event once. Assumption."""
+
+
+@dataclass(frozen=True)
+class TrialResult:
+    """Result of a detector on one case."""
+
+    case: Case
+    duration_s: float
+    force_n: float
+    """Holding force [N]."""
+    slips: int
+    """Number of true slips."""
+    delays_s: tuple[float, ...]
+    """Delays of the slips that were found [s]; 0 in incipient slip. A detector that was ON before a slip did not find
+    it: that is a false alarm."""
+    on_share: float
+    """Fraction of the time from the first detection to the slip's end that is ON; 0 if there is no detection."""
+    alarms: tuple[str, ...]
+    """Causes of the false alarms, one for each."""
+
+
+def simulate_trace(design: Design, case: Case, board: bool = True) -> tuple[Trace, float]:
+    """Simulate the recording of a case, through the ADC.
+
+    Parameters
+    ----------
+    design
+        Its sensor, bridge, board and ADC.
+    case
+        Scene and seed.
+    board
+        Whether the trace contains the board's envelope.
+
+    Returns
+    -------
+    trace
+        Trace with the true force and slip.
+    force_n
+        Holding force [N].
+    """
+    outputs = ["voltage_v", "force_n", "slip", *(["envelope_v"] if board else [])]
+    result = run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed)
+    if not board:
+        return result.trace, result.force_n
+    at_pin = AntiAliasFilter.for_envelope(design).process(result.columns["envelope_v"])
+    sampled = sample_v(design, at_pin, random.Random(f"{case.seed}:noise of the envelope"))
+    return replace(result.trace, envelope_v=sampled), result.force_n
+
+
+def needs_board(*detectors: str) -> bool:
+    """Return whether any of the detectors reads the board's envelope."""
+    return any(DETECTORS[name].input_column == "envelope_v" for name in detectors)
+
+
+def select_input(trace: Trace, detector: str) -> Array:
+    """Select the column that a detector reads."""
+    column: Array | None = getattr(trace, DETECTORS[detector].input_column)
+    assert column is not None
+    return column
+
+
+def evaluate(
+    case: Case, trace: Trace, force_n: float, detector: str, design: Design, scales: Sequence[float]
+) -> list[TrialResult]:
+    """Run a detector on a trace and return one result for each factor of its threshold.
+
+    Where the threshold is constant, the test statistic is the same for every factor and is computed once.
+    """
+    nominal, signal = make_detector(detector, design), select_input(trace, detector)
+    output = nominal.process(signal)
+    constant = float(np.ptp(output.threshold_v)) == 0.0
+    results = []
+    for scale in scales:
+        if scale == 1.0:
+            on = output.on
+        elif constant:
+            on = output.statistic_v > scale * output.threshold_v
+        else:
+            on = make_detector(detector, design, threshold_scale=scale).process(signal).on
+        results.append(_score_trial(case, trace, force_n, on, nominal.memory_s))
+    return results
+
+
+def _score_trial(case: Case, trace: Trace, force_n: float, on: NDArray[np.bool_], memory_s: float) -> TrialResult:
+    assert trace.slip is not None
+    scored = score(intervals(trace.time_s, on), intervals(trace.time_s, trace.slip), memory_s)
+    # A detector that responds to incipient slip gains no negative delay by that: its delay is 0.
+    counted = [0.0 if d is not None and -INCIPIENT_S <= d < 0.0 else d for d in scored.delays_s]
+    delays = tuple(d for d in counted if d is not None and d >= 0.0)
+    early = [d for d in counted if d is not None and d < 0.0]
+    on_share = 0.0
+    if delays:
+        slip, delay = next((s, d) for s, d in zip(scored.slips, counted, strict=True) if d in delays)
+        since = (trace.time_s >= slip.onset_s + (delay or 0.0)) & (trace.time_s < slip.end_s)
+        on_share = float(np.mean(on[since])) if since.any() else 0.0
+    alarms = [_find_cause(case, alarm, scored.slips) for alarm in _separate_events(scored.false_intervals)]
+    alarms += ["before slip"] * len(early)
+    duration = float(trace.time_s[-1] - trace.time_s[0])
+    return TrialResult(case, duration, force_n, len(scored.slips), delays, on_share, tuple(alarms))
+
+
+def _separate_events(alarms: Sequence[Interval]) -> list[Interval]:
+    """Keep the first alarm of each event."""
+    kept: list[Interval] = []
+    end = -np.inf
+    for alarm in alarms:
+        if alarm.onset_s - end > SAME_EVENT_S:
+            kept.append(alarm)
+        end = alarm.end_s
+    return kept
+
+
+def _find_cause(case: Case, alarm: Interval, slips: Sequence[Interval]) -> str:
+    """Cause of an alarm; in a trial, contact or grasp before the slip, and release after it."""
+    if case.cause != "slip":
+        return case.cause
+    return "contact" if slips and alarm.onset_s < slips[0].onset_s else "release"

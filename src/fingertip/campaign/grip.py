@@ -1,0 +1,171 @@
+"""Grip controller of the article's closed loop (III.C, figures 16 and 17): it tightens the grip when slip is detected.
+
+The controller sees what a real one would see (`fingertip.sim.Observation`): sampled voltages and the fingers' closing.
+Each finger has a detector, and the design's bridge converts its voltage back to a force. A detection is suppressed
+while the forces grow fast, "assuming that, when the forces are growing, slippage occurrence cannot happen" (IV.A). This
+suppresses contacts, and the vibration of the hand's own motors while they close. A detection that is not suppressed
+makes every finger close further, by what its pad needs to press harder by a fixed ratio. Then the controller ignores
+detections until motors and detectors have settled.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.design import Design
+from fingertip.errors import FingertipError, Issue
+from fingertip.sim import ManipulationFile, ManipulationResult, Observation, Simulation, run_manipulation
+from fingertip.sim.contact.pad import Pad
+from fingertip.sim.electronics.board_output import compute_bridge_v
+from fingertip.slip import DETECTORS, make_detector
+from fingertip.slip.detectors.registry import find_detector_type
+
+_TABLE_N = np.concatenate((np.linspace(0.0, 2.0, 401), np.linspace(2.05, 20.0, 360)))
+
+
+@dataclass(frozen=True)
+class GripSettings:
+    """Settings of the grip law. Times and ratios were chosen on the tuning seeds of `fingertip.campaign.plan`."""
+
+    detector: str = "fast"
+    max_growth_n_s: float = 8.0
+    """Growth of a finger's force above which detections are suppressed [N/s]: more than vibration appears to cause."""
+    growth_window_s: float = 0.1
+    """Time over which the growth is measured [s]."""
+    max_closing_m_s: float = 0.005
+    """Closing speed of a finger above which detections are suppressed [m/s]: the force grows with it, or is about to,
+    and its motor vibrates."""
+    suppression_s: float = 0.1
+    """Time for which detections remain suppressed after growth or closing [s]: detectors have a memory."""
+    force_ratio: float = 1.6
+    """Factor by which every finger's force is increased at a detection."""
+    refractory_s: float = 0.06
+    """Time after an increase in which no other one follows [s]: until then the motors have begun to move."""
+    max_force_n: float = 10.0
+    """Largest force that a finger is commanded to [N]."""
+
+
+@dataclass(frozen=True)
+class GripDecision:
+    """Decision of the controller in one control period."""
+
+    time_s: float
+    detected: bool
+    """Whether any finger's detector was ON in the period."""
+    suppressed: bool
+    """Whether a detection was, or would have been, suppressed."""
+    tightened: bool
+    """Whether the fingers were commanded to close further."""
+
+
+class GripController:
+    """Controller with its state; make a new one for each manipulation."""
+
+    def __init__(self, design: Design, settings: GripSettings, fingers: int) -> None:
+        self.settings = settings
+        self.decisions: list[GripDecision] = []
+        self._pad = Pad.from_design(design)
+        self._detectors = [make_detector(settings.detector, design) for _ in range(fingers)]
+        self._reads = DETECTORS[settings.detector].input_column
+        volts = compute_bridge_v(design, _TABLE_N)
+        self._volts, self._forces = volts[::-1], _TABLE_N[::-1]  # voltage falls with force
+        self._history: deque[tuple[float, Array]] = deque()
+        self._growth_s = -math.inf
+        self._tightened_s = -math.inf
+        self._added_m = np.zeros(fingers)
+
+    def step(self, observation: Observation) -> Array:
+        """Return the commanded closing [m]: the planned closing, and what detections have added to it."""
+        s, now = self.settings, observation.time_s
+        samples: Array | None = getattr(observation, self._reads)
+        assert samples is not None, f"the scene's outputs do not include {self._reads}"
+        detected = self._detect(samples)
+        # Growth of force and closing over the window.
+        force = np.array([float(np.interp(v.mean(), self._volts, self._forces)) for v in observation.voltage_v])
+        self._history.append((now, np.array([force, observation.closing_m])))
+        while self._history[0][0] < now - s.growth_window_s - 1e-9:
+            self._history.popleft()
+        then, before = self._history[0]
+        growth, closing = (np.array([force, observation.closing_m]) - before) / max(now - then, 1e-9)
+        if float(np.max(growth)) > s.max_growth_n_s or float(np.max(closing)) > s.max_closing_m_s:
+            self._growth_s = now
+        refractory = now < self._tightened_s + s.refractory_s
+        suppressed = now <= self._growth_s + s.suppression_s
+        tightened = detected and not suppressed and not refractory
+        if tightened:
+            self._tightened_s = now
+            self._added_m += [self._further_m(f) for f in force]
+        self.decisions.append(GripDecision(now, detected, suppressed, tightened))
+        return np.asarray(observation.planned_m + self._added_m)
+
+    def _further_m(self, force_n: float) -> float:
+        """Closing that increases a finger's force by the ratio [m]."""
+        minimum = max(force_n, 0.1)
+        target = min(minimum * self.settings.force_ratio, self.settings.max_force_n)
+        return self._pad.depth_m(target) - self._pad.depth_m(minimum)
+
+    def _detect(self, samples: Array) -> bool:
+        """Process the new samples of all fingers; return whether any detector was ON at any of them."""
+        # Every detector must process every sample, even if the first one is already ON.
+        on = [bool(detector.process(row).on.any()) for detector, row in zip(self._detectors, samples, strict=True)]
+        return any(on)
+
+
+@dataclass(frozen=True, eq=False)
+class GrippedResult:
+    """Result of a manipulation with a detector in the loop."""
+
+    result: ManipulationResult
+    grips_s: tuple[float, ...]
+    """Moments at which the hand tightened its grip [s]."""
+
+
+def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue]:
+    """Report an unknown detector, and a simulation without a hand. None stands for a simulation that did not load."""
+    issues = []
+    if simulation and not isinstance(simulation.scene, ManipulationFile):
+        remedy = "give a manipulation, such as params/scenes/real_manipulation.toml"
+        issues.append(Issue("--grip", f"closes the loop of a hand; {remedy}."))
+    try:
+        find_detector_type(detector)
+    except FingertipError as error:
+        issues += [Issue("--grip", issue.message) for issue in error.issues]
+    return issues
+
+
+def run_with_grip(
+    simulation: Simulation, detector: str = "fast", progress: Callable[[str], None] | None = None
+) -> GrippedResult:
+    """Run a manipulation in which the hand tightens its grip when a detector finds slip.
+
+    Parameters
+    ----------
+    simulation
+        Simulation of a manipulation, such as `fingertip.sim.load_simulation` returns. The signal that the detector
+        reads is added to its outputs.
+    detector
+        Name of the detector.
+    progress
+        Receives progress messages.
+
+    Raises
+    ------
+    FingertipError
+        If there is no such detector, or the simulation has no hand.
+    """
+    scene, design = simulation.scene, simulation.design
+    if issues := find_grip_issues(detector, simulation):
+        raise FingertipError(issues)
+    assert isinstance(scene, ManipulationFile)
+    column = DETECTORS[detector].input_column
+    if column not in scene.outputs:
+        scene = scene.model_copy(update={"outputs": [*scene.outputs, column]})
+    controller = GripController(design, GripSettings(detector), len(scene.fingers))
+    result = run_manipulation(design, scene, controller, simulation.seed, progress)
+    return GrippedResult(result, tuple(decision.time_s for decision in controller.decisions if decision.tightened))

@@ -1,0 +1,79 @@
+"""Lower bound on the mean delay of any detector for the same spectrum and noise: Lorden's bound.
+
+A change that increases the information by I per second is found, on average and for a mean time between false alarms of
+gamma independent decisions, no sooner than ``ln(gamma) / I`` (G. Lorden, Ann. Math. Stat. 42(6), 1971,
+doi:10.1214/aoms/1177693055). CUSUM reaches this bound. Here slip grows, so the information is integrated from the onset
+until it reaches ln(gamma).
+
+Gaussian noise of power n in a band of width B that becomes n + s gives ``B (r - 1 - ln r)`` nats per second, with
+r = 1 + s / n. The band is the wide one of the detector `fast`, seen through its own causal filters, whose delay is part
+of the bound. s is the power that the same trial shows there without noise. The bound covers noise and slip only: it
+does not have to distinguish slip from a load change, and it knows in advance how strong this slip will be. It is
+therefore a lower limit, not a goal. It limits the average over the noise: the same slip is found a little sooner with
+some noise, and later with other noise.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from fingertip.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
+from fingertip.design import Design
+from fingertip.jit import compiled
+from fingertip.sim import SceneFile, run_scene
+from fingertip.slip.detectors.fast import FastDetector, FastSettings
+from fingertip.slip.detectors.noise import mean_quantised_noise_v
+
+ALARMS_PER_MINUTE = 0.1
+"""Rate of false alarms for which the bound holds [1/min]."""
+_MIN_NOISE_V = 1e-12
+"""Noise that replaces no noise at all [V]."""
+_CREEP_S = 0.02
+"""Time before gross slip in which the creeping pad's information counts [s]: the robot has moved for some 13 ms."""
+_SMOOTHING_S = 0.002
+"""Time over which the power is averaged, half of it ahead [s]: the bound may know the slip."""
+
+
+def compute_bounds_s(
+    design: Design,
+    plan: CampaignPlan,
+    first_seed: int = HELD_OUT_FROM,
+    change: Callable[[SceneFile], SceneFile] = lambda scene: scene,
+) -> list[float]:
+    """Compute the bound on the mean delay of each slip of a campaign [s].
+
+    Each scene is changed first. The bound is infinite where the information never suffices.
+    """
+    detector = design.detector
+    noise_v = mean_quantised_noise_v(detector.noise_v, 2 * detector.adc_range_v / 2**detector.adc_bits)
+    settings = FastSettings.from_design(design, max(noise_v, _MIN_NOISE_V))
+    rate, width = settings.sample_rate_hz, settings.high_hz - settings.low_hz
+    required = math.log(2 * width * 60 / ALARMS_PER_MINUTE)
+    noise = FastDetector(settings).noise_energy_v2
+    tables = design.model_dump()
+    tables["detector"]["adc_bits"] = 24
+    noiseless = Design(**tables)
+    smoothing, creep = max(1, round(_SMOOTHING_S * rate)), round(_CREEP_S * rate)
+    bounds = []
+    with compiled():
+        for case in generate_cases(plan, first_seed):
+            if case.cause != "slip":
+                break
+            scene = change(case.scene)
+            sensing = scene.sensing.model_copy(update={"noise": False})
+            scene = scene.model_copy(update={"outputs": ["voltage_v", "slip"], "sensing": sensing})
+            trace = run_scene(noiseless, scene, case.seed).trace
+            assert trace.slip is not None
+            slipping = np.flatnonzero(trace.slip)
+            filtered = FastDetector(settings).process(trace.voltage_v).filtered_v
+            begin = max(0, slipping[0] - creep)
+            average = np.full(smoothing, 1 / smoothing)
+            power = np.convolve(filtered * filtered, average, "same")[begin : slipping[-1] + 1]
+            r = 1 + power / noise
+            information = np.cumsum(width * (r - 1 - np.log(r))) / rate
+            known = np.flatnonzero(information >= required)
+            bounds.append(max(0.0, float(begin + known[0] + 1 - slipping[0]) / rate) if known.size else math.inf)
+    return bounds

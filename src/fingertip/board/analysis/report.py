@@ -11,7 +11,7 @@ from fingertip.board.values.noise_and_ripple import NOISE_BAND_HZ, describe_supp
 from fingertip.board.values.nonideal_response import LARGE_CAPACITOR_PERCENT
 from fingertip.board.values.output_offset import describe_output_offset
 from fingertip.board.values.voltage_limits import VoltageLimits, describe_adc_range, describe_filter_swing
-from fingertip.design.filter_components import MAX_FOOTPRINT_F
+from fingertip.design.filter_components import MAX_1206_F
 
 _LABELS = {
     "cutoff_hz": "-3 dB overall [Hz]",
@@ -66,7 +66,7 @@ def _sensitivity_lines(analysis: Analysis) -> list[str]:
 
 def _large_capacitor(analysis: Analysis) -> str:
     has_series_capacitor = "C14" in analysis.sensitivity["cutoff_hz"]
-    limit = format_value(MAX_FOOTPRINT_F)
+    limit = format_value(MAX_1206_F)
     return f" (C14 above {limit}: {LARGE_CAPACITOR_PERCENT:g} %)" if has_series_capacitor else ""
 
 

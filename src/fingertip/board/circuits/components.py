@@ -10,7 +10,7 @@ from fingertip.board.kicad import symbols
 from fingertip.board.values.amplifiers import AMPLIFIERS
 from fingertip.board.values.board_values import Tolerance
 from fingertip.board.values.nonideal_response import LARGE_CAPACITOR_PERCENT
-from fingertip.design.filter_components import MAX_FOOTPRINT_F
+from fingertip.design.filter_components import MAX_1206_F
 
 Wiring = Mapping[Component, Mapping[str, str]]
 """Component -> pin number -> net name."""
@@ -55,7 +55,7 @@ class RatedComponents:
 
     def capacitor(self, reference: str, farad: float, role: str) -> Component:
         """A capacitor in size 1206; above what the size offers for 16 V, one that has no direct voltage across it."""
-        if farad > MAX_FOOTPRINT_F * (1 + 1e-9):
+        if farad > MAX_1206_F * (1 + 1e-9):
             return Component(reference, format_value(farad), symbols.CAPACITOR, symbols.C_1206, role, _LARGE_RATING)
         return self._capacitor(reference, farad, role, symbols.C_1206)
 

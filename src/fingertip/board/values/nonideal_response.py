@@ -39,7 +39,7 @@ def select_first_stage_capacitors(c: FilterComponents, band_limit_hz: float) -> 
 
 
 LARGE_CAPACITOR_PERCENT = 20.0
-"""Tolerance of a series capacitor above `MAX_FOOTPRINT_F`: nothing better is available in its size."""
+"""Tolerance of a series capacitor above `MAX_1206_F`: nothing better is available in its size."""
 
 OPEN_LOOP_GAIN = 2e5
 """Open-loop gain A0 of the TL082 (typical, its data sheet): 106 dB. The TLV2372's 110 dB change nothing here."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.board.values.nonideal_response import LARGE_CAPACITOR_PERCENT, OPEN_LOOP_GAIN, FirstStageCapacitors
-from fingertip.design.filter_components import MAX_FOOTPRINT_F, FilterComponents
+from fingertip.design.filter_components import MAX_1206_F, FilterComponents
 from fingertip.numerics import bisect_arrays, find_maximum_arrays
 
 COMPONENTS = ("R1", "R2", "R3", "R4", "R5", "C1", "C2", "C3")
@@ -175,7 +175,7 @@ def monte_carlo(
     """
     percent = [resistor_percent] * 5 + [capacitor_percent] * 3
     if extra is not None:
-        is_large = extra.series_f > MAX_FOOTPRINT_F * (1 + 1e-9)
+        is_large = extra.series_f > MAX_1206_F * (1 + 1e-9)
         percent += [LARGE_CAPACITOR_PERCENT if is_large else capacitor_percent, capacitor_percent]
     tolerance, base = np.array(percent) / 100.0, nominal_values(c, extra)
     rng = np.random.default_rng(seed)

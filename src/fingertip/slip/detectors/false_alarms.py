@@ -6,11 +6,11 @@ The energy in noise is a weighted sum of squares of independent Gaussian variabl
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
 from fingertip.arrays import Array
+from fingertip.numerics import bisect
 
 ALARMS_PER_HOUR = 1.0
 """False alarms from noise alone that the rule for a threshold permits.
@@ -31,10 +31,8 @@ def tail_probability(weights: Array, threshold: float) -> float:
     if x <= float(w.sum()):
         return 1.0
     # The derivative of the cumulant generating function grows from the mean to infinity between these bounds.
-    low, high = 0.0, 0.5
-    for _ in range(200):
-        z = 0.5 * (low + high)
-        low, high = (z, high) if float(np.sum(w / (1 - 2 * z * w))) < x else (low, z)
+    low, high = bisect(lambda z: float(np.sum(w / (1 - 2 * z * w))) < x, 0.0, 0.5, halvings=200)
+    z = 0.5 * (low + high)
     K = -0.5 * float(np.sum(np.log1p(-2 * z * w)))
     second = 2 * float(np.sum((w / (1 - 2 * z * w)) ** 2))
     r = math.sqrt(max(2 * (z * x - K), 1e-300))
@@ -56,13 +54,10 @@ def solve_threshold(weights: Array, excursion_s: float, alarms_per_hour: float =
     """
     probability = alarms_per_hour * excursion_s / 3600
     mean = float(weights.sum())
-    return _bisect_falling(
-        lambda threshold: tail_probability(weights, threshold) - probability, mean, mean + 200 * float(weights.max())
+    _, threshold = bisect(
+        lambda energy: tail_probability(weights, energy) > probability,
+        mean,
+        mean + 200 * float(weights.max()),
+        halvings=80,
     )
-
-
-def _bisect_falling(function: Callable[[float], float], low: float, high: float) -> float:
-    for _ in range(80):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if function(middle) > 0.0 else (low, middle)
-    return high
+    return threshold

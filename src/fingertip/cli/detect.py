@@ -68,7 +68,7 @@ def detect(
     loaded, _ = load_design(design, changes)
     names = _parse_columns(columns or [])
     # A window from --set is for this recording's rate, a window from a design file for that file's rate.
-    keep_window = "window_samples" in load_tables([], changes or ()).get("detector", {})
+    keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
     if str(trace) == "-":
         detect_standard_input(console, loaded, detector, rate_hz, scale, names, keep_window, plot, quiet_s)
         return

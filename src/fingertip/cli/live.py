@@ -57,11 +57,11 @@ def detect_standard_input(
             else:
                 console.write(f"{'ON ' if transition.on else 'OFF'}  {transition.time_s:9.4f} s")
     except FingertipError as error:
-        console.issues(error, data)
+        console.print_issues(error, data)
         raise typer.Exit(BAD_INPUT) from None
     except UnicodeDecodeError:
         message = "is not UTF-8 text; save it in a file, which may be UTF-16."
-        console.issues(TraceError(Issue(NAME, message)), data)
+        console.print_issues(TraceError(Issue(NAME, message)), data)
         raise typer.Exit(BAD_INPUT) from None
     except KeyboardInterrupt:
         console.result(data, "")

@@ -10,7 +10,6 @@ import pytest
 
 from fingertip.board import board_circuit
 from fingertip.board.values.board_values import board_values
-from tests.oracles.ideal_filter import ideal_filter_transfer
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.jit import compiled
@@ -18,6 +17,7 @@ from fingertip.sim.electronics.analog import AnalogStream, simulate_board
 from fingertip.sim.electronics.circuit import AnalogBoard, Diode, compute_state_space, topology
 from fingertip.sim.electronics.envelope_loop import wright_omega
 from fingertip.sim.electronics.state_space import augment, exponentials
+from tests.oracles.ideal_filter import ideal_filter_transfer
 from tests.oracles.ngspice import simulate_with_ngspice
 from tests.tools import require_tool
 

@@ -10,10 +10,9 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.errors import TraceError
-from fingertip.sim import ManipulationFile, SceneFile, Trial, run_scene, simulate
+from fingertip.sim import SceneFile, Trial, run_scene, simulate
 from fingertip.sim.electronics.analog import simulate_board
 from fingertip.sim.electronics.circuit import AnalogBoard
-from fingertip.sim.kinds import kind_of, split
 from fingertip.sim.stages.context import SceneContext
 from fingertip.slip import detect
 from tests.conftest import ROOT, run_fingertip
@@ -244,28 +243,6 @@ def test_all_issues_are_reported_at_once():
         SceneFile(tap={"forc_n": 1.0}, slide={"distance_m": 0.5, "speed_m_s": 9.0}, outputs=["volts"])
     fields = [issue.field for issue in caught.value.issues]
     assert fields == ["slide.speed_m_s", "tap.forc_n", "outputs", "slide.distance_m"]
-
-
-def test_kind_of_a_file_follows_from_its_tables(tmp_path):
-    for text, kind in (
-        ('scene = "x"', SceneFile), ("[skin]", Design), ("", Design), ("[slide]", SceneFile),
-        ("[grasp]", ManipulationFile), ("[sensing]\n[grasp]", ManipulationFile), ("[sensing]", SceneFile),
-    ):  # fmt: skip
-        (tmp_path / "a.toml").write_text(text)
-        assert kind_of(tmp_path / "a.toml") == kind
-    (tmp_path / "a.toml").write_text("[slide]\n[skin]")
-    with pytest.raises(TraceError, match="holds slide of a scene and skin of a design; write them in two files"):
-        kind_of(tmp_path / "a.toml")
-    (tmp_path / "a.toml").write_text("[slide]\n[knock]")
-    with pytest.raises(TraceError, match=r"holds knock of a manipulation and slide of a scene; .* one for each"):
-        kind_of(tmp_path / "a.toml")
-    changes = ["tap.force_n=1", "knock.at_s=1", "outputs=[]"]
-    assert split(changes, SceneFile) == (["tap.force_n=1", "outputs=[]"], ["knock.at_s=1"])
-    others = ["cable.hum_v=1", *changes[1:]]
-    assert split(others, ManipulationFile) == (others[1:], others[:1])
-    assert split(changes, Design) == (changes, [])
-    assert split(["tap.force_n=1", "skin.width_mm=18"]) == (["tap.force_n=1"], ["skin.width_mm=18"])
-    assert split(["tp.force_n=1", "skn.width_mm=18", "x=1"]) == (["tp.force_n=1"], ["skn.width_mm=18", "x=1"])
 
 
 def test_jump_of_the_cable_is_a_jump_for_the_board():

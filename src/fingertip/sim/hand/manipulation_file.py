@@ -17,6 +17,7 @@ from fingertip.errors import Issue
 from fingertip.sim.scenes.scene_file import Sensing
 from fingertip.sim.scenes.simulation_file import SimulationFile
 from fingertip.sim.scenes.timeline import ACCELERATION_M_S2
+from fingertip.toml_files import MANIPULATION, FileKind
 
 OUTPUTS = (
     "voltage_v",
@@ -168,6 +169,7 @@ class ManipulationFile(SimulationFile):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip manipulation")
+    file_kind: ClassVar[FileKind] = MANIPULATION
     known_outputs: ClassVar[tuple[str, ...]] = OUTPUTS
 
     object: GraspedObject = GraspedObject()

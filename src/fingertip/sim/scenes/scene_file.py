@@ -15,6 +15,7 @@ from pydantic import ConfigDict, Field
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.errors import Issue
 from fingertip.sim.scenes.simulation_file import SimulationFile
+from fingertip.toml_files import SCENE, FileKind
 
 OUTPUTS = (
     "voltage_v",
@@ -177,6 +178,7 @@ class SceneFile(SimulationFile):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip scene")
+    file_kind: ClassVar[FileKind] = SCENE
     known_outputs: ClassVar[tuple[str, ...]] = OUTPUTS
 
     contact: Contact = Contact()

@@ -12,6 +12,7 @@ from fingertip.design.issues import issues_from_pydantic, suggest_name
 from fingertip.design.load import load_tables
 from fingertip.design.parameters import ParameterTable
 from fingertip.errors import FingertipError, Issue, TraceError
+from fingertip.toml_files import FileKind
 
 
 class SimulationFile(BaseModel):
@@ -24,6 +25,8 @@ class SimulationFile(BaseModel):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+    file_kind: ClassVar[FileKind]
+    """Kind of TOML file that is read."""
     known_outputs: ClassVar[tuple[str, ...]]
     """Names that `outputs` may contain."""
 
@@ -53,7 +56,7 @@ class SimulationFile(BaseModel):
             If a file is missing or is not valid TOML, or if its content has issues.
         """
         try:
-            tables = load_tables(files, changes)
+            tables = load_tables(files, changes, cls.file_kind).tables
         except FingertipError as error:
             raise TraceError(error.issues) from None
         return cls(**tables)

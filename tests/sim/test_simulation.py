@@ -1,0 +1,73 @@
+"""Simulations loaded from files, as the command line loads them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fingertip.design import Design
+from fingertip.errors import FingertipError
+from fingertip.sim import ManipulationFile, SceneFile, Trial, load_simulation, run_manipulation, run_scene, simulate
+from tests.conftest import ROOT, design_file
+
+SCENES = ROOT / "params" / "scenes"
+
+
+def test_design_alone_gives_a_trial_of_the_article():
+    simulation = load_simulation(design_file("fsr402"), surface="smooth", speed_m_s=0.08, force_n=1.5, seed=3)
+    assert simulation.scene == Trial("smooth", 0.08, 1.5, 3).scene
+    assert simulation.design == Design.load(design_file("fsr402"))
+    trace = simulate(simulation.design, Trial("smooth", 0.08, 1.5, 3))
+    assert np.array_equal(simulation.run().columns["voltage_v"], trace.voltage_v)
+
+
+def test_nothing_given_means_default_design_and_trial():
+    simulation = load_simulation()
+    assert (simulation.design, simulation.scene, simulation.seed) == (Design(), Trial().scene, 0)
+
+
+def test_changes_go_to_the_file_that_has_the_parameter():
+    simulation = load_simulation(
+        str(SCENES / "hard_tap.toml"),
+        design_file("fsr400"),
+        changes=["tap.count=1", "detector.noise_v=0.0"],
+        force_n=1.5,
+    )
+    assert isinstance(simulation.scene, SceneFile)
+    assert simulation.scene.tap.count == 1
+    assert simulation.scene.hold.min_force_n == simulation.scene.hold.max_force_n == 1.5
+    assert simulation.design.detector.noise_v == 0.0
+    result, expected = simulation.run(), run_scene(simulation.design, simulation.scene)
+    assert np.array_equal(result.columns["force_n"], expected.columns["force_n"])
+
+
+def test_manipulation_file_gives_a_manipulation():
+    simulation = load_simulation(
+        SCENES / "real_manipulation.toml", changes=["grasp.kind=pinch", 'outputs=["object_m"]'], surface="plastic",
+        speed_m_s=0.05, force_n=2.0, seed=1,
+    )  # fmt: skip
+    scene = simulation.scene
+    assert isinstance(scene, ManipulationFile)
+    assert (scene.object.surface, scene.knock.speed_m_s, scene.grasp.force_n) == ("plastic", 0.05, 2.0)
+    expected = run_manipulation(simulation.design, scene, None, 1)
+    assert np.array_equal(simulation.run().columns["object_m"], expected.columns["object_m"])
+
+
+def test_all_issues_are_reported_at_once():
+    with pytest.raises(FingertipError) as caught:
+        load_simulation(SCENES / "contact.toml", changes=["tap.rise_s=9", "skin.width_mm=1"], speed_m_s=0.05, seed=-1)
+    assert [issue.field for issue in caught.value.issues] == ["--seed", "skin.width_mm", "tap.rise_s"]
+    with pytest.raises(FingertipError) as caught:
+        load_simulation(design_file("fsr400"), design_file("fsr402"), changes=["tap.force_n=1"])
+    assert [issue.field for issue in caught.value.issues] == ["--design", "--set tap.force_n=1"]
+
+
+def test_speed_of_a_scene_without_slide_is_refused():
+    with pytest.raises(FingertipError, match=r"--speed-m-s: 0\.05 m/s has no effect, because nothing slides here"):
+        load_simulation(SCENES / "contact.toml", speed_m_s=0.05)
+
+
+def test_warnings_concern_the_recorded_voltage_only():
+    changes = ["detector.adc_range_v=1.0"]
+    assert list(load_simulation(SCENES / "contact.toml", changes=changes).find_warnings())
+    assert not list(load_simulation(SCENES / "contact.toml", changes=[*changes, 'outputs=["slip"]']).find_warnings())

@@ -1,4 +1,4 @@
-"""install.sh, constraints.txt and the package agree about what is installed. Nothing here needs the network."""
+"""Agreement of install.sh, constraints.txt and pyproject.toml about what is installed. No test needs the network."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tests.tools import require_tool
 ROOT = Path(__file__).resolve().parents[1]
 INSTALL = ROOT / "install.sh"
 CONSTRAINTS = ROOT / "constraints.txt"
-SCRIPTS = [INSTALL, *sorted(path for path in (ROOT / ".ci").iterdir() if path.is_file())]
+SCRIPTS = [INSTALL, *sorted(path for path in (ROOT / ".ci").iterdir() if path.is_file() and not path.suffix)]
 
 
 def canonical(name: str) -> str:
@@ -71,6 +71,12 @@ def test_installed_versions_are_the_pinned_ones() -> None:
     assert wrong == {}
     unpinned = set(installed) - set(pins()) - {"fingertip", "pip", "setuptools"}
     assert unpinned == set(), "add these to constraints.txt"
+
+
+def test_every_dependency_has_a_lowest_version() -> None:
+    command = [sys.executable, str(ROOT / ".ci/lowest.py"), str(ROOT / "pyproject.toml")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert {canonical(line.split("==")[0]) for line in done.stdout.splitlines()} == set(named_dependencies())
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.name)

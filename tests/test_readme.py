@@ -1,4 +1,4 @@
-"""Every command the README shows is run, every picture and file it names is there."""
+"""The README: every command it shows runs, and every picture and file it names exists."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ OURS = [command for command in COMMANDS if command.startswith(".venv/bin/fingert
 
 
 @pytest.fixture(scope="module")
-def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder that looks like a clone to the commands."""
     folder = tmp_path_factory.mktemp("clone")
     (folder / "params").symlink_to(ROOT / "params")
@@ -36,7 +36,7 @@ def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def recordings() -> dict[str, str]:
-    """What the section on one's own recordings is about: a second with slip in it, as several programs write it."""
+    """Files of the section on recordings: one second with slip in it, as several programs write it."""
     noise = np.random.default_rng(0).normal(0, 4e-4, 5000)
 
     def samples(rate_hz: int, unit: str = "{:.6f}", per_volt: float = 1.0) -> list[tuple[str, str]]:
@@ -71,18 +71,18 @@ def test_the_first_two_blocks_set_up_build_and_test() -> None:
 
 
 @pytest.mark.parametrize("command", OURS)
-def test_command_runs(command: str, workplace: Path) -> None:
+def test_command_runs(command: str, clone: Path) -> None:
     words, _, source = command.partition(" < ")
-    given = (workplace / source).read_text() if source else None
-    done = run_fingertip(*shlex.split(words)[1:], given=given, PWD=str(workplace))
+    given = (clone / source).read_text() if source else None
+    done = run_fingertip(*shlex.split(words)[1:], given=given, PWD=str(clone))
     assert done.returncode == 0, done.stderr
     if any(name in words for name in recordings()) or source:
         assert done.stdout.startswith("ON ")
 
 
-def test_files_the_readme_promises(workplace: Path) -> None:
+def test_files_the_readme_promises(clone: Path) -> None:
     """After the commands above, in the order of this module."""
-    made = {str(path.relative_to(workplace)) for path in workplace.rglob("*") if path.is_file()}
+    made = {str(path.relative_to(clone)) for path in clone.rglob("*") if path.is_file()}
     for part in ("bone", "skin", "mold_palmar", "mold_dorsal"):
         assert {f"out/fsr400/{part}.{kind}" for kind in ("stl", "3mf", "step")} <= made
     named = {"assembly.step", "report.json", "design.toml", "trace.csv", "slip.png"}
@@ -90,21 +90,21 @@ def test_files_the_readme_promises(workplace: Path) -> None:
     assert {"pcb/slip_filter.net", "pcb/values.json", "out/wider/exploded.png", "out/wider/bone.stl"} <= made
 
 
-def test_python_block_runs(workplace: Path) -> None:
+def test_python_block_runs(clone: Path) -> None:
     (script,) = (block for language, block in BLOCKS if language == "python")
-    done = run_python("-c", script, PWD=str(workplace))
+    done = run_python("-c", script, PWD=str(clone))
     assert done.returncode == 0, done.stderr
-    assert (workplace / "out/mine/bone.stl").exists()
+    assert (clone / "out/mine/bone.stl").exists()
 
 
-def test_the_sentence_quoted_is_the_sentence_said(workplace: Path) -> None:
+def test_the_quoted_message_is_the_message_printed(clone: Path) -> None:
     quoted = re.search(r"`(skin\.width_mm: [^`]*)`", README)
     assert quoted
-    done = run_fingertip("build", "params/fsr400.toml", "--set", "skin.width_mm=15", PWD=str(workplace))
+    done = run_fingertip("build", "params/fsr400.toml", "--set", "skin.width_mm=15", PWD=str(clone))
     assert done.returncode == 2
     assert f"error: {' '.join(quoted[1].split())}" in done.stderr
 
 
-@pytest.mark.parametrize("target", re.findall(r"\]\(([^)]+)\)", README))
-def test_links_lead_somewhere(target: str) -> None:
+@pytest.mark.parametrize("target", [link for link in re.findall(r"\]\(([^)]+)\)", README) if "://" not in link])
+def test_links_lead_to_files(target: str) -> None:
     assert (ROOT / target).exists()

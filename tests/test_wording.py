@@ -1,0 +1,128 @@
+"""Docstrings and names follow CONTRIBUTING.md: what a machine can check of plain engineering English."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT
+
+SOURCES = sorted((ROOT / "src").rglob("*.py"))
+TESTS = sorted((ROOT / "tests").rglob("*.py"))
+
+PREPOSITIONS = """
+about above across after against along among around as at before behind below beneath beside besides between beyond by
+despite down during except for from in inside into like near of off on onto out outside over per since through
+throughout to toward towards under until up upon with within without
+"""
+CONJUNCTIONS = "although and because both but either else if neither nor not or so than then though unless while"
+RELATIVE_WORDS = "how that what when where which who whom whose why"
+PRONOUNS = "again also here it its only same such their there these they this those"
+NOT_FIRST = frozenset(f"{PREPOSITIONS} {CONJUNCTIONS} {RELATIVE_WORDS} {PRONOUNS}".split())
+"""Words that no docstring begins with: a docstring begins with the noun or verb of what it documents."""
+
+
+def docstrings(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Line and text of each docstring of a module, those of constants and attributes included."""
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if not isinstance(body, list):
+            continue
+        documented = isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
+        for before, statement in zip([None, *body], body, strict=False):
+            follows = before is None if documented else False
+            if not (follows or isinstance(before, ast.Assign | ast.AnnAssign)):
+                continue
+            if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
+                text = statement.value.value
+                if isinstance(text, str):
+                    yield statement.lineno, text
+
+
+def first_word(text: str) -> str:
+    """First word of a text, in lower case, without punctuation or markup."""
+    words = re.findall(r"[A-Za-z']+", text)
+    return words[0].lower() if words and not text.lstrip().startswith(("`", "'", '"')) else ""
+
+
+def misplaced(path: Path) -> list[str]:
+    """Docstrings of a file whose first word is none of a noun, a verb, an article or a number."""
+    found = docstrings(ast.parse(path.read_text(encoding="utf-8")))
+    return [
+        f"{path.relative_to(ROOT)}:{line}: {text.splitlines()[0]}"
+        for line, text in found
+        if first_word(text) in NOT_FIRST
+    ]
+
+
+def test_docstrings_begin_with_a_noun_or_a_verb() -> None:
+    wrong = [line for path in SOURCES for line in misplaced(path)]
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize(
+    ("text", "accepted"),
+    [
+        ('def f():\n    """Of the input, white, rms."""', False),
+        ('def f():\n    """RMS input noise [V]."""', True),
+        ('class A:\n    x: int\n    """And at which it ends."""', False),
+        ('class A:\n    x: int\n    """Frequency at which the band ends [Hz]."""', True),
+        ('"""Where things are."""', False),
+    ],
+)
+def test_the_check_of_docstrings_can_fail(text: str, accepted: bool, tmp_path: Path) -> None:
+    found = [first_word(said) in NOT_FIRST for _, said in docstrings(ast.parse(text))]
+    assert found == [not accepted]
+
+
+def test_bounds_are_called_min_and_max() -> None:
+    """`min_force_n`, not `force_least_n`."""
+    wrong = [
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in SOURCES
+        for name in re.findall(r"\b\w*(?:least|most)_\w+|\b\w+_(?:least|most)\b", path.read_text(encoding="utf-8"))
+        if name not in ("at_least", "at_most")
+    ]
+    assert not wrong
+
+
+def test_modules_that_are_named_exist() -> None:
+    """Dotted names of modules in docstrings and comments, as in `fingertip.cad.kernel`."""
+    missing = []
+    for path in [*SOURCES, *TESTS, *(ROOT / "benchmarks").glob("*.py")]:
+        for name in re.findall(r"`(fingertip(?:\.[a-z_0-9]+)+)", path.read_text(encoding="utf-8")):
+            module, _, attribute = name.rpartition(".")
+            if not (exists(name) or (exists(module) and attribute in names_in(module))):
+                missing.append(f"{path.relative_to(ROOT)}: {name}")
+    assert not missing, "\n".join(missing)
+
+
+def exists(name: str) -> bool:
+    """Whether a module can be found; packages above it are imported."""
+    try:
+        return importlib.util.find_spec(name) is not None
+    except ModuleNotFoundError:
+        return False
+
+
+def names_in(module: str) -> str:
+    """Source text of a module."""
+    spec = importlib.util.find_spec(module)
+    return Path(spec.origin).read_text(encoding="utf-8") if spec and spec.origin else ""
+
+
+@pytest.mark.parametrize("page", ["CONTRIBUTING.md", "docs/architecture.md"])
+def test_paths_in_the_developers_pages_exist(page: str) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    named = re.findall(
+        r"`((?:src|tests|params|benchmarks|docs|examples|\.ci|\.github|board|cad|sim|slip|sweep|campaign|design|casting|cli|view)/[\w./-]*)`",
+        text,
+    )
+    missing = [name for name in named if not ((ROOT / name).exists() or (ROOT / "src/fingertip" / name).exists())]
+    assert named
+    assert not missing

@@ -1,4 +1,4 @@
-"""Errors are sentences: which field, which value, which bound, and what to do about it."""
+"""Errors that name the field, its value, the bound it violates and a remedy."""
 
 from __future__ import annotations
 
@@ -8,20 +8,19 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Issue:
-    """One thing that is wrong with what the user gave.
-
-    `field` is where (`skin.width_mm`, a file, a CSV column); `sentence` says it whole: value, bound and remedy.
-    """
+    """One problem with the input."""
 
     field: str
+    """Where the problem is: a parameter such as `skin.width_mm`, a file, an option or a CSV column."""
     message: str
+    """The problem in one sentence: value, bound and remedy."""
 
     def __str__(self) -> str:
         return f"{self.field}: {self.message}" if self.field else self.message
 
 
 class FingertipError(Exception):
-    """Base of every error raised on purpose. Carries all issues found, never only the first."""
+    """Base class of every error that is raised on purpose. It carries all issues found, not only the first."""
 
     def __init__(self, issues: Issue | str | Iterable[Issue]) -> None:
         if isinstance(issues, str):
@@ -30,20 +29,24 @@ class FingertipError(Exception):
         super().__init__("\n".join(str(issue) for issue in self.issues))
 
 
+class TomlFileError(FingertipError):
+    """A TOML file cannot be read, or is of another kind than expected."""
+
+
 class DesignError(FingertipError):
-    """A design file, or a value set over it, cannot be used."""
+    """A design file, or a change to a design, cannot be used."""
 
 
 class GeometryError(FingertipError):
-    """A part could not be built, written or proven."""
+    """A part cannot be built, checked or written."""
 
 
 class BoardError(FingertipError):
-    """The board's values cannot be computed or its files not written."""
+    """The values of the board cannot be computed, or its files cannot be written."""
 
 
 class TraceError(FingertipError):
-    """A recorded or simulated trace cannot be read."""
+    """A recorded or simulated trace cannot be read or made."""
 
 
 class SweepError(FingertipError):
@@ -51,8 +54,8 @@ class SweepError(FingertipError):
 
 
 class OutputError(FingertipError):
-    """A result could not be written."""
+    """A result cannot be written."""
 
 
 class MissingLibraryError(FingertipError):
-    """A library of the system, or an optional package, is needed for what was asked and is not there."""
+    """A library of the system, or an optional package, is needed and is not installed."""

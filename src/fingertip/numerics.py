@@ -1,11 +1,12 @@
-"""Root search in a bracket and golden-section search, for scalars and, with numpy, for arrays.
+"""Search for a root or a maximum in a bracket, for scalars and, with numpy, for arrays.
 
 The scalar functions need no numpy, which keeps the start of commands short. The functions for arrays search
 independently in every element. All of them make the same steps on every machine for the same function values, so
 results that are printed or hashed stay reproducible.
 
-References: W. H. Press et al., Numerical Recipes, 3rd ed., sections 9.1 (bisection), 9.2 (false position) and 10.2
-(golden section); M. Dowell and P. Jarratt, BIT 11 (1971) 168, for the Illinois variant of false position.
+References: W. H. Press et al., Numerical Recipes, 3rd ed., sections 9.1 (bisection), 9.2 (false position), 10.2
+(golden section) and 10.3 (Brent's method); M. Dowell and P. Jarratt, BIT 11 (1971) 168, for the Illinois variant of
+false position.
 """
 
 from __future__ import annotations
@@ -90,23 +91,48 @@ def find_root(
 
 
 def find_maximum(function: Callable[[float], float], low: float, high: float, tolerance: float) -> tuple[float, float]:
-    """Find the maximum of a unimodal function in a bracket by golden-section search: its location and its value.
+    """Find the maximum of a unimodal function in a bracket by Brent's method: its location and its value.
 
-    Near a smooth maximum the value is exact to the square of the tolerance. Tolerances below the square root of the
-    floating-point precision gain nothing.
+    The method combines golden-section search with parabolic interpolation. Near a smooth maximum the value is exact to
+    the square of the tolerance. Tolerances below the square root of the floating-point precision gain nothing.
     """
-    left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-    at_left, at_right = function(left), function(right)
-    while high - low > tolerance:
-        if at_left < at_right:
-            low, left, at_left = left, right, at_right
-            right = low + _GOLDEN * (high - low)
-            at_right = function(right)
+    best = second = third = low + (1.0 - _GOLDEN) * (high - low)
+    at_best = at_second = at_third = function(best)
+    step = previous_step = 0.0
+    while abs(best - 0.5 * (low + high)) > 2.0 * tolerance - 0.5 * (high - low):
+        middle = 0.5 * (low + high)
+
+        # Step to the vertex of the parabola through the three best points ...
+        r = (best - second) * (at_best - at_third)
+        q = (best - third) * (at_best - at_second)
+        numerator, denominator = (best - third) * q - (best - second) * r, 2.0 * (r - q)
+        if denominator < 0.0:
+            numerator, denominator = -numerator, -denominator
+        is_small = abs(numerator) < abs(0.5 * denominator * previous_step)
+        is_inside = denominator * (low - best) < numerator < denominator * (high - best)
+        if is_small and is_inside:
+            previous_step, step = step, numerator / denominator
+            if min(best + step - low, high - best - step) < 2.0 * tolerance:
+                step = math.copysign(tolerance, middle - best)
+        # ... unless it is no better than halving the bracket: then a golden-section step into the larger part.
         else:
-            high, right, at_right = right, left, at_left
-            left = high - _GOLDEN * (high - low)
-            at_left = function(left)
-    return (left, at_left) if at_left >= at_right else (right, at_right)
+            previous_step = (high if best < middle else low) - best
+            step = (1.0 - _GOLDEN) * previous_step
+        new = best + (step if abs(step) >= tolerance else math.copysign(tolerance, step))
+        at_new = function(new)
+
+        # The worse of the new and the best point becomes an end of the bracket.
+        if at_new >= at_best:
+            low, high = (best, high) if new >= best else (low, best)
+            third, second, best = second, best, new
+            at_third, at_second, at_best = at_second, at_best, at_new
+        else:
+            low, high = (new, high) if new < best else (low, new)
+            if at_new >= at_second or second == best:
+                third, second, at_third, at_second = second, new, at_second, at_new
+            elif at_new >= at_third or third in (best, second):
+                third, at_third = new, at_new
+    return best, at_best
 
 
 def bisect_arrays(
@@ -123,9 +149,9 @@ def bisect_arrays(
 
 
 def find_maximum_arrays(function: Callable[[Array], Array], low: Array, high: Array, steps: int) -> tuple[Array, Array]:
-    """Find the maximum in every element by a fixed number of golden-section steps; the counterpart of `find_maximum`.
+    """Find the maximum in every element by a fixed number of golden-section steps.
 
-    Each step narrows the brackets to 0.618 of their width.
+    Each step narrows the brackets to 0.618 of their width. `find_maximum` is the function for scalars.
     """
     import numpy as np
 

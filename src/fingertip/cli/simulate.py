@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, picture_issues
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_png_path_issues
 
 if TYPE_CHECKING:
     from fingertip.sim import Simulation
@@ -49,17 +49,14 @@ def simulate(
     quiet: QuietOption = False,
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
-    from fingertip.campaign.closed_loop.run_with_grip import find_grip_issues, run_with_grip
-    from fingertip.cli.load import refuse_other, refuse_sweep
+    from fingertip.campaign.grip import find_grip_issues, run_with_grip
     from fingertip.errors import FingertipError, Issue
     from fingertip.files import write_file
     from fingertip.sim import load_simulation, summary
     from fingertip.sim.trace_export import encode_trace, find_path_issues
 
     console = Console(as_json, quiet)
-    refuse_sweep(file)
-    refuse_other(design)
-    issues = [*find_path_issues(out), *picture_issues("--plot", plot)]
+    issues = [*find_path_issues(out), *find_png_path_issues("--plot", plot)]
     if plot == out:
         issues.append(Issue("--plot", f"{plot} is also the name of the trace; choose another, such as trace.png."))
     simulation: Simulation | None = None

@@ -1,48 +1,72 @@
-"""Defaults < file(s) < changes on the command line: reading and merging, before anything is validated."""
+"""Loading of tables: files and changes on the command line are merged before anything is validated."""
 
 from __future__ import annotations
 
+import copy
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.errors import DesignError, Issue
+from fingertip.errors import DesignError, FingertipError, Issue
+from fingertip.toml_files import DESIGN, FileKind, read_toml
 
 
-def load_tables(files: Iterable[str | Path], changes: Iterable[str]) -> dict[str, Any]:
-    """Merge TOML files, then `table.key=value` changes, into one nested mapping.
+@dataclass(frozen=True)
+class LoadedTables:
+    """Contents of files, merged with changes."""
+
+    tables: dict[str, Any]
+    before: dict[str, Any]
+    """The tables without the changes."""
+    changed: tuple[str, ...]
+    """Names of the changed parameters, such as "mold.draft_deg"."""
+
+
+def load_tables(files: Iterable[str | Path], changes: Iterable[str], kind: FileKind = DESIGN) -> LoadedTables:
+    """Merge TOML files, and then changes of the form `table.key=value`, into nested tables; later values win.
+
+    Parameters
+    ----------
+    files
+        Paths of the files.
+    changes
+        Changes, such as "mold.draft_deg=2".
+    kind
+        Kind of file that is expected.
 
     Raises
     ------
     DesignError
-        With every file that cannot be read and every change that cannot be understood.
+        With one issue for each file that cannot be read or is of another kind, and for each change that is not of the
+        form `table.key=value`.
     """
     if isinstance(changes, str):
-        raise DesignError(Issue("changes", f"{changes!r} is one text; give a list, such as {[changes]!r}."))
-    merged: dict[str, Any] = {}
+        raise DesignError(Issue("changes", f"{changes!r} is a single text; give a list, such as {[changes]!r}."))
+    before: dict[str, Any] = {}
+    parsed: list[dict[str, Any]] = []
     issues: list[Issue] = []
-    for path in map(Path, files):
+    for file in files:
         try:
-            _merge(merged, tomllib.loads(path.read_text(encoding="utf-8-sig")))
-        except tomllib.TOMLDecodeError as error:
-            issues.append(Issue(str(path), f"is no valid TOML: {error}."))
-        except UnicodeDecodeError:
-            issues.append(Issue(str(path), "is not UTF-8 text; a design is a TOML file."))
-        except OSError as error:
-            issues.append(Issue(str(path), f"cannot be read ({error.strerror}); give the path of a design file."))
+            _merge(before, read_toml(Path(file), kind))
+        except FingertipError as error:
+            issues.extend(error.issues)
     for change in changes:
         try:
-            _merge(merged, parse_change(change))
+            parsed.append(parse_change(change))
         except DesignError as error:
             issues.extend(error.issues)
     if issues:
         raise DesignError(issues)
-    return merged
+    tables = copy.deepcopy(before)
+    for nested in parsed:
+        _merge(tables, nested)
+    return LoadedTables(tables, before, tuple(name for nested in parsed for name in _flatten(nested)))
 
 
 def parse_change(change: str) -> dict[str, Any]:
-    """`"mold.draft_deg=2"` -> ``{"mold": {"draft_deg": 2}}``; a value that is no TOML is taken as text."""
+    """Parse "mold.draft_deg=2" as ``{"mold": {"draft_deg": 2}}``. A value that is not TOML is taken as text."""
     key, equals, text = change.partition("=")
     steps = [step.strip() for step in key.split(".")]
     if not equals or not all(steps):
@@ -57,8 +81,18 @@ def parse_change(change: str) -> dict[str, Any]:
 
 
 def _merge(into: dict[str, Any], new: Mapping[str, Any]) -> None:
+    """Merge nested tables in place."""
     for key, value in new.items():
         if isinstance(value, Mapping) and isinstance(into.get(key), dict):
             _merge(into[key], value)
         else:
             into[key] = value
+
+
+def _flatten(tables: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the dotted names of nested tables."""
+    for name, value in tables.items():
+        if isinstance(value, Mapping):
+            yield from (f"{name}.{inner}" for inner in _flatten(value))
+        else:
+            yield name

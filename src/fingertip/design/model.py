@@ -2,68 +2,97 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from functools import cached_property
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from pydantic import ValidationError
 
-from fingertip.design.geometry.dimensions import Dimensions, compute_dimensions
 from fingertip.design.issues import issues_from_pydantic
-from fingertip.design.parameters import DesignTables, ParameterTable
-from fingertip.design.rules import find_broken_rules
-from fingertip.errors import DesignError, Issue
+from fingertip.design.parameters import DesignTables
+from fingertip.design.rules import RULES
+from fingertip.design.rules.ruleset import find_violations
+from fingertip.design.validation import describe_violations, explain_invalid, explain_violations
+from fingertip.errors import DesignError
 
 
 class Design(DesignTables):
-    """One fingertip. Constructing it checks every bound and every rule, and raises all issues at once.
+    """One fingertip. Its construction checks every bound and every rule, and reports all issues at once.
 
     Raises
     ------
     DesignError
-        With one sentence for each parameter out of bounds, unknown name or broken rule.
+        With one message for each unknown name, each parameter out of bounds and each field that a broken rule blames.
+        `fingertip.design.rules.remedies` states what the remedies in the messages promise.
     """
 
     def __init__(self, **tables: Any) -> None:
-        try:
-            super().__init__(**tables)
-        except ValidationError as error:
-            issues = issues_from_pydantic(error, type(self))
-            raise DesignError([*issues, *_rules_beside(tables, issues)]) from None
-        if issues := [issue for issue, _ in find_broken_rules(self)]:
-            raise DesignError(issues)
+        self._validate(tables)
 
     @classmethod
-    def load(cls, *files: str | Path, changes: Iterable[str] = ()) -> Design:
-        """Read a design: defaults, then each file, then changes such as ``"mold.draft_deg=2"``, the later winning.
+    def load(cls, *files: str | Path, changes: Iterable[str] = ()) -> Self:
+        """Read a design: the defaults, then each file, then changes such as "mold.draft_deg=2"; later values win.
 
         Raises
         ------
         DesignError
-            If a file is missing or no valid TOML, or the design it gives is refused.
+            If a file cannot be read, is not valid TOML or is of another kind, or if the design is refused.
         """
         from fingertip.design.load import load_tables
 
-        return cls(**load_tables(files, changes))
+        loaded = load_tables(files, changes)
+        return cls.from_tables(loaded.tables, loaded.before, loaded.changed)
 
-    @cached_property
-    def dimensions(self) -> Dimensions:
-        """Lengths that follow from the parameters."""
-        return compute_dimensions(self)
+    @classmethod
+    def from_tables(
+        cls, tables: Mapping[str, Any], before: Mapping[str, Any] | None = None, changed: Sequence[str] = ()
+    ) -> Self:
+        """Make a design of tables that were changed. If it is refused, the cause is sought among the changes.
 
+        Parameters
+        ----------
+        tables
+            Contents of a design file, with the changes.
+        before
+            Contents without the changes; the defaults if None.
+        changed
+            Names of the changed parameters, such as "skin.width_mm".
 
-def _rules_beside(tables: Mapping[str, Any], issues: Iterable[Issue]) -> list[Issue]:
-    """Broken rules among the parameters that are in bounds, so that one run tells everything that is wrong."""
-    faulty = {issue.field for issue in issues}
-    fields: dict[str, Any] = {}
-    for name, info in DesignTables.model_fields.items():
-        table, default = tables.get(name), info.default
-        if isinstance(default, ParameterTable):
-            given = table if isinstance(table, Mapping) else {}
-            known = type(default).model_fields
-            kept = {k: v for k, v in given.items() if k in known and f"{name}.{k}" not in faulty}
-            fields[name] = default.model_copy(update=kept)
-        else:
-            fields[name] = default
-    return [issue for issue, reads in find_broken_rules(DesignTables.model_construct(**fields)) if not reads & faulty]
+        Raises
+        ------
+        DesignError
+            If the design is refused.
+        """
+        design = cls.__new__(cls)
+        design._validate(tables, before, changed)
+        return design
+
+    @classmethod
+    def without_remedies(cls, **tables: Any) -> Design:
+        """Make a design as the constructor does, but refuse it faster: the messages contain no remedies.
+
+        A sweep refuses thousands of designs, and needs to know only why.
+
+        Raises
+        ------
+        DesignError
+            If the design is refused.
+        """
+        try:
+            valid = DesignTables(**tables)
+        except ValidationError as error:
+            raise DesignError(issues_from_pydantic(error, cls)) from None
+        if issues := list(describe_violations(valid)):
+            raise DesignError(issues)
+        return cls.model_construct(None, **{name: getattr(valid, name) for name in cls.model_fields})
+
+    def _validate(
+        self, tables: Mapping[str, Any], before: Mapping[str, Any] | None = None, changed: Sequence[str] = ()
+    ) -> None:
+        """Fill in the tables, or raise `DesignError`."""
+        try:
+            super().__init__(**tables)
+        except ValidationError as error:
+            raise DesignError(explain_invalid(tables, error, changed)) from None
+        if broken := list(find_violations(RULES, self)):
+            raise DesignError(explain_violations(self, broken, before, changed))

@@ -37,9 +37,9 @@ THREADS = (
 )
 """From the thinnest to the thickest."""
 MIN_HOLE_MM = THREADS[0].hole_mm
-TRAP_CLEARANCE_MM = 0.2
+NUT_TRAP_CLEARANCE_MM = 0.2
 """A nut trap is wider than its nut by this at least, so that a print takes the nut. An assumption."""
-TRAP_TURNS = 1.09
+MAX_TRAP_RATIO = 1.09
 """In a trap as much wider than the nut's flats the nut turns: its corners are 1.09 times as far apart (ISO 4032)."""
 
 

@@ -20,9 +20,9 @@ from fingertip.sim.article import Trial
 from fingertip.sim.hand.controller import Controller
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.manipulation_file import ManipulationFile
-from fingertip.sim.kinds import Kind, kind_of, split
 from fingertip.sim.scenes.scene_file import SceneFile
 from fingertip.sim.stages.pipeline import SceneResult, run_scene
+from fingertip.toml_files import MANIPULATION, SCENE, identify_kind, split_changes
 
 
 @dataclass(frozen=True)
@@ -99,10 +99,11 @@ def load_simulation(
     """
     file = None if file is None else Path(file)
     design_file = None if design_file is None else Path(design_file)
-    kind: Kind = kind_of(file) if file else Design
-    scene_changes, design_changes = split(changes, kind)
+    kind = identify_kind(file) if file else None
+    is_scene = kind in (SCENE, MANIPULATION)
+    scene_changes, design_changes = split_changes(changes, [kind] if kind and is_scene else [SCENE, MANIPULATION])
     issues: list[Issue] = []
-    if kind is Design:
+    if not is_scene:
         if design_file:
             message = f"stands beside {file or 'no file'}, which is not a scene; leave --design out."
             issues.append(Issue("--design", message))
@@ -114,15 +115,15 @@ def load_simulation(
 
     design: Design | None = None
     scene: SceneFile | ManipulationFile | None = None
-    path = file if kind is Design else design_file
+    path = design_file if is_scene else file  # a file of any other kind is refused as a design
     try:
         design = Design.load(*([path] if path else []), changes=design_changes)
     except FingertipError as error:
         issues.extend(error.issues)
     try:
-        if file is None or kind is Design:
+        if file is None or not is_scene:
             scene = _build_trial(surface, speed_m_s, force_n, seed).scene
-        elif kind is ManipulationFile:
+        elif kind is MANIPULATION:
             options = _manipulation_changes(surface, speed_m_s, force_n)
             scene = ManipulationFile.load(file, changes=[*scene_changes, *options])
         else:

@@ -1,7 +1,8 @@
-"""The designs of a sweep: the base with a point's parameters, refused where it breaks a rule.
+"""Designs of a sweep's points: the base design with the point's parameters, refused where it breaks a rule.
 
-Bounds were checked with the axes. Where only the signal's tables vary, the rules that do not read them are as true of
-every point as of the base, and so are the lengths: those points take microseconds, not milliseconds.
+The bounds of the parameters are checked together with the axes, before any point. If only electronic tables vary, the
+rules of the printed parts give the same result at every point as for the base design, and so do the dimensions. Such a
+point takes microseconds instead of milliseconds.
 """
 
 from __future__ import annotations
@@ -10,60 +11,52 @@ from collections.abc import Mapping
 from typing import Any
 
 from fingertip.design.model import Design
-from fingertip.design.rules import RULES
-from fingertip.design.rules.ruleset import Rule, broken_rules
+from fingertip.design.parameters.design_tables import ELECTRONIC_TABLES
+from fingertip.design.rules import ELECTRONIC_RULES
+from fingertip.design.validation import describe_violations
 from fingertip.errors import DesignError
 from fingertip.sweep.axes import Value
-from fingertip.sweep.plan import Plan
-
-SIGNAL = frozenset({"board", "detector"})
-"""Tables that no part's form depends on. A test holds the rules against what they say they read."""
+from fingertip.sweep.plan import SweepPlan
 
 
-class Designs:
-    """Makes the design of each point of a plan."""
+class DesignBuilder:
+    """Builds the design of each point of a plan."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: SweepPlan) -> None:
         self._names = [axis.name for axis in plan.axes if not axis.name.startswith("scene.")]
-        self._quick = all(name.partition(".")[0] in SIGNAL for name in self._names)
+        self._only_electronics_vary = all(name.partition(".")[0] in ELECTRONIC_TABLES for name in self._names)
         self._tables = plan.design.model_dump()
-        if self._quick:
-            self._base = Design.model_construct(**dict(plan.design))
-            self._rules = signal_rules()
+        self._base = Design.model_construct(**dict(plan.design))
 
-    def design(self, changes: Mapping[str, Value]) -> Design:
-        """The design of a point.
+    def build(self, changes: Mapping[str, Value]) -> Design:
+        """Build the design of a point.
 
         Raises
         ------
         DesignError
-            With every rule it breaks.
+            With every rule that the design breaks, without remedies: finding these takes too long for a sweep.
         """
-        if not self._quick:
-            return Design(**changed(self._tables, {name: changes[name] for name in self._names}))
+        if not self._only_electronics_vary:
+            own_changes = {name: changes[name] for name in self._names}
+            return Design.without_remedies(**apply_changes(self._tables, own_changes))
         tables: dict[str, dict[str, Any]] = {}
         for name in self._names:
             table, _, key = name.partition(".")
             tables.setdefault(table, {})[key] = changes[name]
         sections = {name: getattr(self._base, name).model_copy(update=new) for name, new in tables.items()}
         design = self._base.model_copy(update=sections)
-        if issues := [issue for issue, _ in broken_rules(self._rules, design)]:
+        if issues := list(describe_violations(design, ELECTRONIC_RULES)):
             raise DesignError(issues)
         return design
 
 
-def signal_rules() -> list[Rule]:
-    """The rules that read a table of the signal, in their order."""
-    return [rule for rule in RULES if any(name.partition(".")[0] in SIGNAL for name in rule.reads)]
-
-
-def changed(tables: dict[str, Any], changes: Mapping[str, Value]) -> dict[str, Any]:
-    """A copy of nested tables with dotted changes; what is not changed is shared."""
-    new = dict(tables)
+def apply_changes(tables: dict[str, Any], changes: Mapping[str, Value]) -> dict[str, Any]:
+    """Copy nested tables with dotted parameters changed; unchanged tables are shared with the original."""
+    changed = dict(tables)
     for name, value in changes.items():
         table, _, key = name.rpartition(".")
         if table:
-            new[table] = {**new[table], key: value}
+            changed[table] = {**changed[table], key: value}
         else:
-            new[key] = value
-    return new
+            changed[key] = value
+    return changed

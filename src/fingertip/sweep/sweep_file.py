@@ -1,13 +1,15 @@
-"""A sweep file: which parameters vary over what, which outputs are wanted, and of which design. Strict like a design
-file; what stands in it once is resolved here, so that the sweep's folder needs no other file."""
+"""Sweep file: which parameters vary over which values, which outputs are computed, and for which base design.
+
+A sweep file is as strict as a design file. The files that it names are read in here, so that the folder of a sweep
+needs no other file.
+"""
 
 from __future__ import annotations
 
-import math
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -16,62 +18,80 @@ from fingertip.design.load import load_tables
 from fingertip.design.model import Design
 from fingertip.design.parameters import DesignTables, quantity
 from fingertip.errors import DesignError, FingertipError, Issue, SweepError
+from fingertip.toml_files import DESIGN, SCENE, SWEEP
+
+if TYPE_CHECKING:
+    from tomlkit.items import Item
 
 MAX_POINTS = 100_000_000
-"""More rows do not fit what reads them."""
+"""Maximum number of points. The report cannot read more rows."""
 
 
 class SweepFile(BaseModel):
-    """What a sweep file holds beside its axes."""
+    """Contents of a sweep file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, title="fingertip sweep")
 
     name: str = Field("sweep", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the output folder.")
-    outputs: list[str] = Field(description="What is computed of each point; [] asks the rules only.")
+    outputs: list[str] = Field(description="Outputs computed for each point; [] checks only the design rules.")
     sampling: Literal["grid", "latin_hypercube", "sobol"] = Field(
-        "grid", description="grid: every combination; the others draw `points` from the whole space."
+        "grid", description="grid: every combination of the axes; the others sample `points` points."
     )
-    points: int = quantity(0, "points", "How many a sampler draws.", minimum=0, maximum=MAX_POINTS)
-    seed: int = quantity(0, "", "Of the sampler.", minimum=0, maximum=2**31 - 1)
-    tolerance_mm: float = quantity(0.02, "mm", "Most a facet strays from the exact surface.", minimum=0.0005, maximum=1)
-    time_limit_s: float = quantity(60.0, "s", "A point that takes longer is given up.", minimum=0.05, maximum=86400)
+    points: int = quantity(0, "points", "Number of points that a sampler draws.", minimum=0, maximum=MAX_POINTS)
+    seed: int = quantity(0, "", "Random seed of the sampler.", minimum=0, maximum=2**31 - 1)
+    tolerance_mm: float = quantity(
+        0.02, "mm", "Maximum distance between a mesh and the exact surface.", minimum=0.0005, maximum=1
+    )
+    time_limit_s: float = quantity(
+        60.0, "s", "Time limit of a point; a point that takes longer is given up.", minimum=0.05, maximum=86400
+    )
     trials: int = quantity(
-        8, "", "Simulated trials of each point, for the detection's outputs.", minimum=1, maximum=100_000
+        8, "", "Number of simulated trials per point, for the detection outputs.", minimum=1, maximum=100_000
     )
-    first_seed: int = quantity(0, "", "Of the first trial; the others follow.", minimum=0, maximum=2**31 - 1)
-    detector: str = Field("fast", description="Which detector the trials are judged by.")
-    silicone: str = Field("addition_40a", description="Material card of the skin.")
+    first_seed: int = quantity(
+        0, "", "Random seed of the first trial; the others count up from it.", minimum=0, maximum=2**31 - 1
+    )
+    detector: str = Field("fast", description="Detector that is run on the trials.")
+    silicone: str = Field("addition_40a", description="Silicone of the skin.")
     print_density_g_cm3: float = quantity(
-        1.2, "g/cm3", "Of the printed parts.", minimum=0.1, maximum=20, verified=False
+        1.2, "g/cm3", "Density of the printed parts.", minimum=0.1, maximum=20, verified=False
     )
-    minimise: list[str] = Field([], description="Outputs of which less is better.")
-    maximise: list[str] = Field([], description="Outputs of which more is better.")
-    axes: dict[str, Any] = Field(description="Dotted parameter: a list, or low and high, with steps on a grid.")
+    minimise: list[str] = Field([], description="Outputs to minimise.")
+    maximise: list[str] = Field([], description="Outputs to maximise.")
+    axes: dict[str, Any] = Field(
+        description="Dotted parameter: a list of values, or low and high, on a grid with steps."
+    )
     design: dict[str, Any] = Field({}, description="Base design: a file beside this one, or its tables.")
     scene: dict[str, Any] | None = Field(None, description="Base scene: a file beside this one, or its tables.")
 
 
-def read(file: str | Path, changes: Iterable[str] = ()) -> dict[str, Any]:
-    """The tables of a sweep file, with the files it names read in and changes made.
+def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, Any]:
+    """Read the tables of a sweep file and of the files that it names, with changes applied.
 
-    A change of a name of the sweep file (`tolerance_mm=0.05`, `axes.skin.width_mm=[15, 16]`) changes that, `scene.`
-    before it the base scene, and any other name the base design (`skin.width_mm=18`).
+    Parameters
+    ----------
+    file
+        Path of the sweep file.
+    changes
+        Texts of the form `name=value`. A name of the sweep file (`tolerance_mm=0.05`, `axes.skin.width_mm=[15, 16]`)
+        changes that, `scene.` before a name changes the base scene, and any other name the base design
+        (`skin.width_mm=18`).
 
     Raises
     ------
     SweepError
         With everything that cannot be read.
     """
-    of_sweep, of_design, of_scene = _split(changes)
+    sweep_changes, design_changes, scene_changes = _sort_changes(changes)
     issues: list[Issue] = []
     try:
-        tables = load_tables([file], of_sweep)
+        tables = load_tables([file], sweep_changes, SWEEP).tables
     except DesignError as error:
-        raise SweepError([Issue(f.field, f.message.replace("a design", "a sweep")) for f in error.issues]) from None
-    for name, more in (("design", of_design), ("scene", of_scene)):
-        given = tables.get(name, {} if name == "design" else None)
+        raise SweepError(error.issues) from None
+    for name, base_changes in (("design", design_changes), ("scene", scene_changes)):
+        entry = tables.get(name, {} if name == "design" else None)
         try:
-            tables[name] = _base(Path(file).parent, name, given, more)
+            tables[name] = _load_base(Path(file).parent, name, entry, base_changes)
         except FingertipError as error:
             issues += error.issues
     if issues:
@@ -79,27 +99,85 @@ def read(file: str | Path, changes: Iterable[str] = ()) -> dict[str, Any]:
     return {name: table for name, table in tables.items() if table is not None}
 
 
-def _base(folder: Path, name: str, given: Any, changes: list[str]) -> dict[str, Any] | None:
-    if isinstance(given, str):
-        return load_tables([folder / given], changes)
-    if given is None and changes:
-        raise SweepError(Issue(f"--set scene.{changes[0]}", "changes a base scene; the sweep file names none."))
-    if given is not None and not isinstance(given, Mapping):
-        raise SweepError(Issue(name, f"{given!r} is refused; give the path of a file, or a table [{name}]."))
-    if given is None:
+def parse_sweep_file(tables: Mapping[str, Any]) -> tuple[SweepFile | None, list[Issue]]:
+    """Validate the fields of a sweep file; give the issues if one is wrong."""
+    try:
+        return SweepFile(**tables), []
+    except ValidationError as error:
+        return None, [_explain_missing(issue) for issue in issues_from_pydantic(error, SweepFile)]
+
+
+def parse_base_design(tables: Mapping[str, Any]) -> tuple[DesignTables | None, list[Issue]]:
+    """Validate the parameters of the base design; the rules between them are checked at each point."""
+    try:
+        return DesignTables(**tables), []
+    except ValidationError as error:
+        return None, [Issue(f"design.{i.field}", i.message) for i in issues_from_pydantic(error, Design)]
+
+
+def check_objectives(file: SweepFile) -> Iterator[Issue]:
+    """Give the issues of objectives that are not outputs, or are listed on both sides."""
+    for key in ("minimise", "maximise"):
+        for name in dict.fromkeys(getattr(file, key)):
+            if name not in file.outputs:
+                remedy = suggest_name(name, file.outputs) if file.outputs else "add it to outputs."
+                yield Issue(key, f"{name!r} is not among the sweep's outputs; {remedy}")
+    for name in dict.fromkeys(file.minimise):
+        if name in file.maximise:
+            yield Issue("maximise", f"{name!r} is listed under minimise too; leave it out of one of them.")
+
+
+def to_canonical_text(tables: Mapping[str, Any]) -> str:
+    """Write tables as TOML with one line per value in a fixed order: the text that is stored and compared."""
+    import tomlkit
+
+    document = tomlkit.document()
+    for name, value in tables.items():
+        if not isinstance(value, Mapping):
+            document.add(name, _to_inline_item(value))
+    for name, value in tables.items():
+        if isinstance(value, Mapping):
+            table = tomlkit.table()
+            for keys, inner in _list_lines(value):
+                table.add(tomlkit.key(keys), _to_inline_item(inner))
+            document.add(name, table)
+    return tomlkit.dumps(document)
+
+
+def parse_canonical_text(text: str) -> dict[str, Any]:
+    """Parse the tables that `to_canonical_text` wrote."""
+    return tomllib.loads(text)
+
+
+def select_row_defining_lines(text: str) -> list[str]:
+    """Select the lines of a canonical text that determine the rows: all but the objectives, which only the report
+    reads."""
+    return [line for line in text.splitlines() if not line.startswith(("minimise = ", "maximise = "))]
+
+
+def _load_base(folder: Path, name: str, entry: Any, changes: list[str]) -> dict[str, Any] | None:
+    """Load the base design or the base scene: a file beside the sweep file, or tables within it."""
+    if isinstance(entry, str):
+        return load_tables([folder / entry], changes, DESIGN if name == "design" else SCENE).tables
+    if entry is None and changes:
+        raise SweepError(Issue(f"--set scene.{changes[0]}", "changes a base scene, but the sweep file names none."))
+    if entry is not None and not isinstance(entry, Mapping):
+        raise SweepError(Issue(name, f"{entry!r} is refused; give the path of a file, or a table [{name}]."))
+    if entry is None:
         return None
-    return _merged(dict(given), load_tables((), changes))
+    return _merge(dict(entry), load_tables((), changes).tables)
 
 
-def _merged(into: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
+def _merge(into: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
     for key, value in new.items():
         old = into.get(key)
         both = isinstance(old, Mapping) and isinstance(value, Mapping)
-        into[key] = _merged(dict(old), value) if both and isinstance(old, Mapping) else value
+        into[key] = _merge(dict(old), value) if both and isinstance(old, Mapping) else value
     return into
 
 
-def _split(changes: Iterable[str]) -> tuple[list[str], list[str], list[str]]:
+def _sort_changes(changes: Iterable[str]) -> tuple[list[str], list[str], list[str]]:
+    """Sort changes into those of the sweep file, of the base design and of the base scene."""
     sweep: list[str] = []
     design: list[str] = []
     scene: list[str] = []
@@ -115,81 +193,37 @@ def _split(changes: Iterable[str]) -> tuple[list[str], list[str], list[str]]:
     return sweep, design, scene
 
 
-def validated(tables: Mapping[str, Any]) -> tuple[SweepFile | None, list[Issue]]:
-    """The file's own fields, or what is wrong with them."""
-    try:
-        return SweepFile(**tables), []
-    except ValidationError as error:
-        return None, [_missing(issue) for issue in issues_from_pydantic(error, SweepFile)]
-
-
-def _missing(issue: Issue) -> Issue:
+def _explain_missing(issue: Issue) -> Issue:
     if "Field required" not in issue.message:
         return issue
     remedy = {
-        "outputs": 'is missing; name what you want, such as outputs = ["checks_failed"], or [] for the rules only.',
+        "outputs": 'is missing; list outputs, such as outputs = ["checks_failed"], or [] to check only the rules.',
         "axes": "is missing; write [axes] and below it what varies, such as skin.width_mm = [16, 17].",
     }
     return Issue(issue.field, remedy[issue.field])
 
 
-def to_text(tables: Mapping[str, Any]) -> str:
-    """Tables as TOML, one line for each value, in a fixed order: what is compared and stored."""
-    lines = [f"{name} = {_value(value)}" for name, value in tables.items() if not isinstance(value, Mapping)]
-    for name, table in tables.items():
-        if isinstance(table, Mapping):
-            lines += ["", f"[{name}]", *_lines(table)]
-    return "\n".join(lines) + "\n"
-
-
-def without_objectives(text: str) -> list[str]:
-    """The lines of `to_text` that rows depend on: what is minimised or maximised is only asked of them afterwards."""
-    return [line for line in text.splitlines() if not line.startswith(("minimise = ", "maximise = "))]
-
-
-def _lines(table: Mapping[str, Any], before: str = "") -> Iterator[str]:
+def _list_lines(table: Mapping[str, Any]) -> Iterator[tuple[list[str], Any]]:
+    """Give the values of a table with their keys; a table within it becomes dotted keys, one line per value."""
     for key, value in table.items():
-        if isinstance(value, Mapping) and before == "" and not key.count("."):
-            yield from _lines(value, f"{key}.")
+        if isinstance(value, Mapping) and "." not in key:
+            yield from (([key, inner], inner_value) for inner, inner_value in value.items())
         else:
-            yield f"{before}{key} = {_value(value)}"
+            yield key.split("."), value
 
 
-def _value(value: Any) -> str:
-    match value:
-        case bool():
-            return "true" if value else "false"
-        case str():
-            return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-        case float() if math.isinf(value):
-            return "inf" if value > 0 else "-inf"
-        case list() | tuple():
-            return "[" + ", ".join(map(_value, value)) + "]"
-        case Mapping():
-            return "{" + ", ".join(f"{key} = {_value(inner)}" for key, inner in value.items()) + "}"
-    return repr(value)
+def _to_inline_item(value: Any) -> Item:
+    import tomlkit
 
-
-def base_design(tables: Mapping[str, Any]) -> tuple[DesignTables | None, list[Issue]]:
-    """The base design within the bounds of its parameters; rules between them are asked of each point."""
-    try:
-        return DesignTables(**tables), []
-    except ValidationError as error:
-        return None, [Issue(f"design.{f.field}", f.message) for f in issues_from_pydantic(error, Design)]
-
-
-def objectives(file: SweepFile) -> Iterator[Issue]:
-    """What is wrong with the names of outputs and objectives among themselves."""
-    for key in ("minimise", "maximise"):
-        for name in dict.fromkeys(getattr(file, key)):
-            if name not in file.outputs:
-                remedy = suggest_name(name, file.outputs) if file.outputs else "add it to outputs."
-                yield Issue(key, f"{name!r} is not among the sweep's outputs; {remedy}")
-    for name in dict.fromkeys(file.minimise):
-        if name in file.maximise:
-            yield Issue("maximise", f"{name!r} is to be minimised too; leave it out of one of them.")
-
-
-def parsed(text: str) -> dict[str, Any]:
-    """Tables from TOML text."""
-    return tomllib.loads(text)
+    if isinstance(value, Mapping):
+        table = tomlkit.inline_table()
+        for key, inner in value.items():
+            table.add(key, _to_inline_item(inner))
+        return table
+    if isinstance(value, list | tuple):
+        array = tomlkit.array()
+        for inner in value:
+            array.append(_to_inline_item(inner))
+        return array
+    item: Item = tomlkit.item(value)
+    return item

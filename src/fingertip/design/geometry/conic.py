@@ -111,6 +111,8 @@ class ConicBody:
         """Scale of the tip's control point: where the last taper line meets the apex's height."""
         assert self.tip is not None
         (z0, s0), (z1, s1) = self.stations[-2:]
+        if z1 == z0:
+            return s1
         return s1 + (s1 - s0) / (z1 - z0) * (self.tip.z - z1)
 
     def tip_point(self, t: float) -> tuple[float, float]:
@@ -125,7 +127,7 @@ class ConicBody:
     def scale_at(self, z: float) -> float:
         """Scale of the section at height z [mm]; 0 outside the body."""
         for (z0, s0), (z1, s1) in zip(self.stations, self.stations[1:], strict=False):
-            if z0 <= z <= z1:
+            if z0 <= z <= z1 and z0 < z1:
                 return s0 + (s1 - s0) * (z - z0) / (z1 - z0)
         z1, s1 = self.stations[-1]
         if self.tip is None or not z1 < z < self.tip.z:

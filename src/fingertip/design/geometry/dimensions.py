@@ -1,151 +1,204 @@
-"""Lengths that follow from a design: computed once here, read by the rules, the parts and the mold alike.
+"""Dimensions derived from a design's parameters: the one source for the rules, the printed parts and the mold.
 
-Axes: x width, +y dorsal, -y palmar, z distal [mm]. The parting plane is y = 0; the skin begins at z = 0.
+Axes: x is the width, +y points dorsally, -y palmarly, z distally [mm]. The parting plane is y = 0. The skin begins at
+z = 0.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip
-from fingertip.design.parameters import DesignTables
 from fingertip.sensors import CATALOGUE, ForceSensor
 
-TUNNEL_MM = 0.8
-"""Least height of the tail's passage through the collar [mm]: lower ones close up in printing. An assumption."""
+if TYPE_CHECKING:
+    from fingertip.design.parameters import DesignTables
+
+MIN_PASSAGE_HEIGHT_MM = 0.8
+"""Minimum height of the passage through which the tail leaves the collar [mm]. Lower passages close up in printing. An
+assumption."""
+
+_RIM_POINTS = 64
+"""Intervals at which the flat's margin around the sensor is sampled."""
 
 
-@dataclass(frozen=True)
 class Dimensions:
-    """Derived lengths [mm] and forms of one design."""
+    """Derived lengths [mm] and outlines of one design.
 
-    sensor: ForceSensor
-    outer: ConicBody
-    """Outer form of the skin; the mold's cavity."""
-    envelope: ConicBody
-    """Bone with its base before the palmar flat is cut."""
-    sensor_z: float
-    """Middle of the active area."""
-    flat_depth: float
-    """The palmar flat lies at y = -flat_depth."""
-    pocket_depth: float
-    passage_height: float
-    """Of the tail's passage through the collar, from its floor: it never presses on film and tail."""
-    tail_end_z: float
-    channel_depth: float
-    """The channel starts with its centre at y = -flat_depth + channel_depth."""
-    channel_exit_z: float
-    """Centre of the posterior hole."""
+    Each value is computed when it is first read and then kept. It reads only the parameters it depends on, so that a
+    rule which reads a dimension is known to read exactly those parameters.
 
-    relief_half_length: float
-    """Of the recess for the solder joints, around the end of the tail."""
-    collar: ConicBody
-    """Flange below the skin: the skin ends on it, and it locates the bone in the mold. This long at the parting
-    plane; away from that its foot rises by `draft_slope`."""
-    draft_slope: float
-    """Tangent of the mold's draft [mm per mm]: no half rubs along key, base or collar while it is pulled."""
-    shrinkage: float
-    """Size of the cavity against the skin's."""
+    Parameters within their own bounds never raise an exception here. A design that cannot be made has lengths that the
+    rules refuse, such as a negative radius.
+    """
 
-    tie_hole_z: float
-    """Middle of the hole for the cables' tie."""
+    def __init__(self, design: DesignTables) -> None:
+        self._design = design
+
+    @cached_property
+    def sensor(self) -> ForceSensor:
+        """Outline of the force-sensing resistor, from the catalogue or from [custom_sensor]."""
+        if self._design.sensor.model != "custom":
+            return CATALOGUE[self._design.sensor.model]
+        own = self._design.custom_sensor
+        return ForceSensor(
+            "custom", "custom sensor", own.active_diameter_mm, own.head_diameter_mm, own.thickness_mm, own.length_mm,
+            own.tail_width_mm, 2.54, "the design file", (),
+        )  # fmt: skip
+
+    @cached_property
+    def taper_end_z(self) -> float:
+        """Height at which the straight taper ends and the rounded tip begins."""
+        return self._design.skin.length_mm - self._design.skin.tip_length_mm
+
+    @cached_property
+    def outer(self) -> ConicBody:
+        """Outer surface of the skin, which is also the mold's cavity."""
+        skin = self._design.skin
+        section = CrossSection(
+            skin.width_mm / 2,
+            skin.semi_axis_palmar_mm,
+            skin.semi_axis_dorsal_mm,
+            skin.squareness_palmar,
+            skin.squareness_dorsal,
+        )
+        stations = ((0.0, 1.0), (self.taper_end_z, skin.taper_ratio))
+        return ConicBody(section, stations, Tip(skin.length_mm, skin.squareness_tip))
+
+    @cached_property
+    def envelope(self) -> ConicBody:
+        """Bone with its base, before the palmar flat is cut."""
+        skin, bone = self._design.skin, self._design.bone
+        half_width = skin.width_mm / 2
+        section = CrossSection(
+            half_width - skin.thickness_side_mm,
+            skin.semi_axis_palmar_mm - skin.thickness_side_mm,
+            skin.semi_axis_dorsal_mm - skin.thickness_dorsal_mm,
+            bone.squareness_palmar,
+            skin.squareness_dorsal,
+        )
+        # The taper keeps the side thickness where the tip begins. The base runs straight below the skin.
+        tapered = half_width * skin.taper_ratio - skin.thickness_side_mm
+        scale = tapered / section.half_width if section.half_width else 0.0
+        return ConicBody(
+            section,
+            ((-bone.base_length_mm, 1.0), (0.0, 1.0), (self.taper_end_z, scale)),
+            Tip(skin.length_mm - skin.thickness_tip_mm, skin.squareness_tip),
+        )
+
+    @cached_property
+    def sensor_z(self) -> float:
+        """Centre of the active area."""
+        return self._design.skin.length_mm - self._design.sensor.distance_from_tip_mm
+
+    @cached_property
+    def flat_depth(self) -> float:
+        """Depth of the bone's palmar flat, which lies at y = -flat_depth."""
+        skin = self._design.skin
+        return skin.semi_axis_palmar_mm * self.outer.scale_at(self.sensor_z) - skin.thickness_palmar_mm
+
+    @cached_property
+    def pocket_depth(self) -> float:
+        """Depth of the sensor's pocket: sensor and adhesive film."""
+        return self.sensor.thickness_mm + self._design.sensor.adhesive_thickness_mm
+
+    @cached_property
+    def passage_height(self) -> float:
+        """Height, from its floor, of the tail's passage through the collar. It never presses on film and tail."""
+        return max(MIN_PASSAGE_HEIGHT_MM, self.pocket_depth + self._design.sensor.clearance_mm)
+
+    @cached_property
+    def tail_end_z(self) -> float:
+        """End of the sensor's tail, with its solder tabs."""
+        return self.sensor_z + self.sensor.head_diameter_mm / 2 - self.sensor.length_mm
+
+    @cached_property
+    def tail_passes_collar(self) -> bool:
+        """Whether the tail runs out through the collar (a long tail) or ends under the skin (a short one)."""
+        return self.tail_end_z < 0.0
+
+    @cached_property
+    def relief_half_length(self) -> float:
+        """Half the length of the recess for the solder joints, centred on the end of the tail."""
+        return self._design.bone.relief_length_mm / 2
 
     @property
     def relief_proximal_z(self) -> float:
-        """Proximal face of the recess for the solder joints, where the channel begins."""
+        """Proximal face of the recess for the solder joints, where the cable channel begins."""
         return self.tail_end_z - self.relief_half_length
 
-    @property
-    def tail_passes_collar(self) -> bool:
-        """Whether the tail runs out through the collar (a long one) or ends under the skin (a short one)."""
-        return self.tail_end_z < 0.0
+    @cached_property
+    def channel_depth(self) -> float:
+        """Depth of the cable channel below the flat: it starts with its centre at y = -flat_depth + channel_depth."""
+        return self._design.bone.wall_mm + self._design.bone.channel_diameter_mm / 2
+
+    @cached_property
+    def channel_exit_z(self) -> float:
+        """Centre of the posterior hole, through which the cables leave the bone.
+
+        The hole lies below the skin and below the mold's recess, because overmolding closes the mold with the cables in
+        place.
+        """
+        bone = self._design.bone
+        channel_radius = bone.channel_diameter_mm / 2
+        covered = max(bone.collar_length_mm, self._design.mold.recess_length_mm)
+        exit_below_skin = -(covered + channel_radius + bone.wall_mm)
+        after_bend = self.tail_end_z - bone.relief_length_mm / 2 - bone.channel_bend_radius_mm
+        return min(exit_below_skin, after_bend)
+
+    @cached_property
+    def tie_hole_z(self) -> float:
+        """Centre of the hole for the cable tie."""
+        bone = self._design.bone
+        return self.channel_exit_z - bone.channel_diameter_mm / 2 - bone.wall_mm - bone.tie_hole_diameter_mm / 2
+
+    @cached_property
+    def collar(self) -> ConicBody:
+        """Flange on which the skin ends, and which locates the bone in the mold.
+
+        It has this length at the parting plane. Away from the plane its foot rises by `draft_slope`.
+        """
+        skin, bone = self._design.skin, self._design.bone
+        section = CrossSection(
+            skin.width_mm / 2 - bone.collar_inset_mm,
+            skin.semi_axis_palmar_mm - bone.collar_inset_mm,
+            skin.semi_axis_dorsal_mm - bone.collar_inset_mm,
+            skin.squareness_palmar,
+            skin.squareness_dorsal,
+        )
+        return ConicBody(section, ((-bone.collar_length_mm, 1.0), (0.0, 1.0)))
+
+    @cached_property
+    def draft_slope(self) -> float:
+        """Tangent of the mold's draft angle [mm per mm]. No half rubs along key, base or collar while it is pulled."""
+        return math.tan(math.radians(self._design.mold.draft_deg))
+
+    @cached_property
+    def shrinkage(self) -> float:
+        """Linear size of the cavity divided by that of the cured skin."""
+        return 1.0 / (1.0 - self._design.mold.silicone_shrinkage_percent / 100.0)
 
     def sensor_rim_margin(self, rim_mm: float, clearance_mm: float) -> float:
-        """Least margin [mm] between the flat's edge and the circle the sensor's head and rim need.
+        """Compute the margin between the flat's edge and the circle that the sensor's head and its rim need.
 
-        Measured along x at 65 heights of the circle; negative if the flat is too narrow there.
+        Parameters
+        ----------
+        rim_mm
+            Flat bone required around the sensor's head [mm].
+        clearance_mm
+            Gap around the sensor in its pocket [mm].
+
+        Returns
+        -------
+        float
+            Smallest margin along x over 65 heights of the circle [mm]; negative where the flat is too narrow.
         """
         r = self.sensor.head_diameter_mm / 2 + clearance_mm + rim_mm
         margins = []
-        for i in range(65):
-            phi = math.pi * (i / 64 - 0.5)
+        for i in range(_RIM_POINTS + 1):
+            phi = math.pi * (i / _RIM_POINTS - 0.5)
             z = self.sensor_z + r * math.sin(phi)
             margins.append(self.envelope.half_width_at(-self.flat_depth, z) - r * math.cos(phi))
         return min(margins)
-
-
-def compute_dimensions(design: DesignTables) -> Dimensions:
-    """Derive every length that follows from the parameters.
-
-    Never raises for parameters within their bounds: what cannot be made shows as lengths that the rules refuse.
-    """
-    sensor, bone, skin = design.sensor, design.bone, design.skin
-    part = _sensor(design)
-    join = skin.length_mm - skin.tip_length_mm
-    a = skin.width_mm / 2
-    section = CrossSection(
-        a, skin.semi_axis_palmar_mm, skin.semi_axis_dorsal_mm, skin.squareness_palmar, skin.squareness_dorsal
-    )
-    outer = ConicBody(section, ((0.0, 1.0), (join, skin.taper_ratio)), Tip(skin.length_mm, skin.squareness_tip))
-    sensor_z = skin.length_mm - sensor.distance_from_tip_mm
-    flat_depth = skin.semi_axis_palmar_mm * outer.scale_at(sensor_z) - skin.thickness_palmar_mm
-
-    inner = CrossSection(
-        a - skin.thickness_side_mm,
-        skin.semi_axis_palmar_mm - skin.thickness_side_mm,
-        skin.semi_axis_dorsal_mm - skin.thickness_dorsal_mm,
-        bone.squareness_palmar,
-        skin.squareness_dorsal,
-    )
-    # The taper keeps the thickness at the sides where the tip begins; the base runs straight below the skin.
-    scale = (a * skin.taper_ratio - skin.thickness_side_mm) / inner.half_width if inner.half_width else 0.0
-    envelope = ConicBody(
-        inner,
-        ((-bone.base_length_mm, 1.0), (0.0, 1.0), (join, scale)),
-        Tip(skin.length_mm - skin.thickness_tip_mm, skin.squareness_tip),
-    )
-    tail_end_z = sensor_z + part.head_diameter_mm / 2 - part.length_mm
-    channel_radius = bone.channel_diameter_mm / 2
-    # The cables leave the bone below the mold too: overmolding closes it with them in place.
-    covered = max(bone.collar_length_mm, design.mold.recess_length_mm)
-    exit_below_skin = -(covered + channel_radius + bone.wall_mm)
-    after_bend = tail_end_z - bone.relief_length_mm / 2 - bone.channel_bend_radius_mm
-    channel_exit_z = min(exit_below_skin, after_bend)
-    pocket_depth = part.thickness_mm + sensor.adhesive_thickness_mm
-    return Dimensions(
-        sensor=part,
-        outer=outer,
-        envelope=envelope,
-        sensor_z=sensor_z,
-        flat_depth=flat_depth,
-        pocket_depth=pocket_depth,
-        passage_height=max(TUNNEL_MM, pocket_depth + sensor.clearance_mm),
-        tail_end_z=tail_end_z,
-        channel_depth=bone.wall_mm + channel_radius,
-        channel_exit_z=channel_exit_z,
-        tie_hole_z=channel_exit_z - channel_radius - bone.wall_mm - bone.tie_hole_diameter_mm / 2,
-        relief_half_length=bone.relief_length_mm / 2,
-        collar=ConicBody(
-            CrossSection(
-                a - bone.collar_inset_mm,
-                skin.semi_axis_palmar_mm - bone.collar_inset_mm,
-                skin.semi_axis_dorsal_mm - bone.collar_inset_mm,
-                skin.squareness_palmar,
-                skin.squareness_dorsal,
-            ),
-            ((-bone.collar_length_mm, 1.0), (0.0, 1.0)),
-        ),
-        draft_slope=math.tan(math.radians(design.mold.draft_deg)),
-        shrinkage=1.0 / (1.0 - design.mold.silicone_shrinkage_percent / 100.0),
-    )
-
-
-def _sensor(design: DesignTables) -> ForceSensor:
-    if design.sensor.model != "custom":
-        return CATALOGUE[design.sensor.model]
-    own = design.custom_sensor
-    return ForceSensor(
-        "custom", "custom sensor", own.active_diameter_mm, own.head_diameter_mm, own.thickness_mm, own.length_mm,
-        own.tail_width_mm, 2.54, "the design file", (),
-    )  # fmt: skip

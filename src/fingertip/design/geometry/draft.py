@@ -1,4 +1,4 @@
-"""Draft of a recess whose outline is a superconic: near the parting plane the outline itself has none."""
+"""Draft of a recess whose outline is a superconic. Beside the parting plane the outline itself has no draft."""
 
 from __future__ import annotations
 
@@ -9,31 +9,34 @@ from fingertip.design.geometry.conic import CrossSection, arc_parameter_at_heigh
 
 @dataclass(frozen=True)
 class DraftedSection:
-    """A section whose arcs give way to straight walls beside the parting plane y = 0.
+    """Section whose arcs are replaced by straight walls beside the parting plane y = 0.
 
-    From where an arc leans by the draft a straight line runs on to the parting plane, outside the arc, and leans by at
-    least as much. Both sides meet there in the wider of their lines' ends, so that the halves' edges do.
+    Each wall is tangent to its arc where the arc's slope equals the draft. It runs on to the parting plane outside the
+    arc, and slopes by at least the draft. Both sides meet the plane at the same half width, the wider of the two, so
+    that the edges of the halves coincide.
     """
 
     section: CrossSection
     half_width: float
-    """At the parting plane [mm]."""
+    """Half width at the parting plane [mm]."""
     palmar_start: float
-    """Parameter of the palmar arcs where the lines end."""
+    """Parameter of the palmar arcs at which they take over from the straight walls."""
     dorsal_start: float
+    """Parameter of the dorsal arcs at which they take over from the straight walls."""
 
 
 def add_draft(section: CrossSection, slope: float, flat: float | None = None) -> DraftedSection:
-    """The section with draft.
+    """Replace the steep parts of a section's outline by straight walls with draft.
 
     Parameters
     ----------
     section
         The outline, half width and half heights [mm].
     slope
-        Tangent of the draft, > 0.
+        Tangent of the draft angle, > 0.
     flat
-        The palmar side will be cut at y = -`flat` [mm], where the line must begin at the latest; None if it is not.
+        Depth [mm] at which the palmar side will be cut, y = -`flat`: the wall reaches at most that far. None if it is
+        not cut.
     """
     a = section.half_width
     dorsal = arc_parameter_at_slope(a, section.dorsal, section.dorsal_weight, slope)

@@ -1,85 +1,78 @@
-"""Rules of the bone's base: posterior hole, tie hole, collar, groove and interface find room."""
+"""Rules of the bone's base: room for cable channel, tie hole, collar, groove and interface."""
 
 from __future__ import annotations
 
 import math
 
-from fingertip.design.geometry.dimensions import compute_dimensions
 from fingertip.design.parameters import DesignTables
-from fingertip.design.rules.ruleset import SLACK, Ruleset, ceil2, floor2
+from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
+from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, tip_within_skin
+from fingertip.numerics import bisect
 
 RULES = Ruleset()
 
-_LENGTHS = ("skin.length_mm", "skin.tip_length_mm")
-_FLAT = (
-    "skin.width_mm", "skin.thickness_side_mm", "skin.taper_ratio", "skin.semi_axis_palmar_mm",
-    "skin.semi_axis_dorsal_mm", "skin.thickness_dorsal_mm", "skin.thickness_palmar_mm", "bone.squareness_palmar",
-    "sensor.model", "sensor.distance_from_tip_mm", *_LENGTHS,
-)  # fmt: skip
+_MIN_COLLAR_HEIGHT = 0.1
+"""Minimum height of the collar's face, on which the skin ends [mm]."""
+_CIRCLE_POINTS = 64
+"""Intervals at which half a circle is sampled."""
 
 
-@RULES.rule("bone.wall_mm", "printer.min_wall_mm")
-def _walls_print(d: DesignTables) -> str | None:
+@RULES.rule("bone.wall_mm")
+def walls_print(d: DesignTables) -> Violation | None:
+    """The bone's minimum wall is not below the printer's."""
     if d.bone.wall_mm >= d.printer.min_wall_mm - SLACK:
         return None
-    return f"{d.bone.wall_mm:g} mm does not print; at least {d.printer.min_wall_mm:g} mm (printer.min_wall_mm)."
+    return Violation(f"{d.bone.wall_mm:g} mm does not print", at_least(d.printer.min_wall_mm), "(printer.min_wall_mm)")
 
 
-@RULES.rule(
-    "bone.base_length_mm", "bone.channel_diameter_mm", "bone.channel_bend_radius_mm", "bone.wall_mm",
-    "bone.relief_length_mm", "bone.collar_length_mm", "bone.tie_hole_diameter_mm", "bone.interface",
-    "bone.socket_depth_mm", "sensor.model", "sensor.distance_from_tip_mm", "mold.recess_length_mm", *_LENGTHS,
-)  # fmt: skip
-def _base_holds_everything(d: DesignTables) -> str | None:
-    dims, bone = compute_dimensions(d), d.bone
+@RULES.rule("bone.base_length_mm")
+def base_holds_everything(d: DesignTables) -> Violation | None:
+    """The base is long enough for the posterior hole, the tie hole and a socket."""
+    dims, bone = d.dimensions, d.bone
     socket = bone.socket_depth_mm if bone.interface == "socket" else 0.0
     minimum = -dims.tie_hole_z + bone.tie_hole_diameter_mm / 2 + bone.wall_mm + socket
     if bone.base_length_mm >= minimum - SLACK:
         return None
     what = "posterior hole, tie hole and socket" if socket else "posterior hole and tie hole"
-    return (
+    return Violation(
         f"{bone.base_length_mm:g} mm does not hold {what} below the mold's recess (the {dims.sensor.label} is "
-        f"{dims.sensor.length_mm:g} mm long); at least {ceil2(minimum)} mm."
+        f"{dims.sensor.length_mm:g} mm long)",
+        at_least(minimum),
     )
 
 
-@RULES.rule("bone.relief_length_mm", "sensor.model", "sensor.distance_from_tip_mm", *_LENGTHS)
-def _relief_clear_of_pocket(d: DesignTables) -> str | None:
-    dims = compute_dimensions(d)
+@RULES.rule("bone.relief_length_mm")
+def relief_clear_of_pocket(d: DesignTables) -> Violation | None:
+    """The recess for the solder joints ends before the sensor's pocket."""
+    dims = d.dimensions
     pocket = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - d.sensor.clearance_mm
     maximum = 2 * (pocket - dims.tail_end_z)
     if d.bone.relief_length_mm <= maximum + SLACK:
         return None
-    return f"{d.bone.relief_length_mm:g} mm reaches under the sensor's head; at most {floor2(max(0.0, maximum))} mm."
+    return Violation(f"{d.bone.relief_length_mm:g} mm reaches under the sensor's head", at_most(maximum))
 
 
-@RULES.rule(
-    "sensor.distance_from_tip_mm", "bone.relief_length_mm", "bone.collar_length_mm", "sensor.model", *_LENGTHS,
-)  # fmt: skip
-def _relief_clear_of_collar(d: DesignTables) -> str | None:
-    dims = compute_dimensions(d)
+@RULES.rule("sensor.distance_from_tip_mm")
+def relief_clear_of_collar(d: DesignTables) -> Violation | None:
+    """The solder joints lie above or below the collar."""
+    dims, distance = d.dimensions, d.sensor.distance_from_tip_mm
     low, high = dims.relief_proximal_z, dims.tail_end_z + dims.relief_half_length
     if high <= -d.bone.collar_length_mm + SLACK or low >= -SLACK:
         return None
-    inwards, outwards = (
-        d.sensor.distance_from_tip_mm + low,
-        d.sensor.distance_from_tip_mm + high + d.bone.collar_length_mm,
-    )
-    return (
-        f"{d.sensor.distance_from_tip_mm:g} mm ends the tail in the collar, where the solder joints have no room; "
-        f"at least {ceil2(outwards)} mm, or at most {floor2(max(0.0, inwards))} mm."
+    # The solder joints lie either above the collar, under the skin, or below it.
+    above, below = distance + low, distance + high + d.bone.collar_length_mm
+    return Violation(
+        f"{distance:g} mm ends the tail in the collar, where there is no room for the solder joints",
+        (*at_least(below), *at_most(above)),
     )
 
 
-@RULES.rule(
-    "bone.collar_inset_mm", "skin.thickness_side_mm", "skin.thickness_dorsal_mm", "bone.wall_mm", "mold.method",
-    "mold.sleeve_interference_mm", "mold.silicone_shrinkage_percent", "sensor.clearance_mm",
-    "sensor.adhesive_thickness_mm", *_FLAT,
-)  # fmt: skip
-def _collar_stands_proud(d: DesignTables) -> str | None:
-    dims = compute_dimensions(d)
+@RULES.rule("bone.collar_inset_mm", bone_left_at_sides, bone_left_dorsally)
+def collar_carries_skin(d: DesignTables) -> Violation | None:
+    """The collar's face is high enough to carry the end of the skin."""
+    dims = d.dimensions
     sides = min(
-        _min_cover_of_collar(d, half, thickness) - 0.1
+        _thickness_at_collar(d, half, thickness) - _MIN_COLLAR_HEIGHT
         for half, thickness in (
             (d.skin.width_mm / 2, d.skin.thickness_side_mm),
             (d.skin.semi_axis_dorsal_mm, d.skin.thickness_dorsal_mm),
@@ -91,110 +84,103 @@ def _collar_stands_proud(d: DesignTables) -> str | None:
     if d.bone.collar_inset_mm <= maximum + SLACK:
         return None
     what = "the collar's height" if maximum == sides else "the collar below the tail's passage"
-    return f"{d.bone.collar_inset_mm:g} mm leaves too little of {what}; at most {floor2(max(0.0, maximum))} mm."
+    return Violation(f"{d.bone.collar_inset_mm:g} mm leaves too little of {what}", at_most(maximum))
 
 
-def _min_cover_of_collar(d: DesignTables, half_mm: float, thickness_mm: float) -> float:
-    """Silicone [mm] that ends on the collar, around the bone or a sleeve's core, which shrinkage makes larger."""
+def _thickness_at_collar(d: DesignTables, half_mm: float, thickness_mm: float) -> float:
+    """Compute the silicone [mm] that ends on the collar, around the bone or around a sleeve's enlarged core."""
     if d.mold.method == "overmold":
         return thickness_mm
-    core = (half_mm - thickness_mm - d.mold.sleeve_interference_mm) * compute_dimensions(d).shrinkage
+    core = (half_mm - thickness_mm - d.mold.sleeve_interference_mm) * d.dimensions.shrinkage
     return min(thickness_mm, half_mm - core)
 
 
-@RULES.rule(
-    "bone.groove_depth_mm", "bone.groove_width_mm", "bone.groove_distance_mm", "bone.wall_mm", "sensor.clearance_mm",
-    *_FLAT,
-)  # fmt: skip
-def _groove_beside_slot(d: DesignTables) -> str | None:
-    dims = compute_dimensions(d)
-    depth, section = d.bone.groove_depth_mm, dims.envelope.section
-    low = d.bone.groove_distance_mm
-    z = low + depth + d.bone.groove_width_mm
-    head = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - d.sensor.clearance_mm - d.bone.rim_mm
+@RULES.rule("bone.groove_depth_mm", tip_within_skin, bone_left_at_sides)
+def groove_clear_of_sensor(d: DesignTables) -> Violation | None:
+    """The groove ends before the sensor's head and keeps the wall beside its slot."""
+    dims = d.dimensions
+    depth, width, low = d.bone.groove_depth_mm, d.bone.groove_width_mm, d.bone.groove_distance_mm
     if depth == 0.0:
         return None
-    join = d.skin.length_mm - d.skin.tip_length_mm
-    if z + depth > min(head, join - 0.1) + SLACK:
+    z = low + depth + width
+    head = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - d.sensor.clearance_mm - d.bone.rim_mm
+    join = dims.taper_end_z
+    limit = min(head, join - 0.1)
+    if z + depth > limit + SLACK:
         where = "into the sensor's head at" if head < join else "into the rounded tip, which begins at"
-        return (
-            f"{depth:g} mm deep and {d.bone.groove_width_mm:g} mm wide, {low:g} mm from the collar, the groove runs "
-            f"{where} {min(head, join):.2f} mm; shorten bone.groove_distance_mm or bone.groove_width_mm, or "
-            "leave the groove out with at most 0 mm."
+        return Violation(
+            f"{depth:g} mm deep and {width:g} mm wide, {low:g} mm from the collar, the groove runs {where} "
+            f"{min(head, join):.2f} mm",
+            at_most(max(0.0, (limit - low - width) / 2)),
         )
+    section = dims.envelope.section
     scale = dims.envelope.scale_at(min(z, head)) * (1 - depth / section.half_width)
     room = section.half_width_at(-dims.flat_depth, scale)
     slot = dims.sensor.tail_width_mm / 2 + d.sensor.clearance_mm + d.bone.wall_mm
     if room >= slot - SLACK:
         return None
-    return f"{depth:g} mm cuts the wall beside the tail's slot; at most {floor2(max(0.0, depth - slot + room))} mm."
+    return Violation(f"{depth:g} mm cuts the wall beside the tail's slot", at_most(max(0.0, depth - slot + room)))
 
 
-@RULES.rule("bone.tie_hole_diameter_mm", "bone.wall_mm", "skin.semi_axis_dorsal_mm", "skin.thickness_dorsal_mm")
-def _tie_hole_within_back(d: DesignTables) -> str | None:
+@RULES.rule("bone.tie_hole_diameter_mm")
+def tie_hole_within_back(d: DesignTables) -> Violation | None:
+    """The tie hole fits the back of the base."""
     maximum = (d.skin.semi_axis_dorsal_mm - d.skin.thickness_dorsal_mm) / 2 - d.bone.wall_mm
     if d.bone.tie_hole_diameter_mm <= maximum + SLACK:
         return None
-    return (
-        f"{d.bone.tie_hole_diameter_mm:g} mm does not fit the back of the base; at most {floor2(max(0.0, maximum))} mm."
+    return Violation(f"{d.bone.tie_hole_diameter_mm:g} mm does not fit the back of the base", at_most(maximum))
+
+
+@RULES.rule("bone.post_diameter_mm", bone_left_at_sides, bone_left_dorsally)
+def post_within_base(d: DesignTables) -> Violation | None:
+    """The post is not wider than the base."""
+    if d.bone.interface != "plain" or _base_holds_circle(d, (d.bone.post_diameter_mm - SLACK) / 2):
+        return None
+    return Violation(f"{d.bone.post_diameter_mm:g} mm is wider than the base", at_most(_base_room(d)))
+
+
+@RULES.rule("bone.socket_diameter_mm", bone_left_at_sides, bone_left_dorsally)
+def socket_within_base(d: DesignTables) -> Violation | None:
+    """The base keeps a wall around the socket."""
+    wall, diameter = d.bone.wall_mm, d.bone.socket_diameter_mm
+    if d.bone.interface != "socket" or _base_holds_circle(d, (diameter - SLACK) / 2 + wall):
+        return None
+    return Violation(
+        f"{diameter:g} mm leaves less than {wall:g} mm of base around it", at_most(_base_room(d) - 2 * wall)
     )
 
 
-@RULES.rule("bone.post_diameter_mm", "bone.interface", *_FLAT)
-def _post_within_base(d: DesignTables) -> str | None:
-    if d.bone.interface != "plain":
-        return None
-    maximum = _base_room(d)
-    if d.bone.post_diameter_mm <= maximum + SLACK:
-        return None
-    return f"{d.bone.post_diameter_mm:g} mm is wider than the base; at most {floor2(max(0.0, maximum))} mm."
-
-
-@RULES.rule("bone.socket_diameter_mm", "bone.interface", "bone.wall_mm", *_FLAT)
-def _socket_within_base(d: DesignTables) -> str | None:
-    if d.bone.interface != "socket":
-        return None
-    maximum = _base_room(d) - 2 * d.bone.wall_mm
-    if d.bone.socket_diameter_mm <= maximum + SLACK:
-        return None
-    return (
-        f"{d.bone.socket_diameter_mm:g} mm leaves less than {d.bone.wall_mm:g} mm of base around it; "
-        f"at most {floor2(max(0.0, maximum))} mm."
+def _base_holds_circle(d: DesignTables, radius: float) -> bool:
+    """Whether a circle [mm] about the middle of the base's height stays inside the base's section."""
+    section, flat = d.dimensions.envelope.section, d.dimensions.flat_depth
+    middle = (section.dorsal - flat) / 2
+    if radius >= (section.dorsal + flat) / 2:
+        return False
+    angles = (math.pi * (i / _CIRCLE_POINTS - 0.5) for i in range(_CIRCLE_POINTS + 1))
+    return all(
+        radius * math.cos(angle) <= section.half_width_at(max(middle + radius * math.sin(angle), -flat)) + SLACK
+        for angle in angles
     )
 
 
 def _base_room(d: DesignTables) -> float:
-    """Diameter [mm] of the largest circle about the middle of the base's height that stays inside its section.
-
-    Sampled at 64 places of the circle and found by bisection.
-    """
-    dims = compute_dimensions(d)
-    section, flat = dims.envelope.section, dims.flat_depth
-    middle, low, high = (section.dorsal - flat) / 2, 0.0, (section.dorsal + flat) / 2
-    if high <= 0.0:
-        return 0.0
-    around = [(math.cos(a), math.sin(a)) for a in (math.pi * (i / 64 - 0.5) for i in range(65))]
-    for _ in range(30):
-        r = (low + high) / 2
-        inside = all(r * c <= section.half_width_at(max(middle + r * s, -flat)) + SLACK for c, s in around)
-        low, high = (r, high) if inside else (low, r)
-    return 2 * low
+    """Find the diameter [mm] of the largest circle that the base's section holds, by bisection."""
+    highest = (d.dimensions.envelope.section.dorsal + d.dimensions.flat_depth) / 2
+    return 2 * bisect(lambda radius: _base_holds_circle(d, radius), 0.0, highest, halvings=30)[0]
 
 
-@RULES.rule(
-    "bone.cross_bolt_diameter_mm", "bone.post_diameter_mm", "bone.post_length_mm", "bone.wall_mm", "bone.interface",
-    "bone.socket_depth_mm", "bone.socket_diameter_mm",
-)  # fmt: skip
-def _bolt_within_interface(d: DesignTables) -> str | None:
+@RULES.rule("bone.cross_bolt_diameter_mm")
+def cross_bolt_within_interface(d: DesignTables) -> Violation | None:
+    """Post or socket keeps a wall around the hole of the cross bolt."""
     bone = d.bone
-    socket = bone.interface == "socket"
-    across, along = (bone.socket_diameter_mm + bone.wall_mm, bone.socket_depth_mm) if socket else (
-        bone.post_diameter_mm, bone.post_length_mm
-    )  # fmt: skip
+    if bone.interface == "socket":
+        what, across, along = "socket", bone.socket_diameter_mm + bone.wall_mm, bone.socket_depth_mm
+    else:
+        what, across, along = "post", bone.post_diameter_mm, bone.post_length_mm
     maximum = min(across, along) - 2 * bone.wall_mm
     if bone.cross_bolt_diameter_mm <= maximum + SLACK:
         return None
-    return (
-        f"{bone.cross_bolt_diameter_mm:g} mm leaves less than {bone.wall_mm:g} mm around it in "
-        f"{'the socket' if socket else 'the post'}; at most {floor2(max(0.0, maximum))} mm."
+    return Violation(
+        f"{bone.cross_bolt_diameter_mm:g} mm leaves less than {bone.wall_mm:g} mm around it in the {what}",
+        at_most(maximum),
     )

@@ -1,79 +1,208 @@
-"""What a rule between parameters is, how rules are listed, and which of them a design breaks."""
+"""Engine of the rules between parameters: what a rule is, how rules are listed, and how a design is checked."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, cast
 
+from pydantic import BaseModel
+
+from fingertip.design.geometry.dimensions import Dimensions
+from fingertip.design.geometry.mold_layout import MoldLayout
 from fingertip.design.parameters import DesignTables
-from fingertip.errors import Issue
 
-Check = Callable[[DesignTables], str | None]
+SLACK = 1e-6
+"""Slack of the rules for lengths. A bound that is computed from other lengths carries rounding errors, and a design at
+the bound must not fail by one."""
+
+
+Interval = tuple[float, float]
+"""Closed interval of values of a field; infinite where it is open."""
+
+
+def at_least(minimum: float) -> tuple[Interval, ...]:
+    """Return the values from `minimum` on."""
+    return ((minimum, math.inf),)
+
+
+def at_most(maximum: float) -> tuple[Interval, ...]:
+    """Return the values up to `maximum`."""
+    return ((-math.inf, maximum),)
 
 
 @dataclass(frozen=True)
+class Violation:
+    """What a rule finds wrong with a design."""
+
+    problem: str
+    """Value of the blamed field and what is wrong with it, without a final full stop."""
+    passing: tuple[Interval, ...] = ()
+    """Values of the blamed field that pass this rule if all other parameters stay; empty if the rule cannot tell.
+
+    They may lie outside the field's own bounds, or break another rule. `fingertip.design.rules.remedies` recommends
+    none of them unchecked.
+    """
+    note: str = ""
+    """Condition under which the bounds hold, such as "with this r5_ohm"."""
+    alternatives: Mapping[str, Any] = field(default_factory=dict)
+    """Values of other fields, each of which may pass instead."""
+
+
+RuleFunction = Callable[[DesignTables], Violation | None]
+"""Checks a design, and returns None if it passes."""
+
+
+@dataclass(frozen=True, eq=False)
 class Rule:
-    """A check on a design: the field it blames, the fields it reads, the sentence it finds (None: passed)."""
+    """A rule between parameters."""
 
     field: str
-    reads: frozenset[str]
-    check: Check
+    """Field that the rule blames."""
+    check: RuleFunction
+    prerequisites: tuple[Rule, ...] = ()
+    """Rules that must pass before this one is checked."""
 
 
 class Ruleset:
-    """The rules of one module, in the order they are written there."""
+    """Rules of one module, in the order in which they are written there."""
 
     def __init__(self) -> None:
         self._rules: list[Rule] = []
 
-    def rule(self, field: str, *reads: str) -> Callable[[Check], Check]:
-        """Enlist the decorated check; it blames `field` and reads that and `reads`."""
+    def rule(self, field: str, *prerequisites: Rule) -> Callable[[RuleFunction], Rule]:
+        """Add the decorated function as a rule that blames `field` and is checked only if its prerequisites pass."""
 
-        def enlist(check: Check) -> Check:
-            self._rules.append(Rule(field, frozenset((field, *reads)), check))
-            return check
+        def add(check: RuleFunction) -> Rule:
+            self._rules.append(Rule(field, check, prerequisites))
+            return self._rules[-1]
 
-        return enlist
+        return add
 
     def __iter__(self) -> Iterator[Rule]:
         return iter(self._rules)
 
 
-def broken_rules(rules: Iterable[Rule], design: DesignTables) -> Iterator[tuple[Issue, frozenset[str]]]:
-    """Each broken rule's issue and the fields the rule reads; the first to break for a field speaks."""
-    blamed: set[str] = set()
+@dataclass(frozen=True)
+class BrokenRule:
+    """A rule that a design breaks."""
+
+    rule: Rule
+    violation: Violation
+    design: DesignTables
+
+    @cached_property
+    def reads(self) -> frozenset[str]:
+        """Parameters that decide the violation, recorded by checking the rule and its prerequisites once more.
+
+        Every design with the same values of these parameters breaks the rule in the same way.
+        """
+        recorder = RecordingTables(self.design)
+        list(find_violations([self.rule], recorder.as_tables()))
+        return frozenset(recorder.reads)
+
+
+class UnreadableParameterError(Exception):
+    """A rule reads a parameter whose own value is not valid."""
+
+
+class RuleChecker:
+    """Checks rules on one design, each at most once.
+
+    Parameters
+    ----------
+    design
+        Parameters within their own bounds.
+    unreadable
+        Parameters whose own values are not valid. A rule that reads one of them cannot be checked, so that one mistake
+        gives one message, and all other rules are still checked.
+    """
+
+    def __init__(self, design: DesignTables, unreadable: frozenset[str] = frozenset()) -> None:
+        self._design = design
+        self._unreadable = unreadable
+        self._passed: dict[Rule, bool] = {}
+        self.violations: dict[Rule, Violation] = {}
+        """Violations found so far."""
+
+    def passes(self, rule: Rule) -> bool:
+        """Check a rule after its prerequisites. A rule that cannot be checked does not pass, without a violation."""
+        if rule not in self._passed:
+            self._passed[rule] = all(map(self.passes, rule.prerequisites)) and self._check(rule)
+        return self._passed[rule]
+
+    def _check(self, rule: Rule) -> bool:
+        if self._unreadable:
+            try:
+                violation = rule.check(RecordingTables(self._design, self._unreadable).as_tables())
+            except UnreadableParameterError:
+                return False
+        else:
+            violation = rule.check(self._design)
+        if violation:
+            self.violations[rule] = violation
+        return violation is None
+
+
+def find_violations(
+    rules: Iterable[Rule], design: DesignTables, unreadable: frozenset[str] = frozenset()
+) -> Iterator[BrokenRule]:
+    """Check a design, and yield every rule it breaks, in the order of `rules`; the parameters are `RuleChecker`'s."""
+    checker = RuleChecker(design, unreadable)
     for rule in rules:
-        if rule.field not in blamed and (sentence := rule.check(design)):
-            blamed.add(rule.field)
-            yield Issue(rule.field, sentence), rule.reads
+        if not checker.passes(rule) and rule in checker.violations:
+            yield BrokenRule(rule, checker.violations[rule], design)
 
 
-def rounded_down(value: float) -> str:
-    """A positive `value` rounded down to four digits: a printed bound must pass when it is typed back in."""
-    return _rounded(value, math.floor)
+class RecordingTables:
+    """Stand-in for a design's tables that records which parameters are read, as "table.key".
+
+    Dimensions are derived through the stand-in, so that the parameters behind them are recorded too.
+    """
+
+    def __init__(self, design: DesignTables, unreadable: frozenset[str] = frozenset()) -> None:
+        self._design = design
+        self._unreadable = unreadable
+        self.reads: set[str] = set()
+
+    def as_tables(self) -> DesignTables:
+        """Return this object with the type of what it stands for."""
+        return cast(DesignTables, self)
+
+    def record(self, name: str) -> None:
+        """Record that a parameter is read. Raises `UnreadableParameterError`."""
+        self.reads.add(name)
+        if name in self._unreadable:
+            raise UnreadableParameterError(name)
+
+    @cached_property
+    def dimensions(self) -> Dimensions:
+        """Dimensions that read their parameters through this object."""
+        return Dimensions(self.as_tables())
+
+    @cached_property
+    def mold_layout(self) -> MoldLayout:
+        """Layout that reads its parameters through this object."""
+        return MoldLayout(self.as_tables())
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(self._design, name)
+        if isinstance(value, BaseModel):
+            if name in self._unreadable:
+                self.record(name)
+            return _RecordingTable(self, name, value)
+        self.record(name)
+        return value
 
 
-def rounded_up(value: float) -> str:
-    """A positive `value` rounded up to four digits."""
-    return _rounded(value, math.ceil)
+class _RecordingTable:
+    """Stand-in for one table."""
 
+    def __init__(self, recorder: RecordingTables, name: str, table: BaseModel) -> None:
+        self._recorder, self._name, self._table = recorder, name, table
 
-def _rounded(value: float, towards: Callable[[float], int]) -> str:
-    step = 10.0 ** (math.floor(math.log10(value)) - 3)
-    # A value that has four digits already must not lose one to the division's last bit.
-    return f"{towards(round(value / step, 6)) * step:.4g}"
-
-
-SLACK = 1e-6
-"""Bounds computed from other lengths carry rounding errors; a bound typed back in must not fail by one."""
-
-
-def floor2(value: float) -> str:
-    """A length rounded down to two decimals."""
-    return f"{math.floor(value * 100 + 1e-9) / 100:g}"
-
-
-def ceil2(value: float) -> str:
-    """A length rounded up to two decimals."""
-    return f"{math.ceil(value * 100 - 1e-9) / 100:g}"
+    def __getattr__(self, key: str) -> Any:
+        self._recorder.record(f"{self._name}.{key}")
+        return getattr(self._table, key)

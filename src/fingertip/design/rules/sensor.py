@@ -1,30 +1,35 @@
-"""Rules of a sensor that is not in the catalogue: what no sensor can be is refused."""
+"""Rules of a custom sensor: an outline that no sensor can have is refused."""
 
 from __future__ import annotations
 
-from fingertip.design.geometry.dimensions import compute_dimensions
 from fingertip.design.parameters import DesignTables
-from fingertip.design.rules.ruleset import SLACK, Ruleset, ceil2
+from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
 
 RULES = Ruleset()
-_TAB_MM = 1.0  # width of a solder tab: an assumption
+_TAB_MM = 1.0
+"""Width of a solder tab [mm]: an assumption."""
 
 
-@RULES.rule("custom_sensor.active_diameter_mm", "custom_sensor.head_diameter_mm", "sensor.model")
-def _active_area_within_head(d: DesignTables) -> str | None:
-    maximum = d.custom_sensor.head_diameter_mm
-    if d.sensor.model != "custom" or d.custom_sensor.active_diameter_mm <= maximum + SLACK:
+@RULES.rule("custom_sensor.active_diameter_mm")
+def active_area_within_head(d: DesignTables) -> Violation | None:
+    """The active area is not wider than the sensor's head."""
+    if d.sensor.model != "custom":
         return None
-    return f"{d.custom_sensor.active_diameter_mm:g} mm is wider than the sensor's head; at most {maximum:g} mm."
+    active, head = d.custom_sensor.active_diameter_mm, d.custom_sensor.head_diameter_mm
+    if active <= head + SLACK:
+        return None
+    return Violation(f"{active:g} mm is wider than the sensor's head", at_most(head))
 
 
-@RULES.rule("custom_sensor.tail_width_mm", "sensor.model")
-def _tail_holds_its_tabs(d: DesignTables) -> str | None:
-    pitch = compute_dimensions(d).sensor.tab_pitch_mm
+@RULES.rule("custom_sensor.tail_width_mm")
+def tail_holds_its_tabs(d: DesignTables) -> Violation | None:
+    """The tail is wide enough for two solder tabs."""
+    if d.sensor.model != "custom":
+        return None
+    width, pitch = d.custom_sensor.tail_width_mm, d.dimensions.sensor.tab_pitch_mm
     minimum = pitch + _TAB_MM
-    if d.sensor.model != "custom" or d.custom_sensor.tail_width_mm >= minimum - SLACK:
+    if width >= minimum - SLACK:
         return None
-    return (
-        f"{d.custom_sensor.tail_width_mm:g} mm does not hold two solder tabs of {_TAB_MM:g} mm, {pitch:g} mm apart; "
-        f"at least {ceil2(minimum)} mm."
+    return Violation(
+        f"{width:g} mm does not hold two solder tabs of {_TAB_MM:g} mm, {pitch:g} mm apart", at_least(minimum)
     )

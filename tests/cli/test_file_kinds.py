@@ -97,7 +97,7 @@ def test_pictures_are_called_what_they_are(tmp_path: Path) -> None:
     for name in ("x.pdf", "x"):
         done = run("picture", design_file("fsr400"), "--out", tmp_path / name)
         assert done.exit_code == 2
-        assert f"--out: '{name}' is no name of a PNG" in done.stderr
+        assert f"--out: '{name}' is not the name of a PNG file" in done.stderr
     assert not any(tmp_path.iterdir())
 
 
@@ -110,4 +110,4 @@ def test_results_that_find_no_room(words: tuple[str, ...]) -> None:
     )
     done = run_python("-c", script, *words)
     assert done.returncode == 2
-    assert done.stderr == "error: standard output: cannot be written (No space left on device); send it elsewhere.\n"
+    assert done.stderr == "error: standard output: cannot be written (No space left on device); redirect it elsewhere.\n"

@@ -1,0 +1,83 @@
+"""All tables of a design file, each parameter within its own bounds. The rules between parameters are checked later."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field
+from pydantic.fields import FieldInfo
+
+from fingertip.design.geometry.dimensions import Dimensions
+from fingertip.design.geometry.mold_layout import MoldLayout
+from fingertip.design.parameters.declaration import ParameterTable
+from fingertip.design.parameters.electronics import Board, Detector
+from fingertip.design.parameters.finger import Bone, CustomSensor, Mold, Printer, Sensor, Skin
+
+ELECTRONIC_TABLES = frozenset({"board", "detector"})
+"""Tables on which no part's shape depends."""
+
+
+class DesignTables(BaseModel):
+    """Contents of a design file."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip design")
+
+    name: str = Field("fsr400", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the output folder.")
+    sensor: Sensor = Sensor()
+    custom_sensor: CustomSensor = CustomSensor()
+    bone: Bone = Bone()
+    skin: Skin = Skin()
+    mold: Mold = Mold()
+    printer: Printer = Printer()
+    board: Board = Board()
+    detector: Detector = Detector()
+
+    @cached_property
+    def dimensions(self) -> Dimensions:
+        """Lengths and outlines derived from the parameters."""
+        return Dimensions(self)
+
+    @cached_property
+    def mold_layout(self) -> MoldLayout:
+        """Positions of gate, vents, bolts and keys, derived from the parameters."""
+        return MoldLayout(self)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Copy the tables with changes. Derived dimensions are kept only if no table they depend on changes."""
+        copy = super().model_copy(update=update, deep=deep)
+        if not ELECTRONIC_TABLES.issuperset(update or ()):
+            for name in ("dimensions", "mold_layout"):
+                copy.__dict__.pop(name, None)
+        return copy
+
+    def value(self, path: str) -> Any:
+        """Return the value of a parameter, such as "mold.draft_deg"."""
+        table, _, key = path.rpartition(".")
+        return getattr(getattr(self, table), key) if table else getattr(self, key)
+
+    def with_values(self, values: Mapping[str, Any]) -> Self:
+        """Copy the tables with other values of some parameters, such as {"mold.draft_deg": 2.0}, unchecked."""
+        update: dict[str, Any] = {}
+        for path, value in values.items():
+            table, _, key = path.rpartition(".")
+            if table:
+                update[table] = update.get(table, getattr(self, table)).model_copy(update={key: value})
+            else:
+                update[key] = value
+        return self.model_copy(update=update)
+
+
+def _list_fields() -> Mapping[str, FieldInfo]:
+    fields: dict[str, FieldInfo] = {}
+    for name, info in DesignTables.model_fields.items():
+        if isinstance(info.default, ParameterTable):
+            fields |= {f"{name}.{key}": field for key, field in type(info.default).model_fields.items()}
+        else:
+            fields[name] = info
+    return fields
+
+
+PARAMETERS: Mapping[str, FieldInfo] = _list_fields()
+"""Declaration of every parameter by its dotted name, in the order of a design file."""

@@ -1,0 +1,86 @@
+"""Parameters of the analog filter board and of slip detection. The defaults are the article's."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from fingertip.design.parameters.declaration import ParameterTable, choice, quantity
+
+
+class Board(ParameterTable):
+    """Analog slip filter (article, eqs. 1 to 11 and figure 3)."""
+
+    variant: Literal["article", "precision", "comparator"] = choice(
+        "article",
+        "article: the article's circuit; precision: no dead zone, one envelope pole; comparator: an ON/OFF output too.",
+    )
+    cutoff_hz: float = quantity(
+        67.0, "Hz", "Cutoff frequency of the third-order Butterworth high-pass.", above=0, maximum=10000
+    )
+    capacitor_uf: float = quantity(1.0, "uF", "Filter capacitors C1 = C2 = C3.", minimum=1e-6, maximum=1000)
+    passband_gain: float = quantity(
+        1 + 100 / 1.5,
+        "",
+        "Passband gain G = 1 + R5/R4; the article prints 66.7, which is R5/R4 alone.",
+        above=1,
+        maximum=10000,
+    )
+    r5_ohm: float = quantity(100e3, "ohm", "Feedback resistor R5 of the first stage.", minimum=1000, maximum=10e6)
+    envelope_cutoff_hz: float = quantity(
+        36.17, "Hz", "Cutoff frequency of the envelope, 1 / (2 pi R_LP C_LP).", above=0, maximum=10000
+    )
+    envelope_capacitor_uf: float = quantity(2.2, "uF", "Envelope capacitor C_LP.", minimum=1e-6, maximum=1000)
+    capacitor_series: Literal["given", "E6", "E12"] = choice(
+        "given",
+        "given: the capacitors above; E6, E12: selected from this series by cutoff, together with the resistors.",
+    )
+    series: Literal["E12", "E24", "E96"] = choice("E24", "Series of preferred values for resistors (IEC 60063).")
+    resistor_tolerance_percent: float = quantity(
+        1.0, "%", "Tolerance of the filter's resistors, for the tolerance analysis.", minimum=0, maximum=20
+    )
+    capacitor_tolerance_percent: float = quantity(
+        5.0, "%", "Tolerance of the filter's capacitors, for the tolerance analysis.", minimum=0, maximum=20
+    )
+    band_limit_hz: float = quantity(
+        1000.0,
+        "Hz",
+        "Low-pass cutoff of the first stage against amplifier noise (precision, comparator; article has none).",
+        minimum=10,
+        maximum=1e5,
+    )
+    gain_bandwidth_hz: float = quantity(
+        3e6,
+        "Hz",
+        "Gain-bandwidth product of the amplifier (TLV2372: 3e6; TL082 of variant article, split supply: 4e6).",
+        minimum=1e4,
+        maximum=1e9,
+    )
+    supply: Literal["split", "single"] = choice(
+        "split",
+        "split: plus and minus supply_v; single: supply_v alone, with signals around a buffered half of it.",
+    )
+    supply_v: float = quantity(5.0, "V", "Supply voltage, or each half of a split supply.", minimum=5, maximum=6)
+
+
+class Detector(ParameterTable):
+    """Slip detection: sampling, averaging window and threshold (article, eq. 12)."""
+
+    sample_rate_hz: float = quantity(2000.0, "Hz", "Sampling rate of the traces.", minimum=1000, maximum=20000)
+    window_samples: int = quantity(60, "samples", "Length L of the averaging window.", minimum=1, maximum=10000)
+    threshold_v: float = quantity(
+        0.017,
+        "V",
+        "Threshold of the mean envelope above which slip is ON; default: 6 sigma above the digital detector's noise.",
+        above=0,
+        maximum=10,
+    )
+    noise_v: float = quantity(
+        0.4e-3,
+        "V",
+        "RMS noise of the sampled voltages without ADC quantisation; default: an NI 6002, as in the article.",
+        minimum=0,
+        maximum=1,
+        verified=False,
+    )
+    adc_bits: int = quantity(16, "bit", "Resolution of the ADC.", minimum=8, maximum=24)
+    adc_range_v: float = quantity(10.0, "V", "Input range of the ADC, plus and minus this.", above=0, maximum=100)

@@ -1,0 +1,227 @@
+"""Parameters of the printed parts: sensor, bone, skin, mold and printer. The defaults are the FSR 400 finger's."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from fingertip.design.parameters.declaration import ParameterTable, choice, quantity
+from fingertip.design.threads import MIN_HOLE_MM
+
+
+class Sensor(ParameterTable):
+    """Force-sensing resistor, and its pocket in the bone."""
+
+    model: Literal["fsr400", "fsr400_short", "fsr402", "fsr402_short", "custom"] = choice(
+        "fsr400", "Force-sensing resistor from the catalogue, or custom: [custom_sensor] then holds its outline."
+    )
+    distance_from_tip_mm: float = quantity(
+        11.5, "mm", "Distance from the skin's tip to the centre of the active area.", minimum=3, maximum=60
+    )
+    clearance_mm: float = quantity(0.15, "mm", "Gap around the sensor in its pocket and slot.", minimum=0.02, maximum=1)
+    adhesive_thickness_mm: float = quantity(
+        0.13,
+        "mm",
+        "Thickness of the adhesive film under the sensor; it deepens the pocket.",
+        minimum=0,
+        maximum=0.5,
+        verified=False,
+    )
+
+
+class CustomSensor(ParameterTable):
+    """Outline of a sensor that is not in the catalogue; used only if sensor.model is "custom"."""
+
+    active_diameter_mm: float = quantity(5.08, "mm", "Diameter of the active area.", minimum=1, maximum=40)
+    head_diameter_mm: float = quantity(7.62, "mm", "Diameter of the round head.", minimum=2, maximum=50)
+    thickness_mm: float = quantity(0.3, "mm", "Thickness of head and tail.", minimum=0.05, maximum=3)
+    length_mm: float = quantity(
+        38.0, "mm", "Length from the far edge of the head to the end of the tail.", minimum=5, maximum=150
+    )
+    tail_width_mm: float = quantity(6.4, "mm", "Width of the tail.", minimum=1, maximum=30)
+
+
+class Bone(ParameterTable):
+    """Rigid core that carries the sensor, and its interface to the proximal phalanx."""
+
+    base_length_mm: float = quantity(
+        22.0, "mm", "Length of the base between the skin's end and the interface.", minimum=4, maximum=60
+    )
+    squareness_palmar: float = quantity(
+        1.3, "", "Conic weight of the palmar edges (0.71: ellipse, 2: nearly a box).", minimum=0.5, maximum=8
+    )
+    rim_mm: float = quantity(0.6, "mm", "Width of the flat rim around the sensor's head.", minimum=0.2, maximum=5)
+    wall_mm: float = quantity(
+        1.0, "mm", "Minimum wall between cable channel, sensor slot and outer surface.", minimum=0.4, maximum=5
+    )
+    channel_diameter_mm: float = quantity(
+        2.4, "mm", "Diameter of the cable channel from the solder tabs to the back.", minimum=0.8, maximum=10
+    )
+    channel_bend_radius_mm: float = quantity(
+        3.0, "mm", "Bend radius of the channel's centre line.", minimum=1, maximum=20
+    )
+    relief_length_mm: float = quantity(
+        5.0, "mm", "Length of the recess for the solder joints at the end of the tail.", minimum=2, maximum=20
+    )
+    tie_hole_diameter_mm: float = quantity(
+        1.6,
+        "mm",
+        "Diameter of the hole for the cable tie (strain relief), across the back below the cables' exit.",
+        minimum=0.8,
+        maximum=6,
+    )
+    collar_length_mm: float = quantity(
+        2.0,
+        "mm",
+        "Length of the collar on which the skin ends, at the parting plane; the draft shortens it elsewhere.",
+        minimum=0.8,
+        maximum=10,
+    )
+    collar_inset_mm: float = quantity(0.3, "mm", "Inset of the collar from the skin's outline.", minimum=0.1, maximum=5)
+    groove_depth_mm: float = quantity(
+        0.6, "mm", "Depth of the groove around the bone that retains the skin; 0: no groove.", minimum=0, maximum=3
+    )
+    groove_width_mm: float = quantity(3.0, "mm", "Width of the groove at its floor.", minimum=0.5, maximum=15)
+    groove_distance_mm: float = quantity(2.0, "mm", "Distance from the collar to the groove.", minimum=0.5, maximum=60)
+    interface: Literal["plain", "socket"] = choice(
+        "plain",
+        "Interface to the proximal phalanx. plain: a post on the bone; socket: a hole for the phalanx's post.",
+    )
+    post_diameter_mm: float = quantity(7.0, "mm", "Diameter of the post (interface plain).", minimum=2, maximum=25)
+    post_length_mm: float = quantity(8.0, "mm", "Length of the post (interface plain).", minimum=2, maximum=40)
+    socket_diameter_mm: float = quantity(5.0, "mm", "Diameter of the socket (interface socket).", minimum=2, maximum=25)
+    socket_depth_mm: float = quantity(8.0, "mm", "Depth of the socket (interface socket).", minimum=2, maximum=40)
+    cross_bolt_diameter_mm: float = quantity(
+        2.2, "mm", "Diameter of the cross bolt's hole through post or socket.", minimum=MIN_HOLE_MM, maximum=6
+    )
+
+
+class Skin(ParameterTable):
+    """Outer shape of the silicone skin, and its thickness over the bone."""
+
+    width_mm: float = quantity(17.0, "mm", "Full width at the skin's end.", minimum=6, maximum=60)
+    semi_axis_palmar_mm: float = quantity(
+        6.0, "mm", "Height of the pad, measured from the parting plane.", minimum=2, maximum=40
+    )
+    semi_axis_dorsal_mm: float = quantity(
+        7.0, "mm", "Height of the back, measured from the parting plane.", minimum=2, maximum=40
+    )
+    length_mm: float = quantity(34.0, "mm", "Length from the skin's end to its tip.", minimum=8, maximum=120)
+    tip_length_mm: float = quantity(10.0, "mm", "Length of the rounded tip, part of the length.", minimum=2, maximum=60)
+    taper_ratio: float = quantity(
+        0.94, "", "Size of the cross-section where the tip begins, relative to the skin's end.", minimum=0.4, maximum=1
+    )
+    squareness_palmar: float = quantity(
+        0.8, "", "Conic weight of the pad's arcs (0.71: ellipse).", minimum=0.4, maximum=4
+    )
+    squareness_dorsal: float = quantity(
+        0.75, "", "Conic weight of the back's arcs (0.71: ellipse).", minimum=0.4, maximum=4
+    )
+    squareness_tip: float = quantity(
+        0.75, "", "Conic weight of the tip's profile (0.71: ellipse).", minimum=0.4, maximum=4
+    )
+    thickness_side_mm: float = quantity(2.0, "mm", "Skin thickness at the sides.", minimum=0.4, maximum=15)
+    thickness_palmar_mm: float = quantity(
+        3.0,
+        "mm",
+        "Skin thickness over the centre of the sensor, from the bone's flat to the pad's surface.",
+        minimum=0.4,
+        maximum=20,
+    )
+    thickness_dorsal_mm: float = quantity(1.5, "mm", "Skin thickness on the back.", minimum=0.4, maximum=15)
+    thickness_tip_mm: float = quantity(2.5, "mm", "Skin thickness in front of the bone.", minimum=0.4, maximum=20)
+    min_thickness_mm: float = quantity(
+        0.8, "mm", "Minimum skin thickness anywhere, measured from bone to surface.", minimum=0.2, maximum=10
+    )
+
+
+class Mold(ParameterTable):
+    """Two-part mold, parted at the plane through the silhouette, and the casting method."""
+
+    method: Literal["overmold", "sleeve"] = choice(
+        "overmold",
+        "overmold: cast around bone and sensor; sleeve: cast around a dummy core, then pulled over the bone.",
+    )
+    sleeve_interference_mm: float = quantity(
+        0.15,
+        "mm",
+        "Inset of the core from the bone on every side, so that a sleeve fits tightly.",
+        minimum=0,
+        maximum=1,
+    )
+    max_stretch_percent: float = quantity(
+        100.0,
+        "%",
+        "Maximum strain of a sleeve while it is pulled over the bone.",
+        minimum=5,
+        maximum=500,
+        verified=False,
+    )
+    silicone_shrinkage_percent: float = quantity(
+        0.2,
+        "%",
+        "Linear shrinkage of the silicone, by which the cavity and a sleeve's core are enlarged.",
+        minimum=0,
+        maximum=5,
+    )
+    wall_mm: float = quantity(4.0, "mm", "Mold wall below, above and behind the cavity.", minimum=1.2, maximum=30)
+    land_mm: float = quantity(
+        3.0, "mm", "Width of the flat land between the cavity and the bolts or keys.", minimum=1, maximum=20
+    )
+    draft_deg: float = quantity(
+        3.0, "degree", "Draft angle of the registration keys and of the recess's walls.", minimum=0, maximum=15
+    )
+    fit_clearance_mm: float = quantity(
+        0.15, "mm", "Gap between the bone's base and its recess in the mold.", minimum=0.02, maximum=1
+    )
+    recess_length_mm: float = quantity(
+        8.0, "mm", "Length of the recess that holds the bone's base.", minimum=2, maximum=60
+    )
+    gate_diameter_mm: float = quantity(
+        3.0, "mm", "Diameter of the gate into the cavity, beside the apex.", minimum=0.8, maximum=12
+    )
+    funnel_diameter_mm: float = quantity(
+        7.0, "mm", "Diameter of the sprue's funnel at its mouth.", minimum=1, maximum=30
+    )
+    funnel_depth_mm: float = quantity(4.0, "mm", "Depth of the funnel.", minimum=0.5, maximum=30)
+    vent_diameter_mm: float = quantity(
+        1.2, "mm", "Diameter of the vents, at the apex and opposite the gate.", minimum=0.4, maximum=5
+    )
+    bolt_diameter_mm: float = quantity(
+        3.4, "mm", "Diameter of the clamp bolts' clearance holes (3.4: M3).", minimum=MIN_HOLE_MM, maximum=9
+    )
+    nut_width_mm: float = quantity(
+        5.8, "mm", "Width of the nut traps across flats, with clearance.", minimum=2, maximum=16
+    )
+    nut_depth_mm: float = quantity(2.6, "mm", "Depth of the nut traps.", minimum=0.5, maximum=10)
+    key_diameter_mm: float = quantity(
+        5.0, "mm", "Diameter of the larger registration key at its root.", minimum=1.5, maximum=20
+    )
+    key_height_mm: float = quantity(2.5, "mm", "Height of the registration keys.", minimum=0.5, maximum=10)
+    key_clearance_mm: float = quantity(0.15, "mm", "Gap around the registration keys.", minimum=0.02, maximum=1)
+    pry_width_mm: float = quantity(8.0, "mm", "Width of the slots for prying the halves apart.", minimum=2, maximum=40)
+    pry_depth_mm: float = quantity(2.5, "mm", "Depth of the pry slots.", minimum=0.5, maximum=15)
+    pry_height_mm: float = quantity(1.2, "mm", "Height of the pry slots at their mouth.", minimum=0.4, maximum=6)
+    engraving_height_mm: float = quantity(
+        5.0, "mm", "Height of the engraved letters, where they fit.", minimum=3, maximum=20
+    )
+    engraving_depth_mm: float = quantity(
+        0.5, "mm", "Depth of the engraved letters; 0: no engraving.", minimum=0, maximum=2
+    )
+
+
+class Printer(ParameterTable):
+    """Printer: build volume, minimum wall and dimensional correction."""
+
+    scale_percent: float = quantity(
+        100.0,
+        "%",
+        "Scale of the printed parts in STL and 3MF, relative to the design; STEP stays at 100.",
+        minimum=95,
+        maximum=105,
+    )
+    bed_x_mm: float = quantity(120.0, "mm", "Width of the bed.", minimum=20, maximum=2000)
+    bed_y_mm: float = quantity(68.0, "mm", "Depth of the bed.", minimum=20, maximum=2000)
+    bed_z_mm: float = quantity(150.0, "mm", "Maximum height of a print.", minimum=20, maximum=2000)
+    min_wall_mm: float = quantity(
+        0.8, "mm", "Minimum wall that prints (SLA 0.6 to 0.8, FDM 0.8 to 1).", minimum=0.1, maximum=5
+    )

@@ -1,0 +1,154 @@
+"""Search in one dimension for the value of a parameter that passes the rules, and numbers as they are typed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fingertip.design.parameters.declaration import Bounds, find_bounds
+from fingertip.design.parameters.design_tables import ELECTRONIC_TABLES, PARAMETERS, DesignTables
+from fingertip.design.rules.ruleset import Rule, RuleChecker, find_violations
+from fingertip.numerics import bisect
+
+_GRID_POINTS = 48
+"""Values between a parameter's bounds at which the search starts."""
+_HALVINGS = 9
+"""Halvings of the interval between a failing and a passing value."""
+_DIGITS = (3, 4, 5)
+"""Significant digits to which a value that was found is rounded, if it passes then."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """Search for passing values near a design.
+
+    Every value it returns was checked with all rules, or with the one rule that is asked for.
+    """
+
+    rules: tuple[Rule, ...]
+    """Rules to pass, those that take long last."""
+    suspects: tuple[Rule, ...]
+    """Rules that are checked first, because they are likely to fail."""
+    unreadable: frozenset[str] = frozenset()
+    """Parameters whose own values are not valid."""
+    before: DesignTables | None = None
+    """Design whose values are tried too."""
+
+    def passes(self, tables: DesignTables, only: Rule | None = None) -> bool:
+        """Whether tables pass all rules, or the one rule and its prerequisites."""
+        if only is not None:
+            return RuleChecker(tables, self.unreadable).passes(only)
+        return next(find_violations((*self.suspects, *self.rules), tables, self.unreadable), None) is None
+
+    def nearest(self, tables: DesignTables, name: str, only: Rule | None = None) -> Any:
+        """Find the value of a numeric parameter that passes and is nearest to its present one; None if there is none.
+
+        The value is the nearest one on a grid between the parameter's bounds, refined by bisection. A range of passing
+        values that is narrower than the grid may be missed.
+        """
+        if not is_number(name) or name in self.unreadable:
+            return None
+        present = tables.value(name)
+        nearest_failing = {True: present, False: present}
+        for value in self._grid(name, present):
+            above = value > present
+            if self.passes(tables.with_values({name: value}), only):
+                return self.refine(tables, name, nearest_failing[above], value, only)
+            nearest_failing[above] = value
+        return None
+
+    def refine(self, tables: DesignTables, name: str, failing: float, passing: float, only: Rule | None = None) -> Any:
+        """Move a passing value of a parameter towards a failing one by bisection, and round it."""
+
+        def passes(value: float) -> bool:
+            return self.passes(tables.with_values({name: value}), only)
+
+        def between(share: float) -> float:
+            if min(failing, passing) > 0.0 and max(failing, passing) > 4.0 * min(failing, passing):
+                return as_typed(name, failing * (passing / failing) ** share)
+            return as_typed(name, failing + share * (passing - failing))
+
+        _, share = bisect(lambda share: not passes(between(share)), 0.0, 1.0, halvings=_HALVINGS)
+        best = passing if share == 1.0 else between(share)
+        for digits in _DIGITS:
+            rounded = as_typed(name, round_digits(best, digits, up=best > failing))
+            if bounds_of(name).contain(rounded) and passes(rounded):
+                return rounded
+        return best
+
+    def _grid(self, name: str, present: float) -> Sequence[float]:
+        """Values between the parameter's bounds, the nearest to the present one first."""
+        bounds = bounds_of(name)
+        high = bounds.maximum if bounds.maximum is not None else 2.0 * abs(present) + 1.0
+        low = bounds.minimum if bounds.minimum is not None else (bounds.above or 0.0) + 1e-6 * high
+        is_wide = low > 0.0 and high / low > 300.0
+        shares = [i / _GRID_POINTS for i in range(_GRID_POINTS)]
+        values = [low * (high / low) ** share if is_wide else low + (high - low) * share for share in shares]
+        values += [high, PARAMETERS[name].default]
+        if self.before is not None:
+            values.append(self.before.value(name))
+        inside = {as_typed(name, value) for value in values if bounds.contain(value)} - {present}
+
+        def distance(value: float) -> float:
+            return abs(math.log(value / present)) if is_wide and present > 0.0 else abs(value - present)
+
+        return sorted(inside, key=lambda value: (distance(value), value))
+
+
+def bounds_of(name: str) -> Bounds:
+    """Return the bounds of a numeric parameter."""
+    return find_bounds(PARAMETERS[name])
+
+
+def is_number(name: str) -> bool:
+    """Whether a parameter is numeric."""
+    return PARAMETERS[name].annotation in (float, int)
+
+
+def as_typed(name: str, value: float) -> float:
+    """Return a value with the parameter's type: rounded if it is a whole number."""
+    return round(value) if PARAMETERS[name].annotation is int else value
+
+
+def round_bound(name: str, value: float, up: bool) -> float:
+    """Round a bound of a parameter inwards: to four digits in the electronic tables, else to two decimals."""
+    if PARAMETERS[name].annotation is int:
+        return math.ceil(value - 1e-9) if up else math.floor(value + 1e-9)
+    if _is_electronic(name):
+        return round_digits(value, 4, up)
+    return (math.ceil(value * 100 - 1e-9) if up else math.floor(value * 100 + 1e-9)) / 100
+
+
+def round_digits(value: float, digits: int, up: bool) -> float:
+    """Round a number up or down to a number of significant digits."""
+    if value == 0.0:
+        return 0.0
+    step = 10.0 ** (math.floor(math.log10(abs(value))) - digits + 1)
+    # A value that has so few digits already must not lose one to the division's last bit.
+    count = round(value / step, 6)
+    return float(f"{(math.ceil(count) if up else math.floor(count)) * step:.{digits}g}")
+
+
+def format_value(name: str, value: Any) -> str:
+    """Write a value so that it is the same number when it is typed in."""
+    if not isinstance(value, float):
+        return str(value)
+    text = f"{value:.4g}" if _is_electronic(name) else f"{value:g}"
+    return text if float(text) == value else repr(value)
+
+
+def join_assignments(values: Mapping[str, Any]) -> str:
+    """Write values as they are typed after --set, such as "skin.width_mm=18 and bone.wall_mm=1"."""
+    texts = [f"{name}={format_value(name, value)}" for name, value in values.items()]
+    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} and {texts[-1]}"
+
+
+def cheapest_first(rules: Iterable[Rule]) -> tuple[Rule, ...]:
+    """Order rules so that those which measure the silicone come last: they take longest, and need most others."""
+    return tuple(sorted(rules, key=lambda rule: len(rule.prerequisites)))
+
+
+def _is_electronic(name: str) -> bool:
+    return name.partition(".")[0] in ELECTRONIC_TABLES

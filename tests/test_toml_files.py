@@ -1,0 +1,90 @@
+"""Kinds of TOML files: identified by the names they hold, and refused where another kind is expected."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fingertip.design import Design
+from fingertip.errors import TomlFileError
+from fingertip.sim import ManipulationFile, SceneFile
+from fingertip.sweep.sweep_file import SweepFile
+from fingertip.toml_files import DESIGN, KINDS, MANIPULATION, SCENE, SWEEP, identify_kind, read_toml, split_changes
+from tests.conftest import ROOT
+
+
+def test_names_of_each_kind_are_those_of_its_model() -> None:
+    models = {DESIGN: Design, SCENE: SceneFile, MANIPULATION: ManipulationFile, SWEEP: SweepFile}
+    assert set(models) == set(KINDS)
+    for kind, model in models.items():
+        assert kind.names == set(model.model_fields), kind.name
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ('scene = "x"', SCENE),
+        ("[skin]", DESIGN),
+        ('name = "mine"', DESIGN),
+        ("", None),
+        ("[nonsense]", None),
+        ("[slide]", SCENE),
+        ("[sensing]", SCENE),
+        ("[grasp]", MANIPULATION),
+        ("[sensing]\n[grasp]", MANIPULATION),
+        ("[axes]", SWEEP),
+        ("[axes]\n[design]\n[scene]\n", SWEEP),
+        ("[skin\n", None),
+    ],
+)
+def test_kind_follows_from_the_names_at_the_top_level(tmp_path: Path, text: str, kind: object) -> None:
+    (tmp_path / "a.toml").write_text(text)
+    assert identify_kind(tmp_path / "a.toml") == kind
+
+
+@pytest.mark.parametrize("folder", ["", "scenes", "sweeps"])
+def test_bundled_files_are_identified(folder: str) -> None:
+    expected = {"": {DESIGN}, "scenes": {SCENE, MANIPULATION}, "sweeps": {SWEEP}}[folder]
+    files = list((ROOT / "params" / folder).glob("*.toml"))
+    assert files
+    assert {identify_kind(file) for file in files} == expected
+
+
+def test_names_of_two_kinds_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text("[slide]\n[skin]")
+    with pytest.raises(TomlFileError, match="holds slide of a scene and skin of a design; write them in two files"):
+        identify_kind(tmp_path / "a.toml")
+    (tmp_path / "a.toml").write_text("[slide]\n[knock]")
+    with pytest.raises(TomlFileError, match=r"holds knock of a manipulation and slide of a scene; .* one for each"):
+        identify_kind(tmp_path / "a.toml")
+
+
+def test_a_file_of_another_kind_is_refused_with_its_command(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text("[tap]\nforce_n = 2\n")
+    with pytest.raises(TomlFileError, match="is a scene file, not a design file; give it to `fingertip simulate`"):
+        read_toml(path, DESIGN)
+    path.write_text("outputs = []\n")  # a name that scenes and sweeps share
+    assert read_toml(path, SWEEP) == {"outputs": []}
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    for content, message in ((b"[mold\n", "is not valid TOML: "), (b"\xff\xfe\x00", "is not UTF-8 text; save it")):
+        path.write_bytes(content)
+        with pytest.raises(TomlFileError, match=message):
+            read_toml(path, DESIGN)
+    with pytest.raises(TomlFileError, match="give the path of a sweep file"):
+        read_toml(tmp_path / "none.toml", SWEEP)
+
+
+def test_changes_go_to_the_file_that_knows_their_name() -> None:
+    changes = ["tap.force_n=1", "knock.at_s=1", "outputs=[]"]
+    assert split_changes(changes, [SCENE]) == (["tap.force_n=1", "outputs=[]"], ["knock.at_s=1"])
+    others = ["cable.hum_v=1", *changes[1:]]
+    assert split_changes(others, [MANIPULATION]) == (others[1:], others[:1])
+    assert split_changes(changes, [SCENE, MANIPULATION]) == (changes, [])
+    assert split_changes(["tap.force_n=1", "skin.width_mm=18"], [SCENE]) == (["tap.force_n=1"], ["skin.width_mm=18"])
+    unknown = ["tp.force_n=1", "skn.width_mm=18", "x=1"]
+    assert split_changes(unknown, [SCENE]) == (unknown[:1], unknown[1:])

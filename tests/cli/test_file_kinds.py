@@ -88,7 +88,7 @@ def test_a_design_as_text_within_one_object() -> None:
 def test_a_speed_where_nothing_slides() -> None:
     done = run("simulate", SCENE, "--speed-m-s", "0.05")
     assert done.exit_code == 2
-    assert "--speed-m-s: 0.05 m/s changes nothing, for nothing slides here; leave it out" in done.stderr
+    assert "--speed-m-s: 0.05 m/s has no effect, because nothing slides here; leave it out" in done.stderr
     slides = run("simulate", SCENE, "--speed-m-s", "0.05", "--set", "slide.distance_m=0.04", "--parameters")
     assert slides.exit_code == 0
 

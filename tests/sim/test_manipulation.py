@@ -252,7 +252,7 @@ def test_seed_determines_the_result():
         ({"knock": {"stroke_m": 0.002}}, "knock.stroke_m", "too short to stop from 0.08 m/s; at least 0.0032 m"),
         ({"hand": {"lag_s": 0.0}}, "hand.lag_s", "0.0 s is too small; at least 0.001 s"),
         ({"sensing": {"jitter_s": 1e-5}}, "sensing.jitter_s", "not modelled with the hand in the loop; set it to 0"),
-        ({"outputs": ["shear_m"]}, "outputs", "'shear_m' is no output"),
+        ({"outputs": ["shear_m"]}, "outputs", "'shear_m' is not an output"),
         ({"knok": {}}, "knok", "there is no such parameter; did you mean knock?"),
     ],
     ids=str,

@@ -40,6 +40,8 @@ C = (
 )
 """Coefficients c_ij of stages 2 to 6."""
 
+_, ALPHA2, ALPHA3, ALPHA4, _, _ = ALPHA
+D1, D2, D3, D4, _, _ = D
 (A21,), (A31, A32), (A41, A42, A43), (A51, A52, A53, A54) = A
 (C21,), (C31, C32), (C41, C42, C43), (C51, C52, C53, C54), (C61, C62, C63, C64, C65) = C
 
@@ -98,7 +100,7 @@ def _coupled_loop(
     mount: tuple[float, float, float],
     press: tuple[float, float, float],
     weights: tuple[float, float, float, float, float],
-    cap: int,
+    max_steps: int,
     H: float,
     Xs: Sequence[float],
     Vs: Sequence[float],
@@ -131,15 +133,15 @@ def _coupled_loop(
         q2 = (3 * (X1 - X0) / H - 2 * V0 - V1) / H
         q3 = ((V0 + V1) - 2 * (X1 - X0) / H) / (H * H)
         slope = (d1 - d0) / H
-        t, tried = 0.0, 0
+        t, attempts = 0.0, 0
         while t < H:
-            tried += 1
-            if tried > cap:
+            attempts += 1
+            if attempts > max_steps:
                 count[2] = i + 1
                 return
             # Step size: land exactly on the sample, and split what is left into halves rather than leave a tiny rest.
-            last = t + h >= H * (1 - 1e-9)
-            taken = H - t if last else 0.5 * (H - t) if t + 2 * h > H else h
+            is_last = t + h >= H * (1 - 1e-9)
+            step = H - t if is_last else 0.5 * (H - t) if t + 2 * h > H else h
 
             # Drive and right-hand side at the start of the step.
             V = V0 + t * (2 * q2 + 3 * q3 * t)
@@ -150,9 +152,9 @@ def _coupled_loop(
             # Stribeck curve g(v) and its derivative; elasto-plastic factor alpha(v, z) and its derivatives.
             load = y if y > 0.0 else 0.0
             ratio = v / vs
-            bottom = 1 + ratio * ratio
-            g = mu_c + drop / bottom
-            dg = -2 * drop * ratio / (vs * bottom * bottom)
+            denominator = 1 + ratio * ratio
+            g = mu_c + drop / denominator
+            dg = -2 * drop * ratio / (vs * denominator * denominator)
             speed, sign = abs(v), 1.0 if v >= 0.0 else -1.0
             alpha, by_v, by_z = 1.0, 0.0, 0.0
             if elastic > 0.0:
@@ -164,9 +166,9 @@ def _coupled_loop(
                         alpha = 1.0
                     elif share > 0.0:
                         alpha = share * share * (3 - 2 * share)
-                        steep = 6 * share * (1 - share)
-                        by_z = steep * (s0 if z > 0.0 else -s0) / width
-                        by_v = -steep * share * dg / width
+                        d_alpha = 6 * share * (1 - share)
+                        by_z = d_alpha * (s0 if z > 0.0 else -s0) / width
+                        by_v = -d_alpha * share * dg / width
 
             # Jacobian. Row z: b by v, a by z, zy by y. Row v: vx, vv, vz, vy. Row w: wy, ww. In rows x and y the only
             # entry is 1, by v and by w.
@@ -186,83 +188,83 @@ def _coupled_loop(
 
             # Pivots of E = e - J with e = 1/(gamma h). The blocks (y, w) and (x, v, z) are solved one after the other:
             # y and w do not depend on the others.
-            e = 4 / taken
+            e = 4 / step
             py = 1 / (e * (e - ww) - wy)
             pz = 1 / (e - a)
             pv = 1 / (e - vv - vx / e - vz * b * pz)
 
             # Time derivatives of the drive, times the step.
-            tv = taken * (k * V + c * (2 * q2 + 6 * q3 * t)) / m
-            tw = taken * omega * omega * slope
+            tv = step * (k * V + c * (2 * q2 + 6 * q3 * t)) / m
+            tw = step * omega * omega * slope
 
             # Stage 1. Each stage solves E u = right-hand side, for y and w first, then v, then x and z.
-            r = dw + 0.25 * tw
+            r = dw + D1 * tw
             uy1 = ((e - ww) * w + r) * py
             uw1 = e * uy1 - w
             rz = dz + zy * uy1
-            uv1 = (dv + 0.25 * tv + vy * uy1 + vx * v / e + vz * rz * pz) * pv
+            uv1 = (dv + D1 * tv + vy * uy1 + vx * v / e + vz * rz * pz) * pv
             ux1 = (v + uv1) / e
             uz1 = (rz + b * uv1) * pz
 
             # Stage 2.
-            at = t + 0.386 * taken
-            X, V, d = X0 + at * (V0 + at * (q2 + at * q3)), V0 + at * (2 * q2 + 3 * q3 * at), d0 + slope * at
+            ts = t + ALPHA2 * step
+            X, V, d = X0 + ts * (V0 + ts * (q2 + ts * q3)), V0 + ts * (2 * q2 + 3 * q3 * ts), d0 + slope * ts
             xe, ve, ze, ye, we = x + A21 * ux1, v + A21 * uv1, z + A21 * uz1, y + A21 * uy1, w + A21 * uw1
             dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
-            c1 = C21 / taken
-            rx, ry, r = ve + c1 * ux1, we + c1 * uy1, dw + c1 * uw1 - 0.1043 * tw
+            c1 = C21 / step
+            rx, ry, r = ve + c1 * ux1, we + c1 * uy1, dw + c1 * uw1 + D2 * tw
             uy2 = ((e - ww) * ry + r) * py
             uw2 = e * uy2 - ry
             rz = dz + c1 * uz1 + zy * uy2
-            uv2 = (dv + c1 * uv1 - 0.1043 * tv + vy * uy2 + vx * rx / e + vz * rz * pz) * pv
+            uv2 = (dv + c1 * uv1 + D2 * tv + vy * uy2 + vx * rx / e + vz * rz * pz) * pv
             ux2 = (rx + uv2) / e
             uz2 = (rz + b * uv2) * pz
 
             # Stage 3.
-            at = t + 0.21 * taken
-            X, V, d = X0 + at * (V0 + at * (q2 + at * q3)), V0 + at * (2 * q2 + 3 * q3 * at), d0 + slope * at
+            ts = t + ALPHA3 * step
+            X, V, d = X0 + ts * (V0 + ts * (q2 + ts * q3)), V0 + ts * (2 * q2 + 3 * q3 * ts), d0 + slope * ts
             xe, ve, ze = x + A31 * ux1 + A32 * ux2, v + A31 * uv1 + A32 * uv2, z + A31 * uz1 + A32 * uz2
             ye, we = y + A31 * uy1 + A32 * uy2, w + A31 * uw1 + A32 * uw2
             dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
-            c1, c2 = C31 / taken, C32 / taken
+            c1, c2 = C31 / step, C32 / step
             rx, ry = ve + c1 * ux1 + c2 * ux2, we + c1 * uy1 + c2 * uy2
-            r = dw + c1 * uw1 + c2 * uw2 + 0.1035 * tw
+            r = dw + c1 * uw1 + c2 * uw2 + D3 * tw
             uy3 = ((e - ww) * ry + r) * py
             uw3 = e * uy3 - ry
             rz = dz + c1 * uz1 + c2 * uz2 + zy * uy3
-            uv3 = (dv + c1 * uv1 + c2 * uv2 + 0.1035 * tv + vy * uy3 + vx * rx / e + vz * rz * pz) * pv
+            uv3 = (dv + c1 * uv1 + c2 * uv2 + D3 * tv + vy * uy3 + vx * rx / e + vz * rz * pz) * pv
             ux3 = (rx + uv3) / e
             uz3 = (rz + b * uv3) * pz
 
             # Stage 4.
-            at = t + 0.63 * taken
-            X, V, d = X0 + at * (V0 + at * (q2 + at * q3)), V0 + at * (2 * q2 + 3 * q3 * at), d0 + slope * at
+            ts = t + ALPHA4 * step
+            X, V, d = X0 + ts * (V0 + ts * (q2 + ts * q3)), V0 + ts * (2 * q2 + 3 * q3 * ts), d0 + slope * ts
             xe = x + A41 * ux1 + A42 * ux2 + A43 * ux3
             ve = v + A41 * uv1 + A42 * uv2 + A43 * uv3
             ze = z + A41 * uz1 + A42 * uz2 + A43 * uz3
             ye = y + A41 * uy1 + A42 * uy2 + A43 * uy3
             we = w + A41 * uw1 + A42 * uw2 + A43 * uw3
             dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
-            c1, c2, c3 = C41 / taken, C42 / taken, C43 / taken
+            c1, c2, c3 = C41 / step, C42 / step, C43 / step
             rx, ry = ve + c1 * ux1 + c2 * ux2 + c3 * ux3, we + c1 * uy1 + c2 * uy2 + c3 * uy3
-            r = dw + c1 * uw1 + c2 * uw2 + c3 * uw3 - 0.0362 * tw
+            r = dw + c1 * uw1 + c2 * uw2 + c3 * uw3 + D4 * tw
             uy4 = ((e - ww) * ry + r) * py
             uw4 = e * uy4 - ry
             rz = dz + c1 * uz1 + c2 * uz2 + c3 * uz3 + zy * uy4
-            uv4 = (dv + c1 * uv1 + c2 * uv2 + c3 * uv3 - 0.0362 * tv + vy * uy4 + vx * rx / e + vz * rz * pz) * pv
+            uv4 = (dv + c1 * uv1 + c2 * uv2 + c3 * uv3 + D4 * tv + vy * uy4 + vx * rx / e + vz * rz * pz) * pv
             ux4 = (rx + uv4) / e
             uz4 = (rz + b * uv4) * pz
 
             # Stage 5.
-            at = t + taken
-            X, V, d = X0 + at * (V0 + at * (q2 + at * q3)), V0 + at * (2 * q2 + 3 * q3 * at), d0 + slope * at
+            ts = t + step
+            X, V, d = X0 + ts * (V0 + ts * (q2 + ts * q3)), V0 + ts * (2 * q2 + 3 * q3 * ts), d0 + slope * ts
             xe = x + A51 * ux1 + A52 * ux2 + A53 * ux3 + A54 * ux4
             ve = v + A51 * uv1 + A52 * uv2 + A53 * uv3 + A54 * uv4
             ze = z + A51 * uz1 + A52 * uz2 + A53 * uz3 + A54 * uz4
             ye = y + A51 * uy1 + A52 * uy2 + A53 * uy3 + A54 * uy4
             we = w + A51 * uw1 + A52 * uw2 + A53 * uw3 + A54 * uw4
             dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
-            c1, c2, c3, c4 = C51 / taken, C52 / taken, C53 / taken, C54 / taken
+            c1, c2, c3, c4 = C51 / step, C52 / step, C53 / step, C54 / step
             rx, ry = ve + c1 * ux1 + c2 * ux2 + c3 * ux3 + c4 * ux4, we + c1 * uy1 + c2 * uy2 + c3 * uy3 + c4 * uy4
             r = dw + c1 * uw1 + c2 * uw2 + c3 * uw3 + c4 * uw4
             uy5 = ((e - ww) * ry + r) * py
@@ -276,7 +278,7 @@ def _coupled_loop(
             # Stage 6, at the end of the step: its state is the embedded solution of order 3.
             xe, ve, ze, ye, we = xe + ux5, ve + uv5, ze + uz5, ye + uy5, we + uw5
             dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
-            c1, c2, c3, c4, c5 = C61 / taken, C62 / taken, C63 / taken, C64 / taken, C65 / taken
+            c1, c2, c3, c4, c5 = C61 / step, C62 / step, C63 / step, C64 / step, C65 / step
             rx = ve + c1 * ux1 + c2 * ux2 + c3 * ux3 + c4 * ux4 + c5 * ux5
             ry = we + c1 * uy1 + c2 * uy2 + c3 * uy3 + c4 * uy4 + c5 * uy5
             r = dw + c1 * uw1 + c2 * uw2 + c3 * uw3 + c4 * uw4 + c5 * uw5
@@ -295,17 +297,17 @@ def _coupled_loop(
             )
             factor = 0.9 / error**0.25 if error > 1e-6 else 6.0
             factor = 6.0 if factor > 6.0 else factor if factor > 0.15 else 0.15
-            if error <= 1.0 or taken <= MIN_STEP_RATIO * H:
+            if error <= 1.0 or step <= MIN_STEP_RATIO * H:
                 x, v, z, y, w = xe + ux6, ve + uv6, ze + uz6, ye + uy6, we + uw6
                 steps += 1
-                t = H if last else t + taken
+                t = H if is_last else t + step
                 # A step that a sample cut short is no reason to give up a longer one.
-                h = max(h, taken * factor) if last and factor > 1.0 else taken * factor
+                h = max(h, step * factor) if is_last and factor > 1.0 else step * factor
                 if h > 64 * H:
                     h = 64 * H
             else:
                 rejected += 1
-                h = taken * factor
+                h = step * factor
         xs[i + 1] = x
         vs_out[i + 1] = v
         zs[i + 1] = z

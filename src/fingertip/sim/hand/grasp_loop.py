@@ -47,7 +47,7 @@ def _grasp_loop(
     h: float,
     mass: float,
     pin: tuple[float, float],
-    leaves: float,
+    exit_x: float,
     count: int,
     length: int,
     mount: Sequence[float],
@@ -69,10 +69,10 @@ def _grasp_loop(
     s0, s1, s2 = sigma
     kp, damping = pin
     G = GAMMA * h
-    X, V, gone = state[3 * count], state[3 * count + 1], state[3 * count + 2]
+    X, V, has_left = state[3 * count], state[3 * count + 1], state[3 * count + 2]
     for j in range(length):
         # No finger touches an object that has left.
-        if gone > 0.0:
+        if has_left > 0.0:
             for i in range(count):
                 load[i * (length + 1) + j + 1] = 0.0
 
@@ -87,8 +87,8 @@ def _grasp_loop(
             jv = -kp * damping * d / mass
         dV = (weight[j] + P0) / mass
         drift_V = GAMMA * (weight[j + 1] - weight[j] + P1 - P0) / mass
-        # down * kV = right is the scalar equation of the object; each finger adds to both sides.
-        down, right = 1 - G * jv - G * G * jx, 0.0
+        # diagonal * kV = rhs is the scalar equation of the object; each finger adds to both sides.
+        diagonal, rhs = 1 - G * jv - G * G * jx, 0.0
         for i in range(count):
             # LuGre friction of this finger: dz/dt, and its derivatives a by z and b by w.
             m, k, c = mount[3 * i], mount[3 * i + 1], mount[3 * i + 2]
@@ -112,7 +112,7 @@ def _grasp_loop(
             dV += N * mu / mass
             drift_V += GAMMA * (N1 - N) * mu / mass
 
-            # Row v of the finger's Jacobian is [p, q, s] by x, v, z, and e / m by V. Eliminating x and z leaves
+            # Row v of the finger's Jacobian is [p, q, s] by x, v, z, and e / m by V. Eliminating x and z exit_x
             # kv = A + B kV, and with it the finger's contribution to the object's equation.
             p = -k / m
             e = N * (s1 * b + s2)
@@ -124,28 +124,28 @@ def _grasp_loop(
             B = G * (e / m - G * s * b * za) * pivot
             S = -s * m / mass
             E = e / mass
-            down += G * E - G * (E * B + S * za * G * b * (B - 1))
-            right += G * (E * A + S * za * (dz + G * b * A))
-            at = SCRATCH_SIZE * i
-            scratch[at], scratch[at + 1], scratch[at + 2], scratch[at + 3] = A, B, za, b
-            scratch[at + 4], scratch[at + 5], scratch[at + 6], scratch[at + 7] = pivot, s, dz, drift
-            scratch[at + 11], scratch[at + 12] = S, E
-        kV1 = (dV + drift_V + G * jx * V + right) / down
+            diagonal += G * E - G * (E * B + S * za * G * b * (B - 1))
+            rhs += G * (E * A + S * za * (dz + G * b * A))
+            offset = SCRATCH_SIZE * i
+            scratch[offset], scratch[offset + 1], scratch[offset + 2], scratch[offset + 3] = A, B, za, b
+            scratch[offset + 4], scratch[offset + 5], scratch[offset + 6], scratch[offset + 7] = pivot, s, dz, drift
+            scratch[offset + 11], scratch[offset + 12] = S, E
+        kV1 = (dV + drift_V + G * jx * V + rhs) / diagonal
         kX1 = V + G * kV1
 
         # Second stage, object: right-hand side at the end of the step, solved with the same matrix.
         Xe, Ve = X + h * kX1, V + h * kV1
         dV = (weight[j + 1] + pin_n(kp, damping, Xe, Ve, pin_x[j + 1], pin_v[j + 1])) / mass
-        right = 0.0
+        rhs = 0.0
         for i in range(count):
             m, k, c = mount[3 * i], mount[3 * i + 1], mount[3 * i + 2]
             x, v, z = state[3 * i], state[3 * i + 1], state[3 * i + 2]
             N1 = load[i * (length + 1) + j + 1]
-            at = SCRATCH_SIZE * i
-            za, b = scratch[at + 2], scratch[at + 3]
-            pivot, s, dz, drift = scratch[at + 4], scratch[at + 5], scratch[at + 6], scratch[at + 7]
+            offset = SCRATCH_SIZE * i
+            za, b = scratch[offset + 2], scratch[offset + 3]
+            pivot, s, dz, drift = scratch[offset + 4], scratch[offset + 5], scratch[offset + 6], scratch[offset + 7]
             # First-stage increments of this finger, from the object's.
-            kv1 = scratch[at] + scratch[at + 1] * kV1
+            kv1 = scratch[offset] + scratch[offset + 1] * kV1
             kx1 = v + G * kv1
             kz1 = za * (dz + G * b * (kv1 - kV1))
             xe, ve, ze = x + h * kx1, v + h * kv1, z + h * kz1
@@ -159,40 +159,40 @@ def _grasp_loop(
             dV += N1 * mu / mass
             rx, rv, rz = ve - 2 * kx1, dv - drift - 2 * kv1, dz - 2 * kz1
             A = (rv + G * (-k / m * rx + s * za * rz)) * pivot
-            right += G * (scratch[at + 12] * A + scratch[at + 11] * za * (rz + G * b * A))
-            scratch[at], scratch[at + 6] = A, rz
-            scratch[at + 8], scratch[at + 9], scratch[at + 10] = kx1, kv1, kz1
-            scratch[at + 7] = rx
+            rhs += G * (scratch[offset + 12] * A + scratch[offset + 11] * za * (rz + G * b * A))
+            scratch[offset], scratch[offset + 6] = A, rz
+            scratch[offset + 8], scratch[offset + 9], scratch[offset + 10] = kx1, kv1, kz1
+            scratch[offset + 7] = rx
 
         # New state of the object: y + h (3/2 k1 + 1/2 k2).
         rX = Ve - 2 * kX1
-        kV2 = (dV - drift_V - 2 * kV1 + G * jx * rX + right) / down
+        kV2 = (dV - drift_V - 2 * kV1 + G * jx * rX + rhs) / diagonal
         kX2 = rX + G * kV2
         X += h * (1.5 * kX1 + 0.5 * kX2)
         V += h * (1.5 * kV1 + 0.5 * kV2)
-        if leaves < X and gone == 0.0:
-            gone = 1.0
-        if gone > 0.0:
-            X, V = leaves, 0.0  # the object has left the fingers; its fall does not matter here
+        if exit_x < X and has_left == 0.0:
+            has_left = 1.0
+        if has_left > 0.0:
+            X, V = exit_x, 0.0  # the object has left the fingers; its fall does not matter here
 
         # New state of each pad, and outputs.
         for i in range(count):
-            at = SCRATCH_SIZE * i
-            kx1, kv1, kz1 = scratch[at + 8], scratch[at + 9], scratch[at + 10]
-            kv2 = scratch[at] + scratch[at + 1] * kV2
-            kx2 = scratch[at + 7] + G * kv2
-            kz2 = scratch[at + 2] * (scratch[at + 6] + G * scratch[at + 3] * (kv2 - kV2))
+            offset = SCRATCH_SIZE * i
+            kx1, kv1, kz1 = scratch[offset + 8], scratch[offset + 9], scratch[offset + 10]
+            kv2 = scratch[offset] + scratch[offset + 1] * kV2
+            kx2 = scratch[offset + 7] + G * kv2
+            kz2 = scratch[offset + 2] * (scratch[offset + 6] + G * scratch[offset + 3] * (kv2 - kV2))
             state[3 * i] += h * (1.5 * kx1 + 0.5 * kx2)
             state[3 * i + 1] += h * (1.5 * kv1 + 0.5 * kv2)
             state[3 * i + 2] += h * (1.5 * kz1 + 0.5 * kz2)
             x_out[i * length + j] = state[3 * i]
             w_out[i * length + j] = V - state[3 * i + 1]
             z_out[i * length + j] = state[3 * i + 2]
-            if gone > 0.0:
+            if has_left > 0.0:
                 load[i * (length + 1) + j + 1] = 0.0
         object_out[j] = X
-        pin_out[j] = 0.0 if gone > 0.0 else pin_n(kp, damping, X, V, pin_x[j + 1], pin_v[j + 1])
-    state[3 * count], state[3 * count + 1], state[3 * count + 2] = X, V, gone
+        pin_out[j] = 0.0 if has_left > 0.0 else pin_n(kp, damping, X, V, pin_x[j + 1], pin_v[j + 1])
+    state[3 * count], state[3 * count + 1], state[3 * count + 2] = X, V, has_left
 
 
 run = CompiledLoop(_grasp_loop, pin_n, outputs=8, samples="x_out", plain_us=4.5)

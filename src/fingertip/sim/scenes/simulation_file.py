@@ -103,7 +103,7 @@ def find_output_issues(outputs: Sequence[str], known: Sequence[str]) -> Iterator
         yield Issue("outputs", f"is empty; name at least one of {', '.join(known)}."), {"outputs"}
     for name in dict.fromkeys(outputs):
         if name not in known:
-            yield Issue("outputs", f"{name!r} is no output; {suggest_name(name, known)}"), {"outputs"}
+            yield Issue("outputs", f"{name!r} is not an output; {suggest_name(name, known)}"), {"outputs"}
         elif outputs.count(name) > 1:
             yield Issue("outputs", f"{name!r} is named {outputs.count(name)} times; name it once."), {"outputs"}
 

@@ -87,6 +87,27 @@ def test_find_maximum_finds_the_maximum_that_scipy_finds(
     assert value == function(location)
 
 
+@pytest.mark.parametrize(("function", "low", "high"), MAXIMA[:3])
+def test_find_maximum_of_a_smooth_function_needs_few_evaluations(
+    function: Callable[[float], float], low: float, high: float
+) -> None:
+    evaluated: list[float] = []
+
+    def counted(x: float) -> float:
+        evaluated.append(x)
+        return function(x)
+
+    find_maximum(counted, low, high, 1e-6)
+    assert len(evaluated) < 20  # golden-section search alone needs 30
+    assert all(low < x < high for x in evaluated)
+
+
+def test_find_maximum_ends_for_a_constant_function() -> None:
+    location, value = find_maximum(lambda x: 3.0, 0.0, 1.0, 1e-6)
+    assert 0.0 <= location <= 1.0
+    assert value == 3.0
+
+
 def test_find_maximum_finds_a_maximum_at_an_end() -> None:
     assert find_maximum(lambda x: x, 0.0, 1.0, 1e-9)[0] == pytest.approx(1.0, abs=1e-9)
     assert find_maximum(lambda x: -x, 0.0, 1.0, 1e-9)[0] == pytest.approx(0.0, abs=1e-9)

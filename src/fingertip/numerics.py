@@ -99,7 +99,8 @@ def find_maximum(function: Callable[[float], float], low: float, high: float, to
     best = second = third = low + (1.0 - _GOLDEN) * (high - low)
     at_best = at_second = at_third = function(best)
     step = previous_step = 0.0
-    while abs(best - 0.5 * (low + high)) > 2.0 * tolerance - 0.5 * (high - low):
+    min_step = tolerance / 3.0
+    while abs(best - 0.5 * (low + high)) > 2.0 * min_step - 0.5 * (high - low):
         middle = 0.5 * (low + high)
 
         # Step to the vertex of the parabola through the three best points ...
@@ -112,13 +113,13 @@ def find_maximum(function: Callable[[float], float], low: float, high: float, to
         is_inside = denominator * (low - best) < numerator < denominator * (high - best)
         if is_small and is_inside:
             previous_step, step = step, numerator / denominator
-            if min(best + step - low, high - best - step) < 2.0 * tolerance:
-                step = math.copysign(tolerance, middle - best)
+            if min(best + step - low, high - best - step) < 2.0 * min_step:
+                step = math.copysign(min_step, middle - best)
         # ... unless it is no better than halving the bracket: then a golden-section step into the larger part.
         else:
             previous_step = (high if best < middle else low) - best
             step = (1.0 - _GOLDEN) * previous_step
-        new = best + (step if abs(step) >= tolerance else math.copysign(tolerance, step))
+        new = best + (step if abs(step) >= min_step else math.copysign(min_step, step))
         at_new = function(new)
 
         # The worse of the new and the best point becomes an end of the bracket.

@@ -87,16 +87,16 @@ class BoardValues:
 
     def as_data(self) -> dict[str, Any]:
         """Return plain mappings and lists for JSON. Keys contain their units."""
-        plain: dict[str, Any] = _round_for_output(asdict(self))
+        plain: dict[str, Any] = _round_to_ten_digits(asdict(self))
         return plain
 
 
-def _round_for_output(data: Any) -> Any:
-    """Round all numbers of plain data to ten digits, because their last bits differ between processors."""
+def _round_to_ten_digits(data: Any) -> Any:
+    """Round all numbers of plain data to ten significant digits: their last bits differ between processors."""
     if isinstance(data, dict):
-        return {key: _round_for_output(value) for key, value in data.items()}
+        return {key: _round_to_ten_digits(value) for key, value in data.items()}
     if isinstance(data, list | tuple):
-        return [_round_for_output(value) for value in data]
+        return [_round_to_ten_digits(value) for value in data]
     return float(f"{data:.10g}") if isinstance(data, float) else data
 
 

@@ -2,8 +2,8 @@
 
     python benchmarks/board_montecarlo.py [runs]
 
-The targets are 0.2 s for 10 000 boards, 50 ms for each search, and 0.5 s for the command. The best run is printed beside
-the median, because other load on the machine only increases the time.
+The targets are 0.2 s for 10 000 boards, 50 ms for each search, and 0.5 s for the command. The best run is printed
+beside the median, because other load on the machine only increases the time.
 """
 
 from __future__ import annotations

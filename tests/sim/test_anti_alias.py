@@ -20,7 +20,7 @@ def test_tones_have_the_gain_of_the_transfer_function(design, pin):
         out = getattr(AntiAliasFilter, f"for_{pin}")(design).process(np.exp(turn).real)
         settled = slice(1000, 4000)  # whole periods of every tone
         gain = 2 * np.mean(out[settled] * np.exp(-turn[settled]))
-        transfer = interface.raw if pin == "tactile" else interface.enveloped
+        transfer = interface.tactile_transfer if pin == "tactile" else interface.envelope_transfer
         # Straight lines between a tone's samples contain the tone and its images, which alias onto it behind the poles.
         images = [share + k for k in range(-400, 401)]
         expected = sum(np.sinc(image) ** 2 * transfer(image * rate) for image in images)

@@ -121,7 +121,7 @@ def test_scene_outputs_the_slip_pin_only_for_boards_that_have_one():
     assert run_manipulation(DESIGN, hand, None, 1).columns["index_slip_pin_v"].min() == 0.0
     for run, scene in ((run_scene, tables), (run_manipulation, hand)):
         with pytest.raises(
-            TraceError, match=r"outputs: 'slip_pin_v' .* this design's is article; use --set board\.variant"
+            TraceError, match=r"outputs: 'slip_pin_v' .* this design's variant is article; use --set board\.variant"
         ):
             run(Design(), scene)
 

@@ -1,9 +1,9 @@
-"""Sweeps of boards: points per second of a core, two workers against one, cost by size, memory of a million.
+"""Benchmark of board sweeps: points per second, speed-up by a second worker, cost by size, memory of a million points.
 
     python benchmarks/sweep_board.py [--million] [plot.png]
 
-Each run is the command itself in fresh processes. Rates are of CPU time where they are called so: another load on the
-machine lengthens wall time only.
+Except for the first number, each run is the command itself in fresh processes. Rates per CPU second do not depend on
+other load of the machine; wall times do.
 """
 
 from __future__ import annotations
@@ -38,69 +38,69 @@ SIZES = (1_000, 3_000, 10_000, 30_000, 100_000)
 MILLION = 1_000_000
 
 
-def in_worker(points: int = 20_000) -> float:
-    """Points per CPU second of one worker, without pool and file."""
-    from fingertip.sweep.chunk import Part
-    from fingertip.sweep.plan import Plan
-    from fingertip.sweep.work import work
+def measure_worker_rate(points: int = 20_000) -> float:
+    """Measure the points per CPU second of one worker, without process pool and database."""
+    from fingertip.sweep.chunk import Chunk
+    from fingertip.sweep.plan import SweepPlan
+    from fingertip.sweep.worker_loop import evaluate_chunk
 
-    plan = Plan.of(tomllib.loads(FILE.format(points=points)))
-    numbers = plan.in_order(0, points)
+    plan = SweepPlan.from_tables(tomllib.loads(FILE.format(points=points)))
+    numbers = plan.computing_order(0, points)
     columns = {name: column.tolist() for name, column in plan.columns(numbers).items()}
-    part = Part(plan.to_toml(), tuple(numbers.tolist()), columns)
-    work(Part(part.text, part.points[:100], {name: column[:100] for name, column in columns.items()}))
+    chunk = Chunk(plan.to_toml(), tuple(numbers.tolist()), columns)
+    evaluate_chunk(chunk.select(range(100)))  # not measured: imports
     start = time.process_time()
-    work(part)
+    evaluate_chunk(chunk)
     return points / (time.process_time() - start)
 
 
-def cpu_s(points: int, jobs: int, folder: Path) -> float:
-    """CPU time of all processes of the command [s]."""
+def measure_cpu_time(points: int, jobs: int, folder: Path) -> float:
+    """Measure the CPU time of all processes of the command [s]."""
     file, out = folder / "sweep.toml", folder / f"out{time.monotonic_ns()}"
     file.write_text(FILE.format(points=points))
     command = [sys.executable, "-m", "fingertip", "sweep", str(file), "--out", str(out), "--jobs", str(jobs), "--json"]
     before = os.times()
-    ran = subprocess.run(command, check=True, capture_output=True, text=True)
+    result = subprocess.run(command, check=True, capture_output=True, text=True)
     after = os.times()
-    said = json.loads(ran.stdout)
-    assert said["rows"] == points
+    assert json.loads(result.stdout)["rows"] == points
     return after.children_user - before.children_user + after.children_system - before.children_system
 
 
-def pace(points: int, jobs: int) -> float:
-    """Points per second (wall), from when the first tenth is written: the workers' start is not counted."""
-    from fingertip.sweep.engines import Processes
-    from fingertip.sweep.plan import Plan
-    from fingertip.sweep.run import State, run
-    from fingertip.sweep.database import Store
+def measure_wall_rate(points: int, jobs: int) -> float:
+    """Measure the points per second of wall time after the first tenth, so that the workers' start does not count."""
+    from fingertip.sweep.database import SweepDatabase
+    from fingertip.sweep.engines import ProcessEngine
+    from fingertip.sweep.plan import SweepPlan
+    from fingertip.sweep.run import RunState, run_sweep
 
     first: list[tuple[float, int]] = []
 
-    def told(state: State) -> None:
+    def record_first_tenth(state: RunState) -> None:
         if not first and state.written >= points // 10:
             first.append((time.perf_counter(), state.written))
 
-    plan = Plan.of(tomllib.loads(FILE.format(points=points)))
-    with tempfile.TemporaryDirectory() as name, Store.create(Path(name), plan) as store:
-        written = run(plan, store, Processes(jobs), told).written
+    plan = SweepPlan.from_tables(tomllib.loads(FILE.format(points=points)))
+    with tempfile.TemporaryDirectory() as name, SweepDatabase.create(Path(name), plan) as database:
+        written = run_sweep(plan, database, ProcessEngine(jobs), record_first_tenth).written
     return (written - first[0][1]) / (time.perf_counter() - first[0][0])
 
 
-def peak_mb(points: int, jobs: int, folder: Path) -> tuple[float, float]:
-    """Largest resident memory of any single process, and of all processes together [MB]."""
+def measure_peak_memory(points: int, jobs: int, folder: Path) -> tuple[float, float]:
+    """Measure the peak resident memory of the largest process, and of all processes together [MB]."""
     file, out = folder / "sweep.toml", folder / "million"
     file.write_text(FILE.format(points=points))
     command = [sys.executable, "-m", "fingertip", "sweep", str(file), "--out", str(out), "--jobs", str(jobs), "-q"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, start_new_session=True)
     maximum = 0.0
     while process.poll() is None:
-        maximum = max(maximum, _resident_mb(process.pid))
+        maximum = max(maximum, _sum_resident_memory(process.pid))
         time.sleep(0.2)
     assert process.returncode == 0
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024, maximum
 
 
-def _resident_mb(group: int) -> float:
+def _sum_resident_memory(group: int) -> float:
+    """Sum the resident memory of a process group [MB]."""
     total = 0.0
     for folder in Path("/proc").glob("[0-9]*"):
         try:
@@ -112,37 +112,37 @@ def _resident_mb(group: int) -> float:
 
 
 def main() -> None:
-    """Print the table, and draw cost against number of points."""
+    """Print the results; draw the cost by number of points if a file is given."""
     arguments = sys.argv[1:]
-    million = "--million" in arguments
     plots = [name for name in arguments if not name.startswith("--")]
     print(f"{platform.machine()}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
-    print(f"one worker: {in_worker():.0f} points per CPU second (goal 5000)")
+    print(f"one worker: {measure_worker_rate():.0f} points per CPU second (goal 5000)")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        cpu_s(100, 1, folder)  # uncounted: byte code and disk cache
-        ratios = [pace(100_000, 2) / pace(100_000, 1) for _ in range(3)]
-        print(f"2 workers against 1, wall: {statistics.median(ratios):.2f} (goal 1.8), load {os.getloadavg()[0]:.1f}")
-        costs = {points: cpu_s(points, 2, folder) for points in SIZES}
-        start, each = _line(costs)
-        print(f"CPU time: {start:.2f} s for the processes' start, {1e6 * each:.1f} us for each point")
-        print(f"{'points':>10}{'CPU s':>10}{'off the line':>16}")
+        measure_cpu_time(100, 1, folder)  # not measured: byte code and disk cache
+        ratios = [measure_wall_rate(100_000, 2) / measure_wall_rate(100_000, 1) for _ in range(3)]
+        load = os.getloadavg()[0]
+        print(f"speed-up by a second worker, wall time: {statistics.median(ratios):.2f} (goal 1.8), load {load:.1f}")
+        costs = {points: measure_cpu_time(points, 2, folder) for points in SIZES}
+        start, per_point = _fit_line(costs)
+        print(f"CPU time: {start:.2f} s to start the processes, {1e6 * per_point:.1f} us per point")
+        print(f"{'points':>10}{'CPU s':>10}{'deviation':>16}")
         for points, cpu in costs.items():
-            print(f"{points:10d}{cpu:10.2f}{100 * (cpu / (start + each * points) - 1):14.1f} %")
-        if million:
+            print(f"{points:10d}{cpu:10.2f}{100 * (cpu / (start + per_point * points) - 1):14.1f} %")
+        if "--million" in arguments:
             before = time.perf_counter()
-            single, together = peak_mb(MILLION, 2, folder)
-            took = time.perf_counter() - before
-            print(f"{MILLION} points: {took:.0f} s, {single:.0f} MB in the largest process, {together:.0f} MB in all")
+            largest, total = measure_peak_memory(MILLION, 2, folder)
+            elapsed = time.perf_counter() - before
+            print(f"{MILLION} points: {elapsed:.0f} s; {largest:.0f} MB in the largest process, {total:.0f} MB in all")
         if plots:
             _plot(costs, Path(plots[0]))
 
 
-def _line(costs: dict[int, float]) -> tuple[float, float]:
-    """Start [s] and cost of a point [s]: the line with the least squared relative errors."""
+def _fit_line(costs: dict[int, float]) -> tuple[float, float]:
+    """Fit start-up time [s] and cost of a point [s] by least squares of the relative errors."""
     points, cpu = np.array(list(costs)), np.array(list(costs.values()))
-    (start, each), *_ = np.linalg.lstsq(np.column_stack((1 / cpu, points / cpu)), np.ones(len(cpu)))
-    return float(start), float(each)
+    (start, per_point), *_ = np.linalg.lstsq(np.column_stack((1 / cpu, points / cpu)), np.ones(len(cpu)))
+    return float(start), float(per_point)
 
 
 def _plot(costs: dict[int, float], path: Path) -> None:
@@ -150,10 +150,10 @@ def _plot(costs: dict[int, float], path: Path) -> None:
 
     figure = Figure(figsize=(5.5, 4), layout="constrained")
     axes = figure.add_subplot()
-    start, each = _line(costs)
+    start, per_point = _fit_line(costs)
     ends = np.array([0, SIZES[-1]])
-    label = f"{start:.1f} s and {1e6 * each:.0f} us for each point"
-    axes.plot(ends, start + each * ends, "--", color="grey", label=label)
+    label = f"{start:.1f} s and {1e6 * per_point:.0f} us per point"
+    axes.plot(ends, start + per_point * ends, "--", color="grey", label=label)
     axes.plot(list(costs), list(costs.values()), "o", label="measured")
     axes.set_xlabel("points of the sweep")
     axes.set_ylabel("CPU time of all processes [s]")

@@ -1,10 +1,10 @@
-"""Geometry with all mesh checks: designs per second, against plain CadQuery making the same parts, memory of many.
+"""Benchmark of geometry sweeps with all mesh checks: designs per second, comparison with plain CadQuery, memory.
 
     python benchmarks/sweep_geometry.py [designs] [--memory [points]]
 
-The designs are drawn at random and share nothing but what any two designs do. Turn by turn in one run: a sweep's
-worker computes a design's parts and checks at 0.02 mm; a plain script makes the same parts with CadQuery and writes
-their meshes at the same tolerance, without any check. Rates are of CPU time, so that they hold on a busy machine.
+The designs are drawn at random. The runs alternate: a worker of a sweep computes a design's parts and checks at
+0.02 mm; then a plain script makes the same parts with CadQuery and writes their meshes at the same tolerance, without
+any check. Rates are per CPU second, so that they hold on a busy machine.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ AXES: dict[str, Any] = {
 }
 
 
-def plan(points: int) -> Any:
-    """A sweep of that many designs."""
-    from fingertip.sweep.plan import Plan
+def make_plan(points: int) -> Any:
+    """Make a sweep with that many designs."""
+    from fingertip.sweep.plan import SweepPlan
 
-    return Plan.of(
+    return SweepPlan.from_tables(
         {
-            "outputs": ["checks_failed", "checks_made", "skin_volume_mm3", "bone_volume_mm3", "mold_mass_g"],
+            "outputs": ["checks_failed", "checks_run", "skin_volume_mm3", "bone_volume_mm3", "mold_mass_g"],
             "sampling": "latin_hypercube",
             "points": points,
             "seed": 1,
@@ -47,11 +47,11 @@ def plan(points: int) -> Any:
     )
 
 
-def plain_cadquery(design: Any, folder: Path, shared: bool) -> None:
-    """The same parts with CadQuery: exact solids, each written as a mesh.
+def make_parts_with_cadquery(design: Any, folder: Path, shared: bool) -> None:
+    """Make the same parts with CadQuery as exact solids, and write each as a mesh.
 
-    A plain script has a function for each part, and asks whether its solid is valid. `shared` is what can be made of
-    it at best: solids that several parts are cut with are made once, and nobody asks.
+    A plain script has a function for each part and checks that its solid is valid. With `shared`, solids from which
+    several parts are cut are made once and validity is not checked: the fastest such a script can be.
     """
     from fingertip.cad.kernel.brep import BrepEvaluator
     from fingertip.cad.shapes.parts import parts_by_name
@@ -62,16 +62,15 @@ def plain_cadquery(design: Any, folder: Path, shared: bool) -> None:
         solid.exportStl(str(folder / f"{name}.stl"), TOLERANCE_MM, 0.5)
 
 
-def compare(designs: int) -> None:
-    """Print CPU times of both ways, and their ratios."""
+def compare_with_cadquery(designs: int) -> None:
+    """Print the CPU times of both methods, and their ratios."""
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.design import Design
-    from fingertip.sweep.point_evaluator import Bench
     from fingertip.sweep.cached_solids import CachedEvaluator
+    from fingertip.sweep.point_evaluator import PointEvaluator
 
-    made = plan(designs)
-    bench = Bench(made)
-    bench.outcome(0, made.point(0))  # uncounted: imports
+    plan = make_plan(designs)
+    PointEvaluator(plan).evaluate(0, plan.point(0))  # not measured: imports
     times: dict[str, list[float]] = {name: [] for name in ("sweep", "parts", "plain", "shared")}
     failed = checks = 0
 
@@ -83,62 +82,63 @@ def compare(designs: int) -> None:
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        plain_cadquery(Design(), folder, shared=True)
+        make_parts_with_cadquery(Design(), folder, shared=True)
         for number in range(designs):
-            point = made.point(number)
+            point = plan.point(number)
             changes = ["bone.base_length_mm=24", *(f"{key}={value}" for key, value in point.items())]
             design = Design.load(changes=changes)
-            row = timed("sweep", lambda: Bench(made).outcome(number, point))  # noqa: B023 (nothing remembered)
+            # A new evaluator each time, so that nothing is cached
+            row = timed("sweep", lambda: PointEvaluator(plan).evaluate(number, point))  # noqa: B023
             assert row[1] == "ok", row
             failed, checks = failed + (row[4][0] > 0), int(row[4][1])
             kernel = CachedEvaluator(TOLERANCE_MM)
             timed("parts", lambda: [kernel.mesh(p.solid(design)) for p in parts_by_name(design).values()])  # noqa: B023
-            timed("plain", lambda: plain_cadquery(design, folder, shared=False))  # noqa: B023
-            timed("shared", lambda: plain_cadquery(design, folder, shared=True))  # noqa: B023
+            timed("plain", lambda: make_parts_with_cadquery(design, folder, shared=False))  # noqa: B023
+            timed("shared", lambda: make_parts_with_cadquery(design, folder, shared=True))  # noqa: B023
     mean = statistics.mean(times["sweep"])
     print(f"{designs} designs at {TOLERANCE_MM} mm, {checks} checks each, {failed} with a failed one; CPU time:")
     print(f"parts and checks: {mean:.3f} s, {1 / mean:.2f} designs/s of a core, {2 / mean:.2f} of two (goal 5)")
-    for other, label in (("plain", "plain CadQuery"), ("shared", "CadQuery, common solids made once, unchecked")):
+    for other, label in (("plain", "plain CadQuery"), ("shared", "CadQuery with shared solids, unchecked")):
         print(f"{label}: {statistics.mean(times[other]):.3f} s, parts only")
-        for ours, what in (("sweep", "parts and checks"), ("parts", "parts only")):
-            ratios = sorted(b / a for a, b in zip(times[ours], times[other], strict=True))
-            spread = f"pairs {ratios[0]:.1f} to {ratios[-1]:.1f}"
+        for own, what in (("sweep", "parts and checks"), ("parts", "parts only")):
+            ratios = sorted(b / a for a, b in zip(times[own], times[other], strict=True))
+            spread = f"{ratios[0]:.1f} to {ratios[-1]:.1f}"
             print(f"  {statistics.median(ratios):.1f} times as long as a sweep's {what} ({spread}; goal 8)")
 
 
-def two_against_one(points: int) -> None:
-    """Pace with one and two workers, from when the first tenth is written: their start is not counted."""
-    from fingertip.sweep.engines import Processes
-    from fingertip.sweep.run import State, run
-    from fingertip.sweep.database import Store
+def measure_speed_up(points: int) -> None:
+    """Print the rate with one and with two workers after the first tenth, so that their start does not count."""
+    from fingertip.sweep.database import SweepDatabase
+    from fingertip.sweep.engines import ProcessEngine
+    from fingertip.sweep.run import RunState, run_sweep
 
-    pace = {}
+    rate = {}
     for jobs in (1, 2):
         first: list[tuple[float, int]] = []
 
-        def told(state: State, first: list[tuple[float, int]] = first) -> None:
+        def record_first_tenth(state: RunState, first: list[tuple[float, int]] = first) -> None:
             if not first and state.written >= points // 10:
                 first.append((time.perf_counter(), state.written))
 
-        with tempfile.TemporaryDirectory() as name, Store.create(Path(name), plan(points)) as store:
-            written = run(store.plan, store, Processes(jobs), told).written
-        pace[jobs] = (written - first[0][1]) / (time.perf_counter() - first[0][0])
+        with tempfile.TemporaryDirectory() as name, SweepDatabase.create(Path(name), make_plan(points)) as database:
+            written = run_sweep(database.plan, database, ProcessEngine(jobs), record_first_tenth).written
+        rate[jobs] = (written - first[0][1]) / (time.perf_counter() - first[0][0])
     load = os.getloadavg()[0]
-    print(f"{points} designs, wall: {pace[1]:.2f}/s with 1 worker, {pace[2]:.2f}/s with 2, load {load:.1f}")
-    print(f"2 workers against 1: {pace[2] / pace[1]:.2f} (goal 1.8)")
+    print(f"{points} designs, wall time: {rate[1]:.2f}/s with 1 worker, {rate[2]:.2f}/s with 2, load {load:.1f}")
+    print(f"speed-up by a second worker: {rate[2] / rate[1]:.2f} (goal 1.8)")
 
 
-def memory(points: int) -> None:
-    """Resident memory of one worker along a long sweep."""
+def measure_memory(points: int) -> None:
+    """Print the resident memory of one worker during a long sweep."""
     program = f"""
 import sys
 sys.path.insert(0, {str(Path(__file__).parent)!r})
 import sweep_geometry
-from fingertip.sweep.point_evaluator import Bench
-made = sweep_geometry.plan({points})
-bench = Bench(made)
+from fingertip.sweep.point_evaluator import PointEvaluator
+plan = sweep_geometry.make_plan({points})
+evaluator = PointEvaluator(plan)
 for number in range({points}):
-    bench.outcome(number, made.point(number))
+    evaluator.evaluate(number, plan.point(number))
     if (number + 1) % {max(1, points // 10)} == 0:
         pages = int(open("/proc/self/statm").read().split()[1])
         print(number + 1, "designs:", round(pages * 4096 / 2**20), "MB resident", flush=True)
@@ -147,16 +147,16 @@ for number in range({points}):
 
 
 def main() -> None:
-    """Print everything; `--memory` runs some ten minutes alone."""
+    """Print the results; `--memory` alone takes about ten minutes."""
     arguments = sys.argv[1:]
     print(f"{platform.machine()}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
     if "--memory" in arguments:
-        rest = [int(a) for a in arguments if a.isdigit()]
-        memory(rest[0] if rest else 2000)
+        numbers = [int(a) for a in arguments if a.isdigit()]
+        measure_memory(numbers[0] if numbers else 2000)
         return
     designs = int(arguments[0]) if arguments else 6
-    compare(designs)
-    two_against_one(10 * designs)
+    compare_with_cadquery(designs)
+    measure_speed_up(10 * designs)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What a sweep file may say, and what it is told otherwise: every issue at once, with a remedy that works."""
+"""Sweep files and plans: what is accepted, and the messages for everything that is refused."""
 
 from __future__ import annotations
 
@@ -7,33 +7,40 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import Result
+from typer.testing import CliRunner
 
+from fingertip.cli import app
 from fingertip.errors import SweepError
-from fingertip.sweep.axes import rounded
-from fingertip.sweep.plan import Plan
-from tests.conftest import ROOT, run_fingertip
-from tests.sweep.plans import BOARD, plan
+from fingertip.sweep.axes import round_significant
+from fingertip.sweep.plan import SweepPlan
+from tests.conftest import ROOT
+from tests.sweep.examples import BOARD, make_plan
 
 LATIN: dict[str, Any] = {"sampling": "latin_hypercube", "points": 50}
 SCENE: dict[str, Any] = {"slide": {"distance_m": 0.04}}
 
 
-def issues(**changes: Any) -> dict[str, str]:
+def find_issues(**changes: Any) -> dict[str, str]:
     tables = {**BOARD, **changes}
-    with pytest.raises(SweepError) as refused:
-        Plan.of({name: table for name, table in tables.items() if table is not None})
-    return {issue.field: issue.message for issue in refused.value.issues}
+    with pytest.raises(SweepError) as error:
+        SweepPlan.from_tables({name: table for name, table in tables.items() if table is not None})
+    return {issue.field: issue.message for issue in error.value.issues}
 
 
-BAD: list[tuple[dict[str, Any], str, str]] = [
+def run_sweep_command(*arguments: object) -> Result:
+    return CliRunner().invoke(app, ["sweep", *map(str, arguments)])
+
+
+REFUSED_FILES: list[tuple[dict[str, Any], str, str]] = [
     ({"axes": {}}, "axes", "is empty"),
     ({"axes": None}, "axes", "is missing"),
     ({"axes": [1, 2]}, "axes", "refused"),
     ({"outputs": None}, "outputs", "is missing"),
     ({"outputs": "q"}, "outputs", "refused"),
     ({"outputs": ["Q"]}, "outputs", "did you mean q?"),
-    ({"outputs": ["q", "q"]}, "outputs", "named 2 times"),
-    ({"outputs": ["weight"]}, "outputs", "is no output"),
+    ({"outputs": ["q", "q"]}, "outputs", "listed 2 times"),
+    ({"outputs": ["weight"]}, "outputs", "is not an output"),
     ({"tolerance": 0.1}, "tolerance", "did you mean tolerance_mm?"),
     ({"tolerance_mm": 0.0}, "tolerance_mm", "at least 0.0005 mm"),
     ({"time_limit_s": "long"}, "time_limit_s", "is not a number"),
@@ -48,18 +55,18 @@ BAD: list[tuple[dict[str, Any], str, str]] = [
     ({"detector": "fats"}, "detector", "did you mean fast?"),
     ({"outputs": ["delay_ms"]}, "scene", "is missing"),
     ({"scene": {"slide": {"speed_m_s": 9.0}}}, "scene.slide.speed_m_s", "at most 0.2 m/s"),
-    ({"design": {"skin": {"width": 17}}}, "design.skin.width", "did you mean width_mm?"),
+    ({"design": {"skin": {"width": 17}}}, "design.skin.width", "did you mean skin.width_mm?"),
     ({"design": {"skin": {"thickness_dorsal_mm": 9.0}}}, "design.skin.thickness_dorsal_mm", "No axis changes that."),
 ]
 
-BAD_AXES: list[tuple[dict[str, Any], str, str]] = [
+REFUSED_AXES: list[tuple[dict[str, Any], str, str]] = [
     ({"skin.widht_mm": [17]}, "axes.skin.widht_mm", "did you mean skin.width_mm?"),
     ({"slide.speed_m_s": [0.04]}, "axes.slide.speed_m_s", "did you mean scene.slide.speed_m_s?"),
-    ({"scene.slide.speed_m_s": [0.04]}, "axes.scene.slide.speed_m_s", "changes no output"),
+    ({"scene.slide.speed_m_s": [0.04]}, "axes.scene.slide.speed_m_s", "changes none of the outputs"),
     ({"skin": [1]}, "axes.skin", "there is no such parameter"),
-    ({"scene.knock.speed_m_s": [0.08]}, "axes.scene.knock.speed_m_s", "is a manipulation's, and sweeps run scenes"),
+    ({"scene.knock.speed_m_s": [0.08]}, "axes.scene.knock.speed_m_s", "is a parameter of a manipulation"),
     ({"skin.width_mm": []}, "axes.skin.width_mm", "empty list"),
-    ({"skin.width_mm": 17}, "axes.skin.width_mm", "is no axis"),
+    ({"skin.width_mm": 17}, "axes.skin.width_mm", "is not an axis"),
     ({"skin.width_mm": [17, 17.0]}, "axes.skin.width_mm", "listed more than once"),
     ({"skin.width_mm": ["wide"]}, "axes.skin.width_mm", "is not a number"),
     ({"skin.width_mm": [17, 5]}, "axes.skin.width_mm", "at least 6 mm"),
@@ -68,8 +75,8 @@ BAD_AXES: list[tuple[dict[str, Any], str, str]] = [
     ({"skin.width_mm": {"low": 17, "high": 18}}, "axes.skin.width_mm.steps", "at least 2"),
     ({"skin.width_mm": {"low": 17, "high": 18, "steps": 1}}, "axes.skin.width_mm.steps", "at least 2"),
     ({"skin.width_mm": {"low": 18, "high": 17, "steps": 3}}, "axes.skin.width_mm.high", "more than 18"),
-    ({"skin.width_mm": {"low": 17, "steps": 3}}, "axes.skin.width_mm.high", "no finite number"),
-    ({"skin.width_mm": {"low": "a", "high": 18, "steps": 3}}, "axes.skin.width_mm.low", "no finite number"),
+    ({"skin.width_mm": {"low": 17, "steps": 3}}, "axes.skin.width_mm.high", "is not a finite number"),
+    ({"skin.width_mm": {"low": "a", "high": 18, "steps": 3}}, "axes.skin.width_mm.low", "is not a finite number"),
     ({"skin.width_mm": {"low": 17, "high": 18, "step": 3}}, "axes.skin.width_mm.step", "did you mean steps?"),
     (
         {"board.cutoff_hz": {"low": 9, "high": 99, "steps": 3, "spacing": "log"}},
@@ -97,115 +104,117 @@ BAD_AXES: list[tuple[dict[str, Any], str, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "field", "words"), BAD)
-def test_bad_files_are_refused(changes: dict[str, Any], field: str, words: str) -> None:
-    assert words in issues(**changes)[field]
+@pytest.mark.parametrize(("changes", "field", "words"), REFUSED_FILES)
+def test_invalid_file_is_refused_with_a_remedy(changes: dict[str, Any], field: str, words: str) -> None:
+    assert words in find_issues(**changes)[field]
 
 
-@pytest.mark.parametrize(("axes", "field", "words"), BAD_AXES)
-def test_bad_axes_are_refused(axes: dict[str, Any], field: str, words: str) -> None:
-    found = issues(axes=axes)
+@pytest.mark.parametrize(("axes", "field", "words"), REFUSED_AXES)
+def test_invalid_axis_is_refused_with_a_remedy(axes: dict[str, Any], field: str, words: str) -> None:
+    found = find_issues(axes=axes)
     assert words in found[field]
     if field != "axes":
         assert list(found) == [field]
 
 
-def test_all_faults_are_told_at_once() -> None:
-    found = issues(
+def test_all_issues_are_reported_at_once() -> None:
+    found = find_issues(
         axes={"skin.widht_mm": [1], "mold.method": ["x"]}, outputs=["Q"], tolerance_mm=9.0, scene={"tap": {"count": 0}}
     )
     assert list(found) == ["tolerance_mm", "axes.skin.widht_mm", "axes.mold.method", "scene.tap.count", "outputs"]
 
 
-def test_sobol_asks_for_a_power_of_two_and_names_both() -> None:
+def test_sobol_needs_a_power_of_two_and_the_message_names_the_nearest_two() -> None:
     axes = {"board.cutoff_hz": {"low": 20.0, "high": 80.0}}
-    assert "choose 512 or 1024" in issues(sampling="sobol", points=1000, axes=axes)["points"]
-    assert plan(sampling="sobol", points=512, axes=axes).size == 512
+    assert "choose 512 or 1024" in find_issues(sampling="sobol", points=1000, axes=axes)["points"]
+    assert make_plan(sampling="sobol", points=512, axes=axes).size == 512
 
 
-def test_steps_are_no_business_of_a_sampler() -> None:
+def test_sampled_axis_refuses_steps() -> None:
     axes = {"board.cutoff_hz": {"low": 20.0, "high": 80.0, "steps": 3}}
-    assert "leave it out" in issues(**LATIN, axes=axes)["axes.board.cutoff_hz.steps"]
+    assert "leave it out" in find_issues(**LATIN, axes=axes)["axes.board.cutoff_hz.steps"]
 
 
-def test_a_grid_has_every_combination_once_the_last_axis_fastest() -> None:
-    made = plan()
-    points = [made.point(i) for i in range(made.size)]
-    assert len({tuple(p.values()) for p in points}) == made.size == 12 * 3 * 2
+def test_grid_contains_every_combination_once_and_its_last_axis_varies_fastest() -> None:
+    plan = make_plan()
+    points = [plan.point(i) for i in range(plan.size)]
+    assert len({tuple(p.values()) for p in points}) == plan.size == 12 * 3 * 2
     assert [p["board.series"] for p in points[:3]] == ["E12", "E96", "E12"]
     cutoffs = sorted({p["board.cutoff_hz"] for p in points})
     assert cutoffs == pytest.approx(np.geomspace(20, 2000, 12), rel=1e-8)
     assert (cutoffs[0], cutoffs[-1]) == (20.0, 2000.0)
     with pytest.raises(IndexError):
-        made.point(made.size)
+        plan.point(plan.size)
 
 
 @pytest.mark.parametrize("sampling", ["latin_hypercube", "sobol"])
-def test_samplers_fill_the_space_evenly_and_by_their_seed(sampling: str) -> None:
+def test_samplers_are_stratified_and_reproducible_by_seed(sampling: str) -> None:
     axes = {
         "board.cutoff_hz": {"low": 10.0, "high": 1000.0, "spacing": "logarithmic"},
         "detector.window_samples": {"low": 1, "high": 64},
         "board.series": ["E12", "E24"],
     }
-    made, again, other = (plan(sampling=sampling, points=64, seed=seed, axes=axes) for seed in (1, 1, 2))
-    columns = made.columns(np.arange(64))
+    plan, again, other = (make_plan(sampling=sampling, points=64, seed=seed, axes=axes) for seed in (1, 1, 2))
+    columns = plan.columns(np.arange(64))
     for name, column in again.columns(np.arange(64)).items():
         assert (columns[name] == column).all()
     assert (columns["board.cutoff_hz"] != other.columns(np.arange(64))["board.cutoff_hz"]).any()
-    # Both are stratified: each of 64 equal parts of an axis holds one point.
+    # Both samplers are stratified: each of 64 equal parts of an axis contains one point.
     shares = np.log10(columns["board.cutoff_hz"] / 10.0) / 2.0
     assert sorted(np.floor(64 * shares)) == list(range(64))
     assert np.sum(columns["board.series"] == "E12") == 32
-    assert sorted(columns["detector.window_samples"].tolist()) == list(range(1, 65))  # no end is drawn less often
-    assert made.point(17) == {name: column[17].item() for name, column in columns.items()}
+    assert sorted(columns["detector.window_samples"].tolist()) == list(
+        range(1, 65)
+    )  # the ends are as likely as other values
+    assert plan.point(17) == {name: column[17].item() for name, column in columns.items()}
 
 
-def test_a_million_points_are_asked_for_by_number() -> None:
+def test_points_of_a_large_grid_are_computed_by_number() -> None:
     steps = {"low": 20.0, "high": 80.0, "steps": 1000}
-    made = plan(axes={"board.cutoff_hz": steps, "board.envelope_cutoff_hz": steps, "board.series": ["E12"]})
-    assert made.size == 1_000_000
-    assert made.point(999_999) == {"board.cutoff_hz": 80.0, "board.envelope_cutoff_hz": 80.0, "board.series": "E12"}
-    assert len(made.in_order(999_990, 2_000_000)) == 10
+    plan = make_plan(axes={"board.cutoff_hz": steps, "board.envelope_cutoff_hz": steps, "board.series": ["E12"]})
+    assert plan.size == 1_000_000
+    assert plan.point(999_999) == {"board.cutoff_hz": 80.0, "board.envelope_cutoff_hz": 80.0, "board.series": "E12"}
+    assert len(plan.computing_order(999_990, 2_000_000)) == 10
 
 
-def test_computed_values_are_decimals_of_nine_digits() -> None:
+def test_computed_values_are_rounded_to_nine_significant_digits() -> None:
     values = 10.0 ** np.random.default_rng(0).uniform(-12, 12, 5000)
-    assert rounded(values).tolist() == [float(f"{value:.9g}") for value in values.tolist()]
-    assert rounded(np.array([0.0, 0.1, 1000.0])).tolist() == [0.0, 0.1, 1000.0]
+    assert round_significant(values).tolist() == [float(f"{value:.9g}") for value in values.tolist()]
+    assert round_significant(np.array([0.0, 0.1, 1000.0])).tolist() == [0.0, 0.1, 1000.0]
 
 
-def test_a_base_that_only_the_axes_mend_is_taken() -> None:
+def test_broken_rule_of_the_base_design_is_accepted_if_an_axis_changes_it() -> None:
     design = {"skin": {"width_mm": 6.0}}
-    assert plan(design=design, outputs=[], axes={"skin.width_mm": [17.0, 18.0]}).size == 2
+    assert make_plan(design=design, outputs=[], axes={"skin.width_mm": [17.0, 18.0]}).size == 2
 
 
 @pytest.mark.parametrize("name", ["board", "delay", "geometry", "map"])
-def test_bundled_sweeps_are_valid_and_read_back(name: str) -> None:
-    made = Plan.load(ROOT / "params" / "sweeps" / f"{name}.toml")
-    assert made.file.name == name
-    assert Plan.from_toml(made.to_toml()).to_toml() == made.to_toml()
+def test_bundled_sweep_is_valid_and_survives_a_round_trip(name: str) -> None:
+    plan = SweepPlan.load(ROOT / "params" / "sweeps" / f"{name}.toml")
+    assert plan.file.name == name
+    assert SweepPlan.from_toml(plan.to_toml()).to_toml() == plan.to_toml()
 
 
-def test_changes_reach_the_file_the_design_and_the_scene() -> None:
+def test_changes_apply_to_sweep_file_design_and_scene() -> None:
     changes = ["tolerance_mm=0.05", "skin.length_mm=35", "scene.slide.distance_m=0.03", "axes.board.cutoff_hz=[50, 60]"]
-    made = Plan.load(ROOT / "params" / "sweeps" / "delay.toml", changes)
-    assert (made.file.tolerance_mm, made.design.skin.length_mm) == (0.05, 35.0)
-    assert made.scene is not None
-    assert made.scene.slide.distance_m == 0.03
-    assert made.axes[0].values == (50.0, 60.0)
+    plan = SweepPlan.load(ROOT / "params" / "sweeps" / "delay.toml", changes)
+    assert (plan.file.tolerance_mm, plan.design.skin.length_mm) == (0.05, 35.0)
+    assert plan.scene is not None
+    assert plan.scene.slide.distance_m == 0.03
+    assert plan.axes[0].values == (50.0, 60.0)
 
 
-def test_files_that_cannot_be_read_are_told_with_their_names(tmp_path: Path) -> None:
+def test_unreadable_files_are_named(tmp_path: Path) -> None:
     (tmp_path / "sweep.toml").write_text(
         'design = "none.toml"\nscene = 3\noutputs = []\n[axes]\nskin.width_mm = [17]\n'
     )
-    ran = run_fingertip("sweep", tmp_path / "sweep.toml", "--out", tmp_path / "out")
-    assert ran.returncode == 2
-    assert "none.toml: cannot be read" in ran.stderr
-    assert "scene: 3 is refused" in ran.stderr
+    result = run_sweep_command(tmp_path / "sweep.toml", "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "none.toml: cannot be read" in result.stderr
+    assert "scene: 3 is refused" in result.stderr
     assert not (tmp_path / "out").exists()
     (tmp_path / "sweep.toml").write_text("[axes\n")
-    assert "is no valid TOML" in run_fingertip("sweep", tmp_path / "sweep.toml").stderr
+    assert "is not valid TOML" in run_sweep_command(tmp_path / "sweep.toml").stderr
 
 
 @pytest.mark.parametrize(
@@ -218,9 +227,11 @@ def test_files_that_cannot_be_read_are_told_with_their_names(tmp_path: Path) -> 
         (["--show", "--out", "nowhere"], "holds no sweep"),
     ],
 )
-def test_bad_commands_are_refused(tmp_path: Path, arguments: list[str], words: str) -> None:
-    named = [str(ROOT / a) if a.endswith(".toml") else a for a in arguments]
-    ran = run_fingertip("sweep", *named, PWD=str(tmp_path))
-    assert ran.returncode == 2
-    assert words in ran.stderr
+def test_invalid_command_lines_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], words: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = run_sweep_command(*(ROOT / a if a.endswith(".toml") else a for a in arguments))
+    assert result.exit_code == 2
+    assert words in result.stderr
     assert list(tmp_path.iterdir()) == []

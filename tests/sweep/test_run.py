@@ -1,4 +1,4 @@
-"""A sweep from its file to its rows, by the command line, in fresh processes."""
+"""Sweeps from the command line: a file in, rows out; resumed, refused, reported on and exported."""
 
 from __future__ import annotations
 
@@ -6,12 +6,16 @@ import json
 from pathlib import Path
 
 import pytest
+from click.testing import Result
+from typer.testing import CliRunner
 
 from fingertip.board import board_values
+from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.errors import DesignError
-from fingertip.sweep.database import Row, Store
-from tests.conftest import run_fingertip
+from fingertip.sweep.database import SweepDatabase
+from fingertip.sweep.rows import SweepRow
+from tests.sweep.examples import InlineEngine
 
 FILE = """
 name = "boards"
@@ -24,110 +28,121 @@ board.series = ["E12", "E96"]
 """
 
 
+def run_sweep_command(*arguments: object) -> Result:
+    return CliRunner().invoke(app, ["sweep", *map(str, arguments)])
+
+
+def read_rows(folder: Path) -> list[SweepRow]:
+    with SweepDatabase.open(folder) as database:
+        return list(database.rows())
+
+
 @pytest.fixture(scope="module")
-def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a finished sweep of boards."""
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a sweep file and, in `out`, the rows that two processes computed."""
     folder = tmp_path_factory.mktemp("boards")
     (folder / "sweep.toml").write_text(FILE)
-    ran = run_fingertip("sweep", folder / "sweep.toml", "--out", folder / "out", "--json", "--jobs", 2)
-    assert ran.returncode == 0, ran.stderr
-    said = json.loads(ran.stdout)
-    assert (said["points"], said["rows"], said["ok"] + said["refused"]) == (24, 24, 24)
-    assert said["refused"] > 0
+    result = run_sweep_command(folder / "sweep.toml", "--out", folder / "out", "--json", "--jobs", 2)
+    assert result.exit_code == 0, result.stderr
+    data = json.loads(result.stdout)
+    assert (data["points"], data["rows"], data["ok"] + data["refused"]) == (24, 24, 24)
+    assert data["refused"] > 0
     return folder
 
 
-def rows(folder: Path) -> list[Row]:
-    with Store.open(folder) as store:
-        return list(store.rows())
+@pytest.fixture
+def inline(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Makes the command compute in this process."""
+    monkeypatch.setattr("fingertip.sweep.engines.ProcessEngine", InlineEngine)
 
 
-def test_each_row_is_what_the_design_alone_gives(swept: Path) -> None:
-    found = rows(swept / "out")
-    assert [row.point for row in found] == list(range(24))
-    for row in found:
+def test_each_row_equals_a_single_evaluation_of_its_design(finished: Path) -> None:
+    rows = read_rows(finished / "out")
+    assert [row.point for row in rows] == list(range(24))
+    for row in rows:
         changes = [f"{name}={value}" for name, value in row.axes.items()]
         if row.status == "refused":
-            with pytest.raises(DesignError) as refused:
+            with pytest.raises(DesignError) as error:
                 Design.load(changes=changes)
-            assert (row.field, row.reason.partition(" (and ")[0]) == (
-                refused.value.issues[0].field,
-                refused.value.issues[0].message,
-            )
+            (issue,) = (issue for issue in error.value.issues if issue.field == row.field)
+            # A sweep states the problem without the remedy.
+            assert issue.message.startswith(row.reason.partition(" (and ")[0].rstrip("."))
         else:
             values = board_values(Design.load(changes=changes))
             assert row.outputs == pytest.approx(
                 {
-                    "q": values.achieved.section_quality,
-                    "cutoff_3db_hz": values.achieved.cutoff_hz,
+                    "q": values.achieved_response.section_quality,
+                    "cutoff_3db_hz": values.achieved_response.cutoff_hz,
                     "board.r2_ohm": values.preferred.r2_ohm,
-                    "gain": values.achieved.passband_gain,
+                    "gain": values.achieved_response.passband_gain,
                 },
                 abs=5.1e-7,
             )
 
 
-def test_a_folder_with_a_sweep_is_left_alone_without_resume(swept: Path) -> None:
-    before = (swept / "out" / "sweep.sqlite").read_bytes()
-    again = run_fingertip("sweep", swept / "sweep.toml", "--out", swept / "out")
-    assert again.returncode == 2
-    assert "--resume" in again.stderr
-    assert (swept / "out" / "sweep.sqlite").read_bytes() == before
-    assert [path.name for path in (swept / "out").iterdir()] == ["sweep.sqlite"]
+def test_folder_with_a_sweep_is_not_changed_without_resume(finished: Path) -> None:
+    before = (finished / "out" / "sweep.sqlite").read_bytes()
+    result = run_sweep_command(finished / "sweep.toml", "--out", finished / "out")
+    assert result.exit_code == 2
+    assert "--resume" in result.stderr
+    assert (finished / "out" / "sweep.sqlite").read_bytes() == before
+    assert [path.name for path in (finished / "out").iterdir()] == ["sweep.sqlite"]
 
 
-def test_resuming_what_is_finished_computes_nothing(swept: Path) -> None:
-    again = run_fingertip("sweep", swept / "sweep.toml", "--out", swept / "out", "--resume", "--json")
-    assert again.returncode == 0, again.stderr
-    assert json.loads(again.stdout)["computed_now"] == 0
+def test_resume_of_a_finished_sweep_computes_nothing(finished: Path, inline: None) -> None:
+    result = run_sweep_command(finished / "sweep.toml", "--out", finished / "out", "--resume", "--json")
+    assert result.exit_code == 0, result.stderr
+    assert json.loads(result.stdout)["computed_now"] == 0
 
 
-def test_another_sweep_under_resume_is_refused_line_by_line(swept: Path, tmp_path: Path) -> None:
+def test_resume_of_a_different_sweep_is_refused_with_the_lines_that_differ(finished: Path, tmp_path: Path) -> None:
     (tmp_path / "other.toml").write_text(FILE.replace("0.0001, 1.0", "0.0001, 1.5"))
-    again = run_fingertip("sweep", tmp_path / "other.toml", "--out", swept / "out", "--resume")
-    assert again.returncode == 2
-    assert "  - board.capacitor_uf = [0.0001, 1.0]\n  + board.capacitor_uf = [0.0001, 1.5]" in again.stderr
-    assert again.stderr.count("\n") == 3
-    assert len(rows(swept / "out")) == 24
+    result = run_sweep_command(tmp_path / "other.toml", "--out", finished / "out", "--resume")
+    assert result.exit_code == 2
+    assert "  - board.capacitor_uf = [0.0001, 1.0]\n  + board.capacitor_uf = [0.0001, 1.5]" in result.stderr
+    assert result.stderr.count("\n") == 3
+    assert len(read_rows(finished / "out")) == 24
 
 
-def test_a_finished_sweep_is_shown_and_exported(swept: Path, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_finished_sweep_is_reported_on_and_exported(finished: Path, tmp_path: Path) -> None:
     folder = tmp_path / "copy"
     folder.mkdir()
-    (folder / "sweep.sqlite").write_bytes((swept / "out" / "sweep.sqlite").read_bytes())
-    shown = run_fingertip("sweep", "--show", "--out", folder, "--csv", tmp_path / "rows.csv", "--json", "--quiet")
-    assert shown.returncode == 0, shown.stderr
-    assert json.loads(shown.stdout)["points"] == 24
-    assert shown.stderr == ""
+    (folder / "sweep.sqlite").write_bytes((finished / "out" / "sweep.sqlite").read_bytes())
+    result = run_sweep_command("--show", "--out", folder, "--csv", tmp_path / "rows.csv", "--json", "--quiet")
+    assert result.exit_code == 0, result.stderr
+    assert json.loads(result.stdout)["points"] == 24
+    assert result.stderr == ""
     lines = (tmp_path / "rows.csv").read_text().splitlines()
     assert len(lines) == 25
     assert lines[0].startswith("point,board.cutoff_hz,board.capacitor_uf,board.series,q,")
     assert {path.name for path in folder.iterdir()} >= {"sweep.sqlite", "summary.json"}
-    assert (folder / "sweep.sqlite").read_bytes() == (swept / "out" / "sweep.sqlite").read_bytes()
+    assert (folder / "sweep.sqlite").read_bytes() == (finished / "out" / "sweep.sqlite").read_bytes()
 
 
-def test_the_same_sweep_gives_the_same_file(swept: Path, tmp_path: Path) -> None:
-    ran = run_fingertip(
-        "sweep", swept / "sweep.toml", "--out", tmp_path / "again", "--jobs", 1, "--csv", tmp_path / "a"
+def test_same_sweep_gives_the_same_rows(finished: Path, tmp_path: Path, inline: None) -> None:
+    result = run_sweep_command(
+        finished / "sweep.toml", "--out", tmp_path / "again", "--jobs", 1, "--csv", tmp_path / "rows.csv"
     )
-    assert ran.returncode == 0, ran.stderr
-    assert repr(rows(tmp_path / "again")) == repr(rows(swept / "out"))
+    assert result.exit_code == 0, result.stderr
+    assert repr(read_rows(tmp_path / "again")) == repr(read_rows(finished / "out"))
 
 
-def test_outputs_are_listed_with_their_meaning() -> None:
-    listed = json.loads(run_fingertip("sweep", "--outputs", "--json").stdout)["outputs"]
-    assert {"name", "stage", "meaning"} == set(listed[0])
+def test_outputs_are_listed_with_group_and_description() -> None:
+    listed = json.loads(run_sweep_command("--outputs", "--json").stdout)["outputs"]
+    assert {"name", "group", "description"} == set(listed[0])
     assert {"checks_failed", "q", "delay_ms", "silicone_g"} <= {output["name"] for output in listed}
-    assert "thinnest_skin_mm" in run_fingertip("sweep", "--outputs").stdout
+    assert "min_skin_thickness_mm" in run_sweep_command("--outputs").stdout
 
 
-def test_failed_points_make_the_exit_code_one(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_points_beyond_the_time_limit_make_the_exit_code_one(tmp_path: Path) -> None:
     text = FILE.replace('name = "boards"', 'name = "boards"\ntime_limit_s = 0.05\ntrials = 50\nscene = "slow.toml"')
     text = text.replace('outputs = ["q",', 'outputs = ["delay_ms", "q",').replace("steps = 6", "steps = 2")
     (tmp_path / "slow.toml").write_text("[slide]\ndistance_m = 0.1\n")
     (tmp_path / "sweep.toml").write_text(text.replace("[0.0001, 1.0]", "[0.1]").replace('"E12", "E96"', '"E12"'))
-    ran = run_fingertip("sweep", tmp_path / "sweep.toml", "--out", tmp_path / "out", "--json")
-    assert ran.returncode == 1, ran.stderr
-    said = json.loads(ran.stdout)
-    assert (said["rows"], said["timeout"], said["refused"]) == (2, 1, 1)
-    assert rows(tmp_path / "out")[0].reason == "took longer than 0.05 s (time_limit_s), twice."
+    result = run_sweep_command(tmp_path / "sweep.toml", "--out", tmp_path / "out", "--json")
+    assert result.exit_code == 1, result.stderr
+    data = json.loads(result.stdout)
+    assert (data["rows"], data["timeout"], data["refused"]) == (2, 1, 1)
+    assert read_rows(tmp_path / "out")[0].reason == "took longer than 0.05 s (time_limit_s), twice."

@@ -1,4 +1,4 @@
-"""`fingertip sweep`: many designs from one file, on all processors or a cluster; stopped at any moment, it goes on."""
+"""`fingertip sweep`: evaluate many designs from one file, on all processors or a cluster; interruptible, resumable."""
 
 from __future__ import annotations
 
@@ -12,45 +12,61 @@ import typer
 from fingertip.cli.console import CHECK_FAILED, INTERRUPTED, Console, JsonOption, QuietOption, command
 
 if TYPE_CHECKING:
+    from fingertip.sweep.database import SweepDatabase
     from fingertip.sweep.engines import Engine
-    from fingertip.sweep.plan import Plan
-    from fingertip.sweep.database import Store
+    from fingertip.sweep.plan import SweepPlan
+
+MAX_JOBS = 1024
 
 
 @command
 def sweep(
-    file: Annotated[Path | None, typer.Argument(metavar="[SWEEP.toml]", help="Sweep file; see params/sweeps.")] = None,
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[SWEEP.toml]", help="Sweep file; see params/sweeps for examples.")
+    ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Folder for the rows; without it, out/sweeps/NAME.")
+        Path | None, typer.Option("--out", "-o", help="Folder for the rows. Default: out/sweeps/NAME.")
     ] = None,
-    jobs: Annotated[int | None, typer.Option(help="Processes; without it, one for each processor.")] = None,
+    jobs: Annotated[int | None, typer.Option(help="Number of worker processes. Default: one per processor.")] = None,
     cluster: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler's, such as tcp://127.0.0.1:8786.")
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Address of a Dask scheduler, such as tcp://127.0.0.1:8786."),
     ] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with a sweep that was stopped.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue a sweep that was interrupted.")] = False,
     show: Annotated[
         bool,
-        typer.Option("--show", help="Compute nothing; report on the rows there are: rules, pictures, best design."),
+        typer.Option(
+            "--show",
+            help="Compute nothing; report on the existing rows: limiting rules, sensitivities, plots, best design.",
+        ),
     ] = False,
-    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the rows there too.")] = None,
+    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Also write the rows as CSV.")] = None,
     parquet: Annotated[
-        Path | None, typer.Option("--parquet", metavar="FILE", help="Write the rows there too; needs pyarrow.")
+        Path | None,
+        typer.Option("--parquet", metavar="FILE", help="Also write the rows as Parquet; needs pyarrow."),
     ] = None,
-    outputs: Annotated[bool, typer.Option("--outputs", help="Print what can be computed, and exit.")] = False,
+    outputs: Annotated[
+        bool, typer.Option("--outputs", help="List the outputs that can be computed, and exit.")
+    ] = False,
     changes: Annotated[
         list[str] | None,
         typer.Option(
             "--set",
             metavar="KEY=VALUE",
-            help="Change the sweep file, its design (skin.width_mm=18) or scene (scene.tap.force_n=2); repeatable.",
+            help="Change a value of the sweep file, of its design (skin.width_mm=18) or of its scene "
+            "(scene.tap.force_n=2); repeatable.",
         ),
     ] = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Compute outputs of many designs. Exit code 0: every point has its row; 1: some failed or took too long."""
+    """Compute outputs of many designs, one row per design.
+
+    Exit code 0: every point has its row; 1: some points failed or exceeded the time limit.
+    """
     from fingertip.errors import Issue, SweepError
-    from fingertip.sweep.engines import Processes, default_jobs
+    from fingertip.sweep.engines import ProcessEngine, count_processors
+    from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.report import export
 
     console = Console(as_json, quiet)
@@ -58,112 +74,80 @@ def sweep(
         _list_outputs(console)
         return
     if parquet is not None:
-        export.arrow()
+        export.load_pyarrow()  # a missing package is reported before the sweep, not after it
     if show:
-        _show(console, _asked(file, out, changes or ()), out, csv, parquet)
+        _show_report(console, _load_shown_plan(file, out, changes or ()), out, csv, parquet)
         return
     if file is None:
         raise SweepError(Issue("SWEEP.toml", "is missing; give a sweep file, such as params/sweeps/board.toml."))
-    if jobs is not None and not 1 <= jobs <= 1024:
-        raise SweepError(Issue("--jobs", f"{jobs} is refused; choose 1 to 1024, or leave it out."))
+    if jobs is not None and not 1 <= jobs <= MAX_JOBS:
+        raise SweepError(Issue("--jobs", f"{jobs} is out of range; choose 1 to {MAX_JOBS}, or leave it out."))
     if jobs is not None and cluster:
-        raise SweepError(Issue("--jobs", "stands beside --cluster, which has its own workers; leave one of them out."))
-    plan = _load(file, changes or ())
-    folder = out or _default(plan)
-    engine = _cluster(cluster) if cluster else Processes(jobs or default_jobs())
-    with _open(console, folder, plan, resume) as store:
-        code = _run(console, store, engine)
-        _export(console, store, csv, parquet)
+        raise SweepError(
+            Issue("--jobs", "cannot be combined with --cluster, which has its own workers; leave one of them out.")
+        )
+    plan = SweepPlan.load(file, changes or ())
+    folder = out or _default_folder(plan)
+    engine = _connect_to_cluster(cluster) if cluster else ProcessEngine(jobs or count_processors())
+    with _open_database(console, folder, plan, resume) as database:
+        code = _run(console, database, engine)
+        _export(console, database, csv, parquet)
     if code:
         raise typer.Exit(code)
 
 
-def _load(file: Path, changes: Sequence[str]) -> Plan:
-    """The sweep of a file; a file of another kind is answered with what it is."""
-    from fingertip.cli.load import refuse_other
-    from fingertip.errors import SweepError
-    from fingertip.sweep.plan import Plan
-
-    try:
-        return Plan.load(file, changes)
-    except SweepError:
-        refuse_other(file, "a sweep")
-        raise
-
-
-def _cluster(address: str) -> Engine:
-    from fingertip.sweep.dask_engine import Cluster
-
-    return Cluster(address)
-
-
-def _default(plan: Plan) -> Path:
-    return Path("out") / "sweeps" / plan.file.name
-
-
-def _asked(file: Path | None, out: Path | None, changes: Sequence[str]) -> Plan | None:
-    """The sweep that is asked about; None where its folder alone is given."""
+def _load_shown_plan(file: Path | None, out: Path | None, changes: Sequence[str]) -> SweepPlan | None:
+    """Load the sweep to report on; None if only its folder is given."""
     from fingertip.errors import Issue, SweepError
+    from fingertip.sweep.plan import SweepPlan
 
     if file is not None:
-        return _load(file, changes)
+        return SweepPlan.load(file, changes)
     if out is None:
-        raise SweepError(Issue("--show", "needs a sweep: give its file, or its folder with --out."))
+        raise SweepError(Issue("--show", "needs a sweep; give its file, or its folder with --out."))
     if changes:
-        raise SweepError(Issue("--set", "changes a sweep file; give it beside --show."))
+        raise SweepError(Issue("--set", "changes a sweep file, but none is given; give the file together with --show."))
     return None
 
 
-def _show(console: Console, plan: Plan | None, out: Path | None, csv: Path | None, parquet: Path | None) -> None:
-    from fingertip.sweep.report import write
-    from fingertip.sweep.database import Store
+def _connect_to_cluster(address: str) -> Engine:
+    from fingertip.sweep.dask_engine import DaskEngine
 
-    folder = out if out is not None or plan is None else _default(plan)
-    assert folder is not None
-    with Store.open(folder) as store:
-        data = write(store, folder, console.progress, plan)
-        _export(console, store, csv, parquet)
-    text = data.pop("text")
-    console.result(data, text)
+    return DaskEngine(address)
 
 
-def _export(console: Console, store: Store, csv: Path | None, parquet: Path | None) -> None:
-    from fingertip.sweep.report import export
-
-    for path, write in ((csv, export.write_csv), (parquet, export.write_parquet)):
-        if path is not None:
-            write(store, path)
-            console.progress(f"wrote {path}")
+def _default_folder(plan: SweepPlan) -> Path:
+    return Path("out") / "sweeps" / plan.file.name
 
 
-def _open(console: Console, folder: Path, plan: Plan, resume: bool) -> Store:
-    from fingertip.sweep.database import Store
+def _open_database(console: Console, folder: Path, plan: SweepPlan, resume: bool) -> SweepDatabase:
+    from fingertip.sweep.database import SweepDatabase
 
-    if resume and folder.is_dir() and Store.exists(folder):
-        return Store.resume(folder, plan)
+    if resume and folder.is_dir() and SweepDatabase.exists(folder):
+        return SweepDatabase.resume(folder, plan)
     if resume:
-        console.progress(f"nothing to go on with in {folder}: beginning there")
-    return Store.create(folder, plan)
+        console.progress(f"{folder} holds no sweep to continue: starting a new one there")
+    return SweepDatabase.create(folder, plan)
 
 
-def _run(console: Console, store: Store, engine: Engine) -> int:
-    from fingertip.cli.progress import progress
-    from fingertip.sweep.run import run
+def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
+    """Run the sweep, print its counts, and give the exit code."""
+    from fingertip.cli.progress import sweep_progress
+    from fingertip.sweep.run import run_sweep
 
-    plan, folder = store.plan, store.folder
-    console.progress(
-        f"{plan.file.name}: {plan.size} points, {len(plan.outputs)} outputs, {engine.workers} {engine.what}"
-    )
+    plan, folder = database.plan, database.folder
+    workers = f"{engine.workers} {engine.description}"
+    console.progress(f"{plan.file.name}: {plan.size} points, {len(plan.outputs)} outputs, {workers}")
     interrupted, start_s = False, time.perf_counter()
-    with progress(console, plan.size) as told:
+    with sweep_progress(console, plan.size) as show_progress:
         try:
-            state = run(plan, store, engine, told)
+            state = run_sweep(plan, database, engine, show_progress)
         except KeyboardInterrupt:
             interrupted = True
-    counts = store.counts()
+    counts = database.count_by_status()
     rows = sum(counts.values())
     if interrupted:
-        console.progress(f"stopped with {rows} of {plan.size} points in {folder}; go on with --resume")
+        console.progress(f"interrupted with {rows} of {plan.size} points in {folder}; continue with --resume")
         console.result({"folder": folder.as_posix(), "points": plan.size, "rows": rows, **counts}, "")
         return INTERRUPTED
     data: dict[str, Any] = {
@@ -174,20 +158,42 @@ def _run(console: Console, store: Store, engine: Engine) -> int:
         **counts,
         "computed_now": state.written,
     }
-    text = f"{rows} of {plan.size} points in {folder}: " + ", ".join(
-        f"{n} {status}" for status, n in counts.items() if n
-    )
-    took_s = time.perf_counter() - start_s
-    pace = f"{state.written} points in {took_s:.1f} s, {state.written / took_s:.3g} points/s"
-    console.progress(pace if state.written else "every point had its row already")
-    console.progress(f"rules, pictures and the best design: fingertip sweep --show --out {folder.as_posix()}")
-    console.result(data, text)
+    statuses = ", ".join(f"{count} {status}" for status, count in counts.items() if count)
+    elapsed_s = time.perf_counter() - start_s
+    rate = f"{state.written} points in {elapsed_s:.1f} s, {state.written / elapsed_s:.3g} points/s"
+    console.progress(rate if state.written else "every point already had its row")
+    console.progress(f"to report on them: fingertip sweep --show --out {folder.as_posix()}")
+    console.result(data, f"{rows} of {plan.size} points in {folder}: {statuses}")
     return CHECK_FAILED if counts["failed"] + counts["timeout"] or rows < plan.size else 0
+
+
+def _show_report(
+    console: Console, plan: SweepPlan | None, out: Path | None, csv: Path | None, parquet: Path | None
+) -> None:
+    from fingertip.sweep.database import SweepDatabase
+    from fingertip.sweep.report import write_report
+
+    folder = out if out is not None or plan is None else _default_folder(plan)
+    assert folder is not None
+    with SweepDatabase.open(folder) as database:
+        data = write_report(database, folder, console.progress, plan)
+        _export(console, database, csv, parquet)
+    text = data.pop("text")
+    console.result(data, text)
+
+
+def _export(console: Console, database: SweepDatabase, csv: Path | None, parquet: Path | None) -> None:
+    from fingertip.sweep.report import export
+
+    for path, write in ((csv, export.write_csv), (parquet, export.write_parquet)):
+        if path is not None:
+            write(database, path)
+            console.progress(f"wrote {path}")
 
 
 def _list_outputs(console: Console) -> None:
     from fingertip.sweep.outputs import OUTPUTS
 
-    data = [{"name": o.name, "stage": o.stage, "meaning": o.meaning} for o in OUTPUTS.values()]
-    text = "\n".join(f"{o.name:24} {o.stage:10} {o.meaning}" for o in OUTPUTS.values())
+    data = [{"name": o.name, "group": o.group, "description": o.description} for o in OUTPUTS.values()]
+    text = "\n".join(f"{o.name:24} {o.group:10} {o.description}" for o in OUTPUTS.values())
     console.result({"outputs": data}, text)

@@ -1,4 +1,4 @@
-"""One swept parameter: its values as listed, as a range in steps, or as an interval that a sampler draws from."""
+"""Axes of a sweep: one swept parameter each, with listed values, a stepped range, or an interval to sample."""
 
 from __future__ import annotations
 
@@ -18,75 +18,82 @@ from fingertip.errors import Issue
 
 Value: TypeAlias = float | int | bool | str
 Spacing: TypeAlias = Literal["linear", "logarithmic"]
-KEYS = ("low", "high", "steps", "spacing")
+RANGE_KEYS = ("low", "high", "steps", "spacing")
+"""Keys of a range in a sweep file."""
 _DIGITS = 9
-"""Significant digits of a computed value: the last bits of logarithms differ between processors, nine digits do not."""
+"""Significant digits of a computed value. The last bits of a logarithm differ between processors; nine digits do
+not."""
 _POWERS = np.array([float(f"1e{i}") for i in range(309)])
+"""Powers of ten, each the float nearest to its decimal."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A swept parameter, dotted, and where its values come from."""
+    """Swept parameter, and where its values come from."""
 
     name: str
-    given: tuple[Value, ...] = ()
-    """The values as listed; empty for a range."""
+    """Dotted name of the parameter."""
+    listed: tuple[Value, ...] = ()
+    """Values as listed; empty for a range."""
     low: float = 0.0
+    """Lower end of a range."""
     high: float = 0.0
+    """Upper end of a range."""
     steps: int = 0
-    """Values of a range on a grid; 0 for an interval that a sampler draws from."""
+    """Number of values of a range on a grid; 0 for an interval that a sampler draws from."""
     spacing: Spacing = "linear"
-    whole: bool = False
-    """Whether the parameter counts in whole numbers."""
+    integer: bool = False
+    """Whether the parameter is an integer."""
 
     @cached_property
     def values(self) -> tuple[Value, ...]:
-        """Every value of a list or of a range in steps; empty for an interval."""
-        if self.given:
-            return self.given
-        shares = np.arange(self.steps) / max(1, self.steps - 1)
-        return tuple(self._between(shares).tolist())
+        """Every value of a list or of a stepped range; empty for an interval."""
+        if self.listed:
+            return self.listed
+        fractions = np.arange(self.steps) / max(1, self.steps - 1)
+        return tuple(self._interpolate(fractions).tolist())
 
-    def typed(self, stored: Any) -> Value:
-        """A value as the database keeps it (it has no truth values), as it was."""
-        if self.given and all(isinstance(value, bool) for value in self.given):
+    def restore_type(self, stored: Any) -> Value:
+        """Give a value its type back; the database stores booleans as integers."""
+        if self.listed and all(isinstance(value, bool) for value in self.listed):
             return bool(stored)
         value: Value = stored
         return value
 
-    def drawn(self, shares: NDArray[np.float64]) -> NDArray[Any]:
-        """Values for shares in [0, 1), one each: equally long parts of a list, or places in the interval."""
-        if self.values:
-            places = np.minimum((shares * len(self.values)).astype(np.int64), len(self.values) - 1)
-            return self.column(places)
-        if self.whole and self.spacing == "linear":  # every whole number as likely as any other
-            return (self.low + np.floor(shares * (self.high - self.low + 1.0))).astype(np.int64)
-        return self._between(shares)
+    def sample(self, fractions: NDArray[np.float64]) -> NDArray[Any]:
+        """Map fractions in [0, 1) to values.
 
-    def column(self, places: NDArray[np.int64]) -> NDArray[Any]:
-        """The listed values at these places of the list."""
-        return self._array[places]
+        Every value of a list gets an equal part of [0, 1); an interval is interpolated.
+        """
+        if self.values:
+            indices = np.minimum((fractions * len(self.values)).astype(np.int64), len(self.values) - 1)
+            return self.select(indices)
+        if self.integer and self.spacing == "linear":  # gives every integer, the ends too, the same probability
+            return (self.low + np.floor(fractions * (self.high - self.low + 1.0))).astype(np.int64)
+        return self._interpolate(fractions)
+
+    def select(self, indices: NDArray[np.int64]) -> NDArray[Any]:
+        """Select values by their indices in `values`."""
+        return self._array[indices]
 
     @cached_property
     def _array(self) -> NDArray[Any]:
-        mixed = not all(isinstance(value, str) for value in self.values) and any(
-            isinstance(value, str) for value in self.values
-        )
-        return np.array(self.values, dtype=object if mixed else None)
+        words = [isinstance(value, str) for value in self.values]
+        return np.array(self.values, dtype=object if any(words) and not all(words) else None)
 
-    def _between(self, shares: NDArray[np.float64]) -> NDArray[Any]:
+    def _interpolate(self, fractions: NDArray[np.float64]) -> NDArray[Any]:
         if self.spacing == "logarithmic":
-            exact = self.low * (self.high / self.low) ** shares
+            exact = self.low * (self.high / self.low) ** fractions
         else:
-            exact = self.low + (self.high - self.low) * shares
+            exact = self.low + (self.high - self.low) * fractions
         exact = np.clip(exact, self.low, self.high)
-        if self.whole:
+        if self.integer:
             return np.round(exact).astype(np.int64)
-        return rounded(exact)
+        return round_significant(exact)
 
 
-def rounded(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values to `_DIGITS` significant digits, each the number nearest to its decimal."""
+def round_significant(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Round to `_DIGITS` significant digits; each result is the float nearest to its decimal."""
     with np.errstate(divide="ignore"):
         decimals = _DIGITS - 1 - np.floor(np.log10(np.abs(values)))
     places = np.where(np.isfinite(decimals), decimals, 0.0).astype(np.int64)
@@ -95,129 +102,144 @@ def rounded(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return result
 
 
-def flatten(tables: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted names and what stands there, down to lists and to tables that hold a range."""
+def flatten_axes(tables: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, Any]]:
+    """Give each dotted name of nested tables with its list or its range."""
     for key, inner in tables.items():
         name = f"{path}.{key}" if path else key
-        if isinstance(inner, Mapping) and not (set(inner) & set(KEYS)) and inner:
-            yield from flatten(inner, name)
+        if isinstance(inner, Mapping) and not (set(inner) & set(RANGE_KEYS)) and inner:
+            yield from flatten_axes(inner, name)
         else:
             yield name, inner
 
 
-def parameter_names(model: type[BaseModel], before: str = "") -> list[str]:
-    """Dotted names of all parameters of a design or a scene."""
+def list_parameter_names(model: type[BaseModel], prefix: str = "") -> list[str]:
+    """List the dotted names of all parameters of a design or a scene."""
     names = []
     for name, info in model.model_fields.items():
         if isinstance(info.default, ParameterTable):
-            names += [f"{before}{name}.{key}" for key in type(info.default).model_fields]
+            names += [f"{prefix}{name}.{key}" for key in type(info.default).model_fields]
         elif get_origin(info.annotation) is not list:
-            names.append(f"{before}{name}")
+            names.append(f"{prefix}{name}")
     return names
 
 
-def read_axis(name: str, given: Any, sampled: bool) -> tuple[Axis | None, list[Issue]]:
-    """An axis as the file gives it, or what is wrong with it.
+def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis | None, list[Issue]]:
+    """Read an axis of a sweep file.
 
     Parameters
     ----------
     name
-        Dotted; `scene.` before a parameter of the scene.
-    given
-        A list of values, or a table of `KEYS`.
+        Dotted name of the parameter; `scene.` before a parameter of the scene.
+    entry
+        What the file holds: a list of values, or a table of `RANGE_KEYS`.
     sampled
-        Whether a sampler draws from it; else it takes part in a grid.
+        Whether a sampler draws from the axis; otherwise it is part of a grid.
+
+    Returns
+    -------
+    tuple
+        The axis, or None, and everything that is wrong with it.
     """
     field = f"axes.{name}"
     model: type[BaseModel] = DesignTables
     path = name
     if name.startswith("scene."):
-        model, path = _scene(), name.removeprefix("scene.")
-    if path not in parameter_names(model):
-        if name.startswith("scene.") and path in parameter_names(_manipulation()):
-            words = "is a manipulation's, and sweeps run scenes of one finger; `fingertip simulate --set` takes it."
-            return None, [Issue(field, words)]
-        known = parameter_names(DesignTables) + parameter_names(_scene(), "scene.")
+        model, path = _load_scene_model(), name.removeprefix("scene.")
+    if path not in list_parameter_names(model):
+        if name.startswith("scene.") and path in list_parameter_names(_load_manipulation_model()):
+            message = (
+                "is a parameter of a manipulation, but a sweep simulates scenes of one finger; use `fingertip "
+                "simulate` with --set for a manipulation."
+            )
+            return None, [Issue(field, message)]
+        known = list_parameter_names(DesignTables) + list_parameter_names(_load_scene_model(), "scene.")
         return None, [Issue(field, f"there is no such parameter; {suggest_name(name, known)}")]
-    axis, issues = _read(name, field, given, sampled, _annotation(model, path))
+    axis, issues = _parse_axis(name, field, entry, sampled, _get_annotation(model, path))
     if axis is None or issues:
         return None, issues
     values = axis.values or (axis.low, axis.high)
-    if axis.whole and not axis.given:
+    if axis.integer and not axis.listed:
         values = tuple(int(value) for value in values)
-    found = {issue.message: issue for value in values for issue in _bounds(model, path, field, value)}
+    # Many values break the same bound: each message is reported once.
+    found = {issue.message: issue for value in values for issue in _check_value(model, path, field, value)}
     return axis, list(found.values())
 
 
-def _read(name: str, field: str, given: Any, sampled: bool, annotation: Any) -> tuple[Axis | None, list[Issue]]:
-    if isinstance(given, list):
-        if not given:
+def _parse_axis(name: str, field: str, entry: Any, sampled: bool, annotation: Any) -> tuple[Axis | None, list[Issue]]:
+    if isinstance(entry, list):
+        if not entry:
             return None, [Issue(field, "is an empty list; give at least one value.")]
-        twice = next((value for i, value in enumerate(given) if value in given[:i]), None)
-        if twice is not None:
-            return None, [Issue(field, f"{twice!r} is listed more than once; list it once.")]
-        # 1 and 1.0 are one value, and rows must not depend on how it was typed.
-        floats = tuple(float(v) if annotation is float and type(v) is int else v for v in given)
-        return Axis(name, floats, whole=annotation is int), []
-    if not isinstance(given, Mapping):
+        repeated = next((value for i, value in enumerate(entry) if value in entry[:i]), None)
+        if repeated is not None:
+            return None, [Issue(field, f"{repeated!r} is listed more than once; list it once.")]
+        # 1 and 1.0 are the same value; rows must not depend on how it was typed.
+        values = tuple(float(v) if annotation is float and type(v) is int else v for v in entry)
+        return Axis(name, values, integer=annotation is int), []
+    if not isinstance(entry, Mapping):
         return None, [
-            Issue(field, f"{given!r} is no axis; write a list of values, or {{low = 1, high = 2, steps = 5}}.")
+            Issue(field, f"{entry!r} is not an axis; write a list of values, or {{low = 1, high = 2, steps = 5}}.")
         ]
-    return _range(name, field, given, sampled, annotation)
+    return _parse_range(name, field, entry, sampled, annotation)
 
 
-def _range(
-    name: str, field: str, given: Mapping[str, Any], sampled: bool, annotation: Any
+def _parse_range(
+    name: str, field: str, entry: Mapping[str, Any], sampled: bool, annotation: Any
 ) -> tuple[Axis | None, list[Issue]]:
     if annotation not in (float, int):
-        words = get_args(annotation) or ("its values",)
-        return None, [Issue(field, f"is no number, so it has no range; list its values, such as {list(words)}.")]
+        choices = get_args(annotation) or ("its values",)
+        return None, [Issue(field, f"is not a number, so it has no range; list its values, such as {list(choices)}.")]
+    # Keys and types of their values
     issues = [
-        Issue(f"{field}.{key}", f"there is no such key; {suggest_name(key, KEYS)}") for key in given if key not in KEYS
+        Issue(f"{field}.{key}", f"there is no such key; {suggest_name(key, RANGE_KEYS)}")
+        for key in entry
+        if key not in RANGE_KEYS
     ]
-    low, high = given.get("low"), given.get("high")
+    low, high = entry.get("low"), entry.get("high")
     for key, value in (("low", low), ("high", high)):
         if type(value) not in (float, int) or not math.isfinite(value or 0):
-            issues.append(Issue(f"{field}.{key}", f"{value!r} is no finite number; give the range's {key} end."))
-    steps, spacing = given.get("steps", 0), given.get("spacing", "linear")
-    if sampled and "steps" in given:
+            problem = f"{value!r} is not a finite number; give the {key} end of the range."
+            issues.append(Issue(f"{field}.{key}", problem))
+    steps, spacing = entry.get("steps", 0), entry.get("spacing", "linear")
+    if sampled and "steps" in entry:
         issues.append(
-            Issue(f"{field}.steps", 'is for sampling = "grid"; a sampler draws `points` values, leave it out.')
+            Issue(f"{field}.steps", 'is only for sampling = "grid"; a sampler draws `points` values, leave it out.')
         )
     if not sampled and not issues and (type(steps) is not int or steps < 2):
-        issues.append(Issue(f"{field}.steps", f"{given.get('steps')!r} is refused; give a whole number of at least 2."))
+        issues.append(Issue(f"{field}.steps", f"{entry.get('steps')!r} is refused; give a whole number of at least 2."))
     if spacing not in get_args(Spacing):
-        issues.append(Issue(f"{field}.spacing", f"{spacing!r} is not known; choose {' or '.join(get_args(Spacing))}."))
+        issues.append(Issue(f"{field}.spacing", f"{spacing!r} is unknown; choose {' or '.join(get_args(Spacing))}."))
     if issues:
         return None, issues
     assert low is not None
     assert high is not None
+    # Order of the ends, and what the spacing requires of them
     if not low < high:
         return None, [Issue(f"{field}.high", f"{high:g} is not above low; give more than {low:g}.")]
     if spacing == "logarithmic" and low <= 0:
         return None, [Issue(f"{field}.low", f'{low:g} has no logarithm; give more than 0, or spacing = "linear".')]
-    axis = Axis(name, (), float(low), float(high), steps, spacing, whole=annotation is int)
+    axis = Axis(name, (), float(low), float(high), steps, spacing, integer=annotation is int)
     if len(set(axis.values)) < len(axis.values):
         maximum = int(high) - int(low) + 1
         return None, [
-            Issue(f"{field}.steps", f"{steps} steps give a whole number twice; at most {maximum}, or list them.")
+            Issue(f"{field}.steps", f"{steps} steps repeat a whole number; give at most {maximum}, or list the values.")
         ]
     return axis, []
 
 
-def _scene() -> type[BaseModel]:
-    from fingertip.sim.scenes.scene_file import SceneFile  # loads the whole simulation, which most sweeps do without
+def _load_scene_model() -> type[BaseModel]:
+    from fingertip.sim.scenes.scene_file import SceneFile  # imports the whole simulation, which most sweeps do not use
 
     return SceneFile
 
 
-def _manipulation() -> type[BaseModel]:
+def _load_manipulation_model() -> type[BaseModel]:
     from fingertip.sim.hand.manipulation_file import ManipulationFile
 
     return ManipulationFile
 
 
-def _annotation(model: type[BaseModel], path: str) -> Any:
+def _get_annotation(model: type[BaseModel], path: str) -> Any:
+    """Get the type of a parameter."""
     table, _, key = path.rpartition(".")
     section = model.model_fields[table].annotation if table else model
     assert isinstance(section, type)
@@ -225,14 +247,13 @@ def _annotation(model: type[BaseModel], path: str) -> Any:
     return section.model_fields[key].annotation
 
 
-def _bounds(model: type[BaseModel], path: str, field: str, value: Value) -> list[Issue]:
-    """What the parameter itself refuses of a value: its type and its bounds."""
+def _check_value(model: type[BaseModel], path: str, field: str, value: Value) -> list[Issue]:
+    """List what a parameter's own type and bounds refuse of a value."""
     table, _, key = path.rpartition(".")
     tables: dict[str, Any] = {table: {key: value}} if table else {key: value}
-    checked = DesignTables if model is DesignTables else model
     try:
-        # The fields alone: rules between parameters are asked of each point.
-        checked.__pydantic_validator__.validate_python(tables, self_instance=checked.model_construct())
+        # This validates the fields alone. Rules between parameters are checked at each point.
+        model.__pydantic_validator__.validate_python(tables, self_instance=model.model_construct())
     except ValidationError as error:
         return [Issue(field, issue.message) for issue in issues_from_pydantic(error, model)]
     return []

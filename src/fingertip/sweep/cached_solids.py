@@ -1,8 +1,9 @@
-"""The mesh kernel with a memory: what was evaluated or measured before is not again, for as long as there is room.
+"""Mesh kernel with caches: solids, meshes and measurements are reused between the designs of a sweep.
 
-A solid is known by a digest of its expression, and what is made of solids by a digest of how: an intersection, a gap,
-a volume are looked up before anything is meshed. While only the mold varies, the bone is neither meshed nor measured
-twice. Nothing here knows a part or a check; `cad` runs on these solids as it runs on manifold3d's.
+A solid is identified by a digest of its expression. What is derived from solids (an intersection, a gap, a volume) is
+identified by a digest of the operation and its operands, and looked up before anything is meshed. While only the mold
+varies, the bone is neither meshed nor measured twice. This module knows no part and no check: `cad` uses these solids
+exactly as it uses those of manifold3d.
 """
 
 from __future__ import annotations
@@ -13,36 +14,38 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from fingertip.cad.kernel.mesh import MeshEvaluator, Mesh
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.solids import Solid
-from fingertip.sweep.cache import Memory
+from fingertip.sweep.cache import LruCache
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
 MAX_TRIANGLES = 400_000
-"""Of evaluated solids that are kept: some 100 MB in a worker."""
+"""Limit of the triangles of all cached solids: about 100 MB per worker."""
 MAX_MESHES = 12
-MAX_NAMES = 2_000
-MAX_FACTS = 20_000
-"""Numbers are kept far longer than the solids they were measured on."""
+"""Number of cached meshes in canonical order."""
+MAX_KEYS = 2_000
+"""Number of cached digests of expressions."""
+MAX_MEASUREMENTS = 20_000
+"""Number of cached measurements. They are small, and outlive the solids that they were taken from."""
 
 
-def digest(*parts: object) -> bytes:
-    """A short name for something made of named things; equal only if all parts are."""
-    hashed = hashlib.blake2b(digest_size=16)
+def compute_digest(*parts: object) -> bytes:
+    """Compute a digest of several parts; two digests are equal only if all parts are."""
+    digest = hashlib.blake2b(digest_size=16)
     for part in parts:
         data = part if isinstance(part, bytes) else repr(part).encode()
-        hashed.update(len(data).to_bytes(4, "big"))
-        hashed.update(data)
-    return hashed.digest()
+        digest.update(len(data).to_bytes(4, "big"))
+        digest.update(data)
+    return digest.digest()
 
 
-def on_one_thread() -> None:
-    """Let the mesh kernel compute on one thread in this process, for a sweep has a process on each processor already.
+def restrict_kernel_to_one_thread() -> None:
+    """Make the mesh kernel compute on one thread in this process; the sweep has a process on each processor already.
 
-    On two threads a design takes half as much processor time again. The kernel counts processors when it first
-    computes, and offers no other way to tell it. Without effect if it has computed before, or on systems other than
+    On two threads a design takes 1.5 times the processor time. The kernel counts the processors at its first
+    computation and offers no setting. This function has no effect after that computation, or on systems other than
     Linux.
     """
     if not hasattr(os, "sched_setaffinity"):
@@ -59,157 +62,162 @@ def on_one_thread() -> None:
 
 
 class CachedEvaluator(MeshEvaluator):
-    """An evaluator whose solids, meshes and measures are remembered between designs."""
+    """Mesh evaluator that caches solids, meshes and measurements."""
 
     def __init__(self, tolerance_mm: float) -> None:
         super().__init__(tolerance_mm)
         self.evaluated = 0
-        """Solids that were evaluated, for tests."""
-        self._solids: Memory[bytes, Manifold] = Memory(MAX_TRIANGLES)
-        self._names: Memory[Solid, bytes] = Memory(MAX_NAMES)
-        self._within = _Within(self)
-        self._meshes: Memory[bytes, Mesh] = Memory(MAX_MESHES)
-        self._facts: Memory[bytes, Any] = Memory(MAX_FACTS)
+        """Number of solids that were evaluated so far, for tests."""
+        self._solids: LruCache[bytes, Manifold] = LruCache(MAX_TRIANGLES)
+        self._keys: LruCache[Solid, bytes] = LruCache(MAX_KEYS)
+        self._expressions = _ExpressionEvaluator(self)
+        self._meshes: LruCache[bytes, Mesh] = LruCache(MAX_MESHES)
+        self._measurements: LruCache[bytes, Any] = LruCache(MAX_MEASUREMENTS)
 
-    def name(self, solid: Solid) -> bytes:
-        """The digest of an expression; itself remembered, because parts are made of parts."""
-        found = self._names.get(solid)
-        if found is None:
-            found = digest("solid", solid)
-            self._names.put(solid, found)
-        return found
+    def compute_key(self, solid: Solid) -> bytes:
+        """Compute the digest of an expression. It is cached too, because parts are made of parts."""
+        key = self._keys.get(solid)
+        if key is None:
+            key = compute_digest("solid", solid)
+            self._keys.put(solid, key)
+        return key
 
     def manifold(self, solid: Solid) -> Any:
-        """The solid, evaluated when something is asked of it that is not remembered."""
-        key = self.name(solid)
-        return CachedManifold(self, key, lambda: self._manifold(key, solid))
+        """Give the solid; it is evaluated only when a measurement that is not cached needs it."""
+        key = self.compute_key(solid)
+        return CachedManifold(self, key, lambda: self.evaluate_manifold(key, solid))
 
     def mesh(self, solid: Solid) -> Mesh:
-        """The solid as a mesh on the grid, in canonical order."""
-        key = self.name(solid)
+        """Give the solid as a mesh on the grid, in canonical order."""
+        key = self.compute_key(solid)
         mesh = self._meshes.get(key)
         if mesh is None:
-            from fingertip.cad.kernel.mesh import canonical
+            from fingertip.cad.kernel.mesh import to_canonical_mesh
 
-            mesh = canonical(self._manifold(key, solid))
+            mesh = to_canonical_mesh(self.evaluate_manifold(key, solid))
             self._meshes.put(key, mesh)
         return mesh
 
-    def fact(self, key: bytes, measure: Callable[[], Any]) -> Any:
-        """What `measure` finds, or found before under this name."""
-        found = self._facts.get(key)
-        if found is None:
-            found = (measure(),)
-            self._facts.put(key, found)
-        return found[0]
+    def measure(self, key: bytes, compute: Callable[[], Any]) -> Any:
+        """Give the cached measurement, or compute and cache it."""
+        entry = self._measurements.get(key)
+        if entry is None:
+            entry = (compute(),)  # a tuple, because the measurement itself may be None
+            self._measurements.put(key, entry)
+        return entry[0]
 
-    def _manifold(self, key: bytes, solid: Solid) -> Manifold:
-        found = self._solids.get(key)
-        if found is None:
+    def evaluate_manifold(self, key: bytes, solid: Solid) -> Manifold:
+        """Give manifold3d's own object for a solid, from the cache if possible."""
+        manifold = self._solids.get(key)
+        if manifold is None:
             self.evaluated += 1
-            found = self._within.evaluate(solid)
-            self._solids.put(key, found, found.num_tri())
-        return found
+            manifold = self._expressions.evaluate(solid)
+            self._solids.put(key, manifold, manifold.num_tri())
+        return manifold
 
 
-class _Within(MeshEvaluator):
-    """Evaluates one expression; the solids it is made of are manifold3d's own, from the memory."""
+class _ExpressionEvaluator(MeshEvaluator):
+    """Evaluator of one expression, whose operands come from the cache as manifold3d's own objects."""
 
-    def __init__(self, memory: CachedEvaluator) -> None:
-        super().__init__(memory.tolerance_mm)
-        self._memory = memory
+    def __init__(self, cached: CachedEvaluator) -> None:
+        super().__init__(cached.tolerance_mm)
+        self._cached = cached
 
     def manifold(self, solid: Solid) -> Manifold:
-        """A solid within the expression."""
-        return self._memory._manifold(self._memory.name(solid), solid)
+        """Give an operand of the expression."""
+        return self._cached.evaluate_manifold(self._cached.compute_key(solid), solid)
 
     def evaluate(self, solid: Solid) -> Manifold:
-        """The solid, from those it is made of."""
+        """Evaluate the expression."""
         return self._evaluate(solid)
 
 
 class CachedManifold:
-    """A solid by its name; stands for manifold3d's object, and makes it only where it must."""
+    """Solid known by its key; it stands for manifold3d's object, which is evaluated only where it must be."""
 
-    def __init__(self, memory: CachedEvaluator, key: bytes, make: Callable[[], Manifold]) -> None:
-        self._memory, self._key, self._make = memory, key, make
-        self._made: Manifold | None = None
+    def __init__(self, evaluator: CachedEvaluator, key: bytes, evaluate: Callable[[], Manifold]) -> None:
+        self._evaluator, self._key, self._evaluate = evaluator, key, evaluate
+        self._manifold: Manifold | None = None
 
     @property
-    def made(self) -> Manifold:
-        """manifold3d's own object, evaluated step by step: a tree of steps would be rounded by what it holds."""
-        if self._made is None:
-            self._made = self._make()
-            self._made.status()
-        return self._made
+    def manifold(self) -> Manifold:
+        """manifold3d's own object.
+
+        Every step is evaluated at once: the rounding of a tree of steps would depend on what else the tree holds.
+        """
+        if self._manifold is None:
+            self._manifold = self._evaluate()
+            self._manifold.status()
+        return self._manifold
 
     def volume(self) -> float:
         """Volume [mm3]."""
-        return float(self._fact("volume"))
+        return float(self._measure("volume"))
 
     def genus(self) -> int:
-        """Through holes."""
-        return int(self._fact("genus"))
+        """Number of through holes."""
+        return int(self._measure("genus"))
 
     def bounding_box(self) -> Any:
-        """Least and greatest coordinates [mm]."""
-        return self._fact("bounding_box")
+        """Minimum and maximum coordinates [mm]."""
+        return self._measure("bounding_box")
 
     def min_gap(self, other: CachedManifold, max_mm: float) -> float:
-        """Distance to another solid [mm], searched for up to `max_mm`."""
-        return float(self._fact("min_gap", other, max_mm))
+        """Minimum distance to another solid [mm], searched for up to `max_mm`."""
+        return float(self._measure("min_gap", other, max_mm))
 
     def decompose(self) -> list[CachedManifold]:
-        """Its bodies, whose volumes are known."""
-        key = digest("volumes of bodies", self._key)
-        volumes: list[float] = self._memory.fact(key, lambda: [body.volume() for body in self.made.decompose()])
+        """Split the solid into its connected bodies. Their volumes are cached."""
+        key = compute_digest("volumes of bodies", self._key)
+        volumes: list[float] = self._evaluator.measure(key, lambda: [b.volume() for b in self.manifold.decompose()])
         bodies = []
         for i, volume in enumerate(volumes):
-            body = self._derived("body", i, make=partial(self._body, i))
-            self._memory.fact(digest("volume", body._key), partial(float, volume))
+            body = self._derive("body", i, evaluate=partial(self._evaluate_body, i))
+            self._evaluator.measure(compute_digest("volume", body._key), partial(float, volume))
             bodies.append(body)
         return bodies
 
-    def _body(self, i: int) -> Manifold:
-        return self.made.decompose()[i]
+    def _evaluate_body(self, i: int) -> Manifold:
+        return self.manifold.decompose()[i]
 
     def translate(self, by_mm: tuple[float, float, float]) -> CachedManifold:
-        """Moved."""
-        return self._derived("translate", by_mm, make=lambda: self.made.translate(by_mm))
+        """Translate the solid."""
+        return self._derive("translate", by_mm, evaluate=lambda: self.manifold.translate(by_mm))
 
     def rotate(self, degrees: tuple[float, float, float]) -> CachedManifold:
-        """Turned about the axes, x first."""
-        return self._derived("rotate", degrees, make=lambda: self.made.rotate(degrees))
+        """Rotate the solid about the coordinate axes, x first."""
+        return self._derive("rotate", degrees, evaluate=lambda: self.manifold.rotate(degrees))
 
     def scale(self, factors: tuple[float, float, float]) -> CachedManifold:
-        """Scaled about the origin."""
-        return self._derived("scale", factors, make=lambda: self.made.scale(factors))
+        """Scale the solid about the origin."""
+        return self._derive("scale", factors, evaluate=lambda: self.manifold.scale(factors))
 
     def trim_by_plane(self, normal: tuple[float, float, float], offset_mm: float) -> CachedManifold:
-        """What lies beyond a plane."""
-        return self._derived("trim", normal, offset_mm, make=lambda: self.made.trim_by_plane(normal, offset_mm))
+        """Cut the solid by a plane and keep the side to which the normal points."""
+        return self._derive("trim", normal, offset_mm, evaluate=lambda: self.manifold.trim_by_plane(normal, offset_mm))
 
     def __xor__(self, other: CachedManifold) -> CachedManifold:
-        return self._derived("and", other._key, make=lambda: self.made ^ other.made)
+        return self._derive("and", other._key, evaluate=lambda: self.manifold ^ other.manifold)
 
     def __sub__(self, other: CachedManifold) -> CachedManifold:
-        return self._derived("less", other._key, make=lambda: self.made - other.made)
+        return self._derive("less", other._key, evaluate=lambda: self.manifold - other.manifold)
 
     def __add__(self, other: CachedManifold) -> CachedManifold:
-        return self._derived("or", other._key, make=lambda: self.made + other.made)
+        return self._derive("or", other._key, evaluate=lambda: self.manifold + other.manifold)
 
     def __getattr__(self, name: str) -> Any:
-        """Anything else is asked of manifold3d's object, and not remembered."""
+        """Forward any other method to manifold3d's object; its result is not cached."""
         if name.startswith("__"):
             raise AttributeError(name)
-        return lambda *arguments: self._ask(name, arguments)
+        return lambda *arguments: self._call(name, arguments)
 
-    def _ask(self, name: str, arguments: tuple[Any, ...]) -> Any:
-        return getattr(self.made, name)(*(a.made if isinstance(a, CachedManifold) else a for a in arguments))
+    def _call(self, name: str, arguments: tuple[Any, ...]) -> Any:
+        own = (a.manifold if isinstance(a, CachedManifold) else a for a in arguments)
+        return getattr(self.manifold, name)(*own)
 
-    def _fact(self, name: str, *arguments: Any) -> Any:
-        named = [a._key if isinstance(a, CachedManifold) else a for a in arguments]
-        return self._memory.fact(digest(name, self._key, *named), lambda: self._ask(name, arguments))
+    def _measure(self, name: str, *arguments: Any) -> Any:
+        keys = [a._key if isinstance(a, CachedManifold) else a for a in arguments]
+        return self._evaluator.measure(compute_digest(name, self._key, *keys), lambda: self._call(name, arguments))
 
-    def _derived(self, how: str, *arguments: object, make: Callable[[], Manifold]) -> CachedManifold:
-        return CachedManifold(self._memory, digest(how, self._key, *arguments), make)
+    def _derive(self, operation: str, *arguments: object, evaluate: Callable[[], Manifold]) -> CachedManifold:
+        return CachedManifold(self._evaluator, compute_digest(operation, self._key, *arguments), evaluate)

@@ -1,4 +1,8 @@
-"""What each stage computes of one design. Heavy packages are imported by the stage that needs them, when asked."""
+"""Computation of each group of outputs for one point.
+
+Each function imports the heavy packages that it needs when it is called. A sweep of boards never loads a geometry
+kernel.
+"""
 
 from __future__ import annotations
 
@@ -17,34 +21,31 @@ if TYPE_CHECKING:
     from fingertip.slip.traces.trace import Trace
     from fingertip.sweep.cached_solids import CachedEvaluator
 
-Recorded: TypeAlias = "tuple[Trace, float]"
-"""A trial as it would be recorded, and the force that held [N]."""
-Figures = dict[str, Any]
-"""Output -> number; under `ISSUE` what is wrong with a point that is computed all the same."""
+RecordedTrial: TypeAlias = "tuple[Trace, float]"
+"""Trial as a recorder would store it, and the force that held the object [N]."""
+OutputValues: TypeAlias = dict[str, Any]
+"""Output -> number, and under `ISSUE` what is wrong with a point that could be computed."""
 ISSUE = "issue"
-_CLEAR_MM = 0.02
-"""Off the plane where the skin ends, as the check of the thinnest place is."""
 
 
 @dataclass(frozen=True)
-class Asked:
-    """One point, and what its stages share with other points."""
+class PointContext:
+    """One point of a sweep, and what it shares with other points."""
 
     design: Design
     scene: SceneFile | None
     file: SweepFile
     evaluator: Callable[[], CachedEvaluator]
-    """Made when the first stage asks for it: a sweep of boards loads no mesh kernel."""
-    traces: Callable[[int, Callable[[], Recorded]], Recorded] = lambda seed, record: record()
-    """The trial of a seed, remembered where points differ in the detector's decision only."""
+    """Function that gives the mesh kernel. The kernel is loaded at its first call."""
+    load_trial: Callable[[int, Callable[[], RecordedTrial]], RecordedTrial] = lambda seed, record: record()
+    """Function of a seed and of what records its trial. It returns a cached trial where points share it."""
 
 
-def lengths(asked: Asked) -> Figures:
-    """Lengths that follow from the parameters."""
-    from fingertip.design.geometry.mold_layout import lay_out
+def compute_lengths(context: PointContext) -> OutputValues:
+    """Compute the lengths that follow from the parameters."""
 
-    design = asked.design
-    m = lay_out(design, design.dimensions)
+    design = context.design
+    m = design.mold_layout
     return {
         "sensor_rim_mm": design.dimensions.sensor_rim_margin(design.bone.rim_mm, design.sensor.clearance_mm),
         "mold_width_mm": 2 * m.half_width,
@@ -53,11 +54,11 @@ def lengths(asked: Asked) -> Figures:
     }
 
 
-def board(asked: Asked) -> Figures:
-    """Preferred values of the board, and what they achieve."""
+def compute_board(context: PointContext) -> OutputValues:
+    """Compute the preferred component values of the board, and what they achieve."""
     from fingertip.board.values.board_values import filter_values
 
-    board = asked.design.board
+    board = context.design.board
     _, fitted, achieved = filter_values(board)
     resistors = ("r1_ohm", "r2_ohm", "r3_ohm", "r4_ohm", "r5_ohm", "r_lp_ohm")
     return {f"board.{name}": getattr(fitted, name) for name in resistors} | {
@@ -76,111 +77,118 @@ def board(asked: Asked) -> Figures:
     }
 
 
-def noise(asked: Asked) -> Figures:
-    """What the article's chain shows when nothing happens."""
+def compute_noise(context: PointContext) -> OutputValues:
+    """Compute what the article's signal chain shows in noise alone."""
     from fingertip.slip.detectors.noise import noise_level
 
-    level = noise_level(asked.design)
+    level = noise_level(context.design)
     return {"noise_level_v": level.mean_v, "min_threshold_v": level.threshold_v}
 
 
-def trials(asked: Asked) -> Figures:
-    """Delay and alarms of a detector on simulated trials of the scene, each with its own seed."""
-    from fingertip.campaign.judge import judge
+def compute_detection(context: PointContext) -> OutputValues:
+    """Compute delays and alarms of the detector on simulated trials of the scene, each with its own seed."""
+    from fingertip.campaign.evaluate import evaluate, needs_board, simulate_trace
     from fingertip.campaign.plan import Case
-    from fingertip.campaign.record import reads_board, record
-    from fingertip.campaign.study import Total
+    from fingertip.campaign.run import DetectorResult
     from fingertip.jit import compiled
 
-    assert asked.scene is not None
-    detector, design = asked.file.detector, asked.design
-    verdicts = []
+    assert context.scene is not None
+    detector, design = context.file.detector, context.design
+    results = []
     with compiled():
-        for seed in range(asked.file.first_seed, asked.file.first_seed + asked.file.trials):
-            case = Case("slip", asked.scene, seed)
-            trace, force_n = asked.traces(seed, partial(record, design, case, reads_board(detector)))
-            verdicts += judge(case, trace, force_n, detector, design, [1.0])
-    total = Total(1.0, tuple(verdicts))
-    minutes = sum(verdict.duration_s for verdict in verdicts) / 60.0
+        for seed in range(context.file.first_seed, context.file.first_seed + context.file.trials):
+            case = Case("slip", context.scene, seed)
+            trace, force_n = context.load_trial(seed, partial(simulate_trace, design, case, needs_board(detector)))
+            results += evaluate(case, trace, force_n, detector, design, [1.0])
+    pooled = DetectorResult(1.0, tuple(results))
+    minutes = sum(result.duration_s for result in results) / 60.0
     return {
-        "delay_ms": 1e3 * total.delay_s(0.5),
-        "delay_p90_ms": 1e3 * total.delay_s(0.9),
-        "found_share": total.found_share,
-        "false_alarms_per_min": sum(total.alarms().values()) / minutes,
-        "slips": total.slips,
+        "delay_ms": 1e3 * pooled.delay_s(0.5),
+        "delay_p90_ms": 1e3 * pooled.delay_s(0.9),
+        "found_share": pooled.found_share,
+        "false_alarms_per_min": sum(pooled.alarms().values()) / minutes,
+        "slips": pooled.slips,
     }
 
 
-def skin(asked: Asked) -> Figures:
-    """The skin's mesh, and nothing else's."""
-    mesh = _mesh(asked, "skin")
+def compute_skin(context: PointContext) -> OutputValues:
+    """Compute volume and area of the skin; no other part is meshed."""
+    mesh = _mesh(context, "skin")
     return {"skin_volume_mm3": mesh.volume(), "skin_area_mm2": mesh.area()}
 
 
-def bone(asked: Asked) -> Figures:
-    """The bone's mesh, and nothing else's."""
-    volume = _mesh(asked, "bone").volume()
-    return {"bone_volume_mm3": volume, "bone_mass_g": volume / 1e3 * asked.file.print_density_g_cm3}
+def compute_bone(context: PointContext) -> OutputValues:
+    """Compute volume and mass of the bone; no other part is meshed."""
+    volume = _mesh(context, "bone").volume()
+    return {"bone_volume_mm3": volume, "bone_mass_g": volume / 1e3 * context.file.print_density_g_cm3}
 
 
-def halves(asked: Asked) -> Figures:
-    """Both halves of the mold."""
-    palmar, dorsal = (_mesh(asked, f"mold_{half}").volume() for half in ("palmar", "dorsal"))
-    mass = (palmar + dorsal) / 1e3 * asked.file.print_density_g_cm3
+def compute_mold(context: PointContext) -> OutputValues:
+    """Compute volumes and mass of both mold halves."""
+    palmar, dorsal = (_mesh(context, f"mold_{half}").volume() for half in ("palmar", "dorsal"))
+    mass = (palmar + dorsal) / 1e3 * context.file.print_density_g_cm3
     return {"mold_palmar_volume_mm3": palmar, "mold_dorsal_volume_mm3": dorsal, "mold_mass_g": mass}
 
 
-def casting(asked: Asked) -> Figures:
-    """Silicone to weigh for the mold."""
-    from fingertip.casting.batches import batch
-    from fingertip.casting.materials import silicone
-    from fingertip.casting.quantities import measure
+def compute_casting(context: PointContext) -> OutputValues:
+    """Compute the mass of silicone to mix for the mold."""
+    from fingertip.casting.materials import find_silicone
+    from fingertip.casting.quantities import compute_batch, measure_volumes
 
-    volumes = measure(asked.design, asked.evaluator())
-    mixed = batch(silicone(asked.file.silicone), volumes.total_cm3)
-    return {"silicone_in_mold_g": mixed.in_mold_g, "silicone_g": mixed.total_g}
+    volumes = measure_volumes(context.design, context.evaluator())
+    batch = compute_batch(find_silicone(context.file.silicone), volumes.total_cm3)
+    return {"silicone_in_mold_g": batch.in_mold_g, "silicone_g": batch.total_g}
 
 
-def thickness(asked: Asked) -> Figures:
-    """The thinnest place of the skin, above the plane where it is cut square, searched for up to its thickest."""
+def compute_thickness(context: PointContext) -> OutputValues:
+    """Compute the minimum thickness of the skin above the plane where it is cut square.
+
+    The gap between its inner and its outer surface is searched for up to the maximum thickness.
+    """
     from fingertip.cad.shapes.core import skin_interior
-    from fingertip.cad.solids import Box, SuperconicSolid, difference
+    from fingertip.cad.solids import SuperconicSolid
+    from fingertip.cad.verification.check import PLANE_OFFSET_MM, above_z, complement
 
-    evaluator, outer, skin = asked.evaluator(), SuperconicSolid(asked.design.dimensions.outer), asked.design.skin
-    low_x, low_y, low_z, high_x, high_y, high_z = evaluator.manifold(outer).bounding_box()
-    past = high_x - low_x
-    room = Box((low_x - past, low_y - past, low_z - past), (high_x + past, high_y + past, high_z + past))
-    inside = evaluator.manifold(skin_interior(asked.design)).trim_by_plane((0.0, 0.0, 1.0), _CLEAR_MM)
-    outside = evaluator.manifold(difference(room, outer)).trim_by_plane((0.0, 0.0, 1.0), _CLEAR_MM)
-    thickest = max(getattr(skin, f"thickness_{side}_mm") for side in ("side", "palmar", "dorsal", "tip"))
-    return {"thinnest_skin_mm": float(inside.min_gap(outside, thickest))}
+    evaluator, outer, skin = context.evaluator(), SuperconicSolid(context.design.dimensions.outer), context.design.skin
+    interior = above_z(evaluator.manifold(skin_interior(context.design)), PLANE_OFFSET_MM)
+    exterior = above_z(complement(evaluator, outer), PLANE_OFFSET_MM)
+    max_thickness = max(getattr(skin, f"thickness_{side}_mm") for side in ("side", "palmar", "dorsal", "tip"))
+    return {"min_skin_thickness_mm": float(interior.min_gap(exterior, max_thickness))}
 
 
-def checks(asked: Asked) -> Figures:
-    """Every check of `fingertip check`, at the sweep's tolerance."""
+def compute_checks(context: PointContext) -> OutputValues:
+    """Run every check of `fingertip check`, at the sweep's tolerance."""
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.verify import verify
 
-    found = verify(asked.design, parts_by_name(asked.design), ("stl",), asked.evaluator()).checks
-    failed = [check for check in found if not check.passed]
-    figures: Figures = {"checks_failed": len(failed), "checks_made": len(found)}
+    checks = verify(context.design, parts_by_name(context.design), ("stl",), context.evaluator()).checks
+    failed = [check for check in checks if not check.passed]
+    values: OutputValues = {"checks_failed": len(failed), "checks_run": len(checks)}
     if failed:
         first, *others = failed
         more = f" (and {len(others)} more: {', '.join(check.name for check in others)})" if others else ""
         unit = f" {first.unit}" if first.unit else ""
-        sentence = f"is {first.value:.6g}{unit}, but {first.relation} {first.limit:.6g}{unit} is sound{more}."
-        figures[ISSUE] = Issue(first.name, sentence)
-    return figures
+        message = f"is {first.value:.6g}{unit}, but must be {first.relation} {first.limit:.6g}{unit}{more}."
+        values[ISSUE] = Issue(first.name, message)
+    return values
 
 
-def _mesh(asked: Asked, part: str) -> Mesh:
+def _mesh(context: PointContext, part: str) -> Mesh:
     from fingertip.cad.shapes.parts import PARTS
 
-    return asked.evaluator().mesh(PARTS[part].solid(asked.design))
+    return context.evaluator().mesh(PARTS[part].solid(context.design))
 
 
-COMPUTE: dict[str, Callable[[Asked], dict[str, Any]]] = {
-    function.__name__: function
-    for function in (lengths, board, noise, trials, skin, bone, halves, casting, thickness, checks)
+GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
+    "lengths": compute_lengths,
+    "board": compute_board,
+    "noise": compute_noise,
+    "detection": compute_detection,
+    "skin": compute_skin,
+    "bone": compute_bone,
+    "mold": compute_mold,
+    "thickness": compute_thickness,
+    "casting": compute_casting,
+    "checks": compute_checks,
 }
-"""By the name of the stage in `outputs.STAGES`."""
+"""Name of a group in `outputs.GROUPS` -> the function that computes its outputs."""

@@ -1,4 +1,4 @@
-"""The workers of a running Dask cluster, through `distributed`'s own executor."""
+"""Engine that uses the workers of a running Dask cluster through `distributed`'s executor."""
 
 from __future__ import annotations
 
@@ -12,22 +12,23 @@ from typing import Any
 from fingertip._version import __version__
 from fingertip.errors import Issue, MissingLibraryError, SweepError
 
-_PATIENCE_S = 4.0
-"""How long a scheduler may take to answer, and the first worker to be there."""
-_LOST_S = 10.0
-"""How long a scheduler that was lost is looked for."""
-_COUNT_EVERY_S = 2.0
+_CONNECT_TIMEOUT_S = 4.0
+"""Time allowed for the scheduler to answer, and for the first worker to appear [s]."""
+_RECONNECT_TIMEOUT_S = 10.0
+"""Time for which a lost scheduler is searched for [s]."""
+_COUNT_INTERVAL_S = 2.0
+"""Interval between two counts of the workers [s]."""
 
 
-class Cluster:
-    """An engine (see `engines.Engine`) whose workers may be anywhere; Dask replaces those that are lost.
+class DaskEngine:
+    """Engine (see `engines.Engine`) whose workers may run on any machine; Dask replaces lost workers.
 
     Raises
     ------
     MissingLibraryError
-        Without `distributed`.
+        If `distributed` is not installed.
     SweepError
-        If nobody answers at the address, there is no worker, or a worker's fingertip is not this one.
+        If nothing answers at the address, there is no worker, or a worker has another version of fingertip.
     """
 
     def __init__(self, address: str) -> None:
@@ -36,83 +37,90 @@ class Cluster:
             import distributed
         except ImportError:
             raise MissingLibraryError(
-                Issue("--cluster", "needs Dask's distributed; pip install 'fingertip[cluster]', or leave it out.")
+                Issue(
+                    "--cluster",
+                    "needs the package distributed; pip install 'fingertip[cluster]', or leave --cluster out.",
+                )
             ) from None
-        for name in ("distributed", "distributed.client"):  # what goes wrong is told in one sentence
+        for name in ("distributed", "distributed.client"):  # an error is reported once, as this class's own message
             logging.getLogger(name).setLevel(logging.CRITICAL)
-        _knock(address)
+        _check_listening(address)
         try:
-            asyncio.run(asyncio.wait_for(_greet(address), _PATIENCE_S))
-            self._client = distributed.Client(address, timeout=_LOST_S, set_as_default=False)
+            asyncio.run(asyncio.wait_for(_check_scheduler(address), _CONNECT_TIMEOUT_S))
+            self._client = distributed.Client(address, timeout=_RECONNECT_TIMEOUT_S, set_as_default=False)
         except (OSError, ValueError, EOFError, TimeoutError):
-            raise _refused(f"what answers at {address} is no Dask scheduler; start dask scheduler there") from None
-        self.what = f"workers of {address}"
-        # The scheduler's setting; here it is known only if both are configured alike, as they are by default.
-        self.tries = 1 + int(dask.config.get("distributed.scheduler.allowed-failures", 3))
-        self._counted = (0, 0.0)
+            raise _make_error(
+                f"the process listening at {address} is not a Dask scheduler; start dask scheduler there"
+            ) from None
+        self.description = f"workers of {address}"
+        # This is a setting of the scheduler. It is known here only if both machines are configured alike, as they are
+        # by default.
+        self.attempts = 1 + int(dask.config.get("distributed.scheduler.allowed-failures", 3))
+        self._worker_count, self._counted_at_s = 0, 0.0
         try:
-            self._meet(address)
+            self._check_workers(address)
         except BaseException:
             self.close()
             raise
 
     @property
     def workers(self) -> int:
-        """Those connected now; a cluster may grow while it works."""
-        count, counted_s = self._counted
-        if time.monotonic() - counted_s > _COUNT_EVERY_S and self._client.status == "running":
-            known = self._client.scheduler_info(n_workers=-1).get("workers", ())  # nothing, once it is gone
-            count = max(1, len(known))
-            self._counted = count, time.monotonic()
-        return count
+        """Number of workers connected now; a cluster may grow while it works."""
+        if time.monotonic() - self._counted_at_s > _COUNT_INTERVAL_S and self._client.status == "running":
+            # The scheduler lists nothing once it is lost.
+            workers = self._client.scheduler_info(n_workers=-1).get("workers", ())
+            self._worker_count, self._counted_at_s = max(1, len(workers)), time.monotonic()
+        return self._worker_count
 
     def executor(self) -> Executor:
-        """The cluster; it replaces workers by itself."""
+        """Get the cluster's executor; the cluster replaces workers by itself."""
         executor: Executor = self._client.get_executor(pure=False)
         return executor
 
-    def suspects(self) -> None:
-        """Dask tells which tasks were lost by itself."""
+    def find_crashed_points(self) -> None:
+        """Find nothing: Dask itself reports the tasks that were lost."""
         return None
 
     def close(self) -> None:
-        """Leave the cluster; what it still computes for us is dropped."""
+        """Leave the cluster; it discards the unfinished tasks."""
         self._client.close()
 
-    def _meet(self, address: str) -> None:
-        """Wait for a worker, and ask all that are there for their version."""
+    def _check_workers(self, address: str) -> None:
+        """Wait for a worker, then require the same version of fingertip on every worker."""
         try:
-            self._client.wait_for_workers(1, timeout=_PATIENCE_S)
+            self._client.wait_for_workers(1, timeout=_CONNECT_TIMEOUT_S)
         except TimeoutError:
-            raise _refused(f"{address} has no workers; start some there with dask worker {address}") from None
+            raise _make_error(f"{address} has no workers; start some there with dask worker {address}") from None
 
         def version() -> str:
-            # Sent along by value, for a worker may not have this module.
+            # Dask sends this nested function by value. A worker may not have this module.
             import fingertip
 
             return fingertip.__version__
 
-        found: dict[str, Any] = self._client.run(version, on_error="return")
-        for worker, answer in sorted(found.items()):
+        answers: dict[str, Any] = self._client.run(version, on_error="return")
+        for worker, answer in sorted(answers.items()):
             if answer != __version__:
-                what = f"fingertip {answer}" if isinstance(answer, str) else f"no fingertip ({answer})"
-                raise _refused(f"worker {worker} has {what}, this is {__version__}; install the same everywhere")
+                found = f"fingertip {answer}" if isinstance(answer, str) else f"no fingertip ({answer})"
+                raise _make_error(
+                    f"worker {worker} has {found}, but this is {__version__}; install the same version everywhere"
+                )
 
 
-def _knock(address: str) -> None:
-    """Refuse what is no address, or one at which nobody listens: Dask's own patience is long."""
+def _check_listening(address: str) -> None:
+    """Refuse a malformed address, or one at which nothing listens; Dask's own timeout is long."""
     host, _, port = address.rpartition("://")[2].rpartition(":")
     if not host or not port.isdecimal():
-        raise _refused(f"{address!r} is no address; write it as tcp://HOST:8786, as dask scheduler prints it")
+        raise _make_error(f"{address!r} is not an address; write it as tcp://HOST:8786, as dask scheduler prints it")
     try:
-        socket.create_connection((host.strip("[]"), int(port)), timeout=_PATIENCE_S).close()
+        socket.create_connection((host.strip("[]"), int(port)), timeout=_CONNECT_TIMEOUT_S).close()
     except (OSError, OverflowError, UnicodeError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise _refused(f"nobody answers at {address} ({reason}); start dask scheduler there") from None
+        raise _make_error(f"nothing answers at {address} ({reason}); start dask scheduler there") from None
 
 
-async def _greet(address: str) -> None:
-    """Ask who is there; `Client` itself waits for ever for a listener that says nothing, or is no scheduler."""
+async def _check_scheduler(address: str) -> None:
+    """Ask the listener for its identity; `Client` waits for ever if the listener is silent or not a scheduler."""
     from distributed.comm import connect
 
     comm = await connect(address)
@@ -124,5 +132,5 @@ async def _greet(address: str) -> None:
         comm.abort()
 
 
-def _refused(sentence: str) -> SweepError:
-    return SweepError(Issue("--cluster", f"{sentence}."))
+def _make_error(message: str) -> SweepError:
+    return SweepError(Issue("--cluster", f"{message}."))

@@ -1,4 +1,7 @@
-"""Who computes the parts of a sweep: workers behind `concurrent.futures.Executor`, of this machine or a cluster."""
+"""Engines that evaluate the chunks of a sweep: worker processes behind a `concurrent.futures.Executor`.
+
+`ProcessEngine` runs workers on this machine; `dask_engine.DaskEngine` uses those of a cluster.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import threading
 import time
 from collections.abc import Iterator, Mapping
 from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
@@ -14,115 +18,140 @@ from multiprocessing.process import BaseProcess
 from typing import Protocol
 
 from fingertip.errors import Issue, SweepError
-from fingertip.sweep.time_limit import end_with_parent
 
-NOBODY = -1
-PATIENCE_S = 5.0
-"""How long the processes of a broken pool may take to end."""
+NO_POINT = -1
+"""Point number of a worker that is idle."""
+EXIT_TIMEOUT_S = 5.0
+"""Time allowed for the processes of a broken pool to end [s]."""
 
 
-class Marks:
-    """Where each worker is, in memory that all share: a breakdown then accuses those alone that died by themselves."""
+class WorkerStatus:
+    """Current point of every worker, in shared memory.
+
+    When the pool breaks, it tells which points were being computed by the workers that died.
+    """
 
     def __init__(self, context: SpawnContext, workers: int) -> None:
-        self.taken = context.Value("i", 0)
+        self.slots_taken = context.Value("i", 0)
         self.pids = context.RawArray("q", workers)
-        self.points = context.RawArray("q", [NOBODY] * workers)
+        self.points = context.RawArray("q", [NO_POINT] * workers)
         self.since_s = context.RawArray("d", workers)
 
 
-_marks: Marks | None = None
+# State of a worker process: its entry in the shared memory.
+_status: WorkerStatus | None = None
 _slot = -1
 
 
 class Engine(Protocol):
-    """Gives executors, and says what it knows of workers that died."""
+    """Source of executors that also knows what it can about workers that died."""
 
-    what: str
-    """What its workers are, for people."""
-    tries: int
-    """How many workers it lets die of one part before it gives that up by itself."""
+    description: str
+    """Kind of workers, for messages."""
+    attempts: int
+    """Number of workers that may die on one chunk before the engine itself gives the chunk up."""
 
     @property
     def workers(self) -> int:
-        """How many there are."""
+        """Number of workers."""
 
     def executor(self) -> Executor:
-        """Workers that are ready; after a breakdown, new ones."""
+        """Start an executor whose workers are ready; after a breakdown, start a new one."""
 
-    def suspects(self) -> Mapping[int, float] | None:
-        """Points that were being computed by the workers that died, and for how long [s]; None if nobody knows."""
+    def find_crashed_points(self) -> Mapping[int, float] | None:
+        """Find the points that dead workers were computing, each with its time so far [s]; None if unknown."""
 
     def close(self) -> None:
-        """Let the workers go, busy or not."""
+        """Stop the workers, busy or not."""
 
 
-class Processes:
-    """Processes of this machine, started afresh (never forked: a fork after a geometry kernel's threads hangs)."""
+class ProcessEngine:
+    """Worker processes on this machine.
+
+    They are spawned, never forked: a fork after a geometry kernel has started threads hangs.
+    """
 
     def __init__(self, jobs: int) -> None:
         self.workers = jobs
-        self.what = "processes"
-        self.tries = 1
+        self.description = "processes"
+        self.attempts = 1
         self._context = multiprocessing.get_context("spawn")
         self._pool: ProcessPoolExecutor | None = None
-        self._marks: Marks | None = None
-        self._started: list[BaseProcess] = []
+        self._status: WorkerStatus | None = None
+        self._processes: list[BaseProcess] = []
 
     def executor(self) -> Executor:
-        """A pool; after a breakdown, a new one.
+        """Start a new pool, after closing the previous one.
 
         Raises
         ------
         SweepError
-            If its processes do not come up.
+            If its processes cannot be started.
         """
         self.close()
-        self._marks = Marks(self._context, self.workers)
-        with _uninterrupted():
-            self._pool = ProcessPoolExecutor(self.workers, self._context, _begin, (self._marks,))
-            # A task for each worker starts them all, while none of them is idle yet.
+        self._status = WorkerStatus(self._context, self.workers)
+        with _block_interrupts():
+            self._pool = ProcessPoolExecutor(self.workers, self._context, _start_worker, (self._status,))
+            # One task per worker starts them all, because none of them is idle yet.
             first = [self._pool.submit(int) for _ in range(self.workers)]
-            self._started = list(self._pool._processes.values())
+            self._processes = list(self._pool._processes.values())
         try:
-            first[0].result()  # a point's time must not count their start
+            first[0].result()  # start-up must not count against the time limit of a point
         except BrokenExecutor:
             raise SweepError(
-                Issue("--jobs", "no process can be started; is there memory for them? A script needs its main guard.")
+                Issue(
+                    "--jobs",
+                    "no worker process can be started; check the free memory, and guard a script's entry point with "
+                    'if __name__ == "__main__".',
+                )
             ) from None
         return self._pool
 
-    def suspects(self) -> Mapping[int, float] | None:
-        """Where those workers were that ended by themselves; a broken pool terminates the others."""
-        if self._marks is None:
+    def find_crashed_points(self) -> Mapping[int, float] | None:
+        """Find the points of the workers that died by themselves; a broken pool terminates the others."""
+        if self._status is None:
             return None
-        now, marks = time.monotonic(), self._marks
-        # The pool's own thread waits for the same processes; asking until all have ended, either finds out.
-        while any(process.exitcode is None for process in self._started) and time.monotonic() < now + PATIENCE_S:
+        now, status = time.monotonic(), self._status
+        # The pool's own thread waits for the same processes. Polling until all have ended works for either of them.
+        while any(p.exitcode is None for p in self._processes) and time.monotonic() < now + EXIT_TIMEOUT_S:
             time.sleep(0.005)
-        died = {process.pid for process in self._started if process.exitcode not in (None, 0, -signal.SIGTERM)}
-        at = [(pid, p, now - s) for pid, p, s in zip(marks.pids, marks.points, marks.since_s, strict=True)]
-        accused = {point: took_s for pid, point, took_s in at if point != NOBODY and pid in died}
-        # If somebody else terminated a worker, it cannot be told from the others.
-        return accused if died else {point: took_s for _, point, took_s in at if point != NOBODY}
+        dead = {p.pid for p in self._processes if p.exitcode not in (None, 0, -signal.SIGTERM)}
+        # A worker that somebody else terminated looks like those that the pool terminated. Then every worker counts.
+        return {
+            point: now - since_s
+            for pid, point, since_s in zip(status.pids, status.points, status.since_s, strict=True)
+            if point != NO_POINT and (pid in dead or not dead)
+        }
 
     def close(self) -> None:
-        """End the workers; what they compute is lost, and nobody waits for it."""
+        """Terminate the workers; unfinished points are discarded."""
         if self._pool is None:
             return
-        late = (self._pool._processes or {}).values()  # should one have been started later after all
-        self._started += [process for process in late if process not in self._started]
+        late = (self._pool._processes or {}).values()  # in case the pool started a process after all
+        self._processes += [process for process in late if process not in self._processes]
         self._pool.shutdown(wait=False, cancel_futures=True)
-        for process in self._started:
+        for process in self._processes:
             process.terminate()
-        for process in self._started:
+        for process in self._processes:
             process.join()
         self._pool = None
 
 
+def set_current_point(point: int) -> None:
+    """Record the point that this worker is computing (`NO_POINT` if none)."""
+    if _status is not None:
+        _status.since_s[_slot] = time.monotonic()
+        _status.points[_slot] = point
+
+
+def count_processors() -> int:
+    """Count the processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 @contextlib.contextmanager
-def _uninterrupted() -> Iterator[None]:
-    """Processes started within this block never see an interrupt, not even before their first line; ours waits."""
+def _block_interrupts() -> Iterator[None]:
+    """Block SIGINT: processes started within never receive it, and this process receives it at the end."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -133,25 +162,26 @@ def _uninterrupted() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _begin(marks: Marks) -> None:
-    """A worker's first act: an interrupt is the parent's business, and nobody outlives it."""
-    global _marks, _slot
+def _start_worker(status: WorkerStatus) -> None:
+    """Set up a worker process: ignore interrupts, end with the parent, take a slot of the shared status."""
+    global _status, _slot
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    end_with_parent()
-    with marks.taken.get_lock():
-        _slot = marks.taken.value
-        marks.taken.value += 1
-    marks.pids[_slot] = os.getpid()
-    _marks = marks
+    _exit_with_parent()
+    with status.slots_taken.get_lock():
+        _slot = status.slots_taken.value
+        status.slots_taken.value += 1
+    status.pids[_slot] = os.getpid()
+    _status = status
 
 
-def mark(point: int) -> None:
-    """Say which point this worker is at (`NOBODY`: none)."""
-    if _marks is not None:
-        _marks.since_s[_slot] = time.monotonic()
-        _marks.points[_slot] = point
+def _exit_with_parent() -> None:
+    """End this process as soon as its parent ends, even by a kill: no worker outlives its sweep."""
+    parent = multiprocessing.parent_process()
+    if parent is None:
+        return
 
+    def wait() -> None:
+        parent.join()
+        os._exit(1)
 
-def default_jobs() -> int:
-    """Processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    threading.Thread(target=wait, daemon=True).start()

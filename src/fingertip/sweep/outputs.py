@@ -1,7 +1,8 @@
-"""What a sweep can compute of a point: each output with its meaning, and the stage that gives it.
+"""Outputs that a sweep can compute for a point, and the groups in which they are computed.
 
-A stage is asked only where one of its outputs is wanted, and again only where one of the tables it reads has changed.
-Nothing is imported here; `fingertip.sweep.compute` holds the computing.
+All outputs of a group come from one computation. A group is computed only if the sweep asks for one of its outputs,
+and again only if a table that it reads has changed. This module imports nothing heavy; the computations themselves are
+in `fingertip.sweep.compute`.
 """
 
 from __future__ import annotations
@@ -13,132 +14,140 @@ from fingertip.design.issues import suggest_name
 from fingertip.errors import Issue
 
 FINGER = frozenset({"sensor", "custom_sensor", "bone", "skin"})
-"""Tables that give the finger's form."""
+"""Tables that define the shape of the finger."""
 CLOSED_MOLD = FINGER | {"mold"}
+"""Tables that define the shape of finger and mold."""
 PARTS = CLOSED_MOLD | {"name", "printer"}
-"""The halves carry the design's name, the printer's scale and limits decide on the checks."""
-SIGNAL = FINGER | {"board", "detector", "mold"}
-"""The pad's form counts in a simulation; lengths that follow from the mold are derived along with it."""
+"""Tables that the checks of the printed parts read: the mold halves carry the design's name, and the printer's scale
+and limits decide on the checks."""
+SIMULATION = FINGER | {"board", "detector", "mold"}
+"""Tables that a simulation can depend on. It uses the pad's shape, which is derived together with the mold's
+lengths."""
 
 
 @dataclass(frozen=True)
-class Stage:
-    """A computation that gives one or several outputs at once."""
+class OutputGroup:
+    """Outputs that one computation gives together."""
 
     name: str
     reads: frozenset[str]
-    """Tables of the design that its outputs can depend on; `scene` for the scene."""
+    """Tables of the design that the outputs can depend on; `scene` stands for the scene."""
     cost: int
-    """Order of cost: axes of dear stages vary slowest, so that neighbouring points share them."""
-    but: frozenset[str] = frozenset()
-    """Parameters of those tables that it does not read, dotted."""
+    """Rank by computing time. Axes that expensive groups read vary slowest, so that neighbouring points share their
+    results."""
+    ignores: frozenset[str] = frozenset()
+    """Parameters of those tables, dotted, that the outputs do not depend on."""
 
     def depends_on(self, parameter: str) -> bool:
-        """Whether its outputs can change with a parameter, dotted."""
-        return parameter.partition(".")[0] in self.reads and parameter not in self.but
+        """Tell whether the outputs can change with a parameter, dotted."""
+        return parameter.partition(".")[0] in self.reads and parameter not in self.ignores
 
 
-STAGES = {
-    stage.name: stage
-    for stage in (
-        Stage("lengths", CLOSED_MOLD, 0),
-        Stage("board", frozenset({"board", "detector", "sensor", "custom_sensor"}), 1),
-        Stage("noise", frozenset({"board", "detector"}), 1),
-        Stage("trials", SIGNAL | {"scene"}, 2),
-        Stage("skin", CLOSED_MOLD, 4),
-        Stage("bone", CLOSED_MOLD, 4),
-        Stage("halves", CLOSED_MOLD | {"name"}, 4),
-        Stage("thickness", CLOSED_MOLD, 4),
-        Stage("casting", CLOSED_MOLD | {"name"}, 5),
-        Stage("checks", PARTS, 6),
+GROUPS = {
+    group.name: group
+    for group in (
+        OutputGroup("lengths", CLOSED_MOLD, 0),
+        OutputGroup("board", frozenset({"board", "detector", "sensor", "custom_sensor"}), 1),
+        OutputGroup("noise", frozenset({"board", "detector"}), 1),
+        OutputGroup("detection", SIMULATION | {"scene"}, 2),
+        OutputGroup("skin", CLOSED_MOLD, 4),
+        OutputGroup("bone", CLOSED_MOLD, 4),
+        OutputGroup("mold", CLOSED_MOLD | {"name"}, 4),
+        OutputGroup("thickness", CLOSED_MOLD, 4),
+        OutputGroup("casting", CLOSED_MOLD | {"name"}, 5),
+        OutputGroup("checks", PARTS, 6),
     )
 }
+"""Group name -> group, from the cheapest to the most expensive."""
 
-
-DECISION = frozenset({"detector.window_samples", "detector.threshold_v"})
-TRACES = Stage("traces", SIGNAL | {"scene"}, 3, DECISION)
-"""Within the trials: what is simulated does not depend on how the detector decides."""
+TRACES = OutputGroup(
+    "traces", SIMULATION | {"scene"}, 3, frozenset({"detector.window_samples", "detector.threshold_v"})
+)
+"""Simulated trials that the detection outputs are computed from. They do not depend on the detector's window and
+threshold, so points that differ only in those share them."""
 
 
 @dataclass(frozen=True)
-class Output:
-    """One figure of a point."""
+class SweepOutput:
+    """Number that a sweep can compute for a point."""
 
     name: str
-    """Carries its unit."""
-    stage: str
-    meaning: str
+    """Name with the unit."""
+    group: str
+    """Name of the group that gives it."""
+    description: str
 
 
 OUTPUTS = {
     output.name: output
     for output in (
-        Output("sensor_rim_mm", "lengths", "flat bone left around sensor and rim; 0: just fits"),
-        Output("mold_width_mm", "lengths", "closed mold, across the finger"),
-        Output("mold_height_mm", "lengths", "closed mold, from palm to back"),
-        Output("mold_length_mm", "lengths", "closed mold, along the finger"),
-        Output("skin_volume_mm3", "skin", "silicone skin"),
-        Output("skin_area_mm2", "skin", "surface of the skin, inside and outside"),
-        Output("bone_volume_mm3", "bone", "printed bone"),
-        Output("bone_mass_g", "bone", "printed bone, at print_density_g_cm3"),
-        Output("mold_palmar_volume_mm3", "halves", "palmar half of the mold"),
-        Output("mold_dorsal_volume_mm3", "halves", "dorsal half of the mold"),
-        Output("mold_mass_g", "halves", "both halves, at print_density_g_cm3"),
-        Output("thinnest_skin_mm", "thickness", "thinnest silicone between bone and surface"),
-        Output("silicone_in_mold_g", "casting", "what fills the mold, of the sweep's silicone"),
-        Output("silicone_g", "casting", "what is mixed: with waste, and never less than can be weighed"),
-        Output("checks_failed", "checks", "checks of `fingertip check` that fail, at tolerance_mm; 0: can be made"),
-        Output("checks_made", "checks", "checks that were asked"),
-        Output("board.r1_ohm", "board", "preferred value: first stage's pole"),
-        Output("board.r2_ohm", "board", "preferred value: Sallen-Key, feedback"),
-        Output("board.r3_ohm", "board", "preferred value: Sallen-Key, to ground"),
-        Output("board.r4_ohm", "board", "preferred value: gain, to ground"),
-        Output("board.r5_ohm", "board", "preferred value: gain, feedback"),
-        Output("board.r_lp_ohm", "board", "preferred value: envelope"),
-        Output("board.c_uf", "board", "capacitors of both filters, as given or as chosen"),
-        Output("board.c_lp_uf", "board", "capacitor of the envelope, as given or as chosen"),
-        Output("gain", "board", "achieved passband gain"),
-        Output("gain_db", "board", "achieved passband gain"),
-        Output("first_pole_hz", "board", "achieved pole of the first stage"),
-        Output("section_hz", "board", "achieved f0 of the Sallen-Key section"),
-        Output("q", "board", "achieved quality of the Sallen-Key section; 1 in a Butterworth filter"),
-        Output("cutoff_3db_hz", "board", "achieved overall -3 dB frequency"),
-        Output("cutoff_error_percent", "board", "achieved -3 dB frequency against board.cutoff_hz"),
-        Output("envelope_pole_hz", "board", "achieved pole of the envelope"),
-        Output("envelope_decay_ms", "board", "achieved time constant of the envelope"),
-        Output("amplifier_bandwidth_hz", "board", "where the amplifier ends the first stage's passband"),
-        Output("noise_level_v", "noise", "mean of the article's window in noise alone"),
-        Output("min_threshold_v", "noise", "noise level and six deviations: the article's rule"),
-        Output("delay_ms", "trials", "median delay over all true slips; inf: fewer than half were found"),
-        Output("delay_p90_ms", "trials", "delay by which nine in ten slips are found; inf: fewer were"),
-        Output("found_share", "trials", "slips found, of all"),
-        Output("false_alarms_per_min", "trials", "alarms without slip, per simulated minute"),
-        Output("slips", "trials", "true slips in the trials"),
+        SweepOutput("sensor_rim_mm", "lengths", "width of flat bone left around the sensor and its rim; 0: just fits"),
+        SweepOutput("mold_width_mm", "lengths", "closed mold, width across the finger"),
+        SweepOutput("mold_height_mm", "lengths", "closed mold, height from the palmar to the dorsal face"),
+        SweepOutput("mold_length_mm", "lengths", "closed mold, length along the finger"),
+        SweepOutput("skin_volume_mm3", "skin", "volume of the silicone skin"),
+        SweepOutput("skin_area_mm2", "skin", "surface area of the skin, inside and outside"),
+        SweepOutput("bone_volume_mm3", "bone", "volume of the printed bone"),
+        SweepOutput("bone_mass_g", "bone", "mass of the printed bone at print_density_g_cm3"),
+        SweepOutput("mold_palmar_volume_mm3", "mold", "volume of the palmar mold half"),
+        SweepOutput("mold_dorsal_volume_mm3", "mold", "volume of the dorsal mold half"),
+        SweepOutput("mold_mass_g", "mold", "mass of both mold halves at print_density_g_cm3"),
+        SweepOutput("min_skin_thickness_mm", "thickness", "minimum silicone thickness between bone and surface"),
+        SweepOutput("silicone_in_mold_g", "casting", "mass of the sweep's silicone that fills the mold"),
+        SweepOutput("silicone_g", "casting", "mass of silicone to mix: with waste, at least what can be weighed"),
+        SweepOutput("checks_failed", "checks", "number of failed checks of `fingertip check`, at tolerance_mm"),
+        SweepOutput("checks_run", "checks", "number of checks that were run"),
+        SweepOutput("board.r1_ohm", "board", "preferred value: pole of the first stage"),
+        SweepOutput("board.r2_ohm", "board", "preferred value: Sallen-Key section, feedback resistor"),
+        SweepOutput("board.r3_ohm", "board", "preferred value: Sallen-Key section, resistor to ground"),
+        SweepOutput("board.r4_ohm", "board", "preferred value: gain, resistor to ground"),
+        SweepOutput("board.r5_ohm", "board", "preferred value: gain, feedback resistor"),
+        SweepOutput("board.r_lp_ohm", "board", "preferred value: resistor of the envelope filter"),
+        SweepOutput("board.c_uf", "board", "capacitors of both filter stages, as given or as selected"),
+        SweepOutput("board.c_lp_uf", "board", "capacitor of the envelope filter, as given or as selected"),
+        SweepOutput("gain", "board", "achieved passband gain"),
+        SweepOutput("gain_db", "board", "achieved passband gain [dB]"),
+        SweepOutput("first_pole_hz", "board", "achieved pole frequency of the first stage"),
+        SweepOutput("section_hz", "board", "achieved f0 of the Sallen-Key section"),
+        SweepOutput("q", "board", "achieved quality factor of the Sallen-Key section; 1 in a Butterworth filter"),
+        SweepOutput("cutoff_3db_hz", "board", "achieved -3 dB frequency of the whole filter"),
+        SweepOutput("cutoff_error_percent", "board", "achieved -3 dB frequency relative to board.cutoff_hz"),
+        SweepOutput("envelope_pole_hz", "board", "achieved pole frequency of the envelope filter"),
+        SweepOutput("envelope_decay_ms", "board", "achieved time constant of the envelope filter"),
+        SweepOutput("amplifier_bandwidth_hz", "board", "upper band limit set by the first stage's amplifier"),
+        SweepOutput("noise_level_v", "noise", "mean of the article's window in noise alone"),
+        SweepOutput("min_threshold_v", "noise", "noise level plus six standard deviations: the article's rule"),
+        SweepOutput("delay_ms", "detection", "median detection delay of all slips; inf: fewer than half detected"),
+        SweepOutput("delay_p90_ms", "detection", "90th percentile of the detection delay; inf: fewer detected"),
+        SweepOutput("found_share", "detection", "share of the slips that were detected, 0 to 1"),
+        SweepOutput("false_alarms_per_min", "detection", "alarms without slip per simulated minute"),
+        SweepOutput("slips", "detection", "number of slips in the trials"),
     )
 }
+"""Name -> output."""
 
 
-def stages_of(outputs: Iterable[str]) -> tuple[Stage, ...]:
-    """The stages that give these outputs, each once, cheapest first."""
-    names = {OUTPUTS[name].stage for name in outputs}
-    return tuple(stage for stage in STAGES.values() if stage.name in names)
+def find_groups(outputs: Iterable[str]) -> tuple[OutputGroup, ...]:
+    """Find the groups that give these outputs, each once, cheapest first."""
+    names = {OUTPUTS[name].group for name in outputs}
+    return tuple(group for group in GROUPS.values() if group.name in names)
 
 
-def shared_of(outputs: Iterable[str]) -> tuple[Stage, ...]:
-    """Everything that points can share: the stages, and what they are made of."""
-    stages = stages_of(outputs)
-    return (*stages, TRACES) if any(stage.name == "trials" for stage in stages) else stages
+def find_shareable(outputs: Iterable[str]) -> tuple[OutputGroup, ...]:
+    """Find everything that points can share: the groups of these outputs, and the simulated trials."""
+    groups = find_groups(outputs)
+    return (*groups, TRACES) if any(group.name == "detection" for group in groups) else groups
 
 
-def unknown(outputs: Iterable[str]) -> list[Issue]:
-    """Faults of names that are no output, or stand twice."""
-    listed = list(outputs)
+def check_output_names(outputs: Iterable[str]) -> list[Issue]:
+    """List the issues of names that are unknown or repeated."""
+    names = list(outputs)
     issues = []
-    for name in dict.fromkeys(listed):
+    for name in dict.fromkeys(names):
         if name not in OUTPUTS:
-            close = suggest_name(name.lower(), tuple(OUTPUTS))
-            remedy = close if close.startswith("did you mean") else "see fingertip sweep --outputs."
-            issues.append(Issue("outputs", f"{name!r} is no output; {remedy}"))
-        elif listed.count(name) > 1:
-            issues.append(Issue("outputs", f"{name!r} is named {listed.count(name)} times; name it once."))
+            suggestion = suggest_name(name.lower(), tuple(OUTPUTS))
+            remedy = suggestion if suggestion.startswith("did you mean") else "see fingertip sweep --outputs."
+            issues.append(Issue("outputs", f"{name!r} is not an output; {remedy}"))
+        elif names.count(name) > 1:
+            issues.append(Issue("outputs", f"{name!r} is listed {names.count(name)} times; list it once."))
     return issues

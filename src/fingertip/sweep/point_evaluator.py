@@ -1,7 +1,7 @@
-"""Rows of many points: what a worker does with its part of a sweep.
+"""Evaluation of single points, as a worker does it.
 
-A row depends on its point alone. What a worker remembers of the points before only saves time: stages of which nothing
-has changed that they read, and solids that were meshed before.
+The result of a point depends on that point alone. Caches only save time: an output group whose inputs have not changed
+is not computed again, and a solid that was meshed before is not meshed again.
 """
 
 from __future__ import annotations
@@ -15,141 +15,147 @@ from fingertip.design.model import Design
 from fingertip.errors import FingertipError, Issue
 from fingertip.files import round_for_output
 from fingertip.sweep.axes import Value
-from fingertip.sweep.design_builder import Designs
-from fingertip.sweep.cache import Memory
-from fingertip.sweep.outputs import TRACES, Stage
-from fingertip.sweep.chunk import Outcome, Part
-from fingertip.sweep.plan import Plan
-from fingertip.sweep.compute import COMPUTE, ISSUE, Asked, Figures, Recorded
-from fingertip.sweep.worker_loop import each_limited
+from fingertip.sweep.cache import LruCache
+from fingertip.sweep.chunk import PointResult
+from fingertip.sweep.compute import GROUP_FUNCTIONS, ISSUE, OutputValues, PointContext, RecordedTrial
+from fingertip.sweep.design_builder import DesignBuilder, apply_changes
+from fingertip.sweep.outputs import TRACES, OutputGroup
+from fingertip.sweep.plan import SweepPlan
 
 if TYPE_CHECKING:
     from fingertip.sim.scenes.scene_file import SceneFile
     from fingertip.sweep.cached_solids import CachedEvaluator
 
-REMEMBERED = 4096
-"""Results of stages that are kept: a few numbers each."""
-TRACES_BYTES = 100e6
-"""Of simulated trials that are kept."""
+MAX_GROUP_RESULTS = 4096
+"""Number of cached results of output groups; each holds a few numbers."""
+MAX_TRACE_BYTES = 100e6
+"""Limit of the memory for cached simulated trials [bytes]."""
+QUICK_COST = 1
+"""Maximum cost of the output groups of a sweep whose points share time limits."""
+QUICK_POINTS_PER_LIMIT = 64
+"""Number of points that share a time limit in such a sweep."""
 _NO_ISSUE = Issue("", "")
-QUICK_COST, TOGETHER = 1, 64
-"""So many points share a time limit where no stage costs more."""
 
 
-class Bench:
-    """One worker's place: the plan, and what is remembered between its points."""
+class PointEvaluator:
+    """Evaluates the points of one plan, and caches what they have in common."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: SweepPlan) -> None:
         self.plan = plan
-        self._designs = Designs(plan)
-        self._figures: Memory[Any, Figures] = Memory(REMEMBERED)
-        self._evaluator: CachedEvaluator | None = None
+        quick = all(group.cost <= QUICK_COST for group in plan.groups)
+        self.points_per_limit = QUICK_POINTS_PER_LIMIT if quick else 1
+        """Number of points that share a time limit."""
+        self._designs = DesignBuilder(plan)
         self._scene = plan.scene.model_dump() if plan.scene else None
-        self._nothing = (math.nan,) * len(plan.outputs)
-        self._stages = [(stage, _shared_by(stage, plan)) for stage in plan.stages]
-        self._traces: Memory[Any, Recorded] = Memory(TRACES_BYTES)
-        self._of_traces = _shared_by(TRACES, plan)
-        self._together = TOGETHER if all(stage.cost <= QUICK_COST for stage in plan.stages) else 1
+        self._groups = [(group, _find_cache_axes(group, plan)) for group in plan.groups]
+        self._trace_axes = _find_cache_axes(TRACES, plan)
+        self._group_results: LruCache[Any, OutputValues] = LruCache(MAX_GROUP_RESULTS)
+        self._trials: LruCache[Any, RecordedTrial] = LruCache(MAX_TRACE_BYTES)
+        self._mesh_evaluator: CachedEvaluator | None = None
+        self._no_outputs = (math.nan,) * len(plan.outputs)
 
-    def outcomes(self, part: Part) -> list[Outcome]:
-        """The rows of a part of the sweep."""
-        limit_s = self.plan.file.time_limit_s
-        return each_limited(part, limit_s, self._together, self.outcome)
-
-    def outcome(self, point: int, changes: Mapping[str, Value]) -> Outcome:
-        """The row of a point, whatever becomes of it: an exception is a row too."""
+    def evaluate(self, point: int, changes: Mapping[str, Value]) -> PointResult:
+        """Evaluate a point. Every point gets a result: an exception becomes its status and reason."""
         try:
-            design, scene = self._point(changes)
+            design, scene = self._build_inputs(changes)
         except FingertipError as error:
             first, *others = error.issues
-            more = f" (and {len(others)} more: {', '.join(dict.fromkeys(f.field for f in others))})" if others else ""
-            return point, "refused", first.field, first.message + more, self._nothing
-        asked = Asked(design, scene, self.plan.file, self.evaluator, partial(self._trace, changes))
+            fields = ", ".join(dict.fromkeys(issue.field for issue in others))
+            more = f" (and {len(others)} more: {fields})" if others else ""
+            return point, "refused", first.field, first.message + more, self._no_outputs
+        load_trial = partial(self._load_trial, changes)
+        context = PointContext(design, scene, self.plan.file, self.load_mesh_evaluator, load_trial)
         try:
-            figures: Figures = {}
-            for stage, shared in self._stages:
-                figures |= self._computed(stage, shared, asked, changes)
+            values: OutputValues = {}
+            for group, cache_axes in self._groups:
+                values |= self._compute_group(group, cache_axes, context, changes)
         except FingertipError as error:
-            return point, "failed", "", str(error), self._nothing
+            return point, "failed", "", str(error), self._no_outputs
         except Exception as error:
-            return point, "failed", "", _fault_of_ours(error), self._nothing
-        issue = figures.get(ISSUE, _NO_ISSUE)
-        return point, "ok", issue.field, issue.message, tuple(round_for_output(figures[name]) for name in self.plan.outputs)
+            return point, "failed", "", _describe_bug(error), self._no_outputs
+        issue = values.get(ISSUE, _NO_ISSUE)
+        outputs = tuple(round_for_output(values[name]) for name in self.plan.outputs)
+        return point, "ok", issue.field, issue.message, outputs
 
-    def evaluator(self) -> CachedEvaluator:
-        """The mesh kernel, shared by all points."""
-        if self._evaluator is None:
-            from fingertip.sweep.cached_solids import CachedEvaluator, on_one_thread
+    def load_mesh_evaluator(self) -> CachedEvaluator:
+        """Load the mesh kernel, which all points share."""
+        if self._mesh_evaluator is None:
+            from fingertip.sweep.cached_solids import CachedEvaluator, restrict_kernel_to_one_thread
 
-            on_one_thread()
-            self._evaluator = CachedEvaluator(self.plan.file.tolerance_mm)
-        return self._evaluator
+            restrict_kernel_to_one_thread()
+            self._mesh_evaluator = CachedEvaluator(self.plan.file.tolerance_mm)
+        return self._mesh_evaluator
 
-    def _point(self, changes: Mapping[str, Value]) -> tuple[Design, SceneFile | None]:
+    def _build_inputs(self, changes: Mapping[str, Value]) -> tuple[Design, SceneFile | None]:
+        """Build design and scene of a point; raise the issues of both."""
         issues: list[Issue] = []
         design, scene = None, None
         try:
-            design = self._designs.design(changes)
+            design = self._designs.build(changes)
         except FingertipError as error:
             issues += error.issues
         if self._scene is not None:
             try:
-                scene = self._changed_scene(self._scene, changes)
+                scene = self._build_scene(self._scene, changes)
             except FingertipError as error:
                 issues += (Issue(f"scene.{issue.field}", issue.message) for issue in error.issues)
         if issues or design is None:
             raise FingertipError(issues)
         return design, scene
 
-    def _changed_scene(self, tables: dict[str, Any], changes: Mapping[str, Value]) -> SceneFile:
+    def _build_scene(self, tables: dict[str, Any], changes: Mapping[str, Value]) -> SceneFile:
         from fingertip.sim.scenes.scene_file import SceneFile
-        from fingertip.sweep.design_builder import changed
 
-        of_scene = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
-        return SceneFile(**changed(tables, of_scene))
+        scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
+        return SceneFile(**apply_changes(tables, scene_changes))
 
-    def _computed(
-        self, stage: Stage, shared: tuple[str, ...] | None, asked: Asked, changes: Mapping[str, Value]
-    ) -> Figures:
-        """A stage's figures; remembered by the values of the axes it reads, if other axes vary beside them."""
-        if shared is None:
-            return COMPUTE[stage.name](asked)
-        key = (stage.name, *(changes[name] for name in shared))
-        found = self._figures.get(key)
-        if found is None:
-            found = COMPUTE[stage.name](asked)
-            self._figures.put(key, found)
-        return found
+    def _compute_group(
+        self,
+        group: OutputGroup,
+        cache_axes: tuple[str, ...] | None,
+        context: PointContext,
+        changes: Mapping[str, Value],
+    ) -> OutputValues:
+        """Compute the outputs of a group, or take them from the cache."""
+        if cache_axes is None:
+            return GROUP_FUNCTIONS[group.name](context)
+        key = (group.name, *(changes[name] for name in cache_axes))
+        values = self._group_results.get(key)
+        if values is None:
+            values = GROUP_FUNCTIONS[group.name](context)
+            self._group_results.put(key, values)
+        return values
 
-    def _trace(self, changes: Mapping[str, Value], seed: int, record: Callable[[], Recorded]) -> Recorded:
-        """The trial of a seed, remembered as `_computed` does."""
-        if self._of_traces is None:
+    def _load_trial(
+        self, changes: Mapping[str, Value], seed: int, record: Callable[[], RecordedTrial]
+    ) -> RecordedTrial:
+        """Record the trial of a seed, or take it from the cache."""
+        if self._trace_axes is None:
             return record()
-        key = (seed, *(changes[name] for name in self._of_traces))
-        found = self._traces.get(key)
-        if found is None:
-            found = record()
-            self._traces.put(key, found, 40.0 * len(found[0].time_s))  # five columns
-        return found
+        key = (seed, *(changes[name] for name in self._trace_axes))
+        trial = self._trials.get(key)
+        if trial is None:
+            trial = record()
+            self._trials.put(key, trial, 40.0 * len(trial[0].time_s))  # five columns of 8 bytes
+        return trial
 
 
 @lru_cache(maxsize=1)
-def bench_of(text: str) -> Bench:
-    """This process's bench for the sweep with this canonical text."""
-    return Bench(Plan.from_toml(text))
+def load_evaluator(text: str) -> PointEvaluator:
+    """Load this process's evaluator for the sweep with this canonical text."""
+    return PointEvaluator(SweepPlan.from_toml(text))
 
 
-
-def _fault_of_ours(error: Exception) -> str:
-    """What went wrong, and where: nobody sees a traceback of a worker."""
+def _describe_bug(error: Exception) -> str:
+    """Describe an unexpected exception and its location; a worker's traceback is never printed."""
     import traceback
 
     frames = traceback.extract_tb(error.__traceback__)
-    at = f"{frames[-1].name}, line {frames[-1].lineno}" if frames else "?"
-    return f"{type(error).__name__}: {error} (in {at}); this is a bug in fingertip."
+    location = f"{frames[-1].name}, line {frames[-1].lineno}" if frames else "?"
+    return f"{type(error).__name__}: {error} (in {location}); this is a bug in fingertip."
 
 
-def _shared_by(stage: Stage, plan: Plan) -> tuple[str, ...] | None:
-    """The axes a stage reads; None if it reads all of them, so that no two points share its figures."""
-    read = tuple(axis.name for axis in plan.axes if stage.depends_on(axis.name))
-    return read if len(read) < len(plan.axes) else None
+def _find_cache_axes(group: OutputGroup, plan: SweepPlan) -> tuple[str, ...] | None:
+    """Find the axes that a group reads, which are its cache key; None if it reads all axes, so no points share it."""
+    axes = tuple(axis.name for axis in plan.axes if group.depends_on(axis.name))
+    return axes if len(axes) < len(plan.axes) else None

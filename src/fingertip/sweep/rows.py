@@ -29,7 +29,7 @@ class SweepRow:
     field: str
     """Parameter or check that `reason` is about; "" if there is none."""
     reason: str
-    """Why the point is not ok, or which checks failed; "" otherwise."""
+    """Reason why the point is not ok, or names of the failed checks; "" otherwise."""
 
 
 @dataclass(frozen=True, eq=False)

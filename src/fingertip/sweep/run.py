@@ -1,7 +1,8 @@
-"""A sweep from its plan to its rows: parts handed to workers, rows written as they come, the lost ones tried again.
+"""Run of a sweep: chunks are sent to workers, rows are written as results arrive, and failed chunks are retried.
 
-A point is suspected when its worker died or its time ran out. All suspects are computed once more at the end, each
-alone, so that whoever breaks down then is known; it is recorded with its reason, and nobody else's row is lost.
+A point is retried if its worker died or its time ran out. All retries are computed at the end, one at a time, so that
+a second failure can be attributed to its point. That point is then recorded with its reason; every other point keeps
+its row.
 """
 
 from __future__ import annotations
@@ -14,256 +15,295 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, 
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.errors import Issue, SweepError
-from fingertip.sweep import chunk as parts
+from fingertip.sweep.chunk import Chunk, ChunkFunction, ChunkResult, PointResult, make_crash_result, make_timeout_result
+from fingertip.sweep.database import StoredRow, SweepDatabase
 from fingertip.sweep.engines import Engine
-from fingertip.sweep.chunk import Done, Part, Work
-from fingertip.sweep.plan import Plan
-from fingertip.sweep.database import Store, Stored
-from fingertip.sweep.work import work as work_on
+from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.worker_loop import evaluate_chunk
 
-PART_S = 0.5
-"""About how long a worker computes before it reports."""
-MAX_IN_PART = 8192
-WRITE_S, WRITE_ROWS = 0.5, 50_000
-"""Rows are committed this often; what a kill -9 costs is computed again."""
-LATE_S = 30.0
-"""The pace is that of so long."""
-AHEAD = 2
-"""Parts in flight for each worker: one computed, one waiting."""
+CHUNK_DURATION_S = 0.5
+"""Time that a worker should spend on a chunk [s]."""
+MAX_CHUNK_POINTS = 8192
+WRITE_INTERVAL_S = 0.5
+"""Minimum time between two commits [s]. Rows that a kill -9 loses are computed again."""
+MAX_PENDING_ROWS = 50_000
+"""Number of rows after which they are committed at once."""
+RATE_WINDOW_S = 30.0
+"""Time over which the rate of points is averaged [s]."""
+CHUNKS_PER_WORKER = 2
+"""Chunks in flight per worker: one is computed, one waits."""
+MAX_CONSECUTIVE_FAILURES = 5
+"""Number of breakdowns in a row, none of which can be attributed to a point, before the run gives up."""
+_POLL_INTERVAL_S = 0.5
 _BLOCK = 65_536
-BARREN = 5
-"""So many breakdowns that accuse no point are borne, in a row."""
+"""Number of points whose parameters are generated at a time."""
 
 
 @dataclass
-class State:
-    """How far a sweep is."""
+class RunState:
+    """Progress of a run."""
 
     size: int
-    before: int
-    """Rows that were there when it began."""
+    """Number of points of the plan."""
+    existing: int
+    """Number of rows when the run began."""
     written: int = 0
-    """Rows since then."""
+    """Number of rows written since then."""
     failures: int = 0
-    """Failed points and timeouts among them."""
+    """Number of points since then that failed or ran out of time."""
     refused: int = 0
-    moments: deque[tuple[float, int]] = field(default_factory=lambda: deque([(time.perf_counter(), 0)]))
-    """When how many rows were written, of late."""
+    """Number of points since then that break a design rule."""
+    history: deque[tuple[float, int]] = field(default_factory=lambda: deque([(time.perf_counter(), 0)]))
+    """Times of the latest commits [s] and the number of rows written by then."""
 
     @property
     def done(self) -> int:
-        """All rows."""
-        return self.before + self.written
+        """Number of rows in total."""
+        return self.existing + self.written
 
     @property
     def points_per_s(self) -> float:
-        """Of late: workers that start, or compile, are forgotten soon."""
-        (start_s, before), now = self.moments[0], time.perf_counter()
+        """Rate of the last `RATE_WINDOW_S` [1/s]; the slow start of the workers drops out soon."""
+        (start_s, before), now = self.history[0], time.perf_counter()
         return (self.written - before) / max(1e-9, now - start_s)
 
     @property
-    def left_s(self) -> float:
-        """Until it is done, at this pace [s]; infinite while no row comes."""
-        pace = self.points_per_s
-        return (self.size - self.done) / pace if pace else math.inf
+    def remaining_s(self) -> float:
+        """Estimated time to the end at the current rate [s]; infinite while the rate is zero."""
+        rate = self.points_per_s
+        return (self.size - self.done) / rate if rate else math.inf
 
-    def wrote(self, rows: int) -> None:
-        """Rows were committed."""
+    def add_written(self, rows: int) -> None:
+        """Count rows that were committed."""
         self.written += rows
         now = time.perf_counter()
-        self.moments.append((now, self.written))
-        while len(self.moments) > 2 and self.moments[1][0] < now - LATE_S:
-            self.moments.popleft()
+        self.history.append((now, self.written))
+        while len(self.history) > 2 and self.history[1][0] < now - RATE_WINDOW_S:
+            self.history.popleft()
 
 
-def run(
-    plan: Plan, store: Store, engine: Engine, told: Callable[[State], None] = lambda _: None, work: Work = work_on
-) -> State:
+def run_sweep(
+    plan: SweepPlan,
+    database: SweepDatabase,
+    engine: Engine,
+    progress: Callable[[RunState], None] = lambda _: None,
+    evaluate: ChunkFunction = evaluate_chunk,
+) -> RunState:
     """Compute every point of a plan that has no row yet.
 
     Parameters
     ----------
-    plan, store
-        What, and where its rows go.
+    plan
+        The sweep.
+    database
+        Where its rows are written.
     engine
-        Who computes.
-    told
-        Called as rows are written, and while nothing comes.
-    work
-        What workers do with a part.
+        Workers that compute; they are stopped at the end.
+    progress
+        Called whenever rows were written, and at intervals while none arrive.
+    evaluate
+        Function that workers run for each chunk.
 
     Raises
     ------
     OutputError
-        If rows cannot be written any more; those before are safe.
+        If rows can no longer be written; those written before are safe.
     SweepError
-        If the cluster is gone, or workers die without having computed anything.
+        If the cluster is lost, or workers keep dying without computing a point.
     """
-    missing = store.missing()
-    state = State(plan.size, int(plan.size - missing.sum()))
-    sweep = _Sweep(plan, store, engine, told, work, state)
+    missing = database.find_missing_points()
+    state = RunState(plan.size, int(plan.size - missing.sum()))
+    run = _Run(plan, database, engine, progress, evaluate, state)
     try:
-        sweep.all_of(_parts(plan, missing, sweep))
+        run.compute(_split_into_chunks(plan, missing, run))
     finally:
         engine.close()
-        sweep.write(at_once=True)
+        run.write_rows(at_once=True)
     return state
 
 
-def _parts(plan: Plan, missing: np.ndarray, sweep: _Sweep) -> Iterator[Part]:
-    """The missing points in the plan's order, in parts of the size that suits just then."""
+def _split_into_chunks(plan: SweepPlan, missing: NDArray[np.bool_], run: _Run) -> Iterator[Chunk]:
+    """Split the missing points, in computing order, into chunks of the size that the run asks for at that time."""
     text = plan.to_toml()
     for start in range(0, plan.size, _BLOCK):
-        points = plan.in_order(start, start + _BLOCK)
+        points = plan.computing_order(start, start + _BLOCK)
         points = points[missing[points]]
         while len(points):
-            now, points = points[: sweep.part_size], points[sweep.part_size :]
-            columns = {name: column.tolist() for name, column in plan.columns(now).items()}
-            yield Part(text, tuple(now.tolist()), columns)
+            selected, points = points[: run.chunk_size], points[run.chunk_size :]
+            columns = {name: column.tolist() for name, column in plan.columns(selected).items()}
+            yield Chunk(text, tuple(selected.tolist()), columns)
 
 
-class _Sweep:
-    """The loop's state: parts in flight, rows not yet written, suspects."""
+class _Run:
+    """State of the run loop: chunks in flight, chunks to send again, points to retry, rows not yet written."""
 
     def __init__(
-        self, plan: Plan, store: Store, engine: Engine, told: Callable[[State], None], work: Work, state: State
+        self,
+        plan: SweepPlan,
+        database: SweepDatabase,
+        engine: Engine,
+        progress: Callable[[RunState], None],
+        evaluate: ChunkFunction,
+        state: RunState,
     ) -> None:
-        self.plan, self.store, self.engine, self.told, self.work, self.state = plan, store, engine, told, work, state
-        self.part_size = 1
+        self.plan, self.database, self.engine = plan, database, engine
+        self.progress, self.evaluate, self.state = progress, evaluate, state
+        self.chunk_size = 1
+        """Number of points of the next chunk."""
         self._executor: Executor | None = None
-        self._flying: dict[Future[Done], Part] = {}
-        self._again: deque[Part] = deque()
-        self._suspects: list[Part] = []
-        self._barren = 0
-        """Breakdowns in a row that accuse no point."""
-        self._rows: list[Stored] = []
-        self._written_at = -math.inf  # the first row at once: it shows that the folder can be written
+        self._in_flight: dict[Future[ChunkResult], Chunk] = {}
+        self._resend_queue: deque[Chunk] = deque()
+        """Chunks that were lost although none of their points is to blame."""
+        self._retry_queue: list[Chunk] = []
+        """Single points whose worker died or whose time ran out."""
+        self._consecutive_failures = 0
+        """Breakdowns in a row that could not be attributed to a point."""
+        self._pending_rows: list[StoredRow] = []
+        self._written_at_s = -math.inf  # the first row is written at once, to show that the folder is writable
 
-    def all_of(self, todo: Iterator[Part]) -> None:
-        """Compute everything, then the suspects one by one."""
+    def compute(self, chunks: Iterator[Chunk]) -> None:
+        """Compute all chunks, then the points of the retry queue one by one."""
         exhausted = False
-        while not exhausted or self._flying or self._again:
-            while not exhausted and len(self._flying) < AHEAD * self.engine.workers:
-                part = self._again.popleft() if self._again else next(todo, None)
-                if part is None:
+        while not exhausted or self._in_flight or self._resend_queue:
+            # Keep every worker busy. Lost chunks come before new ones.
+            while len(self._in_flight) < CHUNKS_PER_WORKER * self.engine.workers:
+                if self._resend_queue:
+                    self._send(self._resend_queue.popleft())
+                    continue
+                chunk = None if exhausted else next(chunks, None)
+                if chunk is None:
                     exhausted = True
-                else:
-                    self._send(part)
-            while self._again and len(self._flying) < AHEAD * self.engine.workers:
-                self._send(self._again.popleft())
+                    break
+                self._send(chunk)
             self._receive()
-        for part in self._suspects:
-            self._alone(part)
+        for chunk in self._retry_queue:
+            self._retry(chunk)
 
-    def _send(self, part: Part) -> None:
+    def write_rows(self, at_once: bool = False) -> None:
+        """Commit the pending rows if the interval has passed, there are many, or `at_once` is set."""
+        now = time.perf_counter()
+        due = at_once or now - self._written_at_s > WRITE_INTERVAL_S or len(self._pending_rows) >= MAX_PENDING_ROWS
+        if self._pending_rows and due:
+            rows, self._pending_rows = self._pending_rows, []
+            self.database.add(rows)
+            self.state.add_written(len(rows))
+            self._written_at_s = now
+
+    def _send(self, chunk: Chunk) -> None:
         try:
-            self._flying[self._submit(part)] = part
+            self._in_flight[self._submit(chunk)] = chunk
         except BrokenExecutor:
-            self._again.appendleft(part)
-            self._broken([])
+            self._resend_queue.appendleft(chunk)
+            self._handle_broken_pool([])
 
-    def _submit(self, part: Part) -> Future[Done]:
+    def _submit(self, chunk: Chunk) -> Future[ChunkResult]:
         if self._executor is None:
             self._executor = self.engine.executor()
-        return self._executor.submit(self.work, part)
+        return self._executor.submit(self.evaluate, chunk)
 
     def _receive(self) -> None:
-        done, _ = wait(self._flying, timeout=0.5, return_when=FIRST_COMPLETED)
-        lost: list[Part] = []
+        """Wait for results, and handle those that arrived."""
+        done, _ = wait(self._in_flight, timeout=_POLL_INTERVAL_S, return_when=FIRST_COMPLETED)
+        lost: list[Chunk] = []
         broken = False
         for future in done:
-            part = self._flying.pop(future)
+            chunk = self._in_flight.pop(future)
             error = future.exception() if not future.cancelled() else CancelledError()
             if error is None:
-                self._barren = 0
-                self._take(part, future.result())
+                self._consecutive_failures = 0
+                self._add_rows(chunk, future.result())
+                self._adapt_chunk_size(chunk, future.result())
             elif isinstance(error, BrokenExecutor):
-                lost.append(part)
+                lost.append(chunk)
                 broken = True
             else:
-                self._lost(part, error)
+                self._handle_failed_chunk(chunk, error)
         if broken:
-            self._broken(lost)
-        self.write()
-        self.told(self.state)
+            self._handle_broken_pool(lost)
+        self.write_rows()
+        self.progress(self.state)
 
-    def _take(self, part: Part, done: Done) -> None:
-        self._keep(part, done)
-        pace = done.took_s / len(chunk.points)
-        wanted = round(PART_S / pace) if pace > 0 else MAX_IN_PART
-        self.part_size = max(1, min(wanted, 4 * self.part_size, MAX_IN_PART))
+    def _adapt_chunk_size(self, chunk: Chunk, result: ChunkResult) -> None:
+        """Choose the chunk size for `CHUNK_DURATION_S` at the pace of the latest chunk."""
+        per_point_s = result.elapsed_s / len(chunk.points)
+        size = round(CHUNK_DURATION_S / per_point_s) if per_point_s > 0 else MAX_CHUNK_POINTS
+        self.chunk_size = max(1, min(size, 4 * self.chunk_size, MAX_CHUNK_POINTS))
 
-    def _keep(self, part: Part, done: Done) -> None:
+    def _add_rows(self, chunk: Chunk, result: ChunkResult) -> None:
         values = zip(*chunk.columns.values(), strict=True)
-        for (point, status, field_, reason, outputs), axes in zip(done.outcomes, values, strict=True):
-            self._rows.append((point, status, field_, reason, *axes, *outputs))
+        for (point, status, field_, reason, outputs), axes in zip(result.results, values, strict=True):
+            self._pending_rows.append((point, status, field_, reason, *axes, *outputs))
             self.state.failures += status in ("failed", "timeout")
             self.state.refused += status == "refused"
 
-    def _broken(self, lost: list[Part]) -> None:
-        """The pool broke: everything in flight is lost, what was being computed is suspected."""
-        lost += self._flying.values()
-        self._flying.clear()
-        accused = self.engine.suspects()
+    def _handle_broken_pool(self, lost: list[Chunk]) -> None:
+        """Handle the death of a worker, which breaks the pool: every chunk in flight is lost with it.
+
+        Points that dead workers were computing go to the retry queue, all others are sent again.
+        """
+        lost += self._in_flight.values()
+        self._in_flight.clear()
+        crashed = self.engine.find_crashed_points()
         self._executor = None
-        self._barren = 0 if accused is None or accused else self._barren + 1
-        if self._barren > BARREN:
-            sentence = f"workers died {self._barren} times without being at a point; is there memory for them?"
+        self._consecutive_failures = 0 if crashed is None or crashed else self._consecutive_failures + 1
+        if self._consecutive_failures > MAX_CONSECUTIVE_FAILURES:
+            problem = f"workers died {self._consecutive_failures} times without computing a point"
             raise SweepError(
-                Issue("--jobs", f"{sentence} What was written is safe, go on with --resume and fewer jobs.")
+                Issue(
+                    "--jobs",
+                    f"{problem}; check the free memory. The rows written so far are safe: continue with --resume and "
+                    "fewer jobs.",
+                )
             )
-        for part in lost:
-            at = range(len(chunk.points))
-            guilty = [i for i in at if accused is None or chunk.points[i] in accused]
-            self._suspects += (chunk.single(i) for i in guilty)
-            rest = [i for i in at if i not in set(guilty)]
-            if rest:
-                columns = {name: [column[i] for i in rest] for name, column in chunk.columns.items()}
-                self._again.append(Part(chunk.text, tuple(chunk.points[i] for i in rest), columns))
+        for chunk in lost:
+            indices = range(len(chunk.points))
+            retried = [i for i in indices if crashed is None or chunk.points[i] in crashed]
+            self._retry_queue += (chunk.select([i]) for i in retried)
+            if others := sorted(set(indices) - set(retried)):
+                self._resend_queue.append(chunk.select(others))
 
-    def _lost(self, part: Part, error: BaseException) -> None:
+    def _handle_failed_chunk(self, chunk: Chunk, error: BaseException) -> None:
+        """Handle a chunk that the engine gave up; any of its points may be the cause."""
         if isinstance(error, CancelledError):
-            raise SweepError(Issue("--cluster", "is gone; what was written is safe, go on with --resume.")) from None
-        self._suspects += (chunk.single(i) for i in range(len(chunk.points)))
+            raise SweepError(
+                Issue("--cluster", "is lost; the rows written so far are safe, continue with --resume.")
+            ) from None
+        self._retry_queue += (chunk.select([i]) for i in range(len(chunk.points)))
 
-    def _alone(self, part: Part) -> None:
-        """Compute one suspect with nobody beside it."""
+    def _retry(self, chunk: Chunk) -> None:
+        """Compute a point of the retry queue while no other is computed, and record a second failure."""
         try:
-            future = self._submit(part)
-        except BrokenExecutor:  # one of those that had nothing to do died; the next is the part's own
+            future = self._submit(chunk)
+        except BrokenExecutor:  # an idle worker died before; a breakdown of the new pool is due to this point
             self._executor = None
-            future = self._submit(part)
+            future = self._submit(chunk)
         start = time.perf_counter()
-        while not wait([future], timeout=0.5).done:
-            self.told(self.state)
-        limit, outputs = self.plan.file.time_limit_s, len(self.plan.outputs)
+        while not wait([future], timeout=_POLL_INTERVAL_S).done:
+            self.progress(self.state)
         error = future.exception() if not future.cancelled() else CancelledError()
         if error is None:
-            done = future.result()
+            result = future.result()
         elif isinstance(error, CancelledError):
-            self._lost(part, error)
+            self._handle_failed_chunk(chunk, error)
             return
         else:
-            accused = self.engine.suspects() if isinstance(error, BrokenExecutor) else None
-            took_s = time.perf_counter() - start
-            if accused is not None:
-                took_s = accused.get(chunk.points[0], 0.0)
-            late = took_s >= limit * self.engine.tries
-            row = parts.too_long(chunk.points[0], limit, outputs) if late else parts.died(chunk.points[0], outputs)
-            done = Done([row], 0.0)
+            crashed = self.engine.find_crashed_points() if isinstance(error, BrokenExecutor) else None
+            elapsed_s = time.perf_counter() - start
+            if crashed is not None:
+                elapsed_s = crashed.get(chunk.points[0], 0.0)
             if isinstance(error, BrokenExecutor):
                 self._executor = None
-        self._keep(part, done)
-        self.write()
-        self.told(self.state)
+            result = ChunkResult([self._describe_failure(chunk.points[0], elapsed_s)], 0.0)
+        self._add_rows(chunk, result)
+        self.write_rows()
+        self.progress(self.state)
 
-    def write(self, at_once: bool = False) -> None:
-        """Commit the rows that wait, if it is time."""
-        now = time.perf_counter()
-        if self._rows and (at_once or now - self._written_at > WRITE_S or len(self._rows) >= WRITE_ROWS):
-            rows, self._rows = self._rows, []
-            self.store.add(rows)
-            self.state.wrote(len(rows))
-            self._written_at = now
+    def _describe_failure(self, point: int, elapsed_s: float) -> PointResult:
+        """Tell a timeout from a crash by the time that the point took [s]."""
+        limit_s, outputs = self.plan.file.time_limit_s, len(self.plan.outputs)
+        if elapsed_s >= limit_s * self.engine.attempts:
+            return make_timeout_result(point, limit_s, outputs)
+        return make_crash_result(point, outputs)

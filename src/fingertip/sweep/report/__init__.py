@@ -1,4 +1,4 @@
-"""What a sweep says: its figures, rules, pictures and best design, from the rows of its store."""
+"""Report on a sweep: summary, plots and best design, made from its rows."""
 
 from __future__ import annotations
 
@@ -10,75 +10,79 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fingertip.sweep.plan import Plan
-    from fingertip.sweep.report.summary import Findings
-    from fingertip.sweep.database import Store
+    from fingertip.sweep.database import SweepDatabase
+    from fingertip.sweep.plan import SweepPlan
+    from fingertip.sweep.report.summary import SweepSummary
 
 
-def write(
-    store: Store, folder: Path, progress: Callable[[str], None] = lambda message: None, plan: Plan | None = None
+def write_report(
+    database: SweepDatabase,
+    folder: Path,
+    progress: Callable[[str], None] = lambda message: None,
+    plan: SweepPlan | None = None,
 ) -> dict[str, Any]:
-    """Write the report of a sweep, finished or not, into a folder.
+    """Write the report on a sweep, finished or not, into a folder.
 
-    `summary.json` always; `feasibility.png`, `weights.png`, `heat_OUTPUT.png` and `pairs.png` as far as the rows have
-    something to draw; with objectives `best.toml`, `front.csv` and (with two or more) `front.png`.
+    It always contains `summary.json`. It contains `feasibility.png`, `sensitivity.png`, `heatmap_OUTPUT.png` and
+    `scatter_matrix.png` if the rows have something to draw, `best.toml` and `pareto_front.csv` if the sweep has an
+    objective, and `pareto_front.png` if it has two or more.
 
     Parameters
     ----------
-    store
-        The sweep.
+    database
+        Rows of the sweep.
     folder
-        Where to; files of these names are replaced.
+        Where to write; files of these names are replaced.
     progress
-        Called with a sentence at each step.
+        Called with a message at each step.
     plan
-        The sweep with the objectives to judge by; by default those it was begun or last resumed with.
+        The sweep with the objectives to use; by default those with which it was started or last resumed.
 
     Returns
     -------
     dict
-        The contents of `summary.json`; `text` is the same for people, `files` what was written.
+        Contents of `summary.json`, which name the files that were written, and under `text` the same as text.
 
     Raises
     ------
     OutputError
-        If the folder cannot be written; nothing has changed then.
+        If the folder cannot be written. Then nothing has changed.
     SweepError
-        If the store holds another sweep than the plan.
+        If the database holds a different sweep than the plan.
     """
     from fingertip.files import atomic_write
-    from fingertip.sweep.report.best_design import as_toml
-    from fingertip.sweep.report.summary import as_data, findings
-    from fingertip.sweep.report.text import as_text, best_sentence
+    from fingertip.sweep.report.best_design import format_best_design
+    from fingertip.sweep.report.summary import describe_best, format_text, summarise, to_json_data
 
     progress("reading the rows")
     if plan is not None:
-        store.refuse_other(plan)
-    found = findings(plan or store.plan, store.table())
+        database.check_same_sweep(plan)
+    summary = summarise(plan or database.plan, database.table())
     files: dict[str, bytes] = {}
-    if found.choice.best is not None:
-        files["best.toml"] = as_toml(found.plan, found.table, found.choice).encode()
-        files["front.csv"] = front_csv(found)
-    if len(found.table.point):
-        from fingertip.sweep.report.plots import pictures
+    if summary.selection.best is not None:
+        files["best.toml"] = format_best_design(summary.plan, summary.table, summary.selection).encode()
+        files["pareto_front.csv"] = _format_front(summary)
+    if len(summary.table.point):
+        from fingertip.sweep.report.plots import draw_plots
 
         progress("drawing")
-        files |= dict(pictures(found))
-    data = as_data(found) | {"best_sentence": best_sentence(found), "files": sorted([*files, "summary.json"])}
+        files |= dict(draw_plots(summary))
+    names = sorted([*files, "summary.json"])
+    data = to_json_data(summary) | {"best_summary": describe_best(summary), "files": names}
     files["summary.json"] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
     atomic_write(folder, files)
-    progress(f"wrote {', '.join(sorted(files))} to {folder}")
-    return data | {"text": as_text(found)}
+    progress(f"wrote {', '.join(names)} to {folder}")
+    return data | {"text": format_text(summary)}
 
 
-def front_csv(found: Findings) -> bytes:
-    """The points that none beats: their parameters and outputs, one line each."""
-    table = found.table
+def _format_front(summary: SweepSummary) -> bytes:
+    """Format the Pareto front as CSV: one line with parameters and outputs for each point."""
+    table = summary.table
     columns = [table.point, *table.axes.values(), *table.outputs.values()]
     out = io.StringIO()
     lines = csv.writer(out, lineterminator="\n")
     lines.writerow(["point", *table.axes, *table.outputs])
-    for row in found.choice.front:
+    for row in summary.selection.front:
         values = [column[row].item() if column.dtype != object else column[row] for column in columns]
-        lines.writerow(["" if value != value else value for value in values])  # NaN differs from itself
+        lines.writerow(["" if value != value else value for value in values])  # only NaN differs from itself
     return out.getvalue().encode()

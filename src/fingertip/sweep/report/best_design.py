@@ -1,4 +1,4 @@
-"""The best feasible design by the sweep's objectives, and those that none beats."""
+"""Best feasible design by the sweep's objectives, and the designs of the Pareto front."""
 
 from __future__ import annotations
 
@@ -11,90 +11,95 @@ from numpy.typing import NDArray
 
 from fingertip.design.export import to_toml
 from fingertip.design.model import Design
-from fingertip.sweep.design_builder import changed
-from fingertip.sweep.report.feasibility import feasible
-from fingertip.sweep.report.pareto import front, nearest_to_ideal
+from fingertip.sweep.design_builder import apply_changes
+from fingertip.sweep.report.feasibility import find_feasible
+from fingertip.sweep.report.statistics import find_nearest_to_ideal, find_pareto_front
 
 if TYPE_CHECKING:
-    from fingertip.sweep.plan import Plan
-    from fingertip.sweep.rows import Table
+    from fingertip.sweep.plan import SweepPlan
+    from fingertip.sweep.rows import SweepTable
 
 
 @dataclass(frozen=True)
 class Objective:
-    """An output, and which end of it is wanted."""
+    """Output to minimise or to maximise."""
 
     output: str
     sign: int
-    """1: to minimise; -1: to maximise."""
+    """1 to minimise, -1 to maximise."""
 
     @property
-    def word(self) -> str:
-        """As the sweep file says it."""
+    def goal(self) -> str:
+        """`minimise` or `maximise`, as in a sweep file."""
         return "minimise" if self.sign > 0 else "maximise"
+
+    def __str__(self) -> str:
+        return f"{self.goal} {self.output}"
 
 
 @dataclass(frozen=True)
-class Choice:
-    """The designs that come into question, and which of them to take. Rows are those of the table."""
+class Selection:
+    """Best design, Pareto front and candidates, as rows of the table."""
 
     objectives: tuple[Objective, ...]
     candidates: NDArray[np.intp]
-    """Feasible rows of which every objective is a finite number, ascending."""
-    unbounded: int
-    """Feasible rows left out because an objective is not."""
+    """Feasible rows with a finite value of every objective, ascending."""
+    excluded: int
+    """Number of feasible rows without one."""
     front: NDArray[np.intp]
-    """Rows that no candidate beats in every objective, ascending."""
+    """Rows of the Pareto front: no candidate dominates them. Ascending."""
     best: int | None
-    """The front's row nearest to the best of every objective (see `pareto.nearest_to_ideal`); None without any."""
+    """Row of the front nearest to the ideal point (see `statistics.find_nearest_to_ideal`); None without a
+    candidate or an objective."""
 
 
-def objectives(plan: Plan) -> tuple[Objective, ...]:
-    """Those of a sweep: what it minimises, then what it maximises."""
-    minimum = [Objective(name, 1) for name in plan.file.minimise]
-    return (*minimum, *(Objective(name, -1) for name in plan.file.maximise))
+def list_objectives(plan: SweepPlan) -> tuple[Objective, ...]:
+    """List the objectives of a sweep: what it minimises, then what it maximises."""
+    minimise = [Objective(name, 1) for name in plan.file.minimise]
+    return (*minimise, *(Objective(name, -1) for name in plan.file.maximise))
 
 
-def choose(table: Table, wanted: tuple[Objective, ...]) -> Choice:
-    """The front of a table and its best row; ties go to the first point."""
-    rows = np.flatnonzero(feasible(table))
-    if not wanted:
-        return Choice(wanted, rows, 0, rows[:0], None)
-    costs = np.stack([one.sign * table.outputs[one.output][rows] for one in wanted], axis=1)
+def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selection:
+    """Select the Pareto front of a table and its best row; of equal rows the first is the best."""
+    rows = np.flatnonzero(find_feasible(table))
+    if not objectives:
+        return Selection(objectives, rows, 0, rows[:0], None)
+    costs = np.stack([o.sign * table.outputs[o.output][rows] for o in objectives], axis=1)
     finite = np.isfinite(costs).all(axis=1)
     candidates, costs = rows[finite], costs[finite]
     if not len(candidates):
-        return Choice(wanted, candidates, len(rows), candidates, None)
-    on_front = front(costs)
-    best = int(candidates[nearest_to_ideal(costs, on_front)])
-    return Choice(wanted, candidates, len(rows) - len(candidates), candidates[on_front], best)
+        return Selection(objectives, candidates, len(rows), candidates, None)
+    front = find_pareto_front(costs)
+    best = int(candidates[find_nearest_to_ideal(costs, front)])
+    return Selection(objectives, candidates, len(rows) - len(candidates), candidates[front], best)
 
 
-def design_of(plan: Plan, values: Mapping[str, Any]) -> Design:
-    """The design of a point: the sweep's base design with the point's parameters, those of the scene left out."""
-    own = {name: value for name, value in values.items() if not name.startswith("scene.")}
-    return Design(**changed(plan.design.model_dump(), own))
+def build_design(plan: SweepPlan, parameters: Mapping[str, Any]) -> Design:
+    """Build the design of a point from the sweep's base design; parameters of the scene are ignored."""
+    design_parameters = {name: value for name, value in parameters.items() if not name.startswith("scene.")}
+    return Design(**apply_changes(plan.design.model_dump(), design_parameters))
 
 
-def as_toml(plan: Plan, table: Table, choice: Choice) -> str:
-    """The best design as a file that every command takes; its heading says what it is.
+def format_best_design(plan: SweepPlan, table: SweepTable, selection: Selection) -> str:
+    """Write the best design as a design file; its heading names the sweep, the point and the outputs.
 
     Parameters
     ----------
-    plan, table, choice
-        Of one sweep; `choice.best` is a row.
+    plan, table, selection
+        Those of one sweep; `selection.best` is a row.
     """
-    row = choice.best
+    row = selection.best
     assert row is not None
     point = int(table.point[row])
-    values = plan.point(point)
-    goal = " and ".join(f"{one.word} {one.output}" for one in choice.objectives)
-    how = (
-        f"The best of {len(choice.candidates)} feasible designs, to {goal}."
-        if len(choice.objectives) == 1
-        else f"Among {len(choice.candidates)} feasible designs the one nearest to the best of each, to {goal}."
+    parameters = plan.point(point)
+    goals = " and ".join(map(str, selection.objectives))
+    method = (
+        f"Best of {len(selection.candidates)} feasible designs to {goals}."
+        if len(selection.objectives) == 1
+        else f"Best compromise among {len(selection.candidates)} feasible designs to {goals}: of the Pareto front, the "
+        "design nearest to the ideal point."
     )
-    lines = [f"Point {point} of the sweep {plan.file.name}. {how}"]
-    lines += [f"  {name} = {value}" for name, value in values.items()]
+    lines = [f"Point {point} of the sweep {plan.file.name}. {method}"]
+    lines += [f"  {name} = {value}" for name, value in parameters.items()]
     lines += [f"  {name}: {column[row]:.6g}" for name, column in table.outputs.items()]
-    return to_toml(design_of(plan, values), "\n".join(lines))
+    return to_toml(build_design(plan, parameters), "\n".join(lines))

@@ -1,4 +1,4 @@
-"""A sweep's rows as CSV and as Parquet: in order of their points, a few at a time in memory."""
+"""Export of a sweep's rows as CSV and as Parquet, in order of the points, with few rows in memory at a time."""
 
 from __future__ import annotations
 
@@ -14,76 +14,77 @@ from fingertip.errors import Issue, MissingLibraryError
 from fingertip.files import open_atomic
 
 if TYPE_CHECKING:
-    from fingertip.sweep.plan import Plan
-    from fingertip.sweep.database import Row
+    from fingertip.sweep.plan import SweepPlan
+    from fingertip.sweep.rows import SweepRow
 
-_GROUP = 65_536
-"""Rows of one row group."""
+_GROUP_ROWS = 65_536
+"""Number of rows of a Parquet row group."""
 
 
-class Rows(Protocol):
-    """What is exported: a `sweep.store.Store`."""
+class RowSource(Protocol):
+    """Source of the exported rows, such as a `database.SweepDatabase`."""
 
     @property
-    def plan(self) -> Plan:
-        """The sweep as it was asked for."""
+    def plan(self) -> SweepPlan:
+        """Plan of the sweep."""
 
-    def rows(self) -> Iterator[Row]:
-        """Every row in order of its point."""
+    def rows(self) -> Iterator[SweepRow]:
+        """Read every row in order of the points."""
 
 
-def write_csv(store: Rows, path: Path) -> None:
-    """One line for each row: point, parameters, outputs (their names carry the units), status, field, reason.
+def write_csv(source: RowSource, path: Path) -> None:
+    """Write one line for each row: point, parameters, outputs (with the unit in their name), status, field, reason.
 
-    Numbers read back as they were; an output that was not computed is empty, one without a bound is inf. The same rows
-    give the same bytes.
+    Numbers read back exactly. An output that was not computed is empty; an unbounded one is inf. The same rows give
+    the same bytes.
 
     Raises
     ------
     OutputError
-        If the file cannot be written; what was there has not changed then.
+        If the file cannot be written. Then an existing file has not changed.
     """
     with open_atomic(path, "--csv") as raw:
         text = io.TextIOWrapper(raw, encoding="utf-8", newline="", write_through=False)
         lines = csv.writer(text, lineterminator="\n")
-        lines.writerow(names(store.plan))
-        for row in store.rows():
+        lines.writerow(list_columns(source.plan))
+        for row in source.rows():
             numbers = ("" if math.isnan(value) else value for value in row.outputs.values())
             lines.writerow([row.point, *row.axes.values(), *numbers, row.status, row.field, row.reason])
         text.flush()
         text.detach()
 
 
-def write_parquet(store: Rows, path: Path) -> None:
-    """The columns of `write_csv` with their types, in row groups; what was not computed is null.
+def write_parquet(source: RowSource, path: Path) -> None:
+    """Write the columns of `write_csv` with their types, in row groups; an output that was not computed is null.
 
     Raises
     ------
     MissingLibraryError
-        Without pyarrow.
+        If pyarrow is not installed.
     OutputError
-        If the file cannot be written; what was there has not changed then.
+        If the file cannot be written. Then an existing file has not changed.
     """
-    pyarrow, parquet = arrow()
+    pyarrow, parquet = load_pyarrow()
     types = {"point": pyarrow.int64()}
-    types |= {axis.name: _axis_type(pyarrow, axis.values, axis.whole) for axis in store.plan.axes}
-    types |= dict.fromkeys(store.plan.outputs, pyarrow.float64())
-    word = pyarrow.dictionary(pyarrow.int32(), pyarrow.string())
-    schema = pyarrow.schema([*types.items(), ("status", word), ("field", word), ("reason", pyarrow.string())])
-    rows = store.rows()
+    types |= {axis.name: _choose_axis_type(pyarrow, axis.values, axis.integer) for axis in source.plan.axes}
+    types |= dict.fromkeys(source.plan.outputs, pyarrow.float64())
+    category = pyarrow.dictionary(pyarrow.int32(), pyarrow.string())
+    texts = [("status", category), ("field", category), ("reason", pyarrow.string())]
+    schema = pyarrow.schema([*types.items(), *texts])
+    rows = source.rows()
     with open_atomic(path, "--parquet") as raw, parquet.ParquetWriter(raw, schema) as writer:
-        while group := list(itertools.islice(rows, _GROUP)):
-            columns = [_column(pyarrow, field, group) for field in schema]
-            writer.write_table(pyarrow.Table.from_arrays(columns, schema=schema), row_group_size=_GROUP)
+        while group := list(itertools.islice(rows, _GROUP_ROWS)):
+            columns = [_build_column(pyarrow, field, group) for field in schema]
+            writer.write_table(pyarrow.Table.from_arrays(columns, schema=schema), row_group_size=_GROUP_ROWS)
 
 
-def arrow() -> tuple[Any, Any]:
-    """The modules pyarrow and pyarrow.parquet; ask before a long sweep, not after it.
+def load_pyarrow() -> tuple[Any, Any]:
+    """Load the modules pyarrow and pyarrow.parquet; call this before a long sweep, not after it.
 
     Raises
     ------
     MissingLibraryError
-        Where they are not installed.
+        If they are not installed.
     """
     try:
         import pyarrow
@@ -94,27 +95,29 @@ def arrow() -> tuple[Any, Any]:
     return pyarrow, pyarrow.parquet
 
 
-def names(plan: Plan) -> list[str]:
-    """The columns of an export."""
+def list_columns(plan: SweepPlan) -> list[str]:
+    """List the column names of an export."""
     return ["point", *(axis.name for axis in plan.axes), *plan.outputs, "status", "field", "reason"]
 
 
-def _axis_type(pyarrow: Any, values: tuple[Any, ...], whole: bool) -> Any:
+def _choose_axis_type(pyarrow: Any, values: tuple[Any, ...], integer: bool) -> Any:
     kinds = {type(value) for value in values}
     if str in kinds:
         return pyarrow.dictionary(pyarrow.int32(), pyarrow.string())
     if kinds == {bool}:
         return pyarrow.bool_()
-    return pyarrow.int64() if whole or kinds == {int} else pyarrow.float64()
+    return pyarrow.int64() if integer or kinds == {int} else pyarrow.float64()
 
 
-def _column(pyarrow: Any, field: Any, group: list[Row]) -> Any:
-    name, words = field.name, pyarrow.types.is_dictionary(field.type)
+def _build_column(pyarrow: Any, field: Any, group: list[SweepRow]) -> Any:
+    name, categorical = field.name, pyarrow.types.is_dictionary(field.type)
     values: list[Any]
     if name in ("point", "status", "field", "reason"):
         values = [getattr(row, name) for row in group]
     elif name in group[0].axes:
-        values = [str(row.axes[name]) if words else row.axes[name] for row in group]
+        values = [str(row.axes[name]) if categorical else row.axes[name] for row in group]
     else:
         values = [None if math.isnan(row.outputs[name]) else row.outputs[name] for row in group]
-    return pyarrow.array(values, pyarrow.string()).dictionary_encode() if words else pyarrow.array(values, field.type)
+    if categorical:
+        return pyarrow.array(values, pyarrow.string()).dictionary_encode()
+    return pyarrow.array(values, field.type)

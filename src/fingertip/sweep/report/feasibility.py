@@ -1,4 +1,4 @@
-"""Which rule limits where: the verdict on every point, and for each rule its share and its place on the axes."""
+"""Feasibility of the points: which rule limits the designs, how often, and in which ranges of the axes."""
 
 from __future__ import annotations
 
@@ -8,115 +8,132 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.sweep.report.statistics import Bins, by_count, by_value
-from fingertip.sweep.report.variance import MIN_POINTS, chance, explained
+from fingertip.sweep.report.statistics import (
+    MIN_POINTS,
+    Bins,
+    bin_by_count,
+    bin_by_value,
+    compute_null_deviation,
+    estimate_explained_variance,
+)
 
 if TYPE_CHECKING:
-    from fingertip.sweep.rows import Table
+    from fingertip.sweep.rows import SweepTable
 
 FEASIBLE = "feasible"
-CHECKS = "checks_failed"
-"""The output that counts failed checks: a design whose parts are not sound cannot be made, whatever else it is."""
+"""Class of the feasible points."""
+CHECKS_FAILED = "checks_failed"
+"""Output that counts failed checks; a design with a failed check is not feasible."""
 _BINS = 12
 
 
 @dataclass(frozen=True)
-class Verdicts:
-    """One word for each point: feasible, the parameter a rule blames, the check that failed, or what became of it."""
+class PointClasses:
+    """Class of every point: feasible, the parameter that a broken rule names, the failed check, or the status."""
 
     names: tuple[str, ...]
-    """`feasible` first, then by the number of points, the greatest first."""
-    code: NDArray[np.intp]
-    """Index into `names`, shape (points,)."""
+    """Names of the classes: `feasible` first, then by falling number of points."""
+    indices: NDArray[np.intp]
+    """Class of each point as an index into `names`, shape (points,)."""
 
-    def counts(self) -> NDArray[np.intp]:
-        """Points of each verdict, shape (names,)."""
-        return np.bincount(self.code, minlength=len(self.names))
+    def count(self) -> NDArray[np.intp]:
+        """Count the points of each class, shape (classes,)."""
+        return np.bincount(self.indices, minlength=len(self.names))
 
-    def over(self, bins: Bins) -> NDArray[np.intp]:
-        """Points of each verdict in each bin, shape (bins, names)."""
+    def count_by_bin(self, bins: Bins) -> NDArray[np.intp]:
+        """Count the points of each class in each bin, shape (bins, classes)."""
         size = len(self.names)
-        return np.bincount(bins.code * size + self.code, minlength=bins.count * size).reshape(bins.count, size)
+        return np.bincount(bins.indices * size + self.indices, minlength=bins.count * size).reshape(bins.count, size)
 
 
 @dataclass(frozen=True)
-class Place:
-    """A rule on one axis."""
+class AxisInfluence:
+    """Influence of one axis on how often a rule is broken."""
 
     axis: str
-    share: float
-    """Of the rule's variance that the axis explains alone (see `sensitivity`): which parameter to move."""
-    limiting: tuple[tuple[Any, Any], ...]
-    """Ranges of the axis, least and greatest value, in which no other rule refuses more points."""
+    explained: float
+    """Share of the variance of "the rule is broken" that the axis explains alone; 0 if it is not significant."""
+    limiting_ranges: tuple[tuple[Any, Any], ...]
+    """Ranges of the axis, minimum and maximum, in which no other rule refuses more points."""
 
 
 @dataclass(frozen=True)
-class Limit:
-    """A rule (or a failure) and where it limits."""
+class LimitingRule:
+    """Rule, check or failure that makes points infeasible."""
 
     rule: str
     points: int
+    """Number of points that it makes infeasible."""
     share: float
-    """Of all points."""
-    places: tuple[Place, ...]
-    """One for each axis, the most telling first."""
+    """Share of these among all points, 0 to 1."""
+    axes: tuple[AxisInfluence, ...]
+    """Influence of each axis, the strongest first."""
     example: str
-    """What was said of its first point."""
+    """Message of its first point."""
 
 
-def feasible(table: Table) -> NDArray[np.bool_]:
-    """Which points can be made: computed, and no check failed where checks were asked; shape (points,)."""
+def find_feasible(table: SweepTable) -> NDArray[np.bool_]:
+    """Find the feasible points: those that were computed and failed no check (if any were run), shape (points,)."""
     ok = np.asarray(table.status == "ok")
-    return ok & ~(table.outputs[CHECKS] > 0) if CHECKS in table.outputs else ok
+    return ok & ~(table.outputs[CHECKS_FAILED] > 0) if CHECKS_FAILED in table.outputs else ok
 
 
-def verdicts(table: Table) -> Verdicts:
-    """The verdict on every point of a sweep."""
+def classify_points(table: SweepTable) -> PointClasses:
+    """Classify every point of a sweep."""
     refused = (table.status == "refused") & (table.field != "")
     words = np.where(refused, table.field, table.status)
-    check = np.where(table.field == "", CHECKS, np.char.add("check ", table.field.astype(str)))
-    words = np.where(feasible(table), FEASIBLE, np.where(words == "ok", check, words))
-    names, code = np.unique(words, return_inverse=True)
-    counts = np.bincount(code)
+    check = np.where(table.field == "", CHECKS_FAILED, np.char.add("check ", table.field.astype(str)))
+    words = np.where(find_feasible(table), FEASIBLE, np.where(words == "ok", check, words))
+    names, indices = np.unique(words, return_inverse=True)
+    # Order: feasible, then by falling number of points, then by name
+    counts = np.bincount(indices)
     order = sorted(range(len(names)), key=lambda i: (names[i] != FEASIBLE, -counts[i], names[i]))
     if FEASIBLE not in names:
         names, order = np.append(names, FEASIBLE), [len(names), *order]
-    place = np.empty(len(names), dtype=np.intp)
-    place[order] = np.arange(len(order))
-    return Verdicts(tuple(str(names[i]) for i in order), place[code])
+    position = np.empty(len(names), dtype=np.intp)
+    position[order] = np.arange(len(order))
+    return PointClasses(tuple(str(names[i]) for i in order), position[indices])
 
 
-def limits(table: Table, found: Verdicts) -> tuple[Limit, ...]:
-    """All rules and failures that were met, the most frequent first."""
-    counts = found.counts()
+def find_limiting_rules(table: SweepTable, classes: PointClasses) -> tuple[LimitingRule, ...]:
+    """Find all rules, checks and failures that occurred, the most frequent first."""
+    counts = classes.count()
     total = len(table.point)
-    cuts = {name: by_value(column, _BINS) for name, column in table.axes.items()}
-    over = {name: found.over(bins) for name, bins in cuts.items()}
-    even = {name: by_count(column, _BINS) for name, column in table.axes.items()}
-    told = []
-    for i, rule in enumerate(found.names):
+    by_value = {name: bin_by_value(column, _BINS) for name, column in table.axes.items()}
+    by_count = {name: bin_by_count(column, _BINS) for name, column in table.axes.items()}
+    class_counts = {name: classes.count_by_bin(bins) for name, bins in by_value.items()}
+    rules = []
+    for i, rule in enumerate(classes.names):
         if rule == FEASIBLE or not counts[i]:
             continue
-        hit = found.code == i
-        places = [Place(name, _weight(hit, even[name]), _ranges(cuts[name], over[name], i)) for name in table.axes]
-        places.sort(key=lambda place: -place.share)
-        example = str(table.reason[int(np.argmax(hit))])
-        told.append(Limit(rule, int(counts[i]), float(counts[i] / total), tuple(places), example))
-    return tuple(told)
+        broken = classes.indices == i
+        axes = [
+            AxisInfluence(
+                name,
+                _estimate_significant_share(broken, by_count[name]),
+                _find_limiting_ranges(by_value[name], class_counts[name], i),
+            )
+            for name in table.axes
+        ]
+        axes.sort(key=lambda axis: -axis.explained)
+        example = str(table.reason[int(np.argmax(broken))])
+        rules.append(LimitingRule(rule, int(counts[i]), float(counts[i] / total), tuple(axes), example))
+    return tuple(rules)
 
 
-def _weight(hit: NDArray[np.bool_], bins: Bins) -> float:
-    n = len(hit)
-    if bins.count < 2 or n < max(MIN_POINTS, 2 * bins.count) or hit.all():
+def _estimate_significant_share(broken: NDArray[np.bool_], bins: Bins) -> float:
+    """Estimate the explained variance; 0 if it is below two standard deviations of chance."""
+    points = len(broken)
+    if bins.count < 2 or points < max(MIN_POINTS, 2 * bins.count) or broken.all():
         return 0.0
-    share = explained(hit.astype(float), bins)
-    return share if share > 2 * chance(bins.count, n) else 0.0
+    share = estimate_explained_variance(broken.astype(float), bins)
+    return share if share > 2 * compute_null_deviation(bins.count, points) else 0.0
 
 
-def _ranges(bins: Bins, counts: NDArray[np.intp], rule: int) -> tuple[tuple[Any, Any], ...]:
-    """Neighbouring bins in which the rule refuses points and no other rule more, joined."""
-    mine = counts[:, rule]
-    limiting = np.flatnonzero((mine > 0) & (mine == counts[:, 1:].max(axis=1)))
+def _find_limiting_ranges(bins: Bins, counts: NDArray[np.intp], rule: int) -> tuple[tuple[Any, Any], ...]:
+    """Find the bins in which this rule refuses points and no other rule refuses more; neighbours are joined."""
+    own = counts[:, rule]
+    limiting = np.flatnonzero((own > 0) & (own == counts[:, 1:].max(axis=1)))
     low, high = bins.low.tolist(), bins.high.tolist()
     runs = np.split(limiting, np.flatnonzero(np.diff(limiting) > 1) + 1) if len(limiting) else []
     return tuple((low[run[0]], high[run[-1]]) for run in runs)

@@ -1,9 +1,8 @@
-"""One column of a sweep as an axis of a picture: cells, their edges, numbers or words, linear or logarithmic."""
+"""Axes of the plots: cells and their edges for one column, which is numeric or categorical, linear or logarithmic."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,83 +11,107 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from fingertip.sweep.report.statistics import Bins, Column, by_value, is_spread_by_ratio, is_words, plain
+from fingertip.sweep.report.statistics import (
+    Bins,
+    Column,
+    bin_by_value,
+    is_categorical,
+    suits_log_scale,
+    to_sortable,
+)
 
 
 @dataclass(frozen=True)
-class Scale:
-    """How a column lies along an axis."""
+class PlotScale:
+    """Scale of one column along an axis of a plot."""
 
     name: str
     bins: Bins
     edges: NDArray[np.float64]
-    """Of the cells, ascending, shape (bins + 1,)."""
+    """Edges of the cells, ascending, shape (bins + 1,)."""
     log: bool
-    words: tuple[str, ...]
-    """Of a column of words (or of yes and no): one for each cell, which then lie at 0, 1, 2 ..."""
+    """Whether the scale is logarithmic."""
+    categories: tuple[str, ...]
+    """Words of a categorical or boolean column, which are drawn at 0, 1, 2 ...; empty for a numeric column."""
 
-    def place(self, column: Column) -> NDArray[np.float64]:
-        """Where values of this column are drawn."""
-        return np.searchsorted(self.bins.low, plain(column)).astype(float) if self.words else column.astype(float)
+    def locate(self, column: Column) -> NDArray[np.float64]:
+        """Compute the positions at which values of this column are drawn."""
+        if self.categories:
+            return np.searchsorted(self.bins.low, to_sortable(column)).astype(float)
+        return column.astype(float)
 
-    def dress(
-        self, axes: Axes, side: Literal["x", "y"], *, size: float = 9.0, margin: float = 0.0, maximum: int = 34
+    def apply(
+        self, axes: Axes, side: Literal["x", "y"], *, size: float = 9.0, margin: float = 0.0, max_label: int = 34
     ) -> None:
-        """Give a side of a plot this scale, its limits (and that share of them beyond each) and its name in lines of at
-        most that many characters."""
-        getattr(axes, f"set_{side}label")(wrapped(self.name, maximum), fontsize=size)
-        if self.words:
-            getattr(axes, f"set_{side}ticks")(range(len(self.words)), self.words)
+        """Apply the scale to one side of a plot.
+
+        Parameters
+        ----------
+        axes, side
+            The plot and its side.
+        size
+            Font size of the label [points].
+        margin
+            Margin beyond the first and the last edge, as a share of the range.
+        max_label
+            Maximum number of characters in a line of the label.
+        """
+        getattr(axes, f"set_{side}label")(wrap_name(self.name, max_label), fontsize=size)
+        if self.categories:
+            getattr(axes, f"set_{side}ticks")(range(len(self.categories)), self.categories)
         elif self.log:
             getattr(axes, f"set_{side}scale")("log")
-            marks = getattr(axes, f"{side}axis")
-            marks.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-            marks.set_major_formatter(FuncFormatter(lambda value, place: f"{value:g}"))
-            marks.set_minor_formatter(NullFormatter())
+            axis = getattr(axes, f"{side}axis")
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_formatter(NullFormatter())
         low, high = self.edges[0], self.edges[-1]
         if self.log:
-            beyond = (high / low) ** margin
-            low, high = low / beyond, high * beyond
+            factor = (high / low) ** margin
+            low, high = low / factor, high * factor
         else:
             low, high = low - margin * (high - low), high + margin * (high - low)
         getattr(axes, f"set_{side}lim")(low, high)
 
 
-def scale(name: str, column: Column, maximum: int) -> Scale:
-    """The scale of a column in at most `most` cells (words: as many as there are)."""
-    bins = by_value(column, maximum)
-    if is_words(column) or column.dtype.kind == "b":
-        words = tuple(str(word) for word in bins.low)
-        return Scale(name, bins, np.arange(len(words) + 1, dtype=float) - 0.5, False, words)
-    log = is_spread_by_ratio(column)
-    return Scale(name, bins, _edges(bins, log), log, ())
+def make_scale(name: str, column: Column, max_cells: int) -> PlotScale:
+    """Make the scale of a column, with at most `max_cells` cells unless the column is categorical."""
+    bins = bin_by_value(column, max_cells)
+    if is_categorical(column) or column.dtype.kind == "b":
+        categories = tuple(str(value) for value in bins.low)
+        return PlotScale(name, bins, np.arange(len(categories) + 1, dtype=float) - 0.5, False, categories)
+    log = suits_log_scale(column)
+    return PlotScale(name, bins, _compute_edges(bins, log), log, ())
 
 
-def _edges(bins: Bins, log: bool) -> NDArray[np.float64]:
-    """Half way between neighbours; beyond the ends as far as inwards where each cell is one value."""
-    low, high = bins.low.astype(float), bins.high.astype(float)
-    if log:
-        low, high = np.log(low), np.log(high)
-    inner = (high[:-1] + low[1:]) / 2
-    first, last = low[0], high[-1]
-    if bins.each_value:
-        reach = (0.5, 0.5) if len(low) == 1 else (inner[0] - low[0], high[-1] - inner[-1])
-        first, last = first - reach[0], last + reach[1]
-    edges = np.concatenate([[first], inner, [last]])
-    return np.asarray(np.exp(edges) if log else edges, dtype=np.float64)
-
-
-def wrapped(name: str, maximum: int) -> str:
-    """A parameter's name, in two lines if it is longer: parted near the middle, at a dot or underscore."""
-    ends = [found.end() for found in re.finditer(r"[._]+", name)]
-    if len(name) <= maximum or not ends:
+def wrap_name(name: str, max_length: int) -> str:
+    """Break a long parameter name into two lines at the dot or underscore nearest to its middle."""
+    ends = [match.end() for match in re.finditer(r"[._]+", name)]
+    if len(name) <= max_length or not ends:
         return name
     cut = min(ends, key=lambda end: abs(2 * end - len(name)))
     return f"{name[:cut]}\n{name[cut:]}"
 
 
-def chosen(count: int, maximum: int) -> Sequence[int] | NDArray[np.intp]:
-    """All of `count` points, or `most` of them at random, always the same: a stride might keep step with a grid."""
-    if count <= maximum:
-        return range(count)
-    return np.sort(np.random.default_rng(0).choice(count, maximum, replace=False))
+def choose_points(count: int, max_points: int) -> NDArray[np.intp]:
+    """Choose the points to draw: all, or a fixed random sample. A regular stride could hide the pattern of a grid."""
+    if count <= max_points:
+        return np.arange(count)
+    return np.sort(np.random.default_rng(0).choice(count, max_points, replace=False))
+
+
+def _compute_edges(bins: Bins, log: bool) -> NDArray[np.float64]:
+    """Compute the edges of the cells, halfway between neighbours.
+
+    If each cell is one value, the outer edges are as far out as the inner ones are in.
+    """
+    low, high = bins.low.astype(float), bins.high.astype(float)
+    if log:
+        low, high = np.log(low), np.log(high)
+    inner = (high[:-1] + low[1:]) / 2
+    first, last = low[0], high[-1]
+    if bins.is_exact:
+        widths = (0.5, 0.5) if len(low) == 1 else (inner[0] - low[0], high[-1] - inner[-1])
+        first, last = first - widths[0], last + widths[1]
+    edges = np.concatenate([[first], inner, [last]])
+    return np.asarray(np.exp(edges) if log else edges, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Which pictures of a sweep are worth drawing, and of what. The only module beside `pictures` that loads matplotlib."""
+"""Choice of the plots that are worth drawing for a sweep. Imports matplotlib, as the plot modules do."""
 
 from __future__ import annotations
 
@@ -6,71 +6,71 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fingertip.sweep.report.feasibility import FEASIBLE, find_feasible
+from fingertip.sweep.report.feasibility_plot import draw_feasibility
+from fingertip.sweep.report.output_plots import draw_heat_map, draw_pareto_front, draw_sensitivities
+from fingertip.sweep.report.scatter_matrix import MAX_COLUMNS, draw_scatter_matrix
+from fingertip.sweep.report.sensitivity import select_strongest_axes
 from fingertip.sweep.report.statistics import Column
-from fingertip.sweep.report.feasibility import FEASIBLE, feasible
-from fingertip.sweep.report.pictures import front, weights
-from fingertip.sweep.report import scatter_matrix
-from fingertip.sweep.report import output_plots
-from fingertip.sweep.report import feasibility_plot
-from fingertip.sweep.report.sensitivity import strongest
-from fingertip.sweep.report.summary import Findings
+from fingertip.sweep.report.summary import SweepSummary
 
-_MAX_HEATED = 3
-"""Objectives that get a heat map."""
+_MAX_HEAT_MAPS = 3
 
 
-def pictures(found: Findings) -> Iterator[tuple[str, bytes]]:
-    """File name and PNG of each picture that has something to show."""
-    table, ok = found.table, feasible(found.table)
-    varied = {name: column for name, column in table.axes.items() if _varies(column)}
-    if not varied:
+def draw_plots(summary: SweepSummary) -> Iterator[tuple[str, bytes]]:
+    """Draw each plot that has something to show; give its file name and its PNG."""
+    table, feasible = summary.table, find_feasible(summary.table)
+    axes = {name: column for name, column in table.axes.items() if _varies(column)}
+    if not axes:
         return
-    if found.limits:
-        telling = strongest(found.sensitivity(FEASIBLE), [*varied], len(varied))
-        yield "feasibility_plot.png", feasibility_plot.draw(varied, found.verdicts, telling)
-    if found.sensitivities:
-        yield "weights.png", weights.draw(found.sensitivities, [*varied])
-    outputs = {name: column for name, column in table.outputs.items() if _varies(column[ok])}
-    wanted = [one.output for one in found.choice.objectives]
-    ranked = [*(name for name in wanted if name in outputs), *(name for name in outputs if name not in wanted)]
-    for output in ranked[: max(1, min(len(wanted), _MAX_HEATED))] if len(varied) > 1 else []:
-        two = strongest(found.sensitivity(output), [*varied], 2)
-        x, y = sorted(two, key=list(varied).index)
-        goal = next((one.sign > 0 for one in found.choice.objectives if one.output == output), None)
-        yield f"heat_{output}.png", output_plots.draw(varied, x, y, output, table.outputs[output], ok, goal)
-    yield "scatter_matrix.png", _pairs(found, varied, {name: outputs[name] for name in ranked})
-    if len(wanted) >= 2 and found.choice.best is not None:
-        yield "front.png", _front(found)
+    if summary.limiting_rules:
+        ranked = select_strongest_axes(summary.find_sensitivity(FEASIBLE), [*axes], len(axes))
+        yield "feasibility.png", draw_feasibility(axes, summary.classes, ranked)
+    if summary.sensitivities:
+        yield "sensitivity.png", draw_sensitivities(summary.sensitivities, [*axes])
+    # Outputs that vary, objectives first
+    outputs = {name: column for name, column in table.outputs.items() if _varies(column[feasible])}
+    objectives = {o.output: o for o in summary.selection.objectives}
+    names = [*(name for name in objectives if name in outputs), *(name for name in outputs if name not in objectives)]
+    heat_maps = names[: max(1, min(len(objectives), _MAX_HEAT_MAPS))] if len(axes) > 1 else []
+    for output in heat_maps:
+        strongest = select_strongest_axes(summary.find_sensitivity(output), [*axes], 2)
+        x, y = sorted(strongest, key=list(axes).index)
+        minimise = objectives[output].sign > 0 if output in objectives else None
+        values = table.outputs[output]
+        yield f"heatmap_{output}.png", draw_heat_map(axes, x, y, output, values, feasible, minimise)
+    yield "scatter_matrix.png", _draw_scatter_matrix(summary, axes, {name: outputs[name] for name in names})
+    if len(objectives) >= 2 and summary.selection.best is not None:
+        yield "pareto_front.png", _draw_front(summary)
 
 
 def _varies(column: Column) -> bool:
-    known = column[np.isfinite(column)] if column.dtype.kind == "f" else column
-    return len(known) > 0 and bool(np.any(known != known[0]))
+    finite = column[np.isfinite(column)] if column.dtype.kind == "f" else column
+    return len(finite) > 0 and bool(np.any(finite != finite[0]))
 
 
-def _pairs(found: Findings, axes: dict[str, Column], outputs: dict[str, Column]) -> bytes:
-    """At most as many columns as can be read; half of the room is for outputs, more if axes leave it."""
-    maximum = scatter_matrix.MAX_COLUMNS
-    room = max(maximum // 2, maximum - len(axes))
-    told = list(outputs)[:room]
-    weight = dict.fromkeys(axes, 0.0)
-    for one in found.sensitivities:
-        for w in one.weights:
-            if one.output in told and w.axis in weight:
-                weight[w.axis] += w.share
-    heaviest = sorted(axes, key=lambda name: -weight[name])[: maximum - len(told)]
-    shown = [name for name in axes if name in heaviest]
-    columns = {name: axes[name] for name in shown} | {name: outputs[name] for name in told}
+def _draw_scatter_matrix(summary: SweepSummary, axes: dict[str, Column], outputs: dict[str, Column]) -> bytes:
+    """Draw as many columns as fit. Outputs get half of them, or more if there are few axes."""
+    shown_outputs = list(outputs)[: max(MAX_COLUMNS // 2, MAX_COLUMNS - len(axes))]
+    # Of many axes, those with the highest indices over the shown outputs
+    totals = dict.fromkeys(axes, 0.0)
+    for sensitivity in summary.sensitivities:
+        for axis in sensitivity.axes:
+            if sensitivity.output in shown_outputs and axis.axis in totals:
+                totals[axis.axis] += axis.first_order_index
+    strongest = sorted(axes, key=lambda name: -totals[name])[: MAX_COLUMNS - len(shown_outputs)]
+    shown_axes = [name for name in axes if name in strongest]
+    columns = {name: axes[name] for name in shown_axes} | {name: outputs[name] for name in shown_outputs}
     left_out = [name for name in (*axes, *outputs) if name not in columns]
-    return scatter_matrix.draw(columns, feasible(found.table), left_out)
+    return draw_scatter_matrix(columns, find_feasible(summary.table), left_out)
 
 
-def _front(found: Findings) -> bytes:
-    choice, table = found.choice, found.table
-    first, second = choice.objectives[:2]
-    place = np.searchsorted(choice.candidates, choice.front)
-    assert choice.best is not None
-    best = int(np.searchsorted(choice.candidates, choice.best))
-    values = (table.outputs[first.output][choice.candidates], table.outputs[second.output][choice.candidates])
-    names, words = (first.output, second.output), (first.word, second.word)
-    return front.draw(names, words, values, place, best, len(choice.objectives))
+def _draw_front(summary: SweepSummary) -> bytes:
+    selection, table = summary.selection, summary.table
+    assert selection.best is not None
+    # Rows of the table to indices into the candidates
+    front = np.searchsorted(selection.candidates, selection.front)
+    best = int(np.searchsorted(selection.candidates, selection.best))
+    first, second = selection.objectives[:2]
+    values = (table.outputs[first.output][selection.candidates], table.outputs[second.output][selection.candidates])
+    return draw_pareto_front(selection.objectives, values, front, best)

@@ -1,4 +1,4 @@
-"""Every axis and output against every other: a scatter matrix."""
+"""Scatter matrix: every axis and output against every other."""
 
 from __future__ import annotations
 
@@ -9,28 +9,28 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from fingertip.plot_style import BLUE, TEXT_COLOUR, to_png, new_figure
-from fingertip.sweep.report.statistics import Column, is_words, ranks
-from fingertip.sweep.report.plot_scales import Scale, chosen, scale
-from fingertip.sweep.report.variance import correlation
+from fingertip.plot_style import BLUE, TEXT_COLOUR, new_figure, to_png
+from fingertip.sweep.report.plot_scales import PlotScale, choose_points, make_scale
+from fingertip.sweep.report.statistics import Column, compute_correlation, compute_ranks, is_categorical
 
 MAX_COLUMNS = 8
 _MAX_POINTS = 2000
 _HISTOGRAM_BINS = 24
-_REFUSED_COLOUR = "#e2b6b1"
+_INFEASIBLE_COLOUR = "#e2b6b1"
 
 
-def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: Sequence[str] = ()) -> bytes:
-    """Scatter below the diagonal, histograms on it, rank correlations above it.
+def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_], left_out: Sequence[str] = ()) -> bytes:
+    """Draw scatter plots below the diagonal, histograms on it, and rank correlations above it.
 
     Parameters
     ----------
     columns
-        Axes and outputs, name -> values of shape (points,); not finite where there is none. `MAX_COLUMNS` at most.
-    ok
-        Feasible points, shape (points,).
+        Axes and outputs, name -> values of shape (points,), at most `MAX_COLUMNS`. A value that was not computed is
+        not finite.
+    feasible
+        Whether each point is feasible, shape (points,).
     left_out
-        Names of columns for which there was no room, to be told.
+        Names of further columns, which the heading lists.
 
     Returns
     -------
@@ -38,13 +38,14 @@ def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: Sequence[s
         A PNG.
     """
     size = len(columns)
-    each = 1.75 if size > 4 else 2.4
-    width, height = each * size + 1.0, each * size + 1.1
+    panel = 1.75 if size > 4 else 2.4
+    width, height = panel * size + 1.0, panel * size + 1.1
+    # Automatic layout would take seconds for so many panels.
     figure = new_figure(width, height, automatic_layout=False)
     figure.subplots_adjust(0.95 / width, 0.6 / height, 1 - 0.1 / width, 1 - 0.45 / height, 0.12, 0.12)
     panels = figure.subplots(size, size, squeeze=False)
-    drawn = np.array(chosen(len(ok), _MAX_POINTS), dtype=np.intp)
-    scales = [scale(name, _finite(column), _HISTOGRAM_BINS) for name, column in columns.items()]
+    points = choose_points(len(feasible), _MAX_POINTS)
+    scales = [make_scale(name, _select_finite(column), _HISTOGRAM_BINS) for name, column in columns.items()]
     values = list(columns.values())
     for i, y in enumerate(scales):
         for j, x in enumerate(scales):
@@ -52,16 +53,18 @@ def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: Sequence[s
             plot.spines[["top", "right"]].set_visible(False)
             plot.tick_params(labelsize=7)
             if j > i:
-                _correlation(plot, values[j][ok], values[i][ok])
+                _draw_correlation(plot, values[j][feasible], values[i][feasible])
                 continue
-            x.dress(plot, "x", size=8, margin=0.03, maximum=20)
+            x.apply(plot, "x", size=8, margin=0.03, max_label=20)
             if i == j:
-                _histogram(plot, x, values[j], ok)
+                _draw_histogram(plot, x, values[j], feasible)
             else:
-                y.dress(plot, "y", size=8, margin=0.03, maximum=20)
-                _scatter(plot, _spread(x, values[j][drawn]), _spread(y, values[i][drawn]), ok[drawn])
-            for side, shown in (("x", x), ("y", y)):
-                if not shown.words and not shown.log and (i != j or side == "x"):
+                y.apply(plot, "y", size=8, margin=0.03, max_label=20)
+                positions = _locate_with_jitter(x, values[j][points]), _locate_with_jitter(y, values[i][points])
+                _draw_scatter(plot, *positions, feasible[points])
+            # Few ticks, and labels only on the outer panels
+            for side, scale in (("x", x), ("y", y)):
+                if not scale.categories and not scale.log and (i != j or side == "x"):
                     plot.locator_params(side, nbins=3)
             if i < size - 1:
                 plot.set_xlabel("")
@@ -71,55 +74,66 @@ def draw(columns: dict[str, Column], ok: NDArray[np.bool_], left_out: Sequence[s
                 plot.tick_params(labelleft=False)
     panels[0, 0].set_ylabel("points", fontsize=8)
     for i in range(size):
-        panels[i, 0].yaxis.set_label_coords(-0.58 / (each * 0.9), 0.5)
-    how = f"{len(drawn)} of {len(ok)} points, drawn at random" if len(drawn) < len(ok) else f"all {len(ok)} points"
-    said = f"{how}; blue: feasible, red: not. Above the diagonal: rank correlation of the feasible"
+        panels[i, 0].yaxis.set_label_coords(-0.58 / (panel * 0.9), 0.5)
+    shown = f"{len(points)} of {len(feasible)} points, chosen at random" if len(points) < len(feasible) else (
+        f"all {len(feasible)} points"
+    )  # fmt: skip
+    title = f"{shown}; blue: feasible, red: infeasible; above the diagonal: rank correlation of the feasible points"
     if left_out:
-        said += f"\nleft out for want of room: {', '.join(left_out)}"
-    figure.suptitle(said, x=0.01, y=1 - 0.06 / height, ha="left", va="top", fontsize=9)
+        title += f"\nnot shown for lack of space: {', '.join(left_out)}"
+    figure.suptitle(title, x=0.01, y=1 - 0.06 / height, ha="left", va="top", fontsize=9)
     return to_png(figure)
 
 
-def _spread(scale: Scale, column: Column) -> NDArray[np.float64]:
-    """Where points are drawn; those of one word side by side, for nothing lies between words."""
-    places = scale.place(column)
-    return places + np.random.default_rng(1).uniform(-0.3, 0.3, len(places)) if scale.words else places
+def _locate_with_jitter(scale: PlotScale, column: Column) -> NDArray[np.float64]:
+    """Compute the positions of points; those of a category are spread out, or they would cover each other."""
+    positions = scale.locate(column)
+    if not scale.categories:
+        return positions
+    return positions + np.random.default_rng(1).uniform(-0.3, 0.3, len(positions))
 
 
-def _finite(column: Column) -> Column:
-    known = column[np.isfinite(column)] if column.dtype.kind == "f" else column
-    return known if len(known) else np.zeros(1)
+def _select_finite(column: Column) -> Column:
+    finite = column[np.isfinite(column)] if column.dtype.kind == "f" else column
+    return finite if len(finite) else np.zeros(1)
 
 
-def _scatter(plot: Axes, x: NDArray[np.float64], y: NDArray[np.float64], ok: NDArray[np.bool_]) -> None:
-    for kind, colour in ((~ok, _REFUSED_COLOUR), (ok, BLUE)):
-        size = min(5.0, max(2.4, 90 / math.sqrt(len(x))))
-        plot.plot(x[kind], y[kind], ".", color=colour, markersize=size, markeredgewidth=0)
+def _draw_scatter(plot: Axes, x: NDArray[np.float64], y: NDArray[np.float64], feasible: NDArray[np.bool_]) -> None:
+    size = min(5.0, max(2.4, 90 / math.sqrt(len(x))))
+    for selected, colour in ((~feasible, _INFEASIBLE_COLOUR), (feasible, BLUE)):
+        plot.plot(x[selected], y[selected], ".", color=colour, markersize=size, markeredgewidth=0)
 
 
-def _histogram(plot: Axes, x: Scale, column: Column, ok: NDArray[np.bool_]) -> None:
-    if x.words:
+def _draw_histogram(plot: Axes, x: PlotScale, column: Column, feasible: NDArray[np.bool_]) -> None:
+    if x.categories:
         edges = x.edges
     else:
-        even = np.geomspace if x.log else np.linspace
-        edges = even(x.edges[0], x.edges[-1], _HISTOGRAM_BINS + 1)
-    places = x.place(column)
-    feasible = np.histogram(places[ok], edges)[0]
-    others = np.histogram(places[~ok], edges)[0]
-    plot.bar(edges[:-1], feasible, np.diff(edges), align="edge", color=BLUE)
-    plot.bar(edges[:-1], others, np.diff(edges), feasible, align="edge", color=_REFUSED_COLOUR)
+        spaced = np.geomspace if x.log else np.linspace
+        edges = spaced(x.edges[0], x.edges[-1], _HISTOGRAM_BINS + 1)
+    positions = x.locate(column)
+    feasible_counts = np.histogram(positions[feasible], edges)[0]
+    infeasible_counts = np.histogram(positions[~feasible], edges)[0]
+    plot.bar(edges[:-1], feasible_counts, np.diff(edges), align="edge", color=BLUE)
+    plot.bar(edges[:-1], infeasible_counts, np.diff(edges), feasible_counts, align="edge", color=_INFEASIBLE_COLOUR)
 
 
-def _correlation(plot: Axes, a: Column, b: Column) -> None:
+def _draw_correlation(plot: Axes, a: Column, b: Column) -> None:
     plot.set_axis_off()
-    if is_words(a) or is_words(b):
+    if is_categorical(a) or is_categorical(b):
         return
-    known = np.isfinite(a.astype(float)) & np.isfinite(b.astype(float))
-    a, b = a[known], b[known]
+    finite = np.isfinite(a.astype(float)) & np.isfinite(b.astype(float))
+    a, b = a[finite], b[finite]
     if len(a) < 3 or np.ptp(a) == 0 or np.ptp(b) == 0:
         return
-    value = correlation(ranks(a), ranks(b))
+    value = compute_correlation(compute_ranks(a), compute_ranks(b))
     plot.text(
-        0.5, 0.5, f"{round(value, 2) + 0.0:+.2f}", ha="center", va="center", transform=plot.transAxes,
-        fontsize=8 + 8 * abs(value), color=TEXT_COLOUR, alpha=0.35 + 0.65 * abs(value),
-    )  # fmt: skip
+        0.5,
+        0.5,
+        f"{round(value, 2) + 0.0:+.2f}",
+        ha="center",
+        va="center",
+        transform=plot.transAxes,
+        fontsize=8 + 8 * abs(value),
+        color=TEXT_COLOUR,
+        alpha=0.35 + 0.65 * abs(value),
+    )

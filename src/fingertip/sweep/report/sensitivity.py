@@ -1,9 +1,10 @@
-"""What weighs how much: the share of an output's variance that each axis explains alone.
+"""Sensitivity analysis: the share of an output's variance that each axis explains alone.
 
-The first-order index of Sobol (Saltelli et al., *Global Sensitivity Analysis*, 2008, section 1.2.8): the variance of
-the output's mean in bins of the axis over the output's variance, corrected for the variance that bins of noise have
-(Kelley's epsilon squared). It holds for axes that were sampled independently; points that a rule refuses leave holes,
-and then shares may overlap. What axes do only together is in the rest, 1 - sum.
+This is Sobol's first-order index (Saltelli et al., *Global Sensitivity Analysis*, 2008, section 1.2.8): the variance of
+the output's mean in bins of the axis, divided by the output's variance. The estimator is corrected for chance (see
+`statistics.estimate_explained_variance`). The index holds for axes that are sampled independently. Points that a rule
+refuses leave gaps, and then the shares of different axes may overlap. What axes explain only together (interactions)
+is in the remainder, 1 - sum.
 """
 
 from __future__ import annotations
@@ -15,93 +16,106 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fingertip.sweep.report.statistics import Column, by_count, is_words, ranks
-from fingertip.sweep.report.feasibility import FEASIBLE, feasible
-from fingertip.sweep.report.variance import MIN_POINTS, chance, correlation, explained
+from fingertip.sweep.report.feasibility import FEASIBLE, find_feasible
+from fingertip.sweep.report.statistics import (
+    MIN_POINTS,
+    Column,
+    bin_by_count,
+    compute_correlation,
+    compute_null_deviation,
+    compute_ranks,
+    estimate_explained_variance,
+    is_categorical,
+)
 
 if TYPE_CHECKING:
-    from fingertip.sweep.rows import Table
+    from fingertip.sweep.rows import SweepTable
 
 MAX_BINS = 32
 
 
 @dataclass(frozen=True)
-class Weight:
-    """How one axis moves one output."""
+class AxisSensitivity:
+    """Sensitivity of one output to one axis."""
 
     axis: str
-    share: float
-    """Of the output's variance that the axis explains alone; 0 where it explains no more than chance would."""
+    first_order_index: float
+    """Share of the output's variance that the axis explains alone; 0 if it is not significant."""
     rank_correlation: float
-    """Spearman's, from -1 (falls) to 1 (rises); NaN where the axis holds words."""
+    """Spearman's rank correlation, from -1 (falling) to 1 (rising); NaN if the axis is categorical."""
 
 
 @dataclass(frozen=True)
-class Sensitivity:
-    """How all axes move one output."""
+class OutputSensitivity:
+    """Sensitivity of one output to all axes."""
 
     output: str
     points: int
-    noise: float
-    """Standard deviation of a share that is 0 (of the largest number of bins)."""
-    weights: tuple[Weight, ...]
-    """Strongest first."""
+    """Number of points that have the output."""
+    null_deviation: float
+    """Standard deviation of the index of an axis without effect (maximum over the axes)."""
+    axes: tuple[AxisSensitivity, ...]
+    """Sensitivity to each axis, the strongest first."""
 
     @property
-    def together(self) -> float:
-        """Share that no axis explains alone: interactions and noise."""
-        return 1.0 - sum(weight.share for weight in self.weights)
+    def unexplained(self) -> float:
+        """Share of the variance that no axis explains alone: interactions and noise."""
+        return 1.0 - sum(axis.first_order_index for axis in self.axes)
 
 
-def sensitivities(table: Table) -> Iterator[Sensitivity]:
-    """Of being feasible, over all points, then of every output that varies, over the feasible points that have it."""
-    ok = feasible(table)
-    columns = {name: np.where(ok, column, np.nan) for name, column in table.outputs.items()}
-    for name, column in {FEASIBLE: ok.astype(float), **columns}.items():
-        found = sensitivity(name, column, table.axes)
-        if found is not None:
-            yield found
+def compute_sensitivities(table: SweepTable) -> Iterator[OutputSensitivity]:
+    """Compute the sensitivity of feasibility over all points, then of every output over the feasible points.
+
+    Outputs that do not vary are left out.
+    """
+    feasible = find_feasible(table)
+    columns = {name: np.where(feasible, column, np.nan) for name, column in table.outputs.items()}
+    for name, column in {FEASIBLE: feasible.astype(float), **columns}.items():
+        sensitivity = compute_sensitivity(name, column, table.axes)
+        if sensitivity is not None:
+            yield sensitivity
 
 
-def sensitivity(output: str, column: Column, axes: dict[str, Column]) -> Sensitivity | None:
-    """Of one output.
+def compute_sensitivity(output: str, column: Column, axes: dict[str, Column]) -> OutputSensitivity | None:
+    """Compute the sensitivity of one output.
 
     Parameters
     ----------
     output
         Its name.
     column
-        Its values, shape (points,); NaN where there is none.
+        Its values, shape (points,); NaN where it was not computed.
     axes
         Name -> values, each of shape (points,).
 
     Returns
     -------
-    Sensitivity or None
-        None where fewer than `MIN_POINTS` points have the output, or all have the same.
+    OutputSensitivity or None
+        None if fewer than `MIN_POINTS` points have a finite value, or all values are equal.
     """
-    known = np.isfinite(column)
-    y = column[known]
+    finite = np.isfinite(column)
+    y = column[finite]
     if len(y) < MIN_POINTS or np.ptp(y) <= 1e-12 * np.max(np.abs(y)):
         return None
-    maximum = min(MAX_BINS, max(2, math.isqrt(len(y)) // 2))
-    y_ranks = ranks(y)
-    weights, noise = [], 0.0
+    max_bins = min(MAX_BINS, max(2, math.isqrt(len(y)) // 2))
+    y_ranks = compute_ranks(y)
+    sensitivities, max_deviation = [], 0.0
     for name, axis in axes.items():
-        x = axis[known]
-        bins = by_count(x, maximum)
+        x = axis[finite]
+        bins = bin_by_count(x, max_bins)
         if bins.count < 2 or len(y) <= bins.count:
             continue
-        own = chance(bins.count, len(y))
-        noise = max(noise, own)
-        share = explained(y, bins)
-        with_rank = math.nan if is_words(x) else correlation(ranks(x), y_ranks)
-        weights.append(Weight(name, share if share > 2 * own else 0.0, with_rank))
-    weights.sort(key=lambda w: -w.share)
-    return Sensitivity(output, len(y), noise, tuple(weights))
+        deviation = compute_null_deviation(bins.count, len(y))
+        max_deviation = max(max_deviation, deviation)
+        index = estimate_explained_variance(y, bins)
+        rank_correlation = math.nan if is_categorical(x) else compute_correlation(compute_ranks(x), y_ranks)
+        # Two standard deviations: about the 95th percentile for an axis without effect
+        sensitivities.append(AxisSensitivity(name, index if index > 2 * deviation else 0.0, rank_correlation))
+    sensitivities.sort(key=lambda axis: -axis.first_order_index)
+    return OutputSensitivity(output, len(y), max_deviation, tuple(sensitivities))
 
 
-def strongest(found: Sensitivity | None, axes: Sequence[str], count: int) -> list[str]:
-    """The axes that weigh most on an output; where that is not known, the first ones."""
-    ranked = [weight.axis for weight in found.weights] if found else []
+def select_strongest_axes(sensitivity: OutputSensitivity | None, axes: Sequence[str], count: int) -> list[str]:
+    """Select the axes to which an output is most sensitive; the first ones if that is not known."""
+    ranked = [axis.axis for axis in sensitivity.axes] if sensitivity else []
     return [*ranked, *(name for name in axes if name not in ranked)][:count]

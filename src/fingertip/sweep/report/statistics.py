@@ -1,7 +1,9 @@
-"""A column of a sweep in bins: what the tables and pictures of many points are counted over."""
+"""Statistics of many points: bins, ranks, explained variance, binned averages and Pareto fronts."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,19 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 Column = NDArray[Any]
-"""Values of one axis or output over all points, shape (points,): numbers, or words."""
+"""Values of one axis or output over all points, shape (points,): numbers, or words of a categorical parameter."""
+Costs = NDArray[np.float64]
+"""Objectives of many points, shape (points, objectives). All are finite and to be minimised."""
+
+MIN_POINTS = 20
+"""Minimum number of points for an estimate of explained variance."""
 
 
 @dataclass(frozen=True)
 class Bins:
-    """A column cut into bins that hold at least one point each, in ascending order."""
+    """Division of a column into bins in ascending order, each with at least one point."""
 
-    code: NDArray[np.intp]
+    indices: NDArray[np.intp]
     """Bin of each point, shape (points,)."""
     low: Column
-    """Least value found in each bin, shape (bins,)."""
+    """Minimum value in each bin, shape (bins,)."""
     high: Column
-    """Greatest value found in each bin, shape (bins,)."""
+    """Maximum value in each bin, shape (bins,)."""
 
     @property
     def count(self) -> int:
@@ -29,59 +36,187 @@ class Bins:
         return len(self.low)
 
     @property
-    def each_value(self) -> bool:
+    def is_exact(self) -> bool:
         """Whether every bin holds a single value."""
         return bool(np.all(self.low == self.high))
 
 
-def is_words(column: Column) -> bool:
-    """Whether a column holds words (a choice) and no numbers: it has no order and no distances."""
+@dataclass(frozen=True)
+class CellStatistics:
+    """Statistics of an output in the cells of two binned axes; arrays of shape (bins of y, bins of x)."""
+
+    points: NDArray[np.intp]
+    """Number of points, feasible or not."""
+    finite: NDArray[np.intp]
+    """Number of feasible points with a finite output."""
+    best: NDArray[np.float64]
+    """Minimum or maximum of the finite outputs; NaN if there are none."""
+    mean: NDArray[np.float64]
+    """Mean of the finite outputs; NaN if there are none."""
+
+
+def is_categorical(column: Column) -> bool:
+    """Tell whether a column holds words, which have no order and no distances."""
     return column.dtype.kind in "OUS"
 
 
-def plain(column: Column) -> Column:
-    """A column that can be sorted: words next to numbers become words."""
+def to_sortable(column: Column) -> Column:
+    """Make a column sortable: in a column of words and numbers, the numbers become words."""
     return column.astype(str) if column.dtype == object else column
 
 
-def by_count(column: Column, maximum: int) -> Bins:
-    """Each value its bin, or at most `most` bins of about as many points each; equal values share one."""
-    return _merged(column, maximum, lambda values, counts: maximum * (np.cumsum(counts) - counts / 2) / counts.sum())
+def bin_by_count(column: Column, max_bins: int) -> Bins:
+    """Divide a column into bins with about equally many points; equal values share a bin.
+
+    With `max_bins` distinct values or fewer, each value has its own bin.
+    """
+    return _divide(column, max_bins, lambda _, counts: max_bins * (np.cumsum(counts) - counts / 2) / counts.sum())
 
 
-def by_value(column: Column, maximum: int) -> Bins:
-    """Each value its bin, or at most `most` bins of equal width; of equal ratio where the values are spread so."""
+def bin_by_value(column: Column, max_bins: int) -> Bins:
+    """Divide a column into bins of equal width, or of equal ratio if a logarithmic scale suits it.
 
-    def place(values: Column, counts: NDArray[np.intp]) -> NDArray[np.float64]:
-        scale = np.log(values) if is_spread_by_ratio(values) else values.astype(float)
-        return np.asarray(maximum * (scale - scale[0]) / (scale[-1] - scale[0]))
+    With `max_bins` distinct values or fewer, each value has its own bin.
+    """
 
-    return _merged(column, maximum, place)
+    def locate(values: Column, _: NDArray[np.intp]) -> NDArray[np.float64]:
+        scale = np.log(values) if suits_log_scale(values) else values.astype(float)
+        return np.asarray(max_bins * (scale - scale[0]) / (scale[-1] - scale[0]))
+
+    return _divide(column, max_bins, locate)
 
 
-def is_spread_by_ratio(column: Column) -> bool:
-    """Whether a logarithmic scale suits a column: positive, the greatest at least five times the
-    least, and the median nearer to the geometric than to the arithmetic mean of both."""
-    if is_words(column) or not len(column) or not np.min(column) > 0:
+def suits_log_scale(column: Column) -> bool:
+    """Tell whether a logarithmic scale suits a column.
+
+    It does if all values are positive, the maximum is at least five times the minimum, and the median is nearer to the
+    geometric than to the arithmetic mean of the two.
+    """
+    if is_categorical(column) or not len(column) or not np.min(column) > 0:
         return False
-    minimum, maximum, middle = float(np.min(column)), float(np.max(column)), float(np.median(column))
-    return maximum >= 5 * minimum and abs(np.log(middle**2 / (minimum * maximum))) < abs(
-        np.log(2 * middle / (minimum + maximum))
-    )
+    minimum, maximum, median = float(np.min(column)), float(np.max(column)), float(np.median(column))
+    to_geometric = abs(np.log(median**2 / (minimum * maximum)))
+    to_arithmetic = abs(np.log(2 * median / (minimum + maximum)))
+    return maximum >= 5 * minimum and bool(to_geometric < to_arithmetic)
 
 
-def ranks(column: Column) -> NDArray[np.float64]:
-    """Rank of each value from 1; equal values share the mean of theirs."""
-    _, code, counts = np.unique(column, return_inverse=True, return_counts=True)
-    return np.asarray((np.cumsum(counts) - (counts - 1) / 2)[code])
+def compute_ranks(column: Column) -> NDArray[np.float64]:
+    """Rank the values from 1; equal values share their mean rank (fractional ranking)."""
+    _, index, counts = np.unique(column, return_inverse=True, return_counts=True)
+    return np.asarray((np.cumsum(counts) - (counts - 1) / 2)[index])
 
 
-def _merged(column: Column, maximum: int, place: Any) -> Bins:
-    values, code, counts = np.unique(plain(column), return_inverse=True, return_counts=True)
-    if len(values) <= maximum or is_words(column):
-        return Bins(code, values, values)
-    wanted = np.clip(np.floor(place(values, counts)).astype(int), 0, maximum - 1)
-    first = np.flatnonzero(np.diff(wanted, prepend=-1))  # bins that would be empty are left out
+def compute_correlation(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    """Compute Pearson's correlation; of ranks it is Spearman's. NaN if one column is constant."""
+    a, b = a - a.mean(), b - b.mean()
+    scale = math.sqrt(float(np.sum(a**2)) * float(np.sum(b**2)))
+    return float(np.sum(a * b)) / scale if scale else math.nan
+
+
+def estimate_explained_variance(y: NDArray[np.float64], bins: Bins) -> float:
+    """Estimate the share of the variance of `y` that the binned variable explains alone.
+
+    This share is the correlation ratio, and Sobol's first-order index if the axes are independent. The estimator is
+    Kelley's epsilon squared (Kelley 1935, An unbiased correlation ratio measure, PNAS 21, 554-559): the variance
+    between bins, less what chance contributes. Its mean is 0 if the variable has no effect, so an estimate may be
+    slightly negative; it is 1 if the variable explains everything. Points of a grid or of a Sobol sequence are more
+    even than random ones. Their estimate is too low, by (bins - 1) / points at most.
+    """
+    centred = y - y.mean()
+    counts = np.bincount(bins.indices, minlength=bins.count)
+    means = np.bincount(bins.indices, centred, minlength=bins.count) / counts
+    between, total = float(np.sum(counts * means**2)), float(np.sum(centred**2))
+    return 1.0 - (1.0 - between / total) * (len(y) - 1) / (len(y) - bins.count)
+
+
+def compute_null_deviation(bins: int, points: int) -> float:
+    """Compute the standard deviation of `estimate_explained_variance` for a variable without effect.
+
+    The variance between bins then follows a chi-squared distribution with bins - 1 degrees of freedom.
+    """
+    return math.sqrt(2.0 * (bins - 1)) / (points - bins)
+
+
+def compute_cell_statistics(
+    x: Bins, y: Bins, values: Column, feasible: NDArray[np.bool_], minimise: bool
+) -> CellStatistics:
+    """Compute the best value and the mean of an output in every cell of two axes.
+
+    Parameters
+    ----------
+    x, y
+        Bins of the two axes.
+    values
+        The output, shape (points,).
+    feasible
+        Whether each point is feasible, shape (points,).
+    minimise
+        Whether the minimum is the best value; otherwise it is the maximum.
+    """
+    shape = (y.count, x.count)
+    size = y.count * x.count
+    cell_of_point = y.indices * x.count + x.indices
+    finite = feasible & np.isfinite(values)
+    cell, finite_values = cell_of_point[finite], values[finite]
+    count = np.bincount(cell, minlength=size)
+    mean = np.bincount(cell, finite_values, minlength=size) / np.where(count > 0, count, np.nan)
+    best = np.full(size, np.inf if minimise else -np.inf)
+    (np.minimum if minimise else np.maximum).at(best, cell, finite_values)
+    best[count == 0] = np.nan
+    points = np.bincount(cell_of_point, minlength=size)
+    return CellStatistics(points.reshape(shape), count.reshape(shape), best.reshape(shape), mean.reshape(shape))
+
+
+def find_pareto_front(costs: Costs) -> NDArray[np.intp]:
+    """Find the rows that no other row dominates, ascending.
+
+    A row dominates another if it is as low in every objective and lower in at least one. Equal rows are all kept. The
+    result is exact: costs are compared, never added.
+    """
+    rows, index = np.unique(costs, axis=0, return_inverse=True)
+    on_front = _find_front_of_two(rows) if rows.shape[1] == 2 else _find_front_of_many(rows)
+    return np.flatnonzero(on_front[index.reshape(-1)])
+
+
+def find_nearest_to_ideal(costs: Costs, front: NDArray[np.intp]) -> int:
+    """Find the row of the front nearest to the ideal point, which has the minimum of every objective.
+
+    Each objective is scaled by its range over the front (compromise programming, Zeleny 1973). Of equal rows the first
+    is taken. With a single objective this is its minimum.
+    """
+    rows = costs[front]
+    span = np.ptp(rows, axis=0)
+    distance = (rows - rows.min(axis=0)) / np.where(span > 0, span, 1.0)
+    return int(front[np.argmin(np.sum(distance**2, axis=1))])
+
+
+def _divide(column: Column, max_bins: int, locate: Callable[[Column, NDArray[np.intp]], NDArray[np.float64]]) -> Bins:
+    """Divide a column by its distinct values; `locate` maps these and their counts to [0, max_bins]."""
+    values, index, counts = np.unique(to_sortable(column), return_inverse=True, return_counts=True)
+    if len(values) <= max_bins or is_categorical(column):
+        return Bins(index, values, values)
+    bin_numbers = np.clip(np.floor(locate(values, counts)).astype(int), 0, max_bins - 1)
+    first = np.flatnonzero(np.diff(bin_numbers, prepend=-1))  # empty bins are left out
     last = np.append(first[1:], len(values)) - 1
     bin_of_value = np.repeat(np.arange(len(first)), last - first + 1)
-    return Bins(bin_of_value[code], values[first], values[last])
+    return Bins(bin_of_value[index], values[first], values[last])
+
+
+def _find_front_of_two(rows: Costs) -> NDArray[np.bool_]:
+    """Find the front of distinct rows that are sorted by the first objective, then by the second."""
+    min_before = np.minimum.accumulate(np.append(np.inf, rows[:-1, 1]))
+    return np.asarray(rows[:, 1] < min_before)
+
+
+def _find_front_of_many(rows: Costs) -> NDArray[np.bool_]:
+    """Find the front of distinct rows with any number of objectives."""
+    ranks = np.stack([np.unique(column, return_inverse=True)[1].reshape(-1) for column in rows.T], axis=1)
+    # A row that dominates another has a lower sum of ranks. So no remaining row dominates the one with the lowest sum.
+    remaining = np.argsort(ranks.sum(axis=1), kind="stable")
+    on_front = np.zeros(len(rows), dtype=bool)
+    while len(remaining):
+        first, remaining = remaining[0], remaining[1:]
+        on_front[first] = True
+        # Only rows that are lower in at least one objective are not dominated by it.
+        remaining = remaining[np.any(ranks[remaining] < ranks[first], axis=1)]
+    return on_front

@@ -1,109 +1,264 @@
-"""What is found of a sweep, and all of it as one JSON object."""
+"""Summary of a sweep: counts, limiting rules, output ranges, sensitivities and best design, as JSON and as text."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fingertip.sweep.report.best_design import Choice, choose, objectives
-from fingertip.sweep.report.feasibility import Limit, Verdicts, feasible, limits, verdicts
-from fingertip.sweep.report.sensitivity import Sensitivity, sensitivities
+from fingertip.sweep.report.best_design import Selection, list_objectives, select_best
+from fingertip.sweep.report.feasibility import (
+    LimitingRule,
+    PointClasses,
+    classify_points,
+    find_feasible,
+    find_limiting_rules,
+)
+from fingertip.sweep.report.sensitivity import AxisSensitivity, OutputSensitivity, compute_sensitivities
+from fingertip.sweep.report.statistics import Column
 from fingertip.sweep.rows import STATUSES
 
 if TYPE_CHECKING:
-    from fingertip.sweep.plan import Plan
-    from fingertip.sweep.rows import Table
+    from fingertip.sweep.plan import SweepPlan
+    from fingertip.sweep.rows import SweepTable
+
+_MAX_RULES = 12
+"""Number of limiting rules in the text."""
+_MIN_CORRELATION = 0.1
+"""Minimum rank correlation whose sign is shown."""
 
 
 @dataclass(frozen=True)
-class Findings:
-    """All that is said and drawn of a sweep."""
+class SweepSummary:
+    """Everything that the report says and draws of a sweep."""
 
-    plan: Plan
-    table: Table
-    verdicts: Verdicts
-    limits: tuple[Limit, ...]
-    sensitivities: tuple[Sensitivity, ...]
-    choice: Choice
+    plan: SweepPlan
+    table: SweepTable
+    classes: PointClasses
+    limiting_rules: tuple[LimitingRule, ...]
+    sensitivities: tuple[OutputSensitivity, ...]
+    selection: Selection
 
-    def sensitivity(self, output: str) -> Sensitivity | None:
-        """That of one output, if it varies."""
-        return next((one for one in self.sensitivities if one.output == output), None)
+    def find_sensitivity(self, output: str) -> OutputSensitivity | None:
+        """Find the sensitivity of one output; None if the output does not vary."""
+        return next((s for s in self.sensitivities if s.output == output), None)
 
 
-def findings(plan: Plan, table: Table) -> Findings:
-    """Look at the rows of a sweep, finished or not."""
-    found = verdicts(table)
-    return Findings(
-        plan, table, found, limits(table, found), tuple(sensitivities(table)), choose(table, objectives(plan))
+def summarise(plan: SweepPlan, table: SweepTable) -> SweepSummary:
+    """Summarise the rows of a sweep, finished or not."""
+    classes = classify_points(table)
+    rules = find_limiting_rules(table, classes)
+    sensitivities = tuple(compute_sensitivities(table))
+    return SweepSummary(plan, table, classes, rules, sensitivities, select_best(table, list_objectives(plan)))
+
+
+def to_json_data(summary: SweepSummary) -> dict[str, Any]:
+    """Convert a summary to one JSON object; numbers that are not finite become null."""
+    table, selection = summary.table, summary.selection
+    feasible = find_feasible(table)
+    return {
+        "sweep": summary.plan.file.name,
+        "points": summary.plan.size,
+        "rows": len(table.point),
+        "status": {status: int(np.sum(table.status == status)) for status in STATUSES},
+        "feasible": int(feasible.sum()),
+        "limiting_rules": [
+            {
+                "rule": rule.rule,
+                "points": rule.points,
+                "share": _to_json_number(rule.share),
+                "axes": [
+                    {
+                        "axis": axis.axis,
+                        "explained_variance": _to_json_number(axis.explained),
+                        "limiting_ranges": [list(ends) for ends in axis.limiting_ranges],
+                    }
+                    for axis in rule.axes
+                ],
+                "example": rule.example,
+            }
+            for rule in summary.limiting_rules
+        ],
+        "outputs": {name: _describe_output(column[feasible]) for name, column in table.outputs.items()},
+        "sensitivity": [
+            {
+                "output": sensitivity.output,
+                "points": sensitivity.points,
+                "null_deviation": _to_json_number(sensitivity.null_deviation),
+                "axes": [
+                    {
+                        "axis": axis.axis,
+                        "first_order_index": _to_json_number(axis.first_order_index),
+                        "rank_correlation": _to_json_number(axis.rank_correlation),
+                    }
+                    for axis in sensitivity.axes
+                ],
+            }
+            for sensitivity in summary.sensitivities
+        ],
+        "objectives": [{"output": o.output, "goal": o.goal} for o in selection.objectives],
+        "best": None if selection.best is None else _describe_point(summary, selection.best),
+        "pareto_front": [int(table.point[row]) for row in selection.front],
+    }
+
+
+def format_text(summary: SweepSummary) -> str:
+    """Format a summary as text: counts, limiting rules, output ranges, sensitivities and the best design."""
+    return "\n".join(
+        [
+            _format_counts(summary),
+            *_format_rules(summary.limiting_rules),
+            *_format_outputs(summary),
+            *_format_sensitivities(summary.sensitivities),
+            *_format_best(summary),
+        ]
     )
 
 
-def as_data(found: Findings) -> dict[str, Any]:
-    """One JSON object; what is no finite number is null there."""
-    table, choice = found.table, found.choice
-    ok = feasible(table)
+def describe_best(summary: SweepSummary) -> str:
+    """Describe which design is best; if there is none, why, and what to do."""
+    selection, table = summary.selection, summary.table
+    if not len(table.point):
+        return "no point has been computed yet."
+    if not find_feasible(table).any():
+        rule = summary.limiting_rules[0]
+        axis = rule.axes[0] if rule.axes else None
+        remedy = (
+            f" It depends most on {axis.axis}: change the range of that axis." if axis and axis.explained > 0 else ""
+        )
+        example = f" Message of the first point: {rule.example}" if rule.example else ""
+        return (
+            f"none of {len(table.point)} points is feasible; the most frequent limiting rule is {rule.rule} "
+            f"({_format_percent(rule.share)}).{remedy}{example}"
+        )
+    if not selection.objectives:
+        return "the sweep has no objective; add minimise or maximise to its file to get a best design."
+    goals = " and ".join(map(str, selection.objectives))
+    if selection.best is None:
+        return f"none of {selection.excluded} feasible points has a finite value of every objective ({goals})."
+    excluded = f" ({selection.excluded} that are not finite are left out)" if selection.excluded else ""
+    point = int(table.point[selection.best])
+    if len(selection.objectives) == 1:
+        return f"point {point} is the best of {len(selection.candidates)} feasible points{excluded} to {goals}."
+    return (
+        f"point {point} is the best compromise (nearest to the ideal) of "
+        f"{_format_count(len(selection.front), 'point')} on the Pareto front, among {len(selection.candidates)} "
+        f"feasible{excluded}, to {goals}."
+    )
+
+
+def _describe_point(summary: SweepSummary, row: int) -> dict[str, Any]:
+    """Give the number, the parameters and the outputs of a row."""
+    point = int(summary.table.point[row])
+    outputs = {name: _to_json_number(float(column[row])) for name, column in summary.table.outputs.items()}
+    return {"point": point, "parameters": summary.plan.point(point), "outputs": outputs}
+
+
+def _describe_output(column: Column) -> dict[str, Any]:
+    """Count the finite and the infinite values of an output; give minimum, median and maximum of the finite ones."""
+    finite = column[np.isfinite(column)]
+    known = len(finite) > 0
     return {
-        "sweep": found.plan.file.name,
-        "points": found.plan.size,
-        "rows": len(table.point),
-        "status": {status: int(np.sum(table.status == status)) for status in STATUSES},
-        "feasible": int(ok.sum()),
-        "limits": [
-            {
-                "rule": one.rule,
-                "points": one.points,
-                "share": number(one.share),
-                "axes": [
-                    {"axis": p.axis, "share": number(p.share), "limiting": [list(ends) for ends in p.limiting]}
-                    for p in one.places
-                ],
-                "example": one.example,
-            }
-            for one in found.limits
-        ],
-        "outputs": {name: spread(column[ok]) for name, column in table.outputs.items()},
-        "sensitivity": [
-            {
-                "output": one.output,
-                "points": one.points,
-                "noise": number(one.noise),
-                "axes": [
-                    {"axis": w.axis, "share": number(w.share), "rank_correlation": number(w.rank_correlation)}
-                    for w in one.weights
-                ],
-            }
-            for one in found.sensitivities
-        ],
-        "objectives": [{"output": one.output, "goal": one.word} for one in choice.objectives],
-        "best": None if choice.best is None else point_data(found, choice.best),
-        "front": [int(table.point[row]) for row in choice.front],
+        "points": len(finite),
+        "infinite": int(np.isinf(column).sum()),
+        "minimum": _to_json_number(float(finite.min())) if known else None,
+        "median": _to_json_number(float(np.median(finite))) if known else None,
+        "maximum": _to_json_number(float(finite.max())) if known else None,
     }
 
 
-def point_data(found: Findings, row: int) -> dict[str, Any]:
-    """One row: its point, parameters and outputs."""
-    point = int(found.table.point[row])
-    outputs = {name: number(float(column[row])) for name, column in found.table.outputs.items()}
-    return {"point": point, "parameters": found.plan.point(point), "outputs": outputs}
-
-
-def spread(column: Any) -> dict[str, Any]:
-    """How many values of an output are finite and how many infinite, and the ends and the middle of the finite."""
-    known = column[np.isfinite(column)]
-    some = len(known) > 0
-    return {
-        "points": len(known),
-        "unbounded": int(np.isinf(column).sum()),
-        "least": number(float(known.min())) if some else None,
-        "median": number(float(np.median(known))) if some else None,
-        "greatest": number(float(known.max())) if some else None,
-    }
-
-
-def number(value: float) -> float | None:
-    """Nine digits of a number, for a computed one's last bits differ between processors; None if it is not finite."""
+def _to_json_number(value: float) -> float | None:
+    """Round to nine digits, because the last bits differ between processors; None if the value is not finite."""
     return float(f"{value:.9g}") if math.isfinite(value) else None
+
+
+def _format_counts(summary: SweepSummary) -> str:
+    table = summary.table
+    feasible = int(find_feasible(table).sum())
+    counts = {status: int(np.sum(table.status == status)) for status in STATUSES}
+    statuses = ", ".join(f"{count} {status}" for status, count in counts.items() if count)
+    share = f" ({_format_percent(feasible / len(table.point))})" if len(table.point) else ""
+    total = f"{len(table.point)} of {summary.plan.size} points"
+    return f"{summary.plan.file.name}: {total}: {statuses}; {feasible} feasible{share}"
+
+
+def _format_rules(rules: Sequence[LimitingRule]) -> list[str]:
+    if not rules:
+        return []
+    lines = [
+        "",
+        "limiting rule                        points   share   strongest axis (variance explained): limiting range",
+    ]
+    for rule in rules[:_MAX_RULES]:
+        axis = rule.axes[0] if rule.axes else None
+        influence = ""
+        if axis and axis.explained > 0:
+            ranges = ", ".join(_format_range(*ends) for ends in axis.limiting_ranges)
+            influence = f"{axis.axis} ({_format_percent(axis.explained)})" + (f": {ranges}" if ranges else "")
+        lines.append(f"{rule.rule:34} {rule.points:8} {_format_percent(rule.share):>7}   {influence}".rstrip())
+    if len(rules) > _MAX_RULES:
+        lines.append(f"and {len(rules) - _MAX_RULES} less frequent")
+    return lines
+
+
+def _format_outputs(summary: SweepSummary) -> list[str]:
+    feasible = find_feasible(summary.table)
+    if not feasible.any() or not summary.table.outputs:
+        return []
+    lines = ["", "output (feasible points)              minimum     median    maximum"]
+    for name, column in summary.table.outputs.items():
+        data = _describe_output(column[feasible])
+        numbers = " ".join(f"{_format_value(data[key]):>10}" for key in ("minimum", "median", "maximum"))
+        lines.append(f"{name:34} {numbers}" + (f"   {data['infinite']} infinite" if data["infinite"] else ""))
+    return lines
+
+
+def _format_sensitivities(sensitivities: Sequence[OutputSensitivity]) -> list[str]:
+    if not sensitivities:
+        return []
+    lines = [
+        "",
+        "output variance explained by each axis alone (first-order Sobol index; + rises, - falls with the axis)",
+    ]
+    for sensitivity in sensitivities:
+        axes = [
+            f"{axis.axis} {_format_percent(axis.first_order_index)}{_format_direction(axis)}"
+            for axis in sensitivity.axes
+            if axis.first_order_index > 0
+        ]
+        lines.append(f"{sensitivity.output:34} {', '.join(axes) or 'no significant axis'}")
+    return lines
+
+
+def _format_best(summary: SweepSummary) -> list[str]:
+    lines = ["", describe_best(summary)]
+    if summary.selection.best is not None:
+        data = _describe_point(summary, summary.selection.best)
+        lines += [f"  {name} = {_format_value(value)}" for name, value in data["parameters"].items()]
+        lines += [f"  {name}: {_format_value(value)}" for name, value in data["outputs"].items()]
+    return lines
+
+
+def _format_direction(axis: AxisSensitivity) -> str:
+    if not abs(axis.rank_correlation) >= _MIN_CORRELATION:  # also if it is NaN, for a categorical axis
+        return ""
+    return " +" if axis.rank_correlation > 0 else " -"
+
+
+def _format_value(value: Any) -> str:
+    return "-" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _format_range(low: Any, high: Any) -> str:
+    return _format_value(low) if low == high else f"{_format_value(low)} to {_format_value(high)}"
+
+
+def _format_count(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def _format_percent(share: float) -> str:
+    return f"{100 * share:.0f} %" if share >= 0.01 else "< 1 %"

@@ -1,1 +1,0 @@
-"""Pictures of a sweep. The only modules of `sweep` that import matplotlib."""

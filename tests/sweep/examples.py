@@ -1,0 +1,72 @@
+"""Small plans, tables and a database of sweeps, and an engine without processes, for the tests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor, Future
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.rows import SweepTable
+
+BOARD: dict[str, Any] = {
+    "name": "boards",
+    "outputs": ["q", "cutoff_3db_hz", "board.r2_ohm"],
+    "axes": {
+        "board.cutoff_hz": {"low": 20.0, "high": 2000.0, "steps": 12, "spacing": "logarithmic"},
+        "board.capacitor_uf": [0.01, 1.0, 1000.0],
+        "board.series": ["E12", "E96"],
+    },
+}
+"""Tables of a sweep of 72 boards; points with the large capacitors break a rule."""
+
+
+def make_plan(**changes: Any) -> SweepPlan:
+    """Make the plan of `BOARD` with top-level entries replaced."""
+    return SweepPlan.from_tables({**BOARD, **changes})
+
+
+def make_table(
+    axes: dict[str, Any], outputs: dict[str, Any], status: ArrayLike, field: Sequence[str], reason: Sequence[str]
+) -> SweepTable:
+    """Make a table of these columns, whose points count from 0."""
+    axis_columns = {name: np.asarray(column) for name, column in axes.items()}
+    output_columns = {name: np.asarray(column, dtype=float) for name, column in outputs.items()}
+    points = np.arange(len(np.asarray(status)))
+    reasons = np.asarray(reason, dtype=np.object_)
+    return SweepTable(points, axis_columns, output_columns, np.asarray(status), np.asarray(field), reasons)
+
+
+class InlineExecutor(Executor):
+    """Executor that runs each task at once, in this process."""
+
+    def submit(self, fn: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*arguments, **keywords))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+class InlineEngine:
+    """Engine without processes, for tests in which no worker fails."""
+
+    description = "workers in this process"
+    attempts = 1
+    workers = 1
+
+    def __init__(self, jobs: int = 1) -> None:
+        pass
+
+    def executor(self) -> Executor:
+        return InlineExecutor()
+
+    def find_crashed_points(self) -> Mapping[int, float] | None:
+        return None
+
+    def close(self) -> None:
+        pass

@@ -1,0 +1,250 @@
+"""Failures: workers crash or hang, the sweep is killed, the disk is full. No row is lost, none is written twice."""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from fingertip.errors import SweepError
+from fingertip.sweep.chunk import ChunkFunction
+from fingertip.sweep.database import FILE, SweepDatabase
+from fingertip.sweep.engines import ProcessEngine
+from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.rows import SweepRow
+from fingertip.sweep.run import run_sweep
+from tests.sweep import worker_functions
+from tests.sweep.examples import InlineEngine, make_plan
+from tests.tools import require_tool
+
+BOARD_POINTS = 72
+"""Points of `examples.BOARD`."""
+LARGE_POINTS = 8_000
+LARGE_SWEEP = """
+name = "many"
+outputs = ["q", "gain"]
+
+[axes]
+board.cutoff_hz = {low = 20, high = 2000, steps = 80, spacing = "logarithmic"}
+board.passband_gain = {low = 2, high = 900, steps = 50}
+board.series = ["E12", "E24"]
+"""
+
+
+def run_with(folder: Path, evaluate: ChunkFunction) -> dict[int, SweepRow]:
+    """Run a sweep of 72 points on two processes, and give the rows by point."""
+    plan = make_plan(time_limit_s=worker_functions.LIMIT_S)
+    assert plan.size == BOARD_POINTS
+    with SweepDatabase.create(folder, plan) as database:
+        state = run_sweep(plan, database, ProcessEngine(2), evaluate=evaluate)
+        assert state.written == BOARD_POINTS
+        rows = list(database.rows())
+    assert [row.point for row in rows] == list(range(BOARD_POINTS))
+    return {row.point: row for row in rows}
+
+
+def assert_only_failing_points_have(rows: dict[int, SweepRow], status: str, reason: str) -> None:
+    for point, row in rows.items():
+        if point in worker_functions.FAILING_POINTS:
+            assert (row.status, row.field) == (status, "")
+            assert reason in row.reason
+        else:
+            assert (row.status, tuple(row.outputs.values())) == ("ok", worker_functions.make_result(point)[4])
+
+
+@pytest.mark.slow
+def test_crash_of_a_worker_fails_only_its_point(tmp_path: Path) -> None:
+    assert_only_failing_points_have(run_with(tmp_path / "out", worker_functions.crash), "failed", "died")
+
+
+@pytest.mark.slow
+def test_point_whose_worker_crashes_once_is_computed_at_the_second_attempt(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flag = tmp_path / "flag"
+    flag.touch()
+    monkeypatch.setenv(worker_functions.FLAG_VARIABLE, str(flag))
+    rows = run_with(tmp_path / "out", worker_functions.crash_once)
+    assert flag.read_text() == "xx"
+    assert {row.status for row in rows.values()} == {"ok"}
+
+
+@pytest.mark.slow
+def test_sleeping_point_times_out(tmp_path: Path) -> None:
+    start = time.perf_counter()
+    assert_only_failing_points_have(run_with(tmp_path / "out", worker_functions.sleep), "timeout", "longer than 0.4 s")
+    assert time.perf_counter() - start < 30
+
+
+@pytest.mark.slow
+def test_endless_loop_in_c_times_out(tmp_path: Path) -> None:
+    assert_only_failing_points_have(
+        run_with(tmp_path / "out", worker_functions.loop_in_c), "timeout", "longer than 0.4 s"
+    )
+
+
+@pytest.mark.slow
+def test_workers_that_die_before_any_point_end_the_run_with_an_error(tmp_path: Path) -> None:
+    plan = make_plan()
+    with SweepDatabase.create(tmp_path, plan) as database:
+        with pytest.raises(SweepError, match="without computing a point"):
+            run_sweep(plan, database, ProcessEngine(1), evaluate=worker_functions.exit_at_start)
+        assert list(database.rows()) == []
+        assert run_sweep(plan, database, ProcessEngine(1)).written == BOARD_POINTS
+
+
+@pytest.mark.slow
+def test_rows_do_not_depend_on_the_number_of_workers(tmp_path: Path) -> None:
+    results = []
+    for jobs in (1, 2):
+        plan = make_plan()
+        with SweepDatabase.create(tmp_path / str(jobs), plan) as database:
+            run_sweep(plan, database, ProcessEngine(jobs))
+            results.append(repr(list(database.rows())))  # as text, in which NaN equals itself
+        assert plan.size == BOARD_POINTS
+    assert results[0] == results[1]
+
+
+def find_processes(group: int) -> list[int]:
+    """Find the living processes of a process group."""
+    processes = []
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = status.read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(fields[2]) == group and fields[0] != "Z":
+            processes.append(int(status.parent.name))
+    return processes
+
+
+def assert_processes_end(group: int) -> None:
+    """Assert that workers, and multiprocessing's own helper process, end soon after their sweep."""
+    until = time.monotonic() + 10
+    while find_processes(group) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert find_processes(group) == []
+
+
+def start_sweep(file: Path, out: Path) -> subprocess.Popen[str]:
+    """Start the command in a process group of its own, and wait until it has written rows."""
+    command = [sys.executable, "-m", "fingertip", "sweep", str(file), "--out", str(out), "--jobs", "2"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    until = time.monotonic() + 60
+    while time.monotonic() < until and process.poll() is None:
+        if out.is_dir() and SweepDatabase.exists(out):
+            with SweepDatabase.open(out) as database:
+                if sum(database.count_by_status().values()) > 0:
+                    return process
+        time.sleep(0.05)
+    raise AssertionError(f"no rows were written: {process.communicate()[1]}")
+
+
+def read_rows(folder: Path) -> list[str]:
+    with SweepDatabase.open(folder) as database:
+        return [repr(row) for row in database.rows()]
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """Rows of the large sweep, computed without interruption in this process."""
+    folder = tmp_path_factory.mktemp("uninterrupted")
+    (folder / "sweep.toml").write_text(LARGE_SWEEP)
+    plan = SweepPlan.load(folder / "sweep.toml")
+    with SweepDatabase.create(folder / "out", plan) as database:
+        assert run_sweep(plan, database, InlineEngine()).written == LARGE_POINTS
+    return read_rows(folder / "out")
+
+
+def resume(file: Path, out: Path) -> int:
+    """Resume a sweep in this process, and count the points that are computed."""
+    plan = SweepPlan.load(file)
+    with SweepDatabase.resume(out, plan) as database:
+        return run_sweep(plan, database, InlineEngine()).written
+
+
+@pytest.mark.slow
+def test_resume_after_kill_9_gives_the_rows_of_an_uninterrupted_run(tmp_path: Path, uninterrupted: list[str]) -> None:
+    file, out = tmp_path / "sweep.toml", tmp_path / "out"
+    file.write_text(LARGE_SWEEP)
+    process = start_sweep(file, out)
+    process.kill()
+    process.wait()
+    assert_processes_end(process.pid)
+    before = read_rows(out)
+    assert 0 < len(before) < LARGE_POINTS
+    assert resume(file, out) == LARGE_POINTS - len(before)
+    after = read_rows(out)
+    assert len(after) == LARGE_POINTS
+    assert set(before) <= set(after)
+    assert after == uninterrupted
+
+
+@pytest.mark.slow
+def test_interrupt_ends_cleanly_and_names_resume(tmp_path: Path) -> None:
+    file, out = tmp_path / "sweep.toml", tmp_path / "out"
+    file.write_text(LARGE_SWEEP)
+    process = start_sweep(file, out)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the workers too
+    errors = process.communicate(timeout=30)[1]
+    assert process.returncode == 130
+    assert "continue with --resume" in errors
+    assert "Traceback" not in errors
+    assert_processes_end(process.pid)
+    assert [path.name for path in out.iterdir()] == [FILE]
+    assert len(read_rows(out)) > 0
+
+
+@pytest.mark.slow
+def test_file_size_limit_is_reported_and_resume_completes_the_rows(tmp_path: Path, uninterrupted: list[str]) -> None:
+    file, out = tmp_path / "sweep.toml", tmp_path / "out"
+    file.write_text(LARGE_SWEEP)
+
+    def limit_file_size() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000))
+
+    command = [sys.executable, "-m", "fingertip", "sweep", str(file), "--out", str(out)]
+    full = subprocess.run(command, capture_output=True, text=True, preexec_fn=limit_file_size, timeout=120, check=False)
+    assert full.returncode == 2
+    assert "--resume" in full.stderr
+    assert "Traceback" not in full.stderr
+    before = read_rows(out)
+    assert 0 < len(before) < LARGE_POINTS
+    assert resume(file, out) == LARGE_POINTS - len(before)
+    assert read_rows(out) == uninterrupted
+
+
+@pytest.mark.slow
+def test_full_disk_is_reported_and_resume_completes_the_rows(tmp_path: Path, uninterrupted: list[str]) -> None:
+    """The disk is a small file system, mounted in a mount namespace of the test."""
+    unshare = require_tool("unshare", "util-linux")
+    if subprocess.run([unshare, "-rm", "true"], capture_output=True, check=False).returncode:
+        pytest.skip("A MOUNT NAMESPACE IS NOT ALLOWED HERE, A REAL FULL DISK IS NOT TESTED")
+    file, disk = tmp_path / "sweep.toml", tmp_path / "disk"
+    file.write_text(LARGE_SWEEP)
+    disk.mkdir()
+    sweep = f"{sys.executable} -m fingertip sweep {file} --out {disk}/out"
+    script = f"""
+mount -t tmpfs -o size=200k none {disk} || exit 9
+{sweep} 2> {tmp_path}/errors
+echo $? > {tmp_path}/code
+mount -o remount,size=20m {disk} || exit 9
+{sweep} --resume -q || exit 8
+cp -r {disk}/out {tmp_path}/out
+"""
+    result = subprocess.run(
+        [unshare, "-rm", "sh", "-c", script], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert result.returncode == 0, result.stderr
+    errors = (tmp_path / "errors").read_text()
+    assert (tmp_path / "code").read_text() == "2\n"
+    assert "disk is full" in errors
+    assert "--resume" in errors
+    assert "Traceback" not in errors
+    assert read_rows(tmp_path / "out") == uninterrupted

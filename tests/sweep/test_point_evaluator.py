@@ -1,0 +1,337 @@
+"""Evaluation of points: only what the outputs need is computed, and what points share is computed once."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import pytest
+
+from fingertip.board import board_values
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.verify import verify
+from fingertip.design import Design
+from fingertip.design.parameters import DesignTables
+from fingertip.design.parameters.design_tables import ELECTRONIC_TABLES
+from fingertip.design.rules import PART_RULES, RULES
+from fingertip.design.rules.ruleset import find_violations
+from fingertip.sweep import compute
+from fingertip.sweep.cache import LruCache
+from fingertip.sweep.cached_solids import MAX_TRIANGLES, CachedEvaluator
+from fingertip.sweep.compute import PointContext
+from fingertip.sweep.design_builder import DesignBuilder
+from fingertip.sweep.outputs import GROUPS, OUTPUTS
+from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.point_evaluator import PointEvaluator
+from tests.conftest import run_python
+from tests.sweep.examples import make_plan
+
+COARSE_MM = 0.1
+"""Tolerance of the meshes, coarse because only their reuse matters here [mm]."""
+
+
+def run_checks(design: Design, evaluator: MeshEvaluator) -> tuple[Check, ...]:
+    return verify(design, parts_by_name(design), ("stl",), evaluator).checks
+
+
+def find_imported_packages(outputs: str, axes: str) -> set[str]:
+    """Find the packages that a fresh process has imported after it computed one point."""
+    program = f"""
+import sys
+from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.point_evaluator import PointEvaluator
+plan = SweepPlan.from_tables({{"outputs": {outputs}, "tolerance_mm": {COARSE_MM}, "axes": {axes}}})
+result = PointEvaluator(plan).evaluate(0, plan.point(0))
+assert result[1] == "ok", result
+print(*{{name.partition(".")[0] for name in sys.modules}})
+"""
+    result = run_python("-c", program)
+    assert result.returncode == 0, result.stderr
+    return set(result.stdout.split())
+
+
+def test_board_outputs_import_no_kernel_no_scipy_and_no_matplotlib() -> None:
+    loaded = find_imported_packages('["q", "board.r2_ohm"]', '{"board.cutoff_hz": [60.0]}')
+    assert not loaded & {"manifold3d", "cadquery", "OCP", "scipy", "matplotlib", "numba", "distributed", "trimesh"}
+
+
+def test_volume_outputs_import_only_the_mesh_kernel() -> None:
+    loaded = find_imported_packages('["skin_volume_mm3"]', '{"skin.width_mm": [17.0]}')
+    assert "manifold3d" in loaded
+    assert not loaded & {"cadquery", "OCP", "scipy", "matplotlib", "numba", "distributed", "trimesh"}
+
+
+def test_mesh_kernel_of_a_worker_uses_one_thread() -> None:
+    program = """
+import os, time
+from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.point_evaluator import PointEvaluator
+axes = {"skin.width_mm": [17.0, 17.5]}
+plan = SweepPlan.from_tables({"outputs": ["checks_failed"], "tolerance_mm": 0.02, "axes": axes})
+before = os.sched_getaffinity(0)
+PointEvaluator(plan).evaluate(0, plan.point(0))
+wall, cpu = time.perf_counter(), time.process_time()
+PointEvaluator(plan).evaluate(1, plan.point(1))
+print((time.process_time() - cpu) / (time.perf_counter() - wall), os.sched_getaffinity(0) == before)
+"""
+    result = run_python("-c", program)
+    assert result.returncode == 0, result.stderr
+    threads, restored = result.stdout.split()
+    assert float(threads) < 1.1  # on two threads about 1.7, if both processors are idle
+    assert restored == "True"
+
+
+def count_group_calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
+    """Count from now on how often each output group is computed."""
+    calls = dict.fromkeys(compute.GROUP_FUNCTIONS, 0)
+
+    def wrap(name: str, function: Any) -> Any:
+        def count(context: PointContext) -> Any:
+            calls[name] += 1
+            return function(context)
+
+        return count
+
+    for name, function in list(compute.GROUP_FUNCTIONS.items()):
+        monkeypatch.setitem(compute.GROUP_FUNCTIONS, name, wrap(name, function))
+    return calls
+
+
+def test_axes_of_the_board_cause_no_new_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = count_group_calls(monkeypatch)
+    plan = make_plan(
+        outputs=["q", "skin_volume_mm3"],
+        tolerance_mm=COARSE_MM,
+        axes={"board.cutoff_hz": [60.0, 67.0, 80.0], "skin.width_mm": [17.0, 17.5]},
+    )
+    evaluator = PointEvaluator(plan)
+    rows = [evaluator.evaluate(int(p), plan.point(int(p))) for p in plan.computing_order(0, plan.size)]
+    assert {row[1] for row in rows} == {"ok"}
+    assert calls == dict.fromkeys(GROUPS, 0) | {"board": 3, "skin": 2}
+
+
+def test_volume_of_the_skin_meshes_only_the_skin() -> None:
+    design = Design()
+    evaluator = CachedEvaluator(COARSE_MM)
+    plan = make_plan(outputs=["skin_volume_mm3"], axes={"skin.width_mm": [17.0]})
+    context = PointContext(design, None, plan.file, lambda: evaluator)
+    compute.compute_skin(context)
+    solids_of_skin = evaluator.evaluated
+    compute.compute_skin(context)
+    assert evaluator.evaluated == solids_of_skin
+    compute.compute_mold(context)
+    assert evaluator.evaluated > 3 * solids_of_skin  # so an evaluation of the mold above would have been noticed
+
+
+def test_bone_is_meshed_once_while_the_mold_varies(monkeypatch: pytest.MonkeyPatch) -> None:
+    import fingertip.cad.kernel.mesh as kernel
+
+    meshed: list[int] = []
+    original = kernel.to_manifold
+    monkeypatch.setattr(kernel, "to_manifold", lambda v, t: meshed.append(len(v)) or original(v, t))
+    evaluator = CachedEvaluator(COARSE_MM)
+    walls = [Design.load(changes=[f"mold.wall_mm={wall}"]) for wall in (4.0, 5.0, 5.5)]
+    run_checks(walls[0], evaluator)
+    first = len(meshed)
+    run_checks(walls[1], evaluator)
+    run_checks(walls[1], evaluator)
+    assert len(meshed) < 2 * first  # the block and its engraving differ, the finger does not
+    before = len(meshed)
+    run_checks(walls[0], evaluator)
+    assert len(meshed) == before
+
+
+SHARED_EVALUATOR = CachedEvaluator(COARSE_MM)
+"""Evaluator whose caches fill up from test to test."""
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        [],
+        ["mold.wall_mm=5"],
+        ["printer.scale_percent=101", "mold.method=sleeve"],
+        ["bone.interface=socket", "bone.base_length_mm=32"],
+        ["mold.wall_mm=4.5", "bone.channel_diameter_mm=2"],
+    ],
+)
+def test_checks_with_caches_equal_those_without(changes: list[str]) -> None:
+    design = Design.load(changes=changes)
+    expected = [
+        check.to_dict() for check in verify(design, parts_by_name(design), ("stl",), MeshEvaluator(COARSE_MM)).checks
+    ]
+    assert [check.to_dict() for check in run_checks(design, SHARED_EVALUATOR)] == expected  # after other designs
+    evaluated = SHARED_EVALUATOR.evaluated
+    assert [check.to_dict() for check in run_checks(design, SHARED_EVALUATOR)] == expected
+    assert SHARED_EVALUATOR.evaluated == evaluated  # all of it from the cache
+    # Results after other designs equal those with empty caches, to the last bit.
+    assert run_checks(design, SHARED_EVALUATOR) == run_checks(design, CachedEvaluator(COARSE_MM))
+
+
+def test_cache_evicts_the_least_recently_used_entries() -> None:
+    cache: LruCache[str, int] = LruCache(10)
+    cache.put("a", 1, 4)
+    cache.put("b", 2, 4)
+    assert cache.get("a") == 1
+    cache.put("c", 3, 4)
+    assert (cache.get("a"), cache.get("b"), cache.get("c")) == (1, None, 3)
+    cache.put("d", 4, 99)
+    assert (len(cache), cache.get("d"), cache.weight) == (1, 4, 99)
+    cache.put("d", 5, 1)
+    assert (cache.get("d"), cache.weight) == (5, 1)
+
+
+def test_cached_solids_stay_within_the_triangle_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    evaluator = CachedEvaluator(COARSE_MM)
+    evaluator._solids.max_weight = 20_000
+    assert MAX_TRIANGLES > 20_000
+    plan = make_plan(outputs=["skin_volume_mm3"], axes={"skin.width_mm": [17.0]})
+    for i in range(40):
+        design = Design.load(changes=[f"skin.width_mm={17 + i / 100}"])
+        compute.compute_skin(PointContext(design, None, plan.file, lambda: evaluator))
+    assert evaluator._solids.weight <= 20_000
+    assert evaluator.evaluated > len(evaluator._solids)
+
+
+class ForbiddenTable:
+    """Table that must not be read."""
+
+    def __getattr__(self, name: str) -> Any:
+        raise AssertionError(f"reads {name}")
+
+
+def test_rules_of_the_parts_read_no_electronic_table() -> None:
+    tables = DesignTables().model_copy(update=dict.fromkeys(ELECTRONIC_TABLES, ForbiddenTable()))
+    assert len(PART_RULES) > 20
+    assert list(find_violations(PART_RULES, tables)) == []
+    with pytest.raises(AssertionError, match="reads"):
+        list(find_violations(RULES, tables))
+
+
+ELECTRONIC_AXES: dict[str, Any] = {
+    "board.cutoff_hz": {"low": 1.0, "high": 9000.0, "spacing": "logarithmic"},
+    "board.capacitor_uf": {"low": 1e-5, "high": 900.0, "spacing": "logarithmic"},
+    "board.envelope_cutoff_hz": {"low": 1.0, "high": 9000.0, "spacing": "logarithmic"},
+    "board.passband_gain": {"low": 1.01, "high": 9000.0, "spacing": "logarithmic"},
+    "board.supply_v": {"low": 5.0, "high": 6.0},
+    "board.variant": ["article", "precision", "comparator"],
+    "detector.sample_rate_hz": {"low": 1000.0, "high": 20000.0},
+    "detector.window_samples": {"low": 1, "high": 10000},
+    "detector.threshold_v": {"low": 0.001, "high": 9.0, "spacing": "logarithmic"},
+}
+
+
+def test_fast_path_for_electronics_gives_the_same_designs_and_messages() -> None:
+    plan = make_plan(sampling="latin_hypercube", points=150, seed=3, axes=ELECTRONIC_AXES, outputs=["q"])
+    fast, complete = DesignBuilder(plan), DesignBuilder(plan)
+    assert fast._only_electronics_vary
+    complete._only_electronics_vary = False
+    refused = 0
+    for number in range(plan.size):
+        changes = plan.point(number)
+        results = []
+        for builder in (fast, complete):
+            try:
+                results.append(builder.build(changes))
+            except Exception as error:
+                results.append(str(error))
+        refused += isinstance(results[0], str)
+        assert results[0] == results[1]
+    assert 40 < refused < 150
+
+
+def test_board_outputs_equal_those_of_board_values() -> None:
+    names = ["board.r1_ohm", "board.r2_ohm", "board.r3_ohm", "board.r4_ohm", "board.r5_ohm", "board.r_lp_ohm"]
+    plan = make_plan(
+        sampling="latin_hypercube",
+        points=80,
+        seed=5,
+        outputs=[*names, "board.c_uf", "q", "gain", "cutoff_3db_hz", "envelope_decay_ms"],
+        axes={
+            "board.cutoff_hz": {"low": 20.0, "high": 400.0, "spacing": "logarithmic"},
+            "board.passband_gain": {"low": 5.0, "high": 300.0, "spacing": "logarithmic"},
+            "board.capacitor_uf": {"low": 0.1, "high": 2.0, "spacing": "logarithmic"},
+            "board.capacitor_series": ["given", "E12"],
+            "board.series": ["E12", "E24", "E96"],
+        },
+    )
+    evaluator, compared = PointEvaluator(plan), 0
+    for number in range(plan.size):
+        changes = plan.point(number)
+        _, status, _, _, outputs = evaluator.evaluate(number, changes)
+        if status == "ok":
+            values = board_values(Design.load(changes=[f"{name}={value}" for name, value in changes.items()]))
+            fitted, achieved = values.preferred, values.achieved_response
+            expected = [getattr(fitted, name.partition(".")[2]) for name in names]
+            expected += [1e6 * fitted.c_f, achieved.section_quality, achieved.passband_gain, achieved.cutoff_hz]
+            assert outputs == tuple(round(value, 6) for value in [*expected, 1e3 * achieved.envelope_decay_s])
+            compared += 1
+    assert compared > 60
+
+
+@pytest.mark.parametrize(("variant", "detector"), [("precision", "fast"), ("comparator", "analog")])
+def test_simulated_trials_are_shared_between_windows_and_thresholds(variant: str, detector: str) -> None:
+    plan = make_plan(
+        outputs=["delay_ms", "found_share", "slips"],
+        trials=1,
+        detector=detector,
+        scene={"slide": {"distance_m": 0.01, "speed_m_s": 0.08}, "hold": {"wait_s": 0.1}},
+        design={"board": {"variant": variant}},
+        axes={"detector.window_samples": [20, 90], "detector.threshold_v": [0.012, 0.03]},
+    )
+    evaluator = PointEvaluator(plan)
+    shared = [evaluator.evaluate(i, plan.point(i)) for i in range(plan.size)]
+    assert len(evaluator._trials) == 1
+    separate = [PointEvaluator(plan).evaluate(i, plan.point(i)) for i in range(plan.size)]
+    assert repr(shared) == repr(separate)
+    assert {row[1] for row in shared} == {"ok"}
+    assert {row[4][2] for row in shared} == {1.0}
+
+
+def list_outputs(group: str) -> list[str]:
+    return [output.name for output in OUTPUTS.values() if output.group == group]
+
+
+@pytest.mark.parametrize("group", ["lengths", "board", "noise", "skin", "bone", "mold", "thickness", "casting"])
+def test_output_group_reads_only_its_declared_tables(group: str) -> None:
+    base = Design()
+    plan = make_plan(outputs=list_outputs(group), tolerance_mm=COARSE_MM, axes={"skin.width_mm": [17.0]})
+
+    def compute_outputs(design: Design) -> dict[str, float]:
+        evaluator = CachedEvaluator(COARSE_MM)
+        return compute.GROUP_FUNCTIONS[group](PointContext(design, None, plan.file, lambda: evaluator))
+
+    first = compute_outputs(base)
+    assert set(first) == set(list_outputs(group))
+    # Tables that it does not declare must not be read. Dimensions are derived before, from all tables.
+    _ = base.dimensions
+    others = [name for name in DesignTables.model_fields if name not in GROUPS[group].reads]
+    forbidden = base.model_copy(update={name: ForbiddenTable() for name in others})
+    assert compute_outputs(forbidden) == first
+    assert others
+
+
+def test_every_group_has_outputs_and_a_function() -> None:
+    assert {output.group for output in OUTPUTS.values()} == set(GROUPS) == set(compute.GROUP_FUNCTIONS)
+
+
+def test_computing_order_contains_every_point_and_varies_expensive_axes_slowest() -> None:
+    plan = make_plan(
+        outputs=["checks_failed", "q"],
+        axes={"board.cutoff_hz": [60.0, 67.0], "skin.width_mm": [17.0, 18.0, 19.0], "mold.wall_mm": [4.0, 5.0]},
+    )
+    order = [int(p) for part in range(0, 12, 5) for p in plan.computing_order(part, part + 5)]
+    assert sorted(order) == list(range(12))
+    points = [plan.point(p) for p in order]
+    for name, changes in (("skin.width_mm", 2), ("mold.wall_mm", 5)):
+        assert sum(a[name] != b[name] for a, b in itertools.pairwise(points)) == changes
+
+
+def test_plan_survives_a_round_trip_through_its_text() -> None:
+    plan = make_plan(scene={"slide": {"distance_m": 0.04}}, minimise=["q"], design={"skin": {"width_mm": 18}})
+    again = SweepPlan.from_toml(plan.to_toml())
+    assert again.to_toml() == plan.to_toml()
+    assert [again.point(i) for i in range(plan.size)] == [plan.point(i) for i in range(plan.size)]
+    assert again.design.skin.width_mm == 18.0

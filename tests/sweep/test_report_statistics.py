@@ -1,0 +1,242 @@
+"""Statistics of the report against closed forms, brute force and scipy."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy import stats
+from scipy.stats import qmc
+
+from fingertip.cad.verification.check import Check
+from fingertip.sweep.point_evaluator import PointEvaluator
+from fingertip.sweep.report.feasibility import classify_points, find_feasible, find_limiting_rules
+from fingertip.sweep.report.sensitivity import OutputSensitivity, compute_sensitivity, select_strongest_axes
+from fingertip.sweep.report.statistics import (
+    Bins,
+    Column,
+    bin_by_count,
+    bin_by_value,
+    compute_cell_statistics,
+    compute_null_deviation,
+    compute_ranks,
+    estimate_explained_variance,
+    find_nearest_to_ideal,
+    find_pareto_front,
+    suits_log_scale,
+)
+from fingertip.sweep.rows import SweepTable
+from tests.sweep.examples import make_plan, make_table
+
+COLUMNS = st.lists(st.sampled_from([0.0, 0.5, 1.0, 2.0, 3.5, 10.0, 80.0]) | st.floats(-50, 50), min_size=1, max_size=60)
+
+
+@settings(max_examples=60, deadline=None)
+@given(COLUMNS, st.integers(2, 9), st.sampled_from([bin_by_count, bin_by_value]))
+def test_bins_cover_a_column_without_overlap(
+    values: list[float], maximum: int, divide: Callable[[Column, int], Bins]
+) -> None:
+    column = np.array(values)
+    bins = divide(column, maximum)
+    assert 1 <= bins.count <= maximum or bins.is_exact
+    for i in range(bins.count):
+        values_in_bin = column[bins.indices == i]
+        assert len(values_in_bin)
+        assert (values_in_bin.min(), values_in_bin.max()) == (bins.low[i], bins.high[i])
+    assert np.all(bins.high[:-1] < bins.low[1:])
+
+
+def test_bins_by_count_hold_equally_many_points_and_bins_by_value_are_equally_wide() -> None:
+    column = np.random.default_rng(0).permutation(np.arange(1000.0)) ** 3
+    assert set(np.bincount(bin_by_count(column, 10).indices)) == {100}
+    wide = bin_by_value(column, 10)
+    assert np.all(wide.high - wide.low < 1e8)
+    by_ratio = bin_by_value(np.geomspace(1, 1000, 999), 3)
+    assert set(np.bincount(by_ratio.indices)) == {333}
+
+
+def test_logarithmic_scale_is_chosen_by_the_distribution_of_the_values() -> None:
+    assert suits_log_scale(np.geomspace(20, 200, 50))
+    assert not suits_log_scale(np.linspace(20, 200, 50))
+    assert not suits_log_scale(np.geomspace(15, 17, 50))
+    assert not suits_log_scale(np.array([-1.0, 10.0, 100.0]))
+
+
+@settings(max_examples=40, deadline=None)
+@given(COLUMNS)
+def test_ranks_equal_those_of_scipy(values: list[float]) -> None:
+    assert compute_ranks(np.array(values)).tolist() == stats.rankdata(values).tolist()
+
+
+def get_indices(sensitivity: OutputSensitivity) -> dict[str, float]:
+    return {axis.axis: axis.first_order_index for axis in sensitivity.axes}
+
+
+def test_first_order_indices_of_a_linear_function_are_its_squared_coefficients() -> None:
+    u = qmc.Sobol(4, rng=0).random(2**13)
+    axes = {name: u[:, i] for i, name in enumerate("abcd")}
+    sensitivity = compute_sensitivity("y", 3 * u[:, 0] - 2 * u[:, 1] + u[:, 2], axes)
+    assert sensitivity is not None
+    assert get_indices(sensitivity) == pytest.approx({"a": 9 / 14, "b": 4 / 14, "c": 1 / 14, "d": 0.0}, abs=31 / 2**13)
+    assert sensitivity.unexplained == pytest.approx(0.0, abs=0.012)
+    assert [axis.axis for axis in sensitivity.axes][:3] == ["a", "b", "c"]
+    signs = {axis.axis: axis.rank_correlation for axis in sensitivity.axes}
+    assert signs["a"] > 0.5
+    assert signs["b"] < -0.3
+    assert select_strongest_axes(sensitivity, list(axes), 2) == ["a", "b"]
+    assert select_strongest_axes(None, list(axes), 2) == ["a", "b"]
+
+
+def test_first_order_indices_of_the_ishigami_function() -> None:
+    """Function of Homma and Saltelli 1996; its third axis acts only together with the first."""
+    x = np.pi * (2 * qmc.Sobol(3, rng=1).random(2**14) - 1)
+    y = np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+    sensitivity = compute_sensitivity("y", y, dict(zip("abc", x.T, strict=True)))
+    assert sensitivity is not None
+    total = 0.5 + 7**2 / 8 + 0.1 * np.pi**4 / 5 + 0.1**2 * np.pi**8 / 18
+    first = {"a": 0.5 * (1 + 0.1 * np.pi**4 / 5) ** 2 / total, "b": 7**2 / 8 / total, "c": 0.0}
+    assert get_indices(sensitivity) == pytest.approx(first, abs=0.01)
+    assert sensitivity.unexplained == pytest.approx(1 - first["a"] - first["b"], abs=0.015)
+
+
+def test_rank_correlation_equals_spearmans_of_scipy() -> None:
+    rng = np.random.default_rng(5)
+    x, y = rng.integers(0, 9, 200).astype(float), rng.normal(size=200)
+    sensitivity = compute_sensitivity("y", y + 0.3 * x, {"x": x})
+    assert sensitivity is not None
+    assert sensitivity.axes[0].rank_correlation == pytest.approx(stats.spearmanr(x, y + 0.3 * x).statistic, abs=1e-12)
+
+
+def test_estimate_for_an_axis_without_effect_has_zero_mean_and_the_stated_deviation() -> None:
+    rng = np.random.default_rng(2)
+    estimates = [
+        estimate_explained_variance(rng.normal(size=400), bin_by_count(rng.random(400), 10)) for _ in range(600)
+    ]
+    assert np.mean(estimates) == pytest.approx(0.0, abs=4 * compute_null_deviation(10, 400) / math.sqrt(600))
+    assert np.std(estimates) == pytest.approx(compute_null_deviation(10, 400), rel=0.1)
+    unused = compute_sensitivity("y", rng.normal(size=400), {"x": rng.random(400)})
+    assert unused is not None
+    assert unused.axes[0].first_order_index == 0.0
+
+
+def test_categorical_axis_has_an_index_but_no_rank_correlation() -> None:
+    words = np.array(["E12", "E24", "E96"] * 40)
+    y = np.where(words == "E24", 1.0, 0.0)
+    sensitivity = compute_sensitivity("y", y, {"board.series": words})
+    assert sensitivity is not None
+    assert sensitivity.axes[0].first_order_index == pytest.approx(1.0)
+    assert math.isnan(sensitivity.axes[0].rank_correlation)
+
+
+@pytest.mark.parametrize("column", [np.ones(100), np.full(100, np.nan), np.arange(19.0)])
+def test_constant_or_too_few_values_have_no_sensitivity(column) -> None:
+    assert compute_sensitivity("y", column, {"x": np.random.default_rng(0).random(len(column))}) is None
+
+
+def is_dominated(costs: NDArray[np.float64], row: int) -> bool:
+    return any(np.all(other <= costs[row]) and np.any(other < costs[row]) for other in costs)
+
+
+@settings(max_examples=80, deadline=None)
+@given(st.integers(1, 4), st.integers(1, 40), st.integers(1, 6), st.integers(0, 10**6))
+def test_pareto_front_equals_brute_force(objectives: int, points: int, levels: int, seed: int) -> None:
+    costs = np.random.default_rng(seed).integers(0, levels, (points, objectives)).astype(float)
+    expected = [row for row in range(points) if not is_dominated(costs, row)]
+    assert find_pareto_front(costs).tolist() == expected
+    best = find_nearest_to_ideal(costs, find_pareto_front(costs))
+    assert best in expected
+    if objectives == 1:
+        assert best == int(np.argmin(costs[:, 0]))  # the first of equals
+
+
+def test_pareto_front_is_exact() -> None:
+    costs = np.array([[1e16, 1.0, 0.0], [1e16, 1.0 + 2e-16, 0.0], [1e16 - 2, 2.0, 0.0]])
+    assert find_pareto_front(costs).tolist() == [0, 2]
+
+
+def test_compromise_scales_objectives_by_their_range_on_the_front() -> None:
+    costs = np.array([[0.0, 1000.0], [1.0, 0.0], [0.3, 400.0], [0.9, 900.0]])
+    assert find_pareto_front(costs).tolist() == [0, 1, 2]
+    assert find_nearest_to_ideal(costs, find_pareto_front(costs)) == 2
+
+
+def make_grid(n: int = 10) -> SweepTable:
+    """Make a table of two axes from 0 to n - 1.
+
+    A rule refuses width < 3; another refuses length > 7. One point fails, and one has a failed check.
+    """
+    x, y = (np.array(c, dtype=float) for c in zip(*itertools.product(range(n), range(n)), strict=True))
+    status = np.where((x < 3) | (y > 7), "refused", "ok")
+    field = np.where(x < 3, "skin.width_mm", np.where(y > 7, "skin.length_mm", ""))
+    reason = np.where(field != "", np.char.add(field, " with its reason"), "")
+    status[55] = "failed"
+    checks_failed = np.where(status == "ok", 0.0, np.nan)
+    checks_failed[66] = 2.0
+    axes = {"skin.width_mm": x, "skin.length_mm": y}
+    return make_table(axes, {"checks_failed": checks_failed}, status, field, reason)
+
+
+def test_point_classes_and_ranges_of_limiting_rules() -> None:
+    table = make_grid()
+    classes = classify_points(table)
+    assert classes.names == ("feasible", "skin.width_mm", "skin.length_mm", "checks_failed", "failed")
+    assert classes.count().tolist() == [54, 30, 14, 1, 1]
+    assert find_feasible(table).sum() == 54
+    width, length, checks, failed = find_limiting_rules(table, classes)
+    assert (width.points, width.share, width.example) == (30, 0.3, "skin.width_mm with its reason")
+    assert width.axes[0].axis == "skin.width_mm"
+    axes = {axis.axis: axis for axis in width.axes}
+    assert axes["skin.width_mm"].explained == pytest.approx(1.0)
+    assert axes["skin.width_mm"].limiting_ranges == ((0.0, 2.0),)
+    assert axes["skin.length_mm"].limiting_ranges == ((0.0, 7.0),)
+    axes = {axis.axis: axis for axis in length.axes}
+    assert axes["skin.length_mm"].limiting_ranges == ((8.0, 9.0),)
+    assert axes["skin.width_mm"].limiting_ranges == ((3.0, 9.0),)
+    assert (checks.rule, checks.points, failed.rule) == ("checks_failed", 1, "failed")
+
+
+def test_point_classes_if_nothing_is_feasible() -> None:
+    table = make_table({"a": np.arange(3.0)}, {}, ["refused"] * 3, ["x", "y", "y"], ["1", "2", "3"])
+    classes = classify_points(table)
+    assert classes.names == ("feasible", "y", "x")
+    assert classes.count().tolist() == [0, 2, 1]
+    assert [rule.example for rule in find_limiting_rules(table, classes)] == ["2", "1"]
+
+
+def test_cells_contain_the_best_value_and_the_mean_over_other_axes() -> None:
+    x, y, z = (np.array(c, dtype=float) for c in zip(*itertools.product(range(3), range(2), range(5)), strict=True))
+    values = 100 * x + 10 * y + z
+    values[7] = np.inf
+    feasible = x < 2
+    x_bins, y_bins = bin_by_value(x, 9), bin_by_value(y, 9)
+    cells = compute_cell_statistics(x_bins, y_bins, values, feasible, minimise=False)
+    assert cells.points.tolist() == [[5, 5, 5], [5, 5, 5]]
+    assert cells.finite.tolist() == [[5, 5, 0], [4, 5, 0]]
+    assert cells.best.tolist()[0][:2] == [4.0, 104.0]
+    assert cells.mean.tolist()[1][:2] == [pytest.approx((10 + 11 + 13 + 14) / 4), 112.0]
+    assert np.isnan(cells.best[:, 2]).all()
+    assert np.isnan(cells.mean[:, 2]).all()
+    assert compute_cell_statistics(x_bins, y_bins, values, feasible, minimise=True).best[1, 0] == 10.0
+
+
+def test_failed_check_is_reported_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    checks = (
+        Check("skin.stl.genus", 1, 1, "holes", "exactly"),
+        Check("skin_thickness", 0.75, 0.8, "mm", "at least"),
+        Check("bone.wall", 0.5, 1.0, "mm", "at least"),
+    )
+    monkeypatch.setattr("fingertip.cad.verification.verify.verify", lambda *_: SimpleNamespace(checks=checks))
+    evaluator = PointEvaluator(make_plan(outputs=["checks_failed"], axes={"skin.width_mm": [17.0]}))
+    point, status, field, reason, outputs = evaluator.evaluate(0, {"skin.width_mm": 17.0})
+    assert (point, status, field, outputs) == (0, "ok", "skin_thickness", (2.0,))
+    assert reason == "is 0.75 mm, but must be at least 0.8 mm (and 1 more: bone.wall)."
+    table = make_table({"skin.width_mm": [17.0]}, {"checks_failed": outputs}, [status], [field], [reason])
+    (rule,) = find_limiting_rules(table, classify_points(table))
+    assert (rule.rule, rule.example) == ("check skin_thickness", reason)

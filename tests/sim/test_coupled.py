@@ -310,7 +310,7 @@ def test_invalid_masses_are_refused(mass):
 
 
 def test_invalid_contacts_are_refused():
-    with pytest.raises(TraceError, match=r"press\.resonance_hz: 0 Hz"):
+    with pytest.raises(TraceError, match=r"normal\.resonance_hz: 0 Hz"):
         NormalContact(0.0, 0.15)
     with pytest.raises(TraceError, match=r"friction\.elastic: 1 is refused"):
         Friction(0.6, 0.48, elastic=1.0)

@@ -167,11 +167,11 @@ def test_controller_receives_samples_and_encoders_only():
     assert set(envelopes) == {None}
 
 
-@pytest.mark.parametrize(("answer", "message"), [([0.0], "shape (1,)"), ([0.0, float("nan")], "nan for finger 1")])
-def test_invalid_command_is_refused(answer, message):
+@pytest.mark.parametrize(("command", "message"), [([0.0], "shape (1,)"), ([0.0, float("nan")], "nan for finger 1")])
+def test_invalid_command_is_refused(command, message):
     class FaultyController:
         def step(self, observation):
-            return np.array(answer)
+            return np.array(command)
 
     with pytest.raises(TraceError, match="controller") as caught:
         run_manipulation(DESIGN, make_scene(grasp={"kind": "pinch"}), FaultyController())

@@ -23,11 +23,11 @@ PAD = Pad.from_design(Design())
 def test_move_arrives_and_its_velocity_is_the_slope(speed):
     move = TrapezoidalMove.with_speed(0.3, 0.04, speed)
     time = np.linspace(0.0, move.end_s + 0.5, 200_001)
-    way = move.position_m(time)
-    assert way[0] == 0.0
-    assert way[-1] == pytest.approx(0.04, abs=1e-12)
+    position = move.position_m(time)
+    assert position[0] == 0.0
+    assert position[-1] == pytest.approx(0.04, abs=1e-12)
     assert move.velocity_m_s(time).max() <= speed
-    slope = np.gradient(way, time)
+    slope = np.gradient(position, time)
     assert np.abs(slope - move.velocity_m_s(time)).max() < 1e-4
 
 

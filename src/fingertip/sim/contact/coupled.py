@@ -54,9 +54,9 @@ class NormalContact:
     def __post_init__(self) -> None:
         raise_issues(
             [
-                *find_not_positive("press.resonance_hz", self.resonance_hz, "Hz", "90"),
-                *find_negative("press.damping_ratio", self.damping_ratio, ""),
-                *find_not_positive("press.hand_share", self.hand_share, "", "0.02"),
+                *find_not_positive("normal.resonance_hz", self.resonance_hz, "Hz", "90"),
+                *find_negative("normal.damping_ratio", self.damping_ratio, ""),
+                *find_not_positive("normal.hand_share", self.hand_share, "", "0.02"),
             ]
         )
 
@@ -87,7 +87,7 @@ class CoupledMotion:
 def integrate(
     friction: Friction,
     mount: Mount,
-    press: NormalContact,
+    normal: NormalContact,
     step_s: float,
     carriage_m: Array,
     carriage_m_s: Array,
@@ -98,7 +98,7 @@ def integrate(
 
     Parameters
     ----------
-    friction, mount, press
+    friction, mount, normal
         Surface, and suspension of the pad along and normal to it.
     step_s
         Time between samples [s].
@@ -122,30 +122,32 @@ def integrate(
     )
     out = [np.zeros(len(carriage_m)) for _ in range(4)]
     count = np.zeros(3)
-    # The error weights turn each state into a force, so that one tolerance [N] applies to all.
-    maximum = max(float(np.max(pressing_n)), 1e-3)
-    spring = max(mount.stiffness_n_per_m, maximum * friction.sigma0 * 1e-3)
-    resist = (mount.stiffness_n_per_m * mount.mass_kg) ** 0.5 + mount.damping_n_s_per_m
-    omega = 2 * np.pi * press.resonance_hz
+    omega = float(2 * np.pi * normal.resonance_hz)
+
+    # Weights that turn the error of each state into a force: stiffness for x, damping for v, bristle stiffness for z.
+    max_load = max(float(np.max(pressing_n)), 1e-3)
+    stiffness = max(mount.stiffness_n_per_m, max_load * friction.sigma0 * 1e-3)
+    damping = (mount.stiffness_n_per_m * mount.mass_kg) ** 0.5 + mount.damping_n_s_per_m
+    weights = (
+        stiffness / tolerance_n,
+        (damping + max_load * (friction.sigma1 + friction.sigma2)) / tolerance_n,
+        max_load * friction.sigma0 / tolerance_n,
+        1 / tolerance_n,
+        1 / (tolerance_n * omega),
+    )
     coupled_loop.run(
         (friction.mu_c, friction.mu_s - friction.mu_c, friction.stribeck_m_s, friction.elastic),
         (friction.sigma0, friction.sigma1, friction.sigma2),
         (mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m),
-        (float(omega), press.damping_ratio, press.hand_share),
-        (
-            spring / tolerance_n,
-            (resist + maximum * (friction.sigma1 + friction.sigma2)) / tolerance_n,
-            maximum * friction.sigma0 / tolerance_n,
-            1 / tolerance_n,
-            1 / (tolerance_n * float(omega)),
-        ),
+        (omega, normal.damping_ratio, normal.hand_share),
+        weights,
         MAX_STEPS, step_s, carriage_m, carriage_m_s, pressing_n, *out, count,
     )  # fmt: skip
     if (failed := int(count[2])) > 0:
         raise TraceError(
             Issue(
                 f"sample {failed}",
-                f"needs more than {MAX_STEPS} steps after the sample before; choose a larger tolerance_n than "
+                f"needs more than {MAX_STEPS} steps from the previous sample; choose a larger tolerance_n than "
                 f"{tolerance_n:g} N, or a softer contact.",
             )
         )

@@ -139,7 +139,7 @@ def _coupled_loop(
             if attempts > max_steps:
                 count[2] = i + 1
                 return
-            # Step size: land exactly on the sample, and split what is left into halves rather than leave a tiny rest.
+            # Step size: end exactly on the sample. Two equal steps avoid a tiny last one.
             is_last = t + h >= H * (1 - 1e-9)
             step = H - t if is_last else 0.5 * (H - t) if t + 2 * h > H else h
 

@@ -212,7 +212,7 @@ def test_feedback_and_elasto_plastic_bristles_change_slip_little():
     ("tables", "field", "message"),
     [
         ({"contact": {"surface": "woood"}}, "contact.surface", "'woood' is not known; choose 'smooth'"),
-        ({"tap": {"forc_n": 1.0}}, "tap.forc_n", "did you mean force_n?"),
+        ({"tap": {"forc_n": 1.0}}, "tap.forc_n", "did you mean tap.force_n?"),
         ({"slid": {}}, "slid", "did you mean slide?"),
         ({"slide": {"distance_m": 0.5}}, "slide.distance_m", "longer than contact.length_m; at most 0.1 m"),
         ({"slide": {"speed_m_s": 0.0}}, "slide.speed_m_s", "0.0 m/s is too small; at least 0.005 m/s"),

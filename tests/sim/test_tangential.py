@@ -14,6 +14,7 @@ from fingertip.sim.article import Trial
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.tangential import Friction, Mount, PadMotion, drag
 from fingertip.sim.scenes.timeline import build_timeline
+from tests.oracles.steady_friction import steady_coefficient, stribeck_coefficient
 
 FRICTION = Friction(0.6, 0.48)
 FORCE_N = 0.8
@@ -55,8 +56,8 @@ def test_steady_sliding_matches_closed_form(speed):
     g = 0.48 + 0.12 / (1 + (speed / 0.005) ** 2)
     assert motion.velocity_m_s[-1] == pytest.approx(speed, rel=1e-6)
     assert STIFFNESS * shear == pytest.approx(FORCE_N * (g + 0.6 * speed), rel=1e-6)
-    assert FRICTION.steady(speed) == pytest.approx(g + 0.6 * speed)
-    assert FRICTION.steady(-speed) == -FRICTION.steady(speed)
+    assert steady_coefficient(FRICTION, speed) == pytest.approx(g + 0.6 * speed)
+    assert steady_coefficient(FRICTION, -speed) == -steady_coefficient(FRICTION, speed)
 
 
 def test_soft_spring_and_slow_carriage_give_stick_slip():
@@ -83,7 +84,7 @@ def test_friction_is_passive():
     for i in range(200_000):
         t = i * h
         v = 0.004 * math.sin(2 * math.pi * 37 * t) + 0.003 * math.sin(2 * math.pi * 211 * t + 1)
-        dz = v - FRICTION.sigma0 * abs(v) * z / FRICTION.stribeck(v)
+        dz = v - FRICTION.sigma0 * abs(v) * z / stribeck_coefficient(FRICTION, v)
         work += h * v * (FRICTION.sigma0 * z + FRICTION.sigma1 * dz + FRICTION.sigma2 * v)
         z += h * dz
         min_stored = min(min_stored, work - FRICTION.sigma0 * z * z / 2)
@@ -132,7 +133,7 @@ def test_motion_agrees_with_scipy_radau():
 
     def rates(t, y):
         x, v, z = y
-        dz = v - FRICTION.sigma0 * abs(v) * z / FRICTION.stribeck(v)
+        dz = v - FRICTION.sigma0 * abs(v) * z / stribeck_coefficient(FRICTION, v)
         mu = FRICTION.sigma0 * z + FRICTION.sigma1 * dz + FRICTION.sigma2 * v
         at = np.array([t])
         force = MOUNT.stiffness_n_per_m * (timeline.slide.position_m(at)[0] - x)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -73,14 +72,6 @@ class Trial:
             issues.append(Issue("--seed", f"{self.seed} is negative; choose a whole number of at least 0."))
         if issues:
             raise TraceError(issues)
-
-    @property
-    def holding_force_n(self) -> float:
-        """Holding force: the given one, or the seed's [N]."""
-        if self.force_n is not None:
-            return self.force_n
-        low, high = FORCE_RANGE_N
-        return low + (high - low) * random.Random(f"{self.seed}:force").random()
 
     @property
     def scene(self) -> SceneFile:

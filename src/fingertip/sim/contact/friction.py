@@ -1,4 +1,4 @@
-"""LuGre friction per newton of normal force: parameters, their bounds, and steady sliding.
+"""LuGre friction per newton of normal force: parameters, their bounds, and the sliding speed.
 
 Model: C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, IEEE Trans. Automatic Control 40(3), 1995,
 doi:10.1109/9.376053. The Stribeck curve has the rational form of D. P. Hess and A. Soom (Trans. ASME J. Tribology
@@ -76,14 +76,6 @@ class Friction:
         to look for a counterexample.
         """
         return self.sigma2 * self.mu_c > self.sigma1 * (self.mu_s - self.mu_c)
-
-    def stribeck(self, v: float) -> float:
-        """Stribeck curve g(v): coefficient that the bristles carry in steady sliding at `v` [m/s]."""
-        return self.mu_c + (self.mu_s - self.mu_c) / (1 + (v / self.stribeck_m_s) ** 2)
-
-    def steady(self, v: float) -> float:
-        """Coefficient of friction in steady sliding at `v` [m/s], with the sign of `v`."""
-        return math.copysign(self.stribeck(v), v) + self.sigma2 * v if v else 0.0
 
     def sliding_speed_m_s(self, velocity_m_s: Array, bristle_m: Array) -> Array:
         """Speed at which the contact slides [m/s]: the part of the velocity that does not bend bristles, ``v - dz/dt``.

@@ -1,8 +1,8 @@
 """Tangential contact: a soft pad dragged over a surface against LuGre friction, integrated with fixed steps.
 
-States: position x [m] and velocity v [m/s] of the pad, and mean bristle deflection z [m]. The carriage that drags the
-pad has position X and velocity V, and N is the normal force. The equations cover stick, incipient slip and gross slip
-(Canudas de Wit et al. 1995, see `fingertip.sim.contact.friction`):
+States: position x [m] and velocity v [m/s] of the pad, and mean bristle deflection z [m]. The carriage, the moving part
+of the linear stage that drags the pad, has position X and velocity V. N is the normal force. The equations cover stick,
+incipient slip and gross slip (Canudas de Wit et al. 1995, see `fingertip.sim.contact.friction`):
 
     dz/dt = v - sigma0 |v| z / g(v)
     mu    = sigma0 z + sigma1 dz/dt + sigma2 v

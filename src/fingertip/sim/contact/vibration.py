@@ -60,11 +60,11 @@ def generate_profile(rng: random.Random, roughness_um: float, cutoff_m: float, l
     turns = [complex(math.cos(k * _SPACING_M), math.sin(k * _SPACING_M)) for _, k, _ in waves]
     starts = [scale * amplitude * complex(math.cos(phase), math.sin(phase)) for amplitude, _, phase in waves]
     heights = np.zeros(count)
-    _rotate(np.array(starts), np.array(turns), heights)
+    _sum_waves(np.array(starts), np.array(turns), heights)
     return heights
 
 
-def _rotate_loop(starts: Sequence[complex], turns: Sequence[complex], heights: MutableSequence[float]) -> None:
+def _sum_waves_loop(starts: Sequence[complex], turns: Sequence[complex], heights: MutableSequence[float]) -> None:
     for wave in range(len(starts)):
         pointer, turn = starts[wave], turns[wave]
         for i in range(len(heights)):
@@ -97,11 +97,11 @@ def compute_pad_deflection_m(height_m: Array, step_s: float, follow_hz: float, s
     """
     share = 1 - math.exp(-2 * math.pi * follow_hz * step_s)
     out = np.zeros(len(height_m))
-    _follow(share, height_m, height_m[:1].copy() if state is None else state, out)
+    _high_pass(share, height_m, height_m[:1].copy() if state is None else state, out)
     return out
 
 
-def _follow_loop(
+def _high_pass_loop(
     share: float, heights: Sequence[float], state: MutableSequence[float], out: MutableSequence[float]
 ) -> None:
     hand = state[0]
@@ -146,11 +146,11 @@ def apply_resonance(
     a11, a12, a21, a22 = C + zeta * w * S, S, -w * w * S, C - zeta * w * S
     lag = 2 * zeta / w
     out = np.zeros(len(drive_n))
-    _swing((a11, a12, a21, a22), lag, h, drive_n, touching, np.zeros(3) if state is None else state, out)
+    _resonate((a11, a12, a21, a22), lag, h, drive_n, touching, np.zeros(3) if state is None else state, out)
     return out
 
 
-def _swing_loop(
+def _resonance_loop(
     free: tuple[float, float, float, float],
     lag: float,
     h: float,
@@ -176,6 +176,6 @@ def _swing_loop(
     state[0], state[1], state[2] = y, rate, before
 
 
-_rotate = CompiledLoop(_rotate_loop, outputs=1, samples="heights", plain_us=4.0)
-_follow = CompiledLoop(_follow_loop, outputs=2, samples="heights", plain_us=0.3)
-_swing = CompiledLoop(_swing_loop, outputs=2, samples="drive", plain_us=0.3)
+_sum_waves = CompiledLoop(_sum_waves_loop, outputs=1, samples="heights", plain_us=4.0)
+_high_pass = CompiledLoop(_high_pass_loop, outputs=2, samples="heights", plain_us=0.3)
+_resonate = CompiledLoop(_resonance_loop, outputs=2, samples="drive", plain_us=0.3)

@@ -48,7 +48,7 @@ def test_default_folder_is_out_and_the_name_of_the_design(tmp_path: Path) -> Non
     [
         (["--set", "skin.width_mm=10"], "skin.width_mm"),
         (["--set", "bone.channel_diameter_mm=9.5"], "wider than the base allows"),
-        (["--set", "skin.width=17"], "did you mean width_mm?"),
+        (["--set", "skin.width=17"], "did you mean skin.width_mm?"),
         (["--set", "skin.width_mm=nan"], "not a finite number"),
         (["--parts", "bone,skinn"], "did you mean skin?"),
         (["--parts", ","], "--parts: is empty; choose from bone, skin"),

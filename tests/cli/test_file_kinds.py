@@ -25,9 +25,9 @@ def run(*words: object) -> Any:
 @pytest.mark.parametrize(
     ("file", "answer"),
     [
-        (SWEEP, f"{SWEEP}: is a sweep, no design; fingertip sweep {SWEEP} takes it."),
-        (SCENE, f"{SCENE}: is a scene, no design; fingertip simulate {SCENE} takes it, and a design beside it"),
-        (HAND, f"{HAND}: is a manipulation, no design; fingertip simulate {HAND} takes it, and a design beside it"),
+        (SWEEP, f"{SWEEP}: is a sweep file, not a design file; give it to `fingertip sweep`."),
+        (SCENE, f"{SCENE}: is a scene file, not a design file; give it to `fingertip simulate`, with the design after"),
+        (HAND, f"{HAND}: is a manipulation file, not a design file; give it to `fingertip simulate`, with the design"),
     ],
 )
 def test_a_file_of_another_kind_is_named_with_its_command(command: str, file: Path, answer: str) -> None:
@@ -37,13 +37,16 @@ def test_a_file_of_another_kind_is_named_with_its_command(command: str, file: Pa
     assert line.startswith(f"error: {answer}")
 
 
-def test_and_by_the_commands_that_take_others() -> None:
+def test_commands_that_take_other_kinds_name_the_kind_too() -> None:
     for words, answer in (
-        (("simulate", SWEEP), "is a sweep, no design"),
-        (("simulate", SCENE, "--design", HAND), "is a manipulation, no design"),
-        (("detect", "t.csv", "--design", SCENE), "is a scene, no design"),
-        (("sweep", HAND), "is a manipulation, no sweep"),
-        (("sweep", design_file("fsr400")), 'is a design, no sweep; name it in a sweep, design = "fsr400.toml"'),
+        (("simulate", SWEEP), "is a sweep file, not a design file"),
+        (("simulate", SCENE, "--design", HAND), "is a manipulation file, not a design file"),
+        (("detect", "t.csv", "--design", SCENE), "is a scene file, not a design file"),
+        (("sweep", HAND), "is a manipulation file, not a sweep file"),
+        (
+            ("sweep", design_file("fsr400")),
+            "is a design file, not a sweep file; give it to `fingertip build`, or",
+        ),
     ):
         done = run(*words)
         assert done.exit_code == 2
@@ -51,13 +54,13 @@ def test_and_by_the_commands_that_take_others() -> None:
         assert answer in done.stderr
 
 
-def test_a_design_that_is_wrong_keeps_its_own_sentences(tmp_path: Path) -> None:
+def test_a_design_with_an_unknown_name_is_not_taken_for_another_kind(tmp_path: Path) -> None:
     (tmp_path / "d.toml").write_text("[skin]\nwidht_mm = 18\n")
-    assert "did you mean width_mm?" in run("params", tmp_path / "d.toml").stderr
+    assert "did you mean skin.width_mm?" in run("params", tmp_path / "d.toml").stderr
     assert run("params", design_file("fsr400"), "--set", "tap.force_n=2").stderr.count("is a scene") == 0
 
 
-def test_files_with_a_mark_as_windows_saves_them(tmp_path: Path) -> None:
+def test_files_with_a_byte_order_mark(tmp_path: Path) -> None:
     def marked(file: Path) -> Path:
         path = tmp_path / file.name
         path.write_bytes(b"\xef\xbb\xbf" + file.read_bytes().replace(b"\n", b"\r\n"))
@@ -72,7 +75,7 @@ def test_files_with_a_mark_as_windows_saves_them(tmp_path: Path) -> None:
     assert run("sweep", sweep, "--out", tmp_path / "rows", "--jobs", 1, "--quiet").exit_code == 0
 
 
-def test_values_are_shown_whole() -> None:
+def test_long_values_are_shown_in_full() -> None:
     shown = run("params", "--set", "detector.threshold_v=1.23456789e-05", "--set", "name=a_rather_long_name").stdout
     assert "a_rather_long_name " in shown
     assert "1.23456789e-05 V" in shown
@@ -80,12 +83,12 @@ def test_values_are_shown_whole() -> None:
     assert "['voltage_v', 'force_n', 'slip'] " in run("simulate", HAND, "--parameters").stdout
 
 
-def test_a_design_as_text_within_one_object() -> None:
-    plain, told = run("params", "--toml").stdout, run("params", "--toml", "--json").stdout
-    assert json.loads(told) == {"toml": plain}
+def test_params_gives_a_design_as_text_in_json() -> None:
+    plain, as_json = run("params", "--toml").stdout, run("params", "--toml", "--json").stdout
+    assert json.loads(as_json) == {"toml": plain}
 
 
-def test_a_speed_where_nothing_slides() -> None:
+def test_a_speed_is_refused_where_nothing_slides() -> None:
     done = run("simulate", SCENE, "--speed-m-s", "0.05")
     assert done.exit_code == 2
     assert "--speed-m-s: 0.05 m/s has no effect, because nothing slides here; leave it out" in done.stderr
@@ -93,7 +96,7 @@ def test_a_speed_where_nothing_slides() -> None:
     assert slides.exit_code == 0
 
 
-def test_pictures_are_called_what_they_are(tmp_path: Path) -> None:
+def test_pictures_need_the_suffix_of_a_png(tmp_path: Path) -> None:
     for name in ("x.pdf", "x"):
         done = run("picture", design_file("fsr400"), "--out", tmp_path / name)
         assert done.exit_code == 2
@@ -103,11 +106,13 @@ def test_pictures_are_called_what_they_are(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no full disk to offer")
 @pytest.mark.parametrize("words", [("params",), ("params", "--json"), ("params", "--schema"), ("--version",)])
-def test_results_that_find_no_room(words: tuple[str, ...]) -> None:
+def test_results_that_cannot_be_written(words: tuple[str, ...]) -> None:
     script = (
         "import os, sys\nos.dup2(os.open('/dev/full', os.O_WRONLY), 1)\n"
         "from fingertip.cli import app\napp(sys.argv[1:])\n"
     )
     done = run_python("-c", script, *words)
     assert done.returncode == 2
-    assert done.stderr == "error: standard output: cannot be written (No space left on device); redirect it elsewhere.\n"
+    assert (
+        done.stderr == "error: standard output: cannot be written (No space left on device); redirect it elsewhere.\n"
+    )

@@ -1,4 +1,4 @@
-"""Reading designs: defaults < files < changes; everything wrong is said at once, in sentences."""
+"""Loading of designs: defaults, files and changes are merged, and all issues are reported at once."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import contextlib
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingertip.design import Design
@@ -15,13 +15,14 @@ from fingertip.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 
 
-def issues(*files: Path, changes: tuple[str, ...] = ()) -> dict[str, str]:
+def load_issues(*files: Path, changes: tuple[str, ...] = ()) -> dict[str, str]:
+    """Messages of a design that is refused, by field."""
     with pytest.raises(DesignError) as caught:
         Design.load(*files, changes=changes)
     return {issue.field: issue.message for issue in caught.value.issues}
 
 
-def test_later_wins(tmp_path: Path) -> None:
+def test_later_values_win(tmp_path: Path) -> None:
     first, second = tmp_path / "a.toml", tmp_path / "b.toml"
     first.write_text("[mold]\ndraft_deg = 2\nwall_mm = 5\n")
     second.write_text("[mold]\ndraft_deg = 4\n")
@@ -32,7 +33,7 @@ def test_later_wins(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_bundled_designs_are_complete_and_commented(name: str) -> None:
-    """The file is what `fingertip params --toml` prints of it, under a heading of its own."""
+    """The file is what `fingertip params --toml` prints, below a heading of its own."""
     text = design_file(name).read_text()
     heading, _, body = text.partition("\n\n")
     assert all(line.startswith("#") for line in heading.splitlines())
@@ -44,14 +45,14 @@ def test_bundled_designs_have_the_articles_sizes(name: str, low: float, high: fl
     assert low <= Design.load(design_file(name)).skin.width_mm <= high
 
 
-def test_writing_and_reading_gives_the_same_design(tmp_path: Path) -> None:
+def test_a_written_design_is_read_back_equal(tmp_path: Path) -> None:
     design = Design.load(changes=["skin.width_mm=17.3", "name=mine", "detector.window_samples=40"])
     path = tmp_path / "d.toml"
     path.write_text(to_toml(design, "A heading\nof two lines"))
     assert Design.load(path) == design
 
 
-def test_every_parameter_has_a_meaning_and_its_unit_in_its_name() -> None:
+def test_every_parameter_has_a_description_and_its_unit_in_its_name() -> None:
     suffix = {
         "mm": "_mm", "degree": "_deg", "Hz": "_hz", "uF": "_uf", "ohm": "_ohm", "V": "_v",
         "samples": "_samples", "bit": "_bits", "%": "_percent",
@@ -62,23 +63,23 @@ def test_every_parameter_has_a_meaning_and_its_unit_in_its_name() -> None:
             assert parameter.path.endswith(suffix[parameter.unit]), parameter.path
 
 
-def test_schema_is_for_editors() -> None:
+def test_schema_holds_bounds_and_refuses_unknown_names() -> None:
     described = json_schema()
     assert described["title"] == "fingertip design"
     assert described["$defs"]["Mold"]["properties"]["draft_deg"]["maximum"] == 15
     assert described["additionalProperties"] is False
 
 
-def test_all_faults_come_at_once() -> None:
-    found = issues(
+def test_all_issues_are_reported_at_once() -> None:
+    found = load_issues(
         changes=(
             "skin.widht_mm=17", "mold.draft_deg=nan", "bone.rim_mm=-1", "sensor.model=fsr4o2", "bone.draft_deg=1",
             "detector.window_samples=2.5", "board.cutoff_hz=-67", "bone.channel_diameter_mm=9", "name=a/b", "mould.x=1",
             "skin.length_mm='long'",
         )
     )  # fmt: skip
-    assert found["skin.widht_mm"] == "there is no such parameter; did you mean width_mm?"
-    assert found["mold.draft_deg"] == "nan is not a finite number; give one in degree."
+    assert found["skin.widht_mm"] == "there is no such parameter; did you mean skin.width_mm?"
+    assert found["mold.draft_deg"] == "nan is not a finite number; give one in degrees."
     assert found["bone.rim_mm"] == "-1 mm is too small; at least 0.2 mm."
     assert "choose 'fsr400'" in found["sensor.model"]
     assert found["bone.draft_deg"] == "there is no such parameter; did you mean mold.draft_deg?"
@@ -87,27 +88,27 @@ def test_all_faults_come_at_once() -> None:
     assert found["mould"] == "there is no such parameter; did you mean mold?"
     assert found["skin.length_mm"] == "'long' is not a number; write a number in mm, without quotes."
     assert "cannot name a folder" in found["name"]
-    # a rule between parameters that are in bounds is told beside the issues of single ones
+    # Rules between parameters that are valid are reported beside the issues of single parameters.
     assert "folds a channel of 9 mm" in found["bone.channel_bend_radius_mm"]
-    # and a rule that reads a faulty parameter is not asked
+    # A rule that reads an invalid parameter is skipped.
     assert "skin.width_mm" not in found
 
 
-def test_a_sensor_wider_than_the_bone() -> None:
-    sentence = issues(design_file("fsr402"), changes=("skin.width_mm=20",))["skin.width_mm"]
-    assert "FSR 402" in sentence
-    assert "finger of 20 mm" in sentence
-    minimum = sentence.split("at least ")[1].split(" mm")[0]
+def test_a_sensor_that_is_wider_than_the_bone_names_the_width() -> None:
+    message = load_issues(design_file("fsr402"), changes=("skin.width_mm=20",))["skin.width_mm"]
+    assert "FSR 402" in message
+    assert "finger of 20 mm" in message
+    minimum = message.split("at least ")[1].split(" mm")[0]
     Design.load(design_file("fsr402"), changes=(f"skin.width_mm={minimum}",))
     assert float(minimum) == pytest.approx(24.2, abs=0.3)
 
 
 @pytest.mark.parametrize("value", ["inf", "-inf", "nan", "true", "[1]", "{a=1}", "''"])
-def test_what_is_no_number_is_refused(value: str) -> None:
-    assert set(issues(changes=(f"skin.width_mm={value}",))) >= {"skin.width_mm"} or value == "{a=1}"
+def test_values_that_are_not_numbers_are_refused(value: str) -> None:
+    assert set(load_issues(changes=(f"skin.width_mm={value}",))) >= {"skin.width_mm"} or value == "{a=1}"
 
 
-def test_a_file_as_windows_saves_it(tmp_path: Path) -> None:
+def test_a_file_with_byte_order_mark_and_crlf(tmp_path: Path) -> None:
     marked = tmp_path / "bom.toml"
     marked.write_bytes(b"\xef\xbb\xbf[skin]\r\nwidth_mm = 18\r\n")
     assert Design.load(marked).skin.width_mm == 18
@@ -117,31 +118,32 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     broken, binary = tmp_path / "broken.toml", tmp_path / "binary.toml"
     broken.write_text("[mold\n")
     binary.write_bytes(b"\xff\xfe\x00")
-    found = issues(tmp_path / "none.toml", broken, binary, tmp_path, changes=("mold.draft_deg",))
+    found = load_issues(tmp_path / "none.toml", broken, binary, tmp_path, changes=("mold.draft_deg",))
     assert "No such file" in found[str(tmp_path / "none.toml")]
-    assert "no valid TOML" in found[str(broken)]
+    assert "is not valid TOML" in found[str(broken)]
     assert "UTF-8" in found[str(binary)]
     assert "directory" in found[str(tmp_path)]
     assert "table.key=value" in found["--set mold.draft_deg"]
 
 
-def test_a_table_given_as_a_value(tmp_path: Path) -> None:
-    assert "is not a table" in issues(changes=("mold=3",))["mold"]
-    assert "table.key=value" in issues(changes=("=3",))["--set =3"]
+def test_a_value_in_place_of_a_table(tmp_path: Path) -> None:
+    assert "is not a table" in load_issues(changes=("mold=3",))["mold"]
+    assert "table.key=value" in load_issues(changes=("=3",))["--set =3"]
 
 
-def test_python_face_raises_the_same() -> None:
+def test_the_constructor_raises_the_same_error() -> None:
     with pytest.raises(DesignError, match="at least 6 mm"):
         Design(skin={"width_mm": 1.0})
 
 
+@settings(deadline=None)  # some refusals search for a remedy
 @given(
     key=st.sampled_from([p.path for p in list_parameters() if p.unit == "mm"]),
     value=st.floats(allow_nan=True, allow_infinity=True),
 )
-def test_any_number_is_accepted_or_refused_with_a_sentence(key: str, value: float) -> None:
+def test_any_number_is_accepted_or_refused_with_a_message(key: str, value: float) -> None:
     with contextlib.suppress(DesignError):
         Design.load(changes=[f"{key}={value!r}"])
         return
-    found = issues(changes=(f"{key}={value!r}",))
-    assert all(field and len(sentence) > 20 for field, sentence in found.items())
+    found = load_issues(changes=(f"{key}={value!r}",))
+    assert all(field and len(message) > 20 for field, message in found.items())

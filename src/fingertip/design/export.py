@@ -1,54 +1,62 @@
-"""A design as a document: commented TOML, a table of all parameters, a JSON schema for editors."""
+"""Export of a design: as commented TOML, as a list of parameters, and as a JSON schema for editors."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal, get_args, get_origin
+from typing import Any
 
 from pydantic.fields import FieldInfo
 
 from fingertip.design.model import Design
 from fingertip.design.parameters import ParameterTable
+from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
+from fingertip.design.parameters.design_tables import PARAMETERS
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter as a person looks it up."""
+    """Entry of one parameter in the list of all parameters."""
 
     path: str
+    """Dotted name, such as "mold.draft_deg"."""
     default: Any
     unit: str
     bounds: str
+    """Bounds of a number, such as ">= 0, <= 15", or the words that are accepted."""
     description: str
 
 
 def list_parameters() -> Iterator[Parameter]:
-    """Every parameter of a design file, in its order there."""
-    for name, info in Design.model_fields.items():
-        if isinstance(info.default, ParameterTable):
-            for key, field in type(info.default).model_fields.items():
-                yield _parameter(f"{name}.{key}", field)
-        else:
-            yield _parameter(name, info)
+    """Yield every parameter of a design file, in its order."""
+    for path, field in PARAMETERS.items():
+        yield Parameter(path, field.default, find_unit(field), _format_bounds(field), field.description or "")
 
 
 def json_schema() -> dict[str, Any]:
-    """JSON schema of a design file (also valid for TOML editors)."""
+    """Return the JSON schema of a design file, which editors of TOML use too."""
     return Design.model_json_schema()
 
 
 def to_toml(design: Design, heading: str = "") -> str:
-    """The whole design as TOML, every parameter with its unit, bounds and meaning as a comment.
+    """Write a whole design as TOML, each parameter with its description and bounds in a comment.
 
-    Reading it back gives an equal design.
+    Reading the text gives an equal design.
+
+    Parameters
+    ----------
+    design
+        The design.
+    heading
+        Text of the comment at the top.
     """
     import tomlkit
 
+    described = {parameter.path: parameter for parameter in list_parameters()}
     document = tomlkit.document()
     for line in heading.splitlines():
         document.add(tomlkit.comment(line) if line else tomlkit.nl())
-    for name, _info in Design.model_fields.items():
+    for name in Design.model_fields:
         value = getattr(design, name)
         if not isinstance(value, ParameterTable):
             document.add(name, value)
@@ -56,32 +64,19 @@ def to_toml(design: Design, heading: str = "") -> str:
         table = tomlkit.table()
         for line in (type(value).__doc__ or "").splitlines():
             table.add(tomlkit.comment(line))
-        for key, field in type(value).model_fields.items():
-            parameter = _parameter(f"{name}.{key}", field)
+        for key in type(value).model_fields:
+            parameter = described[f"{name}.{key}"]
             item = tomlkit.item(getattr(value, key))
-            limits = f" [{parameter.bounds}]" if parameter.bounds else ""
-            item.comment(parameter.description + limits)
+            item.comment(parameter.description + (f" [{parameter.bounds}]" if parameter.bounds else ""))
             table.add(key, item)
         document.add(tomlkit.nl())
         document.add(name, table)
     return tomlkit.dumps(document)
 
 
-def _parameter(path: str, field: FieldInfo) -> Parameter:
-    extra = field.json_schema_extra
-    unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
-    return Parameter(path, field.default, unit, _bounds(field), field.description or "")
-
-
-def _bounds(field: FieldInfo) -> str:
-    if get_origin(field.annotation) is Literal:
-        return " | ".join(get_args(field.annotation))
-    limit = {
-        name: value
-        for item in field.metadata
-        for name in ("ge", "gt", "le")
-        if (value := getattr(item, name, None)) is not None
-    }
-    low = f">= {limit['ge']:g}" if "ge" in limit else f"> {limit['gt']:g}" if "gt" in limit else ""
-    high = f"<= {limit['le']:g}" if "le" in limit else ""
-    return ", ".join(part for part in (low, high) if part)
+def _format_bounds(field: FieldInfo) -> str:
+    if choices := list_choices(field):
+        return " | ".join(choices)
+    bounds = find_bounds(field)
+    limits = ((">=", bounds.minimum), (">", bounds.above), ("<=", bounds.maximum))
+    return ", ".join(f"{sign} {limit:g}" for sign, limit in limits if limit is not None)

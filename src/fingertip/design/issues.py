@@ -1,4 +1,4 @@
-"""The sentences for single parameters: what pydantic found wrong, said with value, bound and remedy."""
+"""Messages for single parameters: each problem that pydantic finds, with value, bound and remedy."""
 
 from __future__ import annotations
 
@@ -7,28 +7,32 @@ from collections.abc import Sequence
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
+from fingertip.design.parameters.declaration import find_unit, format_unit
 from fingertip.errors import Issue
 
 
 def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:
-    """One issue for each thing pydantic refused in a `model`."""
-    return [_issue(detail, model) for detail in error.errors(include_url=False)]
+    """Return one issue for each problem that pydantic found in a `model`."""
+    return [_describe(details, model) for details in error.errors(include_url=False)]
 
 
 def suggest_name(word: str, known: Sequence[str]) -> str:
-    """The remedy for an unknown name: the nearest valid one, else all of them."""
-    close = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
-    return f"did you mean {close[0]}?" if close else f"known here: {', '.join(known)}."
+    """Return the remedy for an unknown name: the most similar known one, or else all of them."""
+    similar = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
+    return f"did you mean {similar[0]}?" if similar else f"known names: {', '.join(known)}."
 
 
-def _issue(detail: Any, model: type[BaseModel]) -> Issue:
-    location = [str(step) for step in detail["loc"]]
+def _describe(details: Any, model: type[BaseModel]) -> Issue:
+    """Describe one problem. The types and their context are pydantic's, see its "Validation Errors"."""
+    location = [str(step) for step in details["loc"]]
     field = ".".join(location)
-    value, kind, context = detail["input"], detail["type"], detail.get("ctx", {})
+    value, kind, context = details["input"], details["type"], details.get("ctx", {})
     if kind == "extra_forbidden":
-        return Issue(field, f"there is no such parameter; {_nearest_path(location, model)}")
-    unit = _unit(location, model)
+        return Issue(field, f"there is no such parameter; {_suggest_parameter(location, model)}")
+    info = _find_table(location, model).model_fields.get(location[-1])
+    unit = format_unit(find_unit(info)) if isinstance(info, FieldInfo) else ""
     match kind:
         case "greater_than_equal":
             return Issue(field, f"{value!r}{unit} is too small; at least {context['ge']:g}{unit}.")
@@ -37,20 +41,21 @@ def _issue(detail: Any, model: type[BaseModel]) -> Issue:
         case "less_than_equal":
             return Issue(field, f"{value!r}{unit} is too large; at most {context['le']:g}{unit}.")
         case "finite_number":
-            return Issue(field, f"{value!r} is not a finite number; give one in{unit or ' plain numbers'}.")
+            return Issue(field, f"{value!r} is not a finite number; give one{unit and ' in' + unit}.")
         case "literal_error":
             return Issue(field, f"{value!r} is not known; choose {context['expected']}.")
         case "float_type" | "int_type":
-            whole = "a whole number" if kind == "int_type" else "a number"
-            return Issue(field, f"{value!r} is not {whole}; write {whole}{unit and ' in' + unit}, without quotes.")
+            number = "a whole number" if kind == "int_type" else "a number"
+            return Issue(field, f"{value!r} is not {number}; write {number}{unit and ' in' + unit}, without quotes.")
         case "model_type":
             return Issue(field, f"{value!r} is not a table; write [{field}] and its parameters below it.")
         case "string_pattern_mismatch":
             return Issue(field, f"{value!r} cannot name a folder; use up to 40 letters, digits, - and _.")
-    return Issue(field, f"{value!r} is refused: {detail['msg']}.")
+    return Issue(field, f"{value!r} is refused: {details['msg']}.")
 
 
-def _section(location: Sequence[str], model: type[BaseModel]) -> type[BaseModel]:
+def _find_table(location: Sequence[str], model: type[BaseModel]) -> type[BaseModel]:
+    """Find the model of the table that a parameter stands in."""
     for step in location[:-1]:
         info = model.model_fields.get(step)
         if info and isinstance(info.annotation, type) and issubclass(info.annotation, BaseModel):
@@ -58,19 +63,13 @@ def _section(location: Sequence[str], model: type[BaseModel]) -> type[BaseModel]
     return model
 
 
-def _nearest_path(location: Sequence[str], model: type[BaseModel]) -> str:
-    """Nearest valid name in the same table; a name of another table is found too, if it stands there exactly."""
-    known = list(_section(location, model).model_fields)
-    word = location[-1]
-    if not difflib.get_close_matches(word, known, n=1, cutoff=0.5):
+def _suggest_parameter(location: Sequence[str], model: type[BaseModel]) -> str:
+    """Suggest a parameter of the same table, or one of another table that has exactly this name."""
+    *tables, name = location
+    known = list(_find_table(location, model).model_fields)
+    if not difflib.get_close_matches(name, known, n=1, cutoff=0.5):
         for table, info in model.model_fields.items():
-            if word in getattr(info.annotation, "model_fields", {}):
-                return f"did you mean {table}.{word}?"
-    return suggest_name(word, known)
-
-
-def _unit(location: Sequence[str], model: type[BaseModel]) -> str:
-    info = _section(location, model).model_fields.get(location[-1])
-    extra = info.json_schema_extra if info else None
-    unit = extra.get("unit", "") if isinstance(extra, dict) else ""
-    return f" {unit}" if unit else ""
+            if name in getattr(info.annotation, "model_fields", {}):
+                return f"did you mean {table}.{name}?"
+    # The name is compared without its table, which would make all parameters of the table similar.
+    return suggest_name(name, known).replace("did you mean ", f"did you mean {'.'.join([*tables, ''])}")

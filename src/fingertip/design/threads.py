@@ -14,14 +14,14 @@ class Thread:
 
     diameter_mm: float
     hole_mm: float
-    """Least hole its bolt passes."""
+    """Smallest clearance hole of the bolt."""
     nut_flats_mm: float
-    """Across flats, at most."""
+    """Maximum width across flats (ISO 4032)."""
     nut_height_mm: float
 
     @property
     def label(self) -> str:
-        """As it is bought."""
+        """Trade name, such as M3."""
         return f"M{self.diameter_mm:g}"
 
 
@@ -35,12 +35,13 @@ THREADS = (
     Thread(6.0, 6.4, 10.0, 5.2),
     Thread(8.0, 8.4, 13.0, 6.8),
 )
-"""From the thinnest to the thickest."""
+"""Metric threads, from the thinnest to the thickest."""
 MIN_HOLE_MM = THREADS[0].hole_mm
 NUT_TRAP_CLEARANCE_MM = 0.2
 """A nut trap is wider than its nut by this at least, so that a print takes the nut. An assumption."""
 MAX_TRAP_RATIO = 1.09
-"""In a trap as much wider than the nut's flats the nut turns: its corners are 1.09 times as far apart (ISO 4032)."""
+"""Ratio of the trap's width to the nut's flats above which the nut turns. The corners of a nut are 1.09 times as far
+apart as its flats (ISO 4032 gives both)."""
 
 
 def select_thread(hole_mm: float) -> Thread:

@@ -98,7 +98,7 @@ def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, 
     # Rules that fail whatever this parameter is have issues of their own.
     unrelated = {one.rule for one in find_violations(RULES, at_bound, others)} - {one.rule for one in broken}
     rules = cheapest_first(rule for rule in RULES if rule not in unrelated)
-    passing = Search(rules, tuple(one.rule for one in broken), others).nearest(at_bound, name)
+    passing = Search(rules, cheapest_first(one.rule for one in broken), others).nearest(at_bound, name)
     if passing is None:
         return issue
     unit = format_unit(find_unit(PARAMETERS[name]))

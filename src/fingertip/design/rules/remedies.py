@@ -120,7 +120,7 @@ def find_remedies(
     """
     before = before or DesignTables()
     names = changed or [name for name in PARAMETERS if tables.value(name) != before.value(name)]
-    search = Search(cheapest_first(rules), tuple(one.rule for one in broken), unreadable, before)
+    search = Search(cheapest_first(rules), cheapest_first(one.rule for one in broken), unreadable, before)
     refusal = Refusal(tables, tuple(broken), before, tuple(names), search)
     for resolve in (_move_blamed_field, _move_one_field, _move_to_bounds, _move_step_by_step):
         if values := resolve(refusal):
@@ -327,8 +327,9 @@ def _find_alternatives(refusal: Refusal, name: str, values: Values) -> str:
     found = Values()
     for broken in refusal.blamed[name]:
         found |= broken.violation.alternatives
-    changed = [other for other in refusal.changed if other != name and other in refusal.reads(name)]
-    for other in changed[: _MAX_ALTERNATIVES - len(found)]:
+    read = refusal.reads(name) - {name, *found}
+    changed = [other for other in refusal.changed if other in read and is_number(other)]
+    for other in changed[: max(0, _MAX_ALTERNATIVES - len(found))]:
         found[other] = refusal.search.nearest(refusal.tables, other)
     beside = Values()
     for other, value in found.items():

@@ -35,7 +35,7 @@ def at_most(maximum: float) -> tuple[Interval, ...]:
 
 @dataclass(frozen=True)
 class Violation:
-    """What a rule finds wrong with a design."""
+    """Problem that a rule finds with a design."""
 
     problem: str
     """Value of the blamed field and what is wrong with it, without a final full stop."""

@@ -1,0 +1,33 @@
+"""Remedies that a refusal prints, read back as the changes a user would type in."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from fingertip.errors import Issue
+
+_NUMBER = r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
+_BOUND = re.compile(rf"(?:at least|at most|between) ({_NUMBER})")
+_LAST_BOUND = re.compile(rf", and (?:at least|at most) ({_NUMBER})")
+_ASSIGNMENT = re.compile(r"([a-z_]+\.[a-z0-9_]+)=([^\s,]+?)(?=[,.]?(?:\s|$))")
+
+
+def read_remedy(issue: Issue) -> dict[str, str]:
+    """Values that a message asks for, by field; its alternatives ("or ...") are left out."""
+    remedy = issue.message.rpartition("; ")[2].partition(", or ")[0]
+    values = dict(_ASSIGNMENT.findall(remedy))
+    if bound := _BOUND.match(remedy):
+        last = _LAST_BOUND.search(remedy)
+        values[issue.field] = last[1] if last else bound[1]
+    return values
+
+
+def read_alternatives(issue: Issue) -> list[str]:
+    """Alternatives of a message, as changes."""
+    return re.findall(r", or ([a-z_]+\.[a-z0-9_]+=[^\s,]+?)(?=[,.]?(?:\s|$))", issue.message)
+
+
+def as_changes(issues: Iterable[Issue]) -> list[str]:
+    """All remedies of a refusal, as changes."""
+    return [f"{name}={value}" for issue in issues for name, value in read_remedy(issue).items()]

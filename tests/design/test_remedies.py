@@ -1,0 +1,160 @@
+"""Every refusal names remedies, and typing them in gives a design that passes."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+
+import pytest
+
+from fingertip.design import Design
+from fingertip.design.parameters.declaration import find_bounds
+from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.design.rules import RULES
+from fingertip.errors import DesignError, Issue
+from tests.conftest import design_file, run_python
+from tests.design.remedies import as_changes, read_alternatives, read_remedy
+
+NUMERIC = [name for name, field in PARAMETERS.items() if field.annotation in (float, int)]
+
+
+def refuse(changes: Sequence[str], name: str = "fsr400") -> tuple[Issue, ...]:
+    """Issues of a design that is refused; none if it passes."""
+    try:
+        Design.load(design_file(name), changes=changes)
+    except DesignError as error:
+        return error.issues
+    return ()
+
+
+def check_remedies(changes: Sequence[str], name: str = "fsr400") -> None:
+    """Type in the remedies of a refusal, all together and each alternative by itself; the design must then pass."""
+    issues = refuse(changes, name)
+    for issue in issues:
+        assert read_remedy(issue), f"{changes}: no remedy in {issue}"
+        for alternative in read_alternatives(issue):
+            assert not refuse([*changes, alternative], name), f"{changes}: {alternative} of {issue}"
+    remedies = as_changes(issues)
+    assert not refuse([*changes, *remedies], name), f"{changes}: {remedies}"
+
+
+def draw_value(random_numbers: random.Random, name: str) -> float:
+    """Value of a numeric parameter within its bounds: anywhere, at a bound, or near the default."""
+    bounds, default = find_bounds(PARAMETERS[name]), PARAMETERS[name].default
+    assert bounds.maximum is not None
+    high = bounds.maximum
+    low = bounds.minimum if bounds.minimum is not None else (bounds.above or 0.0) + 1e-3 * high
+    draw = random_numbers.random()
+    if draw < 0.3 and low > 0.0:
+        value = low * (high / low) ** random_numbers.random()
+    elif draw < 0.6:
+        value = random_numbers.uniform(low, high)
+    elif draw < 0.7:
+        value = random_numbers.choice((low, high))
+    else:
+        value = default * 2.0 ** random_numbers.uniform(-1.0, 1.0)
+    value = min(max(float(f"{value:.6g}"), low), high)
+    return round(value) if PARAMETERS[name].annotation is int else value
+
+
+def check_random_changes(seed: int, count: int) -> None:
+    """Check the remedies of random changes of one or two parameters to both bundled designs."""
+    random_numbers = random.Random(seed)
+    for _ in range(count):
+        names = random_numbers.sample(NUMERIC, random_numbers.choice((1, 2)))
+        changes = [f"{name}={draw_value(random_numbers, name)!r}" for name in names]
+        check_remedies(changes, random_numbers.choice(("fsr400", "fsr402")))
+
+
+def test_remedies_of_random_changes_pass() -> None:
+    check_random_changes(seed=1, count=25)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 6))
+def test_remedies_of_many_random_changes_pass(seed: int) -> None:
+    check_random_changes(seed, count=250)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("end", ["lowest", "highest"])
+def test_remedies_at_the_bounds_of_every_parameter_pass(end: str) -> None:
+    for name in NUMERIC:
+        bounds = find_bounds(PARAMETERS[name])
+        lowest = bounds.minimum if bounds.minimum is not None else (bounds.above or 0.0) + 1e-9
+        check_remedies([f"{name}={lowest if end == 'lowest' else bounds.maximum!r}"])
+
+
+@pytest.mark.parametrize(
+    ("changes", "first", "count"),
+    [
+        (["mold.land_mm=13"], "mold.key_diameter_mm: 5 mm does not fit between the bolts; set mold.land_mm=7.91.", 1),
+        (["skin.width_mm=6"], "skin.width_mm: 6 mm breaks 2 rules, named below; at least 16.2 mm.", 3),
+        (
+            ["skin.width_mm=6", "bone.collar_inset_mm=3.1661", "skin.squareness_dorsal=2.11381"],
+            "skin.thickness_side_mm: 2 mm leaves less than 1 mm of bone at the sides; "
+            "set skin.width_mm=16.2 and bone.collar_inset_mm=1.39.",
+            2,
+        ),
+        (["bone.interface=socket"], "at least 29.99 mm.", 1),
+        (
+            ["board.variant=comparator", "board.cutoff_hz=400"],
+            "board.band_limit_hz: 1000 Hz cuts into the vibrations, which reach 3 cutoffs of 400 Hz; at least 1200 Hz, "
+            "or board.variant=article, or board.cutoff_hz=333.",
+            1,
+        ),
+        (["skin.length_mm=70"], "at most 0.12 mm, or skin.length_mm=56.3.", 1),
+        (["sensor.model=fsr402"], "sensor.model: fsr402 breaks 3 rules, named below; set sensor.model=fsr400.", 4),
+        (
+            ["skin.width_mm=1"],
+            "1 mm is too small; at least 6 mm, and at least 16.2 mm with the other parameters as they are.",
+            1,
+        ),
+    ],
+)
+def test_remedies_name_the_cause(changes: list[str], first: str, count: int) -> None:
+    issues = refuse(changes)
+    assert first in str(issues[0])
+    assert len(issues) == count
+    check_remedies(changes)
+
+
+def test_consequences_name_the_cause_that_resolves_them() -> None:
+    issues = refuse(["bone.wall_mm=4"])
+    assert issues[0].field == "bone.wall_mm"
+    assert len(issues) > 4
+    assert all(issue.message.endswith("resolved by bone.wall_mm=1.") for issue in issues[1:])
+
+
+def test_a_design_in_python_gets_the_same_remedies() -> None:
+    with pytest.raises(DesignError) as caught:
+        Design(mold={"land_mm": 13.0})
+    assert caught.value.issues == refuse(["mold.land_mm=13.0"])
+
+
+def test_refusals_without_remedies_blame_the_same_fields() -> None:
+    tables = {"bone": {"wall_mm": 4.0}, "board": {"capacitor_uf": 100.0}}
+    with pytest.raises(DesignError) as quick:
+        Design.without_remedies(**tables)
+    with pytest.raises(DesignError) as full:
+        Design(**tables)
+    assert {issue.field for issue in quick.value.issues} == {issue.field for issue in full.value.issues}
+    assert not any("at most" in issue.message or "set " in issue.message for issue in quick.value.issues)
+    assert Design.without_remedies(skin={"width_mm": 18.0}) == Design(skin={"width_mm": 18.0})
+
+
+def test_the_defaults_break_no_rule() -> None:
+    """The last resort of every remedy is to return to them."""
+    assert not refuse([])
+    assert all(rule.check(Design()) is None for rule in RULES)
+
+
+def test_a_refusal_imports_no_heavy_package() -> None:
+    script = (
+        "import sys\n"
+        "from fingertip.design import Design\n"
+        "from fingertip.errors import DesignError\n"
+        "try:\n    Design.load(changes=['skin.width_mm=6'])\n"
+        "except DesignError:\n    print([name for name in ('numpy', 'scipy', 'tomlkit') if name in sys.modules])\n"
+    )
+    assert run_python("-c", script).stdout.strip() == "[]"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_files, board_values, differences, write_board
+from fingertip.board import board_circuit, board_differences, board_files, board_values, write_board
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fabrication_files import (
     PARTS_COLUMNS,
@@ -59,14 +59,14 @@ def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
 
 def test_check_detects_files_of_another_design(tmp_path: Path) -> None:
     write_board(Design(), tmp_path)
-    assert differences(Design.load(changes=["board.cutoff_hz=80"]), tmp_path)
+    assert board_differences(Design.load(changes=["board.cutoff_hz=80"]), tmp_path)
 
 
 def test_readme_of_somebody_else_is_kept(tmp_path: Path) -> None:
     (tmp_path / README).write_text("# Mine\n")
     write_board(Design(), tmp_path)
     assert (tmp_path / README).read_text() == "# Mine\n"
-    assert differences(Design(), tmp_path) == []
+    assert board_differences(Design(), tmp_path) == []
 
 
 def parse_csv(data: bytes) -> list[dict[str, str]]:
@@ -98,6 +98,7 @@ def test_parts_and_placement_files_have_the_columns_of_assembly_houses() -> None
     assert {row["Designator"] for row in placements} == {r for r in references if r[0] != "J"}
 
 
+@pytest.mark.slow
 def test_placement_file_equals_kicads(tmp_path: Path) -> None:
     write_board(Design(), tmp_path / "pcb")
     run = kicad_cli(
@@ -116,6 +117,7 @@ def test_placement_file_equals_kicads(tmp_path: Path) -> None:
         assert kicad_row["Side"] == row["Layer"].lower()
 
 
+@pytest.mark.slow
 def test_fabrication_files_are_complete_and_reproducible(tmp_path: Path) -> None:
     require_tool("kicad-cli", HOW_TO_INSTALL_KICAD)
     run = run_fingertip("board", "--fab", "--quiet", "--out", tmp_path)
@@ -163,6 +165,7 @@ def test_provenance_record_reveals_outdated_and_changed_files(tmp_path: Path) ->
         assert "has no valid record that names the board" in find_outdated_files(tmp_path, "record", BOARD_FILES)[0]
 
 
+@pytest.mark.slow
 def test_gerbers_of_an_earlier_board_are_reported(tmp_path: Path) -> None:
     assert run_fingertip("board", "--out", tmp_path).stderr.count("warning") == 0
     assert run_fingertip("board", "--out", tmp_path, "--check", "--fab").returncode == 1, (

@@ -138,6 +138,7 @@ def import_netlist(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     xvfb.wait()
 
 
+@pytest.mark.slow
 def test_pcb_editor_imports_the_netlist(import_netlist: Any, tmp_path: Path) -> None:
     write_board(Design(), tmp_path)
     record = import_netlist(tmp_path / NETLIST)
@@ -158,6 +159,7 @@ def test_pcb_editor_imports_the_netlist(import_netlist: Any, tmp_path: Path) -> 
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("right", "wrong"),
     [

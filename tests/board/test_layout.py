@@ -66,6 +66,7 @@ def run_drc(folder: Path) -> dict[str, list[str]]:
 NO_VIOLATIONS: dict[str, list[str]] = {"violations": [], "unconnected_items": [], "schematic_parity": []}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
 def test_board_passes_design_rules_check_and_matches_the_schematic(written: Written, changes: tuple[str, ...]) -> None:
     assert run_drc(written(*changes)) == NO_VIOLATIONS
@@ -82,6 +83,7 @@ CORRUPTIONS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("right", "wrong", "key"), CORRUPTIONS.values(), ids=CORRUPTIONS)
 def test_design_rules_check_detects_a_corrupted_board(tmp_path: Path, right: str, wrong: str, key: str) -> None:
     write_board(Design(), tmp_path / "pcb")

@@ -50,6 +50,7 @@ def max_deviation(circuit: NetlistCircuit, design: Design) -> float:
     return max(abs(circuit.gain(f, "/TACTILE", "/FILTERED") / H - 1) for f, H in expected)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", DESIGNS.values(), ids=DESIGNS)
 def test_wiring_has_the_transfer_function_of_the_filter(tmp_path: Path, changes: list[str]) -> None:
     design, path = write_netlist(tmp_path, changes)
@@ -96,12 +97,14 @@ def test_diode_drives_the_envelope_network(tmp_path: Path) -> None:
     assert circuit.nodes("U1", "8", "4") == circuit.nodes("J2", "1", "3") == ("VCC", "VEE")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["article_split", "comparator_single"])
 def test_independent_parser_reads_the_circuit(tmp_path: Path, name: str) -> None:
     design, path = write_netlist(tmp_path, list(BOARD_CONFIGURATIONS[name].changes))
     assert find_parser_differences(design, path) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("right", "wrong", "difference"),
     [
@@ -140,6 +143,7 @@ def find_parser_differences(design: Design, path: Path) -> list[str]:
     return [content for content, equal in is_equal.items() if not equal]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["article_single", "precision_single", "comparator_single"])
 def test_wiring_on_a_single_supply_has_the_transfer_function_of_the_filter(tmp_path: Path, name: str) -> None:
     """All signals refer to the midpoint, which a follower buffers. Nothing of the filter returns to ground."""
@@ -189,6 +193,7 @@ def test_uuids_do_not_depend_on_values() -> None:
     assert component_uuid(first, "R1") == component_uuid(second, "R1") == "0954e7c3-2994-54f4-a8ff-12cb4395b0e6"
 
 
+@pytest.mark.slow
 def test_two_processes_write_the_same_bytes(tmp_path: Path) -> None:
     digests = []
     for seed in ("1", "2"):

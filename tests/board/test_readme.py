@@ -36,6 +36,7 @@ def test_readme_states_the_passband_of_the_board(name: str) -> None:
     assert f"gain {achieved.passband_gain:.2f}" in readme(*changes)
 
 
+@pytest.mark.slow
 def test_readme_states_the_limited_input_range_of_the_tl082_only() -> None:
     for name, variant in BOARD_CONFIGURATIONS.items():
         text = readme(*variant.changes)

@@ -177,6 +177,7 @@ def simulate_envelope(is_article: bool) -> dict[int, float]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("variant", "supply"), CASES, ids=map(" ".join, CASES))
 def test_transients_equal_an_independent_simulation(
     written: Written, tmp_path: Path, variant: str, supply: str

@@ -167,6 +167,7 @@ def test_estimates_are_read_from_gcode() -> None:
         parse_gcode("bone", "G1 X0\n")
 
 
+@pytest.mark.slow
 def test_command_writes_page_and_data(tmp_path: Path) -> None:
     done = run_fingertip("sheet", FSR400, "--set", "name=mine", "--json", "--quiet", PWD=str(tmp_path))
     assert done.returncode == 0, done.stderr
@@ -181,6 +182,7 @@ def test_command_writes_page_and_data(tmp_path: Path) -> None:
     assert other.read_text() == page, "the same design gives the same bytes"
 
 
+@pytest.mark.slow
 def test_build_writes_the_same_sheet_as_the_command(built: Build, tmp_path: Path) -> None:
     """The report holds the sheet's data, and the page equals the one `fingertip sheet` writes."""
     done = run_fingertip("sheet", design_file(built.design.name), "--out", tmp_path / "casting.md", "--json")
@@ -213,6 +215,7 @@ def test_bad_input_exits_2_and_writes_nothing(tmp_path: Path, arguments: list[st
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_without_a_slicer_the_sheet_says_how_to_install_one(tmp_path: Path) -> None:
     page = tmp_path / "casting.md"
     done = run_fingertip("sheet", FSR400, "--slicer", "--out", page, PATH=str(tmp_path))
@@ -221,6 +224,7 @@ def test_without_a_slicer_the_sheet_says_how_to_install_one(tmp_path: Path) -> N
     assert HOW_TO_INSTALL in page.read_text()
 
 
+@pytest.mark.slow
 def test_prusa_slicer_gives_plausible_estimates(tmp_path: Path) -> None:
     require_tool("prusa-slicer", "apt-get install prusa-slicer")
     page = tmp_path / "casting.md"

@@ -135,7 +135,7 @@ def steps(data: Data) -> list[str]:
 
 def _centering_step(fit: Data, insert: str) -> str:
     """Step that centers the bone or core in the mold, with what a loose fit would cost."""
-    loose = f"leave {fit['min_skin_loose_mm']:g} mm of silicone" if fit["min_skin_loose_mm"] else "touch the mold"
+    loose = f"leave only {fit['min_skin_loose_mm']:g} mm of silicone" if fit["min_skin_loose_mm"] else "touch the mold"
     return (
         f"Pull the exposed end of the {insert} away from the funnel until its collar sits on its shelf all round. "
         f"Center the {insert} with strips of paper between it and the mold on all four sides, and hold it there with a "

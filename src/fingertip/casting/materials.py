@@ -48,7 +48,9 @@ class Silicone:
     name: str
     label: str
     cure: Literal["addition", "condensation"]
-    """Cure system. Addition cure (platinum) shrinks least, but uncured resin inhibits it, unlike condensation cure (tin).
+    """Cure system: addition (platinum) or condensation (tin).
+
+    Addition cure shrinks least, but uncured resin inhibits it. Condensation cure is not inhibited.
     """
     shore_a: MaterialProperty
     modulus_mpa: MaterialProperty

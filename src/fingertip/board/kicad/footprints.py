@@ -31,7 +31,7 @@ class Pad:
     """KiCad's pad shape: roundrect, rect or circle."""
     drill: float = 0.0
     """Diameter of the hole; 0 for a surface-mount pad on the front."""
-    plated: bool = True
+    is_plated: bool = True
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ FOOTPRINTS: dict[str, Footprint] = {
         (Pad("1", 0.0, 0.0, 1.0, 1.0, "circle"),), (-1.0, -1.0, 1.0, 1.0), (-0.5, -0.5, 0.5, 0.5), (), has_paste=False
     ),
     symbols.M2_HOLE: Footprint(
-        (Pad("", 0.0, 0.0, 2.2, 2.2, "circle", drill=2.2, plated=False),),
+        (Pad("", 0.0, 0.0, 2.2, 2.2, "circle", drill=2.2, is_plated=False),),
         (-2.45, -2.45, 2.45, 2.45), (-1.1, -1.1, 1.1, 1.1), (), has_paste=False,
     ),
 }  # fmt: skip

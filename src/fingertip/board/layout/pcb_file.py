@@ -217,7 +217,7 @@ def _outlines(footprint: Footprint, identifier: Callable[[str], str]) -> Iterato
             stroke(width_mm), ("fill", "no"), ("layer", quoted(layer)), ("uuid", identifier(item)),
         )  # fmt: skip
 
-    if footprint.pads[0].plated:
+    if footprint.pads[0].is_plated:
         yield rectangle(footprint.courtyard, "F.CrtYd", 0.05, "courtyard")
         yield rectangle(footprint.body, "F.Fab", 0.1, "body")
     else:
@@ -244,7 +244,7 @@ def _pad(
     component: Component, footprint: Footprint, pad: Pad, angle: int, nets: dict[str, str], net_codes: dict[str, int],
     identifier: str,
 ) -> Expression:  # fmt: skip
-    kind = "np_thru_hole" if not pad.plated else "thru_hole" if pad.drill else "smd"
+    kind = "np_thru_hole" if not pad.is_plated else "thru_hole" if pad.drill else "smd"
     layers = ("*.Cu", "*.Mask") if pad.drill else ("F.Cu", "F.Mask", *(("F.Paste",) if footprint.has_paste else ()))
     connection: tuple[Expression, ...] = ()
     if net := nets.get(pad.number):
@@ -259,7 +259,7 @@ def _pad(
         ("size", number(pad.width), number(pad.height)),
         *((("drill", number(pad.drill)),) if pad.drill else ()),
         ("layers", *(quoted(layer) for layer in layers)),
-        *((("remove_unused_layers", "no"),) if pad.drill and pad.plated else ()),
+        *((("remove_unused_layers", "no"),) if pad.drill and pad.is_plated else ()),
         *((("roundrect_rratio", number(corner_ratio)),) if pad.shape == "roundrect" else ()),
         *connection,
         ("uuid", identifier),

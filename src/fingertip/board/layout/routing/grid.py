@@ -128,7 +128,7 @@ class Grid:
 
     def _claim_pad(self, kind: int, pad: PlacedPad, margin: float) -> None:
         """Reserve the nodes within a margin [mm] of a pad for its net."""
-        is_hole = not pad.pad.plated
+        is_hole = not pad.pad.is_plated
         for row in range(self.rows):
             dy = max(abs(row * GRID_MM - pad.y) - pad.half_height, 0.0)
             if dy >= margin:

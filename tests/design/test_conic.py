@@ -1,4 +1,4 @@
-"""The closed forms of the superconic body against each other and against plain numerics."""
+"""Closed forms of the superconic body, checked against each other and against numerical integration."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ BODY = ConicBody(CrossSection(8.5, 6.0, 7.0, 0.8, 0.75), ((0.0, 1.0), (24.0, 0.9
 
 
 @given(t=st.floats(0, 1), w=weights)
-def test_abscissa_is_on_the_arc(t: float, w: float) -> None:
+def test_abscissa_lies_on_the_arc(t: float, w: float) -> None:
     x, y = arc_point(t, w)
     # Near its top the arc is level: there y says little about x.
     assert arc_abscissa(y, w) == pytest.approx(x, abs=1e-7)
 
 
 @pytest.mark.parametrize("y", [0.0, 0.3, 0.9, 1.0])
-def test_the_ellipse_weight_gives_the_circle(y: float) -> None:
+def test_the_weight_of_the_ellipse_gives_a_circle(y: float) -> None:
     assert arc_abscissa(y, ELLIPSE) == pytest.approx(math.sqrt(1 - y * y), abs=1e-12)
 
 
 @pytest.mark.parametrize(("w", "area"), [(ELLIPSE, math.pi / 4), (1e-9, 0.5), (1.0, 5 / 6), (1e9, 1.0)])
-def test_area_of_known_arcs(w: float, area: float) -> None:
+def test_area_of_arcs_with_known_areas(w: float, area: float) -> None:
     assert arc_area(w) == pytest.approx(area, abs=1e-8)
 
 
 @given(w=weights)
-def test_area_by_shoelace(w: float) -> None:
+def test_area_agrees_with_the_shoelace_formula(w: float) -> None:
     n = 2000
     points = [arc_point(i / n, w) for i in range(n + 1)]
     shoelace = sum(a[0] * b[1] - b[0] * a[1] for a, b in itertools.pairwise(points)) / 2
@@ -47,12 +47,12 @@ def test_tip_continues_the_taper_without_a_kink() -> None:
 
 
 @given(t=st.floats(0.001, 0.999))
-def test_tip_scale_agrees_with_its_points(t: float) -> None:
+def test_scale_of_the_tip_agrees_with_its_points(t: float) -> None:
     z, scale = BODY.tip_point(t)
     assert BODY.scale_at(z) == pytest.approx(scale, abs=1e-9)
 
 
 @given(y=st.floats(-6, 7), z=st.floats(0, 34))
 def test_sections_widen_towards_the_parting_plane(y: float, z: float) -> None:
-    """What lets both halves of a mold pull: nothing is wider than what lies nearer to y = 0."""
+    """Both halves of a mold pull because no point lies further out than the points nearer to y = 0."""
     assert BODY.half_width_at(y, z) <= BODY.half_width_at(y * 0.9, z) + 1e-12

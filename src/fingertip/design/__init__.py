@@ -1,4 +1,4 @@
-"""The design: parameters, their bounds, the rules between them, and what follows from them."""
+"""Design of a fingertip: parameters, their bounds, the rules between them, and the geometry derived from them."""
 
 from fingertip.design.model import Design
 

@@ -1,6 +1,7 @@
-"""Metric threads: the hole a bolt passes, and the nut it takes. The one table for rules, traps and the casting sheet.
+"""Metric threads: clearance hole of the bolt, and size of the nut. The one table for rules, traps and casting sheet.
 
-Clearance holes of the fine series by ISO 273; across flats and greatest height of hexagon nuts, style 1, by ISO 4032.
+Clearance holes are those of the fine series of ISO 273. Widths across flats and maximum heights are those of hexagon
+nuts, style 1, of ISO 4032.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Thread:
-    """A metric thread, its sizes in mm."""
+    """Metric thread, with its sizes in millimetres."""
 
     diameter_mm: float
     hole_mm: float
@@ -37,13 +38,14 @@ THREADS = (
 )
 """Metric threads, from the thinnest to the thickest."""
 MIN_HOLE_MM = THREADS[0].hole_mm
+"""Smallest clearance hole [mm] that a bolt of the table passes."""
 NUT_TRAP_CLEARANCE_MM = 0.2
-"""A nut trap is wider than its nut by this at least, so that a print takes the nut. An assumption."""
+"""Minimum clearance of a nut trap [mm], so that a printed trap takes the nut. An assumption."""
 MAX_TRAP_RATIO = 1.09
 """Ratio of the trap's width to the nut's flats above which the nut turns. The corners of a nut are 1.09 times as far
 apart as its flats (ISO 4032 gives both)."""
 
 
 def select_thread(hole_mm: float) -> Thread:
-    """The thickest thread whose bolt passes a hole [mm], of `MIN_HOLE_MM` or more."""
+    """Select the thickest thread whose bolt passes a hole [mm], which is at least `MIN_HOLE_MM`."""
     return max((t for t in THREADS if t.hole_mm <= hole_mm + 1e-9), key=lambda thread: thread.diameter_mm)

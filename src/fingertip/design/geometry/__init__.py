@@ -1,1 +1,1 @@
-"""Lengths and outlines that follow from the parameters: conics, draft, skin thickness, misalignment, mold layout."""
+"""Geometry derived from the parameters: superconics, dimensions, draft, skin thickness, misalignment, mold layout."""

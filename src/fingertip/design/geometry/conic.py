@@ -1,14 +1,16 @@
-"""Superconic bodies in closed form: the finger's outer form and the bone's envelope.
+"""Superconic bodies in closed form: the outer surface of the finger and the envelope of the bone.
 
-A cross-section is made of four rational quadratic arcs, one a quadrant. The arc from (a, 0) to (0, b) has the
-control point (a, b) with weight w: w = sqrt(1/2) is the ellipse, more is squarer, less is flatter. Along z the
-whole section is scaled: in straight lines between stations, then by one more conic to the apex of the tip, which
-continues the last straight line without a kink (G1). Both are exact as NURBS, so that the mesh and the B-rep
-evaluate the same surface. Because every section widens monotonically towards the plane y = 0, both halves of a mold
-parted there pull without an undercut.
+A cross-section consists of four rational quadratic arcs, one in each quadrant. The arc from (a, 0) to (0, b) has the
+control point (a, b) with weight w. The weight w = sqrt(1/2) gives an ellipse, larger weights are squarer and smaller
+ones flatter. Along z the whole section is scaled: linearly between stations, then by one more conic to the apex of the
+tip, which continues the last straight line without a kink (G1 continuity). NURBS represent both exactly, so that mesh
+and B-rep evaluate the same surface. Every section widens monotonically towards the plane y = 0. That is why both halves
+of a mold parted there pull without an undercut.
 
-Only the math module is used: its results are the same on every processor, numpy's vector functions differ in the
+Only the math module is used: its results are the same on every processor, while numpy's vector functions differ in the
 last bit.
+
+Reference: L. Piegl and W. Tiller, The NURBS Book, 2nd ed., section 7.3 (the quadratic rational Bezier arc).
 """
 
 from __future__ import annotations
@@ -17,10 +19,11 @@ import math
 from dataclasses import dataclass
 
 ELLIPSE = math.sqrt(0.5)
+"""Weight of an elliptic arc."""
 
 
 def arc_point(t: float, w: float) -> tuple[float, float]:
-    """Point of the unit arc from (1, 0) over the control point (1, 1) of weight `w` to (0, 1), t in [0, 1]."""
+    """Return the point at t in [0, 1] of the unit arc from (1, 0) to (0, 1) with control point (1, 1) of weight `w`."""
     u = 1.0 - t
     side, middle, top = u * u, 2.0 * w * u * t, t * t
     d = side + middle + top
@@ -28,9 +31,10 @@ def arc_point(t: float, w: float) -> tuple[float, float]:
 
 
 def arc_parameter_at_slope(a: float, b: float, w: float, slope: float) -> float:
-    """Parameter t of the arc from (a, 0) to (0, b) where it leans by -dx/dy = `slope` >= 0.
+    """Return the parameter t of the arc from (a, 0) to (0, b) at which -dx/dy = `slope` >= 0.
 
-    With r = t / (1 - t), the arc's derivatives -2 t (u + w t) and 2 u (t + w u) make that a quadratic in r.
+    With r = t / (1 - t) and u = 1 - t, the arc's derivatives are proportional to -2 t (u + w t) and 2 u (t + w u). That
+    makes the condition a quadratic equation in r.
     """
     c = slope * b
     r = (c - a + math.sqrt((c - a) ** 2 + 4.0 * a * c * w * w)) / (2.0 * a * w)
@@ -38,16 +42,19 @@ def arc_parameter_at_slope(a: float, b: float, w: float, slope: float) -> float:
 
 
 def arc_parameter_at_height(y: float, w: float) -> float:
-    """Parameter t of the unit arc at height y in [0, 1): (1 - y) r^2 + 2 w (1 - y) r = y, r = t / (1 - t)."""
+    """Return the parameter t of the unit arc at height y in [0, 1).
+
+    With r = t / (1 - t) it solves (1 - y) r^2 + 2 w (1 - y) r = y.
+    """
     v = w * (1.0 - y)
     r = y / (v + math.sqrt(v * v + y * (1.0 - y)))
     return r / (1.0 + r)
 
 
 def arc_abscissa(y: float, w: float) -> float:
-    """The x of the unit arc at height y in [0, 1]; 0 above it.
+    """Return the x of the unit arc at height y in [0, 1]; 0 above it.
 
-    With X = 1 - x the arc satisfies (y - X)^2 = 4 w^2 X (1 - y); the root is taken in the form without cancellation.
+    With X = 1 - x the arc satisfies (y - X)^2 = 4 w^2 X (1 - y). The root is computed in the form without cancellation.
     """
     if y >= 1.0:
         return 0.0
@@ -56,13 +63,13 @@ def arc_abscissa(y: float, w: float) -> float:
 
 
 def arc_area(w: float) -> float:
-    """Area between the unit arc and the axes: pi/4 for the ellipse, 1/2 at w = 0, 1 in the limit of large w.
+    """Return the area between the unit arc and the axes: pi/4 for the ellipse, 1/2 at w = 0, 1 in the limit of large w.
 
-    The arc is a projective image of the circle's; integrating x dy gives the closed forms below, with
-    d = 1 - w^2 telling ellipses (d > 0) from hyperbolas (d < 0).
+    The arc is a projective image of the circle's. Integrating x dy gives the closed forms below, where d = 1 - w^2 is
+    positive for ellipses and negative for hyperbolas.
     """
     d = 1.0 - w * w
-    if abs(d) < 1e-4:  # both forms cancel here; the series of their common limit (the parabola) does not
+    if abs(d) < 1e-4:  # Both forms cancel here. The series about their common limit, the parabola, does not.
         return 0.5 + 0.5 * (2.0 / 3.0 + 2.0 / 15.0 * 2.0 * (w - 1.0))
     integral = w / d * (math.acos(w) / math.sqrt(d) - w) if d > 0.0 else w / -d * (w - math.acosh(w) / math.sqrt(-d))
     return 0.5 + 0.5 * integral
@@ -70,7 +77,7 @@ def arc_area(w: float) -> float:
 
 @dataclass(frozen=True)
 class CrossSection:
-    """Half width and the two half heights [mm], each half with its own arc weight (squareness)."""
+    """Cross-section by half width and two half heights [mm], each half with its own arc weight (squareness)."""
 
     half_width: float
     palmar: float
@@ -79,36 +86,39 @@ class CrossSection:
     dorsal_weight: float
 
     def half_width_at(self, y: float, scale: float = 1.0) -> float:
-        """Half width [mm] of the section scaled by `scale` at height y [mm]; 0 outside it."""
+        """Return the half width [mm] of the section, scaled by `scale`, at height y [mm]; 0 outside it."""
         height, weight = (self.dorsal, self.dorsal_weight) if y >= 0 else (self.palmar, self.palmar_weight)
         if scale <= 0.0 or abs(y) >= height * scale:
             return 0.0
         return scale * self.half_width * arc_abscissa(abs(y) / (height * scale), weight)
 
     def area(self) -> float:
-        """Area [mm2] at scale 1."""
+        """Return the area [mm2] at scale 1."""
         halves = self.palmar * arc_area(self.palmar_weight) + self.dorsal * arc_area(self.dorsal_weight)
         return 2.0 * self.half_width * halves
 
 
 @dataclass(frozen=True)
 class Tip:
-    """The rounded end: z of the apex [mm] and the weight of its conic."""
+    """Rounded end of a body."""
 
     z: float
+    """Height of the apex [mm]."""
     weight: float
+    """Weight of the profile's conic."""
 
 
 @dataclass(frozen=True)
 class ConicBody:
-    """A section scaled along z through `stations` (z [mm], scale), then closed flat or by a tip."""
+    """Section that is scaled along z and then closed, flat or by a tip."""
 
     section: CrossSection
     stations: tuple[tuple[float, float], ...]
+    """Heights [mm] and scales between which the section is scaled linearly."""
     tip: Tip | None = None
 
     def tip_control(self) -> float:
-        """Scale of the tip's control point: where the last taper line meets the apex's height."""
+        """Return the scale of the tip's control point, where the last taper line meets the height of the apex."""
         assert self.tip is not None
         (z0, s0), (z1, s1) = self.stations[-2:]
         if z1 == z0:
@@ -116,7 +126,7 @@ class ConicBody:
         return s1 + (s1 - s0) / (z1 - z0) * (self.tip.z - z1)
 
     def tip_point(self, t: float) -> tuple[float, float]:
-        """(z, scale) on the tip's conic, t in [0, 1] from the last station to the apex."""
+        """Return (z, scale) on the tip's conic, with t in [0, 1] from the last station to the apex."""
         assert self.tip is not None
         z1, s1 = self.stations[-1]
         u, w = 1.0 - t, self.tip.weight
@@ -125,19 +135,19 @@ class ConicBody:
         return (side * z1 + (middle + top) * self.tip.z) / d, (side * s1 + middle * self.tip_control()) / d
 
     def scale_at(self, z: float) -> float:
-        """Scale of the section at height z [mm]; 0 outside the body."""
+        """Return the scale of the section at height z [mm]; 0 outside the body."""
         for (z0, s0), (z1, s1) in zip(self.stations, self.stations[1:], strict=False):
             if z0 <= z <= z1 and z0 < z1:
                 return s0 + (s1 - s0) * (z - z0) / (z1 - z0)
         z1, s1 = self.stations[-1]
         if self.tip is None or not z1 < z < self.tip.z:
             return 0.0
-        # barycentric coordinates of the conic: l1^2 = 4 w^2 l0 l2, l0 = 1 - zeta, l2 = zeta - l1
+        # Barycentric coordinates of the conic satisfy l1^2 = 4 w^2 l0 l2. Here l2 = zeta - l1 and l0 = 1 - zeta.
         zeta = (z - z1) / (self.tip.z - z1)
         b = 4.0 * self.tip.weight**2 * (1.0 - zeta)
         l1 = 2.0 * b * zeta / (b + math.sqrt(b * b + 4.0 * b * zeta))
         return (1.0 - zeta) * s1 + l1 * self.tip_control()
 
     def half_width_at(self, y: float, z: float) -> float:
-        """Half width [mm] of the body at (y, z) [mm]; 0 outside it."""
+        """Return the half width [mm] of the body at (y, z) [mm]; 0 outside it."""
         return self.section.half_width_at(y, self.scale_at(z))

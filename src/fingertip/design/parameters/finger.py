@@ -15,7 +15,7 @@ class Sensor(ParameterTable):
         "fsr400", "Force-sensing resistor from the catalogue, or custom: [custom_sensor] then holds its outline."
     )
     distance_from_tip_mm: float = quantity(
-        11.5, "mm", "Distance from the skin's tip to the centre of the active area.", minimum=3, maximum=60
+        11.5, "mm", "Distance from the tip of the skin to the centre of the active area.", minimum=3, maximum=60
     )
     clearance_mm: float = quantity(0.15, "mm", "Gap around the sensor in its pocket and slot.", minimum=0.02, maximum=1)
     adhesive_thickness_mm: float = quantity(
@@ -44,7 +44,7 @@ class Bone(ParameterTable):
     """Rigid core that carries the sensor, and its interface to the proximal phalanx."""
 
     base_length_mm: float = quantity(
-        22.0, "mm", "Length of the base between the skin's end and the interface.", minimum=4, maximum=60
+        22.0, "mm", "Length of the base from the skin's proximal end to the interface.", minimum=4, maximum=60
     )
     squareness_palmar: float = quantity(
         1.3, "", "Conic weight of the palmar edges (0.71: ellipse, 2: nearly a box).", minimum=0.5, maximum=8
@@ -98,17 +98,21 @@ class Bone(ParameterTable):
 class Skin(ParameterTable):
     """Outer shape of the silicone skin, and its thickness over the bone."""
 
-    width_mm: float = quantity(17.0, "mm", "Full width at the skin's end.", minimum=6, maximum=60)
+    width_mm: float = quantity(17.0, "mm", "Full width at the proximal end.", minimum=6, maximum=60)
     semi_axis_palmar_mm: float = quantity(
         6.0, "mm", "Height of the pad, measured from the parting plane.", minimum=2, maximum=40
     )
     semi_axis_dorsal_mm: float = quantity(
         7.0, "mm", "Height of the back, measured from the parting plane.", minimum=2, maximum=40
     )
-    length_mm: float = quantity(34.0, "mm", "Length from the skin's end to its tip.", minimum=8, maximum=120)
+    length_mm: float = quantity(34.0, "mm", "Length from the proximal end to the tip.", minimum=8, maximum=120)
     tip_length_mm: float = quantity(10.0, "mm", "Length of the rounded tip, part of the length.", minimum=2, maximum=60)
     taper_ratio: float = quantity(
-        0.94, "", "Size of the cross-section where the tip begins, relative to the skin's end.", minimum=0.4, maximum=1
+        0.94,
+        "",
+        "Size of the cross-section where the tip begins, relative to the proximal end.",
+        minimum=0.4,
+        maximum=1,
     )
     squareness_palmar: float = quantity(
         0.8, "", "Conic weight of the pad's arcs (0.71: ellipse).", minimum=0.4, maximum=4
@@ -163,7 +167,9 @@ class Mold(ParameterTable):
         minimum=0,
         maximum=5,
     )
-    wall_mm: float = quantity(4.0, "mm", "Mold wall below, above and behind the cavity.", minimum=1.2, maximum=30)
+    wall_mm: float = quantity(
+        4.0, "mm", "Thickness of the mold below, above and behind the cavity.", minimum=1.2, maximum=30
+    )
     land_mm: float = quantity(
         3.0, "mm", "Width of the flat land between the cavity and the bolts or keys.", minimum=1, maximum=20
     )

@@ -21,7 +21,7 @@ def test_readme_states_the_requirements_on_the_supply(name: str) -> None:
         board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes)).supply_ripple,
     )
     assert "a reversed supply destroys it" in text
-    assert f"{ripple.gain:.0f} times as large" in text
+    assert f"amplified {ripple.gain:.0f} times" in text
     assert f"must stay below {1e3 * ripple.max_v:.2g} mV" in text
     assert "linear regulator" in text
     assert "no filter for the bridge's supply" in text.split("Known limitations")[1]

@@ -25,7 +25,7 @@ from fingertip.files import atomic_write
 NETLIST = "slip_filter.net"
 VALUES = "values.json"
 DECK = "slip_filter.cir"
-PARTS = "bom.csv"
+BOM = "bom.csv"
 SCHEMATIC = "slip_filter.kicad_sch"
 LAYOUT = "slip_filter.kicad_pcb"
 PROJECT = "slip_filter.kicad_pro"
@@ -58,7 +58,7 @@ def board_files(design: Design) -> dict[str, bytes]:
         LAYOUT: kicad_pcb_file(circuit, configuration.placement, template),
         PROJECT: kicad_project_file(circuit),
         DECK: spice_deck(circuit, design.board.gain_bandwidth_hz, design.board.supply_v),
-        PARTS: bill_of_materials(circuit),
+        BOM: bill_of_materials(circuit),
         VALUES: text.encode(),
         README: folder_readme(circuit, configuration, values, design),
     }

@@ -159,10 +159,11 @@ def _signal_notes(values: BoardValues, design: Design) -> list[str]:
     return [
         signal_ground,
         f"{_capitalize(adc_range)}.",
-        f"T lies between {limits.min_tactile_v:.2f} V (20 N) and {limits.max_tactile_v:.2f} V (no force). E rises by "
-        f"up to {limits.max_envelope_v:.1f} V.",
+        f"T lies between {limits.min_tactile_v:.2f} V (20 N) and {limits.max_tactile_v:.2f} V (no force). E rises to "
+        f"at most {limits.max_envelope_v:.1f} V above the signal ground.",
         swing,
-        f"D2 and D3 clamp T and E to within a diode drop of ground and +{supply_v:g} V. R7 to R9 limit the clamp current.",
+        f"D2 and D3 clamp T and E to within a diode drop of ground and +{supply_v:g} V. R7 to R9 limit the clamp "
+        "current.",
         f"R8, C9, R9 and C19 (T) and R7 and C8 (E) are anti-aliasing filters for {design.detector.sample_rate_hz:g} "
         f"samples per second. In T they attenuate frequencies that alias to {values.aliasing.band_hz:.0f} Hz, the "
         f"upper end of the vibration band, by {-values.aliasing.tactile_alias_db:.0f} dB. For another sample rate set "
@@ -181,9 +182,9 @@ def _power_notes(values: BoardValues, design: Design) -> list[str]:
     notes = [
         "The board has no reverse polarity protection: a reversed supply destroys it. Check the polarity of the plug "
         "for J2 with a meter before you connect the board.",
-        f"The bridge is fed from +{supply_v:g} V. Ripple on this supply reaches the rectifier {ripple.gain:.0f} times "
-        f"as large. Between {low_hz:g} Hz and {high_hz:g} Hz its peak must stay below {1e3 * ripple.max_v:.2g} mV: "
-        f"more {effect}. Use a low-noise linear regulator near the board, and supply nothing else from it.",
+        f"The bridge is fed from +{supply_v:g} V. Ripple on this supply reaches the rectifier amplified "
+        f"{ripple.gain:.0f} times. Between {low_hz:g} Hz and {high_hz:g} Hz its peak must stay below "
+        f"{1e3 * ripple.max_v:.2g} mV: more {effect}. Use a low-noise linear regulator near the board, and supply nothing else from it.",
     ]
     if values.comparator_stage:
         notes.append(
@@ -233,13 +234,13 @@ def _trimming_procedure(stage: ComparatorStage, values: BoardValues, design: Des
         f"(at most {1e3 * MAX_COMPARATOR_OFFSET_V:g} mV). One procedure compensates the output offset and these errors:"
     )
     steps = (
-        "Touch nothing with the sensor. Measure the threshold at RV1's middle pin, the one alone on its side, against "
-        f"{reference_point}.",
+        "Make sure that nothing touches the sensor. Measure the threshold at RV1's middle pin, the one alone on its "
+        f"side, against {reference_point}.",
         "Turn RV1 up, counterclockwise towards the pin beside R19, until S is high. The meter shows the direction.",
         "Turn RV1 down slowly until S goes low. Note the last reading before that: it is the quiescent level as the "
         "comparator sees it.",
         f"Turn RV1 up until S is high again, and on to the noted level + {threshold}. Read the meter only while S is "
-        f"high: a low S lowers the reading by {HYSTERESIS_RATIO:.0%} of the design's threshold.",
+        f"high: a low S lowers the reading by {100 * HYSTERESIS_RATIO:g} % of the design's threshold.",
         f"If the noted level + {threshold} exceeds the range of RV1, choose a higher `detector.threshold_v` for the "
         "board, or better amplifiers.",
     )

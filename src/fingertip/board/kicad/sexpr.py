@@ -7,7 +7,7 @@ import json
 Expression = tuple["str | Expression", ...]
 
 
-def quoted(word: str) -> str:
+def quote(word: str) -> str:
     """Return a word in double quotes, escaped."""
     return json.dumps(word, ensure_ascii=False)
 

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from fingertip.board.circuit import Circuit
-from fingertip.board.kicad.sexpr import Expression, number, quoted
+from fingertip.board.kicad.sexpr import Expression, number, quote
 from fingertip.board.kicad.uuids import component_uuid, named_uuid
 from fingertip.board.schematic.sheet import UNIT_MM, PlacedSymbol, Point, PowerSymbol, Sheet
 from fingertip.board.schematic.symbol_graphics import SYMBOL_GRAPHICS, PinGraphic, UnitGraphic
@@ -20,7 +20,7 @@ def format_property(
 ) -> Expression:
     """Property of a symbol at a position [mm]."""
     at = ("at", number(x), number(y), angle)
-    return ("property", quoted(name), quoted(text), at, format_text_effects(justify, hidden=hidden))
+    return ("property", quote(name), quote(text), at, format_text_effects(justify, hidden=hidden))
 
 
 def format_text_effects(justify: str = "", height_mm: float = TEXT_HEIGHT_MM, hidden: bool = False) -> Expression:
@@ -58,7 +58,7 @@ def _library_symbol(
     hide: Expression = ("hide", "yes")
     return (
         "symbol",
-        quoted(f"{library}:{name}"),
+        quote(f"{library}:{name}"),
         *((("power",),) if is_power else ()),
         ("pin_numbers", *(() if show_numbers else (hide,))),
         ("pin_names", ("offset", "0.127"), *(() if show_names else (hide,))),
@@ -84,7 +84,7 @@ def _library_unit(name: str, index: int, unit: UnitGraphic, pins: dict[str, tupl
 
     return (
         "symbol",
-        quoted(f"{name}_{index}_1"),
+        quote(f"{name}_{index}_1"),
         *(polyline(points, "none") for points in unit.lines),
         *(polyline(points, "background") for points in unit.filled),
         *(
@@ -96,8 +96,8 @@ def _library_unit(name: str, index: int, unit: UnitGraphic, pins: dict[str, tupl
                 "pin", pins[key][1], "line",
                 ("at", number(pin.x), number(pin.y), str(pin.angle)),
                 ("length", number(pin.length)),
-                ("name", quoted(pins[key][0]), format_text_effects()),
-                ("number", quoted(key), format_text_effects()),
+                ("name", quote(pins[key][0]), format_text_effects()),
+                ("number", quote(key), format_text_effects()),
             )
             for key, pin in unit.pins.items()
         ),
@@ -133,7 +133,7 @@ def component_symbol(circuit: Circuit, symbol: PlacedSymbol, root: str) -> Expre
     x, y = symbol.x * UNIT_MM, symbol.y * UNIT_MM
     return (
         "symbol",
-        ("lib_id", quoted(f"{component.symbol.library}:{component.symbol.name}")),
+        ("lib_id", quote(f"{component.symbol.library}:{component.symbol.name}")),
         ("at", number(x), number(y), str(symbol.angle)),
         *((("mirror", "y"),) if symbol.mirrored else ()),
         ("unit", str(symbol.unit)),
@@ -141,7 +141,7 @@ def component_symbol(circuit: Circuit, symbol: PlacedSymbol, root: str) -> Expre
         ("in_bom", "yes" if component.rating else "no"),
         ("on_board", "yes"),
         ("dnp", "no"),
-        ("uuid", quoted(identifier)),
+        ("uuid", quote(identifier)),
         _visible_property(symbol, unit, "Reference", component.reference, unit.reference_at, above=True),
         _visible_property(symbol, unit, "Value", component.value, unit.value_at, above=False),
         format_property("Footprint", component.footprint, x, y, hidden=True),
@@ -149,7 +149,7 @@ def component_symbol(circuit: Circuit, symbol: PlacedSymbol, root: str) -> Expre
         format_property("Description", component.symbol.description, x, y, hidden=True),
         format_property("Role", component.role, x, y, hidden=True),
         *(
-            ("pin", quoted(pin), ("uuid", quoted(named_uuid(circuit, f"pin {component.reference}.{pin}"))))
+            ("pin", quote(pin), ("uuid", quote(named_uuid(circuit, f"pin {component.reference}.{pin}"))))
             for pin in unit.pins
         ),
         _instance(circuit, root, component.reference, symbol.unit),
@@ -192,24 +192,24 @@ def _power_symbol(circuit: Circuit, symbol: PowerSymbol, reference: str, root: s
     value_y = y + (value_y if symbol.angle == 180 else -value_y)
     return (
         "symbol",
-        ("lib_id", quoted(f"{POWER_LIBRARY}:{symbol.name}")),
+        ("lib_id", quote(f"{POWER_LIBRARY}:{symbol.name}")),
         ("at", number(x), number(y), str(symbol.angle)),
         ("unit", "1"),
         ("exclude_from_sim", "no"),
         ("in_bom", "yes"),
         ("on_board", "yes"),
         ("dnp", "no"),
-        ("uuid", quoted(named_uuid(circuit, f"power {reference}"))),
+        ("uuid", quote(named_uuid(circuit, f"power {reference}"))),
         format_property("Reference", reference, x, y, hidden=True),
         format_property("Value", symbol.name, x, value_y, hidden=symbol.name == "PWR_FLAG"),
         format_property("Footprint", "", x, y, hidden=True),
         format_property("Datasheet", "", x, y, hidden=True),
         format_property("Description", "", x, y, hidden=True),
-        ("pin", quoted("1"), ("uuid", quoted(named_uuid(circuit, f"pin {reference}")))),
+        ("pin", quote("1"), ("uuid", quote(named_uuid(circuit, f"pin {reference}")))),
         _instance(circuit, root, reference, 1),
     )
 
 
 def _instance(circuit: Circuit, root: str, reference: str, unit: int) -> Expression:
-    path = ("path", quoted(f"/{root}"), ("reference", quoted(reference)), ("unit", str(unit)))
-    return ("instances", ("project", quoted(circuit.name), path))
+    path = ("path", quote(f"/{root}"), ("reference", quote(reference)), ("unit", str(unit)))
+    return ("instances", ("project", quote(circuit.name), path))

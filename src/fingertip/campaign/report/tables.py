@@ -237,7 +237,7 @@ def _study_tables(studies: StudyResults) -> list[str]:
     ]
     detectors = list(dict.fromkeys(row.detector for row in studies.accelerations))
     lines += ["", "median and 90th percentile of the delay by acceleration of the surface (* assumed):"]
-    lines.append("m/s2    " + "".join(f"{name:>18}" for name in detectors))
+    lines.append("m/s2    " + "".join(f"{name:>19}" for name in detectors))
     for a in dict.fromkeys(row.acceleration_m_s2 for row in studies.accelerations):
         rows = {row.detector: row for row in studies.accelerations if row.acceleration_m_s2 == a}
         cells = "".join(f"{_short_ms(rows[name].median_s)} /{_short_ms(rows[name].p90_s)} ms" for name in detectors)
@@ -290,4 +290,4 @@ def _change(variation: VariationResult, base: VariationResult) -> str:
 
 
 def _short_ms(seconds: float) -> str:
-    return f"{1000 * seconds:6.1f}" if math.isfinite(seconds) else "missed"
+    return f"{1000 * seconds:7.1f}" if math.isfinite(seconds) else " missed"

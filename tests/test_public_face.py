@@ -20,6 +20,7 @@ def test_unknown_name_raises_attribute_error() -> None:
         _ = fingertip.nothing  # type: ignore[attr-defined]
 
 
+@pytest.mark.slow
 def test_example_in_the_docstring_runs(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
     from tests.conftest import ROOT
 
@@ -32,6 +33,7 @@ def test_example_in_the_docstring_runs(tmp_path, monkeypatch: pytest.MonkeyPatch
     assert (tmp_path / "pcb/slip_filter.net").exists()
 
 
+@pytest.mark.slow
 def test_part_as_cadquery_solid_and_trimesh() -> None:
     import cadquery
     import trimesh
@@ -47,6 +49,7 @@ def test_part_as_cadquery_solid_and_trimesh() -> None:
         fingertip.part_mesh(design, "bome")
 
 
+@pytest.mark.slow
 def test_commands_without_geometry_import_no_heavy_package() -> None:
     """Each command runs in a process of its own, which prints the heavy packages it has imported."""
     from tests.conftest import design_file

@@ -214,7 +214,7 @@ def _files_of_another_design(folder: Path, design: Design) -> list[str]:
 def _select(option: str, requested: Iterable[str], known: tuple[str, ...]) -> list[str]:
     """Return the requested names in the order of `known` and without duplicates."""
     if isinstance(requested, str):
-        raise DesignError(Issue(option, f"{requested!r} is a string; give a list, such as {requested.split(',')!r}."))
+        raise DesignError(Issue(option, f"{requested!r} is a single text; give a list, such as {requested.split(',')!r}."))
     names = set(requested)
     if unknown := sorted(names - set(known)):
         raise DesignError([Issue(option, _describe_unknown_name(name, known)) for name in unknown])

@@ -11,6 +11,8 @@ from fingertip.cad.solids import Box, Solid, cylinder, difference, intersection
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.design import Design
 
+pytestmark = pytest.mark.slow
+
 
 class BrepVolumes:
     """Volumes of solids of one design, each evaluated once."""

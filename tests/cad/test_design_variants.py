@@ -21,6 +21,7 @@ VARIANTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", VARIANTS.values(), ids=VARIANTS)
 def test_variant_builds_and_passes_all_checks(changes: list[str], tmp_path: Path) -> None:
     result = build(Design.load(changes=changes), tmp_path, formats=["stl", "step"], tolerance_mm=0.02)

@@ -33,9 +33,9 @@ def is_inside(point: engraving.Point, ring: Sequence[engraving.Point]) -> bool:
 
 @pytest.mark.parametrize("letter", ALLOWED)
 def test_every_allowed_character_has_valid_outlines(letter: str) -> None:
-    for quad in stroke_rectangles(letter, STROKE_WIDTH):
-        assert area(quad) > 0, "counter-clockwise"
-        assert all(-0.57 <= x <= 4.57 and -0.57 <= y <= 6.57 for x, y in quad)
+    for rectangle in stroke_rectangles(letter, STROKE_WIDTH):
+        assert area(rectangle) > 0, "counter-clockwise"
+        assert all(-0.57 <= x <= 4.57 and -0.57 <= y <= 6.57 for x, y in rectangle)
     for outline, *counters in letter_outlines(letter, STROKE_WIDTH):
         assert area(outline) > 0
         assert all(area(ring) < 0 for ring in counters)
@@ -44,14 +44,11 @@ def test_every_allowed_character_has_valid_outlines(letter: str) -> None:
 @pytest.mark.parametrize("letter", string.ascii_uppercase + string.digits + "-_")
 def test_outline_covers_the_same_area_as_the_strokes(letter: str) -> None:
     """2000 random points lie inside a stroke exactly if they lie inside the outline and in no counter."""
-    quads, pieces = (
-        stroke_rectangles(letter, STROKE_WIDTH),
-        letter_outlines(letter, STROKE_WIDTH),
-    )
+    rectangles, pieces = stroke_rectangles(letter, STROKE_WIDTH), letter_outlines(letter, STROKE_WIDTH)
     rng = random.Random(letter)
     for _ in range(2000):
         point = (rng.uniform(-0.7, 4.7), rng.uniform(-0.7, 6.7))
-        by_stroke = any(is_inside(point, quad) for quad in quads)
+        by_stroke = any(is_inside(point, rectangle) for rectangle in rectangles)
         assert by_stroke == (sum(is_inside(point, ring) for rings in pieces for ring in rings) % 2 == 1)
 
 
@@ -69,10 +66,7 @@ def test_all_letters_differ() -> None:
 
 
 def test_letters_follow_each_other_at_a_constant_distance() -> None:
-    first, second = (
-        letter_outlines("I", STROKE_WIDTH),
-        letter_outlines("II", STROKE_WIDTH),
-    )
+    first, second = letter_outlines("I", STROKE_WIDTH), letter_outlines("II", STROKE_WIDTH)
     moved = [tuple(tuple((x + engraving.ADVANCE, y) for x, y in ring) for ring in rings) for rings in first]
     assert second == [*first, *moved]
     assert engraving.text_width("II") == pytest.approx(10.0)

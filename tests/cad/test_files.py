@@ -16,18 +16,20 @@ from fingertip.build_files import Build
 from fingertip.cad.shapes.parts import PARTS
 from tests.conftest import design_file, run_fingertip
 
+pytestmark = pytest.mark.slow
+
 NAMES = ("bone", "skin", "mold_palmar", "mold_dorsal")  # the bundled designs are overmolded
-MESHES = [(name, kind) for name in NAMES for kind in ("stl", "3mf")]
+MESHES = [(name, file_format) for name in NAMES for file_format in ("stl", "3mf")]
 
 
-def load(built: Build, name: str, kind: str) -> trimesh.Trimesh:
-    loaded = trimesh.load(built.folder / f"{name}.{kind}", force="mesh")
+def load(built: Build, name: str, file_format: str) -> trimesh.Trimesh:
+    loaded = trimesh.load(built.folder / f"{name}.{file_format}", force="mesh")
     assert isinstance(loaded, trimesh.Trimesh)
     return loaded
 
 
 def test_build_writes_exactly_the_expected_files(built: Build) -> None:
-    expected = {f"{name}.{kind}" for name in NAMES for kind in ("stl", "3mf", "step")}
+    expected = {f"{name}.{file_format}" for name in NAMES for file_format in ("stl", "3mf", "step")}
     assert {path.name for path in built.folder.iterdir()} == expected | {
         "assembly.step",
         "casting.md",
@@ -36,9 +38,9 @@ def test_build_writes_exactly_the_expected_files(built: Build) -> None:
     }
 
 
-@pytest.mark.parametrize(("name", "kind"), MESHES)
-def test_trimesh_finds_a_watertight_solid_of_the_expected_genus(built: Build, name: str, kind: str) -> None:
-    mesh = load(built, name, kind)
+@pytest.mark.parametrize(("name", "file_format"), MESHES)
+def test_trimesh_finds_a_watertight_solid_of_the_expected_genus(built: Build, name: str, file_format: str) -> None:
+    mesh = load(built, name, file_format)
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
     assert mesh.volume > 0
@@ -46,9 +48,9 @@ def test_trimesh_finds_a_watertight_solid_of_the_expected_genus(built: Build, na
     assert 1 - mesh.euler_number / 2 == PARTS[name].genus(built.design)
 
 
-@pytest.mark.parametrize(("name", "kind"), MESHES)
-def test_manifold3d_finds_a_valid_solid_of_the_expected_genus(built: Build, name: str, kind: str) -> None:
-    mesh = load(built, name, kind)
+@pytest.mark.parametrize(("name", "file_format"), MESHES)
+def test_manifold3d_finds_a_valid_solid_of_the_expected_genus(built: Build, name: str, file_format: str) -> None:
+    mesh = load(built, name, file_format)
     solid = Manifold(Mesh64(np.array(mesh.vertices, order="C"), np.array(mesh.faces, dtype=np.uint64, order="C")))
     assert solid.status() == Error.NoError
     assert solid.volume() > 0
@@ -107,8 +109,8 @@ def test_report_agrees_with_the_files(built: Build) -> None:
     assert report["checks"]
     for name, entry in report["parts"].items():
         assert entry["volume_mm3"] == pytest.approx(load(built, name, "stl").volume, rel=1e-9)
-        for kind, file in entry["files"].items():
-            assert entry["sha256"][kind] == hashlib.sha256((built.folder / file).read_bytes()).hexdigest()
+        for file_format, file in entry["files"].items():
+            assert entry["sha256"][file_format] == hashlib.sha256((built.folder / file).read_bytes()).hexdigest()
     for check in report["checks"]:
         assert set(check) == {"name", "value", "limit", "unit", "passed"}
 

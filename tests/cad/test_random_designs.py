@@ -44,6 +44,7 @@ def generate_accepted(seed: int) -> Iterator[Design]:
             yield Design.load(file, changes=changes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(MANY or 40))
 def test_random_design_passes_every_mesh_check(seed: int) -> None:
     design = next(generate_accepted(seed))
@@ -54,6 +55,7 @@ def test_random_design_passes_every_mesh_check(seed: int) -> None:
     assert [check for check in found if not check.passed and not check.name.endswith("print_volume_excess")] == []
 
 
+@pytest.mark.slow
 def test_random_designs_that_break_a_rule_are_rejected_quickly() -> None:
     """Each is rejected by a `DesignError` with messages, before any geometry is made: within 0.2 s."""
     rng, slowest = random.Random(7), 0.0
@@ -70,6 +72,7 @@ def test_random_designs_that_break_a_rule_are_rejected_quickly() -> None:
     assert slowest < 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 100 + (MANY or 5)))
 def test_kernels_agree_on_a_random_design(seed: int) -> None:
     design, evaluator, exact = next(generate_accepted(seed)), MeshEvaluator(TOLERANCE), brep.BrepEvaluator()

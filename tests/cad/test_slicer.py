@@ -10,18 +10,20 @@ import pytest
 from fingertip.build_files import Build
 from tests.tools import require_tool
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def slicer() -> Path:
     return require_tool("prusa-slicer", "apt-get install prusa-slicer")
 
 
-@pytest.mark.parametrize("kind", ["stl", "3mf"])
+@pytest.mark.parametrize("file_format", ["stl", "3mf"])
 @pytest.mark.parametrize("name", ["bone", "skin", "mold_palmar", "mold_dorsal"])
-def test_slicer_sees_one_manifold_part(slicer: Path, built: Build, name: str, kind: str) -> None:
+def test_slicer_sees_one_manifold_part(slicer: Path, built: Build, name: str, file_format: str) -> None:
     """The exit code of PrusaSlicer does not report whether a mesh is manifold; its output does."""
     output = subprocess.run(
-        [slicer, "--info", built.folder / f"{name}.{kind}"], capture_output=True, text=True, check=True
+        [slicer, "--info", built.folder / f"{name}.{file_format}"], capture_output=True, text=True, check=True
     )
     facts = dict(line.split(" = ", 1) for line in output.stdout.splitlines() if " = " in line)
     assert facts["manifold"].strip() == "yes"

@@ -12,6 +12,8 @@ from fingertip.cad.files.step_process import StepJob, StepProcess
 from fingertip.cad.solids import Box, Solid, difference
 from fingertip.errors import GeometryError
 
+pytestmark = pytest.mark.slow
+
 GREY = (0.5, 0.5, 0.5)
 BOX = Box((0.0, 0.0, 0.0), (1.0, 2.0, 3.0))
 EMPTY = difference(BOX, Box((-1.0, -1.0, -1.0), (4.0, 4.0, 4.0)))

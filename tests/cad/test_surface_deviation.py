@@ -23,12 +23,12 @@ def test_points_offset_from_the_surface_have_that_distance(design: Design) -> No
     body, random = design.dimensions.outer, np.random.default_rng(1)
     for patch in surface_patches(body):
         t, v = random.uniform(0.0, 1.0, (2, 500))
-        here, by_t, by_v = patch.at(t, v)
+        position, by_t, by_v = patch.evaluate(t, v)
         normal = np.cross(by_t, by_v)
         normal /= np.linalg.norm(normal, axis=1)[:, None]
-        inner = (here[:, 2] > body.stations[0][0] + 0.2) & (here[:, 0] > 0.2) & (np.abs(here[:, 1]) > 0.2)
+        inner = (position[:, 2] > body.stations[0][0] + 0.2) & (position[:, 0] > 0.2) & (np.abs(position[:, 1]) > 0.2)
         for offset in (0.001, -0.001, 0.1, -0.1):
-            found = distance_to_surface(body, (here + offset * normal)[inner])
+            found = distance_to_surface(body, (position + offset * normal)[inner])
             assert np.abs(found - abs(offset)).max() < 1e-9
 
 

@@ -103,6 +103,7 @@ def without_cadquery(tmp_path: Path) -> str:
     return str(fake)
 
 
+@pytest.mark.slow
 def test_without_libgl_the_step_error_names_the_packages_to_install(tmp_path: Path) -> None:
     out = tmp_path / "out"
     done = run_fingertip("build", FSR400, "--out", out, PYTHONPATH=without_cadquery(tmp_path))
@@ -115,6 +116,7 @@ def test_without_libgl_the_step_error_names_the_packages_to_install(tmp_path: Pa
     assert not out.exists()
 
 
+@pytest.mark.slow
 def test_without_libgl_stl_and_3mf_are_written(tmp_path: Path) -> None:
     out = tmp_path / "out"
     done = run_fingertip("build", FSR400, "--out", out, "--formats", "stl,3mf", PYTHONPATH=without_cadquery(tmp_path))
@@ -122,6 +124,7 @@ def test_without_libgl_stl_and_3mf_are_written(tmp_path: Path) -> None:
     assert (out / "mold_dorsal.3mf").exists()
 
 
+@pytest.mark.slow
 def test_crashed_step_process_leaves_no_files(tmp_path: Path) -> None:
     fake, out = tmp_path / "fake", tmp_path / "out"
     fake.mkdir()
@@ -132,6 +135,7 @@ def test_crashed_step_process_leaves_no_files(tmp_path: Path) -> None:
     assert not out.exists()
 
 
+@pytest.mark.slow
 def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip import build_files as module
     from fingertip.cad.files.step_process import StepProcess
@@ -166,6 +170,7 @@ def test_full_disk_leaves_existing_files_unchanged(tmp_path: Path, monkeypatch: 
     assert snapshot(tmp_path) == {"a": b"old", "b": b"old"}
 
 
+@pytest.mark.slow
 def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
     """Files of another design are removed once the new ones are written. Files of the user are kept."""
     quick = ("--formats", "stl", "--tolerance-mm", "0.05")
@@ -212,6 +217,7 @@ def test_obsolete_files_stay_if_the_new_ones_cannot_be_written(tmp_path: Path) -
     assert snapshot(tmp_path) == {"skin.stl": b"old"}
 
 
+@pytest.mark.slow
 def test_all_files_of_a_build_are_listed(built: object) -> None:
     from fingertip.build_files import ALL_FILES, Build
 
@@ -223,7 +229,7 @@ def test_string_instead_of_a_list_is_rejected() -> None:
     from fingertip import Design, build
     from fingertip.errors import DesignError
 
-    with pytest.raises(DesignError, match=r"--formats: 'stl,3mf' is a string; give a list, such as \['stl', '3mf'\]"):
+    with pytest.raises(DesignError, match=r"--formats: 'stl,3mf' is a single text; give a list, such as \['stl', '3mf'\]"):
         build(Design(), formats="stl,3mf")
-    with pytest.raises(DesignError, match=r"changes: 'skin.width_mm=18' is one text; give a list"):
+    with pytest.raises(DesignError, match=r"changes: 'skin.width_mm=18' is a single text; give a list"):
         Design.load(changes="skin.width_mm=18")

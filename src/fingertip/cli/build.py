@@ -16,9 +16,13 @@ def build(
     out: Annotated[
         str | None, typer.Option(metavar="PATH", help="Output folder; out/<design name> by default.")
     ] = None,
-    parts: Annotated[str | None, typer.Option(help="Parts, separated by commas; all by default.")] = None,
-    formats: Annotated[str, typer.Option(help="File formats, separated by commas.")] = "stl,3mf,step",
-    tolerance_mm: Annotated[float, typer.Option(help="Largest distance of a facet from the exact surface.")] = 0.01,
+    parts: Annotated[
+        str | None, typer.Option(help="Parts (bone, skin, ...), separated by commas; all by default.")
+    ] = None,
+    formats: Annotated[str, typer.Option(help="File formats (stl, 3mf, step), separated by commas.")] = "stl,3mf,step",
+    tolerance_mm: Annotated[
+        float, typer.Option(help="Largest distance of a facet from the exact surface, in mm.")
+    ] = 0.01,
     material: Annotated[
         str, typer.Option(help="Silicone of the casting sheet, as in `fingertip sheet`.")
     ] = "addition_40a",

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 @command
 def check(
     designs: Annotated[list[Path], typer.Argument(metavar="DESIGN...", help="Design files.")],
-    tolerance_mm: Annotated[float, typer.Option(help="Largest distance of a facet from the exact surface.")] = 0.01,
+    tolerance_mm: Annotated[
+        float, typer.Option(help="Largest distance of a facet from the exact surface, in mm.")
+    ] = 0.01,
     junit: Annotated[Path | None, typer.Option(metavar="FILE.xml", help="JUnit report, for CI servers.")] = None,
     changes: SetOption = None,
     as_json: JsonOption = False,

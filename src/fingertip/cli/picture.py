@@ -14,7 +14,7 @@ from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, c
 def picture(
     design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
     out: Annotated[Path | None, typer.Option(help="Output PNG; out/<design name>/exploded.png by default.")] = None,
-    width_px: Annotated[int, typer.Option(min=400, max=6000, help="Width of the picture [pixels].")] = 1600,
+    width_px: Annotated[int, typer.Option(min=400, max=6000, help="Width of the picture, in pixels.")] = 1600,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,

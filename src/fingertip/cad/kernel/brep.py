@@ -1,4 +1,4 @@
-"""Boundary-representation (B-rep) kernel: evaluates solids exactly with cadquery, that is Open CASCADE.
+"""Boundary-representation (B-rep) kernel: evaluates solids exactly with cadquery (Open CASCADE).
 
 A B-rep describes a solid by its faces, each a piece of an exact surface, and by the edges where they meet; STEP files
 hold the same description. Superconic bodies become rational Bezier faces, sewn into a solid. All other faces are
@@ -82,7 +82,9 @@ class BrepEvaluator:
         bodies = shape.Solids()
         if len(bodies) != 1 or not shape.isValid():
             found = f"{len(bodies)} solids, {'valid' if shape.isValid() else 'invalid'}"
-            raise GeometryError(Issue("", f"the B-rep kernel returned {found}; one valid solid was expected."))
+            raise GeometryError(
+                Issue("", f"the B-rep kernel returned {found}; one valid solid was expected; use --formats stl,3mf.")
+            )
         return bodies[0]
 
     def _evaluate(self, solid: Solid) -> Any:
@@ -176,7 +178,7 @@ def _elbow(e: ElbowTube) -> Any:
     turn_y, turn_z = e.start_y + e.bend_radius, e.exit_z + e.bend_radius
     circle = cq.Wire.makeCircle(e.radius, cq.Vector(0, e.start_y, turn_z), cq.Vector(0, 0, -1))
     bend = cq.Solid.revolve(circle, [], 90, cq.Vector(-1, turn_y, turn_z), cq.Vector(1, turn_y, turn_z))
-    if bend.Center().z > turn_z:
+    if bend.Center().z > turn_z:  # revolved to the wrong side: reverse the axis
         bend = cq.Solid.revolve(circle, [], 90, cq.Vector(1, turn_y, turn_z), cq.Vector(-1, turn_y, turn_z))
     up = cq.Solid.makeCylinder(e.radius, e.end_y - turn_y, cq.Vector(0, turn_y, e.exit_z), cq.Vector(0, 1, 0))
     return down.fuse(bend, up)
@@ -227,8 +229,8 @@ def _drafted_extrusion(extrusion: DraftedExtrusion) -> Any:
 def _split_arc(a: float, b: float, weight: float, start: float) -> list[ControlPoint]:
     """Compute the control points (x, y, weight) of the part of an arc from parameter `start` to its end.
 
-    De Casteljau's algorithm in homogeneous coordinates. The whole arc runs from (`a`, 0) over the control point (`a`,
-    `b`) with `weight` to (0, `b`).
+    De Casteljau's algorithm in homogeneous coordinates (G. Farin, Curves and Surfaces for CAGD). The whole arc runs
+    from (`a`, 0) over the control point (`a`, `b`) with `weight` to (0, `b`).
     """
     first, middle, last = ((a, 0.0, 1.0), (weight * a, weight * b, weight), (0.0, b, 1.0))
 

@@ -98,8 +98,8 @@ def sensor_body(design: Design) -> Solid:
 def genus(design: Design) -> int:
     """Count the through holes that the bone must have.
 
-    Three are the cable channel, the cross bolt and the tie hole. The passage of the tail through the collar adds one. A
-    socket that the cross bolt crosses adds one more, because its two mouths come with it. A different count in the
-    built solid reveals a hollow that breaks through a wall.
+    Three are the cable channel, the hole of the cross bolt and the tie hole. The passage of the tail through the collar
+    adds one. A socket adds one too: it is blind, but it opens into the hole of the cross bolt, which then has three
+    mouths. A different count in the built solid reveals a hollow that breaks through a wall.
     """
     return 3 + design.dimensions.tail_passes_collar + (design.bone.interface == "socket")

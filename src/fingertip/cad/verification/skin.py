@@ -53,7 +53,7 @@ def check_sleeve_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
 
 
 def _check_misaligned_thickness(design: Design, interior: Manifold, exterior: Manifold, minimum: float) -> Check:
-    """Check the thickness when bone or core is shifted by the fit and tilted as far as a collar that is held down allows."""
+    """Check the thickness when bone or core is misaligned as far as the fit allows while its collar is held down."""
     for ratio in _SEARCH_RATIOS:
         farthest = ratio * minimum
         thickness = farthest

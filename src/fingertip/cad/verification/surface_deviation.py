@@ -46,8 +46,8 @@ def _nearby_distance(body: ConicBody, points: Array) -> Array:
     folded[:, 0] = np.abs(folded[:, 0])
     best = np.full(len(points), np.inf)
     for patch in surface_patches(body):
-        over = patch.over(folded, _REACH_MM)
-        best[over] = np.minimum(best[over], patch.distance(folded[over], steps=_NEARBY_STEPS))
+        nearby = patch.in_range(folded, _REACH_MM)
+        best[nearby] = np.minimum(best[nearby], patch.distance(folded[nearby], steps=_NEARBY_STEPS))
     return best
 
 
@@ -65,12 +65,21 @@ class Patch:
     """Patch of the surface, one quadrant of a taper or of the tip.
 
     It is the tensor product of a section arc (parameter t) and a profile (parameter v).
+
+    Parameters
+    ----------
+    a, b
+        Half width and signed half height of the section; negative on the palmar side [mm].
+    weight
+        Weight of the section arc.
+    profile
+        Control points (z [mm], scale, weight) of the profile: two for a taper, three for the tip.
     """
 
     def __init__(self, a: float, b: float, weight: float, profile: tuple[tuple[float, float, float], ...]) -> None:
         self.a, self.b, self.weight, self.profile = a, b, weight, profile
 
-    def at(self, t: Array, v: Array) -> tuple[Array, Array, Array]:
+    def evaluate(self, t: Array, v: Array) -> tuple[Array, Array, Array]:
         """Evaluate points of the patch and their derivatives by t and v, each of shape (n, 3)."""
         x, dx = _rational(t, ((1.0, 1.0), (1.0, self.weight), (0.0, 1.0)))
         y, dy = _rational(t, ((0.0, 1.0), (1.0, self.weight), (1.0, 1.0)))
@@ -84,8 +93,8 @@ class Patch:
             np.column_stack((ds * x, ds * y, dz)),
         )
 
-    def over(self, points: Array, reach_mm: float) -> NDArray[np.bool_]:
-        """Select the points that lie within the patch's half and heights, extended by `reach_mm`."""
+    def in_range(self, points: Array, reach_mm: float) -> NDArray[np.bool_]:
+        """Select points by a mask: those within the height and side of the patch, extended by `reach_mm`."""
         low, high = self.profile[0][0], self.profile[-1][0]
         y, z = points[:, 1] * np.sign(self.b), points[:, 2]
         within: NDArray[np.bool_] = (y >= -reach_mm) & (z >= low - reach_mm) & (z <= high + reach_mm)
@@ -96,10 +105,11 @@ class Patch:
         if not len(points):
             return np.zeros(0)
         t, v = self._start(points)
-        here, by_t, by_v = self.at(t, v)
-        best: Array = np.linalg.norm(here - points, axis=1)
+        position, by_t, by_v = self.evaluate(t, v)
+        best: Array = np.linalg.norm(position - points, axis=1)
         for _ in range(steps):
-            r = points - here
+            # Solve the normal equations of the linearised distance for the step in (t, v), by Cramer's rule.
+            r = points - position
             tt, tv, vv = (np.einsum("ij,ij->i", p, q) for p, q in ((by_t, by_t), (by_t, by_v), (by_v, by_v)))
             rt, rv = np.einsum("ij,ij->i", by_t, r), np.einsum("ij,ij->i", by_v, r)
             # The section has zero width at the apex. A small ridge term keeps the step finite there.
@@ -107,8 +117,8 @@ class Patch:
             det = tt * vv - tv * tv
             t = np.clip(t + (vv * rt - tv * rv) / det, 0.0, 1.0)
             v = np.clip(v + (tt * rv - tv * rt) / det, 0.0, 1.0)
-            here, by_t, by_v = self.at(t, v)
-            best = np.minimum(best, np.linalg.norm(here - points, axis=1))
+            position, by_t, by_v = self.evaluate(t, v)
+            best = np.minimum(best, np.linalg.norm(position - points, axis=1))
         return best
 
     def _start(self, points: Array) -> tuple[Array, Array]:

@@ -57,7 +57,7 @@ def rates(
     curve: tuple[float, float, float, float],
     sigma: tuple[float, float, float],
     mount: tuple[float, float, float],
-    press: tuple[float, float, float],
+    normal: tuple[float, float, float],
     X: float,
     V: float,
     d: float,
@@ -71,7 +71,7 @@ def rates(
     mu_c, drop, vs, elastic = curve
     s0, s1, s2 = sigma
     m, k, c = mount
-    omega, zeta, rho = press
+    omega, zeta, rho = normal
     load = y if y > 0.0 else 0.0
     ratio = v / vs
     g = mu_c + drop / (1 + ratio * ratio)
@@ -98,7 +98,7 @@ def _coupled_loop(
     curve: tuple[float, float, float, float],
     sigma: tuple[float, float, float],
     mount: tuple[float, float, float],
-    press: tuple[float, float, float],
+    normal: tuple[float, float, float],
     weights: tuple[float, float, float, float, float],
     max_steps: int,
     H: float,
@@ -109,7 +109,7 @@ def _coupled_loop(
     vs_out: MutableSequence[float],
     zs: MutableSequence[float],
     ys: MutableSequence[float],
-    count: MutableSequence[float],
+    stats: MutableSequence[float],
 ) -> None:
     # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2; mass m, stiffness k
     # and damping c of the suspension; normal resonance omega, its damping zeta, and the hand's share rho of the
@@ -117,7 +117,7 @@ def _coupled_loop(
     mu_c, drop, vs, elastic = curve
     s0, s1, s2 = sigma
     m, k, c = mount
-    omega, zeta, rho = press
+    omega, zeta, rho = normal
     weight_x, weight_v, weight_z, weight_y, weight_w = weights
 
     # State: x, v, z of the pad and y, w of the contact, in balance with the first sample.
@@ -137,7 +137,7 @@ def _coupled_loop(
         while t < H:
             attempts += 1
             if attempts > max_steps:
-                count[2] = i + 1
+                stats[2] = i + 1
                 return
             # Step size: end exactly on the sample. Two equal steps avoid a tiny last one.
             is_last = t + h >= H * (1 - 1e-9)
@@ -147,16 +147,16 @@ def _coupled_loop(
             V = V0 + t * (2 * q2 + 3 * q3 * t)
             X = X0 + t * (V0 + t * (q2 + t * q3))
             d = d0 + slope * t
-            dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, x, v, z, y, w)
+            dv, dz, dw = rates(curve, sigma, mount, normal, X, V, d, x, v, z, y, w)
 
-            # Stribeck curve g(v) and its derivative; elasto-plastic factor alpha(v, z) and its derivatives.
+            # Stribeck curve g(v) and its derivative dg; elasto-plastic factor alpha(v, z) and its two derivatives.
             load = y if y > 0.0 else 0.0
             ratio = v / vs
             denominator = 1 + ratio * ratio
             g = mu_c + drop / denominator
             dg = -2 * drop * ratio / (vs * denominator * denominator)
             speed, sign = abs(v), 1.0 if v >= 0.0 else -1.0
-            alpha, by_v, by_z = 1.0, 0.0, 0.0
+            alpha, alpha_v, alpha_z = 1.0, 0.0, 0.0
             if elastic > 0.0:
                 alpha = 0.0
                 if v * z > 0.0:
@@ -166,32 +166,31 @@ def _coupled_loop(
                         alpha = 1.0
                     elif share > 0.0:
                         alpha = share * share * (3 - 2 * share)
-                        d_alpha = 6 * share * (1 - share)
-                        by_z = d_alpha * (s0 if z > 0.0 else -s0) / width
-                        by_v = -d_alpha * share * dg / width
+                        rise = 6 * share * (1 - share)
+                        alpha_z = rise * (s0 if z > 0.0 else -s0) / width
+                        alpha_v = -rise * share * dg / width
 
-            # Jacobian. Row z: b by v, a by z, zy by y. Row v: vx, vv, vz, vy. Row w: wy, ww. In rows x and y the only
-            # entry is 1, by v and by w.
-            b = 1 - s0 * z * (alpha * (sign - speed * dg / g) + by_v * speed) / g
-            a = -s0 * speed * (alpha + by_z * z) / g
-            zy = 0.0
+            # Jacobian: J_zv is the derivative of dz/dt by v, and so on. The only entries of the rows of x and y are 1.
+            J_zv = 1 - s0 * z * (alpha * (sign - speed * dg / g) + alpha_v * speed) / g
+            J_zz = -s0 * speed * (alpha + alpha_z * z) / g
+            J_zy = 0.0
             if load < RELAX_BELOW_N:
-                a -= RELAX_PER_S * (1 - load / RELAX_BELOW_N)
-                zy = RELAX_PER_S * z / RELAX_BELOW_N if y > 0.0 else 0.0
+                J_zz -= RELAX_PER_S * (1 - load / RELAX_BELOW_N)
+                J_zy = RELAX_PER_S * z / RELAX_BELOW_N if y > 0.0 else 0.0
             mu = s0 * z + s1 * dz + s2 * v
-            vx = -k / m
-            vv = -(c + load * (s1 * b + s2)) / m
-            vz = -load * (s0 + s1 * a) / m
-            vy = -(mu + load * s1 * zy) / m if y > 0.0 else 0.0
-            wy = -omega * omega if y > 0.0 else -omega * omega * rho
-            ww = -2 * zeta * omega if y > 0.0 else -2 * zeta * omega * rho**0.5
+            J_vx = -k / m
+            J_vv = -(c + load * (s1 * J_zv + s2)) / m
+            J_vz = -load * (s0 + s1 * J_zz) / m
+            J_vy = -(mu + load * s1 * J_zy) / m if y > 0.0 else 0.0
+            J_wy = -omega * omega if y > 0.0 else -omega * omega * rho
+            J_ww = -2 * zeta * omega if y > 0.0 else -2 * zeta * omega * rho**0.5
 
             # Pivots of E = e - J with e = 1/(gamma h). The blocks (y, w) and (x, v, z) are solved one after the other:
             # y and w do not depend on the others.
             e = 4 / step
-            py = 1 / (e * (e - ww) - wy)
-            pz = 1 / (e - a)
-            pv = 1 / (e - vv - vx / e - vz * b * pz)
+            pivot_y = 1 / (e * (e - J_ww) - J_wy)
+            pivot_z = 1 / (e - J_zz)
+            pivot_v = 1 / (e - J_vv - J_vx / e - J_vz * J_zv * pivot_z)
 
             # Time derivatives of the drive, times the step.
             tv = step * (k * V + c * (2 * q2 + 6 * q3 * t)) / m
@@ -199,42 +198,42 @@ def _coupled_loop(
 
             # Stage 1. Each stage solves E u = right-hand side, for y and w first, then v, then x and z.
             r = dw + D1 * tw
-            uy1 = ((e - ww) * w + r) * py
+            uy1 = ((e - J_ww) * w + r) * pivot_y
             uw1 = e * uy1 - w
-            rz = dz + zy * uy1
-            uv1 = (dv + D1 * tv + vy * uy1 + vx * v / e + vz * rz * pz) * pv
+            rz = dz + J_zy * uy1
+            uv1 = (dv + D1 * tv + J_vy * uy1 + J_vx * v / e + J_vz * rz * pivot_z) * pivot_v
             ux1 = (v + uv1) / e
-            uz1 = (rz + b * uv1) * pz
+            uz1 = (rz + J_zv * uv1) * pivot_z
 
             # Stage 2.
             ts = t + ALPHA2 * step
             X, V, d = X0 + ts * (V0 + ts * (q2 + ts * q3)), V0 + ts * (2 * q2 + 3 * q3 * ts), d0 + slope * ts
             xe, ve, ze, ye, we = x + A21 * ux1, v + A21 * uv1, z + A21 * uz1, y + A21 * uy1, w + A21 * uw1
-            dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
+            dv, dz, dw = rates(curve, sigma, mount, normal, X, V, d, xe, ve, ze, ye, we)
             c1 = C21 / step
             rx, ry, r = ve + c1 * ux1, we + c1 * uy1, dw + c1 * uw1 + D2 * tw
-            uy2 = ((e - ww) * ry + r) * py
+            uy2 = ((e - J_ww) * ry + r) * pivot_y
             uw2 = e * uy2 - ry
-            rz = dz + c1 * uz1 + zy * uy2
-            uv2 = (dv + c1 * uv1 + D2 * tv + vy * uy2 + vx * rx / e + vz * rz * pz) * pv
+            rz = dz + c1 * uz1 + J_zy * uy2
+            uv2 = (dv + c1 * uv1 + D2 * tv + J_vy * uy2 + J_vx * rx / e + J_vz * rz * pivot_z) * pivot_v
             ux2 = (rx + uv2) / e
-            uz2 = (rz + b * uv2) * pz
+            uz2 = (rz + J_zv * uv2) * pivot_z
 
             # Stage 3.
             ts = t + ALPHA3 * step
             X, V, d = X0 + ts * (V0 + ts * (q2 + ts * q3)), V0 + ts * (2 * q2 + 3 * q3 * ts), d0 + slope * ts
             xe, ve, ze = x + A31 * ux1 + A32 * ux2, v + A31 * uv1 + A32 * uv2, z + A31 * uz1 + A32 * uz2
             ye, we = y + A31 * uy1 + A32 * uy2, w + A31 * uw1 + A32 * uw2
-            dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
+            dv, dz, dw = rates(curve, sigma, mount, normal, X, V, d, xe, ve, ze, ye, we)
             c1, c2 = C31 / step, C32 / step
             rx, ry = ve + c1 * ux1 + c2 * ux2, we + c1 * uy1 + c2 * uy2
             r = dw + c1 * uw1 + c2 * uw2 + D3 * tw
-            uy3 = ((e - ww) * ry + r) * py
+            uy3 = ((e - J_ww) * ry + r) * pivot_y
             uw3 = e * uy3 - ry
-            rz = dz + c1 * uz1 + c2 * uz2 + zy * uy3
-            uv3 = (dv + c1 * uv1 + c2 * uv2 + D3 * tv + vy * uy3 + vx * rx / e + vz * rz * pz) * pv
+            rz = dz + c1 * uz1 + c2 * uz2 + J_zy * uy3
+            uv3 = (dv + c1 * uv1 + c2 * uv2 + D3 * tv + J_vy * uy3 + J_vx * rx / e + J_vz * rz * pivot_z) * pivot_v
             ux3 = (rx + uv3) / e
-            uz3 = (rz + b * uv3) * pz
+            uz3 = (rz + J_zv * uv3) * pivot_z
 
             # Stage 4.
             ts = t + ALPHA4 * step
@@ -244,16 +243,18 @@ def _coupled_loop(
             ze = z + A41 * uz1 + A42 * uz2 + A43 * uz3
             ye = y + A41 * uy1 + A42 * uy2 + A43 * uy3
             we = w + A41 * uw1 + A42 * uw2 + A43 * uw3
-            dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
+            dv, dz, dw = rates(curve, sigma, mount, normal, X, V, d, xe, ve, ze, ye, we)
             c1, c2, c3 = C41 / step, C42 / step, C43 / step
             rx, ry = ve + c1 * ux1 + c2 * ux2 + c3 * ux3, we + c1 * uy1 + c2 * uy2 + c3 * uy3
             r = dw + c1 * uw1 + c2 * uw2 + c3 * uw3 + D4 * tw
-            uy4 = ((e - ww) * ry + r) * py
+            uy4 = ((e - J_ww) * ry + r) * pivot_y
             uw4 = e * uy4 - ry
-            rz = dz + c1 * uz1 + c2 * uz2 + c3 * uz3 + zy * uy4
-            uv4 = (dv + c1 * uv1 + c2 * uv2 + c3 * uv3 + D4 * tv + vy * uy4 + vx * rx / e + vz * rz * pz) * pv
+            rz = dz + c1 * uz1 + c2 * uz2 + c3 * uz3 + J_zy * uy4
+            uv4 = (
+                dv + c1 * uv1 + c2 * uv2 + c3 * uv3 + D4 * tv + J_vy * uy4 + J_vx * rx / e + J_vz * rz * pivot_z
+            ) * pivot_v
             ux4 = (rx + uv4) / e
-            uz4 = (rz + b * uv4) * pz
+            uz4 = (rz + J_zv * uv4) * pivot_z
 
             # Stage 5.
             ts = t + step
@@ -263,32 +264,32 @@ def _coupled_loop(
             ze = z + A51 * uz1 + A52 * uz2 + A53 * uz3 + A54 * uz4
             ye = y + A51 * uy1 + A52 * uy2 + A53 * uy3 + A54 * uy4
             we = w + A51 * uw1 + A52 * uw2 + A53 * uw3 + A54 * uw4
-            dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
+            dv, dz, dw = rates(curve, sigma, mount, normal, X, V, d, xe, ve, ze, ye, we)
             c1, c2, c3, c4 = C51 / step, C52 / step, C53 / step, C54 / step
             rx, ry = ve + c1 * ux1 + c2 * ux2 + c3 * ux3 + c4 * ux4, we + c1 * uy1 + c2 * uy2 + c3 * uy3 + c4 * uy4
             r = dw + c1 * uw1 + c2 * uw2 + c3 * uw3 + c4 * uw4
-            uy5 = ((e - ww) * ry + r) * py
+            uy5 = ((e - J_ww) * ry + r) * pivot_y
             uw5 = e * uy5 - ry
-            rz = dz + c1 * uz1 + c2 * uz2 + c3 * uz3 + c4 * uz4 + zy * uy5
+            rz = dz + c1 * uz1 + c2 * uz2 + c3 * uz3 + c4 * uz4 + J_zy * uy5
             r = dv + c1 * uv1 + c2 * uv2 + c3 * uv3 + c4 * uv4
-            uv5 = (r + vy * uy5 + vx * rx / e + vz * rz * pz) * pv
+            uv5 = (r + J_vy * uy5 + J_vx * rx / e + J_vz * rz * pivot_z) * pivot_v
             ux5 = (rx + uv5) / e
-            uz5 = (rz + b * uv5) * pz
+            uz5 = (rz + J_zv * uv5) * pivot_z
 
             # Stage 6, at the end of the step: its state is the embedded solution of order 3.
             xe, ve, ze, ye, we = xe + ux5, ve + uv5, ze + uz5, ye + uy5, we + uw5
-            dv, dz, dw = rates(curve, sigma, mount, press, X, V, d, xe, ve, ze, ye, we)
+            dv, dz, dw = rates(curve, sigma, mount, normal, X, V, d, xe, ve, ze, ye, we)
             c1, c2, c3, c4, c5 = C61 / step, C62 / step, C63 / step, C64 / step, C65 / step
             rx = ve + c1 * ux1 + c2 * ux2 + c3 * ux3 + c4 * ux4 + c5 * ux5
             ry = we + c1 * uy1 + c2 * uy2 + c3 * uy3 + c4 * uy4 + c5 * uy5
             r = dw + c1 * uw1 + c2 * uw2 + c3 * uw3 + c4 * uw4 + c5 * uw5
-            uy6 = ((e - ww) * ry + r) * py
+            uy6 = ((e - J_ww) * ry + r) * pivot_y
             uw6 = e * uy6 - ry
-            rz = dz + c1 * uz1 + c2 * uz2 + c3 * uz3 + c4 * uz4 + c5 * uz5 + zy * uy6
+            rz = dz + c1 * uz1 + c2 * uz2 + c3 * uz3 + c4 * uz4 + c5 * uz5 + J_zy * uy6
             r = dv + c1 * uv1 + c2 * uv2 + c3 * uv3 + c4 * uv4 + c5 * uv5
-            uv6 = (r + vy * uy6 + vx * rx / e + vz * rz * pz) * pv
+            uv6 = (r + J_vy * uy6 + J_vx * rx / e + J_vz * rz * pivot_z) * pivot_v
             ux6 = (rx + uv6) / e
-            uz6 = (rz + b * uv6) * pz
+            uz6 = (rz + J_zv * uv6) * pivot_z
 
             # Error: the largest of the five, each as a force relative to the tolerance. The step follows the fourth
             # root of the error, because the estimate has order 3. NaN counts as too large.
@@ -312,7 +313,7 @@ def _coupled_loop(
         vs_out[i + 1] = v
         zs[i + 1] = z
         ys[i + 1] = y
-    count[0], count[1] = steps, rejected
+    stats[0], stats[1] = steps, rejected
 
 
 run = CompiledLoop(_coupled_loop, rates, outputs=5, samples="Xs", plain_us=12.0)

@@ -139,37 +139,37 @@ def _drag_loop(
     x, v, z = X[0], 0.0, 0.0
     xs[0] = x
     for i in range(len(X) - 1):
-        # Friction at the start of the step: g(v), dz/dt, and the derivatives a = d(dz/dt)/dz, b = d(dz/dt)/dv.
+        # Friction at the start of the step: g(v), dz/dt, and its derivatives J_zz by z and J_zv by v.
         load = N[i]
         ratio = v / vs
         denominator = 1 + ratio * ratio
         g = mu_c + drop / denominator
         speed = v if v >= 0.0 else -v
         if load > 0.0:
-            a = -s0 * speed / g
-            slope = -2 * drop * ratio / (vs * denominator * denominator)  # dg/dv
-            b = 1 - s0 * z * ((1.0 if v >= 0.0 else -1.0) - speed * slope / g) / g
-            dz = v + a * z
+            J_zz = -s0 * speed / g
+            dg = -2 * drop * ratio / (vs * denominator * denominator)  # derivative of g by v
+            J_zv = 1 - s0 * z * ((1.0 if v >= 0.0 else -1.0) - speed * dg / g) / g
+            dz = v + J_zz * z
         else:
-            a, b, dz = -1 / _RELAXATION_S, 0.0, -z / _RELAXATION_S
+            J_zz, J_zv, dz = -1 / _RELAXATION_S, 0.0, -z / _RELAXATION_S
         mu = s0 * z + s1 * dz + s2 * v
         dv = (k * (X[i] - x) + c * (V[i] - v) - load * mu) / m
 
         # gamma h times the partial derivative of dv by time, from the differences of the drive over the step.
         drift = _GAMMA * (k * (X[i + 1] - X[i]) + c * (V[i + 1] - V[i]) - (N[i + 1] - load) * mu) / m
 
-        # Row v of the Jacobian is [p, q, s]; row z is [0, b, a]; row x is [0, 1, 0]. Eliminating x and z from
-        # (I - gamma h J) k = right-hand side leaves one scalar equation for the velocity.
-        p = -k / m
-        q = -(c + load * (s1 * b + s2)) / m
-        s = -load * (s0 + s1 * a) / m
-        za = 1 / (1 - G * a)
-        pivot = 1 / (1 - G * (q + G * (p + s * b * za)))
+        # Row v of the Jacobian; row x is [0, 1, 0]. Eliminating x and z from (I - gamma h J) k = right-hand side leaves
+        # one scalar equation for the velocity.
+        J_vx = -k / m
+        J_vv = -(c + load * (s1 * J_zv + s2)) / m
+        J_vz = -load * (s0 + s1 * J_zz) / m
+        pivot_z = 1 / (1 - G * J_zz)
+        pivot_v = 1 / (1 - G * (J_vv + G * (J_vx + J_vz * J_zv * pivot_z)))
 
         # First stage of ROS2.
-        kv1 = (dv + drift + G * (p * v + s * za * dz)) * pivot
+        kv1 = (dv + drift + G * (J_vx * v + J_vz * pivot_z * dz)) * pivot_v
         kx1 = v + G * kv1
-        kz1 = (dz + G * b * kv1) * za
+        kz1 = (dz + G * J_zv * kv1) * pivot_z
 
         # Second stage: right-hand side at the end of the step, solved with the same matrix.
         load = N[i + 1]
@@ -179,9 +179,9 @@ def _drag_loop(
         dz = ve - s0 * (ve if ve >= 0.0 else -ve) * ze / g if load > 0.0 else -ze / _RELAXATION_S
         dv = (k * (X[i + 1] - xe) + c * (V[i + 1] - ve) - load * (s0 * ze + s1 * dz + s2 * ve)) / m
         rx, rv, rz = ve - 2 * kx1, dv - drift - 2 * kv1, dz - 2 * kz1
-        kv2 = (rv + G * (p * rx + s * za * rz)) * pivot
+        kv2 = (rv + G * (J_vx * rx + J_vz * pivot_z * rz)) * pivot_v
         kx2 = rx + G * kv2
-        kz2 = (rz + G * b * kv2) * za
+        kz2 = (rz + G * J_zv * kv2) * pivot_z
 
         # New state: y + h (3/2 k1 + 1/2 k2).
         x += h * (1.5 * kx1 + 0.5 * kx2)

@@ -28,7 +28,7 @@ RELAX_PER_S = 1e3
 SCRATCH_SIZE = 13
 """Number of values kept for each finger between the parts of a step.
 
-In this order: A, B, za, b, pivot, s, dz (later rz), drift (later rx), kx1, kv1, kz1, S, E.
+In this order: A, B, pivot_z, J_zw, pivot_v, J_vz, dz (later rz), drift (later rx), kx1, kv1, kz1, S, E.
 """
 
 
@@ -90,7 +90,7 @@ def _grasp_loop(
         # diagonal * kV = rhs is the scalar equation of the object; each finger adds to both sides.
         diagonal, rhs = 1 - G * jv - G * G * jx, 0.0
         for i in range(count):
-            # LuGre friction of this finger: dz/dt, and its derivatives a by z and b by w.
+            # LuGre friction of this finger: dz/dt, and its derivatives J_zz by z and J_zw by w.
             m, k, c = mount[3 * i], mount[3 * i + 1], mount[3 * i + 2]
             x, v, z = state[3 * i], state[3 * i + 1], state[3 * i + 2]
             N, N1 = load[i * (length + 1) + j], load[i * (length + 1) + j + 1]
@@ -100,35 +100,40 @@ def _grasp_loop(
             g = mu_c + drop / denominator
             speed = w if w >= 0.0 else -w
             if N > 0.0:
-                a = -s0 * speed / g
-                slope = -2 * drop * ratio / (vs * denominator * denominator)
-                b = 1 - s0 * z * ((1.0 if w >= 0.0 else -1.0) - speed * slope / g) / g
-                dz = w + a * z
+                J_zz = -s0 * speed / g
+                dg = -2 * drop * ratio / (vs * denominator * denominator)
+                J_zw = 1 - s0 * z * ((1.0 if w >= 0.0 else -1.0) - speed * dg / g) / g
+                dz = w + J_zz * z
             else:
-                a, b, dz = -RELAX_PER_S, 0.0, -RELAX_PER_S * z
+                J_zz, J_zw, dz = -RELAX_PER_S, 0.0, -RELAX_PER_S * z
             mu = s0 * z + s1 * dz + s2 * w
             dv = (-k * x - c * v - N * mu) / m
             drift = -GAMMA * (N1 - N) * mu / m
             dV += N * mu / mass
             drift_V += GAMMA * (N1 - N) * mu / mass
 
-            # Row v of the finger's Jacobian is [p, q, s] by x, v, z, and e / m by V. Eliminating x and z exit_x
+            # Row v of the finger's Jacobian: J_vx, J_vv, J_vz, and e / m by V. Eliminating x and z leaves
             # kv = A + B kV, and with it the finger's contribution to the object's equation.
-            p = -k / m
-            e = N * (s1 * b + s2)
-            q = -(c + e) / m
-            s = -N * (s0 + s1 * a) / m
-            za = 1 / (1 - G * a)
-            pivot = 1 / (1 - G * (q + G * (p + s * b * za)))
-            A = (dv + drift + G * (p * v + s * za * dz)) * pivot
-            B = G * (e / m - G * s * b * za) * pivot
-            S = -s * m / mass
+            J_vx = -k / m
+            e = N * (s1 * J_zw + s2)
+            J_vv = -(c + e) / m
+            J_vz = -N * (s0 + s1 * J_zz) / m
+            pivot_z = 1 / (1 - G * J_zz)
+            pivot_v = 1 / (1 - G * (J_vv + G * (J_vx + J_vz * J_zw * pivot_z)))
+            A = (dv + drift + G * (J_vx * v + J_vz * pivot_z * dz)) * pivot_v
+            B = G * (e / m - G * J_vz * J_zw * pivot_z) * pivot_v
+            S = -J_vz * m / mass
             E = e / mass
-            diagonal += G * E - G * (E * B + S * za * G * b * (B - 1))
-            rhs += G * (E * A + S * za * (dz + G * b * A))
+            diagonal += G * E - G * (E * B + S * pivot_z * G * J_zw * (B - 1))
+            rhs += G * (E * A + S * pivot_z * (dz + G * J_zw * A))
             offset = SCRATCH_SIZE * i
-            scratch[offset], scratch[offset + 1], scratch[offset + 2], scratch[offset + 3] = A, B, za, b
-            scratch[offset + 4], scratch[offset + 5], scratch[offset + 6], scratch[offset + 7] = pivot, s, dz, drift
+            scratch[offset], scratch[offset + 1], scratch[offset + 2], scratch[offset + 3] = A, B, pivot_z, J_zw
+            scratch[offset + 4], scratch[offset + 5], scratch[offset + 6], scratch[offset + 7] = (
+                pivot_v,
+                J_vz,
+                dz,
+                drift,
+            )
             scratch[offset + 11], scratch[offset + 12] = S, E
         kV1 = (dV + drift_V + G * jx * V + rhs) / diagonal
         kX1 = V + G * kV1
@@ -142,12 +147,17 @@ def _grasp_loop(
             x, v, z = state[3 * i], state[3 * i + 1], state[3 * i + 2]
             N1 = load[i * (length + 1) + j + 1]
             offset = SCRATCH_SIZE * i
-            za, b = scratch[offset + 2], scratch[offset + 3]
-            pivot, s, dz, drift = scratch[offset + 4], scratch[offset + 5], scratch[offset + 6], scratch[offset + 7]
+            pivot_z, J_zw = scratch[offset + 2], scratch[offset + 3]
+            pivot_v, J_vz, dz, drift = (
+                scratch[offset + 4],
+                scratch[offset + 5],
+                scratch[offset + 6],
+                scratch[offset + 7],
+            )
             # First-stage increments of this finger, from the object's.
             kv1 = scratch[offset] + scratch[offset + 1] * kV1
             kx1 = v + G * kv1
-            kz1 = za * (dz + G * b * (kv1 - kV1))
+            kz1 = pivot_z * (dz + G * J_zw * (kv1 - kV1))
             xe, ve, ze = x + h * kx1, v + h * kv1, z + h * kz1
             # Friction at the end of the step, and the finger's contribution to the object's equation.
             w = ve - Ve
@@ -158,8 +168,8 @@ def _grasp_loop(
             dv = (-k * xe - c * ve - N1 * mu) / m
             dV += N1 * mu / mass
             rx, rv, rz = ve - 2 * kx1, dv - drift - 2 * kv1, dz - 2 * kz1
-            A = (rv + G * (-k / m * rx + s * za * rz)) * pivot
-            rhs += G * (scratch[offset + 12] * A + scratch[offset + 11] * za * (rz + G * b * A))
+            A = (rv + G * (-k / m * rx + J_vz * pivot_z * rz)) * pivot_v
+            rhs += G * (scratch[offset + 12] * A + scratch[offset + 11] * pivot_z * (rz + G * J_zw * A))
             scratch[offset], scratch[offset + 6] = A, rz
             scratch[offset + 8], scratch[offset + 9], scratch[offset + 10] = kx1, kv1, kz1
             scratch[offset + 7] = rx

@@ -40,7 +40,7 @@ class FileDetection:
     noise: NoiseLevel | None
     """Noise level of the quantity that the threshold applies to; None for the detectors `fft` and `fast`."""
     warnings: tuple[str, ...]
-    """What makes the result doubtful."""
+    """Reasons to doubt the result."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class StreamDetection:
     design: Design
     """Design used, at the stream's sampling rate."""
     warnings: tuple[str, ...]
-    """What makes the result doubtful."""
+    """Reasons to doubt the result."""
 
 
 def detect_file(

@@ -11,7 +11,7 @@ class Issue:
     """One problem with the input."""
 
     field: str
-    """Where the problem is: a parameter such as `skin.width_mm`, a file, an option or a CSV column."""
+    """Location of the problem: a parameter such as `skin.width_mm`, a file, an option or a CSV column."""
     message: str
     """The problem in one sentence: value, bound and remedy."""
 

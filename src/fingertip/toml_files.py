@@ -24,7 +24,7 @@ class FileKind:
     names: frozenset[str]
     """Names that may stand at the top level of the file. A test compares them with the models of the files."""
     remedy: str
-    """What to do with a file of this kind that was given in place of another one."""
+    """Advice to somebody who gave a file of this kind in place of another one."""
 
     def describe(self) -> str:
         """Return the kind with its article, such as "a design file"."""

@@ -37,6 +37,31 @@ def test_intervals_with_small_gaps_are_merged():
     assert merge(parts, 0.03) == (Interval(0.0, 0.2), Interval(0.3, 0.4))
 
 
+def test_a_gap_of_exactly_the_limit_is_merged_in_every_group():
+    # Powers of two, so that the gaps have no rounding errors.
+    parts = [Interval(1.0, 2.0), Interval(2.25, 3.0), Interval(8.0, 9.0), Interval(9.25, 10.0), Interval(20.0, 21.0)]
+    assert merge(parts, 0.25) == (Interval(1.0, 3.0), Interval(8.0, 10.0), Interval(20.0, 21.0))
+    assert merge(parts, 0.125) == tuple(parts)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "expected"),
+    [
+        ((1.0, 2.0), (1.5, 3.0), True),
+        ((1.0, 2.0), (2.0, 3.0), False),  # they touch
+        ((2.0, 3.0), (1.0, 2.0), False),
+        ((1.0, 2.0), (3.0, 4.0), False),
+        ((3.0, 4.0), (1.0, 2.0), False),
+        ((2.0, 2.0), (1.0, 2.0), True),  # one sample at the end of a trace
+        ((1.0, 2.0), (2.0, 2.0), True),
+        ((2.5, 2.5), (1.0, 2.0), False),
+        ((1.0, 2.0), (0.5, 0.5), False),
+    ],
+)
+def test_overlap_of_two_intervals(first, second, expected):
+    assert Interval(*first).overlaps(Interval(*second)) == expected
+
+
 def test_score_of_detected_missed_and_false_intervals():
     truth = [Interval(1.0, 2.0), Interval(3.0, 3.5), Interval(5.0, 6.0)]
     found = [

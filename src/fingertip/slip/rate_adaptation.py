@@ -14,7 +14,7 @@ class RateAdaptation:
 
     design: Design
     adapted: str
-    """What was adapted, such as ``filters, window and threshold``."""
+    """Names of what was adapted, such as ``filters, window and threshold``."""
     values: str
     """Resulting window and threshold, such as ``the window is 150 samples, 30 ms; the threshold is 0.012 V``."""
 

@@ -277,7 +277,7 @@ def _count_numbers(line: str) -> int:
 
 
 def _find_likely_header(skipped: Sequence[tuple[int, str]]) -> tuple[int, str]:
-    """Of the lines without a header, find the one intended as header: above the first numbers, with as many cells."""
+    """Find the line most likely intended as header: above the first numbers, with as many cells."""
     count = _count_numbers(skipped[-1][1])
     if not count or len(skipped) == 1:
         return skipped[0]

@@ -30,7 +30,7 @@ from fingertip.board.values.tolerance import (
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from tests.board.ngspice import run_ngspice
-from tests.board.test_spice import deck_of
+from tests.board.test_spice import write_deck
 from tests.conftest import run_fingertip
 
 VALUES = board_values(Design())
@@ -89,6 +89,7 @@ def test_quantities_with_an_ideal_amplifier_agree_with_the_formulas() -> None:
         assert float(quantities[name]) == pytest.approx(getattr(expected, name), rel=4e-4)  # the gain over A0 remains
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_quantities_of_random_boards_agree_with_the_circuits_equations(name: str) -> None:
     """Random values within 5 % are put into the circuit, whose equations give the gain."""
@@ -111,7 +112,7 @@ def test_quantities_of_random_boards_agree_with_the_circuits_equations(name: str
 
 
 def test_cutoff_with_unequal_capacitors_agrees_with_ngspice(tmp_path: Path) -> None:
-    _, deck = deck_of(tmp_path, [])
+    _, deck = write_deck(tmp_path, [])
     for name, value in {"C1 tactile stage1_in": "1.05u", "C2 stage1_out stage2_mid": "0.93u",
                         "C3 stage2_mid stage2_in": "1.08u"}.items():  # fmt: skip
         assert f"{name} 1u" in deck
@@ -169,6 +170,7 @@ def test_sensitivities_satisfy_dimensional_analysis() -> None:
     assert list(sensitivities["passband_gain"]) == list(COMPONENTS)
 
 
+@pytest.mark.slow
 def test_analysis_command_prints_tables_and_writes_the_bode_table(tmp_path: Path) -> None:
     table = tmp_path / "bode.csv"
     run = run_fingertip("board", "--analysis", "--bode", table, "--json", "--quiet", "--out", tmp_path / "pcb")
@@ -182,12 +184,13 @@ def test_analysis_command_prints_tables_and_writes_the_bode_table(tmp_path: Path
         assert phrase in text
 
 
+@pytest.mark.slow
 def test_cutoffs_of_random_boards_agree_with_ngspice(tmp_path: Path) -> None:
     """ngspice sweeps each of forty random boards. The cutoffs agree one by one, and so does their spread."""
     rng = np.random.default_rng(3)
     tolerance = np.array([0.01] * 5 + [0.05] * 3)
     boards = nominal_values(VALUES.preferred) * (1 + tolerance * rng.uniform(-1, 1, (40, len(COMPONENTS))))
-    _, deck = deck_of(tmp_path, [])
+    _, deck = write_deck(tmp_path, [])
     commands = []
     for i, board in enumerate(boards):
         commands += [f"alter {name} = {value:.12g}" for name, value in zip(COMPONENTS, board, strict=True)]

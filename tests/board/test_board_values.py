@@ -82,6 +82,7 @@ def decades(low: float, high: float) -> st.SearchStrategy[float]:
     return st.floats(low, high).map(lambda exponent: float(10.0**exponent))
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(
     decades(-2.0, 4.0), decades(-6.0, 3.0), decades(-2.0, 3.0).map(lambda g: 1.0 + g), decades(3.0, 7.0),
@@ -123,20 +124,21 @@ def default_circuit(name: str) -> Circuit:
     return board_circuit(board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes)))
 
 
+# Change -> fields of the issues it causes, and a phrase of their messages.
 REFUSED = {
     "board.capacitor_uf=1000": ("board.capacitor_uf", "at most 10 uF"),
     "board.capacitor_uf=10.1": ("board.capacitor_uf", "1206, X7R for 16 V); at most 10 uF"),
-    "board.envelope_capacitor_uf=100": ("board.envelope_capacitor_uf", "place of C4 holds"),
+    "board.envelope_capacitor_uf=100": ("board.envelope_capacitor_uf", "footprint of C4 holds"),
     "board.capacitor_uf=1e-6": ("board.capacitor_uf", "at least 0.0004751 uF"),
-    "board.cutoff_hz=1e-9": ("board.capacitor_uf", "raise board.cutoff_hz"),
-    "board.cutoff_hz=1e-310": ("board.capacitor_uf", "raise board.cutoff_hz"),
+    "board.cutoff_hz=1e-9": ("board.capacitor_uf", "set board.cutoff_hz=0.0319"),
+    "board.cutoff_hz=1e-310": ("board.capacitor_uf", "set board.cutoff_hz=0.0319"),
     "board.envelope_capacitor_uf=1e-6": ("board.envelope_capacitor_uf", "above 10 Mohm"),
-    "board.envelope_cutoff_hz=10000": ("board.envelope_capacitor_uf", "below 10 ohm"),
+    "board.envelope_cutoff_hz=10000": ("board.envelope_cutoff_hz board.envelope_capacitor_uf", "at most 499 Hz"),
     "board.passband_gain=1.001": ("board.passband_gain", "at least 1.01"),
     "board.passband_gain=10000": ("board.gain_bandwidth_hz", "at least 6.7e+06 Hz"),
     "board.cutoff_hz=0": ("board.cutoff_hz", "0"),
     "board.cutoff_hz=-67": ("board.cutoff_hz", "-67"),
-    "board.cutoff_hz=5000": ("board.gain_bandwidth_hz", "at least 3.384e+06 Hz"),
+    "board.cutoff_hz=5000": ("board.cutoff_hz board.gain_bandwidth_hz", "at most 499 Hz"),
     "board.capacitor_uf=0.9e-6": ("board.capacitor_uf", "1e-06"),
     "board.capacitor_uf=1001": ("board.capacitor_uf", "1000"),
     "board.series=E48": ("board.series", "E96"),
@@ -144,18 +146,18 @@ REFUSED = {
     "board.supply=usb": ("board.supply", "single"),
     "board.variant=digital": ("board.variant", "precision"),
     "board.supply_v=3.3": ("board.supply_v", "5"),
-    "board.gain_bandwidth_hz=10000": ("board.gain_bandwidth_hz", "lower board.passband_gain"),
+    "board.gain_bandwidth_hz=10000": ("board.gain_bandwidth_hz", "at least 4.534e+04 Hz"),
 }
 
 
 @pytest.mark.parametrize("change", REFUSED)
 def test_invalid_parameters_are_refused_with_a_bound_and_a_remedy(change: str) -> None:
-    field, remedy = REFUSED[change]
+    fields, phrase = REFUSED[change]
     with pytest.raises(DesignError) as caught:
         Design.load(changes=[change])
     messages = {issue.field: issue.message for issue in caught.value.issues if issue.field.startswith("board.")}
-    assert list(messages) == [field]
-    assert remedy in messages[field]
+    assert list(messages) == fields.split()
+    assert phrase in " ".join(messages.values())
 
 
 @pytest.mark.parametrize(
@@ -168,7 +170,7 @@ def test_printed_bounds_are_valid(change: str) -> None:
 
 
 def test_r4_below_its_range_is_refused() -> None:
-    with pytest.raises(DesignError, match=r"R4 of 0\.1 ohm, below 10 ohm; at most 101 with"):
+    with pytest.raises(DesignError, match=r"R4 of 0\.1 ohm, below 10 ohm; at most 100\."):
         Design.load(changes=["board.r5_ohm=1000", "board.passband_gain=1e4"])
 
 
@@ -196,11 +198,11 @@ def test_threshold_beyond_a_split_supply_is_refused() -> None:
 
 
 def test_threshold_beyond_a_single_supply_is_refused() -> None:
-    with pytest.raises(DesignError, match=r"supplied with 5 V, whose signals rest at 2\.5 V; at most 2\.475 V"):
+    with pytest.raises(DesignError, match=r"whose signals have a quiescent level of 2\.5 V; at most 2\.475 V"):
         Design.load(changes=["detector.threshold_v=2.5", "board.supply=single"])
     assert Design.load(changes=["detector.threshold_v=2.475", "board.supply=single"])
     assert Design.load(changes=["detector.threshold_v=2.5"])
-    with pytest.raises(DesignError, match=r"0\.011 to 0\.625 V with this supply"):
+    with pytest.raises(DesignError, match=r"between 0\.011 and 0\.625 V with this supply"):
         Design.load(changes=["detector.threshold_v=0.7", "board.supply=single", "board.variant=comparator"])
 
 
@@ -234,8 +236,8 @@ def test_impossible_band_limits_are_refused(variant: str, changes: list[str], me
     ("change", "message"),
     [
         ("board.supply_v=6", "board.supply_v: 6 V is too much for variant comparator's LMV331; at most 5.5 V."),
-        ("detector.threshold_v=0.005", "0.011 to 1.25 V with this supply"),
-        ("detector.threshold_v=2", "0.011 to 1.25 V with this supply"),
+        ("detector.threshold_v=0.005", "between 0.011 and 1.25 V with this supply"),
+        ("detector.threshold_v=2", "between 0.011 and 1.25 V with this supply"),
     ],
 )
 def test_bounds_of_the_comparator_apply_to_its_variant_only(change: str, message: str) -> None:

@@ -191,8 +191,9 @@ def test_gerbers_of_an_earlier_board_are_reported(tmp_path: Path) -> None:
     assert "has no valid made_from.sha256" in run_fingertip("board", "--out", tmp_path).stderr
 
 
-def test_without_kicad_the_error_says_how_to_install_it(tmp_path: Path) -> None:
-    run = run_fingertip("board", "--fab", "--quiet", "--out", tmp_path / "pcb", PATH=str(tmp_path))
+def test_without_kicad_the_error_says_how_to_install_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    run = run_fingertip("board", "--fab", "--quiet", "--out", tmp_path / "pcb")
     assert run.returncode == 2
     assert len(run.stderr.splitlines()) == 1
     assert "apt-get install -t bookworm-backports kicad" in run.stderr

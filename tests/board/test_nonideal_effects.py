@@ -14,7 +14,7 @@ from fingertip.board.values.noise_and_ripple import RIPPLE_BAND_HZ
 from fingertip.board.values.output_offset import compute_output_offset
 from fingertip.design import Design
 from tests.board.ngspice import run_ngspice
-from tests.board.test_spice import deck_of
+from tests.board.test_spice import write_deck
 from tests.conftest import run_fingertip
 
 SUPPLIES = ["split", "single"]
@@ -47,7 +47,7 @@ def quiescent_envelope_v(folder: Path, deck: str, ground: str, offsets: tuple[fl
 
 @pytest.mark.parametrize("supply", SUPPLIES)
 def test_output_offset_agrees_with_ngspice(tmp_path: Path, supply: str) -> None:
-    design, deck = deck_of(tmp_path, ["board.variant=comparator", f"board.supply={supply}"])
+    design, deck = write_deck(tmp_path, ["board.variant=comparator", f"board.supply={supply}"])
     offset, ground = board_values(design).output_offset, "0" if supply == "split" else "vmid"
     assert offset is not None
     corners = itertools.product((-4.5e-3, 4.5e-3), repeat=3)
@@ -70,7 +70,7 @@ def test_output_offset_of_another_amplifier() -> None:
 
 @pytest.mark.parametrize("supply", SUPPLIES)
 def test_bias_error_of_the_comparator_agrees_with_ngspice(tmp_path: Path, supply: str) -> None:
-    design, deck = deck_of(tmp_path, ["board.variant=comparator", f"board.supply={supply}"])
+    design, deck = write_deck(tmp_path, ["board.variant=comparator", f"board.supply={supply}"])
     stage = board_values(design).comparator_stage
     assert stage is not None
     assert "C17 mean 0 1u" in deck or "C17 mean vmid 1u" in deck
@@ -86,7 +86,7 @@ def test_bias_error_of_the_comparator_agrees_with_ngspice(tmp_path: Path, supply
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
 @pytest.mark.parametrize("supply", SUPPLIES)
 def test_supply_ripple_agrees_with_ngspice(tmp_path: Path, variant: str, supply: str) -> None:
-    design, deck = deck_of(tmp_path, [f"board.variant={variant}", f"board.supply={supply}"])
+    design, deck = write_deck(tmp_path, [f"board.variant={variant}", f"board.supply={supply}"])
     ripple = board_values(design).supply_ripple
     source = "VJ2a vcc 0 5" if supply == "split" else "VJ2 vcc 0 5"
     open_sensor = replace_elements(deck, RJ1=deck[deck.index("RJ1 ") :].splitlines()[0].rsplit(" ", 1)[0] + " 1e12")
@@ -114,7 +114,7 @@ def test_supply_ripple_agrees_with_ngspice(tmp_path: Path, variant: str, supply:
     ],
 )
 def test_passband_agrees_with_ngspice(tmp_path: Path, changes: list[str], figures: tuple[float, ...] | None) -> None:
-    design, deck = deck_of(tmp_path, changes)
+    design, deck = write_deck(tmp_path, changes)
     achieved = board_values(design).achieved_response
     rows = run_ngspice(tmp_path, deck, "ac dec 1000 5 1meg\nlet h = db(v(filtered)/v(tactile))\nwrdata out h")
     maximum = max(h for _, h, *_ in rows)
@@ -128,6 +128,7 @@ def test_passband_agrees_with_ngspice(tmp_path: Path, changes: list[str], figure
         )
 
 
+@pytest.mark.slow
 def test_analysis_and_values_contain_these_effects(tmp_path: Path) -> None:
     text = run_fingertip(
         "board", "--analysis", "--quiet", "--set", "board.variant=comparator", "--out", tmp_path,

@@ -26,6 +26,7 @@ from fingertip.board.layout.placement import (
 )
 from fingertip.board.layout.routing.grid import DesignRules
 from fingertip.board.layout.routing.paths import split_at_junctions
+from fingertip.board.layout.routing.reroute import fill_ground_pour
 from fingertip.board.layout.routing.router import route
 from fingertip.board.layout.silkscreen import silkscreen_conflicts
 from fingertip.board.layout.template import load_template
@@ -259,6 +260,23 @@ def test_router_connects_crossing_nets_without_vias_in_blocked_boxes(
     for left, top, right, bottom in no_vias:
         radius = VIA_MM / 2
         assert not any(left - radius < x < right + radius and top - radius < y < bottom + radius for x, y in vias)
+
+
+def area(outline: tuple[tuple[float, float], ...]) -> float:
+    """Area of a polygon, by the shoelace formula."""
+    edges = zip(outline, outline[1:] + outline[:1], strict=True)
+    return abs(math.fsum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in edges)) / 2
+
+
+@pytest.mark.slow
+def test_ground_pour_of_the_template_is_what_kicad_fills() -> None:
+    """The vertices depend on KiCad's version, the areas do not."""
+    require_tool("/usr/lib/python3/dist-packages/pcbnew.py", HOW_TO_INSTALL_KICAD)
+    template = load_template("article_split", CIRCUIT, ARTICLE_PLACEMENT)
+    fills = fill_ground_pour(CIRCUIT, ARTICLE_PLACEMENT, template.tracks, "/usr/bin/python3")
+    assert set(fills) == set(template.fills)
+    for layer, outlines in template.fills.items():
+        assert [area(outline) for outline in fills[layer]] == pytest.approx([area(o) for o in outlines], rel=1e-3)
 
 
 def test_segments_are_split_where_others_of_their_layer_end_on_them() -> None:

@@ -22,7 +22,7 @@ def fsr400(*changes: str) -> Design:
     return Design.load(design_file("fsr400"), changes=changes)
 
 
-def volumes_of(design: Design) -> SiliconeVolumes:
+def measure(design: Design) -> SiliconeVolumes:
     return measure_volumes(design, MeshEvaluator(TOLERANCE_MM))
 
 
@@ -32,27 +32,27 @@ def test_deeper_funnel_adds_a_frustum_and_longer_vents() -> None:
     throat, mouth = mold.gate_diameter_mm / 2, mold.funnel_diameter_mm / 2
     frustum = math.pi / 3 * (throat**2 + throat * mouth + mouth**2) * 2.0
     longer_vents = vents * math.pi * (mold.vent_diameter_mm / 2) ** 2 * 2.0
-    added = 1000 * (volumes_of(deep).runners_cm3 - volumes_of(shallow).runners_cm3)
+    added = 1000 * (measure(deep).runners_cm3 - measure(shallow).runners_cm3)
     assert added == pytest.approx(frustum + longer_vents, rel=4 * TOLERANCE_MM / (mold.vent_diameter_mm / 2))
 
 
 def test_without_shrinkage_the_cavity_has_the_volume_of_the_skin() -> None:
     unshrunk = fsr400("mold.silicone_shrinkage_percent=0")
     skin = MeshEvaluator(TOLERANCE_MM).manifold(PARTS["skin"].solid(unshrunk)).volume() / 1000
-    assert volumes_of(unshrunk).skin_cm3 == pytest.approx(skin, rel=1e-9)
+    assert measure(unshrunk).skin_cm3 == pytest.approx(skin, rel=1e-9)
 
 
 def test_sleeve_cavity_is_larger_by_the_cube_of_the_shrinkage_factor() -> None:
     unshrunk, shrinking = (
         fsr400("mold.method=sleeve", f"mold.silicone_shrinkage_percent={percent}") for percent in (0.0, 1.0)
     )
-    ratio = volumes_of(shrinking).skin_cm3 / volumes_of(unshrunk).skin_cm3
+    ratio = measure(shrinking).skin_cm3 / measure(unshrunk).skin_cm3
     assert ratio == pytest.approx(shrinking.dimensions.shrinkage**3, rel=1e-3)
     assert shrinking.dimensions.shrinkage == pytest.approx(1.01, abs=2e-4)
 
 
 def test_gap_volume_is_proportional_to_the_fit_clearance() -> None:
-    tight, loose = (volumes_of(fsr400(f"mold.fit_clearance_mm={gap}")) for gap in (0.1, 0.2))
+    tight, loose = (measure(fsr400(f"mold.fit_clearance_mm={gap}")) for gap in (0.1, 0.2))
     assert 0.0 < tight.gap_cm3 < loose.gap_cm3
     assert loose.gap_cm3 / tight.gap_cm3 == pytest.approx(2.0, rel=0.1)
 

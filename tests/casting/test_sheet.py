@@ -108,20 +108,20 @@ def test_sealing_steps_depend_on_the_casting_method() -> None:
     ], "the sensor is assembled after casting"
 
 
-def steps_of(*changes: str) -> str:
+def procedure_text(*changes: str) -> str:
     return "\n".join(steps(sheet_data(*changes)))
 
 
 def test_collar_passage_is_filled_only_where_the_tail_leaves_the_mold() -> None:
-    assert "passage around the tail" in steps_of()
-    assert "passage around the tail" not in steps_of("sensor.model=fsr400_short", "bone.base_length_mm=15")
-    assert "passage around the tail" not in steps_of("mold.method=sleeve")
+    assert "passage around the tail" in procedure_text()
+    assert "passage around the tail" not in procedure_text("sensor.model=fsr400_short", "bone.base_length_mm=15")
+    assert "passage around the tail" not in procedure_text("mold.method=sleeve")
 
 
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 def test_procedure_centers_and_holds_the_insert_before_the_silicone_is_weighed(method: str) -> None:
     design = fsr400(f"mold.method={method}")
-    text = steps_of(f"mold.method={method}")
+    text = procedure_text(f"mold.method={method}")
     min_skin_mm = min_thickness_held(design)
     assert "at least " + f"{min_skin_mm:.2f}".rstrip("0").rstrip(".") + " mm thick" in text
     assert "can tilt by 2.1 degrees and leave" in text, "2 x 0.15 mm of clearance in a recess of 8 mm"
@@ -215,10 +215,10 @@ def test_bad_input_exits_2_and_writes_nothing(tmp_path: Path, arguments: list[st
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.slow
-def test_without_a_slicer_the_sheet_says_how_to_install_one(tmp_path: Path) -> None:
+def test_without_a_slicer_the_sheet_says_how_to_install_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = tmp_path / "casting.md"
-    done = run_fingertip("sheet", FSR400, "--slicer", "--out", page, PATH=str(tmp_path))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    done = run_fingertip("sheet", FSR400, "--slicer", "--out", page)
     assert done.returncode == 0, done.stderr
     assert HOW_TO_INSTALL in done.stderr
     assert HOW_TO_INSTALL in page.read_text()

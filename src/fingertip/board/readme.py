@@ -184,7 +184,8 @@ def _power_notes(values: BoardValues, design: Design) -> list[str]:
         "for J2 with a meter before you connect the board.",
         f"The bridge is fed from +{supply_v:g} V. Ripple on this supply reaches the rectifier amplified "
         f"{ripple.gain:.0f} times. Between {low_hz:g} Hz and {high_hz:g} Hz its peak must stay below "
-        f"{1e3 * ripple.max_v:.2g} mV: more {effect}. Use a low-noise linear regulator near the board, and supply nothing else from it.",
+        f"{1e3 * ripple.max_v:.2g} mV: more {effect}. Use a low-noise linear regulator near the board, and supply "
+        "nothing else from it.",
     ]
     if values.comparator_stage:
         notes.append(

@@ -13,10 +13,12 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from fingertip.board.circuit import Circuit
 from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_MM, kicad_project_file
 from fingertip.board.layout.pcb_file import EDGE_CLEARANCE_MM, PAGE_OFFSET_MM, kicad_pcb_file
-from fingertip.board.layout.placement import courtyard_overlaps, place_pads
+from fingertip.board.layout.placement import Placement, courtyard_overlaps, place_pads
 from fingertip.board.layout.routing.grid import DesignRules
+from fingertip.board.layout.routing.paths import Point, Tracks
 from fingertip.board.layout.routing.router import route
 from fingertip.board.layout.silkscreen import silkscreen_boxes, silkscreen_conflicts
 from fingertip.board.layout.template import TEMPLATES, Template, format_template
@@ -29,7 +31,7 @@ _FILL_SCRIPT = """
 import json, sys
 import pcbnew
 board = pcbnew.LoadBoard(sys.argv[1])
-pcbnew.ZONE_FILL_SCRIPTER(board).Fill(board.Zones())
+pcbnew.ZONE_FILLER(board).Fill(board.Zones())
 fills = {}
 for zone in board.Zones():
     layer = zone.GetLayer()
@@ -65,21 +67,36 @@ def _reroute(configuration: BoardConfiguration, python: str) -> None:
     rules = DesignRules(TRACK_MM, CLEARANCE_MM, VIA_MM, EDGE_CLEARANCE_MM)
     pads, no_vias = list(place_pads(circuit, placement)), silkscreen_boxes(placement).values()
     tracks = route(placement.width, placement.height, pads, rules, no_vias, progress=print)
+    fills = fill_ground_pour(circuit, placement, tracks, python)
+    path = TEMPLATES / f"{configuration.name}.json"
+    path.write_text(format_template(Template(tracks, fills), circuit, placement), encoding="utf-8")
+    print(f"wrote {path.name}: {path.stat().st_size} bytes")
+
+
+def fill_ground_pour(
+    circuit: Circuit, placement: Placement, tracks: dict[str, Tracks], python: str
+) -> dict[str, tuple[tuple[Point, ...], ...]]:
+    """Fill the ground pour around the tracks with KiCad; returns the outlines of the filled areas by layer.
+
+    Parameters
+    ----------
+    circuit, placement, tracks
+        The routed board.
+    python
+        Python that has KiCad's module pcbnew.
+    """
     with tempfile.TemporaryDirectory() as folder:
         board = Path(folder) / f"{circuit.name}.kicad_pcb"
         board.write_bytes(kicad_pcb_file(circuit, placement, Template(tracks, {})))
         board.with_suffix(".kicad_pro").write_bytes(kicad_project_file(circuit))
         process = subprocess.run([python, "-c", _FILL_SCRIPT, str(board)], capture_output=True, text=True, check=True)
-    # pcbnew prints messages of its own; the script marks its line.
+    # pcbnew prints messages of its own, so the script marks its line.
     line = next(line for line in process.stdout.splitlines() if line.startswith("FILLS"))
     left, top = PAGE_OFFSET_MM
-    fills = {
+    return {
         layer: tuple(tuple((round(x - left, 4), round(y - top, 4)) for x, y in outline) for outline in outlines)
         for layer, outlines in json.loads(line.removeprefix("FILLS")).items()
     }
-    path = TEMPLATES / f"{configuration.name}.json"
-    path.write_text(format_template(Template(tracks, fills), circuit, placement), encoding="utf-8")
-    print(f"wrote {path.name}: {path.stat().st_size} bytes")
 
 
 if __name__ == "__main__":

@@ -11,31 +11,39 @@ import math
 from fingertip.design.filter_components import FilterComponents
 
 
-def first_stage_transfer(f_hz: float, c: FilterComponents) -> complex:
+def first_stage_transfer(f_hz: float, components: FilterComponents) -> complex:
     """H1 = G s / (s + 1 / (R1 C1)) at f [Hz], eq. (1), with G = 1 + R5 / R4, eq. (2)."""
     s = 2j * math.pi * f_hz
-    return (1.0 + c.r5_ohm / c.r4_ohm) * s / (s + 1.0 / (c.r1_ohm * c.c_f))
+    return (1.0 + components.r5_ohm / components.r4_ohm) * s / (s + 1.0 / (components.r1_ohm * components.c_f))
 
 
-def second_stage_transfer(f_hz: float, c: FilterComponents) -> complex:
+def second_stage_transfer(f_hz: float, components: FilterComponents) -> complex:
     """H2 = s^2 / (s^2 + 2 s / (R3 C) + 1 / (R2 R3 C^2)) at f [Hz], eq. (4)."""
     s = 2j * math.pi * f_hz
-    return s * s / (s * s + 2.0 * s / (c.r3_ohm * c.c_f) + 1.0 / (c.r2_ohm * c.c_f) / (c.r3_ohm * c.c_f))
+    return (
+        s
+        * s
+        / (
+            s * s
+            + 2.0 * s / (components.r3_ohm * components.c_f)
+            + 1.0 / (components.r2_ohm * components.c_f) / (components.r3_ohm * components.c_f)
+        )
+    )
 
 
-def ideal_filter_transfer(f_hz: float, c: FilterComponents) -> complex:
+def ideal_filter_transfer(f_hz: float, components: FilterComponents) -> complex:
     """Hc = H1 H2 at f [Hz], eq. (9): from the tactile voltage to the diode."""
-    return first_stage_transfer(f_hz, c) * second_stage_transfer(f_hz, c)
+    return first_stage_transfer(f_hz, components) * second_stage_transfer(f_hz, components)
 
 
-def envelope_impedance(f_hz: float, c: FilterComponents) -> complex:
+def envelope_impedance(f_hz: float, components: FilterComponents) -> complex:
     """Z = (1 / C_LP) / (s + 1 / (R_LP C_LP)) [ohm] at f [Hz], eq. (11).
 
     The article calls it the transfer function of a low-pass filter. Its unit is volt per ampere: a diode that feeds
     R_LP parallel to C_LP is a peak detector, whose decay is the 36.17 Hz (tau = R_LP C_LP = 4.40 ms).
     """
     s = 2j * math.pi * f_hz
-    return (1.0 / c.c_lp_f) / (s + 1.0 / (c.r_lp_ohm * c.c_lp_f))
+    return (1.0 / components.c_lp_f) / (s + 1.0 / (components.r_lp_ohm * components.c_lp_f))
 
 
 def phase_degrees(ratio: complex) -> float:

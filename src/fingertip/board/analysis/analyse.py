@@ -38,7 +38,7 @@ class Analysis:
     """Results of the analysis of one board."""
 
     noise: tuple[Contribution, ...]
-    """RMS noise over `NOISE_BAND_HZ`, largest first; white noise only, typical figures of the data sheets."""
+    """RMS noise over `NOISE_BAND_HZ`, largest first; white noise only, typical data-sheet values."""
     noise_total_v: tuple[float, ...]
     noise_alternatives: tuple[NoiseAlternative, ...]
     """Total noise as built and with changes that reduce it, and the quiescent envelope due to it."""

@@ -1,9 +1,9 @@
 """Noise of the board: the contribution of each component, and what would reduce it. Needs numpy.
 
-White noise only, with typical figures of the data sheets. Nearly all of it comes from the bridge's amplifier: its
-source impedance is a few hundred ohm, its gain amplifies its 35 nV/sqrt(Hz) 68 times, and the first stage amplifies
-them 68 times again, up to the bandwidth of either amplifier. A low-pass above the vibrations removes most of it. The
-article has none.
+The analysis includes white noise only, with typical data-sheet values. Nearly all of it comes from the bridge's
+amplifier: its source impedance is a few hundred ohm, its gain amplifies its 35 nV/sqrt(Hz) 68 times, and the first
+stage amplifies them 68 times again, up to the bandwidth of either amplifier. A low-pass above the vibrations removes
+most of it. The article has none.
 """
 
 from __future__ import annotations

@@ -50,8 +50,16 @@ def _spread_lines(analysis: Analysis) -> list[str]:
     headings = ("nominal", "mean", "std. dev.", "95 % from", "95 % to", "worst min", "worst max")
     lines = [f"tolerances: {resistors}, {capacitors}{_large_capacitor(analysis)}, as in the bill of materials"]
     lines.append(f"{'':20}" + "".join(f"{heading:>11}" for heading in headings))
-    for name, s in analysis.spread.items():
-        cells = (s.nominal, s.mean, s.deviation, s.low_95, s.high_95, s.worst_low, s.worst_high)
+    for name, spread in analysis.spread.items():
+        cells = (
+            spread.nominal,
+            spread.mean,
+            spread.deviation,
+            spread.low_95,
+            spread.high_95,
+            spread.worst_low,
+            spread.worst_high,
+        )
         lines.append(f"{_LABELS[name]:20}" + "".join(f"{cell:11.4g}" for cell in cells))
     return lines
 
@@ -87,16 +95,17 @@ def _error_lines(analysis: Analysis) -> list[str]:
     return [*lines, describe_supply_ripple(analysis.supply_ripple, diode=analysis.output_offset is None)]
 
 
-def _alias_lines(a: AliasAttenuation) -> list[str]:
+def _alias_lines(aliasing: AliasAttenuation) -> list[str]:
     return [
         f"{'ahead of the ADC':44}{'tactile':>11}{'envelope':>11}",
-        f"{f'gain at {a.band_hz:.4g} Hz, upper end of vibrations':44}{a.tactile_band_db:8.1f} dB",
-        f"{f'gain at {a.nyquist_hz:.4g} Hz, half the sample rate':44}{a.tactile_nyquist_db:8.1f} dB"
-        f"{a.envelope_nyquist_db:8.1f} dB",
-        f"{f'gain at {a.alias_hz:.4g} Hz, which aliases to that end':44}{a.tactile_alias_db:8.1f} dB"
-        f"{a.envelope_alias_db:8.1f} dB",
-        f"A full-swing tone would need {a.required_db:.0f} dB of attenuation to stay below a step of "
-        f"{1e3 * a.step_v:.3g} mV; one of {1e3 * a.one_step_tone_v:.2g} mV does so at {a.alias_hz:.4g} Hz.",
+        f"{f'gain at {aliasing.band_hz:.4g} Hz, upper end of vibrations':44}{aliasing.tactile_band_db:8.1f} dB",
+        f"{f'gain at {aliasing.nyquist_hz:.4g} Hz, half the sample rate':44}{aliasing.tactile_nyquist_db:8.1f} dB"
+        f"{aliasing.envelope_nyquist_db:8.1f} dB",
+        f"{f'gain at {aliasing.alias_hz:.4g} Hz, which aliases to that end':44}{aliasing.tactile_alias_db:8.1f} dB"
+        f"{aliasing.envelope_alias_db:8.1f} dB",
+        f"A full-swing tone would need {aliasing.required_db:.0f} dB of attenuation to stay below an ADC step of "
+        f"{1e3 * aliasing.step_v:.3g} mV. A tone of {1e3 * aliasing.one_step_tone_v:.2g} mV does so at "
+        f"{aliasing.alias_hz:.4g} Hz.",
     ]
 
 

@@ -67,42 +67,43 @@ def comparator_circuit(values: BoardValues) -> Circuit:
 
 def _high_passes(values: BoardValues, r4_net: str = "") -> Wiring:
     """Both filters of the article's figure 3. R4 is connected to the signal ground unless another net is given."""
-    c, supply = values.preferred, SUPPLIES[values.supply]
+    preferred, supply = values.preferred, SUPPLIES[values.supply]
     ground, rated = supply.signal_ground, RatedComponents(values.tolerance)
     return {
         # First-order high-pass, gain 1 + R5/R4 (eqs. 1, 2).
-        rated.capacitor("C1", c.c_f, "first stage: in series"): {"1": TACTILE, "2": STAGE1_IN},
-        rated.resistor("R1", c.r1_ohm, "first stage: pole, with C1"): {"1": STAGE1_IN, "2": ground},
-        rated.resistor("R4", c.r4_ohm, "first stage: gain, with R5"): {"1": FEEDBACK, "2": r4_net or ground},
-        rated.resistor("R5", c.r5_ohm, "first stage: feedback"): {"1": STAGE1_OUT, "2": FEEDBACK},
+        rated.capacitor("C1", preferred.c_f, "first stage: in series"): {"1": TACTILE, "2": STAGE1_IN},
+        rated.resistor("R1", preferred.r1_ohm, "first stage: pole, with C1"): {"1": STAGE1_IN, "2": ground},
+        rated.resistor("R4", preferred.r4_ohm, "first stage: gain, with R5"): {"1": FEEDBACK, "2": r4_net or ground},
+        rated.resistor("R5", preferred.r5_ohm, "first stage: feedback"): {"1": STAGE1_OUT, "2": FEEDBACK},
         amplifier("U1", values.amplifier, "first stage and Sallen-Key stage"): {
             "3": STAGE1_IN, "2": FEEDBACK, "1": STAGE1_OUT,
             "5": STAGE2_IN, "6": FILTERED, "7": FILTERED,
             "8": VCC, "4": supply.negative_rail,
         },
         # Unity-gain Sallen-Key high-pass (eqs. 3, 4): R2 from between the capacitors to the output.
-        rated.capacitor("C2", c.c_f, "second stage: first in series"): {"1": STAGE1_OUT, "2": STAGE2_MID},
-        rated.capacitor("C3", c.c_f, "second stage: last in series"): {"1": STAGE2_MID, "2": STAGE2_IN},
-        rated.resistor("R2", c.r2_ohm, "second stage: feedback"): {"1": STAGE2_MID, "2": FILTERED},
-        rated.resistor("R3", c.r3_ohm, "second stage: pole, with R2"): {"1": STAGE2_IN, "2": ground},
+        rated.capacitor("C2", preferred.c_f, "second stage: first in series"): {"1": STAGE1_OUT, "2": STAGE2_MID},
+        rated.capacitor("C3", preferred.c_f, "second stage: last in series"): {"1": STAGE2_MID, "2": STAGE2_IN},
+        rated.resistor("R2", preferred.r2_ohm, "second stage: feedback"): {"1": STAGE2_MID, "2": FILTERED},
+        rated.resistor("R3", preferred.r3_ohm, "second stage: pole, with R2"): {"1": STAGE2_IN, "2": ground},
     }  # fmt: skip
 
 
 def _peak_detector(values: BoardValues) -> Wiring:
     """The diode and, after it, R_LP parallel to C_LP (eq. 11)."""
-    c, ground, rated = values.preferred, SUPPLIES[values.supply].signal_ground, RatedComponents(values.tolerance)
+    preferred, rated = values.preferred, RatedComponents(values.tolerance)
+    ground = SUPPLIES[values.supply].signal_ground
     diode = component("D1", "1N4148W", symbols.DIODE_1N4148W, symbols.SOD_123, "half-wave rectifier")
     return {
         diode: {"2": FILTERED, "1": ENVELOPE},
-        rated.resistor("R6", c.r_lp_ohm, "envelope: R_LP"): {"1": ENVELOPE, "2": ground},
-        rated.capacitor("C4", c.c_lp_f, "envelope: C_LP"): {"1": ENVELOPE, "2": ground},
+        rated.resistor("R6", preferred.r_lp_ohm, "envelope: R_LP"): {"1": ENVELOPE, "2": ground},
+        rated.capacitor("C4", preferred.c_lp_f, "envelope: C_LP"): {"1": ENVELOPE, "2": ground},
     }
 
 
 def _precision_path(values: BoardValues) -> Wiring:
     """The filters without offset and with a band limit, the precision rectifier and the envelope's low-pass."""
-    c, supply, extra = values.preferred, SUPPLIES[values.supply], values.first_stage
-    if extra is None:
+    preferred, supply, first_stage = values.preferred, SUPPLIES[values.supply], values.first_stage
+    if first_stage is None:
         raise BoardError("the values are for variant article; compute them for the variant of this circuit.")
     ground, rated = supply.signal_ground, RatedComponents(values.tolerance)
     diodes = [
@@ -110,17 +111,17 @@ def _precision_path(values: BoardValues) -> Wiring:
         for name, role in (("D1", "rectifier: positive half wave"), ("D4", "rectifier: negative half wave"))
     ]
     path: Wiring = {
-        rated.capacitor("C14", extra.series_f, "first stage: blocks its offset"): {"1": ground, "2": SERIES},
-        rated.small_capacitor("C20", extra.limit_f, "first stage: ends its gain above the vibrations"): {
+        rated.capacitor("C14", first_stage.series_f, "first stage: blocks its offset"): {"1": ground, "2": SERIES},
+        rated.small_capacitor("C20", first_stage.limit_f, "first stage: ends its gain above the vibrations"): {
             "1": STAGE1_OUT, "2": FEEDBACK,
         },
         rated.resistor("R15", RECTIFIER_OHM, "rectifier: input"): {"1": FILTERED, "2": RECT_IN},
         rated.resistor("R16", RECTIFIER_OHM, "rectifier: feedback"): {"1": RECT_IN, "2": RECTIFIED},
         diodes[0]: {"1": RECT_OUT, "2": RECTIFIED},
         diodes[1]: {"1": RECT_IN, "2": RECT_OUT},
-        rated.resistor("R17", c.r_lp_ohm, "envelope: input, as R_LP"): {"1": RECTIFIED, "2": LP_IN},
-        rated.resistor("R6", c.r_lp_ohm, "envelope: R_LP"): {"1": LP_IN, "2": ENVELOPE},
-        rated.capacitor("C4", c.c_lp_f, "envelope: C_LP"): {"1": LP_IN, "2": ENVELOPE},
+        rated.resistor("R17", preferred.r_lp_ohm, "envelope: input, as R_LP"): {"1": RECTIFIED, "2": LP_IN},
+        rated.resistor("R6", preferred.r_lp_ohm, "envelope: R_LP"): {"1": LP_IN, "2": ENVELOPE},
+        rated.capacitor("C4", preferred.c_lp_f, "envelope: C_LP"): {"1": LP_IN, "2": ENVELOPE},
         amplifier("U3", values.amplifier, "rectifier and envelope"): {
             "3": ground, "2": RECT_IN, "1": RECT_OUT, "5": ground, "6": LP_IN, "7": ENVELOPE, "8": VCC,
             "4": supply.negative_rail,

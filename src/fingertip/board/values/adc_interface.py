@@ -5,9 +5,9 @@ the lowest frequency that aliases into it is the sample rate less that. The tact
 a quarter of the sample rate: the second section has ten times the impedance of the first, so that they hardly interact.
 The envelope has a pole of its own already (in variant `article` only for falling voltages), and passes one.
 
-No two poles attenuate a full-scale tone to below one step of 16 bits. What the signal contains beyond the band, noise
-and the skirt of a resonance, is small. `AliasAttenuation` gives the amplitude that a tone may have. A higher sample
-rate with subsequent averaging moves the aliases away.
+Two poles cannot attenuate a full-scale tone to less than one step of 16 bits. The signal's content beyond the band,
+noise and the skirt of a resonance, is small. `AliasAttenuation` gives the amplitude that a tone may have. A higher
+sample rate with subsequent averaging moves the aliases away.
 """
 
 from __future__ import annotations

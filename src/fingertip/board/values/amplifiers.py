@@ -1,4 +1,4 @@
-"""Data-sheet figures of the amplifiers, and which amplifier each board has; the only source of these figures.
+"""Data-sheet values of the amplifiers, and the amplifier of each board. No other module repeats these values.
 
 The article's TL082 is used on the article's own board, variant `article` on plus and minus 5 V. Its common-mode input
 range ends 3 V above the negative rail (typical; the data sheet guarantees 4 V), and below that its output reverses its

@@ -47,7 +47,7 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class BoardValues:
-    """Component values of one design's board, and the resulting figures."""
+    """Component values of one design's board, and the resulting response, noise and limits."""
 
     variant: str
     """Name of the board's variant."""
@@ -107,8 +107,8 @@ def filter_values(board: Board) -> tuple[FilterComponents, FilterComponents, Fre
     """
     ideal = ideal_components(select_capacitors(board))
     preferred = select_resistors(ideal, board.series)
-    extra = _first_stage_capacitors(board, preferred)
-    return ideal, preferred, nonideal_response(preferred, board.gain_bandwidth_hz, extra)
+    first_stage = _first_stage_capacitors(board, preferred)
+    return ideal, preferred, nonideal_response(preferred, board.gain_bandwidth_hz, first_stage)
 
 
 def _first_stage_capacitors(board: Board, preferred: FilterComponents) -> FirstStageCapacitors | None:
@@ -133,7 +133,7 @@ def board_values(design: Design) -> BoardValues:
     has_diode = board.variant == "article"
 
     ideal, preferred, achieved = filter_values(board)
-    extra = _first_stage_capacitors(board, preferred)
+    first_stage = _first_stage_capacitors(board, preferred)
     bridge = size_bridge(
         supply_v, board.series, design.dimensions.sensor.active_diameter_mm, supply.signal_ground_ratio
     )
@@ -145,10 +145,12 @@ def board_values(design: Design) -> BoardValues:
     )
 
     def transfer(f_hz: float) -> complex:
-        return filter_transfer(f_hz, preferred, board.gain_bandwidth_hz, extra)
+        return filter_transfer(f_hz, preferred, board.gain_bandwidth_hz, first_stage)
 
     def transfer_without_limit(f_hz: float) -> complex:
-        return filter_transfer(f_hz, preferred, board.gain_bandwidth_hz, extra and replace(extra, limit_f=0.0))
+        return filter_transfer(
+            f_hz, preferred, board.gain_bandwidth_hz, first_stage and replace(first_stage, limit_f=0.0)
+        )
 
     comparator_stage = None
     if board.variant == "comparator":
@@ -166,7 +168,7 @@ def board_values(design: Design) -> BoardValues:
         target_response=_target_response(board, ideal),
         achieved_response=achieved,
         bridge=bridge,
-        first_stage=extra,
+        first_stage=first_stage,
         output_offset=None if has_diode else compute_output_offset(AMPLIFIERS[amplifier], preferred.r_lp_ohm),
         supply_ripple=compute_supply_ripple(bridge, transfer, detector.threshold_v, has_diode),
         noise=compute_noise_levels(bridge, transfer, transfer_without_limit, has_diode),

@@ -1,10 +1,10 @@
 """Formulas of the slip filter with ideal amplifiers (article, eqs. 1 to 11), and the response they give components.
 
 The signal chain is a first-order high-pass with gain (C1, R1; R4, R5), a unity-gain Sallen-Key high-pass (C2, C3; R2,
-R3), a diode, and R_LP parallel to C_LP. The formulas for R1 to R4 and R_LP (eqs. 2, 5, 6, 7, 11) stand in
+R3), a diode, and R_LP parallel to C_LP. The formulas for R1 to R4 and R_LP (eqs. 2, 5, 6, 7, 11) are in
 `fingertip.design.filter_components`, because the design's rules need them too.
 
-The article writes omega where j omega is meant (eqs. 1, 3, 4, 9, 11). Here s = j 2 pi f.
+The article writes omega where j omega is meant (eqs. 1, 3, 4, 9, 11). The formulas in this package use s = j 2 pi f.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def decibel(ratio: complex) -> float:
 
 @dataclass(frozen=True)
 class FrequencyResponse:
-    """Characteristic figures of the filter's and the envelope's frequency response."""
+    """Characteristics of the frequency response of the filter and the envelope."""
 
     passband_gain: float
     """Gain G of the formulas; for a nonideal amplifier the maximum gain."""
@@ -103,11 +103,12 @@ class FrequencyResponse:
     """Closed-loop bandwidth GBW / G of the first stage's amplifier."""
 
 
-def ideal_response(c: FilterComponents, gain_bandwidth_hz: float) -> FrequencyResponse:
+def ideal_response(components: FilterComponents, gain_bandwidth_hz: float) -> FrequencyResponse:
     """Compute the response of components by the formulas, for an amplifier of this gain-bandwidth product [Hz]."""
-    G = passband_gain(c.r4_ohm, c.r5_ohm)
-    f1 = pole_hz(c.r1_ohm, c.c_f)
-    f0, Q = section_frequency_hz(c.r2_ohm, c.r3_ohm, c.c_f), section_quality(c.r2_ohm, c.r3_ohm)
+    G = passband_gain(components.r4_ohm, components.r5_ohm)
+    f1 = pole_hz(components.r1_ohm, components.c_f)
+    f0 = section_frequency_hz(components.r2_ohm, components.r3_ohm, components.c_f)
+    Q = section_quality(components.r2_ohm, components.r3_ohm)
     return FrequencyResponse(
         passband_gain=G,
         passband_gain_db=decibel(G),
@@ -116,7 +117,7 @@ def ideal_response(c: FilterComponents, gain_bandwidth_hz: float) -> FrequencyRe
         section_quality=Q,
         cutoff_hz=overall_cutoff_hz(f1, f0, Q),
         upper_cutoff_hz=gain_bandwidth_hz / G,
-        envelope_pole_hz=pole_hz(c.r_lp_ohm, c.c_lp_f),
-        envelope_decay_s=c.r_lp_ohm * c.c_lp_f,
+        envelope_pole_hz=pole_hz(components.r_lp_ohm, components.c_lp_f),
+        envelope_decay_s=components.r_lp_ohm * components.c_lp_f,
         amplifier_bandwidth_hz=gain_bandwidth_hz / G,
     )

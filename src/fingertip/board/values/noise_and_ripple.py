@@ -6,7 +6,7 @@ of the bridge. A test compares the two.
 
 Ripple: the bridge is connected to the supply, so its amplifier's output follows the supply, by the tactile voltage's
 own ratio to it (on a single supply by its ratio above the midpoint, which is filtered), and by a little more where C7
-delays the sensor's arm against the other one. What lies in the passband is amplified as slip is.
+delays the sensor's arm against the other one. The filter amplifies ripple in its passband like slip.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ RIPPLE_BAND_HZ = (30.0, 1000.0)
 
 @dataclass(frozen=True)
 class NoiseLevels:
-    """RMS noise over `NOISE_BAND_HZ` [V], for typical figures of the data sheets."""
+    """RMS noise over `NOISE_BAND_HZ` [V], for typical data-sheet values."""
 
     tactile_v: float
     """RMS noise of the tactile voltage."""

@@ -4,8 +4,8 @@ The transfer functions are those of eqs. (1), (4) and (9) with the amplifier A(s
 has one pole. Eqs. (1) to (9) are their limit for an infinite gain-bandwidth product.
 
 The formulas of `ideal_response` contain neither C14, which costs a little gain at the lower end of the passband, nor
-C20, which ends the passband above the vibrations, nor the amplifier's bandwidth. The passband found here is that of the
-whole transfer function.
+C20, which ends the passband above the vibrations, nor the amplifier's bandwidth. `find_passband` evaluates the whole
+transfer function.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ class FirstStageCapacitors:
     """Frequency at which C20 has reduced the gain by 3 dB: 1 / (2 pi R5 C20)."""
 
 
-def select_first_stage_capacitors(c: FilterComponents, band_limit_hz: float) -> FirstStageCapacitors:
+def select_first_stage_capacitors(components: FilterComponents, band_limit_hz: float) -> FirstStageCapacitors:
     """Select preferred capacitors of the first stage for preferred resistors and a band limit [Hz]."""
-    limit_f = nearest_value(band_limit_capacitor_f(c.r5_ohm, band_limit_hz), "E6", 1e-12, 1e-3)
-    series_f = series_capacitor_f(c.r4_ohm, pole_hz(c.r1_ohm, c.c_f))
-    return FirstStageCapacitors(series_f, limit_f, pole_hz(c.r5_ohm, limit_f))
+    limit_f = nearest_value(band_limit_capacitor_f(components.r5_ohm, band_limit_hz), "E6", 1e-12, 1e-3)
+    series_f = series_capacitor_f(components.r4_ohm, pole_hz(components.r1_ohm, components.c_f))
+    return FirstStageCapacitors(series_f, limit_f, pole_hz(components.r5_ohm, limit_f))
 
 
 LARGE_CAPACITOR_PERCENT = 20.0
 """Tolerance of a series capacitor above `MAX_1206_F`: nothing better is available in its size."""
 
 OPEN_LOOP_GAIN = 2e5
-"""Open-loop gain A0 of the TL082 (typical, its data sheet): 106 dB. The TLV2372's 110 dB change nothing here."""
+"""Open-loop gain A0 of the TL082 (typical, its data sheet): 106 dB. The TLV2372's 110 dB give the same response."""
 
 
 def open_loop_transfer(f_hz: float, gain_bandwidth_hz: float) -> complex:
@@ -51,37 +51,40 @@ def open_loop_transfer(f_hz: float, gain_bandwidth_hz: float) -> complex:
 
 
 def first_stage_transfer(
-    f_hz: float, c: FilterComponents, gain_bandwidth_hz: float, extra: FirstStageCapacitors | None = None
+    f_hz: float, components: FilterComponents, gain_bandwidth_hz: float, capacitors: FirstStageCapacitors | None = None
 ) -> complex:
     """Transfer function H1 at f [Hz]: the high-pass C1, R1, then G / (1 + G / A).
 
     Variants other than `article` have G = 1 + Z5 / Z4 with Z4 = R4 + 1 / (s C14) and Z5 = R5 / (1 + s R5 C20).
     """
+    R1, R4, R5, C = components.r1_ohm, components.r4_ohm, components.r5_ohm, components.c_f
     s = 2j * math.pi * f_hz
-    G: complex = passband_gain(c.r4_ohm, c.r5_ohm)
-    if extra is not None:
-        G = 1.0 + c.r5_ohm / (1.0 + s * c.r5_ohm * extra.limit_f) / (c.r4_ohm + 1.0 / (s * extra.series_f))
-    return s / (s + 1.0 / (c.r1_ohm * c.c_f)) * G / (1.0 + G / open_loop_transfer(f_hz, gain_bandwidth_hz))
+    G: complex = passband_gain(R4, R5)
+    if capacitors is not None:
+        G = 1.0 + R5 / (1.0 + s * R5 * capacitors.limit_f) / (R4 + 1.0 / (s * capacitors.series_f))
+    return s / (s + 1.0 / (R1 * C)) * G / (1.0 + G / open_loop_transfer(f_hz, gain_bandwidth_hz))
 
 
-def second_stage_transfer(f_hz: float, c: FilterComponents, gain_bandwidth_hz: float) -> complex:
+def second_stage_transfer(f_hz: float, components: FilterComponents, gain_bandwidth_hz: float) -> complex:
     """Transfer function H2 at f [Hz], with K = A / (1 + A) for the buffer's unity gain.
 
     Kirchhoff's current law between C2 and C3 and at the amplifier's input gives
     H2 = K s^2 C^2 R2 R3 / (s^2 C^2 R2 R3 + s C (2 R2 + (1 - K) R3) + 1), which is eq. (4) for K = 1.
     """
+    R2, R3, C = components.r2_ohm, components.r3_ohm, components.c_f
     s = 2j * math.pi * f_hz
     A = open_loop_transfer(f_hz, gain_bandwidth_hz)
     K = A / (1.0 + A)
-    square = s * c.r2_ohm * c.c_f * s * c.r3_ohm * c.c_f
-    return K * square / (square + s * c.c_f * (2.0 * c.r2_ohm + c.r3_ohm / (1.0 + A)) + 1.0)
+    square = s * R2 * C * s * R3 * C
+    return K * square / (square + s * C * (2.0 * R2 + R3 / (1.0 + A)) + 1.0)
 
 
 def filter_transfer(
-    f_hz: float, c: FilterComponents, gain_bandwidth_hz: float, extra: FirstStageCapacitors | None = None
+    f_hz: float, components: FilterComponents, gain_bandwidth_hz: float, capacitors: FirstStageCapacitors | None = None
 ) -> complex:
     """Transfer function Hc = H1 H2 at f [Hz], from the tactile voltage to the diode; the article's figure 4."""
-    return first_stage_transfer(f_hz, c, gain_bandwidth_hz, extra) * second_stage_transfer(f_hz, c, gain_bandwidth_hz)
+    first_stage = first_stage_transfer(f_hz, components, gain_bandwidth_hz, capacitors)
+    return first_stage * second_stage_transfer(f_hz, components, gain_bandwidth_hz)
 
 
 _STEPS_PER_DECADE = 6
@@ -105,12 +108,14 @@ class Passband:
     """Upper -3.0103 dB frequency."""
 
 
-def find_passband(c: FilterComponents, gain_bandwidth_hz: float, extra: FirstStageCapacitors | None = None) -> Passband:
+def find_passband(
+    components: FilterComponents, gain_bandwidth_hz: float, capacitors: FirstStageCapacitors | None = None
+) -> Passband:
     """Find the passband of preferred components. `tolerance.find_passbands` is its counterpart for arrays."""
-    formulas = ideal_response(c, gain_bandwidth_hz)
+    formulas = ideal_response(components, gain_bandwidth_hz)
 
     def log_gain(x: float) -> float:
-        return math.log(abs(filter_transfer(math.exp(x), c, gain_bandwidth_hz, extra)))
+        return math.log(abs(filter_transfer(math.exp(x), components, gain_bandwidth_hz, capacitors)))
 
     # A grid over the logarithm of the frequency brackets the peak.
     first = math.log(min(formulas.cutoff_hz, formulas.section_hz) / _START_RATIO)
@@ -135,12 +140,12 @@ def find_passband(c: FilterComponents, gain_bandwidth_hz: float, extra: FirstSta
 
 
 def nonideal_response(
-    c: FilterComponents, gain_bandwidth_hz: float, extra: FirstStageCapacitors | None = None
+    components: FilterComponents, gain_bandwidth_hz: float, capacitors: FirstStageCapacitors | None = None
 ) -> FrequencyResponse:
     """Compute the response of components. Gain and cutoffs are those of the whole transfer function."""
-    passband = find_passband(c, gain_bandwidth_hz, extra)
+    passband = find_passband(components, gain_bandwidth_hz, capacitors)
     return replace(
-        ideal_response(c, gain_bandwidth_hz),
+        ideal_response(components, gain_bandwidth_hz),
         passband_gain=passband.gain,
         passband_gain_db=decibel(passband.gain),
         cutoff_hz=passband.low_hz,

@@ -1,4 +1,4 @@
-"""Output offset of the envelope behind a precision rectifier: the amplifiers' offset voltages at its output.
+"""Output offset of the envelope after a precision rectifier, as the offset voltages of the amplifiers cause it.
 
 Without a signal, with offsets o1 (Sallen-Key stage), o2 (rectifier) and o3 (envelope), and with the rectifier's
 positive diode driven into conduction by them, the envelope is

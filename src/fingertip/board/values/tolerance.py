@@ -1,7 +1,7 @@
 """Effect of component tolerances on the filter: Monte Carlo spread, worst case and sensitivities. Needs numpy.
 
-Unlike in the formulas of `ideal_response`, C1, C2 and C3 may differ here, as purchased capacitors do. Cutoff and gain
-are those of the circuit with all its components, which the command calls achieved.
+Unlike in the formulas of `ideal_response`, C1, C2 and C3 may differ, as purchased capacitors do. Cutoff and gain
+are those of the circuit with all its components, as in the achieved response.
 """
 
 from __future__ import annotations
@@ -33,15 +33,18 @@ _HALVINGS = 36
 """Halvings of the step that contains the cutoff, which is then exact to 1e-11."""
 
 
-def component_names(extra: FirstStageCapacitors | None) -> tuple[str, ...]:
+def component_names(capacitors: FirstStageCapacitors | None) -> tuple[str, ...]:
     """Names of the components of a board with or without capacitors in the first stage."""
-    return COMPONENTS if extra is None else (*COMPONENTS, *FIRST_STAGE_COMPONENTS)
+    return COMPONENTS if capacitors is None else (*COMPONENTS, *FIRST_STAGE_COMPONENTS)
 
 
-def nominal_values(c: FilterComponents, extra: FirstStageCapacitors | None = None) -> Array:
+def nominal_values(components: FilterComponents, capacitors: FirstStageCapacitors | None = None) -> Array:
     """Nominal component values [ohm, F] in the order of `component_names`."""
-    others = () if extra is None else (extra.series_f, extra.limit_f)
-    return np.array([c.r1_ohm, c.r2_ohm, c.r3_ohm, c.r4_ohm, c.r5_ohm, c.c_f, c.c_f, c.c_f, *others])
+    values = [components.r1_ohm, components.r2_ohm, components.r3_ohm, components.r4_ohm, components.r5_ohm]
+    values += [components.c_f] * 3
+    if capacitors is not None:
+        values += [capacitors.series_f, capacitors.limit_f]
+    return np.array(values)
 
 
 def power_gain(f_hz: Array, columns: Array, gain_bandwidth_hz: float) -> Array:
@@ -148,9 +151,9 @@ class Spread:
 
 
 def monte_carlo(
-    c: FilterComponents,
+    components: FilterComponents,
     gain_bandwidth_hz: float,
-    extra: FirstStageCapacitors | None,
+    capacitors: FirstStageCapacitors | None,
     resistor_percent: float,
     capacitor_percent: float,
     boards: int = 10_000,
@@ -160,11 +163,11 @@ def monte_carlo(
 
     Parameters
     ----------
-    c
+    components
         Nominal component values.
     gain_bandwidth_hz
         Gain-bandwidth product of the amplifier [Hz], which is assumed to be exact.
-    extra
+    capacitors
         Capacitors of the first stage; None in variant article.
     resistor_percent, capacitor_percent
         Tolerances. A C14 too large for them has `LARGE_CAPACITOR_PERCENT`.
@@ -174,10 +177,10 @@ def monte_carlo(
         Seed of the random numbers; the same seed gives the same boards.
     """
     percent = [resistor_percent] * 5 + [capacitor_percent] * 3
-    if extra is not None:
-        is_large = extra.series_f > MAX_1206_F * (1 + 1e-9)
+    if capacitors is not None:
+        is_large = capacitors.series_f > MAX_1206_F * (1 + 1e-9)
         percent += [LARGE_CAPACITOR_PERCENT if is_large else capacitor_percent, capacitor_percent]
-    tolerance, base = np.array(percent) / 100.0, nominal_values(c, extra)
+    tolerance, base = np.array(percent) / 100.0, nominal_values(components, capacitors)
     rng = np.random.default_rng(seed)
     drawn = compute_quantities(
         base * (1.0 + tolerance * rng.uniform(-1.0, 1.0, (boards, len(base)))), gain_bandwidth_hz
@@ -202,14 +205,14 @@ def monte_carlo(
 
 
 def compute_sensitivities(
-    c: FilterComponents, gain_bandwidth_hz: float, extra: FirstStageCapacitors | None = None
+    components: FilterComponents, gain_bandwidth_hz: float, capacitors: FirstStageCapacitors | None = None
 ) -> dict[str, dict[str, float]]:
     """Compute the sensitivity of each quantity to each component: d ln quantity / d ln component.
 
     It is the change of the quantity in percent for a change of the component by one percent.
     """
     step = 1e-4
-    base = nominal_values(c, extra)
+    base = nominal_values(components, capacitors)
     up, down = (
         compute_quantities(base * (1.0 + sign * step * np.eye(len(base))), gain_bandwidth_hz) for sign in (1.0, -1.0)
     )
@@ -217,7 +220,7 @@ def compute_sensitivities(
     return {
         quantity: {
             name: round(float(np.log(up[quantity][i] / down[quantity][i]) / width), 6) + 0.0
-            for i, name in enumerate(component_names(extra))
+            for i, name in enumerate(component_names(capacitors))
         }
         for quantity in QUANTITIES
     }

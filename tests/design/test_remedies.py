@@ -100,7 +100,7 @@ def test_remedies_at_the_bounds_of_every_parameter_pass(end: str) -> None:
         (
             ["board.variant=comparator", "board.cutoff_hz=400"],
             "board.band_limit_hz: 1000 Hz cuts into the vibrations, which reach 3 cutoffs of 400 Hz; at least 1200 Hz, "
-            "or board.variant=article, or board.cutoff_hz=333.",
+            "or board.variant=article, or board.cutoff_hz=332.",
             1,
         ),
         (["skin.length_mm=70"], "at most 0.12 mm, or skin.length_mm=56.3.", 1),

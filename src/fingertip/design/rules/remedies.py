@@ -18,73 +18,18 @@ Rules that read a parameter which is not valid by itself are not checked. They m
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from fingertip.design.parameters.declaration import find_unit, format_unit
 from fingertip.design.parameters.design_tables import PARAMETERS, DesignTables
 from fingertip.design.rules import RULES
+from fingertip.design.rules.refusal import Bound, Refusal, Values, describe_refusal
 from fingertip.design.rules.ruleset import BrokenRule, Interval, Rule, find_violations
-from fingertip.design.rules.search import (
-    Search,
-    bounds_of,
-    cheapest_first,
-    format_value,
-    is_number,
-    join_assignments,
-    round_bound,
-)
+from fingertip.design.rules.search import Search, bounds_of, cheapest_first, is_number, round_bound
 from fingertip.errors import Issue
 
 _MAX_STEPS = 8
 """Maximum number of values that a combination changes one after another."""
-_MAX_ALTERNATIVES = 2
-"""Maximum number of alternatives that are searched for."""
-
-Values = dict[str, Any]
-"""Values of parameters by their dotted names."""
-
-
-@dataclass(frozen=True)
-class Bound:
-    """Bound of a blamed field, as a message prints it."""
-
-    text: str
-    value: float
-    """Value at the bound that is nearest to the field's present one."""
-
-
-@dataclass
-class Refusal:
-    """A design that breaks rules."""
-
-    tables: DesignTables
-    broken: tuple[BrokenRule, ...]
-    before: DesignTables
-    """The design before the changes that may have caused the refusal."""
-    changed: tuple[str, ...]
-    """Parameters that were changed."""
-    search: Search
-    bounds: dict[str, Bound] = field(default_factory=dict)
-    """Bounds of blamed fields, computed from their rules, that are part of the remedy."""
-
-    @cached_property
-    def blamed(self) -> dict[str, list[BrokenRule]]:
-        """Broken rules by the field they blame."""
-        found: dict[str, list[BrokenRule]] = {}
-        for broken in self.broken:
-            found.setdefault(broken.rule.field, []).append(broken)
-        return found
-
-    def reads(self, name: str) -> frozenset[str]:
-        """Return the parameters that decide the violations of the rules that blame a field."""
-        return frozenset().union(*(broken.reads for broken in self.blamed[name]))
-
-    def resolves(self, values: Mapping[str, Any]) -> bool:
-        """Whether the design passes all rules with these values."""
-        return self.search.passes(self.tables.with_values(values))
 
 
 def find_remedies(
@@ -124,8 +69,8 @@ def find_remedies(
     refusal = Refusal(tables, tuple(broken), before, tuple(names), search)
     for resolve in (_move_blamed_field, _move_one_field, _move_to_bounds, _move_step_by_step):
         if values := resolve(refusal):
-            return list(_describe(refusal, values))
-    return list(_describe(refusal, _return_towards_before(refusal)))
+            return list(describe_refusal(refusal, values))
+    return list(describe_refusal(refusal, _return_towards_before(refusal)))
 
 
 # Ways to resolve a refusal, the simplest first. Each returns the values to set, or nothing.
@@ -145,13 +90,14 @@ def _move_blamed_field(refusal: Refusal) -> Values:
 
 def _move_one_field(refusal: Refusal) -> Values:
     """Move one field that all broken rules read to the nearest value that passes; changed fields are tried first."""
-    common = frozenset.intersection(*(broken.reads for broken in refusal.broken))
+    common = frozenset.intersection(*(broken.own_reads for broken in refusal.broken))
     names = [name for name in refusal.changed if name in common]
     names.sort(key=lambda name: name not in refusal.blamed)
     if len(refusal.blamed) == 1:
         names += [name for name in PARAMETERS if name in common and name not in names]
     for name in names:
-        if (value := refusal.search.nearest(refusal.tables, name)) is not None:
+        value = refusal.search.nearest(refusal.tables, name, thorough=name in refusal.changed)
+        if value is not None:
             return {name: value}
     return {}
 
@@ -176,7 +122,7 @@ def _move_step_by_step(refusal: Refusal) -> Values:
             return _use_bounds(refusal, _leave_out_needless(refusal, values))
         best: tuple[int, Values, tuple[BrokenRule, ...]] | None = None
         for name in _candidates(refusal, broken[0]):
-            value = None if name in values else refusal.search.nearest(tables, name, broken[0].rule)
+            value = None if name in values else _repair(refusal, tables, broken[0], name)
             if value is None:
                 continue
             moved = tables.with_values({name: value})
@@ -192,11 +138,19 @@ def _move_step_by_step(refusal: Refusal) -> Values:
     return {}
 
 
+def _repair(refusal: Refusal, tables: DesignTables, broken: BrokenRule, name: str) -> Any:
+    """Find the value of a field with which one rule passes, by algebra or by search; None if there is none."""
+    if name == broken.rule.field and broken.violation.passing:
+        bound = _round_bound(tables, name, broken.violation.passing)
+        return bound and bound.value
+    return refusal.search.nearest(tables, name, broken.rule)
+
+
 def _candidates(refusal: Refusal, broken: BrokenRule) -> Iterator[str]:
     """Yield the fields that may repair a rule: the blamed and the changed ones; all it reads if none was changed."""
     changed = [name for name in refusal.changed if is_number(name)]
     for name in dict.fromkeys((broken.rule.field, *(changed or PARAMETERS))):
-        if name in broken.reads:
+        if name in broken.own_reads:
             yield name
 
 
@@ -246,7 +200,7 @@ def _use_bounds(refusal: Refusal, values: Values) -> Values:
 
 
 def _find_bound(refusal: Refusal, name: str) -> Bound | None:
-    """Compute the bound of a blamed field from its broken rules; None if it lies outside the field's own bounds."""
+    """Compute the bounds of a blamed field from its broken rules; None if all lie outside the field's own bounds."""
     passing: tuple[Interval, ...] = ((-math.inf, math.inf),)
     for broken in refusal.blamed[name]:
         passing = tuple(
@@ -254,89 +208,23 @@ def _find_bound(refusal: Refusal, name: str) -> Bound | None:
             for low, high in passing
             for other_low, other_high in broken.violation.passing
         )
-    texts, ends = [], []
-    for low, high in passing:
-        minimum, maximum = (
-            value if math.isfinite(end) and bounds_of(name).contain(value := round_bound(name, end, up)) else None
-            for end, up in ((low, True), (high, False))
-        ) if low <= high else (None, None)  # fmt: skip
-        if minimum is not None and maximum is not None:
-            if minimum > maximum:
-                continue
-            texts.append(f"between {format_value(name, minimum)} and {format_value(name, maximum)}")
-        elif minimum is not None:
-            texts.append(f"at least {format_value(name, minimum)}")
-        elif maximum is not None:
-            texts.append(f"at most {format_value(name, maximum)}")
-        ends += [end for end in (minimum, maximum) if end is not None]
-    if not ends:
+    return _round_bound(refusal.tables, name, passing)
+
+
+def _round_bound(tables: DesignTables, name: str, passing: Iterable[Interval]) -> Bound | None:
+    """Round intervals of a field inwards, to what lies within the field's own bounds; None if nothing does."""
+    rounded = [
+        (_round_end(name, low, up=True), _round_end(name, high, up=False)) for low, high in passing if low <= high
+    ]
+    intervals = tuple((low, high) for low, high in rounded if low is None or high is None or low <= high)
+    ends = [end for interval in intervals for end in interval if end is not None]
+    present = tables.value(name)
+    return Bound(intervals, min(ends, key=lambda end: abs(end - present))) if ends else None
+
+
+def _round_end(name: str, end: float, up: bool) -> float | None:
+    """Round an end of an interval inwards; None if it lies outside the field's own bounds."""
+    if not math.isfinite(end):
         return None
-    present = refusal.tables.value(name)
-    nearest = min(ends, key=lambda value: abs(value - present))
-    unit = format_unit(find_unit(PARAMETERS[name]))
-    return Bound(f"{' or '.join(texts)}{unit}{_note(refusal, name)}", nearest)
-
-
-# Messages
-
-
-def _describe(refusal: Refusal, values: Values) -> Iterator[Issue]:
-    """Yield one issue for each blamed field, with its part of the remedy."""
-    blamed = refusal.blamed
-    unblamed = [name for name in values if name not in blamed]
-    if len(blamed) > 1 and len(values) == 1 and unblamed:
-        (name,) = values
-        present = f"{format_value(name, refusal.tables.value(name))}{format_unit(find_unit(PARAMETERS[name]))}"
-        yield Issue(name, f"{present} breaks {len(blamed)} rules, named below; {_say_bound(refusal, name, values)}.")
-        unblamed = []
-    parts = {name: [other for other in values if other in refusal.reads(name)] for name in blamed}
-    # What no broken rule reads repairs rules that are checked once these pass: it stands in the first message.
-    homeless = [name for name in values if not any(name in part for part in parts.values())]
-    parts[next(iter(parts))] += homeless
-    for name, broken in sorted(blamed.items(), key=lambda item: len(values) == 1 and item[0] not in values):
-        part = {other: values[other] for other in parts[name] or values}
-        extra = {other: values[other] for other in unblamed if other in part}
-        if name in values:
-            remedy = _say_bound(refusal, name, values) + (f", together with {join_assignments(extra)}" if extra else "")
-        else:
-            remedy = f"{'set' if extra else 'resolved by'} {join_assignments(part)}"
-        yield Issue(name, f"{broken[0].violation.problem}; {remedy}{_find_alternatives(refusal, name, values)}.")
-
-
-def _say_bound(refusal: Refusal, name: str, values: Values) -> str:
-    """Say the value that a field needs as a bound."""
-    if name in refusal.bounds:
-        return refusal.bounds[name].text
-    if not is_number(name):
-        return f"set {join_assignments({name: values[name]})}"
-    direction = "at least" if values[name] > refusal.tables.value(name) else "at most"
-    unit = format_unit(find_unit(PARAMETERS[name]))
-    return f"{direction} {format_value(name, values[name])}{unit}{_note(refusal, name)}"
-
-
-def _note(refusal: Refusal, name: str) -> str:
-    """Condition of a bound, where only one field is blamed."""
-    notes = [broken.violation.note for broken in refusal.blamed.get(name, ()) if broken.violation.note]
-    return f" {notes[0]}" if notes and len(refusal.blamed) == 1 else ""
-
-
-def _find_alternatives(refusal: Refusal, name: str, values: Values) -> str:
-    """Find alternatives to the bound of the only blamed field: those of its rules, and values of changed fields."""
-    if len(refusal.blamed) > 1 or name not in values:
-        return ""
-    found = Values()
-    for broken in refusal.blamed[name]:
-        found |= broken.violation.alternatives
-    read = refusal.reads(name) - {name, *found}
-    changed = [other for other in refusal.changed if other in read and is_number(other)]
-    for other in changed[: max(0, _MAX_ALTERNATIVES - len(found))]:
-        found[other] = refusal.search.nearest(refusal.tables, other)
-    beside = Values()
-    for other, value in found.items():
-        if (
-            value is not None
-            and refusal.resolves({other: value})
-            and refusal.resolves(values | beside | {other: value})
-        ):
-            beside[other] = value
-    return "".join(f", or {join_assignments({other: value})}" for other, value in beside.items())
+    rounded = round_bound(name, end, up)
+    return rounded if bounds_of(name).contain(rounded) else None

@@ -100,7 +100,14 @@ class BrokenRule:
         Every design with the same values of these parameters breaks the rule in the same way.
         """
         recorder = RecordingTables(self.design)
-        list(find_violations([self.rule], recorder.as_tables()))
+        RuleChecker(recorder.as_tables()).passes(self.rule)
+        return frozenset(recorder.reads)
+
+    @cached_property
+    def own_reads(self) -> frozenset[str]:
+        """Parameters that the rule itself reads. One of these must change to repair it: the prerequisites pass."""
+        recorder = RecordingTables(self.design)
+        self.rule.check(recorder.as_tables())
         return frozenset(recorder.reads)
 
 

@@ -13,7 +13,9 @@ from fingertip.design.rules.ruleset import Rule, RuleChecker, find_violations
 from fingertip.numerics import bisect
 
 _GRID_POINTS = 48
-"""Values between a parameter's bounds at which the search starts."""
+"""Intervals of the fine grid between a parameter's bounds."""
+_STRIDE = 4
+"""Fine intervals in one interval of the coarse grid."""
 _HALVINGS = 9
 """Halvings of the interval between a failing and a passing value."""
 _DIGITS = (3, 4, 5)
@@ -42,21 +44,27 @@ class Search:
             return RuleChecker(tables, self.unreadable).passes(only)
         return next(find_violations((*self.suspects, *self.rules), tables, self.unreadable), None) is None
 
-    def nearest(self, tables: DesignTables, name: str, only: Rule | None = None) -> Any:
+    def nearest(self, tables: DesignTables, name: str, only: Rule | None = None, *, thorough: bool = True) -> Any:
         """Find the value of a numeric parameter that passes and is nearest to its present one; None if there is none.
 
-        The value is the nearest one on a grid between the parameter's bounds, refined by bisection. A range of passing
-        values that is narrower than the grid may be missed.
+        The value is the nearest one on a coarse grid between the parameter's bounds, or else, if the search is
+        thorough, on a fine one. Bisection then refines it. A range of passing values that is narrower than the grid may
+        be missed.
         """
         if not is_number(name) or name in self.unreadable:
             return None
         present = tables.value(name)
-        nearest_failing = {True: present, False: present}
-        for value in self._grid(name, present):
-            above = value > present
-            if self.passes(tables.with_values({name: value}), only):
-                return self.refine(tables, name, nearest_failing[above], value, only)
-            nearest_failing[above] = value
+        grid = self._grid(name, present)
+        sides = [[value for value in grid if (value > present) is above] for above in (True, False)]
+        coarse = {value for side in sides for value in (*side[_STRIDE - 1 :: _STRIDE], *side[-1:])}
+        failing = {present}
+        fine = [value for value in grid if value not in coarse] if thorough else []
+        for values in ([value for value in grid if value in coarse], fine):
+            for value in values:
+                if self.passes(tables.with_values({name: value}), only):
+                    between = (v for v in failing if min(present, value) <= v <= max(present, value))
+                    return self.refine(tables, name, min(between, key=lambda v: abs(v - value)), value, only)
+                failing.add(value)
         return None
 
     def refine(self, tables: DesignTables, name: str, failing: float, passing: float, only: Rule | None = None) -> Any:

@@ -1,0 +1,140 @@
+"""A design that breaks rules, and its description: one message for each blamed field, with its part of the remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from fingertip.design.parameters.declaration import find_unit, format_unit
+from fingertip.design.parameters.design_tables import PARAMETERS, DesignTables
+from fingertip.design.rules.ruleset import BrokenRule
+from fingertip.design.rules.search import Search, format_value, is_number, join_assignments
+from fingertip.errors import Issue
+
+_MAX_ALTERNATIVES = 2
+"""Maximum number of alternatives of a message."""
+_MAX_CHANGED = 3
+"""Maximum number of changed parameters among which alternatives are searched. More of them are a design of its own, in
+which none stands out."""
+
+Values = dict[str, Any]
+"""Values of parameters by their dotted names."""
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Bounds of a blamed field, rounded as a message prints them."""
+
+    intervals: tuple[tuple[float | None, float | None], ...]
+    """Values that pass the field's own rules; None where an interval has no end within the field's own bounds."""
+    value: float
+    """The end that is nearest to the field's present value."""
+
+
+@dataclass
+class Refusal:
+    """A design that breaks rules."""
+
+    tables: DesignTables
+    broken: tuple[BrokenRule, ...]
+    before: DesignTables
+    """The design before the changes that may have caused the refusal."""
+    changed: tuple[str, ...]
+    """Parameters that were changed."""
+    search: Search
+    bounds: dict[str, Bound] = field(default_factory=dict)
+    """Bounds of blamed fields, computed from their rules, that are part of the remedy."""
+
+    @cached_property
+    def blamed(self) -> dict[str, list[BrokenRule]]:
+        """Broken rules by the field they blame."""
+        found: dict[str, list[BrokenRule]] = {}
+        for broken in self.broken:
+            found.setdefault(broken.rule.field, []).append(broken)
+        return found
+
+    def reads(self, name: str) -> frozenset[str]:
+        """Return the parameters that the broken rules which blame a field read."""
+        return frozenset().union(*(broken.own_reads for broken in self.blamed[name]))
+
+    def resolves(self, values: Mapping[str, Any]) -> bool:
+        """Whether the design passes all rules with these values."""
+        return self.search.passes(self.tables.with_values(values))
+
+
+def describe_refusal(refusal: Refusal, values: Values) -> Iterator[Issue]:
+    """Yield one issue for each blamed field, with its part of the remedy."""
+    blamed = refusal.blamed
+    unblamed = [name for name in values if name not in blamed]
+    if len(blamed) > 1 and len(values) == 1 and unblamed:
+        (name,) = values
+        present = f"{format_value(name, refusal.tables.value(name))}{format_unit(find_unit(PARAMETERS[name]))}"
+        yield Issue(name, f"{present} breaks {len(blamed)} rules, named below; {_say_bound(refusal, name, values)}.")
+        unblamed = []
+    parts = {name: [other for other in values if other in refusal.reads(name)] for name in blamed}
+    # What no broken rule reads repairs rules that are checked once these pass: it stands in the first message.
+    homeless = [name for name in values if not any(name in part for part in parts.values())]
+    parts[next(iter(parts))] += homeless
+    for name, broken in sorted(blamed.items(), key=lambda item: len(values) == 1 and item[0] not in values):
+        part = {other: values[other] for other in parts[name] or values}
+        extra = {other: values[other] for other in unblamed if other in part}
+        if name in values:
+            remedy = _say_bound(refusal, name, values) + (f", together with {join_assignments(extra)}" if extra else "")
+        else:
+            remedy = f"{'set' if extra else 'resolved by'} {join_assignments(part)}"
+        yield Issue(name, f"{broken[0].violation.problem}; {remedy}{_find_alternatives(refusal, name, values)}.")
+
+
+def _say_bound(refusal: Refusal, name: str, values: Values) -> str:
+    """Say the value that a field needs as a bound; the only blamed field may have several bounds, all verified."""
+    value = values[name]
+    if not is_number(name):
+        return f"set {join_assignments({name: value})}"
+    unit = f"{format_unit(find_unit(PARAMETERS[name]))}{_note(refusal, name)}"
+    texts = [f"{'at least' if value > refusal.tables.value(name) else 'at most'} {format_value(name, value)}"]
+    bound = refusal.bounds.get(name)
+    if bound and len(refusal.blamed) == 1:
+        ends: dict[float | None, str] = {
+            end: format_value(name, end)
+            for interval in bound.intervals
+            for end in interval
+            if end is not None and (end == value or refusal.resolves(values | {name: end}))
+        }
+        texts = []
+        for low, high in bound.intervals:
+            if low in ends and high in ends:
+                texts.append(f"between {ends[low]} and {ends[high]}")
+            elif low in ends or high in ends:
+                texts.append(f"at least {ends[low]}" if low in ends else f"at most {ends[high]}")
+    return " or ".join(texts) + unit
+
+
+def _note(refusal: Refusal, name: str) -> str:
+    """Condition of a bound, where only one field is blamed."""
+    notes = [broken.violation.note for broken in refusal.blamed.get(name, ()) if broken.violation.note]
+    return f" {notes[0]}" if notes and len(refusal.blamed) == 1 else ""
+
+
+def _find_alternatives(refusal: Refusal, name: str, values: Values) -> str:
+    """Find alternatives to the bound of the only blamed field: those of its rules, and values of changed fields."""
+    if len(refusal.blamed) > 1 or name not in values:
+        return ""
+    found = Values()
+    for broken in refusal.blamed[name]:
+        found |= broken.violation.alternatives
+    read = refusal.reads(name) - {name, *found}
+    changed = [other for other in refusal.changed if other in read and is_number(other)]
+    if len(refusal.changed) <= _MAX_CHANGED:
+        for other in changed[: max(0, _MAX_ALTERNATIVES - len(found))]:
+            found[other] = refusal.search.nearest(refusal.tables, other, thorough=False)
+    beside = Values()
+    for other, value in found.items():
+        if (
+            value is not None
+            and refusal.resolves({other: value})
+            and refusal.resolves(values | beside | {other: value})
+        ):
+            beside[other] = value
+    return "".join(f", or {join_assignments({other: value})}" for other, value in beside.items())

@@ -84,6 +84,7 @@ def test_tone_has_the_gain_of_the_filter_formula(frequency):
     assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * gain, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_agrees_with_scipys_radau():
     """Radau solves the circuit's own equations and restarts at every sample, where the input has a corner."""
     from scipy.integrate import solve_ivp
@@ -352,6 +353,7 @@ def test_finite_gain_bandwidth_agrees_with_its_formula(extra, gain_bandwidth_hz)
         assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * abs(first * second) * ideal, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_million_samples_stay_periodic():
     voltage = np.tile(burst(0.5)[:-1], 1000)
     pytest.importorskip("numba")

@@ -36,7 +36,9 @@ def test_simulated_board_is_as_noisy_as_its_noise_budget(variant, supply):
     assert np.std(filtered) == pytest.approx(budget, rel=0.03)  # 40 000 samples of a band of a kilohertz: within 1 %
 
 
-@pytest.mark.parametrize(("rate_hz", "cutoff_hz"), [(1000.0, 67.0), (2000.0, 30.0), (20000.0, 150.0)])
+@pytest.mark.parametrize(
+    ("rate_hz", "cutoff_hz"), [(1000.0, 67.0), (2000.0, 30.0), pytest.param(20000.0, 150.0, marks=pytest.mark.slow)]
+)
 def test_noise_budget_holds_at_every_rate_and_cutoff(rate_hz, cutoff_hz):
     design = Design(detector={"sample_rate_hz": rate_hz}, board={"variant": "precision", "cutoff_hz": cutoff_hz})
     budget = total_noise_v(board_circuit(board_values(design)), design.board.gain_bandwidth_hz, "FILTERED")

@@ -16,7 +16,7 @@ def bench(
         "out/bench"
     ),
     seconds: Annotated[
-        float, typer.Option(help="Length of the problems [s]; the board's problem is a fifth as long.")
+        float, typer.Option(help="Seconds of the contact problem; the board's problem is a fifth as long.")
     ] = 5.0,
     boards: Annotated[int, typer.Option(help="Number of boards to simulate at once.")] = 10_000,
     solvers: Annotated[str, typer.Option(help="scipy methods to compare with, comma-separated.")] = "LSODA,Radau,BDF",

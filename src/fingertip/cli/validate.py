@@ -18,7 +18,7 @@ STUDY_TRIALS = 24
 def validate(
     design: Annotated[Path | None, typer.Argument(help="Design file; default: the default design.")] = None,
     trials: Annotated[int, typer.Option(help="Number of trials with slip (article: 120).")] = 120,
-    minutes: Annotated[float, typer.Option(help="Duration of the scenes without slip [min].")] = 40.0,
+    minutes: Annotated[float, typer.Option(help="Minutes of scenes without slip.")] = 40.0,
     detector: Annotated[
         str, typer.Option("--detector", help="Detector that the requirements apply to; all are compared.")
     ] = "fast",

@@ -17,7 +17,7 @@ import wx.html
 
 STEP_MS = 200
 MESSAGE_BOX_MS = 5000
-MAX_STEPS = 200
+MAX_STEPS = 600
 
 
 def _menu_item(menu, label):

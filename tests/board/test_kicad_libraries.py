@@ -35,7 +35,7 @@ SYMBOLS = sorted({component.symbol for component in COMPONENTS}, key=lambda s: (
 FOOTPRINTS = sorted({component.footprint for component in COMPONENTS})
 
 
-class Symbols(dict[str, Expression]):
+class LazySymbols(dict[str, Expression]):
     """Symbols of a library by name. Each is parsed on first access, because the whole library takes seconds."""
 
     def __init__(self, library: Path) -> None:
@@ -48,13 +48,13 @@ class Symbols(dict[str, Expression]):
 
 
 @functools.cache
-def all_symbols(library: Path) -> Symbols:
-    return Symbols(library)
+def load_symbols(library: Path) -> LazySymbols:
+    return LazySymbols(library)
 
 
 def library_symbol(library: str, name: str) -> tuple[dict[str, str], dict[str, tuple[str, str]]]:
     """Properties and pins (number -> name, type) of a symbol, including those of the symbol that it extends."""
-    symbols = all_symbols(require_tool("/usr/share/kicad/symbols", HOW_TO_INSTALL_KICAD) / f"{library}.kicad_sym")
+    symbols = load_symbols(require_tool("/usr/share/kicad/symbols", HOW_TO_INSTALL_KICAD) / f"{library}.kicad_sym")
     assert name in symbols.texts, f"{library} has no {name}"
     chain = [symbols[name]]
     while extended := next(children(chain[-1], "extends"), None):
@@ -129,7 +129,7 @@ def import_netlist(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
         }  # fmt: skip
         record = folder / "record.json"
         command = [editor, folder / "empty.kicad_pcb"]
-        process = subprocess.run(command, env=environment, timeout=60, capture_output=True, text=True, check=False)
+        process = subprocess.run(command, env=environment, timeout=180, capture_output=True, text=True, check=False)
         assert record.exists(), f"the PCB editor exited with {process.returncode}: {process.stderr}"
         return json.loads(record.read_text("utf-8"))  # type: ignore[no-any-return]
 
@@ -161,7 +161,7 @@ def test_pcb_editor_imports_the_netlist(import_netlist: Any, tmp_path: Path) -> 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("right", "wrong"),
+    ("original", "corrupted"),
     [
         ("(export (version", "(export\n  (version"),  # not recognized as a netlist
         ('(code "3")', '(code "0")'),  # the ground net is dropped silently
@@ -169,12 +169,14 @@ def test_pcb_editor_imports_the_netlist(import_netlist: Any, tmp_path: Path) -> 
     ],
     ids=["line break", "net code 0", "footprint"],
 )
-def test_pcb_editor_detects_a_corrupted_netlist(import_netlist: Any, tmp_path: Path, right: str, wrong: str) -> None:
+def test_pcb_editor_detects_a_corrupted_netlist(
+    import_netlist: Any, tmp_path: Path, original: str, corrupted: str
+) -> None:
     """The test above can fail: each of these corruptions gives warnings, errors or another board."""
     write_board(Design(), tmp_path)
     text = (tmp_path / NETLIST).read_text("utf-8")
-    assert right in text
-    (tmp_path / "corrupted.net").write_text(text.replace(right, wrong), encoding="utf-8")
+    assert original in text
+    (tmp_path / "corrupted.net").write_text(text.replace(original, corrupted), encoding="utf-8")
     record = import_netlist(tmp_path / "corrupted.net")
     assert "failed" not in record, record
     if "refused" in record:

@@ -85,13 +85,13 @@ CORRUPTIONS = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("right", "wrong", "key"), CORRUPTIONS.values(), ids=CORRUPTIONS)
-def test_design_rules_check_detects_a_corrupted_board(tmp_path: Path, right: str, wrong: str, key: str) -> None:
+@pytest.mark.parametrize(("original", "corrupted", "key"), CORRUPTIONS.values(), ids=CORRUPTIONS)
+def test_design_rules_check_detects_a_corrupted_board(tmp_path: Path, original: str, corrupted: str, key: str) -> None:
     write_board(Design(), tmp_path / "pcb")
     path = tmp_path / "pcb" / LAYOUT
-    pattern = right if "\\" in right else re.escape(right)
-    maximum = 1 if right.startswith(r"\(pad") else 0
-    text, count = re.subn(pattern, wrong, path.read_text("utf-8"), count=maximum, flags=re.DOTALL)
+    pattern = original if "\\" in original else re.escape(original)
+    maximum = 1 if original.startswith(r"\(pad") else 0
+    text, count = re.subn(pattern, corrupted, path.read_text("utf-8"), count=maximum, flags=re.DOTALL)
     assert count
     path.write_text(text, encoding="utf-8")
     assert run_drc(tmp_path / "pcb")[key]

@@ -106,7 +106,7 @@ def test_independent_parser_reads_the_circuit(tmp_path: Path, name: str) -> None
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("right", "wrong", "difference"),
+    ("original", "corrupted", "difference"),
     [
         ('(ref "R2") (pin "1")', '(ref "R2") (pin "7")', "nets"),
         ("Capacitor_SMD:C_1206_3216Metric", "Capacitor_SMD:C_0402_1005Metric", "parts"),
@@ -115,12 +115,12 @@ def test_independent_parser_reads_the_circuit(tmp_path: Path, name: str) -> None
     ids=["pin", "footprint", "reference"],
 )
 def test_independent_parser_detects_a_corrupted_netlist(
-    tmp_path: Path, right: str, wrong: str, difference: str
+    tmp_path: Path, original: str, corrupted: str, difference: str
 ) -> None:
     design, path = write_netlist(tmp_path, [])
     text = path.read_text("utf-8")
-    assert right in text
-    path.write_text(text.replace(right, wrong, 1), "utf-8")
+    assert original in text
+    path.write_text(text.replace(original, corrupted, 1), "utf-8")
     assert difference in find_parser_differences(design, path)
 
 

@@ -15,7 +15,7 @@ from fingertip.board.variants import BOARD_CONFIGURATIONS, BoardConfiguration
 from fingertip.design import Design
 from tests.board.conftest import BOARDS, Written
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli, read_netlist
-from tests.board.test_kicad_libraries import COMPONENTS, all_symbols
+from tests.board.test_kicad_libraries import COMPONENTS, load_symbols
 from tests.oracles.sexpressions import children, descendants
 from tests.tools import require_tool
 
@@ -44,7 +44,7 @@ def test_schematic_passes_electrical_rules_check(written: Written, changes: tupl
 
 
 @pytest.mark.parametrize(
-    ("right", "wrong"),
+    ("original", "corrupted"),
     [
         ('(label "STAGE2_IN"', '(label "STAGE2_MID"'),
         ("(xy 45.72 53.34) (xy 45.72 58.42)", "(xy 45.72 53.34) (xy 45.72 57.15)"),
@@ -52,12 +52,12 @@ def test_schematic_passes_electrical_rules_check(written: Written, changes: tupl
     ],
     ids=["label", "wire", "value"],
 )
-def test_kicads_netlist_reveals_a_corrupted_drawing(tmp_path: Path, right: str, wrong: str) -> None:
+def test_kicads_netlist_reveals_a_corrupted_drawing(tmp_path: Path, original: str, corrupted: str) -> None:
     """The comparison of netlists can fail."""
     write_board(Design(), tmp_path / "pcb")
     path = tmp_path / "pcb" / SCHEMATIC
-    assert right in path.read_text("utf-8")
-    path.write_text(path.read_text("utf-8").replace(right, wrong), encoding="utf-8")
+    assert original in path.read_text("utf-8")
+    path.write_text(path.read_text("utf-8").replace(original, corrupted), encoding="utf-8")
     assert export_netlist(tmp_path / "pcb") != read_netlist(tmp_path / "pcb" / NETLIST)
 
 
@@ -83,7 +83,7 @@ def test_pin_positions_equal_those_of_kicads_library(name: str) -> None:
     """Symbols can then be updated from the library without disconnecting wires."""
     folder = require_tool("/usr/share/kicad/symbols", HOW_TO_INSTALL_KICAD)
     libraries = {component.symbol.name: component.symbol.library for component in COMPONENTS}
-    symbols = all_symbols(folder / f"{libraries.get(name, 'power')}.kicad_sym")
+    symbols = load_symbols(folder / f"{libraries.get(name, 'power')}.kicad_sym")
     symbol = symbols[name]
     while extended := next(children(symbol, "extends"), None):
         symbol = symbols[extended[1]]

@@ -56,12 +56,12 @@ def test_deck_has_the_transfer_function_of_the_filter(tmp_path: Path, changes: l
     assert max_deviation_db(tmp_path, design, deck) < 1e-2
 
 
-@pytest.mark.parametrize(("right", "wrong"), [("R2 stage2_mid filtered 1.2k", "R2 stage2_mid filtered 1.21k"),
+@pytest.mark.parametrize(("original", "corrupted"), [("R2 stage2_mid filtered 1.2k", "R2 stage2_mid filtered 1.21k"),
                                               ("C1 tactile stage1_in 1u", "C1 tactile stage1_in 0.99u")])  # fmt: skip
-def test_error_of_one_percent_in_a_component_is_detected(tmp_path: Path, right: str, wrong: str) -> None:
+def test_error_of_one_percent_in_a_component_is_detected(tmp_path: Path, original: str, corrupted: str) -> None:
     design, deck = write_deck(tmp_path, [])
-    assert right in deck
-    assert max_deviation_db(tmp_path, design, deck.replace(right, wrong)) > 1e-2
+    assert original in deck
+    assert max_deviation_db(tmp_path, design, deck.replace(original, corrupted)) > 1e-2
 
 
 def test_nonideal_transfer_function_tends_to_the_formulas() -> None:

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.circuit import Circuit, parse_value
+from fingertip.board.circuit import Circuit, parse_component_value
 from fingertip.board.layout.template import fingerprint
 from fingertip.board.values.ideal_response import ideal_response
 from fingertip.board.values.noise_and_ripple import DEAD_ZONE_V
@@ -109,7 +109,7 @@ def test_every_valid_design_has_a_board(
     # Half a step of E12 in every resistor is 10.6 %, and the cutoff changes by no more.
     assert abs(math.log(values.achieved_response.section_hz / f)) < 0.12
     circuit = board_circuit(values)
-    fitted = {c.reference: parse_value(c.value) for c in circuit.components if c.symbol.name in ("R", "C")}
+    fitted = {c.reference: parse_component_value(c.value) for c in circuit.components if c.symbol.name in ("R", "C")}
     assert all(1e-12 <= v <= 1e-3 for reference, v in fitted.items() if reference[0] == "C")
     assert all(10 <= v <= 10e6 for reference, v in fitted.items() if reference[0] == "R")
     assert values.voltage_limits.bridge_amplifier_margin_v > 0
@@ -130,8 +130,8 @@ REFUSED = {
     "board.capacitor_uf=10.1": ("board.capacitor_uf", "1206, X7R for 16 V); at most 10 uF"),
     "board.envelope_capacitor_uf=100": ("board.envelope_capacitor_uf", "footprint of C4 holds"),
     "board.capacitor_uf=1e-6": ("board.capacitor_uf", "at least 0.0004751 uF"),
-    "board.cutoff_hz=1e-9": ("board.capacitor_uf", "set board.cutoff_hz=0.0319"),
-    "board.cutoff_hz=1e-310": ("board.capacitor_uf", "set board.cutoff_hz=0.0319"),
+    "board.cutoff_hz=1e-9": ("board.capacitor_uf", "above 10 Mohm; set board.cutoff_hz=0.03"),
+    "board.cutoff_hz=1e-310": ("board.capacitor_uf", "above 10 Mohm; set board.cutoff_hz=0.03"),
     "board.envelope_capacitor_uf=1e-6": ("board.envelope_capacitor_uf", "above 10 Mohm"),
     "board.envelope_cutoff_hz=10000": ("board.envelope_cutoff_hz board.envelope_capacitor_uf", "at most 499 Hz"),
     "board.passband_gain=1.001": ("board.passband_gain", "at least 1.01"),

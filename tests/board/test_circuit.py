@@ -11,7 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.circuit import Circuit, Component, Net, build_circuit, find_issues, format_value, parse_value
+from fingertip.board.circuit import (
+    Circuit,
+    Component,
+    Net,
+    build_circuit,
+    find_issues,
+    format_component_value,
+    parse_component_value,
+)
 from fingertip.board.circuits.signal_paths import comparator_circuit, precision_circuit
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.kicad import symbols
@@ -135,11 +143,11 @@ def test_circuits_refuse_values_of_another_variant() -> None:
     [(4700, "4.7k"), (1180, "1.18k"), (10e6, "10M"), (47, "47"), (1e-6, "1u"), (2.2e-6, "2.2u"), (1e-7, "100n"),
      (1e-12, "1p"), (1e-3, "1m"), (0.99999999999999e-6, "1u")],
 )  # fmt: skip
-def test_format_value_uses_si_prefixes(value: float, text: str) -> None:
-    assert format_value(value) == text
+def test_format_component_value_uses_si_prefixes(value: float, text: str) -> None:
+    assert format_component_value(value) == text
 
 
 @given(st.floats(1e-12, 1e8))
-def test_formatted_values_can_be_parsed(value: float) -> None:
-    assert number(format_value(value)) == pytest.approx(value, rel=1e-9)
-    assert parse_value(format_value(value)) == pytest.approx(value, rel=1e-9)
+def test_formatted_component_values_can_be_parsed(value: float) -> None:
+    assert number(format_component_value(value)) == pytest.approx(value, rel=1e-9)
+    assert parse_component_value(format_component_value(value)) == pytest.approx(value, rel=1e-9)

@@ -141,7 +141,7 @@ def reference_sort_key(component: Component) -> tuple[str, int]:
     return letters, int(component.reference[len(letters) :])
 
 
-def format_value(value: float, unit: str = "") -> str:
+def format_component_value(value: float, unit: str = "") -> str:
     """Format a component value with an SI prefix, as in a schematic: 4700 -> "4.7k", 2.2e-6 -> "2.2u".
 
     At most ten digits are printed.
@@ -152,7 +152,7 @@ def format_value(value: float, unit: str = "") -> str:
     return f"{value / 1e-12:.10g}p{unit}"
 
 
-def parse_value(text: str) -> float:
+def parse_component_value(text: str) -> float:
     """Parse a component value [ohm or F]: "4.7k" -> 4700, "2.2u" -> 2.2e-6."""
     scales = {"M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12}
     return float(text[:-1]) * scales[text[-1]] if text[-1] in scales else float(text)

@@ -11,7 +11,7 @@ class Erratum:
 
     subject: str
     statement: str
-    """What the article states or omits."""
+    """Statement or omission of the article."""
     correction: str
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 
-from fingertip.board.circuit import Circuit, Component, parse_value
+from fingertip.board.circuit import Circuit, Component, parse_component_value
 from fingertip.board.values.adc_interface import CLAMP_A
 from fingertip.board.values.amplifiers import (
     AD623_BANDWIDTH_HZ,
@@ -87,7 +87,7 @@ def _instrumentation_amplifier(component: Component, pins: Pins, _supply_v: floa
 
 def _trimmer(component: Component, pins: Pins, _supply_v: float) -> Iterator[str]:
     # The wiper is in the middle.
-    half = f"{parse_value(component.value) / 2:.10g}"
+    half = f"{parse_component_value(component.value) / 2:.10g}"
     yield f"{component.reference}a {pins['1']} {pins['2']} {half}"
     yield f"{component.reference}b {pins['2']} {pins['3']} {half}"
 

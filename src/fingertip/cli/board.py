@@ -143,7 +143,7 @@ def _format_tables(design: Design, values: BoardValues) -> str:
 
 def _component_lines(design: Design, values: BoardValues) -> list[str]:
     """Component values: ideal, preferred, deviation and function."""
-    from fingertip.board.circuit import format_value
+    from fingertip.board.circuit import format_component_value
 
     ideal, preferred, bridge, adc = values.ideal, values.preferred, values.bridge, values.adc_interface
     filter_resistors = [
@@ -171,11 +171,11 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
         others.append(("C14 C20", capacitors, "first stage, no gain for DC and above the vibrations"))
     lines = [f"{'component':10} {'ideal':>14} {design.board.series:>10} {'deviation':>9}  function"]
     lines += [
-        f"{name:10} {ohm:10.1f} ohm {format_value(fitted):>10} {100 * (fitted / ohm - 1):+8.2f}%  {function}"
+        f"{name:10} {ohm:10.1f} ohm {format_component_value(fitted):>10} {100 * (fitted / ohm - 1):+8.2f}%  {function}"
         for name, ohm, fitted, function in filter_resistors
     ]
     lines += [
-        f"{names:10} {'':14} {' '.join(map(format_value, components)):>10} {'':9}  {function}"
+        f"{names:10} {'':14} {' '.join(map(format_component_value, components)):>10} {'':9}  {function}"
         for names, components, function in others
     ]
     return lines

@@ -8,7 +8,7 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.board.analysis.nodal import Source, System
-from fingertip.board.circuit import RAILS, Circuit, Component, parse_value
+from fingertip.board.circuit import RAILS, Circuit, Component, parse_component_value
 from fingertip.board.values.amplifiers import (
     AD623_BANDWIDTH_HZ,
     AD623_NOISE_V,
@@ -45,11 +45,16 @@ def build_equations(circuit: Circuit, gain_bandwidth_hz: float, sensor_s: float,
         if symbol == "R":
             board.resistor(component)
         elif symbol == "C":
-            board.admit(board.C, board.at(component, "1"), board.at(component, "2"), parse_value(component.value))
+            board.admit(
+                board.C, board.at(component, "1"), board.at(component, "2"), parse_component_value(component.value)
+            )
         elif symbol == "R_Potentiometer":  # wiper at the midpoint
             for end in ("1", "3"):
                 board.admit(
-                    board.G, board.at(component, end), board.at(component, "2"), 2.0 / parse_value(component.value)
+                    board.G,
+                    board.at(component, end),
+                    board.at(component, "2"),
+                    2.0 / parse_component_value(component.value),
                 )
         elif component.value == "FSR":
             board.admit(board.G, board.at(component, "1"), board.at(component, "2"), sensor_s)
@@ -104,7 +109,7 @@ class _Assembly:
 
     def resistor(self, component: Component) -> None:
         """Add a resistor and its noise. The noise of a gain resistor is added with that of its amplifier."""
-        one, two, ohm = self.at(component, "1"), self.at(component, "2"), parse_value(component.value)
+        one, two, ohm = self.at(component, "1"), self.at(component, "2"), parse_component_value(component.value)
         self.admit(self.G, one, two, 1.0 / ohm)
         if self.net[component.reference, "1"] not in self.gains:
             self.sources.append((component.reference, {one: 1.0, two: -1.0}, _thermal(1.0 / ohm), 0.0))

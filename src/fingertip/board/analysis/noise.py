@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fingertip.board.analysis.equations import build_equations
 from fingertip.board.analysis.nodal import System
-from fingertip.board.circuit import Circuit, Component, Net, format_value, parse_value
+from fingertip.board.circuit import Circuit, Component, Net, format_component_value, parse_component_value
 from fingertip.board.kicad import symbols
 from fingertip.board.nets import FEEDBACK, STAGE1_OUT
 from fingertip.board.values.amplifiers import AD623_NOISE_V, LOW_NOISE_NAME, LOW_NOISE_V
@@ -124,12 +124,12 @@ def _without(circuit: Circuit, reference: str) -> Circuit:
 def _with_limiter(circuit: Circuit, band_limit_hz: float) -> Circuit:
     """Add `LIMITER` to a circuit that lacks it."""
     farad = nearest_value(
-        band_limit_capacitor_f(parse_value(circuit.component("R5").value), band_limit_hz), "E6", 1e-12, 1e-3
+        band_limit_capacitor_f(parse_component_value(circuit.component("R5").value), band_limit_hz), "E6", 1e-12, 1e-3
     )
     pins = {STAGE1_OUT: (LIMITER, "1"), FEEDBACK: (LIMITER, "2")}
     nets = (Net(n.name, (*n.nodes, pins[n.name])) if n.name in pins else n for n in circuit.nets)
     return Circuit(
         circuit.name,
-        (*circuit.components, Component(LIMITER, format_value(farad), symbols.CAPACITOR, symbols.C_0603, "")),
+        (*circuit.components, Component(LIMITER, format_component_value(farad), symbols.CAPACITOR, symbols.C_0603, "")),
         tuple(nets),
     )

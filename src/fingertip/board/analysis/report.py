@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fingertip.board.analysis.analyse import Analysis
 from fingertip.board.analysis.noise import NETS, Contribution
-from fingertip.board.circuit import format_value
+from fingertip.board.circuit import format_component_value
 from fingertip.board.values.adc_interface import AliasAttenuation
 from fingertip.board.values.comparator_stage import describe_comparator_stage
 from fingertip.board.values.noise_and_ripple import NOISE_BAND_HZ, describe_supply_ripple
@@ -74,7 +74,7 @@ def _sensitivity_lines(analysis: Analysis) -> list[str]:
 
 def _large_capacitor(analysis: Analysis) -> str:
     has_series_capacitor = "C14" in analysis.sensitivity["cutoff_hz"]
-    limit = format_value(MAX_1206_F)
+    limit = format_component_value(MAX_1206_F)
     return f" (C14 above {limit}: {LARGE_CAPACITOR_PERCENT:g} %)" if has_series_capacitor else ""
 
 

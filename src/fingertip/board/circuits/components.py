@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from fingertip.board.circuit import Component, Symbol, format_value
+from fingertip.board.circuit import Component, Symbol, format_component_value
 from fingertip.board.kicad import symbols
 from fingertip.board.values.amplifiers import AMPLIFIERS
 from fingertip.board.values.board_values import Tolerance
@@ -56,7 +56,9 @@ class RatedComponents:
     def capacitor(self, reference: str, farad: float, role: str) -> Component:
         """A capacitor in size 1206; above what the size offers for 16 V, one that has no direct voltage across it."""
         if farad > MAX_1206_F * (1 + 1e-9):
-            return Component(reference, format_value(farad), symbols.CAPACITOR, symbols.C_1206, role, _LARGE_RATING)
+            return Component(
+                reference, format_component_value(farad), symbols.CAPACITOR, symbols.C_1206, role, _LARGE_RATING
+            )
         return self._capacitor(reference, farad, role, symbols.C_1206)
 
     def small_capacitor(self, reference: str, farad: float, role: str) -> Component:
@@ -66,7 +68,7 @@ class RatedComponents:
     def _capacitor(self, reference: str, farad: float, role: str, footprint: str) -> Component:
         dielectric = "C0G 25 V" if farad <= _MAX_C0G_F[footprint] * (1 + 1e-9) else "X7R 16 V"
         rating = f"{dielectric}, {_format_tolerance(self.tolerance.capacitor_percent)}"
-        return Component(reference, format_value(farad), symbols.CAPACITOR, footprint, role, rating)
+        return Component(reference, format_component_value(farad), symbols.CAPACITOR, footprint, role, rating)
 
 
 def _format_tolerance(percent: float) -> str:
@@ -75,8 +77,8 @@ def _format_tolerance(percent: float) -> str:
 
 def supply_capacitor(reference: str, farad: float, role: str, footprint: str = symbols.C_0603) -> Component:
     """A decoupling capacitor between the rails."""
-    return Component(reference, format_value(farad), symbols.CAPACITOR, footprint, role, _SUPPLY_RATING)
+    return Component(reference, format_component_value(farad), symbols.CAPACITOR, footprint, role, _SUPPLY_RATING)
 
 
 def _resistor(reference: str, ohm: float, role: str, rating: str) -> Component:
-    return Component(reference, format_value(ohm), symbols.RESISTOR, symbols.R_0603, role, rating)
+    return Component(reference, format_component_value(ohm), symbols.RESISTOR, symbols.R_0603, role, rating)

@@ -16,7 +16,7 @@ an open-collector output: SLIP is low during slip and high (VCC) otherwise.
 
 from __future__ import annotations
 
-from fingertip.board.circuit import Circuit, Component, format_value
+from fingertip.board.circuit import Circuit, Component, format_component_value
 from fingertip.board.circuits.components import RatedComponents, Wiring, amplifier, component, supply_capacitor
 from fingertip.board.circuits.front_end_and_supply import DECOUPLING_F, complete_circuit
 from fingertip.board.kicad import symbols
@@ -141,7 +141,12 @@ def _comparator(values: BoardValues) -> Wiring:
     rated = RatedComponents(values.tolerance)
     comparator = component("U4", "LMV331", symbols.LMV331, symbols.SOT_23_5, "slip or no slip")
     trimmer = Component(
-        "RV1", format_value(TRIMMER_OHM), symbols.TRIMMER, symbols.TC33X, "threshold", "trimmer 3 mm, one turn, top"
+        "RV1",
+        format_component_value(TRIMMER_OHM),
+        symbols.TRIMMER,
+        symbols.TC33X,
+        "threshold",
+        "trimmer 3 mm, one turn, top",
     )
     return {
         rated.resistor("R18", stage.mean_ohm, "mean of the envelope"): {"1": ENVELOPE, "2": MEAN},

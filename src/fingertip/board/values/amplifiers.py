@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fingertip.board.circuit import Circuit, parse_value
+from fingertip.board.circuit import Circuit, parse_component_value
 from fingertip.board.values.bridge import GAIN_CONSTANT_OHM
 
 BOLTZMANN_J_PER_K = 1.380649e-23
@@ -77,4 +77,4 @@ LOW_NOISE_NAME, LOW_NOISE_V = "INA821", 7e-9
 
 def bridge_gain(circuit: Circuit) -> float:
     """Gain of the bridge's amplifier, from the resistor between its gain pins (AD623's data sheet)."""
-    return 1.0 + GAIN_CONSTANT_OHM / parse_value(circuit.component(GAIN_RESISTOR).value)
+    return 1.0 + GAIN_CONSTANT_OHM / parse_component_value(circuit.component(GAIN_RESISTOR).value)

@@ -24,11 +24,11 @@ Values = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Bound:
-    """Bounds of a blamed field, rounded as a message prints them."""
+class PassingRange:
+    """Values of a blamed field that pass its rules, with ends rounded as a message prints them."""
 
     intervals: tuple[tuple[float | None, float | None], ...]
-    """Values that pass the field's own rules; None where an interval has no end within the field's own bounds."""
+    """Lower and upper ends; None where an interval has no end within the field's own bounds."""
     value: float
     """The end that is nearest to the field's present value."""
 
@@ -44,8 +44,8 @@ class Refusal:
     changed: tuple[str, ...]
     """Parameters that were changed."""
     search: Search
-    bounds: dict[str, Bound] = field(default_factory=dict)
-    """Bounds of blamed fields, computed from their rules, that are part of the remedy."""
+    ranges: dict[str, PassingRange] = field(default_factory=dict)
+    """Ranges of blamed fields, computed from their rules, whose bounds are part of the remedy."""
 
     @cached_property
     def blamed(self) -> dict[str, list[BrokenRule]]:
@@ -71,7 +71,7 @@ def describe_refusal(refusal: Refusal, values: Values) -> Iterator[Issue]:
     if len(blamed) > 1 and len(values) == 1 and unblamed:
         (name,) = values
         present = f"{format_value(name, refusal.tables.value(name))}{format_unit(find_unit(PARAMETERS[name]))}"
-        yield Issue(name, f"{present} breaks {len(blamed)} rules, named below; {_say_bound(refusal, name, values)}.")
+        yield Issue(name, f"{present} breaks {len(blamed)} rules, named below; {_format_bound(refusal, name, values)}.")
         unblamed = []
     parts = {name: [other for other in values if other in refusal.reads(name)] for name in blamed}
     # What no broken rule reads repairs rules that are checked once these pass: it stands in the first message.
@@ -81,29 +81,30 @@ def describe_refusal(refusal: Refusal, values: Values) -> Iterator[Issue]:
         part = {other: values[other] for other in parts[name] or values}
         extra = {other: values[other] for other in unblamed if other in part}
         if name in values:
-            remedy = _say_bound(refusal, name, values) + (f", together with {join_assignments(extra)}" if extra else "")
+            together = f", together with {join_assignments(extra)}" if extra else ""
+            remedy = _format_bound(refusal, name, values) + together
         else:
             remedy = f"{'set' if extra else 'resolved by'} {join_assignments(part)}"
         yield Issue(name, f"{broken[0].violation.problem}; {remedy}{_find_alternatives(refusal, name, values)}.")
 
 
-def _say_bound(refusal: Refusal, name: str, values: Values) -> str:
-    """Say the value that a field needs as a bound; the only blamed field may have several bounds, all verified."""
+def _format_bound(refusal: Refusal, name: str, values: Values) -> str:
+    """Write the value that a field needs as a bound. The only blamed field may have several bounds, all verified."""
     value = values[name]
     if not is_number(name):
         return f"set {join_assignments({name: value})}"
     unit = f"{format_unit(find_unit(PARAMETERS[name]))}{_note(refusal, name)}"
     texts = [f"{'at least' if value > refusal.tables.value(name) else 'at most'} {format_value(name, value)}"]
-    bound = refusal.bounds.get(name)
-    if bound and len(refusal.blamed) == 1:
+    passing = refusal.ranges.get(name)
+    if passing and len(refusal.blamed) == 1:
         ends: dict[float | None, str] = {
             end: format_value(name, end)
-            for interval in bound.intervals
+            for interval in passing.intervals
             for end in interval
             if end is not None and (end == value or refusal.resolves(values | {name: end}))
         }
         texts = []
-        for low, high in bound.intervals:
+        for low, high in passing.intervals:
             if low in ends and high in ends:
                 texts.append(f"between {ends[low]} and {ends[high]}")
             elif low in ends or high in ends:
@@ -112,7 +113,7 @@ def _say_bound(refusal: Refusal, name: str, values: Values) -> str:
 
 
 def _note(refusal: Refusal, name: str) -> str:
-    """Condition of a bound, where only one field is blamed."""
+    """Return the condition of a bound, if only one field is blamed."""
     notes = [broken.violation.note for broken in refusal.blamed.get(name, ()) if broken.violation.note]
     return f" {notes[0]}" if notes and len(refusal.blamed) == 1 else ""
 

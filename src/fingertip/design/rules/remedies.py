@@ -23,9 +23,9 @@ from typing import Any
 
 from fingertip.design.parameters.design_tables import PARAMETERS, DesignTables
 from fingertip.design.rules import RULES
-from fingertip.design.rules.refusal import Bound, Refusal, Values, describe_refusal
+from fingertip.design.rules.refusal import PassingRange, Refusal, Values, describe_refusal
 from fingertip.design.rules.ruleset import BrokenRule, Interval, Rule, find_violations
-from fingertip.design.rules.search import Search, bounds_of, cheapest_first, is_number, round_bound
+from fingertip.design.rules.search import Search, cheapest_first, find_parameter_bounds, is_number, round_inwards
 from fingertip.errors import Issue
 
 _MAX_STEPS = 8
@@ -37,7 +37,7 @@ def find_remedies(
     broken: Sequence[BrokenRule],
     before: DesignTables | None = None,
     changed: Sequence[str] = (),
-    unreadable: frozenset[str] = frozenset(),
+    invalid: frozenset[str] = frozenset(),
     rules: Iterable[Rule] = RULES,
 ) -> list[Issue]:
     """Describe what is wrong with a design, each problem with a remedy.
@@ -45,14 +45,14 @@ def find_remedies(
     Parameters
     ----------
     tables
-        The design. Parameters in `unreadable` hold any valid value.
+        The design. Parameters in `invalid` hold any valid value.
     broken
         Rules it breaks, at least one.
     before
         The design before the changes; the defaults if None.
     changed
         Parameters that were changed; those that differ from `before` if empty.
-    unreadable
+    invalid
         Parameters whose own values are not valid.
     rules
         Rules that the remedies have to pass.
@@ -65,7 +65,7 @@ def find_remedies(
     """
     before = before or DesignTables()
     names = changed or [name for name in PARAMETERS if tables.value(name) != before.value(name)]
-    search = Search(cheapest_first(rules), cheapest_first(one.rule for one in broken), unreadable, before)
+    search = Search(cheapest_first(rules), cheapest_first(one.rule for one in broken), invalid, before)
     refusal = Refusal(tables, tuple(broken), before, tuple(names), search)
     for resolve in (_move_blamed_field, _move_one_field, _move_to_bounds, _move_step_by_step):
         if values := resolve(refusal):
@@ -81,9 +81,9 @@ def _move_blamed_field(refusal: Refusal) -> Values:
     if len(refusal.blamed) > 1:
         return {}
     (name,) = refusal.blamed
-    if (bound := _find_bound(refusal, name)) and refusal.resolves({name: bound.value}):
-        refusal.bounds[name] = bound
-        return {name: bound.value}
+    if (passing := _find_range(refusal, name)) and refusal.resolves({name: passing.value}):
+        refusal.ranges[name] = passing
+        return {name: passing.value}
     value = refusal.search.nearest(refusal.tables, name)
     return {} if value is None else {name: value}
 
@@ -104,12 +104,12 @@ def _move_one_field(refusal: Refusal) -> Values:
 
 def _move_to_bounds(refusal: Refusal) -> Values:
     """Move every blamed field to the bound of its own rules."""
-    bounds = {name: _find_bound(refusal, name) for name in refusal.blamed}
-    known = {name: bound for name, bound in bounds.items() if bound is not None}
-    values = {name: bound.value for name, bound in known.items()}
-    if len(known) < len(bounds) or not refusal.resolves(values):
+    ranges = {name: _find_range(refusal, name) for name in refusal.blamed}
+    known = {name: passing for name, passing in ranges.items() if passing is not None}
+    values = {name: passing.value for name, passing in known.items()}
+    if len(known) < len(ranges) or not refusal.resolves(values):
         return {}
-    refusal.bounds |= known
+    refusal.ranges |= known
     return values
 
 
@@ -120,17 +120,19 @@ def _move_step_by_step(refusal: Refusal) -> Values:
     for _ in range(_MAX_STEPS):
         if not broken:
             return _use_bounds(refusal, _leave_out_needless(refusal, values))
+        # Repair the first broken rule. The first field that reduces the number of broken rules is good enough.
         best: tuple[int, Values, tuple[BrokenRule, ...]] | None = None
         for name in _candidates(refusal, broken[0]):
             value = None if name in values else _repair(refusal, tables, broken[0], name)
             if value is None:
                 continue
             moved = tables.with_values({name: value})
-            left = tuple(find_violations(refusal.search.rules, moved, refusal.search.unreadable))
+            left = tuple(find_violations(refusal.search.rules, moved, refusal.search.invalid))
             if best is None or len(left) < best[0]:
                 best = (len(left), {name: value}, left)
             if len(left) < len(broken):
                 break
+        # Give up where every repair breaks more rules than it mends.
         if best is None or best[0] > len(broken):
             return {}
         values |= best[1]
@@ -141,8 +143,8 @@ def _move_step_by_step(refusal: Refusal) -> Values:
 def _repair(refusal: Refusal, tables: DesignTables, broken: BrokenRule, name: str) -> Any:
     """Find the value of a field with which one rule passes, by algebra or by search; None if there is none."""
     if name == broken.rule.field and broken.violation.passing:
-        bound = _round_bound(tables, name, broken.violation.passing)
-        return bound and bound.value
+        passing = _round_range(tables, name, broken.violation.passing)
+        return passing and passing.value
     return refusal.search.nearest(tables, name, broken.rule)
 
 
@@ -191,16 +193,16 @@ def _leave_out_needless(refusal: Refusal, values: Values) -> Values:
 def _use_bounds(refusal: Refusal, values: Values) -> Values:
     """Replace values of blamed fields by the bounds of their rules, where that passes too."""
     for name in values:
-        if name in refusal.blamed and (bound := _find_bound(refusal, name)):
-            exact = {**values, name: bound.value}
+        if name in refusal.blamed and (passing := _find_range(refusal, name)):
+            exact = {**values, name: passing.value}
             if refusal.resolves(exact):
-                refusal.bounds[name] = bound
+                refusal.ranges[name] = passing
                 values = exact
     return values
 
 
-def _find_bound(refusal: Refusal, name: str) -> Bound | None:
-    """Compute the bounds of a blamed field from its broken rules; None if all lie outside the field's own bounds."""
+def _find_range(refusal: Refusal, name: str) -> PassingRange | None:
+    """Compute the values of a blamed field that pass its broken rules; None if none lies within its own bounds."""
     passing: tuple[Interval, ...] = ((-math.inf, math.inf),)
     for broken in refusal.blamed[name]:
         passing = tuple(
@@ -208,10 +210,10 @@ def _find_bound(refusal: Refusal, name: str) -> Bound | None:
             for low, high in passing
             for other_low, other_high in broken.violation.passing
         )
-    return _round_bound(refusal.tables, name, passing)
+    return _round_range(refusal.tables, name, passing)
 
 
-def _round_bound(tables: DesignTables, name: str, passing: Iterable[Interval]) -> Bound | None:
+def _round_range(tables: DesignTables, name: str, passing: Iterable[Interval]) -> PassingRange | None:
     """Round intervals of a field inwards, to what lies within the field's own bounds; None if nothing does."""
     rounded = [
         (_round_end(name, low, up=True), _round_end(name, high, up=False)) for low, high in passing if low <= high
@@ -219,12 +221,12 @@ def _round_bound(tables: DesignTables, name: str, passing: Iterable[Interval]) -
     intervals = tuple((low, high) for low, high in rounded if low is None or high is None or low <= high)
     ends = [end for interval in intervals for end in interval if end is not None]
     present = tables.value(name)
-    return Bound(intervals, min(ends, key=lambda end: abs(end - present))) if ends else None
+    return PassingRange(intervals, min(ends, key=lambda end: abs(end - present))) if ends else None
 
 
 def _round_end(name: str, end: float, up: bool) -> float | None:
     """Round an end of an interval inwards; None if it lies outside the field's own bounds."""
     if not math.isfinite(end):
         return None
-    rounded = round_bound(name, end, up)
-    return rounded if bounds_of(name).contain(rounded) else None
+    rounded = round_inwards(name, end, up)
+    return rounded if find_parameter_bounds(name).contain(rounded) else None

@@ -111,7 +111,7 @@ class BrokenRule:
         return frozenset(recorder.reads)
 
 
-class UnreadableParameterError(Exception):
+class InvalidParameterError(Exception):
     """A rule reads a parameter whose own value is not valid."""
 
 
@@ -122,14 +122,14 @@ class RuleChecker:
     ----------
     design
         Parameters within their own bounds.
-    unreadable
+    invalid
         Parameters whose own values are not valid. A rule that reads one of them cannot be checked, so that one mistake
         gives one message, and all other rules are still checked.
     """
 
-    def __init__(self, design: DesignTables, unreadable: frozenset[str] = frozenset()) -> None:
+    def __init__(self, design: DesignTables, invalid: frozenset[str] = frozenset()) -> None:
         self._design = design
-        self._unreadable = unreadable
+        self._invalid = invalid
         self._passed: dict[Rule, bool] = {}
         self.violations: dict[Rule, Violation] = {}
         """Violations found so far."""
@@ -141,10 +141,10 @@ class RuleChecker:
         return self._passed[rule]
 
     def _check(self, rule: Rule) -> bool:
-        if self._unreadable:
+        if self._invalid:
             try:
-                violation = rule.check(RecordingTables(self._design, self._unreadable).as_tables())
-            except UnreadableParameterError:
+                violation = rule.check(RecordingTables(self._design, self._invalid).as_tables())
+            except InvalidParameterError:
                 return False
         else:
             violation = rule.check(self._design)
@@ -154,10 +154,10 @@ class RuleChecker:
 
 
 def find_violations(
-    rules: Iterable[Rule], design: DesignTables, unreadable: frozenset[str] = frozenset()
+    rules: Iterable[Rule], design: DesignTables, invalid: frozenset[str] = frozenset()
 ) -> Iterator[BrokenRule]:
     """Check a design, and yield every rule it breaks, in the order of `rules`; the parameters are `RuleChecker`'s."""
-    checker = RuleChecker(design, unreadable)
+    checker = RuleChecker(design, invalid)
     for rule in rules:
         if not checker.passes(rule) and rule in checker.violations:
             yield BrokenRule(rule, checker.violations[rule], design)
@@ -169,9 +169,9 @@ class RecordingTables:
     Dimensions are derived through the stand-in, so that the parameters behind them are recorded too.
     """
 
-    def __init__(self, design: DesignTables, unreadable: frozenset[str] = frozenset()) -> None:
+    def __init__(self, design: DesignTables, invalid: frozenset[str] = frozenset()) -> None:
         self._design = design
-        self._unreadable = unreadable
+        self._invalid = invalid
         self.reads: set[str] = set()
 
     def as_tables(self) -> DesignTables:
@@ -179,10 +179,10 @@ class RecordingTables:
         return cast(DesignTables, self)
 
     def record(self, name: str) -> None:
-        """Record that a parameter is read. Raises `UnreadableParameterError`."""
+        """Record that a parameter is read. Raises `InvalidParameterError`."""
         self.reads.add(name)
-        if name in self._unreadable:
-            raise UnreadableParameterError(name)
+        if name in self._invalid:
+            raise InvalidParameterError(name)
 
     @cached_property
     def dimensions(self) -> Dimensions:
@@ -197,7 +197,7 @@ class RecordingTables:
     def __getattr__(self, name: str) -> Any:
         value = getattr(self._design, name)
         if isinstance(value, BaseModel):
-            if name in self._unreadable:
+            if name in self._invalid:
                 self.record(name)
             return _RecordingTable(self, name, value)
         self.record(name)

@@ -12,7 +12,7 @@ from fingertip.design.parameters.design_tables import ELECTRONIC_TABLES, PARAMET
 from fingertip.design.rules.ruleset import Rule, RuleChecker, find_violations
 from fingertip.numerics import bisect
 
-_GRID_POINTS = 48
+_GRID_INTERVALS = 48
 """Intervals of the fine grid between a parameter's bounds."""
 _STRIDE = 4
 """Fine intervals in one interval of the coarse grid."""
@@ -33,7 +33,7 @@ class Search:
     """Rules to pass, those that take long last."""
     suspects: tuple[Rule, ...]
     """Rules that are checked first, because they are likely to fail."""
-    unreadable: frozenset[str] = frozenset()
+    invalid: frozenset[str] = frozenset()
     """Parameters whose own values are not valid."""
     before: DesignTables | None = None
     """Design whose values are tried too."""
@@ -41,8 +41,8 @@ class Search:
     def passes(self, tables: DesignTables, only: Rule | None = None) -> bool:
         """Whether tables pass all rules, or the one rule and its prerequisites."""
         if only is not None:
-            return RuleChecker(tables, self.unreadable).passes(only)
-        return next(find_violations((*self.suspects, *self.rules), tables, self.unreadable), None) is None
+            return RuleChecker(tables, self.invalid).passes(only)
+        return next(find_violations((*self.suspects, *self.rules), tables, self.invalid), None) is None
 
     def nearest(self, tables: DesignTables, name: str, only: Rule | None = None, *, thorough: bool = True) -> Any:
         """Find the value of a numeric parameter that passes and is nearest to its present one; None if there is none.
@@ -51,7 +51,7 @@ class Search:
         thorough, on a fine one. Bisection then refines it. A range of passing values that is narrower than the grid may
         be missed.
         """
-        if not is_number(name) or name in self.unreadable:
+        if not is_number(name) or name in self.invalid:
             return None
         present = tables.value(name)
         grid = self._grid(name, present)
@@ -82,17 +82,17 @@ class Search:
         best = passing if share == 1.0 else between(share)
         for digits in _DIGITS:
             rounded = as_typed(name, round_digits(best, digits, up=best > failing))
-            if bounds_of(name).contain(rounded) and passes(rounded):
+            if find_parameter_bounds(name).contain(rounded) and passes(rounded):
                 return rounded
         return best
 
     def _grid(self, name: str, present: float) -> Sequence[float]:
         """Values between the parameter's bounds, the nearest to the present one first."""
-        bounds = bounds_of(name)
+        bounds = find_parameter_bounds(name)
         high = bounds.maximum if bounds.maximum is not None else 2.0 * abs(present) + 1.0
         low = bounds.minimum if bounds.minimum is not None else (bounds.above or 0.0) + 1e-6 * high
         is_wide = low > 0.0 and high / low > 300.0
-        shares = [i / _GRID_POINTS for i in range(_GRID_POINTS)]
+        shares = [i / _GRID_INTERVALS for i in range(_GRID_INTERVALS)]
         values = [low * (high / low) ** share if is_wide else low + (high - low) * share for share in shares]
         values += [high, PARAMETERS[name].default]
         if self.before is not None:
@@ -105,7 +105,7 @@ class Search:
         return sorted(inside, key=lambda value: (distance(value), value))
 
 
-def bounds_of(name: str) -> Bounds:
+def find_parameter_bounds(name: str) -> Bounds:
     """Return the bounds of a numeric parameter."""
     return find_bounds(PARAMETERS[name])
 
@@ -120,7 +120,7 @@ def as_typed(name: str, value: float) -> float:
     return round(value) if PARAMETERS[name].annotation is int else value
 
 
-def round_bound(name: str, value: float, up: bool) -> float:
+def round_inwards(name: str, value: float, up: bool) -> float:
     """Round a bound of a parameter inwards: to four digits in the electronic tables, else to two decimals."""
     if PARAMETERS[name].annotation is int:
         return math.ceil(value - 1e-9) if up else math.floor(value + 1e-9)

@@ -6,6 +6,8 @@ Nearest means nearest by ratio.
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
+from functools import lru_cache
 
 from fingertip.design.filter_components import MAX_OHM, MIN_OHM
 from fingertip.errors import BoardError, Issue
@@ -59,13 +61,9 @@ def neighbouring_values(
         raise BoardError(f"{value!r} has no preferred value; give a positive finite number.")
     value = min(max(value, minimum), maximum)
     exponent = math.floor(math.log10(value)) - (len(str(decade[0])) - 1)
-    # The values of the decade and one or two more on either side, so that rounding of the logarithm cannot matter.
-    lower = _scaled(decade[-1], exponent - 1)
-    values = [lower, *(_scaled(m, exponent) for m in decade), _scaled(decade[0], exponent + 1)]
-    values.append(_scaled(decade[1], exponent + 1))
-    below = max(v for v in values if v <= value)
-    above = min(v for v in values if v >= value)
-    return (below,) if below == above else (below, above)
+    values = _values_of_decade(series, exponent)
+    above = bisect_left(values, value)
+    return (values[above],) if values[above] == value else (values[above - 1], values[above])
 
 
 def nearest_value(value: float, series: str, minimum: float = MIN_OHM, maximum: float = MAX_OHM) -> float:
@@ -90,6 +88,18 @@ def values_in_range(low: float, high: float, series: str) -> tuple[float, ...]:
     # The ends are computed, so rounding must not exclude a value that lies exactly on one of them.
     found = tuple(v for v in values if low * (1 - 1e-9) <= v <= high * (1 + 1e-9))
     return found or (nearest_value(low, series, 1e-12, 1e-3),)
+
+
+@lru_cache(maxsize=256)
+def _values_of_decade(series: str, exponent: int) -> tuple[float, ...]:
+    """List the preferred values of a decade in ascending order, with one more below it and two above.
+
+    With these, rounding of the logarithm that selects the decade does not matter. The values are cached, because a
+    sweep computes thousands of boards.
+    """
+    decade = mantissas(series)
+    above = (_scaled(mantissa, exponent + 1) for mantissa in decade[:2])
+    return (_scaled(decade[-1], exponent - 1), *(_scaled(mantissa, exponent) for mantissa in decade), *above)
 
 
 def _scaled(mantissa: int, exponent: int) -> float:

@@ -17,8 +17,7 @@ import time
 from collections.abc import Callable
 
 from fingertip.board import board_values
-from fingertip.board.values.component_selection import select_filter_capacitor
-from fingertip.board.values.preferred_values import select_section_resistors
+from fingertip.board.values.component_selection import select_filter_capacitor, select_section_resistors
 from fingertip.board.values.tolerance import monte_carlo
 from fingertip.design import Design
 from fingertip.design.parameters import Board

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.equations import build_equations
+from fingertip.board.analysis.nodal_analysis import build_equations
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from tests.board.conftest import Written

@@ -15,7 +15,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.analyse import analyse, bode_table
-from fingertip.board.analysis.equations import build_equations
+from fingertip.board.analysis.nodal_analysis import build_equations
 from fingertip.board.values.ideal_response import decibel, ideal_response, overall_cutoff_hz
 from fingertip.board.values.nonideal_response import filter_transfer, first_stage_transfer, open_loop_transfer
 from fingertip.board.values.tolerance import (

@@ -10,7 +10,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_files, board_values
 from fingertip.board.analysis.analyse import analyse
-from fingertip.board.analysis.equations import build_equations
+from fingertip.board.analysis.nodal_analysis import build_equations
 from fingertip.board.analysis.noise import NETS, compare_noise_alternatives, noise_budget, total_noise_v
 from fingertip.board.values.bridge import sensor_conductance_s
 from fingertip.board.values.noise_and_ripple import HALF_WAVE_MEAN, noise_warning

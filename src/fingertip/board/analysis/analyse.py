@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.board.analysis.equations import build_equations
-from fingertip.board.analysis.nodal import System
+from fingertip.board.analysis.nodal_analysis import System, build_equations
 from fingertip.board.analysis.noise import (
     NETS,
     Contribution,

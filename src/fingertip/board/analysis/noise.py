@@ -14,8 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board.analysis.equations import build_equations
-from fingertip.board.analysis.nodal import System
+from fingertip.board.analysis.nodal_analysis import System, build_equations
 from fingertip.board.circuit import Circuit, Component, Net, format_component_value, parse_component_value
 from fingertip.board.kicad import symbols
 from fingertip.board.nets import FEEDBACK, STAGE1_OUT

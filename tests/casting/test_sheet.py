@@ -186,9 +186,9 @@ def test_command_writes_page_and_data(tmp_path: Path) -> None:
 def test_build_writes_the_same_sheet_as_the_command(built: Build, tmp_path: Path) -> None:
     """The report holds the sheet's data, and the page equals the one `fingertip sheet` writes."""
     done = run_fingertip("sheet", design_file(built.design.name), "--out", tmp_path / "casting.md", "--json")
-    told = json.loads(done.stdout)
-    told.pop("page")
-    assert json.loads((built.folder / "report.json").read_text())["casting"] == told
+    data = json.loads(done.stdout)
+    data.pop("page")
+    assert json.loads((built.folder / "report.json").read_text())["casting"] == data
     assert (built.folder / "casting.md").read_bytes() == (tmp_path / "casting.md").read_bytes()
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fingertip.design.export import to_toml
 from fingertip.design.model import Design
+from fingertip.errors import DesignError
 from fingertip.sweep.design_builder import apply_changes
 from fingertip.sweep.report.feasibility import find_feasible
 from fingertip.sweep.report.statistics import find_nearest_to_ideal, find_pareto_front
@@ -78,6 +79,27 @@ def build_design(plan: SweepPlan, parameters: Mapping[str, Any]) -> Design:
     """Build the design of a point from the sweep's base design; parameters of the scene are ignored."""
     design_parameters = {name: value for name, value in parameters.items() if not name.startswith("scene.")}
     return Design(**apply_changes(plan.design.model_dump(), design_parameters))
+
+
+def explain_refusal(plan: SweepPlan, parameters: Mapping[str, Any], field: str, problem: str) -> str:
+    """Explain why a point is refused, with a remedy, which the rows of a sweep leave out.
+
+    Parameters
+    ----------
+    plan, parameters
+        Sweep and parameters of the point.
+    field, problem
+        Field and reason of its row. The reason is returned if the design breaks no such rule by itself.
+    """
+    base = plan.design.model_dump()
+    changes = {name: value for name, value in parameters.items() if not name.startswith("scene.")}
+    try:
+        Design.from_tables(apply_changes(base, changes), base, list(changes))
+    except DesignError as error:
+        for issue in error.issues:
+            if issue.field == field and issue.message.startswith(problem.partition(" (and ")[0].rstrip(".")):
+                return issue.message
+    return problem
 
 
 def format_best_design(plan: SweepPlan, table: SweepTable, selection: Selection) -> str:

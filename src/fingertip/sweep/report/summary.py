@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fingertip.sweep.report.best_design import Selection, list_objectives, select_best
+from fingertip.sweep.report.best_design import Selection, explain_refusal, list_objectives, select_best
 from fingertip.sweep.report.feasibility import (
     LimitingRule,
     PointClasses,
@@ -129,7 +129,9 @@ def describe_best(summary: SweepSummary) -> str:
         remedy = (
             f" It depends most on {axis.axis}: change the range of that axis." if axis and axis.explained > 0 else ""
         )
-        example = f" Message of the first point: {rule.example}" if rule.example else ""
+        example = ""
+        if rule.example:
+            example = f" Message of the first point: {_explain_first_point(summary, rule)}"
         return (
             f"none of {len(table.point)} points is feasible; the most frequent limiting rule is {rule.rule} "
             f"({_format_percent(rule.share)}).{remedy}{example}"
@@ -148,6 +150,13 @@ def describe_best(summary: SweepSummary) -> str:
         f"{_format_count(len(selection.front), 'point')} on the Pareto front, among {len(selection.candidates)} "
         f"feasible{excluded}, to {goals}."
     )
+
+
+def _explain_first_point(summary: SweepSummary, rule: LimitingRule) -> str:
+    """Give the message of the first point that a rule makes infeasible, with a remedy if there is one."""
+    row = int(np.argmax(summary.classes.indices == summary.classes.names.index(rule.rule)))
+    parameters = summary.plan.point(int(summary.table.point[row]))
+    return explain_refusal(summary.plan, parameters, rule.rule, rule.example)
 
 
 def _describe_point(summary: SweepSummary, row: int) -> dict[str, Any]:
@@ -261,4 +270,4 @@ def _format_count(count: int, noun: str) -> str:
 
 
 def _format_percent(share: float) -> str:
-    return f"{100 * share:.0f} %" if share >= 0.01 else "< 1 %"
+    return f"{100 * share:.0f} %" if share >= 0.01 or share == 0 else "< 1 %"

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic.fields import FieldInfo
 
 from fingertip.design.model import Design
-from fingertip.design.parameters import ParameterTable
+from fingertip.design.parameters import DesignTables, ParameterTable
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
 from fingertip.design.parameters.design_tables import PARAMETERS
 
@@ -35,7 +35,7 @@ def list_parameters() -> Iterator[Parameter]:
 
 def json_schema() -> dict[str, Any]:
     """Return the JSON schema of a design file, which editors of TOML use too."""
-    return Design.model_json_schema()
+    return DesignTables.model_json_schema()
 
 
 def to_toml(design: Design, heading: str = "") -> str:

@@ -43,7 +43,7 @@ def load_tables(files: Iterable[str | Path], changes: Iterable[str], kind: FileK
         form `table.key=value`.
     """
     if isinstance(changes, str):
-        raise DesignError(Issue("changes", f"{changes!r} is a string; give a list, such as {[changes]!r}."))
+        raise DesignError(Issue("changes", f"{changes!r} is a single text; give a list, such as {[changes]!r}."))
     before: dict[str, Any] = {}
     parsed: list[dict[str, Any]] = []
     issues: list[Issue] = []

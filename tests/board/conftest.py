@@ -13,15 +13,16 @@ from fingertip.design import Design
 
 BOARDS = {name: configuration.changes for name, configuration in BOARD_CONFIGURATIONS.items()} | {
     "other values": ("board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.series=E96"),
-    "chosen capacitors": ("board.cutoff_hz=50", "board.capacitor_series=E12", "board.supply=single"),
+    "selected capacitors": ("board.cutoff_hz=50", "board.capacitor_series=E12", "board.supply=single"),
 }
 """Every configuration, and two more with the same placement and nets."""
 
-Written = Callable[..., Path]
+BoardFolder = Callable[..., Path]
+"""Function that returns the folder with the board of a design, from changes to the default design."""
 
 
 @pytest.fixture(scope="session")
-def written(tmp_path_factory: pytest.TempPathFactory) -> Written:
+def board_folder(tmp_path_factory: pytest.TempPathFactory) -> BoardFolder:
     """Return a function that writes the board of a design with these changes, once, and returns its folder.
 
     Tests only read from the folder. KiCad's reports may be written into it.

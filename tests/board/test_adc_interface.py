@@ -12,7 +12,7 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.nodal_analysis import build_equations
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
-from tests.board.conftest import Written
+from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
 
 SAMPLE_RATES_HZ = (1000.0, 2000.0, 5000.0, 20000.0)
@@ -49,8 +49,8 @@ def test_alias_attenuation_of_the_default_board() -> None:
 
 
 @pytest.mark.parametrize("name", ["article_split", "comparator_single"])
-def test_anti_aliasing_poles_of_the_spice_deck_match(written: Written, tmp_path: Path, name: str) -> None:
-    folder = written(*BOARD_CONFIGURATIONS[name].changes)
+def test_anti_aliasing_poles_of_the_spice_deck_match(board_folder: BoardFolder, tmp_path: Path, name: str) -> None:
+    folder = board_folder(*BOARD_CONFIGURATIONS[name].changes)
     values = board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes))
     rows = run_ngspice(
         tmp_path, (folder / "slip_filter.cir").read_text("utf-8"),

@@ -34,9 +34,9 @@ def test_json_output_equals_the_values_file_and_quiet_prints_no_messages(tmp_pat
     assert all({"subject", "statement", "correction"} == set(erratum) for erratum in data["errata"])
     assert sorted(Path(name).name for name in data["files"]) == FILES
     assert all(Path(name).is_file() for name in data["files"])
-    written = json.loads((tmp_path / "values.json").read_text())
-    assert written["parameters"]["series"] == "E96"
-    assert all(written[key] == data[key] for key in ("ideal", "preferred", "achieved_response", "errata"))
+    values = json.loads((tmp_path / "values.json").read_text())
+    assert values["parameters"]["series"] == "E96"
+    assert all(values[key] == data[key] for key in ("ideal", "preferred", "achieved_response", "errata"))
 
 
 def test_default_output_folder_is_pcb(tmp_path: Path) -> None:

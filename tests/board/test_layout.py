@@ -34,7 +34,7 @@ from fingertip.board.output import LAYOUT
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.errors import BoardError
-from tests.board.conftest import BOARDS, Written
+from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.oracles.sexpressions import children, parse
 from tests.tools import require_tool
@@ -69,8 +69,10 @@ NO_VIOLATIONS: dict[str, list[str]] = {"violations": [], "unconnected_items": []
 
 @pytest.mark.slow
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
-def test_board_passes_design_rules_check_and_matches_the_schematic(written: Written, changes: tuple[str, ...]) -> None:
-    assert run_drc(written(*changes)) == NO_VIOLATIONS
+def test_board_passes_design_rules_check_and_matches_the_schematic(
+    board_folder: BoardFolder, changes: tuple[str, ...]
+) -> None:
+    assert run_drc(board_folder(*changes)) == NO_VIOLATIONS
 
 
 CORRUPTIONS = {

@@ -16,7 +16,7 @@ from fingertip.board.values.bridge import sensor_conductance_s
 from fingertip.board.values.noise_and_ripple import HALF_WAVE_MEAN, noise_warning
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
-from tests.board.conftest import Written
+from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
 
@@ -40,14 +40,14 @@ def test_noise_of_each_resistor_agrees_with_ngspice(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["article_split", "precision_split", "comparator_single"])
-def test_total_noise_agrees_with_ngspice(written: Written, tmp_path: Path, name: str) -> None:
+def test_total_noise_agrees_with_ngspice(board_folder: BoardFolder, tmp_path: Path, name: str) -> None:
     """All amplifiers and resistors, 0.1 Hz to 1 MHz: 19 mV after the filters, of which C20 leaves 6 mV."""
     changes = BOARD_CONFIGURATIONS[name].changes
     rows, total = noise_budget(
         build_equations(board_circuit(board_values(Design.load(changes=changes))), 3e6, sensor_conductance_s(0.8))
     )
     assert rows[0].cause == "U2"
-    deck = (written(*changes) / "slip_filter.cir").read_text("utf-8")
+    deck = (board_folder(*changes) / "slip_filter.cir").read_text("utf-8")
     for net in ("TACTILE", "FILTERED", "ADC_TACTILE"):
         simulated = run_ngspice(
             tmp_path, deck, f"noise v({net.lower()}) IJ1 dec 100 0.1 1meg\nsetplot noise2\nwrdata out onoise_total"
@@ -101,10 +101,10 @@ def test_noise_and_offset_budgets_contain_the_dominant_contributions() -> None:
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_readme_of_the_folder_contains_the_noise(written: Written, name: str) -> None:
+def test_readme_of_the_folder_contains_the_noise(board_folder: BoardFolder, name: str) -> None:
     changes = BOARD_CONFIGURATIONS[name].changes
     analysis = analyse(Design.load(changes=changes), boards=10)
-    text = " ".join((written(*changes) / "README.md").read_text("utf-8").split())
+    text = " ".join((board_folder(*changes) / "README.md").read_text("utf-8").split())
     alternatives = {item.change: item for item in analysis.noise_alternatives}
     first_stage = board_values(Design.load(changes=changes)).first_stage
     is_article = name.startswith("article")

@@ -140,6 +140,6 @@ def test_analysis_and_values_contain_these_effects(tmp_path: Path) -> None:
         "resistors 1 %, capacitors 10 %", "upper -3 dB",
     ):  # fmt: skip
         assert phrase in text
-    written = (tmp_path / "values.json").read_text("utf-8")
+    values_text = (tmp_path / "values.json").read_text("utf-8")
     for key in ("on_v", "off_v", "max_bias_v", "upper_cutoff_hz", "max_low_offset_v", "filter_trough_v"):
-        assert f'"{key}"' in written
+        assert f'"{key}"' in values_text

@@ -13,7 +13,7 @@ from fingertip.board.schematic.symbol_graphics import SYMBOL_GRAPHICS
 from fingertip.board.schematic.symbols import pin_position
 from fingertip.board.variants import BOARD_CONFIGURATIONS, BoardConfiguration
 from fingertip.design import Design
-from tests.board.conftest import BOARDS, Written
+from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli, read_netlist
 from tests.board.test_kicad_libraries import COMPONENTS, load_symbols
 from tests.oracles.sexpressions import children, descendants
@@ -34,13 +34,13 @@ def export_netlist(folder: Path) -> tuple[object, object]:
 
 
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
-def test_kicads_netlist_of_the_drawing_equals_ours(written: Written, changes: tuple[str, ...]) -> None:
-    assert export_netlist(written(*changes)) == read_netlist(written(*changes) / NETLIST)
+def test_kicads_netlist_of_the_drawing_equals_ours(board_folder: BoardFolder, changes: tuple[str, ...]) -> None:
+    assert export_netlist(board_folder(*changes)) == read_netlist(board_folder(*changes) / NETLIST)
 
 
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
-def test_schematic_passes_electrical_rules_check(written: Written, changes: tuple[str, ...]) -> None:
-    assert run_erc(written(*changes)) == []
+def test_schematic_passes_electrical_rules_check(board_folder: BoardFolder, changes: tuple[str, ...]) -> None:
+    assert run_erc(board_folder(*changes)) == []
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from fingertip.board.values.bridge import sensor_conductance_s
 from fingertip.board.values.ideal_response import decibel
 from fingertip.board.values.nonideal_response import filter_transfer
 from fingertip.design import Design
-from tests.board.conftest import Written
+from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
 from tests.oracles.ideal_filter import ideal_filter_transfer
 
@@ -180,10 +180,10 @@ def simulate_envelope(is_article: bool) -> dict[int, float]:
 @pytest.mark.slow
 @pytest.mark.parametrize(("variant", "supply"), CASES, ids=map(" ".join, CASES))
 def test_transients_equal_an_independent_simulation(
-    written: Written, tmp_path: Path, variant: str, supply: str
+    board_folder: BoardFolder, tmp_path: Path, variant: str, supply: str
 ) -> None:
     """A tone drives the rectifier. On a single supply the signals are the same, relative to the midpoint."""
-    deck = (written(f"board.variant={variant}", f"board.supply={supply}") / "slip_filter.cir").read_text("utf-8")
+    deck = (board_folder(f"board.variant={variant}", f"board.supply={supply}") / "slip_filter.cir").read_text("utf-8")
     # R7 and C8 load the envelope with 1 % of C_LP. Both simulations leave them out.
     ngspice = simulate_tone(tmp_path, deck, ("XU1", "R2 ", "R7 "), "0" if supply == "split" else "vmid")
     simulated = simulate_envelope(variant == "article")

@@ -79,7 +79,7 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         noise=noise,
         noise_total_v=total,
         noise_alternatives=compare_noise_alternatives(
-            circuit, board.gain_bandwidth_hz, board.band_limit_hz, diode=values.variant == "article"
+            circuit, board.gain_bandwidth_hz, board.band_limit_hz, has_diode=values.variant == "article"
         ),
         threshold_v=design.detector.threshold_v,
         aliasing=values.aliasing,

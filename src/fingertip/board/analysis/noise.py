@@ -81,7 +81,7 @@ def _squares(system: System, net: str) -> NDArray[np.float64]:
 
 
 def compare_noise_alternatives(
-    circuit: Circuit, gain_bandwidth_hz: float, band_limit_hz: float, diode: bool
+    circuit: Circuit, gain_bandwidth_hz: float, band_limit_hz: float, has_diode: bool
 ) -> tuple[NoiseAlternative, ...]:
     """Compute the noise as built, with and without the first stage's band limit, and with a low-noise amplifier.
 
@@ -93,10 +93,10 @@ def compare_noise_alternatives(
         Gain-bandwidth product of the filter's amplifier [Hz].
     band_limit_hz
         Band limit of the first stage [Hz].
-    diode
+    has_diode
         Whether a bare diode precedes the envelope (variant article, which has no band limit).
     """
-    if diode:
+    if has_diode:
         other, preposition = _with_limiter(circuit, band_limit_hz), "with"
     else:
         other, preposition = _without(circuit, LIMITER), "without"

@@ -92,7 +92,7 @@ def _error_lines(analysis: Analysis) -> list[str]:
         lines.append(describe_output_offset(analysis.output_offset, analysis.threshold_v))
     if analysis.comparator_stage:
         lines += describe_comparator_stage(analysis.comparator_stage)
-    return [*lines, describe_supply_ripple(analysis.supply_ripple, diode=analysis.output_offset is None)]
+    return [*lines, describe_supply_ripple(analysis.supply_ripple, has_diode=analysis.output_offset is None)]
 
 
 def _alias_lines(aliasing: AliasAttenuation) -> list[str]:

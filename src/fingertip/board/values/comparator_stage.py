@@ -57,7 +57,7 @@ class ComparatorStage:
         return self.mean_ohm * self.mean_f
 
 
-def thresholds_v(
+def compute_thresholds_v(
     top_ohm: float, hysteresis_ohm: float, supply_v: float, signal_ground_ratio: float = 0.0, trimmer_ratio: float = 0.5
 ) -> tuple[float, float]:
     """Compute the ON and OFF thresholds of the averaged envelope [V] above the signal ground.
@@ -112,7 +112,7 @@ def size_comparator(
     feedback = HYSTERESIS_RATIO * threshold_v / supply_v * (pull + 1.0 / low_ohm)
 
     def error(pair: tuple[float, float]) -> float:
-        on_v, _ = thresholds_v(*pair, supply_v, signal_ground_ratio)
+        on_v, _ = compute_thresholds_v(*pair, supply_v, signal_ground_ratio)
         return round(abs(math.log(on_v / threshold_v)), 12)
 
     tops = neighbouring_values(1.0 / (pull - feedback) - low_ohm, series)
@@ -120,8 +120,8 @@ def size_comparator(
     top_ohm, hysteresis_ohm = min(itertools.product(tops, feedbacks), key=error)
     mean_f = min(max(nearest_value(window_s / 2.0 / MEAN_OHM, "E6", 1e-12, 1e-3), _MIN_MEAN_F), MAX_MEAN_F)
     mean_ohm = nearest_value(window_s / 2.0 / mean_f, series)
-    on_v, off_v = thresholds_v(top_ohm, hysteresis_ohm, supply_v, signal_ground_ratio)
-    max_on_v, _ = thresholds_v(top_ohm, hysteresis_ohm, supply_v, signal_ground_ratio, trimmer_ratio=1.0)
+    on_v, off_v = compute_thresholds_v(top_ohm, hysteresis_ohm, supply_v, signal_ground_ratio)
+    max_on_v, _ = compute_thresholds_v(top_ohm, hysteresis_ohm, supply_v, signal_ground_ratio, trimmer_ratio=1.0)
     return ComparatorStage(
         mean_ohm, mean_f, top_ohm, hysteresis_ohm, on_v, off_v, max_on_v, BIAS_A * mean_ohm, MAX_BIAS_A * mean_ohm
     )

@@ -57,7 +57,7 @@ def compute_noise_levels(
     bridge: Bridge,
     transfer: Callable[[float], complex],
     transfer_without_limit: Callable[[float], complex],
-    diode: bool,
+    has_diode: bool,
 ) -> NoiseLevels:
     """Compute the noise of a board.
 
@@ -67,7 +67,7 @@ def compute_noise_levels(
         Resistors of the bridge.
     transfer, transfer_without_limit
         Transfer functions at f [Hz] from the tactile voltage to the filtered one, with and without C20.
-    diode
+    has_diode
         Whether a bare diode precedes the envelope (variant article).
     """
     low, high = NOISE_BAND_HZ
@@ -81,7 +81,7 @@ def compute_noise_levels(
         for k, gain in enumerate((1.0, abs(transfer(f)), abs(transfer_without_limit(f)))):
             totals[k] += square * gain * gain
     tactile, filtered, without_limit = (math.sqrt(total) for total in totals)
-    return NoiseLevels(tactile, filtered, without_limit, None if diode else HALF_WAVE_MEAN * filtered)
+    return NoiseLevels(tactile, filtered, without_limit, None if has_diode else HALF_WAVE_MEAN * filtered)
 
 
 def _tactile_density_squared(bridge: Bridge, f_hz: float) -> float:
@@ -123,7 +123,7 @@ class SupplyRipple:
 
 
 def compute_supply_ripple(
-    bridge: Bridge, transfer: Callable[[float], complex], threshold_v: float, diode: bool, points: int = 60
+    bridge: Bridge, transfer: Callable[[float], complex], threshold_v: float, has_diode: bool, points: int = 60
 ) -> SupplyRipple:
     """Compute the effect of supply ripple on a board.
 
@@ -135,7 +135,7 @@ def compute_supply_ripple(
         Transfer function at f [Hz] from the tactile voltage to the filtered one.
     threshold_v
         Mean of the envelope at which slip is reported.
-    diode
+    has_diode
         Whether a bare diode precedes the envelope (variant article).
     points
         Number of frequencies at which the gain is evaluated.
@@ -144,7 +144,7 @@ def compute_supply_ripple(
     frequencies = (low * math.pow(high / low, i / (points - 1)) for i in range(points))
     gain = max(abs(_supply_transfer(bridge, f) * transfer(f)) for f in frequencies)
     # The mean of a half-wave rectified sine is 1/pi of its peak.
-    return SupplyRipple(gain, (DEAD_ZONE_V if diode else math.pi * threshold_v) / gain)
+    return SupplyRipple(gain, (DEAD_ZONE_V if has_diode else math.pi * threshold_v) / gain)
 
 
 def _supply_transfer(bridge: Bridge, f_hz: float) -> complex:
@@ -157,10 +157,10 @@ def _supply_transfer(bridge: Bridge, f_hz: float) -> complex:
     return bridge.gain * (shunt / (top + shunt) / delay - reference)
 
 
-def describe_supply_ripple(ripple: SupplyRipple, diode: bool) -> str:
+def describe_supply_ripple(ripple: SupplyRipple, has_diode: bool) -> str:
     """Describe the requirement on the supply's ripple."""
     low, high = RIPPLE_BAND_HZ
-    effect = "makes the diode conduct" if diode else "brings the envelope to the threshold"
+    effect = "makes the diode conduct" if has_diode else "brings the envelope to the threshold"
     return (
         f"ripple on the positive supply reaches the rectifier amplified {ripple.gain:.0f} times: from {low:g} Hz to "
         f"{high:g} Hz a peak of {1e3 * ripple.max_v:.2g} mV alone {effect}"

@@ -85,7 +85,13 @@ class VoltageLimits:
 
 
 def compute_voltage_limits(
-    bridge: Bridge, supply: Supply, supply_v: float, swing: OutputSwing, gain: float, diode: bool, adc_range_v: float
+    bridge: Bridge,
+    supply: Supply,
+    supply_v: float,
+    swing: OutputSwing,
+    gain: float,
+    has_diode: bool,
+    adc_range_v: float,
 ) -> VoltageLimits:
     """Compute the voltage limits of a board.
 
@@ -99,7 +105,7 @@ def compute_voltage_limits(
         Output swing of the filter's second stage.
     gain
         Maximum gain of the filter.
-    diode
+    has_diode
         Whether a diode precedes the envelope (variant article).
     adc_range_v
         Input range of the ADC, plus and minus.
@@ -115,7 +121,7 @@ def compute_voltage_limits(
         filter_guaranteed_trough_v=swing.guaranteed_down_v,
         has_phase_reversal=swing.has_phase_reversal,
         vibration_peak_v=min(swing.up_v, swing.down_v) / gain,
-        max_envelope_v=swing.up_v - DIODE_V if diode else swing.up_v,
+        max_envelope_v=swing.up_v - DIODE_V if has_diode else swing.up_v,
         clamp_low_v=0.0,
         clamp_high_v=supply_v,
         adc_range_v=adc_range_v,

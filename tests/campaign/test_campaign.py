@@ -107,6 +107,7 @@ def test_detection_of_incipient_slip_has_a_delay_of_zero_and_is_no_alarm():
     assert found.alarms == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise_v", [0.0, 1e-5, 1e-4])
 def test_fast_has_no_alarms_with_less_noise_than_the_default(noise_v):
     design = Design(detector={"noise_v": noise_v, "adc_bits": 24})
@@ -175,6 +176,7 @@ def test_matched_threshold_is_the_lowest_one_that_keeps_the_alarm_rate():
     assert CampaignResult(CampaignPlan(), 0, {"fast": (low,)}).at_alarm_rate("fast", 0.1) is None
 
 
+@pytest.mark.slow
 def test_mean_delay_is_above_the_bound_and_less_noise_lowers_the_bound():
     plan = CampaignPlan(16, 0.5)
     bounds = np.array(compute_bounds_s(Design(), plan))
@@ -189,6 +191,7 @@ def test_mean_delay_is_above_the_bound_and_less_noise_lowers_the_bound():
     assert set(compute_bounds_s(noiseless, CampaignPlan(4, 0.5))) == {0.0}
 
 
+@pytest.mark.slow
 def test_assumptions_change_the_delay_in_the_expected_direction():
     harder = Variation("harder start", "slide", "acceleration_m_s2", 10.0)
     noisier = Variation("noisier", "detector", "noise_v", 8.0)
@@ -200,6 +203,7 @@ def test_assumptions_change_the_delay_in_the_expected_direction():
     assert weak.median_s != base.median_s
 
 
+@pytest.mark.slow
 def test_threshold_of_the_design_follows_a_change_of_noise():
     """With a constant threshold, twice the noise would keep digital ON all the time."""
     noisier = Variation("twice the noise", "detector", "noise_v", 2.0)
@@ -209,6 +213,7 @@ def test_threshold_of_the_design_follows_a_change_of_noise():
     assert twice.alarms_per_minute < 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cutoff_hz", [5.0, 340.0])
 def test_designs_far_from_the_articles_can_be_validated(cutoff_hz):
     """The other board variant may break a rule, and the band may be narrower than a bin of the spectrum."""
@@ -245,6 +250,7 @@ def validated(tmp_path_factory):
     return out, CliRunner().invoke(app, [*arguments, str(out)])
 
 
+@pytest.mark.slow
 def test_validate_writes_results_and_assumptions(validated):
     out, done = validated
     assert done.exit_code == 0, done.stdout
@@ -272,6 +278,7 @@ def test_validate_writes_results_and_assumptions(validated):
         assert (out / name).read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_missed_requirement_gives_exit_code_1(tmp_path, monkeypatch):
     for module in (plots, trial_plots):  # drawn by the test above
         monkeypatch.setattr(module, "to_png", lambda figure: b"")
@@ -282,6 +289,7 @@ def test_missed_requirement_gives_exit_code_1(tmp_path, monkeypatch):
     assert (tmp_path / "validation.json").exists()
 
 
+@pytest.mark.slow
 def test_same_campaign_gives_the_same_delays():
     first, second = (run_campaign(Design(), CampaignPlan(2, 0.5), ("fast",), (1.0,)) for _ in range(2))
     assert first.at_design("fast").delays_s == second.at_design("fast").delays_s
@@ -301,6 +309,7 @@ def test_validate_refuses_bad_options_before_it_computes(tmp_path):
     assert not (tmp_path / "no").exists()
 
 
+@pytest.mark.slow
 def test_page_lists_failures_and_assumptions(validated):
     out, done = validated
     page = (out / "omissions.md").read_text()
@@ -331,6 +340,7 @@ def test_larger_acceleration_shortens_the_delay_of_every_detector():
     assert all(fast[name].median_s < slow[name].median_s for name in slow)
 
 
+@pytest.mark.slow
 def test_higher_sampling_rate_shortens_the_delay():
     slow, own, quick = study_sampling_rates(Design(), 12, 0.5, rates_hz=(1000.0, 10_000.0))
     assert (slow.sample_rate_hz, own.sample_rate_hz, quick.sample_rate_hz) == (1000.0, 2000.0, 10_000.0)
@@ -342,6 +352,7 @@ def test_higher_sampling_rate_shortens_the_delay():
     assert [row.sample_rate_hz for row in study_sampling_rates(wide, 1, 0.5, rates_hz=(20_000.0,))] == [2000.0]
 
 
+@pytest.mark.slow
 def test_precision_rectifier_finds_slips_that_a_bare_diode_misses():
     rows = {(row.variant, row.by_rule): row for row in study_board_variants(Design(), 8, 0.5)}
     assert rows["precision", True].found_share == 1.0

@@ -125,6 +125,7 @@ def trials():
     return run_closed_loop(DESIGN, ("fast",), 1)
 
 
+@pytest.mark.slow
 def test_detector_in_the_loop_holds_every_object_in_time(trials):
     without, with_it = summarize(trials)
     assert (without.detector, with_it.detector) == (NO_CONTROL, "fast")
@@ -139,6 +140,7 @@ def test_detector_in_the_loop_holds_every_object_in_time(trials):
     assert all(displacements["fast", name] < displacements[NO_CONTROL, name] for name in ("bottle", "parallelepiped"))
 
 
+@pytest.mark.slow
 def test_grips_without_slip_are_false_and_detections_at_contact_are_suppressed(trials):
     manipulation = next(one for one in trials if one.detector == "fast").manipulation
     knock = manipulation.plan.knock_s
@@ -155,6 +157,7 @@ def test_grips_without_slip_are_false_and_detections_at_contact_are_suppressed(t
     assert evaluate_manipulation("fast", manipulation, decisions[2:]).suppressed_true == 1
 
 
+@pytest.mark.slow
 def test_grip_in_incipient_slip_is_not_false_but_one_before_it_is(trials):
     manipulation = next(one.manipulation for one in trials if one.detector == NO_CONTROL)
     onset = evaluate_manipulation("fast", manipulation, ()).onset_s
@@ -165,6 +168,7 @@ def test_grip_in_incipient_slip_is_not_false_but_one_before_it_is(trials):
         assert evaluate_manipulation("fast", manipulation, decisions).false_grips == false
 
 
+@pytest.mark.slow
 def test_object_that_left_the_fingers_is_not_held(trials):
     manipulation = trials[0].manipulation
     lost, held = (evaluate_manipulation(NO_CONTROL, replace(manipulation, lost_s=at), ()) for at in (3.0, None))
@@ -190,6 +194,7 @@ def test_closed_loop_requirements_can_be_missed(change, missed):
     assert {requirement.name for requirement in requirements if not requirement.passed} == missed
 
 
+@pytest.mark.slow
 def test_plots_show_a_power_and_a_pinch_grasp(trials):
     found = trial_plots.plot_loop(trials, "fast")
     assert set(found) == {"closed_loop_power.png", "closed_loop_pinch.png"}

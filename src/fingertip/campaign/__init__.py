@@ -2,5 +2,6 @@
 
 from fingertip.campaign.plan import CampaignPlan
 from fingertip.campaign.run import CampaignResult, run_campaign
+from fingertip.campaign.validation import Validation, validate
 
-__all__ = ["CampaignPlan", "CampaignResult", "run_campaign"]
+__all__ = ["CampaignPlan", "CampaignResult", "Validation", "run_campaign", "validate"]

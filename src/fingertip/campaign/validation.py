@@ -1,0 +1,124 @@
+"""Validation of a design: the campaign, the closed loop, the studies, and whether the requirements are met."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from fingertip.campaign.closed_loop import LoopTrial, run_closed_loop, summarize
+from fingertip.campaign.plan import CampaignPlan
+from fingertip.campaign.report import omissions, tables
+from fingertip.campaign.report.tables import StudyResults
+from fingertip.campaign.requirements import Requirement, RequirementLimits, check_closed_loop, check_detection
+from fingertip.campaign.run import CampaignResult, run_campaign
+from fingertip.campaign.studies.acceleration_sensitivity import study_accelerations
+from fingertip.campaign.studies.article_figures import compute_spectra, study_windows
+from fingertip.campaign.studies.assumption_sensitivity import study_assumptions
+from fingertip.campaign.studies.board_variants import study_board_variants
+from fingertip.campaign.studies.detection_bound import compute_bounds_s
+from fingertip.campaign.studies.knock_rejection import study_knock_rejection
+from fingertip.campaign.studies.motor_discrimination import study_motor_discrimination
+from fingertip.campaign.studies.sampling_rates import study_sampling_rates
+from fingertip.design import Design
+from fingertip.slip.detectors.registry import find_detector_type
+
+STUDY_TRIALS = 24
+"""Largest number of trials in each study beside the campaign: three for each surface and object."""
+
+
+@dataclass(frozen=True, eq=False)
+class Validation:
+    """Results of a validation."""
+
+    design: Design
+    detector: str
+    """Detector that the requirements apply to."""
+    campaign: CampaignResult
+    loop: tuple[LoopTrial, ...]
+    requirements: tuple[Requirement, ...]
+    studies: StudyResults
+
+    @property
+    def passed(self) -> bool:
+        """Whether every requirement is met."""
+        return all(requirement.passed for requirement in self.requirements)
+
+    def as_data(self) -> dict[str, Any]:
+        """Return all results for JSON."""
+        return tables.as_data(self.campaign, self.detector, self.requirements, self.studies)
+
+    def as_text(self) -> str:
+        """Return the results as text."""
+        return tables.as_text(self.campaign, self.detector, self.requirements, self.studies)
+
+    def files(self) -> dict[str, bytes]:
+        """Return file name -> content: the results, the plots, and the page of failures and assumptions."""
+        from fingertip.campaign.report import plots, trial_plots
+
+        return {
+            "validation.json": (json.dumps(self.as_data(), indent=2, allow_nan=False) + "\n").encode(),
+            "delays.png": plots.plot_delays(self.campaign),
+            "surfaces.png": plots.plot_surfaces(self.campaign, self.detector),
+            "surfaces_digital.png": plots.plot_surfaces(self.campaign, "digital"),
+            "spectra.png": plots.plot_spectra(self.studies.spectra),
+            "windows.png": plots.plot_windows(self.studies.windows),
+            "comparison.png": plots.plot_comparison(self.campaign, self.studies.bound_s(0.5)),
+            **trial_plots.plot_trials(self.design),
+            **trial_plots.plot_loop(self.loop, self.detector),
+            "omissions.md": omissions.as_markdown(self.campaign, self.requirements, self.loop).encode(),
+        }
+
+
+def validate(
+    design: Design,
+    plan: CampaignPlan | None = None,
+    detector: str = "fast",
+    limits: RequirementLimits | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Validation:
+    """Test a design's detectors on simulated slips and on scenes without slip.
+
+    Parameters
+    ----------
+    design
+        Design to validate.
+    plan
+        Number of trials, and duration of the scenes without slip. None: the default plan.
+    detector
+        Detector that the requirements apply to; all detectors are compared.
+    limits
+        Limits of the requirements. None: the default limits.
+    progress
+        Called with progress text.
+
+    Raises
+    ------
+    TraceError
+        If there is no such detector.
+    """
+    find_detector_type(detector)
+    plan, limits = plan or CampaignPlan(), limits or RequirementLimits()
+    result = run_campaign(design, plan, progress=progress)
+    progress("closed loop: simulating four objects that a pin hits")
+    loop_detectors = tuple(dict.fromkeys(("analog", "fast", detector)))
+    loop = run_closed_loop(design, loop_detectors, 3 if plan.trials >= 12 else 1)
+    summaries = summarize(loop)
+    own = next(summary for summary in summaries if summary.detector == detector)
+    requirements = (*check_detection(result, detector, limits), *check_closed_loop(own, limits))
+    progress("studies: detection bound, assumptions, windows, spectra, accelerations, sampling rates, boards, knocks")
+    trials = min(STUDY_TRIALS, plan.trials)
+    studies = StudyResults(
+        bounds_s=compute_bounds_s(design, plan),
+        variations=study_assumptions(design, detector, trials),
+        windows=study_windows(design, trials),
+        spectra=compute_spectra(design),
+        accelerations=study_accelerations(design, trials),
+        rates=study_sampling_rates(design, min(2 * STUDY_TRIALS, plan.trials)),
+        boards=study_board_variants(design, trials),
+        motor=study_motor_discrimination(design, trials),
+        knocks=study_knock_rejection(design),
+        loop=summaries,
+    )
+    return Validation(design, detector, result, tuple(loop), requirements, studies)

@@ -53,12 +53,12 @@ class DaskCluster:
     address: str = ""
     processes: list[subprocess.Popen[bytes]] = field(default_factory=list)
 
-    def start(self, *words: str, path: Path = ROOT) -> subprocess.Popen[bytes]:
-        """Start `dask WORDS` in a process group of its own."""
+    def start(self, *arguments: str, path: Path = ROOT) -> subprocess.Popen[bytes]:
+        """Start `dask ARGUMENTS` in a process group of its own."""
         log = (self.folder / f"{len(self.processes)}.log").open("wb")
         self.processes.append(
             subprocess.Popen(
-                [sys.executable, "-m", "dask", *words, "--no-dashboard"],
+                [sys.executable, "-m", "dask", *arguments, "--no-dashboard"],
                 stdout=log,
                 stderr=log,
                 cwd=self.folder,

@@ -104,15 +104,15 @@ REFUSED_AXES: list[tuple[dict[str, Any], str, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "field", "words"), REFUSED_FILES)
-def test_invalid_file_is_refused_with_a_remedy(changes: dict[str, Any], field: str, words: str) -> None:
-    assert words in find_issues(**changes)[field]
+@pytest.mark.parametrize(("changes", "field", "message"), REFUSED_FILES)
+def test_invalid_file_is_refused_with_a_remedy(changes: dict[str, Any], field: str, message: str) -> None:
+    assert message in find_issues(**changes)[field]
 
 
-@pytest.mark.parametrize(("axes", "field", "words"), REFUSED_AXES)
-def test_invalid_axis_is_refused_with_a_remedy(axes: dict[str, Any], field: str, words: str) -> None:
+@pytest.mark.parametrize(("axes", "field", "message"), REFUSED_AXES)
+def test_invalid_axis_is_refused_with_a_remedy(axes: dict[str, Any], field: str, message: str) -> None:
     found = find_issues(axes=axes)
-    assert words in found[field]
+    assert message in found[field]
     if field != "axes":
         assert list(found) == [field]
 
@@ -218,7 +218,7 @@ def test_unreadable_files_are_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("arguments", "message"),
     [
         ([], "SWEEP.toml: is missing"),
         (["params/sweeps/board.toml", "--jobs", "0"], "choose 1 to 1024"),
@@ -228,10 +228,10 @@ def test_unreadable_files_are_named(tmp_path: Path) -> None:
     ],
 )
 def test_invalid_command_lines_are_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], words: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], message: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
     result = run_sweep_command(*(ROOT / a if a.endswith(".toml") else a for a in arguments))
     assert result.exit_code == 2
-    assert words in result.stderr
+    assert message in result.stderr
     assert list(tmp_path.iterdir()) == []

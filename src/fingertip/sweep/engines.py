@@ -116,7 +116,7 @@ class ProcessEngine:
         while any(p.exitcode is None for p in self._processes) and time.monotonic() < now + EXIT_TIMEOUT_S:
             time.sleep(0.005)
         dead = {p.pid for p in self._processes if p.exitcode not in (None, 0, -signal.SIGTERM)}
-        # A worker that somebody else terminated looks like those that the pool terminated. Then every worker counts.
+        # A worker terminated from outside looks like those that the pool terminated. Then every worker counts as dead.
         return {
             point: now - since_s
             for pid, point, since_s in zip(status.pids, status.points, status.since_s, strict=True)

@@ -20,7 +20,7 @@ _one_chunk_at_a_time = threading.Lock()
 
 def evaluate_chunk(chunk: Chunk) -> ChunkResult:
     """Evaluate every point of a chunk; this is the task that engines send to workers."""
-    # The evaluator is imported here: whoever only submits tasks does without it.
+    # Imported here, because a process that only submits tasks does not need the evaluator
     from fingertip.sweep.point_evaluator import load_evaluator
 
     with _one_chunk_at_a_time:

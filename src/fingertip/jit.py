@@ -7,8 +7,8 @@ much work is asked for. It does not depend on what other code has imported.
 1. A call whose work in plain Python would take less than `CALL_S` runs plain: converting its arguments costs more.
 2. Within a `compiled()` block every other call runs compiled. Campaigns, sweeps and benchmarks use such a block.
 3. Elsewhere each loop adds up the time that its calls in this process would take in plain Python, the present call
-   included. It runs plain until that sum reaches `LOAD_S`, and compiled from then on. At worst a process takes twice as
-   long as it would with the better form from the start.
+   included. It runs plain until that sum reaches `LOAD_S`, and compiled from then on. Once the loop is in the cache, a
+   process therefore takes at most twice as long as with the better form from the start.
 
 The time in plain Python is an estimate: a constant per sample, measured once, times the number of samples. So the same
 sequence of calls always takes the same decisions. `CompiledLoop.break_even` states the rule in samples.
@@ -35,8 +35,8 @@ Function = Callable[..., Any]
 LOAD_S = 0.5
 """Time to import numba and load one cached loop [s]: 0.16 s and 0.32 s of CPU time, measured by
 ``benchmarks/slip_speed.py``. Every further loop loads in 0.01 s."""
-CALL_S = 2e-5
-"""Time to convert the arguments of a short call to arrays and back [s]."""
+CALL_S = 5e-6
+"""Time that the conversion of lists to arrays and back adds to a compiled call [s], measured for the detectors."""
 
 _always_compile = False
 _progress: Callable[[str], None] | None = None

@@ -26,55 +26,55 @@ about 3."""
 
 
 @RULES.rule("board.capacitor_uf")
-def filter_capacitor_fits_its_footprint(d: DesignTables) -> Violation | None:
+def filter_capacitor_fits_its_footprint(design: DesignTables) -> Violation | None:
     """The given filter capacitor can be bought in the size of its footprint."""
-    return _check_footprint("capacitor_uf", "C1 to C3", d)
+    return _check_footprint("capacitor_uf", "C1 to C3", design)
 
 
 @RULES.rule("board.envelope_capacitor_uf")
-def envelope_capacitor_fits_its_footprint(d: DesignTables) -> Violation | None:
+def envelope_capacitor_fits_its_footprint(design: DesignTables) -> Violation | None:
     """The given envelope capacitor can be bought in the size of its footprint."""
-    return _check_footprint("envelope_capacitor_uf", "C4", d)
+    return _check_footprint("envelope_capacitor_uf", "C4", design)
 
 
 @RULES.rule("board.capacitor_uf")
-def filter_resistors_in_range(d: DesignTables) -> Violation | None:
+def filter_resistors_in_range(design: DesignTables) -> Violation | None:
     """The given filter capacitor and cutoff ask for resistors R1 to R3 within their range."""
-    if d.board.capacitor_series != "given":
+    if design.board.capacitor_series != "given":
         return None
-    c_f, f_c = to_farads(d.board.capacitor_uf), d.board.cutoff_hz
+    c_f, f_c = to_farads(design.board.capacitor_uf), design.board.cutoff_hz
     # R2 is the smallest of the three and R3 the largest.
     smallest, largest = filter_components.r2_ohm(f_c, c_f), filter_components.r3_ohm(f_c, c_f)
-    return _check_resistors("capacitor_uf", "cutoff_hz", ("R2", smallest), ("R3", largest), d)
+    return _check_resistors("capacitor_uf", "cutoff_hz", ("R2", smallest), ("R3", largest), design)
 
 
 @RULES.rule("board.envelope_capacitor_uf")
-def envelope_resistor_in_range(d: DesignTables) -> Violation | None:
+def envelope_resistor_in_range(design: DesignTables) -> Violation | None:
     """The given envelope capacitor and cutoff ask for a resistor R_LP within its range."""
-    if d.board.capacitor_series != "given":
+    if design.board.capacitor_series != "given":
         return None
-    c_f, f_lp = to_farads(d.board.envelope_capacitor_uf), d.board.envelope_cutoff_hz
+    c_f, f_lp = to_farads(design.board.envelope_capacitor_uf), design.board.envelope_cutoff_hz
     r_lp = ("R_LP", filter_components.r_lp_ohm(f_lp, c_f))
-    return _check_resistors("envelope_capacitor_uf", "envelope_cutoff_hz", r_lp, r_lp, d)
+    return _check_resistors("envelope_capacitor_uf", "envelope_cutoff_hz", r_lp, r_lp, design)
 
 
 @RULES.rule("board.cutoff_hz")
-def selected_capacitor_exists(d: DesignTables) -> Violation | None:
+def selected_capacitor_exists(design: DesignTables) -> Violation | None:
     """A filter capacitor can be selected for the cutoff."""
     # R3 = 2 / (C omega) is the largest of the three.
-    return _check_selected_capacitor("R3", 2.0, "cutoff_hz", d)
+    return _check_selected_capacitor("R3", 2.0, "cutoff_hz", design)
 
 
 @RULES.rule("board.envelope_cutoff_hz")
-def selected_envelope_capacitor_exists(d: DesignTables) -> Violation | None:
+def selected_envelope_capacitor_exists(design: DesignTables) -> Violation | None:
     """An envelope capacitor can be selected for the cutoff."""
-    return _check_selected_capacitor("R_LP", 1.0, "envelope_cutoff_hz", d)
+    return _check_selected_capacitor("R_LP", 1.0, "envelope_cutoff_hz", design)
 
 
 @RULES.rule("board.passband_gain")
-def gain_resistor_in_range(d: DesignTables) -> Violation | None:
+def gain_resistor_in_range(design: DesignTables) -> Violation | None:
     """The gain asks for a resistor R4 within its range."""
-    G, R5 = d.board.passband_gain, d.board.r5_ohm
+    G, R5 = design.board.passband_gain, design.board.r5_ohm
     R4 = filter_components.r4_ohm(G, R5)
     if MIN_OHM <= R4 <= MAX_OHM:
         return None
@@ -86,9 +86,9 @@ def gain_resistor_in_range(d: DesignTables) -> Violation | None:
 
 
 @RULES.rule("board.gain_bandwidth_hz")
-def amplifier_fast_enough(d: DesignTables) -> Violation | None:
+def amplifier_fast_enough(design: DesignTables) -> Violation | None:
     """The amplifier has enough bandwidth for the gain at the cutoff."""
-    GBW, G, f_c = d.board.gain_bandwidth_hz, d.board.passband_gain, d.board.cutoff_hz
+    GBW, G, f_c = design.board.gain_bandwidth_hz, design.board.passband_gain, design.board.cutoff_hz
     minimum = BANDWIDTH_MARGIN * G * f_c
     if minimum <= GBW:
         return None
@@ -100,11 +100,11 @@ def amplifier_fast_enough(d: DesignTables) -> Violation | None:
 
 
 @RULES.rule("board.r5_ohm")
-def series_capacitor_exists(d: DesignTables) -> Violation | None:
+def series_capacitor_exists(design: DesignTables) -> Violation | None:
     """The capacitor in series with R4 can be bought."""
-    if d.board.variant == "article":
+    if design.board.variant == "article":
         return None
-    R5, G, f_c = d.board.r5_ohm, d.board.passband_gain, d.board.cutoff_hz
+    R5, G, f_c = design.board.r5_ohm, design.board.passband_gain, design.board.cutoff_hz
     R4 = filter_components.r4_ohm(G, R5)
     max_uf = filter_components.SERIES_CAPACITORS_UF[-1]
     # A product of C and f that underflows asks for an infinite resistor.
@@ -121,27 +121,27 @@ def series_capacitor_exists(d: DesignTables) -> Violation | None:
 
 
 @RULES.rule("board.band_limit_hz")
-def band_limit_above_the_band(d: DesignTables) -> Violation | None:
+def band_limit_above_the_band(design: DesignTables) -> Violation | None:
     """The band limit of the first stage leaves the vibrations of slip untouched."""
-    if d.board.variant == "article":
+    if design.board.variant == "article":
         return None
-    minimum = BAND_CUTOFFS * d.board.cutoff_hz
-    if d.board.band_limit_hz >= minimum:
+    minimum = BAND_CUTOFFS * design.board.cutoff_hz
+    if design.board.band_limit_hz >= minimum:
         return None
     return Violation(
-        f"{d.board.band_limit_hz:g} Hz cuts into the vibrations, which reach {BAND_CUTOFFS:g} cutoffs of "
-        f"{d.board.cutoff_hz:g} Hz",
+        f"{design.board.band_limit_hz:g} Hz cuts into the vibrations, which reach {BAND_CUTOFFS:g} cutoffs of "
+        f"{design.board.cutoff_hz:g} Hz",
         at_least(minimum),
         alternatives={"board.variant": "article"},
     )
 
 
 @RULES.rule("board.band_limit_hz")
-def band_limit_capacitor_exists(d: DesignTables) -> Violation | None:
+def band_limit_capacitor_exists(design: DesignTables) -> Violation | None:
     """The capacitor across R5 that sets the band limit can be bought."""
-    if d.board.variant == "article":
+    if design.board.variant == "article":
         return None
-    R5, f = d.board.r5_ohm, d.board.band_limit_hz
+    R5, f = design.board.r5_ohm, design.board.band_limit_hz
     c_f = filter_components.band_limit_capacitor_f(R5, f)
     minimum, maximum = filter_components.MIN_LIMIT_F, filter_components.MAX_LIMIT_F
     if minimum <= c_f <= maximum:
@@ -156,34 +156,36 @@ def band_limit_capacitor_exists(d: DesignTables) -> Violation | None:
 
 
 @RULES.rule("board.supply_v")
-def comparator_withstands_the_supply(d: DesignTables) -> Violation | None:
+def comparator_withstands_the_supply(design: DesignTables) -> Violation | None:
     """The supply does not exceed the comparator's maximum."""
-    if d.board.variant != "comparator" or d.board.supply_v <= MAX_COMPARATOR_V:
+    if design.board.variant != "comparator" or design.board.supply_v <= MAX_COMPARATOR_V:
         return None
-    return Violation(f"{d.board.supply_v:g} V is too much for variant comparator's LMV331", at_most(MAX_COMPARATOR_V))
+    return Violation(
+        f"{design.board.supply_v:g} V is too much for variant comparator's LMV331", at_most(MAX_COMPARATOR_V)
+    )
 
 
 @RULES.rule("detector.threshold_v")
-def threshold_can_be_trimmed(d: DesignTables) -> Violation | None:
+def threshold_can_be_trimmed(design: DesignTables) -> Violation | None:
     """The threshold lies within the range of the comparator's trimmer."""
-    if d.board.variant != "comparator":
+    if design.board.variant != "comparator":
         return None
-    maximum = reach_v(d.board) / 4.0
-    if MIN_COMPARATOR_V <= d.detector.threshold_v <= maximum:
+    maximum = reach_v(design.board) / 4.0
+    if MIN_COMPARATOR_V <= design.detector.threshold_v <= maximum:
         return None
     return Violation(
-        f"{d.detector.threshold_v:g} V lies outside the range of variant comparator's trimmer",
+        f"{design.detector.threshold_v:g} V lies outside the range of variant comparator's trimmer",
         ((MIN_COMPARATOR_V, maximum),),
         "with this supply",
     )
 
 
 @RULES.rule("detector.window_samples")
-def mean_tolerates_the_bias_current(d: DesignTables) -> Violation | None:
+def mean_tolerates_the_bias_current(design: DesignTables) -> Violation | None:
     """The comparator's bias current shifts the averaged signal by at most half of the threshold."""
-    if d.board.variant != "comparator" or d.detector.threshold_v < MIN_COMPARATOR_V:
+    if design.board.variant != "comparator" or design.detector.threshold_v < MIN_COMPARATOR_V:
         return None
-    n, rate, threshold = d.detector.window_samples, d.detector.sample_rate_hz, d.detector.threshold_v
+    n, rate, threshold = design.detector.window_samples, design.detector.sample_rate_hz, design.detector.threshold_v
     maximum = math.floor(max_window_s(threshold) * rate)
     if n <= maximum:
         return None
@@ -204,11 +206,11 @@ def reach_v(board: Board) -> float:
     return board.supply_v if board.supply == "split" else board.supply_v / 2.0
 
 
-def _check_selected_capacitor(name: str, factor: float, cutoff: str, d: DesignTables) -> Violation | None:
+def _check_selected_capacitor(name: str, factor: float, cutoff: str, design: DesignTables) -> Violation | None:
     """Refuse a cutoff for which no capacitor can be selected, its resistor being factor / (C omega)."""
-    if d.board.capacitor_series == "given":
+    if design.board.capacitor_series == "given":
         return None
-    cutoff_hz = getattr(d.board, cutoff)
+    cutoff_hz = getattr(design.board, cutoff)
     min_hz = factor / math.tau / filter_components.MAX_SELECTABLE_F / MAX_OHM
     if cutoff_hz >= min_hz:
         return None
@@ -220,11 +222,11 @@ def _check_selected_capacitor(name: str, factor: float, cutoff: str, d: DesignTa
     )
 
 
-def _check_footprint(capacitor: str, names: str, d: DesignTables) -> Violation | None:
+def _check_footprint(capacitor: str, names: str, design: DesignTables) -> Violation | None:
     """Refuse a capacitor that cannot be bought in the size of its footprint."""
-    if d.board.capacitor_series != "given":
+    if design.board.capacitor_series != "given":
         return None
-    value, max_uf = getattr(d.board, capacitor), 1e6 * MAX_1206_F
+    value, max_uf = getattr(design.board, capacitor), 1e6 * MAX_1206_F
     if value <= max_uf:
         return None
     return Violation(
@@ -235,14 +237,14 @@ def _check_footprint(capacitor: str, names: str, d: DesignTables) -> Violation |
 
 
 def _check_resistors(
-    capacitor: str, cutoff: str, smallest: tuple[str, float], largest: tuple[str, float], d: DesignTables
+    capacitor: str, cutoff: str, smallest: tuple[str, float], largest: tuple[str, float], design: DesignTables
 ) -> Violation | None:
     """Refuse a capacitor whose resistors, proportional to 1 / (C f), leave their range."""
     too_small = smallest[1] < MIN_OHM
     name, ohm = smallest if too_small else largest
     if MIN_OHM <= ohm <= MAX_OHM:
         return None
-    value, f = getattr(d.board, capacitor), getattr(d.board, cutoff)
+    value, f = getattr(design.board, capacitor), getattr(design.board, cutoff)
     passing: tuple[Interval, ...] = ()
     if math.isfinite(ohm):
         # R C f is the same for every C and f, so each bound on R is a bound on C at this f.

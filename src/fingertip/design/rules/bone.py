@@ -13,22 +13,28 @@ RULES = Ruleset()
 
 _MIN_COLLAR_HEIGHT = 0.1
 """Minimum height of the collar's face, on which the skin ends [mm]."""
+_BEFORE_TIP = 0.1
+"""Minimum distance of the groove from the rounded tip [mm]."""
 _CIRCLE_POINTS = 64
 """Intervals at which half a circle is sampled."""
 
 
 @RULES.rule("bone.wall_mm")
-def walls_print(d: DesignTables) -> Violation | None:
+def walls_print(design: DesignTables) -> Violation | None:
     """The bone's minimum wall is not below the printer's."""
-    if d.bone.wall_mm >= d.printer.min_wall_mm - SLACK:
+    if design.bone.wall_mm >= design.printer.min_wall_mm - SLACK:
         return None
-    return Violation(f"{d.bone.wall_mm:g} mm does not print", at_least(d.printer.min_wall_mm), "(printer.min_wall_mm)")
+    return Violation(
+        f"{design.bone.wall_mm:g} mm does not print",
+        at_least(design.printer.min_wall_mm),
+        "(set by printer.min_wall_mm)",
+    )
 
 
 @RULES.rule("bone.base_length_mm")
-def base_holds_everything(d: DesignTables) -> Violation | None:
+def base_holds_everything(design: DesignTables) -> Violation | None:
     """The base is long enough for the posterior hole, the tie hole and a socket."""
-    dims, bone = d.dimensions, d.bone
+    dims, bone = design.dimensions, design.bone
     socket = bone.socket_depth_mm if bone.interface == "socket" else 0.0
     minimum = -dims.tie_hole_z + bone.tie_hole_diameter_mm / 2 + bone.wall_mm + socket
     if bone.base_length_mm >= minimum - SLACK:
@@ -42,25 +48,25 @@ def base_holds_everything(d: DesignTables) -> Violation | None:
 
 
 @RULES.rule("bone.relief_length_mm")
-def relief_clear_of_pocket(d: DesignTables) -> Violation | None:
+def relief_clear_of_pocket(design: DesignTables) -> Violation | None:
     """The recess for the solder joints ends before the sensor's pocket."""
-    dims = d.dimensions
-    pocket = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - d.sensor.clearance_mm
+    dims = design.dimensions
+    pocket = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - design.sensor.clearance_mm
     maximum = 2 * (pocket - dims.tail_end_z)
-    if d.bone.relief_length_mm <= maximum + SLACK:
+    if design.bone.relief_length_mm <= maximum + SLACK:
         return None
-    return Violation(f"{d.bone.relief_length_mm:g} mm reaches under the sensor's head", at_most(maximum))
+    return Violation(f"{design.bone.relief_length_mm:g} mm reaches under the sensor's head", at_most(maximum))
 
 
 @RULES.rule("sensor.distance_from_tip_mm")
-def relief_clear_of_collar(d: DesignTables) -> Violation | None:
+def relief_clear_of_collar(design: DesignTables) -> Violation | None:
     """The solder joints lie above or below the collar."""
-    dims, distance = d.dimensions, d.sensor.distance_from_tip_mm
+    dims, distance = design.dimensions, design.sensor.distance_from_tip_mm
     low, high = dims.relief_proximal_z, dims.tail_end_z + dims.relief_half_length
-    if high <= -d.bone.collar_length_mm + SLACK or low >= -SLACK:
+    if high <= -design.bone.collar_length_mm + SLACK or low >= -SLACK:
         return None
     # The solder joints lie either above the collar, under the skin, or below it.
-    above, below = distance + low, distance + high + d.bone.collar_length_mm
+    above, below = distance + low, distance + high + design.bone.collar_length_mm
     return Violation(
         f"{distance:g} mm ends the tail in the collar, where there is no room for the solder joints",
         (*at_least(below), *at_most(above)),
@@ -68,44 +74,44 @@ def relief_clear_of_collar(d: DesignTables) -> Violation | None:
 
 
 @RULES.rule("bone.collar_inset_mm", bone_left_at_sides, bone_left_dorsally)
-def collar_carries_skin(d: DesignTables) -> Violation | None:
+def collar_carries_skin(design: DesignTables) -> Violation | None:
     """The collar's face is high enough to carry the end of the skin."""
-    dims = d.dimensions
+    dims = design.dimensions
     sides = min(
-        _thickness_at_collar(d, half, thickness) - _MIN_COLLAR_HEIGHT
+        _thickness_at_collar(design, half, thickness) - _MIN_COLLAR_HEIGHT
         for half, thickness in (
-            (d.skin.width_mm / 2, d.skin.thickness_side_mm),
-            (d.skin.semi_axis_dorsal_mm, d.skin.thickness_dorsal_mm),
+            (design.skin.width_mm / 2, design.skin.thickness_side_mm),
+            (design.skin.semi_axis_dorsal_mm, design.skin.thickness_dorsal_mm),
         )
     )
     passage = dims.flat_depth - dims.pocket_depth + dims.passage_height
-    below = d.skin.semi_axis_palmar_mm - passage - d.bone.wall_mm
+    below = design.skin.semi_axis_palmar_mm - passage - design.bone.wall_mm
     maximum = min(sides, below) if dims.tail_passes_collar else sides
-    if d.bone.collar_inset_mm <= maximum + SLACK:
+    if design.bone.collar_inset_mm <= maximum + SLACK:
         return None
     what = "the collar's height" if maximum == sides else "the collar below the tail's passage"
-    return Violation(f"{d.bone.collar_inset_mm:g} mm leaves too little of {what}", at_most(maximum))
+    return Violation(f"{design.bone.collar_inset_mm:g} mm leaves too little of {what}", at_most(maximum))
 
 
-def _thickness_at_collar(d: DesignTables, half_mm: float, thickness_mm: float) -> float:
+def _thickness_at_collar(design: DesignTables, half_mm: float, thickness_mm: float) -> float:
     """Compute the silicone [mm] that ends on the collar, around the bone or around a sleeve's enlarged core."""
-    if d.mold.method == "overmold":
+    if design.mold.method == "overmold":
         return thickness_mm
-    core = (half_mm - thickness_mm - d.mold.sleeve_interference_mm) * d.dimensions.shrinkage
+    core = (half_mm - thickness_mm - design.mold.sleeve_interference_mm) * design.dimensions.shrinkage
     return min(thickness_mm, half_mm - core)
 
 
 @RULES.rule("bone.groove_depth_mm", tip_within_skin, bone_left_at_sides)
-def groove_clear_of_sensor(d: DesignTables) -> Violation | None:
+def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
     """The groove ends before the sensor's head and keeps the wall beside its slot."""
-    dims = d.dimensions
-    depth, width, low = d.bone.groove_depth_mm, d.bone.groove_width_mm, d.bone.groove_distance_mm
+    dims = design.dimensions
+    depth, width, low = design.bone.groove_depth_mm, design.bone.groove_width_mm, design.bone.groove_distance_mm
     if depth == 0.0:
         return None
     z = low + depth + width
-    head = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - d.sensor.clearance_mm - d.bone.rim_mm
+    head = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - design.sensor.clearance_mm - design.bone.rim_mm
     join = dims.taper_end_z
-    limit = min(head, join - 0.1)
+    limit = min(head, join - _BEFORE_TIP)
     if z + depth > limit + SLACK:
         where = "into the sensor's head at" if head < join else "into the rounded tip, which begins at"
         return Violation(
@@ -116,43 +122,43 @@ def groove_clear_of_sensor(d: DesignTables) -> Violation | None:
     section = dims.envelope.section
     scale = dims.envelope.scale_at(min(z, head)) * (1 - depth / section.half_width)
     room = section.half_width_at(-dims.flat_depth, scale)
-    slot = dims.sensor.tail_width_mm / 2 + d.sensor.clearance_mm + d.bone.wall_mm
+    slot = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm + design.bone.wall_mm
     if room >= slot - SLACK:
         return None
     return Violation(f"{depth:g} mm cuts the wall beside the tail's slot", at_most(max(0.0, depth - slot + room)))
 
 
 @RULES.rule("bone.tie_hole_diameter_mm")
-def tie_hole_within_back(d: DesignTables) -> Violation | None:
+def tie_hole_within_back(design: DesignTables) -> Violation | None:
     """The tie hole fits the back of the base."""
-    maximum = (d.skin.semi_axis_dorsal_mm - d.skin.thickness_dorsal_mm) / 2 - d.bone.wall_mm
-    if d.bone.tie_hole_diameter_mm <= maximum + SLACK:
+    maximum = (design.skin.semi_axis_dorsal_mm - design.skin.thickness_dorsal_mm) / 2 - design.bone.wall_mm
+    if design.bone.tie_hole_diameter_mm <= maximum + SLACK:
         return None
-    return Violation(f"{d.bone.tie_hole_diameter_mm:g} mm does not fit the back of the base", at_most(maximum))
+    return Violation(f"{design.bone.tie_hole_diameter_mm:g} mm does not fit the back of the base", at_most(maximum))
 
 
 @RULES.rule("bone.post_diameter_mm", bone_left_at_sides, bone_left_dorsally)
-def post_within_base(d: DesignTables) -> Violation | None:
+def post_within_base(design: DesignTables) -> Violation | None:
     """The post is not wider than the base."""
-    if d.bone.interface != "plain" or _base_holds_circle(d, (d.bone.post_diameter_mm - SLACK) / 2):
+    if design.bone.interface != "plain" or _base_holds_circle(design, (design.bone.post_diameter_mm - SLACK) / 2):
         return None
-    return Violation(f"{d.bone.post_diameter_mm:g} mm is wider than the base", at_most(_base_room(d)))
+    return Violation(f"{design.bone.post_diameter_mm:g} mm is wider than the base", at_most(_base_room(design)))
 
 
 @RULES.rule("bone.socket_diameter_mm", bone_left_at_sides, bone_left_dorsally)
-def socket_within_base(d: DesignTables) -> Violation | None:
+def socket_within_base(design: DesignTables) -> Violation | None:
     """The base keeps a wall around the socket."""
-    wall, diameter = d.bone.wall_mm, d.bone.socket_diameter_mm
-    if d.bone.interface != "socket" or _base_holds_circle(d, (diameter - SLACK) / 2 + wall):
+    wall, diameter = design.bone.wall_mm, design.bone.socket_diameter_mm
+    if design.bone.interface != "socket" or _base_holds_circle(design, (diameter - SLACK) / 2 + wall):
         return None
     return Violation(
-        f"{diameter:g} mm leaves less than {wall:g} mm of base around it", at_most(_base_room(d) - 2 * wall)
+        f"{diameter:g} mm leaves less than {wall:g} mm of base around it", at_most(_base_room(design) - 2 * wall)
     )
 
 
-def _base_holds_circle(d: DesignTables, radius: float) -> bool:
+def _base_holds_circle(design: DesignTables, radius: float) -> bool:
     """Whether a circle [mm] about the middle of the base's height stays inside the base's section."""
-    section, flat = d.dimensions.envelope.section, d.dimensions.flat_depth
+    section, flat = design.dimensions.envelope.section, design.dimensions.flat_depth
     middle = (section.dorsal - flat) / 2
     if radius >= (section.dorsal + flat) / 2:
         return False
@@ -163,16 +169,16 @@ def _base_holds_circle(d: DesignTables, radius: float) -> bool:
     )
 
 
-def _base_room(d: DesignTables) -> float:
+def _base_room(design: DesignTables) -> float:
     """Find the diameter [mm] of the largest circle that the base's section holds, by bisection."""
-    highest = (d.dimensions.envelope.section.dorsal + d.dimensions.flat_depth) / 2
-    return 2 * bisect(lambda radius: _base_holds_circle(d, radius), 0.0, highest, halvings=30)[0]
+    highest = (design.dimensions.envelope.section.dorsal + design.dimensions.flat_depth) / 2
+    return 2 * bisect(lambda radius: _base_holds_circle(design, radius), 0.0, highest, halvings=30)[0]
 
 
 @RULES.rule("bone.cross_bolt_diameter_mm")
-def cross_bolt_within_interface(d: DesignTables) -> Violation | None:
+def cross_bolt_within_interface(design: DesignTables) -> Violation | None:
     """Post or socket keeps a wall around the hole of the cross bolt."""
-    bone = d.bone
+    bone = design.bone
     if bone.interface == "socket":
         what, across, along = "socket", bone.socket_diameter_mm + bone.wall_mm, bone.socket_depth_mm
     else:

@@ -24,67 +24,71 @@ _SOUND_COLLAR = (bone_left_at_sides, bone_left_dorsally, collar_carries_skin)
 
 
 @RULES.rule("mold.recess_length_mm")
-def recess_within_base(d: DesignTables) -> Violation | None:
+def recess_within_base(design: DesignTables) -> Violation | None:
     """The recess is not longer than the bone's base."""
-    base = d.bone.base_length_mm
-    if d.mold.recess_length_mm <= base:
+    base = design.bone.base_length_mm
+    if design.mold.recess_length_mm <= base:
         return None
     return Violation(
-        f"{d.mold.recess_length_mm:g} mm is longer than the bone's base", at_most(base), "(bone.base_length_mm)"
+        f"{design.mold.recess_length_mm:g} mm is longer than the bone's base",
+        at_most(base),
+        "(limited by bone.base_length_mm)",
     )
 
 
 @RULES.rule("mold.fit_clearance_mm", *SOUND_SECTIONS, collar_carries_skin)
-def fit_limits_misalignment(d: DesignTables) -> Violation | None:
+def fit_limits_misalignment(design: DesignTables) -> Violation | None:
     """A bone or core that is misaligned as far as its fit allows leaves the minimum skin thickness."""
-    minimum, points = d.skin.min_thickness_mm, list(misaligned_points(d))
+    minimum, points = design.skin.min_thickness_mm, list(misaligned_points(design))
     if min(point.thickness_mm for point in points) <= minimum:
         return None  # Too thin without any misalignment, which another rule reports.
     maximum = min((point.thickness_mm - minimum) / point.held_loss for point in points)
-    if d.mold.fit_clearance_mm <= maximum + SLACK:
+    if design.mold.fit_clearance_mm <= maximum + SLACK:
         return None
-    left = max(0.0, min_thickness_held(d))
+    left = max(0.0, min_thickness_held(design))
     return Violation(
-        f"{d.mold.fit_clearance_mm:g} mm lets bone or core tilt in its recess until {left:.2f} mm of silicone are left "
-        f"where skin.min_thickness_mm asks for {minimum:g} mm",
+        f"{design.mold.fit_clearance_mm:g} mm lets bone or core tilt in its recess until {left:.2f} mm of silicone "
+        f"are left where skin.min_thickness_mm asks for {minimum:g} mm",
         at_most(maximum),
     )
 
 
 @RULES.rule("mold.fit_clearance_mm", *_SOUND_COLLAR)
-def fit_stays_within_skin(d: DesignTables) -> Violation | None:
+def fit_stays_within_skin(design: DesignTables) -> Violation | None:
     """The collar's recess stays within the skin's edge."""
-    section, slope = d.dimensions.collar.section, d.dimensions.draft_slope
+    section, slope = design.dimensions.collar.section, design.dimensions.draft_slope
     widening = add_draft(section, slope).half_width - section.half_width if slope else 0.0
-    maximum = d.bone.collar_inset_mm - widening - _EDGE_MARGIN
-    if d.mold.fit_clearance_mm <= maximum + SLACK:
+    maximum = design.bone.collar_inset_mm - widening - _EDGE_MARGIN
+    if design.mold.fit_clearance_mm <= maximum + SLACK:
         return None
     return Violation(
-        f"{d.mold.fit_clearance_mm:g} mm opens the collar's recess past the skin's edge",
+        f"{design.mold.fit_clearance_mm:g} mm opens the collar's recess past the skin's edge",
         at_most(maximum),
-        "(bone.collar_inset_mm)",
+        "(limited by bone.collar_inset_mm)",
     )
 
 
 @RULES.rule("mold.recess_length_mm")
-def recess_holds_collar(d: DesignTables) -> Violation | None:
+def recess_holds_collar(design: DesignTables) -> Violation | None:
     """The recess holds the collar and a wall behind it."""
-    gap = d.mold.fit_clearance_mm * math.hypot(1.0, d.dimensions.draft_slope)
-    minimum = d.bone.collar_length_mm + gap + _MIN_BEHIND_COLLAR
-    if d.mold.recess_length_mm >= minimum - SLACK:
+    gap = design.mold.fit_clearance_mm * math.hypot(1.0, design.dimensions.draft_slope)
+    minimum = design.bone.collar_length_mm + gap + _MIN_BEHIND_COLLAR
+    if design.mold.recess_length_mm >= minimum - SLACK:
         return None
-    return Violation(f"{d.mold.recess_length_mm:g} mm does not hold the collar and a wall behind it", at_least(minimum))
+    return Violation(
+        f"{design.mold.recess_length_mm:g} mm does not hold the collar and a wall behind it", at_least(minimum)
+    )
 
 
 @RULES.rule("bone.collar_length_mm")
-def collar_outlasts_its_draft(d: DesignTables) -> Violation | None:
+def collar_outlasts_its_draft(design: DesignTables) -> Violation | None:
     """The collar keeps a minimum length where its draft shortens it most."""
-    section, slope = d.dimensions.collar.section, d.dimensions.draft_slope
+    section, slope = design.dimensions.collar.section, design.dimensions.draft_slope
     minimum = _MIN_COLLAR_LENGTH + slope * max(section.palmar, section.dorsal)
-    if d.bone.collar_length_mm >= minimum - SLACK:
+    if design.bone.collar_length_mm >= minimum - SLACK:
         return None
     return Violation(
-        f"{d.bone.collar_length_mm:g} mm is used up by a draft of {d.mold.draft_deg:g} degrees before the collar's "
-        "palmar or dorsal end",
+        f"{design.bone.collar_length_mm:g} mm is used up by a draft of {design.mold.draft_deg:g} degrees before the "
+        "collar's palmar or dorsal end",
         at_least(minimum),
     )

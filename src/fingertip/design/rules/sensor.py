@@ -11,22 +11,22 @@ _TAB_MM = 1.0
 
 
 @RULES.rule("custom_sensor.active_diameter_mm")
-def active_area_within_head(d: DesignTables) -> Violation | None:
+def active_area_within_head(design: DesignTables) -> Violation | None:
     """The active area is not wider than the sensor's head."""
-    if d.sensor.model != "custom":
+    if design.sensor.model != "custom":
         return None
-    active, head = d.custom_sensor.active_diameter_mm, d.custom_sensor.head_diameter_mm
+    active, head = design.custom_sensor.active_diameter_mm, design.custom_sensor.head_diameter_mm
     if active <= head + SLACK:
         return None
     return Violation(f"{active:g} mm is wider than the sensor's head", at_most(head))
 
 
 @RULES.rule("custom_sensor.tail_width_mm")
-def tail_holds_its_tabs(d: DesignTables) -> Violation | None:
+def tail_holds_its_tabs(design: DesignTables) -> Violation | None:
     """The tail is wide enough for two solder tabs."""
-    if d.sensor.model != "custom":
+    if design.sensor.model != "custom":
         return None
-    width, pitch = d.custom_sensor.tail_width_mm, d.dimensions.sensor.tab_pitch_mm
+    width, pitch = design.custom_sensor.tail_width_mm, design.dimensions.sensor.tab_pitch_mm
     minimum = pitch + _TAB_MM
     if width >= minimum - SLACK:
         return None

@@ -20,39 +20,43 @@ _MAX_THRESHOLD_SHARE = 0.99
 
 
 @RULES.rule("detector.sample_rate_hz")
-def rate_above_cutoffs(d: DesignTables) -> Violation | None:
+def rate_above_cutoffs(design: DesignTables) -> Violation | None:
     """The sampling rate resolves the cutoffs of filter and envelope."""
     name, cutoff = max(
-        ("board.cutoff_hz", d.board.cutoff_hz),
-        ("board.envelope_cutoff_hz", d.board.envelope_cutoff_hz),
+        ("board.cutoff_hz", design.board.cutoff_hz),
+        ("board.envelope_cutoff_hz", design.board.envelope_cutoff_hz),
         key=lambda pair: pair[1],
     )
     minimum = SAMPLES_PER_CYCLE * cutoff
-    if d.detector.sample_rate_hz >= minimum:
+    if design.detector.sample_rate_hz >= minimum:
         return None
-    return Violation(f"{d.detector.sample_rate_hz:g} Hz is too slow for {name} of {cutoff:g} Hz", at_least(minimum))
+    return Violation(
+        f"{design.detector.sample_rate_hz:g} Hz is too slow for {name} of {cutoff:g} Hz", at_least(minimum)
+    )
 
 
 @RULES.rule("detector.window_samples")
-def window_not_too_long(d: DesignTables) -> Violation | None:
+def window_not_too_long(design: DesignTables) -> Violation | None:
     """The averaging window is not longer than a slide."""
-    maximum = math.floor(MAX_WINDOW_S * d.detector.sample_rate_hz)
-    if d.detector.window_samples <= maximum:
+    maximum = math.floor(MAX_WINDOW_S * design.detector.sample_rate_hz)
+    if design.detector.window_samples <= maximum:
         return None
     return Violation(
-        f"{d.detector.window_samples} samples at {d.detector.sample_rate_hz:g} Hz last longer than {MAX_WINDOW_S:g} s",
+        f"{design.detector.window_samples} samples at {design.detector.sample_rate_hz:g} Hz last longer than "
+        f"{MAX_WINDOW_S:g} s",
         at_most(maximum),
     )
 
 
 @RULES.rule("detector.threshold_v")
-def threshold_within_supply(d: DesignTables) -> Violation | None:
+def threshold_within_supply(design: DesignTables) -> Violation | None:
     """The signal can reach the threshold."""
-    reach = reach_v(d.board)
-    if d.detector.threshold_v < reach:
+    reach = reach_v(design.board)
+    if design.detector.threshold_v < reach:
         return None
-    signals = "" if reach == d.board.supply_v else f", whose signals have a quiescent level of {reach:g} V"
+    signals = "" if reach == design.board.supply_v else f", whose signals have a quiescent level of {reach:g} V"
     return Violation(
-        f"{d.detector.threshold_v:g} V is never reached by a board supplied with {d.board.supply_v:g} V{signals}",
+        f"{design.detector.threshold_v:g} V is never reached by a board supplied with "
+        f"{design.board.supply_v:g} V{signals}",
         at_most(_MAX_THRESHOLD_SHARE * reach),
     )

@@ -19,14 +19,22 @@ _MIN_BONE = 1.0
 """Half width and half height of bone [mm] below which no other rule makes sense."""
 _MIN_STRAIGHT = 2.0
 """Minimum length of the straight part of the skin [mm]."""
+_MIN_FLAT_DEPTH = 0.5
+"""Minimum depth of the bone's flat below the parting plane [mm]."""
+_MIN_FLAT_CUT = 0.2
+"""Minimum height that the flat cuts off the bone's palmar half [mm]."""
+_BEHIND_SENSOR = 1.0
+"""Minimum distance of the sensor's head from the skin's proximal end [mm]."""
+_BEND_MARGIN = 0.3
+"""Minimum radius of the channel's inner wall at its bend [mm]."""
 _MIN_TIP_CONTROL = 0.05
 """Minimum scale of the tip's control point: below it the taper closes the finger before its tip."""
 
 
 @RULES.rule("skin.tip_length_mm")
-def tip_within_skin(d: DesignTables) -> Violation | None:
+def tip_within_skin(design: DesignTables) -> Violation | None:
     """The rounded tip leaves a straight part of the skin."""
-    tip, length = d.skin.tip_length_mm, d.skin.length_mm
+    tip, length = design.skin.tip_length_mm, design.skin.length_mm
     maximum = length - _MIN_STRAIGHT
     if tip <= maximum + SLACK:
         return None
@@ -34,96 +42,98 @@ def tip_within_skin(d: DesignTables) -> Violation | None:
 
 
 @RULES.rule("skin.thickness_side_mm")
-def bone_left_at_sides(d: DesignTables) -> Violation | None:
+def bone_left_at_sides(design: DesignTables) -> Violation | None:
     """The skin's side thickness leaves bone between the sides and above the pad."""
-    half = min(d.skin.width_mm / 2 * d.skin.taper_ratio, d.skin.semi_axis_palmar_mm)
+    half = min(design.skin.width_mm / 2 * design.skin.taper_ratio, design.skin.semi_axis_palmar_mm)
     maximum = half - _MIN_BONE
-    if d.skin.thickness_side_mm <= maximum + SLACK:
+    if design.skin.thickness_side_mm <= maximum + SLACK:
         return None
     return Violation(
-        f"{d.skin.thickness_side_mm:g} mm leaves less than {_MIN_BONE:g} mm of bone at the sides", at_most(maximum)
+        f"{design.skin.thickness_side_mm:g} mm leaves less than {_MIN_BONE:g} mm of bone at the sides", at_most(maximum)
     )
 
 
 @RULES.rule("skin.thickness_dorsal_mm")
-def bone_left_dorsally(d: DesignTables) -> Violation | None:
+def bone_left_dorsally(design: DesignTables) -> Violation | None:
     """The skin's thickness on the back leaves bone."""
-    maximum = d.skin.semi_axis_dorsal_mm - _MIN_BONE
-    if d.skin.thickness_dorsal_mm <= maximum + SLACK:
+    maximum = design.skin.semi_axis_dorsal_mm - _MIN_BONE
+    if design.skin.thickness_dorsal_mm <= maximum + SLACK:
         return None
     return Violation(
-        f"{d.skin.thickness_dorsal_mm:g} mm leaves less than {_MIN_BONE:g} mm of bone at the back", at_most(maximum)
+        f"{design.skin.thickness_dorsal_mm:g} mm leaves less than {_MIN_BONE:g} mm of bone at the back",
+        at_most(maximum),
     )
 
 
 @RULES.rule("skin.thickness_tip_mm")
-def bone_reaches_tip(d: DesignTables) -> Violation | None:
+def bone_reaches_tip(design: DesignTables) -> Violation | None:
     """The bone reaches into the rounded tip."""
-    maximum = d.skin.tip_length_mm - _MIN_BONE
-    if d.skin.thickness_tip_mm <= maximum + SLACK:
+    maximum = design.skin.tip_length_mm - _MIN_BONE
+    if design.skin.thickness_tip_mm <= maximum + SLACK:
         return None
-    return Violation(f"{d.skin.thickness_tip_mm:g} mm is more than the rounded tip holds", at_most(maximum))
+    return Violation(f"{design.skin.thickness_tip_mm:g} mm is more than the rounded tip holds", at_most(maximum))
 
 
 @RULES.rule("skin.taper_ratio", tip_within_skin, bone_left_at_sides, bone_reaches_tip)
-def taper_reaches_tip(d: DesignTables) -> Violation | None:
+def taper_reaches_tip(design: DesignTables) -> Violation | None:
     """The taper does not close finger or bone before their tips."""
-    if min(d.dimensions.outer.tip_control(), d.dimensions.envelope.tip_control()) > _MIN_TIP_CONTROL:
+    if min(design.dimensions.outer.tip_control(), design.dimensions.envelope.tip_control()) > _MIN_TIP_CONTROL:
         return None
-    return Violation(f"{d.skin.taper_ratio:g} closes the finger before its tip")
+    return Violation(f"{design.skin.taper_ratio:g} closes the finger before its tip")
 
 
 @RULES.rule("sensor.distance_from_tip_mm")
-def sensor_within_skin(d: DesignTables) -> Violation | None:
+def sensor_within_skin(design: DesignTables) -> Violation | None:
     """The sensor's head lies within the skin."""
-    maximum = d.skin.length_mm - d.dimensions.sensor.head_diameter_mm / 2 - 1.0
-    if d.sensor.distance_from_tip_mm <= maximum + SLACK:
+    maximum = design.skin.length_mm - design.dimensions.sensor.head_diameter_mm / 2 - _BEHIND_SENSOR
+    if design.sensor.distance_from_tip_mm <= maximum + SLACK:
         return None
     return Violation(
-        f"{d.sensor.distance_from_tip_mm:g} mm puts the sensor's head outside the skin of {d.skin.length_mm:g} mm",
+        f"{design.sensor.distance_from_tip_mm:g} mm puts the sensor's head outside the skin of "
+        f"{design.skin.length_mm:g} mm",
         at_most(maximum),
     )
 
 
 @RULES.rule("skin.thickness_palmar_mm", tip_within_skin)
-def flat_within_bone(d: DesignTables) -> Violation | None:
+def flat_within_bone(design: DesignTables) -> Violation | None:
     """The bone's palmar flat lies within its palmar half."""
-    dims = d.dimensions
-    height = d.skin.semi_axis_palmar_mm * dims.outer.scale_at(dims.sensor_z)
+    dims = design.dimensions
+    height = design.skin.semi_axis_palmar_mm * dims.outer.scale_at(dims.sensor_z)
     bone = dims.envelope.section.palmar * dims.envelope.scale_at(dims.sensor_z)
-    maximum, minimum = height - 0.5, height - bone + 0.2
-    if minimum <= d.skin.thickness_palmar_mm <= maximum + SLACK:
+    maximum, minimum = height - _MIN_FLAT_DEPTH, height - bone + _MIN_FLAT_CUT
+    if minimum <= design.skin.thickness_palmar_mm <= maximum + SLACK:
         return None
     return Violation(
-        f"{d.skin.thickness_palmar_mm:g} mm puts the palmar flat outside the bone's palmar half",
+        f"{design.skin.thickness_palmar_mm:g} mm puts the palmar flat outside the bone's palmar half",
         ((minimum, maximum),),
         "with this pad and sensor position",
     )
 
 
 @RULES.rule("skin.width_mm", flat_within_bone, bone_left_at_sides, tip_within_skin, sensor_within_skin)
-def sensor_fits_flat(d: DesignTables) -> Violation | None:
+def sensor_fits_flat(design: DesignTables) -> Violation | None:
     """The flat is wide enough for the sensor's head and its rim."""
-    sensor, rim, clearance = d.dimensions.sensor, d.bone.rim_mm, d.sensor.clearance_mm
-    if d.dimensions.sensor_rim_margin(rim, clearance) >= 0:
+    sensor, rim, clearance = design.dimensions.sensor, design.bone.rim_mm, design.sensor.clearance_mm
+    if design.dimensions.sensor_rim_margin(rim, clearance) >= 0:
         return None
     needed = sensor.head_diameter_mm + 2 * (clearance + rim)
     return Violation(
-        f"the {sensor.label} and its rim need a flat {needed:.2f} mm across, which a finger of {d.skin.width_mm:g} mm "
-        "does not have",
+        f"the {sensor.label} and its rim need a flat {needed:.2f} mm across, which a finger of "
+        f"{design.skin.width_mm:g} mm does not have",
         note="with this skin and rim",
     )
 
 
 @RULES.rule("bone.squareness_palmar", sensor_fits_flat, flat_within_bone)
-def flat_edges_within_skin(d: DesignTables) -> Violation | None:
+def flat_edges_within_skin(design: DesignTables) -> Violation | None:
     """The edges of the bone's flat stay away from the skin's surface."""
-    thickness = _edge_thickness(d)
+    thickness = _edge_thickness(design)
     if thickness >= _EDGE_THICKNESS:
         return None
     return Violation(
-        f"{d.bone.squareness_palmar:g} brings the edges of the bone's flat to {thickness:.2f} mm (sideways) from the "
-        f"skin's surface, and {_EDGE_THICKNESS:g} mm are needed"
+        f"{design.bone.squareness_palmar:g} brings the edges of the bone's flat to {thickness:.2f} mm (sideways) from "
+        f"the skin's surface, and {_EDGE_THICKNESS:g} mm are needed"
     )
 
 
@@ -141,20 +151,20 @@ SOUND_SECTIONS = (
 
 
 @RULES.rule("skin.min_thickness_mm", *SOUND_SECTIONS)
-def skin_is_thick_enough(d: DesignTables) -> Violation | None:
+def skin_is_thick_enough(design: DesignTables) -> Violation | None:
     """The skin has its minimum thickness everywhere."""
-    thinnest = min(min_skin_thickness(d.dimensions, sleeve_inset_mm(d)), d.skin.thickness_tip_mm)
-    if d.skin.min_thickness_mm <= thinnest + _THICKNESS_SLACK:
+    thinnest = min(min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), design.skin.thickness_tip_mm)
+    if design.skin.min_thickness_mm <= thinnest + _THICKNESS_SLACK:
         return None
     return Violation(
-        f"{d.skin.min_thickness_mm:g} mm is more than the {thinnest:.2f} mm at the skin's thinnest place",
+        f"{design.skin.min_thickness_mm:g} mm is more than the {thinnest:.2f} mm at the skin's thinnest place",
         at_most(thinnest),
     )
 
 
-def _edge_thickness(d: DesignTables) -> float:
+def _edge_thickness(design: DesignTables) -> float:
     """Compute the minimum silicone [mm] beside the flat's edges, along x, over the length of the bone in the skin."""
-    dims = d.dimensions
+    dims = design.dimensions
     end = dims.envelope.tip.z if dims.envelope.tip else 0.0
     heights = (end * i / _EDGE_SECTIONS for i in range(_EDGE_SECTIONS + 1))
     return min(
@@ -164,43 +174,44 @@ def _edge_thickness(d: DesignTables) -> float:
 
 
 @RULES.rule("bone.wall_mm", sensor_fits_flat)
-def slot_fits_flat(d: DesignTables) -> Violation | None:
+def slot_fits_flat(design: DesignTables) -> Violation | None:
     """The flat keeps a wall on each side of the tail's slot."""
-    dims = d.dimensions
-    half = dims.sensor.tail_width_mm / 2 + d.sensor.clearance_mm
+    dims = design.dimensions
+    half = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
     room = min(dims.envelope.half_width_at(-dims.flat_depth, z) for z in (0.0, max(0.0, dims.sensor_z)))
-    if half + d.bone.wall_mm <= room or room == 0.0:
+    if half + design.bone.wall_mm <= room or room == 0.0:
         return None
     return Violation(
-        f"{d.bone.wall_mm:g} mm on each side of the tail's slot ({2 * half:.2f} mm wide) do not fit the flat "
+        f"{design.bone.wall_mm:g} mm on each side of the tail's slot ({2 * half:.2f} mm wide) do not fit the flat "
         f"({2 * room:.2f} mm)",
         at_most(room - half),
     )
 
 
 @RULES.rule("bone.channel_diameter_mm", bone_left_at_sides, bone_left_dorsally)
-def channel_within_base(d: DesignTables) -> Violation | None:
+def channel_within_base(design: DesignTables) -> Violation | None:
     """The base keeps a wall around the cable channel."""
-    section, flat = d.dimensions.envelope.section, d.dimensions.flat_depth
-    height, wall = flat + section.dorsal, d.bone.wall_mm
+    section, flat = design.dimensions.envelope.section, design.dimensions.flat_depth
+    height, wall = flat + section.dorsal, design.bone.wall_mm
     width = 2 * min(section.half_width_at(-flat), section.half_width_at(section.dorsal / 2))
     maximum = min(width, height) - 2 * wall
-    if d.bone.channel_diameter_mm <= maximum + SLACK:
+    if design.bone.channel_diameter_mm <= maximum + SLACK:
         return None
     return Violation(
-        f"{d.bone.channel_diameter_mm:g} mm is wider than the base allows ({width:.2f} x {height:.2f} mm with "
+        f"{design.bone.channel_diameter_mm:g} mm is wider than the base allows ({width:.2f} x {height:.2f} mm with "
         f"{wall:g} mm walls)",
         at_most(maximum),
     )
 
 
 @RULES.rule("bone.channel_bend_radius_mm")
-def bend_wider_than_channel(d: DesignTables) -> Violation | None:
+def bend_wider_than_channel(design: DesignTables) -> Violation | None:
     """The cable channel does not fold into itself at its bend."""
-    minimum = d.bone.channel_diameter_mm / 2 + 0.3
-    if d.bone.channel_bend_radius_mm >= minimum - SLACK:
+    minimum = design.bone.channel_diameter_mm / 2 + _BEND_MARGIN
+    if design.bone.channel_bend_radius_mm >= minimum - SLACK:
         return None
     return Violation(
-        f"{d.bone.channel_bend_radius_mm:g} mm folds a channel of {d.bone.channel_diameter_mm:g} mm into itself",
+        f"{design.bone.channel_bend_radius_mm:g} mm folds a channel of {design.bone.channel_diameter_mm:g} mm into "
+        "itself",
         at_least(minimum),
     )

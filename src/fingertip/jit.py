@@ -23,6 +23,7 @@ in the user's cache folder.
 from __future__ import annotations
 
 import contextlib
+import functools
 import importlib
 import importlib.util
 from collections.abc import Callable, Iterator
@@ -42,6 +43,7 @@ _always_compile = False
 _progress: Callable[[str], None] | None = None
 
 
+@functools.cache
 def available() -> bool:
     """Return whether numba is installed, without importing it."""
     return importlib.util.find_spec("numba") is not None

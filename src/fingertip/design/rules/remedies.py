@@ -81,9 +81,12 @@ def _move_blamed_field(refusal: Refusal) -> Values:
     if len(refusal.blamed) > 1:
         return {}
     (name,) = refusal.blamed
-    if (passing := _find_range(refusal, name)) and refusal.resolves({name: passing.value}):
+    passing = _find_range(refusal, name)
+    if passing and refusal.resolves({name: passing.value}):
         refusal.ranges[name] = passing
         return {name: passing.value}
+    if not passing and all(broken.violation.passing for broken in refusal.broken):
+        return {}  # By algebra, no value within the field's own bounds passes.
     value = refusal.search.nearest(refusal.tables, name)
     return {} if value is None else {name: value}
 
@@ -91,10 +94,12 @@ def _move_blamed_field(refusal: Refusal) -> Values:
 def _move_one_field(refusal: Refusal) -> Values:
     """Move one field that all broken rules read to the nearest value that passes; changed fields are tried first."""
     common = frozenset.intersection(*(broken.own_reads for broken in refusal.broken))
-    names = [name for name in refusal.changed if name in common]
-    names.sort(key=lambda name: name not in refusal.blamed)
     if len(refusal.blamed) == 1:
-        names += [name for name in PARAMETERS if name in common and name not in names]
+        common -= set(refusal.blamed)  # tried before
+        names = [*refusal.changed, *PARAMETERS]
+    else:
+        names = sorted(refusal.changed, key=lambda name: name not in refusal.blamed)
+    names = [name for name in dict.fromkeys(names) if name in common]
     for name in names:
         value = refusal.search.nearest(refusal.tables, name, thorough=name in refusal.changed)
         if value is not None:

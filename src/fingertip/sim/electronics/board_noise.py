@@ -34,9 +34,8 @@ _SMALL_V = 1e-6
 @functools.lru_cache(maxsize=256)
 def compute_input_noise_v(design: Design) -> float:
     """Compute the white RMS noise of the samples at the board's input that stands for its amplifiers' noise [V]."""
-    return total_noise_v(board_circuit(board_values(design)), design.board.gain_bandwidth_hz, FILTERED) / compute_noise_gain(
-        design
-    )
+    circuit = board_circuit(board_values(design))
+    return total_noise_v(circuit, design.board.gain_bandwidth_hz, FILTERED) / compute_noise_gain(design)
 
 
 def compute_noise_gain(design: Design) -> float:

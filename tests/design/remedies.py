@@ -10,6 +10,7 @@ from fingertip.errors import Issue
 _NUMBER = r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
 _BOUND = re.compile(rf"(?:at least|at most|between) ({_NUMBER})")
 _LAST_BOUND = re.compile(rf", and (?:at least|at most) ({_NUMBER})")
+_EXAMPLE = re.compile(rf", such as ({_NUMBER})")
 _ASSIGNMENT = re.compile(r"([a-z_]+\.[a-z0-9_]+)=([^\s,]+?)(?=[,.]?(?:\s|$))")
 
 
@@ -20,6 +21,8 @@ def read_remedy(issue: Issue) -> dict[str, str]:
     if bound := _BOUND.match(remedy):
         last = _LAST_BOUND.search(remedy)
         values[issue.field] = last[1] if last else bound[1]
+    if example := _EXAMPLE.search(remedy):
+        values[issue.field] = example[1]
     return values
 
 

@@ -85,6 +85,25 @@ def test_remedies_at_the_bounds_of_every_parameter_pass(end: str) -> None:
         check_remedies([f"{name}={lowest if end == 'lowest' else bounds.maximum!r}"])
 
 
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> None:
+    """Rules that read an invalid parameter are checked in the next round, once it is valid."""
+    random_numbers = random.Random(seed)
+    for _ in range(100 if seed else 10):
+        invalid, other = random_numbers.sample(NUMERIC, 2)
+        bounds = find_bounds(PARAMETERS[invalid])
+        outside: float = random_numbers.choice(
+            ((bounds.maximum or 0.0) + 1, (bounds.minimum or bounds.above or 0.0) - 1)
+        )
+        outside = round(outside) if PARAMETERS[invalid].annotation is int else outside
+        changes = [f"{invalid}={outside!r}", f"{other}={draw_value(random_numbers, other)!r}"]
+        for _ in range(3):
+            issues = refuse(changes)
+            assert all(map(read_remedy, issues)), issues
+            changes += as_changes(issues)
+        assert not refuse(changes), changes
+
+
 @pytest.mark.parametrize(
     ("changes", "first", "count"),
     [

@@ -73,7 +73,7 @@ def _keep_valid(tables: Mapping[str, Any], invalid: frozenset[str]) -> DesignTab
 
 
 def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, invalid: frozenset[str]) -> Issue:
-    """Add to a violated bound the value that the rules ask for, where the bound itself would break them."""
+    """Add to a violated bound the value that the rules ask for, if the bound itself would break them."""
     from fingertip.design.rules.search import Search, cheapest_first, format_value
 
     name = issue.field
@@ -91,16 +91,22 @@ def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, 
         word, bound = "at least", bounds.above + 1e-6 * (bounds.maximum or 1.0)
     else:
         return issue
-    at_bound, others = valid.with_values({name: bound}), invalid - {name}
-    broken = [one for one in find_violations(RULES, at_bound, others) if name in one.reads]
+    others, unit = invalid - {name}, format_unit(find_unit(PARAMETERS[name]))
+    if bounds.above is not None and word == "at least":  # the bound itself is no value to type in
+        default = PARAMETERS[name].default
+        if not any(name in one.reads for one in find_violations(RULES, valid.with_values({name: default}), others)):
+            more = f", such as {format_value(name, default)}{unit}."
+            return Issue(name, issue.message.removesuffix(".") + more)
+    at_bound = valid.with_values({name: bound})
+    violations = list(find_violations(RULES, at_bound, others))
+    broken = [one for one in violations if name in one.reads]
     if not broken:
         return issue
     # Rules that fail whatever this parameter is have issues of their own.
-    unrelated = {one.rule for one in find_violations(RULES, at_bound, others)} - {one.rule for one in broken}
+    unrelated = {one.rule for one in violations} - {one.rule for one in broken}
     rules = cheapest_first(rule for rule in RULES if rule not in unrelated)
     passing = Search(rules, cheapest_first(one.rule for one in broken), others).nearest(at_bound, name)
     if passing is None:
         return issue
-    unit = format_unit(find_unit(PARAMETERS[name]))
     more = f", and {word} {format_value(name, passing)}{unit} with the other parameters as they are."
     return Issue(name, issue.message.removesuffix(".") + more)

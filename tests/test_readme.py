@@ -70,6 +70,7 @@ def test_the_first_two_blocks_set_up_build_and_test() -> None:
     assert all(block.count("\n") == 1 for block in shell[:2]), "one pasteable line each"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", OURS)
 def test_command_runs(command: str, clone: Path) -> None:
     words, _, source = command.partition(" < ")
@@ -80,6 +81,7 @@ def test_command_runs(command: str, clone: Path) -> None:
         assert done.stdout.startswith("ON ")
 
 
+@pytest.mark.slow
 def test_files_the_readme_promises(clone: Path) -> None:
     """After the commands above, in the order of this module."""
     made = {str(path.relative_to(clone)) for path in clone.rglob("*") if path.is_file()}
@@ -90,6 +92,7 @@ def test_files_the_readme_promises(clone: Path) -> None:
     assert {"pcb/slip_filter.net", "pcb/values.json", "out/wider/exploded.png", "out/wider/bone.stl"} <= made
 
 
+@pytest.mark.slow
 def test_python_block_runs(clone: Path) -> None:
     (script,) = (block for language, block in BLOCKS if language == "python")
     done = run_python("-c", script, PWD=str(clone))

@@ -125,7 +125,9 @@ def libraries_asked_for(path: Path) -> set[str]:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the wheels of other systems bring all they need")
 def test_install_looks_for_the_libraries_that_the_wheels_ask_for() -> None:
-    """All that cadquery-ocp and vtk link to, without what they bring and what Python itself cannot be without."""
+    """Libraries that cadquery-ocp and vtk link to, except for those they contain and those that Python itself needs."""
+    if metadata.version("cadquery-ocp") != pins()["cadquery-ocp"]:
+        pytest.skip("install.sh names the libraries of the pinned wheels, and another version is installed")
     wheels = ("cadquery-ocp", "vtk")
     paths = [Path(str(f.locate())) for wheel in wheels for f in metadata.files(wheel) or [] if ".so" in f.name]
     brought = {path.name for path in paths}

@@ -111,7 +111,7 @@ def test_detection_of_incipient_slip_has_a_delay_of_zero_and_is_no_alarm():
 @pytest.mark.parametrize("noise_v", [0.0, 1e-5, 1e-4])
 def test_fast_has_no_alarms_with_less_noise_than_the_default(noise_v):
     design = Design(detector={"noise_v": noise_v, "adc_bits": 24})
-    found = run_campaign(design, CampaignPlan(6, 3.0), ("fast",), (1.0,)).at_design("fast")
+    found = run_campaign(design, CampaignPlan(6, 3.0), ("fast",), (1.0,)).at_nominal_threshold("fast")
     assert found.found_share == 1.0
     assert found.alarms_per_minute == 0.0
 
@@ -181,7 +181,7 @@ def test_mean_delay_is_above_the_bound_and_less_noise_lowers_the_bound():
     plan = CampaignPlan(16, 0.5)
     bounds = np.array(compute_bounds_s(Design(), plan))
     assert len(bounds) == 16
-    delays = np.array(run_campaign(Design(), plan, ("fast",), (1.0,)).at_design("fast").delays_s)
+    delays = np.array(run_campaign(Design(), plan, ("fast",), (1.0,)).at_nominal_threshold("fast").delays_s)
     assert np.mean(delays) >= np.mean(bounds)  # the bound limits the average, not each delay
     assert np.median(delays) < 2 * np.median(bounds)
     quieter = compute_bounds_s(Design(detector={"noise_v": 1e-4, "adc_bits": 20}), plan)
@@ -292,9 +292,9 @@ def test_missed_requirement_gives_exit_code_1(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_same_campaign_gives_the_same_delays():
     first, second = (run_campaign(Design(), CampaignPlan(2, 0.5), ("fast",), (1.0,)) for _ in range(2))
-    assert first.at_design("fast").delays_s == second.at_design("fast").delays_s
+    assert first.at_nominal_threshold("fast").delays_s == second.at_nominal_threshold("fast").delays_s
     other = run_campaign(Design(), CampaignPlan(2, 0.5), ("fast",), (1.0,), first_seed=77)
-    assert other.at_design("fast").delays_s != first.at_design("fast").delays_s
+    assert other.at_nominal_threshold("fast").delays_s != first.at_nominal_threshold("fast").delays_s
 
 
 def test_validate_refuses_bad_options_before_it_computes(tmp_path):

@@ -10,12 +10,12 @@ import pytest
 from fingertip.campaign.closed_loop import (
     FIRST_SEED,
     NO_CONTROL,
-    LoopSummary,
+    ClosedLoopSummary,
     any_finger_slips,
     evaluate_manipulation,
     plan_manipulations,
     run_closed_loop,
-    summarize,
+    summarise,
 )
 from fingertip.campaign.grip import GripController, GripDecision, GripSettings
 from fingertip.campaign.plan import TUNING_SEEDS, CampaignPlan, generate_cases
@@ -127,7 +127,7 @@ def trials():
 
 @pytest.mark.slow
 def test_detector_in_the_loop_holds_every_object_in_time(trials):
-    without, with_it = summarize(trials)
+    without, with_it = summarise(trials)
     assert (without.detector, with_it.detector) == (NO_CONTROL, "fast")
     assert with_it.count == with_it.held == with_it.slipped == 4
     assert without.reactions_s == ()
@@ -173,7 +173,7 @@ def test_object_that_left_the_fingers_is_not_held(trials):
     manipulation = trials[0].manipulation
     lost, held = (evaluate_manipulation(NO_CONTROL, replace(manipulation, lost_s=at), ()) for at in (3.0, None))
     assert (lost.held, held.held) == (False, True)
-    assert summarize([lost, held])[0].held == 1
+    assert summarise([lost, held])[0].held == 1
 
 
 @pytest.mark.parametrize(
@@ -189,13 +189,13 @@ def test_object_that_left_the_fingers_is_not_held(trials):
 )
 def test_closed_loop_requirements_can_be_missed(change, missed):
     met = {"detector": "fast", "count": 12, "held": 12, "slipped": 12, "reactions_s": (0.03,), "unanswered": 0}
-    summary = LoopSummary(**{**met, "false_grips": 0, "suppressed": 3, "suppressed_true": 0, **change})
+    summary = ClosedLoopSummary(**{**met, "false_grips": 0, "suppressed": 3, "suppressed_true": 0, **change})
     requirements = check_closed_loop(summary, RequirementLimits())
     assert {requirement.name for requirement in requirements if not requirement.passed} == missed
 
 
 @pytest.mark.slow
 def test_plots_show_a_power_and_a_pinch_grasp(trials):
-    found = trial_plots.plot_loop(trials, "fast")
+    found = trial_plots.plot_closed_loop(trials, "fast")
     assert set(found) == {"closed_loop_power.png", "closed_loop_pinch.png"}
     assert all(png.startswith(b"\x89PNG") for png in found.values())

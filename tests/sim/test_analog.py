@@ -14,7 +14,7 @@ from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.jit import compiled
 from fingertip.sim.electronics.analog import AnalogStream, simulate_board
-from fingertip.sim.electronics.circuit import AnalogBoard, Diode, compute_state_space, topology
+from fingertip.sim.electronics.analog_circuit import AnalogBoard, Diode, compute_state_space, topology
 from fingertip.sim.electronics.envelope_loop import wright_omega
 from fingertip.sim.electronics.state_space import augment, exponentials
 from tests.oracles.ideal_filter import ideal_filter_transfer
@@ -37,8 +37,8 @@ STIFF_DIODES = {
     "R 1G, C 1p": {"r1_ohm": 1e9, "r2_ohm": 1e9, "r3_ohm": 1e9, "r_lp_ohm": 1e9, "c_lp_f": 1e-12},
     "rails": {"rail_v": 3.5},
     "gain-bandwidth": {"gain_bandwidth_hz": 3e6},
-    "precision": {"rectifier": "precision", "blocking_capacitor": 66e-6, "limiting_capacitor": 1.5e-9},
-    "precision, C 1p, rails": {"rectifier": "precision", "c_lp_f": 1e-12, "rail_v": 3.5, "blocking_capacitor": 66e-6},
+    "precision": {"rectifier": "precision", "series_capacitor_f": 66e-6, "limiting_capacitor_f": 1.5e-9},
+    "precision, C 1p, rails": {"rectifier": "precision", "c_lp_f": 1e-12, "rail_v": 3.5, "series_capacitor_f": 66e-6},
 }
 
 
@@ -261,7 +261,7 @@ def test_component_values_are_those_of_the_netlist(variant, supply):
     ours = {f"R{i}": getattr(board, f"r{i}_ohm") for i in range(1, 6)} | {"R6": board.r_lp_ohm, "C4": board.c_lp_f}
     ours |= {f"C{i}": getattr(board, f"c{i}_f") for i in range(1, 4)}
     if variant != "article":
-        ours |= {"C14": board.blocking_capacitor, "C20": board.limiting_capacitor}
+        ours |= {"C14": board.series_capacitor_f, "C20": board.limiting_capacitor_f}
     for reference, value in ours.items():
         assert fitted(reference) == pytest.approx(value, rel=1e-9), reference
 
@@ -272,7 +272,7 @@ def test_nodes_are_those_of_the_netlist(variant):
     design = Design(board={"variant": variant})
     circuit, board = board_circuit(board_values(design)), AnalogBoard.from_design(design)
     nets = {node: net.name for net in circuit.nets for node in net.nodes}
-    references = {"blocking_capacitor": "C14", "limiting_capacitor": "C20"}
+    references = {"series_capacitor_f": "C14", "limiting_capacitor_f": "C20"}
     known = {"in": "TACTILE", "o1": "STAGE1_OUT", "o2": "FILTERED"}
     nodes = {node for _, *between in topology(board) for node in between}
     for _ in nodes:  # one known end of a component determines the other
@@ -296,9 +296,9 @@ def test_precision_rectifier_follows_a_step_with_one_pole():
     assert out == pytest.approx(top * (1 - np.exp(-np.arange(40) * STEP_S / tau)), abs=1e-4 * top)
 
 
-def test_blocking_capacitor_removes_the_gain_at_dc_only():
+def test_series_capacitor_removes_the_gain_at_dc_only():
     """The first stage has the gain 1 + R5 / (R4 + 1/(s C)) for tones."""
-    board, c = BOARD.with_values(blocking_capacitor=66e-6), 66e-6
+    board, c = BOARD.with_values(series_capacitor_f=66e-6), 66e-6
     step = 1 / 16_000
     time = np.arange(64_000) * step
     for frequency in (2.0, 100.0):
@@ -309,15 +309,15 @@ def test_blocking_capacitor_removes_the_gain_at_dc_only():
         assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * gain, rel=3e-3)
 
 
-@pytest.mark.parametrize("blocking", [None, 22e-6])
-def test_limiting_capacitor_reduces_the_gain_above_its_corner(blocking):
-    """The gain is 1 + Z5 / Z4 for tones: R5 parallel to 1.5 nF over R4 in series with the blocking capacitor."""
-    board = BOARD.with_values(blocking_capacitor=blocking, limiting_capacitor=1.5e-9)
+@pytest.mark.parametrize("series_f", [None, 22e-6])
+def test_limiting_capacitor_reduces_the_gain_above_its_corner(series_f):
+    """The gain is 1 + Z5 / Z4 for tones: R5 parallel to 1.5 nF over R4 in series with C14."""
+    board = BOARD.with_values(series_capacitor_f=series_f, limiting_capacitor_f=1.5e-9)
     for frequency in (100.0, 1000.0, 8000.0):
         step = 1 / (64 * frequency)
         time = np.arange(64 * 200) * step
         s = 2j * math.pi * frequency
-        z4 = board.r4_ohm + (1 / (s * blocking) if blocking else 0.0)
+        z4 = board.r4_ohm + (1 / (s * series_f) if series_f else 0.0)
         first = 1 + board.r5_ohm / (1 + s * board.r5_ohm * 1.5e-9) / z4
         gain = abs(ideal_filter_transfer(frequency, board_values(DESIGN).preferred) * first / board.gain)
         out = simulate_board(board, step, 1e-5 * np.sin(2 * math.pi * frequency * time)).filtered_v[64 * 100 :]
@@ -334,7 +334,9 @@ def test_finite_gain_bandwidth_changes_the_output_by_a_bounded_amount():
 
 
 @pytest.mark.parametrize("gain_bandwidth_hz", [3e4, 3e6])
-@pytest.mark.parametrize("extra", [{}, {"blocking_capacitor": 66e-6, "limiting_capacitor": 1.5e-9}], ids=["", "extra"])
+@pytest.mark.parametrize(
+    "extra", [{}, {"series_capacitor_f": 66e-6, "limiting_capacitor_f": 1.5e-9}], ids=["", "extra"]
+)
 def test_finite_gain_bandwidth_agrees_with_its_formula(extra, gain_bandwidth_hz):
     """The stages have the gains G / (1 + G / A) and A / (1 + A), A = 2 pi GBW / s; with both extra capacitors too."""
     b = BOARD.with_values(gain_bandwidth_hz=gain_bandwidth_hz, **extra)
@@ -343,8 +345,8 @@ def test_finite_gain_bandwidth_agrees_with_its_formula(extra, gain_bandwidth_hz)
     for frequency in (20.0, 90.0, 400.0):
         s = 2j * math.pi * frequency
         A = 2 * math.pi * gain_bandwidth_hz / s
-        z4 = b.r4_ohm + (1 / (s * b.blocking_capacitor) if extra else 0.0)
-        G = 1 + b.r5_ohm / (1 + (s * b.r5_ohm * b.limiting_capacitor if extra else 0.0)) / z4
+        z4 = b.r4_ohm + (1 / (s * b.series_capacitor_f) if extra else 0.0)
+        G = 1 + b.r5_ohm / (1 + (s * b.r5_ohm * b.limiting_capacitor_f if extra else 0.0)) / z4
         first = s * b.r1_ohm * b.c1_f / (1 + s * b.r1_ohm * b.c1_f) * G / (1 + G / A)
         square, C = s * b.c2_f * b.r2_ohm * s * b.c2_f * b.r3_ohm, b.c2_f
         second = A / (1 + A) * square / (square + s * C * (2 * b.r2_ohm + b.r3_ohm / (1 + A)) + 1)
@@ -412,8 +414,8 @@ def test_input_that_is_not_finite_is_reported_with_its_sample():
         ({"diode": Diode(series_ohm=-1.0)}, r"diode\.series_ohm: -1 ohm .* at least 0"),
         ({"rail_v": math.nan}, r"board\.rail_v: nan V"),
         ({"rail_v": 3.0, "gain_bandwidth_hz": 1e6}, r"board\.rail_v: 3 V .*not modelled; leave one out"),
-        ({"blocking_capacitor": 0.0}, r"board\.blocking_capacitor: 0 F"),
-        ({"limiting_capacitor": 0.0}, r"board\.limiting_capacitor: 0 F"),
+        ({"series_capacitor_f": 0.0}, r"board\.series_capacitor_f: 0 F"),
+        ({"limiting_capacitor_f": 0.0}, r"board\.limiting_capacitor_f: 0 F"),
     ],
     ids=str,
 )

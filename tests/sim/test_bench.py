@@ -18,7 +18,7 @@ from fingertip.sim.article import article_trials
 from fingertip.sim.bench import throughput
 from fingertip.sim.bench.work_precision import WorkPrecision
 from fingertip.sim.electronics.analog import simulate_board, simulate_boards
-from fingertip.sim.electronics.circuit import AnalogBoard
+from fingertip.sim.electronics.analog_circuit import AnalogBoard
 from fingertip.sim.electronics.monte_carlo import draw_boards
 from tests.conftest import run_fingertip
 
@@ -49,7 +49,7 @@ def test_solvers_are_compared_at_errors_that_ours_reaches():
     assert diagram.cpu_ratio("ours", "theirs") == pytest.approx(200 / 3)  # the input is part of both
     assert diagram.cpu_ratio("ours", "late") is None
     diagram.target_ratios["theirs"] = 50.0
-    assert any("theirs: 67 times our CPU time (target 50) at an error of" in line for line in diagram.as_text())
+    assert any("theirs: 67 times fingertip's CPU time (target 50) at an error of" in line for line in diagram.as_text())
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.electronics.analog import simulate_board
-from fingertip.sim.electronics.circuit import AnalogBoard
+from fingertip.sim.electronics.analog_circuit import AnalogBoard
 from fingertip.sim.electronics.comparator import Comparator, simulate_comparator
 from tests.tools import require_tool
 
@@ -131,7 +131,7 @@ def test_scene_outputs_the_slip_pin_only_for_boards_that_have_one():
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ((0.0, 0.02, 0.01), r"mean_s: 0 s is refused"),
+        ((0.0, 0.02, 0.01), r"averaging_tau_s: 0 s is refused"),
         (
             (0.015, 0.02, 0.02),
             r"off_v: 0\.02 V is not below on_v, so the output would oscillate; choose less than 0\.02 V",

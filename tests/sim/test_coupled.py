@@ -13,7 +13,7 @@ from fingertip.errors import TraceError
 from fingertip.jit import compiled
 from fingertip.sim.contact import coupled, coupled_loop
 from fingertip.sim.contact.coupled import CoupledMotion, NormalContact, integrate
-from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, Friction
+from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, RELAX_PER_S, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.tangential import Mount, drag
 from fingertip.sim.scenes.timeline import TrapezoidalMove
@@ -265,7 +265,8 @@ def test_creep_below_breakaway_comes_from_the_model(rate):
 def test_friction_is_passive(elastic):
     """For a velocity that oscillates across zero, the work taken up is never below the stored energy."""
     f = Friction(0.6, 0.48, sigma1=2.3, elastic=elastic)
-    curve, sigma = (f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.elastic), (f.sigma0, f.sigma1, f.sigma2)
+    curve = f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.elastic
+    sigma = f.sigma0, f.sigma1, f.sigma2, RELAX_PER_S
     h, z, work, minimum = 2e-6, 0.0, 0.0, math.inf
     for i in range(100_000):
         t = i * h

@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from fingertip.design import Design
 from fingertip.jit import compiled
 from fingertip.sim import ManipulationFile, run_manipulation
+from fingertip.sim.contact.friction import RELAX_PER_S
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.hand import grasp_loop
 from fingertip.sim.hand.manipulation_file import Hand
@@ -83,20 +84,22 @@ def move_object(
     pin_v = np.zeros(length + 1) if pin is None else pin(time)[1]
     mount = np.array([PAD.mass_kg, 6000.0, 2.0] * count)
     flat = np.repeat(np.array(loads, dtype=float), length + 1)
-    shear, over, bristle = (np.zeros(count * length) for _ in range(3))
+    shear, object_over_pad, bristle = (np.zeros(count * length) for _ in range(3))
     moved, pushed = np.zeros(length), np.zeros(length)
     weights = weight * np.minimum(time / 0.05, 1.0) if weight else np.zeros(length + 1)
+    state = np.zeros(grasp_loop.PAD_STATES * count + grasp_loop.OBJECT_STATES)
+    scratch = np.zeros(grasp_loop.SCRATCH_SIZE * count)
     grasp_loop.run(
-        (0.56, 0.14, 0.005), sigma, step_s, mass, (2000.0, 5.0), leaves, count, length, mount, weights, pin_x, pin_v,
-        np.zeros(3 * count + 3), np.zeros(grasp_loop.SCRATCH_SIZE * count), flat, shear, over, bristle, moved, pushed,
+        (0.56, 0.14, 0.005), (*sigma, RELAX_PER_S), step_s, mass, (2000.0, 5.0), leaves, count, length, mount, weights,
+        pin_x, pin_v, state, scratch, flat, shear, object_over_pad, bristle, moved, pushed,
     )  # fmt: skip
-    return time[1:], moved, shear.reshape(count, -1), over.reshape(count, -1), pushed
+    return time[1:], moved, shear.reshape(count, -1), object_over_pad.reshape(count, -1), pushed
 
 
 def test_friction_carries_the_weight_at_rest():
-    _, _, shear, over, _ = move_object(1.0, 1.25e-4, [1.0, 0.6, 0.4])
+    _, _, shear, object_over_pad, _ = move_object(1.0, 1.25e-4, [1.0, 0.6, 0.4])
     assert (6000.0 * shear[:, -1]).sum() == pytest.approx(0.98, rel=1e-6)
-    assert np.abs(over[:, -1]).max() < 1e-7
+    assert np.abs(object_over_pad[:, -1]).max() < 1e-7
 
 
 def test_released_object_falls():

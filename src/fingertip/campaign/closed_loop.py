@@ -34,7 +34,7 @@ _OUTPUTS = ["voltage_v", "force_n", "slip", "closing_m", "object_m"]
 
 
 @dataclass(frozen=True, eq=False)
-class LoopTrial:
+class ClosedLoopTrial:
     """Result of one manipulation with one detector in the loop, or without control."""
 
     detector: str
@@ -63,7 +63,7 @@ def run_closed_loop(
     detectors: Sequence[str] = ("analog", "fast"),
     repeats: int = 3,
     first_seed: int = FIRST_SEED,
-) -> list[LoopTrial]:
+) -> list[ClosedLoopTrial]:
     """Run every manipulation without control, then with each detector."""
     trials = []
     with compiled():
@@ -83,14 +83,14 @@ def plan_manipulations(repeats: int, first_seed: int) -> Iterator[tuple[Manipula
     """Scene and seed of the manipulations, `repeats` times for each object."""
     counts: dict[str, int] = {}
     for scene, seed in article_manipulations(first_seed):
-        counts[scene.scene] = counts.get(scene.scene, 0) + 1
-        if counts[scene.scene] <= repeats:
+        counts[scene.name] = counts.get(scene.name, 0) + 1
+        if counts[scene.name] <= repeats:
             yield scene.model_copy(update={"outputs": _OUTPUTS}), seed
 
 
 def evaluate_manipulation(
     detector: str, manipulation: ManipulationResult, decisions: Sequence[GripDecision]
-) -> LoopTrial:
+) -> ClosedLoopTrial:
     """Evaluate one manipulation against the true slip."""
     time_s, closing = manipulation.time_s, manipulation.signals["closing_m"]
     slip = any_finger_slips(manipulation)
@@ -114,9 +114,9 @@ def evaluate_manipulation(
         if decision.detected and decision.suppressed and not (before and before.detected and before.suppressed)
     ]
     suppressed_true = [at for at in suppressed if is_true(at) and not any(grip < at for grip in grips)]
-    return LoopTrial(
+    return ClosedLoopTrial(
         detector,
-        manipulation.scene.scene,
+        manipulation.scene.name,
         manipulation.seed,
         manipulation.lost_s is None,
         onset_s,
@@ -137,7 +137,7 @@ def any_finger_slips(manipulation: ManipulationResult) -> NDArray[np.bool_]:
 
 
 @dataclass(frozen=True)
-class LoopSummary:
+class ClosedLoopSummary:
     """Pooled results of all manipulations with one detector."""
 
     detector: str
@@ -154,23 +154,23 @@ class LoopSummary:
     suppressed_true: int
 
 
-def summarize(trials: Sequence[LoopTrial]) -> list[LoopSummary]:
+def summarise(trials: Sequence[ClosedLoopTrial]) -> list[ClosedLoopSummary]:
     """Pool the results by detector."""
     summaries = []
     for detector in dict.fromkeys(trial.detector for trial in trials):
-        own = [trial for trial in trials if trial.detector == detector]
-        slipped = [trial for trial in own if trial.onset_s is not None]
+        group = [trial for trial in trials if trial.detector == detector]
+        slipped = [trial for trial in group if trial.onset_s is not None]
         summaries.append(
-            LoopSummary(
+            ClosedLoopSummary(
                 detector,
-                len(own),
-                sum(trial.held for trial in own),
+                len(group),
+                sum(trial.held for trial in group),
                 len(slipped),
                 tuple(sorted(trial.reaction_s for trial in slipped if trial.reaction_s is not None)),
                 sum(trial.reaction_s is None for trial in slipped),
-                sum(trial.false_grips for trial in own),
-                sum(trial.suppressed for trial in own),
-                sum(trial.suppressed_true for trial in own),
+                sum(trial.false_grips for trial in group),
+                sum(trial.suppressed for trial in group),
+                sum(trial.suppressed_true for trial in group),
             )
         )
     return summaries

@@ -13,7 +13,7 @@ from fingertip.arrays import Array
 from fingertip.campaign.plan import Case
 from fingertip.design import Design
 from fingertip.sim import run_scene
-from fingertip.sim.electronics.adc import AntiAliasFilter, sample_v
+from fingertip.sim.electronics.board_output import sample_envelope_v
 from fingertip.slip import DETECTORS, Trace, make_detector
 from fingertip.slip.intervals import INCIPIENT_S, Interval, intervals, score
 
@@ -63,8 +63,8 @@ def simulate_trace(design: Design, case: Case, board: bool = True) -> tuple[Trac
     result = run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed)
     if not board:
         return result.trace, result.force_n
-    at_pin = AntiAliasFilter.for_envelope(design).process(result.columns["envelope_v"])
-    sampled = sample_v(design, at_pin, random.Random(f"{case.seed}:noise of the envelope"))
+    rng = random.Random(f"{case.seed}:noise of the envelope")
+    sampled = sample_envelope_v(design, result.columns["envelope_v"], rng)
     return replace(result.trace, envelope_v=sampled), result.force_n
 
 

@@ -26,6 +26,8 @@ from fingertip.sim.electronics.board_output import compute_bridge_v
 from fingertip.slip import DETECTORS, make_detector
 from fingertip.slip.detectors.registry import find_detector_type
 
+_MIN_PRESENT_N = 0.1
+"""Force that a finger is taken to press with at least [N]: below it a force ratio would hardly close the hand."""
 _TABLE_N = np.concatenate((np.linspace(0.0, 2.0, 401), np.linspace(2.05, 20.0, 360)))
 
 
@@ -72,19 +74,19 @@ class GripController:
         self.decisions: list[GripDecision] = []
         self._pad = Pad.from_design(design)
         self._detectors = [make_detector(settings.detector, design) for _ in range(fingers)]
-        self._reads = DETECTORS[settings.detector].input_column
+        self._input_column = DETECTORS[settings.detector].input_column
         volts = compute_bridge_v(design, _TABLE_N)
         self._volts, self._forces = volts[::-1], _TABLE_N[::-1]  # voltage falls with force
         self._history: deque[tuple[float, Array]] = deque()
-        self._growth_s = -math.inf
+        self._last_growth_s = -math.inf
         self._tightened_s = -math.inf
         self._added_m = np.zeros(fingers)
 
     def step(self, observation: Observation) -> Array:
         """Return the commanded closing [m]: the planned closing, and what detections have added to it."""
         s, now = self.settings, observation.time_s
-        samples: Array | None = getattr(observation, self._reads)
-        assert samples is not None, f"the scene's outputs do not include {self._reads}"
+        samples: Array | None = getattr(observation, self._input_column)
+        assert samples is not None, f"the scene's outputs do not include {self._input_column}"
         detected = self._detect(samples)
         # Growth of force and closing over the window.
         force = np.array([float(np.interp(v.mean(), self._volts, self._forces)) for v in observation.voltage_v])
@@ -92,11 +94,11 @@ class GripController:
         while self._history[0][0] < now - s.growth_window_s - 1e-9:
             self._history.popleft()
         then, before = self._history[0]
-        growth, closing = (np.array([force, observation.closing_m]) - before) / max(now - then, 1e-9)
-        if float(np.max(growth)) > s.max_growth_n_s or float(np.max(closing)) > s.max_closing_m_s:
-            self._growth_s = now
+        growth_n_s, closing_m_s = (np.array([force, observation.closing_m]) - before) / max(now - then, 1e-9)
+        if float(np.max(growth_n_s)) > s.max_growth_n_s or float(np.max(closing_m_s)) > s.max_closing_m_s:
+            self._last_growth_s = now
         refractory = now < self._tightened_s + s.refractory_s
-        suppressed = now <= self._growth_s + s.suppression_s
+        suppressed = now <= self._last_growth_s + s.suppression_s
         tightened = detected and not suppressed and not refractory
         if tightened:
             self._tightened_s = now
@@ -106,9 +108,9 @@ class GripController:
 
     def _further_m(self, force_n: float) -> float:
         """Closing that increases a finger's force by the ratio [m]."""
-        minimum = max(force_n, 0.1)
-        target = min(minimum * self.settings.force_ratio, self.settings.max_force_n)
-        return self._pad.depth_m(target) - self._pad.depth_m(minimum)
+        present_n = max(force_n, _MIN_PRESENT_N)
+        target_n = min(present_n * self.settings.force_ratio, self.settings.max_force_n)
+        return self._pad.depth_m(target_n) - self._pad.depth_m(present_n)
 
     def _detect(self, samples: Array) -> bool:
         """Process the new samples of all fingers; return whether any detector was ON at any of them."""

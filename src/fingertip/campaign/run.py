@@ -52,7 +52,7 @@ class DetectorResult:
         return len(self.delays_s) / self.slips if self.slips else 0.0
 
     @property
-    def below_30_ms(self) -> float:
+    def share_within_30_ms(self) -> float:
         """Fraction of the slips that were found within 30 ms."""
         return sum(d < 0.03 for d in self.delays_s) / max(1, self.slips)
 
@@ -97,7 +97,7 @@ class DetectorResult:
 def scene_surface(scene: SceneFile) -> str:
     """Surface of a scene, or the object that is pulled through the grasp."""
     name = scene.contact.surface
-    return name if scene.scene == "sliding_finger" else f"object, {name}"
+    return name if scene.name == "sliding_finger" else f"object, {name}"
 
 
 def surface(trial: TrialResult) -> str:
@@ -119,8 +119,8 @@ class CampaignResult:
     detectors: dict[str, tuple[DetectorResult, ...]]
     """Detector -> results by factor of the threshold, in ascending order."""
 
-    def at_design(self, detector: str) -> DetectorResult:
-        """Result of a detector at its own threshold."""
+    def at_nominal_threshold(self, detector: str) -> DetectorResult:
+        """Result of a detector at its nominal threshold, with the factor 1."""
         return next(result for result in self.detectors[detector] if result.scale == 1.0)
 
     def at_alarm_rate(self, detector: str, max_alarms_per_minute: float) -> DetectorResult | None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from fingertip.campaign.closed_loop import LoopTrial, run_closed_loop, summarize
+from fingertip.campaign.closed_loop import ClosedLoopTrial, run_closed_loop, summarise
 from fingertip.campaign.plan import CampaignPlan
 from fingertip.campaign.report import omissions, tables
 from fingertip.campaign.report.tables import StudyResults
@@ -36,7 +36,7 @@ class Validation:
     detector: str
     """Detector that the requirements apply to."""
     campaign: CampaignResult
-    loop: tuple[LoopTrial, ...]
+    closed_loop: tuple[ClosedLoopTrial, ...]
     requirements: tuple[Requirement, ...]
     studies: StudyResults
 
@@ -54,7 +54,7 @@ class Validation:
         return tables.as_text(self.campaign, self.detector, self.requirements, self.studies)
 
     def files(self) -> dict[str, bytes]:
-        """Return file name -> content: the results, the plots, and the page of failures and assumptions."""
+        """Return file name -> content: the results, the plots, and the page of omissions."""
         from fingertip.campaign.report import plots, trial_plots
 
         return {
@@ -66,8 +66,8 @@ class Validation:
             "windows.png": plots.plot_windows(self.studies.windows),
             "comparison.png": plots.plot_comparison(self.campaign, self.studies.bound_s(0.5)),
             **trial_plots.plot_trials(self.design),
-            **trial_plots.plot_loop(self.loop, self.detector),
-            "omissions.md": omissions.as_markdown(self.campaign, self.requirements, self.loop).encode(),
+            **trial_plots.plot_closed_loop(self.closed_loop, self.detector),
+            "omissions.md": omissions.as_markdown(self.campaign, self.requirements, self.closed_loop).encode(),
         }
 
 
@@ -103,10 +103,10 @@ def validate(
     result = run_campaign(design, plan, progress=progress)
     progress("closed loop: simulating four objects that a pin hits")
     loop_detectors = tuple(dict.fromkeys(("analog", "fast", detector)))
-    loop = run_closed_loop(design, loop_detectors, 3 if plan.trials >= 12 else 1)
-    summaries = summarize(loop)
-    own = next(summary for summary in summaries if summary.detector == detector)
-    requirements = (*check_detection(result, detector, limits), *check_closed_loop(own, limits))
+    manipulations = run_closed_loop(design, loop_detectors, 3 if plan.trials >= 12 else 1)
+    summaries = summarise(manipulations)
+    required = next(summary for summary in summaries if summary.detector == detector)
+    requirements = (*check_detection(result, detector, limits), *check_closed_loop(required, limits))
     progress("studies: detection bound, assumptions, windows, spectra, accelerations, sampling rates, boards, knocks")
     trials = min(STUDY_TRIALS, plan.trials)
     studies = StudyResults(
@@ -119,6 +119,6 @@ def validate(
         boards=study_board_variants(design, trials),
         motor=study_motor_discrimination(design, trials),
         knocks=study_knock_rejection(design),
-        loop=summaries,
+        closed_loop=summaries,
     )
-    return Validation(design, detector, result, tuple(loop), requirements, studies)
+    return Validation(design, detector, result, tuple(manipulations), requirements, studies)

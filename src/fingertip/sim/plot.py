@@ -113,7 +113,7 @@ def _add_legend(panels: Array, names: list[str], fingers: tuple[str, ...]) -> No
 
 def _mark_events(panels: Array, result: ManipulationResult) -> None:
     """Mark the moments of a manipulation with dotted lines."""
-    events = [("let go", result.plan.let_go_s - result.scene.grasp.let_go_s)]
+    events = [("let go", result.plan.released_s - result.scene.grasp.let_go_s)]
     if result.plan.pin:
         events.append(("knock", result.plan.knock_s))
     if result.lost_s is not None:

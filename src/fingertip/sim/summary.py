@@ -24,7 +24,7 @@ def as_data(result: SceneResult | ManipulationResult, grips_s: Sequence[float] |
         Moments at which a controller tightened the grip [s]; None without a controller.
     """
     data = {
-        "scene": result.scene.scene,
+        "scene": result.scene.name,
         "columns": ["time_s", *result.columns],
         "samples": len(result.time_s),
         "sample_rate_hz": round(1 / float(result.time_s[1] - result.time_s[0]), 6),
@@ -60,7 +60,7 @@ def as_text(result: SceneResult | ManipulationResult, grips_s: Sequence[float] |
     if isinstance(result, SceneResult):
         scene = result.scene
         slide = f"{SURFACES[scene.contact.surface].label}, {scene.slide.speed_m_s:g} m/s"
-        title = slide if scene.slide.distance_m else scene.scene
+        title = slide if scene.slide.distance_m else scene.name
         return [f"{title}, {result.force_n:.2f} N, {size}", *slips]
     target = result.scene.object
     title = f"{1000 * target.mass_kg:g} g of {SURFACES[target.surface].label}, {result.scene.grasp.kind} grasp"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from fingertip.campaign.closed_loop import NO_CONTROL, LoopTrial
+from fingertip.campaign.closed_loop import NO_CONTROL, ClosedLoopTrial
 from fingertip.campaign.plan import REPORTED_SEPARATELY
 from fingertip.campaign.report.tables import ASSUMPTIONS
 from fingertip.campaign.requirements import Requirement
@@ -16,19 +16,19 @@ FIGURE_ASSUMPTIONS = {
         "force drawn uniformly from 0.2 to 2 N. The two objects are assumed to have the smooth and the plastic surface."
     ),
     "comparison.png": (
-        "False alarms come from scenes of contact, release, load change and drift in a mix of our choice; another mix "
-        "gives another rate. The bound knows the spectrum and strength of each slip in advance, and uses the shear "
-        "ahead of gross slip as information, although a load change looks the same. With less noise the bound is "
-        "therefore less meaningful."
+        "False alarms come from scenes of contact, release, load change and drift in a mix that this project chose; "
+        "another mix gives another rate. The bound knows the spectrum and strength of each slip in advance, and uses "
+        "the shear ahead of gross slip as information, although a load change looks the same. With less noise the "
+        "bound is therefore less meaningful."
     ),
     "spectra.png": (
         "Figure 2. The pad's resonance is set to where the article's spectra end: 90 Hz embedded, 230 Hz bare. This "
         "figure therefore verifies the simulation and does not predict."
     ),
     "windows.png, window_trial.png": (
-        "Figure 5, with the digital chain, because our board's bare diode passes no contact. The threshold follows the "
-        "noise in each window. The trial is selected: it is the first in which a window of 10 ms takes the contact for "
-        "slip."
+        "Figure 5, with the digital chain, because the bare diode of variant article passes no contact. The threshold "
+        "follows the noise in each window. The trial is selected: it is the first in which a window of 10 ms takes the "
+        "contact for slip."
     ),
     "trial.png, trials_surfaces.png, trials_objects.png": (
         "Figures 9, 12 and 13: the first held-out seeds, not selected ones. The robot's axes are not drawn; the normal "
@@ -71,24 +71,26 @@ NOT_TESTED = (
 )
 
 
-def as_markdown(result: CampaignResult, requirements: Sequence[Requirement], loop: Sequence[LoopTrial]) -> str:
+def as_markdown(
+    result: CampaignResult, requirements: Sequence[Requirement], closed_loop: Sequence[ClosedLoopTrial]
+) -> str:
     """Write the page.
 
     Parameters
     ----------
     result
-        Open-loop campaign, with every detector at its own threshold.
+        Open-loop campaign, with every detector at its nominal threshold.
     requirements
         Requirements, met or missed.
-    loop
+    closed_loop
         Manipulations of the closed loop.
     """
-    lines = ["# Failures and assumptions", "", "## Requirements missed", ""]
+    lines = ["# Omissions: failures, assumptions and what was not tested", "", "## Requirements missed", ""]
     lines += [f"- {requirement.message}" for requirement in requirements if not requirement.passed] or ["None."]
     lines += ["", "## Missed slips and false alarms", ""]
     for name in result.detectors:
         lines += list(_list_failures(result, name))
-    lines += ["", "## Manipulations", "", *_list_manipulations(loop)]
+    lines += ["", "## Manipulations", "", *_list_manipulations(closed_loop)]
     lines += ["", "## Assumptions of all results", "", *(f"- {text}" for text in ASSUMPTIONS)]
     lines += ["", "## Assumptions of each figure and table", ""]
     lines += [f"- {name}: {text}" for name, text in FIGURE_ASSUMPTIONS.items()]
@@ -97,28 +99,28 @@ def as_markdown(result: CampaignResult, requirements: Sequence[Requirement], loo
 
 
 def _list_failures(result: CampaignResult, name: str) -> Iterator[str]:
-    own = result.at_design(name)
+    nominal = result.at_nominal_threshold(name)
     groups: dict[str, list[int]] = {}
-    for trial in own.trials:
+    for trial in nominal.trials:
         if trial.slips:
             group = groups.setdefault(surface(trial), [0, 0])
             group[0] += trial.slips - len(trial.delays_s)
             group[1] += trial.slips
     missed = [f"{count} of {total} on {where}" for where, (count, total) in groups.items() if count]
     yield f"- {name}: slips missed: {', '.join(missed) if missed else 'none'}."
-    minutes = own.minutes()
+    minutes = nominal.minutes()
     alarms = [
         f"{cause} {count} in {minutes[cause]:.1f} min{' (reported separately)' if cause in REPORTED_SEPARATELY else ''}"
         if cause in minutes
         else f"{cause} {count}"
-        for cause, count in own.alarms().items()
+        for cause, count in nominal.alarms().items()
         if count
     ]
     yield f"  False alarms: {', '.join(alarms) if alarms else 'none'}."
 
 
-def _list_manipulations(loop: Sequence[LoopTrial]) -> Iterator[str]:
-    for trial in loop:
+def _list_manipulations(closed_loop: Sequence[ClosedLoopTrial]) -> Iterator[str]:
+    for trial in closed_loop:
         failures = []
         if not trial.held:
             failures.append("lost")
@@ -131,5 +133,5 @@ def _list_manipulations(loop: Sequence[LoopTrial]) -> Iterator[str]:
                 failures.append(f"{trial.suppressed_true} true detections suppressed before the first grip increase")
         if failures:
             yield f"- {trial.detector}, {trial.name}, seed {trial.seed}: {'; '.join(failures)}."
-    if all(trial.held for trial in loop):
+    if all(trial.held for trial in closed_loop):
         yield "- No object was lost, even without control: this campaign does not show what the control adds."

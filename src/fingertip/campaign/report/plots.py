@@ -9,11 +9,11 @@ from fingertip.campaign.run import CampaignResult, speed_m_s, surface
 from fingertip.campaign.studies.article_figures import Spectrum, WindowResult
 from fingertip.plot_style import BLUE, ORANGE, RED, TEXT_COLOUR, new_figure, style_axes, to_png
 
-COLORS = {"analog": BLUE, "digital": "#5b8fb9", "fft": ORANGE, "fast": RED}
+COLOURS = {"analog": BLUE, "digital": "#5b8fb9", "fft": ORANGE, "fast": RED}
 """Colour of each detector."""
-OTHER_COLOR = "#555555"
-"""Colour of a detector that has none of its own."""
-_SPEED_COLORS = ("#9ecae1", "#4292c6", "#08519c")
+OTHER_COLOUR = "#555555"
+"""Colour of a detector that has none of its nominal."""
+_SPEED_COLOURS = ("#9ecae1", "#4292c6", "#08519c")
 NOTE = "simulated, held-out seeds"
 """Note on every plot."""
 
@@ -23,17 +23,17 @@ def plot_delays(result: CampaignResult) -> bytes:
     figure = new_figure(10, 2.4 * len(result.detectors) + 0.8)
     rows = figure.subplots(len(result.detectors), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(rows, result.detectors, strict=True):
-        own = result.at_design(name)
-        ms = [1000 * d for d in own.delays_s]
+        nominal = result.at_nominal_threshold(name)
+        ms = [1000 * d for d in nominal.delays_s]
         counts: dict[int, int] = {}
         for d in ms:
             at = min(5 * math.floor(d / 5 + 0.5), 155)
             counts[at] = counts.get(at, 0) + 1
-        axes.bar(list(counts), list(counts.values()), width=4.4, color=COLORS.get(name, OTHER_COLOR))
+        axes.bar(list(counts), list(counts.values()), width=4.4, color=COLOURS.get(name, OTHER_COLOUR))
         below = sum(d < 30 for d in ms)
         title = (
-            f"{name}: {len(ms)} of {own.slips} slips found, {below} within 30 ms, median "
-            f"{1000 * own.delay_s(0.5):.1f} ms"
+            f"{name}: {len(ms)} of {nominal.slips} slips found, {below} within 30 ms, median "
+            f"{1000 * nominal.delay_s(0.5):.1f} ms"
         )
         axes.set_title(title, loc="left", fontsize=10)
         axes.axvline(30, color=TEXT_COLOUR, linestyle="--", linewidth=1)
@@ -46,22 +46,22 @@ def plot_delays(result: CampaignResult) -> bytes:
 
 def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
     """Plot the mean delay by surface and velocity, and by surface with its standard deviation; returns a PNG."""
-    own = result.at_design(detector)
+    nominal = result.at_nominal_threshold(detector)
     figure = new_figure(10, 7)
     top, bottom = figure.subplots(2, 1, sharex=True)
-    groups = own.group_delays(surface)
+    groups = nominal.group_delays(surface)
     names = list(groups)
-    speeds = sorted({speed_m_s(trial) for trial in own.trials if trial.slips})
-    both = own.group_delays(lambda trial: (surface(trial), speed_m_s(trial)))
+    speeds = sorted({speed_m_s(trial) for trial in nominal.trials if trial.slips})
+    both = nominal.group_delays(lambda trial: (surface(trial), speed_m_s(trial)))
     for i, speed in enumerate(speeds):
         values = [1000 * both[(name, speed)][0] if (name, speed) in both else math.nan for name in names]
         x = [n + 0.25 * (i - (len(speeds) - 1) / 2) for n in range(len(names))]
         label = f"{100 * speed:g} cm/s"
-        top.bar(x, [v if math.isfinite(v) else 0 for v in values], 0.22, label=label, color=_SPEED_COLORS[i % 3])
+        top.bar(x, [v if math.isfinite(v) else 0 for v in values], 0.22, label=label, color=_SPEED_COLOURS[i % 3])
     found = [(n, 1000 * groups[name][0], 1000 * groups[name][1]) for n, name in enumerate(names) if groups[name][2]]
     means, deviations = [mean for _, mean, _ in found], [deviation for _, _, deviation in found]
-    color = COLORS.get(detector, OTHER_COLOR)
-    bottom.errorbar([n for n, _, _ in found], means, deviations, fmt="o", capsize=5, color=color)
+    colour = COLOURS.get(detector, OTHER_COLOUR)
+    bottom.errorbar([n for n, _, _ in found], means, deviations, fmt="o", capsize=5, color=colour)
     for n, name in enumerate(names):
         if not groups[name][2]:
             bottom.annotate("none found", (n, 2), ha="center", fontsize=9, color=TEXT_COLOUR)
@@ -91,7 +91,7 @@ def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
     axes = figure.subplots()
     no_alarms = 0.02  # position of thresholds without alarms on the logarithmic axis
     for name, results in result.detectors.items():
-        color = COLORS.get(name, OTHER_COLOR)
+        colour = COLOURS.get(name, OTHER_COLOUR)
         # Above the lowest threshold without alarms, a higher one only increases the delay: draw that one only.
         silent = [r for r in results if not r.alarms_per_minute][:1]
         shown = [r for r in results if r.alarms_per_minute] + silent
@@ -100,11 +100,11 @@ def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
             values = [1000 * r.delay_s(fraction) for r in shown]
             kept = [(r, v) for r, v in zip(rates, values, strict=True) if math.isfinite(v)]
             label = f"{name}, {'median' if fraction == 0.5 else '90th percentile'}"
-            axes.plot([r for r, _ in kept], [v for _, v in kept], style, marker=".", color=color, label=label)
-        own = result.at_design(name)
-        if math.isfinite(own.delay_s(0.5)):
-            at = (max(own.alarms_per_minute, no_alarms), 1000 * own.delay_s(0.5))
-            axes.plot(*at, "o", markersize=11, markerfacecolor="none", color=color)
+            axes.plot([r for r, _ in kept], [v for _, v in kept], style, marker=".", color=colour, label=label)
+        nominal = result.at_nominal_threshold(name)
+        if math.isfinite(nominal.delay_s(0.5)):
+            at = (max(nominal.alarms_per_minute, no_alarms), 1000 * nominal.delay_s(0.5))
+            axes.plot(*at, "o", markersize=11, markerfacecolor="none", color=colour)
     axes.axhline(1000 * bound_s, color="#2e7d5b", linewidth=1, label="lower bound (Lorden), median")
     axes.axvline(0.1, color=TEXT_COLOUR, linewidth=1, linestyle=":")
     axes.set_xscale("log")

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from fingertip.campaign.closed_loop import NO_CONTROL, LoopSummary
+from fingertip.campaign.closed_loop import NO_CONTROL, ClosedLoopSummary
 from fingertip.campaign.plan import REPORTED_SEPARATELY, TUNING_SEEDS
 from fingertip.campaign.requirements import Requirement
 from fingertip.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
@@ -27,7 +27,7 @@ ASSUMPTIONS = (
     "Gross slip, from which the delay counts, begins when the pad slides at 1 mm/s. Elastic deflection of the bristles "
     "of the contact, which would spring back, is not sliding. Including it, the pad has moved at 1 mm/s for 5 to 7 ms "
     "by then, and the robot for some 13 ms. A detector that turns ON in the last 7 ms before gross slip has detected "
-    "it, with a delay of 0. The surface accelerates with 1 m/s2; the table of accelerations shows how much that "
+    "it, with a delay of 0. The surface accelerates at 1 m/s2; the table of accelerations shows how much that "
     "matters.",
     "The detector analog reads the output of the design's simulated board. The variant article has a bare 1N4148; the "
     "article does not name its diode. The table of board variants compares it with a board without dead zone.",
@@ -61,7 +61,7 @@ class StudyResults:
     """Discrimination of slip from a motor, by length of the segment."""
     knocks: Sequence[KnockResult]
     """False alarms from knocks, by force."""
-    loop: Sequence[LoopSummary]
+    closed_loop: Sequence[ClosedLoopSummary]
     """Manipulations, without control and with each detector."""
 
     def bound_s(self, fraction: float) -> float:
@@ -88,7 +88,7 @@ def as_data(
             for requirement in requirements
         ],
         "matched_alarms_per_minute": MATCHED_ALARMS_PER_MINUTE,
-        "matched": {name: _summary(own) if own else None for name, own in _matched(result).items()},
+        "matched": {name: _summary(matched) if matched else None for name, matched in _matched(result).items()},
         "trials": result.plan.trials,
         "negative_minutes": result.plan.negative_minutes,
         "first_seed": result.first_seed,
@@ -124,7 +124,9 @@ def as_data(
         "board_variants": [_fields(row) for row in studies.boards],
         "motor_discrimination": [_fields(row) for row in studies.motor],
         "knock_rejection": [_fields(row) for row in studies.knocks],
-        "closed_loop": [{**asdict(row), "reactions_s": [round(s, 7) for s in row.reactions_s]} for row in studies.loop],
+        "closed_loop": [
+            {**asdict(row), "reactions_s": [round(s, 7) for s in row.reactions_s]} for row in studies.closed_loop
+        ],
         "assumptions": list(ASSUMPTIONS),
     }
 
@@ -134,36 +136,36 @@ def _matched(result: CampaignResult) -> dict[str, DetectorResult | None]:
 
 
 def _detector(result: CampaignResult, name: str) -> dict[str, Any]:
-    own = result.at_design(name)
-    minutes = own.minutes()
+    nominal = result.at_nominal_threshold(name)
+    minutes = nominal.minutes()
     return {
-        **_summary(own),
-        "below_30_ms": round(own.below_30_ms, 4),
-        "surfaces": {str(k): _group(v) for k, v in own.group_delays(surface).items()},
-        "speeds_m_s": {str(k): _group(v) for k, v in own.group_delays(speed_m_s).items()},
+        **_summary(nominal),
+        "below_30_ms": round(nominal.share_within_30_ms, 4),
+        "surfaces": {str(k): _group(v) for k, v in nominal.group_delays(surface).items()},
+        "speeds_m_s": {str(k): _group(v) for k, v in nominal.group_delays(speed_m_s).items()},
         "alarms": {
             cause: {
                 "count": count,
                 "minutes": round(minutes.get(cause, 0.0), 3),
                 "reported_separately": cause in REPORTED_SEPARATELY,
             }
-            for cause, count in own.alarms().items()
+            for cause, count in nominal.alarms().items()
             if cause != "slip"
         },
         "trial_minutes": round(minutes.get("slip", 0.0), 3),
-        "delays_s": [round(d, 7) for d in own.delays_s],
+        "delays_s": [round(d, 7) for d in nominal.delays_s],
         "trade_off": [_summary(r) for r in result.detectors[name]],
     }
 
 
-def _summary(own: DetectorResult) -> dict[str, Any]:
+def _summary(result: DetectorResult) -> dict[str, Any]:
     return {
-        "scale": own.scale,
-        "found_share": round(own.found_share, 5),
-        "median_s": _number(own.delay_s(0.5)),
-        "p90_s": _number(own.delay_s(0.9)),
-        "on_share": round(own.on_share, 4),
-        "alarms_per_minute": round(own.alarms_per_minute, 4),
+        "scale": result.scale,
+        "found_share": round(result.found_share, 5),
+        "median_s": _number(result.delay_s(0.5)),
+        "p90_s": _number(result.delay_s(0.9)),
+        "on_share": round(result.on_share, 4),
+        "alarms_per_minute": round(result.alarms_per_minute, 4),
     }
 
 
@@ -191,12 +193,13 @@ def as_text(result: CampaignResult, detector: str, requirements: Sequence[Requir
     """Format the results as text: detectors, bound, studies, then the requirements."""
     lines = ["detector   found   median      p90   < 30 ms   ON    alarms/min   " + "   ".join(REPORTED_SEPARATELY)]
     for name in result.detectors:
-        own = result.at_design(name)
-        alarms, minutes = own.alarms(), own.minutes()
+        nominal = result.at_nominal_threshold(name)
+        alarms, minutes = nominal.alarms(), nominal.minutes()
         separate = "   ".join(f"{alarms[c] / minutes[c]:{len(c)}.1f}" for c in REPORTED_SEPARATELY if c in minutes)
         lines.append(
-            f"{name:8} {100 * own.found_share:6.1f}% {_ms(own.delay_s(0.5))} {_ms(own.delay_s(0.9))} "
-            f"{100 * own.below_30_ms:6.1f}% {100 * own.on_share:6.1f}% {own.alarms_per_minute:10.2f}   {separate}"
+            f"{name:8} {100 * nominal.found_share:6.1f}% {_ms(nominal.delay_s(0.5))} {_ms(nominal.delay_s(0.9))} "
+            f"{100 * nominal.share_within_30_ms:6.1f}% {100 * nominal.on_share:6.1f}% "
+            f"{nominal.alarms_per_minute:10.2f}   {separate}"
         )
     lines.append(
         f"bound      {'':6} {1000 * studies.bound_s(0.5):6.1f} ms {1000 * studies.bound_s(0.9):6.1f} ms   "
@@ -256,11 +259,11 @@ def _study_tables(studies: StudyResults) -> list[str]:
     forces = list(dict.fromkeys(row.force_n for row in studies.knocks))
     lines += ["", "knocks that are taken for slip, by force [N]:" + "".join(f"{force:7g}" for force in forces)]
     for name, rise_s in dict.fromkeys((row.detector, row.rise_s) for row in studies.knocks):
-        own = [row for row in studies.knocks if (row.detector, row.rise_s) == (name, rise_s)]
+        group = [row for row in studies.knocks if (row.detector, row.rise_s) == (name, rise_s)]
         label = f"{name}, rise time {1000 * rise_s:g} ms"
-        lines.append(f"{label:44}" + "".join(f"{100 * row.false_alarm_share:6.0f}%" for row in own))
+        lines.append(f"{label:44}" + "".join(f"{100 * row.false_alarm_share:6.0f}%" for row in group))
     lines += ["", "closed loop, four objects:      held   reaction median, slowest   false grips   suppressed"]
-    for row in studies.loop:
+    for row in studies.closed_loop:
         text = f"{row.detector:26} {row.held:4} of {row.count}"
         if row.detector != NO_CONTROL:
             ranked = row.reactions_s

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 
-from fingertip.campaign.closed_loop import NO_CONTROL, LoopTrial, any_finger_slips
+from fingertip.campaign.closed_loop import NO_CONTROL, ClosedLoopTrial, any_finger_slips
 from fingertip.campaign.evaluate import select_input, simulate_trace
 from fingertip.campaign.plan import HELD_OUT_FROM, Case
-from fingertip.campaign.report.plots import COLORS, NOTE, OTHER_COLOR
+from fingertip.campaign.report.plots import COLOURS, NOTE, OTHER_COLOUR
 from fingertip.campaign.run import scene_surface
 from fingertip.campaign.studies.article_figures import WINDOW_DETECTOR, WINDOWS_S, with_window
 from fingertip.design import Design
@@ -32,7 +32,7 @@ _FINGERS = {"thumb": "#1f4e79", "index": "#b03a2e", "middle": "#d98c2b", "ring":
 SHORT_WINDOW_S = 0.01
 """Window that takes a contact for slip in the article's figure 5 [s]."""
 DETECTORS_SHOWN = ("analog", "digital", "fast")
-LOOP_PLOTS = {"closed_loop_power.png": "parallelepiped", "closed_loop_pinch.png": "cylinder"}
+CLOSED_LOOP_PLOTS = {"closed_loop_power.png": "parallelepiped", "closed_loop_pinch.png": "cylinder"}
 """File -> object, as in the article's figures 16 and 17."""
 
 
@@ -106,7 +106,7 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     threshold_mv = 1000 * design.detector.threshold_v
     sampled = select_input(trace, "analog")
     envelope.plot(t, 1000 * sampled, color=_ENVELOPE, linewidth=0.7, label=f"board's output ({design.board.variant})")
-    envelope.plot(t, mean_mv, color=COLORS["digital"], linewidth=1.2, label="digital, mean over the window")
+    envelope.plot(t, mean_mv, color=COLOURS["digital"], linewidth=1.2, label="digital, mean over the window")
     label = f"threshold {threshold_mv:g} mV"
     envelope.axhline(threshold_mv, color="black", linestyle="--", linewidth=1, label=label)
     highest = max(float(np.max(mean_mv)), threshold_mv, float(np.quantile(1000 * sampled, 0.999)))
@@ -153,8 +153,8 @@ def plot_panels(design: Design, examples: Sequence[ExampleTrial]) -> bytes:
         twin.spines["top"].set_visible(False)
         _shade_slip(axes, trace)
         spans = [(i.onset_s, i.end_s - i.onset_s) for i in intervals(t, chain.on)]
-        axes.broken_barh(spans, (high + 0.1 * span, 0.1 * span), color=COLORS["digital"], linewidth=0)
-        axes.text(0.005, 0.985, "ON", color=COLORS["digital"], fontsize=9, va="top", transform=axes.transAxes)
+        axes.broken_barh(spans, (high + 0.1 * span, 0.1 * span), color=COLOURS["digital"], linewidth=0)
+        axes.text(0.005, 0.985, "ON", color=COLOURS["digital"], fontsize=9, va="top", transform=axes.transAxes)
         axes.set_title(example.title, loc="left", fontsize=10)
         axes.set_xlim(float(t[0]), float(t[-1]))
         style_axes(axes)
@@ -186,19 +186,19 @@ def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
     return to_png(figure)
 
 
-def plot_loop(trials: Sequence[LoopTrial], detector: str) -> dict[str, bytes]:
-    """Plot the first manipulation of each object of `LOOP_PLOTS`, with and without control; returns name -> PNG."""
+def plot_closed_loop(trials: Sequence[ClosedLoopTrial], detector: str) -> dict[str, bytes]:
+    """Plot the first manipulation of each of `CLOSED_LOOP_PLOTS`, with and without control; returns name -> PNG."""
     plots = {}
-    for name, shown in LOOP_PLOTS.items():
-        own = [trial for trial in trials if trial.name == shown]
-        controlled = next((trial for trial in own if trial.detector == detector), None)
-        uncontrolled = next((trial for trial in own if trial.detector == NO_CONTROL), None)
+    for name, shown in CLOSED_LOOP_PLOTS.items():
+        shown_trials = [trial for trial in trials if trial.name == shown]
+        controlled = next((trial for trial in shown_trials if trial.detector == detector), None)
+        uncontrolled = next((trial for trial in shown_trials if trial.detector == NO_CONTROL), None)
         if controlled and uncontrolled:
             plots[name] = plot_manipulation(controlled, uncontrolled)
     return plots
 
 
-def plot_manipulation(trial: LoopTrial, uncontrolled: LoopTrial) -> bytes:
+def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> bytes:
     """Plot forces, detections, closing of the fingers and displacement of the object; returns a PNG."""
     figure = new_figure(10, 9)
     panels = figure.subplots(4, 1, sharex=True, height_ratios=(2.2, 0.9, 2.2, 1.4))
@@ -219,7 +219,7 @@ def plot_manipulation(trial: LoopTrial, uncontrolled: LoopTrial) -> bytes:
     flags = np.array([(decision.detected, decision.suppressed) for decision in trial.decisions], dtype=np.bool_)
     periods = np.array([decision.time_s for decision in trial.decisions])
     rows = (
-        ("used", intervals(periods, flags[:, 0] & ~flags[:, 1]), COLORS.get(trial.detector, OTHER_COLOR)),
+        ("used", intervals(periods, flags[:, 0] & ~flags[:, 1]), COLOURS.get(trial.detector, OTHER_COLOUR)),
         ("suppressed", intervals(periods, flags[:, 0] & flags[:, 1]), _REFERENCE),
         ("true slip", intervals(t, any_finger_slips(manipulation)), _TRUTH),
     )
@@ -260,7 +260,7 @@ def _draw_rows(
     named = [*rows, ("true slip", trace.slip)]
     for row, (name, flags) in enumerate(named):
         spans = [(i.onset_s, max(i.end_s - i.onset_s, 0.004)) for i in intervals(trace.time_s, flags)]
-        color = _TRUTH if name == "true slip" else COLORS.get(name, "#1f4e79")
+        color = _TRUTH if name == "true slip" else COLOURS.get(name, "#1f4e79")
         axes.broken_barh(spans, (row - 0.35, 0.7), color=color, linewidth=0)
     axes.set_yticks(range(len(named)), [name for name, _ in named])
     axes.set_ylim(len(named) - 0.4, -0.6)

@@ -67,8 +67,8 @@ def study_accelerations(
                     slips[name] += result.slips
         bounds = compute_bounds_s(design, plan, first_seed, accelerate)
         for name, found, count in [(BOUND, bounds, len(bounds)), *((n, delays[n], slips[n]) for n in detectors)]:
-            share = sum(delay < float("inf") for delay in found) / count
+            fraction = sum(delay < float("inf") for delay in found) / count
             results.append(
-                AccelerationResult(a, name, share, quantile_s(found, count, 0.5), quantile_s(found, count, 0.9))
+                AccelerationResult(a, name, fraction, quantile_s(found, count, 0.5), quantile_s(found, count, 0.9))
             )
     return results

@@ -27,8 +27,8 @@ _AVERAGED = 5
 WINDOWS_S = (0.005, 0.01, 0.02, 0.03, 0.05, 0.1)
 """Window lengths [s]. The article shows 10 ms and more, uses 30 ms, and calls 20 to 100 ms acceptable."""
 WINDOW_DETECTOR = "digital"
-"""Detector of the window study. The article's figure shows its board's output; our board with a bare diode passes no
-contact."""
+"""Detector of the window study. The article's figure shows its board's output; the simulated board of variant article,
+with a bare diode, passes no contact."""
 CONTACTS = ("contact", "release", "load change")
 
 

@@ -28,8 +28,8 @@ class Variation:
 
 
 VARIATIONS: tuple[Variation, ...] = (
-    Variation("surface accelerates with 0.5 m/s2", "slide", "acceleration_m_s2", 0.5),
-    Variation("surface accelerates with 4 m/s2", "slide", "acceleration_m_s2", 4.0),
+    Variation("surface accelerates at 0.5 m/s2", "slide", "acceleration_m_s2", 0.5),
+    Variation("surface accelerates at 4 m/s2", "slide", "acceleration_m_s2", 4.0),
     Variation("resonance 60 Hz", "contact", "resonance_hz", 60 / 90),
     Variation("resonance 135 Hz", "contact", "resonance_hz", 1.5),
     Variation("half the force", "hold", "force", 0.5),

@@ -86,7 +86,7 @@ def study_board_variants(
                     pooled.found_share,
                     pooled.delay_s(0.5),
                     pooled.delay_s(0.9),
-                    pooled.below_30_ms,
+                    pooled.share_within_30_ms,
                     max(mean for mean, _, _ in pooled.group_delays(surface).values()),
                     pooled.alarms_per_minute,
                 )

@@ -30,7 +30,7 @@ from fingertip.slip.detectors.noise import mean_quantised_noise_v
 ALARMS_PER_MINUTE = 0.1
 """Rate of false alarms for which the bound holds [1/min]."""
 _MIN_NOISE_V = 1e-12
-"""Noise that replaces no noise at all [V]."""
+"""Noise floor used when the design states zero noise [V]."""
 _CREEP_S = 0.02
 """Time before gross slip in which the creeping pad's information counts [s]: the robot has moved for some 13 ms."""
 _SMOOTHING_S = 0.002

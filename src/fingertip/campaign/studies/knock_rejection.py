@@ -17,7 +17,7 @@ from fingertip.jit import compiled
 
 FORCES_N = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 RISES_S = (0.002, 0.004, 0.01)
-"""Rise times of a hard tap [s]: 2 to 10 ms (assumption, as in ``params/scenes/hard_tap.toml``)."""
+"""Rise times of a knock [s]: 2 to 10 ms (assumption, as in ``params/scenes/hard_tap.toml``)."""
 _SEED_OFFSET = 20_000
 
 
@@ -57,6 +57,6 @@ def study_knock_rejection(
                         alarms[name] += len(result.alarms)
                     seed += 1
                 for name in detectors:
-                    share = min(1.0, alarms[name] / (scenes * tap.count))
-                    results.append(KnockResult(name, force_n, rise_s, share))
+                    fraction = min(1.0, alarms[name] / (scenes * tap.count))
+                    results.append(KnockResult(name, force_n, rise_s, fraction))
     return results

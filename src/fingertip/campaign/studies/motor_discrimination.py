@@ -64,11 +64,12 @@ def study_motor_discrimination(
         count = round(segment_s * rate)
         bases = [_tone_pair_basis(count, rate, f) for f in FREQUENCIES_HZ]
         residuals = {
-            cause: [_residual(segment[:count], bases) / noise for segment in own] for cause, own in segments.items()
+            cause: [_residual(segment[:count], bases) / noise for segment in recorded]
+            for cause, recorded in segments.items()
         }
         worst = max(residuals["motor"])
-        share = float(np.mean([value > worst for value in residuals["slip"]]))
-        results.append(DiscriminationResult(segment_s, worst, float(np.median(residuals["slip"])), share))
+        fraction = float(np.mean([value > worst for value in residuals["slip"]]))
+        results.append(DiscriminationResult(segment_s, worst, float(np.median(residuals["slip"])), fraction))
     return results
 
 

@@ -1,1 +1,1 @@
-"""Benchmarks: error against run time of our integrators and of other solvers. Needs scipy."""
+"""Benchmarks: error against run time of this package's integrators and of other solvers. Needs scipy."""

@@ -1,7 +1,7 @@
-"""Work-precision of the board: a burst of vibration through filter, diode and envelope, by us, scipy and ngspice.
+"""Work-precision of the board: a burst of vibration through filter, diode and envelope, in three simulators.
 
 Every solver joins the samples by straight lines. scipy gets compiled right sides and Jacobians, with the diode and its
-series resistance solved by the same function as ours, and must not step over a sample. ngspice reads the samples as a
+series resistance solved by the same function as here, and must not step over a sample. ngspice reads the samples as a
 piecewise linear source and evaluates it itself. Writing its deck and reading its result are not counted.
 """
 
@@ -24,7 +24,7 @@ from fingertip.design import Design
 from fingertip.jit import compile_for_process
 from fingertip.sim.bench.work_precision import WorkPrecision
 from fingertip.sim.electronics.analog import simulate_board
-from fingertip.sim.electronics.circuit import AnalogBoard
+from fingertip.sim.electronics.analog_circuit import AnalogBoard
 from fingertip.sim.electronics.envelope_loop import wright_omega
 
 STEP_S = 1 / 2000
@@ -99,7 +99,7 @@ def measure_board(seconds: float, methods: tuple[str, ...] = ("LSODA", "Radau", 
         return np.asarray(solution.y[3])
 
     def run_restarted(tolerance: float) -> Array:
-        """LSODA restarted at every sample, where the input has a corner: the reference that is not ours."""
+        """LSODA restarted at every sample, where the input has a corner: the independent reference."""
         from scipy.integrate import solve_ivp
 
         state, out = start_state, [0.0]
@@ -147,7 +147,7 @@ def _measure_ngspice(diagram: WorkPrecision, board: AnalogBoard, voltage: Array,
 def write_deck(
     folder: Path, board: AnalogBoard, step_s: float, voltage_v: Array, reltol: float, longest_s: float
 ) -> None:
-    """Write the deck `slip.cir` for ngspice; its amplifiers are ideal, as in `electronics.circuit` without rails."""
+    """Write the deck `slip.cir` for ngspice. Its amplifiers are ideal, like those of an `AnalogBoard` without rails."""
     pairs = [f"{i * step_s:.9g} {v:.17g}" for i, v in enumerate(voltage_v.tolist())]
     points = "\n".join("+ " + " ".join(pairs[i : i + 4]) for i in range(0, len(pairs), 4))
     deck = _DECK.format(
@@ -163,7 +163,7 @@ def run_deck(program: Path, folder: Path) -> None:
 
 
 def read_result(folder: Path, step_s: float, samples: int) -> tuple[Array, Array]:
-    """Read filtered and enveloped voltage at the samples; ngspice has time points there, at its source's corners."""
+    """Read filtered voltage and envelope at the samples; ngspice has time points there, at its source's corners."""
     out = np.loadtxt(folder / "out.data" if (folder / "out.data").exists() else folder / "out")
     time = np.arange(samples) * step_s
     return np.interp(time, out[:, 0], out[:, 1]), np.interp(time, out[:, 0], out[:, 2])

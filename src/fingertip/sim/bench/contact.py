@@ -1,7 +1,7 @@
-"""Work-precision of the contact: a pad dragged to and fro under a changing load, by us and by scipy.
+"""Work-precision of the contact: a pad dragged to and fro under a changing load, by fingertip and by scipy.
 
-scipy gets compiled right sides and Jacobians of its own, is restarted at the drive's few corners (ours steps from
-sample to sample), and returns its dense output at the samples.
+scipy gets compiled right sides and Jacobians of its own, is restarted at the drive's few corners (fingertip steps
+from sample to sample), and returns its dense output at the samples.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _LOADS = ((0.0, 0.8), (0.5, 0.8), (0.6, 1.2), (1.5, 1.2), (1.6, 0.5), (3.0, 0.5)
 
 
 def make_input(seconds: float) -> tuple[Array, Array, Array, Array]:
-    """Time [s], stage position [m] and velocity [m/s], load [N] at the samples: exact for our interpolation."""
+    """Time [s], stage position [m] and velocity [m/s], load [N] at the samples: exact for fingertip's interpolation."""
     t = np.arange(round(seconds * RATE_HZ) + 1) / RATE_HZ
     velocity = np.interp(t, [x for x, _ in _VELOCITY], [y for _, y in _VELOCITY])
     load = np.interp(t, [x for x, _ in _LOADS], [y for _, y in _LOADS])
@@ -69,7 +69,7 @@ def measure_contact(seconds: float, methods: tuple[str, ...] = ("LSODA", "Radau"
 
         state, place = np.array([0.0, 0.0, 0.0, load[0], 0.0]), 0
         out = np.zeros((5, len(t)))
-        # Absolute tolerances by component: the same force error as ours, through the same stiffnesses.
+        # Absolute tolerances by component: the same force error as fingertip's, through the same stiffnesses.
         scale = np.array([1 / k, 1 / math.sqrt(k * mount.mass_kg), 1 / _FRICTION.sigma0, 1.0, 600.0])
         for begin, end in pairwise(knots):
             last = round(end * RATE_HZ)
@@ -99,7 +99,7 @@ def measure_contact(seconds: float, methods: tuple[str, ...] = ("LSODA", "Radau"
 
 
 def _scipy_equations(mount: Mount, press: NormalContact) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Right side and Jacobian for scipy, independent of ours; compiled where numba is installed, as ours are."""
+    """Right side and Jacobian for scipy, independent of fingertip's; compiled too where numba is installed."""
     f = _FRICTION
     mu_c, drop, vs, s0, s1, s2 = f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.sigma0, f.sigma1, f.sigma2
     m, k, c = mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m

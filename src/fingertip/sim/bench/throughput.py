@@ -14,7 +14,7 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.sim.article import article_manipulations, article_trials
 from fingertip.sim.electronics.analog import simulate_boards
-from fingertip.sim.electronics.circuit import AnalogBoard
+from fingertip.sim.electronics.analog_circuit import AnalogBoard
 from fingertip.sim.electronics.monte_carlo import draw_boards
 from fingertip.sim.hand.controller import FixedGrip
 from fingertip.sim.hand.manipulation import run_manipulation

@@ -40,11 +40,11 @@ class WorkPrecision:
     target: float
     """Error that is small enough in practice, in `unit`."""
     target_ratios: dict[str, float] = field(default_factory=dict)
-    """Solver -> how many times our CPU time it should take at that error."""
+    """Solver -> how many times fingertip's CPU time it should take at that error."""
     reference_difference: float = 0.0
     """Largest difference between the two references, in `unit`."""
     input_s: float = 0.0
-    """CPU time of generating the input once [s]; part of every point, of ours and of the others."""
+    """CPU time of generating the input once [s]; part of every solver's points."""
     points: list[Point] = field(default_factory=list)
     omissions: list[str] = field(default_factory=list)
 
@@ -75,17 +75,18 @@ class WorkPrecision:
         good = [p for p in self.points if p.solver == solver and p.error <= max_error]
         return min(good, key=lambda p: p.cpu_s, default=None)
 
-    def cpu_ratio(self, ours: str, solver: str) -> float | None:
-        """CPU time of `solver` over ours, at an error at which ours is at least as accurate.
+    def cpu_ratio(self, base: str, solver: str) -> float | None:
+        """Ratio of the CPU time of `solver` to that of `base`, at an error at which `base` is at least as accurate.
 
-        The solver's fastest point within the target is compared with our fastest point that is at least as accurate.
+        The solver's fastest point within the target is compared with the fastest point of `base` that is at least as
+        accurate.
         """
-        theirs = self.fastest_point(solver, self.target)
-        best = self.fastest_point(ours, theirs.error) if theirs else None
-        return theirs.cpu_s / best.cpu_s if theirs and best else None
+        other = self.fastest_point(solver, self.target)
+        best = self.fastest_point(base, other.error) if other else None
+        return other.cpu_s / best.cpu_s if other and best else None
 
     def cpu_ratios(self) -> dict[str, float | None]:
-        """CPU time of each other solver over ours, the first solver's; None where there is no point to compare."""
+        """Ratio of the CPU time of each solver to that of the first, fingertip; None without a point to compare."""
         solvers = list(dict.fromkeys(point.solver for point in self.points))
         return {solver: self.cpu_ratio(solvers[0], solver) for solver in solvers[1:]}
 
@@ -99,10 +100,12 @@ class WorkPrecision:
         lines = [f"{self.problem}: the references differ by {self.reference_difference:.1e} {unit}"]
         lines += [f"  {p.solver:28}{p.setting:28}{p.error:10.1e} {unit}{1e3 * p.cpu_s:12.2f} ms" for p in self.points]
         for solver, ratio in self.cpu_ratios().items():
-            text = f"{ratio:.0f} times our CPU time" if ratio else "no comparable point"
+            text = f"{ratio:.0f} times fingertip's CPU time" if ratio else "no comparable point"
             if solver in self.target_ratios:
                 text += f" (target {self.target_ratios[solver]:g})"
-            lines.append(f"  {solver}: {text} at an error of at most {self.target:g} {unit}, with ours no larger")
+            lines.append(
+                f"  {solver}: {text} at an error of at most {self.target:g} {unit}, with fingertip's no larger"
+            )
         lines.append("  omitted:")
         return lines + [f"    {line}" for line in self.omissions]
 

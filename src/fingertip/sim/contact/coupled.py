@@ -24,7 +24,7 @@ import numpy as np
 from fingertip.arrays import Array
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact import coupled_loop
-from fingertip.sim.contact.friction import Friction
+from fingertip.sim.contact.friction import RELAX_PER_S, Friction
 from fingertip.sim.contact.tangential import Mount
 from fingertip.sim.validation import find_column_issues, find_negative, find_not_positive, raise_issues
 
@@ -48,15 +48,15 @@ class NormalContact:
     """Undamped resonance while touching [Hz]."""
     damping_ratio: float
     """Damping ratio while touching."""
-    hand_share: float = 0.02
-    """Stiffness of the hand behind the pad as a share of the contact's: 90 N/m of some 5 kN/m (`sim.contact.pad`)."""
+    hand_ratio: float = 0.02
+    """Ratio of the hand's stiffness behind the pad to the contact's: 90 N/m to some 5 kN/m (`sim.contact.pad`)."""
 
     def __post_init__(self) -> None:
         raise_issues(
             [
                 *find_not_positive("normal.resonance_hz", self.resonance_hz, "Hz", "90"),
                 *find_negative("normal.damping_ratio", self.damping_ratio, ""),
-                *find_not_positive("normal.hand_share", self.hand_share, "", "0.02"),
+                *find_not_positive("normal.hand_ratio", self.hand_ratio, "", "0.02"),
             ]
         )
 
@@ -99,7 +99,7 @@ def integrate(
     Parameters
     ----------
     friction, mount, normal
-        Surface, and suspension of the pad along and normal to it.
+        Surface, mount of the pad along the surface, and resonance normal to it.
     step_s
         Time between samples [s].
     carriage_m, carriage_m_s, pressing_n
@@ -121,7 +121,7 @@ def integrate(
         ]
     )
     out = [np.zeros(len(carriage_m)) for _ in range(4)]
-    count = np.zeros(3)
+    stats = np.zeros(3)
     omega = float(2 * np.pi * normal.resonance_hz)
 
     # Weights that turn the error of each state into a force: stiffness for x, damping for v, bristle stiffness for z.
@@ -137,13 +137,13 @@ def integrate(
     )
     coupled_loop.run(
         (friction.mu_c, friction.mu_s - friction.mu_c, friction.stribeck_m_s, friction.elastic),
-        (friction.sigma0, friction.sigma1, friction.sigma2),
+        (friction.sigma0, friction.sigma1, friction.sigma2, RELAX_PER_S),
         (mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m),
-        (omega, normal.damping_ratio, normal.hand_share),
+        (omega, normal.damping_ratio, normal.hand_ratio),
         weights,
-        MAX_STEPS, step_s, carriage_m, carriage_m_s, pressing_n, *out, count,
+        MAX_STEPS, step_s, carriage_m, carriage_m_s, pressing_n, *out, stats,
     )  # fmt: skip
-    if (failed := int(count[2])) > 0:
+    if (failed := int(stats[coupled_loop.FAILED_SAMPLE])) > 0:
         raise TraceError(
             Issue(
                 f"sample {failed}",
@@ -152,4 +152,5 @@ def integrate(
             )
         )
     x, v, z, y = out
-    return CoupledMotion(x, v, z, np.maximum(y, 0.0), int(count[0]), int(count[1]))
+    steps, rejected = int(stats[coupled_loop.ACCEPTED]), int(stats[coupled_loop.REJECTED])
+    return CoupledMotion(x, v, z, np.maximum(y, 0.0), steps, rejected)

@@ -20,7 +20,7 @@ from fingertip.jit import CompiledLoop
 
 GAMMA = 0.25
 ALPHA = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
-"""Times of the stages, as shares of the step."""
+"""Times of the stages, as fractions of the step."""
 D = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
 """Coefficients of the time derivative."""
 _LAST = (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950)
@@ -45,17 +45,17 @@ D1, D2, D3, D4, _, _ = D
 (A21,), (A31, A32), (A41, A42, A43), (A51, A52, A53, A54) = A
 (C21,), (C31, C32), (C41, C42, C43), (C51, C52, C53, C54), (C61, C62, C63, C64, C65) = C
 
-RELAX_PER_S = 1e3
-"""Rate at which bristles without contact straighten up [1/s]. Assumption."""
 RELAX_BELOW_N = 1e-3
-"""Load below which this relaxation fades in [N], so that the right-hand side stays continuous."""
+"""Load below which the relaxation of the bristles fades in [N], so that the right-hand side stays continuous."""
 MIN_STEP_RATIO = 1e-12
-"""Shortest step as a share of the time between samples. Such a step is accepted whatever its error."""
+"""Shortest step as a fraction of the time between samples. Such a step is accepted whatever its error."""
+ACCEPTED, REJECTED, FAILED_SAMPLE = range(3)
+"""Indices of the statistics: accepted steps, rejected steps, and the sample at which the loop gave up, or 0."""
 
 
 def rates(
     curve: tuple[float, float, float, float],
-    sigma: tuple[float, float, float],
+    sigma: tuple[float, float, float, float],
     mount: tuple[float, float, float],
     normal: tuple[float, float, float],
     X: float,
@@ -69,7 +69,7 @@ def rates(
 ) -> tuple[float, float, float]:
     """Return the right-hand sides dv/dt, dz/dt and dw/dt (equations in `fingertip.sim.contact.coupled`)."""
     mu_c, drop, vs, elastic = curve
-    s0, s1, s2 = sigma
+    s0, s1, s2, relax_per_s = sigma
     m, k, c = mount
     omega, zeta, rho = normal
     load = y if y > 0.0 else 0.0
@@ -81,12 +81,12 @@ def rates(
         if v * z <= 0.0:
             alpha = 0.0
         else:
-            share = (s0 * abs(z) - elastic * mu_c) / (g - elastic * mu_c)
-            alpha = 0.0 if share <= 0.0 else 1.0 if share >= 1.0 else share * share * (3 - 2 * share)
+            fraction = (s0 * abs(z) - elastic * mu_c) / (g - elastic * mu_c)
+            alpha = 0.0 if fraction <= 0.0 else 1.0 if fraction >= 1.0 else fraction * fraction * (3 - 2 * fraction)
     # LuGre friction, and relaxation of bristles that hardly touch.
     dz = v - alpha * s0 * abs(v) * z / g
     if load < RELAX_BELOW_N:
-        dz -= RELAX_PER_S * (1 - load / RELAX_BELOW_N) * z
+        dz -= relax_per_s * (1 - load / RELAX_BELOW_N) * z
     dv = (k * (X - x) + c * (V - v) - load * (s0 * z + s1 * dz + s2 * v)) / m
     # Normal direction: contact resonance while touching, the softer and slower hand in flight.
     if y > 0.0:
@@ -96,7 +96,7 @@ def rates(
 
 def _coupled_loop(
     curve: tuple[float, float, float, float],
-    sigma: tuple[float, float, float],
+    sigma: tuple[float, float, float, float],
     mount: tuple[float, float, float],
     normal: tuple[float, float, float],
     weights: tuple[float, float, float, float, float],
@@ -111,11 +111,11 @@ def _coupled_loop(
     ys: MutableSequence[float],
     stats: MutableSequence[float],
 ) -> None:
-    # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2; mass m, stiffness k
-    # and damping c of the suspension; normal resonance omega, its damping zeta, and the hand's share rho of the
-    # stiffness.
+    # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2 and their rate of
+    # relaxation; mass m, stiffness k and damping c of the mount; normal resonance omega, its damping zeta, and the
+    # ratio rho of the hand's stiffness to the contact's.
     mu_c, drop, vs, elastic = curve
-    s0, s1, s2 = sigma
+    s0, s1, s2, relax_per_s = sigma
     m, k, c = mount
     omega, zeta, rho = normal
     weight_x, weight_v, weight_z, weight_y, weight_w = weights
@@ -137,7 +137,7 @@ def _coupled_loop(
         while t < H:
             attempts += 1
             if attempts > max_steps:
-                stats[2] = i + 1
+                stats[FAILED_SAMPLE] = i + 1
                 return
             # Step size: end exactly on the sample. Two equal steps avoid a tiny last one.
             is_last = t + h >= H * (1 - 1e-9)
@@ -161,22 +161,22 @@ def _coupled_loop(
                 alpha = 0.0
                 if v * z > 0.0:
                     width = g - elastic * mu_c
-                    share = (s0 * abs(z) - elastic * mu_c) / width
-                    if share >= 1.0:
+                    fraction = (s0 * abs(z) - elastic * mu_c) / width
+                    if fraction >= 1.0:
                         alpha = 1.0
-                    elif share > 0.0:
-                        alpha = share * share * (3 - 2 * share)
-                        rise = 6 * share * (1 - share)
+                    elif fraction > 0.0:
+                        alpha = fraction * fraction * (3 - 2 * fraction)
+                        rise = 6 * fraction * (1 - fraction)
                         alpha_z = rise * (s0 if z > 0.0 else -s0) / width
-                        alpha_v = -rise * share * dg / width
+                        alpha_v = -rise * fraction * dg / width
 
             # Jacobian: J_zv is the derivative of dz/dt by v, and so on. The only entries of the rows of x and y are 1.
             J_zv = 1 - s0 * z * (alpha * (sign - speed * dg / g) + alpha_v * speed) / g
             J_zz = -s0 * speed * (alpha + alpha_z * z) / g
             J_zy = 0.0
             if load < RELAX_BELOW_N:
-                J_zz -= RELAX_PER_S * (1 - load / RELAX_BELOW_N)
-                J_zy = RELAX_PER_S * z / RELAX_BELOW_N if y > 0.0 else 0.0
+                J_zz -= relax_per_s * (1 - load / RELAX_BELOW_N)
+                J_zy = relax_per_s * z / RELAX_BELOW_N if y > 0.0 else 0.0
             mu = s0 * z + s1 * dz + s2 * v
             J_vx = -k / m
             J_vv = -(c + load * (s1 * J_zv + s2)) / m
@@ -313,8 +313,8 @@ def _coupled_loop(
         vs_out[i + 1] = v
         zs[i + 1] = z
         ys[i + 1] = y
-    stats[0], stats[1] = steps, rejected
+    stats[ACCEPTED], stats[REJECTED] = steps, rejected
 
 
 run = CompiledLoop(_coupled_loop, rates, outputs=5, samples="Xs", plain_us=12.0)
-"""Fills x, v, z and y at the samples, and (steps, rejected steps, sample at which it gave up or 0)."""
+"""Fills x, v, z and y at the samples, and the statistics."""

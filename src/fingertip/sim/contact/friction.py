@@ -19,6 +19,14 @@ from fingertip.errors import Issue, TraceError
 ELASTO_PLASTIC = 0.7
 """Usual value of `Friction.elastic`: bristles yield from 0.7 of their deflection in fast sliding. Assumption."""
 
+ROS2_GAMMA = 1 - 1 / math.sqrt(2)
+"""Parameter of ROS2 that makes it L-stable (Verwer et al. 1999), the method of both loops with fixed steps."""
+RELAXATION_S = 1e-3
+"""Time in which bristles without contact straighten up [s]. Assumption.
+
+The loops take it as an argument: numba's cache would not notice a change of a constant in another file."""
+RELAX_PER_S = 1 / RELAXATION_S
+"""Rate of this relaxation [1/s]."""
 GROSS_SLIP_M_S = 1e-3
 """Sliding speed above which slip is gross [m/s]. Assumption: 1/40 of the article's slowest slide."""
 
@@ -46,8 +54,9 @@ class Friction:
     sigma2: float = 0.6
     """Viscous friction [s/m]. Assumption: at 8 cm/s it adds 0.05 to the coefficient."""
     elastic: float = 0.0
-    """Share of the deflection ``mu_c / sigma0`` up to which bristles bend elastically. 0 is plain LuGre friction, where
-    bristles always creep."""
+    """Fraction of the deflection ``mu_c / sigma0`` up to which bristles bend elastically.
+
+    0 is plain LuGre friction, where bristles always creep."""
 
     def __post_init__(self) -> None:
         issues = [
@@ -72,8 +81,8 @@ class Friction:
         """Whether friction only ever takes energy: ``sigma2 > sigma1 (mu_s - mu_c) / mu_c``.
 
         The bound holds for plain LuGre friction (N. Barabanov, R. Ortega, IEEE Trans. Automatic Control 45(4), 2000,
-        doi:10.1109/9.847131). Elasto-plastic bristles yield less, so the same bound serves for them. A test drives them
-        to look for a counterexample.
+        doi:10.1109/9.847131). Elasto-plastic bristles yield less, so the same bound serves for them. The tests
+        ``test_friction_is_passive`` look for a counterexample with both kinds of bristles.
         """
         return self.sigma2 * self.mu_c > self.sigma1 * (self.mu_s - self.mu_c)
 
@@ -88,15 +97,15 @@ class Friction:
         velocity_m_s
             Velocity of the pad over the surface [m/s], any shape.
         bristle_m
-            Mean deflection of its bristles [m], same shape.
+            Mean deflection of its bristles [m], same shape. It has the sign of the velocity that bent them.
         """
         v, z = np.abs(velocity_m_s), np.abs(bristle_m)
         ratio = v / self.stribeck_m_s
         g = self.mu_c + (self.mu_s - self.mu_c) / (1 + ratio * ratio)
-        slides = self.sigma0 * v * z / g
+        speed = self.sigma0 * v * z / g
         if self.elastic:
             # alpha(v, z) of Dupont et al.: 0 below the elastic limit and for bristles that straighten up, 1 in sliding.
             minimum = self.elastic * self.mu_c
-            share = np.clip((self.sigma0 * z - minimum) / (g - minimum), 0.0, 1.0)
-            slides = np.where(velocity_m_s * bristle_m > 0.0, share * share * (3 - 2 * share) * slides, 0.0)
-        return np.asarray(slides, dtype=np.float64)
+            fraction = np.clip((self.sigma0 * z - minimum) / (g - minimum), 0.0, 1.0)
+            speed = np.where(velocity_m_s * bristle_m > 0.0, fraction * fraction * (3 - 2 * fraction) * speed, 0.0)
+        return np.asarray(speed, dtype=np.float64)

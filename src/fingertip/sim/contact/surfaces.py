@@ -33,6 +33,7 @@ class Surface:
 SURFACES: dict[str, Surface] = {
     "smooth": Surface("metal, Ra 0.2 um", 0.2, Friction(0.50, 0.40)),
     "medium": Surface("metal, Ra 0.8 um", 0.8, Friction(0.60, 0.48)),
+    # "gross" is the article's word for its coarse metal; it has nothing to do with gross slip.
     "gross": Surface("metal, Ra 3.2 um", 3.2, Friction(0.75, 0.60)),
     "wood": Surface("wood", 5.0, Friction(0.70, 0.56)),
     "paper": Surface("book cover", 1.6, Friction(0.60, 0.48)),

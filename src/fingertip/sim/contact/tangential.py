@@ -15,7 +15,6 @@ step suits the surfaces and pads of the catalogue, for which tests check its con
 
 from __future__ import annotations
 
-import math
 from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass
 
@@ -24,15 +23,11 @@ import numpy as np
 from fingertip.arrays import Array
 from fingertip.errors import Issue, TraceError
 from fingertip.jit import CompiledLoop
-from fingertip.sim.contact.friction import Friction
+from fingertip.sim.contact.friction import RELAXATION_S, ROS2_GAMMA, Friction
 from fingertip.sim.validation import find_column_issues, find_negative, find_not_positive, raise_issues
 
-_GAMMA = 1 - 1 / math.sqrt(2)
-"""Parameter of ROS2 that makes it L-stable (Verwer et al. 1999)."""
 _DIVERGED = 1e3
 """Position [m] or velocity [m/s] that no pad reaches, so the integration has diverged."""
-_RELAXATION_S = 1e-3
-"""Time in which bristles without contact straighten up [s]. Assumption."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +81,7 @@ def drag(
     Parameters
     ----------
     friction, mount
-        Surface, and suspension of the pad.
+        Surface, and mount of the pad.
     step_s
         Step of the time grid [s].
     carriage_m, carriage_m_s, normal_n
@@ -106,7 +101,7 @@ def drag(
     x, v, z = (np.zeros(len(carriage_m)) for _ in range(3))
     _drag(
         (friction.mu_c, friction.mu_s - friction.mu_c, friction.stribeck_m_s),
-        (friction.sigma0, friction.sigma1, friction.sigma2),
+        (friction.sigma0, friction.sigma1, friction.sigma2, RELAXATION_S),
         (mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m),
         step_s, carriage_m, carriage_m_s, normal_n, x, v, z,
     )  # fmt: skip
@@ -122,7 +117,7 @@ def drag(
 
 def _drag_loop(
     curve: tuple[float, float, float],
-    sigma: tuple[float, float, float],
+    sigma: tuple[float, float, float, float],
     mount: tuple[float, float, float],
     h: float,
     X: Sequence[float],
@@ -133,9 +128,9 @@ def _drag_loop(
     zs: MutableSequence[float],
 ) -> None:
     mu_c, drop, vs = curve  # drop = mu_s - mu_c, vs = Stribeck velocity
-    s0, s1, s2 = sigma
+    s0, s1, s2, relaxation_s = sigma
     m, k, c = mount
-    G = _GAMMA * h
+    G = ROS2_GAMMA * h
     x, v, z = X[0], 0.0, 0.0
     xs[0] = x
     for i in range(len(X) - 1):
@@ -151,12 +146,12 @@ def _drag_loop(
             J_zv = 1 - s0 * z * ((1.0 if v >= 0.0 else -1.0) - speed * dg / g) / g
             dz = v + J_zz * z
         else:
-            J_zz, J_zv, dz = -1 / _RELAXATION_S, 0.0, -z / _RELAXATION_S
+            J_zz, J_zv, dz = -1 / relaxation_s, 0.0, -z / relaxation_s
         mu = s0 * z + s1 * dz + s2 * v
         dv = (k * (X[i] - x) + c * (V[i] - v) - load * mu) / m
 
         # gamma h times the partial derivative of dv by time, from the differences of the drive over the step.
-        drift = _GAMMA * (k * (X[i + 1] - X[i]) + c * (V[i + 1] - V[i]) - (N[i + 1] - load) * mu) / m
+        drift = ROS2_GAMMA * (k * (X[i + 1] - X[i]) + c * (V[i + 1] - V[i]) - (N[i + 1] - load) * mu) / m
 
         # Row v of the Jacobian; row x is [0, 1, 0]. Eliminating x and z from (I - gamma h J) k = right-hand side leaves
         # one scalar equation for the velocity.
@@ -176,7 +171,7 @@ def _drag_loop(
         xe, ve, ze = x + h * kx1, v + h * kv1, z + h * kz1
         ratio = ve / vs
         g = mu_c + drop / (1 + ratio * ratio)
-        dz = ve - s0 * (ve if ve >= 0.0 else -ve) * ze / g if load > 0.0 else -ze / _RELAXATION_S
+        dz = ve - s0 * (ve if ve >= 0.0 else -ve) * ze / g if load > 0.0 else -ze / relaxation_s
         dv = (k * (X[i + 1] - xe) + c * (V[i + 1] - ve) - load * (s0 * ze + s1 * dz + s2 * ve)) / m
         rx, rv, rz = ve - 2 * kx1, dv - drift - 2 * kv1, dz - 2 * kz1
         kv2 = (rv + G * (J_vx * rx + J_vz * pivot_z * rz)) * pivot_v

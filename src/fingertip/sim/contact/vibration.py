@@ -28,6 +28,8 @@ _PER_OCTAVE = 6
 """Waves per octave."""
 _SPACING_M = 5e-6
 """Spacing of the profile's points [m]."""
+_FORCE, _RATE, _DRIVE = range(3)
+"""Indices of the state of the resonance: force [N], its rate [N/s], and the previous drive [N]."""
 
 
 def generate_profile(rng: random.Random, roughness_um: float, cutoff_m: float, length_m: float) -> Array:
@@ -95,19 +97,19 @@ def compute_pad_deflection_m(height_m: Array, step_s: float, follow_hz: float, s
     state
         Height of the hand, shape (1,), carried from chunk to chunk. Starts at the first height.
     """
-    share = 1 - math.exp(-2 * math.pi * follow_hz * step_s)
+    coefficient = 1 - math.exp(-2 * math.pi * follow_hz * step_s)
     out = np.zeros(len(height_m))
-    _high_pass(share, height_m, height_m[:1].copy() if state is None else state, out)
+    _high_pass(coefficient, height_m, height_m[:1].copy() if state is None else state, out)
     return out
 
 
 def _high_pass_loop(
-    share: float, heights: Sequence[float], state: MutableSequence[float], out: MutableSequence[float]
+    coefficient: float, heights: Sequence[float], state: MutableSequence[float], out: MutableSequence[float]
 ) -> None:
     hand = state[0]
     for i in range(len(heights)):
         out[i] = heights[i] - hand
-        hand += share * (heights[i] - hand)
+        hand += coefficient * (heights[i] - hand)
     state[0] = hand
 
 
@@ -160,7 +162,7 @@ def _resonance_loop(
     out: MutableSequence[float],
 ) -> None:
     a11, a12, a21, a22 = free
-    y, rate, before = state[0], state[1], state[2]
+    y, rate, before = state[_FORCE], state[_RATE], state[_DRIVE]
     for i in range(len(drive)):
         now = drive[i]
         if touching[i]:
@@ -173,7 +175,7 @@ def _resonance_loop(
             y = rate = 0.0
         before = now
         out[i] = y if y > 0.0 else 0.0
-    state[0], state[1], state[2] = y, rate, before
+    state[_FORCE], state[_RATE], state[_DRIVE] = y, rate, before
 
 
 _sum_waves = CompiledLoop(_sum_waves_loop, outputs=1, samples="heights", plain_us=4.0)

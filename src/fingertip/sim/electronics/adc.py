@@ -19,6 +19,9 @@ from fingertip.design import Design
 from fingertip.jit import CompiledLoop
 from fingertip.sim.electronics.state_space import augment, exponentials
 
+_FIRST, _SECOND, _INPUT = range(3)
+"""Indices of the filter's state: voltages of the first and the second capacitor, and the previous input [V]."""
+
 
 class AntiAliasFilter:
     """One or two RC sections that start in the steady state of their first sample and keep their state between chunks.
@@ -62,24 +65,25 @@ class AntiAliasFilter:
         if len(voltage_v):
             if self._state is None:
                 self._state = np.full(3, voltage_v[0])
-            _run(self._matrix, voltage_v, self._state, out)
+            _filter(self._matrix, voltage_v, self._state, out)
         return out
 
 
-def _loop(
+def _filter_loop(
     matrix: tuple[float, ...], samples: Sequence[float], state: MutableSequence[float], out: MutableSequence[float]
 ) -> None:
+    """Follow the filter over samples between which the input is linear."""
     a11, a12, b1, d1, a21, a22, b2, d2 = matrix
-    x, y, u = state[0], state[1], state[2]
+    x, y, u = state[_FIRST], state[_SECOND], state[_INPUT]
     for i in range(len(samples)):
         v = samples[i]
         x, y = a11 * x + a12 * y + b1 * u + d1 * (v - u), a21 * x + a22 * y + b2 * u + d2 * (v - u)
         u = v
         out[i] = y
-    state[0], state[1], state[2] = x, y, u
+    state[_FIRST], state[_SECOND], state[_INPUT] = x, y, u
 
 
-_run = CompiledLoop(_loop, outputs=2, samples="samples", plain_us=0.5)
+_filter = CompiledLoop(_filter_loop, outputs=2, samples="samples", plain_us=0.5)
 
 
 def sample_v(design: Design, voltage_v: Array, rng: random.Random | None) -> Array:

@@ -1,4 +1,4 @@
-"""Filter board in the time domain: tactile voltage in, filtered and enveloped voltage out, for one board or thousands.
+"""Filter board in the time domain: tactile voltage in, filtered voltage and envelope out, for one board or thousands.
 
 Between samples the input is linear, which the linear stages follow exactly (`fingertip.sim.electronics.state_space`).
 The rectifier and the envelope are solved with error control (`fingertip.sim.electronics.envelope_loop`). A jump of the
@@ -15,7 +15,7 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.sim.electronics import envelope_loop
-from fingertip.sim.electronics.circuit import AnalogBoard, compute_step_matrices
+from fingertip.sim.electronics.analog_circuit import AnalogBoard, compute_step_matrices
 from fingertip.sim.electronics.envelope_loop import LEVELS
 from fingertip.sim.validation import find_column_issues, find_not_positive, raise_issues
 
@@ -29,8 +29,11 @@ class BoardSignals:
     filtered_v: Array
     """Output of the second stage, ahead of the rectifier."""
     envelope_v: Array
+    """Output of the rectifier."""
     steps: int
+    """Accepted steps."""
     rejected: int
+    """Rejected steps."""
     implicit: int
     """Steps in which the diode conducted; the others are closed forms."""
 
@@ -60,13 +63,13 @@ def simulate_board(
     """
     single = all(np.ndim(value) == 0 for value in _values(board))
     chunks = list(simulate_boards(board, step_s, voltage_v, tolerance_v, after_v))
-    filtered = np.concatenate([chunk.filtered_v for chunk in chunks])
-    enveloped = np.concatenate([chunk.envelope_v for chunk in chunks])
+    filtered_v = np.concatenate([chunk.filtered_v for chunk in chunks])
+    envelope_v = np.concatenate([chunk.envelope_v for chunk in chunks])
     if single:
-        filtered, enveloped = filtered[0], enveloped[0]
+        filtered_v, envelope_v = filtered_v[0], envelope_v[0]
     return BoardSignals(
-        filtered,
-        enveloped,
+        filtered_v,
+        envelope_v,
         sum(chunk.steps for chunk in chunks),
         sum(chunk.rejected for chunk in chunks),
         sum(chunk.implicit for chunk in chunks),
@@ -90,12 +93,12 @@ def simulate_boards(
         rows = table[start : start + _CHUNK]
         chunk = board.with_values(**{name: rows[:, 5 + i] for i, name in enumerate(board.value_names)})
         integrator = _Integrator(chunk, step_s, tolerance_v, rows[:, :5])
-        filtered, enveloped = np.zeros((len(rows), len(voltage_v))), np.zeros((len(rows), len(voltage_v)))
+        filtered_v, envelope_v = np.zeros((len(rows), len(voltage_v))), np.zeros((len(rows), len(voltage_v)))
         counts = np.zeros(3)
         for i in range(len(rows)):
             state = integrator.steady_state(voltage_v[0])
-            counts += integrator.integrate(i, *state, voltage_v, after, filtered[i], enveloped[i])
-        yield BoardSignals(filtered, enveloped, *(int(count) for count in counts))
+            counts += integrator.integrate(i, *state, voltage_v, after, filtered_v[i], envelope_v[i])
+        yield BoardSignals(filtered_v, envelope_v, *(int(count) for count in counts))
 
 
 class AnalogStream:
@@ -131,7 +134,7 @@ class AnalogStream:
         self._last = np.zeros((count, 0))
 
     def process(self, voltage_v: Array) -> tuple[Array, Array]:
-        """Return filtered and enveloped voltages [V] at the next samples, (boards, samples) like the voltages [V].
+        """Return filtered voltages and envelopes [V] at the next samples, (boards, samples) like the voltages [V].
 
         Raises
         ------
@@ -145,12 +148,12 @@ class AnalogStream:
         known = np.concatenate((self._last, voltage_v), axis=1)
         if not self._states:
             self._states = [self._integrator.steady_state(row[0]) for row in voltage_v]
-        filtered, enveloped = np.zeros_like(known), np.zeros_like(known)
+        filtered_v, envelope_v = np.zeros_like(known), np.zeros_like(known)
         for i, state in enumerate(self._states):
-            self._integrator.integrate(0, *state, known[i], known[i], filtered[i], enveloped[i])
+            self._integrator.integrate(0, *state, known[i], known[i], filtered_v[i], envelope_v[i])
         repeated = self._last.shape[1]
         self._last = known[:, -1:]
-        return filtered[:, repeated:], enveloped[:, repeated:]
+        return filtered_v[:, repeated:], envelope_v[:, repeated:]
 
 
 class _Integrator:
@@ -158,27 +161,28 @@ class _Integrator:
 
     def __init__(self, board: AnalogBoard, step_s: float, tolerance_v: float, fixed: Array) -> None:
         self._board, self._step_s, self._tolerance_v, self._fixed = board, step_s, tolerance_v, fixed.tolist()
-        self._states, self._steps, self._stages, self._output, self._first_stage = compute_step_matrices(board, step_s)
+        self._state_count, *rows = compute_step_matrices(board, step_s)
+        self._step_rows, self._rk_rows, self._output_row, self._amplifier1_row = rows
 
     def steady_state(self, voltage_v: float) -> tuple[Array, Array]:
         """State for a constant input: (envelope, level of the next step), and the circuit's states."""
-        z = np.zeros(self._output.shape[-1])
+        z = np.zeros(self._output_row.shape[-1])
         z[0] = voltage_v
         return np.zeros(2), z
 
     def integrate(
-        self, i: int, carried: Array, z: Array, before: Array, after: Array, filtered: Array, enveloped: Array
+        self, i: int, carried: Array, z: Array, before: Array, after: Array, filtered_v: Array, envelope_v: Array
     ) -> Array:
-        """Integrate board i from the first sample to the last; returns the counts of steps."""
-        count, board = np.zeros(3), self._board
+        """Integrate board i from the first sample to the last; returns the loop's statistics."""
+        statistics, board = np.zeros(3), self._board
         saturation, nvt, series, r, c = self._fixed[i]
         envelope_loop.run(
-            self._tolerance_v, self._step_s, self._states, len(z), LEVELS, board.rail_v or 0.0,
+            self._tolerance_v, self._step_s, self._state_count, len(z), LEVELS, board.rail_v or 0.0,
             board.rectifier == "precision", (saturation, nvt, series), (r, c), before, after,
-            self._steps[i], self._stages[i], self._output[i], self._first_stage[i],
-            carried, z, np.zeros(len(z)), np.zeros(LEVELS), filtered, enveloped, count,
+            self._step_rows[i], self._rk_rows[i], self._output_row[i], self._amplifier1_row[i],
+            carried, z, np.zeros(len(z)), np.zeros(LEVELS), filtered_v, envelope_v, statistics,
         )  # fmt: skip
-        return count
+        return statistics
 
 
 def _values(board: AnalogBoard) -> list[Any]:

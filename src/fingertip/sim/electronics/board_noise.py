@@ -7,8 +7,7 @@ ahead of the rectifier has the right strength, and with it the envelope's quiesc
 too strong: at 2 kHz 1.6 times on a board with a low-pass in its first stage, and four times on one without, where a
 bare diode hides it.
 
-The noise of the ADC is separate: it comes behind the board's gain, or with no gain at all
-(`fingertip.sim.electronics.adc`).
+The noise of the ADC is separate: it is added after the board's gain (`fingertip.sim.electronics.adc`).
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from fingertip.board.analysis.noise import total_noise_v
 from fingertip.board.nets import FILTERED
 from fingertip.design import Design
 from fingertip.sim.electronics.analog import simulate_board
-from fingertip.sim.electronics.circuit import AnalogBoard
+from fingertip.sim.electronics.analog_circuit import AnalogBoard
 
 _MEMORY_S = 0.1
 """Time in which the filter forgets an impulse at a cutoff of 67 Hz [s]: seven periods."""

@@ -1,4 +1,4 @@
-"""Sampled output of the design's simulated board: for recorded voltages or forces, as a stream, and in noise alone."""
+"""Sampled output of the design's simulated board: for recorded voltages, for a stream, and its quiescent output."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.sim.electronics.adc import AntiAliasFilter, draw_noise_v, sample_v
 from fingertip.sim.electronics.analog import AnalogStream, simulate_board
+from fingertip.sim.electronics.analog_circuit import AnalogBoard
 from fingertip.sim.electronics.board_noise import compute_input_noise_v
-from fingertip.sim.electronics.circuit import AnalogBoard
 from fingertip.sim.electronics.sensor import select_voltage_function
 from fingertip.slip.detectors.analog import AnalogDetector
 from fingertip.slip.detectors.detector import DetectorOutput
@@ -20,6 +20,26 @@ from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v, measure_no
 
 _WINDOWS = 133
 """Number of detector windows of simulated noise: the standard deviation is known to 6 %."""
+
+
+def sample_envelope_v(
+    design: Design, envelope_v: Array, rng: random.Random | None, anti_alias: AntiAliasFilter | None = None
+) -> Array:
+    """Sample the board's envelope output with the ADC: the anti-aliasing pole, then noise and quantisation [V].
+
+    Parameters
+    ----------
+    design
+        Its board and ADC.
+    envelope_v
+        Envelope at the samples, ahead of the ADC [V].
+    rng
+        Source of the ADC's noise. None: the ADC has no noise.
+    anti_alias
+        Filter that keeps its state between chunks. None: a new one, in the steady state of the first sample.
+    """
+    poles = anti_alias or AntiAliasFilter.for_envelope(design)
+    return sample_v(design, poles.process(envelope_v), rng)
 
 
 def simulate_envelope_v(design: Design, voltage_v: Array) -> Array:
@@ -34,8 +54,8 @@ def simulate_envelope_v(design: Design, voltage_v: Array) -> Array:
         If a sample is not finite.
     """
     board = AnalogBoard.from_design(design)
-    enveloped = simulate_board(board, 1 / design.detector.sample_rate_hz, voltage_v).envelope_v
-    return sample_v(design, AntiAliasFilter.for_envelope(design).process(enveloped), None)
+    envelope_v = simulate_board(board, 1 / design.detector.sample_rate_hz, voltage_v).envelope_v
+    return sample_envelope_v(design, envelope_v, None)
 
 
 class EnvelopeStream:
@@ -52,9 +72,9 @@ class EnvelopeStream:
             step_s = 1 / self._design.detector.sample_rate_hz
             self._boards = AnalogStream(AnalogBoard.from_design(self._design), step_s, len(voltage_v))
             self._filters = [AntiAliasFilter.for_envelope(self._design) for _ in voltage_v]
-        enveloped = self._boards.process(voltage_v)[1]
-        at_pins = np.stack([poles.process(v) for poles, v in zip(self._filters, enveloped, strict=True)])
-        return sample_v(self._design, at_pins, None)
+        envelope_v = self._boards.process(voltage_v)[1]
+        pairs = zip(envelope_v, self._filters, strict=True)
+        return np.stack([sample_envelope_v(self._design, row, None, poles) for row, poles in pairs])
 
 
 class SimulatedBoardDetector:
@@ -122,6 +142,5 @@ def _simulate_level(design: Design, sigma_v: float, adc: random.Random | None) -
     d = design.detector
     settling = round(0.1 * d.sample_rate_hz)
     noise = draw_noise_v(random.Random(0), sigma_v, _WINDOWS * d.window_samples + settling)
-    enveloped = simulate_board(AnalogBoard.from_design(design), 1 / d.sample_rate_hz, noise).envelope_v
-    at_pin = AntiAliasFilter.for_envelope(design).process(enveloped)
-    return measure_noise_level(sample_v(design, at_pin, adc)[settling:], design, "simulated noise")
+    envelope_v = simulate_board(AnalogBoard.from_design(design), 1 / d.sample_rate_hz, noise).envelope_v
+    return measure_noise_level(sample_envelope_v(design, envelope_v, adc)[settling:], design, "simulated noise")

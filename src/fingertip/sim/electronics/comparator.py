@@ -20,12 +20,13 @@ from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
 from fingertip.jit import CompiledLoop
-from fingertip.sim.electronics.circuit import AnalogBoard
+from fingertip.sim.electronics.analog_circuit import AnalogBoard
 from fingertip.sim.validation import find_column_issues, find_not_positive, raise_issues
 
 PIN_LOW_V = 0.0
 """Voltage of the pin while it indicates slip [V]: an open collector's 0.05 V at 1 mA are neglected."""
-_MAX_EDGES = 100_000
+_PARTS = 4
+"""Number of parts of a sampling interval in each of which one crossing is looked for."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class Comparator:
         If the time constant is not above 0, or the lower threshold is not below the upper one.
     """
 
-    mean_s: float
+    averaging_tau_s: float
     """Time constant of the mean [s]."""
     on_v: float
     """Mean above which the pin goes ON [V]."""
@@ -48,7 +49,7 @@ class Comparator:
     """Voltage of the pin while it is OFF [V]."""
 
     def __post_init__(self) -> None:
-        issues = find_not_positive("comparator.mean_s", self.mean_s, "s", "0.015")
+        issues = find_not_positive("comparator.averaging_tau_s", self.averaging_tau_s, "s", "0.015")
         if not self.off_v < self.on_v:
             message = f"{self.off_v:g} V is not below on_v, so the output would oscillate; choose less than"
             issues.append(Issue("comparator.off_v", f"{message} {self.on_v:g} V."))
@@ -67,7 +68,7 @@ class Comparator:
         if values.comparator_stage is None:
             raise TraceError(Issue("outputs", describe_missing_comparator(design)))
         stage = values.comparator_stage
-        return cls(stage.mean_s, stage.on_v, stage.off_v, design.board.supply_v)
+        return cls(stage.averaging_tau_s, stage.on_v, stage.off_v, design.board.supply_v)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,8 +109,11 @@ def simulate_comparator(
         issues.append(Issue("board.rectifier", f"{board.rectifier!r} has no comparator behind it; use 'precision'."))
     raise_issues([*issues, *find_not_positive("step_s", step_s, "s", "0.0005")])
     slope = (np.maximum(filtered_v, 0.0) - envelope_v) / (np.asarray(board.r_lp_ohm) * np.asarray(board.c_lp_f))
-    mean, on, edges, count = np.zeros(len(envelope_v)), np.zeros(len(envelope_v)), np.zeros(_MAX_EDGES), np.zeros(1)
-    _run(comparator.mean_s, comparator.on_v, comparator.off_v, step_s, envelope_v, slope, mean, on, edges, count)
+    mean, on, count = np.zeros(len(envelope_v)), np.zeros(len(envelope_v)), np.zeros(1)
+    edges = np.zeros(_PARTS * len(envelope_v))  # room for a crossing in every part of every interval
+    _compare(
+        comparator.averaging_tau_s, comparator.on_v, comparator.off_v, step_s, envelope_v, slope, mean, on, edges, count
+    )
     return ComparatorSignals(mean, on > 0.0, edges[: int(count[0])])
 
 
@@ -127,31 +131,32 @@ def mean_after(tau: float, s: float, m: float, v: float, d: float, a: float, b: 
     return now + (m - start) * math.exp(-s / tau)
 
 
-def _loop(
+def _comparator_loop(
     tau: float,
     on_v: float,
     off_v: float,
     H: float,
-    level: Sequence[float],
+    envelope: Sequence[float],
     slope: Sequence[float],
     mean: MutableSequence[float],
     on_out: MutableSequence[float],
     edges: MutableSequence[float],
     count: MutableSequence[float],
 ) -> None:
-    m = level[0]
-    on = 1.0 if m > on_v else 0.0
+    """Follow the mean, and locate each crossing of a threshold by bisection."""
+    m = envelope[0]
+    on = 1.0 if m > on_v else 0.0  # a float, because the output array takes only floats
     found = 0
     mean[0], on_out[0] = m, on
-    for i in range(len(level) - 1):
+    for i in range(len(envelope) - 1):
         # Hermite's cubic of the envelope: v + d s + a s^2 + b s^3.
-        v, d = level[i], slope[i]
-        rise = (level[i + 1] - v) / H
+        v, d = envelope[i], slope[i]
+        rise = (envelope[i + 1] - v) / H
         a, b = (3 * rise - 2 * d - slope[i + 1]) / H, (d + slope[i + 1] - 2 * rise) / (H * H)
-        # Look for a crossing in each quarter of the interval, so that two crossings in one interval are both found.
+        # Look for a crossing in each part of the interval, so that two crossings in one interval are both found.
         before = 0.0
-        for quarter in range(1, 5):
-            s = 0.25 * quarter * H
+        for part in range(1, _PARTS + 1):
+            s = part / _PARTS * H
             value = mean_after(tau, s, m, v, d, a, b)
             threshold = off_v if on > 0.0 else on_v
             if (value < threshold) if on > 0.0 else (value > threshold):
@@ -164,9 +169,8 @@ def _loop(
                     else:
                         low = middle
                 on = 1.0 - on
-                if found < len(edges):
-                    edges[found] = i * H + high
-                    found += 1
+                edges[found] = i * H + high
+                found += 1
             before = s
         m = mean_after(tau, H, m, v, d, a, b)
         mean[i + 1] = m
@@ -174,5 +178,5 @@ def _loop(
     count[0] = found
 
 
-_run = CompiledLoop(_loop, mean_after, outputs=4, samples="level", plain_us=4.0)
+_compare = CompiledLoop(_comparator_loop, mean_after, outputs=4, samples="envelope", plain_us=4.0)
 """Fills the mean, ON or OFF, the moments at which the output changes, and their number."""

@@ -26,6 +26,10 @@ ABSCISSAE = (0.25, 0.75, 0.55, 0.5, 1.0)
 """Positions within a step at which SDIRK4 needs the filter's output (the method's c)."""
 WIDTH = 8
 """Minimum length of a row of the matrices, for up to five states; longer rows keep their own length."""
+ENVELOPE, LEVEL = range(2)
+"""Indices of what a chunk carries to the next one, beside the circuit's states: envelope [V] and level of the step."""
+STEPS, REJECTED, IMPLICIT = range(3)
+"""Indices of the statistics: accepted steps, rejected steps, and steps that were solved implicitly."""
 
 # SDIRK4 in the variables z_i = gamma h k_i with gamma = 1/4: the table's a_ij times 4, and its error weights times 4.
 A21 = 2.0
@@ -69,7 +73,7 @@ def dot(rows: Sequence[float], start: int, z: Sequence[float], width: int) -> fl
     return total
 
 
-def _loop(
+def _envelope_loop(
     tolerance: float,
     H: float,
     states: int,
@@ -82,17 +86,22 @@ def _loop(
     before: Sequence[float],
     after: Sequence[float],
     step_rows: Sequence[float],
-    stage_rows: Sequence[float],
+    rk_rows: Sequence[float],
     output_row: Sequence[float],
-    first_stage_row: Sequence[float],
+    amplifier1_row: Sequence[float],
     carried: MutableSequence[float],
     z: MutableSequence[float],
     z_next: MutableSequence[float],
     decays: MutableSequence[float],
     filtered: MutableSequence[float],
-    enveloped: MutableSequence[float],
-    count: MutableSequence[float],
+    envelope: MutableSequence[float],
+    statistics: MutableSequence[float],
 ) -> None:
+    """Follow the envelope over a chunk: exact steps of the circuit, and an implicit method where the diode conducts."""
+    # Parameters: tolerance of a step [V], sampling interval H, number of states, width of a row, number of step sizes,
+    # voltage of the rails (0: none), whether the rectifier is precise, and the values of diode and load. The input is
+    # given right before and right after each sample. step_rows, rk_rows, output_row and amplifier1_row are those of
+    # `fingertip.sim.electronics.analog_circuit.compute_step_matrices`.
     saturation, nvt, series = diode
     R, C = load
     shortest = levels - 1
@@ -100,11 +109,11 @@ def _loop(
     ticks_per_sample = 1 << shortest
     for a in range(levels):
         decays[a] = math.exp(-H / (1 << a) / (R * C))
-    v = carried[0]
-    level = int(carried[1])
+    v = carried[ENVELOPE]
+    level = int(carried[LEVEL])
     steps = rejected = implicit = 0
     filtered[0] = 0.0
-    enveloped[0] = v
+    envelope[0] = v
     mode = 0
     for i in range(len(before) - 1):
         # The input is linear over the interval: z holds the circuit's states, the input, its slope and 1.
@@ -124,7 +133,7 @@ def _loop(
 
             # Rails: the mode says which amplifier is saturated, and selects the matrices.
             if rail > 0.0:
-                p = dot(first_stage_row, 0, z, width)
+                p = dot(amplifier1_row, 0, z, width)
                 o1 = rail if p > rail else -rail if p < -rail else p
                 o2 = o1 - z[1] - z[2]
                 mode = (1 if p > rail else 2 if p < -rail else 0) * 3 + (1 if o2 > rail else 2 if o2 < -rail else 0)
@@ -136,7 +145,7 @@ def _loop(
             for a in range(states):
                 z_next[a] = dot(step_rows, start + a * width, z, width)
             start = (mode * levels + level) * 5 * width
-            u4, u5 = dot(stage_rows, start + 3 * width, z, width), dot(stage_rows, start + 4 * width, z, width)
+            u4, u5 = dot(rk_rows, start + 3 * width, z, width), dot(rk_rows, start + 4 * width, z, width)
 
             # Bounds for the step: the largest output, the smallest envelope, and the largest current between them.
             # Between three points the output bends by no more than they do; twice that is a bound with a margin.
@@ -156,9 +165,9 @@ def _loop(
                 else:
                     # SDIRK4; every stage is linear in its own value.
                     implicit += 1
-                    u1 = dot(stage_rows, start, z, width)
-                    u2 = dot(stage_rows, start + width, z, width)
-                    u3 = dot(stage_rows, start + 2 * width, z, width)
+                    u1 = dot(rk_rows, start, z, width)
+                    u2 = dot(rk_rows, start + width, z, width)
+                    u3 = dot(rk_rows, start + 2 * width, z, width)
                     g = 0.25 * h / (R * C)
                     alpha = g / (1 + g)
                     k1 = alpha * (max(u1, 0.0) - v)
@@ -202,9 +211,9 @@ def _loop(
             else:
                 # SDIRK4. With k_i = gamma h dv/dt, a stage's own value is base + k_i.
                 implicit += 1
-                u1 = dot(stage_rows, start, z, width)
-                u2 = dot(stage_rows, start + width, z, width)
-                u3 = dot(stage_rows, start + 2 * width, z, width)
+                u1 = dot(rk_rows, start, z, width)
+                u2 = dot(rk_rows, start + width, z, width)
+                u3 = dot(rk_rows, start + 2 * width, z, width)
                 g = 0.25 * h
                 alpha = 1 / (1 + g / (R * C))
                 charge = alpha * g / C
@@ -226,7 +235,7 @@ def _loop(
 
             # Reject a step in which an amplifier reaches or leaves a rail: bisection locates the moment.
             if rail > 0.0 and level < shortest:
-                p = dot(first_stage_row, 0, z_next, width) + first_stage_row[states] * (z[states] + h * z[states + 1])
+                p = dot(amplifier1_row, 0, z_next, width) + amplifier1_row[states] * (z[states] + h * z[states + 1])
                 o1 = rail if p > rail else -rail if p < -rail else p
                 o2 = o1 - z_next[1] - z_next[2]
                 mode_next = (1 if p > rail else 2 if p < -rail else 0) * 3 + (
@@ -256,15 +265,15 @@ def _loop(
         if rail > 0.0:
             u0 = rail if u0 > rail else -rail if u0 < -rail else u0
         filtered[i + 1] = u0
-        enveloped[i + 1] = v
-    carried[0] = v
-    carried[1] = float(level)
-    count[0], count[1], count[2] = steps, rejected, implicit
+        envelope[i + 1] = v
+    carried[ENVELOPE] = v
+    carried[LEVEL] = float(level)
+    statistics[STEPS], statistics[REJECTED], statistics[IMPLICIT] = steps, rejected, implicit
 
 
-run = CompiledLoop(_loop, wright_omega, dot, outputs=7, samples="before", plain_us=7.0)
+run = CompiledLoop(_envelope_loop, wright_omega, dot, outputs=7, samples="before", plain_us=7.0)
 """Follows one board over one chunk of samples.
 
 It carries (envelope, level of the next step) and z (the states) to the next chunk, uses z_next and decays as scratch
-memory, and fills filtered, enveloped and (steps, rejected steps, implicit steps).
+memory, and fills filtered, envelope and the statistics.
 """

@@ -26,17 +26,18 @@ HYSTERESIS = 0.10
 TURN_ON_WIDTH_N = 0.1
 """Half width of the turn-on around its force [N]: the traces short one after the other as the pad's contact patch
 grows. Assumption; that contacts show nothing above 30 Hz (article, III.A) rules out a sharp turn-on."""
-_PLAY_SHARE = 0.2
-# Fraction of the force that goes through the play operator. A play operator alone would swallow every vibration smaller
-# than itself, and the article's vibrations do pass. Assumption.
+_PLAY_FRACTION = 0.2
+"""Fraction of the force that goes through the play operator. Assumption.
+
+A play operator alone would pass no vibration smaller than itself, and the article's vibrations do pass."""
 
 
 @dataclass(frozen=True)
 class VoltageCurve:
     """Voltage over force: ``open_v - scale (F - turn_on)^exponent``, with the turn-on of `turn_on_power`.
 
-    The article does not draw its bridge. Over the article's range the curve is a power law of the conductance, measured
-    by a circuit whose voltage falls in proportion to the conductance.
+    The article does not show its bridge circuit. Over the article's range the curve is a power law of the conductance,
+    measured by a circuit whose voltage falls in proportion to the conductance.
     """
 
     turn_on_n: float
@@ -114,7 +115,7 @@ def apply_hysteresis(force_n: Array, state: Array | None = None) -> Array:
         Play p of shape (1,), at first 0, carried from chunk to chunk.
     """
     indicated = np.zeros(len(force_n))
-    _play(1 + HYSTERESIS / _PLAY_SHARE, force_n, np.zeros(1) if state is None else state, indicated)
+    _play(1 + HYSTERESIS / _PLAY_FRACTION, force_n, np.zeros(1) if state is None else state, indicated)
     return indicated
 
 
@@ -125,7 +126,7 @@ def _play_loop(
     for i in range(len(forces)):
         force = forces[i]
         p = min(max(p, force), force * play_ratio)
-        indicated[i] = force + _PLAY_SHARE * (p - force)
+        indicated[i] = force + _PLAY_FRACTION * (p - force)
     state[0] = p
 
 

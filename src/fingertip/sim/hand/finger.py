@@ -19,6 +19,7 @@ from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import Surface
 from fingertip.sim.electronics.adc import AntiAliasFilter, draw_noise_v, sample_v
 from fingertip.sim.electronics.board_noise import compute_input_noise_v
+from fingertip.sim.electronics.board_output import sample_envelope_v
 from fingertip.sim.electronics.sensor import apply_hysteresis, compute_sensor_force_n, select_voltage_function
 from fingertip.sim.scenes.scene_file import Sensing
 
@@ -114,4 +115,4 @@ class FingerSensor:
 
     def sampled_envelope_v(self, envelope_v: Array) -> Array:
         """Envelope output of the board as sampled by the ADC [V]."""
-        return sample_v(self.design, self._envelope_filter.process(envelope_v), self._noise.get("envelope noise"))
+        return sample_envelope_v(self.design, envelope_v, self._noise.get("envelope noise"), self._envelope_filter)

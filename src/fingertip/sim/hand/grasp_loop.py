@@ -16,20 +16,21 @@ object only, so each one is eliminated by itself, and one scalar equation for th
 
 from __future__ import annotations
 
-import math
 from collections.abc import MutableSequence, Sequence
 
 from fingertip.jit import CompiledLoop
+from fingertip.sim.contact.friction import ROS2_GAMMA
 
-GAMMA = 1 - 1 / math.sqrt(2)
-"""Parameter of ROS2 that makes it L-stable (Verwer et al. 1999)."""
-RELAX_PER_S = 1e3
-"""Rate at which bristles without contact straighten up [1/s]. Assumption."""
-SCRATCH_SIZE = 13
-"""Number of values kept for each finger between the parts of a step.
-
-In this order: A, B, pivot_z, J_zw, pivot_v, J_vz, dz (later rz), drift (later rx), kx1, kv1, kz1, S, E.
-"""
+PAD_STATES = 3
+"""Number of states of each pad: x, v, z. The pads come first in the state."""
+OBJECT_X, OBJECT_V, HAS_LEFT = range(3)
+"""Indices of the object's states, counted from the end of the pads' states."""
+OBJECT_STATES = 3
+"""Number of states of the object: X, V, and 1 once it has left the fingers."""
+_A, _B, _PIVOT_Z, _J_ZW, _PIVOT_V, _J_VZ, _DZ, _DRIFT, _KX1, _KV1, _KZ1, _S, _E, _RX, _RZ = range(15)
+"""Indices of the values kept for each finger between the parts of a step, named like the variables of the loop."""
+SCRATCH_SIZE = 15
+"""Number of these values."""
 
 
 def pin_n(k: float, damping: float, X: float, V: float, Xp: float, Vp: float) -> float:
@@ -43,7 +44,7 @@ def pin_n(k: float, damping: float, X: float, V: float, Xp: float, Vp: float) ->
 
 def _grasp_loop(
     curve: tuple[float, float, float],
-    sigma: tuple[float, float, float],
+    sigma: tuple[float, float, float, float],
     h: float,
     mass: float,
     pin: tuple[float, float],
@@ -58,18 +59,20 @@ def _grasp_loop(
     scratch: MutableSequence[float],
     load: MutableSequence[float],
     x_out: MutableSequence[float],
-    w_out: MutableSequence[float],
+    object_over_pad: MutableSequence[float],
     z_out: MutableSequence[float],
     object_out: MutableSequence[float],
     pin_out: MutableSequence[float],
 ) -> None:
-    # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2; stiffness and damping
-    # of the pin. Arrays hold one finger after the other: mount (mass, stiffness, damping), state (x, v, z), load.
+    # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2 and their rate of
+    # relaxation; stiffness and damping of the pin. Arrays hold one finger after the other: mount (mass, stiffness,
+    # damping), state (x, v, z), load.
     mu_c, drop, vs = curve
-    s0, s1, s2 = sigma
+    s0, s1, s2, relax_per_s = sigma
     kp, damping = pin
-    G = GAMMA * h
-    X, V, has_left = state[3 * count], state[3 * count + 1], state[3 * count + 2]
+    G = ROS2_GAMMA * h
+    target = PAD_STATES * count  # index of the object's first state
+    X, V, has_left = state[target + OBJECT_X], state[target + OBJECT_V], state[target + HAS_LEFT]
     for j in range(length):
         # No finger touches an object that has left.
         if has_left > 0.0:
@@ -86,7 +89,7 @@ def _grasp_loop(
             jx = -kp * (1 + damping * (pin_v[j] - V)) / mass
             jv = -kp * damping * d / mass
         dV = (weight[j] + P0) / mass
-        drift_V = GAMMA * (weight[j + 1] - weight[j] + P1 - P0) / mass
+        drift_V = ROS2_GAMMA * (weight[j + 1] - weight[j] + P1 - P0) / mass
         # diagonal * kV = rhs is the scalar equation of the object; each finger adds to both sides.
         diagonal, rhs = 1 - G * jv - G * G * jx, 0.0
         for i in range(count):
@@ -105,14 +108,14 @@ def _grasp_loop(
                 J_zw = 1 - s0 * z * ((1.0 if w >= 0.0 else -1.0) - speed * dg / g) / g
                 dz = w + J_zz * z
             else:
-                J_zz, J_zw, dz = -RELAX_PER_S, 0.0, -RELAX_PER_S * z
+                J_zz, J_zw, dz = -relax_per_s, 0.0, -relax_per_s * z
             mu = s0 * z + s1 * dz + s2 * w
             dv = (-k * x - c * v - N * mu) / m
-            drift = -GAMMA * (N1 - N) * mu / m
+            drift = -ROS2_GAMMA * (N1 - N) * mu / m
             dV += N * mu / mass
-            drift_V += GAMMA * (N1 - N) * mu / mass
+            drift_V += ROS2_GAMMA * (N1 - N) * mu / mass
 
-            # Row v of the finger's Jacobian: J_vx, J_vv, J_vz, and e / m by V. Eliminating x and z leaves
+            # Row v of the finger's Jacobian: J_vx, J_vv, J_vz, and J_vV = e / m. Eliminating x and z leaves
             # kv = A + B kV, and with it the finger's contribution to the object's equation.
             J_vx = -k / m
             e = N * (s1 * J_zw + s2)
@@ -127,14 +130,11 @@ def _grasp_loop(
             diagonal += G * E - G * (E * B + S * pivot_z * G * J_zw * (B - 1))
             rhs += G * (E * A + S * pivot_z * (dz + G * J_zw * A))
             offset = SCRATCH_SIZE * i
-            scratch[offset], scratch[offset + 1], scratch[offset + 2], scratch[offset + 3] = A, B, pivot_z, J_zw
-            scratch[offset + 4], scratch[offset + 5], scratch[offset + 6], scratch[offset + 7] = (
-                pivot_v,
-                J_vz,
-                dz,
-                drift,
-            )
-            scratch[offset + 11], scratch[offset + 12] = S, E
+            scratch[offset + _A], scratch[offset + _B] = A, B
+            scratch[offset + _PIVOT_Z], scratch[offset + _PIVOT_V] = pivot_z, pivot_v
+            scratch[offset + _J_ZW], scratch[offset + _J_VZ] = J_zw, J_vz
+            scratch[offset + _DZ], scratch[offset + _DRIFT] = dz, drift
+            scratch[offset + _S], scratch[offset + _E] = S, E
         kV1 = (dV + drift_V + G * jx * V + rhs) / diagonal
         kX1 = V + G * kV1
 
@@ -147,15 +147,11 @@ def _grasp_loop(
             x, v, z = state[3 * i], state[3 * i + 1], state[3 * i + 2]
             N1 = load[i * (length + 1) + j + 1]
             offset = SCRATCH_SIZE * i
-            pivot_z, J_zw = scratch[offset + 2], scratch[offset + 3]
-            pivot_v, J_vz, dz, drift = (
-                scratch[offset + 4],
-                scratch[offset + 5],
-                scratch[offset + 6],
-                scratch[offset + 7],
-            )
+            pivot_z, pivot_v = scratch[offset + _PIVOT_Z], scratch[offset + _PIVOT_V]
+            J_zw, J_vz = scratch[offset + _J_ZW], scratch[offset + _J_VZ]
+            dz, drift = scratch[offset + _DZ], scratch[offset + _DRIFT]
             # First-stage increments of this finger, from the object's.
-            kv1 = scratch[offset] + scratch[offset + 1] * kV1
+            kv1 = scratch[offset + _A] + scratch[offset + _B] * kV1
             kx1 = v + G * kv1
             kz1 = pivot_z * (dz + G * J_zw * (kv1 - kV1))
             xe, ve, ze = x + h * kx1, v + h * kv1, z + h * kz1
@@ -163,16 +159,16 @@ def _grasp_loop(
             w = ve - Ve
             ratio = w / vs
             g = mu_c + drop / (1 + ratio * ratio)
-            dz = w - s0 * (w if w >= 0.0 else -w) * ze / g if N1 > 0.0 else -RELAX_PER_S * ze
+            dz = w - s0 * (w if w >= 0.0 else -w) * ze / g if N1 > 0.0 else -relax_per_s * ze
             mu = s0 * ze + s1 * dz + s2 * w
             dv = (-k * xe - c * ve - N1 * mu) / m
             dV += N1 * mu / mass
             rx, rv, rz = ve - 2 * kx1, dv - drift - 2 * kv1, dz - 2 * kz1
             A = (rv + G * (-k / m * rx + J_vz * pivot_z * rz)) * pivot_v
-            rhs += G * (scratch[offset + 12] * A + scratch[offset + 11] * pivot_z * (rz + G * J_zw * A))
-            scratch[offset], scratch[offset + 6] = A, rz
-            scratch[offset + 8], scratch[offset + 9], scratch[offset + 10] = kx1, kv1, kz1
-            scratch[offset + 7] = rx
+            rhs += G * (scratch[offset + _E] * A + scratch[offset + _S] * pivot_z * (rz + G * J_zw * A))
+            scratch[offset + _A] = A
+            scratch[offset + _KX1], scratch[offset + _KV1], scratch[offset + _KZ1] = kx1, kv1, kz1
+            scratch[offset + _RX], scratch[offset + _RZ] = rx, rz
 
         # New state of the object: y + h (3/2 k1 + 1/2 k2).
         rX = Ve - 2 * kX1
@@ -188,21 +184,21 @@ def _grasp_loop(
         # New state of each pad, and outputs.
         for i in range(count):
             offset = SCRATCH_SIZE * i
-            kx1, kv1, kz1 = scratch[offset + 8], scratch[offset + 9], scratch[offset + 10]
-            kv2 = scratch[offset] + scratch[offset + 1] * kV2
-            kx2 = scratch[offset + 7] + G * kv2
-            kz2 = scratch[offset + 2] * (scratch[offset + 6] + G * scratch[offset + 3] * (kv2 - kV2))
+            kx1, kv1, kz1 = scratch[offset + _KX1], scratch[offset + _KV1], scratch[offset + _KZ1]
+            kv2 = scratch[offset + _A] + scratch[offset + _B] * kV2
+            kx2 = scratch[offset + _RX] + G * kv2
+            kz2 = scratch[offset + _PIVOT_Z] * (scratch[offset + _RZ] + G * scratch[offset + _J_ZW] * (kv2 - kV2))
             state[3 * i] += h * (1.5 * kx1 + 0.5 * kx2)
             state[3 * i + 1] += h * (1.5 * kv1 + 0.5 * kv2)
             state[3 * i + 2] += h * (1.5 * kz1 + 0.5 * kz2)
             x_out[i * length + j] = state[3 * i]
-            w_out[i * length + j] = V - state[3 * i + 1]
+            object_over_pad[i * length + j] = V - state[3 * i + 1]  # -w
             z_out[i * length + j] = state[3 * i + 2]
             if has_left > 0.0:
                 load[i * (length + 1) + j + 1] = 0.0
         object_out[j] = X
         pin_out[j] = 0.0 if has_left > 0.0 else pin_n(kp, damping, X, V, pin_x[j + 1], pin_v[j + 1])
-    state[3 * count], state[3 * count + 1], state[3 * count + 2] = X, V, has_left
+    state[target + OBJECT_X], state[target + OBJECT_V], state[target + HAS_LEFT] = X, V, has_left
 
 
 run = CompiledLoop(_grasp_loop, pin_n, outputs=8, samples="x_out", plain_us=4.5)
@@ -210,5 +206,5 @@ run = CompiledLoop(_grasp_loop, pin_n, outputs=8, samples="x_out", plain_us=4.5)
 
 The state (x, v, z of each pad; X, V and whether the object has left) and the scratch values are carried from chunk to
 chunk. Loads become 0 once the object has left. The outputs are, at the end of each step: position of each pad, velocity
-of the object over it, its bristle deflection, position of the object, and force of the pin.
+of the object over it (the opposite of w), its bristle deflection, position of the object, and force of the pin.
 """

@@ -1,4 +1,4 @@
-"""Real manipulation: an object is grasped, hit by a pin, and held or lost, with or without a controller in the loop.
+"""Manipulation of a grasped object: a pin hits it, and the fingers hold or lose it, with or without a controller.
 
 `run_manipulation` steps hand, contacts and sensors from one command to the next. The controller receives what a real
 one would: sampled voltages and the closing of the motors (`fingertip.sim.Observation`), and nothing of the ground
@@ -6,7 +6,7 @@ truth. Any object with a method ``step`` is a controller. The caller provides de
 knows none.
 
 Simplifications, all of them assumptions: The object is rigid, does not turn, and moves along one line. Along this line
-it would slip, and its weight pulls once whoever holds it lets go. The palm carries no load in a power grasp. The
+it would slip, and its weight acts once the experimenter releases it. The palm carries no load in a power grasp. The
 abduction of the thumb stays fixed, as in the article (IV.A). A finger is stiff along that line up to its pad. Vibration
 does not act back on friction. Stiffness and resonance of a pad stay those at its planned holding force.
 """
@@ -88,8 +88,9 @@ class ManipulationResult:
             raise TraceError(Issue("finger", f"{finger!r} does not touch; {suggest_name(finger, self.fingers)}"))
         if "voltage_v" not in self.signals:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
-        own = {name: signal[self.fingers.index(finger)] for name, signal in self.signals.items() if signal.ndim == 2}
-        return Trace(self.time_s, own["voltage_v"], own.get("force_n"), own.get("slip"))
+        i = self.fingers.index(finger)
+        signals = {name: signal[i] for name, signal in self.signals.items() if signal.ndim == 2}
+        return Trace(self.time_s, signals["voltage_v"], signals.get("force_n"), signals.get("slip"))
 
 
 def run_manipulation(
@@ -124,7 +125,7 @@ def run_manipulation(
     raise_issues(_find_issues(design, scene, seed))
     plan = plan_motion(scene, pad, seed)
     if progress and plan.duration_s > LONG_S:
-        progress(f"{scene.scene}, {plan.duration_s:.1f} s")
+        progress(f"{scene.name}, {plan.duration_s:.1f} s")
     outputs = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
     stepper = ManipulationStepper(design, scene, plan, pad, seed, outputs)
     rate = design.detector.sample_rate_hz

@@ -34,8 +34,9 @@ OUTPUTS = (
 """Signals that a manipulation can record.
 
 Of each finger: voltage_v, sampled by the ADC; force_n, true normal force; slip, true gross slip; velocity_m_s, velocity
-of the object over the pad; closing_m, closing; command_m, commanded closing; envelope_v and slip_pin_v, outputs of its
-board as in a scene. Of the object: object_m, its position; pin_n, force of the pin.
+of the object over the pad (a scene records the opposite, that of the pad over the surface); closing_m, closing;
+command_m, commanded closing; envelope_v and slip_pin_v, outputs of its board as in a scene. Of the object: object_m,
+its position; pin_n, force of the pin.
 """
 
 
@@ -133,7 +134,7 @@ class Knock(ParameterTable):
     normal_share: float = quantity(
         0.05,
         "",
-        "Share of the pin's force that presses the object against the thumb. Assumption.",
+        "Fraction of the pin's force that presses the object against the thumb. Assumption.",
         minimum=-0.5,
         maximum=0.5,
     )

@@ -37,7 +37,7 @@ class MotionPlan:
     """Closing at which each finger presses with its force [m]."""
     closed_s: float
     """Moment at which the hand has closed."""
-    let_go_s: float
+    released_s: float
     """Moment from which only the hand holds the object."""
     knock_s: float
     """Moment at which the pin touches the object. Without a pin, the end of the recording."""
@@ -48,13 +48,13 @@ class MotionPlan:
 
     def planned_m(self, time_s: Array) -> Array:
         """Closing of each finger without control [m], (fingers, times)."""
-        share: Array = smoothstep((time_s - OPEN_S) / (self.closed_s - OPEN_S))
-        return self.goal_m[:, None] * share
+        fraction: Array = smoothstep((time_s - OPEN_S) / (self.closed_s - OPEN_S))
+        return self.goal_m[:, None] * fraction
 
     def weight_n(self, time_s: Array) -> Array:
         """Weight that the hand carries [N]."""
         scene = self.scene
-        begins = self.let_go_s - scene.grasp.let_go_s
+        begins = self.released_s - scene.grasp.let_go_s
         return scene.object.mass_kg * GRAVITY_M_S2 * smoothstep((time_s - begins) / scene.grasp.let_go_s)
 
     def pin_m(self, time_s: Array) -> tuple[Array, Array]:
@@ -92,14 +92,14 @@ def plan_motion(scene: ManipulationFile, pad: Pad, seed: int) -> MotionPlan:
 
     # The peak of the planned velocity is 1.5 times its mean, which the motors can just follow.
     closed = OPEN_S + max(grasp.close_s, 1.5 * float(goal.max()) / scene.hand.rate_m_s)
-    let_go = closed + grasp.settle_s + grasp.let_go_s
+    released = closed + grasp.settle_s + grasp.let_go_s
     speed = knock.speed_m_s
     if not speed:
-        end = let_go + knock.at_s + grasp.after_s
-        return MotionPlan(scene, friction, np.array(forces), reach, goal, closed, let_go, end, None, end)
+        end = released + knock.at_s + grasp.after_s
+        return MotionPlan(scene, friction, np.array(forces), reach, goal, closed, released, end, None, end)
     run_up = CLEARANCE_M + speed * speed / (2 * ACCELERATION_M_S2)
-    touches = let_go + knock.at_s
+    touches = released + knock.at_s
     starts = touches - speed / ACCELERATION_M_S2 - CLEARANCE_M / speed
     pin = TrapezoidalMove.with_speed(starts, run_up + knock.stroke_m, speed)
     end = pin.end_s + grasp.after_s
-    return MotionPlan(scene, friction, np.array(forces), reach, goal, closed, let_go, touches, pin, end)
+    return MotionPlan(scene, friction, np.array(forces), reach, goal, closed, released, touches, pin, end)

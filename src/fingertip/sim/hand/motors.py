@@ -115,22 +115,22 @@ def _motor_loop(
     force: MutableSequence[float],
     vibration: MutableSequence[float],
 ) -> None:
-    lag_share, max_step, phase_step, amplitude = motor
+    lag_fraction, max_step, phase_step, amplitude = motor
     k, c = spring
     moved = True
     for s in range(length):
         # Motors: a first-order lag towards the command with limited velocity; vibration in proportion to velocity.
         for i in range(count):
-            step = lag_share * (goal[i * length + s] - position[i])
+            step = lag_fraction * (goal[i * length + s] - position[i])
             step = max_step if step > max_step else -max_step if step < -max_step else step
             if abs(goal[i * length + s] - position[i]) <= POSITION_TOLERANCE_M:
                 step = 0.0
             else:
                 moved = True
             position[i] += step
-            share = abs(step) / max_step
-            phase[i] = (phase[i] + phase_step * share) % (2 * math.pi)
-            vibration[i * length + s] = amplitude * share * math.sin(phase[i])
+            speed_ratio = abs(step) / max_step
+            phase[i] = (phase[i] + phase_step * speed_ratio) % (2 * math.pi)
+            vibration[i * length + s] = amplitude * speed_ratio * math.sin(phase[i])
             closing[i * length + s] = position[i]
         if moved:
             # Balance of forces: find the thumb's root n, so that all fingers together press with n^3. The larger n, the

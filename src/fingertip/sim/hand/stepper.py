@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.sim.contact.friction import GROSS_SLIP_M_S
+from fingertip.sim.contact.friction import GROSS_SLIP_M_S, RELAX_PER_S
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.electronics.analog import AnalogStream
-from fingertip.sim.electronics.circuit import board_with_amplifiers
+from fingertip.sim.electronics.analog_circuit import board_with_amplifiers
 from fingertip.sim.hand import grasp_loop
 from fingertip.sim.hand.finger import FingerSensor, VibratingPad
 from fingertip.sim.hand.manipulation_file import ManipulationFile
@@ -76,7 +76,7 @@ class ManipulationStepper:
             k = self.pad.tangential_stiffness_n_per_m(force)
             mounts += [self.pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * self.pad.mass_kg)]
         self._mounts = np.array(mounts)
-        self._state = np.zeros(3 * count + 3)
+        self._state = np.zeros(grasp_loop.PAD_STATES * count + grasp_loop.OBJECT_STATES)
         self._scratch = np.zeros(grasp_loop.SCRATCH_SIZE * count)
         self._last_load_n = np.zeros(count)
         self._last_motor_n = np.zeros(count)
@@ -103,7 +103,7 @@ class ManipulationStepper:
     @property
     def is_lost(self) -> bool:
         """Whether the object has left the fingers."""
-        return bool(self._state[-1] > 0.0)
+        return bool(self._state[grasp_loop.PAD_STATES * len(self.scene.fingers) + grasp_loop.HAS_LEFT] > 0.0)
 
     def advance(self, command_m: Array) -> None:
         """Advance by one sample per command.
@@ -122,7 +122,7 @@ class ManipulationStepper:
         time_s = (self.position * self._substeps + np.arange(grid + 1)) * self._step_s
 
         # Object and pads along the direction of slip. The loop sets the loads of a lost object to 0.
-        shear, over, bristle, moved, pin = self._timed(
+        shear, object_over_pad_m_s, bristle, object_m, pin = self._timed(
             "object", 3 * count + 2, 2 * grid, lambda: self._move(time_s, loads)
         )
         self._last_load_n = force[:, -1] * (0.0 if self.is_lost else 1.0)
@@ -134,45 +134,47 @@ class ManipulationStepper:
             pushes = self._interpolate_to_grid(self._last_motor_n, motor_n)[:, 1:]
             self._last_motor_n = motor_n[:, -1].copy()
             contact = self._timed(
-                "contact", 3 * count, grid, lambda: self._vibrate(contact, moved - shear, pushes, pin)
+                "contact", 3 * count, grid, lambda: self._vibrate(contact, object_m - shear, pushes, pin)
             )
 
         # True slip, and the sensors.
         self.position += length
-        velocity = np.where(loads[:, 1:][:, samples] > 0.0, over[:, samples], 0.0)
-        sliding = self.plan.friction.sliding_speed_m_s(velocity, bristle[:, samples])
+        velocity = np.where(loads[:, 1:][:, samples] > 0.0, object_over_pad_m_s[:, samples], 0.0)
+        # Bristles bend with the velocity of the pad over the object, the opposite of the recorded one.
+        sliding = self.plan.friction.sliding_speed_m_s(-velocity, bristle[:, samples])
         self._record(
             closing_m=closing, command_m=command_m, force_n=contact[:, samples], velocity_m_s=velocity,
-            slip=sliding > GROSS_SLIP_M_S, object_m=moved[samples], pin_n=pin[samples],
+            slip=sliding > GROSS_SLIP_M_S, object_m=object_m[samples], pin_n=pin[samples],
         )  # fmt: skip
         if self._sensors:
             self._timed("sensor", count, length, lambda: self._sample(contact[:, samples], shear[:, samples]))
 
     def _move(self, time_s: Array, loads: Array) -> tuple[Array, ...]:
-        """Compute shear and bristle deflection of each pad, velocity and position of the object, and the pin force."""
+        """Compute shear, velocity under the object and bristles of each pad, position of the object, and pin force."""
         scene, friction, count = self.scene, self.plan.friction, len(self.scene.fingers)
         length = len(time_s) - 1
         pin_x, pin_v = self.plan.pin_m(time_s)
-        shear, over, bristle = (np.zeros(count * length) for _ in range(3))
-        moved, pin = np.zeros(length), np.zeros(length)
+        shear, object_over_pad_m_s, bristle = (np.zeros(count * length) for _ in range(3))
+        object_m, pin = np.zeros(length), np.zeros(length)
         flat = loads.ravel()
         grasp_loop.run(
             (friction.mu_c, friction.mu_s - friction.mu_c, friction.stribeck_m_s),
-            (friction.sigma0, friction.sigma1, friction.sigma2),
+            (friction.sigma0, friction.sigma1, friction.sigma2, RELAX_PER_S),
             self._step_s, scene.object.mass_kg, (scene.knock.stiffness_n_per_m, scene.knock.damping_s_per_m),
             scene.object.length_m, count, length, self._mounts, self.plan.weight_n(time_s), pin_x, pin_v,
-            self._state, self._scratch, flat, shear, over, bristle, moved, pin,
+            self._state, self._scratch, flat, shear, object_over_pad_m_s, bristle, object_m, pin,
         )  # fmt: skip
         loads[...] = flat.reshape(loads.shape)
-        return shear.reshape(count, -1), over.reshape(count, -1), bristle.reshape(count, -1), moved, pin
+        by_finger = (values.reshape(count, -1) for values in (shear, object_over_pad_m_s, bristle))
+        return (*by_finger, object_m, pin)
 
     def _vibrate(self, loads: Array, path_m: Array, pushes: Array, pin: Array) -> Array:
         """Contact force of each finger. The pin hits off centre: it presses on the thumb and relieves the fingers."""
-        share = self.scene.knock.normal_share * pin
-        against = -share / (len(loads) - 1)
+        normal_n = self.scene.knock.normal_share * pin
+        against = -normal_n / (len(loads) - 1)
         return np.stack(
             [
-                pad.contact_n(loads[i], path_m[i], pushes[i] + (against if i else share))
+                pad.contact_n(loads[i], path_m[i], pushes[i] + (against if i else normal_n))
                 for i, pad in enumerate(self._pads)
             ]
         )
@@ -193,8 +195,8 @@ class ManipulationStepper:
     def _interpolate_to_grid(self, before: Array, values: Array) -> Array:
         """Interpolate values at samples linearly to the grid, starting with the value before the chunk."""
         ends = np.concatenate((before[:, None], values), axis=1)
-        share = np.arange(1, self._substeps + 1) / self._substeps
-        inner = ends[:, :-1, None] + (ends[:, 1:] - ends[:, :-1])[:, :, None] * share
+        fraction = np.arange(1, self._substeps + 1) / self._substeps
+        inner = ends[:, :-1, None] + (ends[:, 1:] - ends[:, :-1])[:, :, None] * fraction
         inner[:, :, -1] = ends[:, 1:]
         return np.concatenate((before[:, None], inner.reshape(len(values), -1)), axis=1)
 

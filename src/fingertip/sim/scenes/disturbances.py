@@ -1,4 +1,4 @@
-"""Disturbances that are not slip: taps and motors shake the contact, drift and a touched cable change the voltage."""
+"""Disturbances that are not slip: knocks and motors shake the contact, drift and a touched cable change the voltage."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ MOTOR_RAMP_S = 0.02
 """Time in which the vibration of a motor starts and stops [s]. Assumption."""
 
 
-def tap_force_n(tap: Tap, held_s: float, time_s: Array) -> Array:
-    """Force of the taps [N]. Each one rises and falls as a smooth step.
+def knock_force_n(tap: Tap, held_s: float, time_s: Array) -> Array:
+    """Force of the knocks [N]. Each one rises and falls as a smooth step.
 
     Parameters
     ----------
     tap
-        Section of the scene.
+        Table ``tap`` of the scene.
     held_s
         Moment at which the holding force is reached [s].
     time_s
@@ -42,7 +42,7 @@ def motor_force_n(motor: Motor, rng: random.Random, held_s: float, time_s: Array
     Parameters
     ----------
     motor
-        Section of the scene.
+        Table ``motor`` of the scene.
     rng
         Source of the phases.
     held_s
@@ -63,7 +63,7 @@ def motor_force_n(motor: Motor, rng: random.Random, held_s: float, time_s: Array
 
 
 def apply_creep(drift: Drift, sensor_n: Array, step_s: float) -> Array:
-    """Force that a creeping sensor shows [N]: it grows by a fixed share per decade of time under load."""
+    """Force that a creeping sensor shows [N]: it grows by a fixed fraction per decade of time under load."""
     out, loaded_steps = [], 0
     for force in sensor_n.tolist():
         loaded_steps = loaded_steps + 1 if force > 0.0 else 0

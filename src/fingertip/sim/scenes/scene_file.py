@@ -1,8 +1,8 @@
 """Scene file: what happens to one fingertip, and which signals to record. As strict as a design file.
 
 Every parameter stands here once, with default, unit, bounds and meaning. All defaults are neutral, so a file names only
-what happens: no distance means no slide, no force means no tap. Values from a source name it; the others are marked as
-assumptions.
+what happens: no distance means no slide, no force means no knock. Values from a source name it; the others are marked
+as assumptions.
 """
 
 from __future__ import annotations
@@ -31,9 +31,11 @@ OUTPUTS = (
 """Signals that a scene can record.
 
 voltage_v: voltage as sampled by the ADC. force_n: true normal force. slip: true gross slip; bristles that bend while
-the contact sticks do not count. velocity_m_s: velocity of the pad over the surface, including that bending. shear_m:
-shear of the pad. tactile_v: voltage ahead of ADC and filter board. filtered_v, envelope_v: outputs of the filter board,
-above its output offset. slip_pin_v: voltage of the comparator's output, low while it reports slip.
+the contact sticks do not count. velocity_m_s: velocity of the pad over the surface, including that bending (a
+manipulation records the opposite, that of the object over the pad). shear_m: shear of the pad. tactile_v: voltage ahead
+of the filter board, with the noise of its amplifiers; the ADC samples the same voltage without this noise. filtered_v,
+envelope_v: outputs of the filter board, above its output offset. slip_pin_v: voltage of the comparator's output, low
+while it reports slip.
 """
 
 
@@ -58,7 +60,7 @@ class Contact(ParameterTable):
 
 
 class Hold(ParameterTable):
-    """How the hand presses, and with which force."""
+    """Grip of the hand: its mode and its force."""
 
     mode: Literal["press", "grasp"] = choice("press", "Press to a depth (sliding finger), or grasp with a force.")
     min_force_n: float = quantity(
@@ -70,7 +72,7 @@ class Hold(ParameterTable):
     share: float = quantity(
         1.0,
         "",
-        "Share of a grasp's force on this finger: thumb 1, each of two opposing fingers 0.5.",
+        "Fraction of a grasp's force on this finger: thumb 1, each of two opposing fingers 0.5.",
         above=0,
         maximum=1,
     )
@@ -102,17 +104,17 @@ class LoadChange(ParameterTable):
 
 
 class Tap(ParameterTable):
-    """Taps on the held object; 0 N means none."""
+    """Knocks on the held object, called taps in scene files; 0 N means none."""
 
     force_n: float = quantity(0.0, "N", "Peak force.", minimum=0, maximum=50)
     rise_s: float = quantity(
-        0.004, "s", "Rise time, and fall time, of a tap: 2 to 10 ms. Assumption.", minimum=0.001, maximum=0.1
+        0.004, "s", "Rise time, and fall time, of a knock: 2 to 10 ms. Assumption.", minimum=0.001, maximum=0.1
     )
     at_s: float = quantity(
-        1.0, "s", "Time of the first tap, after the holding force is reached. Assumption.", minimum=0, maximum=600
+        1.0, "s", "Time of the first knock, after the holding force is reached. Assumption.", minimum=0, maximum=600
     )
-    count: int = quantity(1, "", "Number of taps. Assumption.", minimum=1, maximum=1000)
-    interval_s: float = quantity(0.5, "s", "Time from one tap to the next. Assumption.", minimum=0.01, maximum=600)
+    count: int = quantity(1, "", "Number of knocks. Assumption.", minimum=1, maximum=1000)
+    interval_s: float = quantity(0.5, "s", "Time from one knock to the next. Assumption.", minimum=0.01, maximum=600)
 
 
 class Motor(ParameterTable):

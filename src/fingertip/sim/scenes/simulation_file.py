@@ -46,6 +46,11 @@ class SimulationFile(BaseModel):
         """Yield each broken rule between parameters, with the names of the parameters it reads."""
         yield from find_output_issues(self.outputs, self.known_outputs)
 
+    @property
+    def name(self) -> str:
+        """Name of the scene, which the file calls ``scene``."""
+        return self.scene
+
     @classmethod
     def load(cls, *files: str | Path, changes: Iterable[str] = ()) -> Self:
         """Read a file: defaults first, then each file, then changes such as ``"tap.force_n=5"``.

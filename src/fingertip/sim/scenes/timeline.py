@@ -122,9 +122,9 @@ class Timeline:
             if hold.release:
                 load = load - self.force_n * smoothstep((time_s - self.release_s) / hold.close_s)
         if change.by_n:
-            # The change is a share of the force, so that it ends with the contact.
-            share = change.by_n / self.force_n * smoothstep((time_s - self.held_s - change.at_s) / change.rise_s)
-            load = load * (1 + share)
+            # The change is a fraction of the force, so that it ends with the contact.
+            fraction = change.by_n / self.force_n * smoothstep((time_s - self.held_s - change.at_s) / change.rise_s)
+            load = load * (1 + fraction)
         return np.maximum(load, 0.0)
 
 

@@ -55,8 +55,8 @@ def integrate_with_feedback(context: SceneContext, inputs: Inputs) -> dict[str, 
     first = integrate_friction(context, inputs)
     profile = compute_profile_force(context, {**inputs, "position_m": first["position_m"]})["profile_n"]
     pressing = inputs["load_n"] + profile + inputs.get("disturbance_n", 0.0)
-    share = HAND_N_PER_M / context.pad.normal_stiffness_n_per_m(context.force_n)
-    normal = coupled.NormalContact(context.pad.resonance_hz(context.force_n), DAMPING_RATIO, share)
+    hand_ratio = HAND_N_PER_M / context.pad.normal_stiffness_n_per_m(context.force_n)
+    normal = coupled.NormalContact(context.pad.resonance_hz(context.force_n), DAMPING_RATIO, hand_ratio)
     values = _integrate(context, inputs, pressing, normal)
     values["evaluations"] += first["evaluations"]
     values["contact_n"] = np.where(inputs["load_n"] > 0.0, values["contact_n"], 0.0)
@@ -101,11 +101,11 @@ def compute_profile_force(context: SceneContext, inputs: Inputs) -> dict[str, An
 
 
 def compute_disturbances(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
-    """Compute the forces of taps and motors."""
+    """Compute the forces of knocks and motors."""
     scene, held = context.scene, context.timeline.held_s
     force = np.zeros_like(context.time_s)
     if scene.tap.force_n:
-        force += disturbances.tap_force_n(scene.tap, held, context.time_s)
+        force += disturbances.knock_force_n(scene.tap, held, context.time_s)
     if scene.motor.force_n:
         force += disturbances.motor_force_n(scene.motor, context.random_stream("motor"), held, context.time_s)
     return {"disturbance_n": np.where(inputs["load_n"] > 0.0, force, 0.0)}
@@ -127,7 +127,7 @@ def sample_force(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
     return {"force_n": inputs["contact_n"][context.samples]}
 
 
-def detect_true_slip(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
+def compute_true_slip(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
     """Compute the ground truth: gross slip, and the velocity of the pad."""
     velocity = inputs["grid_velocity_m_s"][context.samples]
     sliding = _friction(context).sliding_speed_m_s(velocity, inputs["grid_bristle_m"][context.samples])
@@ -140,7 +140,7 @@ def sample_shear(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
     return {"shear_m": inputs["grid_shear_m"][context.samples]}
 
 
-def report_no_motion(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
+def zero_motion(context: SceneContext, inputs: Inputs) -> dict[str, Any]:
     """Return the ground truth of a scene without a slide: no slip, no velocity, no shear."""
     zeros = np.zeros_like(inputs["load_n"][context.samples])
     return {"slip": zeros > 0.0, "velocity_m_s": zeros, "shear_m": zeros}

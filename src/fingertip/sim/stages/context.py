@@ -79,6 +79,6 @@ class SceneContext:
 
     @cached_property
     def mount(self) -> Mount:
-        """Tangential suspension of the pad."""
+        """Tangential mount of the pad."""
         k = self.pad.tangential_stiffness_n_per_m(self.force_n)
         return Mount(self.pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * self.pad.mass_kg))

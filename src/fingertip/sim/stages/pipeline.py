@@ -84,7 +84,7 @@ def run_scene(
     context = SceneContext(design, scene, seed)
     is_long = context.timeline.duration_s > LONG_S
     if progress and is_long:
-        progress(f"{scene.scene}, {context.timeline.duration_s:.1f} s:")
+        progress(f"{scene.name}, {context.timeline.duration_s:.1f} s:")
     values, stats = run_stages(build_stages(scene), context, scene.outputs, progress if is_long else None)
     columns = {name: values[name] for name in scene.outputs}
     return SceneResult(scene, seed, context.force_n, context.time_s[context.samples], columns, tuple(stats))
@@ -97,7 +97,7 @@ def build_stages(scene: SceneFile) -> list[Stage[SceneContext]]:
     disturbance = ("disturbance_n",) if is_disturbed else ()
     stages = [Stage[SceneContext]("load", (), ("load_n",), contact_stages.compute_load)]
     stages += _sliding_stages(scene, disturbance) if slides else [
-        Stage("no motion", ("load_n",), ("slip", "velocity_m_s", "shear_m"), contact_stages.report_no_motion)
+        Stage("no motion", ("load_n",), ("slip", "velocity_m_s", "shear_m"), contact_stages.zero_motion)
     ]  # fmt: skip
     if is_disturbed:
         stages.append(Stage("disturbances", ("load_n",), ("disturbance_n",), contact_stages.compute_disturbances))
@@ -126,7 +126,7 @@ def _sliding_stages(scene: SceneFile, disturbance: tuple[str, ...]) -> list[Stag
         Stage("carriage", (), ("carriage_m", "carriage_m_s"), contact_stages.move_carriage),
         friction,
         Stage("profile", ("load_n", "position_m"), ("profile_n",), contact_stages.compute_profile_force, 1),
-        Stage("slip", truth, ("slip", "velocity_m_s"), contact_stages.detect_true_slip),
+        Stage("slip", truth, ("slip", "velocity_m_s"), contact_stages.compute_true_slip),
         Stage("shear", ("grid_shear_m",), ("shear_m",), contact_stages.sample_shear),
     ]
 

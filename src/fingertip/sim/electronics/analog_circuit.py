@@ -77,16 +77,20 @@ class AnalogBoard:
     """Gain-bandwidth product of both amplifiers [Hz]; None: infinite."""
     rectifier: Literal["diode", "precision"] = "diode"
     """A diode that charges R_LP parallel to C_LP (article), or amplifiers that rectify and follow with one pole."""
-    blocking_capacitor: Values | None = None
+    series_capacitor_f: Values | None = None
     """Capacitor in series with R4 [F], so that the first stage amplifies no offset; None: R4 goes to ground."""
-    limiting_capacitor: Values | None = None
+    limiting_capacitor_f: Values | None = None
     """Capacitor across R5 [F], so that the first stage's gain ends above the vibrations; None: there is none."""
 
     def __post_init__(self) -> None:
         issues = []
         for name, unit, example in (
             *((f.name, "ohm", "1000") for f in fields(self) if f.name.endswith("_ohm")),
-            *((f.name, "F", "1e-6") for f in fields(self) if f.name.endswith("_f")),
+            *(
+                (f.name, "F", "1e-6")
+                for f in fields(self)
+                if f.name.endswith("_f") and getattr(self, f.name) is not None
+            ),
         ):
             issues.extend(find_not_positive(f"board.{name}", float(np.min(getattr(self, name))), unit, example))
         d = self.diode
@@ -97,8 +101,6 @@ class AnalogBoard:
         for name, unit, example in (
             ("rail_v", "V", "3.5"),
             ("gain_bandwidth_hz", "Hz", "3e6"),
-            ("blocking_capacitor", "F", "66e-6"),
-            ("limiting_capacitor", "F", "1.5e-9"),
         ):
             if getattr(self, name) is not None:
                 issues.extend(find_not_positive(f"board.{name}", float(np.min(getattr(self, name))), unit, example))
@@ -112,13 +114,15 @@ class AnalogBoard:
     def from_design(cls, design: Design) -> AnalogBoard:
         """Board of a design, with the values of the components that are fitted."""
         values = board_values(design)
-        c, extra = values.preferred, values.first_stage
+        c, extra = values.preferred, values.first_stage_capacitors
         resistors = (c.r1_ohm, c.r2_ohm, c.r3_ohm, c.r4_ohm, c.r5_ohm, c.r_lp_ohm)
         article = cls(*resistors, c.c_f, c.c_f, c.c_f, c.c_lp_f)
         if extra is None:
             return article
         return article.with_values(
-            rectifier="precision", blocking_capacitor=extra.series_f, limiting_capacitor=extra.limit_f
+            rectifier="precision",
+            series_capacitor_f=extra.series_capacitor_f,
+            limiting_capacitor_f=extra.limiting_capacitor_f,
         )
 
     def with_values(self, **values: object) -> AnalogBoard:
@@ -128,9 +132,8 @@ class AnalogBoard:
     @property
     def value_names(self) -> tuple[str, ...]:
         """Names of all resistors and capacitors of this board."""
-        optional = ("blocking_capacitor", "limiting_capacitor")
-        fitted = (name for name in optional if getattr(self, name) is not None)
-        return (*(f.name for f in fields(self) if f.name.endswith(("_f", "_ohm"))), *fitted)
+        names = (f.name for f in fields(self) if f.name.endswith(("_f", "_ohm")))
+        return tuple(name for name in names if getattr(self, name) is not None)
 
     @property
     def gain(self) -> Values:
@@ -175,7 +178,7 @@ def compute_state_space(board: AnalogBoard, mode: int = 0) -> tuple[Array, Array
     -------
     A, b, k
         Matrices of shapes (B, n, n), (B, n), (B, n).
-    output, first_stage
+    output_row, amplifier1_row
         Rows of shape (B, n + 3) over (x, u, slope of u, 1): the filter's output, and the first amplifier's output as it
         would be without rails.
     """
@@ -200,11 +203,11 @@ def topology(board: AnalogBoard) -> Iterator[tuple[str, str, str]]:
     """Name of each value and the nodes it lies between; C1, C2, C3 are the first states, as the loop expects."""
     yield from (("c1_f", "in", "p"), ("c2_f", "o1", "m"), ("c3_f", "m", "n"))
     yield from (("r1_ohm", "p", GROUND), ("r2_ohm", "m", "o2"), ("r3_ohm", "n", GROUND), ("r5_ohm", "f", "o1"))
-    yield "r4_ohm", "f", GROUND if board.blocking_capacitor is None else "s"
-    if board.blocking_capacitor is not None:
-        yield "blocking_capacitor", "s", GROUND
-    if board.limiting_capacitor is not None:
-        yield "limiting_capacitor", "f", "o1"
+    yield "r4_ohm", "f", GROUND if board.series_capacitor_f is None else "s"
+    if board.series_capacitor_f is not None:
+        yield "series_capacitor_f", "s", GROUND
+    if board.limiting_capacitor_f is not None:
+        yield "limiting_capacitor_f", "f", "o1"
 
 
 def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, Array, Array, Array, Array]:
@@ -214,21 +217,21 @@ def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, Array
     -------
     states
         Number of states.
-    steps, stages
-        Rows of the state at the end of a step, and of the output at `ABSCISSAE` within it, by mode of the rails and
-        level of the step.
-    output, first_stage
+    step_rows, rk_rows
+        Rows of the state at the end of a step, and of the output at `ABSCISSAE` within it, where the Runge-Kutta method
+        needs it; by mode of the rails and level of the step.
+    output_row, amplifier1_row
         Rows of the output, and of the first amplifier's output without rails, at one moment.
     """
-    steps, stages = [], []
-    outputs = first_stages = np.zeros(0)
+    step_rows, rk_rows = [], []
+    output_row = amplifier1_row = np.zeros(0)
     n = 0
     for mode in range(9 if board.rail_v else 1):
-        A, b, k, output, first_stage = compute_state_space(board, mode)
+        A, b, k, output, amplifier1 = compute_state_space(board, mode)
         n = A.shape[-1]
         padding = max(0, WIDTH - n - 3)
         if mode == 0:
-            outputs, first_stages = (np.pad(row, ((0, 0), (0, padding))) for row in (output, first_stage))
+            output_row, amplifier1_row = (np.pad(row, ((0, 0), (0, padding))) for row in (output, amplifier1))
         M = augment(A, b, k)
         # Two levels more than the loop uses give the quarters and halves of the shortest step.
         powers = exponentials(M, step_s, LEVELS + 2)
@@ -237,8 +240,8 @@ def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, Array
         transition = {0.25: quarter, 0.5: half, 0.75: quarter @ half, 0.55: odd, 1.0: full}
         row = np.stack([(output[:, None, None, :] @ transition[c])[:, :, 0] for c in ABSCISSAE], axis=2)
         pad = ((0, 0), (0, 0), (0, 0), (0, padding))
-        steps.append(np.pad(full[:, :, :n], pad))
-        stages.append(np.pad(row, pad))
-    count = len(outputs)
-    flat_steps, flat_stages = (np.stack(arrays, axis=1).reshape(count, -1) for arrays in (steps, stages))
-    return n, flat_steps, flat_stages, outputs, first_stages
+        step_rows.append(np.pad(full[:, :, :n], pad))
+        rk_rows.append(np.pad(row, pad))
+    count = len(output_row)
+    flat_step_rows, flat_rk_rows = (np.stack(arrays, axis=1).reshape(count, -1) for arrays in (step_rows, rk_rows))
+    return n, flat_step_rows, flat_rk_rows, output_row, amplifier1_row

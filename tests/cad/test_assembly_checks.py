@@ -12,7 +12,7 @@ from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel import brep
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes import bone
-from fingertip.cad.shapes.core import filled_bone
+from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name
 from fingertip.cad.solids import Box, Solid, SuperconicSolid, cylinder, difference, union
 from fingertip.cad.verification.assembly import check_assembly

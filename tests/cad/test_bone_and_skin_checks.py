@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from fingertip.cad.shapes import bone, parts
-from fingertip.cad.shapes.core import skin_interior
+from fingertip.cad.shapes.insert import skin_interior
 from fingertip.cad.shapes.parts import Orientation
 from fingertip.cad.solids import Box, Cone, ElbowTube, cylinder, difference, union
 from fingertip.cad.verification import skin as skin_checks
@@ -25,7 +25,7 @@ def test_unmodified_design_passes_all_checks(changes: list[str]) -> None:
 
 
 def test_min_skin_thickness_of_the_default_design() -> None:
-    """The default skin is thinnest on the back, with 1.5 mm reduced by the taper."""
+    """The default skin is thinnest on the dorsal side, with 1.5 mm reduced by the taper."""
     assert run_checks()["skin.min_thickness"].value == pytest.approx(1.5, abs=0.01)
 
 
@@ -177,8 +177,8 @@ def test_closed_air_vent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_parts_larger_than_the_build_volume_fail() -> None:
     """The bone is 62 mm high. The halves lie on a face of 42.4 x 50.1 mm and may be rotated by 90 degrees."""
-    halves = {"mold_palmar.print_volume_excess", "mold_dorsal.print_volume_excess"}
-    assert failed_checks("printer.bed_z_mm=50") == {"bone.print_volume_excess"}
+    halves = {"mold_palmar.build_volume_excess", "mold_dorsal.build_volume_excess"}
+    assert failed_checks("printer.bed_z_mm=50") == {"bone.build_volume_excess"}
     assert failed_checks("printer.bed_x_mm=40") == halves
     assert failed_checks("printer.bed_x_mm=43", "printer.bed_y_mm=51") == set()
     assert failed_checks("printer.bed_x_mm=51", "printer.bed_y_mm=43") == set()
@@ -188,7 +188,7 @@ def test_build_volume_is_checked_in_the_print_orientation(monkeypatch: pytest.Mo
     upright = Orientation(0.0, "its end", needs_supports=False)
     original = parts.print_orientations
     monkeypatch.setattr(parts, "print_orientations", lambda design: original(design) | {"mold_palmar": upright})
-    assert failed_checks("printer.bed_x_mm=40") == {"mold_dorsal.print_volume_excess"}
+    assert failed_checks("printer.bed_x_mm=40") == {"mold_dorsal.build_volume_excess"}
 
 
 def test_sleeve_that_must_stretch_too_far_fails() -> None:

@@ -83,7 +83,7 @@ def test_text_stays_on_the_block_and_clear_of_the_nut_traps(changes: list[str]) 
     low_x, _, low_z, high_x, _, high_z = evaluator.manifold(letters).bounding_box()
     assert -m.half_width < low_x < high_x < m.half_width
     assert m.proximal_z < low_z < high_z < m.distal_z
-    fasteners = union(*mold.nut_traps(design), *mold.bolts(design))
+    fasteners = union(*mold.nut_traps(design), *mold.bolt_holes(design))
     assert evaluator.manifold(intersection(letters, fasteners)).volume() == 0.0
 
 

@@ -10,7 +10,7 @@ import pytest
 from fingertip.cad.files.junit import to_bytes
 from fingertip.cad.verification.check import Check
 
-PASSED = Check("bone.stl.genus", 2, 2, "holes", "exactly")
+PASSED = Check("bone.stl.genus", 2, 2, "through holes", "exactly")
 FAILED = Check("overlap.bone.skin", 0.5, 1e-3, "mm3")
 # (required, allowed) attributes of each element in the schema of Jenkins' xUnit plug-in (junit-10.xsd).
 ALLOWED = {

@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from fingertip.cad.shapes import bone, core, mold
+from fingertip.cad.shapes import bone, insert, mold
 from fingertip.cad.solids import Box, Cone, ElbowTube, Prism, Solid, cylinder, scaled, union
+from fingertip.cad.verification.check import search_distance
 from fingertip.design import Design
 from tests.cad.part_checks import SLEEVE, TOLERANCE, failed_checks, run_checks
 
@@ -38,50 +39,50 @@ def move_one(original: Callable[..., Solids], z: float, x: float, index: int = 0
 
 
 def test_bolt_too_close_to_the_cavity_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.bolts
+    original = mold.bolt_holes
 
     def inwards(design: Design) -> Solids:
         first, *others = original(design)
         assert isinstance(first, Cone)
         return replace(first, centre=(20.0, -11.5)), *others
 
-    monkeypatch.setattr(mold, "bolts", inwards)
+    monkeypatch.setattr(mold, "bolt_holes", inwards)
     assert failed_checks() == {"mold.land.bolts_to_cavity"}
 
 
 def test_vent_that_does_not_reach_the_outside_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.runners
+    original = mold.gate_funnel_vents
 
     def short(design: Design) -> Solids:
         *others, last = original(design)
         assert isinstance(last, Cone)
         return (*others, replace(last, high=36.0))
 
-    monkeypatch.setattr(mold, "runners", short)
+    monkeypatch.setattr(mold, "gate_funnel_vents", short)
     assert failed_checks() == {"mold.gate_and_vent_openings"}
 
 
 def test_vent_that_does_not_reach_the_cavity_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.runners
+    original = mold.gate_funnel_vents
 
     def high(design: Design) -> Solids:
         *others, last = original(design)
         assert isinstance(last, Cone)
         return (*others, replace(last, low=36.0))
 
-    monkeypatch.setattr(mold, "runners", high)
+    monkeypatch.setattr(mold, "gate_funnel_vents", high)
     assert failed_checks() == {"mold.hollow_bodies"}
 
 
 def test_cavity_without_a_vent_at_its_apex_traps_air(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.runners
+    original = mold.gate_funnel_vents
 
     def moved(design: Design) -> Solids:
         gate, funnel, apex, second = original(design)
         assert isinstance(apex, Cone)
         return gate, funnel, replace(apex, centre=(2.4, 0.0)), second
 
-    monkeypatch.setattr(mold, "runners", moved)
+    monkeypatch.setattr(mold, "gate_funnel_vents", moved)
     assert failed_checks() == {"mold.air_trap_height"}
 
 
@@ -89,6 +90,23 @@ def test_wall_and_land_of_the_cavity_are_measured() -> None:
     thin = run_checks("mold.wall_mm=1.2", "mold.engraving_depth_mm=0")
     assert thin["mold.wall.cavity_to_outside"].value == pytest.approx(1.2, abs=0.01)
     assert run_checks()["mold.land.keys_to_cavity"].value > 3.0
+
+
+def test_walls_much_thicker_than_the_limit_are_measured() -> None:
+    """The default wall of the mold is 4 mm, five times the minimum wall."""
+    design, checks = Design(), run_checks()
+    assert checks["mold.wall.cavity_to_outside"].value == pytest.approx(4.0, abs=TOLERANCE)
+    assert checks["mold.wall.keys_to_bolts"].value > 9.0
+    # The frustums of the keys are widest inside the dorsal half, at half its height.
+    layout = design.mold_layout
+    widening = design.dimensions.draft_slope * layout.dorsal_height / 2 + design.mold.key_clearance_mm
+    side = layout.half_width - max(abs(x) + root / 2 for x, _, root in layout.keys) - widening
+    assert checks["mold.wall.keys_to_outside"].value == pytest.approx(side, abs=TOLERANCE)
+
+
+def test_search_for_a_distance_that_does_not_exist_ends() -> None:
+    assert 500.0 <= search_distance(lambda reach_mm: reach_mm, 1.6) <= 1000.0
+    assert search_distance(lambda reach_mm: min(reach_mm, 7.25), 1.6) == 7.25
 
 
 def test_engraving_too_deep_fails(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -105,7 +123,7 @@ def test_engraving_too_deep_fails(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_key_too_close_to_the_cavity_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mold, "keys", move_one(mold.keys, 0.0, 2.5))
+    monkeypatch.setattr(mold, "key_frustums", move_one(mold.key_frustums, 0.0, 2.5))
     assert "mold.land.keys_to_cavity" in failed_checks()
 
 
@@ -136,7 +154,7 @@ def test_core_whose_base_is_enlarged_for_shrinkage_fails(monkeypatch: pytest.Mon
     """Only silicone shrinks: the base in the recess must keep the fit clearance."""
     shrinking = [*SLEEVE, "mold.silicone_shrinkage_percent=1.2"]
     assert failed_checks(*shrinking) == set()
-    monkeypatch.setattr(core, "dummy_core", lambda d: scaled(core.filled_bone(d, 0.15), d.dimensions.shrinkage))
+    monkeypatch.setattr(insert, "sleeve_core", lambda d: scaled(insert.filled_bone(d, 0.15), d.dimensions.shrinkage))
     assert failed_checks(*shrinking) == {"mold_palmar.recess_clearance", "mold_dorsal.recess_clearance"}
 
 
@@ -157,20 +175,20 @@ def test_collar_with_a_level_foot_fails(monkeypatch: pytest.MonkeyPatch) -> None
     def level(design: Design, gap_mm: float = 0.0) -> Solid:
         return Box((-30.0, -30.0, -design.bone.collar_length_mm - gap_mm), (30.0, 30.0, 30.0))
 
-    for module in (mold, core):
+    for module in (mold, insert):
         monkeypatch.setattr(module, "above_collar_foot", level)
     assert failed_checks() == {"mold_palmar.draft_clearance_gain.bone", "mold_dorsal.draft_clearance_gain.bone"}
 
 
 def test_keys_without_draft_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.keys
+    original = mold.key_frustums
 
-    def straight(design: Design, clearance_mm: float = 0.0) -> Solids:
+    def straight(design: Design, clearance_mm: float) -> Solids:
         radius = 2.0 + clearance_mm
         cones = (key for key in original(design, clearance_mm) if isinstance(key, Cone))
         return tuple(replace(key, low_radius=radius, high_radius=radius) for key in cones)
 
-    monkeypatch.setattr(mold, "keys", straight)
+    monkeypatch.setattr(mold, "key_frustums", straight)
     assert failed_checks() == {"mold_palmar.draft_clearance_gain.keys"}
 
 
@@ -184,10 +202,12 @@ def test_default_design_has_two_keys_and_closes_in_one_way_only(changes: list[st
 
 def test_bolt_too_close_to_the_outside_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     design = Design()
-    bolt = mold.bolts(design)[0]
+    bolt = mold.bolt_holes(design)[0]
     assert isinstance(bolt, Cone)
     distance = design.mold_layout.half_width - abs(bolt.centre[1]) - design.mold.bolt_diameter_mm / 2 - 0.05
-    monkeypatch.setattr(mold, "bolts", move_one(mold.bolts, 0.0, distance if bolt.centre[1] > 0 else -distance))
+    monkeypatch.setattr(
+        mold, "bolt_holes", move_one(mold.bolt_holes, 0.0, distance if bolt.centre[1] > 0 else -distance)
+    )
     assert failed_checks() == {"mold.wall.bolts_to_outside"}
 
 
@@ -195,7 +215,7 @@ def test_key_too_close_to_the_outside_fails(monkeypatch: pytest.MonkeyPatch) -> 
     design = Design()
     x, _, root = design.mold_layout.keys[0]
     distance = design.mold_layout.half_width - abs(x) - root / 2 - design.mold.key_clearance_mm - 0.2
-    monkeypatch.setattr(mold, "keys", move_one(mold.keys, 0.0, distance if x > 0 else -distance))
+    monkeypatch.setattr(mold, "key_frustums", move_one(mold.key_frustums, 0.0, distance if x > 0 else -distance))
     assert failed_checks() == {"mold.wall.keys_to_outside"}
 
 
@@ -204,25 +224,25 @@ def test_key_too_close_to_a_bolt_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     x, z, root = design.mold_layout.keys[0]
     bolt_z = min((b[1] for b in design.mold_layout.bolts if b[0] * x > 0), key=lambda at: abs(at - z))
     distance = abs(bolt_z - z) - root / 2 - design.mold.bolt_diameter_mm / 2 - design.mold.key_clearance_mm - 0.3
-    monkeypatch.setattr(mold, "keys", move_one(mold.keys, distance if bolt_z > z else -distance, 0.0))
+    monkeypatch.setattr(mold, "key_frustums", move_one(mold.key_frustums, distance if bolt_z > z else -distance, 0.0))
     assert "mold.wall.keys_to_bolts" in failed_checks()
 
 
 def test_missing_key_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.keys
-    monkeypatch.setattr(mold, "keys", lambda *arguments: original(*arguments)[:1])
+    original = mold.key_frustums
+    monkeypatch.setattr(mold, "key_frustums", lambda *arguments: original(*arguments)[:1])
     assert failed_checks() == {"mold_dorsal.key_count"}
 
 
 def test_keys_that_fit_in_reverse_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two equal keys, placed symmetrically about the middle of the block."""
-    original = mold.keys
+    original = mold.key_frustums
 
-    def symmetric(design: Design, clearance_mm: float = 0.0) -> Solids:
+    def symmetric(design: Design, clearance_mm: float) -> Solids:
         m, first = design.mold_layout, original(design, clearance_mm)[0]
         assert isinstance(first, Cone)
         z, x = first.centre
         return first, replace(first, centre=(m.proximal_z + m.distal_z - z, -x))
 
-    monkeypatch.setattr(mold, "keys", symmetric)
+    monkeypatch.setattr(mold, "key_frustums", symmetric)
     assert failed_checks() == {"mold.reversed_assembly_overlap"}

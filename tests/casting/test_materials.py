@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from fingertip.casting.materials import MATERIALS, SOURCES, MaterialProperty, Silicone, find_silicone
-from fingertip.casting.quantities import MIN_PART_G, WASTE_FRACTION, compute_batch, mass_g, split_by_mix_ratio
+from fingertip.casting.quantities import MIN_COMPONENT_G, WASTE_FRACTION, compute_batch, mass_g, split_by_mix_ratio
 from fingertip.errors import DesignError
 
 
@@ -29,7 +29,7 @@ class TestEachSilicone:
     def test_mass_is_volume_times_density(self, silicone: Silicone) -> None:
         assert mass_g(silicone, 2.5) == pytest.approx(2.5 * silicone.density_g_cm3.high, rel=1e-15)
 
-    def test_parts_a_and_b_sum_to_the_total_in_the_mix_ratio(self, silicone: Silicone) -> None:
+    def test_components_sum_to_the_total_in_the_mix_ratio(self, silicone: Silicone) -> None:
         a, b = split_by_mix_ratio(silicone, 33.0)
         assert a + b == pytest.approx(33.0, rel=1e-15)
         assert a / b == pytest.approx(10.0, rel=1e-14)
@@ -37,14 +37,15 @@ class TestEachSilicone:
     def test_batch_is_the_mold_content_plus_waste(self, silicone: Silicone) -> None:
         batch = compute_batch(silicone, 40.0)
         assert batch.in_mold_g == pytest.approx(40.0 * silicone.density_g_cm3.high)
-        assert batch.total_g == pytest.approx((1 + WASTE_FRACTION) * batch.in_mold_g)
+        assert batch.total_g == batch.with_waste_g == pytest.approx((1 + WASTE_FRACTION) * batch.in_mold_g)
         assert batch.waste_g == pytest.approx(WASTE_FRACTION * batch.in_mold_g)
         assert batch.a_g + batch.b_g == pytest.approx(batch.total_g)
 
     def test_small_batch_is_large_enough_to_weigh(self, silicone: Silicone) -> None:
         batch = compute_batch(silicone, 1.0)
-        assert batch.b_g == pytest.approx(MIN_PART_G)
-        assert batch.a_g == pytest.approx(10.0 * MIN_PART_G)
+        assert batch.with_waste_g == pytest.approx((1 + WASTE_FRACTION) * silicone.density_g_cm3.high)
+        assert batch.b_g == pytest.approx(MIN_COMPONENT_G)
+        assert batch.a_g == pytest.approx(10.0 * MIN_COMPONENT_G)
         assert batch.waste_g == pytest.approx(batch.total_g - silicone.density_g_cm3.high)
 
 
@@ -65,7 +66,7 @@ def test_batch_follows_another_mix_ratio() -> None:
     part = MaterialProperty(1, 1, "neat")
     equal_parts = replace(MATERIALS["addition_40a"], parts_a=part, parts_b=part)
     assert split_by_mix_ratio(equal_parts, 10.0) == (5.0, 5.0)
-    assert compute_batch(equal_parts, 0.01).a_g == pytest.approx(MIN_PART_G)
+    assert compute_batch(equal_parts, 0.01).a_g == pytest.approx(MIN_COMPONENT_G)
 
 
 def test_unverified_property_is_printed_with_a_mark() -> None:

@@ -32,7 +32,7 @@ def test_deeper_funnel_adds_a_frustum_and_longer_vents() -> None:
     throat, mouth = mold.gate_diameter_mm / 2, mold.funnel_diameter_mm / 2
     frustum = math.pi / 3 * (throat**2 + throat * mouth + mouth**2) * 2.0
     longer_vents = vents * math.pi * (mold.vent_diameter_mm / 2) ** 2 * 2.0
-    added = 1000 * (measure(deep).runners_cm3 - measure(shallow).runners_cm3)
+    added = 1000 * (measure(deep).gate_funnel_vents_cm3 - measure(shallow).gate_funnel_vents_cm3)
     assert added == pytest.approx(frustum + longer_vents, rel=4 * TOLERANCE_MM / (mold.vent_diameter_mm / 2))
 
 
@@ -97,6 +97,7 @@ def test_bolts_and_nuts_fit_the_printed_holes_and_traps() -> None:
         changes = [f"mold.bolt_diameter_mm={thread.hole_mm}", f"mold.nut_width_mm={width}"]
         design = fsr400(*changes, "skin.length_mm=40", "mold.pry_depth_mm=0.5")
         bill = {entry["item"]: entry for entry in bill_of_materials(design)}
-        assert bill["mold bolt"]["thread_mm"] == bill["mold nut"]["thread_mm"] == thread.diameter_mm
+        bolt, nut = bill["mold bolt (machine screw)"], bill["mold nut (hexagon nut)"]
+        assert bolt["thread_mm"] == nut["thread_mm"] == thread.diameter_mm
         assert thread.diameter_mm < design.mold.bolt_diameter_mm
-        assert thread.nut_flats_mm == bill["mold nut"]["across_flats_mm"] < width < 1.1 * thread.nut_flats_mm
+        assert thread.nut_flats_mm == nut["across_flats_mm"] < width < 1.1 * thread.nut_flats_mm

@@ -85,7 +85,7 @@ def test_only_platinum_silicones_warn_of_uncured_resin() -> None:
     assert {name for name, text in texts.items() if "Uncured resin" in text} == {"addition_40a", "sylgard_184"}
     for text in texts.values():
         assert "cyanoacrylate" in text
-        assert "air vent open" in text
+        assert "air vent of the sensor open" in text
 
 
 def test_mold_made_for_another_shrinkage_is_warned_of_with_the_change_to_build() -> None:
@@ -103,9 +103,37 @@ def test_sealing_steps_depend_on_the_casting_method() -> None:
     ]
     assert not any("tape" in step for step in sleeve)
     assert any("The core has no pocket, slot or channel" in step for step in sleeve)
+    assert "Remove the clay from the channel opening" in overmold[-1], "the temporary seal is removed at the end"
+    assert not any("clay" in step for step in sleeve)
     assert [i for i, step in enumerate(sleeve) if "sensor in the bone's pocket" in step] > [
         i for i, step in enumerate(sleeve) if "Weigh" in step
     ], "the sensor is assembled after casting"
+
+
+def test_consumables_are_those_of_the_procedure() -> None:
+    overmold, sleeve = (render_sheet(sheet_data(f"mold.method={method}")) for method in ("overmold", "sleeve"))
+    for item in ("thin tape", "modelling clay", "silicone adhesive"):
+        assert item in overmold
+        assert item not in sleeve
+    assert "soapy water" not in overmold
+    assert all(tool in page for page in (overmold, sleeve) for tool in ("solder", "scale", "screwdriver", "knife"))
+
+
+def test_small_batch_is_stated_with_and_without_the_raise() -> None:
+    """13.25 cm3 need more than 11 g, the least that can be weighed in parts of 10 to 1; 2 cm3 do not."""
+    large = render_sheet(sheet_data())
+    small_data = casting_sheet_data(fsr400(), SiliconeVolumes(2.0, 0.0, 0.0), MATERIALS["addition_40a"])
+    assert "17.9 g with 25 % waste" in large
+    assert "raised" not in large
+    assert "2.7 g with 25 % waste" in render_sheet(small_data)
+    assert "raised to 11 g for at least 1 g of part B" in render_sheet(small_data)
+
+
+def test_tin_cure_silicone_is_mixed_from_base_and_catalyst() -> None:
+    text = "\n".join(steps(sheet_data(material="condensation_40a")))
+    assert "g of base and add" in text
+    assert "g of catalyst" in text
+    assert "part A" not in render_sheet(sheet_data(material="condensation_40a"))
 
 
 def procedure_text(*changes: str) -> str:
@@ -113,20 +141,20 @@ def procedure_text(*changes: str) -> str:
 
 
 def test_collar_passage_is_filled_only_where_the_tail_leaves_the_mold() -> None:
-    assert "passage around the tail" in procedure_text()
-    assert "passage around the tail" not in procedure_text("sensor.model=fsr400_short", "bone.base_length_mm=15")
-    assert "passage around the tail" not in procedure_text("mold.method=sleeve")
+    assert "passage through the collar" in procedure_text()
+    assert "passage through the collar" not in procedure_text("sensor.model=fsr400_short", "bone.base_length_mm=15")
+    assert "passage through the collar" not in procedure_text("mold.method=sleeve")
 
 
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
-def test_procedure_centers_and_holds_the_insert_before_the_silicone_is_weighed(method: str) -> None:
+def test_procedure_centres_and_holds_the_insert_before_the_silicone_is_weighed(method: str) -> None:
     design = fsr400(f"mold.method={method}")
     text = procedure_text(f"mold.method={method}")
     min_skin_mm = min_thickness_held(design)
-    assert "at least " + f"{min_skin_mm:.2f}".rstrip("0").rstrip(".") + " mm thick" in text
+    assert f"can thin the skin to {round(min_skin_mm, 2):g} mm" in text
     assert "can tilt by 2.1 degrees and leave" in text, "2 x 0.15 mm of clearance in a recess of 8 mm"
-    assert "two narrow sides" in text
-    assert text.index("Center the") < text.index("Weigh") < text.index("two narrow sides")
+    assert "two sides with the pry slots" in text
+    assert text.index("Centre the") < text.index("Weigh") < text.index("two sides with the pry slots")
 
 
 def test_name_too_long_to_engrave_is_warned_of() -> None:
@@ -137,7 +165,7 @@ def test_name_too_long_to_engrave_is_warned_of() -> None:
     assert not any("engrave" in warning for warning in warnings(sheet_data("name=a")))
 
 
-def test_procedure_says_that_a_loose_insert_can_touch_the_mold() -> None:
+def test_procedure_says_that_an_unsupported_insert_can_touch_the_mold() -> None:
     design = Design.load(design_file("fsr402"))
     procedure = steps(casting_sheet_data(design, VOLUMES, MATERIALS["addition_40a"]))
     assert any("can tilt by 2.9 degrees and touch the mold" in step for step in procedure)

@@ -1,4 +1,7 @@
-"""Hardware to buy: the bolts that clamp the mold and the bill of materials of a casting."""
+"""Hardware to buy: the bolts that clamp the mold and the bill of materials of a casting.
+
+A bolt is bought as a machine screw, threaded to the head or not.
+"""
 
 from __future__ import annotations
 
@@ -44,20 +47,24 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     cross_thread_mm = select_thread(bone.cross_bolt_diameter_mm).diameter_mm
     # The cross bolt passes through the post, or through the whole bone where it has a socket.
     crossed_mm = (
-        bone.post_diameter_mm if bone.interface == "plain" else design.dimensions.envelope.section.half_width * 2
+        bone.post_diameter_mm if bone.interface == "plain" else design.dimensions.bone_outline.section.half_width * 2
     )
     return [
         {"item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1},
         {"item": "adhesive film for the sensor", "thickness_mm": sensor.adhesive_thickness_mm, "count": 1},
         {
-            "item": "mold bolt", "thread_mm": thread.diameter_mm, "length_mm": bolts.length_mm, "count": bolts.count,
-        },
-        {
-            "item": "mold nut", "thread_mm": thread.diameter_mm, "across_flats_mm": thread.nut_flats_mm,
+            "item": "mold bolt (machine screw)", "thread_mm": thread.diameter_mm, "length_mm": bolts.length_mm,
             "count": bolts.count,
         },
-        {"item": "cross bolt", "thread_mm": cross_thread_mm, "longer_than_mm": round(crossed_mm, 1), "count": 1},
-        {"item": "cross bolt nut", "thread_mm": cross_thread_mm, "count": 1},
+        {
+            "item": "mold nut (hexagon nut)", "thread_mm": thread.diameter_mm, "across_flats_mm": thread.nut_flats_mm,
+            "count": bolts.count,
+        },
+        {
+            "item": "cross bolt (machine screw)", "thread_mm": cross_thread_mm,
+            "crossed_mm": round(crossed_mm, 1), "count": 1,
+        },
+        {"item": "cross bolt nut (hexagon nut)", "thread_mm": cross_thread_mm, "count": 1},
         {"item": "stranded wire", "pair_thinner_than_mm": bone.channel_diameter_mm, "count": 2},
         {"item": "cable tie or thread", "thinner_than_mm": bone.tie_hole_diameter_mm, "count": 1},
     ]  # fmt: skip

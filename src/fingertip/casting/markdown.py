@@ -12,14 +12,11 @@ _PROPERTY_LABELS = {
     "shore_a": ("hardness", "Shore A"),
     "modulus_mpa": ("Young's modulus", "MPa"),
     "density_g_cm3": ("density", "g/cm3"),
-    "parts_a": ("part A, parts by weight", ""),
-    "parts_b": ("part B, parts by weight", ""),
     "shrinkage_percent": ("linear shrinkage", "%"),
     "pot_life_min": ("pot life", "min"),
     "cure_h": ("cure at room temperature", "h"),
     "elongation_percent": ("elongation at break", "%"),
 }
-_CONSUMABLES = "tape, paper, rubber band, sulfur-free modeling clay, cup, stirrer, vinyl gloves"
 
 
 def render_sheet(data: Data) -> str:
@@ -48,19 +45,20 @@ def warnings(data: Data) -> list[str]:
     found = []
     if data["silicone"]["cure"] == "addition":
         found.append(
-            "Uncured resin inhibits the cure of platinum silicone. Wash and fully post-cure resin prints, and test a "
-            "drop of silicone on a spare print first. Sulfur, tin-cure silicone and latex gloves inhibit the cure too."
+            "Uncured resin inhibits the cure of platinum silicone. Wash and fully post-cure parts printed from resin, "
+            "and test a drop of silicone on a spare print first. Sulfur, tin-cure silicone and latex gloves inhibit "
+            "the cure too."
         )
     else:
         found.append(
-            "Condensation-cure silicone gives off vapor and needs air to cure. Ventilate the room, and expect the "
+            "Condensation-cure silicone gives off vapour and needs air to cure. Ventilate the room, and expect the "
             "middle of a closed mold to cure last."
         )
     if not data["mold"]["made_for_this_silicone"]:
         shrinkage = data["silicone"]["properties"]["shrinkage_percent"]
         found.append(
-            f"This mold compensates a shrinkage of {data['mold']['made_for_shrinkage_percent']:g} %, but this silicone "
-            f"shrinks by {_range(shrinkage)} %. Build the mold again with `--set "
+            f"This mold compensates for a shrinkage of {data['mold']['made_for_shrinkage_percent']:g} %, but this "
+            f"silicone shrinks by {_range(shrinkage)} %. Build the mold again with `--set "
             f"mold.silicone_shrinkage_percent={shrinkage['high']:g}`."
         )
     if texts := data["mold"]["not_engraved"]:
@@ -69,11 +67,11 @@ def warnings(data: Data) -> list[str]:
             "the mold halves with a pen."
         )
     found += [
-        "Do not use cyanoacrylate on the sensor: it wicks into the sensor, and its vapor damages it. Use the adhesive "
+        "Do not use cyanoacrylate on the sensor: it wicks into the sensor, and its vapour damages it. Use the adhesive "
         "film.",
-        "Keep the sensor's air vent open. The sensor breathes through the end of its tail, the relief and the cable "
-        "channel.",
-        "Do not bend the sensor's tail sharply. Never bend it at the head.",
+        "Keep the air vent of the sensor open. The sensor breathes through the end of its tail, the solder relief and "
+        "the cable channel.",
+        "Do not bend the tail of the sensor sharply. Never bend it at the head.",
     ]
     return found
 
@@ -82,99 +80,120 @@ def steps(data: Data) -> list[str]:
     """List the steps of the procedure, in order."""
     properties, batch = data["silicone"]["properties"], data["batch"]
     is_sleeve = data["method"] == "sleeve"
+    tail_passes_collar = data["mold"]["tail_passes_collar"]
     insert = "core" if is_sleeve else "bone"
+    first, second = data["silicone"]["components"]
     assemble_sensor = [
         "Place the adhesive film and the sensor in the bone's pocket, with the tail in its slot.",
-        "Solder the wires to the sensor's tabs in the relief. Route them through the channel and out of the back, and "
-        "tie them down at the hole below the channel.",
+        "Solder the wires to the sensor's tabs in the solder relief. Route them through the cable channel to its "
+        "opening on the dorsal side of the base. Tie them down at the hole proximal to the channel opening.",
     ]
     if is_sleeve:
         seal = [
-            "Leave the bone and the sensor out of the mold. The core has no pocket, slot or channel, so nothing needs "
-            "to be sealed."
+            "Leave the bone and the sensor out of the mold. Only the core lies in it. The core has no pocket, slot or "
+            "channel, so nothing needs to be sealed."
         ]
     else:
         seal = [
-            "Keep silicone out of the pocket, the slot and the channel. The sensor sits flush and fills its pocket. "
-            "Cover the slot and the relief with a strip of thin tape across the flat and press its edges down, but do "
-            "not fill them: the vent breathes there. Plug the hole in the posterior end around the wires with "
-            "sulfur-free modeling clay.",
+            "Keep silicone out of the pocket, the slot and the channel. The sensor sits flush, with a "
+            f"{data['fit']['sensor_clearance_mm']:g} mm gap around it. Cover the slot and the solder relief with a "
+            "strip of thin tape across the flat and press its edges down, but do not fill them: the sensor breathes "
+            "there. This tape is permanent.",
+            "Plug the channel opening on the dorsal side of the base, around the wires, with sulfur-free modelling "
+            "clay. The opening lies outside the mold. This plug is temporary.",
         ]
-        if data["mold"]["tail_passes_collar"]:
+        if tail_passes_collar:
             seal.append(
-                "Fill the collar's passage around the tail with sulfur-free modeling clay or silicone adhesive: the "
-                "passage leads out of the mold. Leave the end of the tail open: the sensor breathes there."
+                "Fill the passage through the collar around the tail with sulfur-free modelling clay or silicone "
+                "adhesive, because the passage leads out of the mold. This seal is permanent. Leave the end of the "
+                "tail open: the sensor breathes there."
             )
     cast = [
         *seal,
         f"Lay the {insert if is_sleeve else 'bone with its sensor'} in the recess of the palmar half and fit the "
         "dorsal half. The mold closes only one way.",
-        _centering_step(data["fit"], insert),
-        f"Tighten the {_mold_bolt(data)['count']} bolts until the parting line shows no gap. Do not tighten further.",
-        f"Weigh {batch['a_g']:g} g of part A and add {batch['b_g']:g} g of part B. Stir slowly, and scrape the walls "
-        "and the bottom of the cup. Degas the mixture under vacuum if you can.",
-        f"Hold the mold upright over a cup, with the {insert} at the bottom. A vise may hold it by its two narrow "
-        "sides, where no bolt protrudes.",
+        _centring_step(data["fit"], insert),
+        f"Tighten the {data['mold']['bolts']} mold bolts until the parting line shows no gap. Do not tighten further.",
+        f"Weigh {batch['a_g']:g} g of {first} and add {batch['b_g']:g} g of {second}. Stir slowly, and scrape the "
+        "walls and the bottom of the cup. Degas the mixture under vacuum if you can.",
+        f"Stand the mold funnel up, with the exposed end of the {insert} pointing down, over a cup that catches drips. "
+        "A vise may hold it by the two sides with the pry slots, where no bolt protrudes.",
         f"Within {properties['pot_life_min']['low']:g} min of the start of stirring, pour a thin stream into the "
-        f"funnel until silicone rises in the {data['mold']['vents']} vents. Tap the mold and top it up.",
+        f"funnel until silicone rises in the {data['mold']['vents']} mold vents. Tap the mold and top it up.",
         f"Let it cure for {properties['cure_h']['high']:g} h at room temperature. Before you open the mold, test the "
         "leftover silicone in the cup with a fingernail.",
-        "Remove the bolts. Twist a screwdriver in the pry slots, alternating between the two sides, and lift the "
-        "halves straight off. Trim the sprue and the vents flush.",
+        "Remove the bolts and the strips of paper. Twist a screwdriver in the pry slots, alternating between the two "
+        "sides, and lift the halves straight off. Trim the sprue and vent stubs flush, and remove any flash around the "
+        "base.",
     ]
     if not is_sleeve:
-        return [*assemble_sensor, *cast]
+        return [
+            *assemble_sensor,
+            *cast,
+            "Remove the clay from the channel opening, so that the air vent of the sensor is open. The tape under the "
+            "skin stays in place" + (", and so does the seal in the collar." if tail_passes_collar else "."),
+        ]
     return [
         *cast,
         "Roll the skin off the core.",
         *assemble_sensor,
-        "Wet the bone with soapy water. Pull the skin over it until the edge of the skin sits on the collar, and let "
-        "it dry.",
+        "Wet the outside of the bone with soapy water, but keep the sensor, its tail, the slot and the channel dry. "
+        "Pull the skin over the bone until the edge of the skin sits on the collar. Let the skin and the bone dry.",
     ]
 
 
-def _centering_step(fit: Data, insert: str) -> str:
-    """Step that centers the bone or core in the mold, with what a loose fit would cost."""
-    loose = f"leave only {fit['min_skin_loose_mm']:g} mm of silicone" if fit["min_skin_loose_mm"] else "touch the mold"
+def _centring_step(fit: Data, insert: str) -> str:
+    """Write the step that centres bone or core in the mold, and what happens if it is not held."""
+    unsupported_mm = fit["min_skin_unsupported_mm"]
+    unsupported = f"leave only {unsupported_mm:g} mm of silicone" if unsupported_mm else "touch the mold"
     return (
-        f"Pull the exposed end of the {insert} away from the funnel until its collar sits on its shelf all round. "
-        f"Center the {insert} with strips of paper between it and the mold on all four sides, and hold it there with a "
-        f"rubber band. The skin is then at least {fit['min_skin_held_mm']:g} mm thick everywhere. A loose {insert}, "
-        f"with {fit['clearance_mm']:g} mm of clearance around it, can tilt by {fit['max_loose_tilt_deg']:g} degrees "
-        f"and {loose}."
+        f"Pull the exposed end of the {insert} away from the funnel until its collar sits on its shelf all round, and "
+        f"hold it there with a rubber band. Centre the {insert} with strips of paper between its base and the recess, "
+        "on all four sides, from the proximal end of the mold. Band and paper stay in place until the mold is opened. "
+        f"Even held this way, slight misalignment can thin the skin to {fit['min_skin_held_mm']:g} mm (design: "
+        f"{fit['min_skin_design_mm']:g} mm). If it is unsupported, the {insert} has {fit['clearance_mm']:g} mm of "
+        f"clearance on all sides, can tilt by {fit['max_unsupported_tilt_deg']:g} degrees and {unsupported}."
     )
 
 
 def _summary(data: Data) -> str:
     method = (
-        "cast as a sleeve around a dummy core and pulled over the bone" if data["method"] == "sleeve"
-        else "cast over the bone with its sensor in place"
+        "cast as a sleeve around a core and pulled over the bone" if data["method"] == "sleeve"
+        else "overmolded (cast in place) around the bone with its sensor"
     )  # fmt: skip
     return f"{data['sensor']}, {method}. Silicone: {data['silicone']['label']}."
 
 
 def _quantities(data: Data) -> str:
     volumes, batch = data["volumes_cm3"], data["batch"]
+    first, second = data["silicone"]["components"]
     rows = [
-        ("skin", f"{volumes['skin']:.2f} cm3"),
-        ("gate, funnel and vents", f"{volumes['runners']:.2f} cm3"),
-        ("gap around the base, in case the fit leaks", f"{volumes['gap']:.2f} cm3"),
+        ("skin, with shrinkage allowance", f"{volumes['skin']:.2f} cm3"),
+        ("gate, funnel and vents", f"{volumes['gate_funnel_vents']:.2f} cm3"),
+        ("flash around the base", f"{volumes['gap']:.2f} cm3"),
         ("**total in the mold**", f"**{volumes['total']:.2f} cm3, {batch['in_mold_g']:.2f} g**"),
-        ("**part A**", f"**{batch['a_g']:g} g**"),
-        ("**part B**", f"**{batch['b_g']:g} g**"),
+        (f"**{first}**", f"**{batch['a_g']:g} g**"),
+        (f"**{second}**", f"**{batch['b_g']:g} g**"),
         ("total to mix", f"{batch['total_g']:g} g"),
     ]
     note = (
-        f"The batch allows {batch['waste_percent']:g} % for silicone that stays on the cup and the stirrer. It holds "
-        f"at least {batch['min_part_g']:g} g of each part, so that a kitchen scale can weigh it."
+        f"{batch['with_waste_g']:g} g with {batch['waste_percent']:g} % waste, which stays on the cup and the stirrer"
     )
+    if batch["is_raised"]:
+        note += (
+            f"; raised to {batch['total_g']:g} g for at least {batch['min_component_g']:g} g of {second}, which a "
+            "kitchen scale can weigh"
+        )
+    note += "."
     return _table(("item", "quantity"), rows) + "\n\n" + note
 
 
 def _printing(data: Data) -> str:
     printing = data["printing"]
     is_sliced = "minutes" in printing
-    head = ("part", "face on the plate", "rotation about x", "supports") + (("time", "filament") if is_sliced else ())
+    head = ("part", "face on the plate", "rotation about x", "supports") + (
+        ("time", "filament volume") if is_sliced else ()
+    )
     rows = [
         (
             part["part"], part["face_on_plate"], f"{part['rotate_x_deg']:g} degrees",
@@ -187,11 +206,11 @@ def _printing(data: Data) -> str:
     if is_sliced:
         return (
             f"{table}\n\nTotal: {printing['minutes']:g} min and {printing['filament_cm3']:.1f} cm3, estimated by "
-            f"PrusaSlicer with its default settings and layers of {printing['layer_mm']:g} mm."
+            f"PrusaSlicer for a filament printer, with its default settings and layers of {printing['layer_mm']:g} mm."
         )
     return (
-        f"{table}\n\nRun `fingertip sheet` with `--slicer` for print times and filament volumes, estimated by "
-        f"PrusaSlicer ({HOW_TO_INSTALL})."
+        f"{table}\n\nFor a filament printer, run `fingertip sheet` with `--slicer` for print times and filament "
+        f"volumes, estimated by PrusaSlicer ({HOW_TO_INSTALL}). A resin printer has a slicer of its own."
     )
 
 
@@ -205,8 +224,8 @@ def _bill(data: Data) -> str:
             sizes.append(f"M{entry['thread_mm']:g}" + (f" x {entry['length_mm']:g} mm" if "length_mm" in entry else ""))
         if "across_flats_mm" in entry:
             sizes.append(f"{entry['across_flats_mm']:g} mm across flats")
-        if "longer_than_mm" in entry:
-            sizes.append(f"{entry['longer_than_mm']:g} mm long, plus the mating part and the nut")
+        if "crossed_mm" in entry:
+            sizes.append(f"length = {entry['crossed_mm']:g} mm + mating part + nut")
         if "thickness_mm" in entry:
             sizes.append(f"{entry['thickness_mm']:g} mm thick")
         if "pair_thinner_than_mm" in entry:
@@ -215,26 +234,41 @@ def _bill(data: Data) -> str:
             sizes.append(f"thinner than {entry['thinner_than_mm']:g} mm")
         rows.append((f"{entry['count']:g}", entry["item"], ", ".join(sizes)))
     batch = data["batch"]
-    rows.append((f"{batch['total_g']:g} g", data["silicone"]["label"], "parts A and B together"))
-    rows.append(("", _CONSUMABLES, ""))
+    rows.append((f"{batch['total_g']:g} g", data["silicone"]["label"], "both components together"))
+    printed = "bone, core and mold" if data["method"] == "sleeve" else "bone and mold"
+    rows.append(("", f"rigid printing material for {printed}: resin or filament", "see Printing"))
+    rows.append(("", _consumables(data), ""))
+    rows.append(("", "tools: soldering iron, scale, screwdriver, knife", ""))
     return _table(("quantity", "item", "size"), rows)
 
 
+def _consumables(data: Data) -> str:
+    """List the consumables of the procedure."""
+    items = ["solder", "paper", "rubber band", "cup", "stirrer", "vinyl gloves"]
+    if data["method"] == "sleeve":
+        items.append("soapy water")
+    else:
+        items += ["thin tape", "sulfur-free modelling clay"]
+        if data["mold"]["tail_passes_collar"]:
+            items.append("silicone adhesive (instead of clay in the collar)")
+    return ", ".join(items)
+
+
 def _silicone(data: Data) -> str:
+    first, second = data["silicone"]["components"]
+    labels = _PROPERTY_LABELS | {
+        "parts_a": (f"{first}, parts by weight", ""),
+        "parts_b": (f"{second}, parts by weight", ""),
+    }
     rows = [
         (
-            _PROPERTY_LABELS[name][0],
-            f"{_range(value)} {_PROPERTY_LABELS[name][1]}".rstrip() + ("" if value["verified"] else " (unverified)"),
+            labels[name][0],
+            f"{_range(value)} {labels[name][1]}".rstrip() + ("" if value["verified"] else " (unverified)"),
             value["source"],
         )
         for name, value in data["silicone"]["properties"].items()
     ]
     return _table(("property", "value", "source"), rows)
-
-
-def _mold_bolt(data: Data) -> Data:
-    entry: Data = next(entry for entry in data["bill"] if entry["item"] == "mold bolt")
-    return entry
 
 
 def _range(value: Data) -> str:

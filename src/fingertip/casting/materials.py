@@ -1,6 +1,6 @@
 """Material data of 40 Shore A silicones, each value with its source.
 
-Catalog data stands apart from code, so that a value can be corrected without touching a formula. A value that is not
+Catalogue data stands apart from code, so that a value can be corrected without touching a formula. A value that is not
 `verified` was not found in a document of the product or of its kind: read the data sheet of the product you bought.
 """
 
@@ -43,7 +43,7 @@ class MaterialProperty:
 
 @dataclass(frozen=True)
 class Silicone:
-    """Two-part silicone rubber. Parts A and B are mixed by weight."""
+    """Two-part silicone rubber. Its components, named in `component_names`, are mixed by weight."""
 
     name: str
     label: str
@@ -66,6 +66,11 @@ class Silicone:
     """Time at room temperature until the skin can be demolded."""
     elongation_percent: MaterialProperty
     """Elongation at break."""
+
+    @property
+    def component_names(self) -> tuple[str, str]:
+        """Names of the larger and the smaller component, as on their containers."""
+        return ("part A", "part B") if self.cure == "addition" else ("base", "catalyst")
 
     def properties(self) -> dict[str, MaterialProperty]:
         """All properties by field name, which carries the unit."""

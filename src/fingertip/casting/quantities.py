@@ -1,4 +1,4 @@
-"""Silicone quantities: the volume a mold holds, measured on its meshes, and the grams of parts A and B to mix."""
+"""Silicone quantities: the volume a mold holds, measured on its meshes, and the grams of both components to mix."""
 
 from __future__ import annotations
 
@@ -6,15 +6,16 @@ from dataclasses import dataclass
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold, skin
-from fingertip.cad.shapes.core import mold_insert
+from fingertip.cad.shapes.insert import mold_insert
 from fingertip.cad.solids import intersection, union
 from fingertip.casting.materials import Silicone
 from fingertip.design import Design
 
 WASTE_FRACTION = 0.25
 """Extra silicone as a fraction of what the mold holds. It stays on cup, stirrer and funnel. A project choice."""
-MIN_PART_G = 1.0
-"""Minimum mass of the lighter part [g]. A scale that reads 0.1 g then errs by 5% at most, and so does the ratio."""
+MIN_COMPONENT_G = 1.0
+"""Minimum mass of the lighter component [g]. A scale that reads 0.1 g then errs by 5% at most, and so does the
+ratio."""
 
 
 @dataclass(frozen=True)
@@ -23,18 +24,19 @@ class SiliconeVolumes:
 
     skin_cm3: float
     """Volume of the cavity minus the insert that the skin is cast around."""
-    runners_cm3: float
+    gate_funnel_vents_cm3: float
     """Volume of gate, funnel and vents, filled up to the mold's face."""
     gap_cm3: float
     """Volume of the clearance around the base in its recess.
 
-    It fills only if the fit leaks, but extra silicone in the cup is cheaper than a void in the skin.
+    It fills only if the fit leaks, and then leaves flash. Extra silicone in the cup is cheaper than a void in the
+    skin.
     """
 
     @property
     def total_cm3(self) -> float:
         """Total volume [cm3]."""
-        return self.skin_cm3 + self.runners_cm3 + self.gap_cm3
+        return self.skin_cm3 + self.gate_funnel_vents_cm3 + self.gap_cm3
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,10 @@ class Batch:
 
     in_mold_g: float
     """Mass of silicone that fills the mold."""
+    with_waste_g: float
+    """Mass with the extra silicone that stays on cup, stirrer and funnel."""
     total_g: float
+    """Mass to mix; more than `with_waste_g` if the lighter component would otherwise be too light to weigh."""
     a_g: float
     b_g: float
 
@@ -63,12 +68,12 @@ def measure_volumes(design: Design, evaluator: MeshEvaluator) -> SiliconeVolumes
     """
     block, cavity = evaluator.manifold(mold.block(design)), evaluator.manifold(skin.cavity(design))
     insert = evaluator.manifold(mold_insert(design))
-    runners = evaluator.manifold(union(*mold.runners(design)))
+    openings = evaluator.manifold(union(*mold.gate_funnel_vents(design)))
     hollow_mm3 = (evaluator.manifold(intersection(mold.hollow(design), mold.block(design))) - insert).volume()
     skin_mm3 = (cavity - insert).volume()
-    runners_mm3 = ((runners ^ block) - cavity).volume()
-    gap_mm3 = max(0.0, hollow_mm3 - skin_mm3 - runners_mm3)
-    return SiliconeVolumes(skin_mm3 / 1000.0, runners_mm3 / 1000.0, gap_mm3 / 1000.0)
+    openings_mm3 = ((openings ^ block) - cavity).volume()
+    gap_mm3 = max(0.0, hollow_mm3 - skin_mm3 - openings_mm3)
+    return SiliconeVolumes(skin_mm3 / 1000.0, openings_mm3 / 1000.0, gap_mm3 / 1000.0)
 
 
 def mass_g(silicone: Silicone, volume_cm3: float) -> float:
@@ -77,7 +82,7 @@ def mass_g(silicone: Silicone, volume_cm3: float) -> float:
 
 
 def split_by_mix_ratio(silicone: Silicone, total_g: float) -> tuple[float, float]:
-    """Split a total mass [g] into the masses of part A and part B [g]."""
+    """Split a total mass [g] into the masses of the larger and the smaller component [g]."""
     fraction_b = silicone.parts_b.low / (silicone.parts_a.low + silicone.parts_b.low)
     return total_g * (1.0 - fraction_b), total_g * fraction_b
 
@@ -86,5 +91,6 @@ def compute_batch(silicone: Silicone, volume_cm3: float) -> Batch:
     """Compute what to mix to fill a volume [cm3]: with waste, and never less than a scale can weigh."""
     in_mold_g = mass_g(silicone, volume_cm3)
     fraction_a, fraction_b = split_by_mix_ratio(silicone, 1.0)
-    total_g = max(in_mold_g * (1.0 + WASTE_FRACTION), MIN_PART_G / min(fraction_a, fraction_b))
-    return Batch(in_mold_g, total_g, *split_by_mix_ratio(silicone, total_g))
+    with_waste_g = in_mold_g * (1.0 + WASTE_FRACTION)
+    total_g = max(with_waste_g, MIN_COMPONENT_G / min(fraction_a, fraction_b))
+    return Batch(in_mold_g, with_waste_g, total_g, *split_by_mix_ratio(silicone, total_g))

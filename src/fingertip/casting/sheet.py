@@ -13,10 +13,16 @@ from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.shapes.parts import print_orientations
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.materials import SOURCES, Silicone
-from fingertip.casting.quantities import MIN_PART_G, WASTE_FRACTION, SiliconeVolumes, compute_batch
+from fingertip.casting.quantities import MIN_COMPONENT_G, WASTE_FRACTION, SiliconeVolumes, compute_batch
 from fingertip.casting.slicer import LAYER_MM, PrintEstimate
 from fingertip.design import Design
-from fingertip.design.geometry.misalignment import loose_tilt_slope, min_thickness_held, min_thickness_loose
+from fingertip.design.geometry.misalignment import (
+    loose_tilt_slope,
+    min_thickness_held,
+    min_thickness_loose,
+    sleeve_inset_mm,
+)
+from fingertip.design.geometry.skin_thickness import min_skin_thickness
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
 
@@ -47,6 +53,7 @@ def casting_sheet_data(
         "mold": {
             "made_for_shrinkage_percent": design.mold.silicone_shrinkage_percent,
             "made_for_this_silicone": mold_matches_silicone(design, silicone),
+            "bolts": len(design.mold_layout.bolts),
             "vents": len(design.mold_layout.vents_x),
             "tail_passes_collar": design.dimensions.tail_passes_collar,
             "not_engraved": omitted_lines(design),
@@ -59,19 +66,21 @@ def casting_sheet_data(
 
 
 def mold_matches_silicone(design: Design, silicone: Silicone) -> bool:
-    """Whether the shrinkage the mold compensates lies within the silicone's range, with a tolerance of 0.05%."""
+    """Whether the shrinkage the mold compensates for lies within the silicone's range, with a tolerance of 0.05%."""
     compensated, shrinkage = design.mold.silicone_shrinkage_percent, silicone.shrinkage_percent
     low, high = shrinkage.low - _SHRINKAGE_TOLERANCE_PERCENT, shrinkage.high + _SHRINKAGE_TOLERANCE_PERCENT
     return low <= compensated <= high
 
 
 def _fit_data(design: Design) -> dict[str, float]:
-    """Fit of the bone or core in the mold's recess, and the minimum skin thickness it leaves."""
+    """Fit of the sensor in its pocket and of bone or core in the recess, and the minimum skin thickness they leave."""
     return {
+        "sensor_clearance_mm": design.sensor.clearance_mm,
         "clearance_mm": design.mold.fit_clearance_mm,
+        "min_skin_design_mm": round(min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), 2),
         "min_skin_held_mm": round(min_thickness_held(design), 2),
-        "max_loose_tilt_deg": round(math.degrees(math.atan(loose_tilt_slope(design))), 1),
-        "min_skin_loose_mm": round(min_thickness_loose(design), 2),
+        "max_unsupported_tilt_deg": round(math.degrees(math.atan(loose_tilt_slope(design))), 1),
+        "min_skin_unsupported_mm": round(min_thickness_loose(design), 2),
     }
 
 
@@ -80,13 +89,19 @@ def _silicone_data(silicone: Silicone) -> dict[str, Any]:
         name: {"low": p.low, "high": p.high, "source": SOURCES[p.source], "verified": p.verified}
         for name, p in silicone.properties().items()
     }
-    return {"name": silicone.name, "label": silicone.label, "cure": silicone.cure, "properties": properties}
+    return {
+        "name": silicone.name,
+        "label": silicone.label,
+        "cure": silicone.cure,
+        "components": list(silicone.component_names),
+        "properties": properties,
+    }
 
 
 def _volumes_data(volumes: SiliconeVolumes) -> dict[str, float]:
     return {
         "skin": round(volumes.skin_cm3, 2),
-        "runners": round(volumes.runners_cm3, 2),
+        "gate_funnel_vents": round(volumes.gate_funnel_vents_cm3, 2),
         "gap": round(volumes.gap_cm3, 2),
         "total": round(volumes.total_cm3, 2),
     }
@@ -94,15 +109,17 @@ def _volumes_data(volumes: SiliconeVolumes) -> dict[str, float]:
 
 def _batch_data(silicone: Silicone, volumes: SiliconeVolumes) -> dict[str, float]:
     batch = compute_batch(silicone, volumes.total_cm3)
-    # Part B is a tenth of part A, so it needs one digit more for the same relative error.
+    # The smaller component is a tenth of the larger one, so it needs one digit more for the same relative error.
     a_g, b_g = round(batch.a_g, 1), round(batch.b_g, 2)
     return {
         "in_mold_g": round(batch.in_mold_g, 2),
+        "with_waste_g": round(batch.with_waste_g, 1),
         "a_g": a_g,
         "b_g": b_g,
         "total_g": round(a_g + b_g, 2),
         "waste_percent": round(100.0 * WASTE_FRACTION, 1),
-        "min_part_g": MIN_PART_G,
+        "min_component_g": MIN_COMPONENT_G,
+        "is_raised": batch.total_g > batch.with_waste_g,
     }
 
 

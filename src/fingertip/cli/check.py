@@ -28,8 +28,9 @@ def check(
 ) -> None:
     """Check designs. Exit code 0: all checks pass, 1: a check failed, 2: a design is not valid.
 
-    The checks read the STL file that each part would have. If any design is not valid, the issues of all designs are
-    listed, no design is checked and no report is written.
+    The checks read the STL file that each part would have. A wall must reach printer.min_wall_mm and the skin
+    skin.min_thickness_mm, both less the tolerance of the mesh. The genus of a part is the number of its through holes.
+    If any design is not valid, the issues of all designs are listed, no design is checked and no report is written.
     """
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.parts import parts_by_name
@@ -89,11 +90,13 @@ def _load(files: Sequence[Path], changes: Sequence[str]) -> dict[str, Design]:
 
 
 def _format_table(label: str, checks: Sequence[Check]) -> str:
+    from fingertip.files import round_for_output
+
     width, unit = max(len(c.name) for c in checks), max(4, *(len(c.unit) for c in checks))
     failed = sum(not c.passed for c in checks)
     lines = [label, f"  {'check':{width}} {'value':>12} {'limit':>12} {'unit':{unit}} result"]
     lines += [
-        f"  {c.name:{width}} {c.value:12.6g} {c.sign:2} {c.limit:>9.6g} {c.unit:{unit}} {result}"
+        f"  {c.name:{width}} {round_for_output(c.value):12.6g} {c.sign:2} {c.limit:>9.6g} {c.unit:{unit}} {result}"
         for c, result in zip(checks, ("ok" if c.passed else "FAILED" for c in checks), strict=True)
     ]
     return "\n".join([*lines, f"  {len(checks) - failed} of {len(checks)} checks passed"])

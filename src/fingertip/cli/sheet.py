@@ -23,13 +23,13 @@ def sheet(
         str, typer.Option(help="Silicone: addition_40a, condensation_40a or sylgard_184.")
     ] = "addition_40a",
     slicer: Annotated[
-        bool, typer.Option("--slicer", help="Estimate print times and filament volumes with PrusaSlicer.")
+        bool, typer.Option("--slicer", help="Estimate print time and volume on a filament printer with PrusaSlicer.")
     ] = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Write the casting sheet: silicone quantities, warnings, procedure, print settings and bill of materials."""
+    """Write the casting sheet: silicone quantities, warnings, procedure, print orientations and bill of materials."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.parts import print_orientations
     from fingertip.casting.markdown import render_sheet
@@ -61,5 +61,6 @@ def sheet(
     path = out or Path("out") / loaded.name / "casting.md"
     write_file(path, render_sheet(data).encode())
     batch = data["batch"]
-    text = f"mix {batch['a_g']:g} g of part A and {batch['b_g']:g} g of part B; casting sheet written to {path}"
+    first, second = silicone.component_names
+    text = f"mix {batch['a_g']:g} g of {first} and {batch['b_g']:g} g of {second}; casting sheet written to {path}"
     console.result({**data, "page": str(path)}, text)

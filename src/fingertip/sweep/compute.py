@@ -145,7 +145,7 @@ def compute_thickness(context: PointContext) -> OutputValues:
 
     The gap between its inner and its outer surface is searched for up to the maximum thickness.
     """
-    from fingertip.cad.shapes.core import skin_interior
+    from fingertip.cad.shapes.insert import skin_interior
     from fingertip.cad.solids import SuperconicSolid
     from fingertip.cad.verification.check import PLANE_OFFSET_MM, above_z, complement
 

@@ -75,13 +75,13 @@ def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
     """Move the parts apart: mold halves above and below, and between them the bone with its sensor and the skin."""
     size = {name: np.ptp(mesh.vertices, axis=0) for name, mesh in parts.items()}
     gap = 6.0
-    back = size["bone"][1] + size["mold_palmar"][1] / 2 + 2 * gap
+    spread = size["bone"][1] + size["mold_palmar"][1] / 2 + 2 * gap
     shift = {
-        "mold_dorsal": (0.0, back, 0.0),
+        "mold_dorsal": (0.0, spread, 0.0),
         "skin": (0.0, 0.0, size["skin"][2] * 0.55 + gap),
         "bone": (0.0, 2.0, -size["skin"][2] * 0.55),
         "sensor": (0.0, 2.0 - gap, -size["skin"][2] * 0.55),
-        "mold_palmar": (0.0, -back, 0.0),
+        "mold_palmar": (0.0, -spread, 0.0),
     }
     if "core" in parts:
         shift["core"] = (0.0, 2.0, shift["bone"][2] - size["bone"][2] - 2 * gap)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fingertip.cad.shapes.core import filled_bone
+from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.solids import Box, ElbowTube, Solid, cylinder, difference, union
 from fingertip.design import Design
 
@@ -21,7 +21,7 @@ def sensor_recess(design: Design) -> Solid:
     """
     dims, bone = design.dimensions, design.bone
     flat = -dims.flat_depth
-    outside = -dims.collar.section.palmar - dims.envelope.section.palmar  # below the palmar surface of every solid
+    outside = -dims.collar.section.palmar - dims.bone_outline.section.palmar  # below the palmar surface of every solid
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
     tail = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
     floor = flat + dims.pocket_depth
@@ -41,10 +41,10 @@ def sensor_recess(design: Design) -> Solid:
 def cable_channel(design: Design) -> Solid:
     """Build the cable channel.
 
-    It runs from the solder relief along the bone, then by one bend out of the back through the posterior hole.
+    It runs from the solder relief along the bone, then by one bend to its opening on the dorsal side of the base.
     """
     dims, bone = design.dimensions, design.bone
-    section = dims.envelope.section
+    section = dims.bone_outline.section
     return ElbowTube(
         start_y=-dims.flat_depth + dims.channel_depth,
         start_z=dims.relief_proximal_z + dims.relief_half_length,
@@ -56,10 +56,13 @@ def cable_channel(design: Design) -> Solid:
 
 
 def tie_hole(design: Design) -> Solid:
-    """Build the hole for a cable tie (strain relief), across the back, one wall thickness below the posterior hole."""
+    """Build the hole for a cable tie (strain relief), across the dorsal side of the base.
+
+    It lies one wall thickness proximal to the opening of the cable channel.
+    """
     dims, bone = design.dimensions, design.bone
-    radius, half_width = bone.tie_hole_diameter_mm / 2, dims.envelope.section.half_width
-    y = dims.envelope.section.dorsal - bone.wall_mm - radius
+    radius, half_width = bone.tie_hole_diameter_mm / 2, dims.bone_outline.section.half_width
+    y = dims.bone_outline.section.dorsal - bone.wall_mm - radius
     return cylinder("x", (y, dims.tie_hole_z), -2 * half_width, 2 * half_width, radius)
 
 
@@ -72,8 +75,8 @@ def interface(design: Design) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
         Solids that the interface adds to the base, and solids that it removes.
     """
     dims, bone = design.dimensions, design.bone
-    y = (dims.envelope.section.dorsal - dims.flat_depth) / 2
-    end, across = -bone.base_length_mm, 2 * dims.envelope.section.half_width
+    y = (dims.bone_outline.section.dorsal - dims.flat_depth) / 2
+    end, across = -bone.base_length_mm, 2 * dims.bone_outline.section.half_width
     bolt = bone.cross_bolt_diameter_mm / 2
     if bone.interface == "socket":
         radius = bone.socket_diameter_mm / 2
@@ -89,10 +92,10 @@ def interface(design: Design) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
 def sensor_body(design: Design) -> Solid:
     """Build the sensor as mounted in the bone, for pictures and checks; it is not printed."""
     dims = design.dimensions
-    back = -dims.flat_depth + dims.pocket_depth - design.sensor.adhesive_thickness_mm
-    front, half_tail = back - dims.sensor.thickness_mm, dims.sensor.tail_width_mm / 2
-    head = cylinder("y", (dims.sensor_z, 0.0), front, back, dims.sensor.head_diameter_mm / 2)
-    return union(head, Box((-half_tail, front, dims.tail_end_z), (half_tail, back, dims.sensor_z)))
+    dorsal_face = -dims.flat_depth + dims.pocket_depth - design.sensor.adhesive_thickness_mm
+    palmar_face, half_tail = dorsal_face - dims.sensor.thickness_mm, dims.sensor.tail_width_mm / 2
+    head = cylinder("y", (dims.sensor_z, 0.0), palmar_face, dorsal_face, dims.sensor.head_diameter_mm / 2)
+    return union(head, Box((-half_tail, palmar_face, dims.tail_end_z), (half_tail, dorsal_face, dims.sensor_z)))
 
 
 def genus(design: Design) -> int:

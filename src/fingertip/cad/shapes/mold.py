@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from fingertip.cad.shapes.core import above_collar_foot, offset_section
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, engraved_lines, letter_outlines, text_width
+from fingertip.cad.shapes.insert import above_collar_foot, offset_section
 from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.solids import (
     Box,
@@ -42,7 +42,7 @@ def hollow(design: Design) -> Solid:
 
     Bolt holes, nut traps and the clearance of the keys are not part of it.
     """
-    return union(cavity(design), *base_recess(design), *runners(design))
+    return union(cavity(design), *base_recess(design), *gate_funnel_vents(design))
 
 
 def base_recess(design: Design) -> tuple[Solid, ...]:
@@ -51,7 +51,7 @@ def base_recess(design: Design) -> tuple[Solid, ...]:
     Near the parting plane the outlines have less than the draft angle. Straight drafted walls replace them there.
     """
     dims, gap, slope = design.dimensions, design.mold.fit_clearance_mm, design.dimensions.draft_slope
-    section, flat = offset_section(dims.envelope.section, gap), dims.flat_depth + gap
+    section, flat = offset_section(dims.bone_outline.section, gap), dims.flat_depth + gap
     margin = section.half_width
     low = design.mold_layout.proximal_z - margin
     side, bottom = section.half_width + margin, -section.palmar - margin
@@ -72,8 +72,8 @@ def _drafted_extrusion(
     return DraftedExtrusion(add_draft(section, slope, flat), low, high)
 
 
-def runners(design: Design) -> tuple[Solid, ...]:
-    """Build the gate with its funnel and the vents, all on the parting plane."""
+def gate_funnel_vents(design: Design) -> tuple[Solid, ...]:
+    """Build the gate, its funnel and the vents, all on the parting plane."""
     mold, m = design.mold, design.mold_layout
     end = m.distal_z + mold.funnel_depth_mm
     gate = cylinder("z", (m.gate_x, 0.0), m.inlet_z, end, mold.gate_diameter_mm / 2)
@@ -85,7 +85,7 @@ def runners(design: Design) -> tuple[Solid, ...]:
     return (gate, funnel, *vents)
 
 
-def bolts(design: Design) -> tuple[Solid, ...]:
+def bolt_holes(design: Design) -> tuple[Solid, ...]:
     """Build the clearance holes for the clamp bolts, through both halves."""
     m = design.mold_layout
     radius, low, high = design.mold.bolt_diameter_mm / 2, -2 * m.palmar_height, 2 * m.dorsal_height
@@ -99,8 +99,18 @@ def nut_traps(design: Design) -> tuple[Solid, ...]:
     return tuple(hexagon(z, x, design.mold.nut_width_mm, low, high) for x, z in m.bolts)
 
 
-def keys(design: Design, clearance_mm: float = 0.0) -> tuple[Solid, ...]:
-    """Build the registration keys of the dorsal half, or with a clearance their sockets in the palmar half."""
+def keys(design: Design) -> tuple[Solid, ...]:
+    """Build the registration keys of the dorsal half."""
+    return key_frustums(design, 0.0)
+
+
+def key_sockets(design: Design) -> tuple[Solid, ...]:
+    """Build the sockets of the palmar half: the keys, larger by their clearance."""
+    return key_frustums(design, design.mold.key_clearance_mm)
+
+
+def key_frustums(design: Design, clearance_mm: float) -> tuple[Solid, ...]:
+    """Build the frustums of the registration keys, enlarged by a clearance [mm] on all sides but the root."""
     m, slope = design.mold_layout, design.dimensions.draft_slope
     inside, top = m.dorsal_height / 2, -design.mold.key_height_mm - clearance_mm
     offset = clearance_mm * math.hypot(1.0, slope)  # the clearance is measured perpendicular to the drafted wall
@@ -147,15 +157,14 @@ def engraved_text(design: Design, half: str) -> tuple[Solid, ...]:
 def outer_cutouts(design: Design) -> Solid:
     """Build everything that is cut into the closed mold from outside: bolt holes, nut traps, pry slots, text."""
     text = (*engraved_text(design, "palmar"), *engraved_text(design, "dorsal"))
-    return union(*bolts(design), *nut_traps(design), *pry_slots(design), *text)
+    return union(*bolt_holes(design), *nut_traps(design), *pry_slots(design), *text)
 
 
 def mold_palmar(design: Design) -> Solid:
     """Build the half below the parting plane, with key sockets and nut traps."""
     m = design.mold_layout
     half = Box((-m.half_width, -m.palmar_height, m.proximal_z), (m.half_width, 0.0, m.distal_z))
-    sockets = keys(design, design.mold.key_clearance_mm)
-    subtracted = (hollow(design), *bolts(design), *nut_traps(design), *sockets, *pry_slots(design))
+    subtracted = (hollow(design), *bolt_holes(design), *nut_traps(design), *key_sockets(design), *pry_slots(design))
     return difference(half, *subtracted, *engraved_text(design, "palmar"))
 
 
@@ -163,5 +172,5 @@ def mold_dorsal(design: Design) -> Solid:
     """Build the half above the parting plane, with the registration keys."""
     m = design.mold_layout
     half = Box((-m.half_width, 0.0, m.proximal_z), (m.half_width, m.dorsal_height, m.distal_z))
-    subtracted = (hollow(design), *bolts(design), *pry_slots(design))
+    subtracted = (hollow(design), *bolt_holes(design), *pry_slots(design))
     return difference(union(half, *keys(design)), *subtracted, *engraved_text(design, "dorsal"))

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fingertip.cad.shapes import bone, core, mold, skin
+from fingertip.cad.shapes import bone, insert, mold, skin
 from fingertip.cad.solids import Solid
 from fingertip.design import Design
 
@@ -55,7 +55,7 @@ PARTS: dict[str, Part] = {
         Part("mold_palmar", mold.mold_palmar, _bolt_hole_count, (0.45, 0.58, 0.70), True),
         Part("mold_dorsal", mold.mold_dorsal, _bolt_hole_count, (0.62, 0.72, 0.80), True),
         Part(
-            "core", core.dummy_core, lambda design: 0, (0.70, 0.78, 0.62), True,
+            "core", insert.sleeve_core, lambda design: 0, (0.70, 0.78, 0.62), True,
             exists_in=lambda design: design.mold.method == "sleeve",
         ),
     )
@@ -82,16 +82,18 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
     """
     post = design.bone.interface == "plain"
     orientations = {
-        "bone": Orientation(0.0, "the end of its post" if post else "the end with the socket", needs_supports=True),
-        "mold_palmar": Orientation(90.0, "its outer face, parting plane up", needs_supports=False),
-        "mold_dorsal": Orientation(-90.0, "its outer face, parting plane up", needs_supports=False),
+        "bone": Orientation(
+            0.0, "the end of the post" if post else "the proximal end, with the socket", needs_supports=True
+        ),
+        "mold_palmar": Orientation(90.0, "the outer face, parting plane up", needs_supports=False),
+        "mold_dorsal": Orientation(-90.0, "the outer face, parting plane up", needs_supports=False),
     }
     if design.mold.method == "sleeve":
-        orientations["core"] = Orientation(0.0, "the end without the tip", needs_supports=True)
+        orientations["core"] = Orientation(0.0, "the flat proximal end", needs_supports=True)
     return orientations
 
 
-def print_volume_excess(design: Design, name: str, mesh: Mesh) -> float:
+def build_volume_excess(design: Design, name: str, mesh: Mesh) -> float:
     """Measure how far a part in its print orientation exceeds the printer's build volume [mm]; negative if it fits.
 
     The part may be rotated by 90 degrees on the bed.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fingertip.cad.shapes.core import skin_interior
+from fingertip.cad.shapes.insert import skin_interior
 from fingertip.cad.solids import Solid, SuperconicSolid, difference, scaled
 from fingertip.design import Design
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.core import mold_insert
+from fingertip.cad.shapes.insert import mold_insert
 from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.solids import Box, Cone, Prism, Solid, intersection, scaled, union
 from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, check_zero_volume
@@ -98,7 +98,7 @@ def check_brep_assembly(
         assert isinstance(outline, Box)
         block = math.prod(high - low for low, high in zip(outline.low, outline.high, strict=True))
         filled = volumes_mm3["hollow"] + _cutout_volume_mm3(design) + sum(parts[half].volume_mm3 for half in HALVES)
-        filled += sum(map(_volume_below_parting_plane_mm3, mold.keys(design, design.mold.key_clearance_mm)))
+        filled += sum(map(_volume_below_parting_plane_mm3, mold.key_sockets(design)))
         filled -= sum(map(_volume_below_parting_plane_mm3, mold.keys(design)))
         yield Check("step.volume_balance.mold", abs(block - filled), _BREP_VOLUME_ERROR * block, "mm3")
 
@@ -133,12 +133,12 @@ def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> 
     A sleeve and its core are enlarged by the same factor. Overmolded silicone is not: the bone keeps its size, so
     silicone also fills the space by which the cavity is enlarged around it.
     """
-    hollow, around = evaluator.manifold(cavity(design)), evaluator.manifold(mold_insert(design))
-    cast = hollow.volume() - (hollow ^ around).volume()
+    cavity_body, insert = evaluator.manifold(cavity(design)), evaluator.manifold(mold_insert(design))
+    cast = cavity_body.volume() - (cavity_body ^ insert).volume()
     growth = design.dimensions.shrinkage**3
     expected = growth * evaluator.manifold(skin).volume()
     if design.mold.method == "overmold":
-        expected += (growth - 1.0) * (hollow.scale((1.0 / design.dimensions.shrinkage,) * 3) ^ around).volume()
+        expected += (growth - 1.0) * (cavity_body.scale((1.0 / design.dimensions.shrinkage,) * 3) ^ insert).volume()
     return abs(float(cast - expected))
 
 
@@ -154,7 +154,7 @@ def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[S
     hollows = (intersection(mold.hollow(design), block), intersection(mold.outer_cutouts(design), block))
     filled = sum(evaluator.manifold(solid).volume() for solid in (*hollows, *halves))
     below = evaluator.manifold(block).trim_by_plane((0.0, -1.0, 0.0), 0.0)
-    for socket, key in zip(mold.keys(design, design.mold.key_clearance_mm), mold.keys(design), strict=True):
+    for socket, key in zip(mold.key_sockets(design), mold.keys(design), strict=True):
         filled += (evaluator.manifold(socket) ^ below).volume() - (evaluator.manifold(key) ^ below).volume()
     return abs(float(evaluator.manifold(block).volume() - filled))
 

@@ -1,4 +1,4 @@
-"""Checks of the bone: wall thicknesses, seat and clearance of the sensor, and its air vent.
+"""Checks of the bone: wall thicknesses, seat and clearance of the sensor, and the air vent of the sensor.
 
 The mesh kernel computes the distance between two meshes exactly. Facets deviate from the exact surface by up to the
 tolerance, so the limits are relaxed by the tolerance.
@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone
-from fingertip.cad.shapes.core import filled_bone
+from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.solids import union
 from fingertip.cad.verification.check import (
@@ -34,7 +34,7 @@ def check_bone(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
 
 
 def check_air_vent(design: Design, evaluator: MeshEvaluator) -> Check:
-    """Check that the sensor's air vent, which lies in its tail, is open to the outside.
+    """Check that the air vent of the sensor, which lies in its tail, is open to the outside.
 
     The check counts the connected volumes of air in and around bone and skin. A pocket that is cut off from the outside
     is a second one.
@@ -55,9 +55,10 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     _, removed = bone.interface(design)
     holes = [evaluator.manifold(s) for s in (bone.tie_hole(design), *removed)]
 
-    # The part of the channel that has bone on all sides: behind the solder relief, and below its mouth in the back.
+    # The part of the channel that has bone on all sides: proximal to the solder relief, and short of its opening on the
+    # dorsal side.
     buried = channel.trim_by_plane((0.0, 0.0, -1.0), -(dims.relief_proximal_z - 1e-3))
-    mouth = dims.envelope.section.dorsal - wall - diameter
+    mouth = dims.bone_outline.section.dorsal - wall - diameter
     buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
     yield check_min_distance("bone.wall.channel_to_outside", buried, outside, wall)
     for name, hole in zip(("tie_hole", "interface"), holes, strict=False):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -18,6 +19,10 @@ VOLUME_TOLERANCE_MM3 = 1e-3
 """Largest volume that counts as zero [mm3]. Rounding 10 000 mm2 of surface to a grid of 8 nm stays below it."""
 PLANE_OFFSET_MM = 0.02
 """Distance of a cut from a plane on which solids end [mm]. In the plane itself they would touch."""
+
+
+_MAX_REACH_MM = 500.0
+"""Reach of a search that exceeds the size of every design [mm]."""
 
 
 @dataclass(frozen=True)
@@ -65,10 +70,27 @@ def check_zero_volume(name: str, volume_mm3: float) -> Check:
 def check_min_distance(name: str, first: Manifold, second: Manifold, min_mm: float) -> Check:
     """Check that two solids are at least `min_mm` apart.
 
-    The thickness of a wall is the distance between the solids on both of its sides. The search takes longer the farther
-    it reaches, so it ends at twice the limit. Larger distances are reported as twice the limit.
+    The thickness of a wall is the distance between the solids on both of its sides.
     """
-    return Check(name, first.min_gap(second, 2.0 * min_mm), min_mm, "mm", "at least")
+    distance = search_distance(lambda reach_mm: first.min_gap(second, reach_mm), 2.0 * min_mm)
+    return Check(name, distance, min_mm, "mm", "at least")
+
+
+def search_distance(measure: Callable[[float], float], first_reach_mm: float) -> float:
+    """Measure a distance [mm] by a search that takes longer the farther it reaches.
+
+    Parameters
+    ----------
+    measure
+        Function that searches up to a reach [mm] and returns the distance, or the reach if the distance is larger.
+    first_reach_mm
+        Reach of the first search [mm]. It doubles until the distance is found, or exceeds every design, as happens if a
+        solid is empty.
+    """
+    reach_mm = first_reach_mm
+    while (distance := measure(reach_mm)) >= reach_mm and reach_mm < _MAX_REACH_MM:
+        reach_mm *= 2.0
+    return distance
 
 
 def complement(evaluator: MeshEvaluator, solid: Solid) -> Manifold:

@@ -10,7 +10,7 @@ import numpy as np
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone, mold
-from fingertip.cad.shapes.core import filled_bone, mold_insert
+from fingertip.cad.shapes.insert import filled_bone, mold_insert
 from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.solids import intersection, union
 from fingertip.cad.verification.check import (
@@ -126,38 +126,38 @@ def _check_cable_channel(design: Design, evaluator: MeshEvaluator) -> Check:
 
 def _check_air_trap(design: Design, evaluator: MeshEvaluator) -> Check:
     """Check the height of the cavity above the highest vent, where air would be trapped."""
-    hollow = evaluator.manifold(cavity(design))
-    runners = evaluator.manifold(union(*mold.runners(design)))
-    highest = hollow.bounding_box()[5]
-    vented = (hollow ^ runners).bounding_box()[5]
+    cavity_body = evaluator.manifold(cavity(design))
+    openings = evaluator.manifold(union(*mold.gate_funnel_vents(design)))
+    highest = cavity_body.bounding_box()[5]
+    vented = (cavity_body ^ openings).bounding_box()[5]
     return Check("mold.air_trap_height", highest - vented, 2 * evaluator.tolerance_mm, "mm")
 
 
 def _check_cavity_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     """Check the walls around the cavity, and the land: the sealing surface between cavity and bolts or keys."""
     wall = design.printer.min_wall_mm - evaluator.tolerance_mm
-    hollow, outside = evaluator.manifold(cavity(design)), complement(evaluator, mold.block(design))
-    yield check_min_distance("mold.wall.cavity_to_outside", hollow, outside, wall)
+    cavity_body, outside = evaluator.manifold(cavity(design)), complement(evaluator, mold.block(design))
+    yield check_min_distance("mold.wall.cavity_to_outside", cavity_body, outside, wall)
     cutouts = evaluator.manifold(mold.outer_cutouts(design))
-    yield check_min_distance("mold.wall.cavity_to_cutouts", hollow, cutouts, wall)
+    yield check_min_distance("mold.wall.cavity_to_cutouts", cavity_body, cutouts, wall)
     # The sockets are wider than the keys by their clearance.
     land = design.mold.land_mm - 2 * design.mold.key_clearance_mm
     for name, solids in (
-        ("bolts", (*mold.bolts(design), *mold.nut_traps(design))),
-        ("keys", mold.keys(design, design.mold.key_clearance_mm)),
+        ("bolts", (*mold.bolt_holes(design), *mold.nut_traps(design))),
+        ("keys", mold.key_sockets(design)),
     ):
-        yield check_min_distance(f"mold.land.{name}_to_cavity", hollow, evaluator.manifold(union(*solids)), land)
+        yield check_min_distance(f"mold.land.{name}_to_cavity", cavity_body, evaluator.manifold(union(*solids)), land)
 
 
 def _check_fasteners(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     """Check the walls around bolts and keys, the number of keys, and that the mold closes in one way only."""
     wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     block = evaluator.manifold(mold.block(design))
-    bolts = evaluator.manifold(union(*mold.bolts(design), *mold.nut_traps(design)))
-    keys = evaluator.manifold(union(*mold.keys(design, design.mold.key_clearance_mm)))
-    yield Check("mold.wall.bolts_to_outside", _distance_to_sides(bolts, block), wall, "mm", "at least")
-    yield check_min_distance("mold.wall.keys_to_outside", keys, complement(evaluator, mold.block(design)), wall)
-    yield check_min_distance("mold.wall.keys_to_bolts", keys, bolts, wall)
+    bolt_holes = evaluator.manifold(union(*mold.bolt_holes(design), *mold.nut_traps(design)))
+    sockets = evaluator.manifold(union(*mold.key_sockets(design)))
+    yield Check("mold.wall.bolts_to_outside", _distance_to_sides(bolt_holes, block), wall, "mm", "at least")
+    yield check_min_distance("mold.wall.keys_to_outside", sockets, complement(evaluator, mold.block(design)), wall)
+    yield check_min_distance("mold.wall.keys_to_bolts", sockets, bolt_holes, wall)
 
     palmar, dorsal = (evaluator.manifold(half(design)) for half in (mold.mold_palmar, mold.mold_dorsal))
     protruding = dorsal.trim_by_plane((0.0, -1.0, 0.0), PLANE_OFFSET_MM)

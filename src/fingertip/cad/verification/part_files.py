@@ -27,7 +27,7 @@ def check_mesh_file(design: Design, part: Part, mesh: Mesh, file_format: str) ->
     yield Check(f"{prefix}.inverted", float(mesh.volume() <= 0.0), 0, "", "exactly")
     solid = to_manifold(mesh.vertices, mesh.triangles)
     yield Check(f"{prefix}.bodies", len(solid.decompose()), 1, "bodies", "exactly")
-    yield Check(f"{prefix}.genus", solid.genus(), part.genus(design), "holes", "exactly")
+    yield Check(f"{prefix}.genus", solid.genus(), part.genus(design), "through holes", "exactly")
 
 
 def check_brep_solid(
@@ -53,7 +53,7 @@ def check_brep_solid(
     tolerance_mm
         Tolerance of the mesh [mm].
     """
-    yield Check(f"{part.name}.step.genus", measured.genus, part.genus(design), "holes", "exactly")
+    yield Check(f"{part.name}.step.genus", measured.genus, part.genus(design), "through holes", "exactly")
     difference = abs(mesh.volume() - measured.volume_mm3 * scale**3)
     yield Check(f"{part.name}.step.volume_difference_to_mesh", difference, tolerance_mm * mesh.area(), "mm3")
 

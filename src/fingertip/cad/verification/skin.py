@@ -10,9 +10,16 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes.core import filled_bone, skin_interior
+from fingertip.cad.shapes.insert import filled_bone, skin_interior
 from fingertip.cad.solids import SuperconicSolid
-from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z, check_min_distance, complement
+from fingertip.cad.verification.check import (
+    PLANE_OFFSET_MM,
+    Check,
+    above_z,
+    check_min_distance,
+    complement,
+    search_distance,
+)
 from fingertip.cad.verification.surface_deviation import max_facet_deviation
 from fingertip.design import Design
 from fingertip.design.geometry.misalignment import held_tilt_slope
@@ -23,9 +30,8 @@ if TYPE_CHECKING:
 _TILT_DIRECTIONS_DEG = (-90.0, -60.0, -30.0, 0.0, 45.0, 90.0)
 """Directions in which the bone is shifted and tilted, from palmar (-90) by the side (0) to dorsal (90). The other side
 is the mirror image."""
-_SEARCH_RATIOS = (1.4, 3.0)
-"""Search radii relative to the minimum thickness. The wide search takes three times as long as the narrow one, which
-usually suffices."""
+_FIRST_REACH_RATIO = 1.4
+"""Reach of the first search for the misaligned thickness, relative to the minimum thickness. It usually suffices."""
 _SECTIONS = 24
 """Sections along the straight part of a sleeve whose perimeters are measured."""
 
@@ -54,14 +60,18 @@ def check_sleeve_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
 
 def _check_misaligned_thickness(design: Design, interior: Manifold, exterior: Manifold, minimum: float) -> Check:
     """Check the thickness when bone or core is misaligned as far as the fit allows while its collar is held down."""
-    for ratio in _SEARCH_RATIOS:
-        farthest = ratio * minimum
-        thickness = farthest
-        for direction in _TILT_DIRECTIONS_DEG:
-            thickness = min(thickness, _misalign(design, interior, direction).min_gap(exterior, thickness))
-        if thickness < farthest:
-            break
+    thickness = search_distance(
+        lambda reach_mm: _min_misaligned_thickness(design, interior, exterior, reach_mm), _FIRST_REACH_RATIO * minimum
+    )
     return Check("skin.min_thickness_misaligned", thickness, minimum, "mm", "at least")
+
+
+def _min_misaligned_thickness(design: Design, interior: Manifold, exterior: Manifold, reach_mm: float) -> float:
+    """Measure the smallest thickness [mm] over all tilt directions, or return the reach if none is smaller."""
+    thickness = reach_mm
+    for direction in _TILT_DIRECTIONS_DEG:
+        thickness = min(thickness, _misalign(design, interior, direction).min_gap(exterior, thickness))
+    return thickness
 
 
 def _misalign(design: Design, interior: Manifold, direction_deg: float) -> Manifold:

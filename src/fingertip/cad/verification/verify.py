@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS, print_scale, print_volume_excess
+from fingertip.cad.shapes.parts import PARTS, build_volume_excess, print_scale
 from fingertip.cad.solids import scaled
 from fingertip.cad.verification.assembly import check_assembly
 from fingertip.cad.verification.bone import check_air_vent, check_bone
@@ -83,7 +83,7 @@ def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, M
     """Check print size, walls, clearances and mold function of those parts that have a mesh in `meshes`."""
     for name, mesh in meshes.items():
         if PARTS[name].is_printed:
-            yield Check(f"{name}.print_volume_excess", print_volume_excess(design, name, mesh), 0.0, "mm")
+            yield Check(f"{name}.build_volume_excess", build_volume_excess(design, name, mesh), 0.0, "mm")
     if "skin" in meshes:
         yield from check_skin(design, evaluator, meshes["skin"])
     if "bone" in meshes:

@@ -1,4 +1,4 @@
-"""Superconic bodies in closed form: the outer surface of the finger and the envelope of the bone.
+"""Superconic bodies in closed form: the outer surface of the finger and the outline of the bone.
 
 A cross-section consists of four rational quadratic arcs, one in each quadrant. The arc from (a, 0) to (0, b) has the
 control point (a, b) with weight w. The weight w = sqrt(1/2) gives an ellipse, larger weights are squarer and smaller

@@ -68,7 +68,7 @@ class Dimensions:
         return ConicBody(section, stations, Tip(skin.length_mm, skin.squareness_tip))
 
     @cached_property
-    def envelope(self) -> ConicBody:
+    def bone_outline(self) -> ConicBody:
         """Bone with its base, before the palmar flat is cut."""
         skin, bone = self._design.skin, self._design.bone
         half_width = skin.width_mm / 2
@@ -136,10 +136,10 @@ class Dimensions:
 
     @cached_property
     def channel_exit_z(self) -> float:
-        """Centre of the posterior hole, through which the cables leave the bone.
+        """Centre of the channel opening on the dorsal side of the base, through which the cables leave the bone.
 
-        The hole lies below the skin and below the mold's recess, because overmolding closes the mold with the cables in
-        place.
+        The opening lies proximal to the skin and to the mold's recess, because overmolding closes the mold with the
+        cables in place.
         """
         bone = self._design.bone
         channel_radius = bone.channel_diameter_mm / 2
@@ -200,5 +200,5 @@ class Dimensions:
         for i in range(_RIM_POINTS + 1):
             phi = math.pi * (i / _RIM_POINTS - 0.5)
             z = self.sensor_z + r * math.sin(phi)
-            margins.append(self.envelope.half_width_at(-self.flat_depth, z) - r * math.cos(phi))
+            margins.append(self.bone_outline.half_width_at(-self.flat_depth, z) - r * math.cos(phi))
         return min(margins)

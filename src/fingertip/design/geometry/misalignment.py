@@ -72,8 +72,8 @@ def misaligned_points(design: DesignTables) -> Iterator[MisalignedPoint]:
     thickness, which the slope of the surface corrects.
     """
     dims = design.dimensions
-    assert dims.envelope.tip is not None
-    join, apex = dims.envelope.stations[-1][0], dims.envelope.tip.z
+    assert dims.bone_outline.tip is not None
+    join, apex = dims.bone_outline.stations[-1][0], dims.bone_outline.tip.z
     per_recess, collar = 2.0 / design.mold.recess_length_mm, _outline(dims.collar.section)
     inset = sleeve_inset_mm(design)
     for z in (0.0, join, *(join + (apex - join) * i / (_TIP_SECTIONS + 1) for i in range(1, _TIP_SECTIONS + 1))):

@@ -43,7 +43,7 @@ def min_skin_thickness(dims: Dimensions, inset_mm: float) -> float:
     inset_mm
         Inset of the silicone's inside from the bone [mm]: the interference of a sleeve.
     """
-    heights = (z for z, _ in dims.envelope.stations if z >= 0.0)
+    heights = (z for z, _ in dims.bone_outline.stations if z >= 0.0)
     return min(sample.thickness_mm for z in heights for sample in skin_thicknesses(dims, z, inset_mm))
 
 
@@ -52,7 +52,7 @@ def skin_thicknesses(
 ) -> Iterator[ThicknessSample]:
     """Sample the silicone over the bone's outline at height z [mm], cut at the palmar flat; one side, x >= 0."""
     outer, outer_scale = dims.outer.section, dims.outer.scale_at(z)
-    inner, inner_scale = dims.envelope.section, dims.envelope.scale_at(z)
+    inner, inner_scale = dims.bone_outline.section, dims.bone_outline.scale_at(z)
     width, flat = inner.half_width - inset_mm, dims.flat_depth - inset_mm
     for dorsal in (True, False):
         height = (inner.dorsal if dorsal else inner.palmar) - inset_mm

@@ -51,7 +51,8 @@ class Board(ParameterTable):
     gain_bandwidth_hz: float = quantity(
         3e6,
         "Hz",
-        "Gain-bandwidth product of the amplifier (TLV2372: 3e6; TL082 of variant article, split supply: 4e6).",
+        "Gain-bandwidth product of the amplifier; set 4e6 for the TL082 of variant article on a split supply "
+        "(TLV2372: 3e6).",
         minimum=1e4,
         maximum=1e9,
     )
@@ -70,7 +71,7 @@ class Detector(ParameterTable):
     threshold_v: float = quantity(
         0.017,
         "V",
-        "Threshold of the mean envelope above which slip is ON; default: 6 sigma above the digital detector's noise.",
+        "Threshold of the mean envelope above which slip is ON; default: its mean plus 6 standard deviations in noise.",
         above=0,
         maximum=10,
     )

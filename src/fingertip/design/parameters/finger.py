@@ -41,42 +41,66 @@ class CustomSensor(ParameterTable):
 
 
 class Bone(ParameterTable):
-    """Rigid core that carries the sensor, and its interface to the proximal phalanx."""
+    """Rigid part that carries the sensor, and its interface to the proximal phalanx."""
 
     base_length_mm: float = quantity(
         22.0, "mm", "Length of the base from the skin's proximal end to the interface.", minimum=4, maximum=60
     )
     squareness_palmar: float = quantity(
-        1.3, "", "Conic weight of the palmar edges (0.71: ellipse, 2: nearly a box).", minimum=0.5, maximum=8
+        1.3,
+        "",
+        "Squareness of the palmar edges, the weight of their conic arcs (0.71: ellipse, 2: near a box).",
+        minimum=0.5,
+        maximum=8,
     )
-    rim_mm: float = quantity(0.6, "mm", "Width of the flat rim around the sensor's head.", minimum=0.2, maximum=5)
+    rim_mm: float = quantity(
+        0.6,
+        "mm",
+        "Design width of the rim around the sensor; checks require 95 % of it or, if less, of printer.min_wall_mm.",
+        minimum=0.2,
+        maximum=5,
+    )
     wall_mm: float = quantity(
-        1.0, "mm", "Minimum wall between cable channel, sensor slot and outer surface.", minimum=0.4, maximum=5
+        1.0,
+        "mm",
+        "Design wall between cable channel, sensor slot and outer surface; checks require printer.min_wall_mm.",
+        minimum=0.4,
+        maximum=5,
     )
     channel_diameter_mm: float = quantity(
-        2.4, "mm", "Diameter of the cable channel from the solder tabs to the back.", minimum=0.8, maximum=10
+        2.4,
+        "mm",
+        "Diameter of the cable channel from the solder relief to the dorsal side of the base.",
+        minimum=0.8,
+        maximum=10,
     )
     channel_bend_radius_mm: float = quantity(
         3.0, "mm", "Bend radius of the channel's centre line.", minimum=1, maximum=20
     )
     relief_length_mm: float = quantity(
-        5.0, "mm", "Length of the recess for the solder joints at the end of the tail.", minimum=2, maximum=20
+        5.0,
+        "mm",
+        "Length of the solder relief, the recess for the solder joints at the end of the tail.",
+        minimum=2,
+        maximum=20,
     )
     tie_hole_diameter_mm: float = quantity(
         1.6,
         "mm",
-        "Diameter of the hole for the cable tie (strain relief), across the back below the cables' exit.",
+        "Diameter of the hole for the cable tie (strain relief), across the base, proximal to the channel opening.",
         minimum=0.8,
         maximum=6,
     )
     collar_length_mm: float = quantity(
         2.0,
         "mm",
-        "Length of the collar on which the skin ends, at the parting plane; the draft shortens it elsewhere.",
+        "Length of the collar on which the skin ends, at the parting plane, where its drafted foot makes it longest.",
         minimum=0.8,
         maximum=10,
     )
-    collar_inset_mm: float = quantity(0.3, "mm", "Inset of the collar from the skin's outline.", minimum=0.1, maximum=5)
+    collar_inset_mm: float = quantity(
+        0.3, "mm", "Inset of the collar from the outline of the skin.", minimum=0.1, maximum=5
+    )
     groove_depth_mm: float = quantity(
         0.6, "mm", "Depth of the groove around the bone that retains the skin; 0: no groove.", minimum=0, maximum=3
     )
@@ -103,7 +127,7 @@ class Skin(ParameterTable):
         6.0, "mm", "Height of the pad, measured from the parting plane.", minimum=2, maximum=40
     )
     semi_axis_dorsal_mm: float = quantity(
-        7.0, "mm", "Height of the back, measured from the parting plane.", minimum=2, maximum=40
+        7.0, "mm", "Height of the dorsal side, measured from the parting plane.", minimum=2, maximum=40
     )
     length_mm: float = quantity(34.0, "mm", "Length from the proximal end to the tip.", minimum=8, maximum=120)
     tip_length_mm: float = quantity(10.0, "mm", "Length of the rounded tip, part of the length.", minimum=2, maximum=60)
@@ -115,13 +139,17 @@ class Skin(ParameterTable):
         maximum=1,
     )
     squareness_palmar: float = quantity(
-        0.8, "", "Conic weight of the pad's arcs (0.71: ellipse).", minimum=0.4, maximum=4
+        0.8, "", "Squareness of the pad, the weight of its conic arcs (0.71: ellipse).", minimum=0.4, maximum=4
     )
     squareness_dorsal: float = quantity(
-        0.75, "", "Conic weight of the back's arcs (0.71: ellipse).", minimum=0.4, maximum=4
+        0.75, "", "Squareness of the dorsal side, the weight of its conic arcs (0.71: ellipse).", minimum=0.4, maximum=4
     )
     squareness_tip: float = quantity(
-        0.75, "", "Conic weight of the tip's profile (0.71: ellipse).", minimum=0.4, maximum=4
+        0.75,
+        "",
+        "Squareness of the tip's profile, the weight of its conic arcs (0.71: ellipse).",
+        minimum=0.4,
+        maximum=4,
     )
     thickness_side_mm: float = quantity(2.0, "mm", "Skin thickness at the sides.", minimum=0.4, maximum=15)
     thickness_palmar_mm: float = quantity(
@@ -131,8 +159,10 @@ class Skin(ParameterTable):
         minimum=0.4,
         maximum=20,
     )
-    thickness_dorsal_mm: float = quantity(1.5, "mm", "Skin thickness on the back.", minimum=0.4, maximum=15)
-    thickness_tip_mm: float = quantity(2.5, "mm", "Skin thickness in front of the bone.", minimum=0.4, maximum=20)
+    thickness_dorsal_mm: float = quantity(1.5, "mm", "Skin thickness on the dorsal side.", minimum=0.4, maximum=15)
+    thickness_tip_mm: float = quantity(
+        2.5, "mm", "Skin thickness at the tip, distal to the bone.", minimum=0.4, maximum=20
+    )
     min_thickness_mm: float = quantity(
         0.8, "mm", "Minimum skin thickness anywhere, measured from bone to surface.", minimum=0.2, maximum=10
     )
@@ -143,7 +173,7 @@ class Mold(ParameterTable):
 
     method: Literal["overmold", "sleeve"] = choice(
         "overmold",
-        "overmold: cast around bone and sensor; sleeve: cast around a dummy core, then pulled over the bone.",
+        "overmold: cast in place around bone and sensor; sleeve: cast around a core, then pulled over the bone.",
     )
     sleeve_interference_mm: float = quantity(
         0.15,
@@ -168,7 +198,11 @@ class Mold(ParameterTable):
         maximum=5,
     )
     wall_mm: float = quantity(
-        4.0, "mm", "Thickness of the mold below, above and behind the cavity.", minimum=1.2, maximum=30
+        4.0,
+        "mm",
+        "Thickness of the mold on the palmar, dorsal and distal sides of the cavity.",
+        minimum=1.2,
+        maximum=30,
     )
     land_mm: float = quantity(
         3.0, "mm", "Width of the flat land between the cavity and the bolts or keys.", minimum=1, maximum=20
@@ -190,7 +224,7 @@ class Mold(ParameterTable):
     )
     funnel_depth_mm: float = quantity(4.0, "mm", "Depth of the funnel.", minimum=0.5, maximum=30)
     vent_diameter_mm: float = quantity(
-        1.2, "mm", "Diameter of the vents, at the apex and opposite the gate.", minimum=0.4, maximum=5
+        1.2, "mm", "Diameter of the mold vents, at the apex and opposite the gate.", minimum=0.4, maximum=5
     )
     bolt_diameter_mm: float = quantity(
         3.4, "mm", "Diameter of the clamp bolts' clearance holes (3.4: M3).", minimum=MIN_HOLE_MM, maximum=9
@@ -229,5 +263,9 @@ class Printer(ParameterTable):
     bed_y_mm: float = quantity(68.0, "mm", "Depth of the bed.", minimum=20, maximum=2000)
     bed_z_mm: float = quantity(150.0, "mm", "Maximum height of a print.", minimum=20, maximum=2000)
     min_wall_mm: float = quantity(
-        0.8, "mm", "Minimum wall that prints (SLA 0.6 to 0.8, FDM 0.8 to 1).", minimum=0.1, maximum=5
+        0.8,
+        "mm",
+        "Minimum wall that prints (SLA 0.6 to 0.8, FDM 0.8 to 1); checks of walls allow the mesh tolerance less.",
+        minimum=0.1,
+        maximum=5,
     )

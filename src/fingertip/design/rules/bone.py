@@ -17,6 +17,8 @@ _BEFORE_TIP = 0.1
 """Minimum distance of the groove from the rounded tip [mm]."""
 _CIRCLE_POINTS = 64
 """Intervals at which half a circle is sampled."""
+_DEPTH_HALVINGS = 30
+"""Halvings that find the maximum depth of the groove."""
 
 
 @RULES.rule("bone.wall_mm")
@@ -25,9 +27,8 @@ def walls_print(design: DesignTables) -> Violation | None:
     if design.bone.wall_mm >= design.printer.min_wall_mm - SLACK:
         return None
     return Violation(
-        f"{design.bone.wall_mm:g} mm does not print",
+        f"{design.bone.wall_mm:g} mm is thinner than the {design.printer.min_wall_mm:g} mm of printer.min_wall_mm",
         at_least(design.printer.min_wall_mm),
-        "(set by printer.min_wall_mm)",
     )
 
 
@@ -113,19 +114,26 @@ def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
     join = dims.taper_end_z
     limit = min(head, join - _BEFORE_TIP)
     if z + depth > limit + SLACK:
-        where = "into the sensor's head at" if head < join else "into the rounded tip, which begins at"
+        obstacle = "the sensor's head" if head < join else "the rounded tip"
+        # A short finger leaves no space at all, for which the limit is negative.
+        begins = f", which begins {limit:.2f} mm from the collar" if limit > 0.0 else ""
         return Violation(
-            f"{depth:g} mm deep and {width:g} mm wide, {low:g} mm from the collar, the groove runs {where} "
-            f"{min(head, join):.2f} mm",
+            f"{depth:g} mm deep and {width:g} mm wide, {low:g} mm from the collar, the groove runs into "
+            f"{obstacle}{begins}",
             at_most(max(0.0, (limit - low - width) / 2)),
         )
-    section = dims.envelope.section
-    scale = dims.envelope.scale_at(min(z, head)) * (1 - depth / section.half_width)
-    room = section.half_width_at(-dims.flat_depth, scale)
+    section = dims.bone_outline.section
     slot = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm + design.bone.wall_mm
-    if room >= slot - SLACK:
+
+    def keeps_wall(depth: float) -> bool:
+        scale = dims.bone_outline.scale_at(min(low + depth + width, head)) * (1 - depth / section.half_width)
+        return section.half_width_at(-dims.flat_depth, scale) >= slot - SLACK
+
+    if keeps_wall(depth):
         return None
-    return Violation(f"{depth:g} mm cuts the wall beside the tail's slot", at_most(max(0.0, depth - slot + room)))
+    # The flat narrows faster than the groove deepens, so the bound has no closed form.
+    maximum = bisect(keeps_wall, 0.0, depth, halvings=_DEPTH_HALVINGS)[0] if keeps_wall(0.0) else 0.0
+    return Violation(f"{depth:g} mm cuts into the wall beside the tail's slot", at_most(maximum))
 
 
 @RULES.rule("bone.tie_hole_diameter_mm")
@@ -158,7 +166,7 @@ def socket_within_base(design: DesignTables) -> Violation | None:
 
 def _base_holds_circle(design: DesignTables, radius: float) -> bool:
     """Whether a circle [mm] about the middle of the base's height stays inside the base's section."""
-    section, flat = design.dimensions.envelope.section, design.dimensions.flat_depth
+    section, flat = design.dimensions.bone_outline.section, design.dimensions.flat_depth
     middle = (section.dorsal - flat) / 2
     if radius >= (section.dorsal + flat) / 2:
         return False
@@ -171,7 +179,7 @@ def _base_holds_circle(design: DesignTables, radius: float) -> bool:
 
 def _base_room(design: DesignTables) -> float:
     """Find the diameter [mm] of the largest circle that the base's section holds, by bisection."""
-    highest = (design.dimensions.envelope.section.dorsal + design.dimensions.flat_depth) / 2
+    highest = (design.dimensions.bone_outline.section.dorsal + design.dimensions.flat_depth) / 2
     return 2 * bisect(lambda radius: _base_holds_circle(design, radius), 0.0, highest, halvings=30)[0]
 
 

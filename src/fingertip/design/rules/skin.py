@@ -77,7 +77,7 @@ def bone_reaches_tip(design: DesignTables) -> Violation | None:
 @RULES.rule("skin.taper_ratio", tip_within_skin, bone_left_at_sides, bone_reaches_tip)
 def taper_reaches_tip(design: DesignTables) -> Violation | None:
     """The taper does not close finger or bone before their tips."""
-    if min(design.dimensions.outer.tip_control(), design.dimensions.envelope.tip_control()) > _MIN_TIP_CONTROL:
+    if min(design.dimensions.outer.tip_control(), design.dimensions.bone_outline.tip_control()) > _MIN_TIP_CONTROL:
         return None
     return Violation(f"{design.skin.taper_ratio:g} closes the finger before its tip")
 
@@ -100,12 +100,16 @@ def flat_within_bone(design: DesignTables) -> Violation | None:
     """The bone's palmar flat lies within its palmar half."""
     dims = design.dimensions
     height = design.skin.semi_axis_palmar_mm * dims.outer.scale_at(dims.sensor_z)
-    bone = dims.envelope.section.palmar * dims.envelope.scale_at(dims.sensor_z)
+    bone = dims.bone_outline.section.palmar * dims.bone_outline.scale_at(dims.sensor_z)
     maximum, minimum = height - _MIN_FLAT_DEPTH, height - bone + _MIN_FLAT_CUT
     if minimum <= design.skin.thickness_palmar_mm <= maximum + SLACK:
         return None
+    if design.skin.thickness_palmar_mm < minimum:
+        where = "beyond the bone's palmar surface"
+    else:
+        where = f"less than {_MIN_FLAT_DEPTH:g} mm below the parting plane"
     return Violation(
-        f"{design.skin.thickness_palmar_mm:g} mm puts the palmar flat outside the bone's palmar half",
+        f"{design.skin.thickness_palmar_mm:g} mm puts the bone's flat {where}",
         ((minimum, maximum),),
         "with this pad and sensor position",
     )
@@ -132,8 +136,8 @@ def flat_edges_within_skin(design: DesignTables) -> Violation | None:
     if thickness >= _EDGE_THICKNESS:
         return None
     return Violation(
-        f"{design.bone.squareness_palmar:g} brings the edges of the bone's flat to {thickness:.2f} mm (sideways) from "
-        f"the skin's surface, and {_EDGE_THICKNESS:g} mm are needed"
+        f"{design.bone.squareness_palmar:g} brings the edges of the bone's flat to {max(0.0, thickness):.2f} mm from the "
+        f"skin's surface (measured sideways); at least {_EDGE_THICKNESS:g} mm are required"
     )
 
 
@@ -165,10 +169,10 @@ def skin_is_thick_enough(design: DesignTables) -> Violation | None:
 def _edge_thickness(design: DesignTables) -> float:
     """Compute the minimum silicone [mm] beside the flat's edges, along x, over the length of the bone in the skin."""
     dims = design.dimensions
-    end = dims.envelope.tip.z if dims.envelope.tip else 0.0
+    end = dims.bone_outline.tip.z if dims.bone_outline.tip else 0.0
     heights = (end * i / _EDGE_SECTIONS for i in range(_EDGE_SECTIONS + 1))
     return min(
-        dims.outer.half_width_at(-dims.flat_depth, z) - dims.envelope.half_width_at(-dims.flat_depth, z)
+        dims.outer.half_width_at(-dims.flat_depth, z) - dims.bone_outline.half_width_at(-dims.flat_depth, z)
         for z in heights
     )
 
@@ -178,7 +182,7 @@ def slot_fits_flat(design: DesignTables) -> Violation | None:
     """The flat keeps a wall on each side of the tail's slot."""
     dims = design.dimensions
     half = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
-    room = min(dims.envelope.half_width_at(-dims.flat_depth, z) for z in (0.0, max(0.0, dims.sensor_z)))
+    room = min(dims.bone_outline.half_width_at(-dims.flat_depth, z) for z in (0.0, max(0.0, dims.sensor_z)))
     if half + design.bone.wall_mm <= room or room == 0.0:
         return None
     return Violation(
@@ -191,15 +195,16 @@ def slot_fits_flat(design: DesignTables) -> Violation | None:
 @RULES.rule("bone.channel_diameter_mm", bone_left_at_sides, bone_left_dorsally)
 def channel_within_base(design: DesignTables) -> Violation | None:
     """The base keeps a wall around the cable channel."""
-    section, flat = design.dimensions.envelope.section, design.dimensions.flat_depth
+    section, flat = design.dimensions.bone_outline.section, design.dimensions.flat_depth
     height, wall = flat + section.dorsal, design.bone.wall_mm
     width = 2 * min(section.half_width_at(-flat), section.half_width_at(section.dorsal / 2))
     maximum = min(width, height) - 2 * wall
     if design.bone.channel_diameter_mm <= maximum + SLACK:
         return None
+    # The flat of a bone that another rule refuses can lie outside the bone, which leaves no size to state.
+    size = f", which is {width:.2f} mm wide and {height:.2f} mm high" if min(width, height) > 0.0 else ""
     return Violation(
-        f"{design.bone.channel_diameter_mm:g} mm is wider than the base allows ({width:.2f} x {height:.2f} mm with "
-        f"{wall:g} mm walls)",
+        f"{design.bone.channel_diameter_mm:g} mm leaves no walls of {wall:g} mm in the base{size}",
         at_most(maximum),
     )
 

@@ -1,7 +1,7 @@
-"""Filled bone, collar, and the dummy core of a sleeve: the bodies around which silicone is cast.
+"""Inserts of the mold, around which silicone is cast: the filled bone with its collar, and the core of a sleeve.
 
-Overmolding casts the skin around the bone itself. A sleeve is cast around a dummy core and pulled over the bone
-afterwards; the core is smaller than the bone by an interference, which makes the skin fit tightly.
+Overmolding casts the skin around the bone itself. A sleeve is cast around a core and pulled over the bone afterwards;
+the core is smaller than the bone by an interference, which makes the skin fit tightly.
 """
 
 from __future__ import annotations
@@ -14,23 +14,23 @@ from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, CrossSection
 
 _BODY_OVERLAP_MM, _BASE_OVERLAP_MM = 0.2, 0.4
-"""Depths to which the body and the base of a dummy core reach into the collar [mm]. Solids that only touch would leave
-coincident faces."""
+"""Depths to which the body and the base of a sleeve's core reach into the collar [mm]. Solids that only touch would
+leave coincident faces."""
 
 
 def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
-    """Build the bone with its channel, pocket and holes filled: envelope with palmar flat, groove and collar.
+    """Build the bone with its channel, pocket and holes filled: outline with palmar flat, groove and collar.
 
     All surfaces but the collar's lie `inset_mm` inside the bone's.
     """
-    body = _add_groove(design, _inset(design.dimensions.envelope, inset_mm))
+    body = _add_groove(design, _inset(design.dimensions.bone_outline, inset_mm))
     return union(_cut_flat(design, body, inset_mm), collar(design))
 
 
 def _cut_flat(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
     """Cut the palmar flat, `inset_mm` deeper than the bone's."""
     section = body.section
-    # The cutting box extends past the envelope by a length that scales with the design.
+    # The cutting box extends past the outline by a length that scales with the design.
     margin = section.half_width
     below = Box(
         (-section.half_width - margin, -section.palmar - margin, body.stations[0][0] - margin),
@@ -40,7 +40,7 @@ def _cut_flat(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
 
 
 def collar(design: Design) -> Solid:
-    """Build the collar: the flange below the skin, on which the skin ends."""
+    """Build the collar: the flange proximal to the skin, on which the skin ends."""
     dims = design.dimensions
     section = dims.collar.section
     low = dims.collar.stations[0][0] - section.half_width  # below the foot, where the intersection cuts it
@@ -73,24 +73,24 @@ def offset_section(section: CrossSection, gap_mm: float) -> CrossSection:
     )
 
 
-def dummy_core(design: Design) -> Solid:
+def sleeve_core(design: Design) -> Solid:
     """Build the core around which a sleeve is cast: printed, without the bone's hollows.
 
     Inside the skin it is smaller than the bone by the interference and then enlarged to allow for shrinkage. Its base
     and collar equal the bone's, because both fit the same recess of the mold.
     """
     inset = design.mold.sleeve_interference_mm
-    body = _inset(design.dimensions.envelope, inset)
+    body = _inset(design.dimensions.bone_outline, inset)
     (base, scale), *stations = body.stations
     above = _add_groove(design, replace(body, stations=((-_BODY_OVERLAP_MM, scale), *stations)))
-    below = ConicBody(design.dimensions.envelope.section, ((base, scale), (-_BASE_OVERLAP_MM, scale)))
+    below = ConicBody(design.dimensions.bone_outline.section, ((base, scale), (-_BASE_OVERLAP_MM, scale)))
     within_skin = scaled(_cut_flat(design, above, inset), design.dimensions.shrinkage)
     return union(within_skin, _cut_flat(design, below), collar(design))
 
 
 def mold_insert(design: Design) -> Solid:
     """Build the body that lies in the closed mold while the silicone cures, with its hollows filled."""
-    return dummy_core(design) if design.mold.method == "sleeve" else filled_bone(design)
+    return sleeve_core(design) if design.mold.method == "sleeve" else filled_bone(design)
 
 
 def skin_interior(design: Design) -> Solid:

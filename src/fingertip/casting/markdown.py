@@ -122,9 +122,9 @@ def steps(data: Data) -> list[str]:
         f"funnel until silicone rises in the {data['mold']['vents']} mold vents. Tap the mold and top it up.",
         f"Let it cure for {properties['cure_h']['high']:g} h at room temperature. Before you open the mold, test the "
         "leftover silicone in the cup with a fingernail.",
-        "Remove the bolts and the strips of paper. Twist a screwdriver in the pry slots, alternating between the two "
-        "sides, and lift the halves straight off. Trim the sprue and vent stubs flush, and remove any flash around the "
-        "base.",
+        "Remove the rubber band, the bolts and the strips of paper. Twist a screwdriver in the pry slots, alternating "
+        "between the two sides, and lift the halves straight off. Trim the sprue and vent stubs flush, and remove any "
+        "flash around the base.",
     ]
     if not is_sleeve:
         return [
@@ -149,10 +149,10 @@ def _centring_step(fit: Data, insert: str) -> str:
     return (
         f"Pull the exposed end of the {insert} away from the funnel until its collar sits on its shelf all round, and "
         f"hold it there with a rubber band. Centre the {insert} with strips of paper between its base and the recess, "
-        "on all four sides, from the proximal end of the mold. Band and paper stay in place until the mold is opened. "
+        "on all four sides, pushed in from the proximal end. Band and paper stay in place until the mold is opened. "
         f"Even held this way, slight misalignment can thin the skin to {fit['min_skin_held_mm']:g} mm (design: "
-        f"{fit['min_skin_design_mm']:g} mm). If it is unsupported, the {insert} has {fit['clearance_mm']:g} mm of "
-        f"clearance on all sides, can tilt by {fit['max_unsupported_tilt_deg']:g} degrees and {unsupported}."
+        f"{fit['min_skin_design_mm']:g} mm). Unsupported, with {fit['clearance_mm']:g} mm of clearance on all sides, the "
+        f"{insert} can tilt by {fit['max_unsupported_tilt_deg']:g} degrees and {unsupported}."
     )
 
 

@@ -42,7 +42,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "fingertip", "board", "--out", folder, "--quiet"]
         rows: list[tuple[str, Callable[[], object], float]] = [
-            ("10 000 boards", lambda: monte_carlo(values.preferred, 3e6, values.first_stage, 1.0, 5.0), 0.2),
+            ("10 000 boards", lambda: monte_carlo(values.preferred, 3e6, values.first_stage_capacitors, 1.0, 5.0), 0.2),
             ("joint E96 search", lambda: select_section_resistors(67.0, 1.0, 1e-6, "E96"), 0.05),
             ("joint E12 x E96 search", lambda: select_filter_capacitor(board), 0.05),
             ("fingertip board, fresh", lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL), 0.5),

@@ -38,10 +38,10 @@ def test_anti_aliasing_poles_follow_the_sample_rate(rate: float, series: str) ->
 def test_alias_attenuation_of_the_default_board() -> None:
     a = board_values(Design()).aliasing
     assert (a.band_hz, a.nyquist_hz, a.alias_hz) == (201.0, 1000.0, 1799.0)
-    assert a.step_v == 20 / 65536
+    assert a.lsb_v == 20 / 65536
     # A swing of 3.5 V against a step of 0.305 mV.
     assert a.required_db == pytest.approx(20 * math.log10(3.5 * 65536 / 20), rel=1e-12)
-    assert a.one_step_tone_v * 10 ** (a.tactile_alias_db / 20) == pytest.approx(a.step_v, rel=1e-12)
+    assert a.one_lsb_tone_v * 10 ** (a.tactile_alias_db / 20) == pytest.approx(a.lsb_v, rel=1e-12)
     assert -1.7 < a.tactile_band_db < -1.5  # slip ends below 100 Hz in the embedded finger: 0.4 dB
     precision = board_values(Design.load(changes=["board.variant=precision"])).aliasing
     envelope_pole_db = -10 * math.log10(1 + (1000 / 36.17) ** 2)

@@ -213,12 +213,12 @@ def test_threshold_beyond_a_single_supply_is_refused() -> None:
         (["board.band_limit_hz=200"], "3 cutoffs of 67 Hz; at least 201 Hz", "board.band_limit_hz=201"),
         (
             ["board.band_limit_hz=9000", "board.r5_ohm=10e6"],
-            "asks for 1.768 pF across it, below 10 pF; at most 1591 Hz with this r5_ohm",
+            "requires 1.768 pF across it, below 10 pF; at most 1591 Hz with this r5_ohm",
             "board.band_limit_hz=1591",
         ),
         (
             ["board.band_limit_hz=31", "board.cutoff_hz=10", "board.r5_ohm=2000", "board.passband_gain=2"],
-            "asks for 2.567e+06 pF across it, above 1e+06 pF; at least 79.58 Hz with this r5_ohm",
+            "requires 2.567e+06 pF across it, above 1e+06 pF; at least 79.58 Hz with this r5_ohm",
             "board.band_limit_hz=79.58",
         ),
     ],
@@ -257,7 +257,7 @@ def test_comparator_thresholds_and_resistances_stay_within_range(threshold: str,
     changes = ["board.variant=comparator", f"detector.threshold_v={threshold}", f"board.series={series}"]
     stage = board_values(Design.load(changes=[*changes, f"board.supply={supply}"])).comparator_stage
     assert stage is not None
-    for ohm in (stage.mean_ohm, stage.top_ohm, stage.hysteresis_ohm):
+    for ohm in (stage.averaging_ohm, stage.trimmer_top_ohm, stage.hysteresis_ohm):
         assert MIN_OHM <= ohm <= MAX_OHM
     # ON is the design's threshold to half a step of the series; OFF is a quarter lower, as far as the series permits.
     assert stage.on_v == pytest.approx(float(threshold), rel=0.06 if series == "E12" else 0.01)
@@ -270,16 +270,16 @@ def test_averaging_low_pass_has_half_the_window_as_time_constant_and_limits_the_
     changes = ["board.variant=comparator", f"detector.window_samples={window}"]
     stage = board_values(Design.load(changes=changes)).comparator_stage
     assert stage is not None
-    assert stage.mean_s == pytest.approx(window / 2000 / 2, rel=0.05)
-    assert stage.max_bias_v == 250e-9 * stage.mean_ohm < 0.55 * 0.017
-    assert stage.mean_f <= 1e-6
+    assert stage.averaging_tau_s == pytest.approx(window / 2000 / 2, rel=0.05)
+    assert stage.max_bias_v == 250e-9 * stage.averaging_ohm < 0.55 * 0.017
+    assert stage.averaging_f <= 1e-6
     if window == 60:
-        assert (stage.mean_ohm, stage.mean_f) == (15e3, 1e-6)
+        assert (stage.averaging_ohm, stage.averaging_f) == (15e3, 1e-6)
 
 
 def test_a_window_too_long_for_the_comparator_is_refused() -> None:
     changes = ["board.variant=comparator", "detector.window_samples=2000"]
-    with pytest.raises(DesignError, match=r"mean of 5e\+05 ohm, .* make 125 mV, .* at most 136 samples") as caught:
+    with pytest.raises(DesignError, match=r"resistor of 5e\+05 ohm, .* drops 125 mV, .* at most 136 samples") as caught:
         Design.load(changes=changes)
     assert [issue.field for issue in caught.value.issues] == ["detector.window_samples"]
     assert Design.load(changes=[changes[0], "detector.window_samples=136"])

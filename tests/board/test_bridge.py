@@ -63,7 +63,13 @@ def test_default_bridge_has_a_small_error() -> None:
 def test_resistors_of_the_bridge_are_preferred_values() -> None:
     for series in ("E12", "E24", "E96"):
         bridge = size_bridge(5.0, series, 5.08)
-        for ohm in (bridge.top_ohm, bridge.shunt_ohm, bridge.high_ohm, bridge.low_ohm, bridge.gain_ohm):
+        for ohm in (
+            bridge.sensor_top_ohm,
+            bridge.sensor_shunt_ohm,
+            bridge.reference_top_ohm,
+            bridge.reference_bottom_ohm,
+            bridge.gain_ohm,
+        ):
             assert float(f"{ohm:e}".split("e")[0]) * (100 if series == "E96" else 10) in mantissas(series)
 
 

@@ -95,7 +95,7 @@ SHORT_WINDOW = ("board.variant=comparator", "detector.sample_rate_hz=10000", "de
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
-        ((*NOISY, "detector.threshold_v=0.004"), ["quiescent envelope to 10.9 mV, and detector.threshold_v is 4 mV"]),
+        ((*NOISY, "detector.threshold_v=0.004"), ["mean envelope to 10.9 mV, and detector.threshold_v is 4 mV"]),
         (NOISY, []),
         (SHORT_WINDOW, ["detector.window_samples of 60 at 10000 Hz is 6 ms"]),
         (SHORT_WINDOW[:1], []),

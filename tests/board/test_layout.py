@@ -318,7 +318,7 @@ def test_pads_equal_those_of_kicads_library(footprint: str) -> None:
     assert rounded[0] == rounded[1]
 
 
-def test_counterclockwise_rotation_moves_a_pad_on_the_right_to_the_top() -> None:
+def test_anticlockwise_rotation_moves_a_pad_on_the_right_to_the_top() -> None:
     """The y axis points down."""
     assert rotate_offset(0, 1.0, 0.5) == (1.0, 0.5)
     assert rotate_offset(90, 1.0, 0.5) == (0.5, -1.0)

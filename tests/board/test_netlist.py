@@ -146,14 +146,14 @@ def find_parser_differences(design: Design, path: Path) -> list[str]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["article_single", "precision_single", "comparator_single"])
 def test_wiring_on_a_single_supply_has_the_transfer_function_of_the_filter(tmp_path: Path, name: str) -> None:
-    """All signals refer to the midpoint, which a follower buffers. Nothing of the filter returns to ground."""
+    """All signals refer to VMID, the buffered mid-supply. Nothing of the filter returns to ground."""
     design, path = write_netlist(tmp_path, list(BOARD_CONFIGURATIONS[name].changes))
     circuit, values = NetlistCircuit(path), board_values(design)
     for f in FREQUENCIES[::5]:
         found = {net: circuit.gain(f, "/TACTILE", net, 1e14) for net in ("/FILTERED", "/ADC_TACTILE", "VMID")}
         # The remaining difference is the open-loop gain of 2e5: the netlist's amplifiers are ideal.
         assert found["/FILTERED"] == pytest.approx(
-            filter_transfer(f, values.preferred, 1e14, values.first_stage), rel=1e-3, abs=1e-9
+            filter_transfer(f, values.preferred, 1e14, values.first_stage_capacitors), rel=1e-3, abs=1e-9
         )
         assert found["/ADC_TACTILE"] == pytest.approx(values.adc_interface.tactile_transfer(f), rel=1e-9)
         assert abs(found["VMID"]) < 1e-6

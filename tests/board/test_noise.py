@@ -52,7 +52,7 @@ def test_total_noise_agrees_with_ngspice(board_folder: BoardFolder, tmp_path: Pa
         simulated = run_ngspice(
             tmp_path, deck, f"noise v({net.lower()}) IJ1 dec 100 0.1 1meg\nsetplot noise2\nwrdata out onoise_total"
         )
-        # The noise is measured against ground, as the ADC measures it. On a single supply it contains the midpoint's.
+        # The noise is measured against ground, as the ADC measures it. On a single supply it contains VMID's.
         assert total[NETS.index(net)] == pytest.approx(simulated[0][-1], rel=0.005), net
     assert total[NETS.index("FILTERED")] == pytest.approx(
         {"article_split": 19.6e-3, "precision_split": 6.13e-3, "comparator_single": 5.19e-3}[name], rel=0.01
@@ -68,7 +68,9 @@ def test_noise_alternatives_agree_with_density_times_bandwidth() -> None:
         analysis = analyse(Design.load(changes=[f"board.variant={variant}"]), boards=10)
         alternatives = {item.change: item for item in analysis.noise_alternatives}
         unlimited, limited = (
-            ("as built", "with C20 across R5") if variant == "article" else ("without C20 across R5", "as built")
+            ("this variant", "with C20 across R5")
+            if variant == "article"
+            else ("without C20 across R5", "this variant")
         )
         assert alternatives[unlimited].filtered_v == pytest.approx(
             density * VALUES.achieved_response.passband_gain * math.sqrt(bandwidth), rel=0.01
@@ -77,10 +79,15 @@ def test_noise_alternatives_agree_with_density_times_bandwidth() -> None:
         ratio = alternatives[limited].filtered_v / alternatives[unlimited].filtered_v
         assert ratio == pytest.approx(math.sqrt(1061 / 9670), abs=0.03)
         for change, item in alternatives.items():
-            assert item.quiescent_envelope_v == pytest.approx(item.filtered_v / math.sqrt(2 * math.pi), rel=1e-12)
+            if variant == "article":
+                assert item.mean_envelope_v is None
+            else:
+                assert item.mean_envelope_v == pytest.approx(item.filtered_v / math.sqrt(2 * math.pi), rel=1e-12)
             if "INA821" in change:
                 assert item.filtered_v < 0.25 * alternatives[change.split(",")[0]].filtered_v
-    assert alternatives["as built"].quiescent_envelope_v < 0.15 * Design().detector.threshold_v
+    mean_envelope_v = alternatives["this variant"].mean_envelope_v
+    assert mean_envelope_v is not None
+    assert mean_envelope_v < 0.15 * Design().detector.threshold_v
 
 
 def test_mean_of_rectified_noise_agrees_with_random_samples() -> None:
@@ -106,19 +113,19 @@ def test_readme_of_the_folder_contains_the_noise(board_folder: BoardFolder, name
     analysis = analyse(Design.load(changes=changes), boards=10)
     text = " ".join((board_folder(*changes) / "README.md").read_text("utf-8").split())
     alternatives = {item.change: item for item in analysis.noise_alternatives}
-    first_stage = board_values(Design.load(changes=changes)).first_stage
+    first_stage = board_values(Design.load(changes=changes)).first_stage_capacitors
     is_article = name.startswith("article")
-    unlimited_v = alternatives["as built" if is_article else "without C20 across R5"].filtered_v
+    unlimited_v = alternatives["this variant" if is_article else "without C20 across R5"].filtered_v
     tactile_v = analysis.noise_total_v[NETS.index("TACTILE")]
     assert f"{1e3 * tactile_v:.1f} mV of noise" in text
     assert f"raise it to {1e3 * unlimited_v:.2g} mV" in text
     if not is_article:
         assert first_stage is not None
-        as_built = alternatives["as built"]
+        this_variant = alternatives["this variant"]
         assert f"gain of the first stage at {first_stage.limit_hz:.0f} Hz" in text
-        assert f"reduces this to {1e3 * as_built.filtered_v:.2g} mV" in text
-        assert f"envelope is {1e3 * as_built.quiescent_envelope_v:.1f} mV; the threshold is 17 mV" in text
-    assert name.endswith("single") == ("buffered middle" in text)
+        assert f"reduces this to {1e3 * this_variant.filtered_v:.2g} mV" in text
+        assert f"envelope due to noise is {1e3 * this_variant.mean_envelope_v:.1f} mV; the threshold is 17 mV" in text
+    assert name.endswith("single") == ("buffered mid-supply" in text)
 
 
 HIGH_NOISE = ("board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
@@ -135,25 +142,25 @@ def test_noise_by_formulas_agrees_with_the_circuits_noise(name: str, changes: tu
         item.change: item
         for item in compare_noise_alternatives(circuit, board.gain_bandwidth_hz, board.band_limit_hz, is_article)
     }
-    # The bridge's resistors contribute 0.1 %. The formulas do not contain the noise of a single supply's midpoint.
+    # The bridge's resistors contribute 0.1 %. The formulas do not contain the noise of a single supply's VMID.
     tolerance = 0.004 if name.endswith("single") else 0.0005
     tactile_v = total_noise_v(circuit, board.gain_bandwidth_hz, "TACTILE")
     assert noise.tactile_v == pytest.approx(tactile_v, rel=tolerance)
-    assert noise.filtered_v == pytest.approx(alternatives["as built"].filtered_v, rel=0.01)
+    assert noise.filtered_v == pytest.approx(alternatives["this variant"].filtered_v, rel=0.01)
     if is_article:
         assert noise.filtered_without_limit_v == noise.filtered_v
-        assert noise.quiescent_envelope_v is None
+        assert noise.mean_envelope_v is None
     else:
         unlimited_v = alternatives["without C20 across R5"].filtered_v
         assert noise.filtered_without_limit_v == pytest.approx(unlimited_v, rel=0.01)
-        assert noise.quiescent_envelope_v == pytest.approx(alternatives["as built"].quiescent_envelope_v, rel=0.01)
+        assert noise.mean_envelope_v == pytest.approx(alternatives["this variant"].mean_envelope_v, rel=0.01)
 
 
 @pytest.mark.parametrize(("threshold", "is_warned_of"), [("0.004", True), ("0.012", False), ("0.017", False)])
 def test_noise_above_the_threshold_is_warned_of(threshold: str, is_warned_of: bool) -> None:
     design = Design.load(changes=("board.variant=precision", *HIGH_NOISE, f"detector.threshold_v={threshold}"))
     text = " ".join(board_files(design)["README.md"].decode().split())
-    assert f"quiescent envelope is 10.9 mV; the threshold is {1e3 * float(threshold):g} mV" in text
+    assert f"mean envelope due to noise is 10.9 mV; the threshold is {1e3 * float(threshold):g} mV" in text
     warning = noise_warning(board_values(design).noise, design.detector.threshold_v)
     assert bool(warning) == is_warned_of == (bool(warning) and warning in text)
     assert ("reports slip without contact" in text) == is_warned_of

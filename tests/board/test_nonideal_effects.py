@@ -28,8 +28,8 @@ def replace_elements(deck: str, **elements: str) -> str:
     return deck
 
 
-def quiescent_envelope_v(folder: Path, deck: str, ground: str, offsets: tuple[float, ...]) -> float:
-    """Simulate the quiescent envelope [V] above the signal ground, with offset sources at U1b, U3a and U3b."""
+def simulate_envelope_offset_v(folder: Path, deck: str, ground: str, offsets: tuple[float, ...]) -> float:
+    """Simulate the envelope offset [V] above signal ground, with offset sources at U1b, U3a and U3b."""
     inputs = {
         "XU1b": "stage2_in filtered filtered",
         "XU3a": f"{ground} rect_in rect_out",
@@ -46,26 +46,26 @@ def quiescent_envelope_v(folder: Path, deck: str, ground: str, offsets: tuple[fl
 
 
 @pytest.mark.parametrize("supply", SUPPLIES)
-def test_output_offset_agrees_with_ngspice(tmp_path: Path, supply: str) -> None:
+def test_envelope_offset_agrees_with_ngspice(tmp_path: Path, supply: str) -> None:
     design, deck = write_deck(tmp_path, ["board.variant=comparator", f"board.supply={supply}"])
     offset, ground = board_values(design).output_offset, "0" if supply == "split" else "vmid"
     assert offset is not None
     corners = itertools.product((-4.5e-3, 4.5e-3), repeat=3)
-    envelopes = {corner: quiescent_envelope_v(tmp_path, deck, ground, corner) for corner in corners}
+    envelopes = {corner: simulate_envelope_offset_v(tmp_path, deck, ground, corner) for corner in corners}
     assert min(envelopes.values()) == pytest.approx(offset.min_v, abs=2e-4)
     assert max(envelopes.values()) == pytest.approx(offset.max_v, abs=2e-4)
     assert envelopes[4.5e-3, -4.5e-3, 4.5e-3] == max(envelopes.values())
     # The worst case exceeds the threshold: without calibration such a board would report slip permanently.
     assert offset.max_v > design.detector.threshold_v > offset.typical_v
-    assert quiescent_envelope_v(tmp_path, deck, ground, (0.0, 0.0, 0.0)) == pytest.approx(0, abs=2e-4)
+    assert simulate_envelope_offset_v(tmp_path, deck, ground, (0.0, 0.0, 0.0)) == pytest.approx(0, abs=2e-4)
     assert offset.max_low_offset_v < 0.05 * design.detector.threshold_v
 
 
-def test_output_offset_of_another_amplifier() -> None:
+def test_envelope_offset_of_another_amplifier() -> None:
     """The TL082 has 3 mV in grade BC; without a grade it would be five times as much."""
     offset = compute_output_offset(AMPLIFIERS[ARTICLE_AMPLIFIER], 2e3)
     assert (offset.min_v, offset.max_v) == pytest.approx((-4e-3, 15e-3))
-    assert board_values(Design()).output_offset is None  # the diode's dead zone hides it
+    assert board_values(Design()).output_offset is None  # it is below the diode's threshold
 
 
 @pytest.mark.parametrize("supply", SUPPLIES)
@@ -135,9 +135,10 @@ def test_analysis_and_values_contain_these_effects(tmp_path: Path) -> None:
         "--set", "board.capacitor_tolerance_percent=10",
     ).stdout  # fmt: skip
     for phrase in (
-        "output offset between -6.0 and 22.5 mV", "measure the output offset", "ON above 16.9 mV and OFF below 12.4 mV",
+        "envelope offset between -6.0 and 22.5 mV", "measure the envelope offset",
+        "ON above 16.9 mV and OFF below 12.4 mV",
         "raises the mean by 0.38 mV (at most 3.75 mV)", "amplified 59 times", "a peak of 0.91 mV",
-        "resistors 1 %, capacitors 10 %", "upper -3 dB",
+        "filter resistors 1 %, capacitors 10 %", "upper -3 dB",
     ):  # fmt: skip
         assert phrase in text
     values_text = (tmp_path / "values.json").read_text("utf-8")

@@ -1,4 +1,4 @@
-"""The README of a board's folder: supply, passband, amplifiers, ADC range, output offset and trimming procedure."""
+"""The README of a board's folder: supply, passband, amplifiers, ADC range, envelope offset and trimming procedure."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_readme_states_the_passband_of_the_board(name: str) -> None:
 def test_readme_states_the_limited_input_range_of_the_tl082_only() -> None:
     for name, variant in BOARD_CONFIGURATIONS.items():
         text = readme(*variant.changes)
-        assert ("3.5 V up but only 2.0 V down (1.0 V guaranteed)" in text) == (name == "article_split")
+        assert ("3.5 V up but only 2.0 V down (typical; 1.0 V guaranteed)" in text) == (name == "article_split")
         assert ("TLV2372, with rail-to-rail inputs and outputs" in text) == (name != "article_split")
 
 
@@ -52,14 +52,21 @@ def test_readme_states_whether_the_adc_range_is_sufficient(supply: str) -> None:
     assert "covers all signals" not in small
 
 
-def test_readme_describes_the_output_offset_where_no_diode_hides_it() -> None:
-    assert "Output offset" not in readme()
+@pytest.mark.parametrize(("supply", "signal_ground"), [("split", "GND"), ("single", "VMID")])
+def test_readme_lists_the_test_points(supply: str, signal_ground: str) -> None:
+    text = readme(f"board.supply={supply}")
+    nets = ("TACTILE", "STAGE1_OUT", "FILTERED", "ENVELOPE", signal_ground)
+    assert all(f"| TP{number} | {net} |" in text for number, net in enumerate(nets, start=1))
+
+
+def test_readme_describes_the_envelope_offset_except_in_variant_article() -> None:
+    assert "Envelope offset" not in readme()
     for variant in ("precision", "comparator"):
         text = readme(f"board.variant={variant}")
-        assert "quiescent level of E lies between -6.0 and +22.5 mV" in text
+        assert "envelope offset lies between -6.0 and +22.5 mV" in text
         assert "design's threshold is 17 mV" in text
     single = readme("board.variant=precision", "board.supply=single")
-    assert "Measure the output offset with nothing touching the sensor: E against M" in single
+    assert "Measure the envelope offset with nothing touching the sensor: E against M" in single
 
 
 def test_readme_describes_the_trimming_procedure_of_the_comparator() -> None:
@@ -67,12 +74,13 @@ def test_readme_describes_the_trimming_procedure_of_the_comparator() -> None:
     for expected in (
         "S goes low when the mean of E rises above 16.9 mV, and high again when it falls below 12.4 mV",
         "raises the mean by 0.4 mV in R18 (at most 3.8 mV",
-        "RV1's middle pin",
+        "RV1's wiper",
         "against ground (TP5)",
-        "counterclockwise",
+        "anticlockwise",
         "the noted level + 17 mV",
+        "the hysteresis lowers the reading by about 4 mV",
         "R21 (4.7k) pulls S up to +5 V",
-        "S: slip output, low during slip, else +5 V",
+        "S: slip output, low (asserted) while slip is detected, else +5 V",
         "level shifter",
     ):
         assert expected in text

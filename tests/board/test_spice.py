@@ -44,7 +44,7 @@ def max_deviation_db(folder: Path, design: Design, deck: str) -> float:
     return max(
         abs(
             decibel(complex(fr, fi) / complex(tr, ti))
-            - decibel(filter_transfer(f, values.preferred, gbw, values.first_stage))
+            - decibel(filter_transfer(f, values.preferred, gbw, values.first_stage_capacitors))
         )
         for f, tr, ti, fr, fi in rows
     )
@@ -87,17 +87,17 @@ def test_first_stage_capacitors_remove_offset_gain_and_high_frequency_gain(tmp_p
     values = board_values(design)
     assert "C14 0 series 22u" in deck  # the first preferred value above 16 uF
     assert "C20 stage1_out feedback 1.5n" in deck
-    assert values.first_stage is not None
+    assert values.first_stage_capacitors is not None
     without, with_capacitors = (
         (lambda f: filter_transfer(f, values.preferred, 3e6)),
-        (lambda f: filter_transfer(f, values.preferred, 3e6, values.first_stage)),
+        (lambda f: filter_transfer(f, values.preferred, 3e6, values.first_stage_capacitors)),
     )
     # Both have little effect inside the passband: C14 a decade above its corner, C20 an octave below its own. C14
     # removes the gain at DC.
     assert abs(with_capacitors(67.0) / without(67.0)) == pytest.approx(1, abs=5e-3)
     assert abs(with_capacitors(200.0) / without(200.0)) == pytest.approx(1, abs=0.02)
     assert abs(with_capacitors(1e-3)) < abs(without(1e-3)) / 60
-    attenuation_db = decibel(with_capacitors(values.first_stage.limit_hz) / without(1e3))
+    attenuation_db = decibel(with_capacitors(values.first_stage_capacitors.limit_hz) / without(1e3))
     assert attenuation_db == pytest.approx(-3.0, abs=0.15)
 
 
@@ -182,7 +182,7 @@ def simulate_envelope(is_article: bool) -> dict[int, float]:
 def test_transients_equal_an_independent_simulation(
     board_folder: BoardFolder, tmp_path: Path, variant: str, supply: str
 ) -> None:
-    """A tone drives the rectifier. On a single supply the signals are the same, relative to the midpoint."""
+    """A tone drives the rectifier. On a single supply the signals are the same, relative to VMID."""
     deck = (board_folder(f"board.variant={variant}", f"board.supply={supply}") / "slip_filter.cir").read_text("utf-8")
     # R7 and C8 load the envelope with 1 % of C_LP. Both simulations leave them out.
     ngspice = simulate_tone(tmp_path, deck, ("XU1", "R2 ", "R7 "), "0" if supply == "split" else "vmid")
@@ -215,7 +215,7 @@ def test_comparator_switches_at_its_on_and_off_thresholds(tmp_path: Path, supply
     design, deck = write_deck(tmp_path, ["board.variant=comparator", f"board.supply={supply}"])
     stage = board_values(design).comparator_stage
     assert stage is not None
-    assert stage.mean_s == pytest.approx(0.015, rel=0.05)  # half of the article's window of 30 ms
+    assert stage.averaging_tau_s == pytest.approx(0.015, rel=0.05)  # half of the article's window of 30 ms
     isolated = "\n".join(line for line in deck.splitlines() if not line.startswith(("R18 ", "C17 ")))
     ground = "0" if supply == "split" else "vmid"
     isolated = isolated.replace("\n.ac", f"\nVmean mean {ground} pwl(0 0 1 0.04 2 0)\n.ac") + "\n"

@@ -1,4 +1,4 @@
-"""Voltage limits on both supplies, and why the bridge refers to the midpoint of a single supply."""
+"""Voltage limits on both supplies, and why the bridge refers to VMID on a single supply."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_voltage_limits_of_both_supplies() -> None:
     assert single.vibration_peak_v == pytest.approx(2.4 / 67.667, rel=1e-3)
     for limits in (split, single):
         assert 0 < limits.min_tactile_v < 3.85 < 4.3 < limits.max_tactile_v < 4.5
-        assert limits.max_tactile_v <= limits.clamp_high_v
+        assert limits.max_tactile_v <= limits.clamp_high_rail_v
 
 
 def test_an_adc_range_below_the_boards_signals_is_reported() -> None:
@@ -80,7 +80,7 @@ def test_bridge_amplifier_stays_within_its_limits(supply: str, supply_v: float, 
 
 
 def test_a_bridge_at_ground_violates_the_amplifiers_limits_on_a_single_supply() -> None:
-    """The AD623's internal amplifiers would have to go below ground, so the bridge refers to the midpoint."""
+    """The AD623's internal amplifiers would have to go below ground, so the bridge refers to VMID."""
     bridge = size_bridge(5.0, "E24", 5.08)
     for name, minimum, maximum in (("split", 0.0, 5.0), ("single", -5.0, -1.0)):
         supply = SUPPLIES[name]

@@ -7,7 +7,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Erratum:
-    """One error of the article about its own board: 1 uF, 2.4k, 1.2k, 4.7k, 100k, 1.5k, then 2k and 2.2 uF."""
+    """One error of the article about its own board.
+
+    Its components are C1 = C2 = C3 = 1 uF, R1 = 2.4k, R2 = 1.2k, R3 = 4.7k, R4 = 1.5k, R5 = 100k, R_LP = 2k and
+    C_LP = 2.2 uF.
+    """
 
     subject: str
     statement: str
@@ -28,9 +32,10 @@ ERRATA: tuple[Erratum, ...] = (
         "polynomials in s = j omega",
     ),
     Erratum(
-        "cutoff of the built filter",
+        "cutoff with preferred values",
         "67 Hz and Q = 1",
-        "1.2k and 4.7k give f0 67.02 Hz and Q 0.9895; with the first pole at 66.31 Hz, -3 dB is at 67.26 Hz",
+        "1.2k and 4.7k give f0 67.02 Hz and Q 0.9895; with the first pole at 66.31 Hz, -3 dB is at 67.26 Hz "
+        "(ideal amplifiers)",
     ),
     Erratum(
         "flatness",
@@ -46,13 +51,14 @@ ERRATA: tuple[Erratum, ...] = (
     Erratum(
         "rectifier",
         "a diode downstream rectifies the filtered signal",
-        "a 1N4148 conducts from about 0.45 V: below about 6.7 mV at the filter's input the output stays zero",
+        "a 1N4148 conducts from about 0.45 V, so this half-wave rectifier has a dead zone: below about 6.7 mV at the "
+        "filter's input the output stays zero",
     ),
     Erratum(
         "offset",
         "TL082 at this gain; its offset is not mentioned",
         "R4 returns to ground directly, so 3 mV of offset become 203 mV ahead of C2; a capacitor of at least 16 uF in "
-        "series with R4 removes them",
+        "series with R4 reduces the gain at DC to 1, and 3 mV remain",
     ),
     Erratum(
         "input range of the amplifiers",

@@ -7,11 +7,12 @@ from collections.abc import Iterable
 
 from fingertip.board.circuit import Circuit
 from fingertip.board.fabrication.bom import purchased_components
+from fingertip.board.kicad.symbols import TEST_POINT
 from fingertip.board.values.adc_interface import CLAMP_A, MAX_CLAMP_A
 from fingertip.board.values.amplifiers import AMPLIFIERS, ARTICLE_AMPLIFIER
 from fingertip.board.values.board_values import BoardValues
-from fingertip.board.values.comparator_stage import HYSTERESIS_RATIO, PULL_UP_OHM, ComparatorStage
-from fingertip.board.values.noise_and_ripple import RIPPLE_BAND_HZ, noise_warning
+from fingertip.board.values.comparator_stage import PULL_UP_OHM, ComparatorStage
+from fingertip.board.values.noise_and_ripple import DEAD_ZONE_V, RIPPLE_BAND_HZ, noise_warning
 from fingertip.board.values.output_offset import OutputOffset
 from fingertip.board.values.voltage_limits import describe_adc_range
 from fingertip.board.variants import BoardConfiguration
@@ -31,10 +32,13 @@ _TEMPLATE = """
 | `{name}.kicad_pro` | KiCad 9 project; open this file |
 | `{name}.kicad_sch` | schematic |
 | `{name}.kicad_pcb` | layout, routed, with ground pour |
-| `{name}.net` | netlist of the same circuit, for other layouts |
-| `{name}.cir` | SPICE deck; `ngspice -b {name}.cir` prints the filter's Bode table |
+| `{name}.net` | netlist of the same circuit, for other PCB tools |
+| `{name}.cir` | SPICE deck, see below |
 | `bom.csv` | bill of materials: quantities, values, ratings |
 | `values.json` | component values: ideal and preferred, with the response of each; voltage limits; errata |
+
+`ngspice -b {name}.cir` prints the levels at TACTILE, STAGE1_OUT and FILTERED [dBV] over frequency, for an AC
+current of 1 uA into the sensor. The difference of two levels is the gain between their nets [dB].
 
 `fingertip board DESIGN --out FOLDER` wrote these files. The same design gives the same bytes. To change the cutoff, the
 gain or the resistor series, edit the design file or set a parameter on the command line (`--set board.cutoff_hz=80`),
@@ -49,6 +53,12 @@ and run the command again. This changes component values but neither placement n
 ## Connectors
 
 {connectors}
+
+## Test points
+
+| test point | net | signal |
+| --- | --- | --- |
+{test_points}
 
 ## Signals
 
@@ -78,6 +88,16 @@ and run the command again. This changes component values but neither placement n
 - There is no protection against a reversed supply or an excessive supply voltage.
 """
 
+_TEST_POINT_SIGNALS = {
+    "TACTILE": "tactile voltage: output of the bridge's amplifier",
+    "STAGE1_OUT": "output of the first filter stage",
+    "FILTERED": "output of the second filter stage, ahead of the rectifier",
+    "ENVELOPE": "envelope, ahead of its anti-aliasing filter",
+    "GND": "signal ground: supply ground (0 V)",
+    "VMID": "signal ground: VMID (buffered mid-supply)",
+}
+"""Signals at the test points, by net."""
+
 
 def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: BoardValues, design: Design) -> bytes:
     """Content of the README, Markdown in UTF-8."""
@@ -86,6 +106,11 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
         name=circuit.name,
         summary=_summary(configuration, values, len(components)),
         connectors=_connector_table(values, design),
+        test_points="\n".join(
+            f"| {c.reference} | {c.value} | {_TEST_POINT_SIGNALS[c.value]} |"
+            for c in circuit.components
+            if c.symbol == TEST_POINT
+        ),
         signals=_bullet_list(_signal_notes(values, design)),
         power=_bullet_list(_power_notes(values, design)),
         offset=_offset_section(values, design),
@@ -100,28 +125,33 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
 
 def _summary(configuration: BoardConfiguration, values: BoardValues, component_count: int) -> str:
     placement, response = configuration.placement, values.achieved_response
+    supply = "single supply with VMID (buffered mid-supply)" if values.supply == "single" else "split supply"
     what = (
-        f"Variant `{values.variant}`, {configuration.supply.description}: bridge and amplifier for the force-sensing "
+        f"Variant `{values.variant}`, {supply}: bridge and amplifier for the force-sensing "
         f"resistor; {configuration.variant.summary}; interface to the ADC (analog-to-digital converter); supply. "
         f"{placement.width:g} x {placement.height:g} mm, two layers, all {component_count} components on the front."
     )
     achieved = (
         f"Achieved response: gain {response.passband_gain:.2f} ({response.passband_gain_db:.2f} dB), -3 dB at "
         f"{response.cutoff_hz:.2f} Hz and {response.upper_cutoff_hz:.5g} Hz, Q {response.section_quality:.4f}, "
-        f"envelope decay time {1e3 * response.envelope_decay_s:.2f} ms."
+        f"envelope time constant {1e3 * response.envelope_decay_s:.2f} ms."
     )
     return f"{_paragraph(what)}\n\n{_paragraph(achieved)}"
 
 
 def _connector_table(values: BoardValues, design: Design) -> str:
     supply_v, is_single = design.board.supply_v, values.supply == "single"
-    slip = f"S: slip output, low during slip, else +{supply_v:g} V" if values.comparator_stage else "0 (ground)"
+    slip = (
+        f"S: slip output, low (asserted) while slip is detected, else +{supply_v:g} V"
+        if values.comparator_stage
+        else "0 (ground)"
+    )
     rows = [
         ("connector", "pin 1 (square)", "pin 2", "pin 3", "pin 4", "pin 5"),
         ("---",) * 6,
         ("J1, sensor", "FSR", f"FSR, {'signal ground' if is_single else 'ground'}", "", "", ""),
         ("J2, supply", f"+{supply_v:g} V", "0 (ground)", "" if is_single else f"-{supply_v:g} V", "", ""),
-        ("J3, to the ADC", "T: tactile voltage", "E: envelope", "0 (ground)", slip, "M: signal ground"),
+        ("J3, to the ADC", "T: tactile voltage", "E: envelope", "0 (ground)", slip, "M: VMID (signal ground)"),
     ]
     # Only boards with a single supply have a fifth pin.
     return "\n".join("| " + " | ".join(row if is_single else row[:-1]) + " |" for row in rows)
@@ -134,18 +164,20 @@ def _signal_notes(values: BoardValues, design: Design) -> list[str]:
     vibration_mv = 1e3 * limits.vibration_peak_v
     if values.supply == "single":
         signal_ground = (
-            f"The signal ground is the buffered midpoint of the supply, {limits.signal_ground_v:.2f} V, at pin M. The "
-            "envelope is the voltage between E and M. The sensor's second pin is at the signal ground too: connect it "
-            "neither to ground nor to grounded metal."
+            f"Signal ground is VMID (buffered mid-supply), {limits.signal_ground_v:.2f} V above supply ground, at pin "
+            "M. The envelope is the voltage between E and M. The sensor's second pin is at signal ground too: connect "
+            "it neither to supply ground nor to grounded metal."
         )
     else:
-        signal_ground = "The signal ground is ground."
+        signal_ground = "Signal ground is supply ground (0 V)."
     if values.amplifier == ARTICLE_AMPLIFIER:
         swing = (
-            f"U1 is the article's {amplifier}. The filtered signal can swing {limits.filter_peak_v:.1f} V up but only "
-            f"{limits.filter_trough_v:.1f} V down ({limits.filter_guaranteed_trough_v:.1f} V guaranteed), which a "
-            f"vibration of {vibration_mv:.0f} mV in the tactile voltage reaches. There the input range ends, and below "
-            "it the output jumps up (phase reversal). An ordinary press (1.5 N within 0.2 s) causes this for about a "
+            f"U1 is a {amplifier}: the article's {ARTICLE_AMPLIFIER} in a grade with at most "
+            f"{1e3 * AMPLIFIERS[values.amplifier].max_offset_v:g} mV of offset. The filtered signal can swing "
+            f"{limits.filter_peak_v:.1f} V up but only {limits.filter_trough_v:.1f} V down (typical; "
+            f"{limits.filter_guaranteed_trough_v:.1f} V guaranteed), where the input common-mode range of the second "
+            f"stage ends. A vibration of {vibration_mv:.0f} mV in the tactile voltage reaches this limit. Below it the "
+            "output jumps up (phase reversal). An ordinary press (1.5 N within 0.2 s) causes this for about a "
             "millisecond, and E jumps with it. The amplifiers of the variants `precision` and `comparator` do not do "
             "this."
         )
@@ -160,9 +192,9 @@ def _signal_notes(values: BoardValues, design: Design) -> list[str]:
         signal_ground,
         f"{_capitalize(adc_range)}.",
         f"T lies between {limits.min_tactile_v:.2f} V (20 N) and {limits.max_tactile_v:.2f} V (no force). E rises to "
-        f"at most {limits.max_envelope_v:.1f} V above the signal ground.",
+        f"at most {limits.max_envelope_v:.1f} V above signal ground.",
         swing,
-        f"D2 and D3 clamp T and E to within a diode drop of ground and +{supply_v:g} V. R7 to R9 limit the clamp "
+        f"D3 clamps T and D2 clamps E to within a diode drop of ground and +{supply_v:g} V. R7 to R9 limit the clamp "
         "current.",
         f"R8, C9, R9 and C19 (T) and R7 and C8 (E) are anti-aliasing filters for {design.detector.sample_rate_hz:g} "
         f"samples per second. In T they attenuate frequencies that alias to {values.aliasing.band_hz:.0f} Hz, the "
@@ -189,26 +221,27 @@ def _power_notes(values: BoardValues, design: Design) -> list[str]:
     ]
     if values.comparator_stage:
         notes.append(
-            f"R21 ({PULL_UP_OHM / 1e3:g}k) pulls S up to +{supply_v:g} V. S goes to ground during slip. A 3.3 V input "
-            "needs a divider or a level shifter."
+            f"R21 ({PULL_UP_OHM / 1e3:g}k) pulls S up to +{supply_v:g} V. S is low (asserted) while slip is detected. "
+            "A 3.3 V input needs a divider or a level shifter."
         )
     return notes
 
 
 def _offset_section(values: BoardValues, design: Design) -> str:
-    """Section on the output offset, with the trimming procedure of variant comparator. Empty for variant article."""
+    """Section on the envelope offset, with the trimming procedure of variant comparator. Empty for variant article."""
     if values.output_offset is None:
         return ""
     offset = _paragraph(_describe_offset(values.output_offset, values, design))
     if values.comparator_stage:
-        title, procedure = "Output offset and threshold", _trimming_procedure(values.comparator_stage, values, design)
+        title, procedure = "Envelope offset and threshold", _trimming_procedure(values.comparator_stage, values, design)
     else:
-        signal_ground = "M" if values.supply == "single" else "ground"
-        title = "Output offset"
+        is_single = values.supply == "single"
+        title = "Envelope offset"
         procedure = _paragraph(
-            f"Measure the output offset with nothing touching the sensor: E against {signal_ground} (TP4 against TP5). "
-            "Subtract it from the ADC readings, or add it to `detector.threshold_v`. The threshold is relative to the "
-            "quiescent level."
+            "Measure the envelope offset with nothing touching the sensor: E against "
+            f"{'M' if is_single else 'ground'} (TP4 against TP5). The detector compares the envelope reading "
+            f"{'(E minus M) ' if is_single else ''}with `detector.threshold_v` and subtracts no offset: subtract the "
+            "measured offset from the readings, or add it to `detector.threshold_v`."
         )
     return f"\n## {title}\n\n{offset}\n\n{procedure}\n"
 
@@ -217,10 +250,11 @@ def _describe_offset(offset: OutputOffset, values: BoardValues, design: Design) 
     amplifier = AMPLIFIERS[values.amplifier]
     return (
         f"The offset voltages of U1 and U3 appear in the envelope. With {1e3 * amplifier.max_offset_v:g} mV each, the "
-        f"maximum of a {amplifier.order_name}, the quiescent level of E lies between {1e3 * offset.min_v:.1f} and "
-        f"+{1e3 * offset.max_v:.1f} mV (with typical offsets within {1e3 * offset.typical_v:.0f} mV). The design's "
-        f"threshold is {1e3 * design.detector.threshold_v:g} mV. With an {offset.low_offset_amplifier}, which has the "
-        f"same pins, the quiescent level stays below {1e3 * offset.max_low_offset_v:.1f} mV."
+        f"maximum of a {amplifier.order_name}, the envelope offset lies between {1e3 * offset.min_v:.1f} and "
+        f"+{1e3 * offset.max_v:.1f} mV (typical offsets cause {1e3 * offset.typical_v:.0f} mV, the root of the sum of "
+        f"their squares). The design's threshold is {1e3 * design.detector.threshold_v:g} mV. With an "
+        f"{offset.low_offset_amplifier}, which has the same pins, the envelope offset stays below "
+        f"{1e3 * offset.max_low_offset_v:.1f} mV."
     )
 
 
@@ -232,16 +266,19 @@ def _trimming_procedure(stage: ComparatorStage, values: BoardValues, design: Des
         f"again when it falls below {1e3 * stage.off_v:.1f} mV. The range of RV1 ends at {1e3 * stage.max_on_v:.0f} "
         f"mV. The comparator adds its own errors: its input current raises the mean by {1e3 * stage.bias_v:.1f} mV in "
         f"R18 (at most {1e3 * stage.max_bias_v:.1f} mV), and its offset voltage is {1e3 * COMPARATOR_OFFSET_V:g} mV "
-        f"(at most {1e3 * MAX_COMPARATOR_OFFSET_V:g} mV). One procedure compensates the output offset and these errors:"
+        f"(at most {1e3 * MAX_COMPARATOR_OFFSET_V:g} mV). "
+        "One procedure compensates the envelope offset and these errors:"
     )
     steps = (
-        "Make sure that nothing touches the sensor. Measure the threshold at RV1's middle pin, the one alone on its "
-        f"side, against {reference_point}.",
-        "Turn RV1 up, counterclockwise towards the pin beside R19, until S is high. The meter shows the direction.",
-        "Turn RV1 down slowly until S goes low. Note the last reading before that: it is the quiescent level as the "
+        "Make sure that nothing touches the sensor. Measure the threshold with a voltmeter at RV1's wiper, the pin "
+        f"alone on its side, against {reference_point}.",
+        "Turn RV1 anticlockwise, towards the pin beside R19, until S is high. The reading rises if you turn in the "
+        "right direction.",
+        "Turn RV1 back slowly until S goes low. Note the last reading before that: it is the envelope offset as the "
         "comparator sees it.",
-        f"Turn RV1 up until S is high again, and on to the noted level + {threshold}. Read the meter only while S is "
-        f"high: a low S lowers the reading by {100 * HYSTERESIS_RATIO:g} % of the design's threshold.",
+        f"Turn RV1 anticlockwise until S is high again, and on until the reading is the noted level + {threshold}. "
+        "Read the voltmeter only while S is high: while S is low, the hysteresis lowers the reading by about "
+        f"{1e3 * (stage.on_v - stage.off_v):.0f} mV.",
         f"If the noted level + {threshold} exceeds the range of RV1, choose a higher `detector.threshold_v` for the "
         "board, or better amplifiers.",
     )
@@ -253,9 +290,11 @@ def _ordering_notes(values: BoardValues, design: Design) -> list[str]:
     return [
         "Use 0.1 % resistors in the bridge (R10 to R13): an error of 1 % in one of them shifts the tactile voltage by "
         "about 0.1 V.",
-        "C1 to C4 are in the signal path. Use film or C0G capacitors where the size allows: X7R capacitors lose "
-        "capacitance with voltage, which shifts the cutoff. `bom.csv` asks for the tolerance that the design assumes "
-        "(`board.capacitor_tolerance_percent`). X7R capacitors of 5 % exist but are rarely in stock.",
+        "C1 to C4 are in the signal path, and their capacitances set the cutoffs. `bom.csv` specifies C0G up to 100 nF "
+        "and X7R above, because C0G capacitors of size 1206 end there, and the tolerance that the design assumes "
+        "(`board.capacitor_tolerance_percent`). X7R capacitors of 5 % are rarely in stock: if necessary, select "
+        "them from 10 % ones by measurement. X7R also loses capacitance with direct voltage, which raises the cutoff. "
+        "A film capacitor of the same value does not, if it fits the pads of size 1206.",
         "R6 and C4 are the article's R_LP and C_LP. KiCad requires references that end in a digit.",
         _noise_note(values, design),
         "Assembly houses rotate some components differently from KiCad. Compare their preview with the rendering.",
@@ -265,20 +304,21 @@ def _ordering_notes(values: BoardValues, design: Design) -> list[str]:
 
 
 def _noise_note(values: BoardValues, design: Design) -> str:
-    """Noise of the board, and the quiescent envelope it causes compared with the threshold."""
-    noise, first_stage = values.noise, values.first_stage
-    source = f"The bridge's amplifier contributes {1e3 * noise.tactile_v:.1f} mV of noise (rms, typical)."
+    """Noise of the board, and the mean envelope due to it, compared with the threshold."""
+    noise, capacitors = values.noise, values.first_stage_capacitors
+    source = f"The bridge's amplifier contributes {1e3 * noise.tactile_v:.1f} mV of noise (RMS, typical)."
     analysis = "`--analysis` reports noise, offsets and tolerances of this board, and what"
-    if noise.quiescent_envelope_v is None or first_stage is None:
+    if noise.mean_envelope_v is None or capacitors is None:
         return (
-            f"{source} The filters raise it to {1e3 * noise.filtered_without_limit_v:.2g} mV. The dead zone of the "
-            f"diode hides it, and weak slip too. {analysis} a low-pass or a quieter amplifier would change."
+            f"{source} The filters raise it to {1e3 * noise.filtered_without_limit_v:.2g} mV. The diode conducts "
+            f"only from {DEAD_ZONE_V:g} V. This noise therefore does not reach the envelope, and neither does weak "
+            f"slip. {analysis} a low-pass or a quieter amplifier would change."
         )
     threshold_v = design.detector.threshold_v
     note = (
         f"{source} The filters alone would raise it to {1e3 * noise.filtered_without_limit_v:.2g} mV. C20, which ends "
-        f"the gain of the first stage at {first_stage.limit_hz:.0f} Hz, reduces this to {1e3 * noise.filtered_v:.2g} "
-        f"mV. The quiescent envelope is {1e3 * noise.quiescent_envelope_v:.1f} mV; the threshold is "
+        f"the gain of the first stage at {capacitors.limit_hz:.0f} Hz, reduces this to {1e3 * noise.filtered_v:.2g} "
+        f"mV. The mean envelope due to noise is {1e3 * noise.mean_envelope_v:.1f} mV; the threshold is "
         f"{1e3 * threshold_v:g} mV. {analysis} a quieter amplifier would change."
     )
     warning = noise_warning(noise, threshold_v)

@@ -1,9 +1,9 @@
 """SPICE deck (ngspice) of a circuit: an element for every active or passive component, and the models they need.
 
-`ngspice -b slip_filter.cir` prints the filter's Bode table. The sensor is a resistor in parallel with an AC current
-source of 1 uA, so the table's voltages are per microampere, and ratios between two nets are what counts. The
-amplifiers have the noise of their data sheets, modeled as that of a resistor: `noise v(filtered) IJ1 dec 50 1 1meg`
-includes it.
+`ngspice -b slip_filter.cir` prints the levels at TACTILE, STAGE1_OUT and FILTERED [dBV] over frequency, without their
+phase. The sensor is a resistor in parallel with an AC current source of 1 uA, so only the difference of two levels has
+a meaning: it is the gain between their nets [dB]. The amplifiers have the noise of their data sheets, modelled as that
+of a resistor: `noise v(filtered) IJ1 dec 50 1 1meg` includes it.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def _instrumentation_amplifier(component: Component, pins: Pins, _supply_v: floa
 
 
 def _trimmer(component: Component, pins: Pins, _supply_v: float) -> Iterator[str]:
-    # The wiper is in the middle.
+    # The wiper is at the midpoint.
     half = f"{parse_component_value(component.value) / 2:.10g}"
     yield f"{component.reference}a {pins['1']} {pins['2']} {half}"
     yield f"{component.reference}b {pins['2']} {pins['3']} {half}"

@@ -1,8 +1,8 @@
 """The two supplies of a board: signal ground, negative rail of the amplifiers, and headroom of each.
 
-On a split supply of plus and minus 5 V the signal ground is ground, as in the article. On a single supply of 5 V it is
-the buffered midpoint: bridge, filters, rectifier, envelope and threshold refer to it, and the amplifiers need
-rail-to-rail inputs and outputs (`fingertip.board.values.amplifiers`).
+On a split supply of plus and minus 5 V, signal ground is supply ground (0 V), as in the article. On a single supply of
+5 V it is VMID (buffered mid-supply). Bridge, filters, rectifier, envelope and threshold refer to it, and the amplifiers
+need rail-to-rail inputs and outputs (`fingertip.board.values.amplifiers`).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ class Supply:
 
     name: str
     signal_ground: str
-    """Net to which the signals refer: their quiescent level."""
+    """Net to which the signals refer."""
     negative_rail: str
     """Net of the amplifiers' negative supply pins."""
     signal_ground_ratio: float

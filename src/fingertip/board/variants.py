@@ -62,11 +62,12 @@ BOARD_VARIANTS = {
         ),
         BoardVariant(
             "precision", precision_circuit, precision_sheet,
-            "the article's two filters, then a rectifier without dead zone and a true pole for the envelope",
+            "the article's two filters, a precision half-wave rectifier and a first-order low-pass for the envelope",
         ),
         BoardVariant(
             "comparator", comparator_circuit, comparator_sheet,
-            "the article's two filters, a precise rectifier and envelope, threshold and hysteresis with an ON/OFF pin",
+            "the article's two filters, a precision half-wave rectifier, a first-order low-pass for the envelope, and "
+            "a comparator with hysteresis and an ON/OFF pin",
         ),
     )
 }  # fmt: skip

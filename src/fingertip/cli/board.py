@@ -37,7 +37,7 @@ def board(
         ),
     ] = False,
     analysis: Annotated[
-        bool, typer.Option("--analysis", help="Also analyze noise, offsets, tolerances (10 000 boards), sensitivities.")
+        bool, typer.Option("--analysis", help="Also analyse noise, offsets, tolerances (10 000 boards), sensitivities.")
     ] = False,
     bode: Annotated[
         Path | None, typer.Option("--bode", metavar="FILE", help="Write the Bode table of each stage as CSV.")
@@ -126,9 +126,9 @@ def _format_tables(design: Design, values: BoardValues) -> str:
         "",
         *_response_lines(values),
         "",
-        f"{design.board.supply} supply of {design.board.supply_v:g} V: the signal ground is at "
+        f"{design.board.supply} supply of {design.board.supply_v:g} V: signal ground is at "
         f"{limits.signal_ground_v:g} V, {describe_filter_swing(limits)}",
-        f"at {aliasing.nyquist_hz:g} Hz, half the ADC's sample rate, the tactile voltage is attenuated by "
+        f"at {aliasing.nyquist_hz:g} Hz, half the ADC's sampling rate, the tactile voltage is attenuated by "
         f"{-aliasing.tactile_nyquist_db:.1f} dB and the envelope by {-aliasing.envelope_nyquist_db:.1f} dB",
         describe_adc_range(limits),
         "",
@@ -157,18 +157,18 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
     others = [
         ("C1 C2 C3", (preferred.c_f,), "both filters"),
         ("C4", (preferred.c_lp_f,), "C_LP, envelope"),
-        ("R10", (bridge.top_ohm,), "bridge, supply to sensor"),
-        ("R11", (bridge.shunt_ohm,), "bridge, parallel to the sensor"),
-        ("R12", (bridge.high_ohm,), "bridge, supply to reference"),
-        ("R13", (bridge.low_ohm,), "bridge, reference to signal ground"),
-        ("R14", (bridge.gain_ohm,), f"bridge, gain of {bridge.gain:.2f}"),
+        ("R10", (bridge.sensor_top_ohm,), "bridge, supply to sensor"),
+        ("R11", (bridge.sensor_shunt_ohm,), "bridge, parallel to the sensor"),
+        ("R12", (bridge.reference_top_ohm,), "bridge, supply to reference"),
+        ("R13", (bridge.reference_bottom_ohm,), "bridge, reference to signal ground"),
+        ("R14", (bridge.gain_ohm,), f"bridge amplifier, gain {bridge.gain:.2f}"),
         ("R7 C8", (adc.envelope_ohm, adc.envelope_f), "anti-aliasing, envelope"),
         ("R8 C9", (adc.first_ohm, adc.first_f), "anti-aliasing, tactile voltage, first pole"),
         ("R9 C19", (adc.second_ohm, adc.second_f), "anti-aliasing, tactile voltage, second pole"),
     ]
-    if first_stage := values.first_stage:
-        capacitors = (first_stage.series_f, first_stage.limit_f)
-        others.append(("C14 C20", capacitors, "first stage, no gain for DC and above the vibrations"))
+    if added := values.first_stage_capacitors:
+        capacitors = (added.series_capacitor_f, added.limiting_capacitor_f)
+        others.append(("C14 C20", capacitors, "first stage, AC coupling of R4 and band limit"))
     lines = [f"{'component':10} {'ideal':>14} {design.board.series:>10} {'deviation':>9}  function"]
     lines += [
         f"{name:10} {ohm:10.1f} ohm {format_component_value(fitted):>10} {100 * (fitted / ohm - 1):+8.2f}%  {function}"
@@ -192,12 +192,12 @@ def _response_lines(values: BoardValues) -> list[str]:
         ("Sallen-Key Q", target.section_quality, achieved.section_quality, ""),
         ("lower -3 dB", target.cutoff_hz, achieved.cutoff_hz, "Hz"),
         ("upper -3 dB", target.upper_cutoff_hz, achieved.upper_cutoff_hz, "Hz"),
-        ("envelope pole", target.envelope_pole_hz, achieved.envelope_pole_hz, "Hz"),
-        ("envelope decay time", 1e3 * target.envelope_decay_s, 1e3 * achieved.envelope_decay_s, "ms"),
+        ("envelope corner", target.envelope_pole_hz, achieved.envelope_pole_hz, "Hz"),
+        ("envelope time constant", 1e3 * target.envelope_decay_s, 1e3 * achieved.envelope_decay_s, "ms"),
         ("amplifier bandwidth", target.amplifier_bandwidth_hz, achieved.amplifier_bandwidth_hz, "Hz"),
     ]
-    lines = [f"{'response':20} {'ideal':>12} {'achieved':>12}"]
-    lines += [f"{name:20} {ideal:12.6g} {real:12.6g} {unit}".rstrip() for name, ideal, real, unit in quantities]
+    lines = [f"{'response':22} {'ideal':>12} {'achieved':>12}"]
+    lines += [f"{name:22} {ideal:12.6g} {real:12.6g} {unit}".rstrip() for name, ideal, real, unit in quantities]
     return lines
 
 

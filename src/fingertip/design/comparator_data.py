@@ -19,13 +19,16 @@ COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V = 1.7e-3, 7e-3
 MAX_BIAS_RATIO = 0.5
 """Maximum ratio of the voltage that the bias current causes to the threshold."""
 
-MEAN_OHM = 15e3
-"""Approximate R18 [ohm] of the averaging low-pass: larger raises the bias error, smaller needs a larger capacitor."""
-MAX_MEAN_F = 1e-6
+AVERAGING_OHM = 15e3
+"""Approximate R18 [ohm] of the averaging low-pass.
+
+A larger one raises the bias error, a smaller one needs a larger capacitor.
+"""
+MAX_AVERAGING_F = 1e-6
 """Largest C17 of the averaging low-pass [F]: the largest X7R of size 0603."""
 
 
 def max_window_s(threshold_v: float) -> float:
     """Longest window [s] that R18 and C17 can average at a threshold [V]: twice their largest time constant."""
     max_ohm = MAX_BIAS_RATIO * threshold_v / MAX_BIAS_A
-    return 2.0 * max_ohm * MAX_MEAN_F
+    return 2.0 * max_ohm * MAX_AVERAGING_F

@@ -107,14 +107,14 @@ def _ratio(numerator: float, denominator: float) -> float:
     return numerator / denominator if denominator else math.inf
 
 
-MIN_LIMIT_F, MAX_LIMIT_F = 10e-12, 1e-6
+MIN_LIMITING_CAPACITOR_F, MAX_LIMITING_CAPACITOR_F = 10e-12, 1e-6
 """Range of the capacitor across R5 [F].
 
 Below it the resistor's own capacitance is not negligible, and above it there is no capacitor of its size.
 """
 
 
-def band_limit_capacitor_f(r5_ohm: float, band_limit_hz: float) -> float:
+def compute_limiting_capacitor_f(r5_ohm: float, band_limit_hz: float) -> float:
     """C = 1 / (omega R5) [F] across R5: above the band limit [Hz] the first stage's gain falls towards 1."""
     return 1.0 / (math.tau * r5_ohm * band_limit_hz)
 
@@ -128,7 +128,7 @@ The gain at the cutoff is then reduced by at most 0.5 %.
 """
 
 
-def series_capacitor_f(r4_ohm: float, cutoff_hz: float) -> float:
+def select_series_capacitor_f(r4_ohm: float, cutoff_hz: float) -> float:
     """Select C in series with R4 [F]: the smallest whose corner frequency is at least a decade below the cutoff [Hz].
 
     For the article's 1.5k and 67 Hz this is 16 uF, and 22 uF is the available value. If none is large enough, the

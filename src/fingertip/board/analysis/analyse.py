@@ -40,19 +40,22 @@ class Analysis:
     """RMS noise over `NOISE_BAND_HZ`, largest first; white noise only, typical data-sheet values."""
     noise_total_v: tuple[float, ...]
     noise_alternatives: tuple[NoiseAlternative, ...]
-    """Total noise as built and with changes that reduce it, and the quiescent envelope due to it."""
+    """Total noise of this variant and with changes that affect it, and the mean envelope due to it."""
     threshold_v: float
-    """Threshold of the detector, for comparison with the quiescent envelope."""
+    """Threshold of the detector, for comparison with the mean envelope due to noise."""
+    amplifier: str
+    """Dual amplifier of filter and rectifier."""
     aliasing: AliasAttenuation
     voltage_limits: VoltageLimits
     output_offset: OutputOffset | None
-    """Quiescent envelope due to offsets; None in variant article."""
+    """Envelope offset; None in variant article."""
     supply_ripple: SupplyRipple
     comparator_stage: ComparatorStage | None
     tolerance: Tolerance
     """Tolerances for which `spread` is computed."""
     offset: tuple[Contribution, ...]
-    """Contribution of each amplifier's typical offset, and of the bridge with worst-case resistors of 0.1 %."""
+    """Contribution of each amplifier's typical offset (TL082BC: its maximum), and of the bridge with the worst-case
+    resistors of 0.1 %."""
     spread: dict[str, Spread]
     sensitivity: dict[str, dict[str, float]]
 
@@ -82,6 +85,7 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
             circuit, board.gain_bandwidth_hz, board.band_limit_hz, has_diode=values.variant == "article"
         ),
         threshold_v=design.detector.threshold_v,
+        amplifier=values.amplifier,
         aliasing=values.aliasing,
         voltage_limits=values.voltage_limits,
         output_offset=values.output_offset,
@@ -90,10 +94,10 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         tolerance=values.tolerance,
         offset=(*_offsets(system), _bridge_offset(values.bridge, board.supply_v)),
         spread=monte_carlo(
-            values.preferred, board.gain_bandwidth_hz, values.first_stage,
+            values.preferred, board.gain_bandwidth_hz, values.first_stage_capacitors,
             values.tolerance.resistor_percent, values.tolerance.capacitor_percent, boards, seed,
         ),
-        sensitivity=compute_sensitivities(values.preferred, board.gain_bandwidth_hz, values.first_stage),
+        sensitivity=compute_sensitivities(values.preferred, board.gain_bandwidth_hz, values.first_stage_capacitors),
     )  # fmt: skip
 
 
@@ -101,12 +105,12 @@ def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_de
     """Tabulate the article's figure 4 as CSV: magnitude [dB] and phase [degree] of each stage and of the whole filter.
 
     The response starts at the tactile voltage. Amplifiers have one pole, so their gain falls with their gain-bandwidth
-    product; the last column is the amplifier's open-loop gain.
+    product. The last column is that product over the frequency [dB], the asymptote of the amplifier's open-loop gain.
     """
     circuit = board_circuit(board_values(design))
     f = np.logspace(math.log10(low_hz), math.log10(high_hz), round(per_decade * math.log10(high_hz / low_hz)) + 1)
     first, whole = _stage_responses(circuit, design, f)
-    lines = ["frequency_hz,stage1_db,stage1_deg,stage2_db,stage2_deg,whole_db,whole_deg,open_loop_db"]
+    lines = ["frequency_hz,stage1_db,stage1_deg,stage2_db,stage2_deg,whole_db,whole_deg,gbw_over_f_db"]
     for i, hz in enumerate(f):
         cells = [f"{hz:.6g}"]
         for value in (first[i], whole[i] / first[i], whole[i]):
@@ -135,7 +139,7 @@ def _bridge_offset(bridge: Bridge, supply_v: float) -> Contribution:
     """Offset of the bridge at TACTILE and its ADC pin, with the sensor open. C1 blocks it from the filter."""
     nominal_v = bridge.tactile_v(0.0, supply_v)
     worst_v = 0.0
-    for name in ("top_ohm", "shunt_ohm", "high_ohm", "low_ohm", "gain_ohm"):
+    for name in ("sensor_top_ohm", "sensor_shunt_ohm", "reference_top_ohm", "reference_bottom_ohm", "gain_ohm"):
         changed = replace(bridge, **{name: getattr(bridge, name) * (1 + BRIDGE_TOLERANCE)})
         worst_v += abs(changed.tactile_v(0.0, supply_v) - nominal_v)
     return Contribution("R10 to R14", tuple(worst_v if net in ("TACTILE", "ADC_TACTILE") else 0.0 for net in NETS))

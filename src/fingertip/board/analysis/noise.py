@@ -22,12 +22,12 @@ from fingertip.board.values.amplifiers import AD623_NOISE_V, LOW_NOISE_NAME, LOW
 from fingertip.board.values.bridge import sensor_conductance_s
 from fingertip.board.values.noise_and_ripple import HALF_WAVE_MEAN, NOISE_BAND_HZ, NOISE_FORCE_N
 from fingertip.board.values.preferred_values import nearest_value
-from fingertip.design.filter_components import band_limit_capacitor_f
+from fingertip.design.filter_components import compute_limiting_capacitor_f
 
 NETS = ("TACTILE", "STAGE1_OUT", "FILTERED", "ADC_TACTILE")
 """Nets at which noise and offset are reported: before the filter, between its stages, before the rectifier, ADC pin."""
-LIMITER = "C20"
-"""Capacitor across R5, which limits the band."""
+LIMITING_CAPACITOR = "C20"
+"""Capacitor across R5, which limits the band of the first stage."""
 _POINTS_PER_DECADE = 50
 """Integration points per decade: the error of the integral is then at most 0.03 %."""
 
@@ -42,14 +42,13 @@ class Contribution:
 
 @dataclass(frozen=True)
 class NoiseAlternative:
-    """Noise of the board as built, or with a change."""
+    """Noise of this variant, or of this variant with a change."""
 
     change: str
     filtered_v: float
     """RMS noise ahead of the rectifier [V]."""
-    quiescent_envelope_v: float
-    """Quiescent envelope due to the noise [V]: its mean after a rectifier without dead zone. Variant article's diode
-    hides it."""
+    mean_envelope_v: float | None
+    """Mean envelope due to the noise [V]. None in variant article: the noise is below its diode's threshold."""
 
 
 def noise_budget(system: System) -> tuple[tuple[Contribution, ...], tuple[float, ...]]:
@@ -83,12 +82,12 @@ def _squares(system: System, net: str) -> NDArray[np.float64]:
 def compare_noise_alternatives(
     circuit: Circuit, gain_bandwidth_hz: float, band_limit_hz: float, has_diode: bool
 ) -> tuple[NoiseAlternative, ...]:
-    """Compute the noise as built, with and without the first stage's band limit, and with a low-noise amplifier.
+    """Compute the noise of this variant, with and without the first stage's band limit, and with a low-noise amplifier.
 
     Parameters
     ----------
     circuit
-        Circuit as built.
+        Circuit of this variant.
     gain_bandwidth_hz
         Gain-bandwidth product of the filter's amplifier [Hz].
     band_limit_hz
@@ -99,20 +98,20 @@ def compare_noise_alternatives(
     if has_diode:
         other, preposition = _with_limiter(circuit, band_limit_hz), "with"
     else:
-        other, preposition = _without(circuit, LIMITER), "without"
+        other, preposition = _without(circuit, LIMITING_CAPACITOR), "without"
     alternatives = []
-    for change, board in (("as built", circuit), (f"{preposition} {LIMITER} across R5", other)):
+    for change, board in (("this variant", circuit), (f"{preposition} {LIMITING_CAPACITOR} across R5", other)):
         rows, _ = noise_budget(build_equations(board, gain_bandwidth_hz, sensor_conductance_s(NOISE_FORCE_N)))
         volts = {row.cause: row.volts[NETS.index("FILTERED")] for row in rows}
-        alternatives.append(_alternative(change, volts))
+        alternatives.append(_alternative(change, volts, has_diode))
         low_noise = {**volts, "U2": volts["U2"] * LOW_NOISE_V / AD623_NOISE_V}
-        alternatives.append(_alternative(f"{change}, {LOW_NOISE_NAME} for U2", low_noise))
+        alternatives.append(_alternative(f"{change}, {LOW_NOISE_NAME} for U2", low_noise, has_diode))
     return tuple(alternatives)
 
 
-def _alternative(change: str, volts: dict[str, float]) -> NoiseAlternative:
+def _alternative(change: str, volts: dict[str, float], has_diode: bool) -> NoiseAlternative:
     total = math.sqrt(math.fsum(v * v for v in volts.values()))
-    return NoiseAlternative(change, total, HALF_WAVE_MEAN * total)
+    return NoiseAlternative(change, total, None if has_diode else HALF_WAVE_MEAN * total)
 
 
 def _without(circuit: Circuit, reference: str) -> Circuit:
@@ -123,12 +122,18 @@ def _without(circuit: Circuit, reference: str) -> Circuit:
 def _with_limiter(circuit: Circuit, band_limit_hz: float) -> Circuit:
     """Add `LIMITER` to a circuit that lacks it."""
     farad = nearest_value(
-        band_limit_capacitor_f(parse_component_value(circuit.component("R5").value), band_limit_hz), "E6", 1e-12, 1e-3
+        compute_limiting_capacitor_f(parse_component_value(circuit.component("R5").value), band_limit_hz),
+        "E6",
+        1e-12,
+        1e-3,
     )
-    pins = {STAGE1_OUT: (LIMITER, "1"), FEEDBACK: (LIMITER, "2")}
+    pins = {STAGE1_OUT: (LIMITING_CAPACITOR, "1"), FEEDBACK: (LIMITING_CAPACITOR, "2")}
     nets = (Net(n.name, (*n.nodes, pins[n.name])) if n.name in pins else n for n in circuit.nets)
     return Circuit(
         circuit.name,
-        (*circuit.components, Component(LIMITER, format_component_value(farad), symbols.CAPACITOR, symbols.C_0603, "")),
+        (
+            *circuit.components,
+            Component(LIMITING_CAPACITOR, format_component_value(farad), symbols.CAPACITOR, symbols.C_0603, ""),
+        ),
         tuple(nets),
     )

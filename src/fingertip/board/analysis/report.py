@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from fingertip.board.analysis.analyse import Analysis
+from fingertip.board.analysis.analyse import BRIDGE_TOLERANCE, Analysis
 from fingertip.board.analysis.noise import NETS, Contribution
 from fingertip.board.circuit import format_component_value
 from fingertip.board.values.adc_interface import AliasAttenuation
+from fingertip.board.values.amplifiers import AMPLIFIERS
 from fingertip.board.values.comparator_stage import describe_comparator_stage
-from fingertip.board.values.noise_and_ripple import NOISE_BAND_HZ, describe_supply_ripple
+from fingertip.board.values.noise_and_ripple import DEAD_ZONE_V, NOISE_BAND_HZ, describe_supply_ripple
 from fingertip.board.values.nonideal_response import LARGE_CAPACITOR_PERCENT
 from fingertip.board.values.output_offset import describe_output_offset
 from fingertip.board.values.voltage_limits import VoltageLimits, describe_adc_range, describe_filter_swing
 from fingertip.design.filter_components import MAX_1206_F
 
 _LABELS = {
-    "cutoff_hz": "-3 dB overall [Hz]",
+    "cutoff_hz": "lower -3 dB [Hz]",
     "section_quality": "Sallen-Key Q",
     "passband_gain": "maximum gain",
     "first_pole_hz": "first pole [Hz]",
@@ -27,28 +28,42 @@ _LARGEST = 6
 def analysis_text(analysis: Analysis) -> str:
     """Format the analysis as tables for a terminal."""
     low, high = NOISE_BAND_HZ
-    lines = [f"{f'noise, {low:g} Hz to {high / 1e6:g} MHz':28}" + _net_headings()]
+    lines = [f"{f'RMS noise, {low:g} Hz to {high / 1e6:g} MHz':28}" + _net_headings()]
     lines += [_contribution_row(item, 1e6, "uV") for item in analysis.noise[:_LARGEST]]
     lines.append(_contribution_row(Contribution("total", analysis.noise_total_v), 1e6, "uV"))
-    lines += ["", f"{'noise ahead of the rectifier':44}{'RMS':>11}{'quiescent envelope':>20}"]
-    lines += [
-        f"{item.change:44}{1e3 * item.filtered_v:8.2f} mV{1e3 * item.quiescent_envelope_v:17.2f} mV"
-        for item in analysis.noise_alternatives
-    ]
+    lines += ["", f"{'noise ahead of the rectifier':44}{'RMS':>11}{'mean envelope':>20}"]
+    for item in analysis.noise_alternatives:
+        envelope = "-" if item.mean_envelope_v is None else f"{1e3 * item.mean_envelope_v:.2f} mV"
+        lines.append(f"{item.change:44}{1e3 * item.filtered_v:8.2f} mV{envelope:>20}")
     lines.append(f"{'threshold of the detector':44}{'':11}{1e3 * analysis.threshold_v:17.2f} mV")
+    if analysis.output_offset is None:
+        lines.append(f"- The noise is below the diode's threshold of {DEAD_ZONE_V:g} V, so the envelope stays at 0.")
     lines += ["", *_error_lines(analysis)]
     lines += ["", *_alias_lines(analysis.aliasing), "", *_limit_lines(analysis.voltage_limits)]
     lines += ["", f"{'offset':28}" + _net_headings()]
     lines += [_contribution_row(item, 1e3, "mV") for item in analysis.offset]
+    lines.append(_offset_note(analysis.amplifier))
     lines += ["", *_spread_lines(analysis), "", *_sensitivity_lines(analysis)]
     return "\n".join(lines)
 
 
+def _offset_note(amplifier: str) -> str:
+    """State which offsets are typical and which are maximum."""
+    data = AMPLIFIERS[amplifier]
+    is_maximum = data.offset_v == data.max_offset_v
+    exception = f" ({data.order_name}: {1e3 * data.offset_v:g} mV, its maximum)" if is_maximum else ""
+    return f"amplifiers: typical offsets{exception}; R10 to R14: worst case of {100 * BRIDGE_TOLERANCE:g} % resistors"
+
+
 def _spread_lines(analysis: Analysis) -> list[str]:
     percent = analysis.tolerance
-    resistors, capacitors = f"resistors {percent.resistor_percent:g} %", f"capacitors {percent.capacitor_percent:g} %"
-    headings = ("nominal", "mean", "std. dev.", "95 % from", "95 % to", "worst min", "worst max")
+    resistors, capacitors = (
+        f"filter resistors {percent.resistor_percent:g} %",
+        f"capacitors {percent.capacitor_percent:g} %",
+    )
+    headings = ("nominal", "mean", "std. dev.", "2.5 %", "97.5 %", "corner min", "corner max")
     lines = [f"tolerances: {resistors}, {capacitors}{_large_capacitor(analysis)}, as in the bill of materials"]
+    lines.append("percentiles of random boards; minimum and maximum over all corners of the tolerances")
     lines.append(f"{'':20}" + "".join(f"{heading:>11}" for heading in headings))
     for name, spread in analysis.spread.items():
         cells = (
@@ -103,9 +118,9 @@ def _alias_lines(aliasing: AliasAttenuation) -> list[str]:
         f"{aliasing.envelope_nyquist_db:8.1f} dB",
         f"{f'gain at {aliasing.alias_hz:.4g} Hz, which aliases to that end':44}{aliasing.tactile_alias_db:8.1f} dB"
         f"{aliasing.envelope_alias_db:8.1f} dB",
-        f"A full-swing tone would need {aliasing.required_db:.0f} dB of attenuation to stay below an ADC step of "
-        f"{1e3 * aliasing.step_v:.3g} mV. A tone of {1e3 * aliasing.one_step_tone_v:.2g} mV does so at "
-        f"{aliasing.alias_hz:.4g} Hz.",
+        f"A full-swing tone needs {aliasing.required_db:.0f} dB of attenuation to alias to 1 LSB of the ADC "
+        f"({1e3 * aliasing.lsb_v:.3g} mV). At {aliasing.alias_hz:.4g} Hz a {1e3 * aliasing.one_lsb_tone_v:.2g} mV tone "
+        "aliases to 1 LSB (tactile).",
     ]
 
 
@@ -114,8 +129,9 @@ def _limit_lines(limits: VoltageLimits) -> list[str]:
         f"signal ground {limits.signal_ground_v:.2f} V; tactile voltage {limits.min_tactile_v:.2f} V (20 N) to "
         f"{limits.max_tactile_v:.2f} V (no force)",
         f"{describe_filter_swing(limits)}; vibrations of {1e3 * limits.vibration_peak_v:.1f} mV reach these limits; "
-        f"envelope up to {limits.max_envelope_v:.2f} V above the signal ground",
-        f"ADC pins clamped between {limits.clamp_low_v:.0f} and {limits.clamp_high_v:g} V; bridge amplifier margin "
-        f"{limits.bridge_amplifier_margin_v:.2f} V",
+        f"envelope up to {limits.max_envelope_v:.2f} V above signal ground",
+        f"ADC pins clamped to within a diode drop of {limits.clamp_low_rail_v:.0f} V and "
+        f"{limits.clamp_high_rail_v:g} V; the bridge amplifier's internal nodes and output stay "
+        f"{limits.bridge_amplifier_margin_v:.2f} V within their limits",
         describe_adc_range(limits),
     ]

@@ -72,7 +72,7 @@ class RatedComponents:
 
 
 def _format_tolerance(percent: float) -> str:
-    return f"{percent:g} % or better" if percent else "as fine as there is"
+    return f"{percent:g} % or better" if percent else "tightest available"
 
 
 def supply_capacitor(reference: str, farad: float, role: str, footprint: str = symbols.C_0603) -> Component:

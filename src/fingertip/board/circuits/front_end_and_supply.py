@@ -22,8 +22,6 @@ from fingertip.board.nets import (
     GAIN_A,
     GAIN_B,
     GND,
-    HALF,
-    M_OUT,
     REFERENCE,
     SENSOR,
     STAGE1_OUT,
@@ -31,11 +29,13 @@ from fingertip.board.nets import (
     VCC,
     VEE,
     VMID,
+    VMID_DIVIDER,
+    VMID_OUT,
 )
 from fingertip.board.supplies import SUPPLIES, Supply
 from fingertip.board.values.adc_interface import AdcInterface
 from fingertip.board.values.board_values import BoardValues
-from fingertip.board.values.bridge import SENSOR_CABLE_F
+from fingertip.board.values.bridge import SENSOR_FILTER_F
 
 NAME = "slip_filter"
 
@@ -47,7 +47,7 @@ BULK_F = 10e-6
 CABLE_OHM = 1e3
 """Resistor between an amplifier's output and a pin without a filter [ohm]."""
 DIVIDER_OHM = 10e3
-"""Both resistors of the divider [ohm]. With `BULK_F` they keep supply ripple above 3 Hz out of the midpoint."""
+"""Both resistors of the divider [ohm]. With `BULK_F` they filter supply ripple above 3 Hz out of VMID."""
 
 
 def complete_circuit(values: BoardValues, signal_path: Wiring, fourth_pin: str = GND) -> Circuit:
@@ -71,14 +71,14 @@ def _front_end(values: BoardValues, supply: Supply) -> Wiring:
     amplifier = component("U2", "AD623ARMZ", symbols.AD623, symbols.MSOP_8, "instrumentation amplifier of the bridge")
     return {
         sensor: {"1": SENSOR, "2": ground},
-        bridge_resistor("R10", bridge.top_ohm, "bridge: supply to sensor"): {"1": VCC, "2": SENSOR},
-        bridge_resistor("R11", bridge.shunt_ohm, "bridge: parallel to the sensor"): {"1": SENSOR, "2": ground},
-        bridge_resistor("R12", bridge.high_ohm, "bridge: supply to reference"): {"1": VCC, "2": REFERENCE},
-        bridge_resistor("R13", bridge.low_ohm, "bridge: reference to where signals rest"): {
+        bridge_resistor("R10", bridge.sensor_top_ohm, "bridge: supply to sensor"): {"1": VCC, "2": SENSOR},
+        bridge_resistor("R11", bridge.sensor_shunt_ohm, "bridge: parallel to the sensor"): {"1": SENSOR, "2": ground},
+        bridge_resistor("R12", bridge.reference_top_ohm, "bridge: supply to reference"): {"1": VCC, "2": REFERENCE},
+        bridge_resistor("R13", bridge.reference_bottom_ohm, "bridge: reference to where signals rest"): {
             "1": REFERENCE, "2": ground,
         },
         bridge_resistor("R14", bridge.gain_ohm, "bridge: gain of its amplifier"): {"1": GAIN_A, "2": GAIN_B},
-        supply_capacitor("C7", SENSOR_CABLE_F, "sensor's cable: radio interference"): {"1": SENSOR, "2": ground},
+        supply_capacitor("C7", SENSOR_FILTER_F, "sensor's cable: radio interference"): {"1": SENSOR, "2": ground},
         amplifier: {
             "1": GAIN_A, "8": GAIN_B, "2": REFERENCE, "3": SENSOR, "5": ground, "6": TACTILE, "7": VCC,
             "4": supply.negative_rail,
@@ -90,8 +90,8 @@ def _adc_interface(interface: AdcInterface, rated: RatedComponents, supply: Supp
     """Anti-aliasing poles, and clamps to ground and VCC, for the envelope and the tactile voltage."""
     pins = {"1": ADC_TACTILE, "2": ADC_ENVELOPE, "3": GND, "4": fourth_pin}
     symbol, header = symbols.CONNECTOR_4, symbols.HEADER_4
-    if supply.signal_ground == VMID:  # the envelope's quiescent level, for subtraction
-        pins |= {"5": M_OUT}
+    if supply.signal_ground == VMID:  # signal ground, for the host to subtract
+        pins |= {"5": VMID_OUT}
         symbol, header = symbols.CONNECTOR_5, symbols.HEADER_5
     output = component("J3", "ADC", symbol, header, "to the converter: tactile voltage, envelope")
     return {
@@ -131,7 +131,7 @@ def _split_supply() -> Wiring:
 
 
 def _single_supply(rated: RatedComponents) -> Wiring:
-    """Connector and decoupling of a single supply, and its midpoint: a divider and a voltage follower.
+    """Connector and decoupling of a single supply, and VMID (buffered mid-supply): a divider and a voltage follower.
 
     The follower's output has no capacitor, because it could not drive one, and R24 isolates it from the cable's
     capacitance. It carries the bridge's 2 mA.
@@ -144,12 +144,15 @@ def _single_supply(rated: RatedComponents) -> Wiring:
         supply_capacitor("C10", BULK_F, "supply, at its entry", symbols.C_0805): plus,
         supply_capacitor("C5", DECOUPLING_F, "supply, at U1"): plus,
         supply_capacitor("C12", DECOUPLING_F, "supply, at U2"): plus,
-        bridge_resistor("R22", DIVIDER_OHM, "supply's middle: upper half"): {"1": VCC, "2": HALF},
-        bridge_resistor("R23", DIVIDER_OHM, "supply's middle: lower half"): {"1": HALF, "2": GND},
-        supply_capacitor("C21", BULK_F, "supply's middle: keeps ripple out", symbols.C_0805): {"1": HALF, "2": GND},
-        buffer: {"3": HALF, "4": VMID, "1": VMID, "5": VCC, "2": GND},
+        bridge_resistor("R22", DIVIDER_OHM, "supply's middle: upper half"): {"1": VCC, "2": VMID_DIVIDER},
+        bridge_resistor("R23", DIVIDER_OHM, "supply's middle: lower half"): {"1": VMID_DIVIDER, "2": GND},
+        supply_capacitor("C21", BULK_F, "supply's middle: keeps ripple out", symbols.C_0805): {
+            "1": VMID_DIVIDER,
+            "2": GND,
+        },
+        buffer: {"3": VMID_DIVIDER, "4": VMID, "1": VMID, "5": VCC, "2": GND},
         supply_capacitor("C22", DECOUPLING_F, "supply, at U5"): plus,
-        rated.resistor("R24", CABLE_OHM, "supply's middle: keeps the cable off its buffer"): {"1": M_OUT, "2": VMID},
+        rated.resistor("R24", CABLE_OHM, "supply's middle: keeps the cable off its buffer"): {"1": VMID_OUT, "2": VMID},
     }
 
 

@@ -3,15 +3,15 @@
 `article` is the article's circuit (figure 3): two high-pass stages, a diode and an envelope detector. It keeps the
 article's references, except that R_LP and C_LP are R6 and C4, because KiCad requires references that end in a digit.
 
-`precision` equals `article` up to FILTERED except for two capacitors: C14 blocks R4's direct current, so that the first
-stage does not amplify its own offset, and C20 across R5 ends its gain above the vibrations, where the bridge's
-amplifier contributes only noise. After FILTERED an inverting half-wave rectifier (U3a, D1, D4) drives an inverting
-low-pass (U3b). Both inputs are virtual grounds, so R_LP and C_LP give the article's 36.17 Hz whether a diode conducts
-or not. After two inversions the envelope is positive and follows the positive half waves. For a sine its mean is 1/pi
-of the peak.
+`precision` equals `article` up to FILTERED except for two capacitors. C14 couples R4 to signal ground for AC only, so
+that the first stage does not amplify its own offset. C20 across R5 ends its gain above the vibrations, where the
+bridge's amplifier contributes only noise. After FILTERED a precision half-wave rectifier (U3a, D1, D4), which inverts,
+drives an inverting first-order low-pass (U3b). Both inputs are virtual grounds, so R_LP and C_LP give the article's
+36.17 Hz whether a diode conducts or not. After two inversions the envelope is positive and follows the positive half
+waves. For a sine its mean is 1/pi of the peak.
 
 `comparator` is `precision` with the article's future work: threshold, hysteresis and an ON/OFF pin. The comparator has
-an open-collector output: SLIP is low during slip and high (VCC) otherwise.
+an open-collector output: SLIP is low (asserted) while slip is detected and high (VCC) otherwise.
 """
 
 from __future__ import annotations
@@ -102,8 +102,8 @@ def _peak_detector(values: BoardValues) -> Wiring:
 
 def _precision_path(values: BoardValues) -> Wiring:
     """The filters without offset and with a band limit, the precision rectifier and the envelope's low-pass."""
-    preferred, supply, first_stage = values.preferred, SUPPLIES[values.supply], values.first_stage
-    if first_stage is None:
+    preferred, supply, capacitors = values.preferred, SUPPLIES[values.supply], values.first_stage_capacitors
+    if capacitors is None:
         raise BoardError("the values are for variant article; compute them for the variant of this circuit.")
     ground, rated = supply.signal_ground, RatedComponents(values.tolerance)
     diodes = [
@@ -111,8 +111,12 @@ def _precision_path(values: BoardValues) -> Wiring:
         for name, role in (("D1", "rectifier: positive half wave"), ("D4", "rectifier: negative half wave"))
     ]
     path: Wiring = {
-        rated.capacitor("C14", first_stage.series_f, "first stage: blocks its offset"): {"1": ground, "2": SERIES},
-        rated.small_capacitor("C20", first_stage.limit_f, "first stage: ends its gain above the vibrations"): {
+        rated.capacitor("C14", capacitors.series_capacitor_f, "first stage: blocks its offset"): {
+            "1": ground, "2": SERIES,
+        },
+        rated.small_capacitor(
+            "C20", capacitors.limiting_capacitor_f, "first stage: ends its gain above the vibrations",
+        ): {
             "1": STAGE1_OUT, "2": FEEDBACK,
         },
         rated.resistor("R15", RECTIFIER_OHM, "rectifier: input"): {"1": FILTERED, "2": RECT_IN},
@@ -149,9 +153,9 @@ def _comparator(values: BoardValues) -> Wiring:
         "trimmer 3 mm, one turn, top",
     )
     return {
-        rated.resistor("R18", stage.mean_ohm, "mean of the envelope"): {"1": ENVELOPE, "2": MEAN},
-        rated.small_capacitor("C17", stage.mean_f, "mean of the envelope"): {"1": MEAN, "2": ground},
-        rated.resistor("R19", stage.top_ohm, "threshold's range"): {"1": VCC, "2": TRIM_TOP},
+        rated.resistor("R18", stage.averaging_ohm, "mean of the envelope"): {"1": ENVELOPE, "2": MEAN},
+        rated.small_capacitor("C17", stage.averaging_f, "mean of the envelope"): {"1": MEAN, "2": ground},
+        rated.resistor("R19", stage.trimmer_top_ohm, "threshold's range"): {"1": VCC, "2": TRIM_TOP},
         trimmer: {"1": TRIM_TOP, "2": THRESHOLD, "3": ground},
         rated.resistor("R20", stage.hysteresis_ohm, "hysteresis"): {"1": THRESHOLD, "2": SLIP},
         rated.resistor("R21", PULL_UP_OHM, "pull-up of the output"): {"1": VCC, "2": SLIP},

@@ -47,7 +47,7 @@ class Footprint:
     """Silkscreen lines, by both ends."""
     has_paste: bool = True
     pin_1_dot: Point | None = None
-    """Center of the silkscreen dot beside pin 1."""
+    """Centre of the silkscreen dot beside pin 1."""
 
 
 def _chip(x: float, width: float, height: float, courtyard: Point, body: Point, silkscreen_y: float) -> Footprint:
@@ -64,7 +64,7 @@ def _chip(x: float, width: float, height: float, courtyard: Point, body: Point, 
 
 
 def _dual_row(x: float, pitch: float, width: float, height: float, courtyard: Point, body: Point) -> Footprint:
-    """Package with four pins on either side, numbered counterclockwise."""
+    """Package with four pins on either side, numbered anticlockwise."""
     rows = [pitch * (i - 1.5) for i in range(4)]
     left = [Pad(str(i), -x, y, width, height) for i, y in enumerate(rows, start=1)]
     right = [Pad(str(9 - i), x, y, width, height) for i, y in enumerate(rows, start=1)]

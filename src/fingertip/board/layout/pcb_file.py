@@ -141,7 +141,7 @@ def _footprint(circuit: Circuit, component: Component, placement: Placement, net
     is_drilled = any(pad.drill for pad in footprint.pads)
     kind = ("through_hole",) if is_drilled and component.rating else ("smd",) if component.rating else ()
     flags = () if component.rating else ("exclude_from_pos_files", "exclude_from_bom")
-    center = _body_center(footprint)
+    centre = _body_centre(footprint)
 
     def identifier(item: str) -> str:
         return quote(named_uuid(circuit, f"board {component.reference} {item}"))
@@ -157,7 +157,7 @@ def _footprint(circuit: Circuit, component: Component, placement: Placement, net
         _at(position.x, position.y, position.angle),
         ("descr", quote(component.role)),
         _reference(component, placement, footprint, identifier("reference")),
-        _property("Value", component.value, center, "F.Fab", identifier("value"), 0.4, hidden=True),
+        _property("Value", component.value, centre, "F.Fab", identifier("value"), 0.4, hidden=True),
         *(
             _property(field, text, (0.0, 0.0), "F.Fab", identifier(field), 0.4, hidden=True)
             for field, text in hidden_fields
@@ -175,7 +175,7 @@ def _footprint(circuit: Circuit, component: Component, placement: Placement, net
     )
 
 
-def _body_center(footprint: Footprint) -> Point:
+def _body_centre(footprint: Footprint) -> Point:
     left, top, right, bottom = footprint.body
     return ((left + right) / 2, (top + bottom) / 2)
 
@@ -183,8 +183,8 @@ def _body_center(footprint: Footprint) -> Point:
 def _reference(component: Component, placement: Placement, footprint: Footprint, identifier: str) -> Expression:
     """Reference on the silkscreen, or in the middle of the assembly drawing if the placement has no label for it."""
     if component.reference not in placement.reference_labels:
-        center = _body_center(footprint)
-        return _property("Reference", component.reference, center, "F.Fab", identifier, 0.5)
+        centre = _body_centre(footprint)
+        return _property("Reference", component.reference, centre, "F.Fab", identifier, 0.5)
     position, (x, y) = placement.positions[component.reference], placement.reference_labels[component.reference]
     offset = rotate_offset(-position.angle % 360, x - position.x, y - position.y)
     return _property("Reference", component.reference, offset, "F.SilkS", identifier, TEXT_HEIGHT_MM)

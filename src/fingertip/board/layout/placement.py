@@ -23,7 +23,7 @@ PLACEMENTS = Path(__file__).parent / "placements"
 
 @dataclass(frozen=True)
 class Position:
-    """Position of a component: the origin of its footprint, and its counterclockwise rotation [degree]."""
+    """Position of a component: the origin of its footprint, and its anticlockwise rotation [degree]."""
 
     x: float
     y: float
@@ -39,9 +39,9 @@ class Placement:
     positions: dict[str, Position]
     """Positions of the components by reference."""
     reference_labels: dict[str, tuple[float, float]]
-    """Centers of the printed references, by reference."""
+    """Centres of the printed references, by reference."""
     texts: tuple[tuple[str, float, float], ...] = ()
-    """Other printed texts with their centers; beside the connectors they name the pins. The last names the board."""
+    """Other printed texts with their centres; beside the connectors they name the pins. The last names the board."""
 
 
 @dataclass(frozen=True)

@@ -31,8 +31,8 @@ def silkscreen_conflicts(
     circuit: Circuit, placement: Placement, vias: Iterable[Point] = (), via_mm: float = 0.0
 ) -> Iterator[str]:
     """Describe silkscreen that cannot be read: missing references, and labels that overlap something or the edge."""
-    labeled = [component.reference for component in circuit.components if component.symbol.pins]
-    yield from (f"{ref} has no label on the board" for ref in labeled if ref not in placement.reference_labels)
+    labelled = [component.reference for component in circuit.components if component.symbol.pins]
+    yield from (f"{ref} has no label on the board" for ref in labelled if ref not in placement.reference_labels)
     labels = silkscreen_boxes(placement)
     obstacles = {
         f"component {component.reference}": _component_box(circuit, placement, component.reference)

@@ -27,7 +27,7 @@ class PlacedSymbol:
     x: int
     y: int
     angle: int = 0
-    """Counterclockwise rotation [degree]: 0, 90, 180 or 270."""
+    """Anticlockwise rotation [degree]: 0, 90, 180 or 270."""
     unit: int = 1
     mirrored: bool = False
     """Whether left and right are exchanged; only with angle 0."""

@@ -30,7 +30,7 @@ class UnitGraphic:
     lines: tuple[tuple[Point, ...], ...] = ()
     filled: tuple[tuple[Point, ...], ...] = ()
     circles: tuple[tuple[float, float, float], ...] = ()
-    """Circles, by center and radius."""
+    """Circles, by centre and radius."""
     show_numbers: bool = False
     show_names: bool = False
     reference_at: Point = (0.0, 0.0)

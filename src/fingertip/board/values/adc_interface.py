@@ -5,7 +5,7 @@ the lowest frequency that aliases into it is the sample rate less that. The tact
 a quarter of the sample rate: the second section has ten times the impedance of the first, so that they hardly interact.
 The envelope has a pole of its own already (in variant `article` only for falling voltages), and passes one.
 
-Two poles cannot attenuate a full-scale tone to less than one step of 16 bits. The signal's content beyond the band,
+Two poles cannot attenuate a full-scale tone to less than 1 LSB of 16 bits. The signal's content beyond the band,
 noise and the skirt of a resonance, is small. `AliasAttenuation` gives the amplitude that a tone may have. A higher
 sample rate with subsequent averaging moves the aliases away.
 """
@@ -71,11 +71,11 @@ class AliasAttenuation:
     """Gain from the rectifier (in variant article from the envelope) to the pin at `nyquist_hz`."""
     envelope_alias_db: float
     required_db: float
-    """Attenuation that would reduce a tone of the board's full swing to one step of the ADC."""
-    one_step_tone_v: float
-    """Amplitude [V] of a tone in the tactile voltage at `alias_hz` that is attenuated to one step."""
-    step_v: float
-    """Step of the ADC [V]."""
+    """Attenuation that would reduce a tone of the board's full swing to 1 LSB of the ADC."""
+    one_lsb_tone_v: float
+    """Amplitude [V] of a tone in the tactile voltage at `alias_hz` that is attenuated to 1 LSB."""
+    lsb_v: float
+    """Step of the ADC [V]: its least significant bit (LSB)."""
 
 
 def size_adc_interface(sample_rate_hz: float, series: str) -> AdcInterface:
@@ -115,7 +115,7 @@ def compute_alias_attenuation(
     nyquist_hz = sample_rate_hz / 2.0
     band_hz = min(BAND_CUTOFFS * cutoff_hz, nyquist_hz)
     alias_hz = sample_rate_hz - band_hz
-    step_v = 2.0 * range_v / 2**bits
+    lsb_v = 2.0 * range_v / 2**bits
 
     def envelope_db(f_hz: float) -> float:
         own = 1.0 if envelope_pole_hz is None else 1.0 / (1.0 + 1j * f_hz / envelope_pole_hz)
@@ -130,7 +130,7 @@ def compute_alias_attenuation(
         tactile_alias_db=decibel(interface.tactile_transfer(alias_hz)),
         envelope_nyquist_db=envelope_db(nyquist_hz),
         envelope_alias_db=envelope_db(alias_hz),
-        required_db=decibel(swing_v / step_v),
-        one_step_tone_v=step_v / abs(interface.tactile_transfer(alias_hz)),
-        step_v=step_v,
+        required_db=decibel(swing_v / lsb_v),
+        one_lsb_tone_v=lsb_v / abs(interface.tactile_transfer(alias_hz)),
+        lsb_v=lsb_v,
     )

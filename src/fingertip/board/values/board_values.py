@@ -66,14 +66,14 @@ class BoardValues:
     """Response of the preferred values; gain and both cutoffs from the circuit with all its components."""
     bridge: Bridge
     """Preferred values of the bridge ahead of the filter."""
-    first_stage: FirstStageCapacitors | None
-    """Capacitors that variant article does not have; None there."""
+    first_stage_capacitors: FirstStageCapacitors | None
+    """Capacitors of the first stage that variant article does not have; None there."""
     output_offset: OutputOffset | None
-    """Quiescent envelope due to the amplifiers' offsets; None in variant article, whose diode hides them."""
+    """Envelope offset due to the amplifiers' offsets; None in variant article: it is below the diode's threshold."""
     supply_ripple: SupplyRipple
     """Effect of ripple on the supply."""
     noise: NoiseLevels
-    """Noise of the bridge and its amplifier, and the quiescent envelope due to it."""
+    """Noise of the bridge and its amplifier, and the mean envelope due to it."""
     comparator_stage: ComparatorStage | None
     """Values around the comparator; None in variants without one."""
     adc_interface: AdcInterface
@@ -107,8 +107,8 @@ def filter_values(board: Board) -> tuple[FilterComponents, FilterComponents, Fre
     """
     ideal = ideal_components(select_capacitors(board))
     preferred = select_resistors(ideal, board.series)
-    first_stage = _first_stage_capacitors(board, preferred)
-    return ideal, preferred, nonideal_response(preferred, board.gain_bandwidth_hz, first_stage)
+    capacitors = _first_stage_capacitors(board, preferred)
+    return ideal, preferred, nonideal_response(preferred, board.gain_bandwidth_hz, capacitors)
 
 
 def _first_stage_capacitors(board: Board, preferred: FilterComponents) -> FirstStageCapacitors | None:
@@ -133,7 +133,7 @@ def board_values(design: Design) -> BoardValues:
     has_diode = board.variant == "article"
 
     ideal, preferred, achieved = filter_values(board)
-    first_stage = _first_stage_capacitors(board, preferred)
+    capacitors = _first_stage_capacitors(board, preferred)
     bridge = size_bridge(
         supply_v, board.series, design.dimensions.sensor.active_diameter_mm, supply.signal_ground_ratio
     )
@@ -145,11 +145,11 @@ def board_values(design: Design) -> BoardValues:
     )
 
     def transfer(f_hz: float) -> complex:
-        return filter_transfer(f_hz, preferred, board.gain_bandwidth_hz, first_stage)
+        return filter_transfer(f_hz, preferred, board.gain_bandwidth_hz, capacitors)
 
     def transfer_without_limit(f_hz: float) -> complex:
         return filter_transfer(
-            f_hz, preferred, board.gain_bandwidth_hz, first_stage and replace(first_stage, limit_f=0.0)
+            f_hz, preferred, board.gain_bandwidth_hz, capacitors and replace(capacitors, limiting_capacitor_f=0.0)
         )
 
     comparator_stage = None
@@ -168,7 +168,7 @@ def board_values(design: Design) -> BoardValues:
         target_response=_target_response(board, ideal),
         achieved_response=achieved,
         bridge=bridge,
-        first_stage=first_stage,
+        first_stage_capacitors=capacitors,
         output_offset=None if has_diode else compute_output_offset(AMPLIFIERS[amplifier], preferred.r_lp_ohm),
         supply_ripple=compute_supply_ripple(bridge, transfer, detector.threshold_v, has_diode),
         noise=compute_noise_levels(bridge, transfer, transfer_without_limit, has_diode),

@@ -6,9 +6,9 @@ the reference:
 
     V = V0 + A (Vs - V0) [1 / (1 + R_top (1 / R_shunt + G)) - R_low / (R_high + R_low)],  A = 1 + 100 kohm / R_gain
 
-with V0 = 0 on a split supply. On a single supply V0 is its midpoint: the internal nodes of the amplifier (AD623) must
-stay above its lower rail, and with inputs a few tenths of a volt above ground they would allow at most 1.5 V, not the
-article's 4.3 V.
+with V0 = 0 on a split supply. On a single supply V0 is VMID, half of Vs: the internal nodes of the amplifier (AD623)
+must stay above its lower rail, and with inputs a few tenths of a volt above ground they would allow at most 1.5 V, not
+the article's 4.3 V.
 
 All voltages scale with the supply Vs. An ADC that takes its reference from the same supply therefore measures the
 sensor alone (ratiometric measurement). The voltage falls with the force, as in the article.
@@ -36,8 +36,8 @@ MAX_CURRENT_A_PER_CM2 = 1e-3
 """Maximum current through the sensor per active area (Interlink's integration guide)."""
 SATURATION = 1.0 / 3.0
 """R_thevenin G at the upper end of the force range. Smaller values make V more linear in G and the signal smaller."""
-SENSOR_CABLE_F = 100e-9
-"""Capacitor across the sensor [F]. With the bridge's 230 ohm it is a pole at 7 kHz against pick-up of the cable."""
+SENSOR_FILTER_F = 100e-9
+"""Capacitor across the sensor [F]: an RFI filter for the cable, with its pole at 7 kHz with the bridge's 230 ohm."""
 GAIN_CONSTANT_OHM = 100e3
 """Constant of the amplifier's gain, A = 1 + 100 kohm / R_gain (AD623's data sheet)."""
 
@@ -61,13 +61,13 @@ def sensor_conductance_s(force_n: float) -> float:
 class Bridge:
     """Resistances [ohm] of the bridge and its amplifier."""
 
-    top_ohm: float
+    sensor_top_ohm: float
     """Resistance from the supply to the sensor."""
-    shunt_ohm: float
+    sensor_shunt_ohm: float
     """Resistance parallel to the sensor."""
-    high_ohm: float
+    reference_top_ohm: float
     """Resistance from the supply to the reference."""
-    low_ohm: float
+    reference_bottom_ohm: float
     """Resistance from the reference to the signal ground."""
     gain_ohm: float
     """Resistance that sets the amplifier's gain."""
@@ -86,13 +86,15 @@ class Bridge:
         """Voltage [V] against ground across a sensor of this conductance [S]."""
         signal_ground_v = self.signal_ground_ratio * supply_v
         return signal_ground_v + (supply_v - signal_ground_v) / (
-            1.0 + self.top_ohm * (1.0 / self.shunt_ohm + conductance_s)
+            1.0 + self.sensor_top_ohm * (1.0 / self.sensor_shunt_ohm + conductance_s)
         )
 
     def reference_v(self, supply_v: float) -> float:
         """Reference voltage [V] against ground, at the other arm."""
         signal_ground_v = self.signal_ground_ratio * supply_v
-        return signal_ground_v + (supply_v - signal_ground_v) * self.low_ohm / (self.high_ohm + self.low_ohm)
+        return signal_ground_v + (supply_v - signal_ground_v) * self.reference_bottom_ohm / (
+            self.reference_top_ohm + self.reference_bottom_ohm
+        )
 
     def tactile_v(self, conductance_s: float, supply_v: float) -> float:
         """Tactile voltage [V], the amplifier's output, for a sensor of this conductance [S]; 0 is an open sensor.
@@ -133,9 +135,11 @@ def size_bridge(supply_v: float, series: str, active_diameter_mm: float, signal_
     thevenin_v = limit_a / max_g * (1.0 + SATURATION)
     signal_ground_v = signal_ground_ratio * supply_v
     excitation_v = supply_v - signal_ground_v
-    top_ohm = max(neighbouring_values(thevenin_ohm * excitation_v / thevenin_v, series))
-    shunt_ohm = min(neighbouring_values(thevenin_ohm * excitation_v / (excitation_v - thevenin_v), series))
-    arm = Bridge(top_ohm, shunt_ohm, top_ohm, shunt_ohm, GAIN_CONSTANT_OHM, signal_ground_ratio)
+    sensor_top_ohm = max(neighbouring_values(thevenin_ohm * excitation_v / thevenin_v, series))
+    sensor_shunt_ohm = min(neighbouring_values(thevenin_ohm * excitation_v / (excitation_v - thevenin_v), series))
+    arm = Bridge(
+        sensor_top_ohm, sensor_shunt_ohm, sensor_top_ohm, sensor_shunt_ohm, GAIN_CONSTANT_OHM, signal_ground_ratio
+    )
     points = [
         (arm.sensor_v(sensor_conductance_s(f), supply_v) - signal_ground_v, v - signal_ground_v)
         for f, v in ARTICLE_POINTS
@@ -145,12 +149,14 @@ def size_bridge(supply_v: float, series: str, active_diameter_mm: float, signal_
     gain = _slope(points)
     offset_v = sum(gain * x - v for x, v in points) / len(points)
     candidates = (
-        Bridge(top_ohm, shunt_ohm, high_ohm, low_ohm, gain_ohm, signal_ground_ratio)
+        Bridge(sensor_top_ohm, sensor_shunt_ohm, reference_top_ohm, reference_bottom_ohm, gain_ohm, signal_ground_ratio)
         for gain_ohm in neighbouring_values(GAIN_CONSTANT_OHM / (gain - 1.0), series)
-        for high_ohm in values_around(top_ohm, series)
-        for low_ohm in neighbouring_values(high_ohm * offset_v / (gain * excitation_v - offset_v), series)
+        for reference_top_ohm in values_around(sensor_top_ohm, series)
+        for reference_bottom_ohm in neighbouring_values(
+            reference_top_ohm * offset_v / (gain * excitation_v - offset_v), series
+        )
     )
-    return min(candidates, key=lambda bridge: (article_error_v(bridge, supply_v), bridge.high_ohm))
+    return min(candidates, key=lambda bridge: (article_error_v(bridge, supply_v), bridge.reference_top_ohm))
 
 
 def article_error_v(bridge: Bridge, supply_v: float) -> float:

@@ -13,30 +13,30 @@ from dataclasses import dataclass
 
 from fingertip.board.values.preferred_values import nearest_value, neighbouring_values
 from fingertip.design.comparator_data import (
+    AVERAGING_OHM,
     BIAS_A,
     COMPARATOR_OFFSET_V,
+    MAX_AVERAGING_F,
     MAX_BIAS_A,
     MAX_COMPARATOR_OFFSET_V,
-    MAX_MEAN_F,
-    MEAN_OHM,
 )
 
 TRIMMER_OHM = 10e3
 PULL_UP_OHM = 4.7e3
 HYSTERESIS_RATIO = 0.25
 """Hysteresis as a ratio of the threshold."""
-_MIN_MEAN_F = 1e-9
+_MIN_AVERAGING_F = 1e-9
 
 
 @dataclass(frozen=True)
 class ComparatorStage:
     """Preferred resistances [ohm] and capacitance [F] around the comparator, and the resulting thresholds."""
 
-    mean_ohm: float
+    averaging_ohm: float
     """Resistance of the averaging low-pass."""
-    mean_f: float
+    averaging_f: float
     """Capacitance of the averaging low-pass."""
-    top_ohm: float
+    trimmer_top_ohm: float
     """Resistance from the supply to the trimmer."""
     hysteresis_ohm: float
     """Resistance from the output back to the threshold."""
@@ -52,13 +52,17 @@ class ComparatorStage:
     """Maximum increase of the mean [V] by the comparator's input bias current."""
 
     @property
-    def mean_s(self) -> float:
+    def averaging_tau_s(self) -> float:
         """Time constant of the averaging low-pass [s]."""
-        return self.mean_ohm * self.mean_f
+        return self.averaging_ohm * self.averaging_f
 
 
 def compute_thresholds_v(
-    top_ohm: float, hysteresis_ohm: float, supply_v: float, signal_ground_ratio: float = 0.0, trimmer_ratio: float = 0.5
+    trimmer_top_ohm: float,
+    hysteresis_ohm: float,
+    supply_v: float,
+    signal_ground_ratio: float = 0.0,
+    trimmer_ratio: float = 0.5,
 ) -> tuple[float, float]:
     """Compute the ON and OFF thresholds of the averaged envelope [V] above the signal ground.
 
@@ -66,7 +70,7 @@ def compute_thresholds_v(
 
     Parameters
     ----------
-    top_ohm
+    trimmer_top_ohm
         Resistance from the supply to the trimmer.
     hysteresis_ohm
         Resistance from the output to the threshold.
@@ -78,7 +82,7 @@ def compute_thresholds_v(
         Position of the trimmer's wiper, from 0 to 1.
     """
     upper_v, lower_v = (1.0 - signal_ground_ratio) * supply_v, -signal_ground_ratio * supply_v
-    low, high = trimmer_ratio * TRIMMER_OHM, (1.0 - trimmer_ratio) * TRIMMER_OHM + top_ohm
+    low, high = trimmer_ratio * TRIMMER_OHM, (1.0 - trimmer_ratio) * TRIMMER_OHM + trimmer_top_ohm
     conductance = 1.0 / high + 1.0 / hysteresis_ohm + (1.0 / low if low else math.inf)
     return (
         (upper_v / high + upper_v / hysteresis_ohm) / conductance,
@@ -117,13 +121,25 @@ def size_comparator(
 
     tops = neighbouring_values(1.0 / (pull - feedback) - low_ohm, series)
     feedbacks = neighbouring_values(1.0 / feedback, series)
-    top_ohm, hysteresis_ohm = min(itertools.product(tops, feedbacks), key=error)
-    mean_f = min(max(nearest_value(window_s / 2.0 / MEAN_OHM, "E6", 1e-12, 1e-3), _MIN_MEAN_F), MAX_MEAN_F)
-    mean_ohm = nearest_value(window_s / 2.0 / mean_f, series)
-    on_v, off_v = compute_thresholds_v(top_ohm, hysteresis_ohm, supply_v, signal_ground_ratio)
-    max_on_v, _ = compute_thresholds_v(top_ohm, hysteresis_ohm, supply_v, signal_ground_ratio, trimmer_ratio=1.0)
+    trimmer_top_ohm, hysteresis_ohm = min(itertools.product(tops, feedbacks), key=error)
+    averaging_f = min(
+        max(nearest_value(window_s / 2.0 / AVERAGING_OHM, "E6", 1e-12, 1e-3), _MIN_AVERAGING_F), MAX_AVERAGING_F
+    )
+    averaging_ohm = nearest_value(window_s / 2.0 / averaging_f, series)
+    on_v, off_v = compute_thresholds_v(trimmer_top_ohm, hysteresis_ohm, supply_v, signal_ground_ratio)
+    max_on_v, _ = compute_thresholds_v(
+        trimmer_top_ohm, hysteresis_ohm, supply_v, signal_ground_ratio, trimmer_ratio=1.0
+    )
     return ComparatorStage(
-        mean_ohm, mean_f, top_ohm, hysteresis_ohm, on_v, off_v, max_on_v, BIAS_A * mean_ohm, MAX_BIAS_A * mean_ohm
+        averaging_ohm,
+        averaging_f,
+        trimmer_top_ohm,
+        hysteresis_ohm,
+        on_v,
+        off_v,
+        max_on_v,
+        BIAS_A * averaging_ohm,
+        MAX_BIAS_A * averaging_ohm,
     )
 
 

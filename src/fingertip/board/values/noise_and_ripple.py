@@ -5,7 +5,7 @@ Noise: `fingertip.board.analysis.noise` includes every component of the circuit.
 of the bridge. A test compares the two.
 
 Ripple: the bridge is connected to the supply, so its amplifier's output follows the supply, by the tactile voltage's
-own ratio to it (on a single supply by its ratio above the midpoint, which is filtered), and by a little more where C7
+own ratio to it (on a single supply by its ratio above VMID, which is filtered), and by a little more where C7
 delays the sensor's arm against the other one. The filter amplifies ripple in its passband like slip.
 """
 
@@ -22,7 +22,7 @@ from fingertip.board.values.amplifiers import (
     BOLTZMANN_J_PER_K,
     TEMPERATURE_K,
 )
-from fingertip.board.values.bridge import GAIN_CONSTANT_OHM, SENSOR_CABLE_F, Bridge, sensor_conductance_s
+from fingertip.board.values.bridge import GAIN_CONSTANT_OHM, SENSOR_FILTER_F, Bridge, sensor_conductance_s
 
 NOISE_BAND_HZ = (0.1, 1e6)
 """Band over which noise is integrated."""
@@ -49,8 +49,8 @@ class NoiseLevels:
     """RMS noise ahead of the rectifier."""
     filtered_without_limit_v: float
     """RMS noise ahead of the rectifier without C20, which ends the first stage's gain above the vibrations."""
-    quiescent_envelope_v: float | None
-    """Quiescent envelope due to noise: its rectified mean. None in variant article, whose diode hides it."""
+    mean_envelope_v: float | None
+    """Mean envelope due to noise, after rectification. None in variant article: it is below the diode's threshold."""
 
 
 def compute_noise_levels(
@@ -87,11 +87,11 @@ def compute_noise_levels(
 def _tactile_density_squared(bridge: Bridge, f_hz: float) -> float:
     """Squared noise density [V^2/Hz] at the output of the bridge's amplifier at f [Hz]."""
     thermal, gain = 4.0 * BOLTZMANN_J_PER_K * TEMPERATURE_K, bridge.gain
-    resistors = 1.0 / bridge.top_ohm + 1.0 / bridge.shunt_ohm
+    resistors = 1.0 / bridge.sensor_top_ohm + 1.0 / bridge.sensor_shunt_ohm
     arm_ohm = 1.0 / (resistors + sensor_conductance_s(NOISE_FORCE_N))
     # The sensor itself is assumed to be noiseless. C7 lies across its arm.
-    arm = thermal * resistors * arm_ohm**2 / (1.0 + (math.tau * f_hz * SENSOR_CABLE_F * arm_ohm) ** 2)
-    reference = thermal / (1.0 / bridge.high_ohm + 1.0 / bridge.low_ohm)
+    arm = thermal * resistors * arm_ohm**2 / (1.0 + (math.tau * f_hz * SENSOR_FILTER_F * arm_ohm) ** 2)
+    reference = thermal / (1.0 / bridge.reference_top_ohm + 1.0 / bridge.reference_bottom_ohm)
     amplifier = AD623_NOISE_V**2 + (AD623_OUTPUT_NOISE_V / gain) ** 2
     gain_resistor = thermal * GAIN_CONSTANT_OHM / (gain - 1.0) * ((gain - 1.0) / gain) ** 2
     pole = 1.0 + (f_hz * gain / AD623_BANDWIDTH_HZ) ** 2
@@ -100,10 +100,10 @@ def _tactile_density_squared(bridge: Bridge, f_hz: float) -> float:
 
 def noise_warning(noise: NoiseLevels, threshold_v: float) -> str:
     """Warn of noise that alone brings the envelope to the threshold; empty if it does not."""
-    if noise.quiescent_envelope_v is None or noise.quiescent_envelope_v < threshold_v:
+    if noise.mean_envelope_v is None or noise.mean_envelope_v < threshold_v:
         return ""
     return (
-        f"noise alone raises the quiescent envelope to {1e3 * noise.quiescent_envelope_v:.1f} mV, and "
+        f"noise alone raises the mean envelope to {1e3 * noise.mean_envelope_v:.1f} mV, and "
         f"detector.threshold_v is {1e3 * threshold_v:g} mV: this board reports slip without contact. Raise the "
         "threshold, or lower board.passband_gain or board.band_limit_hz."
     )
@@ -150,10 +150,14 @@ def compute_supply_ripple(
 def _supply_transfer(bridge: Bridge, f_hz: float) -> complex:
     """Transfer function from the supply to the tactile voltage at f [Hz], with the sensor open.
 
-    The midpoint of a single supply is assumed to be free of ripple.
+    VMID of a single supply is assumed to be free of ripple.
     """
-    top, shunt, reference = bridge.top_ohm, bridge.shunt_ohm, bridge.low_ohm / (bridge.high_ohm + bridge.low_ohm)
-    delay = 1.0 + 2j * math.pi * f_hz * SENSOR_CABLE_F * top * shunt / (top + shunt)
+    top, shunt, reference = (
+        bridge.sensor_top_ohm,
+        bridge.sensor_shunt_ohm,
+        bridge.reference_bottom_ohm / (bridge.reference_top_ohm + bridge.reference_bottom_ohm),
+    )
+    delay = 1.0 + 2j * math.pi * f_hz * SENSOR_FILTER_F * top * shunt / (top + shunt)
     return bridge.gain * (shunt / (top + shunt) / delay - reference)
 
 

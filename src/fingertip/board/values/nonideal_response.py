@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 from fingertip.board.values.ideal_response import FrequencyResponse, decibel, ideal_response, passband_gain, pole_hz
 from fingertip.board.values.preferred_values import nearest_value
-from fingertip.design.filter_components import FilterComponents, band_limit_capacitor_f, series_capacitor_f
+from fingertip.design.filter_components import FilterComponents, compute_limiting_capacitor_f, select_series_capacitor_f
 from fingertip.numerics import find_maximum, find_root
 
 
@@ -23,9 +23,9 @@ from fingertip.numerics import find_maximum, find_root
 class FirstStageCapacitors:
     """Capacitors that variants other than `article` add to the first stage [F]."""
 
-    series_f: float
+    series_capacitor_f: float
     """C14 in series with R4: the stage does not amplify the amplifier's offset."""
-    limit_f: float
+    limiting_capacitor_f: float
     """C20 across R5: the stage does not amplify frequencies above the vibrations."""
     limit_hz: float
     """Frequency at which C20 has reduced the gain by 3 dB: 1 / (2 pi R5 C20)."""
@@ -33,9 +33,9 @@ class FirstStageCapacitors:
 
 def select_first_stage_capacitors(components: FilterComponents, band_limit_hz: float) -> FirstStageCapacitors:
     """Select preferred capacitors of the first stage for preferred resistors and a band limit [Hz]."""
-    limit_f = nearest_value(band_limit_capacitor_f(components.r5_ohm, band_limit_hz), "E6", 1e-12, 1e-3)
-    series_f = series_capacitor_f(components.r4_ohm, pole_hz(components.r1_ohm, components.c_f))
-    return FirstStageCapacitors(series_f, limit_f, pole_hz(components.r5_ohm, limit_f))
+    c20_f = nearest_value(compute_limiting_capacitor_f(components.r5_ohm, band_limit_hz), "E6", 1e-12, 1e-3)
+    c14_f = select_series_capacitor_f(components.r4_ohm, pole_hz(components.r1_ohm, components.c_f))
+    return FirstStageCapacitors(c14_f, c20_f, pole_hz(components.r5_ohm, c20_f))
 
 
 LARGE_CAPACITOR_PERCENT = 20.0
@@ -61,7 +61,9 @@ def first_stage_transfer(
     s = 2j * math.pi * f_hz
     G: complex = passband_gain(R4, R5)
     if capacitors is not None:
-        G = 1.0 + R5 / (1.0 + s * R5 * capacitors.limit_f) / (R4 + 1.0 / (s * capacitors.series_f))
+        G = 1.0 + R5 / (1.0 + s * R5 * capacitors.limiting_capacitor_f) / (
+            R4 + 1.0 / (s * capacitors.series_capacitor_f)
+        )
     return s / (s + 1.0 / (R1 * C)) * G / (1.0 + G / open_loop_transfer(f_hz, gain_bandwidth_hz))
 
 

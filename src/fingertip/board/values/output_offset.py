@@ -1,4 +1,4 @@
-"""Output offset of the envelope after a precision rectifier, as the offset voltages of the amplifiers cause it.
+"""Envelope offset: the output offset after a precision rectifier, due to the offset voltages of the amplifiers.
 
 Without a signal, with offsets o1 (Sallen-Key stage), o2 (rectifier) and o3 (envelope), and with the rectifier's
 positive diode driven into conduction by them, the envelope is
@@ -6,7 +6,7 @@ positive diode driven into conduction by them, the envelope is
     E = o1 (R16 / R15) (R6 / R17) - o2 (1 + R16 / R15) (R6 / R17) + o3 (1 + R6 / R17),
 
 that is o1 - 2 o2 + 2 o3. With the diode blocking, R16 and R17 lie in series: E = o3 + (o3 - o2) R6 / (R16 + R17). The
-output offset is therefore at most five offset voltages upwards, and little more than one downwards.
+envelope offset is therefore at most five offset voltages upwards, and little more than one downwards.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _CONDUCTING_GAINS = (1.0, 2.0, 2.0)
 
 @dataclass(frozen=True)
 class OutputOffset:
-    """Quiescent envelope above the signal ground [V], as the amplifiers' offsets set it, at 25 degrees Celsius."""
+    """Envelope offset above signal ground [V] due to the amplifiers' offsets, at 25 degrees Celsius."""
 
     min_v: float
     """Minimum for the worst offsets of the purchased grade."""
@@ -39,7 +39,7 @@ class OutputOffset:
 
 
 def compute_output_offset(amplifier: Amplifier, envelope_ohm: float) -> OutputOffset:
-    """Compute the output offset of a board with this amplifier and this R_LP [ohm]."""
+    """Compute the envelope offset of a board with this amplifier and this R_LP [ohm]."""
     blocked_gain = 1.0 + 2.0 * envelope_ohm / (RECTIFIER_OHM + envelope_ohm)
     worst_gain = math.fsum(_CONDUCTING_GAINS)
     return OutputOffset(
@@ -52,10 +52,10 @@ def compute_output_offset(amplifier: Amplifier, envelope_ohm: float) -> OutputOf
 
 
 def describe_output_offset(offset: OutputOffset, threshold_v: float) -> str:
-    """Describe the output offset in relation to the threshold."""
+    """Describe the envelope offset in relation to the threshold."""
     return (
-        f"offsets of U1 and U3 give the envelope an output offset between {1e3 * offset.min_v:.1f} and "
-        f"{1e3 * offset.max_v:.1f} mV (typically within {1e3 * offset.typical_v:.1f} mV; with "
+        f"offsets of U1 and U3 cause an envelope offset between {1e3 * offset.min_v:.1f} and "
+        f"{1e3 * offset.max_v:.1f} mV (typical offsets: {1e3 * offset.typical_v:.1f} mV; with "
         f"{offset.low_offset_amplifier} below {1e3 * offset.max_low_offset_v:.1f} mV), and the threshold is "
-        f"{1e3 * threshold_v:g} mV: measure the output offset and set the threshold relative to it"
+        f"{1e3 * threshold_v:g} mV: measure the envelope offset and add it to the threshold"
     )

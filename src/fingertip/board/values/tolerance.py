@@ -20,7 +20,7 @@ from fingertip.numerics import bisect_arrays, find_maximum_arrays
 COMPONENTS = ("R1", "R2", "R3", "R4", "R5", "C1", "C2", "C3")
 """Order of the component values in every array of this module."""
 FIRST_STAGE_COMPONENTS = ("C14", "C20")
-"""Components that follow where the first stage has them, which it has not in variant article."""
+"""Capacitors of the first stage, which follow `COMPONENTS`; absent in variant article."""
 QUANTITIES = ("cutoff_hz", "section_quality", "passband_gain", "first_pole_hz", "section_hz")
 """Quantities of the filter whose tolerance is computed."""
 
@@ -43,7 +43,7 @@ def nominal_values(components: FilterComponents, capacitors: FirstStageCapacitor
     values = [components.r1_ohm, components.r2_ohm, components.r3_ohm, components.r4_ohm, components.r5_ohm]
     values += [components.c_f] * 3
     if capacitors is not None:
-        values += [capacitors.series_f, capacitors.limit_f]
+        values += [capacitors.series_capacitor_f, capacitors.limiting_capacitor_f]
     return np.array(values)
 
 
@@ -178,7 +178,7 @@ def monte_carlo(
     """
     percent = [resistor_percent] * 5 + [capacitor_percent] * 3
     if capacitors is not None:
-        is_large = capacitors.series_f > MAX_1206_F * (1 + 1e-9)
+        is_large = capacitors.series_capacitor_f > MAX_1206_F * (1 + 1e-9)
         percent += [LARGE_CAPACITOR_PERCENT if is_large else capacitor_percent, capacitor_percent]
     tolerance, base = np.array(percent) / 100.0, nominal_values(components, capacitors)
     rng = np.random.default_rng(seed)

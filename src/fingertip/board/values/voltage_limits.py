@@ -49,7 +49,7 @@ class VoltageLimits:
     """Voltage limits [V] against ground, unless stated otherwise."""
 
     signal_ground_v: float
-    """Quiescent level of the signals: ground, or the midpoint of the supply."""
+    """Signal ground: supply ground, or VMID (buffered mid-supply)."""
     min_tactile_v: float
     """Tactile voltage at the sensor's maximum force (20 N)."""
     max_tactile_v: float
@@ -71,10 +71,10 @@ class VoltageLimits:
     """Smaller of both peaks, referred to the filter's input: larger vibrations of the tactile voltage are clipped."""
     max_envelope_v: float
     """Largest envelope above the signal ground."""
-    clamp_low_v: float
-    """Lower clamp voltage of the ADC pins; the drop of a Schottky diode comes on top of it."""
-    clamp_high_v: float
-    """Upper clamp voltage of the ADC pins; the drop of a Schottky diode comes on top of it."""
+    clamp_low_rail_v: float
+    """Lower rail of the clamps at the ADC pins, which clamp one Schottky drop below it."""
+    clamp_high_rail_v: float
+    """Upper rail of the clamps at the ADC pins, which clamp one Schottky drop above it."""
     adc_range_v: float
     """Input range of the ADC, plus and minus."""
 
@@ -122,8 +122,8 @@ def compute_voltage_limits(
         has_phase_reversal=swing.has_phase_reversal,
         vibration_peak_v=min(swing.up_v, swing.down_v) / gain,
         max_envelope_v=swing.up_v - DIODE_V if has_diode else swing.up_v,
-        clamp_low_v=0.0,
-        clamp_high_v=supply_v,
+        clamp_low_rail_v=0.0,
+        clamp_high_rail_v=supply_v,
         adc_range_v=adc_range_v,
     )
 
@@ -133,8 +133,9 @@ def describe_filter_swing(limits: VoltageLimits) -> str:
     if not limits.has_phase_reversal:
         return f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down"
     return (
-        f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down (typical; "
-        f"{limits.filter_guaranteed_trough_v:.1f} V guaranteed), and below that the TL082's output jumps up"
+        f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down, where the "
+        f"TL082's input common-mode range ends (typical; {limits.filter_guaranteed_trough_v:.1f} V guaranteed); below "
+        "that its output jumps up"
     )
 
 

@@ -6,9 +6,9 @@ import math
 
 from fingertip.design import filter_components
 from fingertip.design.comparator_data import (
+    MAX_AVERAGING_F,
     MAX_BIAS_A,
     MAX_COMPARATOR_V,
-    MAX_MEAN_F,
     MIN_COMPARATOR_V,
     max_window_s,
 )
@@ -39,7 +39,7 @@ def envelope_capacitor_fits_its_footprint(design: DesignTables) -> Violation | N
 
 @RULES.rule("board.capacitor_uf")
 def filter_resistors_in_range(design: DesignTables) -> Violation | None:
-    """The given filter capacitor and cutoff ask for resistors R1 to R3 within their range."""
+    """The given filter capacitor and cutoff require resistors R1 to R3 within their range."""
     if design.board.capacitor_series != "given":
         return None
     c_f, f_c = to_farads(design.board.capacitor_uf), design.board.cutoff_hz
@@ -50,7 +50,7 @@ def filter_resistors_in_range(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.envelope_capacitor_uf")
 def envelope_resistor_in_range(design: DesignTables) -> Violation | None:
-    """The given envelope capacitor and cutoff ask for a resistor R_LP within its range."""
+    """The given envelope capacitor and cutoff require a resistor R_LP within its range."""
     if design.board.capacitor_series != "given":
         return None
     c_f, f_lp = to_farads(design.board.envelope_capacitor_uf), design.board.envelope_cutoff_hz
@@ -73,7 +73,7 @@ def selected_envelope_capacitor_exists(design: DesignTables) -> Violation | None
 
 @RULES.rule("board.passband_gain")
 def gain_resistor_in_range(design: DesignTables) -> Violation | None:
-    """The gain asks for a resistor R4 within its range."""
+    """The gain requires a resistor R4 within its range."""
     G, R5 = design.board.passband_gain, design.board.r5_ohm
     R4 = filter_components.r4_ohm(G, R5)
     if MIN_OHM <= R4 <= MAX_OHM:
@@ -81,7 +81,7 @@ def gain_resistor_in_range(design: DesignTables) -> Violation | None:
     # R4 = R5 / (G - 1) at its bound.
     passing = at_most(1 + R5 / MIN_OHM) if R4 < MIN_OHM else at_least(1 + R5 / MAX_OHM)
     return Violation(
-        f"{G:.10g} with R5 of {R5:g} ohm asks for R4 of {R4:.4g} ohm, {_out_of_range(R4)}", passing, "with this r5_ohm"
+        f"{G:.10g} with R5 of {R5:g} ohm requires R4 of {R4:.4g} ohm, {_out_of_range(R4)}", passing, "with this r5_ohm"
     )
 
 
@@ -107,13 +107,13 @@ def series_capacitor_exists(design: DesignTables) -> Violation | None:
     R5, G, f_c = design.board.r5_ohm, design.board.passband_gain, design.board.cutoff_hz
     R4 = filter_components.r4_ohm(G, R5)
     max_uf = filter_components.SERIES_CAPACITORS_UF[-1]
-    # A product of C and f that underflows asks for an infinite resistor.
+    # A product of C and f that underflows requires an infinite resistor.
     conductance = math.tau * to_farads(max_uf) * f_c
     min_r4 = MIN_CUTOFF_RATIO / conductance if conductance else math.inf
     if min_r4 <= R4:
         return None
     return Violation(
-        f"{R5:g} ohm at a gain of {G:.6g} asks for R4 of {R4:.4g} ohm, whose series capacitor would be above "
+        f"{R5:g} ohm at a gain of {G:.6g} requires R4 of {R4:.4g} ohm, whose series capacitor would be above "
         f"{max_uf:g} uF",
         at_least(min_r4 * (G - 1.0)),
         alternatives={"board.variant": "article"},
@@ -142,8 +142,8 @@ def band_limit_capacitor_exists(design: DesignTables) -> Violation | None:
     if design.board.variant == "article":
         return None
     R5, f = design.board.r5_ohm, design.board.band_limit_hz
-    c_f = filter_components.band_limit_capacitor_f(R5, f)
-    minimum, maximum = filter_components.MIN_LIMIT_F, filter_components.MAX_LIMIT_F
+    c_f = filter_components.compute_limiting_capacitor_f(R5, f)
+    minimum, maximum = filter_components.MIN_LIMITING_CAPACITOR_F, filter_components.MAX_LIMITING_CAPACITOR_F
     if minimum <= c_f <= maximum:
         return None
     if c_f < minimum:
@@ -151,7 +151,7 @@ def band_limit_capacitor_exists(design: DesignTables) -> Violation | None:
     else:
         limit, passing = f"above {maximum * 1e12:g} pF", at_least(f * c_f / maximum)
     return Violation(
-        f"{f:g} Hz with R5 of {R5:g} ohm asks for {c_f * 1e12:.4g} pF across it, {limit}", passing, "with this r5_ohm"
+        f"{f:g} Hz with R5 of {R5:g} ohm requires {c_f * 1e12:.4g} pF across it, {limit}", passing, "with this r5_ohm"
     )
 
 
@@ -189,11 +189,11 @@ def mean_tolerates_the_bias_current(design: DesignTables) -> Violation | None:
     maximum = math.floor(max_window_s(threshold) * rate)
     if n <= maximum:
         return None
-    mean_ohm = n / rate / 2.0 / MAX_MEAN_F
+    averaging_ohm = n / rate / 2.0 / MAX_AVERAGING_F
     return Violation(
-        f"{n} samples at {rate:g} Hz ask variant comparator for a mean of {mean_ohm:.4g} ohm, in which its LMV331's "
-        f"{1e9 * MAX_BIAS_A:g} nA (at most) make {1e3 * mean_ohm * MAX_BIAS_A:.3g} mV, above half of the threshold "
-        f"of {1e3 * threshold:g} mV",
+        f"{n} samples at {rate:g} Hz require an averaging resistor of {averaging_ohm:.4g} ohm, in which the input "
+        f"current of variant comparator's LMV331 (at most {1e9 * MAX_BIAS_A:g} nA) drops "
+        f"{1e3 * averaging_ohm * MAX_BIAS_A:.3g} mV, more than half of the threshold of {1e3 * threshold:g} mV",
         at_most(maximum),
     )
 
@@ -215,7 +215,7 @@ def _check_selected_capacitor(name: str, factor: float, cutoff: str, design: Des
     if cutoff_hz >= min_hz:
         return None
     return Violation(
-        f"{cutoff_hz:g} Hz asks for {name} above {MAX_OHM / 1e6:g} Mohm with the largest capacitor that is selected, "
+        f"{cutoff_hz:g} Hz requires {name} above {MAX_OHM / 1e6:g} Mohm with the largest capacitor that is selected, "
         f"{filter_components.MAX_SELECTABLE_F * 1e6:g} uF",
         at_least(min_hz),
         alternatives={"board.capacitor_series": "given"},
@@ -251,7 +251,7 @@ def _check_resistors(
         rcf = ohm * value * f
         passing = at_most(rcf / f / MIN_OHM) if too_small else at_least(rcf / f / MAX_OHM)
     return Violation(
-        f"{value:g} uF at {f:g} Hz asks for {name} of {ohm:.4g} ohm, {_out_of_range(ohm)}", passing, "at this cutoff"
+        f"{value:g} uF at {f:g} Hz requires {name} of {ohm:.4g} ohm, {_out_of_range(ohm)}", passing, "at this cutoff"
     )
 
 

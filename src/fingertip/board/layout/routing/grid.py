@@ -94,7 +94,7 @@ class Grid:
             self.history_cost[kind][i] += _HISTORY_COST
 
     def _used(self, paths: list[Path]) -> set[tuple[int, int]]:
-        """Kinds and nodes on the center lines of these paths."""
+        """Kinds and nodes on the centre lines of these paths."""
         used = {(layer, row * self.columns + column) for path in paths for layer, column, row in path}
         return used | {(VIA, row * self.columns + column) for path in paths for column, row in find_vias(path)}
 

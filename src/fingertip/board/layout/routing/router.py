@@ -122,7 +122,7 @@ def _find_path(
             while path[-1] in previous:
                 path.append(previous[path[-1]])
             return path[::-1]
-        # Steps to the eight neighbors on the same layer.
+        # Steps to the eight neighbours on the same layer.
         for dx, dy, length in _STEPS:
             x, y = column + dx, row + dy
             if not (0 <= x < columns and 0 <= y < rows):

@@ -30,13 +30,13 @@ DESIGN = Design()
 PERIOD = 20  # samples per control period
 
 
-def run_controller(controller: GripController, volts: np.ndarray, closing_m=None, enveloped=None) -> list[np.ndarray]:
+def run_controller(controller: GripController, volts: np.ndarray, closing_m=None, envelope_v=None) -> list[np.ndarray]:
     """Commands of the controller for the same voltage on every finger, period by period, and a measured closing."""
     out, fingers = [], len(controller._detectors)
     for i, start in enumerate(range(0, len(volts), PERIOD)):
         at = 0.0 if closing_m is None else float(closing_m[start])
         rows = np.tile(volts[start : start + PERIOD], (fingers, 1))
-        board = None if enveloped is None else np.tile(enveloped[start : start + PERIOD], (fingers, 1))
+        board = None if envelope_v is None else np.tile(envelope_v[start : start + PERIOD], (fingers, 1))
         out.append(
             controller.step(Observation((i + 1) * PERIOD / 2000, rows, np.full(fingers, at), np.zeros(fingers), board))
         )
@@ -57,7 +57,7 @@ def test_detection_increases_the_force_of_every_finger_by_the_ratio(detector):
     settings = GripSettings(detector)
     design, volts = Design(board={"variant": "precision"}), make_voltage(1.0, burst=(0.5, 0.6))
     grip = GripController(design, settings, 2)
-    commands = run_controller(grip, volts, enveloped=simulate_envelope_v(design, volts))
+    commands = run_controller(grip, volts, envelope_v=simulate_envelope_v(design, volts))
     first = next(i for i, decision in enumerate(grip.decisions) if decision.tightened)
     max_delay_s = {"digital": 0.03, "fft": 0.05, "fast": 0.02, "analog": 0.03}[detector]
     assert 0.5 < grip.decisions[first].time_s <= 0.5 + max_delay_s

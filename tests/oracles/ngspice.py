@@ -12,7 +12,7 @@ from fingertip.sim.electronics.analog_circuit import AnalogBoard
 def simulate_with_ngspice(
     program: Path, folder: Path, board: AnalogBoard, step_s: float, voltage_v: Array, reltol: float, longest_s: float
 ) -> tuple[Array, Array]:
-    """Filtered and enveloped voltage at the samples [V]."""
+    """Filtered voltage and envelope at the samples [V]."""
     write_deck(folder, board, step_s, voltage_v, reltol, longest_s)
     run_deck(program, folder)
     return read_result(folder, step_s, len(voltage_v))

@@ -383,7 +383,7 @@ def test_any_chunks_give_the_same_bits(parts):
     for i, row in enumerate(rows):
         whole = simulate_board(board, STEP_S, row)
         assert np.array_equal(np.concatenate([filtered[i] for filtered, _ in chunks]), whole.filtered_v)
-        assert np.array_equal(np.concatenate([enveloped[i] for _, enveloped in chunks]), whole.envelope_v)
+        assert np.array_equal(np.concatenate([envelope_v[i] for _, envelope_v in chunks]), whole.envelope_v)
     with pytest.raises(TraceError, match="voltage_v of board 1: nan at sample 2"):
         stream.process(np.array([[1.0, 1.0, 1.0], [1.0, 1.0, math.nan], [0.0, 0.0, 0.0]]))
 

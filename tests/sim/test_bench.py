@@ -80,8 +80,8 @@ def test_command_writes_diagrams_and_times(tmp_path):
     ("arguments", "message"),
     [
         (["--solvers", "LSODA,Euler"], "'Euler' is not known; choose among LSODA, Radau, BDF."),
-        (["--seconds", "0"], "--seconds: 0 s is refused; choose 1 to 60 s."),
-        (["--boards", "0"], "--boards: 0 is refused"),
+        (["--seconds", "0"], "--seconds: 0 s is out of bounds; choose 1 to 60 s."),
+        (["--boards", "0"], "--boards: 0 is out of bounds"),
     ],
 )
 def test_command_refuses_bad_options(arguments, message, tmp_path):

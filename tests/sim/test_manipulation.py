@@ -153,10 +153,10 @@ def test_controller_receives_samples_and_encoders_only():
     assert {observation.voltage_v.shape for observation in observations[1:]} == {(2, 20)}
     assert [observation.time_s for observation in observations[:3]] == [0.0, 0.01, 0.02]
     assert set(vars(observations[0])) == {"time_s", "voltage_v", "closing_m", "planned_m", "envelope_v"}
-    enveloped = np.concatenate([observation.envelope_v for observation in observations], axis=1)
+    envelope_v = np.concatenate([observation.envelope_v for observation in observations], axis=1)
     filtered = np.stack([AntiAliasFilter.for_envelope(DESIGN).process(v) for v in result.signals["envelope_v"]])
     board = filtered[:, : voltage.shape[1]]
-    difference = (enveloped - board)[board < DESIGN.detector.adc_range_v - 0.1]  # noise and quantisation of the ADC
+    difference = (envelope_v - board)[board < DESIGN.detector.adc_range_v - 0.1]  # noise and quantisation of the ADC
     assert np.std(difference) == pytest.approx(np.hypot(DESIGN.detector.noise_v, 20 / 2**16 / np.sqrt(12)), rel=0.05)
     envelopes = []
 

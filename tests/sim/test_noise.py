@@ -81,9 +81,9 @@ def test_adc_does_not_affect_the_board():
 def test_quiescent_level_is_that_of_a_scene_with_constant_force(variant):
     design = Design(board={"variant": variant})
     level = simulate_quiescent_level(design)
-    enveloped = sample_v(design, simulate_hold(design, "envelope_v")["envelope_v"], random.Random(2))
+    envelope_v = sample_v(design, simulate_hold(design, "envelope_v")["envelope_v"], random.Random(2))
     width = design.detector.window_samples
-    means = np.convolve(enveloped, np.full(width, 1 / width), "valid")
+    means = np.convolve(envelope_v, np.full(width, 1 / width), "valid")
     assert means.mean() == pytest.approx(level.mean_v, abs=0.1 * level.mean_v + 5e-6)
     assert means.std() == pytest.approx(level.deviation_v, rel=0.25)
 

@@ -40,7 +40,7 @@ def test_all_bundled_scenes_are_known():
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_bundled_scene_runs_and_slips_if_named_so(path):
     scene = SceneFile.load(path)
-    assert scene.scene == path.stem
+    assert scene.scene == scene.name == path.stem
     result = run_scene(DESIGN, scene, 1)
     assert result.columns["slip"].any() == (path.stem not in NOT_SLIP)
     assert all(np.isfinite(values).all() for values in result.columns.values())
@@ -148,7 +148,7 @@ def test_only_long_scenes_report_progress():
     assert messages == []
     run_scene(DESIGN, SceneFile(scene="long", hold={"min_s": 20.0}, outputs=["force_n"]), 0, messages.append)
     assert messages[0].startswith("long, 2")
-    assert messages[1:] == ["load", "contact", "force"]
+    assert messages[1:] == ["simulating: load", "simulating: contact", "simulating: force"]
 
 
 def test_parameters_are_listed_with_unit_and_bounds():
@@ -220,7 +220,7 @@ def test_feedback_and_elasto_plastic_bristles_change_slip_little():
         ({"outputs": ["volt_v"]}, "outputs", "did you mean voltage_v?"),
         ({"outputs": []}, "outputs", "name at least one of voltage_v"),
         ({"outputs": ["slip", "slip"]}, "outputs", "named 2 times"),
-        ({"load_change": {"by_n": -0.5}}, "load_change.by_n", "ends the contact; above -0.2 N"),
+        ({"load_change": {"by_n": -0.5}}, "load_change.by_n", "ends the contact; it must be above -0.2 N"),
         (
             {"tap": {"force_n": 1.0, "count": 2, "interval_s": 0.01, "rise_s": 0.01}},
             "tap.interval_s",

@@ -27,7 +27,7 @@ from fingertip.slip import DETECTORS, make_detector
 from fingertip.slip.detectors.registry import find_detector_type
 
 _MIN_PRESENT_N = 0.1
-"""Force that a finger is taken to press with at least [N]: below it a force ratio would hardly close the hand."""
+"""Smallest present force that the force ratio is applied to [N]: with a smaller one a finger would hardly close."""
 _TABLE_N = np.concatenate((np.linspace(0.0, 2.0, 401), np.linspace(2.05, 20.0, 360)))
 
 

@@ -88,7 +88,7 @@ def check_closed_loop(summary: ClosedLoopSummary, limits: RequirementLimits) -> 
         held_fraction,
         limits.min_held,
         held_fraction >= limits.min_held - 1e-9,
-        f"{summary.held} of {summary.count} objects held; at least a fraction of {limits.min_held:.3g}",
+        f"{summary.held} of {summary.count} objects held; at least {100 * limits.min_held:.3g} %",
     )
     slowest = math.inf if summary.unanswered else max(summary.reactions_s, default=0.0)
     yield Requirement(

@@ -101,7 +101,7 @@ def validate(
     find_detector_type(detector)
     plan, limits = plan or CampaignPlan(), limits or RequirementLimits()
     result = run_campaign(design, plan, progress=progress)
-    progress("closed loop: simulating four objects that a pin hits")
+    progress("closed loop: simulating four objects, each hit by a robot's pin")
     loop_detectors = tuple(dict.fromkeys(("analog", "fast", detector)))
     manipulations = run_closed_loop(design, loop_detectors, 3 if plan.trials >= 12 else 1)
     summaries = summarise(manipulations)

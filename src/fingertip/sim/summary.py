@@ -9,8 +9,10 @@ import numpy as np
 
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.hand.manipulation import ManipulationResult
+from fingertip.sim.scenes.scene_file import SceneFile
+from fingertip.sim.scenes.timeline import TrapezoidalMove
 from fingertip.sim.stages.pipeline import SceneResult
-from fingertip.slip.intervals import Interval, intervals
+from fingertip.slip.intervals import STICK_S, Interval, intervals, merge
 
 
 def as_data(result: SceneResult | ManipulationResult, grips_s: Sequence[float] | None = None) -> dict[str, Any]:
@@ -54,16 +56,20 @@ def as_data(result: SceneResult | ManipulationResult, grips_s: Sequence[float] |
 
 
 def as_text(result: SceneResult | ManipulationResult, grips_s: Sequence[float] | None = None) -> list[str]:
-    """Return the summary as lines of text. The parameters are those of `as_data`."""
+    """Return the summary as lines of text. The parameters are those of `as_data`.
+
+    Slips that are no further apart than `STICK_S` are one line, as `fingertip detect` counts them.
+    """
     size = f"seed {result.seed}: {len(result.time_s)} samples, {result.time_s[-1]:.2f} s"
-    slips = [f"gross slip from {s.onset_s:.4f} s to {s.end_s:.4f} s" for s in _true_slips(result)]
+    slips = [f"gross slip from {s.onset_s:.4f} s to {s.end_s:.4f} s" for s in merge(_true_slips(result), STICK_S)]
     if isinstance(result, SceneResult):
         scene = result.scene
-        slide = f"{SURFACES[scene.contact.surface].label}, {scene.slide.speed_m_s:g} m/s"
-        title = slide if scene.slide.distance_m else scene.name
+        slides = scene.slide.distance_m > 0.0
+        title = f"{_describe_surface(scene.contact.surface)}, {_describe_speed(scene)}" if slides else scene.name
         return [f"{title}, {result.force_n:.2f} N, {size}", *slips]
     target = result.scene.object
-    title = f"{1000 * target.mass_kg:g} g of {SURFACES[target.surface].label}, {result.scene.grasp.kind} grasp"
+    surface = _describe_surface(target.surface)
+    title = f"object: {surface}, {1000 * target.mass_kg:g} g, {result.scene.grasp.kind} grasp"
     moved = f"the object moved by {1000 * result.signals['object_m'][-1]:.1f} mm"
     end = "was held" if result.lost_s is None else f"left the fingers at {result.lost_s:.4f} s"
     lines = [f"{title}, thumb {result.force_n:.2f} N, {size}"]
@@ -76,6 +82,20 @@ def as_text(result: SceneResult | ManipulationResult, grips_s: Sequence[float] |
             f"the controller tightened the grip at {times}" if times else "the controller never tightened the grip"
         )
     return lines
+
+
+def _describe_surface(name: str) -> str:
+    label = SURFACES[name].label
+    return name if label == name else f"{name} ({label})"
+
+
+def _describe_speed(scene: SceneFile) -> str:
+    """Describe the peak speed, which a short distance or a small acceleration keeps below the requested one."""
+    slide = scene.slide
+    move = TrapezoidalMove.with_speed(0.0, slide.distance_m, slide.speed_m_s, slide.acceleration_m_s2)
+    if move.peak_m_s < slide.speed_m_s:
+        return f"peak {move.peak_m_s:.3g} m/s (the distance is too short to reach {slide.speed_m_s:g} m/s)"
+    return f"{slide.speed_m_s:g} m/s"
 
 
 def _true_slips(result: SceneResult | ManipulationResult) -> tuple[Interval, ...]:

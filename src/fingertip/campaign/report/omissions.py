@@ -26,9 +26,9 @@ FIGURE_ASSUMPTIONS = {
         "figure therefore verifies the simulation and does not predict."
     ),
     "windows.png, window_trial.png": (
-        "Figure 5, with the digital chain, because the bare diode of variant article passes no contact. The threshold "
-        "follows the noise in each window. The trial is selected: it is the first in which a window of 10 ms takes the "
-        "contact for slip."
+        "Figure 5, with the digital chain, because the bare diode of variant article does not respond to contacts. The "
+        "threshold follows the noise in each window. The trial is selected: it is the first in which a window of 10 ms "
+        "reports the contact as slip."
     ),
     "trial.png, trials_surfaces.png, trials_objects.png": (
         "Figures 9, 12 and 13: the first held-out seeds, not selected ones. The robot's axes are not drawn; the normal "
@@ -53,7 +53,7 @@ FIGURE_ASSUMPTIONS = {
     ),
     "table of knocks": (
         "A knock is a force that rises and falls as a smooth step, on a pad that resonates at 90 Hz. Every detector "
-        "here takes weak knocks for slip: a single force axis cannot distinguish them."
+        "here reports weak knocks as slip: a single force axis cannot distinguish them."
     ),
     "table of motor tones": (
         "The motor is a tone of 45 Hz and its second harmonic, of constant frequency. A motor that changes speed is "
@@ -123,7 +123,7 @@ def _list_manipulations(closed_loop: Sequence[ClosedLoopTrial]) -> Iterator[str]
     for trial in closed_loop:
         failures = []
         if not trial.held:
-            failures.append("lost")
+            failures.append("object lost")
         if trial.detector != NO_CONTROL:
             if trial.onset_s is not None and trial.reaction_s is None:
                 failures.append("no reaction to slip")

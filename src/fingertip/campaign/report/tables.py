@@ -19,6 +19,8 @@ from fingertip.campaign.studies.knock_rejection import KnockResult
 from fingertip.campaign.studies.motor_discrimination import DiscriminationResult
 from fingertip.campaign.studies.sampling_rates import SamplingRateResult
 
+BOUND_LABEL = "estimated bound (asymptotic, for the mean delay); single results may lie below"
+"""Label of Lorden's bound (`fingertip.campaign.studies.detection_bound`) in the tables."""
 MATCHED_ALARMS_PER_MINUTE = 0.1
 """Rate of false alarms at which detectors are compared [1/min]."""
 ASSUMPTIONS = (
@@ -191,7 +193,10 @@ def _ms(seconds: float) -> str:
 
 def as_text(result: CampaignResult, detector: str, requirements: Sequence[Requirement], studies: StudyResults) -> str:
     """Format the results as text: detectors, bound, studies, then the requirements."""
-    lines = ["detector   found   median      p90   < 30 ms   ON    alarms/min   " + "   ".join(REPORTED_SEPARATELY)]
+    lines = [
+        f"{'detector':8} {'found':>7} {'median':>9} {'p90':>9} {'< 30 ms':>7} {'ON':>7} {'alarms/min':>10}   "
+        + "   ".join(REPORTED_SEPARATELY)
+    ]
     for name in result.detectors:
         nominal = result.at_nominal_threshold(name)
         alarms, minutes = nominal.alarms(), nominal.minutes()
@@ -202,9 +207,13 @@ def as_text(result: CampaignResult, detector: str, requirements: Sequence[Requir
             f"{nominal.alarms_per_minute:10.2f}   {separate}"
         )
     lines.append(
-        f"bound      {'':6} {1000 * studies.bound_s(0.5):6.1f} ms {1000 * studies.bound_s(0.9):6.1f} ms   "
-        "lower limit for any detector in this band, averaged over the noise (Lorden)"
+        f"{'bound':8} {'':7} {1000 * studies.bound_s(0.5):6.1f} ms {1000 * studies.bound_s(0.9):6.1f} ms {BOUND_LABEL}"
     )
+    lines += [
+        "found, median, p90 and < 30 ms: slips found, percentiles of the delay, and slips found within 30 ms.",
+        "ON: share of a slip, after its detection, in which the detector is ON.",
+        f"{', '.join(REPORTED_SEPARATELY)}: false alarms per minute in these scenes, which alarms/min does not include.",
+    ]
     lines += [
         "",
         f"each detector at its lowest threshold with at most {MATCHED_ALARMS_PER_MINUTE:g} alarms per minute:",
@@ -215,7 +224,7 @@ def as_text(result: CampaignResult, detector: str, requirements: Sequence[Requir
         else:
             lines.append(
                 f"{name:8} {100 * matched.found_share:6.1f}% {_ms(matched.delay_s(0.5))} "
-                f"{_ms(matched.delay_s(0.9))}   threshold times {matched.scale:g}"
+                f"{_ms(matched.delay_s(0.9))}   at {matched.scale:g} times its nominal threshold"
             )
     lines += _study_tables(studies)
     lines += _variation_table(studies.variations, detector)
@@ -231,7 +240,12 @@ def as_text(result: CampaignResult, detector: str, requirements: Sequence[Requir
 
 def _study_tables(studies: StudyResults) -> list[str]:
     """Tables of board variants, accelerations, sampling rates, motor tones, knocks and the closed loop."""
-    lines = ["", "analog by board and threshold:       found     median        p90   < 30 ms   worst mean   alarms/min"]
+    lines = [
+        "",
+        "analog by board and threshold; worst mean: mean delay on the worst surface:",
+        f"{'board':10} {'threshold':18} {'found':>10} {'median':>10} {'p90':>10} {'< 30 ms':>8} {'worst mean':>12} "
+        f"{'alarms/min':>12}",
+    ]
     lines += [
         f"{b.variant:10} {1000 * b.threshold_v:6.2f} mV {'(noise) ' if b.by_rule else '(design)'} "
         f"{100 * b.found_share:9.1f}% {_ms(b.median_s):>10} {_ms(b.p90_s):>10} {100 * b.below_30_ms:7.1f}% "
@@ -239,15 +253,18 @@ def _study_tables(studies: StudyResults) -> list[str]:
         for b in studies.boards
     ]
     detectors = list(dict.fromkeys(row.detector for row in studies.accelerations))
-    lines += ["", "median and 90th percentile of the delay by acceleration of the surface (* assumed):"]
+    lines += ["", "median / 90th percentile of the delay [ms] by acceleration of the surface (* assumed);"]
+    lines.append(f"bound: {BOUND_LABEL}:")
     lines.append("m/s2    " + "".join(f"{name:>19}" for name in detectors))
     for a in dict.fromkeys(row.acceleration_m_s2 for row in studies.accelerations):
         rows = {row.detector: row for row in studies.accelerations if row.acceleration_m_s2 == a}
-        cells = "".join(f"{_short_ms(rows[name].median_s)} /{_short_ms(rows[name].p90_s)} ms" for name in detectors)
+        cells = "".join(f"  {_short_ms(rows[name].median_s)} / {_short_ms(rows[name].p90_s)}" for name in detectors)
         lines.append(f"{a:4g}{'*' if a == ASSUMED_M_S2 else ' '}   {cells}")
     lines += [
         "",
-        "fast by sampling rate:             found     median        p90    bound median and p90   alarms/min",
+        f"detector fast by sampling rate; bound: {BOUND_LABEL}:",
+        f"{'sampling rate':32}{'found':>8} {'median':>10} {'p90':>10} {'bound median':>12} {'bound p90':>10} "
+        f"{'alarms/min':>12}",
     ]
     lines += [
         f"{r.sample_rate_hz:7g} Hz {100 * r.found_share:28.1f}% {_ms(r.median_s):>10} {_ms(r.p90_s):>10} "
@@ -257,18 +274,24 @@ def _study_tables(studies: StudyResults) -> list[str]:
     lines += ["", "slips that can be distinguished from a motor's tones, by length of the segment:"]
     lines += [f"{1000 * row.segment_s:7.0f} ms {100 * row.distinguished_share:6.0f}%" for row in studies.motor]
     forces = list(dict.fromkeys(row.force_n for row in studies.knocks))
-    lines += ["", "knocks that are taken for slip, by force [N]:" + "".join(f"{force:7g}" for force in forces)]
+    lines += ["", f"{'knocks reported as slip, by force [N]:':44}" + "".join(f"{force:7g}" for force in forces)]
     for name, rise_s in dict.fromkeys((row.detector, row.rise_s) for row in studies.knocks):
         group = [row for row in studies.knocks if (row.detector, row.rise_s) == (name, rise_s)]
         label = f"{name}, rise time {1000 * rise_s:g} ms"
         lines.append(f"{label:44}" + "".join(f"{100 * row.false_alarm_share:6.0f}%" for row in group))
-    lines += ["", "closed loop, four objects:      held   reaction median, slowest   false grips   suppressed"]
+    lines += [
+        "",
+        "closed loop: four objects, each hit by a robot's pin. False grips: grip increases without slip. Suppressed: "
+        "detections",
+        "without slip that did not tighten the grip, because the hand was closing or its force was growing.",
+        f"{'detector':26} {'held':>9}   {'reaction median, slowest':24} {'false grips':>12} {'suppressed':>12}",
+    ]
     for row in studies.closed_loop:
-        text = f"{row.detector:26} {row.held:4} of {row.count}"
+        text = f"{row.detector:26} {f'{row.held} of {row.count}':>9}"
         if row.detector != NO_CONTROL:
             ranked = row.reactions_s
             times = f"{_ms(ranked[len(ranked) // 2])} {_ms(ranked[-1])}" if ranked else "no slip"
-            text += f"   {times} {row.false_grips:17} {row.suppressed:12}"
+            text += f"   {times:24} {row.false_grips:12} {row.suppressed:12}"
         lines.append(text)
     return lines
 

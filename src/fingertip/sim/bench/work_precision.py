@@ -64,8 +64,9 @@ class WorkPrecision:
             self.omissions.append(f"{solver}, {setting}: result is not finite at every sample")
         elif error < MIN_ERROR_RATIO * self.reference_difference:
             self.omissions.append(
-                f"{solver}, {setting}: error {error:.1e} {self.unit} is below {MIN_ERROR_RATIO:g} times the difference "
-                f"of the references, {self.reference_difference:.1e} {self.unit} ({cpu_s:.3g} s)"
+                f"{solver}, {setting}: error of {error:.1e} {self.unit} is too small to measure; an error counts from "
+                f"{MIN_ERROR_RATIO:g} times the difference of the references, "
+                f"{self.reference_difference:.1e} {self.unit} (CPU time {cpu_s:.3g} s)"
             )
         else:
             self.points.append(Point(solver, setting, cpu_s + self.input_s, error))
@@ -106,7 +107,8 @@ class WorkPrecision:
             lines.append(
                 f"  {solver}: {text} at an error of at most {self.target:g} {unit}, with fingertip's no larger"
             )
-        lines.append("  omitted:")
+        if self.omissions:
+            lines.append("  omitted:")
         return lines + [f"    {line}" for line in self.omissions]
 
 

@@ -111,6 +111,7 @@ def _coupled_loop(
     ys: MutableSequence[float],
     stats: MutableSequence[float],
 ) -> None:
+    """Integrate the contact by RODAS with adaptive steps."""
     # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2 and their rate of
     # relaxation; mass m, stiffness k and damping c of the mount; normal resonance omega, its damping zeta, and the
     # ratio rho of the hand's stiffness to the contact's.

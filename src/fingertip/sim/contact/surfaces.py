@@ -37,5 +37,5 @@ SURFACES: dict[str, Surface] = {
     "gross": Surface("metal, Ra 3.2 um", 3.2, Friction(0.75, 0.60)),
     "wood": Surface("wood", 5.0, Friction(0.70, 0.56)),
     "paper": Surface("book cover", 1.6, Friction(0.60, 0.48)),
-    "plastic": Surface("smartphone cover (the article also says rubber)", 1.2, Friction(0.55, 0.44)),
+    "plastic": Surface("smartphone cover, in the article also called rubber", 1.2, Friction(0.55, 0.44)),
 }

@@ -127,6 +127,7 @@ def _drag_loop(
     vs_out: MutableSequence[float],
     zs: MutableSequence[float],
 ) -> None:
+    """Integrate the pad's motion by ROS2."""
     mu_c, drop, vs = curve  # drop = mu_s - mu_c, vs = Stribeck velocity
     s0, s1, s2, relaxation_s = sigma
     m, k, c = mount

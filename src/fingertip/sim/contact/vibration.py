@@ -67,6 +67,7 @@ def generate_profile(rng: random.Random, roughness_um: float, cutoff_m: float, l
 
 
 def _sum_waves_loop(starts: Sequence[complex], turns: Sequence[complex], heights: MutableSequence[float]) -> None:
+    """Add the real part of each rotating phasor to the heights."""
     for wave in range(len(starts)):
         pointer, turn = starts[wave], turns[wave]
         for i in range(len(heights)):
@@ -106,6 +107,7 @@ def compute_pad_deflection_m(height_m: Array, step_s: float, follow_hz: float, s
 def _high_pass_loop(
     coefficient: float, heights: Sequence[float], state: MutableSequence[float], out: MutableSequence[float]
 ) -> None:
+    """Subtract the height of the hand, a first-order low-pass of the heights."""
     hand = state[0]
     for i in range(len(heights)):
         out[i] = heights[i] - hand
@@ -161,6 +163,7 @@ def _resonance_loop(
     state: MutableSequence[float],
     out: MutableSequence[float],
 ) -> None:
+    """Advance the damped resonance exactly under a piecewise linear drive."""
     a11, a12, a21, a22 = free
     y, rate, before = state[_FORCE], state[_RATE], state[_DRIVE]
     for i in range(len(drive)):

@@ -99,8 +99,8 @@ def _envelope_loop(
 ) -> None:
     """Follow the envelope over a chunk: exact steps of the circuit, and an implicit method where the diode conducts."""
     # Parameters: tolerance of a step [V], sampling interval H, number of states, width of a row, number of step sizes,
-    # voltage of the rails (0: none), whether the rectifier is precise, and the values of diode and load. The input is
-    # given right before and right after each sample. step_rows, rk_rows, output_row and amplifier1_row are those of
+    # voltage of the rails (0: none), whether the rectifier is `precision`, and the values of diode and load. The input
+    # is given right before and right after each sample. step_rows, rk_rows, output_row and amplifier1_row are those of
     # `fingertip.sim.electronics.analog_circuit.compute_step_matrices`.
     saturation, nvt, series = diode
     R, C = load

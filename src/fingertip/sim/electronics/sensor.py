@@ -122,6 +122,7 @@ def apply_hysteresis(force_n: Array, state: Array | None = None) -> Array:
 def _play_loop(
     play_ratio: float, forces: Sequence[float], state: MutableSequence[float], indicated: MutableSequence[float]
 ) -> None:
+    """Apply the play operator, mixed in with its fraction."""
     p = state[0]
     for i in range(len(forces)):
         force = forces[i]

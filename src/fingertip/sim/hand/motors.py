@@ -115,6 +115,7 @@ def _motor_loop(
     force: MutableSequence[float],
     vibration: MutableSequence[float],
 ) -> None:
+    """Advance the motors, and solve the balance of forces between thumb and fingers."""
     lag_fraction, max_step, phase_step, amplitude = motor
     k, c = spring
     moved = True

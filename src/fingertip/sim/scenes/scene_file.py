@@ -211,5 +211,6 @@ class SceneFile(SimulationFile):
             yield Issue("tap.interval_s", message), {"tap.interval_s", "tap.rise_s", "tap.count"}
         minimum = hold.min_force_n * (hold.share if hold.mode == "grasp" else 1.0)
         if self.load_change.by_n <= -minimum:
-            message = f"{self.load_change.by_n:g} N ends the contact; above {-minimum:g} N, or use hold.release."
+            message = f"{self.load_change.by_n:g} N ends the contact; it must be above {-minimum:g} N; "
+            message += "to end the contact, set load_change.by_n=0 and hold.release=true."
             yield Issue("load_change.by_n", message), {"load_change.by_n", "hold.min_force_n", "hold.share"}

@@ -84,7 +84,7 @@ def run_stages(
     requested
         Names of values.
     progress
-        Receives the name of each stage before it runs.
+        Receives a line with the name of each stage before it runs.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def run_stages(
     stats = []
     for stage in select_stages(stages, requested):
         if progress:
-            progress(stage.name)
+            progress(f"simulating: {stage.name}")
         start = time.process_time()
         computed = stage.run(context, {name: values[name] for name in stage.needs})
         count = int(computed.pop("evaluations", 0))

@@ -55,7 +55,7 @@ def test_default_plan_is_the_articles_trials_and_all_negative_scenes():
     assert [scene.scene for scene in slides].count("sliding_finger") == 90
     assert [scene.scene for scene in slides].count("sliding_surface") == 30
     assert {case.cause for case in planned} == {"slip", *NEGATIVE_SCENES}
-    assert sum(share for _, share in NEGATIVE_SCENES.values()) == pytest.approx(1.0)
+    assert sum(fraction for _, fraction in NEGATIVE_SCENES.values()) == pytest.approx(1.0)
 
 
 def test_few_trials_are_spread_over_the_surfaces():

@@ -214,13 +214,14 @@ def _files_of_another_design(folder: Path, design: Design) -> list[str]:
 def _select(option: str, requested: Iterable[str], known: tuple[str, ...]) -> list[str]:
     """Return the requested names in the order of `known` and without duplicates."""
     if isinstance(requested, str):
-        raise DesignError(Issue(option, f"{requested!r} is a single text; give a list, such as {requested.split(',')!r}."))
-    names = set(requested)
-    if unknown := sorted(names - set(known)):
+        names = requested.split(",")
+        raise DesignError(Issue(option, f"{requested!r} is a single text; give a list, such as {names!r}."))
+    selected = set(requested)
+    if unknown := sorted(selected - set(known)):
         raise DesignError([Issue(option, _describe_unknown_name(name, known)) for name in unknown])
-    if not names:
+    if not selected:
         raise DesignError(Issue(option, f"is empty; choose from {', '.join(known)}."))
-    return [name for name in known if name in names]
+    return [name for name in known if name in selected]
 
 
 def _describe_unknown_name(name: str, known: tuple[str, ...]) -> str:

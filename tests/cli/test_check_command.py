@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -34,6 +35,7 @@ def test_table_shows_value_limit_unit_and_result() -> None:
     assert done.returncode == 0, done.stderr
     (line,) = (line for line in done.stdout.splitlines() if "bone.stl.open_edges" in line)
     assert line.split() == ["bone.stl.open_edges", "0", "=", "0", "edges", "ok"]
+    assert not re.search(r"\de-\d", done.stdout), "rounding errors are shown as 0"
     assert "bone:" in done.stderr, "progress goes to stderr"
     assert "bone:" not in done.stdout
 

@@ -151,8 +151,8 @@ def _centring_step(fit: Data, insert: str) -> str:
         f"hold it there with a rubber band. Centre the {insert} with strips of paper between its base and the recess, "
         "on all four sides, pushed in from the proximal end. Band and paper stay in place until the mold is opened. "
         f"Even held this way, slight misalignment can thin the skin to {fit['min_skin_held_mm']:g} mm (design: "
-        f"{fit['min_skin_design_mm']:g} mm). Unsupported, with {fit['clearance_mm']:g} mm of clearance on all sides, the "
-        f"{insert} can tilt by {fit['max_unsupported_tilt_deg']:g} degrees and {unsupported}."
+        f"{fit['min_skin_design_mm']:g} mm). Unsupported, with {fit['clearance_mm']:g} mm of clearance on all sides, "
+        f"the {insert} can tilt by {fit['max_unsupported_tilt_deg']:g} degrees and {unsupported}."
     )
 
 

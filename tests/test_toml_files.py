@@ -63,7 +63,7 @@ def test_names_of_two_kinds_are_refused(tmp_path: Path) -> None:
 def test_a_file_of_another_kind_is_refused_with_its_command(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text("[tap]\nforce_n = 2\n")
-    with pytest.raises(TomlFileError, match="is a scene file, not a design file; give it to `fingertip simulate`"):
+    with pytest.raises(TomlFileError, match=r"is a scene file, not a design file; give one such as"):
         read_toml(path, DESIGN)
     path.write_text("outputs = []\n")  # a name that scenes and sweeps share
     assert read_toml(path, SWEEP) == {"outputs": []}
@@ -71,12 +71,28 @@ def test_a_file_of_another_kind_is_refused_with_its_command(tmp_path: Path) -> N
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
-    for content, message in ((b"[mold\n", "is not valid TOML: "), (b"\xff\xfe\x00", "is not UTF-8 text; save it")):
+    for content, message in ((b"[mold\n", r"is not valid TOML \(Expected"), (b"\xff\xfe\x00", "is not UTF-8 text")):
         path.write_bytes(content)
         with pytest.raises(TomlFileError, match=message):
             read_toml(path, DESIGN)
     with pytest.raises(TomlFileError, match="give the path of a sweep file"):
         read_toml(tmp_path / "none.toml", SWEEP)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[skin]\nwidth_mm = 17\n\nwidth_mm = 18\n", r"line 4, `width_mm = 18`, sets skin\.width_mm a second time"),
+        ("[skin]\nwidth_mm = 18 mm\n", "line 2, `width_mm = 18 mm`, is not valid TOML; write the number without"),
+        ("[skin]\nwidth_mm = 18\n[skin]\n", r"line 3, `\[skin\]`, begins a table that the file already has; move"),
+        ('name = "a\n', r"line 1, `name = \"a`, is not valid TOML \(a text has no closing quote\); write"),
+        ("a = [1,", r"line 1, `a = \[1,`, is not valid TOML"),
+    ],
+)
+def test_syntax_errors_name_the_line_and_a_remedy(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "a.toml").write_text(text)
+    with pytest.raises(TomlFileError, match=message):
+        read_toml(tmp_path / "a.toml")
 
 
 def test_changes_go_to_the_file_that_knows_their_name() -> None:

@@ -7,6 +7,7 @@ This is the one place that decides what a TOML file is. A design, a scene, a man
 from __future__ import annotations
 
 import difflib
+import re
 import tomllib
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
@@ -23,8 +24,10 @@ class FileKind:
     name: str
     names: frozenset[str]
     """Names that may stand at the top level of the file. A test compares them with the models of the files."""
-    remedy: str
-    """Advice to somebody who gave a file of this kind in place of another one."""
+    example: str
+    """Bundled file of this kind."""
+    use: str
+    """Command that takes a file of this kind, for somebody who gave it in place of another one."""
 
     def describe(self) -> str:
         """Return the kind with its article, such as "a design file"."""
@@ -34,7 +37,8 @@ class FileKind:
 DESIGN = FileKind(
     "design",
     frozenset({"name", "sensor", "custom_sensor", "bone", "skin", "mold", "printer", "board", "detector"}),
-    "give it to `fingertip build`, or name it in a sweep file with design =",
+    "params/fsr400.toml",
+    "`fingertip build` takes a design file, and so does design = in a sweep file",
 )
 SCENE = FileKind(
     "scene",
@@ -43,12 +47,14 @@ SCENE = FileKind(
             "scene", "outputs", "contact", "hold", "slide", "load_change", "tap", "motor", "drift", "cable", "sensing",
         }
     ),
-    "give it to `fingertip simulate`, with the design after --design",
+    "params/scenes/hard_tap.toml",
+    "`fingertip simulate` takes a scene file as its first argument",
 )  # fmt: skip
 MANIPULATION = FileKind(
     "manipulation",
     frozenset({"scene", "outputs", "object", "grasp", "knock", "hand", "sensing"}),
-    "give it to `fingertip simulate`, with the design after --design",
+    "params/scenes/real_manipulation.toml",
+    "`fingertip simulate` takes a manipulation file as its first argument",
 )
 SWEEP = FileKind(
     "sweep",
@@ -58,7 +64,8 @@ SWEEP = FileKind(
             "detector", "silicone", "print_density_g_cm3", "minimise", "maximise", "axes", "design", "scene",
         }
     ),
-    "give it to `fingertip sweep`",
+    "params/sweeps/board.toml",
+    "`fingertip sweep` takes a sweep file",
 )  # fmt: skip
 KINDS = (SWEEP, MANIPULATION, SCENE, DESIGN)
 """All kinds. A name that several kinds share counts for the last of them that has it, unless another name decides."""
@@ -79,10 +86,12 @@ def read_toml(path: Path, kind: FileKind | None = None) -> dict[str, Any]:
     TomlFileError
         If the file cannot be read, is not valid TOML, or is of another kind.
     """
+    text = ""
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        text = path.read_text(encoding="utf-8-sig")
+        tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise TomlFileError(Issue(str(path), f"is not valid TOML: {error}.")) from None
+        raise TomlFileError(Issue(str(path), _describe_syntax_error(error, text))) from None
     except UnicodeDecodeError:
         raise TomlFileError(Issue(str(path), "is not UTF-8 text; save it as a TOML file in UTF-8.")) from None
     except OSError as error:
@@ -126,9 +135,31 @@ def split_changes(changes: Iterable[str], kinds: Collection[FileKind]) -> tuple[
     known = sorted(own_names | DESIGN.names)
     for change in changes:
         name = change.partition("=")[0].partition(".")[0].strip()
-        similar = [name] if name in known else difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+        similar = [name] if name in known else difflib.get_close_matches(name, known, n=1, cutoff=0.65)
         (own if own_names.intersection(similar) else others).append(change)
     return own, others
+
+
+def _describe_syntax_error(error: tomllib.TOMLDecodeError, text: str) -> str:
+    """Describe a syntax error by the line on which the parser stopped."""
+    reason = str(error)
+    found = re.search(r"\(at line (\d+), column \d+\)", reason)
+    lines = text.splitlines()
+    number = int(found[1]) if found else len(lines)
+    line = lines[number - 1].strip() if 0 < number <= len(lines) else ""
+    where = f"line {number}, `{line}`," if line else f"line {number}"
+    if "Cannot overwrite a value" in reason:
+        tables = [part.strip().strip("[]") for part in lines[:number] if part.strip().startswith("[")]
+        name = ".".join([*tables[-1:], line.partition("=")[0].strip()])
+        return f"{where} sets {name} a second time; delete one of the two lines."
+    if "Cannot declare" in reason or "Cannot mutate immutable" in reason:
+        return f"{where} begins a table that the file already has; move its parameters to the first one."
+    if re.search(r"=\s*[-+]?[\d.]+\s*[A-Za-z%]", line):
+        return f"{where} is not valid TOML; write the number without a unit."
+    problem = re.sub(r"\s*\(at .*\)$", "", reason)
+    if "Illegal character '\\n'" in problem:
+        problem = "a text has no closing quote"
+    return f"{where} is not valid TOML ({problem}); write a table as [skin], and a parameter as width_mm = 18."
 
 
 def _require_kind(path: Path, tables: Mapping[str, Any], expected: FileKind) -> None:
@@ -139,7 +170,8 @@ def _require_kind(path: Path, tables: Mapping[str, Any], expected: FileKind) -> 
     kind = next(iter(found))
     if expected.names.issuperset(tables):
         return  # All names are shared with the expected kind.
-    raise TomlFileError(Issue(str(path), f"is {kind.describe()}, not {expected.describe()}; {kind.remedy}."))
+    message = f"is {kind.describe()}, not {expected.describe()}; give one such as {expected.example} ({kind.use})."
+    raise TomlFileError(Issue(str(path), message))
 
 
 def _find_kinds(tables: Mapping[str, Any]) -> dict[FileKind, set[str]]:

@@ -47,7 +47,7 @@ def test_default_folder_is_out_and_the_name_of_the_design(tmp_path: Path) -> Non
     ("arguments", "message"),
     [
         (["--set", "skin.width_mm=10"], "skin.width_mm"),
-        (["--set", "bone.channel_diameter_mm=9.5"], "wider than the base allows"),
+        (["--set", "bone.channel_diameter_mm=9.5"], "leaves no walls of 1 mm in the base"),
         (["--set", "skin.width=17"], "did you mean skin.width_mm?"),
         (["--set", "skin.width_mm=nan"], "not a finite number"),
         (["--parts", "bone,skinn"], "did you mean skin?"),
@@ -229,7 +229,9 @@ def test_string_instead_of_a_list_is_rejected() -> None:
     from fingertip import Design, build
     from fingertip.errors import DesignError
 
-    with pytest.raises(DesignError, match=r"--formats: 'stl,3mf' is a single text; give a list, such as \['stl', '3mf'\]"):
+    with pytest.raises(
+        DesignError, match=r"--formats: 'stl,3mf' is a single text; give a list, such as \['stl', '3mf'\]"
+    ):
         build(Design(), formats="stl,3mf")
     with pytest.raises(DesignError, match=r"changes: 'skin.width_mm=18' is a single text; give a list"):
         Design.load(changes="skin.width_mm=18")

@@ -25,16 +25,16 @@ def run(*words: object) -> Any:
 @pytest.mark.parametrize(
     ("file", "answer"),
     [
-        (SWEEP, f"{SWEEP}: is a sweep file, not a design file; give it to `fingertip sweep`."),
-        (SCENE, f"{SCENE}: is a scene file, not a design file; give it to `fingertip simulate`, with the design after"),
-        (HAND, f"{HAND}: is a manipulation file, not a design file; give it to `fingertip simulate`, with the design"),
+        (SWEEP, "is a sweep file, not a design file; give one such as params/fsr400.toml (`fingertip sweep` takes"),
+        (SCENE, "is a scene file, not a design file; give one such as params/fsr400.toml (`fingertip simulate` takes"),
+        (HAND, "is a manipulation file, not a design file; give one such as params/fsr400.toml (`fingertip simulate`"),
     ],
 )
 def test_a_file_of_another_kind_is_named_with_its_command(command: str, file: Path, answer: str) -> None:
     done = run(command, file)
     assert done.exit_code == 2
     (line,) = done.stderr.splitlines()
-    assert line.startswith(f"error: {answer}")
+    assert line.startswith(f"error: {file}: {answer}")
 
 
 def test_commands_that_take_other_kinds_name_the_kind_too() -> None:
@@ -45,7 +45,7 @@ def test_commands_that_take_other_kinds_name_the_kind_too() -> None:
         (("sweep", HAND), "is a manipulation file, not a sweep file"),
         (
             ("sweep", design_file("fsr400")),
-            "is a design file, not a sweep file; give it to `fingertip build`, or",
+            "is a design file, not a sweep file; give one such as params/sweeps/board.toml (`fingertip build` takes",
         ),
     ):
         done = run(*words)

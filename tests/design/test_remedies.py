@@ -108,22 +108,33 @@ def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> 
     ("changes", "first", "count"),
     [
         (["mold.land_mm=13"], "mold.key_diameter_mm: 5 mm does not fit between the bolts; set mold.land_mm=7.91.", 1),
-        (["skin.width_mm=6"], "skin.width_mm: 6 mm breaks 2 rules, named below; at least 16.2 mm.", 3),
+        (["skin.width_mm=6"], "skin.width_mm: 6 mm breaks 2 rules, listed below; at least 16.2 mm.", 3),
         (
             ["skin.width_mm=6", "bone.collar_inset_mm=3.1661", "skin.squareness_dorsal=2.11381"],
             "skin.thickness_side_mm: 2 mm leaves less than 1 mm of bone at the sides; "
-            "set skin.width_mm=16.2 and bone.collar_inset_mm=1.39.",
+            "set skin.width_mm=16.2 and bone.collar_inset_mm=1.4.",
             2,
         ),
         (["bone.interface=socket"], "at least 29.99 mm.", 1),
+        (["bone.groove_depth_mm=2"], "at most 0.84 mm.", 1),
+        (["bone.groove_depth_mm=0.9"], "at most 0.84 mm.", 1),
+        (["mold.nut_width_mm=7"], "between 5.7 and 5.99 mm.", 1),
+        (["mold.nut_width_mm=1"], "and at least 5.7 mm with the other parameters as they are.", 1),
+        (["printer.min_wall_mm=2"], "set printer.min_wall_mm=1.", 1),
+        (["board.passband_gain=1"], "such as 67.7.", 1),
         (
             ["board.variant=comparator", "board.cutoff_hz=400"],
             "board.band_limit_hz: 1000 Hz cuts into the vibrations, which reach 3 cutoffs of 400 Hz; at least 1200 Hz, "
-            "or board.variant=article, or board.cutoff_hz=332.",
+            "or board.variant=article, or board.cutoff_hz=333.",
             1,
         ),
         (["skin.length_mm=70"], "at most 0.12 mm, or skin.length_mm=56.3.", 1),
-        (["sensor.model=fsr402"], "sensor.model: fsr402 breaks 3 rules, named below; set sensor.model=fsr400.", 4),
+        (
+            ["sensor.model=fsr402"],
+            "sensor.model: fsr402 breaks 3 rules, listed below; set sensor.model=fsr400, "
+            "or start from params/fsr402.toml.",
+            4,
+        ),
         (
             ["skin.width_mm=1"],
             "1 mm is too small; at least 6 mm, and at least 16.2 mm with the other parameters as they are.",
@@ -142,7 +153,7 @@ def test_consequences_name_the_cause_that_resolves_them() -> None:
     issues = refuse(["bone.wall_mm=4"])
     assert issues[0].field == "bone.wall_mm"
     assert len(issues) > 4
-    assert all(issue.message.endswith("resolved by bone.wall_mm=1.") for issue in issues[1:])
+    assert all(issue.message.endswith("; bone.wall_mm=1 also fixes this.") for issue in issues[1:])
 
 
 def test_a_design_in_python_gets_the_same_remedies() -> None:

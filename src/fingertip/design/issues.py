@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import difflib
+import json
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,6 +14,9 @@ from pydantic.fields import FieldInfo
 from fingertip.design.parameters.declaration import find_unit, format_unit
 from fingertip.errors import Issue
 
+_MIN_SIMILARITY = 0.65
+"""Ratio of `difflib.SequenceMatcher` from which a known name is suggested for an unknown one."""
+
 
 def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:
     """Return one issue for each problem that pydantic found in a `model`."""
@@ -20,8 +25,19 @@ def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list
 
 def suggest_name(word: str, known: Sequence[str]) -> str:
     """Return the remedy for an unknown name: the most similar known one, or else all of them."""
-    similar = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
-    return f"did you mean {similar[0]}?" if similar else f"known names: {', '.join(known)}."
+    similar = find_similar_name(word, known)
+    return f"did you mean {similar}?" if similar else f"known names: {', '.join(known)}."
+
+
+def find_similar_name(word: str, known: Sequence[str]) -> str | None:
+    """Find the known name that is most similar to a word, with or without its unit; None if none is really similar."""
+
+    def similarity(name: str) -> float:
+        forms = (name, name.rpartition("_")[0] or name)
+        return max(difflib.SequenceMatcher(None, word, form).ratio() for form in forms)
+
+    best = max(known, key=similarity, default=None)
+    return best if best is not None and similarity(best) >= _MIN_SIMILARITY else None
 
 
 def _describe(details: Any, model: type[BaseModel]) -> Issue:
@@ -44,14 +60,25 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             return Issue(field, f"{value!r} is not a finite number; give one{unit and ' in' + unit}.")
         case "literal_error":
             return Issue(field, f"{value!r} is not known; choose {context['expected']}.")
+        case "float_type" | "int_type" if isinstance(value, str) and "=" in value:
+            return Issue(field, f"{value!r} holds several changes; give --set once for each of them.")
+        case "float_type" | "int_type" if isinstance(value, str) and _starts_with_number(value):
+            number = f"the number{unit and ' in' + unit}"
+            return Issue(field, f"{value!r} is not a number; write {number}, without its unit.")
         case "float_type" | "int_type":
             number = "a whole number" if kind == "int_type" else "a number"
             return Issue(field, f"{value!r} is not {number}; write {number}{unit and ' in' + unit}, without quotes.")
-        case "model_type":
-            return Issue(field, f"{value!r} is not a table; write [{field}] and its parameters below it.")
+        case "string_type":
+            return Issue(field, f'{value!r} is not text; write it in quotes, such as "{value}".')
+        case "bool_type" | "bool_parsing":
+            return Issue(field, f"{value!r} is neither true nor false; write true or false, without quotes.")
+        case "list_type":
+            return Issue(field, f"{value!r} is not a list; write one in square brackets, such as [{_quote(value)}].")
+        case "model_type" | "dict_type":
+            return Issue(field, f"{value!r} is not a table; {_show_parameter(location, model)}.")
         case "string_pattern_mismatch":
             return Issue(field, f"{value!r} cannot name a folder; use up to 40 letters, digits, - and _.")
-    return Issue(field, f"{value!r} is refused: {details['msg']}.")
+    return Issue(field, f"{value!r} is not valid: {details['msg']}.")
 
 
 def _find_table(location: Sequence[str], model: type[BaseModel]) -> type[BaseModel]:
@@ -63,11 +90,28 @@ def _find_table(location: Sequence[str], model: type[BaseModel]) -> type[BaseMod
     return model
 
 
+def _starts_with_number(text: str) -> bool:
+    return re.match(r"\s*[-+]?\.?\d", text) is not None
+
+
+def _quote(value: Any) -> str:
+    """Write a value as TOML does: text in double quotes, true and false in lower case."""
+    return json.dumps(value, ensure_ascii=False, default=str)
+
+
+def _show_parameter(location: Sequence[str], model: type[BaseModel]) -> str:
+    """Show how a parameter of a table is set."""
+    defaults = {key: info.default for key, info in _find_table([*location, ""], model).model_fields.items()}
+    numbers = {key: value for key, value in defaults.items() if isinstance(value, float)}
+    example = next((f"{key}={value:g}" for key, value in numbers.items()), "KEY=VALUE")
+    return f"set its parameters one by one, such as {'.'.join(location)}.{example}"
+
+
 def _suggest_parameter(location: Sequence[str], model: type[BaseModel]) -> str:
     """Suggest a parameter of the same table, or one of another table that has exactly this name."""
     *tables, name = location
     known = list(_find_table(location, model).model_fields)
-    if not difflib.get_close_matches(name, known, n=1, cutoff=0.5):
+    if find_similar_name(name, known) is None:
         for table, info in model.model_fields.items():
             if name in getattr(info.annotation, "model_fields", {}):
                 return f"did you mean {table}.{name}?"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -71,6 +72,8 @@ def parse_change(change: str) -> dict[str, Any]:
     steps = [step.strip() for step in key.split(".")]
     if not equals or not all(steps):
         raise DesignError(Issue(f"--set {change}", "is not of the form table.key=value, such as mold.draft_deg=2."))
+    if re.search(r",\s*[a-z_]+\.[a-z0-9_.]+\s*=", text):
+        raise DesignError(Issue(f"--set {change}", "holds several changes; give --set once for each of them."))
     try:
         value: Any = tomllib.loads(f"v = {text}")["v"]
     except tomllib.TOMLDecodeError:

@@ -73,8 +73,9 @@ def _keep_valid(tables: Mapping[str, Any], invalid: frozenset[str]) -> DesignTab
 
 
 def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, invalid: frozenset[str]) -> Issue:
-    """Add to a violated bound the value that the rules ask for, if the bound itself would break them."""
-    from fingertip.design.rules.search import Search, cheapest_first, format_value
+    """Add to a violated bound the value that the rules require, if the bound itself would break them."""
+    from fingertip.design.rules.remedies import find_passing_value
+    from fingertip.design.rules.search import Search, cheapest_first, format_value, round_digits
 
     name = issue.field
     table, _, key = name.partition(".")
@@ -93,7 +94,7 @@ def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, 
         return issue
     others, unit = invalid - {name}, format_unit(find_unit(PARAMETERS[name]))
     if bounds.above is not None and word == "at least":  # the bound itself is no value to type in
-        default = PARAMETERS[name].default
+        default = round_digits(PARAMETERS[name].default, 3, up=True)
         if not any(name in one.reads for one in find_violations(RULES, valid.with_values({name: default}), others)):
             more = f", such as {format_value(name, default)}{unit}."
             return Issue(name, issue.message.removesuffix(".") + more)
@@ -105,7 +106,8 @@ def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, 
     # Rules that fail whatever this parameter is have issues of their own.
     unrelated = {one.rule for one in violations} - {one.rule for one in broken}
     rules = cheapest_first(rule for rule in RULES if rule not in unrelated)
-    passing = Search(rules, cheapest_first(one.rule for one in broken), others).nearest(at_bound, name)
+    search = Search(rules, cheapest_first(one.rule for one in broken), others)
+    passing = find_passing_value(search, at_bound, name, broken)
     if passing is None:
         return issue
     more = f", and {word} {format_value(name, passing)}{unit} with the other parameters as they are."

@@ -114,7 +114,7 @@ def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
     join = dims.taper_end_z
     limit = min(head, join - _BEFORE_TIP)
     if z + depth > limit + SLACK:
-        obstacle = "the sensor's head" if head < join else "the rounded tip"
+        obstacle = "the rim of the sensor's head" if head < join else "the rounded tip"
         # A short finger leaves no space at all, for which the limit is negative.
         begins = f", which begins {limit:.2f} mm from the collar" if limit > 0.0 else ""
         return Violation(

@@ -129,8 +129,7 @@ def trap_fits_its_nut(design: DesignTables) -> Violation | None:
     width = design.mold.nut_width_mm
     if minimum - SLACK <= width <= maximum + SLACK:
         return None
-    nut = f"an {thread.label} nut, {thread.nut_flats_mm:g} mm across flats"
-    what = f"does not take {nut}" if width < minimum else f"lets {nut} turn"
-    return Violation(
-        f"{width:g} mm {what}, which a hole of {design.mold.bolt_diameter_mm:g} mm asks for", ((minimum, maximum),)
-    )
+    hole = f"a {design.mold.bolt_diameter_mm:g} mm hole"
+    nut = f"the {thread.label} nut ({thread.nut_flats_mm:g} mm across flats) of {hole}"
+    problem = f"is too narrow for {nut}" if width < minimum else f"is too wide: {nut} would turn"
+    return Violation(f"{width:g} mm {problem}", ((minimum, maximum),))

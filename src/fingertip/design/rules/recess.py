@@ -48,7 +48,7 @@ def fit_limits_misalignment(design: DesignTables) -> Violation | None:
     left = max(0.0, min_thickness_held(design))
     return Violation(
         f"{design.mold.fit_clearance_mm:g} mm lets bone or core tilt in its recess until {left:.2f} mm of silicone "
-        f"are left where skin.min_thickness_mm asks for {minimum:g} mm",
+        f"are left, less than the {minimum:g} mm of skin.min_thickness_mm",
         at_most(maximum),
     )
 
@@ -62,7 +62,7 @@ def fit_stays_within_skin(design: DesignTables) -> Violation | None:
     if design.mold.fit_clearance_mm <= maximum + SLACK:
         return None
     return Violation(
-        f"{design.mold.fit_clearance_mm:g} mm opens the collar's recess past the skin's edge",
+        f"{design.mold.fit_clearance_mm:g} mm makes the collar's recess wider than the skin",
         at_most(maximum),
         "(limited by bone.collar_inset_mm)",
     )

@@ -18,6 +18,13 @@ _MAX_ALTERNATIVES = 2
 _MAX_CHANGED = 3
 """Maximum number of changed parameters among which alternatives are searched. More of them are a design of its own, in
 which none stands out."""
+_BUNDLED_DESIGNS = {
+    "fsr400": "params/fsr400.toml",
+    "fsr400_short": "params/fsr400.toml",
+    "fsr402": "params/fsr402.toml",
+    "fsr402_short": "params/fsr402.toml",
+}
+"""Bundled design file for each sensor of the catalogue."""
 
 Values = dict[str, Any]
 """Values of parameters by their dotted names."""
@@ -71,7 +78,8 @@ def describe_refusal(refusal: Refusal, values: Values) -> Iterator[Issue]:
     if len(blamed) > 1 and len(values) == 1 and unblamed:
         (name,) = values
         present = f"{format_value(name, refusal.tables.value(name))}{format_unit(find_unit(PARAMETERS[name]))}"
-        yield Issue(name, f"{present} breaks {len(blamed)} rules, named below; {_format_bound(refusal, name, values)}.")
+        bound = _format_bound(refusal, name, values)
+        yield Issue(name, f"{present} breaks {len(blamed)} rules, listed below; {bound}.")
         unblamed = []
     parts = {name: [other for other in values if other in refusal.reads(name)] for name in blamed}
     # What no broken rule reads repairs rules that are checked once these pass: it stands in the first message.
@@ -84,7 +92,9 @@ def describe_refusal(refusal: Refusal, values: Values) -> Iterator[Issue]:
             together = f", together with {join_assignments(extra)}" if extra else ""
             remedy = _format_bound(refusal, name, values) + together
         else:
-            remedy = f"{'set' if extra else 'resolved by'} {join_assignments(part)}"
+            assignments = join_assignments(part)
+            fixes = "fixes" if len(part) == 1 else "fix"
+            remedy = f"set {assignments}" if extra else f"{assignments} also {fixes} this"
         yield Issue(name, f"{broken[0].violation.problem}; {remedy}{_find_alternatives(refusal, name, values)}.")
 
 
@@ -92,7 +102,7 @@ def _format_bound(refusal: Refusal, name: str, values: Values) -> str:
     """Write the value that a field needs as a bound. The only blamed field may have several bounds, all verified."""
     value = values[name]
     if not is_number(name):
-        return f"set {join_assignments({name: value})}"
+        return f"set {join_assignments({name: value})}{_suggest_bundled_design(refusal, name)}"
     unit = f"{format_unit(find_unit(PARAMETERS[name]))}{_note(refusal, name)}"
     texts = [f"{'at least' if value > refusal.tables.value(name) else 'at most'} {format_value(name, value)}"]
     passing = refusal.ranges.get(name)
@@ -110,6 +120,13 @@ def _format_bound(refusal: Refusal, name: str, values: Values) -> str:
             elif low in ends or high in ends:
                 texts.append(f"at least {ends[low]}" if low in ends else f"at most {ends[high]}")
     return " or ".join(texts) + unit
+
+
+def _suggest_bundled_design(refusal: Refusal, name: str) -> str:
+    """Name the bundled design for a sensor that the present design does not fit."""
+    present, before = refusal.tables.value(name), refusal.before.value(name)
+    file = _BUNDLED_DESIGNS.get(present) if name == "sensor.model" else None
+    return f", or start from {file}" if file and _BUNDLED_DESIGNS.get(before) != file else ""
 
 
 def _note(refusal: Refusal, name: str) -> str:

@@ -76,6 +76,18 @@ def find_remedies(
 # Ways to resolve a refusal, the simplest first. Each returns the values to set, or nothing.
 
 
+def find_passing_value(search: Search, tables: DesignTables, name: str, broken: Sequence[BrokenRule]) -> Any:
+    """Find the value of a parameter that passes all rules and is nearest to its present one; None if there is none.
+
+    The bounds of the broken rules are tried first, because they are exact.
+    """
+    own = [one for one in broken if one.rule.field == name]
+    passing = _round_range(tables, name, _intersect_intervals(own)) if own else None
+    if passing and search.passes(tables.with_values({name: passing.value})):
+        return passing.value
+    return search.nearest(tables, name)
+
+
 def _move_blamed_field(refusal: Refusal) -> Values:
     """Move the only blamed field to the bound of its rules, or to the nearest value that passes."""
     if len(refusal.blamed) > 1:
@@ -208,14 +220,19 @@ def _use_bounds(refusal: Refusal, values: Values) -> Values:
 
 def _find_range(refusal: Refusal, name: str) -> PassingRange | None:
     """Compute the values of a blamed field that pass its broken rules; None if none lies within its own bounds."""
+    return _round_range(refusal.tables, name, _intersect_intervals(refusal.blamed[name]))
+
+
+def _intersect_intervals(broken: Iterable[BrokenRule]) -> tuple[Interval, ...]:
+    """Intersect the values of the blamed field that pass each of several broken rules."""
     passing: tuple[Interval, ...] = ((-math.inf, math.inf),)
-    for broken in refusal.blamed[name]:
+    for one in broken:
         passing = tuple(
             (max(low, other_low), min(high, other_high))
             for low, high in passing
-            for other_low, other_high in broken.violation.passing
+            for other_low, other_high in one.violation.passing
         )
-    return _round_range(refusal.tables, name, passing)
+    return passing
 
 
 def _round_range(tables: DesignTables, name: str, passing: Iterable[Interval]) -> PassingRange | None:

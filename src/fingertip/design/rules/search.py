@@ -18,6 +18,8 @@ _STRIDE = 4
 """Fine intervals in one interval of the coarse grid."""
 _HALVINGS = 9
 """Halvings of the interval between a failing and a passing value."""
+_SHORT_DIGITS = (2, 3)
+"""Significant digits of the short numbers that are tried in the last interval."""
 _DIGITS = (3, 4, 5)
 """Significant digits to which a value that was found is rounded, if it passes then."""
 
@@ -78,8 +80,14 @@ class Search:
                 return as_typed(name, failing * (passing / failing) ** share)
             return as_typed(name, failing + share * (passing - failing))
 
-        _, share = bisect(lambda share: not passes(between(share)), 0.0, 1.0, halvings=_HALVINGS)
-        best = passing if share == 1.0 else between(share)
+        below, share = bisect(lambda share: not passes(between(share)), 0.0, 1.0, halvings=_HALVINGS)
+        best, last_failing = passing if share == 1.0 else between(share), between(below)
+        # A bound is often a short number, which then lies between the last failing and the last passing value.
+        for digits in _SHORT_DIGITS:
+            short = as_typed(name, round_digits(best, digits, up=best < failing))
+            is_between = min(last_failing, best) <= short <= max(last_failing, best)
+            if is_between and find_parameter_bounds(name).contain(short) and passes(short):
+                return short
         for digits in _DIGITS:
             rounded = as_typed(name, round_digits(best, digits, up=best > failing))
             if find_parameter_bounds(name).contain(rounded) and passes(rounded):

@@ -136,8 +136,8 @@ def flat_edges_within_skin(design: DesignTables) -> Violation | None:
     if thickness >= _EDGE_THICKNESS:
         return None
     return Violation(
-        f"{design.bone.squareness_palmar:g} brings the edges of the bone's flat to {max(0.0, thickness):.2f} mm from the "
-        f"skin's surface (measured sideways); at least {_EDGE_THICKNESS:g} mm are required"
+        f"{design.bone.squareness_palmar:g} brings the edges of the bone's flat to {max(0.0, thickness):.2f} mm from "
+        f"the skin's surface (measured sideways); at least {_EDGE_THICKNESS:g} mm are required"
     )
 
 

@@ -19,10 +19,16 @@ from fingertip.slip.detectors.noise import NoiseLevel, measure_noise_level, sett
 from fingertip.slip.detectors.registry import find_detector_type, make_detector
 from fingertip.slip.live import NAME as STREAM_NAME
 from fingertip.slip.live import CsvStream, Transition, follow, open_stream
-from fingertip.slip.noise_calibration import equivalent_noise_v, first_disturbance, select_quiet_start
+from fingertip.slip.noise_calibration import (
+    NOISELESS_REMEDY,
+    count_constant_samples,
+    equivalent_noise_v,
+    first_disturbance,
+    select_quiet_start,
+)
 from fingertip.slip.rate_adaptation import adapt_detector
 from fingertip.slip.traces.read import read_raw_trace
-from fingertip.slip.traces.sampling import RATE_TOLERANCE
+from fingertip.slip.traces.sampling import RATE_TOLERANCE, rate_bounds_message
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, signal_warnings
 
 Progress = Callable[[str], None]
@@ -148,8 +154,14 @@ def detect_file(
         may_be_lower = detector != "analog" or quiet_s is not None
         warnings += threshold_warnings(detection.threshold_v, level, may_be_lower)
     if quiet.stop and (sample := first_disturbance(design, trace.voltage_v[quiet])) is not None:
-        message = f"the signal is disturbed at {trace.time_s[sample]:.4f} s, within the {quiet_s:g} s of --quiet-s: "
-        warnings.append(message + "thresholds may be too high; choose a shorter part.")
+        within = f"within the {quiet_s:g} s of --quiet-s"
+        constant = count_constant_samples(trace.voltage_v[quiet])
+        if constant > sample / 2:
+            message = f"the signal is constant up to {trace.time_s[constant - 1]:.4f} s, {within}"
+            warnings.append(f"{message}: a signal without noise gives no threshold; {NOISELESS_REMEDY}.")
+        else:
+            message = f"the signal is disturbed at {trace.time_s[sample]:.4f} s, {within}"
+            warnings.append(f"{message}: thresholds may be too high; choose a shorter part.")
     return FileDetection(detection, trace, design, level, tuple(warnings))
 
 
@@ -231,6 +243,8 @@ def _adapt_to_file(design: Design, raw: RawTrace, adapt: _RateAdapter, progress:
     rate_hz = raw.rate_hz
     if not rate_hz or raw.issues or abs(rate_hz / design.detector.sample_rate_hz - 1) <= RATE_TOLERANCE:
         return design
+    if message := rate_bounds_message(rate_hz):
+        raise TraceError(Issue(f"{raw.name}, time_s", message))
     try:
         return adapt(design, rate_hz, f"{raw.name} is sampled at {rate_hz:g} Hz: ")
     except FingertipError as error:

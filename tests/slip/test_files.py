@@ -16,6 +16,7 @@ from fingertip.design import Design
 from fingertip.errors import MissingLibraryError
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.trace import ColumnMap
+from tests.conftest import ROOT
 from tests.slip.recordings import ONSET, T, V, burst, csv, run, single_onset
 
 
@@ -176,8 +177,8 @@ UNUSUAL = {
     "rate changing midway": (csv(np.where(T < 0.5, T, 0.5 + 3 * (T - 0.5)), V), "comes after a gap", 2),
     "counts": (csv(T, np.round(V / 20 * 65536)), "the values are whole numbers, as ADC counts are", 2),
     "millivolts": (csv(T, 1000 * V), "exceeds the ADC range of +/-10 V; use --scale", 2),
-    "milliseconds": (csv(1000 * T, V), "time_s: is sampled at 2 Hz, for which no detector can be designed", 2),
-    "too slow": (csv(*burst(500.0)), "time_s: is sampled at 500 Hz, for which no detector can be designed", 2),
+    "milliseconds": (csv(1000 * T, V), "if they are in milliseconds, ignore them with --rate-hz 2000", 2),
+    "too slow": (csv(*burst(500.0)), "is sampled at 500 Hz, too low for a detector; record at 1000 Hz or more.", 2),
     "a gap": (csv(T[OUTSIDE_GAP], V[OUTSIDE_GAP]), "0.2 s in line 302 comes after a gap", 2),
 }  # fmt: skip
 
@@ -196,7 +197,10 @@ def test_unusual_input_gives_an_error_or_a_correct_result(tmp_path, name):
 
 INVALID_ARRAYS = {
     "objects": ({"time_s": T, "voltage_v": np.array(["a"] * 2000)}, "give an array of numbers"),
-    "no voltage": ({"time_s": T, "volts": V}, "did you mean volts? Or name the file's column: --column voltage_v="),
+    "no voltage": (
+        {"time_s": T, "volts": V},
+        "did you mean volts? Or name the file's column: --column voltage_v=",
+    ),
     "no time": ({"voltage_v": V}, "Or give --rate-hz, or sample_rate_hz in the file."),
     "other length": ({"time_s": T, "voltage_v": V[:-1]}, "has shape (1999,), but time_s has shape (2000,)"),
     "two columns": ({"time_s": T, "voltage_v": np.column_stack((V, V))}, "has shape (2000, 2)"),
@@ -259,3 +263,72 @@ def test_read_trace_in_python(tmp_path):
         fingertip.read_trace(
             tmp_path / "t.csv", Design(detector={"sample_rate_hz": 4000.0}), {"time_s": "t", "voltage_v": "AI0"}
         )
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("params/fsr400.toml", "is a design file, not a trace; give a trace first, and the design after --design."),
+        ("params/scenes/hard_tap.toml", "is a scene file, not a trace; make a trace of it with `fingertip simulate`."),
+    ],
+)
+def test_a_toml_file_in_place_of_a_trace_gives_an_error(name, message):
+    done = run("detect", ROOT / name)
+    assert done.exit_code == 2
+    assert message in done.stderr
+
+
+def test_a_column_of_the_file_is_not_suggested_for_itself(tmp_path):
+    (tmp_path / "t.csv").write_text(PLAIN)
+    stderr = run("detect", tmp_path / "t.csv", "--column", "voltage_v=nope").stderr
+    assert "there is no column nope; known names: time_s, voltage_v." in stderr
+    assert "--column" not in stderr
+
+
+def test_an_empty_cell_is_reported_as_missing(tmp_path):
+    lines = PLAIN.splitlines()
+    for number in (50, 60):
+        lines[number - 1] = lines[number - 1].split(",")[0] + ","
+    (tmp_path / "t.csv").write_text("\n".join(lines))
+    stderr = run("detect", tmp_path / "t.csv").stderr
+    assert "t.csv, voltage_v: is missing in line 50 (and 1 more); fill it in" in stderr
+    assert (
+        "line 50: has an empty cell; give one number per column." in run("detect", "-", lines="\n".join(lines)).stderr
+    )
+
+
+@pytest.mark.parametrize(("unit", "per_s"), [("milliseconds", 1e3), ("microseconds", 1e6)])
+def test_times_in_other_units_are_ignored_with_the_options_in_the_message(tmp_path, unit, per_s):
+    text = csv(T * per_s, V)
+    (tmp_path / "t.csv").write_text(text)
+    for done in (
+        run("detect", tmp_path / "t.csv"),
+        run("detect", tmp_path / "t.csv", "--set", "detector.sample_rate_hz=2000"),
+        run("detect", "-", lines=text),
+    ):
+        assert done.exit_code == 2
+        options = re.search(rf"if they are in {unit}, ignore them with (.*)\.$", done.stderr, re.MULTILINE)
+        assert options
+        remedy = shlex.split(options[1])
+        assert single_onset(run("detect", tmp_path / "t.csv", *remedy, "--json")) == ONSET
+
+
+def test_a_missing_row_is_ignored_with_the_options_in_the_message(tmp_path):
+    (tmp_path / "t.csv").write_text(csv(np.delete(T, 48), np.delete(V, 48)))
+    done = run("detect", tmp_path / "t.csv")
+    assert "0.0245 s in line 50 comes after a gap" in done.stderr
+    remedy = shlex.split(re.search(r"ignore the times with (.*)\.$", done.stderr, re.MULTILINE)[1])
+    assert single_onset(run("detect", tmp_path / "t.csv", *remedy, "--json")) == pytest.approx(ONSET, abs=0.001)
+
+
+def test_an_archive_without_arrays_gives_an_error(tmp_path):
+    np.savez(tmp_path / "t.npz")
+    assert "t.npz: contains no arrays; save time_s and voltage_v." in run("detect", tmp_path / "t.npz").stderr
+
+
+def test_a_file_that_is_not_tdms_gives_an_error(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "nptdms", types.SimpleNamespace())
+    (tmp_path / "t.tdms").write_bytes(b"text")
+    assert (
+        "t.tdms: is not a TDMS file; export it again, or save it as CSV." in run("detect", tmp_path / "t.tdms").stderr
+    )

@@ -118,3 +118,11 @@ def test_detect_stream_in_python_yields_transitions_as_lines_arrive():
     (last,) = found.transitions
     assert not last.on
     assert found.warnings == ()
+
+
+def test_a_stream_without_detection_says_so():
+    quiet = csv(T, V).splitlines()
+    assert run("detect", "-", lines="\n".join(quiet[:100])).stdout == "never ON\n"
+    short = run("detect", "-", lines="\n".join(quiet[:31]))
+    assert short.exit_code == 2
+    assert "has 30 samples; at least one window of 60 is required; record for longer." in short.stderr

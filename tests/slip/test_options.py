@@ -18,7 +18,7 @@ def test_invalid_options_give_an_error(tmp_path):
         (("--scale", "0"), "is not a scale"),
         (("--rate-hz", "0"), "detector.sample_rate_hz"),
         (("--detector", "fats"), "did you mean fast"),
-        (("--quiet-s", "0.01"), "covers 20 samples of t.csv; at least 600 are required"),
+        (("--quiet-s", "0.01"), "covers 20 samples of t.csv; choose at least 0.3 s"),
     ):
         done = run("detect", tmp_path / "t.csv", *words)
         assert done.exit_code == 2, words
@@ -106,3 +106,23 @@ def test_detect_file_in_python_adapts_a_design_that_states_no_rate(tmp_path):
     for arguments in ({"design": Design(detector={"sample_rate_hz": 2000.0})}, {"adapt_to_file": False}):
         with pytest.raises(fingertip.FingertipError, match="sampled at 5000 Hz, but the detector is designed for 2000"):
             fingertip.detect_file(tmp_path / "t.csv", **arguments)
+
+
+def test_the_shortest_quiet_start_in_the_message_is_long_enough(tmp_path):
+    (tmp_path / "t.csv").write_text(csv(T, V))
+    for detector, seconds in (("fast", "0.3"), ("analog", "0.33")):
+        words = ("detect", tmp_path / "t.csv", "--detector", detector, "--quiet-s")
+        assert f"covers 1 sample of t.csv; choose at least {seconds} s." in run(*words, "0.0001").stderr
+        assert run(*words, seconds).exit_code == 0
+
+
+def test_a_quiet_start_without_noise_gives_no_threshold(tmp_path):
+    """The force of a simulated trace is constant until contact."""
+    force = np.where(T < 0.3, 0.0, np.abs(V - 3.9))
+    (tmp_path / "t.csv").write_text(csv(T, force, header=("time_s", "force_n")))
+    words = ("detect", tmp_path / "t.csv", "--column", "voltage_v=force_n", "--detector", "fast", "--quiet-s")
+    message = "a signal without noise gives no threshold; use a measured signal"
+    constant = run(*words, 0.3)
+    assert constant.exit_code == 2
+    assert f"covers a constant part of t.csv: {message}" in constant.stderr
+    assert f"constant up to 0.2995 s, within the 0.4 s of --quiet-s: {message}" in run(*words, 0.4).stderr

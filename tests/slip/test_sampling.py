@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
+from fingertip.errors import FingertipError
 from fingertip.slip import make_detector
 from fingertip.slip.detectors.noise import noise_level
 from fingertip.slip.rate_adaptation import adapt_rate
-from fingertip.slip.traces.sampling import find_rounding
+from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, find_rounding, rate_bounds_message
 from tests.conftest import design_file
 from tests.slip.recordings import T, burst, csv, run, single_onset
 
@@ -144,3 +145,13 @@ def test_only_evenly_spaced_times_are_recognised_as_rounded():
     assert whole is not None
     assert whole.rate_hz is None
     assert find_rounding(np.round(np.arange(100_000) / 4567, 3)).rate_hz == pytest.approx(4567, rel=1e-4)
+
+
+def test_bounds_of_the_sampling_rate_are_those_of_a_design():
+    for rate in (MIN_RATE_HZ, MAX_RATE_HZ):
+        assert Design(detector={"sample_rate_hz": rate})
+        assert rate_bounds_message(rate) is None
+    for rate in (0.99 * MIN_RATE_HZ, 1.01 * MAX_RATE_HZ):
+        with pytest.raises(FingertipError):
+            Design(detector={"sample_rate_hz": rate})
+        assert rate_bounds_message(rate)

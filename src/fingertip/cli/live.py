@@ -38,6 +38,7 @@ def detect_standard_input(
         raise TraceError([Issue(name, message) for name in unavailable])
     transitions: list[dict[str, Any]] = []
     data: dict[str, Any] = {"detector": detector, "transitions": transitions}
+    any_on = False
     try:
         found = detect_stream(
             sys.stdin,
@@ -52,6 +53,7 @@ def detect_standard_input(
         for warning in found.warnings:
             console.progress(f"warning: {warning}")
         for transition in found.transitions:
+            any_on = True
             if console.as_json:
                 transitions.append({"on": transition.on, "time_s": round(transition.time_s, 7)})
             else:
@@ -64,6 +66,6 @@ def detect_standard_input(
         console.print_issues(TraceError(Issue(NAME, message)), data)
         raise typer.Exit(BAD_INPUT) from None
     except KeyboardInterrupt:
-        console.result(data, "")
+        console.result(data, "" if any_on else "never ON")
         raise typer.Exit(INTERRUPTED) from None
-    console.result(data, "")
+    console.result(data, "" if any_on else "never ON")

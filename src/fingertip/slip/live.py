@@ -11,8 +11,14 @@ from fingertip.design.parameters import Detector as DetectorParameters
 from fingertip.errors import Issue, TraceError
 from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.traces.csv_file import Header, find_header, unquote
-from fingertip.slip.traces.sampling import RATE_TOLERANCE, STEP_TOLERANCE, rate_message
-from fingertip.slip.traces.trace import ColumnMap, range_message
+from fingertip.slip.traces.sampling import (
+    RATE_TOLERANCE,
+    STEP_TOLERANCE,
+    guess_time_unit,
+    rate_bounds_message,
+    rate_message,
+)
+from fingertip.slip.traces.trace import ColumnMap, length_message, range_message
 
 NAME = "standard input"
 _RATE_WINDOWS = 100
@@ -81,7 +87,7 @@ def follow(
     ------
     TraceError
         At the first wrong line: detection cannot continue across a gap, at another rate, or with a voltage outside the
-        ADC range. Also at the end, if there was no sample.
+        ADC range. Also at the end, if there were fewer samples than one window.
     """
     names, delimiter = stream.header.names, stream.header.delimiter
     voltage_index = names.index(columns.name_in_file("voltage_v"))
@@ -106,6 +112,8 @@ def follow(
             yield Transition(on, time_s)
     if sample < 0:
         raise TraceError(Issue(NAME, "has no samples below its header; write at least one line of samples."))
+    if sample + 1 < parameters.window_samples:
+        raise TraceError(Issue(NAME, length_message(sample + 1, parameters.window_samples)))
 
 
 class _SampleClock:
@@ -129,6 +137,8 @@ class _SampleClock:
             remedy = "use --rate-hz, or record without gaps"
             if step_s == 0.0:
                 remedy = "ignore rounded times with --column time_s=none and --rate-hz"
+            elif not self._steps and step_s > 0.0 and guess_time_unit(1 / step_s):
+                raise _line_error(line, rate_bounds_message(1 / step_s) or "")
             raise _line_error(
                 line,
                 f"{time_s:.9g} s is {step_s:.4g} s after the previous sample, but the detector requires steps of "
@@ -153,6 +163,8 @@ def _parse_number(cell: str, delimiter: str, line: int) -> float:
     try:
         value = float(plain if delimiter == "," else plain.replace(",", "."))
     except ValueError:
+        if not plain.strip():
+            raise _line_error(line, "has an empty cell; give one number per column.") from None
         raise _line_error(line, f"{cell.strip()!r} is not a number; write it with a decimal point.") from None
     if not math.isfinite(value):
         raise _line_error(line, f"{value} is not a finite number; detection cannot continue across it.")

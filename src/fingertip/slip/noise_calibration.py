@@ -26,6 +26,10 @@ MIN_S = 0.3
 """Minimum duration [s]. A shorter part does not determine the deviation in a band of 40 Hz to 10 %."""
 
 
+NOISELESS_REMEDY = "use a measured signal, or the voltage of a simulated trace instead of its force"
+"""Remedy for a quiet start without noise, such as that of a simulated force before contact."""
+
+
 def select_quiet_start(trace: Trace, quiet_s: float, name: str) -> slice:
     """Select the samples of a trace's quiet start.
 
@@ -81,11 +85,12 @@ def equivalent_noise_v(detector: str, design: Design, quiet_v: Array, name: str)
     """
     minimum = math.ceil(MIN_S * design.detector.sample_rate_hz)
     if len(quiet_v) < minimum:
-        message = f"covers {len(quiet_v)} samples of {name}; at least {minimum} are required; choose a longer part."
-        raise TraceError(Issue("--quiet-s", message))
+        samples = f"{len(quiet_v)} sample{'s' * (len(quiet_v) != 1)}"
+        raise TraceError(Issue("--quiet-s", f"covers {samples} of {name}; choose at least {MIN_S:g} s."))
     white_v = math.sqrt(float(np.mean(np.diff(quiet_v, 2) ** 2)) / 6)
     if not white_v > 0.0:
-        raise TraceError(Issue("--quiet-s", f"covers a constant part of {name}; choose a longer part."))
+        message = f"covers a constant part of {name}: a signal without noise gives no threshold"
+        raise TraceError(Issue("--quiet-s", f"{message}; {NOISELESS_REMEDY}."))
     return max(white_v, _EQUIVALENT_NOISE[detector](design, quiet_v))
 
 
@@ -97,6 +102,12 @@ def first_disturbance(design: Design, quiet_v: Array) -> int | None:
         return None
     loud = np.flatnonzero(statistic > _DISTURBANCE_RATIO * float(np.median(statistic)))
     return settling + int(loud[0]) if len(loud) else None
+
+
+def count_constant_samples(quiet_v: Array) -> int:
+    """Count the samples at the start of a signal that equal the first one."""
+    changed = np.flatnonzero(quiet_v != quiet_v[0])
+    return int(changed[0]) if len(changed) else len(quiet_v)
 
 
 def _digital_noise_v(design: Design, quiet_v: Array) -> float:

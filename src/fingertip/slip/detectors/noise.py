@@ -153,12 +153,9 @@ def measure_noise_level(envelope_v: Array, design: Design, name: str) -> NoiseLe
     d = design.detector
     minimum = 11 * d.window_samples
     if len(envelope_v) < minimum:
-        raise TraceError(
-            Issue(
-                "--quiet-s",
-                f"covers {len(envelope_v)} samples of {name}; at least {minimum} are required; choose a longer part.",
-            )
-        )
+        samples = f"{len(envelope_v)} sample{'s' * (len(envelope_v) != 1)}"
+        min_s = math.ceil(round(1000 * minimum / d.sample_rate_hz, 6)) / 1000
+        raise TraceError(Issue("--quiet-s", f"covers {samples} of {name}; choose at least {min_s:g} s."))
     means = AnalogDetector.from_design(design).process(envelope_v).statistic_v[d.window_samples :]
     step = 2 * d.adc_range_v / 2**d.adc_bits
     return NoiseLevel(float(means.mean()), max(float(means.std()), step / DEVIATIONS))

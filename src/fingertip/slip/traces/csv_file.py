@@ -158,11 +158,15 @@ def _read_by_line(path: Path, encoding: str, header: Header, first_line: int, co
                 values[column], wrong = _parse_numbers([cell.replace(",", ".") for cell in cells])
             else:
                 values[column], wrong = _parse_numbers(cells)
-            if wrong:
+            if wrong and not unquote(cells[wrong[0]]):
+                message = f"is missing in line {first_line + wrong[0]}{_count_others(wrong)}"
+                issues.append(Issue(f"{name}, {column}", f"{message}; fill it in, such as with the value before it."))
+            elif wrong:
                 value = f"{cells[wrong[0]].strip()!r} in line {first_line + wrong[0]}"
                 message = f"{value} is not a number{_count_others(wrong)}; write it with a decimal point."
                 issues.append(Issue(f"{name}, {column}", message))
-                has_all_times = has_all_times and column != "time_s"
+            if wrong and column == "time_s":
+                has_all_times = False
 
     slip = values.get("slip")
     if slip is not None:

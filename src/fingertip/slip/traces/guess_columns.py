@@ -37,8 +37,10 @@ def suggest_options(names: Sequence[str], columns: ColumnMap) -> str:
             best = next((name for name in candidates if pattern.match(name)), None)
             if best is None and column == "time_s" and len(candidates) == 1:
                 continue  # the only other column is the signal
-            guesses[column] = best or candidates[0]
-            candidates.remove(guesses[column])
+            guess = best or candidates[0]
+            candidates.remove(guess)
+            if guess != column:  # a file that has this column needs no option
+                guesses[column] = guess
     if not guesses:
         return ""
     options = [f"--column {column}={shlex.quote(name)}" for column, name in guesses.items()]

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.design.issues import suggest_name
-from fingertip.errors import Issue, MissingLibraryError, TraceError
+from fingertip.errors import Issue, MissingLibraryError, TomlFileError, TraceError
 from fingertip.slip.traces.csv_file import read_csv
 from fingertip.slip.traces.guess_columns import suggest_options
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace
+from fingertip.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind
 
 RATE = "sample_rate_hz"
 """Name of a number in an archive that replaces its times."""
@@ -71,6 +72,8 @@ def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
         If npTDMS is required and not installed.
     """
     suffix = path.suffix.lower()
+    if suffix == ".toml":
+        _refuse_known_toml(path)
     if suffix not in (".npz", ".npy", ".tdms"):
         return read_csv(path, columns)
     try:
@@ -81,9 +84,26 @@ def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
     return _from_arrays(str(path), arrays, columns)
 
 
+def _refuse_known_toml(path: Path) -> None:
+    """Raise TraceError for a design, scene, manipulation or sweep file given in place of a trace."""
+    try:
+        kind = identify_kind(path)
+    except TomlFileError:
+        return
+    if kind is not None:
+        remedy = "give a trace"
+        if kind is DESIGN:
+            remedy += " first, and the design after --design"
+        elif kind in (SCENE, MANIPULATION):
+            remedy = "make a trace of it with `fingertip simulate`"
+        raise TraceError(Issue(str(path), f"is {kind.describe()}, not a trace; {remedy}."))
+
+
 def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> RawTrace:
     """Make a trace of named arrays."""
     issues, values = list[Issue](), dict[str, Any]()
+    if not arrays:
+        raise TraceError(Issue(name, f"contains no arrays; save {' and '.join(columns.required)}."))
     if columns.rate_hz is None and columns.name_in_file("time_s") not in arrays and RATE in arrays:
         stated = np.asarray(arrays[RATE])
         rate_hz = _parse_rate(stated)
@@ -158,6 +178,9 @@ def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     except ImportError:
         message = "requires npTDMS, which is not installed; pip install 'fingertip[tdms]'."
         raise MissingLibraryError(Issue(str(path), message)) from None
+    with path.open("rb") as file:
+        if file.read(4) != b"TDSm":  # the tag of every segment
+            raise TraceError(Issue(str(path), "is not a TDMS file; export it again, or save it as CSV."))
     try:
         channels = [channel for group in nptdms.TdmsFile.read(path).groups() for channel in group.channels()]
     except (ValueError, KeyError, IndexError) as error:

@@ -17,6 +17,10 @@ RATE_TOLERANCE = 0.005
 The cutoff frequency deviates by the same share."""
 STEP_TOLERANCE = 0.5
 """Maximum deviation of a time step from the usual one, as a share of it; more is a gap or a wrong time stamp."""
+MIN_RATE_HZ, MAX_RATE_HZ = 1000.0, 20000.0
+"""Bounds of ``detector.sample_rate_hz`` [Hz]."""
+_TIME_UNITS = {"milliseconds": 1e3, "microseconds": 1e6}
+"""Units that recordings have besides seconds, and how many of them are one second."""
 _MIN_REPEATS = 0.05
 """Minimum share of repeated times in a rounded trace; fewer repetitions are reported one by one."""
 _MAX_DEVIATION_STEPS = 1.5
@@ -82,9 +86,14 @@ def time_issues(time_s: Array, detector: DetectorParameters, name: str, first_li
     steps = np.diff(time_s)
     # The median is the usual step, whatever single gaps do to the mean.
     usual = float(np.median(steps))
+    remedy = "detection requires evenly spaced samples"
     if usual <= 0.0:
         yield Issue(field, "does not increase in most of its steps; give the time of each sample in seconds.")
         return
+    if MIN_RATE_HZ <= 1 / usual <= MAX_RATE_HZ:
+        agrees = abs(1 / usual / detector.sample_rate_hz - 1) <= RATE_TOLERANCE
+        rate_hz = detector.sample_rate_hz if agrees else 1 / usual
+        remedy += f"; if few are missing, ignore the times with --rate-hz {rate_hz:.6g} --column time_s=none"
     is_even = True
     for is_wrong, what in (
         (steps < 0.0, "goes backwards"),
@@ -99,7 +108,7 @@ def time_issues(time_s: Array, detector: DetectorParameters, name: str, first_li
             yield Issue(
                 field,
                 f"{time_s[i]:.9g} s {sample_location(i, first_line)} {what} (previous time {time_s[i - 1]:.9g} s, "
-                f"median step {usual:.4g} s){_count_others(places.size)}; detection requires evenly spaced samples.",
+                f"median step {usual:.4g} s){_count_others(places.size)}; {remedy}.",
             )
     rate = float(len(steps) / (time_s[-1] - time_s[0])) if is_even else 1 / usual
     if abs(rate / detector.sample_rate_hz - 1) > RATE_TOLERANCE:
@@ -128,11 +137,31 @@ def _rounding_message(
 
 def rate_message(rate_hz: float, detector: DetectorParameters) -> str:
     """Describe a sampling rate [Hz] that differs from the detector's, with the remedy."""
+    if message := rate_bounds_message(rate_hz):
+        return message
     return (
         f"is sampled at {rate_hz:.6g} Hz, but the detector is designed for {detector.sample_rate_hz:g} Hz "
         f"(tolerance {100 * RATE_TOLERANCE:g} %); use --rate-hz {rate_hz:.6g} to adapt its filters, or resample the "
         "trace."
     )
+
+
+def rate_bounds_message(rate_hz: float) -> str | None:
+    """Describe a sampling rate [Hz] that no detector has, with the remedy; None for any other rate."""
+    if MIN_RATE_HZ <= rate_hz <= MAX_RATE_HZ:
+        return None
+    message = f"is sampled at {rate_hz:.6g} Hz"
+    if unit := guess_time_unit(rate_hz):
+        remedy = f"ignore them with --rate-hz {rate_hz * _TIME_UNITS[unit]:.6g} --column time_s=none"
+        return f"{message} if its times are in seconds, as they must be; if they are in {unit}, {remedy}."
+    if rate_hz < MIN_RATE_HZ:
+        return f"{message}, too low for a detector; record at {MIN_RATE_HZ:g} Hz or more."
+    return f"{message}, too high for a detector; resample it to {MAX_RATE_HZ:g} Hz or less."
+
+
+def guess_time_unit(rate_hz: float) -> str | None:
+    """Guess the unit of times from the rate that they give in seconds [Hz]; None if another unit explains nothing."""
+    return next((unit for unit, n in _TIME_UNITS.items() if MIN_RATE_HZ <= rate_hz * n <= MAX_RATE_HZ), None)
 
 
 def _count_others(count: int) -> str:

@@ -184,8 +184,7 @@ def value_issues(
     """
     count, minimum = len(trace.time_s), max(2, detector.window_samples)
     if count < minimum:
-        samples = f"{count} sample{'s' * (count != 1)}"
-        yield Issue(name, f"has {samples}; at least one window of {minimum} is required; record for longer.")
+        yield Issue(name, length_message(count, minimum))
     for column in COLUMNS:
         values = getattr(trace, column)
         if values is None:
@@ -202,6 +201,12 @@ def value_issues(
             yield Issue(column_field, message)
     if in_volts and trace.voltage_v.ndim == 1:
         yield from _range_issues(trace.voltage_v, detector, name, first_line)
+
+
+def length_message(count: int, minimum: int) -> str:
+    """Describe a trace of fewer samples than one window, with the remedy."""
+    samples = f"{count} sample{'s' * (count != 1)}"
+    return f"has {samples}; at least one window of {minimum} is required; record for longer."
 
 
 def _range_issues(volts: Array, detector: DetectorParameters, name: str, first_line: int | None) -> Iterator[Issue]:

@@ -135,9 +135,8 @@ class CompiledLoop:
     def _load(self) -> Function:
         if self._compiled is None:
             if _progress:
-                _progress(
-                    f"preparing the loop of {self.plain.__module__.rpartition('.')[2]} (compiled once, then cached)"
-                )
+                module = self.plain.__module__.rpartition(".")[2]
+                _progress(f"preparing the loop {self.plain.__name__} of {module} (compiled once, then cached)")
             self._compiled = _compile_cached(self.plain, *self._helpers)
         return self._compiled
 

@@ -7,7 +7,17 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.errors import FingertipError
-from fingertip.sim import ManipulationFile, SceneFile, Trial, load_simulation, run_manipulation, run_scene, simulate
+from fingertip.sim import (
+    ManipulationFile,
+    SceneFile,
+    Trial,
+    load_simulation,
+    run_manipulation,
+    run_scene,
+    simulate,
+    summary,
+)
+from fingertip.sim.stages.pipeline import SceneResult
 from tests.conftest import ROOT, design_file
 
 SCENES = ROOT / "params" / "scenes"
@@ -71,3 +81,34 @@ def test_warnings_concern_the_recorded_voltage_only():
     changes = ["detector.adc_range_v=1.0"]
     assert list(load_simulation(SCENES / "contact.toml", changes=changes).find_warnings())
     assert not list(load_simulation(SCENES / "contact.toml", changes=[*changes, 'outputs=["slip"]']).find_warnings())
+
+
+def test_summary_describes_the_surface_and_the_peak_speed_that_is_reached():
+    def title(scene: str, **options: object) -> str:
+        simulation = load_simulation(SCENES / scene, **options)
+        return summary.as_text(simulation.run())[0]
+
+    assert title("sliding_finger.toml", surface="smooth").startswith("smooth (metal, Ra 0.2 um), 0.04 m/s, ")
+    assert title("sliding_finger.toml", surface="wood").startswith("wood, 0.04 m/s, ")
+    slow = ["slide.acceleration_m_s2=0.05"]
+    reached = "peak 0.0447 m/s (0.2 m/s is not reached in 0.04 m at 0.05 m/s2), "
+    assert reached in title("sliding_finger.toml", speed_m_s=0.2, changes=slow)
+
+
+def test_summary_merges_slips_as_detection_does():
+    time = np.arange(2000) / 2000
+    slip = ((time >= 0.1) & (time < 0.2)) | ((time >= 0.24) & (time < 0.3)) | ((time >= 0.5) & (time < 0.6))
+    scene = SceneFile(scene="events", outputs=["slip"])
+    result = SceneResult(scene, 0, 1.0, time, {"slip": slip.astype(np.float64)}, ())
+    assert summary.as_text(result)[1:] == [
+        "gross slip from 0.1000 s to 0.3000 s",
+        "gross slip from 0.5000 s to 0.6000 s",
+    ]
+    assert len(summary.as_data(result)["slips"]) == 3
+
+
+def test_load_change_that_ends_the_contact_names_a_remedy_that_works():
+    with pytest.raises(FingertipError) as refused:
+        load_simulation(SCENES / "load_change.toml", changes=["load_change.by_n=-4"])
+    assert "set load_change.by_n=0 and hold.release=true" in str(refused.value)
+    assert load_simulation(SCENES / "load_change.toml", changes=["load_change.by_n=0", "hold.release=true"])

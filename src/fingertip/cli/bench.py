@@ -20,7 +20,9 @@ def bench(
     ] = 5.0,
     boards: Annotated[int, typer.Option(help="Number of boards to simulate at once.")] = 10_000,
     solvers: Annotated[str, typer.Option(help="scipy methods to compare with, comma-separated.")] = "LSODA,Radau,BDF",
-    first_run: Annotated[bool, typer.Option(help="Also measure the first run of the compiler.")] = True,
+    first_run: Annotated[
+        bool, typer.Option(help="Also measure a fresh process, with an empty and with a full compiler cache.")
+    ] = True,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -40,9 +42,9 @@ def bench(
         if name not in known
     ]
     if not 1.0 <= seconds <= 60.0:
-        issues.append(Issue("--seconds", f"{seconds:g} s is refused; choose 1 to 60 s."))
+        issues.append(Issue("--seconds", f"{seconds:g} s is out of bounds; choose 1 to 60 s."))
     if not 1 <= boards <= 1_000_000:
-        issues.append(Issue("--boards", f"{boards} is refused; choose 1 to 1000000."))
+        issues.append(Issue("--boards", f"{boards} is out of bounds; choose 1 to 1000000."))
     if issues:
         raise FingertipError(issues)
     require_libraries()
@@ -67,7 +69,7 @@ def bench(
         many = throughput.measure_boards(boards)
     first = None
     if first_run:
-        console.progress("measuring the first run of the compiler")
+        console.progress("measuring a fresh process, with an empty and with a full compiler cache")
         first = throughput.measure_first_run()
     machine["load_after"] = describe_machine()["load"]
     data: dict[str, Any] = {

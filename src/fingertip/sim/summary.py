@@ -94,7 +94,8 @@ def _describe_speed(scene: SceneFile) -> str:
     slide = scene.slide
     move = TrapezoidalMove.with_speed(0.0, slide.distance_m, slide.speed_m_s, slide.acceleration_m_s2)
     if move.peak_m_s < slide.speed_m_s:
-        return f"peak {move.peak_m_s:.3g} m/s (the distance is too short to reach {slide.speed_m_s:g} m/s)"
+        reason = f"{slide.speed_m_s:g} m/s is not reached in {slide.distance_m:g} m at {slide.acceleration_m_s2:g} m/s2"
+        return f"peak {move.peak_m_s:.3g} m/s ({reason})"
     return f"{slide.speed_m_s:g} m/s"
 
 

@@ -34,9 +34,9 @@ ASSUMPTIONS = (
     "The detector analog reads the output of the design's simulated board. The variant article has a bare 1N4148; the "
     "article does not name its diode. The table of board variants compares it with a board without dead zone.",
     f"The seeds from {TUNING_SEEDS.start} to {TUNING_SEEDS.stop - 1} were used to tune the detector fast; all seeds "
-    "used here are held out. The detectors analog, digital and fft were not tuned. The thresholds of fft and fast "
-    "follow from the noise; that of analog and digital is the design's detector.threshold_v, by default the one that "
-    "digital's noise allows.",
+    "used here are held out: no constant was chosen on them. The detectors analog, digital and fft were not tuned. The "
+    "thresholds of fft and fast follow from the noise; that of analog and digital is the design's "
+    "detector.threshold_v, by default the one that digital's noise allows.",
     f"Reported separately: {', '.join(REPORTED_SEPARATELY)}. They shake the finger or its wire in the band of slip.",
 )
 
@@ -212,7 +212,7 @@ def as_text(result: CampaignResult, detector: str, requirements: Sequence[Requir
     lines += [
         "found, median, p90 and < 30 ms: slips found, percentiles of the delay, and slips found within 30 ms.",
         "ON: share of a slip, after its detection, in which the detector is ON.",
-        f"{', '.join(REPORTED_SEPARATELY)}: false alarms per minute in these scenes, which alarms/min does not include.",
+        f"{', '.join(REPORTED_SEPARATELY)}: false alarms per minute in these scenes; alarms/min excludes them.",
     ]
     lines += [
         "",
@@ -284,14 +284,14 @@ def _study_tables(studies: StudyResults) -> list[str]:
         "closed loop: four objects, each hit by a robot's pin. False grips: grip increases without slip. Suppressed: "
         "detections",
         "without slip that did not tighten the grip, because the hand was closing or its force was growing.",
-        f"{'detector':26} {'held':>9}   {'reaction median, slowest':24} {'false grips':>12} {'suppressed':>12}",
+        f"{'detector':26} {'held':>9}   {'reaction median, slowest':>24} {'false grips':>12} {'suppressed':>12}",
     ]
     for row in studies.closed_loop:
         text = f"{row.detector:26} {f'{row.held} of {row.count}':>9}"
         if row.detector != NO_CONTROL:
             ranked = row.reactions_s
             times = f"{_ms(ranked[len(ranked) // 2])} {_ms(ranked[-1])}" if ranked else "no slip"
-            text += f"   {times:24} {row.false_grips:12} {row.suppressed:12}"
+            text += f"   {times:>24} {row.false_grips:12} {row.suppressed:12}"
         lines.append(text)
     return lines
 

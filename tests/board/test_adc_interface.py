@@ -28,7 +28,7 @@ def test_anti_aliasing_poles_follow_the_sample_rate(rate: float, series: str) ->
     gains = system.driven_response(f, "ADC_TACTILE")
     for hz, gain in zip(f, gains, strict=True):
         assert gain == pytest.approx(values.adc_interface.tactile_transfer(float(hz)), rel=1e-9)
-    # Two poles near a quarter of the sample rate attenuate by 6 dB there; a single pole would by 3 dB.
+    # Two poles near a quarter of the sampling rate attenuate by 6 dB there; a single pole would by 3 dB.
     assert 20 * math.log10(abs(gains[2])) == pytest.approx(-6.4, abs=0.8)
     assert values.aliasing.tactile_nyquist_db == pytest.approx(20 * math.log10(abs(gains[3])), abs=1e-9)
     assert values.aliasing.tactile_nyquist_db < -13

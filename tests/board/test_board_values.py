@@ -133,12 +133,12 @@ REFUSED = {
     "board.cutoff_hz=1e-9": ("board.capacitor_uf", "above 10 Mohm; set board.cutoff_hz=0.03"),
     "board.cutoff_hz=1e-310": ("board.capacitor_uf", "above 10 Mohm; set board.cutoff_hz=0.03"),
     "board.envelope_capacitor_uf=1e-6": ("board.envelope_capacitor_uf", "above 10 Mohm"),
-    "board.envelope_cutoff_hz=10000": ("board.envelope_cutoff_hz board.envelope_capacitor_uf", "at most 499 Hz"),
+    "board.envelope_cutoff_hz=10000": ("board.envelope_cutoff_hz board.envelope_capacitor_uf", "at most 500 Hz"),
     "board.passband_gain=1.001": ("board.passband_gain", "at least 1.01"),
     "board.passband_gain=10000": ("board.gain_bandwidth_hz", "at least 6.7e+06 Hz"),
     "board.cutoff_hz=0": ("board.cutoff_hz", "0"),
     "board.cutoff_hz=-67": ("board.cutoff_hz", "-67"),
-    "board.cutoff_hz=5000": ("board.cutoff_hz board.gain_bandwidth_hz", "at most 499 Hz"),
+    "board.cutoff_hz=5000": ("board.cutoff_hz board.gain_bandwidth_hz", "at most 500 Hz"),
     "board.capacitor_uf=0.9e-6": ("board.capacitor_uf", "1e-06"),
     "board.capacitor_uf=1001": ("board.capacitor_uf", "1000"),
     "board.series=E48": ("board.series", "E96"),
@@ -170,7 +170,7 @@ def test_printed_bounds_are_valid(change: str) -> None:
 
 
 def test_r4_below_its_range_is_refused() -> None:
-    with pytest.raises(DesignError, match=r"R4 of 0\.1 ohm, below 10 ohm; at most 100\."):
+    with pytest.raises(DesignError, match=r"R4 of 0\.1 ohm, below 10 ohm; at most 101\."):
         Design.load(changes=["board.r5_ohm=1000", "board.passband_gain=1e4"])
 
 

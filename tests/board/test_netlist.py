@@ -176,7 +176,7 @@ def test_wiring_on_a_single_supply_has_the_transfer_function_of_the_filter(tmp_p
 def test_netlist_meets_the_requirements_of_kicads_reader(tmp_path: Path) -> None:
     design, path = write_netlist(tmp_path, [])
     text = path.read_text(encoding="utf-8")
-    assert text.startswith('(export (version "E")\n')  # recognized by "(export " on the first line
+    assert text.startswith('(export (version "E")\n')  # recognised by "(export " on the first line
     sections = [text.index(f"\n  ({name}") for name in ("design", "components", "libparts", "nets")]
     assert sections == sorted(sections)
     assert [int(code) for code in re.findall(r'\(code "(\d+)"\)', text)] == list(range(1, 19))

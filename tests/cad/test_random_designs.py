@@ -57,8 +57,11 @@ def test_random_design_passes_every_mesh_check(seed: int) -> None:
 
 @pytest.mark.slow
 def test_random_designs_that_break_a_rule_are_rejected_quickly() -> None:
-    """Each is rejected by a `DesignError` with messages, before any geometry is made: within 0.2 s."""
-    rng, slowest = random.Random(7), 0.0
+    """Each is rejected by a `DesignError` with messages, before any geometry is made: nine of ten within 0.2 s.
+
+    The limit of the slowest only reveals a search that does not end: other work on the machine lengthens CPU time too.
+    """
+    rng, times_s = random.Random(7), []
     rejected: list[DesignError] = []
     while len(rejected) < 200:
         changes = [f"{path}={(10 ** rng.uniform(-3, 3)):g}" for path in rng.sample(VARIED, rng.randint(2, 8))]
@@ -66,10 +69,11 @@ def test_random_designs_that_break_a_rule_are_rejected_quickly() -> None:
         try:
             Design.load(design_file(rng.choice(DESIGNS)), changes=changes)
         except DesignError as error:
-            slowest = max(slowest, time.process_time() - start)
+            times_s.append(time.process_time() - start)
             rejected.append(error)
     assert all(len(issue.message) > 20 for error in rejected for issue in error.issues)
-    assert slowest < 0.2
+    assert sorted(times_s)[180] < 0.2
+    assert max(times_s) < 1.0
 
 
 @pytest.mark.slow

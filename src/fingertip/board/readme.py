@@ -198,8 +198,8 @@ def _signal_notes(values: BoardValues, design: Design) -> list[str]:
         "current.",
         f"R8, C9, R9 and C19 (T) and R7 and C8 (E) are anti-aliasing filters for {design.detector.sample_rate_hz:g} "
         f"samples per second. In T they attenuate frequencies that alias to {values.aliasing.band_hz:.0f} Hz, the "
-        f"upper end of the vibration band, by {-values.aliasing.tactile_alias_db:.0f} dB. For another sample rate set "
-        "`detector.sample_rate_hz`.",
+        f"upper end of the vibration band, by {-values.aliasing.tactile_alias_db:.0f} dB. For another sampling rate "
+        "set `detector.sample_rate_hz`.",
         "Use an ADC with an input resistance of at least 10 Mohm: it forms a voltage divider with R7 to R9.",
         f"The reverse current of D2 flows through R7. E therefore reads {leak_mv:.0f} mV too high with the "
         f"{1e6 * CLAMP_A:g} uA of the SPICE model, and up to {max_leak_mv:.0f} mV with the {1e6 * MAX_CLAMP_A:g} uA "

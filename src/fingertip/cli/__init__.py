@@ -20,7 +20,7 @@ from fingertip.cli.validate import validate
 
 app = typer.Typer(
     name="fingertip",
-    help="Design a bioinspired, sensorized prosthetic fingertip from one parameter file.",
+    help="Design a bioinspired, sensorised prosthetic fingertip from one parameter file.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

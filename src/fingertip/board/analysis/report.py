@@ -114,7 +114,7 @@ def _alias_lines(aliasing: AliasAttenuation) -> list[str]:
     return [
         f"{'ahead of the ADC':44}{'tactile':>11}{'envelope':>11}",
         f"{f'gain at {aliasing.band_hz:.4g} Hz, upper end of vibrations':44}{aliasing.tactile_band_db:8.1f} dB",
-        f"{f'gain at {aliasing.nyquist_hz:.4g} Hz, half the sample rate':44}{aliasing.tactile_nyquist_db:8.1f} dB"
+        f"{f'gain at {aliasing.nyquist_hz:.4g} Hz, half the sampling rate':44}{aliasing.tactile_nyquist_db:8.1f} dB"
         f"{aliasing.envelope_nyquist_db:8.1f} dB",
         f"{f'gain at {aliasing.alias_hz:.4g} Hz, which aliases to that end':44}{aliasing.tactile_alias_db:8.1f} dB"
         f"{aliasing.envelope_alias_db:8.1f} dB",

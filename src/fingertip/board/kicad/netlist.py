@@ -31,7 +31,7 @@ def kicad_netlist_file(circuit: Circuit) -> bytes:
         ("libparts", *(_libpart(symbol) for symbol in symbols)),
         ("nets", *_nets(circuit)),
     )
-    # KiCad recognizes the file by "(export " on its first line, so there must be no line break after "export".
+    # KiCad recognises the file by "(export " on its first line, so there must be no line break after "export".
     lines = ['(export (version "E")', *(format_expression(section, "  ") for section in sections)]
     return ("\n".join(lines) + ")\n").encode()
 

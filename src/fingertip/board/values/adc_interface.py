@@ -1,13 +1,14 @@
-"""Interface to the analog-to-digital converter (ADC): anti-aliasing poles for its sample rate, and their attenuation.
+"""Interface to the analog-to-digital converter (ADC): anti-aliasing poles for its sampling rate, and their attenuation.
 
-Frequencies above half the sample rate alias to below it. The band of the vibrations ends at `BAND_CUTOFFS` cutoffs, and
-the lowest frequency that aliases into it is the sample rate less that. The tactile voltage passes two poles, both near
-a quarter of the sample rate: the second section has ten times the impedance of the first, so that they hardly interact.
-The envelope has a pole of its own already (in variant `article` only for falling voltages), and passes one.
+Frequencies above half the sampling rate alias to below it. The band of the vibrations ends at `BAND_CUTOFFS` cutoffs,
+and the lowest frequency that aliases into it is the sampling rate less that. The tactile voltage passes two poles,
+both near a quarter of the sampling rate: the second section has ten times the impedance of the first, so that they
+hardly interact. The envelope has a pole of its own already (in variant `article` only for falling voltages), and
+passes one.
 
 Two poles cannot attenuate a full-scale tone to less than 1 LSB of 16 bits. The signal's content beyond the band,
 noise and the skirt of a resonance, is small. `AliasAttenuation` gives the amplitude that a tone may have. A higher
-sample rate with subsequent averaging moves the aliases away.
+sampling rate with subsequent averaging moves the aliases away.
 """
 
 from __future__ import annotations
@@ -60,9 +61,9 @@ class AliasAttenuation:
     band_hz: float
     """Upper end of the vibrations' band."""
     nyquist_hz: float
-    """Half the sample rate."""
+    """Half the sampling rate."""
     alias_hz: float
-    """Lowest frequency that aliases into the band: the sample rate less `band_hz`."""
+    """Lowest frequency that aliases into the band: the sampling rate less `band_hz`."""
     tactile_band_db: float
     """Gain of the tactile voltage's two poles at `band_hz`."""
     tactile_nyquist_db: float
@@ -79,7 +80,7 @@ class AliasAttenuation:
 
 
 def size_adc_interface(sample_rate_hz: float, series: str) -> AdcInterface:
-    """Size the anti-aliasing poles for a sample rate [Hz], with resistors of a series."""
+    """Size the anti-aliasing poles for a sampling rate [Hz], with resistors of a series."""
     target_hz = POLE_PER_SAMPLE_RATE * sample_rate_hz
 
     def size_section(approximate_ohm: float) -> tuple[float, float]:

@@ -78,9 +78,9 @@ def test_files_with_a_byte_order_mark(tmp_path: Path) -> None:
 def test_long_values_are_shown_in_full() -> None:
     shown = run("params", "--set", "detector.threshold_v=1.23456789e-05", "--set", "name=a_rather_long_name").stdout
     assert "a_rather_long_name " in shown
-    assert "1.23456789e-05 V" in shown
+    assert "1.23456789e-05  V" in shown
     assert "fsr402_short " in run("params", design_file("fsr402")).stdout
-    assert "['voltage_v', 'force_n', 'slip'] " in run("simulate", HAND, "--parameters").stdout
+    assert '["voltage_v", "force_n", "slip"] ' in run("simulate", HAND, "--parameters").stdout
 
 
 def test_params_gives_a_design_as_text_in_json() -> None:
@@ -116,3 +116,44 @@ def test_results_that_cannot_be_written(words: tuple[str, ...]) -> None:
     assert (
         done.stderr == "error: standard output: cannot be written (No space left on device); redirect it elsewhere.\n"
     )
+
+
+@pytest.mark.parametrize(
+    ("words", "suffix"),
+    [
+        (("board", "--bode", "bode.png"), ".csv"),
+        (("sheet", design_file("fsr400"), "--out", "sheet.txt"), ".md"),
+        (("sweep", SWEEP, "--parquet", "rows.txt"), ".parquet"),
+        (("sweep", SWEEP, "--csv", "rows.txt"), ".csv"),
+        (("picture", design_file("fsr400"), "--out", "picture.jpg"), ".png"),
+    ],
+)
+def test_output_file_with_another_suffix_is_refused(words: tuple[object, ...], suffix: str) -> None:
+    done = run(*words)
+    assert done.exit_code == 2
+    assert f"the only format written; end it in {suffix}." in done.stderr
+
+
+def test_empty_design_file_is_noted(tmp_path: Path) -> None:
+    (tmp_path / "empty.toml").write_text("")
+    done = run("params", tmp_path / "empty.toml")
+    assert done.exit_code == 0
+    assert "empty.toml sets no parameter: this is the default design" in done.stderr
+    assert not run("params", tmp_path / "empty.toml", "--quiet").stderr
+
+
+@pytest.mark.parametrize(
+    ("change", "answer"),
+    [
+        ("skin=18", "skin: 18 is not a table; set its parameters one by one, such as skin.width_mm=17."),
+        ("skin.width_mm=18,mold.draft_deg=2", "holds several changes; give --set once for each of them."),
+        ("skin.width_mm=18 mm", "'18 mm' is not a number; write the number in mm, without its unit."),
+        ("name=5", 'name: 5 is not text; write it in quotes, such as "5".'),
+        ("sensor.modle=x", "did you mean sensor.model?"),
+        ("skin.colour=1", "there is no such parameter; known names: width_mm, "),
+    ],
+)
+def test_change_that_cannot_be_used_is_refused_with_a_remedy(change: str, answer: str) -> None:
+    done = run("params", "--set", change)
+    assert done.exit_code == 2
+    assert answer in done.stderr

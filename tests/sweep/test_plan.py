@@ -35,9 +35,9 @@ def run_sweep_command(*arguments: object) -> Result:
 REFUSED_FILES: list[tuple[dict[str, Any], str, str]] = [
     ({"axes": {}}, "axes", "is empty"),
     ({"axes": None}, "axes", "is missing"),
-    ({"axes": [1, 2]}, "axes", "refused"),
+    ({"axes": [1, 2]}, "axes", "is not a table"),
     ({"outputs": None}, "outputs", "is missing"),
-    ({"outputs": "q"}, "outputs", "refused"),
+    ({"outputs": "q"}, "outputs", "is not a list"),
     ({"outputs": ["Q"]}, "outputs", "did you mean q?"),
     ({"outputs": ["q", "q"]}, "outputs", "listed 2 times"),
     ({"outputs": ["weight"]}, "outputs", "is not an output"),
@@ -46,7 +46,7 @@ REFUSED_FILES: list[tuple[dict[str, Any], str, str]] = [
     ({"time_limit_s": "long"}, "time_limit_s", "is not a number"),
     ({"name": "../boards"}, "name", "cannot name a folder"),
     ({"sampling": "random"}, "sampling", "choose 'grid', 'latin_hypercube' or 'sobol'"),
-    ({"points": 10}, "points", "a grid has 72 points"),
+    ({"points": 10}, "points", "a grid of 72 points"),
     ({"sampling": "sobol"}, "points", "is missing"),
     ({**LATIN, "points": -3}, "points", "at least 0"),
     ({"minimise": ["gain"]}, "minimise", "not among the sweep's outputs"),
@@ -75,7 +75,7 @@ REFUSED_AXES: list[tuple[dict[str, Any], str, str]] = [
     ({"skin.width_mm": {"low": 17, "high": 18}}, "axes.skin.width_mm.steps", "at least 2"),
     ({"skin.width_mm": {"low": 17, "high": 18, "steps": 1}}, "axes.skin.width_mm.steps", "at least 2"),
     ({"skin.width_mm": {"low": 18, "high": 17, "steps": 3}}, "axes.skin.width_mm.high", "more than 18"),
-    ({"skin.width_mm": {"low": 17, "steps": 3}}, "axes.skin.width_mm.high", "is not a finite number"),
+    ({"skin.width_mm": {"low": 17, "steps": 3}}, "axes.skin.width_mm.high", "is missing; give the high end"),
     ({"skin.width_mm": {"low": "a", "high": 18, "steps": 3}}, "axes.skin.width_mm.low", "is not a finite number"),
     ({"skin.width_mm": {"low": 17, "high": 18, "step": 3}}, "axes.skin.width_mm.step", "did you mean steps?"),
     (
@@ -86,7 +86,7 @@ REFUSED_AXES: list[tuple[dict[str, Any], str, str]] = [
     (
         {"mold.sleeve_interference_mm": {"low": 0, "high": 1, "steps": 3, "spacing": "logarithmic"}},
         "axes.mold.sleeve_interference_mm.low",
-        "no logarithm",
+        "is not above 0",
     ),
     ({"mold.method": {"low": 0, "high": 1, "steps": 2}}, "axes.mold.method", "list its values"),
     ({"mold.method": ["overmould"]}, "axes.mold.method", "'overmold' or 'sleeve'"),
@@ -204,6 +204,13 @@ def test_changes_apply_to_sweep_file_design_and_scene() -> None:
     assert plan.axes[0].values == (50.0, 60.0)
 
 
+@pytest.mark.parametrize("change", ["board.cutoff_hz=5000", "scene.slide.speed_m_s=0.1"])
+def test_change_of_a_swept_parameter_is_refused(change: str) -> None:
+    path, name = ROOT / "params" / "sweeps" / "delay.toml", change.partition("=")[0]
+    with pytest.raises(SweepError, match=rf"{name} is an axis of the sweep; set axes\.{name}=\["):
+        SweepPlan.load(path, [change])
+
+
 def test_unreadable_files_are_named(tmp_path: Path) -> None:
     (tmp_path / "sweep.toml").write_text(
         'design = "none.toml"\nscene = 3\noutputs = []\n[axes]\nskin.width_mm = [17]\n'
@@ -211,7 +218,7 @@ def test_unreadable_files_are_named(tmp_path: Path) -> None:
     result = run_sweep_command(tmp_path / "sweep.toml", "--out", tmp_path / "out")
     assert result.exit_code == 2
     assert "none.toml: cannot be read" in result.stderr
-    assert "scene: 3 is refused" in result.stderr
+    assert "scene: 3 is neither a file nor a table" in result.stderr
     assert not (tmp_path / "out").exists()
     (tmp_path / "sweep.toml").write_text("[axes\n")
     assert "is not valid TOML" in run_sweep_command(tmp_path / "sweep.toml").stderr

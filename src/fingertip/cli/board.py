@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.console import (
+    CHECK_FAILED,
+    Console,
+    JsonOption,
+    QuietOption,
+    SetOption,
+    command,
+    find_suffix_issues,
+)
 
 if TYPE_CHECKING:
     from fingertip.board.values.board_values import BoardValues
@@ -20,7 +28,7 @@ _FORCES_N = (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0)
 
 @command
 def board(
-    design: Annotated[Path | None, typer.Argument(help="Design file; omit it for the default design.")] = None,
+    design: Annotated[Path | None, typer.Argument(help="Design file; the default design if left out.")] = None,
     out: Annotated[Path, typer.Option("--out", "-o", help="Output folder.")] = Path("pcb"),
     check: Annotated[
         bool,
@@ -55,9 +63,12 @@ def board(
         write_fabrication,
     )
     from fingertip.cli.load import load_design
+    from fingertip.errors import OutputError
 
     console = Console(as_json, quiet)
-    loaded, _ = load_design(design, changes)
+    if issues := list(find_suffix_issues("--bode", bode, ".csv", "CSV")):
+        raise OutputError(issues)
+    loaded, _ = load_design(design, changes, console.progress)
     if check:
         found = board_differences(loaded, out) + fabrication_differences(loaded, out, expected=fab)
         up_to_date = f"{out} is up to date with this design"

@@ -13,9 +13,7 @@ from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption
 @command
 def build(
     design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
-    out: Annotated[
-        str | None, typer.Option(metavar="PATH", help="Output folder; out/<design name> by default.")
-    ] = None,
+    out: Annotated[str | None, typer.Option(metavar="PATH", help="Output folder; out/NAME by default.")] = None,
     parts: Annotated[
         str | None, typer.Option(help="Parts (bone, skin, ...), separated by commas; all by default.")
     ] = None,
@@ -24,7 +22,7 @@ def build(
         float, typer.Option(help="Largest distance of a facet from the exact surface, in mm.")
     ] = 0.01,
     material: Annotated[
-        str, typer.Option(help="Silicone of the casting sheet, as in `fingertip sheet`.")
+        str, typer.Option(help="Silicone of the casting sheet: addition_40a, condensation_40a or sylgard_184.")
     ] = "addition_40a",
     changes: SetOption = None,
     as_json: JsonOption = False,
@@ -35,7 +33,7 @@ def build(
     from fingertip.cli.load import load_design
 
     console = Console(as_json, quiet)
-    loaded, _ = load_design(design, changes)
+    loaded, _ = load_design(design, changes, console.progress)
     result = build_parts(
         loaded,
         out,

@@ -12,12 +12,13 @@ from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption
 
 if TYPE_CHECKING:
     from fingertip.cad.verification.check import Check
+    from fingertip.cli.load import Progress
     from fingertip.design import Design
 
 
 @command
 def check(
-    designs: Annotated[list[Path], typer.Argument(metavar="DESIGN...", help="Design files.")],
+    designs: Annotated[list[Path], typer.Argument(metavar="DESIGN", help="Design files.")],
     tolerance_mm: Annotated[
         float, typer.Option(help="Largest distance of a facet from the exact surface, in mm.")
     ] = 0.01,
@@ -30,14 +31,14 @@ def check(
 
     The checks read the STL file that each part would have. A wall must reach printer.min_wall_mm and the skin
     skin.min_thickness_mm, both less the tolerance of the mesh. The genus of a part is the number of its through holes.
-    If any design is not valid, the issues of all designs are listed, no design is checked and no report is written.
+    If any design is not valid, the errors of all designs are listed, no design is checked and no report is written.
     """
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.verify import validate_tolerance, verify
 
     console = Console(as_json, quiet)
-    loaded = _load(designs, changes or ())
+    loaded = _load(designs, changes or (), console.progress)
     validate_tolerance(tolerance_mm)
     checks_by_design: dict[str, tuple[Check, ...]] = {}
     for label, design in loaded.items():
@@ -64,7 +65,7 @@ def check(
         raise typer.Exit(CHECK_FAILED)
 
 
-def _load(files: Sequence[Path], changes: Sequence[str]) -> dict[str, Design]:
+def _load(files: Sequence[Path], changes: Sequence[str], progress: Progress) -> dict[str, Design]:
     """Load the designs by name, or by file where two have the same name (as files that leave the name out do)."""
     from fingertip.cli.load import load_design
     from fingertip.design.load import load_tables
@@ -75,7 +76,7 @@ def _load(files: Sequence[Path], changes: Sequence[str]) -> dict[str, Design]:
     issues: list[Issue] = []
     for file in dict.fromkeys(files):
         try:
-            loaded[file], _ = load_design(file, changes)
+            loaded[file], _ = load_design(file, changes, progress)
         except DesignError as error:
             issues += (
                 issue if issue.field == str(file) else Issue(f"{file}: {issue.field}", issue.message)

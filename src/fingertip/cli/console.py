@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import inspect
 import json
 import os
 import sys
@@ -26,7 +27,7 @@ INTERRUPTED = 130
 
 # An option of the same name means the same in every command, so it is declared once.
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object to stdout and nothing else.")]
-QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print no progress or messages to stderr.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print neither progress nor messages, only errors.")]
 SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Change a parameter of the design; repeatable."),
@@ -96,8 +97,14 @@ class Console:
 
 def find_png_path_issues(option: str, path: Path | None) -> Iterator[Issue]:
     """Find a path of a plot that does not end in .png: plots are written as PNG only."""
-    if path is not None and path.suffix.lower() != ".png" and not path.is_dir():
-        yield Issue(option, f"{path.name!r} is not the name of a PNG file, the only format written; end it in .png.")
+    yield from find_suffix_issues(option, path, ".png", "PNG")
+
+
+def find_suffix_issues(option: str, path: Path | None, suffix: str, file_format: str) -> Iterator[Issue]:
+    """Find a path that does not end in the suffix of the only format that an option writes."""
+    if path is not None and path.suffix.lower() != suffix and not path.is_dir():
+        problem = f"{path.name!r} is not the name of a {file_format} file, the only format written"
+        yield Issue(option, f"{problem}; end it in {suffix}.")
 
 
 def _discard_stdout() -> None:
@@ -110,6 +117,10 @@ def _discard_stdout() -> None:
 
 def command(function: Callable[P, None]) -> Callable[P, None]:
     """Decorate a command: print the issues of an error and exit with `BAD_INPUT`."""
+
+    # The help page would keep the line breaks of the source within a paragraph.
+    paragraphs = inspect.cleandoc(function.__doc__ or "").split("\n\n")
+    function.__doc__ = "\n\n".join(" ".join(paragraph.split()) for paragraph in paragraphs)
 
     @functools.wraps(function)
     def run(*args: P.args, **kwargs: P.kwargs) -> None:

@@ -19,7 +19,9 @@ def detect(
             "recorded, envelope_v; - reads CSV lines from standard input as they arrive."
         ),
     ],
-    design: Annotated[Path | None, typer.Option("--design", help="Design file; default: the default design.")] = None,
+    design: Annotated[
+        Path | None, typer.Option("--design", help="Design file; the default design if left out.")
+    ] = None,
     detector: Annotated[
         str,
         typer.Option(
@@ -30,7 +32,7 @@ def detect(
     ] = "digital",
     rate_hz: Annotated[
         float | None,
-        typer.Option("--rate-hz", help="Sampling rate for which to design the filters; times in a file must agree."),
+        typer.Option("--rate-hz", help="Sampling rate of the trace; if the file holds times, they must agree with it."),
     ] = None,
     quiet_s: Annotated[
         float | None,

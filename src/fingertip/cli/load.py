@@ -2,16 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
     from fingertip.design import Design
 
+Progress: TypeAlias = Callable[[str], None]
+"""Callback that reports progress text."""
 
-def load_design(file: Path | None, changes: Sequence[str] | None) -> tuple[Design, dict[str, Any]]:
+
+def load_design(
+    file: Path | None, changes: Sequence[str] | None, progress: Progress | None = None
+) -> tuple[Design, dict[str, Any]]:
     """Load the design of a file, or the default design, with changes.
+
+    Parameters
+    ----------
+    file
+        Design file; None for the default design.
+    changes
+        Changes, such as "mold.draft_deg=2".
+    progress
+        Callback that prints a note about a file without any parameter.
 
     Returns
     -------
@@ -27,4 +41,6 @@ def load_design(file: Path | None, changes: Sequence[str] | None) -> tuple[Desig
     from fingertip.design.load import load_tables
 
     loaded = load_tables([file] if file else [], changes or ())
+    if file and not loaded.before and progress:
+        progress(f"{file} sets no parameter: this is the default design, params/fsr400.toml")
     return Design.from_tables(loaded.tables, loaded.before, loaded.changed), loaded.tables

@@ -13,7 +13,7 @@ from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, c
 
 @command
 def params(
-    design: Annotated[Path | None, typer.Argument(help="Design file; without it, the defaults.")] = None,
+    design: Annotated[Path | None, typer.Argument(help="Design file; the default design if left out.")] = None,
     changes: SetOption = None,
     toml: Annotated[bool, typer.Option("--toml", help="Print a complete design file with comments.")] = False,
     schema: Annotated[
@@ -25,9 +25,10 @@ def params(
     """Print every parameter with its value, unit, bounds and description."""
     from fingertip.cli.load import load_design
     from fingertip.design import export
+    from fingertip.design.export import format_parameter_table, format_value
 
     console = Console(as_json, quiet)
-    loaded, _ = load_design(design, changes)
+    loaded, _ = load_design(design, changes, console.progress)
     if schema:  # The schema is JSON with and without --json.
         console.write(json.dumps(export.json_schema(), indent=2))
         return
@@ -41,5 +42,5 @@ def params(
          "description": p.description}
         for p, value in parameters
     ]  # fmt: skip
-    lines = [f"{p.path:32} {value!s:>10} {p.unit:8} {p.bounds:24} {p.description}" for p, value in parameters]
-    console.result({"parameters": data}, "\n".join(lines))
+    rows = [(p.path, format_value(value), p.unit, p.bounds, p.description) for p, value in parameters]
+    console.result({"parameters": data}, format_parameter_table(rows))

@@ -13,7 +13,7 @@ from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, c
 @command
 def picture(
     design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
-    out: Annotated[Path | None, typer.Option(help="Output PNG; out/<design name>/exploded.png by default.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Output PNG; out/NAME/exploded.png by default.")] = None,
     width_px: Annotated[int, typer.Option(min=400, max=6000, help="Width of the picture, in pixels.")] = 1600,
     changes: SetOption = None,
     as_json: JsonOption = False,
@@ -28,7 +28,7 @@ def picture(
     console = Console(as_json, quiet)
     if issues := list(find_png_path_issues("--out", out)):
         raise OutputError(issues)
-    loaded, _ = load_design(design, changes)
+    loaded, _ = load_design(design, changes, console.progress)
     path = out or Path("out") / loaded.name / "exploded.png"
     write_file(path, draw(loaded, width_px, console.progress))
     console.result({"picture": str(path)}, f"drawn to {path}")

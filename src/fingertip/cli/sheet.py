@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_suffix_issues
 
 _MESH_TOLERANCE_MM = 0.01
 _SLICED_MESH_TOLERANCE_MM = 0.02
@@ -16,9 +16,7 @@ _SLICED_MESH_TOLERANCE_MM = 0.02
 @command
 def sheet(
     design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
-    out: Annotated[
-        Path | None, typer.Option(help="Markdown file to write; default: out/<design name>/casting.md.")
-    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Markdown file to write; out/NAME/casting.md by default.")] = None,
     material: Annotated[
         str, typer.Option(help="Silicone: addition_40a, condensation_40a or sylgard_184.")
     ] = "addition_40a",
@@ -38,10 +36,13 @@ def sheet(
     from fingertip.casting.sheet import casting_sheet_data
     from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_part
     from fingertip.cli.load import load_design
+    from fingertip.errors import OutputError
     from fingertip.files import write_file
 
     console = Console(as_json, quiet)
-    loaded, _ = load_design(design, changes)
+    if issues := list(find_suffix_issues("--out", out, ".md", "Markdown")):
+        raise OutputError(issues)
+    loaded, _ = load_design(design, changes, console.progress)
     silicone = find_silicone(material)
     prints: dict[str, PrintEstimate] | None = None
     program = find_slicer() if slicer else None

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_png_path_issues
+from fingertip.cli.console import Console, JsonOption, QuietOption, command, find_png_path_issues
 
 if TYPE_CHECKING:
     from fingertip.sim import Simulation
@@ -19,7 +19,7 @@ def simulate(
         Path | None, typer.Argument(help="Design, scene or manipulation file; the default design if left out.")
     ] = None,
     design: Annotated[
-        Path | None, typer.Option("--design", "-d", help="Design file, beside a scene or manipulation file.")
+        Path | None, typer.Option("--design", "-d", help="Design file for a scene or manipulation file.")
     ] = None,
     out: Annotated[Path, typer.Option("--out", "-o", help="Trace to write: .csv or .npz.")] = Path("trace.csv"),
     plot: Annotated[Path | None, typer.Option("--plot", help="Plot of the outputs to write (PNG).")] = None,
@@ -39,9 +39,16 @@ def simulate(
     ] = None,
     grip: Annotated[
         str | None,
-        typer.Option("--grip", help="Detector (fast, ...) that closes a hand's loop: the grip tightens at slip."),
+        typer.Option("--grip", help="Let the hand tighten its grip when this detector (fast, ...) reports slip."),
     ] = None,
-    changes: SetOption = None,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="TABLE.KEY=VALUE",
+            help="Change a parameter of the scene or manipulation, or of the design; repeatable.",
+        ),
+    ] = None,
     parameters: Annotated[
         bool, typer.Option("--parameters", help="Print the scene's parameters with unit, bounds and meaning.")
     ] = False,

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingertip.cli.console import CHECK_FAILED, INTERRUPTED, Console, JsonOption, QuietOption, command
+from fingertip.cli.console import (
+    CHECK_FAILED,
+    INTERRUPTED,
+    Console,
+    JsonOption,
+    QuietOption,
+    command,
+    find_suffix_issues,
+)
 
 if TYPE_CHECKING:
     from fingertip.sweep.database import SweepDatabase
@@ -22,7 +30,7 @@ MAX_JOBS = 1024
 @command
 def sweep(
     file: Annotated[
-        Path | None, typer.Argument(metavar="[SWEEP.toml]", help="Sweep file; see params/sweeps for examples.")
+        Path | None, typer.Argument(metavar="SWEEP", help="Sweep file; see params/sweeps for examples.")
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for the rows. Default: out/sweeps/NAME.")
@@ -73,6 +81,12 @@ def sweep(
     if outputs:
         _list_outputs(console)
         return
+    issues = [
+        *find_suffix_issues("--csv", csv, ".csv", "CSV"),
+        *find_suffix_issues("--parquet", parquet, ".parquet", "Parquet"),
+    ]
+    if issues:
+        raise SweepError(issues)
     if parquet is not None:
         export.load_pyarrow()  # a missing package is reported before the sweep, not after it
     if show:
@@ -195,5 +209,7 @@ def _list_outputs(console: Console) -> None:
     from fingertip.sweep.outputs import OUTPUTS
 
     data = [{"name": o.name, "group": o.group, "description": o.description} for o in OUTPUTS.values()]
-    text = "\n".join(f"{o.name:24} {o.group:10} {o.description}" for o in OUTPUTS.values())
+    lines = [f"{'output':24} {'group':10} description"]
+    lines += [f"{o.name:24} {o.group:10} {o.description}" for o in OUTPUTS.values()]
+    text = "\n".join(lines)
     console.result({"outputs": data}, text)

@@ -12,7 +12,7 @@ from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption
 
 @command
 def validate(
-    design: Annotated[Path | None, typer.Argument(help="Design file; default: the default design.")] = None,
+    design: Annotated[Path | None, typer.Argument(help="Design file; the default design if left out.")] = None,
     trials: Annotated[int, typer.Option(help="Number of trials with slip (article: 120).")] = 120,
     minutes: Annotated[float, typer.Option(help="Minutes of scenes without slip.")] = 40.0,
     detector: Annotated[

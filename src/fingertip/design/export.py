@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +13,9 @@ from fingertip.design.model import Design
 from fingertip.design.parameters import DesignTables, ParameterTable
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
 from fingertip.design.parameters.design_tables import PARAMETERS
+
+_MAX_COLUMN_WIDTH = 60
+"""Maximum width of a column of the parameter table. A longer entry shifts the rest of its own row only."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +35,24 @@ def list_parameters() -> Iterator[Parameter]:
     """Yield every parameter of a design file, in its order."""
     for path, field in PARAMETERS.items():
         yield Parameter(path, field.default, find_unit(field), _format_bounds(field), field.description or "")
+
+
+def format_parameter_table(rows: Iterable[Sequence[str]]) -> str:
+    """Format rows of name, value, unit, bounds and description as a table with a header."""
+    rows = [("parameter", "value", "unit", "bounds", "description"), *rows]
+    widths = [max(len(row[i]) for row in rows if len(row[i]) <= _MAX_COLUMN_WIDTH) for i in range(4)]
+    lines = (
+        f"{name:{widths[0]}}  {value:>{widths[1]}}  {unit:{widths[2]}}  {bounds:{widths[3]}}  {description}"
+        for name, value, unit, bounds, description in rows
+    )
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def format_value(value: Any) -> str:
+    """Format a value as it is written in a TOML file, text without its quotes."""
+    if isinstance(value, bool | list | tuple):
+        return json.dumps(value)
+    return str(value)
 
 
 def json_schema() -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import json
 import re
 from collections.abc import Sequence
@@ -30,14 +31,19 @@ def suggest_name(word: str, known: Sequence[str]) -> str:
 
 
 def find_similar_name(word: str, known: Sequence[str]) -> str | None:
-    """Find the known name that is most similar to a word, with or without its unit; None if none is really similar."""
+    """Find the known name that is most similar to a word, with or without units; None if none is really similar."""
 
     def similarity(name: str) -> float:
-        forms = (name, name.rpartition("_")[0] or name)
-        return max(difflib.SequenceMatcher(None, word, form).ratio() for form in forms)
+        pairs = itertools.product(_list_forms(word), _list_forms(name))
+        return max(difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
 
     best = max(known, key=similarity, default=None)
     return best if best is not None and similarity(best) >= _MIN_SIMILARITY else None
+
+
+def _list_forms(name: str) -> tuple[str, str]:
+    """Return a name as it is and without its last word, which often is a unit."""
+    return name, name.rpartition("_")[0] or name
 
 
 def _describe(details: Any, model: type[BaseModel]) -> Issue:
@@ -74,7 +80,9 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             return Issue(field, f"{value!r} is neither true nor false; write true or false, without quotes.")
         case "list_type":
             return Issue(field, f"{value!r} is not a list; write one in square brackets, such as [{_quote(value)}].")
-        case "model_type" | "dict_type":
+        case "dict_type":
+            return Issue(field, f"{value!r} is not a table; write [{field}] and its entries below it.")
+        case "model_type":
             return Issue(field, f"{value!r} is not a table; {_show_parameter(location, model)}.")
         case "string_pattern_mismatch":
             return Issue(field, f"{value!r} cannot name a folder; use up to 40 letters, digits, - and _.")

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from fingertip.design.issues import issues_from_pydantic, suggest_name
+from fingertip.design.issues import find_similar_name, issues_from_pydantic, suggest_name
 from fingertip.design.parameters import DesignTables, ParameterTable
 from fingertip.errors import Issue
 
@@ -153,7 +153,10 @@ def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis | None, list[I
             )
             return None, [Issue(field, message)]
         known = list_parameter_names(DesignTables) + list_parameter_names(_load_scene_model(), "scene.")
-        return None, [Issue(field, f"there is no such parameter; {suggest_name(name, known)}")]
+        similar = find_similar_name(name, known)
+        # The list of all names would be too long for a message.
+        remedy = f"did you mean {similar}?" if similar else "`fingertip params` lists the names of a design."
+        return None, [Issue(field, f"there is no such parameter; {remedy}")]
     axis, issues = _parse_axis(name, field, entry, sampled, _get_annotation(model, path))
     if axis is None or issues:
         return None, issues
@@ -196,7 +199,9 @@ def _parse_range(
     ]
     low, high = entry.get("low"), entry.get("high")
     for key, value in (("low", low), ("high", high)):
-        if type(value) not in (float, int) or not math.isfinite(value or 0):
+        if key not in entry:
+            issues.append(Issue(f"{field}.{key}", f"is missing; give the {key} end of the range."))
+        elif type(value) not in (float, int) or not math.isfinite(value or 0):
             problem = f"{value!r} is not a finite number; give the {key} end of the range."
             issues.append(Issue(f"{field}.{key}", problem))
     steps, spacing = entry.get("steps", 0), entry.get("spacing", "linear")
@@ -205,7 +210,8 @@ def _parse_range(
             Issue(f"{field}.steps", 'is only for sampling = "grid"; a sampler draws `points` values, leave it out.')
         )
     if not sampled and not issues and (type(steps) is not int or steps < 2):
-        issues.append(Issue(f"{field}.steps", f"{entry.get('steps')!r} is refused; give a whole number of at least 2."))
+        problem = f"{steps!r} is not a number of values" if "steps" in entry else "is missing"
+        issues.append(Issue(f"{field}.steps", f"{problem}; give a whole number of at least 2."))
     if spacing not in get_args(Spacing):
         issues.append(Issue(f"{field}.spacing", f"{spacing!r} is unknown; choose {' or '.join(get_args(Spacing))}."))
     if issues:
@@ -216,7 +222,8 @@ def _parse_range(
     if not low < high:
         return None, [Issue(f"{field}.high", f"{high:g} is not above low; give more than {low:g}.")]
     if spacing == "logarithmic" and low <= 0:
-        return None, [Issue(f"{field}.low", f'{low:g} has no logarithm; give more than 0, or spacing = "linear".')]
+        problem = f"{low:g} is not above 0, which a logarithmic spacing requires"
+        return None, [Issue(f"{field}.low", f'{problem}; give more than 0, or spacing = "linear".')]
     axis = Axis(name, (), float(low), float(high), steps, spacing, integer=annotation is int)
     if len(set(axis.values)) < len(axis.values):
         maximum = int(high) - int(low) + 1

@@ -189,11 +189,8 @@ def _check_point_count(file: SweepFile, axes: list[Axis]) -> list[Issue]:
     if file.sampling == "grid":
         size = int(np.prod([len(axis.values) for axis in axes], dtype=object)) if axes else 0
         if file.points:
-            return [
-                Issue(
-                    "points", f"{file.points} is for samplers, but a grid has {size} points by its axes; leave it out."
-                )
-            ]
+            problem = f"{file.points} is for samplers, but the axes make a grid of {size} points"
+            return [Issue("points", f"{problem}; leave it out.")]
         if size > MAX_POINTS:
             return [
                 Issue("axes", f"make a grid of {size} points; give at most {MAX_POINTS}, or sample them with sobol.")
@@ -232,7 +229,8 @@ def _check_consistency(plan: SweepPlan) -> list[Issue]:
     issues = []
     if "scene" in tables_read and plan.scene is None:
         outputs = ", ".join(n for n in plan.outputs if find_groups([n])[0].name == "detection")
-        issues.append(Issue("scene", f'is missing, but {outputs} need one; write scene = "sliding_finger.toml".'))
+        remedy = 'write scene = "../scenes/sliding_finger.toml", a path relative to the sweep file'
+        issues.append(Issue("scene", f"is missing, but outputs need one ({outputs}); {remedy}."))
     if "scene" not in tables_read:
         issues += [
             Issue(f"axes.{name}", "changes none of the outputs; add one that it changes, such as delay_ms.")

@@ -83,11 +83,11 @@ def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, 
         With everything that cannot be read.
     """
     sweep_changes, design_changes, scene_changes = _sort_changes(changes)
-    issues: list[Issue] = []
     try:
         tables = load_tables([file], sweep_changes, SWEEP).tables
     except DesignError as error:
         raise SweepError(error.issues) from None
+    issues = list(_find_changed_axes(tables.get("axes"), design_changes, scene_changes))
     for name, base_changes in (("design", design_changes), ("scene", scene_changes)):
         entry = tables.get(name, {} if name == "design" else None)
         try:
@@ -160,9 +160,16 @@ def _load_base(folder: Path, name: str, entry: Any, changes: list[str]) -> dict[
     if isinstance(entry, str):
         return load_tables([folder / entry], changes, DESIGN if name == "design" else SCENE).tables
     if entry is None and changes:
-        raise SweepError(Issue(f"--set scene.{changes[0]}", "changes a base scene, but the sweep file names none."))
+        raise SweepError(
+            Issue(
+                f"--set scene.{changes[0]}",
+                "changes a base scene, but the sweep file names none; add --set scene=FILE.toml.",
+            )
+        )
     if entry is not None and not isinstance(entry, Mapping):
-        raise SweepError(Issue(name, f"{entry!r} is refused; give the path of a file, or a table [{name}]."))
+        raise SweepError(
+            Issue(name, f"{entry!r} is neither a file nor a table; give the path of a file, or a table [{name}].")
+        )
     if entry is None:
         return None
     return _merge(dict(entry), load_tables((), changes).tables)
@@ -174,6 +181,19 @@ def _merge(into: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
         both = isinstance(old, Mapping) and isinstance(value, Mapping)
         into[key] = _merge(dict(old), value) if both and isinstance(old, Mapping) else value
     return into
+
+
+def _find_changed_axes(axes: Any, design_changes: list[str], scene_changes: list[str]) -> Iterator[Issue]:
+    """Find changes of parameters that the sweep varies: the axis would override them at every point."""
+    for change in (*design_changes, *(f"scene.{change}" for change in scene_changes)):
+        name, _, value = (text.strip() for text in change.partition("="))
+        entry = axes
+        for key in name.split("."):
+            entry = entry.get(key) if isinstance(entry, Mapping) else None
+        if entry is not None:
+            yield Issue(
+                f"--set {change}", f"has no effect, because {name} is an axis of the sweep; set axes.{name}=[{value}]."
+            )
 
 
 def _sort_changes(changes: Iterable[str]) -> tuple[list[str], list[str], list[str]]:

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from fingertip.design.export import format_parameter_table, format_value
 from fingertip.design.issues import issues_from_pydantic, suggest_name
 from fingertip.design.load import load_tables
 from fingertip.design.parameters import ParameterTable
@@ -79,11 +80,10 @@ class SimulationFile(BaseModel):
                 yield _describe(name, value, schema["properties"][name], self.known_outputs)
 
     def format_parameters(self) -> list[str]:
-        """Return the parameters as text, one line each."""
-        return [
-            f"{p['name']:28} {p['value']!s:>14} {p['unit']:5} {p['bounds']:24} {p['description']}"
-            for p in self.list_parameters()
-        ]
+        """Return the parameters as lines of a table with a header."""
+        columns = ("name", "value", "unit", "bounds", "description")
+        rows = [tuple(format_value(p[column]) for column in columns) for p in self.list_parameters()]
+        return format_parameter_table(rows).splitlines()
 
     @classmethod
     def _rule_issues_beside(cls, tables: Mapping[str, Any], issues: Iterable[Issue]) -> list[Issue]:

@@ -122,7 +122,7 @@ def describe_best(summary: SweepSummary) -> str:
     """Describe which design is best; if there is none, why, and what to do."""
     selection, table = summary.selection, summary.table
     if not len(table.point):
-        return "no point has been computed yet."
+        return "No point has been computed yet."
     if not find_feasible(table).any():
         rule = summary.limiting_rules[0]
         axis = rule.axes[0] if rule.axes else None
@@ -133,23 +133,20 @@ def describe_best(summary: SweepSummary) -> str:
         if rule.example:
             example = f" Message of the first point: {_explain_first_point(summary, rule)}"
         return (
-            f"none of {len(table.point)} points is feasible; the most frequent limiting rule is {rule.rule} "
+            f"None of {len(table.point)} points is feasible; the most frequent limiting rule is {rule.rule} "
             f"({_format_percent(rule.share)}).{remedy}{example}"
         )
     if not selection.objectives:
-        return "the sweep has no objective; add minimise or maximise to its file to get a best design."
+        return "The sweep has no objective; add minimise or maximise to its file to get a best design."
     goals = " and ".join(map(str, selection.objectives))
     if selection.best is None:
-        return f"none of {selection.excluded} feasible points has a finite value of every objective ({goals})."
-    excluded = f" ({selection.excluded} that are not finite are left out)" if selection.excluded else ""
+        return f"None of {selection.excluded} feasible points has a finite value of every objective ({goals})."
+    candidates = f"{len(selection.candidates)} feasible points{' with finite objectives' if selection.excluded else ''}"
     point = int(table.point[selection.best])
     if len(selection.objectives) == 1:
-        return f"point {point} is the best of {len(selection.candidates)} feasible points{excluded} to {goals}."
-    return (
-        f"point {point} is the best compromise (nearest to the ideal) of "
-        f"{_format_count(len(selection.front), 'point')} on the Pareto front, among {len(selection.candidates)} "
-        f"feasible{excluded}, to {goals}."
-    )
+        return f"Point {point} is the best of {candidates} to {goals}."
+    front = _format_count(len(selection.front), "Pareto-optimal point")
+    return f"Point {point} is the best compromise to {goals}: of {front} among {candidates}, the nearest to the ideal."
 
 
 def _explain_first_point(summary: SweepSummary, rule: LimitingRule) -> str:
@@ -199,7 +196,7 @@ def _format_rules(rules: Sequence[LimitingRule]) -> list[str]:
         return []
     lines = [
         "",
-        "limiting rule                        points   share   strongest axis (variance explained): limiting range",
+        "limiting rule                        points   share   main axis (explained variance): limiting range",
     ]
     for rule in rules[:_MAX_RULES]:
         axis = rule.axes[0] if rule.axes else None
@@ -230,7 +227,7 @@ def _format_sensitivities(sensitivities: Sequence[OutputSensitivity]) -> list[st
         return []
     lines = [
         "",
-        "output variance explained by each axis alone (first-order Sobol index; + rises, - falls with the axis)",
+        "share of the variance that each axis explains alone (first-order Sobol index; + rises, - falls with the axis)",
     ]
     for sensitivity in sensitivities:
         axes = [

@@ -322,7 +322,7 @@ def test_page_lists_failures_and_assumptions(validated):
     for assumption in data["assumptions"]:
         assert assumption in page
     lost = [row["detector"] for row in data["closed_loop"] if row["held"] < row["count"]]
-    assert page.count(": lost.") == sum(r["count"] - r["held"] for r in data["closed_loop"]), lost
+    assert page.count(": object lost.") == sum(r["count"] - r["held"] for r in data["closed_loop"]), lost
     missed = (1 - data["detectors"]["analog"]["found_share"]) * 8
     counted = [int(word) for word in page.split("- analog: slips missed: ")[1].split("\n")[0].split() if word.isdigit()]
     assert sum(counted[::2]) == round(missed)

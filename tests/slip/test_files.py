@@ -319,6 +319,9 @@ def test_a_missing_row_is_ignored_with_the_options_in_the_message(tmp_path):
     assert "0.0245 s in line 50 comes after a gap" in done.stderr
     remedy = shlex.split(re.search(r"ignore the times with (.*)\.$", done.stderr, re.MULTILINE)[1])
     assert single_onset(run("detect", tmp_path / "t.csv", *remedy, "--json")) == pytest.approx(ONSET, abs=0.001)
+    live = run("detect", "-", lines=(tmp_path / "t.csv").read_text())
+    assert "line 50: 0.0245 s is 0.001 s after the previous sample" in live.stderr
+    assert shlex.split(re.search(r"ignore the times with (.*)\.$", live.stderr, re.MULTILINE)[1]) == remedy
 
 
 def test_an_archive_without_arrays_gives_an_error(tmp_path):

@@ -125,6 +125,7 @@ class _SampleClock:
         self._previous_s = -math.inf
         self._start_s = 0.0
         self._steps = 0
+        self._has_valid_step = False
 
     def check(self, time_s: float, line: int) -> None:
         """Check the time of the next sample [s]."""
@@ -137,13 +138,17 @@ class _SampleClock:
             remedy = "use --rate-hz, or record without gaps"
             if step_s == 0.0:
                 remedy = "ignore rounded times with --column time_s=none and --rate-hz"
-            elif not self._steps and step_s > 0.0 and guess_time_unit(1 / step_s):
+            elif self._has_valid_step:
+                rate_hz = self._parameters.sample_rate_hz
+                remedy = f"if few samples are missing, ignore the times with --rate-hz {rate_hz:g} --column time_s=none"
+            elif step_s > 0.0 and guess_time_unit(1 / step_s):
                 raise _line_error(line, rate_bounds_message(1 / step_s) or "")
             raise _line_error(
                 line,
                 f"{time_s:.9g} s is {step_s:.4g} s after the previous sample, but the detector requires steps of "
                 f"{self._step_s:.4g} s ({self._parameters.sample_rate_hz:g} Hz); {remedy}.",
             )
+        self._has_valid_step = True
         self._steps += 1
         if self._steps % self._parameters.window_samples == 0:
             self._check_rate(time_s, line)

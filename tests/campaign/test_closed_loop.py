@@ -190,8 +190,9 @@ def test_object_that_left_the_fingers_is_not_held(trials):
 def test_closed_loop_requirements_can_be_missed(change, missed):
     met = {"detector": "fast", "count": 12, "held": 12, "slipped": 12, "reactions_s": (0.03,), "unanswered": 0}
     summary = ClosedLoopSummary(**{**met, "false_grips": 0, "suppressed": 3, "suppressed_true": 0, **change})
-    requirements = check_closed_loop(summary, RequirementLimits())
+    requirements = list(check_closed_loop(summary, RequirementLimits()))
     assert {requirement.name for requirement in requirements if not requirement.passed} == missed
+    assert requirements[0].message == f"{summary.held} of 12 objects held; at least 91.7 %"
 
 
 @pytest.mark.slow

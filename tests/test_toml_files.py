@@ -97,9 +97,9 @@ def test_syntax_errors_name_the_line_and_a_remedy(tmp_path: Path, text: str, mes
 
 def test_changes_go_to_the_file_that_knows_their_name() -> None:
     changes = ["tap.force_n=1", "knock.at_s=1", "outputs=[]"]
-    assert split_changes(changes, [SCENE]) == (["tap.force_n=1", "outputs=[]"], ["knock.at_s=1"])
+    assert split_changes([*changes, "mold.draft_deg=2"], [SCENE]) == (changes, ["mold.draft_deg=2"])
     others = ["cable.hum_v=1", *changes[1:]]
-    assert split_changes(others, [MANIPULATION]) == (others[1:], others[:1])
+    assert split_changes([*others, "mold.draft_deg=2"], [MANIPULATION]) == (others, ["mold.draft_deg=2"])
     assert split_changes(changes, [SCENE, MANIPULATION]) == (changes, [])
     assert split_changes(["tap.force_n=1", "skin.width_mm=18"], [SCENE]) == (["tap.force_n=1"], ["skin.width_mm=18"])
     unknown = ["tp.force_n=1", "skn.width_mm=18", "x=1"]

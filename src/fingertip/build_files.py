@@ -227,4 +227,4 @@ def _select(option: str, requested: Iterable[str], known: tuple[str, ...]) -> li
 def _describe_unknown_name(name: str, known: tuple[str, ...]) -> str:
     if name in PARTS:  # only the core is missing from some designs
         return f"this design has no {name!r}, which only a sleeve is cast around; --set mold.method=sleeve."
-    return f"there is no {name!r}; {suggest_name(name, known)}"
+    return f"{name!r} is not one of the choices; {suggest_name(name, known)}"

@@ -54,7 +54,7 @@ def test_default_folder_is_out_and_the_name_of_the_design(tmp_path: Path) -> Non
         (["--parts", ","], "--parts: is empty; choose from bone, skin"),
         (["--parts", "core"], "has no 'core', which only a sleeve is cast around; --set mold.method=sleeve"),
         (["--out", ""], "--out: is empty; give a folder"),
-        (["--formats", "stl,obj"], "there is no 'obj'"),
+        (["--formats", "stl,obj"], "'obj' is not one of the choices"),
         (["--tolerance-mm", "5"], "out of bounds"),
         (["--tolerance-mm", "nan"], "out of bounds"),
     ],

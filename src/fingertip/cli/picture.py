@@ -9,24 +9,30 @@ import typer
 
 from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_png_path_issues
 
+MIN_WIDTH_PX = 400
+MAX_WIDTH_PX = 6000
+
 
 @command
 def picture(
     design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
     out: Annotated[Path | None, typer.Option(help="Output PNG; out/NAME/exploded.png by default.")] = None,
-    width_px: Annotated[int, typer.Option(min=400, max=6000, help="Width of the picture, in pixels.")] = 1600,
+    width_px: Annotated[int, typer.Option(help="Width of the picture, in pixels: 400 to 6000.")] = 1600,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Draw an exploded view of the fingertip and a section through the closed mold."""
     from fingertip.cli.load import load_design
-    from fingertip.errors import OutputError
+    from fingertip.errors import Issue, OutputError
     from fingertip.files import write_file
     from fingertip.view.picture import draw
 
     console = Console(as_json, quiet)
-    if issues := list(find_png_path_issues("--out", out)):
+    issues = list(find_png_path_issues("--out", out))
+    if not MIN_WIDTH_PX <= width_px <= MAX_WIDTH_PX:
+        issues.append(Issue("--width-px", f"{width_px} is out of range; choose {MIN_WIDTH_PX} to {MAX_WIDTH_PX}."))
+    if issues:
         raise OutputError(issues)
     loaded, _ = load_design(design, changes, console.progress)
     path = out or Path("out") / loaded.name / "exploded.png"

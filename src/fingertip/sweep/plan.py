@@ -6,6 +6,7 @@ last axis varies fastest. The points of a sampler follow its sequence.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
 
 PointNumbers = NDArray[np.int64]
 
+_EXAMPLE_SCENE = Path("params/scenes/sliding_finger.toml")
+"""Bundled scene that a message recommends, relative to the working folder."""
+
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
@@ -50,7 +54,7 @@ class SweepPlan:
         SweepError
             With everything that is wrong: unknown names, values out of bounds, files that cannot be read.
         """
-        return cls.from_tables(sweep_file.read_sweep_file(path, changes))
+        return cls.from_tables(sweep_file.read_sweep_file(path, changes), Path(path).parent)
 
     @classmethod
     def from_toml(cls, text: str) -> SweepPlan:
@@ -58,8 +62,11 @@ class SweepPlan:
         return cls.from_tables(sweep_file.parse_canonical_text(text))
 
     @classmethod
-    def from_tables(cls, tables: Mapping[str, Any]) -> SweepPlan:
-        """Build a plan from the tables of a sweep file that hold design and scene. Raises as `load` does."""
+    def from_tables(cls, tables: Mapping[str, Any], folder: Path = Path()) -> SweepPlan:
+        """Build a plan from the tables of a sweep file that hold design and scene. Raises as `load` does.
+
+        `folder` is that of the sweep file, to which the paths in messages are relative.
+        """
         # Each section is validated even if another one is wrong, so that all issues are reported at once.
         file, issues = sweep_file.parse_sweep_file(tables)
         entries = tables.get("axes")
@@ -81,7 +88,7 @@ class SweepPlan:
             issues += _check_catalogue_names(file)
         if file and design and not issues:
             plan = cls(file, tuple(axes), design, scene)
-            issues += _check_consistency(plan)
+            issues += _check_consistency(plan, folder)
             if not issues:
                 return plan
         raise SweepError(issues)
@@ -222,14 +229,14 @@ def _check_catalogue_names(file: SweepFile) -> list[Issue]:
     return issues
 
 
-def _check_consistency(plan: SweepPlan) -> list[Issue]:
+def _check_consistency(plan: SweepPlan, folder: Path) -> list[Issue]:
     """Check what only several sections of a plan together can get wrong."""
     tables_read = frozenset().union(*(group.reads for group in plan.groups))
     scene_axes = [axis.name for axis in plan.axes if axis.name.startswith("scene.")]
     issues = []
     if "scene" in tables_read and plan.scene is None:
         outputs = ", ".join(n for n in plan.outputs if find_groups([n])[0].name == "detection")
-        remedy = 'write scene = "../scenes/sliding_finger.toml", a path relative to the sweep file'
+        remedy = f'write scene = "{_express_relative(_EXAMPLE_SCENE, folder)}"'
         issues.append(Issue("scene", f"is missing, but outputs need one ({outputs}); {remedy}."))
     if "scene" not in tables_read:
         issues += [
@@ -248,6 +255,14 @@ def _check_consistency(plan: SweepPlan) -> list[Issue]:
             for issue in find_remedies(plan.design, lasting, rules=rules)
         ]
     return issues
+
+
+def _express_relative(path: Path, folder: Path) -> str:
+    """Express a path relative to a folder, as a sweep file names other files."""
+    try:
+        return Path(os.path.relpath(path, folder)).as_posix()
+    except ValueError:  # two drives of Windows
+        return path.absolute().as_posix()
 
 
 def _to_entry(axis: Axis) -> Any:

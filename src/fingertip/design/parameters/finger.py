@@ -217,14 +217,14 @@ class Mold(ParameterTable):
         8.0, "mm", "Length of the recess that holds the bone's base.", minimum=2, maximum=60
     )
     gate_diameter_mm: float = quantity(
-        3.0, "mm", "Diameter of the gate into the cavity, beside the apex.", minimum=0.8, maximum=12
+        3.0, "mm", "Diameter of the gate into the cavity, beside the vent at the tip.", minimum=0.8, maximum=12
     )
     funnel_diameter_mm: float = quantity(
         7.0, "mm", "Diameter of the sprue's funnel at its mouth.", minimum=1, maximum=30
     )
     funnel_depth_mm: float = quantity(4.0, "mm", "Depth of the funnel.", minimum=0.5, maximum=30)
     vent_diameter_mm: float = quantity(
-        1.2, "mm", "Diameter of the mold vents, at the apex and opposite the gate.", minimum=0.4, maximum=5
+        1.2, "mm", "Diameter of the mold vents, one at the tip and one opposite the gate.", minimum=0.4, maximum=5
     )
     bolt_diameter_mm: float = quantity(
         3.4, "mm", "Diameter of the clamp bolts' clearance holes (3.4: M3).", minimum=MIN_HOLE_MM, maximum=9

@@ -73,7 +73,8 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             return Issue(field, f"{value!r} is not a number; write {number}, without its unit.")
         case "float_type" | "int_type":
             number = "a whole number" if kind == "int_type" else "a number"
-            return Issue(field, f"{value!r} is not {number}; write {number}{unit and ' in' + unit}, without quotes.")
+            quotes = ", without quotes" if isinstance(value, str) else ""
+            return Issue(field, f"{value!r} is not {number}; write {number}{unit and ' in' + unit}{quotes}.")
         case "string_type":
             return Issue(field, f'{value!r} is not text; write it in quotes, such as "{value}".')
         case "bool_type" | "bool_parsing":

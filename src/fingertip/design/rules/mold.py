@@ -76,8 +76,8 @@ def gate_within_cavity(design: DesignTables) -> Violation | None:
     if reach <= room + SLACK:
         return None
     return Violation(
-        f"{design.mold.funnel_diameter_mm:g} mm pushes the gate {reach:.2f} mm to the side, past the cavity's "
-        f"{room:.2f} mm",
+        f"{design.mold.funnel_diameter_mm:g} mm puts the edge of the gate {reach:.2f} mm from the middle, outside the "
+        f"cavity, where at most {room:.2f} mm are possible",
         at_most(design.mold.funnel_diameter_mm - 2 * (reach - room)),
     )
 

@@ -187,7 +187,7 @@ def slot_fits_flat(design: DesignTables) -> Violation | None:
         return None
     return Violation(
         f"{design.bone.wall_mm:g} mm on each side of the tail's slot ({2 * half:.2f} mm wide) do not fit the flat "
-        f"({2 * room:.2f} mm)",
+        f"({2 * room:.2f} mm wide)",
         at_most(room - half),
     )
 

@@ -136,7 +136,9 @@ class CompiledLoop:
         if self._compiled is None:
             if _progress:
                 module = self.plain.__module__.rpartition(".")[2]
-                _progress(f"preparing the loop {self.plain.__name__.lstrip('_')} of {module} (compiled once, then cached)")
+                _progress(
+                    f"preparing the loop {self.plain.__name__.lstrip('_')} of {module} (compiled once, then cached)"
+                )
             self._compiled = _compile_cached(self.plain, *self._helpers)
         return self._compiled
 

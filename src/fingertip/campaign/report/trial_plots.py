@@ -30,7 +30,7 @@ _VOLTAGE, _ENVELOPE, _TRUTH, _FORCE = "#1f4e79", "#d98c2b", "#7fb3a6", "#4a5157"
 _REFERENCE = "#b0b7bf"
 _FINGERS = {"thumb": "#1f4e79", "index": "#b03a2e", "middle": "#d98c2b", "ring": "#2e7d5b", "little": "#8a5aa0"}
 SHORT_WINDOW_S = 0.01
-"""Window that takes a contact for slip in the article's figure 5 [s]."""
+"""Window in which a contact is reported as slip in the article's figure 5 [s]."""
 DETECTORS_SHOWN = ("analog", "digital", "fast")
 CLOSED_LOOP_PLOTS = {"closed_loop_power.png": "parallelepiped", "closed_loop_pinch.png": "cylinder"}
 """File -> object, as in the article's figures 16 and 17."""

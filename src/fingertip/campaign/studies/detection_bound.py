@@ -1,4 +1,4 @@
-"""Lower bound on the mean delay of any detector for the same spectrum and noise: Lorden's bound.
+"""Estimated lower bound on the mean delay of any detector for the same spectrum and noise: Lorden's bound.
 
 A change that increases the information by I per second is found, on average and for a mean time between false alarms of
 gamma independent decisions, no sooner than ``ln(gamma) / I`` (G. Lorden, Ann. Math. Stat. 42(6), 1971,
@@ -9,8 +9,8 @@ Gaussian noise of power n in a band of width B that becomes n + s gives ``B (r -
 r = 1 + s / n. The band is the wide one of the detector `fast`, seen through its own causal filters, whose delay is part
 of the bound. s is the power that the same trial shows there without noise. The bound covers noise and slip only: it
 does not have to distinguish slip from a load change, and it knows in advance how strong this slip will be. It is
-therefore a lower limit, not a goal. It limits the average over the noise: the same slip is found a little sooner with
-some noise, and later with other noise.
+therefore not a goal. The bound is asymptotic, for rare false alarms, and limits the mean over the noise: the same slip
+is found a little sooner with some noise, and later with other noise. Percentiles of few slips may lie below it.
 """
 
 from __future__ import annotations

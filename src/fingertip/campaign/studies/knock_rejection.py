@@ -30,7 +30,7 @@ class KnockResult:
     """Peak force [N]."""
     rise_s: float
     false_alarm_share: float
-    """Fraction of the knocks that were taken for slip: alarms over knocks, at most 1."""
+    """Fraction of the knocks that were reported as slip: alarms over knocks, at most 1."""
 
 
 def study_knock_rejection(

@@ -73,6 +73,7 @@ def test_folder_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     assert len(run.stderr.splitlines()) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["board", "--out", "OUT"], ["board", "--out", "OUT", "--json"]])
 def test_command_imports_no_heavy_modules(tmp_path: Path, arguments: list[str]) -> None:
     script = (

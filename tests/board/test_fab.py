@@ -191,6 +191,7 @@ def test_gerbers_of_an_earlier_board_are_reported(tmp_path: Path) -> None:
     assert "has no valid made_from.sha256" in run_fingertip("board", "--out", tmp_path).stderr
 
 
+@pytest.mark.slow
 def test_without_kicad_the_error_says_how_to_install_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     run = run_fingertip("board", "--fab", "--quiet", "--out", tmp_path / "pcb")

@@ -64,6 +64,7 @@ SWAPS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_feedback_is_negative(tmp_path: Path) -> None:
     _, path = write_netlist(tmp_path, [])
     poles = NetlistCircuit(path).poles("/TACTILE")

@@ -68,6 +68,7 @@ def test_envelope_offset_of_another_amplifier() -> None:
     assert board_values(Design()).output_offset is None  # it is below the diode's threshold
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("supply", SUPPLIES)
 def test_bias_error_of_the_comparator_agrees_with_ngspice(tmp_path: Path, supply: str) -> None:
     design, deck = write_deck(tmp_path, ["board.variant=comparator", f"board.supply={supply}"])

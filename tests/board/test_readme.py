@@ -27,6 +27,7 @@ def test_readme_states_the_requirements_on_the_supply(name: str) -> None:
     assert "no filter for the bridge's supply" in text.split("Known limitations")[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_readme_states_the_passband_of_the_board(name: str) -> None:
     changes = (*BOARD_CONFIGURATIONS[name].changes, "board.band_limit_hz=210")
@@ -59,6 +60,7 @@ def test_readme_lists_the_test_points(supply: str, signal_ground: str) -> None:
     assert all(f"| TP{number} | {net} |" in text for number, net in enumerate(nets, start=1))
 
 
+@pytest.mark.slow
 def test_readme_describes_the_envelope_offset_except_in_variant_article() -> None:
     assert "Envelope offset" not in readme()
     for variant in ("precision", "comparator"):

@@ -33,6 +33,7 @@ def export_netlist(folder: Path) -> tuple[object, object]:
     return read_netlist(folder / "kicad.net")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
 def test_kicads_netlist_of_the_drawing_equals_ours(board_folder: BoardFolder, changes: tuple[str, ...]) -> None:
     assert export_netlist(board_folder(*changes)) == read_netlist(board_folder(*changes) / NETLIST)

@@ -128,6 +128,7 @@ def test_chipped_half_breaks_the_volume_balance(finger: Design, evaluator: MeshE
     assert assembly_failures(finger, evaluator, mold_dorsal=chipped) == {"volume_balance.mold"}
 
 
+@pytest.mark.slow
 def test_mesh_too_coarse_for_its_stated_tolerance_fails(finger: Design) -> None:
     part, coarse = PARTS["skin"], MeshEvaluator(0.5).mesh(PARTS["skin"].solid(finger))
     exact = MeshEvaluator(0.0005).mesh(PARTS["skin"].solid(finger)).volume()
@@ -135,6 +136,7 @@ def test_mesh_too_coarse_for_its_stated_tolerance_fails(finger: Design) -> None:
     assert brep_failures(finger, part, coarse, BrepMeasurements(exact, 0), 0.001) == {"volume_difference_to_mesh"}
 
 
+@pytest.mark.slow
 def test_brep_solid_with_an_extra_hole_fails(finger: Design, evaluator: MeshEvaluator) -> None:
     """The genus follows from the B-rep solid itself by the Euler-Poincare formula, not from its mesh."""
     hole = cylinder("x", (2.0, 5.0), -20.0, 20.0, 0.5)

@@ -19,6 +19,7 @@ from tests.cad.part_checks import SLEEVE, SOCKET, failed_checks, run_checks
 THICK = ["sensor.model=custom", "custom_sensor.thickness_mm=1.2", "sensor.adhesive_thickness_mm=0.5"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", [[], SOCKET, SLEEVE, ["sensor.model=fsr400_short"], THICK], ids=str)
 def test_unmodified_design_passes_all_checks(changes: list[str]) -> None:
     assert failed_checks(*changes) == set()
@@ -175,6 +176,7 @@ def test_closed_air_vent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     assert failed_checks() == {"sensor.air_volumes", "overlap.bone.sensor", "sensor.pocket_clearance"}
 
 
+@pytest.mark.slow
 def test_parts_larger_than_the_build_volume_fail() -> None:
     """The bone is 62 mm high. The halves lie on a face of 42.4 x 50.1 mm and may be rotated by 90 degrees."""
     halves = {"mold_palmar.build_volume_excess", "mold_dorsal.build_volume_excess"}
@@ -191,6 +193,7 @@ def test_build_volume_is_checked_in_the_print_orientation(monkeypatch: pytest.Mo
     assert failed_checks("printer.bed_x_mm=40") == {"mold_dorsal.build_volume_excess"}
 
 
+@pytest.mark.slow
 def test_sleeve_that_must_stretch_too_far_fails() -> None:
     stretch = run_checks(*SLEEVE)["skin.fitting_stretch"].value
     assert 5 < stretch < 50

@@ -38,6 +38,7 @@ def test_only_a_sleeve_has_a_core(tmp_path: Path) -> None:
     assert (tmp_path / "core.stl").exists()
 
 
+@pytest.mark.slow
 def test_printer_compensation_scales_printed_parts_only(tmp_path: Path) -> None:
     nominal = build(Design(), tmp_path / "a", formats=["stl"])
     scaled = build(Design.load(changes=["printer.scale_percent=101"]), tmp_path / "b", formats=["stl"])

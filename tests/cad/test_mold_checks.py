@@ -86,6 +86,7 @@ def test_cavity_without_a_vent_at_its_apex_traps_air(monkeypatch: pytest.MonkeyP
     assert failed_checks() == {"mold.air_trap_height"}
 
 
+@pytest.mark.slow
 def test_wall_and_land_of_the_cavity_are_measured() -> None:
     thin = run_checks("mold.wall_mm=1.2", "mold.engraving_depth_mm=0")
     assert thin["mold.wall.cavity_to_outside"].value == pytest.approx(1.2, abs=0.01)
@@ -127,6 +128,7 @@ def test_key_too_close_to_the_cavity_fails(monkeypatch: pytest.MonkeyPatch) -> N
     assert "mold.land.keys_to_cavity" in failed_checks()
 
 
+@pytest.mark.slow
 def test_cables_that_leave_the_bone_inside_the_mold_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     """The cables are in place during overmolding. The core of a sleeve has none."""
     original = bone.cable_channel
@@ -141,6 +143,7 @@ def test_cables_that_leave_the_bone_inside_the_mold_fail(monkeypatch: pytest.Mon
     assert "mold.cable_channel_overlap" not in failed_checks(*SLEEVE)
 
 
+@pytest.mark.slow
 def test_undercut_fails_in_its_own_half_only(monkeypatch: pytest.MonkeyPatch) -> None:
     """A round groove below the parting plane, in which the palmar half would hold the casting."""
     original = mold.hollow
@@ -150,6 +153,7 @@ def test_undercut_fails_in_its_own_half_only(monkeypatch: pytest.MonkeyPatch) ->
     assert "mold_dorsal.undercut" not in failed_checks()
 
 
+@pytest.mark.slow
 def test_core_whose_base_is_enlarged_for_shrinkage_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     """Only silicone shrinks: the base in the recess must keep the fit clearance."""
     shrinking = [*SLEEVE, "mold.silicone_shrinkage_percent=1.2"]
@@ -158,6 +162,7 @@ def test_core_whose_base_is_enlarged_for_shrinkage_fails(monkeypatch: pytest.Mon
     assert failed_checks(*shrinking) == {"mold_palmar.recess_clearance", "mold_dorsal.recess_clearance"}
 
 
+@pytest.mark.slow
 def test_clearance_in_the_recess_is_the_fit_clearance() -> None:
     for changes in ([], [*SLEEVE, "mold.silicone_shrinkage_percent=5"]):
         checks = run_checks("mold.fit_clearance_mm=0.2", *changes)
@@ -192,6 +197,7 @@ def test_keys_without_draft_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     assert failed_checks() == {"mold_palmar.draft_clearance_gain.keys"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", [[], SLEEVE], ids=str)
 def test_default_design_has_two_keys_and_closes_in_one_way_only(changes: list[str]) -> None:
     checks = run_checks(*changes)

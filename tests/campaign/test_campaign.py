@@ -225,6 +225,7 @@ def test_designs_far_from_the_articles_can_be_validated(cutoff_hz):
     assert all(0.0 <= s.share_above(200.0) <= 1.0 for s in compute_spectra(design))
 
 
+@pytest.mark.slow
 def test_longer_window_is_later_and_has_fewer_contact_alarms():
     short, long = study_windows(Design(), 4, 1.0, windows_s=(0.005, 0.1))
     assert short.threshold_v > long.threshold_v
@@ -328,6 +329,7 @@ def test_page_lists_failures_and_assumptions(validated):
     assert sum(counted[::2]) == round(missed)
 
 
+@pytest.mark.slow
 def test_larger_acceleration_shortens_the_delay_of_every_detector():
     slow, fast = (
         {

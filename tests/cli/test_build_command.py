@@ -19,6 +19,7 @@ def snapshot(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.slow
 def test_json_output_is_a_single_object(tmp_path: Path) -> None:
     done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--json")
     assert done.returncode == 0
@@ -28,6 +29,7 @@ def test_json_output_is_a_single_object(tmp_path: Path) -> None:
     assert "bone:" in done.stderr, "progress goes to stderr"
 
 
+@pytest.mark.slow
 def test_quiet_prints_nothing_on_stderr(tmp_path: Path) -> None:
     done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--quiet")
     assert done.returncode == 0
@@ -79,6 +81,7 @@ def test_issues_are_printed_as_json(tmp_path: Path) -> None:
     assert json.loads(done.stdout)["issues"][0]["message"].startswith("cannot be read")
 
 
+@pytest.mark.slow
 def test_folder_that_cannot_be_created_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     done = run_fingertip("build", FSR400, "--formats", "stl", "--out", tmp_path / "file" / "deeper")

@@ -16,6 +16,7 @@ FSR400, FSR402 = design_file("fsr400"), design_file("fsr402")
 COARSE = ("--tolerance-mm", "0.05")
 
 
+@pytest.mark.slow
 def test_valid_designs_exit_0(tmp_path: Path) -> None:
     report = tmp_path / "reports" / "check.xml"
     done = run_fingertip("check", FSR400, FSR402, *COARSE, "--junit", report, "--json", "--quiet", PWD=str(tmp_path))
@@ -40,6 +41,7 @@ def test_table_shows_value_limit_unit_and_result() -> None:
     assert "bone:" not in done.stdout
 
 
+@pytest.mark.slow
 def test_checks_equal_those_of_build(tmp_path: Path) -> None:
     checked = run_fingertip("check", FSR400, *COARSE, "--json")
     run_fingertip("build", FSR400, *COARSE, "--formats", "stl", "--out", tmp_path)
@@ -47,6 +49,7 @@ def test_checks_equal_those_of_build(tmp_path: Path) -> None:
     assert json.loads(checked.stdout)["designs"][0]["checks"] == built["checks"]
 
 
+@pytest.mark.slow
 def test_failed_checks_exit_1_and_appear_in_every_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # With a negative limit every check of a zero volume fails, but no check of topology.
     monkeypatch.setattr(check, "VOLUME_TOLERANCE_MM3", -1.0)
@@ -80,6 +83,7 @@ def test_issues_of_all_files_are_listed_and_nothing_is_written(tmp_path: Path) -
     assert not report.exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -96,6 +100,7 @@ def test_invalid_option_exits_2_with_a_single_message(tmp_path: Path, arguments:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_designs_of_the_same_name_are_labelled_by_their_files(tmp_path: Path) -> None:
     for name in ("a.toml", "b.toml"):
         (tmp_path / name).write_text("")
@@ -103,11 +108,13 @@ def test_designs_of_the_same_name_are_labelled_by_their_files(tmp_path: Path) ->
     assert [design["design"] for design in json.loads(done.stdout)["designs"]] == ["a.toml", "b.toml"]
 
 
+@pytest.mark.slow
 def test_changes_apply_to_every_design() -> None:
     done = run_fingertip("check", FSR400, FSR402, *COARSE, "--set", "name=both", "--json", "-q")
     assert [design["design"] for design in json.loads(done.stdout)["designs"]] == [FSR400.as_posix(), FSR402.as_posix()]
 
 
+@pytest.mark.slow
 def test_check_imports_no_brep_kernel_and_no_plots() -> None:
     script = (
         "import sys\nfrom fingertip.cli import app\n"

@@ -66,6 +66,7 @@ def check_random_changes(seed: int, count: int) -> None:
         check_remedies(changes, random_numbers.choice(("fsr400", "fsr402")))
 
 
+@pytest.mark.slow
 def test_remedies_of_random_changes_pass() -> None:
     check_random_changes(seed=1, count=25)
 

@@ -69,6 +69,7 @@ def test_chunk_sizes_change_no_bit():
         assert np.array_equal(np.concatenate(chunks, axis=-1), np.concatenate(chunked.chunks[name], axis=-1)), name
 
 
+@pytest.mark.slow
 def test_command_takes_effect_after_the_delay():
     class StepController:
         def step(self, observation):
@@ -133,6 +134,7 @@ def test_timely_command_saves_the_object():
     assert gain[0] > 1.0
 
 
+@pytest.mark.slow
 def test_controller_receives_samples_and_encoders_only():
     observations = []
 

@@ -84,6 +84,7 @@ def test_omitted_stage_costs_no_time():
     assert min(ratios) < 1.1
 
 
+@pytest.mark.slow
 def test_scene_with_true_slip_only_imports_no_heavy_package(tmp_path):
     code = (
         "import sys; from fingertip.design import Design; from fingertip.sim import *\n"

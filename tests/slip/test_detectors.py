@@ -54,6 +54,7 @@ def assert_equal_to_whole(name: str, parts: list) -> None:
         assert np.concatenate([getattr(part, field) for part in parts]).tobytes() == getattr(whole, field).tobytes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @settings(max_examples=25, deadline=None)
 @given(sizes=st.lists(st.integers(0, 499), max_size=12))

@@ -110,6 +110,7 @@ def test_a_window_given_by_set_does_not_change_with_the_rate(tmp_path):
     assert json.loads(output)["intervals"][0]["onset_s"] == pytest.approx(expected)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [1200, 2000, 3000, 5000])
 @pytest.mark.parametrize("cut", [np.floor, np.round])
 def test_rounded_times_are_ignored_with_the_options_in_the_message(tmp_path, rate, cut):

@@ -52,6 +52,7 @@ print(*{{name.partition(".")[0] for name in sys.modules}})
     return set(result.stdout.split())
 
 
+@pytest.mark.slow
 def test_board_outputs_import_no_kernel_no_scipy_and_no_matplotlib() -> None:
     loaded = find_imported_packages('["q", "board.r2_ohm"]', '{"board.cutoff_hz": [60.0]}')
     assert not loaded & {"manifold3d", "cadquery", "OCP", "scipy", "matplotlib", "numba", "distributed", "trimesh"}
@@ -63,6 +64,7 @@ def test_volume_outputs_import_only_the_mesh_kernel() -> None:
     assert not loaded & {"cadquery", "OCP", "scipy", "matplotlib", "numba", "distributed", "trimesh"}
 
 
+@pytest.mark.slow
 def test_mesh_kernel_of_a_worker_uses_one_thread() -> None:
     program = """
 import os, time
@@ -125,6 +127,7 @@ def test_volume_of_the_skin_meshes_only_the_skin() -> None:
     assert evaluator.evaluated > 3 * solids_of_skin  # so an evaluation of the mold above would have been noticed
 
 
+@pytest.mark.slow
 def test_bone_is_meshed_once_while_the_mold_varies(monkeypatch: pytest.MonkeyPatch) -> None:
     import fingertip.cad.kernel.mesh as kernel
 
@@ -147,6 +150,7 @@ SHARED_EVALUATOR = CachedEvaluator(COARSE_MM)
 """Evaluator whose caches fill up from test to test."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [
@@ -183,6 +187,7 @@ def test_cache_evicts_the_least_recently_used_entries() -> None:
     assert (cache.get("d"), cache.weight) == (5, 1)
 
 
+@pytest.mark.slow
 def test_cached_solids_stay_within_the_triangle_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     evaluator = CachedEvaluator(COARSE_MM)
     evaluator._solids.max_weight = 20_000
@@ -223,6 +228,7 @@ ELECTRONIC_AXES: dict[str, Any] = {
 }
 
 
+@pytest.mark.slow
 def test_fast_path_for_electronics_gives_the_same_designs_and_messages() -> None:
     plan = make_plan(sampling="latin_hypercube", points=150, seed=3, axes=ELECTRONIC_AXES, outputs=["q"])
     fast, complete = DesignBuilder(plan), DesignBuilder(plan)
@@ -242,6 +248,7 @@ def test_fast_path_for_electronics_gives_the_same_designs_and_messages() -> None
     assert 40 < refused < 150
 
 
+@pytest.mark.slow
 def test_board_outputs_equal_those_of_board_values() -> None:
     names = ["board.r1_ohm", "board.r2_ohm", "board.r3_ohm", "board.r4_ohm", "board.r5_ohm", "board.r_lp_ohm"]
     plan = make_plan(

@@ -124,6 +124,7 @@ def test_report_contains_the_files_and_numbers_that_it_names(report: Report) -> 
     assert strongest["feasible"]["axis"] == "skin.width_mm"
 
 
+@pytest.mark.slow
 def test_text_states_counts_limiting_rules_and_axes(report: Report) -> None:
     text = report[2]["text"]
     assert text.startswith("hand: 400 of 400 points: 297 ok, 100 refused, 3 failed; 297 feasible (74 %)")

@@ -56,6 +56,7 @@ def inline(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fingertip.sweep.engines.ProcessEngine", InlineEngine)
 
 
+@pytest.mark.slow
 def test_each_row_equals_a_single_evaluation_of_its_design(finished: Path) -> None:
     rows = read_rows(finished / "out")
     assert [row.point for row in rows] == list(range(24))

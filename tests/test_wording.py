@@ -20,7 +20,7 @@ about above across after against along among around as at before behind below be
 despite down during except for from in inside into like near of off on onto out outside over per since through
 throughout to toward towards under until up upon with within without
 """
-CONJUNCTIONS = "although and because but else if nor not or so than then though unless while"
+CONJUNCTIONS = "although and because but else if nor not or so than then though unless whether while"
 RELATIVE_WORDS = "how that what when where which who whom whose why"
 PRONOUNS = "again also here it its only same such their there these they this those"
 NOT_FIRST = frozenset(f"{PREPOSITIONS} {CONJUNCTIONS} {RELATIVE_WORDS} {PRONOUNS}".split())

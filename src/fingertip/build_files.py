@@ -68,7 +68,7 @@ class Build:
 
     @property
     def passed(self) -> bool:
-        """Whether every check passed."""
+        """True if every check passed."""
         return all(check.passed for check in self.checks)
 
     def report(self) -> dict[str, Any]:

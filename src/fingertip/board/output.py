@@ -150,7 +150,7 @@ def _first_difference(existing: bytes, data: bytes) -> list[str]:
 
 
 def _is_foreign_readme(path: Path) -> bool:
-    """Whether a README was not written by `write_board`."""
+    """Return whether a README was not written by `write_board`."""
     try:
         return not path.read_bytes().startswith(HEADING.encode())
     except OSError:

@@ -131,7 +131,7 @@ def evaluate_manipulation(
 
 
 def any_finger_slips(manipulation: ManipulationResult) -> NDArray[np.bool_]:
-    """Whether any finger slips, at each sample."""
+    """Return whether any finger slips, at each sample."""
     slipping: NDArray[np.bool_] = np.logical_or.reduce(manipulation.signals["slip"], axis=0)
     return slipping
 

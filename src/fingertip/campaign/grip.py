@@ -59,11 +59,11 @@ class GripDecision:
 
     time_s: float
     detected: bool
-    """Whether any finger's detector was ON in the period."""
+    """True if any finger's detector was ON in the period."""
     suppressed: bool
-    """Whether a detection was, or would have been, suppressed."""
+    """True if a detection was, or would have been, suppressed."""
     tightened: bool
-    """Whether the fingers were commanded to close further."""
+    """True if the fingers were commanded to close further."""
 
 
 class GripController:

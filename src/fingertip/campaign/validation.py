@@ -42,7 +42,7 @@ class Validation:
 
     @property
     def passed(self) -> bool:
-        """Whether every requirement is met."""
+        """True if every requirement is met."""
         return all(requirement.passed for requirement in self.requirements)
 
     def as_data(self) -> dict[str, Any]:

@@ -66,7 +66,7 @@ def casting_sheet_data(
 
 
 def mold_matches_silicone(design: Design, silicone: Silicone) -> bool:
-    """Whether the shrinkage the mold compensates for lies within the silicone's range, with a tolerance of 0.05%."""
+    """Return whether the mold's shrinkage compensation lies within the silicone's range, within 0.05 %."""
     compensated, shrinkage = design.mold.silicone_shrinkage_percent, silicone.shrinkage_percent
     low, high = shrinkage.low - _SHRINKAGE_TOLERANCE_PERCENT, shrinkage.high + _SHRINKAGE_TOLERANCE_PERCENT
     return low <= compensated <= high

@@ -16,7 +16,7 @@ from fingertip.sim.hand.manipulation import ManipulationResult
 from fingertip.sim.stages.pipeline import SceneResult
 from fingertip.slip.intervals import intervals
 
-Array = NDArray[Any]
+AnyArray = NDArray[Any]
 
 _COLOURS = ("#1f4e79", "#b03a2e", "#7d8f3a", "#c98a2b", "#6c5b9c")
 _TRUTH_COLOUR = "#7fb3a6"
@@ -73,7 +73,7 @@ def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
     return to_png(figure)
 
 
-def _draw_slip_bars(axes: Axes, time_s: Array, rows: Array, fingers: tuple[str, ...]) -> None:
+def _draw_slip_bars(axes: Axes, time_s: AnyArray, rows: AnyArray, fingers: tuple[str, ...]) -> None:
     for i, row in enumerate(rows):
         slips = intervals(time_s, row.astype(np.bool_))
         spans = [(slip.onset_s, slip.end_s - slip.onset_s) for slip in slips]
@@ -93,7 +93,7 @@ def _shade_slip(axes: Axes, result: SceneResult | ManipulationResult) -> None:
             axes.axvspan(part.onset_s, part.end_s, color=_TRUTH_COLOUR, alpha=0.25, linewidth=0)
 
 
-def _add_legend(panels: Array, names: list[str], fingers: tuple[str, ...]) -> None:
+def _add_legend(panels: AnyArray, names: list[str], fingers: tuple[str, ...]) -> None:
     """Add a legend to the first panel that has a line for each finger."""
     for axes, name in zip(panels, names, strict=True):
         if name not in ("slip", "object_m", "pin_n"):
@@ -111,7 +111,7 @@ def _add_legend(panels: Array, names: list[str], fingers: tuple[str, ...]) -> No
             return
 
 
-def _mark_events(panels: Array, result: ManipulationResult) -> None:
+def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
     """Mark the moments of a manipulation with dotted lines."""
     events = [("let go", result.plan.released_s - result.scene.grasp.let_go_s)]
     if result.plan.pin:

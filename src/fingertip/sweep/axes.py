@@ -43,7 +43,7 @@ class Axis:
     """Number of values of a range on a grid; 0 for an interval that a sampler draws from."""
     spacing: Spacing = "linear"
     integer: bool = False
-    """Whether the parameter is an integer."""
+    """True if the parameter is an integer."""
 
     @cached_property
     def values(self) -> tuple[Value, ...]:
@@ -54,7 +54,7 @@ class Axis:
         return tuple(self._interpolate(fractions).tolist())
 
     def restore_type(self, stored: Any) -> Value:
-        """Give a value its type back; the database stores booleans as integers."""
+        """Return a value its type back; the database stores booleans as integers."""
         if self.listed and all(isinstance(value, bool) for value in self.listed):
             return bool(stored)
         value: Value = stored
@@ -103,7 +103,7 @@ def round_significant(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def flatten_axes(tables: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, Any]]:
-    """Give each dotted name of nested tables with its list or its range."""
+    """Return each dotted name of nested tables with its list or its range."""
     for key, inner in tables.items():
         name = f"{path}.{key}" if path else key
         if isinstance(inner, Mapping) and not (set(inner) & set(RANGE_KEYS)) and inner:

@@ -83,12 +83,12 @@ class CachedEvaluator(MeshEvaluator):
         return key
 
     def manifold(self, solid: Solid) -> Any:
-        """Give the solid; it is evaluated only when a measurement that is not cached needs it."""
+        """Return the solid; it is evaluated only when a measurement that is not cached needs it."""
         key = self.compute_key(solid)
         return CachedManifold(self, key, lambda: self.evaluate_manifold(key, solid))
 
     def mesh(self, solid: Solid) -> Mesh:
-        """Give the solid as a mesh on the grid, in canonical order."""
+        """Return the solid as a mesh on the grid, in canonical order."""
         key = self.compute_key(solid)
         mesh = self._meshes.get(key)
         if mesh is None:
@@ -99,7 +99,7 @@ class CachedEvaluator(MeshEvaluator):
         return mesh
 
     def measure(self, key: bytes, compute: Callable[[], Any]) -> Any:
-        """Give the cached measurement, or compute and cache it."""
+        """Return the cached measurement, or compute and cache it."""
         entry = self._measurements.get(key)
         if entry is None:
             entry = (compute(),)  # a tuple, because the measurement itself may be None
@@ -107,7 +107,7 @@ class CachedEvaluator(MeshEvaluator):
         return entry[0]
 
     def evaluate_manifold(self, key: bytes, solid: Solid) -> Manifold:
-        """Give manifold3d's own object for a solid, from the cache if possible."""
+        """Return manifold3d's own object for a solid, from the cache if possible."""
         manifold = self._solids.get(key)
         if manifold is None:
             self.evaluated += 1
@@ -124,7 +124,7 @@ class _ExpressionEvaluator(MeshEvaluator):
         self._cached = cached
 
     def manifold(self, solid: Solid) -> Manifold:
-        """Give an operand of the expression."""
+        """Return an operand of the expression."""
         return self._cached.evaluate_manifold(self._cached.compute_key(solid), solid)
 
     def evaluate(self, solid: Solid) -> Manifold:

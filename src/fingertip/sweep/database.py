@@ -53,7 +53,7 @@ class SweepDatabase:
 
     @staticmethod
     def exists(folder: Path) -> bool:
-        """Tell whether a folder holds a sweep."""
+        """Return whether a folder holds a sweep."""
         path = folder / FILE
         if not path.is_file():
             return False

@@ -39,7 +39,7 @@ class OutputGroup:
     """Parameters of those tables, dotted, that the outputs do not depend on."""
 
     def depends_on(self, parameter: str) -> bool:
-        """Tell whether the outputs can change with a parameter, dotted."""
+        """Return whether the outputs can change with a parameter, dotted."""
         return parameter.partition(".")[0] in self.reads and parameter not in self.ignores
 
 

@@ -122,20 +122,20 @@ class SweepPlan:
         return tuple(len(axis.values) for axis in self.axes)
 
     def point(self, number: int) -> dict[str, Value]:
-        """Give the parameters of a point, name -> value. Raises IndexError beyond the last point."""
+        """Return the parameters of a point, name -> value. Raises IndexError beyond the last point."""
         if not 0 <= number < self.size:
             raise IndexError(f"point {number} of {self.size}")
         return {name: column.tolist()[0] for name, column in self.columns(np.array([number])).items()}
 
     def columns(self, points: PointNumbers) -> dict[str, NDArray[Any]]:
-        """Give the parameters of many points, name -> (n,) values."""
+        """Return the parameters of many points, name -> (n,) values."""
         if self.file.sampling == "grid":
             indices = np.unravel_index(points, self._shape)
             return {axis.name: axis.select(np.asarray(index)) for axis, index in zip(self.axes, indices, strict=True)}
         return {axis.name: axis.sample(self._samples[points, i]) for i, axis in enumerate(self.axes)}
 
     def computing_order(self, start: int, stop: int) -> PointNumbers:
-        """Give the numbers of the points that are computed from position `start` to before `stop`.
+        """Return the numbers of the points that are computed from position `start` to before `stop`.
 
         On a grid, the axes of expensive output groups vary slowest, so that neighbouring points share results. The
         points of a sampler have nothing in common and are computed in their own order.

@@ -116,7 +116,7 @@ def parse_base_design(tables: Mapping[str, Any]) -> tuple[DesignTables | None, l
 
 
 def check_objectives(file: SweepFile) -> Iterator[Issue]:
-    """Give the issues of objectives that are not outputs, or are listed on both sides."""
+    """Return the issues of objectives that are not outputs, or are listed on both sides."""
     for key in ("minimise", "maximise"):
         for name in dict.fromkeys(getattr(file, key)):
             if name not in file.outputs:
@@ -224,7 +224,7 @@ def _explain_missing(issue: Issue) -> Issue:
 
 
 def _list_lines(table: Mapping[str, Any]) -> Iterator[tuple[list[str], Any]]:
-    """Give the values of a table with their keys; a table within it becomes dotted keys, one line per value."""
+    """Return the values of a table with their keys; a table within it becomes dotted keys, one line per value."""
     for key, value in table.items():
         if isinstance(value, Mapping) and "." not in key:
             yield from (([key, inner], inner_value) for inner, inner_value in value.items())

@@ -30,7 +30,7 @@ class PlacedSymbol:
     """Anticlockwise rotation [degree]: 0, 90, 180 or 270."""
     unit: int = 1
     mirrored: bool = False
-    """Whether left and right are exchanged; only with angle 0."""
+    """True if left and right are exchanged; only with angle 0."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def apply_supply(sheet: Sheet, supply: Supply) -> Sheet:
 
 
 def _lies_between(a: Point, c: Point, b: Point) -> bool:
-    """Whether c lies inside the horizontal or vertical segment from a to b."""
+    """Return whether c lies inside the horizontal or vertical segment from a to b."""
     if a[0] == b[0] == c[0]:
         return min(a[1], b[1]) < c[1] < max(a[1], b[1])
     return a[1] == b[1] == c[1] and min(a[0], b[0]) < c[0] < max(a[0], b[0])

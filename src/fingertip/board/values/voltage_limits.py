@@ -31,7 +31,7 @@ class OutputSwing:
     guaranteed_down_v: float
     """Downward swing that the data sheet guarantees."""
     has_phase_reversal: bool
-    """Whether the output jumps to the upper end when the input leaves its range below."""
+    """True if the output jumps to the upper end when the input leaves its range below."""
 
 
 def compute_output_swing(amplifier: Amplifier, supply: Supply, supply_v: float) -> OutputSwing:
@@ -66,7 +66,7 @@ class VoltageLimits:
     filter_guaranteed_trough_v: float
     """Peak below the signal ground that the amplifier's data sheet guarantees."""
     has_phase_reversal: bool
-    """Whether the output jumps up where the signal goes further down, as a TL082's does."""
+    """True if the output jumps up where the signal goes further down, as a TL082's does."""
     vibration_peak_v: float
     """Smaller of both peaks, referred to the filter's input: larger vibrations of the tactile voltage are clipped."""
     max_envelope_v: float

@@ -42,7 +42,7 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether the value satisfies the limit."""
+        """True if the value satisfies the limit."""
         match self.relation:
             case "at most":
                 return self.value <= self.limit

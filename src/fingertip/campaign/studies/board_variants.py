@@ -31,7 +31,7 @@ class BoardResult:
     variant: str
     threshold_v: float
     by_rule: bool
-    """Whether the threshold follows from the noise of this board's output; otherwise it is the design's."""
+    """True if the threshold follows from the noise of this board's output; otherwise it is the design's."""
     found_share: float
     median_s: float
     p90_s: float

@@ -116,7 +116,7 @@ class Dimensions:
 
     @cached_property
     def tail_passes_collar(self) -> bool:
-        """Whether the tail runs out through the collar (a long tail) or ends under the skin (a short one)."""
+        """True if the tail runs out through the collar (a long tail) or ends under the skin (a short one)."""
         return self.tail_end_z < 0.0
 
     @cached_property

@@ -25,7 +25,7 @@ class Bounds:
     maximum: float | None = None
 
     def contain(self, value: float) -> bool:
-        """Whether a value lies within the bounds."""
+        """Return whether a value lies within the bounds."""
         return (
             (self.minimum is None or value >= self.minimum)
             and (self.above is None or value > self.above)

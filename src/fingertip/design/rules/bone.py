@@ -165,7 +165,7 @@ def socket_within_base(design: DesignTables) -> Violation | None:
 
 
 def _base_holds_circle(design: DesignTables, radius: float) -> bool:
-    """Whether a circle [mm] about the middle of the base's height stays inside the base's section."""
+    """Return whether a circle [mm] about the middle of the base's height stays inside the base's section."""
     section, flat = design.dimensions.bone_outline.section, design.dimensions.flat_depth
     middle = (section.dorsal - flat) / 2
     if radius >= (section.dorsal + flat) / 2:

@@ -67,7 +67,7 @@ class Refusal:
         return frozenset().union(*(broken.own_reads for broken in self.blamed[name]))
 
     def resolves(self, values: Mapping[str, Any]) -> bool:
-        """Whether the design passes all rules with these values."""
+        """Return whether the design passes all rules with these values."""
         return self.search.passes(self.tables.with_values(values))
 
 

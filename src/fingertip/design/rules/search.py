@@ -41,7 +41,7 @@ class Search:
     """Design whose values are tried too."""
 
     def passes(self, tables: DesignTables, only: Rule | None = None) -> bool:
-        """Whether tables pass all rules, or the one rule and its prerequisites."""
+        """Return whether tables pass all rules, or the one rule and its prerequisites."""
         if only is not None:
             return RuleChecker(tables, self.invalid).passes(only)
         return next(find_violations((*self.suspects, *self.rules), tables, self.invalid), None) is None
@@ -119,7 +119,7 @@ def find_parameter_bounds(name: str) -> Bounds:
 
 
 def is_number(name: str) -> bool:
-    """Whether a parameter is numeric."""
+    """Return whether a parameter is numeric."""
     return PARAMETERS[name].annotation in (float, int)
 
 

@@ -78,7 +78,7 @@ class Friction:
 
     @property
     def is_passive(self) -> bool:
-        """Whether friction only ever takes energy: ``sigma2 > sigma1 (mu_s - mu_c) / mu_c``.
+        """True if friction only ever takes energy: ``sigma2 > sigma1 (mu_s - mu_c) / mu_c``.
 
         The bound holds for plain LuGre friction (N. Barabanov, R. Ortega, IEEE Trans. Automatic Control 45(4), 2000,
         doi:10.1109/9.847131). Elasto-plastic bristles yield less, so the same bound serves for them. The tests

@@ -102,7 +102,7 @@ class ManipulationStepper:
 
     @property
     def is_lost(self) -> bool:
-        """Whether the object has left the fingers."""
+        """True if the object has left the fingers."""
         return bool(self._state[grasp_loop.PAD_STATES * len(self.scene.fingers) + grasp_loop.HAS_LEFT] > 0.0)
 
     def advance(self, command_m: Array) -> None:

@@ -21,7 +21,7 @@ class DetectorOutput:
     threshold_v: Array
     """Threshold at each sample, in the same unit."""
     on: NDArray[np.bool_]
-    """Whether slip is detected."""
+    """True if slip is detected."""
 
 
 class Detector(Protocol):

@@ -82,7 +82,7 @@ class ColumnMap:
 
     @property
     def in_volts(self) -> bool:
-        """Whether the signal is a voltage: the column of a force may replace it."""
+        """True if the signal is a voltage: the column of a force may replace it."""
         return not is_force(self.name_in_file("voltage_v"))
 
     def make_trace(self, columns: Mapping[str, Array]) -> Trace:
@@ -109,9 +109,9 @@ class RawTrace:
     first_line: int | None = None
     """Line that contains the first sample, in a file of lines."""
     has_all_times: bool = True
-    """Whether every sample's time was read, so that the times can be validated."""
+    """True if every sample's time was read, so that the times can be validated."""
     in_volts: bool = True
-    """Whether the signal is a voltage."""
+    """True if the signal is a voltage."""
 
     @property
     def rate_hz(self) -> float | None:

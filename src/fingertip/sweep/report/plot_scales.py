@@ -30,7 +30,7 @@ class PlotScale:
     edges: NDArray[np.float64]
     """Edges of the cells, ascending, shape (bins + 1,)."""
     log: bool
-    """Whether the scale is logarithmic."""
+    """True if the scale is logarithmic."""
     categories: tuple[str, ...]
     """Words of a categorical or boolean column, which are drawn at 0, 1, 2 ...; empty for a numeric column."""
 

@@ -37,7 +37,7 @@ class Bins:
 
     @property
     def is_exact(self) -> bool:
-        """Whether every bin holds a single value."""
+        """True if every bin holds a single value."""
         return bool(np.all(self.low == self.high))
 
 
@@ -56,7 +56,7 @@ class CellStatistics:
 
 
 def is_categorical(column: Column) -> bool:
-    """Tell whether a column holds words, which have no order and no distances."""
+    """Return whether a column holds words, which have no order and no distances."""
     return column.dtype.kind in "OUS"
 
 
@@ -87,7 +87,7 @@ def bin_by_value(column: Column, max_bins: int) -> Bins:
 
 
 def suits_log_scale(column: Column) -> bool:
-    """Tell whether a logarithmic scale suits a column.
+    """Return whether a logarithmic scale suits a column.
 
     It does if all values are positive, the maximum is at least five times the minimum, and the median is nearer to the
     geometric than to the arithmetic mean of the two.

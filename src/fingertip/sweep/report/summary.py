@@ -150,14 +150,14 @@ def describe_best(summary: SweepSummary) -> str:
 
 
 def _explain_first_point(summary: SweepSummary, rule: LimitingRule) -> str:
-    """Give the message of the first point that a rule makes infeasible, with a remedy if there is one."""
+    """Return the message of the first point that a rule makes infeasible, with a remedy if there is one."""
     row = int(np.argmax(summary.classes.indices == summary.classes.names.index(rule.rule)))
     parameters = summary.plan.point(int(summary.table.point[row]))
     return explain_refusal(summary.plan, parameters, rule.rule, rule.example)
 
 
 def _describe_point(summary: SweepSummary, row: int) -> dict[str, Any]:
-    """Give the number, the parameters and the outputs of a row."""
+    """Return the number, the parameters and the outputs of a row."""
     point = int(summary.table.point[row])
     outputs = {name: _to_json_number(float(column[row])) for name, column in summary.table.outputs.items()}
     return {"point": point, "parameters": summary.plan.point(point), "outputs": outputs}

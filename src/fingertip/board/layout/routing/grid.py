@@ -62,7 +62,7 @@ class Grid:
         self.via_to_via = _disc(rules.via + rules.clearance)
 
     def is_allowed(self, kind: int, i: int, net: str) -> bool:
-        """Whether a net may use a node."""
+        """Return whether a net may use a node."""
         return self.owner[kind][i] in (None, net)
 
     def pad_nodes(self, pad: PlacedPad) -> Path:

@@ -67,7 +67,7 @@ def split_at_junctions(segments: Iterable[Segment]) -> list[Segment]:
 
 
 def _lies_between(a: Point, c: Point, b: Point) -> bool:
-    """Whether c lies on the straight line between a and b, excluding both ends. All points lie on the grid."""
+    """Return whether c lies on the straight line between a and b, excluding both ends. All points lie on the grid."""
     return c not in (a, b) and math.dist(a, c) + math.dist(c, b) - math.dist(a, b) < 1e-6
 
 

@@ -1,4 +1,4 @@
-"""LuGre friction per newton of normal force: parameters, their bounds, and the sliding speed.
+"""LuGre friction per newton of normal force: parameters, their bounds, and the definition of gross slip.
 
 Model: C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, IEEE Trans. Automatic Control 40(3), 1995,
 doi:10.1109/9.376053. The Stribeck curve has the rational form of D. P. Hess and A. Soom (Trans. ASME J. Tribology
@@ -28,7 +28,9 @@ The loops take it as an argument: numba's cache would not notice a change of a c
 RELAX_PER_S = 1 / RELAXATION_S
 """Rate of this relaxation [1/s]."""
 GROSS_SLIP_M_S = 1e-3
-"""Sliding speed above which slip is gross [m/s]. Assumption: 1/40 of the article's slowest slide."""
+"""Sliding speed above which slip is gross [m/s]; slip onset is the time at which it is first exceeded.
+
+Assumption: 1/40 of the article's slowest slide."""
 
 
 @dataclass(frozen=True)

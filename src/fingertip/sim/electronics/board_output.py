@@ -1,4 +1,7 @@
-"""Sampled output of the design's simulated board: for recorded voltages, for a stream, and its quiescent output."""
+"""Sampled envelope of the design's simulated board: the place where the envelope meets the ADC.
+
+The board is driven by simulated traces, by recorded voltages, by a stream, or by noise alone (quiescent output).
+"""
 
 from __future__ import annotations
 

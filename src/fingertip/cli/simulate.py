@@ -56,7 +56,6 @@ def simulate(
     quiet: QuietOption = False,
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
-    from fingertip.campaign.grip import find_grip_issues, run_with_grip
     from fingertip.errors import FingertipError, Issue
     from fingertip.files import write_file
     from fingertip.sim import load_simulation, summary
@@ -74,6 +73,8 @@ def simulate(
     except FingertipError as error:
         issues.extend(error.issues)
     if grip is not None:
+        from fingertip.campaign.grip import find_grip_issues
+
         issues.extend(find_grip_issues(grip, simulation))
     if issues or simulation is None:
         raise FingertipError(issues)
@@ -89,6 +90,8 @@ def simulate(
     if grip is None:
         result = simulation.run(progress=console.progress)
     else:
+        from fingertip.campaign.grip import run_with_grip
+
         gripped = run_with_grip(simulation, grip, console.progress)
         result, grips_s = gripped.result, gripped.grips_s
     lines = summary.as_text(result, grips_s)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 from collections.abc import Sequence
 
@@ -15,6 +16,8 @@ from fingertip.errors import DesignError, Issue
 from tests.conftest import design_file, run_python
 from tests.design.remedies import as_changes, read_alternatives, read_remedy
 
+MANY = int(os.environ.get("FINGERTIP_RANDOM_CHANGES", "0"))
+"""Random changes per seed; 0 for the usual number."""
 NUMERIC = [name for name, field in PARAMETERS.items() if field.annotation in (float, int)]
 
 
@@ -74,7 +77,7 @@ def test_remedies_of_random_changes_pass() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2, 6))
 def test_remedies_of_many_random_changes_pass(seed: int) -> None:
-    check_random_changes(seed, count=250)
+    check_random_changes(seed, MANY or 250)
 
 
 @pytest.mark.slow

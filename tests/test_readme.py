@@ -1,4 +1,4 @@
-"""The README: every command it shows runs, and every picture and file it names exists."""
+"""README and user pages: every command they show runs, and every picture and file they name exists."""
 
 from __future__ import annotations
 
@@ -13,8 +13,13 @@ import pytest
 
 from tests.conftest import ROOT, run_fingertip, run_python
 
-README = (ROOT / "README.md").read_text()
-BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
+PAGES = {page: (ROOT / page).read_text() for page in ("README.md", "docs/usage.md", "docs/limitations.md")}
+BLOCKS = [
+    block for text in PAGES.values() for block in re.findall(r"^```(\w+)\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+]
+LINKS = [
+    (page, link) for page, text in PAGES.items() for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link
+]
 COMMANDS = [
     command.strip()
     for language, block in BLOCKS
@@ -101,13 +106,18 @@ def test_python_block_runs(script: str, clone: Path) -> None:
 
 
 def test_the_quoted_message_is_the_message_printed(clone: Path) -> None:
-    quoted = re.search(r"`(skin\.width_mm: [^`]*)`", README)
+    quoted = re.search(r"`(skin\.width_mm: [^`]*)`", PAGES["README.md"])
     assert quoted
     done = run_fingertip("build", "params/fsr400.toml", "--set", "skin.width_mm=15", PWD=str(clone))
     assert done.returncode == 2
     assert f"error: {' '.join(quoted[1].split())}" in done.stderr
 
 
-@pytest.mark.parametrize("target", [link for link in re.findall(r"\]\(([^)]+)\)", README) if "://" not in link])
-def test_links_lead_to_files(target: str) -> None:
-    assert (ROOT / target).exists()
+@pytest.mark.parametrize(("page", "target"), LINKS)
+def test_links_lead_to_files(page: str, target: str) -> None:
+    assert (ROOT / page).parent.joinpath(target).exists()
+
+
+def test_readme_is_short() -> None:
+    """A newcomer reads about 100 lines; reference belongs in docs/."""
+    assert len(PAGES["README.md"].splitlines()) <= 100

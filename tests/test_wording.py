@@ -12,7 +12,7 @@ import pytest
 
 from tests.conftest import ROOT
 
-SOURCES = sorted((ROOT / "src").rglob("*.py"))
+SOURCES = sorted([*(ROOT / "src").rglob("*.py"), *(ROOT / "tools").rglob("*.py")])
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 PREPOSITIONS = """
@@ -102,7 +102,7 @@ API = re.compile(r"optimize\.|minimize_scalar|unit=\"millimeter\"")
 
 
 @pytest.mark.parametrize(
-    "folder", ["src", "params", "docs", "examples", "README.md", "CONTRIBUTING.md", "CHANGELOG.md"]
+    "folder", ["src", "tools", "params", "docs", "examples", "README.md", "CONTRIBUTING.md", "CHANGELOG.md"]
 )
 def test_spelling_is_british(folder: str) -> None:
     """One spelling in all texts; "mold" and "analog" are names of parameters and files."""
@@ -147,7 +147,7 @@ def names_in(module: str) -> str:
 def test_paths_in_the_developers_pages_exist(page: str) -> None:
     text = (ROOT / page).read_text(encoding="utf-8")
     named = re.findall(
-        r"`((?:src|tests|params|benchmarks|docs|examples|\.ci|\.github|board|cad|sim|slip|sweep|campaign|design|casting|cli|view)/[\w./-]*)`",
+        r"`((?:src|tests|tools|params|benchmarks|docs|examples|\.ci|\.github|board|cad|sim|slip|sweep|campaign|design|casting|cli|view)/[\w./-]*)`",
         text,
     )
     missing = [name for name in named if not ((ROOT / name).exists() or (ROOT / "src/fingertip" / name).exists())]

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.nodal_analysis import build_equations
+from fingertip.board.network import build_network
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
+from tests.oracles.filter_formulas import tactile_pin_transfer
 
 SAMPLE_RATES_HZ = (1000.0, 2000.0, 5000.0, 20000.0)
 
@@ -24,10 +25,10 @@ def test_anti_aliasing_poles_follow_the_sample_rate(rate: float, series: str) ->
     design = Design.load(changes=[f"detector.sample_rate_hz={rate}", f"board.series={series}"])
     values = board_values(design)
     f = np.array([1.0, 50.0, rate / 4, rate / 2, rate])
-    system = build_equations(board_circuit(values), 3e6, 0.0, "TACTILE")
-    gains = system.driven_response(f, "ADC_TACTILE")
+    network = build_network(board_circuit(values)).drive("TACTILE").restrict("ADC_TACTILE")
+    gains = network.response(f, {"TACTILE": 1.0}, "ADC_TACTILE")[:, 0]
     for hz, gain in zip(f, gains, strict=True):
-        assert gain == pytest.approx(values.adc_interface.tactile_transfer(float(hz)), rel=1e-9)
+        assert gain == pytest.approx(tactile_pin_transfer(float(hz), values.adc_interface), rel=1e-9)
     # Two poles near a quarter of the sampling rate attenuate by 6 dB there; a single pole would by 3 dB.
     assert 20 * math.log10(abs(gains[2])) == pytest.approx(-6.4, abs=0.8)
     assert values.aliasing.tactile_nyquist_db == pytest.approx(20 * math.log10(abs(gains[3])), abs=1e-9)
@@ -58,4 +59,6 @@ def test_anti_aliasing_poles_of_the_spice_deck_match(board_folder: BoardFolder, 
     )  # fmt: skip
     for f, tr, ti, ar, ai in rows:
         # The clamp's 10 pF and its leakage load the pin slightly.
-        assert complex(ar, ai) / complex(tr, ti) == pytest.approx(values.adc_interface.tactile_transfer(f), rel=3e-3)
+        assert complex(ar, ai) / complex(tr, ti) == pytest.approx(
+            tactile_pin_transfer(f, values.adc_interface), rel=3e-3
+        )

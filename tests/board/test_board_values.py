@@ -10,14 +10,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.response import decibel
+from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V
 from fingertip.board.circuit import Circuit, parse_component_value
 from fingertip.board.layout.template import fingerprint
-from fingertip.board.values.ideal_response import ideal_response
-from fingertip.board.values.noise_and_ripple import DEAD_ZONE_V
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.design.filter_components import MAX_OHM, MIN_OHM, FilterComponents
 from fingertip.errors import DesignError
+from tests.oracles.filter_formulas import (
+    ideal_cutoff_hz,
+    passband_gain,
+    pole_hz,
+    section_frequency_hz,
+    section_quality,
+)
 
 
 def resistances(c: FilterComponents) -> tuple[float, ...]:
@@ -28,13 +35,13 @@ def resistances(c: FilterComponents) -> tuple[float, ...]:
 def test_default_values_are_the_articles() -> None:
     values = board_values(Design())
     assert values.preferred == FilterComponents(2400.0, 1200.0, 4700.0, 1500.0, 100e3, 2000.0, 1e-6, 2.2e-6)
-    formulas = ideal_response(values.preferred, 3e6)
-    assert values.achieved_response.section_quality == formulas.section_quality
+    c = values.preferred
+    assert values.achieved_response.section_quality == pytest.approx(section_quality(c), rel=1e-12)
     # Computed from the circuit: the amplifier's finite gain reduces the gain by half a thousandth.
-    assert values.achieved_response.passband_gain == pytest.approx(formulas.passband_gain, rel=1e-3)
-    assert values.achieved_response.cutoff_hz == pytest.approx(formulas.cutoff_hz, rel=2e-4)
+    assert values.achieved_response.passband_gain == pytest.approx(passband_gain(c), rel=1e-3)
+    assert values.achieved_response.cutoff_hz == pytest.approx(ideal_cutoff_hz(c), rel=2e-4)
     assert values.target_response.cutoff_hz == pytest.approx(67, rel=1e-12)
-    assert round(formulas.cutoff_hz, 2) == 67.26
+    assert round(ideal_cutoff_hz(c), 2) == 67.26
 
 
 def test_finer_series_come_nearer() -> None:
@@ -53,17 +60,17 @@ def test_errata_agree_with_the_computed_figures() -> None:
     assert len(errata) == len({erratum.subject for erratum in errata}) >= 7
     assert all(e.statement and e.correction and e.statement != e.correction for e in errata)
     corrections = " ".join(erratum.correction for erratum in errata)
-    formulas = ideal_response(values.preferred, 3e6)
+    c = values.preferred
     for figure in (
-        f"{formulas.passband_gain:.2f}",
-        f"{formulas.passband_gain_db:.2f} dB",
-        f"{formulas.section_hz:.2f} Hz",
-        f"{formulas.section_quality:.4f}",
-        f"{formulas.first_pole_hz:.2f} Hz",
-        f"{formulas.cutoff_hz:.2f} Hz",
-        f"{1e3 * formulas.envelope_decay_s:.2f} ms",
-        f"{3 * formulas.passband_gain:.0f} mV",  # 3 mV of offset
-        f"{1e3 * DEAD_ZONE_V / formulas.passband_gain:.1f} mV",  # the diode's dead zone, referred to the input
+        f"{passband_gain(c):.2f}",
+        f"{decibel(passband_gain(c)):.2f} dB",
+        f"{section_frequency_hz(c):.2f} Hz",
+        f"{section_quality(c):.4f}",
+        f"{pole_hz(c.r1_ohm, c.c_f):.2f} Hz",
+        f"{ideal_cutoff_hz(c):.2f} Hz",
+        f"{1e3 * values.achieved_response.envelope_decay_s:.2f} ms",
+        f"{3 * passband_gain(c):.0f} mV",  # 3 mV of offset
+        f"{1e3 * DEAD_ZONE_V / passband_gain(c):.1f} mV",  # the diode's dead zone, referred to the input
         f"-{limits.filter_trough_v:.0f} V (guaranteed: -{limits.filter_guaranteed_trough_v:.0f} V)",
     ):
         assert figure in corrections
@@ -255,23 +262,28 @@ def test_comparator_thresholds_and_resistances_stay_within_range(threshold: str,
     if supply == "single" and threshold == "1.25":
         threshold = "0.625"
     changes = ["board.variant=comparator", f"detector.threshold_v={threshold}", f"board.series={series}"]
-    stage = board_values(Design.load(changes=[*changes, f"board.supply={supply}"])).comparator_stage
+    values = board_values(Design.load(changes=[*changes, f"board.supply={supply}"]))
+    stage, levels = values.comparator_stage, values.comparator_levels
     assert stage is not None
+    assert levels is not None
     for ohm in (stage.averaging_ohm, stage.trimmer_top_ohm, stage.hysteresis_ohm):
         assert MIN_OHM <= ohm <= MAX_OHM
     # ON is the design's threshold to half a step of the series; OFF is a quarter lower, as far as the series permits.
-    assert stage.on_v == pytest.approx(float(threshold), rel=0.06 if series == "E12" else 0.01)
-    assert (stage.on_v - stage.off_v) / float(threshold) == pytest.approx(0.25, rel=0.25)
-    assert stage.max_on_v > 1.7 * float(threshold)
+    assert levels.on_v == pytest.approx(float(threshold), rel=0.06 if series == "E12" else 0.01)
+    assert (levels.on_v - levels.off_v) / float(threshold) == pytest.approx(0.25, rel=0.25)
+    assert levels.max_on_v > 1.7 * float(threshold)
 
 
 @pytest.mark.parametrize("window", [1, 10, 60, 136])
 def test_averaging_low_pass_has_half_the_window_as_time_constant_and_limits_the_bias_error(window: int) -> None:
     changes = ["board.variant=comparator", f"detector.window_samples={window}"]
-    stage = board_values(Design.load(changes=changes)).comparator_stage
+    values = board_values(Design.load(changes=changes))
+    stage, levels = values.comparator_stage, values.comparator_levels
     assert stage is not None
-    assert stage.averaging_tau_s == pytest.approx(window / 2000 / 2, rel=0.05)
-    assert stage.max_bias_v == 250e-9 * stage.averaging_ohm < 0.55 * 0.017
+    assert levels is not None
+    assert levels.averaging_tau_s == pytest.approx(window / 2000 / 2, rel=0.05)
+    assert levels.max_bias_v == pytest.approx(250e-9 * stage.averaging_ohm, rel=1e-9)
+    assert levels.max_bias_v < 0.55 * 0.017
     assert stage.averaging_f <= 1e-6
     if window == 60:
         assert (stage.averaging_ohm, stage.averaging_f) == (15e3, 1e-6)

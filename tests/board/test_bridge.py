@@ -7,7 +7,7 @@ import itertools
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.values.bridge import (
+from fingertip.board.components.bridge import (
     ARTICLE_POINTS,
     INTERLINK_CURVE,
     MAX_FORCE_N,
@@ -17,7 +17,7 @@ from fingertip.board.values.bridge import (
     sensor_conductance_s,
     size_bridge,
 )
-from fingertip.board.values.preferred_values import mantissas
+from fingertip.board.components.preferred_values import mantissas
 from fingertip.design import Design
 from tests.oracles.netlist_nodal import number
 
@@ -99,5 +99,5 @@ def test_tactile_voltage_agrees_with_kirchhoffs_law_on_the_circuit(supply: str) 
         assert {net["R14", "1"], net["R14", "2"]} == {net["U2", "1"], net["U2", "8"]}
         assert net["U2", "5"] == net["J1", "2"] == ("GND" if supply == "split" else "VMID")
         expected = volt[net["U2", "5"]] + (1 + 100e3 / ohm["R14"]) * (volt["SENSOR"] - volt["REFERENCE"])
-        assert values.bridge.tactile_v(g, 5.0) == pytest.approx(expected, rel=1e-9)
+        assert values.tactile_response.tactile_v(g) == pytest.approx(expected, rel=1e-9)
         del volt["SENSOR"], volt["REFERENCE"]

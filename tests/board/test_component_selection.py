@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingertip.board import board_values
-from fingertip.board.values.component_selection import filter_error, select_capacitors, select_filter_capacitor
-from fingertip.board.values.preferred_values import mantissas
+from fingertip.board.components.filter import filter_error, select_capacitors, select_filter_capacitor
+from fingertip.board.components.preferred_values import mantissas
 from fingertip.design import Design
 from fingertip.design.filter_components import MAX_OHM, MIN_OHM, FilterComponents
 from fingertip.design.parameters import Board

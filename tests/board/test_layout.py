@@ -24,10 +24,6 @@ from fingertip.board.layout.placement import (
     place_pads,
     rotate_offset,
 )
-from fingertip.board.layout.routing.grid import DesignRules
-from fingertip.board.layout.routing.paths import split_at_junctions
-from fingertip.board.layout.routing.reroute import fill_ground_pour
-from fingertip.board.layout.routing.router import route
 from fingertip.board.layout.silkscreen import silkscreen_conflicts
 from fingertip.board.layout.template import load_template
 from fingertip.board.output import LAYOUT
@@ -38,6 +34,10 @@ from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.oracles.sexpressions import children, parse
 from tests.tools import require_tool
+from tools.routing.grid import DesignRules
+from tools.routing.paths import split_at_junctions
+from tools.routing.reroute import fill_ground_pour
+from tools.routing.router import route
 
 CIRCUIT = board_circuit(board_values(Design()))
 ARTICLE_PLACEMENT = load_placement("article_split")
@@ -180,7 +180,7 @@ def test_missing_track_or_via_is_detected() -> None:
 
 def test_template_of_another_placement_is_refused() -> None:
     moved = replace(ARTICLE_PLACEMENT, positions={**ARTICLE_PLACEMENT.positions, "R1": Position(11.4, 16.4)})
-    message = r"another placement or other nets; run python -m fingertip\.board\.layout\.routing\.reroute article_split"
+    message = r"another placement or other nets; run python -m tools\.routing\.reroute article_split"
     with pytest.raises(BoardError, match=message):
         load_template("article_split", CIRCUIT, moved)
 

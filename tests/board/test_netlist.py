@@ -13,10 +13,10 @@ from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.circuit import kicad_net_name
 from fingertip.board.kicad.uuids import component_uuid
 from fingertip.board.output import NETLIST
-from fingertip.board.values.nonideal_response import filter_transfer
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from tests.conftest import ROOT, run_fingertip
+from tests.oracles.filter_formulas import filter_transfer, tactile_pin_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
 from tests.oracles.netlist_nodal import NetlistCircuit, parse
 
@@ -154,9 +154,9 @@ def test_wiring_on_a_single_supply_has_the_transfer_function_of_the_filter(tmp_p
         found = {net: circuit.gain(f, "/TACTILE", net, 1e14) for net in ("/FILTERED", "/ADC_TACTILE", "VMID")}
         # The remaining difference is the open-loop gain of 2e5: the netlist's amplifiers are ideal.
         assert found["/FILTERED"] == pytest.approx(
-            filter_transfer(f, values.preferred, 1e14, values.first_stage_capacitors), rel=1e-3, abs=1e-9
+            filter_transfer(f, values.preferred, 1e14, values.first_stage_capacitors, input_f=0.0), rel=1e-3, abs=1e-9
         )
-        assert found["/ADC_TACTILE"] == pytest.approx(values.adc_interface.tactile_transfer(f), rel=1e-9)
+        assert found["/ADC_TACTILE"] == pytest.approx(tactile_pin_transfer(f, values.adc_interface), rel=1e-9)
         assert abs(found["VMID"]) < 1e-6
     # After blocking diodes U3a is an integrator, with a pole at zero. All other poles are negative.
     poles = sorted(circuit.poles("/TACTILE").real)[::-1]

@@ -10,10 +10,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_files, board_values
 from fingertip.board.analysis.analyse import analyse
-from fingertip.board.analysis.nodal_analysis import build_equations
-from fingertip.board.analysis.noise import NETS, compare_noise_alternatives, noise_budget, total_noise_v
-from fingertip.board.values.bridge import sensor_conductance_s
-from fingertip.board.values.noise_and_ripple import HALF_WAVE_MEAN, noise_warning
+from fingertip.board.analysis.noise import HALF_WAVE_MEAN, NETS, add_noise, noise_budget, noise_warning
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from tests.board.conftest import BoardFolder
@@ -26,11 +23,9 @@ CIRCUIT = board_circuit(VALUES)
 
 def test_noise_of_each_resistor_agrees_with_ngspice(tmp_path: Path) -> None:
     """The noise is integrated from 1 Hz to 100 kHz at the output of the filter."""
-    system = build_equations(CIRCUIT, 3e6, sensor_conductance_s(0.8))
-    f = np.logspace(0, 5, 2001)
-    density = np.array([source.noise for source in system.sources])
-    square = np.trapezoid(np.abs(system.source_transfers(f, "FILTERED") * density) ** 2, f, axis=0)
-    computed = {source.name: math.sqrt(v) for source, v in zip(system.sources, square, strict=True)}
+    board = add_noise(CIRCUIT, 3e6)
+    square = board.squares("FILTERED", (1.0, 1e5))
+    computed = {source.name: math.sqrt(v) for source, v in zip(board.sources, square, strict=True)}
     resistors = ["R1", "R2", "R3", "R4", "R5", "R10", "R11", "R12", "R13", "R14"]
     _, deck = write_deck(tmp_path, [])
     names = " ".join(f"onoise_total_{name.lower()}" for name in resistors)
@@ -43,9 +38,7 @@ def test_noise_of_each_resistor_agrees_with_ngspice(tmp_path: Path) -> None:
 def test_total_noise_agrees_with_ngspice(board_folder: BoardFolder, tmp_path: Path, name: str) -> None:
     """All amplifiers and resistors, 0.1 Hz to 1 MHz: 19 mV after the filters, of which C20 leaves 6 mV."""
     changes = BOARD_CONFIGURATIONS[name].changes
-    rows, total = noise_budget(
-        build_equations(board_circuit(board_values(Design.load(changes=changes))), 3e6, sensor_conductance_s(0.8))
-    )
+    rows, total = noise_budget(add_noise(board_circuit(board_values(Design.load(changes=changes))), 3e6))
     assert rows[0].cause == "U2"
     deck = (board_folder(*changes) / "slip_filter.cir").read_text("utf-8")
     for net in ("TACTILE", "FILTERED", "ADC_TACTILE"):
@@ -129,31 +122,6 @@ def test_readme_of_the_folder_contains_the_noise(board_folder: BoardFolder, name
 
 
 HIGH_NOISE = ("board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
-
-
-@pytest.mark.parametrize("changes", [(), HIGH_NOISE, ("board.passband_gain=10", "board.band_limit_hz=3000")])
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_noise_by_formulas_agrees_with_the_circuits_noise(name: str, changes: tuple[str, ...]) -> None:
-    """The formulas omit most components; all of them together agree within 1 % in every variant."""
-    design = Design.load(changes=(*BOARD_CONFIGURATIONS[name].changes, *changes))
-    values, board = board_values(design), design.board
-    circuit, noise, is_article = board_circuit(values), values.noise, values.variant == "article"
-    alternatives = {
-        item.change: item
-        for item in compare_noise_alternatives(circuit, board.gain_bandwidth_hz, board.band_limit_hz, is_article)
-    }
-    # The bridge's resistors contribute 0.1 %. The formulas do not contain the noise of a single supply's VMID.
-    tolerance = 0.004 if name.endswith("single") else 0.0005
-    tactile_v = total_noise_v(circuit, board.gain_bandwidth_hz, "TACTILE")
-    assert noise.tactile_v == pytest.approx(tactile_v, rel=tolerance)
-    assert noise.filtered_v == pytest.approx(alternatives["this variant"].filtered_v, rel=0.01)
-    if is_article:
-        assert noise.filtered_without_limit_v == noise.filtered_v
-        assert noise.mean_envelope_v is None
-    else:
-        unlimited_v = alternatives["without C20 across R5"].filtered_v
-        assert noise.filtered_without_limit_v == pytest.approx(unlimited_v, rel=0.01)
-        assert noise.mean_envelope_v == pytest.approx(alternatives["this variant"].mean_envelope_v, rel=0.01)
 
 
 @pytest.mark.parametrize(("threshold", "is_warned_of"), [("0.004", True), ("0.012", False), ("0.017", False)])

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip.board.values.component_selection import section_error, select_section_resistors
-from fingertip.board.values.preferred_values import (
+from fingertip.board.components.filter import section_error, select_section_resistors
+from fingertip.board.components.preferred_values import (
     mantissas,
     nearest_value,
     neighbouring_values,

@@ -32,7 +32,7 @@ def test_readme_states_the_requirements_on_the_supply(name: str) -> None:
 def test_readme_states_the_passband_of_the_board(name: str) -> None:
     changes = (*BOARD_CONFIGURATIONS[name].changes, "board.band_limit_hz=210")
     achieved = board_values(Design.load(changes=changes)).achieved_response
-    cutoffs = "67.25 Hz and 44347 Hz" if name.startswith("article") else "63.59 Hz and 293.28 Hz"
+    cutoffs = "67.25 Hz and 44494 Hz" if name.startswith("article") else "63.59 Hz and 293.28 Hz"
     assert f"-3 dB at {cutoffs}" in readme(*changes)
     assert f"gain {achieved.passband_gain:.2f}" in readme(*changes)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_values, write_board
+from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.output import NETLIST, SCHEMATIC
 from fingertip.board.schematic.symbol_graphics import SYMBOL_GRAPHICS
 from fingertip.board.schematic.symbols import pin_position
@@ -64,7 +64,7 @@ def test_kicads_netlist_reveals_a_corrupted_drawing(tmp_path: Path, original: st
 
 @pytest.mark.parametrize("variant", BOARD_CONFIGURATIONS.values(), ids=BOARD_CONFIGURATIONS)
 def test_every_unit_is_placed_once_and_on_the_grid(variant: BoardConfiguration) -> None:
-    circuit = variant.variant.circuit(board_values(Design.load(changes=variant.changes)))
+    circuit = board_circuit(board_values(Design.load(changes=variant.changes)))
     placed = [(p.reference, p.unit) for p in variant.sheet.symbols]
     expected = {
         (component.reference, unit)

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_values, write_board
-from fingertip.board.values.bridge import sensor_conductance_s
-from fingertip.board.values.ideal_response import decibel
-from fingertip.board.values.nonideal_response import filter_transfer
+from fingertip.board.analysis.response import decibel
+from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.design import Design
 from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
+from tests.oracles.filter_formulas import filter_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
 
 DESIGNS = {
@@ -68,7 +68,9 @@ def test_nonideal_transfer_function_tends_to_the_formulas() -> None:
     values = board_values(Design()).preferred
     for f in (1.0, 67.0, 1e4):
         # The remaining difference is G / A0 = 3e-4 for G = 67.7.
-        assert filter_transfer(f, values, 1e15) == pytest.approx(ideal_filter_transfer(f, values), rel=1e-3)
+        assert filter_transfer(f, values, 1e15, input_f=0.0) == pytest.approx(
+            ideal_filter_transfer(f, values), rel=1e-3
+        )
 
 
 @pytest.mark.parametrize("supply", ["split", "single"])
@@ -79,7 +81,7 @@ def test_deck_has_the_tactile_voltage_of_the_bridge(tmp_path: Path, force_n: flo
     conductance = sensor_conductance_s(force_n)
     deck = deck.replace(line, f"{' '.join(line.split()[:3])} {1 / conductance if conductance else 1e12:.10g}")
     rows = run_ngspice(tmp_path, deck, "op\nwrdata out v(tactile)")
-    assert rows[0][-1] == pytest.approx(board_values(design).bridge.tactile_v(conductance, 5.0), abs=1e-4)
+    assert rows[0][-1] == pytest.approx(board_values(design).tactile_response.tactile_v(conductance), abs=1e-4)
 
 
 def test_first_stage_capacitors_remove_offset_gain_and_high_frequency_gain(tmp_path: Path) -> None:
@@ -213,16 +215,16 @@ def test_rectifier_of_variant_article_is_a_peak_detector_with_a_dead_zone(tmp_pa
 def test_comparator_switches_at_its_on_and_off_thresholds(tmp_path: Path, supply: str) -> None:
     """The mean sweeps slowly up and down through both thresholds. SLIP is low in between."""
     design, deck = write_deck(tmp_path, ["board.variant=comparator", f"board.supply={supply}"])
-    stage = board_values(design).comparator_stage
-    assert stage is not None
-    assert stage.averaging_tau_s == pytest.approx(0.015, rel=0.05)  # half of the article's window of 30 ms
+    levels = board_values(design).comparator_levels
+    assert levels is not None
+    assert levels.averaging_tau_s == pytest.approx(0.015, rel=0.05)  # half of the article's window of 30 ms
     isolated = "\n".join(line for line in deck.splitlines() if not line.startswith(("R18 ", "C17 ")))
     ground = "0" if supply == "split" else "vmid"
     isolated = isolated.replace("\n.ac", f"\nVmean mean {ground} pwl(0 0 1 0.04 2 0)\n.ac") + "\n"
     rows = run_ngspice(tmp_path, isolated, "tran 0.2m 2 0 0.2m\nwrdata out v(slip)")
     low = [t for t, v in rows if t > 0.01 and v < 1]
     on, off = 0.04 * low[0], 0.04 * (2 - low[-1])
-    assert (on, off) == pytest.approx((stage.on_v, stage.off_v), abs=2e-4)
+    assert (on, off) == pytest.approx((levels.on_v, levels.off_v), abs=2e-4)
     # The output turns ON at the design's threshold, which E24 resistors approximate to within two percent.
     assert on == pytest.approx(0.017, rel=0.02)
     assert off == pytest.approx(0.75 * 0.017, rel=0.04)

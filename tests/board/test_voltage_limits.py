@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import pytest
 
-from fingertip.board import board_values
-from fingertip.board.supplies import SUPPLIES
-from fingertip.board.values.amplifiers import (
-    AMPLIFIERS,
-    ARTICLE_AMPLIFIER,
-    RAIL_TO_RAIL_AMPLIFIER,
-    select_dual_amplifier,
-)
-from fingertip.board.values.bridge import size_bridge
-from fingertip.board.values.voltage_limits import (
+from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.limits import (
     adc_range_warnings,
     compute_output_swing,
     compute_voltage_limits,
     describe_adc_range,
     describe_filter_swing,
 )
+from fingertip.board.analysis.loads import load_warnings
+from fingertip.board.components.amplifiers import (
+    AMPLIFIERS,
+    ARTICLE_AMPLIFIER,
+    RAIL_TO_RAIL_AMPLIFIER,
+    select_dual_amplifier,
+)
+from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
+from tests.board.ngspice import run_ngspice
+from tests.board.test_spice import write_deck
 
 
 def test_voltage_limits_of_both_supplies() -> None:
@@ -81,9 +86,54 @@ def test_bridge_amplifier_stays_within_its_limits(supply: str, supply_v: float, 
 
 def test_a_bridge_at_ground_violates_the_amplifiers_limits_on_a_single_supply() -> None:
     """The AD623's internal amplifiers would have to go below ground, so the bridge refers to VMID."""
-    bridge = size_bridge(5.0, "E24", 5.08)
-    for name, minimum, maximum in (("split", 0.0, 5.0), ("single", -5.0, -1.0)):
-        supply = SUPPLIES[name]
+    circuit = board_circuit(board_values(Design()))  # of a split supply: its bridge refers to ground
+    for negative_rail, minimum, maximum in (("VEE", 0.0, 5.0), ("GND", -5.0, -1.0)):
+        supply = replace(SUPPLIES["split"], negative_rail=negative_rail)
         swing = compute_output_swing(AMPLIFIERS[RAIL_TO_RAIL_AMPLIFIER], supply, 5.0)
-        limits = compute_voltage_limits(bridge, supply, 5.0, swing, 67.7, True, 10.0)
+        limits = compute_voltage_limits(circuit, supply, 5.0, swing, 67.7, True, 10.0)
         assert minimum < limits.bridge_amplifier_margin_v < maximum
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_filter_load_agrees_with_the_current_in_ngspice(tmp_path: Path, name: str) -> None:
+    """A source of 0 V in the output of each amplifier measures its current."""
+    design, deck = write_deck(tmp_path, list(BOARD_CONFIGURATIONS[name].changes))
+    values, loads = board_values(design), []
+    band = values.achieved_response.cutoff_hz, values.achieved_response.upper_cutoff_hz
+    for element, output in (("XU1a", "stage1_out"), ("XU1b", "filtered")):
+        (line,) = (line for line in deck.splitlines() if line.startswith(f"{element} "))
+        words = line.split()
+        assert words[3] == output
+        # The inverting input stays where it was, at the output or behind the feedback.
+        measured = deck.replace(line, f"{' '.join([*words[:3], 'metered', words[4]])}\nVM metered {output} 0")
+        rows = run_ngspice(
+            tmp_path, measured, f"ac dec 60 {band[0]} {band[1]}\nlet z = abs(v({output})/i(vm))\nwrdata out z"
+        )
+        loads.append(min(ohm for _, ohm, *_ in rows))
+    assert values.filter_load_ohm == pytest.approx(min(loads), rel=0.01)
+
+
+def test_filter_load_is_inverse_to_the_capacitors() -> None:
+    ten_times = board_values(Design.load(changes=["board.capacitor_uf=10"])).filter_load_ohm
+    assert ten_times == pytest.approx(board_values(Design()).filter_load_ohm / 10, rel=0.05)
+
+
+@pytest.mark.parametrize("cutoff", ["40", "67", "150"])
+@pytest.mark.parametrize("series", ["E12", "E24", "E96"])
+def test_load_below_that_of_the_data_sheets_is_warned_of_with_a_remedy(series: str, cutoff: str) -> None:
+    changes = [f"board.series={series}", f"board.cutoff_hz={cutoff}"]
+
+    def warnings(*more: str) -> list[str]:
+        design = Design.load(changes=[*changes, *more])
+        values = board_values(design)
+        return list(load_warnings(design.board, values.filter_load_ohm, values.preferred.c_f))
+
+    (warning,) = warnings("board.capacitor_uf=4.7")
+    assert "may clip earlier than stated; set board.capacitor_uf to at most " in warning
+    remedy = warning.split()[-1].rstrip(".")
+    assert warnings(f"board.capacitor_uf={remedy}") == []
+    # A selected capacitor may take R1 down to 2k, and the load a little below that.
+    for capacitors in ("E6", "E12"):
+        for warning in warnings(f"board.capacitor_series={capacitors}"):
+            _, _, first, _, second = warning.rstrip(".").rsplit(" ", 4)
+            assert warnings(first, second) == []

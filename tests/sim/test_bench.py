@@ -141,16 +141,19 @@ def test_compiled_trial_has_the_bits_of_the_plain_one():
         assert np.array_equal(values, fast.columns[name]), name
 
 
-def test_drawn_boards_lie_within_their_tolerances():
-    board = AnalogBoard.from_design(DESIGN)
-    many, few = draw_boards(board, 500, 3), draw_boards(board, 20, 3)
-    for name, share in (("r1_ohm", 0.01), ("r_lp_ohm", 0.01), ("c1_f", 0.05), ("c_lp_f", 0.05)):
-        ratio = getattr(many, name) / getattr(board, name)
-        assert 1 - share <= ratio.min() < 1 - 0.95 * share
-        assert 1 + 0.95 * share < ratio.max() <= 1 + share
-        assert np.array_equal(getattr(few, name), getattr(many, name)[:20])
-    assert not np.array_equal(many.c1_f, many.c2_f)
-    assert not np.array_equal(draw_boards(board, 20, 4).c1_f, few.c1_f)
+@pytest.mark.parametrize(("variant", "count"), [("article", 10), ("precision", 15)])
+def test_drawn_boards_lie_within_their_tolerances(variant, count):
+    board = AnalogBoard.from_design(Design(board={"variant": variant}))
+    many, few = draw_boards(board, 500, 3).components, draw_boards(board, 20, 3).components
+    assert len(many) == count
+    for name, nominal in board.components.items():
+        share = 0.01 if name.startswith("R") else 0.05
+        ratio = many[name] / nominal
+        assert 1 - share * (1 + 1e-9) <= ratio.min() < 1 - 0.95 * share
+        assert 1 + 0.95 * share < ratio.max() <= 1 + share * (1 + 1e-9)
+        assert np.array_equal(few[name], many[name][:20])
+    assert not np.array_equal(many["C1"], many["C2"])
+    assert not np.array_equal(draw_boards(board, 20, 4).components["C1"], few["C1"])
     with pytest.raises(TraceError, match="count: 0 is too few; give at least 1 board"):
         draw_boards(board, 0)
 

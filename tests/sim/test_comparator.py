@@ -8,9 +8,8 @@ import subprocess
 import numpy as np
 import pytest
 
-from fingertip.board import board_circuit
+from fingertip.board import board_circuit, board_values
 from fingertip.board.spice import spice_deck
-from fingertip.board.values.board_values import board_values
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
@@ -97,7 +96,7 @@ def test_netlist_in_ngspice_switches_at_the_same_moments(supply, tmp_path):
     time, envelope, pin = theirs[:, 0], theirs[:, 1], theirs[:, 2]
     switched = np.flatnonzero(((pin[:-1] < 2.5) != (pin[1:] < 2.5)) & (time[1:] > 0.35))
 
-    board = AnalogBoard.from_design(design).with_values(gain_bandwidth_hz=design.board.gain_bandwidth_hz)
+    board = AnalogBoard.from_design(design, design.board.gain_bandwidth_hz)
     out = simulate_board(board, STEP_S, voltage, 1e-6)
     ours = simulate_comparator(Comparator.from_design(design), board, STEP_S, out.filtered_v, out.envelope_v)
     assert len(ours.edges_s) >= 4

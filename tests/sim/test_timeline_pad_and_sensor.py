@@ -8,7 +8,7 @@ import random
 import numpy as np
 import pytest
 
-from fingertip.board.values.bridge import sensor_conductance_s
+from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.design import Design
 from fingertip.sim.article import MAX_FORCE_N, Trial
 from fingertip.sim.contact import vibration

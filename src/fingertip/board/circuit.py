@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fingertip.errors import BoardError, Issue
 
@@ -88,6 +88,16 @@ class Circuit:
             if component.reference == reference:
                 return component
         raise KeyError(reference)
+
+    def without(self, *references: str) -> Circuit:
+        """The circuit without some components."""
+        nets = (Net(n.name, tuple(node for node in n.nodes if node[0] not in references)) for n in self.nets)
+        return Circuit(self.name, tuple(c for c in self.components if c.reference not in references), tuple(nets))
+
+    def replace(self, reference: str, value: str) -> Circuit:
+        """The circuit with another value of one component."""
+        components = (replace(c, value=value) if c.reference == reference else c for c in self.components)
+        return Circuit(self.name, tuple(components), self.nets)
 
 
 def build_circuit(name: str, wiring: Mapping[Component, Mapping[str, str]]) -> Circuit:

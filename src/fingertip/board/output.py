@@ -7,7 +7,8 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from fingertip.board.circuit import Circuit
+from fingertip.board.board_values import board_values
+from fingertip.board.circuits.signal_paths import board_circuit
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.provenance import find_outdated_files, provenance_record
 from fingertip.board.kicad.netlist import kicad_netlist_file
@@ -17,7 +18,6 @@ from fingertip.board.layout.template import load_template
 from fingertip.board.readme import HEADING, folder_readme
 from fingertip.board.schematic.schematic_file import kicad_schematic_file
 from fingertip.board.spice import spice_deck
-from fingertip.board.values.board_values import BoardValues, board_values
 from fingertip.board.variants import find_configuration
 from fingertip.design import Design
 from fingertip.files import atomic_write
@@ -34,11 +34,6 @@ README = "README.md"
 FAB_FOLDER = "fab"
 PROVENANCE = "made_from.sha256"
 _MAX_DIFF_LINES = 12
-
-
-def board_circuit(values: BoardValues) -> Circuit:
-    """Circuit of a board with its preferred values. Raises BoardError if it is inconsistent."""
-    return find_configuration(values).variant.circuit(values)
 
 
 def board_files(design: Design) -> dict[str, bytes]:

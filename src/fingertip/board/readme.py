@@ -5,16 +5,19 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable
 
+from fingertip.board.analysis.limits import describe_adc_range
+from fingertip.board.analysis.loads import MIN_LOAD_OHM
+from fingertip.board.analysis.noise import noise_warning
+from fingertip.board.analysis.offsets import OutputOffset
+from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V, RIPPLE_BAND_HZ
+from fingertip.board.analysis.thresholds import ComparatorLevels
+from fingertip.board.board_values import BoardValues
 from fingertip.board.circuit import Circuit
+from fingertip.board.components.amplifiers import AMPLIFIERS, ARTICLE_AMPLIFIER
+from fingertip.board.components.anti_aliasing import CLAMP_A, MAX_CLAMP_A
+from fingertip.board.components.comparator import PULL_UP_OHM
 from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.symbols import TEST_POINT
-from fingertip.board.values.adc_interface import CLAMP_A, MAX_CLAMP_A
-from fingertip.board.values.amplifiers import AMPLIFIERS, ARTICLE_AMPLIFIER
-from fingertip.board.values.board_values import BoardValues
-from fingertip.board.values.comparator_stage import PULL_UP_OHM, ComparatorStage
-from fingertip.board.values.noise_and_ripple import DEAD_ZONE_V, RIPPLE_BAND_HZ, noise_warning
-from fingertip.board.values.output_offset import OutputOffset
-from fingertip.board.values.voltage_limits import describe_adc_range
 from fingertip.board.variants import BoardConfiguration
 from fingertip.design import Design
 from fingertip.design.comparator_data import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
@@ -143,7 +146,7 @@ def _connector_table(values: BoardValues, design: Design) -> str:
     supply_v, is_single = design.board.supply_v, values.supply == "single"
     slip = (
         f"S: slip output, low (asserted) while slip is detected, else +{supply_v:g} V"
-        if values.comparator_stage
+        if values.comparator_levels
         else "0 (ground)"
     )
     rows = [
@@ -194,6 +197,8 @@ def _signal_notes(values: BoardValues, design: Design) -> list[str]:
         f"T lies between {limits.min_tactile_v:.2f} V (20 N) and {limits.max_tactile_v:.2f} V (no force). E rises to "
         f"at most {limits.max_envelope_v:.1f} V above signal ground.",
         swing,
+        f"The amplifiers of the filter drive {values.filter_load_ohm:.0f} ohm or more. Their data sheets state the "
+        f"output swing for {MIN_LOAD_OHM:.0f} ohm and above.",
         f"D3 clamps T and D2 clamps E to within a diode drop of ground and +{supply_v:g} V. R7 to R9 limit the clamp "
         "current.",
         f"R8, C9, R9 and C19 (T) and R7 and C8 (E) are anti-aliasing filters for {design.detector.sample_rate_hz:g} "
@@ -219,7 +224,7 @@ def _power_notes(values: BoardValues, design: Design) -> list[str]:
         f"{1e3 * ripple.max_v:.2g} mV: more {effect}. Use a low-noise linear regulator near the board, and supply "
         "nothing else from it.",
     ]
-    if values.comparator_stage:
+    if values.comparator_levels:
         notes.append(
             f"R21 ({PULL_UP_OHM / 1e3:g}k) pulls S up to +{supply_v:g} V. S is low (asserted) while slip is detected. "
             "A 3.3 V input needs a divider or a level shifter."
@@ -232,8 +237,11 @@ def _offset_section(values: BoardValues, design: Design) -> str:
     if values.output_offset is None:
         return ""
     offset = _paragraph(_describe_offset(values.output_offset, values, design))
-    if values.comparator_stage:
-        title, procedure = "Envelope offset and threshold", _trimming_procedure(values.comparator_stage, values, design)
+    if values.comparator_levels:
+        title, procedure = (
+            "Envelope offset and threshold",
+            _trimming_procedure(values.comparator_levels, values, design),
+        )
     else:
         is_single = values.supply == "single"
         title = "Envelope offset"
@@ -258,14 +266,14 @@ def _describe_offset(offset: OutputOffset, values: BoardValues, design: Design) 
     )
 
 
-def _trimming_procedure(stage: ComparatorStage, values: BoardValues, design: Design) -> str:
+def _trimming_procedure(levels: ComparatorLevels, values: BoardValues, design: Design) -> str:
     reference_point = "M or TP5, not against ground" if values.supply == "single" else "ground (TP5)"
     threshold = f"{1e3 * design.detector.threshold_v:g} mV"
     introduction = (
-        f"With RV1 at its midpoint, S goes low when the mean of E rises above {1e3 * stage.on_v:.1f} mV, and high "
-        f"again when it falls below {1e3 * stage.off_v:.1f} mV. The range of RV1 ends at {1e3 * stage.max_on_v:.0f} "
-        f"mV. The comparator adds its own errors: its input current raises the mean by {1e3 * stage.bias_v:.1f} mV in "
-        f"R18 (at most {1e3 * stage.max_bias_v:.1f} mV), and its offset voltage is {1e3 * COMPARATOR_OFFSET_V:g} mV "
+        f"With RV1 at its midpoint, S goes low when the mean of E rises above {1e3 * levels.on_v:.1f} mV, and high "
+        f"again when it falls below {1e3 * levels.off_v:.1f} mV. The range of RV1 ends at {1e3 * levels.max_on_v:.0f} "
+        f"mV. The comparator adds its own errors: its input current raises the mean by {1e3 * levels.bias_v:.1f} mV in "
+        f"R18 (at most {1e3 * levels.max_bias_v:.1f} mV), and its offset voltage is {1e3 * COMPARATOR_OFFSET_V:g} mV "
         f"(at most {1e3 * MAX_COMPARATOR_OFFSET_V:g} mV). "
         "One procedure compensates the envelope offset and these errors:"
     )
@@ -278,7 +286,7 @@ def _trimming_procedure(stage: ComparatorStage, values: BoardValues, design: Des
         "comparator sees it.",
         f"Turn RV1 anticlockwise until S is high again, and on until the reading is the noted level + {threshold}. "
         "Read the voltmeter only while S is high: while S is low, the hysteresis lowers the reading by about "
-        f"{1e3 * (stage.on_v - stage.off_v):.0f} mV.",
+        f"{1e3 * (levels.on_v - levels.off_v):.0f} mV.",
         f"If the noted level + {threshold} exceeds the range of RV1, choose a higher `detector.threshold_v` for the "
         "board, or better amplifiers.",
     )

@@ -12,18 +12,18 @@ import math
 from collections.abc import Callable, Iterator
 
 from fingertip.board.circuit import Circuit, Component, parse_component_value
-from fingertip.board.values.adc_interface import CLAMP_A
-from fingertip.board.values.amplifiers import (
+from fingertip.board.components.amplifiers import (
     AD623_BANDWIDTH_HZ,
     AD623_NOISE_V,
     AD623_OUTPUT_NOISE_V,
     AMPLIFIERS,
     BOLTZMANN_J_PER_K,
+    GAIN_RESISTOR,
+    OPEN_LOOP_GAIN,
     TEMPERATURE_K,
-    bridge_gain,
 )
-from fingertip.board.values.bridge import GAIN_CONSTANT_OHM, sensor_conductance_s
-from fingertip.board.values.nonideal_response import OPEN_LOOP_GAIN
+from fingertip.board.components.anti_aliasing import CLAMP_A
+from fingertip.board.components.bridge import GAIN_CONSTANT_OHM, sensor_conductance_s
 
 SENSOR_FORCE_N = 0.8
 """Force on the deck's sensor: the middle of the three forces for which the article states a voltage."""
@@ -136,8 +136,10 @@ _ELEMENTS: dict[str, Callable[[Component, Pins, float], Iterator[str]]] = {
 
 _AMPLIFIER_MODEL = """\
 * {name}: one pole, {gain:g} open loop and {bandwidth:.10g} Hz gain-bandwidth, noise {noise:g} V/sqrt(Hz);
-* no rails, no offset.
+* input capacitance {input_pf:g} pF; no rails, no offset.
 .subckt {name} plus minus out
+CP plus 0 {input_pf:g}p
+CM minus 0 {input_pf:g}p
 RN n 0 {noise_ohm:.10g}
 EN p plus n 0 1
 G1 0 pole p minus {gain:.10g}
@@ -177,11 +179,12 @@ def _models(circuit: Circuit, gain_bandwidth_hz: float) -> Iterator[str]:
     """Yield a model for each type of amplifier in the circuit, then the other models."""
     for name in sorted({component.symbol.name for component in circuit.components} & set(AMPLIFIERS)):
         yield _amplifier_model(name, gain_bandwidth_hz)
+    gain_ohm = parse_component_value(circuit.component(GAIN_RESISTOR).value)
     yield _OTHER_MODELS.format(
         gain_constant_ohm=GAIN_CONSTANT_OHM,
         input_ohm=_equivalent_noise_ohm(AD623_NOISE_V),
         output_ohm=_equivalent_noise_ohm(AD623_OUTPUT_NOISE_V),
-        pole_farad=bridge_gain(circuit) / (math.tau * AD623_BANDWIDTH_HZ),
+        pole_farad=(1.0 + GAIN_CONSTANT_OHM / gain_ohm) / (math.tau * AD623_BANDWIDTH_HZ),
         clamp_a=CLAMP_A,
     )
 
@@ -192,6 +195,7 @@ def _amplifier_model(name: str, gain_bandwidth_hz: float) -> str:
     return _AMPLIFIER_MODEL.format(
         name=name.lower(),
         gain=OPEN_LOOP_GAIN,
+        input_pf=1e12 * amplifier.input_f,
         bandwidth=bandwidth_hz,
         noise=amplifier.noise_v,
         noise_ohm=_equivalent_noise_ohm(amplifier.noise_v),

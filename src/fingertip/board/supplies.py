@@ -2,7 +2,7 @@
 
 On a split supply of plus and minus 5 V, signal ground is supply ground (0 V), as in the article. On a single supply of
 5 V it is VMID (buffered mid-supply). Bridge, filters, rectifier, envelope and threshold refer to it, and the amplifiers
-need rail-to-rail inputs and outputs (`fingertip.board.values.amplifiers`).
+need rail-to-rail inputs and outputs (`fingertip.board.components.amplifiers`).
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ SUPPLIES = {
     supply.name: supply
     for supply in (
         Supply("split", GND, VEE, 0.0, "split supply"),
-        Supply("single", VMID, GND, 0.5, "single supply with buffered middle"),
+        Supply("single", VMID, GND, 0.5, "single supply with buffered mid-supply"),
     )
 }
 """Supplies by name. A test compares the names with those that the design file accepts."""

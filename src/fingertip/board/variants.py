@@ -1,25 +1,22 @@
-"""The boards that can be generated, by variant and supply: circuit, schematic sheet and placement of each."""
+"""The boards that can be generated, by variant and supply: schematic sheet and placement of each."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from fingertip.board.circuit import Circuit
-from fingertip.board.circuits.signal_paths import article_circuit, comparator_circuit, precision_circuit
+from fingertip.board.components.component_values import ComponentValues
 from fingertip.board.layout.placement import Placement, load_placement
 from fingertip.board.schematic.sheet import Sheet
 from fingertip.board.schematic.variant_sheets import article_sheet, comparator_sheet, precision_sheet
 from fingertip.board.supplies import SUPPLIES, Supply
-from fingertip.board.values.board_values import BoardValues
 
 
 @dataclass(frozen=True)
 class BoardVariant:
-    """Functions that make the circuit and the schematic sheet of a variant."""
+    """Function that makes the schematic sheet of a variant, and its description."""
 
     name: str
-    circuit: Callable[[BoardValues], Circuit]
     sheet: Callable[[Supply], Sheet]
     summary: str
     """Description of the signal path for the README of the board's folder."""
@@ -57,15 +54,15 @@ BOARD_VARIANTS = {
     variant.name: variant
     for variant in (
         BoardVariant(
-            "article", article_circuit, article_sheet,
+            "article", article_sheet,
             "the article's two filters, rectifier and envelope (its figure 3)"
         ),
         BoardVariant(
-            "precision", precision_circuit, precision_sheet,
+            "precision", precision_sheet,
             "the article's two filters, a precision half-wave rectifier and a first-order low-pass for the envelope",
         ),
         BoardVariant(
-            "comparator", comparator_circuit, comparator_sheet,
+            "comparator", comparator_sheet,
             "the article's two filters, a precision half-wave rectifier, a first-order low-pass for the envelope, and "
             "a comparator with hysteresis and an ON/OFF pin",
         ),
@@ -82,6 +79,6 @@ BOARD_CONFIGURATIONS = {
 """Every variant on every supply, by name."""
 
 
-def find_configuration(values: BoardValues) -> BoardConfiguration:
+def find_configuration(values: ComponentValues) -> BoardConfiguration:
     """Find the configuration that values were computed for."""
     return BOARD_CONFIGURATIONS[f"{values.variant}_{values.supply}"]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import typer
 
 from fingertip._version import __version__
@@ -48,4 +50,6 @@ def _version(version: bool = typer.Option(False, "--version", help="Print the ve
 
 def main() -> None:
     """Entry point of the `fingertip` command."""
+    # The linear systems here have some twenty unknowns: threads of the linear algebra library only delay the start.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     app()

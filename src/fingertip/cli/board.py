@@ -19,7 +19,7 @@ from fingertip.cli.console import (
 )
 
 if TYPE_CHECKING:
-    from fingertip.board.values.board_values import BoardValues
+    from fingertip.board.board_values import BoardValues
     from fingertip.design import Design
 
 _FORCES_N = (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0)
@@ -117,11 +117,13 @@ def board(
 
 def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
     """Find settings that are valid but make a board that performs badly."""
-    from fingertip.board.values.noise_and_ripple import noise_warning
+    from fingertip.board.analysis.loads import load_warnings
+    from fingertip.board.analysis.noise import noise_warning
 
     if warning := noise_warning(values.noise, design.detector.threshold_v):
         yield warning
-    if values.comparator_stage:
+    yield from load_warnings(design.board, values.filter_load_ohm, values.preferred.c_f)
+    if values.comparator_levels:
         # The comparator is the detector here, so the warnings on detector settings apply. They need numpy.
         from fingertip.slip.detectors import noise
 
@@ -129,7 +131,7 @@ def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
 
 
 def _format_tables(design: Design, values: BoardValues) -> str:
-    from fingertip.board.values.voltage_limits import describe_adc_range, describe_filter_swing
+    from fingertip.board.analysis.limits import describe_adc_range, describe_filter_swing
 
     aliasing, limits = values.aliasing, values.voltage_limits
     lines = [
@@ -142,8 +144,9 @@ def _format_tables(design: Design, values: BoardValues) -> str:
         f"at {aliasing.nyquist_hz:g} Hz, half the ADC's sampling rate, the tactile voltage is attenuated by "
         f"{-aliasing.tactile_nyquist_db:.1f} dB and the envelope by {-aliasing.envelope_nyquist_db:.1f} dB",
         describe_adc_range(limits),
+        f"the filter's amplifiers drive at least {values.filter_load_ohm:.0f} ohm",
         "",
-        *_force_lines(design, values),
+        *_force_lines(values),
         "",
         "Errata of the article:",
     ]
@@ -212,14 +215,14 @@ def _response_lines(values: BoardValues) -> list[str]:
     return lines
 
 
-def _force_lines(design: Design, values: BoardValues) -> list[str]:
+def _force_lines(values: BoardValues) -> list[str]:
     """Sensor resistance and tactile voltage at a few forces."""
-    from fingertip.board.values.bridge import sensor_conductance_s
+    from fingertip.board.components.bridge import sensor_conductance_s
 
     lines = [f"{'force':>8} {'sensor':>10} {'tactile voltage':>16}"]
     for force_n in _FORCES_N:
         conductance_s = sensor_conductance_s(force_n)
         resistance = f"{1 / conductance_s:.0f} ohm" if conductance_s else "open"
-        tactile_v = values.bridge.tactile_v(conductance_s, design.board.supply_v)
+        tactile_v = values.tactile_response.tactile_v(conductance_s)
         lines.append(f"{force_n:6g} N {resistance:>10} {tactile_v:14.2f} V")
     return lines

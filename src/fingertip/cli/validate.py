@@ -25,8 +25,8 @@ def validate(
 ) -> None:
     """Test a design's detectors on simulated slips and on scenes without slip. Exit code 1: a requirement is missed."""
     from fingertip import campaign, jit
-    from fingertip.board.values.board_values import board_values
-    from fingertip.board.values.voltage_limits import adc_range_warnings
+    from fingertip.board.analysis.limits import adc_range_warnings
+    from fingertip.board.board_values import board_values
     from fingertip.cli.load import load_design
     from fingertip.files import atomic_write
     from fingertip.slip.detectors import noise, registry

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.board.values.board_values import board_values
-from fingertip.board.values.voltage_limits import adc_range_warnings
+from fingertip.board.analysis.limits import adc_range_warnings
+from fingertip.board.board_values import board_values
 from fingertip.design import Design
 from fingertip.errors import FingertipError, Issue
 from fingertip.sim.article import Trial

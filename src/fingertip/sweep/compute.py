@@ -6,6 +6,7 @@ kernel.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -56,10 +57,11 @@ def compute_lengths(context: PointContext) -> OutputValues:
 
 def compute_board(context: PointContext) -> OutputValues:
     """Compute the preferred component values of the board, and what they achieve."""
-    from fingertip.board.values.board_values import filter_values
+    from fingertip.board.board_values import compute_filter
 
     board = context.design.board
-    _, fitted, achieved = filter_values(board)
+    selection, achieved = compute_filter(board)
+    fitted = selection.preferred
     resistors = ("r1_ohm", "r2_ohm", "r3_ohm", "r4_ohm", "r5_ohm", "r_lp_ohm")
     return {f"board.{name}": getattr(fitted, name) for name in resistors} | {
         "board.c_uf": 1e6 * fitted.c_f,
@@ -70,10 +72,26 @@ def compute_board(context: PointContext) -> OutputValues:
         "section_hz": achieved.section_hz,
         "q": achieved.section_quality,
         "cutoff_3db_hz": achieved.cutoff_hz,
+        "upper_cutoff_hz": achieved.upper_cutoff_hz,
         "cutoff_error_percent": 100.0 * (achieved.cutoff_hz / board.cutoff_hz - 1.0),
         "envelope_pole_hz": achieved.envelope_pole_hz,
         "envelope_decay_ms": 1e3 * achieved.envelope_decay_s,
         "amplifier_bandwidth_hz": achieved.amplifier_bandwidth_hz,
+    }
+
+
+def compute_circuit(context: PointContext) -> OutputValues:
+    """Compute noise, offsets and limits of the board's whole circuit."""
+    from fingertip.board import board_values
+
+    values = board_values(context.design)
+    return {
+        "filter_noise_v": values.noise.filtered_v,
+        "max_ripple_v": values.supply_ripple.max_v,
+        "max_envelope_offset_v": values.output_offset.max_v if values.output_offset else math.nan,
+        "vibration_peak_v": values.voltage_limits.vibration_peak_v,
+        "bridge_amplifier_margin_v": values.voltage_limits.bridge_amplifier_margin_v,
+        "filter_load_ohm": values.filter_load_ohm,
     }
 
 
@@ -182,6 +200,7 @@ def _mesh(context: PointContext, part: str) -> Mesh:
 GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
     "lengths": compute_lengths,
     "board": compute_board,
+    "circuit": compute_circuit,
     "noise": compute_noise,
     "detection": compute_detection,
     "skin": compute_skin,

@@ -49,6 +49,7 @@ GROUPS = {
         OutputGroup("lengths", CLOSED_MOLD, 0),
         OutputGroup("board", frozenset({"board", "detector", "sensor", "custom_sensor"}), 1),
         OutputGroup("noise", frozenset({"board", "detector"}), 1),
+        OutputGroup("circuit", frozenset({"board", "detector", "sensor", "custom_sensor"}), 1),
         OutputGroup("detection", SIMULATION | {"scene"}, 2),
         OutputGroup("skin", CLOSED_MOLD, 4),
         OutputGroup("bone", CLOSED_MOLD, 4),
@@ -115,6 +116,15 @@ OUTPUTS = {
         SweepOutput("envelope_pole_hz", "board", "achieved pole frequency of the envelope filter"),
         SweepOutput("envelope_decay_ms", "board", "achieved time constant of the envelope filter"),
         SweepOutput("amplifier_bandwidth_hz", "board", "upper band limit set by the first stage's amplifier"),
+        SweepOutput("upper_cutoff_hz", "board", "achieved upper -3 dB frequency of the whole filter"),
+        SweepOutput("filter_noise_v", "circuit", "RMS noise of the board ahead of the rectifier"),
+        SweepOutput("max_ripple_v", "circuit", "peak of supply ripple that alone reaches the threshold"),
+        SweepOutput("max_envelope_offset_v", "circuit", "maximum envelope offset; NaN in variant article"),
+        SweepOutput("vibration_peak_v", "circuit", "largest vibration of the tactile voltage that is not clipped"),
+        SweepOutput(
+            "bridge_amplifier_margin_v", "circuit", "margin of the bridge amplifier's voltages to their limits"
+        ),
+        SweepOutput("filter_load_ohm", "circuit", "smallest impedance that an amplifier of the filter drives"),
         SweepOutput("noise_level_v", "noise", "mean of the averaged envelope for noise alone"),
         SweepOutput("min_threshold_v", "noise", "noise_level_v plus six standard deviations (the article's rule)"),
         SweepOutput("delay_ms", "detection", "median detection delay of all slips; inf: fewer than half detected"),

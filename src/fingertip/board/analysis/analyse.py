@@ -3,31 +3,42 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from fingertip.board.analysis.nodal_analysis import System, build_equations
+from fingertip.board.analysis.aliasing import AliasAttenuation
+from fingertip.board.analysis.limits import VoltageLimits
 from fingertip.board.analysis.noise import (
     NETS,
     Contribution,
     NoiseAlternative,
+    NoisyNetwork,
+    add_noise,
     compare_noise_alternatives,
     noise_budget,
 )
-from fingertip.board.circuit import Circuit
-from fingertip.board.output import board_circuit
-from fingertip.board.values.adc_interface import AliasAttenuation
-from fingertip.board.values.board_values import Tolerance, board_values
-from fingertip.board.values.bridge import Bridge, sensor_conductance_s
-from fingertip.board.values.comparator_stage import ComparatorStage
-from fingertip.board.values.noise_and_ripple import NOISE_FORCE_N, SupplyRipple
-from fingertip.board.values.output_offset import OutputOffset
-from fingertip.board.values.tolerance import Spread, compute_sensitivities, monte_carlo
-from fingertip.board.values.voltage_limits import VoltageLimits
+from fingertip.board.analysis.offsets import OutputOffset
+from fingertip.board.analysis.response import model_filter
+from fingertip.board.analysis.supply_ripple import SupplyRipple
+from fingertip.board.analysis.thresholds import ComparatorLevels
+from fingertip.board.analysis.tolerance import (
+    Spread,
+    TolerancedFilter,
+    component_tolerances,
+    compute_sensitivities,
+    monte_carlo,
+)
+from fingertip.board.board_values import board_values
+from fingertip.board.circuits.signal_paths import board_circuit
+from fingertip.board.components.component_values import Tolerance, select_components
+from fingertip.board.nets import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE, VCC, VEE
+from fingertip.board.network import Network, Value, build_network
 from fingertip.design import Design
 
+BRIDGE_RESISTORS = ("R10", "R11", "R12", "R13", "R14")
 BRIDGE_TOLERANCE = 1e-3
 """Tolerance of R10 to R14, as the bill of materials specifies it."""
 
@@ -50,7 +61,7 @@ class Analysis:
     output_offset: OutputOffset | None
     """Envelope offset; None in variant article."""
     supply_ripple: SupplyRipple
-    comparator_stage: ComparatorStage | None
+    comparator_levels: ComparatorLevels | None
     tolerance: Tolerance
     """Tolerances for which `spread` is computed."""
     offset: tuple[Contribution, ...]
@@ -76,13 +87,16 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
     """
     values, board = board_values(design), design.board
     circuit = board_circuit(values)
-    system = build_equations(circuit, board.gain_bandwidth_hz, sensor_conductance_s(NOISE_FORCE_N))
-    noise, total = noise_budget(system)
+    has_diode, network = board.variant == "article", build_network(circuit, board.gain_bandwidth_hz)
+    model, noisy = model_filter(circuit, has_diode), add_noise(circuit, board.gain_bandwidth_hz)
+    toleranced = TolerancedFilter(model, network.values)
+    noise, total = noise_budget(noisy)
     return Analysis(
         noise=noise,
         noise_total_v=total,
         noise_alternatives=compare_noise_alternatives(
-            circuit, board.gain_bandwidth_hz, board.band_limit_hz, has_diode=values.variant == "article"
+            circuit, board.gain_bandwidth_hz, board.band_limit_hz,
+            None if has_diode else float(model.envelope_gain(network.values)),
         ),
         threshold_v=design.detector.threshold_v,
         amplifier=values.amplifier,
@@ -90,14 +104,11 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         voltage_limits=values.voltage_limits,
         output_offset=values.output_offset,
         supply_ripple=values.supply_ripple,
-        comparator_stage=values.comparator_stage,
+        comparator_levels=values.comparator_levels,
         tolerance=values.tolerance,
-        offset=(*_offsets(system), _bridge_offset(values.bridge, board.supply_v)),
-        spread=monte_carlo(
-            values.preferred, board.gain_bandwidth_hz, values.first_stage_capacitors,
-            values.tolerance.resistor_percent, values.tolerance.capacitor_percent, boards, seed,
-        ),
-        sensitivity=compute_sensitivities(values.preferred, board.gain_bandwidth_hz, values.first_stage_capacitors),
+        offset=(*_offsets(noisy), _bridge_offset(network, board.supply_v)),
+        spread=monte_carlo(toleranced, component_tolerances(values), boards, seed),
+        sensitivity=compute_sensitivities(toleranced),
     )  # fmt: skip
 
 
@@ -107,9 +118,10 @@ def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_de
     The response starts at the tactile voltage. Amplifiers have one pole, so their gain falls with their gain-bandwidth
     product. The last column is that product over the frequency [dB], the asymptote of the amplifier's open-loop gain.
     """
-    circuit = board_circuit(board_values(design))
+    network = build_network(board_circuit(select_components(design)), design.board.gain_bandwidth_hz)
     f = np.logspace(math.log10(low_hz), math.log10(high_hz), round(per_decade * math.log10(high_hz / low_hz)) + 1)
-    first, whole = _stage_responses(circuit, design, f)
+    filter_network = network.drive(TACTILE).restrict(FILTERED)
+    first, whole = filter_network.response(f, {TACTILE: 1.0}, STAGE1_OUT, FILTERED).T
     lines = ["frequency_hz,stage1_db,stage1_deg,stage2_db,stage2_deg,whole_db,whole_deg,gbw_over_f_db"]
     for i, hz in enumerate(f):
         cells = [f"{hz:.6g}"]
@@ -120,26 +132,20 @@ def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_de
     return "\n".join(lines) + "\n"
 
 
-def _stage_responses(circuit: Circuit, design: Design, f: Any) -> tuple[Any, Any]:
-    system = build_equations(circuit, design.board.gain_bandwidth_hz, 0.0, "TACTILE")
-    return system.driven_response(f, "STAGE1_OUT"), system.driven_response(f, "FILTERED")
+def _offsets(board: NoisyNetwork) -> list[Contribution]:
+    columns = zip(*(board.offsets_v(net) for net in NETS), strict=True)
+    pairs = zip(board.sources, columns, strict=True)
+    return [Contribution(source.name, volts) for source, volts in pairs if source.offset]
 
 
-def _offsets(system: System) -> list[Contribution]:
-    constant = np.zeros(1)
-    transfers = [system.source_transfers(constant, net)[0] for net in NETS]
-    return [
-        Contribution(source.name, tuple(abs(float(t[i].real)) * source.offset for t in transfers))
-        for i, source in enumerate(system.sources)
-        if source.offset
-    ]
-
-
-def _bridge_offset(bridge: Bridge, supply_v: float) -> Contribution:
+def _bridge_offset(network: Network, supply_v: float) -> Contribution:
     """Offset of the bridge at TACTILE and its ADC pin, with the sensor open. C1 blocks it from the filter."""
-    nominal_v = bridge.tactile_v(0.0, supply_v)
-    worst_v = 0.0
-    for name in ("sensor_top_ohm", "sensor_shunt_ohm", "reference_top_ohm", "reference_bottom_ohm", "gain_ohm"):
-        changed = replace(bridge, **{name: getattr(bridge, name) * (1 + BRIDGE_TOLERANCE)})
-        worst_v += abs(changed.tactile_v(0.0, supply_v) - nominal_v)
-    return Contribution("R10 to R14", tuple(worst_v if net in ("TACTILE", "ADC_TACTILE") else 0.0 for net in NETS))
+    path = network.restrict(TACTILE)
+
+    def tactile_v(values: Mapping[str, Value]) -> float:
+        return path.with_values(values).operating_point({VCC: supply_v, VEE: -supply_v})[TACTILE]
+
+    worst_v, nominal_v = 0.0, tactile_v({})
+    for name in BRIDGE_RESISTORS:
+        worst_v += abs(tactile_v({name: network.values[name] / (1 + BRIDGE_TOLERANCE)}) - nominal_v)
+    return Contribution("R10 to R14", tuple(worst_v if net in (TACTILE, ADC_TACTILE) else 0.0 for net in NETS))

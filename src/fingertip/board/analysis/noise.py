@@ -1,4 +1,4 @@
-"""Noise of the board: the contribution of each component, and what would reduce it. Needs numpy.
+"""Noise of the board: the contribution of each component, and what would reduce it.
 
 The analysis includes white noise only, with typical data-sheet values. Nearly all of it comes from the bridge's
 amplifier: its source impedance is a few hundred ohm, its gain amplifies its 35 nV/sqrt(Hz) 68 times, and the first
@@ -9,27 +9,56 @@ most of it. The article has none.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fingertip.board.analysis.nodal_analysis import System, build_equations
+from fingertip.arrays import Array
 from fingertip.board.circuit import Circuit, Component, Net, format_component_value, parse_component_value
+from fingertip.board.components.amplifiers import (
+    AD623_NOISE_V,
+    AD623_OFFSET_V,
+    AD623_OUTPUT_NOISE_V,
+    AMPLIFIERS,
+    BOLTZMANN_J_PER_K,
+    GAIN_RESISTOR,
+    LOW_NOISE_NAME,
+    LOW_NOISE_V,
+    TEMPERATURE_K,
+)
+from fingertip.board.components.bridge import GAIN_CONSTANT_OHM, sensor_conductance_s
+from fingertip.board.components.preferred_values import nearest_value
 from fingertip.board.kicad import symbols
-from fingertip.board.nets import FEEDBACK, STAGE1_OUT
-from fingertip.board.values.amplifiers import AD623_NOISE_V, LOW_NOISE_NAME, LOW_NOISE_V
-from fingertip.board.values.bridge import sensor_conductance_s
-from fingertip.board.values.noise_and_ripple import HALF_WAVE_MEAN, NOISE_BAND_HZ, NOISE_FORCE_N
-from fingertip.board.values.preferred_values import nearest_value
+from fingertip.board.nets import ADC_TACTILE, FEEDBACK, FILTERED, STAGE1_OUT, TACTILE
+from fingertip.board.network import Network, build_network
 from fingertip.design.filter_components import compute_limiting_capacitor_f
 
-NETS = ("TACTILE", "STAGE1_OUT", "FILTERED", "ADC_TACTILE")
+NETS = (TACTILE, STAGE1_OUT, FILTERED, ADC_TACTILE)
 """Nets at which noise and offset are reported: before the filter, between its stages, before the rectifier, ADC pin."""
+NOISE_BAND_HZ = (0.1, 1e6)
+"""Band over which noise is integrated."""
+NOISE_FORCE_N = 0.8
+"""Force on the sensor: the middle one of the article's voltages."""
+HALF_WAVE_MEAN = 1.0 / math.sqrt(2.0 * math.pi)
+"""Mean of half-wave rectified Gaussian noise, in units of its standard deviation."""
 LIMITING_CAPACITOR = "C20"
 """Capacitor across R5, which limits the band of the first stage."""
 _POINTS_PER_DECADE = 50
 """Integration points per decade: the error of the integral is then at most 0.03 %."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """Cause of noise and offset, and where it enters the equations."""
+
+    name: str
+    entries: dict[str, float]
+    """Net -> what 1 A or 1 V of the source adds to the right-hand side of its equation."""
+    noise: float
+    """White noise density [A/sqrt(Hz) or V/sqrt(Hz)]."""
+    offset: float
+    """Typical offset [A or V]."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +67,20 @@ class Contribution:
 
     cause: str
     volts: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class NoiseLevels:
+    """RMS noise over `NOISE_BAND_HZ` [V], for typical data-sheet values."""
+
+    tactile_v: float
+    """RMS noise of the tactile voltage."""
+    filtered_v: float
+    """RMS noise ahead of the rectifier."""
+    filtered_without_limit_v: float
+    """RMS noise ahead of the rectifier without C20, which ends the first stage's gain above the vibrations."""
+    mean_envelope_v: float | None
+    """Mean envelope due to noise, after rectification. None in variant article: it is below the diode's threshold."""
 
 
 @dataclass(frozen=True)
@@ -51,36 +94,122 @@ class NoiseAlternative:
     """Mean envelope due to the noise [V]. None in variant article: the noise is below its diode's threshold."""
 
 
-def noise_budget(system: System) -> tuple[tuple[Contribution, ...], tuple[float, ...]]:
+@dataclass(frozen=True, eq=False)
+class NoisyNetwork:
+    """Network of a circuit with the sources of its noise and its offsets."""
+
+    network: Network
+    sources: tuple[Source, ...]
+
+    def squares(self, net: str, band_hz: tuple[float, float] = NOISE_BAND_HZ) -> Array:
+        """Mean square of each source's noise at a net over a band [V^2]."""
+        low, high = band_hz
+        f = np.geomspace(low, high, round(_POINTS_PER_DECADE * math.log10(high / low)) + 1)
+        density = np.array([source.noise for source in self.sources])
+        return np.asarray(np.trapezoid(np.abs(self._transfers(f, net) * density) ** 2, f, axis=0))
+
+    def total_v(self, net: str) -> float:
+        """RMS noise of all sources together at a net [V]."""
+        return math.sqrt(float(self.squares(net).sum()))
+
+    def offsets_v(self, net: str) -> list[float]:
+        """Offset at a net due to the typical offset of each source, without sign [V]."""
+        transfers = self._transfers(np.zeros(1), net)[0].real.tolist()
+        return [abs(t) * source.offset for t, source in zip(transfers, self.sources, strict=True)]
+
+    def _transfers(self, f_hz: Array, net: str) -> Array:
+        """Voltage at a net for 1 A or 1 V of each source, (frequencies, sources)."""
+        part = self.network.restrict(net)
+        entries = np.array([[source.entries.get(name, 0.0) for source in self.sources] for name in part.nets])
+        return np.asarray(part.transfers(f_hz, net) @ entries)
+
+
+def add_noise(circuit: Circuit, gain_bandwidth_hz: float) -> NoisyNetwork:
+    """Build a circuit's network for a sensor under `NOISE_FORCE_N`, with the sources of its noise and offsets."""
+    network = build_network(circuit, gain_bandwidth_hz, sensor_s=sensor_conductance_s(NOISE_FORCE_N))
+    return NoisyNetwork(network, tuple(_sources(circuit, network)))
+
+
+def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
+    nets = {node: net.name for net in circuit.nets for node in net.nodes}
+    for component in circuit.components:
+        symbol, reference = component.symbol.name, component.reference
+        if symbol == "R" and reference != GAIN_RESISTOR:
+            own = [t.equation for t in network.terms if t.quantity == reference and t.equation == t.net]
+            entries = dict(zip(own, (1.0, -1.0), strict=False))  # a current from one net to the other
+            yield Source(reference, entries, _thermal_noise(1.0 / parse_component_value(component.value)), 0.0)
+        elif symbol in AMPLIFIERS:
+            data = AMPLIFIERS[symbol]
+            for unit, (_, _, out) in data.units.items():
+                yield Source(f"{reference}{unit}", {nets[reference, out]: -1.0}, data.noise_v, data.offset_v)
+        elif symbol == "AD623ARMZ":
+            resistor_ohm, out = parse_component_value(circuit.component(GAIN_RESISTOR).value), nets[reference, "6"]
+            gain = 1.0 + GAIN_CONSTANT_OHM / resistor_ohm
+            noise_v = math.hypot(AD623_NOISE_V, AD623_OUTPUT_NOISE_V / gain)
+            yield Source(reference, {out: -gain}, noise_v, AD623_OFFSET_V)
+            # The gain resistor carries the input voltage, so its noise is amplified as noise at the input is.
+            yield Source(GAIN_RESISTOR, {out: 1.0 - gain}, _thermal_noise(resistor_ohm), 0.0)
+
+
+def _thermal_noise(value: float) -> float:
+    """Johnson-Nyquist noise density sqrt(4 k T x).
+
+    It is a current density for a conductance [S] and a voltage density for a resistance [ohm].
+    """
+    return math.sqrt(4.0 * BOLTZMANN_J_PER_K * TEMPERATURE_K * value)
+
+
+def compute_noise_levels(circuit: Circuit, gain_bandwidth_hz: float, envelope_gain: float | None) -> NoiseLevels:
+    """Compute the noise of a board.
+
+    Parameters
+    ----------
+    circuit
+        Circuit of the board.
+    gain_bandwidth_hz
+        Gain-bandwidth product of the filter's amplifiers [Hz].
+    envelope_gain
+        Constant gain of rectifier and envelope; None for the bare diode of variant article.
+    """
+    board = add_noise(circuit, gain_bandwidth_hz)
+    filtered_v = board.total_v(FILTERED)
+    without_limit_v = filtered_v
+    if envelope_gain is not None:
+        without_limit_v = add_noise(circuit.without(LIMITING_CAPACITOR), gain_bandwidth_hz).total_v(FILTERED)
+    return NoiseLevels(board.total_v(TACTILE), filtered_v, without_limit_v, _mean_envelope_v(filtered_v, envelope_gain))
+
+
+def _mean_envelope_v(filtered_v: float, envelope_gain: float | None) -> float | None:
+    return None if envelope_gain is None else HALF_WAVE_MEAN * envelope_gain * filtered_v
+
+
+def noise_warning(noise: NoiseLevels, threshold_v: float) -> str:
+    """Warn of noise that alone brings the envelope to the threshold; empty if it does not."""
+    if noise.mean_envelope_v is None or noise.mean_envelope_v < threshold_v:
+        return ""
+    return (
+        f"noise alone raises the mean envelope to {1e3 * noise.mean_envelope_v:.1f} mV, and "
+        f"detector.threshold_v is {1e3 * threshold_v:g} mV: this board reports slip without contact. Raise the "
+        "threshold, or lower board.passband_gain or board.band_limit_hz."
+    )
+
+
+def noise_budget(board: NoisyNetwork) -> tuple[tuple[Contribution, ...], tuple[float, ...]]:
     """Compute the RMS noise over `NOISE_BAND_HZ` of each source at each of `NETS`, and the total.
 
     The source with the largest noise at FILTERED comes first.
     """
-    squares = [_squares(system, net) for net in NETS]
+    squares = [board.squares(net) for net in NETS]
     rows = [
         Contribution(source.name, tuple(math.sqrt(float(square[i])) for square in squares))
-        for i, source in enumerate(system.sources)
+        for i, source in enumerate(board.sources)
     ]
-    rows.sort(key=lambda row: -row.volts[NETS.index("FILTERED")])
+    rows.sort(key=lambda row: -row.volts[NETS.index(FILTERED)])
     return tuple(rows), tuple(math.sqrt(float(square.sum())) for square in squares)
 
 
-def total_noise_v(circuit: Circuit, gain_bandwidth_hz: float, net: str) -> float:
-    """Compute the RMS noise of all sources together over `NOISE_BAND_HZ` at one net [V]."""
-    system = build_equations(circuit, gain_bandwidth_hz, sensor_conductance_s(NOISE_FORCE_N))
-    return math.sqrt(float(_squares(system, net).sum()))
-
-
-def _squares(system: System, net: str) -> NDArray[np.float64]:
-    """Mean square of each source's noise at a net [V^2]."""
-    low, high = NOISE_BAND_HZ
-    f = np.logspace(math.log10(low), math.log10(high), round(_POINTS_PER_DECADE * math.log10(high / low)) + 1)
-    density = np.array([source.noise for source in system.sources])
-    return np.asarray(np.trapezoid(np.abs(system.source_transfers(f, net) * density) ** 2, f, axis=0))
-
-
 def compare_noise_alternatives(
-    circuit: Circuit, gain_bandwidth_hz: float, band_limit_hz: float, has_diode: bool
+    circuit: Circuit, gain_bandwidth_hz: float, band_limit_hz: float, envelope_gain: float | None
 ) -> tuple[NoiseAlternative, ...]:
     """Compute the noise of this variant, with and without the first stage's band limit, and with a low-noise amplifier.
 
@@ -92,35 +221,28 @@ def compare_noise_alternatives(
         Gain-bandwidth product of the filter's amplifier [Hz].
     band_limit_hz
         Band limit of the first stage [Hz].
-    has_diode
-        Whether a bare diode precedes the envelope (variant article, which has no band limit).
+    envelope_gain
+        Constant gain of rectifier and envelope; None for variant article, which has no band limit either.
     """
-    if has_diode:
+    if envelope_gain is None:
         other, preposition = _with_limiter(circuit, band_limit_hz), "with"
     else:
-        other, preposition = _without(circuit, LIMITING_CAPACITOR), "without"
+        other, preposition = circuit.without(LIMITING_CAPACITOR), "without"
     alternatives = []
-    for change, board in (("this variant", circuit), (f"{preposition} {LIMITING_CAPACITOR} across R5", other)):
-        rows, _ = noise_budget(build_equations(board, gain_bandwidth_hz, sensor_conductance_s(NOISE_FORCE_N)))
-        volts = {row.cause: row.volts[NETS.index("FILTERED")] for row in rows}
-        alternatives.append(_alternative(change, volts, has_diode))
-        low_noise = {**volts, "U2": volts["U2"] * LOW_NOISE_V / AD623_NOISE_V}
-        alternatives.append(_alternative(f"{change}, {LOW_NOISE_NAME} for U2", low_noise, has_diode))
+    for change, variant in (("this variant", circuit), (f"{preposition} {LIMITING_CAPACITOR} across R5", other)):
+        board = add_noise(variant, gain_bandwidth_hz)
+        squares = board.squares(FILTERED)
+        low_noise = np.array([LOW_NOISE_V / AD623_NOISE_V if s.name == "U2" else 1.0 for s in board.sources])
+        for suffix, factors in (("", np.ones(len(squares))), (f", {LOW_NOISE_NAME} for U2", low_noise**2)):
+            total_v = math.sqrt(float(squares @ factors))
+            alternatives.append(
+                NoiseAlternative(f"{change}{suffix}", total_v, _mean_envelope_v(total_v, envelope_gain))
+            )
     return tuple(alternatives)
 
 
-def _alternative(change: str, volts: dict[str, float], has_diode: bool) -> NoiseAlternative:
-    total = math.sqrt(math.fsum(v * v for v in volts.values()))
-    return NoiseAlternative(change, total, None if has_diode else HALF_WAVE_MEAN * total)
-
-
-def _without(circuit: Circuit, reference: str) -> Circuit:
-    nets = (Net(n.name, tuple(node for node in n.nodes if node[0] != reference)) for n in circuit.nets)
-    return Circuit(circuit.name, tuple(p for p in circuit.components if p.reference != reference), tuple(nets))
-
-
 def _with_limiter(circuit: Circuit, band_limit_hz: float) -> Circuit:
-    """Add `LIMITER` to a circuit that lacks it."""
+    """Add `LIMITING_CAPACITOR` to a circuit that lacks it."""
     farad = nearest_value(
         compute_limiting_capacitor_f(parse_component_value(circuit.component("R5").value), band_limit_hz),
         "E6",

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from fingertip.board.analysis.aliasing import AliasAttenuation
 from fingertip.board.analysis.analyse import BRIDGE_TOLERANCE, Analysis
-from fingertip.board.analysis.noise import NETS, Contribution
+from fingertip.board.analysis.limits import VoltageLimits, describe_adc_range, describe_filter_swing
+from fingertip.board.analysis.noise import NETS, NOISE_BAND_HZ, Contribution
+from fingertip.board.analysis.offsets import describe_output_offset
+from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V, describe_supply_ripple
+from fingertip.board.analysis.thresholds import describe_comparator_levels
 from fingertip.board.circuit import format_component_value
-from fingertip.board.values.adc_interface import AliasAttenuation
-from fingertip.board.values.amplifiers import AMPLIFIERS
-from fingertip.board.values.comparator_stage import describe_comparator_stage
-from fingertip.board.values.noise_and_ripple import DEAD_ZONE_V, NOISE_BAND_HZ, describe_supply_ripple
-from fingertip.board.values.nonideal_response import LARGE_CAPACITOR_PERCENT
-from fingertip.board.values.output_offset import describe_output_offset
-from fingertip.board.values.voltage_limits import VoltageLimits, describe_adc_range, describe_filter_swing
+from fingertip.board.components.amplifiers import AMPLIFIERS
+from fingertip.board.components.filter import LARGE_CAPACITOR_PERCENT
 from fingertip.design.filter_components import MAX_1206_F
 
 _LABELS = {
@@ -105,8 +105,8 @@ def _error_lines(analysis: Analysis) -> list[str]:
     lines = []
     if analysis.output_offset:
         lines.append(describe_output_offset(analysis.output_offset, analysis.threshold_v))
-    if analysis.comparator_stage:
-        lines += describe_comparator_stage(analysis.comparator_stage)
+    if analysis.comparator_levels:
+        lines += describe_comparator_levels(analysis.comparator_levels)
     return [*lines, describe_supply_ripple(analysis.supply_ripple, has_diode=analysis.output_offset is None)]
 
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from fingertip.board.circuit import Component, Symbol, format_component_value
+from fingertip.board.components.amplifiers import AMPLIFIERS
+from fingertip.board.components.component_values import ComponentValues
+from fingertip.board.components.filter import LARGE_CAPACITOR_PERCENT
 from fingertip.board.kicad import symbols
-from fingertip.board.values.amplifiers import AMPLIFIERS
-from fingertip.board.values.board_values import Tolerance
-from fingertip.board.values.nonideal_response import LARGE_CAPACITOR_PERCENT
 from fingertip.design.filter_components import MAX_1206_F
 
 Wiring = Mapping[Component, Mapping[str, str]]
@@ -38,36 +38,43 @@ def amplifier(reference: str, name: str, role: str) -> Component:
     return Component(reference, data.order_name, symbol, symbols.SOIC_8, role, rating)
 
 
-def bridge_resistor(reference: str, ohm: float, role: str) -> Component:
+def precision_resistor(reference: str, ohm: float, role: str) -> Component:
     """A precision resistor, whose value determines a voltage."""
     return _resistor(reference, ohm, role, _BRIDGE_RATING)
 
 
 @dataclass(frozen=True)
-class RatedComponents:
-    """Constructor of the signal path's components, with the tolerances of the design."""
+class SelectedComponents:
+    """Constructor of the components whose values are selected for the design, by reference, with its tolerances."""
 
-    tolerance: Tolerance
+    values: ComponentValues
 
-    def resistor(self, reference: str, ohm: float, role: str) -> Component:
-        """A resistor of the signal path."""
-        return _resistor(reference, ohm, role, f"{_format_tolerance(self.tolerance.resistor_percent)}, 0.1 W")
+    def bridge_resistor(self, reference: str, role: str) -> Component:
+        """A precision resistor of the bridge."""
+        return precision_resistor(reference, self.values.by_reference[reference], role)
 
-    def capacitor(self, reference: str, farad: float, role: str) -> Component:
+    def resistor(self, reference: str, role: str, ohm: float | None = None) -> Component:
+        """A resistor of the signal path; a value is given where none is selected."""
+        rating = f"{_format_tolerance(self.values.tolerance.resistor_percent)}, 0.1 W"
+        return _resistor(reference, self.values.by_reference[reference] if ohm is None else ohm, role, rating)
+
+    def capacitor(self, reference: str, role: str) -> Component:
         """A capacitor in size 1206; above what the size offers for 16 V, one that has no direct voltage across it."""
+        farad = self.values.by_reference[reference]
         if farad > MAX_1206_F * (1 + 1e-9):
             return Component(
                 reference, format_component_value(farad), symbols.CAPACITOR, symbols.C_1206, role, _LARGE_RATING
             )
-        return self._capacitor(reference, farad, role, symbols.C_1206)
+        return self._capacitor(reference, role, symbols.C_1206)
 
-    def small_capacitor(self, reference: str, farad: float, role: str) -> Component:
+    def small_capacitor(self, reference: str, role: str) -> Component:
         """A capacitor in size 0603."""
-        return self._capacitor(reference, farad, role, symbols.C_0603)
+        return self._capacitor(reference, role, symbols.C_0603)
 
-    def _capacitor(self, reference: str, farad: float, role: str, footprint: str) -> Component:
+    def _capacitor(self, reference: str, role: str, footprint: str) -> Component:
+        farad = self.values.by_reference[reference]
         dielectric = "C0G 25 V" if farad <= _MAX_C0G_F[footprint] * (1 + 1e-9) else "X7R 16 V"
-        rating = f"{dielectric}, {_format_tolerance(self.tolerance.capacitor_percent)}"
+        rating = f"{dielectric}, {_format_tolerance(self.values.tolerance.capacitor_percent)}"
         return Component(reference, format_component_value(farad), symbols.CAPACITOR, footprint, role, rating)
 
 

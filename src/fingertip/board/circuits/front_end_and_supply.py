@@ -6,12 +6,14 @@ from collections.abc import Mapping
 
 from fingertip.board.circuit import Circuit, Component, build_circuit
 from fingertip.board.circuits.components import (
-    RatedComponents,
+    SelectedComponents,
     Wiring,
-    bridge_resistor,
     component,
+    precision_resistor,
     supply_capacitor,
 )
+from fingertip.board.components.bridge import SENSOR_FILTER_F
+from fingertip.board.components.component_values import ComponentValues
 from fingertip.board.kicad import symbols
 from fingertip.board.nets import (
     ADC_ENVELOPE,
@@ -33,9 +35,6 @@ from fingertip.board.nets import (
     VMID_OUT,
 )
 from fingertip.board.supplies import SUPPLIES, Supply
-from fingertip.board.values.adc_interface import AdcInterface
-from fingertip.board.values.board_values import BoardValues
-from fingertip.board.values.bridge import SENSOR_FILTER_F
 
 NAME = "slip_filter"
 
@@ -50,34 +49,32 @@ DIVIDER_OHM = 10e3
 """Both resistors of the divider [ohm]. With `BULK_F` they filter supply ripple above 3 Hz out of VMID."""
 
 
-def complete_circuit(values: BoardValues, signal_path: Wiring, fourth_pin: str = GND) -> Circuit:
+def complete_circuit(values: ComponentValues, signal_path: Wiring, fourth_pin: str = GND) -> Circuit:
     """Complete a variant's signal path, which starts at TACTILE, with the blocks that all variants share; checked."""
     supply = SUPPLIES[values.supply]
     wiring: dict[Component, Mapping[str, str]] = {}
-    rated = RatedComponents(values.tolerance)
-    supply_block = _split_supply() if supply.negative_rail == VEE else _single_supply(rated)
+    parts = SelectedComponents(values)
+    supply_block = _split_supply() if supply.negative_rail == VEE else _single_supply(parts)
     for block in (
-        _front_end(values, supply), signal_path, _adc_interface(values.adc_interface, rated, supply, fourth_pin),
+        _front_end(parts, supply), signal_path, _adc_interface(parts, supply, fourth_pin),
         supply_block, _test_points(supply), _mounting_holes(),
     ):  # fmt: skip
         wiring.update(block)
     return build_circuit(NAME, wiring)
 
 
-def _front_end(values: BoardValues, supply: Supply) -> Wiring:
+def _front_end(parts: SelectedComponents, supply: Supply) -> Wiring:
     """Connector of the sensor, bridge and instrumentation amplifier."""
-    bridge, ground = values.bridge, supply.signal_ground
+    ground = supply.signal_ground
     sensor = component("J1", "FSR", symbols.CONNECTOR_2, symbols.HEADER_2, "force-sensing resistor")
     amplifier = component("U2", "AD623ARMZ", symbols.AD623, symbols.MSOP_8, "instrumentation amplifier of the bridge")
     return {
         sensor: {"1": SENSOR, "2": ground},
-        bridge_resistor("R10", bridge.sensor_top_ohm, "bridge: supply to sensor"): {"1": VCC, "2": SENSOR},
-        bridge_resistor("R11", bridge.sensor_shunt_ohm, "bridge: parallel to the sensor"): {"1": SENSOR, "2": ground},
-        bridge_resistor("R12", bridge.reference_top_ohm, "bridge: supply to reference"): {"1": VCC, "2": REFERENCE},
-        bridge_resistor("R13", bridge.reference_bottom_ohm, "bridge: reference to where signals rest"): {
-            "1": REFERENCE, "2": ground,
-        },
-        bridge_resistor("R14", bridge.gain_ohm, "bridge: gain of its amplifier"): {"1": GAIN_A, "2": GAIN_B},
+        parts.bridge_resistor("R10", "bridge: supply to sensor"): {"1": VCC, "2": SENSOR},
+        parts.bridge_resistor("R11", "bridge: parallel to the sensor"): {"1": SENSOR, "2": ground},
+        parts.bridge_resistor("R12", "bridge: supply to reference"): {"1": VCC, "2": REFERENCE},
+        parts.bridge_resistor("R13", "bridge: reference to signal ground"): {"1": REFERENCE, "2": ground},
+        parts.bridge_resistor("R14", "bridge: gain of its amplifier"): {"1": GAIN_A, "2": GAIN_B},
         supply_capacitor("C7", SENSOR_FILTER_F, "sensor's cable: radio interference"): {"1": SENSOR, "2": ground},
         amplifier: {
             "1": GAIN_A, "8": GAIN_B, "2": REFERENCE, "3": SENSOR, "5": ground, "6": TACTILE, "7": VCC,
@@ -86,7 +83,7 @@ def _front_end(values: BoardValues, supply: Supply) -> Wiring:
     }  # fmt: skip
 
 
-def _adc_interface(interface: AdcInterface, rated: RatedComponents, supply: Supply, fourth_pin: str) -> Wiring:
+def _adc_interface(parts: SelectedComponents, supply: Supply, fourth_pin: str) -> Wiring:
     """Anti-aliasing poles, and clamps to ground and VCC, for the envelope and the tactile voltage."""
     pins = {"1": ADC_TACTILE, "2": ADC_ENVELOPE, "3": GND, "4": fourth_pin}
     symbol, header = symbols.CONNECTOR_4, symbols.HEADER_4
@@ -95,19 +92,19 @@ def _adc_interface(interface: AdcInterface, rated: RatedComponents, supply: Supp
         symbol, header = symbols.CONNECTOR_5, symbols.HEADER_5
     output = component("J3", "ADC", symbol, header, "to the converter: tactile voltage, envelope")
     return {
-        rated.resistor("R7", interface.envelope_ohm, "anti-alias of the envelope"): {"1": ENVELOPE, "2": ADC_ENVELOPE},
-        rated.small_capacitor("C8", interface.envelope_f, "anti-alias of the envelope"): {"1": ADC_ENVELOPE, "2": GND},
+        parts.resistor("R7", "anti-alias of the envelope"): {"1": ENVELOPE, "2": ADC_ENVELOPE},
+        parts.small_capacitor("C8", "anti-alias of the envelope"): {"1": ADC_ENVELOPE, "2": GND},
         _clamp("D2", "clamp of the envelope"): {"1": GND, "2": VCC, "3": ADC_ENVELOPE},
-        rated.resistor("R8", interface.first_ohm, "anti-alias of the tactile voltage, first pole"): {
+        parts.resistor("R8", "anti-alias of the tactile voltage, first pole"): {
             "1": TACTILE, "2": ALIAS_MID,
         },
-        rated.small_capacitor("C9", interface.first_f, "anti-alias of the tactile voltage, first pole"): {
+        parts.small_capacitor("C9", "anti-alias of the tactile voltage, first pole"): {
             "1": ALIAS_MID, "2": GND,
         },
-        rated.resistor("R9", interface.second_ohm, "anti-alias of the tactile voltage, second pole"): {
+        parts.resistor("R9", "anti-alias of the tactile voltage, second pole"): {
             "1": ALIAS_MID, "2": ADC_TACTILE,
         },
-        rated.small_capacitor("C19", interface.second_f, "anti-alias of the tactile voltage, second pole"): {
+        parts.small_capacitor("C19", "anti-alias of the tactile voltage, second pole"): {
             "1": ADC_TACTILE, "2": GND,
         },
         _clamp("D3", "clamp of the tactile voltage"): {"1": GND, "2": VCC, "3": ADC_TACTILE},
@@ -130,7 +127,7 @@ def _split_supply() -> Wiring:
     }
 
 
-def _single_supply(rated: RatedComponents) -> Wiring:
+def _single_supply(parts: SelectedComponents) -> Wiring:
     """Connector and decoupling of a single supply, and VMID (buffered mid-supply): a divider and a voltage follower.
 
     The follower's output has no capacitor, because it could not drive one, and R24 isolates it from the cable's
@@ -144,15 +141,15 @@ def _single_supply(rated: RatedComponents) -> Wiring:
         supply_capacitor("C10", BULK_F, "supply, at its entry", symbols.C_0805): plus,
         supply_capacitor("C5", DECOUPLING_F, "supply, at U1"): plus,
         supply_capacitor("C12", DECOUPLING_F, "supply, at U2"): plus,
-        bridge_resistor("R22", DIVIDER_OHM, "supply's middle: upper half"): {"1": VCC, "2": VMID_DIVIDER},
-        bridge_resistor("R23", DIVIDER_OHM, "supply's middle: lower half"): {"1": VMID_DIVIDER, "2": GND},
+        precision_resistor("R22", DIVIDER_OHM, "supply's middle: upper half"): {"1": VCC, "2": VMID_DIVIDER},
+        precision_resistor("R23", DIVIDER_OHM, "supply's middle: lower half"): {"1": VMID_DIVIDER, "2": GND},
         supply_capacitor("C21", BULK_F, "supply's middle: keeps ripple out", symbols.C_0805): {
             "1": VMID_DIVIDER,
             "2": GND,
         },
         buffer: {"3": VMID_DIVIDER, "4": VMID, "1": VMID, "5": VCC, "2": GND},
         supply_capacitor("C22", DECOUPLING_F, "supply, at U5"): plus,
-        rated.resistor("R24", CABLE_OHM, "supply's middle: keeps the cable off its buffer"): {"1": VMID_OUT, "2": VMID},
+        parts.resistor("R24", "supply's middle: keeps the cable off its buffer", CABLE_OHM): {"1": VMID_OUT, "2": VMID},
     }
 
 

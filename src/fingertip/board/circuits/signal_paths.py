@@ -17,8 +17,9 @@ an open-collector output: SLIP is low (asserted) while slip is detected and high
 from __future__ import annotations
 
 from fingertip.board.circuit import Circuit, Component, format_component_value
-from fingertip.board.circuits.components import RatedComponents, Wiring, amplifier, component, supply_capacitor
+from fingertip.board.circuits.components import SelectedComponents, Wiring, amplifier, component, supply_capacitor
 from fingertip.board.circuits.front_end_and_supply import DECOUPLING_F, complete_circuit
+from fingertip.board.components.component_values import ComponentValues
 from fingertip.board.kicad import symbols
 from fingertip.board.nets import (
     ENVELOPE,
@@ -34,9 +35,6 @@ from fingertip.board.nets import (
     VEE,
 )
 from fingertip.board.supplies import SUPPLIES
-from fingertip.board.values.board_values import BoardValues
-from fingertip.board.values.comparator_stage import PULL_UP_OHM, TRIMMER_OHM
-from fingertip.board.values.output_offset import RECTIFIER_OHM
 from fingertip.errors import BoardError
 
 SERIES = "SERIES"
@@ -50,82 +48,84 @@ THRESHOLD = "THRESHOLD"
 SLIP = "SLIP"
 
 
-def article_circuit(values: BoardValues) -> Circuit:
+def board_circuit(values: ComponentValues) -> Circuit:
+    """Build the checked circuit of a board with these values. Raises BoardError if it is inconsistent."""
+    return CIRCUITS[values.variant](values)
+
+
+def article_circuit(values: ComponentValues) -> Circuit:
     """Build the checked circuit of variant `article` with these values."""
     return complete_circuit(values, {**_high_passes(values), **_peak_detector(values)})
 
 
-def precision_circuit(values: BoardValues) -> Circuit:
+def precision_circuit(values: ComponentValues) -> Circuit:
     """Build the checked circuit of variant `precision` with these values."""
     return complete_circuit(values, _precision_path(values))
 
 
-def comparator_circuit(values: BoardValues) -> Circuit:
+def comparator_circuit(values: ComponentValues) -> Circuit:
     """Build the checked circuit of variant `comparator` with these values."""
     return complete_circuit(values, {**_precision_path(values), **_comparator(values)}, fourth_pin=SLIP)
 
 
-def _high_passes(values: BoardValues, r4_net: str = "") -> Wiring:
+def _high_passes(values: ComponentValues, r4_net: str = "") -> Wiring:
     """Both filters of the article's figure 3. R4 is connected to the signal ground unless another net is given."""
-    preferred, supply = values.preferred, SUPPLIES[values.supply]
-    ground, rated = supply.signal_ground, RatedComponents(values.tolerance)
+    supply = SUPPLIES[values.supply]
+    ground, parts = supply.signal_ground, SelectedComponents(values)
     return {
         # First-order high-pass, gain 1 + R5/R4 (eqs. 1, 2).
-        rated.capacitor("C1", preferred.c_f, "first stage: in series"): {"1": TACTILE, "2": STAGE1_IN},
-        rated.resistor("R1", preferred.r1_ohm, "first stage: pole, with C1"): {"1": STAGE1_IN, "2": ground},
-        rated.resistor("R4", preferred.r4_ohm, "first stage: gain, with R5"): {"1": FEEDBACK, "2": r4_net or ground},
-        rated.resistor("R5", preferred.r5_ohm, "first stage: feedback"): {"1": STAGE1_OUT, "2": FEEDBACK},
+        parts.capacitor("C1", "first stage: in series"): {"1": TACTILE, "2": STAGE1_IN},
+        parts.resistor("R1", "first stage: pole, with C1"): {"1": STAGE1_IN, "2": ground},
+        parts.resistor("R4", "first stage: gain, with R5"): {"1": FEEDBACK, "2": r4_net or ground},
+        parts.resistor("R5", "first stage: feedback"): {"1": STAGE1_OUT, "2": FEEDBACK},
         amplifier("U1", values.amplifier, "first stage and Sallen-Key stage"): {
             "3": STAGE1_IN, "2": FEEDBACK, "1": STAGE1_OUT,
             "5": STAGE2_IN, "6": FILTERED, "7": FILTERED,
             "8": VCC, "4": supply.negative_rail,
         },
         # Unity-gain Sallen-Key high-pass (eqs. 3, 4): R2 from between the capacitors to the output.
-        rated.capacitor("C2", preferred.c_f, "second stage: first in series"): {"1": STAGE1_OUT, "2": STAGE2_MID},
-        rated.capacitor("C3", preferred.c_f, "second stage: last in series"): {"1": STAGE2_MID, "2": STAGE2_IN},
-        rated.resistor("R2", preferred.r2_ohm, "second stage: feedback"): {"1": STAGE2_MID, "2": FILTERED},
-        rated.resistor("R3", preferred.r3_ohm, "second stage: pole, with R2"): {"1": STAGE2_IN, "2": ground},
+        parts.capacitor("C2", "second stage: first in series"): {"1": STAGE1_OUT, "2": STAGE2_MID},
+        parts.capacitor("C3", "second stage: last in series"): {"1": STAGE2_MID, "2": STAGE2_IN},
+        parts.resistor("R2", "second stage: feedback"): {"1": STAGE2_MID, "2": FILTERED},
+        parts.resistor("R3", "second stage: pole, with R2"): {"1": STAGE2_IN, "2": ground},
     }  # fmt: skip
 
 
-def _peak_detector(values: BoardValues) -> Wiring:
+def _peak_detector(values: ComponentValues) -> Wiring:
     """The diode and, after it, R_LP parallel to C_LP (eq. 11)."""
-    preferred, rated = values.preferred, RatedComponents(values.tolerance)
-    ground = SUPPLIES[values.supply].signal_ground
+    ground, parts = SUPPLIES[values.supply].signal_ground, SelectedComponents(values)
     diode = component("D1", "1N4148W", symbols.DIODE_1N4148W, symbols.SOD_123, "half-wave rectifier")
     return {
         diode: {"2": FILTERED, "1": ENVELOPE},
-        rated.resistor("R6", preferred.r_lp_ohm, "envelope: R_LP"): {"1": ENVELOPE, "2": ground},
-        rated.capacitor("C4", preferred.c_lp_f, "envelope: C_LP"): {"1": ENVELOPE, "2": ground},
+        parts.resistor("R6", "envelope: R_LP"): {"1": ENVELOPE, "2": ground},
+        parts.capacitor("C4", "envelope: C_LP"): {"1": ENVELOPE, "2": ground},
     }
 
 
-def _precision_path(values: BoardValues) -> Wiring:
+def _precision_path(values: ComponentValues) -> Wiring:
     """The filters without offset and with a band limit, the precision rectifier and the envelope's low-pass."""
-    preferred, supply, capacitors = values.preferred, SUPPLIES[values.supply], values.first_stage_capacitors
-    if capacitors is None:
+    supply = SUPPLIES[values.supply]
+    if values.first_stage_capacitors is None:
         raise BoardError("the values are for variant article; compute them for the variant of this circuit.")
-    ground, rated = supply.signal_ground, RatedComponents(values.tolerance)
+    ground, parts = supply.signal_ground, SelectedComponents(values)
     diodes = [
         component(name, "1N4148W", symbols.DIODE_1N4148W, symbols.SOD_123, role)
         for name, role in (("D1", "rectifier: positive half wave"), ("D4", "rectifier: negative half wave"))
     ]
     path: Wiring = {
-        rated.capacitor("C14", capacitors.series_capacitor_f, "first stage: blocks its offset"): {
+        parts.capacitor("C14", "first stage: blocks its offset"): {
             "1": ground, "2": SERIES,
         },
-        rated.small_capacitor(
-            "C20", capacitors.limiting_capacitor_f, "first stage: ends its gain above the vibrations",
-        ): {
+        parts.small_capacitor("C20", "first stage: ends its gain above the vibrations"): {
             "1": STAGE1_OUT, "2": FEEDBACK,
         },
-        rated.resistor("R15", RECTIFIER_OHM, "rectifier: input"): {"1": FILTERED, "2": RECT_IN},
-        rated.resistor("R16", RECTIFIER_OHM, "rectifier: feedback"): {"1": RECT_IN, "2": RECTIFIED},
+        parts.resistor("R15", "rectifier: input"): {"1": FILTERED, "2": RECT_IN},
+        parts.resistor("R16", "rectifier: feedback"): {"1": RECT_IN, "2": RECTIFIED},
         diodes[0]: {"1": RECT_OUT, "2": RECTIFIED},
         diodes[1]: {"1": RECT_IN, "2": RECT_OUT},
-        rated.resistor("R17", preferred.r_lp_ohm, "envelope: input, as R_LP"): {"1": RECTIFIED, "2": LP_IN},
-        rated.resistor("R6", preferred.r_lp_ohm, "envelope: R_LP"): {"1": LP_IN, "2": ENVELOPE},
-        rated.capacitor("C4", preferred.c_lp_f, "envelope: C_LP"): {"1": LP_IN, "2": ENVELOPE},
+        parts.resistor("R17", "envelope: input, as R_LP"): {"1": RECTIFIED, "2": LP_IN},
+        parts.resistor("R6", "envelope: R_LP"): {"1": LP_IN, "2": ENVELOPE},
+        parts.capacitor("C4", "envelope: C_LP"): {"1": LP_IN, "2": ENVELOPE},
         amplifier("U3", values.amplifier, "rectifier and envelope"): {
             "3": ground, "2": RECT_IN, "1": RECT_OUT, "5": ground, "6": LP_IN, "7": ENVELOPE, "8": VCC,
             "4": supply.negative_rail,
@@ -137,28 +137,32 @@ def _precision_path(values: BoardValues) -> Wiring:
     return {**_high_passes(values, SERIES), **path}
 
 
-def _comparator(values: BoardValues) -> Wiring:
+def _comparator(values: ComponentValues) -> Wiring:
     """The averaging low-pass, the threshold and the comparator with hysteresis."""
-    stage, ground = values.comparator_stage, SUPPLIES[values.supply].signal_ground
-    if stage is None:
+    ground = SUPPLIES[values.supply].signal_ground
+    if values.comparator_stage is None:
         raise BoardError("the values are for a variant without comparator; compute them with board.variant=comparator.")
-    rated = RatedComponents(values.tolerance)
+    parts = SelectedComponents(values)
     comparator = component("U4", "LMV331", symbols.LMV331, symbols.SOT_23_5, "slip or no slip")
     trimmer = Component(
         "RV1",
-        format_component_value(TRIMMER_OHM),
+        format_component_value(values.by_reference["RV1"]),
         symbols.TRIMMER,
         symbols.TC33X,
         "threshold",
         "trimmer 3 mm, one turn, top",
     )
     return {
-        rated.resistor("R18", stage.averaging_ohm, "mean of the envelope"): {"1": ENVELOPE, "2": MEAN},
-        rated.small_capacitor("C17", stage.averaging_f, "mean of the envelope"): {"1": MEAN, "2": ground},
-        rated.resistor("R19", stage.trimmer_top_ohm, "threshold's range"): {"1": VCC, "2": TRIM_TOP},
+        parts.resistor("R18", "mean of the envelope"): {"1": ENVELOPE, "2": MEAN},
+        parts.small_capacitor("C17", "mean of the envelope"): {"1": MEAN, "2": ground},
+        parts.resistor("R19", "threshold's range"): {"1": VCC, "2": TRIM_TOP},
         trimmer: {"1": TRIM_TOP, "2": THRESHOLD, "3": ground},
-        rated.resistor("R20", stage.hysteresis_ohm, "hysteresis"): {"1": THRESHOLD, "2": SLIP},
-        rated.resistor("R21", PULL_UP_OHM, "pull-up of the output"): {"1": VCC, "2": SLIP},
+        parts.resistor("R20", "hysteresis"): {"1": THRESHOLD, "2": SLIP},
+        parts.resistor("R21", "pull-up of the output"): {"1": VCC, "2": SLIP},
         comparator: {"1": THRESHOLD, "3": MEAN, "4": SLIP, "5": VCC, "2": GND},
         supply_capacitor("C18", DECOUPLING_F, "plus supply, at U4"): {"1": VCC, "2": GND},
     }
+
+
+CIRCUITS = {"article": article_circuit, "precision": precision_circuit, "comparator": comparator_circuit}
+"""Function that builds the circuit of a variant."""

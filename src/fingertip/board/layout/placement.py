@@ -2,7 +2,7 @@
 
 The origin is the upper left corner and the y axis points down. The folder `placements` holds one JSON file, edited by
 hand, for each variant and supply. All boards are 40 x 25 mm with all components on the front. Sensor and supply enter
-on the left, signals leave on the right. After a change run `python -m fingertip.board.layout.routing.reroute`, which
+on the left, signals leave on the right. After a change run `python -m tools.routing.reroute` in the repository, which
 routes the tracks again.
 """
 

@@ -1,6 +1,6 @@
 """Template of a board: tracks routed once, and the ground pour KiCad filled around them.
 
-It depends on placement and nets alone. `python -m fingertip.board.layout.routing.reroute` makes a new one.
+It depends on placement and nets alone. `python -m tools.routing.reroute` in the repository makes a new one.
 """
 
 from __future__ import annotations
@@ -11,13 +11,22 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.board.circuit import Circuit
+from fingertip.board.kicad.footprints import Point
 from fingertip.board.layout.placement import Placement, place_pads
-from fingertip.board.layout.routing.paths import Tracks
 from fingertip.errors import BoardError
 
-Point = tuple[float, float]
+Segment = tuple[int, Point, Point]
+"""Layer (0 is the front, 1 the back) and both ends [mm]."""
 
 TEMPLATES = Path(__file__).parent / "templates"
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """Copper of one net [mm]."""
+
+    segments: tuple[Segment, ...]
+    vias: tuple[Point, ...]
 
 
 @dataclass(frozen=True)
@@ -52,7 +61,7 @@ def load_template(name: str, circuit: Circuit, placement: Placement) -> Template
     if data["fingerprint"] != fingerprint(circuit, placement):
         raise BoardError(
             f"the tracks of {name} were routed for another placement or other nets; run "
-            f"python -m fingertip.board.layout.routing.reroute {name}."
+            f"python -m tools.routing.reroute {name} in the repository."
         )
     tracks = {
         net: Tracks(

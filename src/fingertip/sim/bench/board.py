@@ -36,18 +36,18 @@ _DECK = """slip filter, sampled input
 V1 in 0 PWL(
 {points}
 + )
-C1 in p {b.c1_f!r}
-R1 p 0 {b.r1_ohm!r}
+C1 in p {C1!r}
+R1 p 0 {R1!r}
 E1 o1 0 p 0 {gain!r}
-C2 o1 m {b.c2_f!r}
-C3 m n {b.c3_f!r}
-R2 m o2 {b.r2_ohm!r}
-R3 n 0 {b.r3_ohm!r}
+C2 o1 m {C2!r}
+C3 m n {C3!r}
+R2 m o2 {R2!r}
+R3 n 0 {R3!r}
 E2 o2 0 n 0 1
 D1 o2 env dd
-RL env 0 {b.r_lp_ohm!r}
-CL env 0 {b.c_lp_f!r}
-.model dd D(IS={b.diode.saturation_a!r} N={b.diode.emission!r} RS={b.diode.series_ohm!r})
+RL env 0 {R6!r}
+CL env 0 {C4!r}
+.model dd D(IS={diode.saturation_a!r} N={diode.emission!r} RS={diode.series_ohm!r})
 .options reltol={reltol!r} gmin=1e-18
 .temp 27
 .control
@@ -151,8 +151,8 @@ def write_deck(
     pairs = [f"{i * step_s:.9g} {v:.17g}" for i, v in enumerate(voltage_v.tolist())]
     points = "\n".join("+ " + " ".join(pairs[i : i + 4]) for i in range(0, len(pairs), 4))
     deck = _DECK.format(
-        points=points, b=board, gain=board.gain, reltol=reltol, step=step_s, end=(len(pairs) - 1) * step_s,
-        longest=longest_s,
+        points=points, gain=_gain(board), diode=board.diode, reltol=reltol, step=step_s,
+        end=(len(pairs) - 1) * step_s, longest=longest_s, **board.components,
     )  # fmt: skip
     (folder / "slip.cir").write_text(deck)
 
@@ -169,11 +169,15 @@ def read_result(folder: Path, step_s: float, samples: int) -> tuple[Array, Array
     return np.interp(time, out[:, 0], out[:, 1]), np.interp(time, out[:, 0], out[:, 2])
 
 
+def _gain(board: AnalogBoard) -> float:
+    """Gain of the first stage, G = 1 + R5 / R4."""
+    return 1 + float(board.components["R5"] / board.components["R4"])
+
+
 def _scipy_equations(board: AnalogBoard) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Right side and Jacobian for scipy."""
-    b, d = board, board.diode
-    G, t1, t3 = b.gain, b.r1_ohm * b.c1_f, b.r3_ohm * b.c3_f
-    r2, r3, c2, r, c = b.r2_ohm, b.r3_ohm, b.c2_f, b.r_lp_ohm, b.c_lp_f
+    d, (_, r2, r3, _, _, r, _, c2, _, c) = board.diode, (float(v) for v in board.components.values())
+    G, t1, t3 = _gain(board), board.components["R1"] * board.components["C1"], r3 * board.components["C3"]
     nvt, saturation, series = d.emission * d.thermal_v, d.saturation_a, d.series_ohm
     rho = series / nvt
     shift = math.log(rho * saturation) + rho * saturation

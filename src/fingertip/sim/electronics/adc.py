@@ -2,7 +2,7 @@
 
 The poles lie between the board's outputs and the ADC (R8, C9, R9, C19 for the tactile voltage; R7, C8 for the
 envelope). Between samples the voltage is linear, which two RC sections follow exactly
-(`fingertip.sim.electronics.state_space`). They delay by some 1.3 samples, whatever the sampling rate, because the
+(`fingertip.sim.electronics.exact_steps`). They delay by some 1.3 samples, whatever the sampling rate, because the
 board's values are selected for it.
 """
 
@@ -14,50 +14,56 @@ from collections.abc import MutableSequence, Sequence
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.board import board_values
+from fingertip.board import board_circuit
+from fingertip.board.circuit import Circuit
+from fingertip.board.components.component_values import select_components
+from fingertip.board.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, TACTILE
+from fingertip.board.network import build_network
 from fingertip.design import Design
 from fingertip.jit import CompiledLoop
-from fingertip.sim.electronics.state_space import augment, exponentials
+from fingertip.sim.electronics.exact_steps import augment, exponentials
 
 _FIRST, _SECOND, _INPUT = range(3)
 """Indices of the filter's state: voltages of the first and the second capacitor, and the previous input [V]."""
 
 
 class AntiAliasFilter:
-    """One or two RC sections that start in the steady state of their first sample and keep their state between chunks.
+    """One or two poles that start in the steady state of their first sample and keep their state between chunks.
 
     Parameters
     ----------
-    sections
-        Resistance [ohm] and capacitance [F] of each, from the board to the pin.
+    circuit
+        Circuit of a board.
+    source, pin
+        Nets between which the poles lie.
     step_s
         Sampling interval [s].
     """
 
-    def __init__(self, sections: Sequence[tuple[float, float]], step_s: float) -> None:
-        (r1, c1), (r2, c2) = (sections[0], sections[-1])
-        if len(sections) == 1:  # both states are that of the one section
-            A = np.diag([-1 / (r1 * c1)] * 2)
-            b = np.full(2, 1 / (r1 * c1))
-        else:
-            A = np.array([[-(1 / r1 + 1 / r2) / c1, 1 / (r2 * c1)], [1 / (r2 * c2), -1 / (r2 * c2)]])
-            b = np.array([1 / (r1 * c1), 0.0])
-        step = exponentials(augment(A, b, np.zeros(2)), step_s, 1)[0]
+    def __init__(self, circuit: Circuit, source: str, pin: str, step_s: float) -> None:
+        network = build_network(circuit).drive(source)
+        system = network.ground(*(name for name in network.inputs if name != source)).restrict(pin).state_space()
+        step = exponentials(augment(system.A, system.B[:, 0], np.zeros(len(system.A))), step_s, 1)[0]
+        # The loop has two states, the second of which is the voltage at the pin. One pole stands in both.
+        last = int(np.argmax(system.rows[pin][: len(system.A)]))
+        order = [0 if last else len(system.A) - 1, last]
+        n = len(system.A)
+        rows = np.zeros((2, 4))
+        rows[:, :2] = step[np.ix_(order, order)] if n == 2 else np.diag(step[:1, :1].repeat(2))
         # Scale the slope's column for the difference of two samples.
-        self._matrix = tuple(float(v) for row in step[:2, :4] * [1.0, 1.0, 1.0, 1 / step_s] for v in row)
+        rows[:, 2:] = step[order][:, n : n + 2] * [1.0, 1 / step_s]
+        self._matrix = tuple(rows.ravel().tolist())
         self._state: Array | None = None
 
     @classmethod
     def for_tactile(cls, design: Design) -> AntiAliasFilter:
         """Filter ahead of the tactile voltage's pin."""
-        c = board_values(design).adc_interface
-        return cls([(c.first_ohm, c.first_f), (c.second_ohm, c.second_f)], 1 / design.detector.sample_rate_hz)
+        return cls(board_circuit(select_components(design)), TACTILE, ADC_TACTILE, 1 / design.detector.sample_rate_hz)
 
     @classmethod
     def for_envelope(cls, design: Design) -> AntiAliasFilter:
         """Filter ahead of the envelope's pin."""
-        c = board_values(design).adc_interface
-        return cls([(c.envelope_ohm, c.envelope_f)], 1 / design.detector.sample_rate_hz)
+        return cls(board_circuit(select_components(design)), ENVELOPE, ADC_ENVELOPE, 1 / design.detector.sample_rate_hz)
 
     def process(self, voltage_v: Array) -> Array:
         """Return the voltage at the pin [V] at the same instants as the voltage at the board's output [V]."""

@@ -1,6 +1,6 @@
 """Filter board in the time domain: tactile voltage in, filtered voltage and envelope out, for one board or thousands.
 
-Between samples the input is linear, which the linear stages follow exactly (`fingertip.sim.electronics.state_space`).
+Between samples the input is linear, which the linear stages follow exactly (`fingertip.sim.electronics.exact_steps`).
 The rectifier and the envelope are solved with error control (`fingertip.sim.electronics.envelope_loop`). A jump of the
 input is given as two values at one sample.
 """
@@ -20,6 +20,8 @@ from fingertip.sim.electronics.envelope_loop import LEVELS
 from fingertip.sim.validation import find_column_issues, find_not_positive, raise_issues
 
 _CHUNK = 256  # boards whose matrices are in memory at a time: 4 MB
+_FIXED = 6
+"""Number of a board's values that the loop takes as they are; the others determine the matrices."""
 
 
 @dataclass(frozen=True)
@@ -91,12 +93,12 @@ def simulate_boards(
     table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, _values(board))), axis=1).astype(np.float64)
     for start in range(0, len(table), _CHUNK):
         rows = table[start : start + _CHUNK]
-        chunk = board.with_values(**{name: rows[:, 5 + i] for i, name in enumerate(board.value_names)})
-        integrator = _Integrator(chunk, step_s, tolerance_v, rows[:, :5])
+        chunk = board.with_components(**{name: rows[:, _FIXED + i] for i, name in enumerate(board.components)})
+        integrator = _Integrator(chunk, step_s, tolerance_v, rows[:, :_FIXED])
         filtered_v, envelope_v = np.zeros((len(rows), len(voltage_v))), np.zeros((len(rows), len(voltage_v)))
         counts = np.zeros(3)
         for i in range(len(rows)):
-            state = integrator.steady_state(voltage_v[0])
+            state = integrator.steady_state(i, voltage_v[0])
             counts += integrator.integrate(i, *state, voltage_v, after, filtered_v[i], envelope_v[i])
         yield BoardSignals(filtered_v, envelope_v, *(int(count) for count in counts))
 
@@ -128,7 +130,7 @@ class AnalogStream:
                 *find_not_positive("tolerance_v", tolerance_v, "V", "1e-4"),
             ]
         )
-        fixed = np.array([[float(value) for value in _values(board)[:5]]])
+        fixed = np.array([[float(value) for value in _values(board)[:_FIXED]]])
         self._integrator, self._count = _Integrator(board, step_s, tolerance_v, fixed), count
         self._states: list[tuple[Array, Array]] = []
         self._last = np.zeros((count, 0))
@@ -147,7 +149,7 @@ class AnalogStream:
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         known = np.concatenate((self._last, voltage_v), axis=1)
         if not self._states:
-            self._states = [self._integrator.steady_state(row[0]) for row in voltage_v]
+            self._states = [self._integrator.steady_state(0, row[0]) for row in voltage_v]
         filtered_v, envelope_v = np.zeros_like(known), np.zeros_like(known)
         for i, state in enumerate(self._states):
             self._integrator.integrate(0, *state, known[i], known[i], filtered_v[i], envelope_v[i])
@@ -162,12 +164,13 @@ class _Integrator:
     def __init__(self, board: AnalogBoard, step_s: float, tolerance_v: float, fixed: Array) -> None:
         self._board, self._step_s, self._tolerance_v, self._fixed = board, step_s, tolerance_v, fixed.tolist()
         self._state_count, *rows = compute_step_matrices(board, step_s)
-        self._step_rows, self._rk_rows, self._output_row, self._amplifier1_row = rows
+        self._steady_state = board.network.steady_state().reshape(-1, self._state_count)
+        self._step_rows, self._rk_rows, self._output_rows, self._amplifier1_row = rows
 
-    def steady_state(self, voltage_v: float) -> tuple[Array, Array]:
+    def steady_state(self, i: int, voltage_v: float) -> tuple[Array, Array]:
         """State for a constant input: (envelope, level of the next step), and the circuit's states."""
-        z = np.zeros(self._output_row.shape[-1])
-        z[0] = voltage_v
+        z = np.zeros(self._amplifier1_row.shape[-1])
+        z[: self._state_count] = self._steady_state[i] * voltage_v
         return np.zeros(2), z
 
     def integrate(
@@ -175,18 +178,19 @@ class _Integrator:
     ) -> Array:
         """Integrate board i from the first sample to the last; returns the loop's statistics."""
         statistics, board = np.zeros(3), self._board
-        saturation, nvt, series, r, c = self._fixed[i]
+        saturation, nvt, series, r, c, gain = self._fixed[i]
         envelope_loop.run(
             self._tolerance_v, self._step_s, self._state_count, len(z), LEVELS, board.rail_v or 0.0,
             board.rectifier == "precision", (saturation, nvt, series), (r, c), before, after,
-            self._step_rows[i], self._rk_rows[i], self._output_row[i], self._amplifier1_row[i],
+            self._step_rows[i], self._rk_rows[i], self._output_rows[i], self._amplifier1_row[i],
             carried, z, np.zeros(len(z)), np.zeros(LEVELS), filtered_v, envelope_v, statistics,
         )  # fmt: skip
+        envelope_v *= gain  # the loop's rectifier and envelope have the gain 1
         return statistics
 
 
 def _values(board: AnalogBoard) -> list[Any]:
-    """Values of the diode and its load, which the loop takes, then those that determine the matrices."""
+    """Values of the diode and the envelope, which the loop takes, then those that determine the matrices."""
     d = board.diode
-    fixed = [d.saturation_a, d.emission * d.thermal_v, d.series_ohm, board.r_lp_ohm, board.c_lp_f]
-    return fixed + [getattr(board, name) for name in board.value_names]
+    fixed = [d.saturation_a, d.emission * d.thermal_v, d.series_ohm, *board.load, board.envelope_gain]
+    return [*fixed, *board.components.values()]

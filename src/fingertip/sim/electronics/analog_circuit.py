@@ -1,8 +1,8 @@
-"""Filter board as a linear system: from component values to x' = A x + b u + k, one for each saturation of amplifiers.
+"""Filter board as a linear system: x' = A x + b u + k from the equations of its circuit, for each saturation.
 
-The states are the voltages across C1, C2, C3 and the capacitors that a variant adds [V]; with a finite gain-bandwidth
-product also both amplifiers' outputs. Voltages are relative to the signal ground, which on a single supply is the
-middle of the supply. Equations are batched: every value may be an array over many boards.
+The equations are those of `fingertip.board.network`: a component that changes there changes here. An amplifier that is
+saturated is a source at its output. Voltages are relative to the signal ground, which on a single supply is the middle
+of the supply. Equations are batched: every value may be an array over many boards.
 
 The gain-bandwidth product is that of the filter's amplifiers. A precision rectifier's amplifier also has to cross two
 diode drops, 1.2 V, at each zero of its input. At a slope s that takes sqrt(2 * 1.2 V / (2 pi GBW s)): 0.11 ms for the
@@ -12,29 +12,28 @@ with diodes and amplifiers of 3 MHz, differs by 0.1 mV in 0.18 V (tests/sim/test
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.board import board_values
+from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.response import FilterModel, model_filter
+from fingertip.board.circuit import Circuit
+from fingertip.board.components.component_values import select_components
+from fingertip.board.nets import FILTERED, STAGE1_OUT, TACTILE, VMID
+from fingertip.board.network import Network, Value, build_network
 from fingertip.design import Design
 from fingertip.errors import Issue
 from fingertip.sim.electronics.envelope_loop import ABSCISSAE, LEVELS, WIDTH
-from fingertip.sim.electronics.state_space import (
-    GROUND,
-    Amplifier,
-    PassiveComponent,
-    assemble,
-    augment,
-    exponentials,
-)
+from fingertip.sim.electronics.exact_steps import augment, exponentials
 from fingertip.sim.validation import find_negative, find_not_positive, raise_issues
 
-Values = float | Array
-"""One value, or one for each of many boards."""
+COMPONENTS = (
+    "R1", "R2", "R3", "R4", "R5", "R6", "C1", "C2", "C3", "C4", "C14", "C20", "R15", "R16", "R17",
+)  # fmt: skip
+"""References of the components between the tactile voltage and the envelope. Variant article has those up to C4."""
 
 
 @dataclass(frozen=True)
@@ -44,15 +43,15 @@ class Diode:
     The defaults are the 1N4148 of common SPICE libraries at SPICE's nominal 27 degrees Celsius.
     """
 
-    saturation_a: Values = 2.52e-9
-    emission: Values = 1.752
-    series_ohm: Values = 0.568
-    thermal_v: Values = 0.025864951
+    saturation_a: Value = 2.52e-9
+    emission: Value = 1.752
+    series_ohm: Value = 0.568
+    thermal_v: Value = 0.025864951
 
 
 @dataclass(frozen=True)
 class AnalogBoard:
-    """Values [ohm, F], diode and amplifiers of the article's board (figure 3) or one of its variants.
+    """Filter, rectifier and envelope of a board, with models of its diode and its amplifiers.
 
     Raises
     ------
@@ -60,85 +59,108 @@ class AnalogBoard:
         With one issue for each value that is not above 0.
     """
 
-    r1_ohm: Values
-    r2_ohm: Values
-    r3_ohm: Values
-    r4_ohm: Values
-    r5_ohm: Values
-    r_lp_ohm: Values
-    c1_f: Values
-    c2_f: Values
-    c3_f: Values
-    c_lp_f: Values
+    network: Network
+    """Equations of the filter, driven at its input."""
+    model: FilterModel
+    """Gain and time constant of rectifier and envelope."""
+    rectifier: Literal["diode", "precision"] = "diode"
+    """A diode that charges R_LP parallel to C_LP (article), or amplifiers that rectify and follow with one pole."""
     diode: Diode = Diode()
     rail_v: float | None = None
     """Voltage at which both amplifiers' outputs saturate, of either sign [V]; None: they never do."""
-    gain_bandwidth_hz: float | None = None
-    """Gain-bandwidth product of both amplifiers [Hz]; None: infinite."""
-    rectifier: Literal["diode", "precision"] = "diode"
-    """A diode that charges R_LP parallel to C_LP (article), or amplifiers that rectify and follow with one pole."""
-    series_capacitor_f: Values | None = None
-    """Capacitor in series with R4 [F], so that the first stage amplifies no offset; None: R4 goes to ground."""
-    limiting_capacitor_f: Values | None = None
-    """Capacitor across R5 [F], so that the first stage's gain ends above the vibrations; None: there is none."""
 
     def __post_init__(self) -> None:
         issues = []
-        for name, unit, example in (
-            *((f.name, "ohm", "1000") for f in fields(self) if f.name.endswith("_ohm")),
-            *(
-                (f.name, "F", "1e-6")
-                for f in fields(self)
-                if f.name.endswith("_f") and getattr(self, f.name) is not None
-            ),
-        ):
-            issues.extend(find_not_positive(f"board.{name}", float(np.min(getattr(self, name))), unit, example))
+        for name, value in self.components.items():
+            unit, example = ("ohm", "1000") if name.startswith("R") else ("F", "1e-6")
+            issues.extend(find_not_positive(f"board.{name}", float(np.min(value)), unit, example))
         d = self.diode
         issues.extend(find_not_positive("diode.saturation_a", float(np.min(d.saturation_a)), "A", "2.52e-9"))
         issues.extend(find_not_positive("diode.emission", float(np.min(d.emission)), "", "1.752"))
         issues.extend(find_negative("diode.series_ohm", float(np.min(d.series_ohm)), "ohm"))
         issues.extend(find_not_positive("diode.thermal_v", float(np.min(d.thermal_v)), "V", "0.0259"))
-        for name, unit, example in (
-            ("rail_v", "V", "3.5"),
-            ("gain_bandwidth_hz", "Hz", "3e6"),
-        ):
-            if getattr(self, name) is not None:
-                issues.extend(find_not_positive(f"board.{name}", float(np.min(getattr(self, name))), unit, example))
-        if self.rail_v is not None and self.gain_bandwidth_hz is not None:
-            # The input stage of a slow amplifier saturates at a rail, and no data sheet says how it recovers.
-            message = "cannot be combined with gain_bandwidth_hz; both together are not modelled; leave one out."
-            issues.append(Issue("board.rail_v", f"{self.rail_v:g} V {message}"))
+        if self.rail_v is not None:
+            issues.extend(find_not_positive("board.rail_v", self.rail_v, "V", "3.5"))
+            if any(term.equation == term.net == FILTERED for term in self.network.terms if term.order):
+                # The input stage of a slow amplifier saturates at a rail, and no data sheet says how it recovers.
+                message = (
+                    "cannot be combined with a gain-bandwidth product; both together are not modelled; leave one out."
+                )
+                issues.append(Issue("board.rail_v", f"{self.rail_v:g} V {message}"))
         raise_issues(issues)
 
     @classmethod
-    def from_design(cls, design: Design) -> AnalogBoard:
-        """Board of a design, with the values of the components that are fitted."""
-        values = board_values(design)
-        c, extra = values.preferred, values.first_stage_capacitors
-        resistors = (c.r1_ohm, c.r2_ohm, c.r3_ohm, c.r4_ohm, c.r5_ohm, c.r_lp_ohm)
-        article = cls(*resistors, c.c_f, c.c_f, c.c_f, c.c_lp_f)
-        if extra is None:
-            return article
-        return article.with_values(
-            rectifier="precision",
-            series_capacitor_f=extra.series_capacitor_f,
-            limiting_capacitor_f=extra.limiting_capacitor_f,
+    def from_circuit(cls, circuit: Circuit, has_diode: bool, gain_bandwidth_hz: float | None = None) -> AnalogBoard:
+        """Board of a circuit.
+
+        Parameters
+        ----------
+        circuit
+            Circuit of a board.
+        has_diode
+            Whether a bare diode precedes the envelope (variant article).
+        gain_bandwidth_hz
+            Gain-bandwidth product of its amplifiers [Hz]; None: they are ideal.
+        """
+        network = build_network(circuit, gain_bandwidth_hz).drive(TACTILE)
+        quiet = {VMID, *network.inputs} - {TACTILE}
+        return cls(
+            network.ground(*quiet).restrict(FILTERED),
+            model_filter(circuit, has_diode),
+            "diode" if has_diode else "precision",
         )
 
-    def with_values(self, **values: object) -> AnalogBoard:
-        """Copy of the board with other values."""
-        return replace(self, **values)  # type: ignore[arg-type]
+    @classmethod
+    def from_design(cls, design: Design, gain_bandwidth_hz: float | None = None) -> AnalogBoard:
+        """Board of a design, with the values of the components that are fitted and ideal or slow amplifiers."""
+        circuit = board_circuit(select_components(design))
+        return cls.from_circuit(circuit, design.board.variant == "article", gain_bandwidth_hz)
 
     @property
-    def value_names(self) -> tuple[str, ...]:
-        """Names of all resistors and capacitors of this board."""
-        names = (f.name for f in fields(self) if f.name.endswith(("_f", "_ohm")))
-        return tuple(name for name in names if getattr(self, name) is not None)
+    def components(self) -> dict[str, Value]:
+        """Value of each of `COMPONENTS` that the board has [ohm, F], by reference."""
+        values = self.network.values
+        return {
+            name: 1 / values[name] if name.startswith("R") else values[name] for name in COMPONENTS if name in values
+        }
+
+    def with_components(self, **values: Value) -> AnalogBoard:
+        """Copy of the board with other values of some of its components [ohm, F], by reference.
+
+        Raises
+        ------
+        TraceError
+            If a value is not above 0, or the board has no such component.
+        """
+        known = self.components
+        issues = [
+            Issue(f"board.{name}", f"is no component of this board; choose from {', '.join(known)}.")
+            for name in values
+            if name not in known
+        ]
+        for name, value in values.items():
+            unit, example = ("ohm", "1000") if name.startswith("R") else ("F", "1e-6")
+            issues += find_not_positive(f"board.{name}", float(np.min(value)), unit, example)
+        raise_issues(issues)
+        quantities = {name: 1 / value if name.startswith("R") else value for name, value in values.items()}
+        return replace(self, network=self.network.with_values(quantities))
 
     @property
-    def gain(self) -> Values:
-        """Gain of the first stage in the passband: G = 1 + R5/R4."""
-        return 1 + self.r5_ohm / self.r4_ohm
+    def load(self) -> tuple[Value, Value]:
+        """Resistance and capacitance that the diode charges [ohm, F]; of a precision rectifier their product counts."""
+        decay_s = self.envelope_decay_s
+        ohm = self.model.envelope_gain(self.network.values) if self.rectifier == "diode" else 1e3
+        return ohm, decay_s / ohm
+
+    @property
+    def envelope_decay_s(self) -> Value:
+        """Time constant of the envelope [s]."""
+        return self.model.envelope_decay_s(self.network.values)
+
+    @property
+    def envelope_gain(self) -> Value:
+        """Gain from the positive half waves of the filtered voltage to the envelope; 1 for a bare diode."""
+        return 1.0 if self.rectifier == "diode" else self.model.envelope_gain(self.network.values)
 
 
 def board_with_amplifiers(design: Design, amplifiers: str) -> AnalogBoard:
@@ -153,17 +175,26 @@ def board_with_amplifiers(design: Design, amplifiers: str) -> AnalogBoard:
     design
         Its board.
     amplifiers
-        "ideal", "rails" (outputs saturate) or "gain_bandwidth" (the design's gain-bandwidth product).
+        "ideal", "rails" (outputs saturate) or "gain_bandwidth" (as built: the design's gain-bandwidth product, and
+        the capacitance of the inputs).
     """
-    board = AnalogBoard.from_design(design)
-    if amplifiers == "rails":
-        return board.with_values(rail_v=board_values(design).voltage_limits.filter_peak_v)
     if amplifiers == "gain_bandwidth":
-        return board.with_values(gain_bandwidth_hz=design.board.gain_bandwidth_hz)
-    return board
+        return AnalogBoard.from_design(design, design.board.gain_bandwidth_hz)
+    board = AnalogBoard.from_design(design)
+    return replace(board, rail_v=board_values(design).voltage_limits.filter_peak_v) if amplifiers == "rails" else board
 
 
-def compute_state_space(board: AnalogBoard, mode: int = 0) -> tuple[Array, Array, Array, Array, Array]:
+@dataclass(frozen=True, eq=False)
+class LinearBoard:
+    """State equations x' = A x + b u + k of a board, batched; voltages are rows over (x, u, slope of u, 1)."""
+
+    A: Array
+    b: Array
+    k: Array
+    rows: dict[str, Array]
+
+
+def compute_state_space(board: AnalogBoard, mode: int = 0) -> LinearBoard:
     """Compute the board's state equations.
 
     Parameters
@@ -173,41 +204,26 @@ def compute_state_space(board: AnalogBoard, mode: int = 0) -> tuple[Array, Array
     mode
         3 times the first amplifier's state plus the second's; each is 0 (linear), 1 (saturated at the upper rail) or 2
         (at the lower rail).
-
-    Returns
-    -------
-    A, b, k
-        Matrices of shapes (B, n, n), (B, n), (B, n).
-    output_row, amplifier1_row
-        Rows of shape (B, n + 3) over (x, u, slope of u, 1): the filter's output, and the first amplifier's output as it
-        would be without rails.
     """
-    components = [PassiveComponent(name, a, b, getattr(board, name)) for name, a, b in topology(board)]
-    resistors = [component for component in components if component.name.endswith("_ohm")]
-    capacitors = [component for component in components if not component.name.endswith("_ohm")]
-    batch = max(np.size(component.value) for component in components)
     rail = board.rail_v or 0.0
-    saturated = [(None, rail, -rail)[state] for state in divmod(mode, 3)]
-    first, second = (
-        Amplifier(*pins, board.gain_bandwidth_hz, voltage)
-        for pins, voltage in zip((("p", "f", "o1"), ("n", "o2", "o2")), saturated, strict=True)
-    )
-    found = assemble(resistors, capacitors, (first, second), "in", batch)
-    linear = found
-    if saturated[0]:
-        linear = assemble(resistors, capacitors, (replace(first, saturated_v=None), second), "in", batch)
-    return found.A, found.b, found.k, found.nodes["o2"], linear.nodes["o1"]
+    states = zip((STAGE1_OUT, FILTERED), divmod(mode, 3), strict=True)
+    saturated = {net: (rail, -rail)[state - 1] for net, state in states if state}
+    network = board.network.drive(*saturated)
+    system = network.state_space()
+    n = system.A.shape[-1]
+    A, B = (matrix.reshape(-1, *matrix.shape[-2:]) for matrix in (system.A, system.B))
+    # The inputs are the voltage u, which comes first, and the saturated outputs, which are constant.
+    constants = np.array([saturated[name] for name in network.inputs[1:]])
 
+    def row(voltage: Array) -> Array:
+        voltage = voltage.reshape(-1, voltage.shape[-1])
+        constant = voltage[:, n + 1 :] @ constants
+        return np.concatenate((voltage[:, : n + 1], np.zeros((len(voltage), 1)), constant[:, None]), axis=1)
 
-def topology(board: AnalogBoard) -> Iterator[tuple[str, str, str]]:
-    """Name of each value and the nodes it lies between; C1, C2, C3 are the first states, as the loop expects."""
-    yield from (("c1_f", "in", "p"), ("c2_f", "o1", "m"), ("c3_f", "m", "n"))
-    yield from (("r1_ohm", "p", GROUND), ("r2_ohm", "m", "o2"), ("r3_ohm", "n", GROUND), ("r5_ohm", "f", "o1"))
-    yield "r4_ohm", "f", GROUND if board.series_capacitor_f is None else "s"
-    if board.series_capacitor_f is not None:
-        yield "series_capacitor_f", "s", GROUND
-    if board.limiting_capacitor_f is not None:
-        yield "limiting_capacitor_f", "f", "o1"
+    rows = {name: row(system.rows[name]) for name in network.nets}
+    for name, volts in saturated.items():
+        rows[name] = np.concatenate((np.zeros((len(A), n + 2)), np.full((len(A), 1), volts)), axis=1)
+    return LinearBoard(A, B[:, :, 0], B[:, :, 1:] @ constants, rows)
 
 
 def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, Array, Array, Array, Array]:
@@ -220,28 +236,33 @@ def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, Array
     step_rows, rk_rows
         Rows of the state at the end of a step, and of the output at `ABSCISSAE` within it, where the Runge-Kutta method
         needs it; by mode of the rails and level of the step.
-    output_row, amplifier1_row
-        Rows of the output, and of the first amplifier's output without rails, at one moment.
+    output_rows
+        Rows of the second amplifier's output without rails, at one moment, by the state of the first amplifier.
+    amplifier1_row
+        Row of the first amplifier's output without rails, at one moment.
     """
-    step_rows, rk_rows = [], []
-    output_row = amplifier1_row = np.zeros(0)
+    step_rows, rk_rows, output_rows = [], [], []
+    amplifier1_row = np.zeros(0)
     n = 0
     for mode in range(9 if board.rail_v else 1):
-        A, b, k, output, amplifier1 = compute_state_space(board, mode)
-        n = A.shape[-1]
+        system = compute_state_space(board, mode)
+        n = system.A.shape[-1]
         padding = max(0, WIDTH - n - 3)
+        if mode % 3 == 0:
+            output_rows.append(np.pad(system.rows[FILTERED], ((0, 0), (0, padding))))
         if mode == 0:
-            output_row, amplifier1_row = (np.pad(row, ((0, 0), (0, padding))) for row in (output, amplifier1))
-        M = augment(A, b, k)
+            amplifier1_row = np.pad(system.rows[STAGE1_OUT], ((0, 0), (0, padding)))
+        M = augment(system.A, system.b, system.k)
         # Two levels more than the loop uses give the quarters and halves of the shortest step.
         powers = exponentials(M, step_s, LEVELS + 2)
         odd = exponentials(M, step_s * 0.55, LEVELS)
         quarter, half, full = powers[:, 2:], powers[:, 1:-1], powers[:, :-2]
         transition = {0.25: quarter, 0.5: half, 0.75: quarter @ half, 0.55: odd, 1.0: full}
-        row = np.stack([(output[:, None, None, :] @ transition[c])[:, :, 0] for c in ABSCISSAE], axis=2)
+        output = system.rows[FILTERED][:, None, None, :]
+        row = np.stack([(output @ transition[c])[:, :, 0] for c in ABSCISSAE], axis=2)
         pad = ((0, 0), (0, 0), (0, 0), (0, padding))
         step_rows.append(np.pad(full[:, :, :n], pad))
         rk_rows.append(np.pad(row, pad))
-    count = len(output_row)
-    flat_step_rows, flat_rk_rows = (np.stack(arrays, axis=1).reshape(count, -1) for arrays in (step_rows, rk_rows))
-    return n, flat_step_rows, flat_rk_rows, output_row, amplifier1_row
+    count = len(amplifier1_row)
+    step, rk, outputs = (np.stack(rows, axis=1).reshape(count, -1) for rows in (step_rows, rk_rows, output_rows))
+    return n, step, rk, outputs, amplifier1_row

@@ -17,8 +17,9 @@ import math
 
 import numpy as np
 
-from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.noise import total_noise_v
+from fingertip.board import board_circuit
+from fingertip.board.analysis.noise import add_noise
+from fingertip.board.components.component_values import select_components
 from fingertip.board.nets import FILTERED
 from fingertip.design import Design
 from fingertip.sim.electronics.analog import simulate_board
@@ -33,8 +34,8 @@ _SMALL_V = 1e-6
 @functools.lru_cache(maxsize=256)
 def compute_input_noise_v(design: Design) -> float:
     """Compute the white RMS noise of the samples at the board's input that stands for its amplifiers' noise [V]."""
-    circuit = board_circuit(board_values(design))
-    return total_noise_v(circuit, design.board.gain_bandwidth_hz, FILTERED) / compute_noise_gain(design)
+    circuit = board_circuit(select_components(design))
+    return add_noise(circuit, design.board.gain_bandwidth_hz).total_v(FILTERED) / compute_noise_gain(design)
 
 
 def compute_noise_gain(design: Design) -> float:

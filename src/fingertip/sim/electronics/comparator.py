@@ -65,10 +65,10 @@ class Comparator:
             If the design's board has no comparator.
         """
         values = board_values(design)
-        if values.comparator_stage is None:
+        if values.comparator_levels is None:
             raise TraceError(Issue("outputs", describe_missing_comparator(design)))
-        stage = values.comparator_stage
-        return cls(stage.averaging_tau_s, stage.on_v, stage.off_v, design.board.supply_v)
+        levels = values.comparator_levels
+        return cls(levels.averaging_tau_s, levels.on_v, levels.off_v, design.board.supply_v)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,7 @@ def simulate_comparator(
     if board.rectifier != "precision":
         issues.append(Issue("board.rectifier", f"{board.rectifier!r} has no comparator behind it; use 'precision'."))
     raise_issues([*issues, *find_not_positive("step_s", step_s, "s", "0.0005")])
-    slope = (np.maximum(filtered_v, 0.0) - envelope_v) / (np.asarray(board.r_lp_ohm) * np.asarray(board.c_lp_f))
+    slope = (board.envelope_gain * np.maximum(filtered_v, 0.0) - envelope_v) / np.asarray(board.envelope_decay_s)
     mean, on, count = np.zeros(len(envelope_v)), np.zeros(len(envelope_v)), np.zeros(1)
     edges = np.zeros(_PARTS * len(envelope_v))  # room for a crossing in every part of every interval
     _compare(

@@ -87,7 +87,7 @@ def _envelope_loop(
     after: Sequence[float],
     step_rows: Sequence[float],
     rk_rows: Sequence[float],
-    output_row: Sequence[float],
+    output_rows: Sequence[float],
     amplifier1_row: Sequence[float],
     carried: MutableSequence[float],
     z: MutableSequence[float],
@@ -100,7 +100,7 @@ def _envelope_loop(
     """Follow the envelope over a chunk: exact steps of the circuit, and an implicit method where the diode conducts."""
     # Parameters: tolerance of a step [V], sampling interval H, number of states, width of a row, number of step sizes,
     # voltage of the rails (0: none), whether the rectifier is `precision`, and the values of diode and load. The input
-    # is given right before and right after each sample. step_rows, rk_rows, output_row and amplifier1_row are those of
+    # is given right before and right after each sample. step_rows, rk_rows, output_rows and amplifier1_row are those of
     # `fingertip.sim.electronics.analog_circuit.compute_step_matrices`.
     saturation, nvt, series = diode
     R, C = load
@@ -120,7 +120,7 @@ def _envelope_loop(
         z[states] = after[i]
         z[states + 1] = (before[i + 1] - after[i]) / H
         z[states + 2] = 1.0
-        u0 = dot(output_row, 0, z, width)
+        u0 = dot(output_rows, 0, z, width)
         tick = 0
         if before[i] != after[i]:
             level = shortest  # after a jump the response may be arbitrarily fast
@@ -134,9 +134,9 @@ def _envelope_loop(
             # Rails: the mode says which amplifier is saturated, and selects the matrices.
             if rail > 0.0:
                 p = dot(amplifier1_row, 0, z, width)
-                o1 = rail if p > rail else -rail if p < -rail else p
-                o2 = o1 - z[1] - z[2]
-                mode = (1 if p > rail else 2 if p < -rail else 0) * 3 + (1 if o2 > rail else 2 if o2 < -rail else 0)
+                first = 1 if p > rail else 2 if p < -rail else 0
+                o2 = dot(output_rows, first * width, z, width)
+                mode = first * 3 + (1 if o2 > rail else 2 if o2 < -rail else 0)
                 u0 = rail if o2 > rail else -rail if o2 < -rail else o2
 
             # Linear part: exact states at the end of the step, and the filter's output in its middle and at its end.
@@ -235,13 +235,12 @@ def _envelope_loop(
 
             # Reject a step in which an amplifier reaches or leaves a rail: bisection locates the moment.
             if rail > 0.0 and level < shortest:
-                p = dot(amplifier1_row, 0, z_next, width) + amplifier1_row[states] * (z[states] + h * z[states + 1])
-                o1 = rail if p > rail else -rail if p < -rail else p
-                o2 = o1 - z_next[1] - z_next[2]
-                mode_next = (1 if p > rail else 2 if p < -rail else 0) * 3 + (
-                    1 if o2 > rail else 2 if o2 < -rail else 0
-                )
-                if mode_next != mode:
+                z_next[states] = z[states] + h * z[states + 1]
+                z_next[states + 2] = 1.0
+                p = dot(amplifier1_row, 0, z_next, width)
+                first = 1 if p > rail else 2 if p < -rail else 0
+                o2 = dot(output_rows, first * width, z_next, width)
+                if mode != first * 3 + (1 if o2 > rail else 2 if o2 < -rail else 0):
                     error = 1e300
             if error > tolerance and level < shortest:
                 rejected += 1

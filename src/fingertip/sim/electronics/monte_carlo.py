@@ -39,13 +39,12 @@ def draw_boards(board: AnalogBoard, count: int, seed: int = 0) -> AnalogBoard:
     if count < 1:
         raise TraceError(Issue("count", f"{count} is too few; give at least 1 board."))
     rng = random.Random(f"{seed}:boards")
-    names = board.value_names
-    drawn = np.array([[2 * rng.random() - 1 for _ in range(len(names) + 1)] for _ in range(count)])
+    nominal = board.components
+    drawn = np.array([[2 * rng.random() - 1 for _ in range(len(nominal) + 1)] for _ in range(count)])
     values: dict[str, NDArray[np.float64]] = {
-        name: getattr(board, name)
-        * (1 + (RESISTOR_TOLERANCE if name.endswith("_ohm") else CAPACITOR_TOLERANCE) * drawn[:, i])
-        for i, name in enumerate(names)
+        name: value * (1 + (RESISTOR_TOLERANCE if name.startswith("R") else CAPACITOR_TOLERANCE) * drawn[:, i])
+        for i, (name, value) in enumerate(nominal.items())
     }
     factors = np.array([SATURATION_FACTOR**x for x in drawn[:, -1].tolist()])
     saturation = np.asarray(board.diode.saturation_a) * factors
-    return board.with_values(diode=replace(board.diode, saturation_a=saturation), **values)
+    return replace(board.with_components(**values), diode=replace(board.diode, saturation_a=saturation))

@@ -10,7 +10,7 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.board import board_values
-from fingertip.board.values.bridge import ARTICLE_POINTS, sensor_conductance_s
+from fingertip.board.components.bridge import ARTICLE_POINTS, sensor_conductance_s
 from fingertip.design import Design
 from fingertip.jit import CompiledLoop
 
@@ -146,6 +146,5 @@ def select_voltage_function(design: Design, bridge: str) -> Callable[[float], fl
     """
     if bridge == "article":
         return fit_voltage_curve().voltage_v
-    values, supply = board_values(design).bridge, design.board.supply_v
-    curve = fit_conductance_curve()
-    return lambda force_n: values.tactile_v(curve.conductance_s(force_n), supply)
+    response, curve = board_values(design).tactile_response, fit_conductance_curve()
+    return lambda force_n: response.tactile_v(curve.conductance_s(force_n))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from fingertip.board.kicad.footprints import Box
 from fingertip.board.layout.placement import PlacedPad
-from fingertip.board.layout.routing.paths import BACK, FRONT, GRID_MM, VIA, Node, Path, find_vias
+from tools.routing.paths import BACK, FRONT, GRID_MM, VIA, Node, Path, find_vias
 
 _HISTORY_COST = 0.5
 _NO_NET = ""

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from itertools import pairwise
+
+from fingertip.board.kicad.footprints import Point
+from fingertip.board.layout.template import Segment, Tracks
 
 GRID_MM = 0.2
 FRONT, BACK, VIA = 0, 1, 2
@@ -14,17 +16,6 @@ FRONT, BACK, VIA = 0, 1, 2
 Node = tuple[int, int, int]
 """Layer, column and row."""
 Path = list[Node]
-Point = tuple[float, float]
-Segment = tuple[int, Point, Point]
-"""Layer and both ends [mm]."""
-
-
-@dataclass(frozen=True)
-class Tracks:
-    """Copper of one net [mm]."""
-
-    segments: tuple[Segment, ...]
-    vias: tuple[Point, ...]
 
 
 def net_name(connection: str) -> str:

@@ -20,7 +20,7 @@ import itertools
 import math
 from dataclasses import dataclass
 
-from fingertip.board.values.preferred_values import neighbouring_values, values_around
+from fingertip.board.components.preferred_values import neighbouring_values, values_around
 
 INTERLINK_CURVE = ((20.0, 30e3), (50.0, 10e3), (100.0, 6e3), (250.0, 3.5e3), (1000.0, 1.25e3), (10000.0, 250.0))
 """Load [gram force] and resistance [ohm], read off Interlink's typical curve (part to part 6 % at best)."""
@@ -76,6 +76,13 @@ class Bridge:
 
     The lower ends of the bridge and the amplifier's output refer to it.
     """
+
+    def by_reference(self) -> dict[str, float]:
+        """Value of each component [ohm, F] by its reference designator."""
+        return {
+            "R10": self.sensor_top_ohm, "R11": self.sensor_shunt_ohm, "R12": self.reference_top_ohm,
+            "R13": self.reference_bottom_ohm, "R14": self.gain_ohm, "C7": SENSOR_FILTER_F,
+        }  # fmt: skip
 
     @property
     def gain(self) -> float:

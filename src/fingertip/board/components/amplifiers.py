@@ -10,9 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fingertip.board.circuit import Circuit, parse_component_value
-from fingertip.board.values.bridge import GAIN_CONSTANT_OHM
-
 BOLTZMANN_J_PER_K = 1.380649e-23
 TEMPERATURE_K = 300.15
 """Temperature: 27 degrees Celsius, as in SPICE."""
@@ -38,7 +35,12 @@ class Amplifier:
     """Distance from the lower rail that the inputs must keep [V]: typical and guaranteed."""
     bandwidth_hz: float | None = None
     """Gain-bandwidth product [Hz]; None: that of the design."""
+    input_f: float = 8e-12
+    """Capacitance of each input to ground [F]: the TLV2372's; assumed for the TL082, which states none; unverified."""
 
+
+OPEN_LOOP_GAIN = 2e5
+"""Open-loop gain A0 of the TL082 (typical, its data sheet): 106 dB. The TLV2372's 110 dB give the same response."""
 
 ARTICLE_AMPLIFIER, RAIL_TO_RAIL_AMPLIFIER = "TL082", "TLV2372"
 _DUAL = {"a": ("3", "2", "1"), "b": ("5", "6", "7")}
@@ -73,8 +75,3 @@ GAIN_RESISTOR = "R14"
 
 LOW_NOISE_NAME, LOW_NOISE_V = "INA821", 7e-9
 """Instrumentation amplifier with a lower noise density [V/sqrt(Hz)], for comparison; it has a different pinout."""
-
-
-def bridge_gain(circuit: Circuit) -> float:
-    """Gain of the bridge's amplifier, from the resistor between its gain pins (AD623's data sheet)."""
-    return 1.0 + GAIN_CONSTANT_OHM / parse_component_value(circuit.component(GAIN_RESISTOR).value)

@@ -1,6 +1,8 @@
-"""Selection of the filter's preferred resistors and, where the design asks for it, of its capacitors.
+"""Components of the filter: preferred resistors and, where the design asks for it, capacitors.
 
-For R2 and R3 the values nearest to the ideal ones are also the best pair, see `section_error`.
+The formulas give what the selection needs of each section (article, eqs. 2, 8, 10). The article writes omega where
+j omega is meant (eqs. 1, 3, 4, 9, 11). For R2 and R3 the values nearest to the ideal ones are also the best pair, see
+`section_error`.
 """
 
 from __future__ import annotations
@@ -8,20 +10,40 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from fingertip.board.values.ideal_response import pole_hz, section_frequency_hz, section_quality
-from fingertip.board.values.preferred_values import nearest_value, neighbouring_values, values_in_range
+from fingertip.board.components.preferred_values import nearest_value, neighbouring_values, values_in_range
 from fingertip.design.filter_components import (
     B2,
     SELECTABLE_R1_OHM,
     SELECTABLE_R_LP_OHM,
     FilterComponents,
+    compute_limiting_capacitor_f,
+    ideal_components,
     r1_ohm,
     r_lp_ohm,
+    select_series_capacitor_f,
     selectable_range_f,
 )
 from fingertip.design.parameters import Board
+
+
+def pole_hz(r_ohm: float, c_f: float) -> float:
+    """1 / (2 pi R C) [Hz] for R [ohm] and C [F]: pole of the first stage, and of the envelope (below eq. 11)."""
+    return 1.0 / (math.tau * r_ohm * c_f)
+
+
+def section_frequency_hz(r2_ohm: float, r3_ohm: float, c_f: float) -> float:
+    """f0 = 1 / (2 pi C sqrt(R2 R3)) [Hz] of the Sallen-Key section.
+
+    Eq. (10) prints 1 / sqrt(R2 R3 C), with C inside the root, which is not a frequency.
+    """
+    return 1.0 / (math.tau * c_f * math.sqrt(r2_ohm) * math.sqrt(r3_ohm))
+
+
+def section_quality(r2_ohm: float, r3_ohm: float) -> float:
+    """Q = sqrt(R3 / (4 R2)) of the Sallen-Key section with equal capacitors, eq. (8)."""
+    return math.sqrt(r3_ohm / (4.0 * r2_ohm))
 
 
 def section_error(r2_ohm: float, r3_ohm: float, c_f: float, section_hz: float, quality: float) -> float:
@@ -120,3 +142,59 @@ def select_envelope_capacitor(board: Board) -> float:
 def _microfarads(farads: float) -> float:
     """Preferred capacitance [uF], without the rounding error of the multiplication."""
     return float(f"{farads * 1e6:.6g}")
+
+
+@dataclass(frozen=True)
+class FirstStageCapacitors:
+    """Capacitors that variants other than `article` add to the first stage [F]."""
+
+    series_capacitor_f: float
+    """C14 in series with R4: the stage does not amplify the amplifier's offset."""
+    limiting_capacitor_f: float
+    """C20 across R5: the stage does not amplify frequencies above the vibrations."""
+    limit_hz: float
+    """Frequency at which C20 has reduced the gain by 3 dB: 1 / (2 pi R5 C20)."""
+
+
+def select_first_stage_capacitors(components: FilterComponents, band_limit_hz: float) -> FirstStageCapacitors:
+    """Select preferred capacitors of the first stage for preferred resistors and a band limit [Hz]."""
+    c20_f = nearest_value(compute_limiting_capacitor_f(components.r5_ohm, band_limit_hz), "E6", 1e-12, 1e-3)
+    c14_f = select_series_capacitor_f(components.r4_ohm, pole_hz(components.r1_ohm, components.c_f))
+    return FirstStageCapacitors(c14_f, c20_f, pole_hz(components.r5_ohm, c20_f))
+
+
+LARGE_CAPACITOR_PERCENT = 20.0
+"""Tolerance of a series capacitor above `MAX_1206_F`: nothing better is available in its size."""
+RECTIFIER_OHM = 10e3
+"""Both resistors of the precision rectifier [ohm]: gain -1."""
+
+
+@dataclass(frozen=True)
+class FilterSelection:
+    """Components of filter and envelope: by the formulas, and as fitted."""
+
+    ideal: FilterComponents
+    preferred: FilterComponents
+    capacitors: FirstStageCapacitors | None
+    """None in variant article."""
+
+    def by_reference(self) -> dict[str, float]:
+        """Value of each fitted component [ohm, F] by its reference designator."""
+        c = self.preferred
+        values = {
+            "R1": c.r1_ohm, "R2": c.r2_ohm, "R3": c.r3_ohm, "R4": c.r4_ohm, "R5": c.r5_ohm, "R6": c.r_lp_ohm,
+            "C1": c.c_f, "C2": c.c_f, "C3": c.c_f, "C4": c.c_lp_f,
+        }  # fmt: skip
+        if self.capacitors is not None:
+            values |= {"C14": self.capacitors.series_capacitor_f, "C20": self.capacitors.limiting_capacitor_f}
+            values |= {"R15": RECTIFIER_OHM, "R16": RECTIFIER_OHM, "R17": c.r_lp_ohm}
+        return values
+
+
+def select_filter(board: Board) -> FilterSelection:
+    """Select the components of filter and envelope. Raises as `neighbouring_values` does."""
+    ideal = ideal_components(select_capacitors(board))
+    preferred = select_resistors(ideal, board.series)
+    has_capacitors = board.variant != "article"
+    capacitors = select_first_stage_capacitors(preferred, board.band_limit_hz) if has_capacitors else None
+    return FilterSelection(ideal, preferred, capacitors)

@@ -16,8 +16,9 @@ from collections.abc import Callable, Iterable
 
 from fingertip.board.kicad.footprints import Box
 from fingertip.board.layout.placement import PlacedPad
-from fingertip.board.layout.routing.grid import DesignRules, Grid
-from fingertip.board.layout.routing.paths import BACK, VIA, Node, Path, Tracks, merge_paths, net_name
+from fingertip.board.layout.template import Tracks
+from tools.routing.grid import DesignRules, Grid
+from tools.routing.paths import BACK, VIA, Node, Path, merge_paths, net_name
 
 POURED_NET = "GND"
 

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from fingertip.board.circuit import Circuit
+from fingertip.board.components.amplifiers import Amplifier
+from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
+from fingertip.board.nets import GND, REFERENCE, SENSOR, TACTILE, VCC, VEE
+from fingertip.board.network import build_network
 from fingertip.board.supplies import Supply
-from fingertip.board.values.amplifiers import Amplifier
-from fingertip.board.values.bridge import MAX_FORCE_N, Bridge, sensor_conductance_s
 
 DIODE_V = 0.6
 """Forward voltage of variant article's diode for a large signal [V]."""
@@ -85,7 +88,7 @@ class VoltageLimits:
 
 
 def compute_voltage_limits(
-    bridge: Bridge,
+    circuit: Circuit,
     supply: Supply,
     supply_v: float,
     swing: OutputSwing,
@@ -97,8 +100,8 @@ def compute_voltage_limits(
 
     Parameters
     ----------
-    bridge
-        Resistors of the bridge.
+    circuit
+        Circuit of the board.
     supply, supply_v
         Supply and its positive voltage.
     swing
@@ -110,12 +113,15 @@ def compute_voltage_limits(
     adc_range_v
         Input range of the ADC, plus and minus.
     """
-    max_g = sensor_conductance_s(MAX_FORCE_N)
+    # The voltages are monotonic in the sensor's conductance, so the ends of its range are the worst cases.
+    open_sensor, pressed = (_operating_point(circuit, supply, supply_v, force_n) for force_n in (0.0, MAX_FORCE_N))
     return VoltageLimits(
-        signal_ground_v=supply.signal_ground_v(supply_v),
-        min_tactile_v=bridge.tactile_v(max_g, supply_v),
-        max_tactile_v=bridge.tactile_v(0.0, supply_v),
-        bridge_amplifier_margin_v=min(_bridge_amplifier_margin_v(bridge, g, supply, supply_v) for g in (0.0, max_g)),
+        signal_ground_v=open_sensor[supply.signal_ground],
+        min_tactile_v=pressed[TACTILE],
+        max_tactile_v=open_sensor[TACTILE],
+        bridge_amplifier_margin_v=min(
+            _bridge_amplifier_margin_v(volts, supply, supply_v) for volts in (open_sensor, pressed)
+        ),
         filter_peak_v=swing.up_v,
         filter_trough_v=swing.down_v,
         filter_guaranteed_trough_v=swing.guaranteed_down_v,
@@ -126,6 +132,12 @@ def compute_voltage_limits(
         clamp_high_rail_v=supply_v,
         adc_range_v=adc_range_v,
     )
+
+
+def _operating_point(circuit: Circuit, supply: Supply, supply_v: float, force_n: float) -> dict[str, float]:
+    """Constant voltages [V] of bridge, its amplifier and the signal ground at a force [N]."""
+    network = build_network(circuit, sensor_s=sensor_conductance_s(force_n))
+    return network.restrict(TACTILE, supply.signal_ground).operating_point({GND: 0.0, VCC: supply_v, VEE: -supply_v})
 
 
 def describe_filter_swing(limits: VoltageLimits) -> str:
@@ -156,15 +168,11 @@ def adc_range_warnings(limits: VoltageLimits) -> Iterator[str]:
         yield f"the tactile voltage, up to {limits.max_tactile_v:.2f} V, is clipped: {describe_adc_range(limits)}."
 
 
-def _bridge_amplifier_margin_v(bridge: Bridge, conductance_s: float, supply: Supply, supply_v: float) -> float:
-    """Margin [V] of the bridge amplifier at one conductance of the sensor [S].
-
-    The margins are monotonic in the conductance, so the ends of its range are the worst cases.
-    """
-    lower_v = 0.0 if supply.signal_ground_ratio else -supply_v
-    reference_v, sensor_v = bridge.reference_v(supply_v), bridge.sensor_v(conductance_s, supply_v)
-    output_v = bridge.tactile_v(conductance_s, supply_v)
-    common_v, half_v = (reference_v + sensor_v) / 2.0, abs(bridge.gain * (sensor_v - reference_v)) / 2.0
+def _bridge_amplifier_margin_v(volts: dict[str, float], supply: Supply, supply_v: float) -> float:
+    """Margin [V] of the bridge amplifier's internal and output voltages at an operating point."""
+    reference_v, sensor_v, output_v = volts[REFERENCE], volts[SENSOR], volts[TACTILE]
+    lower_v, common_v = volts[supply.negative_rail], (reference_v + sensor_v) / 2.0
+    half_v = abs(output_v - volts[supply.signal_ground]) / 2.0  # the amplified difference of its inputs
     return min(
         supply_v - _INTERNAL_MARGIN_V - (common_v + _INPUT_SHIFT_V + half_v),
         common_v + _INPUT_SHIFT_V - half_v - lower_v,

@@ -1,8 +1,8 @@
-"""Route a board and write its template: `python -m fingertip.board.layout.routing.reroute`.
+"""Route a board and write its template: `python -m tools.routing.reroute`, in the repository's root.
 
-Run it after a change of the placement (a file in `layout/placements`), of footprints or of nets. It takes a minute or
-two for each board. KiCad's Python module pcbnew fills the ground pour. It belongs to the system's Python, which
-`--python` names.
+Run it after a change of the placement (a file in `board/layout/placements`), of footprints or of nets. It takes a
+minute or two for each board. KiCad's Python module pcbnew fills the ground pour. It belongs to the system's Python,
+which `--python` names.
 """
 
 from __future__ import annotations
@@ -13,19 +13,18 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from fingertip.board import board_circuit, board_values
 from fingertip.board.circuit import Circuit
+from fingertip.board.kicad.footprints import Point
 from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_MM, kicad_project_file
 from fingertip.board.layout.pcb_file import EDGE_CLEARANCE_MM, PAGE_OFFSET_MM, kicad_pcb_file
 from fingertip.board.layout.placement import Placement, courtyard_overlaps, place_pads
-from fingertip.board.layout.routing.grid import DesignRules
-from fingertip.board.layout.routing.paths import Point, Tracks
-from fingertip.board.layout.routing.router import route
 from fingertip.board.layout.silkscreen import silkscreen_boxes, silkscreen_conflicts
-from fingertip.board.layout.template import TEMPLATES, Template, format_template
-from fingertip.board.output import board_circuit
-from fingertip.board.values.board_values import board_values
+from fingertip.board.layout.template import TEMPLATES, Template, Tracks, format_template
 from fingertip.board.variants import BOARD_CONFIGURATIONS, BoardConfiguration
 from fingertip.design import Design
+from tools.routing.grid import DesignRules
+from tools.routing.router import route
 
 _FILL_SCRIPT = """
 import json, sys

@@ -1,0 +1,88 @@
+"""Attenuation ahead of the analog-to-digital converter (ADC) of frequencies that alias.
+
+Two poles cannot attenuate a full-scale tone to less than 1 LSB of 16 bits. The signal's content beyond the band,
+noise and the skirt of a resonance, is small. `AliasAttenuation` gives the amplitude that a tone may have. A higher
+sampling rate with subsequent averaging moves the aliases away.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.board.analysis.response import RECTIFYING_DIODE, decibel
+from fingertip.board.circuit import Circuit
+from fingertip.board.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE
+from fingertip.board.network import build_network
+from fingertip.design import Design
+from fingertip.design.rules.board import BAND_CUTOFFS
+
+
+@dataclass(frozen=True)
+class AliasAttenuation:
+    """Attenuation of the frequencies that alias."""
+
+    band_hz: float
+    """Upper end of the vibrations' band."""
+    nyquist_hz: float
+    """Half the sampling rate."""
+    alias_hz: float
+    """Lowest frequency that aliases into the band: the sampling rate less `band_hz`."""
+    tactile_band_db: float
+    """Gain of the tactile voltage's two poles at `band_hz`."""
+    tactile_nyquist_db: float
+    tactile_alias_db: float
+    envelope_nyquist_db: float
+    """Gain from the rectifier (in variant article from the envelope) to the pin at `nyquist_hz`."""
+    envelope_alias_db: float
+    required_db: float
+    """Attenuation that would reduce a tone of the board's full swing to 1 LSB of the ADC."""
+    one_lsb_tone_v: float
+    """Amplitude [V] of a tone in the tactile voltage at `alias_hz` that is attenuated to 1 LSB."""
+    lsb_v: float
+    """Step of the ADC [V]: its least significant bit (LSB)."""
+
+
+def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float, has_diode: bool) -> AliasAttenuation:
+    """Compute the attenuation ahead of a design's ADC.
+
+    Parameters
+    ----------
+    circuit
+        Circuit of its board.
+    design
+        Its cutoff, sampling rate and ADC.
+    swing_v
+        Largest voltage the board outputs.
+    has_diode
+        Whether a bare diode precedes the envelope (variant article): its pole acts on falling voltages only.
+    """
+    detector = design.detector
+    nyquist_hz = detector.sample_rate_hz / 2.0
+    band_hz = min(BAND_CUTOFFS * design.board.cutoff_hz, nyquist_hz)
+    alias_hz = detector.sample_rate_hz - band_hz
+    lsb_v = 2.0 * detector.adc_range_v / 2**detector.adc_bits
+    network, source = build_network(circuit, conducting=[RECTIFYING_DIODE]), ENVELOPE if has_diode else FILTERED
+
+    def gains(source: str, pin: str, *f_hz: float) -> list[complex]:
+        """Gains from a net to a pin at frequencies, over the constant gain."""
+        path = network.drive(source).restrict(pin)
+        constant, *values = path.response(np.array([0.0, *f_hz]), {source: 1.0}, pin)[:, 0].tolist()
+        return [value / constant for value in values]
+
+    tactile = gains(TACTILE, ADC_TACTILE, band_hz, nyquist_hz, alias_hz)
+    envelope = gains(source, ADC_ENVELOPE, nyquist_hz, alias_hz)
+    return AliasAttenuation(
+        band_hz=band_hz,
+        nyquist_hz=nyquist_hz,
+        alias_hz=alias_hz,
+        tactile_band_db=decibel(tactile[0]),
+        tactile_nyquist_db=decibel(tactile[1]),
+        tactile_alias_db=decibel(tactile[2]),
+        envelope_nyquist_db=decibel(envelope[0]),
+        envelope_alias_db=decibel(envelope[1]),
+        required_db=decibel(swing_v / lsb_v),
+        one_lsb_tone_v=lsb_v / abs(tactile[2]),
+        lsb_v=lsb_v,
+    )

@@ -1,0 +1,286 @@
+"""Frequency response of the filter: poles, maximum gain and cutoff frequencies, from the circuit's transfer function.
+
+Cutoffs and gain are those of the amplifiers as built: with their bandwidth and input capacitance, with C14, which costs
+a little gain at the lower end of the passband, and C20, which ends the passband above the vibrations. Poles and quality
+factor are those of ideal amplifiers, so that they can be compared with the article's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fingertip.board.circuit import Circuit
+from fingertip.board.nets import ENVELOPE, FILTERED, TACTILE
+from fingertip.board.network import Value, build_network
+from fingertip.board.transfer_function import Rational, Stage, find_stages, multiply
+from fingertip.design.filter_components import A2, B2
+from fingertip.design.parameters import Board
+from fingertip.numerics import bisect_arrays, find_maximum, find_maximum_arrays, find_root
+
+if TYPE_CHECKING:
+    from fingertip.arrays import Array
+
+RECTIFYING_DIODE = "D1"
+"""Diode that conducts while the filtered signal is positive, in every variant."""
+
+_STEPS_PER_DECADE = 6
+_START_RATIO = 4.0
+"""Ratio of the lower pole to the frequency at which the search starts; for many boards, of the nominal cutoff, and of
+the frequency at which the search ends to that of the nominal maximum."""
+_END_RATIO = 100.0
+"""Ratio of the highest frequency at which the maximum is searched to the higher pole."""
+_PEAK_TOLERANCE = 1e-6
+"""Tolerance of the logarithm of the peak's frequency. The gain is then exact to about 1e-12."""
+_CUTOFF_TOLERANCE = 1e-13
+"""Tolerance of the logarithm of the cutoff frequencies."""
+_GOLDEN_STEPS = 24
+"""Golden-section steps around the peak of many boards: its frequency is then exact to 1e-5, its gain to 1e-10."""
+_HALVINGS = 36
+"""Halvings of the step that contains the cutoff of many boards, which is then exact to 1e-11."""
+
+
+@dataclass(frozen=True)
+class FrequencyResponse:
+    """Characteristics of the frequency response of the filter and the envelope."""
+
+    passband_gain: float
+    """First maximum of the gain above the poles."""
+    passband_gain_db: float
+    first_pole_hz: float
+    section_hz: float
+    """f0 of the Sallen-Key section."""
+    section_quality: float
+    cutoff_hz: float
+    """Lower overall cutoff frequency (-3.0103 dB)."""
+    upper_cutoff_hz: float
+    """Upper overall cutoff frequency (-3.0103 dB)."""
+    envelope_pole_hz: float
+    envelope_decay_s: float
+    """Time constant of the envelope, tau = R_LP C_LP."""
+    amplifier_bandwidth_hz: float
+    """Closed-loop bandwidth GBW / G of the first stage's amplifier."""
+
+
+@dataclass(frozen=True)
+class Passband:
+    """Maximum gain and cutoff frequencies from the tactile voltage to the rectifier."""
+
+    gain: float
+    """First maximum of the gain above the poles."""
+    peak_hz: float
+    """Frequency of the maximum."""
+    low_hz: float
+    """Lower -3.0103 dB frequency."""
+    high_hz: float
+    """Upper -3.0103 dB frequency."""
+
+
+@dataclass(frozen=True)
+class FilterModel:
+    """Transfer functions of filter and envelope for any component values: the network's quantities are their symbols.
+
+    The first stage of the article is in two: the pole of C1 and R1, and the amplifier. Last comes the Sallen-Key
+    section.
+    """
+
+    ideal: tuple[Stage, ...]
+    """Stages with ideal amplifiers."""
+    as_built: tuple[Stage, ...]
+    """Stages with amplifiers of finite bandwidth and with input capacitance."""
+    envelope: Stage
+    """First-order envelope: from the filtered voltage (variant article: from the diode's current) to the envelope."""
+
+    def transfer(self, values: Mapping[str, Value]) -> Rational:
+        """Transfer function as built."""
+        return multiply(stage.evaluate(values) for stage in self.as_built)
+
+    def first_pole_hz(self, values: Mapping[str, Value]) -> Value:
+        """Pole of C1 and R1."""
+        constant, slope = self.ideal[0].evaluate(values).denominator
+        return constant / slope / math.tau
+
+    def section(self, values: Mapping[str, Value]) -> tuple[Value, Value]:
+        """f0 [Hz] and Q of the Sallen-Key section s^2 + s omega_0 / Q + omega_0^2."""
+        constant, linear, square = self.ideal[-1].evaluate(values).denominator
+        return (constant / square) ** 0.5 / math.tau, (constant * square) ** 0.5 / linear
+
+    def envelope_decay_s(self, values: Mapping[str, Value]) -> Value:
+        """Time constant of the envelope [s]."""
+        constant, slope = self.envelope.evaluate(values).denominator
+        return slope / constant
+
+    def envelope_gain(self, values: Mapping[str, Value]) -> Value:
+        """Constant envelope for a constant input: a ratio of voltages; in variant article a resistance [ohm]."""
+        response = self.envelope.evaluate(values)
+        return response.numerator[0] / response.denominator[0]
+
+
+def model_filter(circuit: Circuit, has_diode: bool) -> FilterModel:
+    """Expand the transfer functions of a circuit's filter and envelope.
+
+    Parameters
+    ----------
+    circuit
+        Circuit of a board.
+    has_diode
+        Whether a bare diode charges the envelope's capacitor (variant article).
+    """
+    ideal, as_built = (
+        find_stages(build_network(circuit, bandwidth).drive(TACTILE), TACTILE, FILTERED) for bandwidth in (None, 1.0)
+    )
+    return FilterModel(ideal, as_built, _model_peak_detector(circuit) if has_diode else _model_low_pass(circuit))
+
+
+def _model_low_pass(circuit: Circuit) -> Stage:
+    network = build_network(circuit, conducting=[RECTIFYING_DIODE]).drive(FILTERED)
+    (stage,) = find_stages(network, FILTERED, ENVELOPE)
+    return stage
+
+
+def _model_peak_detector(circuit: Circuit) -> Stage:
+    """Voltage over the diode's current; the pole ahead of the ADC, which loads it by a hundredth, is left out."""
+    terms = build_network(circuit.without("R7")).restrict(ENVELOPE).terms
+    admittance = tuple(
+        tuple((term.factor, (term.quantity,)) for term in terms if term.net == ENVELOPE and term.order == order)
+        for order in (0, 1)
+    )
+    return Stage((((1.0, ()),),), admittance)
+
+
+def find_passband(transfer: Rational, band_hz: tuple[float, float]) -> Passband:
+    """Find the passband of a transfer function.
+
+    `find_passbands` is its counterpart for arrays.
+
+    Parameters
+    ----------
+    transfer
+        Transfer function of a band-pass.
+    band_hz
+        Frequencies between which its maximum is searched, as `search_band_hz` gives them. The first maximum counts: a
+        fast amplifier with input capacitance may have a resonance far above the passband.
+    """
+    power_gain = transfer.power_gain()
+
+    def log_power(x: float) -> float:
+        return math.log(power_gain(math.exp(x)))
+
+    # A grid over the logarithm of the angular frequency brackets the peak.
+    first, step, count = _grid(band_hz)
+    grid = [log_power(first), log_power(first + step)]
+    while len(grid) <= count and grid[-1] >= grid[-2]:
+        grid.append(log_power(first + len(grid) * step))
+    peak = len(grid) - 2
+    place, found = find_maximum(log_power, first + (peak - 1) * step, first + (peak + 1) * step, _PEAK_TOLERANCE)
+    maximum = max(found, grid[peak])
+    level = maximum - math.log(2.0)
+
+    def find_cutoff(i: int, direction: int) -> float:
+        """Step from grid point i until the gain is below the level, and find the crossing within that step."""
+        above = value = grid[i]
+        while value >= level:
+            above, i = value, i + direction
+            value = log_power(first + i * step)
+        ends = (first + (i - direction) * step, first + i * step)
+        crossing = find_root(lambda x: log_power(x) - level, ends, _CUTOFF_TOLERANCE, (above - level, value - level))
+        return math.exp(crossing) / math.tau
+
+    peak_hz = math.exp(place) / math.tau
+    return Passband(math.exp(0.5 * maximum), peak_hz, find_cutoff(peak, -1), find_cutoff(peak, 1))
+
+
+def find_passbands(transfer: Rational, nominal: Passband) -> tuple[Array, Array]:
+    """Find maximum gain and lower cutoff frequency [Hz] of many boards at once, as `find_passband` does for one.
+
+    Parameters
+    ----------
+    transfer
+        Transfer functions of the boards.
+    nominal
+        Passband of the nominal board. The maxima of the others are searched up to a multiple of its frequency.
+    """
+    import numpy as np
+
+    power_gain = transfer.power_gain()
+
+    def power(x: Array) -> Array:
+        return np.asarray(power_gain(np.exp(x)))
+
+    first, step, count = _grid((nominal.low_hz / _START_RATIO, nominal.peak_hz * _START_RATIO))
+    grid = np.array([power(np.array(first + i * step)) for i in range(count + 1)])
+    peak = np.clip(grid.argmax(axis=0), 1, count - 1)
+    _, found = find_maximum_arrays(power, first + (peak - 1) * step, first + (peak + 1) * step, _GOLDEN_STEPS)
+    maximum = np.maximum(found, grid.max(axis=0))
+
+    # The last grid point before the peak that lies below half the maximum power brackets the cutoff.
+    index = np.arange(count + 1).reshape(-1, *(1,) * peak.ndim)
+    low = first + step * np.where((grid < 0.5 * maximum) & (index < peak), index, 0).max(axis=0)
+    _, cutoff = bisect_arrays(lambda x: power(x) < 0.5 * maximum, low, low + step, _HALVINGS)
+    return np.sqrt(maximum), np.exp(cutoff) / math.tau
+
+
+def decibel(ratio: complex) -> float:
+    """20 log10 |ratio| [dB]; minus infinity for 0."""
+    return 20.0 * math.log10(abs(ratio)) if ratio else -math.inf
+
+
+def search_band_hz(model: FilterModel, values: Mapping[str, Value]) -> tuple[float, float]:
+    """Frequencies [Hz] well below and well above the poles of a board's high-pass filter."""
+    poles = float(model.first_pole_hz(values)), float(model.section(values)[0])
+    return min(poles) / _START_RATIO, max(poles) * _END_RATIO
+
+
+def _grid(band_hz: tuple[float, float]) -> tuple[float, float, int]:
+    """First point, step and number of steps of a grid over the logarithm of the angular frequency."""
+    first, last = (math.log(math.tau * f_hz) for f_hz in band_hz)
+    count = math.ceil((last - first) / math.log(10.0) * _STEPS_PER_DECADE)
+    return first, (last - first) / count, count
+
+
+def compute_response(model: FilterModel, values: Mapping[str, Value], gain_bandwidth_hz: float) -> FrequencyResponse:
+    """Compute the response of a board.
+
+    Parameters
+    ----------
+    model
+        Transfer functions of its circuit.
+    values
+        Values of its network, for amplifiers as built.
+    gain_bandwidth_hz
+        Gain-bandwidth product of the filter's amplifiers [Hz].
+    """
+    section_hz, quality = model.section(values)
+    passband = find_passband(model.transfer(values), search_band_hz(model, values))
+    decay_s = float(model.envelope_decay_s(values))
+    return FrequencyResponse(
+        passband_gain=passband.gain,
+        passband_gain_db=decibel(passband.gain),
+        first_pole_hz=float(model.first_pole_hz(values)),
+        section_hz=float(section_hz),
+        section_quality=float(quality),
+        cutoff_hz=passband.low_hz,
+        upper_cutoff_hz=passband.high_hz,
+        envelope_pole_hz=1.0 / (math.tau * decay_s),
+        envelope_decay_s=decay_s,
+        amplifier_bandwidth_hz=gain_bandwidth_hz / passband.gain,
+    )
+
+
+def target_response(board: Board) -> FrequencyResponse:
+    """Response that a design asks for: what its ideal values achieve with ideal amplifiers."""
+    bandwidth_hz = board.gain_bandwidth_hz / board.passband_gain
+    return FrequencyResponse(
+        passband_gain=board.passband_gain,
+        passband_gain_db=decibel(board.passband_gain),
+        first_pole_hz=board.cutoff_hz,
+        section_hz=board.cutoff_hz,
+        section_quality=math.sqrt(B2) / A2,
+        cutoff_hz=board.cutoff_hz,
+        upper_cutoff_hz=bandwidth_hz if board.variant == "article" else board.band_limit_hz,
+        envelope_pole_hz=board.envelope_cutoff_hz,
+        envelope_decay_s=1.0 / (math.tau * board.envelope_cutoff_hz),
+        amplifier_bandwidth_hz=bandwidth_hz,
+    )

@@ -1,0 +1,134 @@
+"""Figures of a design's board: the values of its components, and the response, noise and limits of its circuit."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+from fingertip.board.analysis.aliasing import AliasAttenuation, compute_alias_attenuation
+from fingertip.board.analysis.limits import VoltageLimits, compute_output_swing, compute_voltage_limits
+from fingertip.board.analysis.loads import compute_filter_load_ohm
+from fingertip.board.analysis.noise import NoiseLevels, compute_noise_levels
+from fingertip.board.analysis.offsets import OutputOffset, compute_output_offset
+from fingertip.board.analysis.operating_point import TactileResponse, compute_tactile_response
+from fingertip.board.analysis.response import (
+    FilterModel,
+    FrequencyResponse,
+    compute_response,
+    model_filter,
+    target_response,
+)
+from fingertip.board.analysis.supply_ripple import SupplyRipple, compute_supply_ripple
+from fingertip.board.analysis.thresholds import ComparatorLevels, compute_comparator_levels
+from fingertip.board.circuits.signal_paths import board_circuit
+from fingertip.board.components.amplifiers import AMPLIFIERS
+from fingertip.board.components.component_values import ComponentValues, select_components
+from fingertip.board.components.filter import FilterSelection, select_filter
+from fingertip.board.errata import ERRATA, Erratum
+from fingertip.board.nets import GND, VCC, VEE
+from fingertip.board.network import Value, build_network, filter_quantities
+from fingertip.board.supplies import SUPPLIES
+from fingertip.design import Design
+from fingertip.design.parameters import Board
+
+
+@dataclass(frozen=True)
+class BoardValues(ComponentValues):
+    """Component values of one design's board, and the resulting response, noise and limits."""
+
+    tactile_response: TactileResponse
+    """Tactile voltage as a function of the sensor's conductance."""
+    target_response: FrequencyResponse
+    """Response that the design asks for."""
+    achieved_response: FrequencyResponse
+    """Response of the circuit with preferred values and amplifiers as built."""
+    output_offset: OutputOffset | None
+    """Envelope offset due to the amplifiers' offsets; None in variant article: it is below the diode's threshold."""
+    supply_ripple: SupplyRipple
+    """Effect of ripple on the supply."""
+    noise: NoiseLevels
+    """Noise of the bridge and its amplifier, and the mean envelope due to it."""
+    comparator_levels: ComparatorLevels | None
+    """Thresholds of the comparator; None in variants without one."""
+    aliasing: AliasAttenuation
+    """Attenuation of the frequencies that alias."""
+    voltage_limits: VoltageLimits
+    """Levels at which the signals clip."""
+    filter_load_ohm: float
+    """Smallest impedance that an amplifier of the filter drives within the passband."""
+    errata: tuple[Erratum, ...] = ERRATA
+    """Errata of the article; the same for every design."""
+
+    def as_data(self) -> dict[str, Any]:
+        """Return plain mappings and lists for JSON. Keys contain their units."""
+        plain: dict[str, Any] = _round_to_ten_digits(asdict(self))
+        return plain
+
+
+def _round_to_ten_digits(data: Any) -> Any:
+    """Round all numbers of plain data to ten significant digits: their last bits differ between processors."""
+    if isinstance(data, dict):
+        return {key: _round_to_ten_digits(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_round_to_ten_digits(value) for value in data]
+    return float(f"{data:.10g}") if isinstance(data, float) else data
+
+
+def compute_filter(board: Board) -> tuple[FilterSelection, FrequencyResponse]:
+    """Compute the filter alone: its components and the response they achieve. A sweep computes thousands of them."""
+    selection = select_filter(board)
+    model, values = _model_configuration(board.variant, board.supply)
+    values = {**values, **filter_quantities(selection.by_reference(), board.gain_bandwidth_hz)}
+    return selection, compute_response(model, values, board.gain_bandwidth_hz)
+
+
+@functools.cache
+def _model_configuration(variant: str, supply: str) -> tuple[FilterModel, Mapping[str, Value]]:
+    """Model a filter once for all designs with a variant and a supply: they differ in values only."""
+    design = Design(board={"variant": variant, "supply": supply})
+    circuit = board_circuit(select_components(design))
+    network = build_network(circuit, design.board.gain_bandwidth_hz)
+    return model_filter(circuit, has_diode=variant == "article"), network.values
+
+
+@functools.lru_cache(maxsize=16)
+def board_values(design: Design) -> BoardValues:
+    """Compute the board's figures. The last few designs are remembered.
+
+    Raises
+    ------
+    BoardError
+        If a resistor has no preferred value, which does not occur for a validated design.
+    """
+    board, detector, components = design.board, design.detector, select_components(design)
+    circuit, supply, has_diode = board_circuit(components), SUPPLIES[board.supply], board.variant == "article"
+    model, network = model_filter(circuit, has_diode), build_network(circuit, board.gain_bandwidth_hz)
+    achieved = compute_response(model, network.values, board.gain_bandwidth_hz)
+    envelope_gain = None if has_diode else float(model.envelope_gain(network.values))
+    limits = compute_voltage_limits(
+        circuit, supply, board.supply_v, compute_output_swing(AMPLIFIERS[components.amplifier], supply, board.supply_v),
+        achieved.passband_gain, has_diode, detector.adc_range_v,
+    )  # fmt: skip
+    offset = None if has_diode else compute_output_offset(circuit, board.gain_bandwidth_hz, supply.signal_ground)
+    rails, levels = {GND: 0.0, VCC: board.supply_v, VEE: -board.supply_v}, None
+    if components.comparator_stage:
+        levels = compute_comparator_levels(circuit, rails, supply.signal_ground)
+    return BoardValues(
+        **{field.name: getattr(components, field.name) for field in fields(components)},
+        tactile_response=compute_tactile_response(circuit, rails, supply.signal_ground),
+        target_response=target_response(board),
+        achieved_response=achieved,
+        output_offset=offset,
+        supply_ripple=compute_supply_ripple(
+            circuit, board.gain_bandwidth_hz, supply.signal_ground, detector.threshold_v, envelope_gain
+        ),
+        noise=compute_noise_levels(circuit, board.gain_bandwidth_hz, envelope_gain),
+        comparator_levels=levels,
+        aliasing=compute_alias_attenuation(circuit, design, limits.filter_peak_v, has_diode),
+        voltage_limits=limits,
+        filter_load_ohm=compute_filter_load_ohm(
+            circuit, board.gain_bandwidth_hz, (achieved.cutoff_hz, achieved.upper_cutoff_hz)
+        ),
+    )

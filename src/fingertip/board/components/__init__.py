@@ -1,0 +1,1 @@
+"""Selection of the board's components: preferred values for a design, and data of the amplifiers."""

@@ -1,0 +1,396 @@
+"""The circuit's equations, compared with closed forms: responses, poles, noise, offsets and operating points."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fingertip.arrays import Array
+from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.response import (
+    RECTIFYING_DIODE,
+    FilterModel,
+    decibel,
+    find_passband,
+    model_filter,
+    search_band_hz,
+    target_response,
+)
+from fingertip.board.circuit import Circuit, Component, Net
+from fingertip.board.components.filter import FilterSelection
+from fingertip.board.kicad import symbols
+from fingertip.board.network import Network, StateSpace, build_network, filter_quantities
+from fingertip.board.supplies import SUPPLIES
+from fingertip.board.transfer_function import find_stages, multiply
+from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.design import Design
+from fingertip.design.filter_components import FilterComponents, ideal_components
+from fingertip.design.parameters import Board
+from tests.oracles.filter_formulas import (
+    comparator_threshold_v,
+    envelope_offset_gains,
+    envelope_pin_transfer,
+    filter_transfer,
+    first_stage_transfer,
+    ideal_cutoff_hz,
+    noise_v,
+    overall_cutoff_hz,
+    passband_gain,
+    pole_hz,
+    section_frequency_hz,
+    section_quality,
+    supply_transfer,
+    tactile_pin_transfer,
+)
+from tests.oracles.ideal_filter import (
+    envelope_impedance,
+    ideal_filter_transfer,
+    phase_degrees,
+    second_stage_transfer,
+)
+
+ARTICLE = FilterComponents(2400.0, 1200.0, 4700.0, 1500.0, 100e3, 2000.0, 1e-6, 2.2e-6)
+IDEAL = ideal_components(Board())
+FREQUENCIES = np.logspace(-1, 6, 141)
+
+cutoffs = st.floats(1e-2, 1e4)
+capacitors = st.floats(1e-6, 1e3)
+gains = st.floats(1.01, 1e4)
+
+
+def load(name: str, *changes: str) -> tuple[Design, Circuit]:
+    """Return the design of a configuration with changes, and its circuit."""
+    design = Design.load(changes=(*BOARD_CONFIGURATIONS[name].changes, *changes))
+    return design, board_circuit(board_values(design))
+
+
+def filter_path(circuit: Circuit, gain_bandwidth_hz: float | None) -> Network:
+    """Network of a circuit from the tactile voltage to the filtered one."""
+    return build_network(circuit, gain_bandwidth_hz).drive("TACTILE").restrict("FILTERED")
+
+
+@pytest.fixture(scope="module")
+def article_model() -> FilterModel:
+    return model_filter(load("article_split")[1], has_diode=True)
+
+
+def quantities(components: FilterComponents) -> Mapping[str, float | Array]:
+    """Values of the article's network for other components, with ideal amplifiers."""
+    return filter_quantities(FilterSelection(components, components, None).by_reference(), 1.0)
+
+
+# The article's figures and formulas
+
+
+def test_article_errata_are_errors() -> None:
+    assert round(100e3 / 1.5e3, 1) == 66.7  # R5 / R4, printed as G
+    assert 1 / math.sqrt(1200 * 4700 * 1e-6) == pytest.approx(0.42, abs=0.01)  # eq. (10) as printed, not 421 rad/s
+    assert envelope_impedance(0.0, ARTICLE) == pytest.approx(2000)  # an impedance [ohm], not a gain of 1
+    peak = max(abs(second_stage_transfer(f / 10, IDEAL)) for f in range(500, 2000))
+    assert round(decibel(peak), 2) == 1.25
+
+
+def test_ideal_values_of_the_default_design_are_the_articles() -> None:
+    assert [round(r, 1) for r in (IDEAL.r1_ohm, IDEAL.r2_ohm, IDEAL.r3_ohm)] == [2375.4, 1187.7, 4750.9]
+    assert IDEAL.r4_ohm == pytest.approx(1500, rel=1e-12)
+    assert IDEAL.r_lp_ohm == pytest.approx(2000, rel=1e-4)
+
+
+def test_network_of_the_articles_values_has_the_articles_figures(article_model: FilterModel) -> None:
+    values = quantities(ARTICLE)
+    section_hz, quality = article_model.section(values)
+    assert round(float(section_hz), 2) == 67.02
+    assert round(float(quality), 4) == 0.9895
+    assert round(float(article_model.first_pole_hz(values)), 2) == 66.31
+    assert round(1e3 * float(article_model.envelope_decay_s(values)), 2) == 4.40
+    ideal = multiply(stage.evaluate(values) for stage in article_model.ideal)
+    assert round(abs(ideal.at(1e9)), 2) == 67.67
+    assert round(ideal_cutoff_hz(ARTICLE), 2) == 67.26
+    assert decibel(abs(ideal.at(ideal_cutoff_hz(ARTICLE))) / passband_gain(ARTICLE)) == pytest.approx(-3.0103, abs=1e-4)
+
+
+@given(cutoffs, capacitors, gains, cutoffs, capacitors)
+def test_network_of_ideal_parts_agrees_with_the_closed_forms(
+    article_model: FilterModel, f_c: float, c_uf: float, gain: float, f_lp: float, c_lp_uf: float
+) -> None:
+    """Ideal values give the Butterworth response that the design asks for: |H|^2 = G^2 x^6 / (1 + x^6), x = f / f_c."""
+    board = Board(
+        cutoff_hz=f_c, capacitor_uf=c_uf, passband_gain=gain, envelope_cutoff_hz=f_lp, envelope_capacitor_uf=c_lp_uf
+    )
+    ideal, target = ideal_components(board), target_response(board)
+    values = quantities(ideal)
+    response = multiply(stage.evaluate(values) for stage in article_model.ideal)
+    for x in (0.01, 0.5, 1.0, 2.0, 100.0):
+        assert response.at(x * f_c) == pytest.approx(ideal_filter_transfer(x * f_c, ideal), rel=1e-9)
+        assert abs(response.at(x * f_c)) == pytest.approx(gain * math.sqrt(x**6 / (1 + x**6)), rel=1e-9)
+        power = response.power_gain()(math.tau * x * f_c)
+        assert float(power) == pytest.approx(abs(response.at(x * f_c)) ** 2, rel=1e-9)
+    assert float(article_model.first_pole_hz(values)) == pytest.approx(target.first_pole_hz, rel=1e-9)
+    section = tuple(float(v) for v in article_model.section(values))
+    assert section == pytest.approx((target.section_hz, target.section_quality), rel=1e-9)
+    assert section == pytest.approx((section_frequency_hz(ideal), section_quality(ideal)), rel=1e-9)
+    assert float(article_model.envelope_decay_s(values)) == pytest.approx(target.envelope_decay_s, rel=1e-9)
+    assert float(article_model.envelope_gain(values)) == pytest.approx(ideal.r_lp_ohm, rel=1e-9)
+
+
+@settings(max_examples=200)
+@given(st.floats(0.02, 50), st.floats(0.2, 40))
+def test_overall_cutoff_is_the_highest_half_power_frequency(first_pole: float, quality: float) -> None:
+    """The closed form that other tests rely on."""
+
+    def power(f: float) -> float:
+        s = 1j * f
+        return abs(s / (s + first_pole) * s * s / (s * s + s / quality + 1)) ** 2
+
+    cutoff = overall_cutoff_hz(first_pole, 1.0, quality)
+    assert power(cutoff) == pytest.approx(0.5, rel=1e-9)
+    assert all(power(cutoff * 1.01**i) > 0.5 for i in range(1, 1200))
+
+
+def test_ideal_filter_blocks_direct_current_and_passes_high_frequencies() -> None:
+    assert ideal_filter_transfer(0.0, ARTICLE) == 0
+    assert decibel(0.0) == -math.inf
+    assert abs(ideal_filter_transfer(1e9, ARTICLE)) == pytest.approx(1 + 100 / 1.5, rel=1e-9)
+    assert phase_degrees(ideal_filter_transfer(1e-3, ARTICLE)) == pytest.approx(-90, abs=0.01)  # s^3
+
+
+# Frequency response as built, in its three forms: equations, polynomials and states
+
+CASES = [(name, ()) for name in BOARD_CONFIGURATIONS] + [
+    ("article_single", ("board.cutoff_hz=5", "board.capacitor_uf=10", "board.gain_bandwidth_hz=1e5")),
+    ("article_split", ("board.capacitor_uf=0.001", "board.cutoff_hz=5000", "board.passband_gain=3")),
+    ("precision_split", ("board.r5_ohm=1e7", "board.passband_gain=300", "board.gain_bandwidth_hz=1e9")),
+]
+
+
+def case_design(case: tuple[str, tuple[str, ...]]) -> tuple[Design, Circuit]:
+    name, changes = case
+    if any(change.startswith("board.cutoff_hz=5000") for change in changes):
+        changes = (*changes, "detector.sample_rate_hz=20000")
+    return load(name, *changes)
+
+
+@pytest.mark.parametrize("case", CASES, ids=str)
+def test_response_as_built_agrees_with_the_closed_form(case: tuple[str, tuple[str, ...]]) -> None:
+    """Finite gain and bandwidth, input capacitance, C14 and C20, on both supplies; VMID carries no signal."""
+    design, circuit = case_design(case)
+    values, gbw = board_values(design), design.board.gain_bandwidth_hz
+    path = filter_path(circuit, gbw)
+    found = path.response(FREQUENCIES, {"TACTILE": 1.0}, "STAGE1_OUT", "FILTERED")
+    arguments = values.preferred, gbw, values.first_stage_capacitors
+    for column, formula in enumerate((first_stage_transfer, filter_transfer)):
+        expected = np.array([formula(f, *arguments) for f in FREQUENCIES.tolist()])
+        assert np.abs(found[:, column] / expected - 1).max() < 1e-9
+    if design.board.supply == "single":
+        assert np.abs(path.response(FREQUENCIES, {"TACTILE": 1.0}, "VMID")).max() < 1e-12
+
+
+@pytest.mark.parametrize("gain_bandwidth_hz", [None, 3e6], ids=["ideal", "as built"])
+@pytest.mark.parametrize("case", CASES, ids=str)
+def test_polynomials_and_states_have_the_response_of_the_equations(
+    case: tuple[str, tuple[str, ...]], gain_bandwidth_hz: float | None
+) -> None:
+    design, circuit = case_design(case)
+    path = filter_path(circuit, gain_bandwidth_hz)
+    expected = path.response(FREQUENCIES, {"TACTILE": 1.0}, "FILTERED")[:, 0]
+    rational = multiply(stage.evaluate(path.values) for stage in find_stages(path, "TACTILE", "FILTERED"))
+    polynomials = np.array([rational.at(f) for f in FREQUENCIES.tolist()])
+    assert np.abs(polynomials / expected - 1).max() < 1e-9
+    power = np.array([rational.power_gain()(math.tau * f) for f in FREQUENCIES.tolist()])
+    assert np.abs(power / np.abs(expected) ** 2 - 1).max() < 1e-9
+    quiet = {"VMID", *path.inputs} - {"TACTILE"}
+    system = path.ground(*quiet).restrict("FILTERED").state_space()
+    assert np.linalg.eigvals(system.A).real.max() < 0
+    # The states' rounding errors are those of the largest gain; eq. (9) falls with the third power of the frequency.
+    assert np.abs(state_response(system, "FILTERED") - expected).max() < 1e-9 * np.abs(expected).max()
+    assert design.board.variant in case[0]
+
+
+def state_response(system: StateSpace, net: str) -> Array:
+    """Response of a net from state equations, c (s - A)^-1 b + d."""
+    n = len(system.A)
+    row, s = system.rows[net], 2j * math.pi * FREQUENCIES
+    states = np.linalg.solve(s[:, None, None] * np.eye(n) - system.A, system.B.astype(complex))[:, :, 0]
+    return np.asarray(states @ row[:n] + row[n])
+
+
+def test_products_of_a_coefficient_never_cancel() -> None:
+    """All products of a denominator's coefficient have the same sign, so that it is exact to rounding."""
+    for name in BOARD_CONFIGURATIONS:
+        model = model_filter(load(name)[1], name.startswith("article"))
+        for stage in (*model.ideal, *model.as_built, model.envelope):
+            assert all(factor > 0 for products in stage.denominator for factor, _ in products)
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_passband_is_found_on_the_closed_form(name: str) -> None:
+    """At both cutoffs the closed form has half the power of its maximum, which is nowhere exceeded."""
+    design, circuit = load(name)
+    values = board_values(design)
+    model, network = model_filter(circuit, name.startswith("article")), build_network(circuit, 3e6)
+    passband = find_passband(model.transfer(network.values), search_band_hz(model, network.values))
+
+    def gain(f_hz: float) -> float:
+        return abs(filter_transfer(f_hz, values.preferred, 3e6, values.first_stage_capacitors))
+
+    assert max(gain(f) for f in np.geomspace(10, 2000, 2000).tolist()) <= passband.gain * (1 + 1e-9)
+    for cutoff_hz in (passband.low_hz, passband.high_hz):
+        assert gain(cutoff_hz) == pytest.approx(passband.gain / math.sqrt(2), rel=1e-9)
+    assert values.achieved_response.cutoff_hz == passband.low_hz
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_anti_aliasing_poles_agree_with_the_closed_forms(name: str) -> None:
+    design, circuit = load(name)
+    interface, network = board_values(design).adc_interface, build_network(circuit)
+    for source, pin, formula in (
+        ("TACTILE", "ADC_TACTILE", tactile_pin_transfer), ("ENVELOPE", "ADC_ENVELOPE", envelope_pin_transfer),
+    ):  # fmt: skip
+        found = network.drive(source).restrict(pin).response(FREQUENCIES, {source: 1.0}, pin)[:, 0]
+        expected = np.array([formula(f, interface) for f in FREQUENCIES.tolist()])
+        assert np.abs(found / expected - 1).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", [name for name in BOARD_CONFIGURATIONS if not name.startswith("article")])
+def test_rectifier_and_envelope_follow_with_one_pole(name: str) -> None:
+    design, circuit = load(name)
+    c = board_values(design).preferred
+    path = build_network(circuit, conducting=[RECTIFYING_DIODE]).drive("FILTERED").restrict("ENVELOPE")
+    found = path.response(FREQUENCIES, {"FILTERED": 1.0}, "ENVELOPE")[:, 0]
+    expected = 1 / (1 + 1j * FREQUENCIES / pole_hz(c.r_lp_ohm, c.c_lp_f))
+    assert np.abs(found / expected - 1).max() < 1e-9
+
+
+# Noise, ripple, offsets, thresholds and operating point
+
+NOISY = ("board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
+
+
+@pytest.mark.parametrize("changes", [(), NOISY, ("board.passband_gain=10", "board.band_limit_hz=3000")], ids=str)
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_noise_agrees_with_the_closed_form(name: str, changes: tuple[str, ...]) -> None:
+    """The formula has the bridge and its amplifier, which cause 99 % of the noise, and no VMID."""
+    design, _ = load(name, *changes)
+    values, gbw = board_values(design), design.board.gain_bandwidth_hz
+    tolerance = 0.004 if name.endswith("single") else 0.0005
+    assert values.noise.tactile_v == pytest.approx(noise_v(values.bridge, lambda f: 1.0), rel=tolerance)
+
+    def formula_v(has_limit: bool) -> float:
+        capacitors = values.first_stage_capacitors
+        if capacitors and not has_limit:
+            capacitors = replace(capacitors, limiting_capacitor_f=0.0)
+        return noise_v(values.bridge, lambda f: filter_transfer(f, values.preferred, gbw, capacitors))
+
+    assert values.noise.filtered_v == pytest.approx(formula_v(has_limit=True), rel=0.01)
+    assert values.noise.filtered_without_limit_v == pytest.approx(formula_v(has_limit=False), rel=0.01)
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_supply_ripple_agrees_with_the_closed_form(name: str) -> None:
+    """The formula has neither the bandwidth of the bridge's amplifier nor the ripple that C21 leaves in VMID."""
+    design, _ = load(name)
+    values, f = board_values(design), np.geomspace(30, 1000, 60).tolist()
+    gain = max(
+        abs(
+            supply_transfer(values.bridge, x) * filter_transfer(x, values.preferred, 3e6, values.first_stage_capacitors)
+        )
+        for x in f
+    )
+    tolerance = 0.005 if name.endswith("split") else 0.02
+    assert values.supply_ripple.gain == pytest.approx(gain, rel=tolerance)
+
+
+@pytest.mark.parametrize("name", [name for name in BOARD_CONFIGURATIONS if not name.startswith("article")])
+def test_envelope_offset_agrees_with_the_closed_form(name: str) -> None:
+    """TLV2372: 4.5 mV at most, 2 mV typical. What remains is the finite gain of the amplifiers, 1e-5."""
+    offset = board_values(load(name)[0]).output_offset
+    conducting, blocked = envelope_offset_gains(2e3, 10e3)
+    assert offset is not None
+    assert offset.max_v == pytest.approx(4.5e-3 * math.fsum(map(abs, conducting)), rel=1e-4)
+    assert offset.min_v == pytest.approx(-4.5e-3 * math.fsum(map(abs, blocked)), rel=1e-4)
+    assert offset.typical_v == pytest.approx(2e-3 * math.hypot(*conducting), rel=1e-4)
+
+
+@pytest.mark.parametrize("threshold", [0.017, 0.1])
+@pytest.mark.parametrize("supply", SUPPLIES)
+def test_comparator_levels_agree_with_the_closed_form(supply: str, threshold: float) -> None:
+    design, _ = load(f"comparator_{supply}", f"detector.threshold_v={threshold}")
+    values = board_values(design)
+    stage, levels = values.comparator_stage, values.comparator_levels
+    assert stage is not None
+    assert levels is not None
+    upper_v = 5.0 - SUPPLIES[supply].signal_ground_v(5.0)
+    arguments = stage.trimmer_top_ohm, stage.hysteresis_ohm, upper_v
+    # While slip is OFF, the pull-up of 4.7 kohm holds the output at the supply.
+    assert levels.on_v == pytest.approx(comparator_threshold_v(*arguments, upper_v, 4.7e3), rel=1e-9)
+    assert levels.off_v == pytest.approx(comparator_threshold_v(*arguments, upper_v - 5.0, 0.0), rel=1e-9)
+    assert levels.max_on_v == pytest.approx(comparator_threshold_v(*arguments, upper_v, 4.7e3, 1 - 1e-9), rel=1e-6)
+    assert levels.averaging_tau_s == pytest.approx(stage.averaging_ohm * stage.averaging_f, rel=1e-9)
+    assert (levels.bias_v, levels.max_bias_v) == pytest.approx(
+        (25e-9 * stage.averaging_ohm, 250e-9 * stage.averaging_ohm), rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_tactile_voltage_agrees_with_the_closed_form(name: str) -> None:
+    values = board_values(load(name)[0])
+    for conductance_s in (0.0, 1e-5, 1e-4, 1e-3, 1e-2):
+        found = values.tactile_response.tactile_v(conductance_s)
+        assert found == pytest.approx(values.bridge.tactile_v(conductance_s, 5.0), rel=1e-9)
+
+
+# The equations themselves
+
+
+def passive_circuit(**wiring: tuple[str, str, str]) -> Circuit:
+    """Circuit of resistors and capacitors: reference -> value and both nets."""
+    nodes: dict[str, list[tuple[str, str]]] = {}
+    components = []
+    for reference, (value, *nets) in wiring.items():
+        symbol = symbols.RESISTOR if reference.startswith("R") else symbols.CAPACITOR
+        components.append(Component(reference, value, symbol, "", ""))
+        for pin, net in zip("12", nets, strict=True):
+            nodes.setdefault(net, []).append((reference, pin))
+    return Circuit("passive", tuple(components), tuple(Net(net, tuple(pins)) for net, pins in nodes.items()))
+
+
+def test_steady_state_is_that_of_the_operating_point() -> None:
+    """A divider of 1k and 3k with a capacitor across the lower resistor settles to three quarters of its input."""
+    circuit = passive_circuit(R1=("1k", "VCC", "OUT"), R2=("3k", "OUT", "GND"), C1=("1u", "OUT", "GND"))
+    network = build_network(circuit)
+    assert network.operating_point({"VCC": 4.0})["OUT"] == pytest.approx(3.0, rel=1e-12)
+    system, vcc = network.state_space(), network.inputs.index("VCC")
+    assert network.steady_state()[0, vcc] == pytest.approx(0.75, rel=1e-12)
+    assert system.A[0, 0] == pytest.approx(-1 / (750 * 1e-6), rel=1e-12)
+    assert -system.B[0, vcc] / system.A[0, 0] == pytest.approx(0.75, rel=1e-12)
+
+
+def test_charges_that_determine_each_other_are_refused() -> None:
+    """The charges of a capacitor's two nets are equal and opposite if no other capacitor is connected to them."""
+    circuit = passive_circuit(R1=("1k", "VCC", "A"), C1=("1u", "A", "B"), R2=("1k", "B", "GND"))
+    with pytest.raises(np.linalg.LinAlgError):
+        build_network(circuit).state_space()
+
+
+def test_stage_fed_by_two_nets_is_refused() -> None:
+    """The bridge's amplifier takes the supply through both of its arms."""
+    network = build_network(load("article_split")[1])
+    with pytest.raises(ValueError, match="is fed by REFERENCE, SENSOR, not by one net"):
+        find_stages(network, "VCC", "TACTILE")
+
+
+def test_batched_values_give_the_matrices_of_each_board() -> None:
+    circuit = load("precision_split")[1]
+    path = filter_path(circuit, 3e6)
+    capacitances = np.array([0.9e-6, 1e-6, 1.1e-6])
+    batch = path.with_values({"C2": capacitances}).state_space()
+    for i, farad in enumerate(capacitances.tolist()):
+        single = path.with_values({"C2": farad}).state_space()
+        assert np.array_equal(batch.A[i], single.A)
+        assert np.array_equal(batch.rows["FILTERED"][i], single.rows["FILTERED"])

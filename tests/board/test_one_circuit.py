@@ -1,0 +1,155 @@
+"""One place for each component: a change there reaches netlist, bill of materials, deck, analysis and simulation."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.analyse import analyse, bode_table
+from fingertip.board.board_values import _model_configuration, compute_filter
+from fingertip.board.circuit import Component
+from fingertip.board.circuits import signal_paths
+from fingertip.board.components.component_values import ComponentValues
+from fingertip.board.components.filter import FilterSelection
+from fingertip.board.fabrication.bom import bill_of_materials
+from fingertip.board.kicad import symbols
+from fingertip.board.kicad.netlist import kicad_netlist_file
+from fingertip.board.output import board_files
+from fingertip.board.spice import spice_deck
+from fingertip.design import Design
+from fingertip.sim.electronics.analog import simulate_board
+from fingertip.sim.electronics.analog_circuit import AnalogBoard
+from tests.board.ngspice import run_ngspice
+
+TONE_HZ, STEP_S = 100.0, 1 / 16_000
+DESIGN = Design.load(changes=["board.variant=comparator"])
+
+
+@pytest.fixture(autouse=True)
+def forget_boards() -> Iterator[None]:
+    """Forget the boards of other tests before each test here, and the changed boards after it."""
+    for remembered in (board_values, _model_configuration):
+        remembered.cache_clear()
+    yield
+    for remembered in (board_values, _model_configuration):
+        remembered.cache_clear()
+
+
+def simulated_gain(design: Design) -> float:
+    """Gain of a tone from the tactile voltage to the filtered one, in the simulation over time."""
+    time = np.arange(32_000) * STEP_S
+    board = AnalogBoard.from_design(design, design.board.gain_bandwidth_hz)
+    filtered = simulate_board(board, STEP_S, 1e-4 * np.sin(math.tau * TONE_HZ * time)).filtered_v[16_000:]
+    # The input is linear between samples, which a tone of 160 samples per period hardly notices.
+    chords = 2 * (1 - math.cos(math.tau * TONE_HZ * STEP_S)) / (math.tau * TONE_HZ * STEP_S) ** 2
+    return float(np.sqrt(2 * np.mean(filtered**2)) / 1e-4 / chords)
+
+
+def bode_gain(design: Design) -> float:
+    """Gain of a tone in the Bode table."""
+    rows = csv.DictReader(io.StringIO(bode_table(design)))
+    return next(10 ** (float(row["whole_db"]) / 20) for row in rows if float(row["frequency_hz"]) == TONE_HZ)
+
+
+def ngspice_gain(folder: Path, design: Design) -> float:
+    """Gain of a tone in the SPICE deck."""
+    deck = spice_deck(board_circuit(board_values(design)), design.board.gain_bandwidth_hz, design.board.supply_v)
+    rows = run_ngspice(
+        folder, deck.decode(), f"ac lin 1 {TONE_HZ} {TONE_HZ}\nlet h = abs(v(filtered)/v(tactile))\nwrdata out h"
+    )
+    return rows[0][1]
+
+
+def assert_everything_has_the_gain(folder: Path, design: Design, gain: float) -> None:
+    """Bode table, deck and simulation agree on the gain of a tone."""
+    assert bode_gain(design) == pytest.approx(gain, rel=1e-4)
+    assert ngspice_gain(folder, design) == pytest.approx(gain, rel=1e-3)  # 0.01 dB
+    assert simulated_gain(design) == pytest.approx(gain, rel=1e-4)
+
+
+def test_value_changed_in_one_place_is_changed_everywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """R3 of 10k where components are selected."""
+    original_gain, before = bode_gain(DESIGN), board_values(DESIGN)
+    select = FilterSelection.by_reference
+    monkeypatch.setattr(FilterSelection, "by_reference", lambda selection: {**select(selection), "R3": 10e3})
+    board_values.cache_clear()
+    after, files = board_values(DESIGN), board_files(DESIGN)
+    assert '(ref "R3")\n      (value "10k")' in files["slip_filter.net"].decode()
+    assert any(row["Value"] == "10k" and "R3" in row["References"].split() for row in bom_rows(files["bom.csv"]))
+    assert "\nR3 stage2_in 0 10k\n" in files["slip_filter.cir"].decode()
+    assert '"10k"' in files["slip_filter.kicad_sch"].decode()
+    assert after.achieved_response.section_quality == pytest.approx(math.sqrt(10e3 / 4800), rel=1e-9)
+    assert after.achieved_response.section_hz < before.achieved_response.section_hz
+    assert json.loads(files["values.json"])["achieved_response"]["section_quality"] == pytest.approx(1.443, abs=1e-3)
+    assert asdict(compute_filter(DESIGN.board)[1]) == pytest.approx(asdict(after.achieved_response))  # as in a sweep
+    assert after.noise.filtered_v != before.noise.filtered_v
+    assert after.supply_ripple.gain != before.supply_ripple.gain
+    spread = analyse(DESIGN, boards=100).spread["section_quality"]
+    assert spread.nominal == pytest.approx(1.443, abs=1e-3)
+    gain = bode_gain(DESIGN)
+    assert gain > 1.02 * original_gain
+    assert_everything_has_the_gain(tmp_path, DESIGN, gain)
+
+
+def bom_rows(content: bytes) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(content.decode())))
+
+
+def test_component_added_in_one_place_is_everywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """R99 of 4.7k parallel to R3, which it halves, where the signal path is wired."""
+    parallel = Component("R99", "4.7k", symbols.RESISTOR, symbols.R_0603, "parallel to R3", "1 %")
+    wire = signal_paths._high_passes
+
+    def wire_with_r99(values: ComponentValues, r4_net: str = "") -> Mapping[Component, Mapping[str, str]]:
+        return {**wire(values, r4_net), parallel: {"1": "STAGE2_IN", "2": "GND"}}
+
+    original_gain = bode_gain(DESIGN)
+    monkeypatch.setattr(signal_paths, "_high_passes", wire_with_r99)
+    values, circuit = board_values(DESIGN), board_circuit(board_values(DESIGN))
+    assert '(ref "R99")' in kicad_netlist_file(circuit).decode()
+    assert any("R99" in row["References"].split() for row in bom_rows(bill_of_materials(circuit)))
+    assert values.achieved_response.section_quality == pytest.approx(math.sqrt(2350 / 4800), rel=1e-9)
+    assert asdict(compute_filter(DESIGN.board)[1]) == pytest.approx(asdict(values.achieved_response))
+    assert any(item.cause == "R99" for item in analyse(DESIGN, boards=10).noise)
+    gain = bode_gain(DESIGN)
+    assert gain < 0.9 * original_gain
+    assert_everything_has_the_gain(tmp_path, DESIGN, gain)
+
+
+@pytest.mark.parametrize(("reference", "ohm", "ratio"), [("R16", 20e3, 2.0), ("R17", 1e3, 2.0), ("R15", 20e3, 0.5)])
+def test_rectifier_changed_in_one_place_scales_envelope_noise_and_ripple(
+    monkeypatch: pytest.MonkeyPatch, reference: str, ohm: float, ratio: float
+) -> None:
+    before, voltage = board_values(DESIGN), 4 + 1e-2 * np.sin(math.tau * TONE_HZ * np.arange(2000) / 2000)
+    envelope = simulate_board(AnalogBoard.from_design(DESIGN), 5e-4, voltage, 1e-7).envelope_v
+    select = FilterSelection.by_reference
+    monkeypatch.setattr(FilterSelection, "by_reference", lambda selection: {**select(selection), reference: ohm})
+    board_values.cache_clear()
+    after = board_values(DESIGN)
+    changed = simulate_board(AnalogBoard.from_design(DESIGN), 5e-4, voltage, 1e-7).envelope_v
+    assert changed == pytest.approx(ratio * envelope, rel=1e-3, abs=1e-6)
+    assert after.noise.mean_envelope_v == pytest.approx(ratio * before.noise.mean_envelope_v, rel=0.01)
+    assert after.supply_ripple.max_v == pytest.approx(before.supply_ripple.max_v / ratio, rel=0.01)
+
+
+def test_bridge_changed_in_one_place_moves_the_tactile_voltage(monkeypatch: pytest.MonkeyPatch) -> None:
+    from fingertip.board.components.bridge import Bridge
+    from fingertip.sim.electronics.sensor import select_voltage_function
+
+    before, select = board_values(DESIGN), Bridge.by_reference
+    before_v = select_voltage_function(DESIGN, "board")(1.0)
+    monkeypatch.setattr(Bridge, "by_reference", lambda bridge: {**select(bridge), "R13": 100.0})
+    board_values.cache_clear()
+    after = board_values(DESIGN)
+    assert after.tactile_response.open_v < before.tactile_response.open_v - 0.5
+    assert after.voltage_limits.max_tactile_v == pytest.approx(after.tactile_response.open_v, rel=1e-9)
+    assert select_voltage_function(DESIGN, "board")(1.0) < before_v - 0.5

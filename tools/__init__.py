@@ -1,0 +1,1 @@
+"""Developers' tools; they run in the repository and belong to no wheel."""

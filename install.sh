@@ -1,5 +1,6 @@
 #!/bin/sh
-# Make .venv beside this file, with fingertip in it. `sh install.sh test` adds what the tests need.
+# Make .venv beside this file, with fingertip in it. `sh install.sh test` adds what the tests need; `sh install.sh core`
+# leaves out what only STEP, trimesh meshes, plots, samplers, compiled loops and some file formats need.
 # Run again after a change of the dependencies; if there was none it ends in a second. PYTHON=python3.12 sh install.sh
 # takes that Python for a new .venv.
 set -eu
@@ -12,7 +13,13 @@ fail() {
     exit 1
 }
 
-case "${1-}" in '' | test) extra=${1-} ;; *) fail "the only word it takes is 'test'" ;; esac
+# Each of these levels holds those above it. The sizes are those of an empty .venv.
+case "${1-}" in
+    core) level=1 extras='' what='the core of fingertip' size='30 MB to fetch, 160 MB in .venv' ;;
+    '') level=2 extras='[all]' what='fingertip' size='0.5 GB to fetch, 2.1 GB in .venv' ;;
+    test) level=3 extras='[all,test]' what='fingertip and its tests' size='0.55 GB to fetch, 2.3 GB in .venv' ;;
+    *) fail "the words it takes are 'core' and 'test'; not '$1'" ;;
+esac
 
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
@@ -62,18 +69,22 @@ fi
 # --- fingertip -----------------------------------------------------------------------------------------------------
 # Editable: after a git pull the new code is there even if nobody runs this again, and the tests test the files one
 # edits. Then only a change of these files needs pip; what pip did last is noted in .venv.
-done_with="$(cat pyproject.toml constraints.txt src/fingertip/_version.py | cksum) "
+done_with=$(cat pyproject.toml constraints.txt src/fingertip/_version.py | cksum)
 noted=$(cat .venv/installed 2>/dev/null || true)
-case "$noted" in
-    "$done_with$extra"*) say "fingertip is installed in .venv" ;;
-    *)
-        size=$([ -n "$noted" ] || echo ': some 0.5 GB to fetch, 1.9 GB in .venv')
-        say "installing fingertip${extra:+ and what its tests need}$size"
-        quietly .venv/bin/python -m pip install -q -c constraints.txt -e ".${extra:+[$extra]}" ||
-            fail "pip failed, see above; run this again when its cause is gone."
-        echo "$done_with$extra" >.venv/installed
-        ;;
-esac
+noted_level=0
+case "$noted" in "$done_with "[1-3]) noted_level=${noted##* } ;; esac
+if [ "$noted_level" -ge "$level" ]; then
+    say "fingertip is installed in .venv"
+else
+    say "installing $what$([ -n "$noted" ] || echo ": some $size")"
+    quietly .venv/bin/python -m pip install -q -c constraints.txt -e ".$extras" ||
+        fail "pip failed, see above; run this again when its cause is gone."
+    echo "$done_with $level" >.venv/installed
+fi
+if [ "$level" -eq 1 ]; then
+    say "done; try .venv/bin/fingertip --help"
+    exit
+fi
 
 # --- shared libraries ----------------------------------------------------------------------------------------------
 # cadquery's wheels are built to draw on a screen and bring everything but these. Only STEP needs them.

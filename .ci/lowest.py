@@ -14,6 +14,8 @@ def lowest_versions(pyproject: Path) -> list[str]:
     extras = project.get("optional-dependencies", {}).values()
     lines = set()
     for requirement in [*project["dependencies"], *(item for extra in extras for item in extra)]:
+        if requirement.startswith(f"{project['name']}["):  # an extra that consists of others
+            continue
         name, version = re.fullmatch(r"([\w.-]+)>=([\w.]+)", requirement).groups()
         lines.add(f"{name}=={version}" if version.count(".") > 1 else f"{name}=={version}.*")
     return sorted(lines)

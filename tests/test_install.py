@@ -8,11 +8,14 @@ import struct
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterable
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from fingertip.extras import EXTRAS
 from tests.tools import require_tool
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -34,12 +37,38 @@ def pins() -> dict[str, str]:
     return {canonical(name): version for name, version in (line.split("==") for line in lines())}
 
 
+def project() -> dict[str, Any]:
+    table: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return table
+
+
+def names_of(requirements: Iterable[str]) -> list[str]:
+    """Packages of requirements, in canonical form."""
+    return [canonical(re.split(r"[^\w.-]", requirement)[0]) for requirement in requirements]
+
+
 def named_dependencies() -> list[str]:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    extras = project["optional-dependencies"].values()
-    requirements = [*project["dependencies"], *(entry for extra in extras for entry in extra)]
-    names = [re.match(r"[\w.-]+", requirement) for requirement in requirements]
-    return [canonical(name.group()) for name in names if name]
+    """Dependencies of the core and of all extras, without the package itself, of which some extras consist."""
+    extras = project()["optional-dependencies"].values()
+    names = names_of([*project()["dependencies"], *(entry for extra in extras for entry in extra)])
+    return [name for name in names if name != "fingertip"]
+
+
+def test_core_is_what_every_command_needs() -> None:
+    core = ["manifold3d", "numpy", "pillow", "pydantic", "rich", "tomlkit", "typer"]
+    assert sorted(names_of(project()["dependencies"])) == core
+
+
+def test_messages_name_the_extra_that_installs_each_package() -> None:
+    extras = project()["optional-dependencies"]
+    for module, extra in EXTRAS.items():
+        package = {"dask": "distributed"}.get(module, module)  # distributed brings dask
+        assert names_of(extras[extra]) == [package]
+    users = set(extras) - {"all", "test"}
+    assert set(EXTRAS.values()) == users
+    assert len(extras["all"]) == 1
+    assert set(re.findall(r"\w+", extras["all"][0])) == {"fingertip", *users}
+    assert extras["test"][0] == "fingertip[all]"
 
 
 def test_constraints_are_plain_pins() -> None:
@@ -92,7 +121,46 @@ def test_script_parses(script: Path) -> None:
 def test_install_refuses_an_unknown_word() -> None:
     done = subprocess.run(["sh", str(INSTALL), "tests"], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr == "install: the only word it takes is 'test'\n"
+    assert done.stderr == "install: the words it takes are 'core' and 'test'; not 'tests'\n"
+
+
+@pytest.fixture
+def checkout(tmp_path: Path) -> Path:
+    """A folder with install.sh and a .venv whose Python only notes what pip is asked for."""
+    (tmp_path / ".venv/bin").mkdir(parents=True)
+    (tmp_path / "src/fingertip").mkdir(parents=True)
+    (tmp_path / "install.sh").write_bytes(INSTALL.read_bytes())
+    for name in ("pyproject.toml", "constraints.txt", "src/fingertip/_version.py"):
+        (tmp_path / name).write_text(name, encoding="utf-8")
+    python = tmp_path / ".venv/bin/python"
+    python.write_text('#!/bin/sh\n[ "$3" != install ] || echo "$@" >>asked\n', encoding="utf-8")
+    python.chmod(0o755)
+    (tmp_path / ".venv/bin/pip").write_text(f"#!{python.resolve()}\n", encoding="utf-8")
+    return tmp_path
+
+
+def install(folder: Path, *words: str) -> str:
+    """Run install.sh and return what pip was asked to install; empty if pip was not needed."""
+    (folder / "asked").unlink(missing_ok=True)
+    command = ["sh", str(folder / "install.sh"), *words]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    return (folder / "asked").read_text(encoding="utf-8").split()[-1] if (folder / "asked").exists() else ""
+
+
+def test_install_adds_what_the_present_installation_lacks(checkout: Path) -> None:
+    asked = [install(checkout, *words) for words in (["core"], ["core"], [], [], ["core"], ["test"], ["test"], [])]
+    assert asked == [".", "", ".[all]", "", "", ".[all,test]", "", ""]
+
+
+def test_install_asks_pip_again_when_the_dependencies_changed(checkout: Path) -> None:
+    assert install(checkout) == ".[all]"
+    (checkout / "constraints.txt").write_text("numpy==1", encoding="utf-8")
+    assert install(checkout) == ".[all]"
+    (checkout / ".venv/installed").write_text(
+        "4022803434 5704 test", encoding="utf-8"
+    )  # as an earlier install.sh wrote
+    assert install(checkout, "test") == ".[all,test]"
 
 
 def test_install_and_the_step_error_name_the_same_packages() -> None:

@@ -22,15 +22,12 @@ def test_unknown_name_raises_attribute_error() -> None:
 
 @pytest.mark.slow
 def test_example_in_the_docstring_runs(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from tests.conftest import ROOT
-
     example = (fingertip.__doc__ or "").split("::\n")[1].split("Importing this")[0]
     script = "\n".join(line[4:] for line in example.splitlines())
-    (tmp_path / "params").symlink_to(ROOT / "params")
     done = run_python("-c", script, PWD=str(tmp_path))
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "out/fsr400/skin.stl").exists()
-    assert (tmp_path / "pcb/slip_filter.net").exists()
+    assert (tmp_path / "out/fsr400/board/slip_filter.net").exists()
 
 
 @pytest.mark.slow

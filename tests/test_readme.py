@@ -70,7 +70,7 @@ def test_only_install_pytest_and_fingertip_are_shown() -> None:
 
 def test_the_first_two_blocks_set_up_build_and_test() -> None:
     shell = [block for language, block in BLOCKS if language == "sh"]
-    assert shell[0].startswith("sh install.sh && .venv/bin/fingertip build params/fsr400.toml")
+    assert shell[0].startswith("sh install.sh && .venv/bin/fingertip make params/fsr400.toml")
     assert shell[1] == "sh install.sh test && .venv/bin/pytest\n"
     assert all(block.count("\n") == 1 for block in shell[:2]), "one pasteable line each"
 
@@ -92,9 +92,17 @@ def test_files_the_readme_promises(clone: Path) -> None:
     made = {str(path.relative_to(clone)) for path in clone.rglob("*") if path.is_file()}
     for part in ("bone", "skin", "mold_palmar", "mold_dorsal"):
         assert {f"out/fsr400/{part}.{kind}" for kind in ("stl", "3mf", "step")} <= made
-    named = {"assembly.step", "report.json", "design.toml", "trace.csv", "slip.png"}
+    named = {
+        "assembly.step",
+        "report.json",
+        "design.toml",
+        "signal/trace.csv",
+        "signal/slip.png",
+        "signal/detection.json",
+    }
+    named |= {"board/slip_filter.net", "board/slip_filter.kicad_pcb", "board/bom.csv", "board/values.json"}
     assert {f"out/fsr400/{file}" for file in named} <= made
-    assert {"pcb/slip_filter.net", "pcb/values.json", "out/wider/exploded.png", "out/wider/bone.stl"} <= made
+    assert {"out/wider/exploded.png", "out/wider/bone.stl", "myfinger.toml"} <= made
 
 
 @pytest.mark.slow

@@ -4,9 +4,9 @@ The public names follow the commands of the command line::
 
     from fingertip import Design, build, write_board, simulate, detect
 
-    design = Design.load("params/fsr400.toml", changes=["mold.draft_deg=2"])
+    design = Design.load("fsr400", changes=["mold.draft_deg=2"])
     build(design, formats=["stl"])  # -> out/fsr400
-    write_board(design, "pcb")
+    write_board(design)  # -> out/fsr400/board
     detect(simulate(design), design).intervals
 
 Importing this package loads none of its modules. Each name is imported when it is first used.
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from fingertip.design import Design
     from fingertip.detect_trace import FileDetection, StreamDetection, detect_file, detect_stream
     from fingertip.errors import FingertipError
+    from fingertip.make_files import Made, make
     from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene, simulate
     from fingertip.slip import Detection, SlipChain, Trace, detect, read_trace
 
@@ -34,6 +35,7 @@ _MODULES = {
     "Detection": "fingertip.slip",
     "FileDetection": "fingertip.detect_trace",
     "FingertipError": "fingertip.errors",
+    "Made": "fingertip.make_files",
     "ManipulationFile": "fingertip.sim",
     "SceneFile": "fingertip.sim",
     "SlipChain": "fingertip.slip",
@@ -45,6 +47,7 @@ _MODULES = {
     "detect": "fingertip.slip",
     "detect_file": "fingertip.detect_trace",
     "detect_stream": "fingertip.detect_trace",
+    "make": "fingertip.make_files",
     "part_mesh": "fingertip.cad.convert",
     "part_solid": "fingertip.cad.convert",
     "part_trimesh": "fingertip.cad.convert",
@@ -63,6 +66,7 @@ __all__ = [
     "Detection",
     "FileDetection",
     "FingertipError",
+    "Made",
     "ManipulationFile",
     "SceneFile",
     "SlipChain",
@@ -75,6 +79,7 @@ __all__ = [
     "detect",
     "detect_file",
     "detect_stream",
+    "make",
     "part_mesh",
     "part_solid",
     "part_trimesh",

@@ -10,10 +10,11 @@ import contextlib
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from fingertip import extras
 from fingertip._version import __version__
 from fingertip.cad.files.step_process import BrepMeasurements, StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
@@ -30,7 +31,8 @@ from fingertip.design import Design
 from fingertip.design.export import to_toml
 from fingertip.design.issues import suggest_name
 from fingertip.errors import DesignError, Issue
-from fingertip.files import atomic_write, round_for_output
+from fingertip.files import round_for_output
+from fingertip.output_set import SetWriter, hash_parameters, read_manifest
 
 FORMATS = ("stl", "3mf", "step")
 DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
@@ -104,17 +106,19 @@ def build(
     out: str | Path | None = None,
     *,
     parts: Iterable[str] | None = None,
-    formats: Iterable[str] = FORMATS,
+    formats: Iterable[str] | None = None,
     tolerance_mm: float = 0.01,
     material: str = "addition_40a",
+    force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
+    meanwhile: Callable[[], None] = lambda: None,
 ) -> Build:
     """Build parts, check them, and write them with `design.toml`, `casting.md` and `report.json`.
 
     Only the requested parts and formats are made. cadquery is loaded for "step" only, in a separate process.
 
-    A folder holds the files of one design. If the folder's `design.toml` is that of another design, files that its
-    build wrote and this one does not replace are removed at the end.
+    A folder holds the files of one design. Files that a build of other parameters wrote there, and that nobody changed
+    since, are removed. The folder holds either the old files or the new ones at any moment.
 
     Parameters
     ----------
@@ -125,13 +129,17 @@ def build(
     parts
         Names from `PARTS`; all parts of the design if None.
     formats
-        Any of "stl", "3mf", "step".
+        Any of "stl", "3mf", "step"; `default_formats` if None.
     tolerance_mm
         Largest distance of a facet from the exact surface [mm], 0.0005 to 1.
     material
         Silicone of the casting sheet, a name from `casting.materials`. The sheet is written if all parts are built.
+    force
+        Whether files may be overwritten that no build wrote, or that were changed since.
     progress
         Called with a message at each step.
+    meanwhile
+        Called once before anything is written, while the B-rep kernel works. An error that it raises ends the build.
 
     Raises
     ------
@@ -142,7 +150,8 @@ def build(
     GeometryError
         If a kernel rejects a solid. No file has been written then.
     OutputError
-        If the folder cannot be written. No file has been written then.
+        If the folder cannot be written, or holds a file of these names that is somebody's own. No file has been
+        written then.
     """
     if out is not None and not str(out).strip():
         message = "is empty; give a folder, such as . for the current one, or omit the option."
@@ -150,9 +159,13 @@ def build(
     folder = Path("out") / design.name if out is None else Path(out)
     known = tuple(parts_by_name(design))
     names = _select("--parts", known if parts is None else parts, known)
-    file_formats = _select("--formats", formats, FORMATS)
+    file_formats = _select("--formats", default_formats(progress) if formats is None else formats, FORMATS)
+    if "step" in file_formats:
+        extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
     validate_tolerance(tolerance_mm)
     silicone, evaluator = find_silicone(material), MeshEvaluator(tolerance_mm)
+    writer = parts_writer(design, folder, force)
+    writer.check(_file_names(names, file_formats, len(names) == len(known)))
 
     with contextlib.ExitStack() as stack:
         # The B-rep kernel works in a process of its own while this process makes and checks the meshes.
@@ -166,6 +179,7 @@ def build(
         meshes, checks = verified.meshes, list(verified.checks)
         all_built = names == [*known]
         casting = casting_sheet_data(design, measure_volumes(design, evaluator), silicone) if all_built else None
+        meanwhile()
         step = StepFiles({}, {}, {})
         if process:
             progress("waiting for the B-rep kernel")
@@ -188,27 +202,57 @@ def build(
     heading = "Design from which these files were built. `fingertip build` accepts this file."
     if casting:
         contents[SHEET] = render_sheet(casting).encode()
-    other_files = _files_of_another_design(folder, design)
-    removed = tuple(name for name in other_files if name not in (*contents, DESIGN, REPORT))
-    result = Build(design, folder, tolerance_mm, built, contents, tuple(checks), casting, removed)
+    result = Build(design, folder, tolerance_mm, built, contents, tuple(checks), casting)
     contents[REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
-    # The design is written last: until it is replaced, the folder belongs to the other design.
     contents[DESIGN] = to_toml(design, heading).encode()
-    atomic_write(folder, contents, removed)
+    removed = writer.write(contents)
     progress(f"{len(contents)} files in {folder}")
     if removed:
         progress(f"removed files of another design from {folder}: {', '.join(removed)}")
-    return result
+    return replace(result, removed=removed)
 
 
-def _files_of_another_design(folder: Path, design: Design) -> list[str]:
-    """List the files in a folder that a build of another design wrote; none if the folder has no `design.toml`."""
+def parts_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
+    """Writer of the files that describe a design's parts, in a folder."""
+    parameters = hash_parameters(design.model_dump(mode="json"))
+    adopted = () if read_manifest(folder) else _files_of_version_one(folder)
+    return SetWriter(folder, "parts", design.name, parameters, adopted, force)
+
+
+def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
+    """Names of the files that a build writes."""
+    names = [f"{part}.{file_format}" for part in parts for file_format in formats]
+    names += [ASSEMBLY] if "step" in formats else []
+    return [*names, *([SHEET] if is_whole else []), REPORT, DESIGN]
+
+
+def _files_of_version_one(folder: Path) -> list[str]:
+    """List the files of a folder without manifest that match the hashes in its report, and what stands beside them."""
     try:
-        if not (folder / DESIGN).is_file() or Design.load(folder / DESIGN) == design:
-            return []
-    except DesignError:
-        pass  # the file no longer holds a valid design, so it is not this one
-    return [name for name in ALL_FILES if (folder / name).is_file()]
+        report = json.loads((folder / REPORT).read_bytes())
+        hashes = {
+            entry["files"][file_format]: digest
+            for entry in report["parts"].values()
+            for file_format, digest in entry["sha256"].items()
+        }
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return []
+    own = [name for name, digest in hashes.items() if _matches(folder / name, digest)]
+    return [*own, *(name for name in (ASSEMBLY, SHEET, REPORT, DESIGN) if (folder / name).is_file())]
+
+
+def _matches(path: Path, digest: str) -> bool:
+    return path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == digest
+
+
+def default_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:
+    """Return the formats of a build that names none: all of them, but STEP only where cadquery is installed."""
+    if extras.is_installed("cadquery"):
+        return FORMATS
+    progress(
+        f"building STL and 3MF; {extras.install_command('cadquery')} adds STEP files and checks against exact solids"
+    )
+    return tuple(name for name in FORMATS if name != "step")
 
 
 def _select(option: str, requested: Iterable[str], known: tuple[str, ...]) -> list[str]:

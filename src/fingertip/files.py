@@ -1,38 +1,21 @@
-"""Output files: atomic writing, and rounding of the numbers written.
+"""Single output files: atomic writing, and rounding of the numbers written.
 
-Files are written to a temporary folder and renamed into place at the end, so that each appears complete or not at all.
+A file is written under a temporary name and renamed at the end, so that it appears complete or not at all. What one
+command writes as several files is a set (`fingertip.output_set`).
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
-import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
 from fingertip.errors import Issue, OutputError
 
-
-def atomic_write(folder: Path, contents: Mapping[str, bytes], remove: Iterable[str] = ()) -> None:
-    """Write several files to one folder: each appears complete, and none before all have been written.
-
-    Parameters
-    ----------
-    folder
-        Output folder. It is created if missing, with its parents.
-    contents
-        File name -> bytes. Existing files of these names are replaced, all others are left alone.
-    remove
-        Names of files that the new ones make obsolete. They are deleted once the new files are in place.
-
-    Raises
-    ------
-    OutputError
-        If the folder or a file cannot be written. Existing files are then unchanged.
-    """
-    _write(folder, contents, str(folder), "choose another folder with --out", remove)
+_PREFIX = ".fingertip-"
+"""Beginning of the name of an unfinished file; the number of its process follows."""
 
 
 def write_file(path: Path, data: bytes, option: str = "--out") -> None:
@@ -52,9 +35,8 @@ def write_file(path: Path, data: bytes, option: str = "--out") -> None:
     OutputError
         If the file cannot be written. An existing file is then unchanged.
     """
-    if path.is_dir():
-        raise OutputError(Issue(str(path), f"is a folder; give {option} the name of a file."))
-    _write(path.parent, {path.name: data}, str(path), f"choose another file with {option}")
+    with open_atomic(path, option) as file:
+        file.write(data)
 
 
 @contextlib.contextmanager
@@ -77,10 +59,45 @@ def open_atomic(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
     """
     if path.is_dir():
         raise OutputError(Issue(str(path), f"is a folder; give {option} the name of a file."))
-    with _temporary_folder(path.parent, str(path), f"choose another file with {option}") as temporary:
-        with (temporary / path.name).open("wb") as file:
-            yield file
-        os.replace(temporary / path.name, path)
+    created = [folder for folder in (path.parent, *path.parent.parents) if not folder.exists()]
+    temporary = path.with_name(f"{_PREFIX}{os.getpid()}-{path.name}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _remove_leftovers(path.parent)
+        try:
+            with temporary.open("wb") as file:
+                yield file
+            os.replace(temporary, path)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except BaseException as error:
+        for folder in created:
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+        if not isinstance(error, OSError):
+            raise
+        reason = error.strerror or str(error)
+        message = f"cannot be written ({reason}); choose another file with {option}."
+        raise OutputError(Issue(str(path), message)) from error
+
+
+def _remove_leftovers(folder: Path) -> None:
+    """Remove unfinished files of processes that were killed."""
+    for path in folder.glob(f"{_PREFIX}*"):
+        process = path.name.removeprefix(_PREFIX).partition("-")[0]
+        if process.isdigit() and not _is_running(int(process)):
+            with contextlib.suppress(OSError):
+                path.unlink()
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # it belongs to somebody else
+        return True
+    return True
 
 
 def round_for_output(value: float) -> float:
@@ -90,41 +107,3 @@ def round_for_output(value: float) -> float:
     are returned as they are.
     """
     return round(float(value), 6) + 0.0
-
-
-def _write(folder: Path, contents: Mapping[str, bytes], field: str, remedy: str, remove: Iterable[str] = ()) -> None:
-    with _temporary_folder(folder, field, remedy) as temporary:
-        for file, data in contents.items():
-            (temporary / file).write_bytes(data)
-        for file in contents:
-            os.replace(temporary / file, folder / file)
-        for file in remove:
-            (folder / file).unlink(missing_ok=True)
-
-
-@contextlib.contextmanager
-def _temporary_folder(folder: Path, field: str, remedy: str) -> Iterator[Path]:
-    """Create a temporary folder inside `folder` for unfinished files.
-
-    `folder` is created if missing. After an error the temporary folder and all folders created here are removed, and an
-    `OSError` becomes an `OutputError` with `field` and `remedy`.
-    """
-    created = _missing_folders(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        # It lies in the output folder because a rename is atomic only within one file system.
-        with tempfile.TemporaryDirectory(prefix=".fingertip-", dir=folder) as name:
-            yield Path(name)
-    except BaseException as error:
-        for path in created:
-            with contextlib.suppress(OSError):
-                path.rmdir()
-        if not isinstance(error, OSError):
-            raise
-        reason = error.strerror or str(error)
-        raise OutputError(Issue(field, f"cannot be written ({reason}); {remedy}.")) from error
-
-
-def _missing_folders(folder: Path) -> list[Path]:
-    """List the folders that must be created for `folder` to exist, innermost first."""
-    return [path for path in (folder, *folder.parents) if not path.exists()]

@@ -25,11 +25,12 @@ from __future__ import annotations
 import contextlib
 import functools
 import importlib
-import importlib.util
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
+
+from fingertip import extras
 
 Function = Callable[..., Any]
 
@@ -46,7 +47,7 @@ _progress: Callable[[str], None] | None = None
 @functools.cache
 def available() -> bool:
     """Return whether numba is installed, without importing it."""
-    return importlib.util.find_spec("numba") is not None
+    return extras.is_installed("numba")
 
 
 @contextlib.contextmanager

@@ -1,16 +1,19 @@
 """Style shared by all plots: figure size, colours, axes and PNG output.
 
-Imports matplotlib. Import this module only from modules that draw.
+Every plot begins with `new_figure`, which raises an error if matplotlib is not installed. Modules that draw import
+matplotlib only where they use it, so that the plots can be listed without it.
 """
 
 from __future__ import annotations
 
 import io
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from fingertip import extras
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 DPI = 150
 """Resolution of every figure [pixels/inch]."""
@@ -31,8 +34,16 @@ def new_figure(width_in: float, height_in: float, *, automatic_layout: bool = Tr
     automatic_layout
         Whether matplotlib keeps axes and labels from overlapping. With many axes this takes seconds; pass False to
         place the axes yourself.
+
+    Raises
+    ------
+    MissingLibraryError
+        If matplotlib is not installed.
     """
-    return Figure(figsize=(width_in, height_in), dpi=DPI, layout="constrained" if automatic_layout else None)
+    module = extras.load("matplotlib.figure", "plot")
+    layout = "constrained" if automatic_layout else None
+    figure: Figure = module.Figure(figsize=(width_in, height_in), dpi=DPI, layout=layout)
+    return figure
 
 
 def style_axes(axes: Axes, grid: Literal["x", "y", "both"] = "y") -> None:
@@ -47,6 +58,8 @@ def to_png(figure: Figure) -> bytes:
 
     The file holds no date and no version, so the same data gives the same bytes.
     """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
     out = io.BytesIO()
     FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
     return out.getvalue()

@@ -25,7 +25,7 @@ class FileKind:
     names: frozenset[str]
     """Names that may stand at the top level of the file. A test compares them with the models of the files."""
     example: str
-    """Bundled file of this kind."""
+    """Name of a bundled file of this kind."""
     use: str
     """Command that takes a file of this kind, for somebody who gave it in place of another one."""
 
@@ -37,7 +37,7 @@ class FileKind:
 DESIGN = FileKind(
     "design",
     frozenset({"name", "sensor", "custom_sensor", "bone", "skin", "mold", "printer", "board", "detector"}),
-    "params/fsr400.toml",
+    "fsr400",
     "`fingertip build` takes a design file, and so does design = in a sweep file",
 )
 SCENE = FileKind(
@@ -47,13 +47,13 @@ SCENE = FileKind(
             "scene", "outputs", "contact", "hold", "slide", "load_change", "tap", "motor", "drift", "cable", "sensing",
         }
     ),
-    "params/scenes/hard_tap.toml",
+    "hard_tap",
     "`fingertip simulate` takes a scene file as its first argument",
 )  # fmt: skip
 MANIPULATION = FileKind(
     "manipulation",
     frozenset({"scene", "outputs", "object", "grasp", "knock", "hand", "sensing"}),
-    "params/scenes/real_manipulation.toml",
+    "real_manipulation",
     "`fingertip simulate` takes a manipulation file as its first argument",
 )
 SWEEP = FileKind(
@@ -64,7 +64,7 @@ SWEEP = FileKind(
             "detector", "silicone", "print_density_g_cm3", "minimise", "maximise", "axes", "design", "scene",
         }
     ),
-    "params/sweeps/board.toml",
+    "board",
     "`fingertip sweep` takes a sweep file",
 )  # fmt: skip
 KINDS = (SWEEP, MANIPULATION, SCENE, DESIGN)

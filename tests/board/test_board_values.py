@@ -13,6 +13,7 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.response import decibel
 from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V
 from fingertip.board.circuit import Circuit, parse_component_value
+from fingertip.board.errata import ENVELOPE, ERRATA, INPUT_RANGE, OFFSET, RECTIFIER
 from fingertip.board.layout.template import fingerprint
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
@@ -57,6 +58,7 @@ def test_finer_series_come_nearer() -> None:
 def test_errata_agree_with_the_computed_figures() -> None:
     values = board_values(Design())
     errata, limits = values.errata, values.voltage_limits
+    assert errata == ERRATA  # all of them apply to the article's board
     assert len(errata) == len({erratum.subject for erratum in errata}) >= 7
     assert all(e.statement and e.correction and e.statement != e.correction for e in errata)
     corrections = " ".join(erratum.correction for erratum in errata)
@@ -74,6 +76,14 @@ def test_errata_agree_with_the_computed_figures() -> None:
         f"-{limits.filter_trough_v:.0f} V (guaranteed: -{limits.filter_guaranteed_trough_v:.0f} V)",
     ):
         assert figure in corrections
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_errata_that_do_not_apply_to_a_board_say_so(name: str) -> None:
+    errata = board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes)).errata
+    noted = {e.subject for e in errata if "does not apply to this board" in e.correction}
+    expected = set() if name == "article_split" else {INPUT_RANGE}
+    assert noted == expected | (set() if name.startswith("article") else {ENVELOPE, OFFSET, RECTIFIER})
 
 
 def validate(board: dict[str, object]) -> tuple[Design | None, set[str]]:
@@ -243,16 +253,31 @@ def test_impossible_band_limits_are_refused(variant: str, changes: list[str], me
     ("change", "message"),
     [
         ("board.supply_v=6", "board.supply_v: 6 V is too much for variant comparator's LMV331; at most 5.5 V."),
-        ("detector.threshold_v=0.005", "between 0.011 and 1.25 V with this supply"),
-        ("detector.threshold_v=2", "between 0.011 and 1.25 V with this supply"),
+        ("detector.threshold_v=0.005", "between 0.011 and 0.625 V with this supply"),
+        ("detector.threshold_v=2", "between 0.011 and 0.625 V with this supply"),
     ],
 )
 def test_bounds_of_the_comparator_apply_to_its_variant_only(change: str, message: str) -> None:
     with pytest.raises(DesignError) as caught:
-        Design.load(changes=["board.variant=comparator", change])
+        Design.load(changes=["board.variant=comparator", "board.supply=single", change])
     assert len(caught.value.issues) == 1
     assert message in str(caught.value)
-    assert Design.load(changes=[change])
+    assert Design.load(changes=[change, "board.supply=single"])
+
+
+@pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
+def test_split_supply_leaves_a_margin_below_the_bridge_amplifiers_maximum(variant: str) -> None:
+    """Both halves of 6 V would put 12 V across the AD623. The comparator limits a single supply too."""
+    changes = [f"board.variant={variant}", "board.supply_v=6"]
+    with pytest.raises(DesignError) as caught:
+        Design.load(changes=changes)
+    message = str(caught.value)
+    assert "board.supply_v: plus and minus 6 V put 12 V across the bridge's AD623" in message
+    assert "at most 5.5 V" in message
+    assert ("or board.supply=single" in message) == (variant != "comparator")
+    assert Design.load(changes=[*changes, "board.supply_v=5.5"])
+    if variant != "comparator":
+        assert Design.load(changes=[*changes, "board.supply=single"])
 
 
 @pytest.mark.parametrize("threshold", ["0.011", "1.25"])

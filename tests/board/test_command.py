@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from fingertip.output_set import MANIFEST
 from tests.board.test_netlist import FILES
 from tests.conftest import run_fingertip, run_python
 
@@ -16,9 +17,9 @@ HEAVY_MODULES = ("cadquery", "OCP", "trimesh", "vtk", "numba", "scipy", "matplot
 def test_command_prints_tables_and_writes_files(tmp_path: Path) -> None:
     run = run_fingertip("board", "--out", tmp_path / "deep" / "pcb")
     assert run.returncode == 0
-    for text in ("2375.4", "1187.7", "4750.9", "2.4k", "1.2k", "4.7k", "67.2503", "0.989529", "67.67 (36.61 dB)"):
+    for text in ("2375.4", "1187.7", "4750.9", "2.4k", "1.2k", "4.7k", "67.25", "0.9895", "67.67 (36.61 dB)"):
         assert text in run.stdout
-    assert run.stderr.count("wrote ") == len(FILES)
+    assert run.stderr.count("wrote ") == len(FILES) - 1  # the manifest is not announced
     assert sorted(p.name for p in (tmp_path / "deep" / "pcb").iterdir()) == FILES
 
 
@@ -32,17 +33,18 @@ def test_json_output_equals_the_values_file_and_quiet_prints_no_messages(tmp_pat
     assert data["preferred"]["r1_ohm"] == 2370.0
     assert round(data["achieved_response"]["cutoff_hz"], 2) == 67.06
     assert all({"subject", "statement", "correction"} == set(erratum) for erratum in data["errata"])
-    assert sorted(Path(name).name for name in data["files"]) == FILES
+    assert sorted([*(Path(name).name for name in data["files"]), MANIFEST]) == FILES
     assert all(Path(name).is_file() for name in data["files"])
     values = json.loads((tmp_path / "values.json").read_text())
     assert values["parameters"]["series"] == "E96"
     assert all(values[key] == data[key] for key in ("ideal", "preferred", "achieved_response", "errata"))
 
 
-def test_default_output_folder_is_pcb(tmp_path: Path) -> None:
-    run = run_fingertip("board", "--quiet", PWD=str(tmp_path))
+def test_default_output_folder_is_that_of_the_design(tmp_path: Path) -> None:
+    run = run_fingertip("board", "fsr400", "--quiet", PWD=str(tmp_path))
     assert run.returncode == 0
-    assert (tmp_path / "pcb" / "slip_filter.net").is_file()
+    assert (tmp_path / "out" / "fsr400" / "board" / "slip_filter.net").is_file()
+    assert run_fingertip("board", "fsr400", "--check", PWD=str(tmp_path)).returncode == 0
 
 
 def test_bad_input_reports_all_issues_and_writes_nothing(tmp_path: Path) -> None:

@@ -24,6 +24,8 @@ from fingertip.board.fabrication.provenance import find_outdated_files, provenan
 from fingertip.board.layout.placement import load_placement
 from fingertip.board.output import LAYOUT, PROVENANCE, README
 from fingertip.design import Design
+from fingertip.errors import OutputError
+from fingertip.output_set import MANIFEST
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.conftest import run_fingertip
 from tests.tools import require_tool
@@ -64,9 +66,13 @@ def test_check_detects_files_of_another_design(tmp_path: Path) -> None:
 
 def test_readme_of_somebody_else_is_kept(tmp_path: Path) -> None:
     (tmp_path / README).write_text("# Mine\n")
-    write_board(Design(), tmp_path)
-    assert (tmp_path / README).read_text() == "# Mine\n"
+    with pytest.raises(OutputError, match=r"README\.md: was not written by fingertip"):
+        write_board(Design(), tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [README]
+    write_board(Design(), tmp_path, force=True)
     assert board_differences(Design(), tmp_path) == []
+    (tmp_path / README).write_text("# Mine\n")
+    assert any("README.md: differs" in line for line in board_differences(Design(), tmp_path))
 
 
 def parse_csv(data: bytes) -> list[dict[str, str]]:
@@ -134,7 +140,8 @@ def test_fabrication_files_are_complete_and_reproducible(tmp_path: Path) -> None
     assert (fab / "slip_filter_front.png").read_bytes().startswith(b"\x89PNG")
     assert (fab / "slip_filter_schematic.pdf").read_bytes().startswith(b"%PDF")
     recorded = [line.split("  ")[1] for line in (fab / PROVENANCE).read_text().splitlines()]
-    assert {path.name for path in fab.iterdir()} == {name for name in recorded if "/" not in name} | {PROVENANCE}
+    own = {PROVENANCE, MANIFEST}
+    assert {path.name for path in fab.iterdir()} == {name for name in recorded if "/" not in name} | own
     assert run_fingertip("board", "--check", "--fab", "--out", tmp_path).returncode == 0
 
 

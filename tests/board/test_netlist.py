@@ -23,6 +23,7 @@ from tests.oracles.netlist_nodal import NetlistCircuit, parse
 FILES = [
     "README.md",
     "bom.csv",
+    "manifest.json",
     "slip_filter.cir",
     "slip_filter.kicad_pcb",
     "slip_filter.kicad_pro",

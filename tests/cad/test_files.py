@@ -34,6 +34,7 @@ def test_build_writes_exactly_the_expected_files(built: Build) -> None:
         "assembly.step",
         "casting.md",
         "design.toml",
+        "manifest.json",
         "report.json",
     }
 

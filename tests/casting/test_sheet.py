@@ -203,7 +203,7 @@ def test_command_writes_page_and_data(tmp_path: Path) -> None:
     page = (tmp_path / "out" / "mine" / "casting.md").read_text()
     assert data.pop("page") == str(Path("out/mine/casting.md"))
     assert page == render_sheet(data)
-    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["casting.md"]
+    assert sorted(path.name for path in tmp_path.rglob("*") if path.is_file()) == ["casting.md", "manifest.json"]
     other = tmp_path / "other.md"
     again = run_fingertip("sheet", FSR400, "--set", "name=mine", "--out", other, PYTHONHASHSEED="7")
     assert again.returncode == 0, again.stderr
@@ -223,7 +223,9 @@ def test_build_writes_the_same_sheet_as_the_command(built: Build, tmp_path: Path
 def test_build_of_some_parts_writes_no_sheet(tmp_path: Path) -> None:
     result = build(Design(), tmp_path, parts=["skin"], formats=["stl"], tolerance_mm=0.1)
     assert "casting" not in result.report()
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["design.toml", "report.json", "skin.stl"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "design.toml", "manifest.json", "report.json", "skin.stl",
+    ]  # fmt: skip
 
 
 def test_unknown_silicone_is_refused_before_anything_is_built(tmp_path: Path) -> None:

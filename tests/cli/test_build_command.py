@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from fingertip.cad.shapes.parts import PARTS
+from fingertip.design import Design
 from tests.conftest import design_file, run_fingertip
 
 FSR400 = design_file("fsr400")
@@ -157,9 +160,11 @@ def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.Mon
 
 def test_full_disk_leaves_existing_files_unchanged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip.errors import OutputError
-    from fingertip.files import atomic_write
+    from fingertip.output_set import SetWriter
 
-    atomic_write(tmp_path, {"a": b"old", "b": b"old"})
+    writer = SetWriter(tmp_path / "set", "parts", "finger", "same")
+    writer.write({"a": b"old", "b": b"old"})
+    before = snapshot(tmp_path / "set")
     original = Path.write_bytes
 
     def full(self: Path, data: bytes) -> int:
@@ -169,37 +174,87 @@ def test_full_disk_leaves_existing_files_unchanged(tmp_path: Path, monkeypatch: 
 
     monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(OutputError, match="No space left on device"):
-        atomic_write(tmp_path, {"a": b"new", "b": b"new"})
-    assert snapshot(tmp_path) == {"a": b"old", "b": b"old"}
+        writer.write({"a": b"new", "b": b"new"})
+    assert snapshot(tmp_path / "set") == before
+    assert [path.name for path in tmp_path.iterdir()] == ["set"]
 
 
 @pytest.mark.slow
 def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
-    """Files of another design are removed once the new ones are written. Files of the user are kept."""
-    quick = ("--formats", "stl", "--tolerance-mm", "0.05")
-    run_fingertip("build", FSR400, "--out", tmp_path, *quick)
-    for name in ("bone.step", "skin.3mf", "assembly.step", "core.stl"):  # from earlier builds
-        (tmp_path / name).write_bytes(b"old")
-    mine = {"mine.txt": b"mine", "exploded.png": b"a picture", "my_bone.stl": b"mine"}
+    """Files of another design are removed with the new ones in place. Files of the user are kept."""
+    quick = ("--tolerance-mm", "0.05")
+    run_fingertip("build", FSR400, "--out", tmp_path, *quick, "--formats", "stl,3mf")
+    mine = {"mine.txt": b"mine", "exploded.png": b"a picture", "my_bone.stl": b"mine", "core.stl": b"mine too"}
     for name, data in mine.items():
         (tmp_path / name).write_bytes(data)
-    before = snapshot(tmp_path)
+    before, stl = snapshot(tmp_path), (*quick, "--formats", "stl")
 
-    rejected = run_fingertip("build", FSR400, "--out", tmp_path, *quick, "--set", "skin.width_mm=10")
+    rejected = run_fingertip("build", FSR400, "--out", tmp_path, *stl, "--set", "skin.width_mm=10")
     assert rejected.returncode == 2
     assert snapshot(tmp_path) == before
 
-    same = run_fingertip("build", FSR400, "--out", tmp_path, *quick, "--parts", "bone", "--json")
+    same = run_fingertip("build", FSR400, "--out", tmp_path, *stl, "--parts", "bone", "--json")
     assert json.loads(same.stdout)["removed"] == []
     assert set(snapshot(tmp_path)) == set(before), "other parts of the same design stay"
 
-    other = run_fingertip("build", FSR400, "--out", tmp_path, *quick, "--parts", "bone", "--set", "skin.width_mm=18")
+    other = run_fingertip("build", FSR400, "--out", tmp_path, *stl, "--parts", "bone", "--set", "skin.width_mm=18")
     assert other.returncode == 0, other.stderr
     left = snapshot(tmp_path)
-    assert set(left) == {"bone.stl", "design.toml", "report.json", *mine}
+    assert set(left) == {"bone.stl", "design.toml", "report.json", "manifest.json", *mine}
     assert {name: left[name] for name in mine} == mine
     (message,) = (line for line in other.stderr.splitlines() if line.startswith("removed"))
     assert {word.strip(",") for word in message.split()} >= set(before) - set(left)
+
+
+def test_file_changed_by_hand_is_not_overwritten(tmp_path: Path) -> None:
+    """The refusal comes before the parts are made and names the file; --force overwrites it."""
+    bone = ("--out", tmp_path, "--formats", "stl", "--parts", "bone")
+    assert run_fingertip("build", FSR400, *bone).returncode == 0
+    (tmp_path / "bone.stl").write_bytes(b"repaired by hand")
+    refused = run_fingertip("build", FSR400, *bone)
+    assert refused.returncode == 2
+    assert refused.stderr == (
+        f"error: {tmp_path / 'bone.stl'}: was not written by fingertip, or was changed since; move it away, choose "
+        "another folder with --out, or add --force to overwrite it.\n"
+    )
+    assert (tmp_path / "bone.stl").read_bytes() == b"repaired by hand"
+    assert run_fingertip("check", tmp_path).returncode == 1
+    assert run_fingertip("build", FSR400, *bone, "--force").returncode == 0
+    assert run_fingertip("check", tmp_path).returncode == 0
+
+
+@pytest.mark.slow
+def test_two_builds_into_one_folder_leave_one_design(tmp_path: Path) -> None:
+    """Builds of different designs run at the same time; the folder holds the files of the one that ended last."""
+    folder, widths = tmp_path / "finger", (17, 18)
+    running = [
+        subprocess.Popen(
+            [sys.executable, "-m", "fingertip", "build", FSR400, "--out", folder, "--formats", "stl", "--quiet",
+             "--set", f"skin.width_mm={width}"],
+            stdout=subprocess.DEVNULL,
+        )
+        for width in widths * 2
+    ]  # fmt: skip
+    assert [process.wait() for process in running] == [0] * 4
+    assert run_fingertip("check", folder).returncode == 0
+    assert Design.load(folder / "design.toml").skin.width_mm in widths
+    alone = tmp_path / "alone"
+    run_fingertip("build", folder / "design.toml", "--out", alone, "--formats", "stl")
+    assert snapshot(folder) == snapshot(alone)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["alone", "finger"]
+
+
+def test_folder_of_version_one_is_taken_over(tmp_path: Path) -> None:
+    """It has no manifest. Files that match its report's hashes count as fingertip's own; others do not."""
+    bone = ("--out", tmp_path, "--formats", "stl", "--parts", "bone")
+    assert run_fingertip("build", FSR400, *bone).returncode == 0
+    (tmp_path / "manifest.json").unlink()
+    assert run_fingertip("build", FSR400, *bone).returncode == 0
+    (tmp_path / "manifest.json").unlink()
+    (tmp_path / "bone.stl").write_bytes(b"repaired by hand")
+    refused = run_fingertip("build", FSR400, *bone)
+    assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
+    assert "bone.stl: was not written by fingertip" in refused.stderr
 
 
 def test_folder_without_a_design_file_keeps_all_files(tmp_path: Path) -> None:
@@ -207,17 +262,6 @@ def test_folder_without_a_design_file_keeps_all_files(tmp_path: Path) -> None:
     done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--parts", "bone")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "skin.stl").read_bytes() == b"of somebody"
-
-
-def test_obsolete_files_stay_if_the_new_ones_cannot_be_written(tmp_path: Path) -> None:
-    from fingertip.errors import OutputError
-    from fingertip.files import atomic_write
-
-    (tmp_path / "bone.stl").mkdir()  # keeps the new file from being renamed into place
-    (tmp_path / "skin.stl").write_bytes(b"old")
-    with pytest.raises(OutputError):
-        atomic_write(tmp_path, {"bone.stl": b"new"}, ["skin.stl"])
-    assert snapshot(tmp_path) == {"skin.stl": b"old"}
 
 
 @pytest.mark.slow

@@ -25,9 +25,9 @@ def run(*words: object) -> Any:
 @pytest.mark.parametrize(
     ("file", "answer"),
     [
-        (SWEEP, "is a sweep file, not a design file; give one such as params/fsr400.toml (`fingertip sweep` takes"),
-        (SCENE, "is a scene file, not a design file; give one such as params/fsr400.toml (`fingertip simulate` takes"),
-        (HAND, "is a manipulation file, not a design file; give one such as params/fsr400.toml (`fingertip simulate`"),
+        (SWEEP, "is a sweep file, not a design file; give one such as fsr400 (`fingertip sweep` takes"),
+        (SCENE, "is a scene file, not a design file; give one such as fsr400 (`fingertip simulate` takes"),
+        (HAND, "is a manipulation file, not a design file; give one such as fsr400 (`fingertip simulate`"),
     ],
 )
 def test_a_file_of_another_kind_is_named_with_its_command(command: str, file: Path, answer: str) -> None:
@@ -45,7 +45,7 @@ def test_commands_that_take_other_kinds_name_the_kind_too() -> None:
         (("sweep", HAND), "is a manipulation file, not a sweep file"),
         (
             ("sweep", design_file("fsr400")),
-            "is a design file, not a sweep file; give one such as params/sweeps/board.toml (`fingertip build` takes",
+            "is a design file, not a sweep file; give one such as board (`fingertip build` takes",
         ),
     ):
         done = run(*words)

@@ -136,7 +136,7 @@ def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> 
         (
             ["sensor.model=fsr402"],
             "sensor.model: fsr402 breaks 3 rules, listed below; set sensor.model=fsr400, "
-            "or start from params/fsr402.toml.",
+            "or start from the bundled design fsr402.",
             4,
         ),
         (

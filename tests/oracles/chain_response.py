@@ -5,7 +5,10 @@ from __future__ import annotations
 import cmath
 import math
 
-from fingertip.slip.detectors.digital import ChainSettings, Q, high_pass
+from fingertip.slip.detectors.digital import ChainSettings, high_pass
+
+Q = 1.0
+"""Quality factor of the second-order section of a third-order Butterworth filter."""
 
 
 def digital_response(settings: ChainSettings, frequency_hz: float) -> complex:

@@ -64,7 +64,7 @@ def test_simulate_and_detect_warn_of_a_clipped_voltage(tmp_path):
     done = run("simulate", "--out", tmp_path / "t.csv", *CLIPPED)
     message = "warning: the tactile voltage, up to 4.36 V, is clipped: an ADC with a range of plus and minus 3.3 V"
     assert message in done.stderr
-    assert "set detector.adc_range_v to at least 4.90" in done.stderr
+    assert "set detector.adc_range_v to at least 4.36" in done.stderr
     wide = run("simulate", "--out", tmp_path / "w.csv", *CLIPPED, "--set", "detector.adc_range_v=4.9")
     assert "clipped" not in wide.stderr
     found = run("detect", tmp_path / "t.csv", *CLIPPED)

@@ -155,7 +155,7 @@ def test_tdms_file_is_read_with_a_fake_library(tmp_path, monkeypatch):
 
 def test_tdms_without_nptdms_names_the_extra_to_install(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "nptdms", None)
-    with pytest.raises(MissingLibraryError, match="pip install 'fingertip\\[tdms\\]'"):
+    with pytest.raises(MissingLibraryError, match='pip install "fingertip\\[tdms\\]"'):
         read_raw_trace(tmp_path / "t.tdms", ColumnMap())
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from fingertip.board.analysis.aliasing import AliasAttenuation, compute_alias_attenuation
 from fingertip.board.analysis.limits import VoltageLimits, compute_output_swing, compute_voltage_limits
-from fingertip.board.analysis.loads import compute_filter_load_ohm
+from fingertip.board.analysis.loads import AmplifierLoad, compute_amplifier_loads, find_filter_load_ohm
 from fingertip.board.analysis.noise import NoiseLevels, compute_noise_levels
 from fingertip.board.analysis.offsets import OutputOffset, compute_output_offset
 from fingertip.board.analysis.operating_point import TactileResponse, compute_tactile_response
@@ -26,7 +26,7 @@ from fingertip.board.circuits.signal_paths import board_circuit
 from fingertip.board.components.amplifiers import AMPLIFIERS
 from fingertip.board.components.component_values import ComponentValues, select_components
 from fingertip.board.components.filter import FilterSelection, select_filter
-from fingertip.board.errata import ERRATA, Erratum
+from fingertip.board.errata import Erratum, board_errata
 from fingertip.board.nets import GND, VCC, VEE
 from fingertip.board.network import Value, build_network, filter_quantities
 from fingertip.board.supplies import SUPPLIES
@@ -56,10 +56,12 @@ class BoardValues(ComponentValues):
     """Attenuation of the frequencies that alias."""
     voltage_limits: VoltageLimits
     """Levels at which the signals clip."""
+    amplifier_loads: tuple[AmplifierLoad, ...]
+    """Load of each amplifier between bridge and envelope in the band of the vibrations."""
     filter_load_ohm: float
-    """Smallest impedance that an amplifier of the filter drives within the passband."""
-    errata: tuple[Erratum, ...] = ERRATA
-    """Errata of the article; the same for every design."""
+    """Smallest impedance that an amplifier of the filter (U1) drives in that band, without the rectifying diode."""
+    errata: tuple[Erratum, ...]
+    """Errata of the article, with notes on those that do not apply to this board."""
 
     def as_data(self) -> dict[str, Any]:
         """Return plain mappings and lists for JSON. Keys contain their units."""
@@ -115,20 +117,22 @@ def board_values(design: Design) -> BoardValues:
     rails, levels = {GND: 0.0, VCC: board.supply_v, VEE: -board.supply_v}, None
     if components.comparator_stage:
         levels = compute_comparator_levels(circuit, rails, supply.signal_ground)
+    ripple = compute_supply_ripple(
+        circuit, board.gain_bandwidth_hz, board.cutoff_hz, supply.signal_ground, detector.threshold_v, envelope_gain
+    )
+    loads = compute_amplifier_loads(circuit, board.gain_bandwidth_hz, board.cutoff_hz, limits.vibration_peak_v)
     return BoardValues(
         **{field.name: getattr(components, field.name) for field in fields(components)},
         tactile_response=compute_tactile_response(circuit, rails, supply.signal_ground),
         target_response=target_response(board),
         achieved_response=achieved,
         output_offset=offset,
-        supply_ripple=compute_supply_ripple(
-            circuit, board.gain_bandwidth_hz, supply.signal_ground, detector.threshold_v, envelope_gain
-        ),
+        supply_ripple=ripple,
         noise=compute_noise_levels(circuit, board.gain_bandwidth_hz, envelope_gain),
         comparator_levels=levels,
         aliasing=compute_alias_attenuation(circuit, design, limits.filter_peak_v, has_diode),
         voltage_limits=limits,
-        filter_load_ohm=compute_filter_load_ohm(
-            circuit, board.gain_bandwidth_hz, (achieved.cutoff_hz, achieved.upper_cutoff_hz)
-        ),
+        amplifier_loads=loads,
+        filter_load_ohm=find_filter_load_ohm(loads),
+        errata=board_errata(components.amplifier, has_diode),
     )

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+from fingertip.board.analysis.limits import describe_touches
+from fingertip.board.components.amplifiers import AMPLIFIERS, ARTICLE_AMPLIFIER
 
 
 @dataclass(frozen=True)
@@ -17,7 +20,11 @@ class Erratum:
     statement: str
     """Statement or omission of the article."""
     correction: str
+    """Correct statement, with a note if it does not apply to the board at hand."""
 
+
+ENVELOPE, RECTIFIER, OFFSET = "envelope, eq. (11)", "rectifier", "offset"
+INPUT_RANGE = "input range of the amplifiers"
 
 ERRATA: tuple[Erratum, ...] = (
     Erratum(
@@ -43,28 +50,51 @@ ERRATA: tuple[Erratum, ...] = (
         "that stage alone peaks by 1.25 dB; the product of both is maximally flat (third-order Butterworth)",
     ),
     Erratum(
-        "envelope, eq. (11)",
+        ENVELOPE,
         "H_LP = (1/C_LP)/(omega + omega_LP) is a low-pass filter at 36.17 Hz",
         "it is a transimpedance (ohm): a diode feeding R_LP parallel to C_LP is a peak detector, which rises fast "
         "and decays with tau = 4.40 ms (36.17 Hz)",
     ),
     Erratum(
-        "rectifier",
+        RECTIFIER,
         "a diode downstream rectifies the filtered signal",
         "a 1N4148 conducts from about 0.45 V, so this half-wave rectifier has a dead zone: below about 6.7 mV at the "
         "filter's input the output stays zero",
     ),
     Erratum(
-        "offset",
+        OFFSET,
         "TL082 at this gain; its offset is not mentioned",
         "R4 returns to ground directly, so 3 mV of offset become 203 mV ahead of C2; a capacitor of at least 16 uF in "
         "series with R4 reduces the gain at DC to 1, and 3 mV remain",
     ),
     Erratum(
-        "input range of the amplifiers",
+        INPUT_RANGE,
         "TL082 on plus and minus 5 V; its common-mode input range is not mentioned",
-        "the range ends at about -2 V (guaranteed: -1 V), and below it the output reverses its phase and jumps up; a "
-        "press to 1.5 N within 0.2 s takes the input of the second stage to -3.5 V; variants precision and comparator "
-        "have a TLV2372",
+        "the range ends at about -2 V (guaranteed: -1 V), and below it the output reverses its phase and jumps up; "
+        f"{describe_touches()}; variants precision and comparator have a TLV2372",
     ),
 )
+
+
+def board_errata(amplifier: str, has_diode: bool) -> tuple[Erratum, ...]:
+    """List the errata, with notes on those that do not apply to a board.
+
+    Parameters
+    ----------
+    amplifier
+        Dual amplifier of the board, by its name in `AMPLIFIERS`.
+    has_diode
+        Whether a bare diode precedes the envelope (variant article).
+    """
+    notes = {}
+    if amplifier != ARTICLE_AMPLIFIER:
+        notes[INPUT_RANGE] = f"it has a {AMPLIFIERS[amplifier].order_name} with rail-to-rail inputs"
+    if not has_diode:
+        notes[OFFSET] = "C14 is such a capacitor"
+        notes |= dict.fromkeys((ENVELOPE, RECTIFIER), "it has a precision rectifier and a low-pass")
+    return tuple(
+        replace(e, correction=f"{e.correction} (does not apply to this board: {notes[e.subject]})")
+        if e.subject in notes
+        else e
+        for e in ERRATA
+    )

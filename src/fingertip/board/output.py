@@ -15,12 +15,12 @@ from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.kicad.project import kicad_project_file
 from fingertip.board.layout.pcb_file import kicad_pcb_file
 from fingertip.board.layout.template import load_template
-from fingertip.board.readme import HEADING, folder_readme
+from fingertip.board.readme import folder_readme
 from fingertip.board.schematic.schematic_file import kicad_schematic_file
 from fingertip.board.spice import spice_deck
 from fingertip.board.variants import find_configuration
 from fingertip.design import Design
-from fingertip.files import atomic_write
+from fingertip.output_set import SetWriter, hash_parameters
 
 NETLIST = "slip_filter.net"
 VALUES = "values.json"
@@ -59,30 +59,48 @@ def board_files(design: Design) -> dict[str, bytes]:
     }
 
 
-def write_board(design: Design, out: str | Path = "pcb") -> tuple[Path, ...]:
-    """Write the board's files to the folder `out`, all or none, and return their paths.
+def board_folder(design: Design) -> Path:
+    """Folder that a design's board is written to unless another is named."""
+    return Path("out") / design.name / "board"
 
-    A README.md that this function did not write is left alone.
+
+def write_board(design: Design, out: str | Path | None = None, *, force: bool = False) -> tuple[Path, ...]:
+    """Write the board's files to a folder, `out/NAME/board` by default, all or none, and return their paths.
+
+    With `force`, files of the same names that are somebody's own are overwritten.
 
     Raises
     ------
     BoardError
         If the values cannot be computed.
     OutputError
-        If `out` cannot be written. Its files are then unchanged.
+        If the folder cannot be written, or holds a file of these names that is somebody's own. Its files are then
+        unchanged.
     """
+    folder = board_folder(design) if out is None else Path(out)
     files = board_files(design)
-    folder = Path(out)
-    if _is_foreign_readme(folder / README):
-        del files[README]
-    atomic_write(folder, files)
+    board_writer(design, folder, force).write(files)
     return tuple(folder / name for name in files)
 
 
+def board_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
+    """Writer of the files of a design's board, in a folder."""
+    return _writer(design, folder, "board", force)
+
+
+def _writer(design: Design, folder: Path, kind: str, force: bool) -> SetWriter:
+    parameters = {name: getattr(design, name).model_dump(mode="json") for name in ("board", "detector", "sensor")}
+    return SetWriter(folder, kind, design.name, hash_parameters(parameters), force=force)
+
+
 def write_fabrication(
-    design: Design, out: str | Path = "pcb", progress: Callable[[str], None] = lambda message: None
+    design: Design,
+    out: str | Path | None = None,
+    progress: Callable[[str], None] = lambda message: None,
+    *,
+    force: bool = False,
 ) -> tuple[Path, ...]:
-    """Write the fabrication files to `out`/fab, all or none, and return their paths. Requires KiCad.
+    """Write the fabrication files to the folder `fab` of a board's folder, all or none. Requires KiCad.
 
     `made_from.sha256` beside them records which board files they were made from, in the format of `sha256sum --check`.
 
@@ -93,7 +111,7 @@ def write_fabrication(
     BoardError
         If KiCad's checks find an error.
     OutputError
-        If the folder cannot be written.
+        If the folder cannot be written, or holds a file of these names that is somebody's own.
     """
     from fingertip.board.fabrication.fabrication_files import fabrication_files
 
@@ -101,8 +119,8 @@ def write_fabrication(
     placement, sources = find_configuration(values).placement, board_files(design)
     files = fabrication_files(sources, board_circuit(values), placement, progress)
     files[PROVENANCE] = provenance_record(sources, files)
-    folder = Path(out) / FAB_FOLDER
-    atomic_write(folder, files)
+    folder = (board_folder(design) if out is None else Path(out)) / FAB_FOLDER
+    _writer(design, folder, "fabrication", force).write(files)
     return tuple(folder / name for name in files)
 
 
@@ -111,8 +129,6 @@ def board_differences(design: Design, folder: str | Path) -> list[str]:
     found: list[str] = []
     for name, data in board_files(design).items():
         path = Path(folder) / name
-        if name == README and _is_foreign_readme(path):
-            continue
         try:
             existing = path.read_bytes()
         except OSError as error:
@@ -142,11 +158,3 @@ def _first_difference(existing: bytes, data: bytes) -> list[str]:
     window = slice(first, first + _MAX_DIFF_LINES)
     lines = difflib.unified_diff(old[window], new[window], "folder", "design", n=0, lineterm="")
     return [f"    line {first + 1}:", *(f"    {line}" for line in list(lines)[3 : 3 + _MAX_DIFF_LINES])]
-
-
-def _is_foreign_readme(path: Path) -> bool:
-    """Return whether a README was not written by `write_board`."""
-    try:
-        return not path.read_bytes().startswith(HEADING.encode())
-    except OSError:
-        return False

@@ -5,11 +5,12 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable
 
-from fingertip.board.analysis.limits import describe_adc_range
-from fingertip.board.analysis.loads import MIN_LOAD_OHM
+from fingertip.board.analysis.figures import format_figure
+from fingertip.board.analysis.limits import DIODE_V, describe_adc_range, describe_touches
+from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
 from fingertip.board.analysis.offsets import OutputOffset
-from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V, RIPPLE_BAND_HZ
+from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V
 from fingertip.board.analysis.thresholds import ComparatorLevels
 from fingertip.board.board_values import BoardValues
 from fingertip.board.circuit import Circuit
@@ -23,7 +24,7 @@ from fingertip.design import Design
 from fingertip.design.comparator_data import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
 
 HEADING = "# The slip-filter board\n"
-"""First line of the README. A README without it is somebody else's and is not overwritten."""
+"""First line of the README."""
 
 _TEMPLATE = """
 {summary}
@@ -38,7 +39,7 @@ _TEMPLATE = """
 | `{name}.net` | netlist of the same circuit, for other PCB tools |
 | `{name}.cir` | SPICE deck, see below |
 | `bom.csv` | bill of materials: quantities, values, ratings |
-| `values.json` | component values: ideal and preferred, with the response of each; voltage limits; errata |
+| `values.json` | component values: ideal and preferred; target and achieved response; voltage limits; errata |
 
 `ngspice -b {name}.cir` prints the levels at TACTILE, STAGE1_OUT and FILTERED [dBV] over frequency, for an AC
 current of 1 uA into the sensor. The difference of two levels is the gain between their nets [dB].
@@ -134,9 +135,10 @@ def _summary(configuration: BoardConfiguration, values: BoardValues, component_c
         f"resistor; {configuration.variant.summary}; interface to the ADC (analog-to-digital converter); supply. "
         f"{placement.width:g} x {placement.height:g} mm, two layers, all {component_count} components on the front."
     )
+    upper = format_figure(response.upper_cutoff_hz)
     achieved = (
         f"Achieved response: gain {response.passband_gain:.2f} ({response.passband_gain_db:.2f} dB), -3 dB at "
-        f"{response.cutoff_hz:.2f} Hz and {response.upper_cutoff_hz:.5g} Hz, Q {response.section_quality:.4f}, "
+        f"{response.cutoff_hz:.2f} Hz and {upper} Hz, Q {response.section_quality:.4f}, "
         f"envelope time constant {1e3 * response.envelope_decay_s:.2f} ms."
     )
     return f"{_paragraph(what)}\n\n{_paragraph(achieved)}"
@@ -177,28 +179,32 @@ def _signal_notes(values: BoardValues, design: Design) -> list[str]:
         swing = (
             f"U1 is a {amplifier}: the article's {ARTICLE_AMPLIFIER} in a grade with at most "
             f"{1e3 * AMPLIFIERS[values.amplifier].max_offset_v:g} mV of offset. The filtered signal can swing "
-            f"{limits.filter_peak_v:.1f} V up but only {limits.filter_trough_v:.1f} V down (typical; "
-            f"{limits.filter_guaranteed_trough_v:.1f} V guaranteed), where the input common-mode range of the second "
-            f"stage ends. A vibration of {vibration_mv:.0f} mV in the tactile voltage reaches this limit. Below it the "
-            "output jumps up (phase reversal). An ordinary press (1.5 N within 0.2 s) causes this for about a "
-            "millisecond, and E jumps with it. The amplifiers of the variants `precision` and `comparator` do not do "
-            "this."
+            f"{limits.filter_peak_v:.1f} V up but only {limits.filter_trough_v:.1f} V down (typical, into 10 kohm; "
+            f"{limits.filter_guaranteed_trough_v:.1f} V down guaranteed), where the input common-mode range of the "
+            f"second stage ends. A vibration of {vibration_mv:.0f} mV (peak, where the gain is largest) in the tactile "
+            "voltage reaches this limit. Below it the output jumps up (phase reversal), and E jumps with it for some "
+            f"milliseconds. A fast press or a knock causes this: {describe_touches()}. The amplifiers of the variants "
+            "`precision` and `comparator` do not do this."
         )
     else:
         swing = (
-            f"The amplifiers are {amplifier}, with rail-to-rail inputs and outputs. The filter clips vibrations of "
-            f"more than {vibration_mv:.0f} mV in the tactile voltage."
+            f"The amplifiers are {amplifier}, with rail-to-rail inputs and outputs. The filtered signal swings "
+            f"{limits.filter_peak_v:.1f} V up and down (typical, into 10 kohm): it clips vibrations of more than "
+            f"{vibration_mv:.0f} mV (peak, where the gain is largest) in the tactile voltage."
         )
     adc_range = describe_adc_range(limits)
-    leak_mv, max_leak_mv = (1e3 * values.adc_interface.envelope_ohm * current for current in (CLAMP_A, MAX_CLAMP_A))
+    leaks = [
+        [1e3 * ohm * current for ohm in (limits.envelope_pin_ohm, limits.tactile_pin_ohm)]
+        for current in (CLAMP_A, MAX_CLAMP_A)
+    ]
     return [
         signal_ground,
         f"{_capitalize(adc_range)}.",
-        f"T lies between {limits.min_tactile_v:.2f} V (20 N) and {limits.max_tactile_v:.2f} V (no force). E rises to "
-        f"at most {limits.max_envelope_v:.1f} V above signal ground.",
+        f"T lies between {limits.min_tactile_v:.2f} V (20 N) and {limits.max_tactile_v:.2f} V (no force) above supply "
+        f"ground. E rises to about {limits.max_envelope_v:.1f} V above signal ground: the rectifier's diode takes "
+        f"{DIODE_V:g} V of the amplifier's typical swing.",
         swing,
-        f"The amplifiers of the filter drive {values.filter_load_ohm:.0f} ohm or more. Their data sheets state the "
-        f"output swing for {MIN_LOAD_OHM:.0f} ohm and above.",
+        _load_note(values, design),
         f"D3 clamps T and D2 clamps E to within a diode drop of ground and +{supply_v:g} V. R7 to R9 limit the clamp "
         "current.",
         f"R8, C9, R9 and C19 (T) and R7 and C8 (E) are anti-aliasing filters for {design.detector.sample_rate_hz:g} "
@@ -206,28 +212,60 @@ def _signal_notes(values: BoardValues, design: Design) -> list[str]:
         f"upper end of the vibration band, by {-values.aliasing.tactile_alias_db:.0f} dB. For another sampling rate "
         "set `detector.sample_rate_hz`.",
         "Use an ADC with an input resistance of at least 10 Mohm: it forms a voltage divider with R7 to R9.",
-        f"The reverse current of D2 flows through R7. E therefore reads {leak_mv:.0f} mV too high with the "
-        f"{1e6 * CLAMP_A:g} uA of the SPICE model, and up to {max_leak_mv:.0f} mV with the {1e6 * MAX_CLAMP_A:g} uA "
-        "that a BAT54 may have.",
+        "The reverse currents of the clamps flow through the resistors ahead of them: D2 shifts E in R7"
+        f"{' and R6' if values.output_offset is None else ''}, and D3 shifts T in R8 and R9. With the "
+        f"{1e6 * CLAMP_A:g} uA of the SPICE model these shifts are at most {leaks[0][0]:.1f} mV and "
+        f"{leaks[0][1]:.1f} mV, with {1e6 * MAX_CLAMP_A:g} uA (maximum of a BAT54; unverified) {leaks[1][0]:.0f} mV "
+        f"and {leaks[1][1]:.0f} mV. {_leak_directions(values)}",
     ]
+
+
+def _leak_directions(values: BoardValues) -> str:
+    """Describe where the reverse currents of both diodes of a clamp oppose each other."""
+    if values.supply == "single":
+        return "Both diodes of each clamp block, and their currents oppose each other."
+    return (
+        "E, which lies near ground, is shifted upwards. At T both diodes block, and their currents oppose each other."
+    )
+
+
+def _load_note(values: BoardValues, design: Design) -> str:
+    """Describe the loads of the amplifiers and their peak currents."""
+    low_hz, high_hz = signal_band_hz(design.board.cutoff_hz)
+    loads = ", ".join(
+        f"{load.amplifier} {format_figure(load.min_ohm, 3)} ohm ({format_figure(1e3 * load.max_current_a, 2)} mA)"
+        for load in values.amplifier_loads
+    )
+    if values.output_offset is None:
+        rectifier = (
+            "U1b also charges C4 through D1 while the diode conducts: its figures include this as an upper bound."
+        )
+    else:
+        rectifier = "U3a drives R16 and R17 through D1; U3b drives R6 and C4, and its voltage falls as its load does."
+    return (
+        f"Between {low_hz:.4g} Hz and {high_hz:.4g} Hz, the band of the vibrations, the amplifiers drive at least "
+        f"these loads, with these peak currents for the largest vibrations that are not clipped: {loads}. {rectifier} "
+        "The output swing stated above holds for a lighter load, so the amplifiers may clip somewhat earlier."
+        f"{' The load of U5, which buffers VMID, is not included.' if values.supply == 'single' else ''}"
+    )
 
 
 def _power_notes(values: BoardValues, design: Design) -> list[str]:
     """Requirements on the supply and, for variant comparator, on the input that S is connected to."""
-    (low_hz, high_hz), ripple, supply_v = RIPPLE_BAND_HZ, values.supply_ripple, design.board.supply_v
+    ripple, supply_v = values.supply_ripple, design.board.supply_v
     effect = "makes the diode conduct" if values.output_offset is None else "counts as slip at the design's threshold"
     notes = [
         "The board has no reverse polarity protection: a reversed supply destroys it. Check the polarity of the plug "
         "for J2 with a meter before you connect the board.",
-        f"The bridge is fed from +{supply_v:g} V. Ripple on this supply reaches the rectifier amplified "
-        f"{ripple.gain:.0f} times. Between {low_hz:g} Hz and {high_hz:g} Hz its peak must stay below "
-        f"{1e3 * ripple.max_v:.2g} mV: more {effect}. Use a low-noise linear regulator near the board, and supply "
-        "nothing else from it.",
+        f"The bridge is fed from +{supply_v:g} V. Ripple on this supply reaches the rectifier amplified up to "
+        f"{ripple.gain:.0f} times, most at {format_figure(ripple.worst_hz, 2)} Hz (sensor open). Between "
+        f"{ripple.low_hz:.3g} Hz and {ripple.high_hz / 1e3:g} kHz its peak must stay below {1e3 * ripple.max_v:.2g} "
+        f"mV: more {effect}. Use a low-noise linear regulator near the board, and supply nothing else from it.",
     ]
     if values.comparator_levels:
         notes.append(
-            f"R21 ({PULL_UP_OHM / 1e3:g}k) pulls S up to +{supply_v:g} V. S is low (asserted) while slip is detected. "
-            "A 3.3 V input needs a divider or a level shifter."
+            f"S is an active-low logic output: low while slip is detected, and pulled up to +{supply_v:g} V by R21 "
+            f"({PULL_UP_OHM / 1e3:g}k) otherwise. A 3.3 V input needs a divider or a level shifter."
         )
     return notes
 
@@ -246,10 +284,12 @@ def _offset_section(values: BoardValues, design: Design) -> str:
         is_single = values.supply == "single"
         title = "Envelope offset"
         procedure = _paragraph(
-            "Measure the envelope offset with nothing touching the sensor: E against "
-            f"{'M' if is_single else 'ground'} (TP4 against TP5). The detector compares the envelope reading "
-            f"{'(E minus M) ' if is_single else ''}with `detector.threshold_v` and subtracts no offset: subtract the "
-            "measured offset from the readings, or add it to `detector.threshold_v`."
+            "Measure the idle level of the envelope at pin E of J3, with the ADC connected and nothing touching the "
+            f"sensor: the mean of E against {'M' if is_single else 'ground'}. (TP4 lies ahead of R7, in which the "
+            "reverse current of D2 shifts E.) This level consists of the envelope offset, the shift in R7 and the "
+            f"mean due to noise ({1e3 * (values.noise.mean_envelope_v or 0.0):.1f} mV). The detector compares the "
+            f"envelope reading {'(E minus M) ' if is_single else ''}with `detector.threshold_v` and subtracts no "
+            "offset: subtract the measured level from the readings, or add it to `detector.threshold_v`."
         )
     return f"\n## {title}\n\n{offset}\n\n{procedure}\n"
 
@@ -273,8 +313,9 @@ def _trimming_procedure(levels: ComparatorLevels, values: BoardValues, design: D
         f"With RV1 at its midpoint, S goes low when the mean of E rises above {1e3 * levels.on_v:.1f} mV, and high "
         f"again when it falls below {1e3 * levels.off_v:.1f} mV. The range of RV1 ends at {1e3 * levels.max_on_v:.0f} "
         f"mV. The comparator adds its own errors: its input current raises the mean by {1e3 * levels.bias_v:.1f} mV in "
-        f"R18 (at most {1e3 * levels.max_bias_v:.1f} mV), and its offset voltage is {1e3 * COMPARATOR_OFFSET_V:g} mV "
-        f"(at most {1e3 * MAX_COMPARATOR_OFFSET_V:g} mV). "
+        f"R18 (at most {1e3 * levels.max_bias_v:.1f} mV), of which {1e3 * levels.threshold_bias_v:.1f} mV are "
+        "compensated at the threshold if both inputs draw the same current, and its offset voltage is "
+        f"{1e3 * COMPARATOR_OFFSET_V:g} mV (at most {1e3 * MAX_COMPARATOR_OFFSET_V:g} mV). "
         "One procedure compensates the envelope offset and these errors:"
     )
     steps = (
@@ -282,8 +323,10 @@ def _trimming_procedure(levels: ComparatorLevels, values: BoardValues, design: D
         f"alone on its side, against {reference_point}.",
         "Turn RV1 anticlockwise, towards the pin beside R19, until S is high. The reading rises if you turn in the "
         "right direction.",
-        "Turn RV1 back slowly until S goes low. Note the last reading before that: it is the envelope offset as the "
-        "comparator sees it.",
+        "Turn RV1 back slowly until S goes low. Note the last reading before that: it is the idle level (envelope "
+        "offset and noise) as the comparator sees it. If S is still high at the end stop, this level is negative: note "
+        "the reading at the end stop, about 0. The board is then less sensitive than intended, by as much as the level "
+        "lies below that reading.",
         f"Turn RV1 anticlockwise until S is high again, and on until the reading is the noted level + {threshold}. "
         "Read the voltmeter only while S is high: while S is low, the hysteresis lowers the reading by about "
         f"{1e3 * (levels.on_v - levels.off_v):.0f} mV.",
@@ -314,7 +357,10 @@ def _ordering_notes(values: BoardValues, design: Design) -> list[str]:
 def _noise_note(values: BoardValues, design: Design) -> str:
     """Noise of the board, and the mean envelope due to it, compared with the threshold."""
     noise, capacitors = values.noise, values.first_stage_capacitors
-    source = f"The bridge's amplifier contributes {1e3 * noise.tactile_v:.1f} mV of noise (RMS, typical)."
+    source = (
+        f"The bridge's amplifier contributes {1e3 * noise.tactile_v:.1f} mV of noise (RMS, typical, against supply "
+        "ground)."
+    )
     analysis = "`--analysis` reports noise, offsets and tolerances of this board, and what"
     if noise.mean_envelope_v is None or capacitors is None:
         return (
@@ -324,8 +370,8 @@ def _noise_note(values: BoardValues, design: Design) -> str:
         )
     threshold_v = design.detector.threshold_v
     note = (
-        f"{source} The filters alone would raise it to {1e3 * noise.filtered_without_limit_v:.2g} mV. C20, which ends "
-        f"the gain of the first stage at {capacitors.limit_hz:.0f} Hz, reduces this to {1e3 * noise.filtered_v:.2g} "
+        f"{source} The filters alone would raise it to {1e3 * noise.filtered_without_limit_v:.2g} mV. C20, the "
+        f"low-pass of the first stage at {capacitors.limit_hz:.0f} Hz, reduces this to {1e3 * noise.filtered_v:.2g} "
         f"mV. The mean envelope due to noise is {1e3 * noise.mean_envelope_v:.1f} mV; the threshold is "
         f"{1e3 * threshold_v:g} mV. {analysis} a quieter amplifier would change."
     )

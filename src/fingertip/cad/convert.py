@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from fingertip import extras
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.solids import Solid
@@ -30,6 +31,7 @@ def part_solid(design: Design, name: str) -> cadquery.Solid:
         If cadquery, or a system library it needs, is missing.
     """
     solid = _find_solid(design, name)
+    extras.require("part_solid", "cadquery")
     from fingertip.cad.kernel import brep
 
     return brep.BrepEvaluator().solid(solid)
@@ -53,11 +55,12 @@ def part_trimesh(design: Design, name: str, tolerance_mm: float = 0.01) -> trime
     ------
     DesignError
         If the design has no part of this name.
+    MissingLibraryError
+        If trimesh is not installed.
     """
+    trimesh_module = extras.load("trimesh", "part_trimesh", alternative="use part_mesh")
     mesh = part_mesh(design, name, tolerance_mm)
-    import trimesh
-
-    return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+    return trimesh_module.Trimesh(mesh.vertices, mesh.triangles, process=False)
 
 
 def _find_solid(design: Design, name: str) -> Solid:

@@ -132,7 +132,7 @@ def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue
     """Report an unknown detector, and a simulation without a hand. None stands for a simulation that did not load."""
     issues = []
     if simulation and not isinstance(simulation.scene, ManipulationFile):
-        remedy = "give a manipulation, such as params/scenes/real_manipulation.toml"
+        remedy = "give a manipulation, such as real_manipulation"
         issues.append(Issue("--grip", f"closes the loop of a hand; {remedy}."))
     try:
         find_detector_type(detector)

@@ -53,12 +53,24 @@ class Validation:
         """Return the results as text."""
         return tables.as_text(self.campaign, self.detector, self.requirements, self.studies)
 
-    def files(self) -> dict[str, bytes]:
-        """Return file name -> content: the results, the plots, and the page of omissions."""
+    def files(self, with_plots: bool = True) -> dict[str, bytes]:
+        """Return file name -> content: the results, the plots, and the page of omissions.
+
+        Raises
+        ------
+        MissingLibraryError
+            If the plots are asked for and matplotlib is not installed.
+        """
+        return {
+            "validation.json": (json.dumps(self.as_data(), indent=2, allow_nan=False) + "\n").encode(),
+            **(self._draw_plots() if with_plots else {}),
+            "omissions.md": omissions.as_markdown(self.campaign, self.requirements, self.closed_loop).encode(),
+        }
+
+    def _draw_plots(self) -> dict[str, bytes]:
         from fingertip.campaign.report import plots, trial_plots
 
         return {
-            "validation.json": (json.dumps(self.as_data(), indent=2, allow_nan=False) + "\n").encode(),
             "delays.png": plots.plot_delays(self.campaign),
             "surfaces.png": plots.plot_surfaces(self.campaign, self.detector),
             "surfaces_digital.png": plots.plot_surfaces(self.campaign, "digital"),
@@ -67,7 +79,6 @@ class Validation:
             "comparison.png": plots.plot_comparison(self.campaign, self.studies.bound_s(0.5)),
             **trial_plots.plot_trials(self.design),
             **trial_plots.plot_closed_loop(self.closed_loop, self.detector),
-            "omissions.md": omissions.as_markdown(self.campaign, self.requirements, self.closed_loop).encode(),
         }
 
 

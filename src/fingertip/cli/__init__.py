@@ -13,6 +13,8 @@ from fingertip.cli.build import build
 from fingertip.cli.check import check
 from fingertip.cli.console import Console, command
 from fingertip.cli.detect import detect
+from fingertip.cli.make import make
+from fingertip.cli.new import new
 from fingertip.cli.params import params
 from fingertip.cli.picture import picture
 from fingertip.cli.sheet import sheet
@@ -27,6 +29,8 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+app.command()(new)
+app.command()(make)
 app.command()(build)
 app.command()(check)
 app.command()(sheet)

@@ -30,7 +30,7 @@ def bench(
     import json
 
     from fingertip.errors import FingertipError, Issue
-    from fingertip.files import atomic_write
+    from fingertip.output_set import SetWriter, hash_parameters
     from fingertip.sim.bench.work_precision import describe_machine, require_libraries
 
     console = Console(as_json, quiet)
@@ -86,7 +86,8 @@ def bench(
     )
     picture = draw(diagrams, f"{load}. CPU time without compilation; generating the input is part of every point.")
     whole = json.dumps(data, indent=2, allow_nan=False) + "\n"
-    atomic_write(out, {"work_precision.png": picture, "work_precision.json": whole.encode()})
+    files = {"work_precision.png": picture, "work_precision.json": whole.encode()}
+    SetWriter(out, "benchmark", "", hash_parameters([])).write(files)
     console.progress(f"wrote {out / 'work_precision.png'} and .json")
     lines = [load]
     for diagram in diagrams:

@@ -11,6 +11,7 @@ import typer
 from fingertip.cli.console import (
     CHECK_FAILED,
     Console,
+    ForceOption,
     JsonOption,
     QuietOption,
     SetOption,
@@ -28,8 +29,10 @@ _FORCES_N = (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0)
 
 @command
 def board(
-    design: Annotated[Path | None, typer.Argument(help="Design file; the default design if left out.")] = None,
-    out: Annotated[Path, typer.Option("--out", "-o", help="Output folder.")] = Path("pcb"),
+    design: Annotated[
+        Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Output folder; out/NAME/board by default.")] = None,
     check: Annotated[
         bool,
         typer.Option(
@@ -50,6 +53,7 @@ def board(
     bode: Annotated[
         Path | None, typer.Option("--bode", metavar="FILE", help="Write the Bode table of each stage as CSV.")
     ] = None,
+    force: ForceOption = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -62,6 +66,7 @@ def board(
         write_board,
         write_fabrication,
     )
+    from fingertip.board.output import board_folder
     from fingertip.cli.load import load_design
     from fingertip.errors import OutputError
 
@@ -69,6 +74,7 @@ def board(
     if issues := list(find_suffix_issues("--bode", bode, ".csv", "CSV")):
         raise OutputError(issues)
     loaded, _ = load_design(design, changes, console.progress)
+    out = out or board_folder(loaded)
     if check:
         found = board_differences(loaded, out) + fabrication_differences(loaded, out, expected=fab)
         up_to_date = f"{out} is up to date with this design"
@@ -77,11 +83,11 @@ def board(
             raise typer.Exit(CHECK_FAILED)
         return
     values = board_values(loaded)
-    paths = write_board(loaded, out)
+    paths = write_board(loaded, out, force=force)
     for path in paths:
         console.progress(f"wrote {path}")
     if fab:
-        fabrication_paths = write_fabrication(loaded, out, console.progress)
+        fabrication_paths = write_fabrication(loaded, out, console.progress, force=force)
         for path in fabrication_paths:
             console.progress(f"wrote {path}")
         paths += fabrication_paths
@@ -144,7 +150,7 @@ def _format_tables(design: Design, values: BoardValues) -> str:
         f"at {aliasing.nyquist_hz:g} Hz, half the ADC's sampling rate, the tactile voltage is attenuated by "
         f"{-aliasing.tactile_nyquist_db:.1f} dB and the envelope by {-aliasing.envelope_nyquist_db:.1f} dB",
         describe_adc_range(limits),
-        f"the filter's amplifiers drive at least {values.filter_load_ohm:.0f} ohm",
+        *_load_lines(design, values),
         "",
         *_force_lines(values),
         "",
@@ -176,16 +182,16 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
         ("R12", (bridge.reference_top_ohm,), "bridge, supply to reference"),
         ("R13", (bridge.reference_bottom_ohm,), "bridge, reference to signal ground"),
         ("R14", (bridge.gain_ohm,), f"bridge amplifier, gain {bridge.gain:.2f}"),
-        ("R7 C8", (adc.envelope_ohm, adc.envelope_f), "anti-aliasing, envelope"),
-        ("R8 C9", (adc.first_ohm, adc.first_f), "anti-aliasing, tactile voltage, first pole"),
-        ("R9 C19", (adc.second_ohm, adc.second_f), "anti-aliasing, tactile voltage, second pole"),
+        ("R7 C8", (adc.envelope_ohm, adc.envelope_f), "anti-aliasing filter, envelope"),
+        ("R8 C9", (adc.first_ohm, adc.first_f), "anti-aliasing filter, tactile voltage: first pole"),
+        ("R9 C19", (adc.second_ohm, adc.second_f), "anti-aliasing filter, tactile voltage: second pole"),
     ]
     if added := values.first_stage_capacitors:
         capacitors = (added.series_capacitor_f, added.limiting_capacitor_f)
-        others.append(("C14 C20", capacitors, "first stage, AC coupling of R4 and band limit"))
+        others.append(("C14 C20", capacitors, "first stage, AC coupling of R4 and low-pass"))
     lines = [f"{'component':10} {'ideal':>14} {design.board.series:>10} {'deviation':>9}  function"]
     lines += [
-        f"{name:10} {ohm:10.1f} ohm {format_component_value(fitted):>10} {100 * (fitted / ohm - 1):+8.2f}%  {function}"
+        f"{name:10} {ohm:10.1f} ohm {format_component_value(fitted):>10} {_format_deviation(fitted / ohm)}  {function}"
         for name, ohm, fitted, function in filter_resistors
     ]
     lines += [
@@ -196,7 +202,9 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
 
 
 def _response_lines(values: BoardValues) -> list[str]:
-    """Frequency response of the ideal and of the preferred components."""
+    """Target and achieved frequency response."""
+    from fingertip.board.analysis.figures import format_figure
+
     target, achieved = values.target_response, values.achieved_response
     quantities = [
         ("maximum gain", target.passband_gain, achieved.passband_gain, ""),
@@ -210,8 +218,33 @@ def _response_lines(values: BoardValues) -> list[str]:
         ("envelope time constant", 1e3 * target.envelope_decay_s, 1e3 * achieved.envelope_decay_s, "ms"),
         ("amplifier bandwidth", target.amplifier_bandwidth_hz, achieved.amplifier_bandwidth_hz, "Hz"),
     ]
-    lines = [f"{'response':22} {'ideal':>12} {'achieved':>12}"]
-    lines += [f"{name:22} {ideal:12.6g} {real:12.6g} {unit}".rstrip() for name, ideal, real, unit in quantities]
+    lines = [f"{'response':22} {'target':>12} {'achieved':>12}"]
+    lines += [
+        f"{name:22} {format_figure(wanted):>12} {format_figure(real):>12} {unit}".rstrip()
+        for name, wanted, real, unit in quantities
+    ]
+    lines.append("achieved: preferred values; gain and -3 dB with the finite bandwidth and gain of the amplifiers")
+    return lines
+
+
+def _format_deviation(ratio: float) -> str:
+    """Deviation of a ratio from 1 in percent; one that rounds to zero has no sign."""
+    text = f"{100 * (ratio - 1):+.2f}%"
+    return f"{text[1:] if text[1:] == '0.00%' else text:>9}"
+
+
+def _load_lines(design: Design, values: BoardValues) -> list[str]:
+    """Load and peak current of each amplifier in the band of the vibrations."""
+    from fingertip.board.analysis.figures import format_figure
+    from fingertip.board.analysis.loads import signal_band_hz
+
+    low_hz, high_hz = signal_band_hz(design.board.cutoff_hz)
+    lines = [f"amplifiers, {low_hz:.4g} Hz to {high_hz:.4g} Hz: smallest load, and peak current at the clipping level"]
+    for load in values.amplifier_loads:
+        ohm, milliampere = format_figure(load.min_ohm, 3), format_figure(1e3 * load.max_current_a, 2)
+        is_bound = load.min_filter_ohm is not None and load.min_filter_ohm > 1.001 * load.min_ohm
+        diode = "; D1 conducting, upper bound of the current" if is_bound else ""
+        lines.append(f"  {load.amplifier:4} {ohm:>6} ohm, {milliampere} mA{diode}")
     return lines
 
 

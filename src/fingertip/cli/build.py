@@ -3,27 +3,36 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.console import CHECK_FAILED, Console, ForceOption, JsonOption, QuietOption, SetOption, command
+
+if TYPE_CHECKING:
+    from fingertip.build_files import Build
 
 
 @command
 def build(
-    design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
+    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design: fsr400 or fsr402.")],
     out: Annotated[str | None, typer.Option(metavar="PATH", help="Output folder; out/NAME by default.")] = None,
     parts: Annotated[
         str | None, typer.Option(help="Parts (bone, skin, ...), separated by commas; all by default.")
     ] = None,
-    formats: Annotated[str, typer.Option(help="File formats (stl, 3mf, step), separated by commas.")] = "stl,3mf,step",
+    formats: Annotated[
+        str | None,
+        typer.Option(
+            help="File formats (stl, 3mf, step), separated by commas; all by default, step if cadquery is installed."
+        ),
+    ] = None,
     tolerance_mm: Annotated[
         float, typer.Option(help="Largest distance of a facet from the exact surface, in mm.")
     ] = 0.01,
     material: Annotated[
         str, typer.Option(help="Silicone of the casting sheet: addition_40a, condensation_40a or sylgard_184.")
     ] = "addition_40a",
+    force: ForceOption = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -37,12 +46,21 @@ def build(
     result = build_parts(
         loaded,
         out,
-        parts=None if parts is None else _split_names(parts),
-        formats=_split_names(formats),
+        parts=None if parts is None else split_names(parts),
+        formats=None if formats is None else split_names(formats),
         tolerance_mm=tolerance_mm,
         material=material,
+        force=force,
         progress=console.progress,
     )
+    data = result.report() | {"folder": str(result.folder), "removed": list(result.removed)}
+    console.result(data, "\n".join(format_build(result)))
+    if not result.passed:
+        raise typer.Exit(CHECK_FAILED)
+
+
+def format_build(result: Build) -> list[str]:
+    """Format the result of a build: volume and files of each part, failed checks, and a summary."""
     lines = [
         f"{built.part.name:12} {built.mesh.volume() / 1000:8.2f} cm3   {', '.join(built.files.values())}"
         for built in result.parts
@@ -52,12 +70,9 @@ def build(
     lines.append(
         f"{len(result.checks) - len(failed)} of {len(result.checks)} checks passed; written to {result.folder}"
     )
-    data = result.report() | {"folder": str(result.folder), "removed": list(result.removed)}
-    console.result(data, "\n".join(lines))
-    if failed:
-        raise typer.Exit(CHECK_FAILED)
+    return lines
 
 
-def _split_names(text: str) -> list[str]:
+def split_names(text: str) -> list[str]:
     """Split a comma-separated option into names."""
     return [name.strip() for name in text.split(",") if name.strip()]

@@ -18,7 +18,12 @@ if TYPE_CHECKING:
 
 @command
 def check(
-    designs: Annotated[list[Path], typer.Argument(metavar="DESIGN", help="Design files.")],
+    designs: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="DESIGN", help="Design files or bundled names; or folders, to compare with their manifests."
+        ),
+    ],
     tolerance_mm: Annotated[
         float, typer.Option(help="Largest distance of a facet from the exact surface, in mm.")
     ] = 0.01,
@@ -27,18 +32,54 @@ def check(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Check designs. Exit code 0: all checks pass, 1: a check failed, 2: a design is not valid.
+    """Check designs and folders. Exit code 0: all checks pass, 1: a check failed, 2: a design is not valid.
 
     The checks read the STL file that each part would have. A wall must reach printer.min_wall_mm and the skin
     skin.min_thickness_mm, both less the tolerance of the mesh. The genus of a part is the number of its through holes.
     If any design is not valid, the errors of all designs are listed, no design is checked and no report is written.
+
+    A folder that build, board or another command wrote is compared with its manifests: every file must be as written.
     """
+    console = Console(as_json, quiet)
+    folders = [path for path in designs if path.is_dir()]
+    files = [path for path in designs if not path.is_dir()]
+    data: dict[str, Any] = {"passed": True}
+    texts: list[str] = []
+    if files:
+        data, texts = _check_designs(files, tolerance_mm, junit, changes or (), console)
+    if folders:
+        data["folders"], folder_texts = _check_folders(folders)
+        texts += folder_texts
+        data["passed"] = data["passed"] and all(folder["passed"] for folder in data["folders"])
+    console.result(data, "\n\n".join(texts))
+    if not data["passed"]:
+        raise typer.Exit(CHECK_FAILED)
+
+
+def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[str]]:
+    """Compare folders with their manifests: data and text of each."""
+    from fingertip.output_set import verify_sets
+
+    results, texts = [], []
+    for folder in folders:
+        count, differences = verify_sets(folder)
+        results.append(
+            {"folder": folder.as_posix(), "passed": not differences, "files": count, "differences": differences}
+        )
+        summary = f"{folder}: {count - len(differences)} of {count} files are as written"
+        texts.append("\n".join([*differences, summary]))
+    return results, texts
+
+
+def _check_designs(
+    files: Sequence[Path], tolerance_mm: float, junit: Path | None, changes: Sequence[str], console: Console
+) -> tuple[dict[str, Any], list[str]]:
+    """Check designs and write the JUnit report: data of all, and text of each."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.verify import validate_tolerance, verify
 
-    console = Console(as_json, quiet)
-    loaded = _load(designs, changes or (), console.progress)
+    loaded = _load(files, changes, console.progress)
     validate_tolerance(tolerance_mm)
     checks_by_design: dict[str, tuple[Check, ...]] = {}
     for label, design in loaded.items():
@@ -60,9 +101,7 @@ def check(
             for label, checks in checks_by_design.items()
         ],
     }
-    console.result(data, "\n\n".join(_format_table(label, checks) for label, checks in checks_by_design.items()))
-    if not passed:
-        raise typer.Exit(CHECK_FAILED)
+    return data, [_format_table(label, checks) for label, checks in checks_by_design.items()]
 
 
 def _load(files: Sequence[Path], changes: Sequence[str], progress: Progress) -> dict[str, Design]:

@@ -20,7 +20,7 @@ def detect(
         ),
     ],
     design: Annotated[
-        Path | None, typer.Option("--design", help="Design file; the default design if left out.")
+        Path | None, typer.Option("--design", help="Design file or bundled name; the default design if left out.")
     ] = None,
     detector: Annotated[
         str,
@@ -57,6 +57,7 @@ def detect(
     The detector analog takes the board's output: the column envelope_v of the trace or, if there is none, the output of
     the design's board, simulated for the voltage.
     """
+    from fingertip import extras
     from fingertip.cli.live import detect_standard_input
     from fingertip.cli.load import load_design
     from fingertip.design.load import load_tables
@@ -67,6 +68,8 @@ def detect(
     console = Console(as_json, quiet)
     if issues := list(find_png_path_issues("--plot", plot)):
         raise TraceError(issues)
+    if plot is not None and str(trace) != "-":
+        extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded, _ = load_design(design, changes)
     names = _parse_columns(columns or [])
     # A window from --set is for this recording's rate, a window from a design file for that file's rate.

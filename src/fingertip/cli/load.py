@@ -21,7 +21,7 @@ def load_design(
     Parameters
     ----------
     file
-        Design file; None for the default design.
+        Design file, or name of a bundled design; None for the default design.
     changes
         Changes, such as "mold.draft_deg=2".
     progress
@@ -42,5 +42,5 @@ def load_design(
 
     loaded = load_tables([file] if file else [], changes or ())
     if file and not loaded.before and progress:
-        progress(f"{file} sets no parameter: this is the default design, params/fsr400.toml")
+        progress(f"{file} sets no parameter: this is the default design, fsr400")
     return Design.from_tables(loaded.tables, loaded.before, loaded.changed), loaded.tables

@@ -13,7 +13,9 @@ from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, c
 
 @command
 def params(
-    design: Annotated[Path | None, typer.Argument(help="Design file; the default design if left out.")] = None,
+    design: Annotated[
+        Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
+    ] = None,
     changes: SetOption = None,
     toml: Annotated[bool, typer.Option("--toml", help="Print a complete design file with comments.")] = False,
     schema: Annotated[

@@ -15,7 +15,7 @@ MAX_WIDTH_PX = 6000
 
 @command
 def picture(
-    design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
+    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design: fsr400 or fsr402.")],
     out: Annotated[Path | None, typer.Option(help="Output PNG; out/NAME/exploded.png by default.")] = None,
     width_px: Annotated[int, typer.Option(help="Width of the picture, in pixels: 400 to 6000.")] = 1600,
     changes: SetOption = None,
@@ -23,6 +23,7 @@ def picture(
     quiet: QuietOption = False,
 ) -> None:
     """Draw an exploded view of the fingertip and a section through the closed mold."""
+    from fingertip.build_files import parts_writer
     from fingertip.cli.load import load_design
     from fingertip.errors import Issue, OutputError
     from fingertip.files import write_file
@@ -36,5 +37,9 @@ def picture(
         raise OutputError(issues)
     loaded, _ = load_design(design, changes, console.progress)
     path = out or Path("out") / loaded.name / "exploded.png"
-    write_file(path, draw(loaded, width_px, console.progress))
+    data = draw(loaded, width_px, console.progress)
+    if out is None:
+        parts_writer(loaded, path.parent).add({path.name: data})
+    else:
+        write_file(out, data)
     console.result({"picture": str(path)}, f"drawn to {path}")

@@ -15,7 +15,7 @@ _SLICED_MESH_TOLERANCE_MM = 0.02
 
 @command
 def sheet(
-    design: Annotated[Path, typer.Argument(help="Design file, such as params/fsr400.toml.")],
+    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design: fsr400 or fsr402.")],
     out: Annotated[Path | None, typer.Option(help="Markdown file to write; out/NAME/casting.md by default.")] = None,
     material: Annotated[
         str, typer.Option(help="Silicone: addition_40a, condensation_40a or sylgard_184.")
@@ -28,6 +28,7 @@ def sheet(
     quiet: QuietOption = False,
 ) -> None:
     """Write the casting sheet: silicone quantities, warnings, procedure, print orientations and bill of materials."""
+    from fingertip.build_files import SHEET, parts_writer
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.parts import print_orientations
     from fingertip.casting.markdown import render_sheet
@@ -59,8 +60,12 @@ def sheet(
             prints[name] = slice_part(program, name, files[f"{name}.stl"], orientation)
     volumes = measure_volumes(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
     data = casting_sheet_data(loaded, volumes, silicone, prints)
-    path = out or Path("out") / loaded.name / "casting.md"
-    write_file(path, render_sheet(data).encode())
+    path = out or Path("out") / loaded.name / SHEET
+    page = render_sheet(data).encode()
+    if out is None:
+        parts_writer(loaded, path.parent).add({SHEET: page})
+    else:
+        write_file(out, page)
     batch = data["batch"]
     first, second = silicone.component_names
     text = f"mix {batch['a_g']:g} g of {first} and {batch['b_g']:g} g of {second}; casting sheet written to {path}"

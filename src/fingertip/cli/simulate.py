@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, command, find_png_path_issues
+from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, command, find_png_path_issues
 
 if TYPE_CHECKING:
     from fingertip.sim import Simulation
@@ -16,12 +16,16 @@ if TYPE_CHECKING:
 @command
 def simulate(
     file: Annotated[
-        Path | None, typer.Argument(help="Design, scene or manipulation file; the default design if left out.")
+        Path | None,
+        typer.Argument(help="Design, scene or manipulation: file or bundled name; the default design if left out."),
     ] = None,
     design: Annotated[
-        Path | None, typer.Option("--design", "-d", help="Design file for a scene or manipulation file.")
+        Path | None, typer.Option("--design", "-d", help="Design file or bundled name, for a scene or manipulation.")
     ] = None,
-    out: Annotated[Path, typer.Option("--out", "-o", help="Trace to write: .csv or .npz.")] = Path("trace.csv"),
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", help="Trace to write: .csv or .npz; out/NAME/signal/trace.csv by default."),
+    ] = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="Plot of the outputs to write (PNG).")] = None,
     seed: Annotated[int, typer.Option(help="Seed of force, surface and noise.")] = 0,
     speed_m_s: Annotated[
@@ -52,18 +56,20 @@ def simulate(
     parameters: Annotated[
         bool, typer.Option("--parameters", help="Print the scene's parameters with unit, bounds and meaning.")
     ] = False,
+    force: ForceOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
+    from fingertip import extras
     from fingertip.errors import FingertipError, Issue
     from fingertip.files import write_file
     from fingertip.sim import load_simulation, summary
-    from fingertip.sim.trace_export import encode_trace, find_path_issues
+    from fingertip.sim.trace_export import SIGNAL_FOLDER, encode_trace, find_path_issues, signal_writer
 
     console = Console(as_json, quiet)
-    issues = [*find_path_issues(out), *find_png_path_issues("--plot", plot)]
-    if plot == out:
+    issues = [*(find_path_issues(out) if out else ()), *find_png_path_issues("--plot", plot)]
+    if plot is not None and plot == out:
         issues.append(Issue("--plot", f"{plot} is also the name of the trace; choose another, such as trace.png."))
     simulation: Simulation | None = None
     try:
@@ -84,6 +90,8 @@ def simulate(
         console.result({"parameters": list(scene.list_parameters())}, "\n".join(scene.format_parameters()))
         return
 
+    if plot is not None:
+        extras.require("--plot", "matplotlib", alternative="leave --plot out")
     for warning in simulation.find_warnings():
         console.progress(f"warning: {warning}")
     grips_s = None
@@ -95,13 +103,17 @@ def simulate(
         gripped = run_with_grip(simulation, grip, console.progress)
         result, grips_s = gripped.result, gripped.grips_s
     lines = summary.as_text(result, grips_s)
-    contents = encode_trace(result.time_s, result.columns, out)
+    path = out or Path("out") / simulation.design.name / SIGNAL_FOLDER / f"{simulation.name}.csv"
+    contents = encode_trace(result.time_s, result.columns, path)
     if plot is not None:
         from fingertip.sim.plot import draw
 
         console.progress(f"drawing {plot}")
         write_file(plot, draw(result, lines[0]), "--plot")
-    write_file(out, contents)
-    console.progress(f"wrote {out}")
-    written = {"trace": out.as_posix()} | ({"plot": plot.as_posix()} if plot else {})
+    if out is None:
+        signal_writer(simulation.design, path.parent, force).write({path.name: contents})
+    else:
+        write_file(out, contents)
+    console.progress(f"wrote {path}")
+    written = {"trace": path.as_posix()} | ({"plot": plot.as_posix()} if plot else {})
     console.result(written | summary.as_data(result, grips_s), "\n".join(lines))

@@ -30,7 +30,8 @@ MAX_JOBS = 1024
 @command
 def sweep(
     file: Annotated[
-        Path | None, typer.Argument(metavar="SWEEP", help="Sweep file; see params/sweeps for examples.")
+        Path | None,
+        typer.Argument(metavar="SWEEP", help="Sweep file, or a bundled sweep: board, delay, geometry or map."),
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for the rows. Default: out/sweeps/NAME.")
@@ -93,7 +94,7 @@ def sweep(
         _show_report(console, _load_shown_plan(file, out, changes or ()), out, csv, parquet)
         return
     if file is None:
-        raise SweepError(Issue("SWEEP.toml", "is missing; give a sweep file, such as params/sweeps/board.toml."))
+        raise SweepError(Issue("SWEEP.toml", "is missing; give a sweep file, or a bundled sweep, such as board."))
     if jobs is not None and not 1 <= jobs <= MAX_JOBS:
         raise SweepError(Issue("--jobs", f"{jobs} is out of range; choose 1 to {MAX_JOBS}, or leave it out."))
     if jobs is not None and cluster:

@@ -7,28 +7,31 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.console import CHECK_FAILED, Console, ForceOption, JsonOption, QuietOption, SetOption, command
 
 
 @command
 def validate(
-    design: Annotated[Path | None, typer.Argument(help="Design file; the default design if left out.")] = None,
+    design: Annotated[
+        Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
+    ] = None,
     trials: Annotated[int, typer.Option(help="Number of trials with slip (article: 120).")] = 120,
     minutes: Annotated[float, typer.Option(help="Minutes of scenes without slip.")] = 40.0,
     detector: Annotated[
         str, typer.Option("--detector", help="Detector that the requirements apply to; all are compared.")
     ] = "fast",
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Folder; default: out/NAME/validation.")] = None,
+    force: ForceOption = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Test a design's detectors on simulated slips and on scenes without slip. Exit code 1: a requirement is missed."""
-    from fingertip import campaign, jit
+    from fingertip import campaign, extras, jit
     from fingertip.board.analysis.limits import adc_range_warnings
     from fingertip.board.board_values import board_values
     from fingertip.cli.load import load_design
-    from fingertip.files import atomic_write
+    from fingertip.output_set import SetWriter, hash_parameters
     from fingertip.slip.detectors import noise, registry
 
     console = Console(as_json, quiet)
@@ -36,15 +39,23 @@ def validate(
     registry.find_detector_type(detector)
     plan = campaign.CampaignPlan(trials, minutes)
     if not jit.available():
-        console.progress("numba is not installed (pip install 'fingertip[fast]'): this takes some twenty times longer")
+        console.progress(
+            f"numba is not installed ({extras.install_command('numba')}): this takes some twenty times longer"
+        )
+    with_plots = extras.is_installed("matplotlib")
+    if not with_plots:
+        console.progress(f"the plots (*.png) are left out: they need {extras.describe_missing('matplotlib')}")
     warnings = [*noise.settings_warnings(loaded, detector), *adc_range_warnings(board_values(loaded).voltage_limits)]
     for warning in warnings:
         console.progress(f"warning: {warning}")
     validation = campaign.validate(loaded, plan, detector, progress=console.progress)
-    console.progress("drawing plots")
+    if with_plots:
+        console.progress("drawing plots")
     folder = out or Path("out") / loaded.name / "validation"
-    files = validation.files()
-    atomic_write(folder, files)
+    files = validation.files(with_plots)
+    SetWriter(folder, "validation", loaded.name, hash_parameters(loaded.model_dump(mode="json")), force=force).write(
+        files
+    )
     console.progress(f"wrote {', '.join(files)} to {folder}")
     console.result(validation.as_data(), validation.as_text())
     if not validation.passed:

@@ -15,6 +15,8 @@ from fingertip.design.parameters import Board
 A1 = 1.0
 A2 = 1.0
 B2 = 1.0
+SECTION_QUALITY = math.sqrt(B2) / A2
+"""Quality factor Q of the second-order section, eq. (8)."""
 
 MIN_OHM = 10.0
 """Minimum resistance [ohm]. Below it the amplifier's output resistance and the tracks are no longer negligible."""

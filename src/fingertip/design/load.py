@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fingertip.bundled import find_file
 from fingertip.errors import DesignError, FingertipError, Issue
 from fingertip.toml_files import DESIGN, FileKind, read_toml
 
@@ -31,7 +32,7 @@ def load_tables(files: Iterable[str | Path], changes: Iterable[str], kind: FileK
     Parameters
     ----------
     files
-        Paths of the files.
+        Paths of the files, or bare names of bundled ones.
     changes
         Changes, such as "mold.draft_deg=2".
     kind
@@ -50,7 +51,7 @@ def load_tables(files: Iterable[str | Path], changes: Iterable[str], kind: FileK
     issues: list[Issue] = []
     for file in files:
         try:
-            _merge(before, read_toml(Path(file), kind))
+            _merge(before, read_toml(find_file(file, kind), kind))
         except FingertipError as error:
             issues.extend(error.issues)
     for change in changes:

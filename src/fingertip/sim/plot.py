@@ -1,20 +1,22 @@
 """Plot of a simulation: one panel for each recorded output.
 
-Beside the plots of the benchmarks, this is the only module of `fingertip.sim` that imports matplotlib.
+Beside the plots of the benchmarks, this is the only module of `fingertip.sim` that draws.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from fingertip.plot_style import TEXT_COLOUR, new_figure, style_axes, to_png
 from fingertip.sim.hand.manipulation import ManipulationResult
 from fingertip.sim.stages.pipeline import SceneResult
 from fingertip.slip.intervals import intervals
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 AnyArray = NDArray[Any]
 

@@ -2,7 +2,7 @@
 
 from fingertip.sim import load_simulation
 
-simulation = load_simulation("params/scenes/hard_tap.toml", "params/fsr400.toml", changes=["tap.count=1"])
+simulation = load_simulation("hard_tap", "fsr400", changes=["tap.count=1"])
 result = simulation.run()
 """
 
@@ -14,6 +14,7 @@ from pathlib import Path
 
 from fingertip.board.analysis.limits import adc_range_warnings
 from fingertip.board.board_values import board_values
+from fingertip.bundled import find_file
 from fingertip.design import Design
 from fingertip.errors import FingertipError, Issue
 from fingertip.sim.article import Trial
@@ -22,7 +23,7 @@ from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.scenes.scene_file import SceneFile
 from fingertip.sim.stages.pipeline import SceneResult, run_scene
-from fingertip.toml_files import MANIPULATION, SCENE, identify_kind, split_changes
+from fingertip.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,8 @@ class Simulation:
     design: Design
     scene: SceneFile | ManipulationFile
     seed: int = 0
+    name: str = "trace"
+    """Name of the scene's file without suffix; "trace" for a trial of the article."""
 
     def find_warnings(self) -> Iterator[str]:
         """Yield what limits the recorded voltage, such as an ADC range that the board exceeds."""
@@ -76,10 +79,10 @@ def load_simulation(
     Parameters
     ----------
     file
-        Design, scene or manipulation file. A design, or None for the default design, gives one sliding-finger trial of
-        the article.
+        Design, scene or manipulation file, or name of a bundled one. A design, or None for the default design, gives
+        one sliding-finger trial of the article.
     design_file
-        Design file, beside a scene or manipulation file. None means the default design.
+        Design file or name of a bundled design, beside a scene or manipulation file. None means the default design.
     changes
         Changes such as ``"tap.force_n=5"`` or ``"skin.width_mm=18"``. The first name decides whether a change belongs
         to the scene or to the design.
@@ -97,18 +100,17 @@ def load_simulation(
     FingertipError
         With one issue for each problem in the files, the changes and the values.
     """
-    file = None if file is None else Path(file)
-    design_file = None if design_file is None else Path(design_file)
+    given, (file, design_file) = file, _find_files(file, design_file)
     kind = identify_kind(file) if file else None
     is_scene = kind in (SCENE, MANIPULATION)
     scene_changes, design_changes = split_changes(changes, [kind] if kind and is_scene else [SCENE, MANIPULATION])
     issues: list[Issue] = []
     if not is_scene:
         if design_file:
-            message = f"stands beside {file or 'no file'}, which is not a scene; leave --design out."
+            message = f"stands beside {given or 'no file'}, which is not a scene; leave --design out."
             issues.append(Issue("--design", message))
         if scene_changes:
-            message = "changes a scene; give a scene file, such as params/scenes/*.toml."
+            message = "changes a scene; give a scene, such as hard_tap."
             issues.append(Issue(f"--set {scene_changes[0]}", message))
     elif seed < 0:  # a trial checks its seed itself
         issues.append(Issue("--seed", f"{seed} is negative; choose a whole number of at least 0."))
@@ -135,7 +137,21 @@ def load_simulation(
         issues.append(Issue("--speed-m-s", f"{speed_m_s:g} m/s has no effect, because nothing slides here; {remedy}."))
     if issues or design is None or scene is None:
         raise FingertipError(issues)
-    return Simulation(design, scene, seed)
+    return Simulation(design, scene, seed, file.stem if file and is_scene else "trace")
+
+
+def _find_files(file: str | Path | None, design_file: str | Path | None) -> tuple[Path | None, Path | None]:
+    """Find the file and the design beside it, which may be bare names."""
+    found: list[Path | None] = []
+    issues: list[Issue] = []
+    for given, kinds in ((file, (DESIGN, SCENE, MANIPULATION)), (design_file, (DESIGN,))):
+        try:
+            found.append(find_file(given, *kinds) if given else None)
+        except FingertipError as error:
+            issues.extend(error.issues)
+    if issues:
+        raise FingertipError(issues)
+    return found[0], found[1]
 
 
 def _build_trial(surface: str | None, speed_m_s: float | None, force_n: float | None, seed: int) -> Trial:

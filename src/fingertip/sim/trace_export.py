@@ -10,13 +10,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
+from fingertip.output_set import SetWriter, hash_parameters
 from fingertip.slip.traces.csv_file import to_csv
 from fingertip.slip.traces.trace import Trace
 
+SIGNAL_FOLDER = "signal"
+"""Folder of simulated traces within the output folder of a design."""
 DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
 """Decimals of a column by the end of its name: 1 uV, 1 uN, 1 nm, 0.1 um/s. The same numbers then give the same
 bytes."""
+
+
+def signal_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
+    """Writer of simulated traces of a design, and of what is made from them."""
+    return SetWriter(folder, "signal", design.name, hash_parameters(design.model_dump(mode="json")), force=force)
 
 
 def find_path_issues(path: Path, option: str = "--out") -> list[Issue]:

@@ -1,11 +1,11 @@
-"""Plot of a detection. This is the only module of `slip` that imports matplotlib."""
+"""Plot of a detection. This is the only module of `slip` that draws."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from fingertip.plot_style import GRID_COLOUR, TEXT_COLOUR, new_figure, to_png
 from fingertip.slip.detection import Detection
@@ -14,6 +14,9 @@ from fingertip.slip.detectors.registry import DETECTORS
 from fingertip.slip.format import format_delay
 from fingertip.slip.intervals import Interval, intervals
 from fingertip.slip.traces.trace import Trace
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _VOLTAGE_COLOUR = "#1f4e79"
 _FORCE_COLOUR = "#b0b7bf"

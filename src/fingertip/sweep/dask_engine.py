@@ -9,8 +9,9 @@ import time
 from concurrent.futures import Executor
 from typing import Any
 
+from fingertip import extras
 from fingertip._version import __version__
-from fingertip.errors import Issue, MissingLibraryError, SweepError
+from fingertip.errors import Issue, SweepError
 
 _CONNECT_TIMEOUT_S = 4.0
 """Time allowed for the scheduler to answer, and for the first worker to appear [s]."""
@@ -32,16 +33,8 @@ class DaskEngine:
     """
 
     def __init__(self, address: str) -> None:
-        try:
-            import dask
-            import distributed
-        except ImportError:
-            raise MissingLibraryError(
-                Issue(
-                    "--cluster",
-                    "needs the package distributed; pip install 'fingertip[cluster]', or leave --cluster out.",
-                )
-            ) from None
+        distributed = extras.load("distributed", "--cluster", alternative="leave --cluster out")
+        dask = extras.load("dask", "--cluster", alternative="leave --cluster out")
         for name in ("distributed", "distributed.client"):  # an error is reported once, as this class's own message
             logging.getLogger(name).setLevel(logging.CRITICAL)
         _check_listening(address)

@@ -6,7 +6,6 @@ last axis varies fastest. The points of a sampler follow its sequence.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip import extras
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules import RULES
 from fingertip.design.rules.remedies import find_remedies
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
 PointNumbers = NDArray[np.int64]
 
-_EXAMPLE_SCENE = Path("params/scenes/sliding_finger.toml")
-"""Bundled scene that a message recommends, relative to the working folder."""
+_EXAMPLE_SCENE = "sliding_finger"
+"""Bundled scene that a message recommends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +53,13 @@ class SweepPlan:
         ------
         SweepError
             With everything that is wrong: unknown names, values out of bounds, files that cannot be read.
+        MissingLibraryError
+            If the sweep needs a sampler and scipy is not installed.
         """
-        return cls.from_tables(sweep_file.read_sweep_file(path, changes), Path(path).parent)
+        plan = cls.from_tables(sweep_file.read_sweep_file(path, changes))
+        if plan.file.sampling != "grid":
+            plan._require_samplers()  # a missing package is reported before the sweep
+        return plan
 
     @classmethod
     def from_toml(cls, text: str) -> SweepPlan:
@@ -62,11 +67,8 @@ class SweepPlan:
         return cls.from_tables(sweep_file.parse_canonical_text(text))
 
     @classmethod
-    def from_tables(cls, tables: Mapping[str, Any], folder: Path = Path()) -> SweepPlan:
-        """Build a plan from the tables of a sweep file that hold design and scene. Raises as `load` does.
-
-        `folder` is that of the sweep file, to which the paths in messages are relative.
-        """
+    def from_tables(cls, tables: Mapping[str, Any]) -> SweepPlan:
+        """Build a plan from the tables of a sweep file that hold design and scene. Raises as `load` does."""
         # Each section is validated even if another one is wrong, so that all issues are reported at once.
         file, issues = sweep_file.parse_sweep_file(tables)
         entries = tables.get("axes")
@@ -88,7 +90,7 @@ class SweepPlan:
             issues += _check_catalogue_names(file)
         if file and design and not issues:
             plan = cls(file, tuple(axes), design, scene)
-            issues += _check_consistency(plan, folder)
+            issues += _check_consistency(plan)
             if not issues:
                 return plan
         raise SweepError(issues)
@@ -161,11 +163,15 @@ class SweepPlan:
     @cached_property
     def _samples(self) -> NDArray[np.float64]:
         """(points, axes) in [0, 1): Latin hypercube or scrambled Sobol sequence (scipy.stats.qmc)."""
+        self._require_samplers()
         from scipy.stats import qmc
 
         if self.file.sampling == "sobol":
             return np.asarray(qmc.Sobol(len(self.axes), scramble=True, rng=self.file.seed).random(self.size))
         return np.asarray(qmc.LatinHypercube(len(self.axes), rng=self.file.seed).random(self.size))
+
+    def _require_samplers(self) -> None:
+        extras.require("sampling", "scipy", subject=self.file.sampling, alternative="sample a grid")
 
 
 def _read_axes(entries: Mapping[str, Any], sampled: bool) -> tuple[list[Axis], list[Issue]]:
@@ -229,14 +235,14 @@ def _check_catalogue_names(file: SweepFile) -> list[Issue]:
     return issues
 
 
-def _check_consistency(plan: SweepPlan, folder: Path) -> list[Issue]:
+def _check_consistency(plan: SweepPlan) -> list[Issue]:
     """Check what only several sections of a plan together can get wrong."""
     tables_read = frozenset().union(*(group.reads for group in plan.groups))
     scene_axes = [axis.name for axis in plan.axes if axis.name.startswith("scene.")]
     issues = []
     if "scene" in tables_read and plan.scene is None:
         outputs = ", ".join(n for n in plan.outputs if find_groups([n])[0].name == "detection")
-        remedy = f'write scene = "{_express_relative(_EXAMPLE_SCENE, folder)}"'
+        remedy = f'write scene = "{_EXAMPLE_SCENE}"'
         issues.append(Issue("scene", f"is missing, but outputs need one ({outputs}); {remedy}."))
     if "scene" not in tables_read:
         issues += [
@@ -255,14 +261,6 @@ def _check_consistency(plan: SweepPlan, folder: Path) -> list[Issue]:
             for issue in find_remedies(plan.design, lasting, rules=rules)
         ]
     return issues
-
-
-def _express_relative(path: Path, folder: Path) -> str:
-    """Express a path relative to a folder, as a sweep file names other files."""
-    try:
-        return Path(os.path.relpath(path, folder)).as_posix()
-    except ValueError:  # two drives of Windows
-        return path.absolute().as_posix()
 
 
 def _to_entry(axis: Axis) -> Any:

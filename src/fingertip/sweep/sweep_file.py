@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from fingertip.bundled import find_file
 from fingertip.design.issues import issues_from_pydantic, suggest_name
 from fingertip.design.load import load_tables
 from fingertip.design.model import Design
 from fingertip.design.parameters import DesignTables, quantity
-from fingertip.errors import DesignError, FingertipError, Issue, SweepError
+from fingertip.errors import FingertipError, Issue, SweepError
 from fingertip.toml_files import DESIGN, SCENE, SWEEP
 
 if TYPE_CHECKING:
@@ -61,8 +62,12 @@ class SweepFile(BaseModel):
     axes: dict[str, Any] = Field(
         description="Dotted parameter: a list of values, or low and high, on a grid with steps."
     )
-    design: dict[str, Any] = Field({}, description="Base design: a file beside this one, or its tables.")
-    scene: dict[str, Any] | None = Field(None, description="Base scene: a file beside this one, or its tables.")
+    design: dict[str, Any] = Field(
+        {}, description="Base design: a file beside this one, a bundled name, or its tables."
+    )
+    scene: dict[str, Any] | None = Field(
+        None, description="Base scene: a file beside this one, a bundled name, or its tables."
+    )
 
 
 def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, Any]:
@@ -71,11 +76,12 @@ def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, 
     Parameters
     ----------
     file
-        Path of the sweep file.
+        Path of the sweep file, or name of a bundled sweep.
     changes
         Texts of the form `name=value`. A name of the sweep file (`tolerance_mm=0.05`, `axes.skin.width_mm=[15, 16]`)
         changes that, `scene.` before a name changes the base scene, and any other name the base design
-        (`skin.width_mm=18`).
+        (`skin.width_mm=18`). Beside a bundled sweep that is given by name, a path in a change is relative to the
+        working folder.
 
     Raises
     ------
@@ -84,14 +90,17 @@ def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, 
     """
     sweep_changes, design_changes, scene_changes = _sort_changes(changes)
     try:
-        tables = load_tables([file], sweep_changes, SWEEP).tables
-    except DesignError as error:
+        path = find_file(file, SWEEP)
+        loaded = load_tables([path], sweep_changes, SWEEP)
+    except FingertipError as error:
         raise SweepError(error.issues) from None
+    tables, is_bundled = loaded.tables, path != Path(file)
     issues = list(_find_changed_axes(tables.get("axes"), design_changes, scene_changes))
     for name, base_changes in (("design", design_changes), ("scene", scene_changes)):
         entry = tables.get(name, {} if name == "design" else None)
+        folder = Path() if is_bundled and name in loaded.changed else path.parent
         try:
-            tables[name] = _load_base(Path(file).parent, name, entry, base_changes)
+            tables[name] = _load_base(folder, name, entry, base_changes)
         except FingertipError as error:
             issues += error.issues
     if issues:
@@ -156,9 +165,10 @@ def select_row_defining_lines(text: str) -> list[str]:
 
 
 def _load_base(folder: Path, name: str, entry: Any, changes: list[str]) -> dict[str, Any] | None:
-    """Load the base design or the base scene: a file beside the sweep file, or tables within it."""
+    """Load the base design or the base scene: a file in a folder, a bundled one, or tables within the sweep file."""
     if isinstance(entry, str):
-        return load_tables([folder / entry], changes, DESIGN if name == "design" else SCENE).tables
+        kind = DESIGN if name == "design" else SCENE
+        return load_tables([find_file(entry, kind, folder=folder)], changes, kind).tables
     if entry is None and changes:
         raise SweepError(
             Issue(

@@ -37,7 +37,9 @@ class AliasAttenuation:
     """Gain from the rectifier (in variant article from the envelope) to the pin at `nyquist_hz`."""
     envelope_alias_db: float
     required_db: float
-    """Attenuation that would reduce a tone of the board's full swing to 1 LSB of the ADC."""
+    """Attenuation that would reduce a tone with the peak `swing_v` to 1 LSB of the ADC."""
+    swing_v: float
+    """Largest peak of the filtered signal [V]."""
     one_lsb_tone_v: float
     """Amplitude [V] of a tone in the tactile voltage at `alias_hz` that is attenuated to 1 LSB."""
     lsb_v: float
@@ -54,7 +56,7 @@ def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float, 
     design
         Its cutoff, sampling rate and ADC.
     swing_v
-        Largest voltage the board outputs.
+        Largest peak of the filtered signal [V].
     has_diode
         Whether a bare diode precedes the envelope (variant article): its pole acts on falling voltages only.
     """
@@ -83,6 +85,7 @@ def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float, 
         envelope_nyquist_db=decibel(envelope[0]),
         envelope_alias_db=decibel(envelope[1]),
         required_db=decibel(swing_v / lsb_v),
+        swing_v=swing_v,
         one_lsb_tone_v=lsb_v / abs(tactile[2]),
         lsb_v=lsb_v,
     )

@@ -65,8 +65,10 @@ class Analysis:
     tolerance: Tolerance
     """Tolerances for which `spread` is computed."""
     offset: tuple[Contribution, ...]
-    """Contribution of each amplifier's typical offset (TL082BC: its maximum), and of the bridge with the worst-case
-    resistors of 0.1 %."""
+    """Contribution of each amplifier's typical offset (TL082BC: its maximum) with `NOISE_FORCE_N` on the sensor, and of
+    the bridge with the worst-case resistors of 0.1 % and no force. U3 is part of `output_offset`."""
+    boards: int
+    """Number of boards for which `spread` is computed."""
     spread: dict[str, Spread]
     sensitivity: dict[str, dict[str, float]]
 
@@ -107,6 +109,7 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         comparator_levels=values.comparator_levels,
         tolerance=values.tolerance,
         offset=(*_offsets(noisy), _bridge_offset(network, board.supply_v)),
+        boards=boards,
         spread=monte_carlo(toleranced, component_tolerances(values), boards, seed),
         sensitivity=compute_sensitivities(toleranced),
     )  # fmt: skip
@@ -135,7 +138,8 @@ def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_de
 def _offsets(board: NoisyNetwork) -> list[Contribution]:
     columns = zip(*(board.offsets_v(net) for net in NETS), strict=True)
     pairs = zip(board.sources, columns, strict=True)
-    return [Contribution(source.name, volts) for source, volts in pairs if source.offset]
+    # The rectifier's amplifiers act behind these nets. The envelope offset contains theirs.
+    return [Contribution(source.name, volts) for source, volts in pairs if source.offset and any(volts)]
 
 
 def _bridge_offset(network: Network, supply_v: float) -> Contribution:

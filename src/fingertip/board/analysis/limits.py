@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuit import Circuit
 from fingertip.board.components.amplifiers import Amplifier
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
-from fingertip.board.nets import GND, REFERENCE, SENSOR, TACTILE, VCC, VEE
+from fingertip.board.nets import ADC_ENVELOPE, ADC_TACTILE, GND, REFERENCE, SENSOR, TACTILE, VCC, VEE
 from fingertip.board.network import build_network
 from fingertip.board.supplies import Supply
 
 DIODE_V = 0.6
-"""Forward voltage of variant article's diode for a large signal [V]."""
+"""Forward voltage of a rectifier's diode for a large signal [V]."""
 
 # Internal limits of the AD623 (its data sheet, "input and output voltage range"): its input followers shift their
 # inputs up by the drop of a diode and must stay clear of both rails, as must the output.
@@ -62,22 +63,30 @@ class VoltageLimits:
     filter_peak_v: float
     """Largest peak of the filtered signal above the signal ground."""
     filter_trough_v: float
-    """Largest typical peak of the filtered signal below the signal ground.
+    """Largest typical peak of the filtered signal below the signal ground, as a positive number.
 
     The second stage's output or, on a TL082, its input limits it.
     """
     filter_guaranteed_trough_v: float
-    """Peak below the signal ground that the amplifier's data sheet guarantees."""
+    """Peak below the signal ground that the amplifier's data sheet guarantees, as a positive number."""
     has_phase_reversal: bool
     """True if the output jumps up where the signal goes further down, as a TL082's does."""
     vibration_peak_v: float
-    """Smaller of both peaks, referred to the filter's input: larger vibrations of the tactile voltage are clipped."""
+    """Peak of the largest vibration of the tactile voltage that is not clipped, at the frequency of maximum gain."""
     max_envelope_v: float
-    """Largest envelope above the signal ground."""
+    """Approximate largest envelope above the signal ground: typical swing less the drop of the rectifier's diode.
+
+    In variants with a precision rectifier its amplifier (U3a) inverts: for an envelope V it goes to V and a drop below
+    the signal ground.
+    """
     clamp_low_rail_v: float
     """Lower rail of the clamps at the ADC pins, which clamp one Schottky drop below it."""
     clamp_high_rail_v: float
     """Upper rail of the clamps at the ADC pins, which clamp one Schottky drop above it."""
+    tactile_pin_ohm: float
+    """Resistance through which the reverse current of the clamp at the tactile pin flows [ohm]."""
+    envelope_pin_ohm: float
+    """Resistance through which that at the envelope's pin flows [ohm]; in variant article with its diode blocked."""
     adc_range_v: float
     """Input range of the ADC, plus and minus."""
 
@@ -113,6 +122,10 @@ def compute_voltage_limits(
     adc_range_v
         Input range of the ADC, plus and minus.
     """
+    quiescent = build_network(circuit, conducting=[] if has_diode else [RECTIFYING_DIODE])
+    tactile_pin_ohm, envelope_pin_ohm = (
+        quiescent.restrict(pin).constant_transfers(pin)[pin] for pin in (ADC_TACTILE, ADC_ENVELOPE)
+    )
     # The voltages are monotonic in the sensor's conductance, so the ends of its range are the worst cases.
     open_sensor, pressed = (_operating_point(circuit, supply, supply_v, force_n) for force_n in (0.0, MAX_FORCE_N))
     return VoltageLimits(
@@ -127,9 +140,11 @@ def compute_voltage_limits(
         filter_guaranteed_trough_v=swing.guaranteed_down_v,
         has_phase_reversal=swing.has_phase_reversal,
         vibration_peak_v=min(swing.up_v, swing.down_v) / gain,
-        max_envelope_v=swing.up_v - DIODE_V if has_diode else swing.up_v,
+        max_envelope_v=(swing.up_v if has_diode else min(swing.up_v, swing.down_v)) - DIODE_V,
         clamp_low_rail_v=0.0,
         clamp_high_rail_v=supply_v,
+        tactile_pin_ohm=tactile_pin_ohm,
+        envelope_pin_ohm=envelope_pin_ohm,
         adc_range_v=adc_range_v,
     )
 
@@ -140,14 +155,49 @@ def _operating_point(circuit: Circuit, supply: Supply, supply_v: float, force_n:
     return network.restrict(TACTILE, supply.signal_ground).operating_point({GND: 0.0, VCC: supply_v, VEE: -supply_v})
 
 
+@dataclass(frozen=True)
+class SimulatedTouch:
+    """Touch of the finger and the lowest filtered voltage that it causes on the default board, by simulation.
+
+    The amplifiers are ideal, so the voltage is that which would be reached if nothing limited it.
+    """
+
+    force_n: float
+    rise_s: float
+    """Time in which the force rises."""
+    min_filtered_v: float
+
+
+SLOW_PRESS = SimulatedTouch(1.5, 0.2, -0.1)
+FAST_PRESSES = SimulatedTouch(1.5, 0.04, -2.0), SimulatedTouch(1.5, 0.025, -4.2)
+"""Presses that reach the TL082's typical limit, and exceed it."""
+KNOCK = SimulatedTouch(0.2, 0.004, -2.5)
+"""Tap on an object that is held with 1 N."""
+
+
+def describe_touches() -> str:
+    """Describe which touches drive the filtered signal below the TL082's input range."""
+    limit, beyond = FAST_PRESSES
+    return (
+        f"in simulations of the default design a press to {limit.force_n:g} N takes the filtered signal to "
+        f"{limit.min_filtered_v:.1f} V if the force rises within {1e3 * limit.rise_s:g} ms and to "
+        f"{beyond.min_filtered_v:.1f} V within {1e3 * beyond.rise_s:g} ms, but only to "
+        f"{SLOW_PRESS.min_filtered_v:.1f} V within {1e3 * SLOW_PRESS.rise_s:g} ms; a knock of {KNOCK.force_n:g} N "
+        f"within {1e3 * KNOCK.rise_s:g} ms on a held object takes it to {KNOCK.min_filtered_v:.1f} V"
+    )
+
+
 def describe_filter_swing(limits: VoltageLimits) -> str:
     """Describe the swing of the filter's signals."""
     if not limits.has_phase_reversal:
-        return f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down"
+        return (
+            f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down (typical, into "
+            "10 kohm)"
+        )
     return (
         f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down, where the "
-        f"TL082's input common-mode range ends (typical; {limits.filter_guaranteed_trough_v:.1f} V guaranteed); below "
-        "that its output jumps up"
+        f"TL082's input common-mode range ends (typical, into 10 kohm; {limits.filter_guaranteed_trough_v:.1f} V down "
+        "guaranteed); below that its output jumps up"
     )
 
 

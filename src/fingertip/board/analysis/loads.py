@@ -1,48 +1,117 @@
-"""Load of the filter's amplifiers: data sheets state their output swing for a load of 2 kohm or more."""
+"""Load of the amplifiers of signal path and bridge: what each drives in the band of the vibrations.
+
+Data sheets state the output swing for a load of 2 kohm or more. The rectifying diode counts as conducting, without its
+drop, so the current that charges the envelope's capacitor is an upper bound: at the current's peak both ends of the
+diode rise equally fast, and the capacitor's end is at the lower voltage. The buffer of VMID is not covered.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
+from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuit import Circuit
-from fingertip.board.nets import FILTERED, STAGE1_OUT, TACTILE
-from fingertip.board.network import Spectrum, build_network
+from fingertip.board.components.amplifiers import AMPLIFIERS
+from fingertip.board.nets import TACTILE
+from fingertip.board.network import build_network
 from fingertip.design.parameters import Board
+from fingertip.design.rules.board import BAND_CUTOFFS
 
 MIN_LOAD_OHM = 2e3
 """Smallest load for which the data sheets of both amplifiers state their output swing."""
 _MARGIN = 0.88
-_FREQUENCIES = 60
-"""Number of frequencies at which the load is evaluated."""
+_FREQUENCIES = 30
+"""Number of frequencies at which the loads are evaluated."""
+_FILTER_AMPLIFIERS = ("U1a", "U1b")
+_OTHER_BUFFERS = ("U5",)
+"""Amplifiers that drive the signal ground, whose load is not an impedance to signal ground."""
 
 
-def compute_filter_load_ohm(circuit: Circuit, gain_bandwidth_hz: float, band_hz: tuple[float, float]) -> float:
-    """Compute the smallest impedance that an amplifier of the filter drives within a band [ohm].
+@dataclass(frozen=True)
+class AmplifierLoad:
+    """Load of one amplifier over the band of the vibrations."""
 
-    It is the ratio of the amplifier's voltage to its current. Inputs of amplifiers and diodes draw none.
+    amplifier: str
+    """Reference, with the letter of its unit."""
+    min_ohm: float
+    """Smallest ratio of its output's voltage to its current [ohm], with the current through the rectifying diode."""
+    min_filter_ohm: float | None
+    """Smallest such ratio without the current through the diode [ohm]; None if the amplifier drives only the diode."""
+    max_current_a: float
+    """Peak of the current for the largest vibrations that are not clipped [A]; through the diode an upper bound."""
+
+
+def signal_band_hz(cutoff_hz: float) -> tuple[float, float]:
+    """Band of the vibrations [Hz]: from the cutoff to `BAND_CUTOFFS` cutoffs."""
+    return cutoff_hz, BAND_CUTOFFS * cutoff_hz
+
+
+def compute_amplifier_loads(
+    circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, vibration_v: float
+) -> tuple[AmplifierLoad, ...]:
+    """Compute the load of each amplifier between the bridge and the envelope, in the order of their references.
+
+    Parameters
+    ----------
+    circuit
+        Circuit of the board.
+    gain_bandwidth_hz
+        Gain-bandwidth product of the filter's amplifiers [Hz].
+    cutoff_hz
+        Cutoff of the design.
+    vibration_v
+        Peak of the tactile voltage's vibrations for which currents are computed [V].
     """
-    network = build_network(circuit, gain_bandwidth_hz).drive(TACTILE).restrict(FILTERED)
-    f = np.geomspace(*band_hz, _FREQUENCIES)
+    network = build_network(circuit, gain_bandwidth_hz, conducting=[RECTIFYING_DIODE]).drive(TACTILE)
+    f = np.geomspace(*signal_band_hz(cutoff_hz), _FREQUENCIES)
     volts = dict(zip(network.nets, network.response(f, {TACTILE: 1.0}, *network.nets).T, strict=True))
-    ends = {
-        c.reference: [n.name for n in circuit.nets if (c.reference, "1") in n.nodes or (c.reference, "2") in n.nodes]
+    volts[TACTILE] = np.ones(len(f), dtype=np.complex128)
+    nets = {node: net.name for net in circuit.nets for node in net.nodes}
+    branches = [
+        (c.reference, nets[c.reference, "1"], nets[c.reference, "2"])
         for c in circuit.components
-        if c.symbol.name in "RC"
-    }
-
-    def current(reference: str, output: str, other: str) -> Spectrum:
-        admittance = network.values[reference] * (2j * np.pi * f if reference.startswith("C") else 1.0)
-        # What is not part of the filter, such as the rectifier's virtual ground, is at the signal ground.
-        return np.asarray(admittance * (volts[output] - volts.get(other, 0.0)))
+        if c.symbol.name in "RC" or c.reference == RECTIFYING_DIODE
+    ]
 
     loads = []
-    for output in (STAGE1_OUT, FILTERED):
-        branches = [(r, *nets) for r, nets in ends.items() if output in nets]
-        total = sum(current(r, output, b if a == output else a) for r, a, b in branches)
-        loads.append(float(np.abs(volts[output] / total).min()))
-    return min(loads)
+    for amplifier, output in sorted(_outputs(circuit, nets)):
+        filter_a, diode_a = np.zeros((2, len(f)), dtype=np.complex128)
+        for reference, first, second in branches:
+            if output not in (first, second):
+                continue
+            admittance = network.values[reference] * (2j * np.pi * f if reference.startswith("C") else 1.0)
+            # What is not among the equations, such as a rail, carries no signal.
+            difference = volts[output] - volts.get(second if output == first else first, 0.0)
+            (diode_a if reference == RECTIFYING_DIODE else filter_a)[:] += admittance * difference
+        total_a = np.abs(filter_a + diode_a)
+        loads.append(
+            AmplifierLoad(
+                amplifier,
+                min_ohm=float((np.abs(volts[output]) / total_a).min()),
+                min_filter_ohm=float(np.abs(volts[output] / filter_a).min()) if filter_a.any() else None,
+                max_current_a=vibration_v * float(total_a.max()),
+            )
+        )
+    return tuple(loads)
+
+
+def find_filter_load_ohm(loads: Iterable[AmplifierLoad]) -> float:
+    """Find the smallest impedance that an amplifier of the two filter stages drives [ohm], without the diode."""
+    return min(load.min_filter_ohm for load in loads if load.min_filter_ohm and load.amplifier in _FILTER_AMPLIFIERS)
+
+
+def _outputs(circuit: Circuit, nets: dict[tuple[str, str], str]) -> Iterator[tuple[str, str]]:
+    """Yield each amplifier of the signal path with the net that it drives."""
+    for component in circuit.components:
+        reference, symbol = component.reference, component.symbol.name
+        if symbol == "AD623ARMZ":
+            yield reference, nets[reference, "6"]
+        elif symbol in AMPLIFIERS and reference not in _OTHER_BUFFERS:
+            for unit, (_, _, out) in AMPLIFIERS[symbol].units.items():
+                yield f"{reference}{unit}", nets[reference, out]
 
 
 def load_warnings(board: Board, filter_load_ohm: float, capacitor_f: float) -> Iterator[str]:
@@ -53,18 +122,20 @@ def load_warnings(board: Board, filter_load_ohm: float, capacitor_f: float) -> I
     board
         Parameters of the board.
     filter_load_ohm
-        Smallest impedance that an amplifier drives.
+        Smallest impedance that an amplifier of the filter drives, without the rectifier.
     capacitor_f
         Fitted capacitance of C1, C2 and C3.
     """
     if filter_load_ohm >= MIN_LOAD_OHM:
         return
-    # Resistors are inverse to the capacitors; the margin covers their rounding to preferred values.
+    # Resistors are inverse to the capacitors. The margin covers their rounding to preferred values, so a larger
+    # capacitor may pass too.
     capacitor_uf = f"{_MARGIN * 1e6 * capacitor_f * filter_load_ohm / MIN_LOAD_OHM:.3g}"
-    remedy = f"set board.capacitor_uf to at most {capacitor_uf}"
+    settings = f"board.capacitor_uf={capacitor_uf}"
     if board.capacitor_series != "given":
-        remedy = f"set board.capacitor_series=given and board.capacitor_uf={capacitor_uf}"
+        settings = f"board.capacitor_series=given and {settings}"
     yield (
-        f"the filter's amplifiers drive {filter_load_ohm:.0f} ohm. Their data sheets state the output swing for "
-        f"{MIN_LOAD_OHM:.0f} ohm and above, so they may clip earlier than stated; {remedy}."
+        f"the amplifiers of the filter (U1) drive {filter_load_ohm:.0f} ohm between {board.cutoff_hz:g} Hz and "
+        f"{BAND_CUTOFFS * board.cutoff_hz:g} Hz. Their data sheets state the output swing for {MIN_LOAD_OHM:.0f} ohm "
+        f"and above, so they may clip earlier than stated; set, for example, {settings}."
     )

@@ -71,14 +71,14 @@ class Contribution:
 
 @dataclass(frozen=True)
 class NoiseLevels:
-    """RMS noise over `NOISE_BAND_HZ` [V], for typical data-sheet values."""
+    """RMS noise over `NOISE_BAND_HZ` against supply ground [V], for typical data-sheet values."""
 
     tactile_v: float
     """RMS noise of the tactile voltage."""
     filtered_v: float
     """RMS noise ahead of the rectifier."""
     filtered_without_limit_v: float
-    """RMS noise ahead of the rectifier without C20, which ends the first stage's gain above the vibrations."""
+    """RMS noise ahead of the rectifier without C20, the low-pass of the first stage."""
     mean_envelope_v: float | None
     """Mean envelope due to noise, after rectification. None in variant article: it is below the diode's threshold."""
 

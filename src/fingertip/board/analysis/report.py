@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from fingertip.board.analysis.aliasing import AliasAttenuation
 from fingertip.board.analysis.analyse import BRIDGE_TOLERANCE, Analysis
+from fingertip.board.analysis.figures import format_figure
 from fingertip.board.analysis.limits import VoltageLimits, describe_adc_range, describe_filter_swing
-from fingertip.board.analysis.noise import NETS, NOISE_BAND_HZ, Contribution
+from fingertip.board.analysis.noise import NETS, NOISE_BAND_HZ, NOISE_FORCE_N, Contribution
 from fingertip.board.analysis.offsets import describe_output_offset
 from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V, describe_supply_ripple
 from fingertip.board.analysis.thresholds import describe_comparator_levels
 from fingertip.board.circuit import format_component_value
-from fingertip.board.components.amplifiers import AMPLIFIERS
+from fingertip.board.components.amplifiers import AMPLIFIERS, LOW_NOISE_NAME
 from fingertip.board.components.filter import LARGE_CAPACITOR_PERCENT
 from fingertip.design.filter_components import MAX_1206_F
 
@@ -36,23 +37,32 @@ def analysis_text(analysis: Analysis) -> str:
         envelope = "-" if item.mean_envelope_v is None else f"{1e3 * item.mean_envelope_v:.2f} mV"
         lines.append(f"{item.change:44}{1e3 * item.filtered_v:8.2f} mV{envelope:>20}")
     lines.append(f"{'threshold of the detector':44}{'':11}{1e3 * analysis.threshold_v:17.2f} mV")
+    lines.append(
+        f"- {LOW_NOISE_NAME} for U2 is a comparison, not a drop-in replacement: it requires another footprint and, for "
+        "the same gain, another R14."
+    )
+    lines.append("- Noise: typical, white noise only. Noise and offsets are voltages against supply ground.")
     if analysis.output_offset is None:
         lines.append(f"- The noise is below the diode's threshold of {DEAD_ZONE_V:g} V, so the envelope stays at 0.")
     lines += ["", *_error_lines(analysis)]
     lines += ["", *_alias_lines(analysis.aliasing), "", *_limit_lines(analysis.voltage_limits)]
     lines += ["", f"{'offset':28}" + _net_headings()]
     lines += [_contribution_row(item, 1e3, "mV") for item in analysis.offset]
-    lines.append(_offset_note(analysis.amplifier))
+    lines.append(_offset_note(analysis.amplifier, has_rectifier=analysis.output_offset is not None))
     lines += ["", *_spread_lines(analysis), "", *_sensitivity_lines(analysis)]
     return "\n".join(lines)
 
 
-def _offset_note(amplifier: str) -> str:
-    """State which offsets are typical and which are maximum."""
+def _offset_note(amplifier: str, *, has_rectifier: bool) -> str:
+    """State which offsets are typical and which are maximum, and where that of the rectifier is."""
     data = AMPLIFIERS[amplifier]
     is_maximum = data.offset_v == data.max_offset_v
     exception = f" ({data.order_name}: {1e3 * data.offset_v:g} mV, its maximum)" if is_maximum else ""
-    return f"amplifiers: typical offsets{exception}; R10 to R14: worst case of {100 * BRIDGE_TOLERANCE:g} % resistors"
+    rectifier = "; U3: see the envelope offset above" if has_rectifier else ""
+    return (
+        f"amplifiers: typical offsets{exception}, {NOISE_FORCE_N:g} N on the sensor; R10 to R14: worst case of "
+        f"{100 * BRIDGE_TOLERANCE:g} % resistors, no force{rectifier}"
+    )
 
 
 def _spread_lines(analysis: Analysis) -> list[str]:
@@ -63,7 +73,13 @@ def _spread_lines(analysis: Analysis) -> list[str]:
     )
     headings = ("nominal", "mean", "std. dev.", "2.5 %", "97.5 %", "corner min", "corner max")
     lines = [f"tolerances: {resistors}, {capacitors}{_large_capacitor(analysis)}, as in the bill of materials"]
-    lines.append("percentiles of random boards; minimum and maximum over all corners of the tolerances")
+    lines.append(
+        f"percentiles of {analysis.boards} boards with uniformly and independently distributed values; minimum and "
+        "maximum over all corners of the tolerances"
+    )
+    lines.append(
+        "not included: R_LP and C_LP, the amplifiers' bandwidth, temperature, and capacitance lost to direct voltage"
+    )
     lines.append(f"{'':20}" + "".join(f"{heading:>11}" for heading in headings))
     for name, spread in analysis.spread.items():
         cells = (
@@ -83,7 +99,8 @@ def _sensitivity_lines(analysis: Analysis) -> list[str]:
     components = list(next(iter(analysis.sensitivity.values())))
     lines = [f"{'sensitivity [%/%]':20}" + "".join(f"{component:>8}" for component in components)]
     for name, row in analysis.sensitivity.items():
-        lines.append(f"{_LABELS[name]:20}" + "".join(f"{row[component]:8.3f}" for component in components))
+        cells = (f"{round(row[component], 3) + 0.0:8.3f}" for component in components)  # 0 has no sign
+        lines.append(f"{_LABELS[name]:20}" + "".join(cells))
     return lines
 
 
@@ -98,7 +115,7 @@ def _net_headings() -> str:
 
 
 def _contribution_row(item: Contribution, scale: float, unit: str) -> str:
-    return f"  {item.cause:26}" + "".join(f"{scale * v:11.2f} {unit}" for v in item.volts)
+    return f"  {item.cause:26}" + "".join(f"{format_figure(scale * v, 3):>11} {unit}" for v in item.volts)
 
 
 def _error_lines(analysis: Analysis) -> list[str]:
@@ -118,18 +135,20 @@ def _alias_lines(aliasing: AliasAttenuation) -> list[str]:
         f"{aliasing.envelope_nyquist_db:8.1f} dB",
         f"{f'gain at {aliasing.alias_hz:.4g} Hz, which aliases to that end':44}{aliasing.tactile_alias_db:8.1f} dB"
         f"{aliasing.envelope_alias_db:8.1f} dB",
-        f"A full-swing tone needs {aliasing.required_db:.0f} dB of attenuation to alias to 1 LSB of the ADC "
-        f"({1e3 * aliasing.lsb_v:.3g} mV). At {aliasing.alias_hz:.4g} Hz a {1e3 * aliasing.one_lsb_tone_v:.2g} mV tone "
-        "aliases to 1 LSB (tactile).",
+        f"A tone as large as the filtered signal can be ({aliasing.swing_v:.1f} V peak) needs "
+        f"{aliasing.required_db:.0f} dB of attenuation to alias to 1 LSB of the ADC ({1e3 * aliasing.lsb_v:.3g} mV). A "
+        f"tone of {1e3 * aliasing.one_lsb_tone_v:.2g} mV (peak) in the tactile voltage at {aliasing.alias_hz:.4g} Hz "
+        "aliases to 1 LSB.",
     ]
 
 
 def _limit_lines(limits: VoltageLimits) -> list[str]:
     return [
         f"signal ground {limits.signal_ground_v:.2f} V; tactile voltage {limits.min_tactile_v:.2f} V (20 N) to "
-        f"{limits.max_tactile_v:.2f} V (no force)",
-        f"{describe_filter_swing(limits)}; vibrations of {1e3 * limits.vibration_peak_v:.1f} mV reach these limits; "
-        f"envelope up to {limits.max_envelope_v:.2f} V above signal ground",
+        f"{limits.max_tactile_v:.2f} V (no force), both above supply ground",
+        f"{describe_filter_swing(limits)}; vibrations of {1e3 * limits.vibration_peak_v:.1f} mV in the tactile voltage "
+        "(peak, where the gain is largest) reach these limits; envelope up to about "
+        f"{limits.max_envelope_v:.1f} V above signal ground",
         f"ADC pins clamped to within a diode drop of {limits.clamp_low_rail_v:.0f} V and "
         f"{limits.clamp_high_rail_v:g} V; the bridge amplifier's internal nodes and output stay "
         f"{limits.bridge_amplifier_margin_v:.2f} V within their limits",

@@ -1,7 +1,7 @@
 """Frequency response of the filter: poles, maximum gain and cutoff frequencies, from the circuit's transfer function.
 
 Cutoffs and gain are those of the amplifiers as built: with their bandwidth and input capacitance, with C14, which costs
-a little gain at the lower end of the passband, and C20, which ends the passband above the vibrations. Poles and quality
+a little gain at the lower end of the passband, and C20, which is a low-pass above the vibrations. Poles and quality
 factor are those of ideal amplifiers, so that they can be compared with the article's.
 """
 
@@ -16,7 +16,7 @@ from fingertip.board.circuit import Circuit
 from fingertip.board.nets import ENVELOPE, FILTERED, TACTILE
 from fingertip.board.network import Value, build_network
 from fingertip.board.transfer_function import Rational, Stage, find_stages, multiply
-from fingertip.design.filter_components import A2, B2
+from fingertip.design.filter_components import SECTION_QUALITY
 from fingertip.design.parameters import Board
 from fingertip.numerics import bisect_arrays, find_maximum, find_maximum_arrays, find_root
 
@@ -277,7 +277,7 @@ def target_response(board: Board) -> FrequencyResponse:
         passband_gain_db=decibel(board.passband_gain),
         first_pole_hz=board.cutoff_hz,
         section_hz=board.cutoff_hz,
-        section_quality=math.sqrt(B2) / A2,
+        section_quality=SECTION_QUALITY,
         cutoff_hz=board.cutoff_hz,
         upper_cutoff_hz=bandwidth_hz if board.variant == "article" else board.band_limit_hz,
         envelope_pole_hz=board.envelope_cutoff_hz,

@@ -2,7 +2,8 @@
 
 The bridge is connected to the supply, so its amplifier's output follows the supply: by the tactile voltage's own ratio
 to it, and by a little more where C7 delays the sensor's arm against the other one. On a single supply, what remains of
-the ripple in VMID counts too. The filter amplifies ripple in its passband like slip.
+the ripple in VMID counts too. The filter amplifies ripple in its passband like slip. Variant article has no low-pass:
+there ripple of some kilohertz, as a switching converter has it, is amplified most.
 """
 
 from __future__ import annotations
@@ -12,24 +13,30 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingertip.board.analysis.figures import format_figure
 from fingertip.board.circuit import Circuit
 from fingertip.board.nets import FILTERED, VCC
 from fingertip.board.network import build_network
 
 DEAD_ZONE_V = 0.45
 """Voltage at which variant article's diode starts to conduct. Its output is zero below it."""
-RIPPLE_BAND_HZ = (30.0, 1000.0)
-"""Band in which supply ripple counts: the mains and its harmonics, from half the article's cutoff."""
-_FREQUENCIES = 60
-"""Number of frequencies at which the gain is evaluated."""
+_MAX_LOW_HZ, RIPPLE_END_HZ = 30.0, 100e3
+"""Lower end of the band in which supply ripple counts, at most, and upper end: mains, harmonics, converters [Hz]."""
+_FREQUENCIES_PER_DECADE = 28
+"""Number of frequencies per decade at which the gain is evaluated."""
 
 
 @dataclass(frozen=True)
 class SupplyRipple:
     """Effect of ripple on the positive supply with the sensor open, which is the worst case."""
 
+    low_hz: float
+    high_hz: float
+    """Ends of the band that is searched, as `ripple_band_hz` gives them."""
+    worst_hz: float
+    """Frequency of the largest gain."""
     gain: float
-    """Largest gain from the supply to the filtered signal in `RIPPLE_BAND_HZ` [V/V]."""
+    """Largest gain from the supply to the filtered signal in this band [V/V]."""
     max_v: float
     """Peak of the ripple [V] that alone brings the envelope's mean to the detector's threshold.
 
@@ -37,8 +44,18 @@ class SupplyRipple:
     """
 
 
+def ripple_band_hz(cutoff_hz: float) -> tuple[float, float]:
+    """Band in which supply ripple counts [Hz]: from half the cutoff, at most 30 Hz, to 100 kHz."""
+    return min(_MAX_LOW_HZ, cutoff_hz / 2.0), RIPPLE_END_HZ
+
+
 def compute_supply_ripple(
-    circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str, threshold_v: float, envelope_gain: float | None
+    circuit: Circuit,
+    gain_bandwidth_hz: float,
+    cutoff_hz: float,
+    signal_ground: str,
+    threshold_v: float,
+    envelope_gain: float | None,
 ) -> SupplyRipple:
     """Compute the effect of supply ripple on a board.
 
@@ -48,6 +65,8 @@ def compute_supply_ripple(
         Circuit of the board.
     gain_bandwidth_hz
         Gain-bandwidth product of the filter's amplifiers [Hz].
+    cutoff_hz
+        Cutoff of the design.
     signal_ground
         Net to which the rectifier refers.
     threshold_v
@@ -57,18 +76,26 @@ def compute_supply_ripple(
     """
     network = build_network(circuit, gain_bandwidth_hz).restrict(FILTERED, signal_ground)
     nets = [FILTERED] if signal_ground in network.inputs else [FILTERED, signal_ground]
-    volts = network.response(np.geomspace(*RIPPLE_BAND_HZ, _FREQUENCIES), {VCC: 1.0}, *nets)
-    gain = float(np.abs(volts[:, 0] - (volts[:, 1] if len(nets) > 1 else 0.0)).max())
+    band_hz = ripple_band_hz(cutoff_hz)
+    worst_hz, gain = 0.0, 0.0
+    low_hz, high_hz = band_hz
+    for _ in range(2):  # the second time around the largest gain
+        f = np.geomspace(low_hz, high_hz, math.ceil(_FREQUENCIES_PER_DECADE * math.log10(high_hz / low_hz)) + 9)
+        volts = network.response(f, {VCC: 1.0}, *nets)
+        gains = np.abs(volts[:, 0] - (volts[:, 1] if len(nets) > 1 else 0.0))
+        worst = int(gains.argmax())
+        worst_hz, gain = float(f[worst]), float(gains[worst])
+        low_hz, high_hz = float(f[max(worst - 1, 0)]), float(f[min(worst + 1, len(f) - 1)])
     # The mean of a half-wave rectified sine is 1/pi of its peak.
     peak_v = DEAD_ZONE_V if envelope_gain is None else math.pi * threshold_v / envelope_gain
-    return SupplyRipple(gain, peak_v / gain)
+    return SupplyRipple(*band_hz, worst_hz=worst_hz, gain=gain, max_v=peak_v / gain)
 
 
 def describe_supply_ripple(ripple: SupplyRipple, has_diode: bool) -> str:
     """Describe the requirement on the supply's ripple."""
-    low, high = RIPPLE_BAND_HZ
     effect = "makes the diode conduct" if has_diode else "brings the envelope to the threshold"
     return (
-        f"ripple on the positive supply reaches the rectifier amplified {ripple.gain:.0f} times: from {low:g} Hz to "
-        f"{high:g} Hz a peak of {1e3 * ripple.max_v:.2g} mV alone {effect}"
+        f"ripple on the positive supply reaches the rectifier amplified up to {ripple.gain:.0f} times (at "
+        f"{format_figure(ripple.worst_hz, 2)} Hz; searched from {ripple.low_hz:.3g} Hz to {ripple.high_hz / 1e3:g} kHz "
+        f"with the sensor open): a peak of {1e3 * ripple.max_v:.2g} mV alone {effect}"
     )

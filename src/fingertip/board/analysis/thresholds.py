@@ -26,6 +26,8 @@ class ComparatorLevels:
     """Typical increase of the mean by the comparator's input bias current."""
     max_bias_v: float
     """Maximum increase of the mean by the comparator's input bias current."""
+    threshold_bias_v: float
+    """Typical increase of the ON threshold by the current of the other input, if both inputs draw the same."""
     averaging_tau_s: float
     """Time constant of the averaging low-pass [s]."""
 
@@ -54,12 +56,14 @@ def compute_comparator_levels(circuit: Circuit, rails: dict[str, float], signal_
     (stage,) = find_stages(averaging, ENVELOPE, MEAN)
     constant, slope = stage.evaluate(averaging.values).denominator
     source_ohm = averaging.restrict(MEAN).constant_transfers(MEAN)[MEAN]
+    threshold_ohm = build_network(circuit).restrict(THRESHOLD).constant_transfers(THRESHOLD)[THRESHOLD]
     return ComparatorLevels(
         on_v=threshold_v(is_on=False),
         off_v=threshold_v(is_on=True),
         max_on_v=threshold_v(is_on=False, trimmer_ratio=1.0),
         bias_v=BIAS_A * source_ohm,
         max_bias_v=MAX_BIAS_A * source_ohm,
+        threshold_bias_v=BIAS_A * threshold_ohm,
         averaging_tau_s=float(slope / constant),
     )
 
@@ -70,6 +74,7 @@ def describe_comparator_levels(levels: ComparatorLevels) -> list[str]:
         f"slip is ON above {1e3 * levels.on_v:.1f} mV and OFF below {1e3 * levels.off_v:.1f} mV with the trimmer at "
         f"its midpoint; the trimmer reaches {1e3 * levels.max_on_v:.1f} mV",
         f"the comparator's input bias current raises the mean by {1e3 * levels.bias_v:.2f} mV (at most "
-        f"{1e3 * levels.max_bias_v:.2f} mV) in R18; its offset is {1e3 * COMPARATOR_OFFSET_V:g} mV (at most "
+        f"{1e3 * levels.max_bias_v:.2f} mV) in R18; the same current in the other input would raise the threshold by "
+        f"{1e3 * levels.threshold_bias_v:.2f} mV; its offset is {1e3 * COMPARATOR_OFFSET_V:g} mV (at most "
         f"{1e3 * MAX_COMPARATOR_OFFSET_V:g} mV)",
     ]

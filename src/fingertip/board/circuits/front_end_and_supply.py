@@ -87,24 +87,28 @@ def _adc_interface(parts: SelectedComponents, supply: Supply, fourth_pin: str) -
     """Anti-aliasing poles, and clamps to ground and VCC, for the envelope and the tactile voltage."""
     pins = {"1": ADC_TACTILE, "2": ADC_ENVELOPE, "3": GND, "4": fourth_pin}
     symbol, header = symbols.CONNECTOR_4, symbols.HEADER_4
+    signals = ["tactile voltage", "envelope", "ground"]
+    if fourth_pin != GND:
+        signals.append("slip output")
     if supply.signal_ground == VMID:  # signal ground, for the host to subtract
         pins |= {"5": VMID_OUT}
         symbol, header = symbols.CONNECTOR_5, symbols.HEADER_5
-    output = component("J3", "ADC", symbol, header, "to the converter: tactile voltage, envelope")
+        signals.append("signal ground")
+    output = component("J3", "ADC", symbol, header, f"to the ADC: {', '.join(signals)}")
     return {
-        parts.resistor("R7", "anti-alias of the envelope"): {"1": ENVELOPE, "2": ADC_ENVELOPE},
-        parts.small_capacitor("C8", "anti-alias of the envelope"): {"1": ADC_ENVELOPE, "2": GND},
+        parts.resistor("R7", "anti-aliasing filter, envelope"): {"1": ENVELOPE, "2": ADC_ENVELOPE},
+        parts.small_capacitor("C8", "anti-aliasing filter, envelope"): {"1": ADC_ENVELOPE, "2": GND},
         _clamp("D2", "clamp of the envelope"): {"1": GND, "2": VCC, "3": ADC_ENVELOPE},
-        parts.resistor("R8", "anti-alias of the tactile voltage, first pole"): {
+        parts.resistor("R8", "anti-aliasing filter, tactile voltage: first pole"): {
             "1": TACTILE, "2": ALIAS_MID,
         },
-        parts.small_capacitor("C9", "anti-alias of the tactile voltage, first pole"): {
+        parts.small_capacitor("C9", "anti-aliasing filter, tactile voltage: first pole"): {
             "1": ALIAS_MID, "2": GND,
         },
-        parts.resistor("R9", "anti-alias of the tactile voltage, second pole"): {
+        parts.resistor("R9", "anti-aliasing filter, tactile voltage: second pole"): {
             "1": ALIAS_MID, "2": ADC_TACTILE,
         },
-        parts.small_capacitor("C19", "anti-alias of the tactile voltage, second pole"): {
+        parts.small_capacitor("C19", "anti-aliasing filter, tactile voltage: second pole"): {
             "1": ADC_TACTILE, "2": GND,
         },
         _clamp("D3", "clamp of the tactile voltage"): {"1": GND, "2": VCC, "3": ADC_TACTILE},
@@ -135,21 +139,21 @@ def _single_supply(parts: SelectedComponents) -> Wiring:
     """
     plus = {"1": VCC, "2": GND}
     power = component("J2", "POWER", symbols.CONNECTOR_2, symbols.HEADER_2, "supply: plus, ground")
-    buffer = component("U5", "TLV2371DBV", symbols.TLV2371, symbols.SOT_23_5, "buffer of the supply's middle")
+    buffer = component("U5", "TLV2371DBV", symbols.TLV2371, symbols.SOT_23_5, "mid-supply: buffer")
     return {
         power: plus,
         supply_capacitor("C10", BULK_F, "supply, at its entry", symbols.C_0805): plus,
         supply_capacitor("C5", DECOUPLING_F, "supply, at U1"): plus,
         supply_capacitor("C12", DECOUPLING_F, "supply, at U2"): plus,
-        precision_resistor("R22", DIVIDER_OHM, "supply's middle: upper half"): {"1": VCC, "2": VMID_DIVIDER},
-        precision_resistor("R23", DIVIDER_OHM, "supply's middle: lower half"): {"1": VMID_DIVIDER, "2": GND},
-        supply_capacitor("C21", BULK_F, "supply's middle: keeps ripple out", symbols.C_0805): {
+        precision_resistor("R22", DIVIDER_OHM, "mid-supply: upper half"): {"1": VCC, "2": VMID_DIVIDER},
+        precision_resistor("R23", DIVIDER_OHM, "mid-supply: lower half"): {"1": VMID_DIVIDER, "2": GND},
+        supply_capacitor("C21", BULK_F, "mid-supply: filters ripple", symbols.C_0805): {
             "1": VMID_DIVIDER,
             "2": GND,
         },
         buffer: {"3": VMID_DIVIDER, "4": VMID, "1": VMID, "5": VCC, "2": GND},
         supply_capacitor("C22", DECOUPLING_F, "supply, at U5"): plus,
-        parts.resistor("R24", "supply's middle: keeps the cable off its buffer", CABLE_OHM): {"1": VMID_OUT, "2": VMID},
+        parts.resistor("R24", "mid-supply: isolates its buffer from the cable", CABLE_OHM): {"1": VMID_OUT, "2": VMID},
     }
 
 

@@ -4,11 +4,11 @@
 article's references, except that R_LP and C_LP are R6 and C4, because KiCad requires references that end in a digit.
 
 `precision` equals `article` up to FILTERED except for two capacitors. C14 couples R4 to signal ground for AC only, so
-that the first stage does not amplify its own offset. C20 across R5 ends its gain above the vibrations, where the
-bridge's amplifier contributes only noise. After FILTERED a precision half-wave rectifier (U3a, D1, D4), which inverts,
-drives an inverting first-order low-pass (U3b). Both inputs are virtual grounds, so R_LP and C_LP give the article's
-36.17 Hz whether a diode conducts or not. After two inversions the envelope is positive and follows the positive half
-waves. For a sine its mean is 1/pi of the peak.
+that the first stage does not amplify its own offset. C20 across R5 is a low-pass above the band of the vibrations,
+where the bridge's amplifier contributes only noise. After FILTERED a precision half-wave rectifier (U3a, D1, D4), which
+inverts, drives an inverting first-order low-pass (U3b). Both inputs are virtual grounds, so R_LP and C_LP give the
+article's 36.17 Hz whether a diode conducts or not. After two inversions the envelope is positive and follows the
+positive half waves. For a sine its mean is 1/pi of the peak.
 
 `comparator` is `precision` with the article's future work: threshold, hysteresis and an ON/OFF pin. The comparator has
 an open-collector output: SLIP is low (asserted) while slip is detected and high (VCC) otherwise.
@@ -34,7 +34,7 @@ from fingertip.board.nets import (
     VCC,
     VEE,
 )
-from fingertip.board.supplies import SUPPLIES
+from fingertip.board.supplies import SUPPLIES, Supply
 from fingertip.errors import BoardError
 
 SERIES = "SERIES"
@@ -116,7 +116,7 @@ def _precision_path(values: ComponentValues) -> Wiring:
         parts.capacitor("C14", "first stage: blocks its offset"): {
             "1": ground, "2": SERIES,
         },
-        parts.small_capacitor("C20", "first stage: ends its gain above the vibrations"): {
+        parts.small_capacitor("C20", "first stage: low-pass"): {
             "1": STAGE1_OUT, "2": FEEDBACK,
         },
         parts.resistor("R15", "rectifier: input"): {"1": FILTERED, "2": RECT_IN},
@@ -130,20 +130,26 @@ def _precision_path(values: ComponentValues) -> Wiring:
             "3": ground, "2": RECT_IN, "1": RECT_OUT, "5": ground, "6": LP_IN, "7": ENVELOPE, "8": VCC,
             "4": supply.negative_rail,
         },
-        supply_capacitor("C15", DECOUPLING_F, "plus supply, at U3"): {"1": VCC, "2": GND},
+        supply_capacitor("C15", DECOUPLING_F, f"{_positive_supply(supply)}, at U3"): {"1": VCC, "2": GND},
     }  # fmt: skip
     if supply.negative_rail == VEE:
         path = {**path, supply_capacitor("C16", DECOUPLING_F, "minus supply, at U3"): {"1": GND, "2": VEE}}
     return {**_high_passes(values, SERIES), **path}
 
 
+def _positive_supply(supply: Supply) -> str:
+    """Name of the supply at VCC, for roles."""
+    return "plus supply" if supply.negative_rail == VEE else "supply"
+
+
 def _comparator(values: ComponentValues) -> Wiring:
     """The averaging low-pass, the threshold and the comparator with hysteresis."""
-    ground = SUPPLIES[values.supply].signal_ground
+    supply = SUPPLIES[values.supply]
+    ground = supply.signal_ground
     if values.comparator_stage is None:
         raise BoardError("the values are for a variant without comparator; compute them with board.variant=comparator.")
     parts = SelectedComponents(values)
-    comparator = component("U4", "LMV331", symbols.LMV331, symbols.SOT_23_5, "slip or no slip")
+    comparator = component("U4", "LMV331", symbols.LMV331, symbols.SOT_23_5, "comparator of the slip output")
     trimmer = Component(
         "RV1",
         format_component_value(values.by_reference["RV1"]),
@@ -153,14 +159,14 @@ def _comparator(values: ComponentValues) -> Wiring:
         "trimmer 3 mm, one turn, top",
     )
     return {
-        parts.resistor("R18", "mean of the envelope"): {"1": ENVELOPE, "2": MEAN},
-        parts.small_capacitor("C17", "mean of the envelope"): {"1": MEAN, "2": ground},
+        parts.resistor("R18", "averaging low-pass of the envelope"): {"1": ENVELOPE, "2": MEAN},
+        parts.small_capacitor("C17", "averaging low-pass of the envelope"): {"1": MEAN, "2": ground},
         parts.resistor("R19", "threshold's range"): {"1": VCC, "2": TRIM_TOP},
         trimmer: {"1": TRIM_TOP, "2": THRESHOLD, "3": ground},
         parts.resistor("R20", "hysteresis"): {"1": THRESHOLD, "2": SLIP},
-        parts.resistor("R21", "pull-up of the output"): {"1": VCC, "2": SLIP},
+        parts.resistor("R21", "pull-up of the slip output (active low)"): {"1": VCC, "2": SLIP},
         comparator: {"1": THRESHOLD, "3": MEAN, "4": SLIP, "5": VCC, "2": GND},
-        supply_capacitor("C18", DECOUPLING_F, "plus supply, at U4"): {"1": VCC, "2": GND},
+        supply_capacitor("C18", DECOUPLING_F, f"{_positive_supply(supply)}, at U4"): {"1": VCC, "2": GND},
     }
 
 

@@ -2,8 +2,8 @@
 
 The article's TL082 is used on the article's own board, variant `article` on plus and minus 5 V. Its common-mode input
 range ends 3 V above the negative rail (typical; the data sheet guarantees 4 V), and below that its output reverses its
-phase and jumps up. An ordinary press takes the second stage's input there. All other boards have the TLV2372, which has
-rail-to-rail inputs and outputs, the same pins, and a maximum supply of 16 V.
+phase and jumps up. A fast press or a knock takes the second stage's input there. All other boards have the TLV2372,
+which has rail-to-rail inputs and outputs, the same pins, and a maximum supply of 16 V.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Amplifier:
     max_offset_v: float
     """Maximum input offset voltage at 25 degrees Celsius [V], for the grade in `order_name`."""
     output_from_rail_v: float
-    """Distance from the rails at which the output stops [V], typical, into 2 to 10 kohm."""
+    """Distance from the rails at which the output stops [V], typical, into a light load (10 kohm)."""
     units: dict[str, tuple[str, str, str]]
     """Unit letter -> pins of non-inverting input, inverting input and output."""
     order_name: str
@@ -74,4 +74,7 @@ GAIN_RESISTOR = "R14"
 """Resistor between the gain pins of the bridge's amplifier."""
 
 LOW_NOISE_NAME, LOW_NOISE_V = "INA821", 7e-9
-"""Instrumentation amplifier with a lower noise density [V/sqrt(Hz)], for comparison; it has a different pinout."""
+"""Instrumentation amplifier with a lower noise density [V/sqrt(Hz)], for comparison.
+
+It has another footprint and pinout, and another gain equation, so that it requires another R14.
+"""

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 from fingertip.board.components.preferred_values import nearest_value, neighbouring_values, values_in_range
 from fingertip.design.filter_components import (
-    B2,
+    SECTION_QUALITY,
     SELECTABLE_R1_OHM,
     SELECTABLE_R_LP_OHM,
     FilterComponents,
@@ -108,9 +108,9 @@ def filter_error(c_f: float, cutoff_hz: float, series: str) -> float:
 
     It is the hypot of the logarithms of f0, Q and the first pole over their ideal values.
     """
-    r2_ohm, r3_ohm = select_section_resistors(cutoff_hz, 1.0 / math.sqrt(B2), c_f, series)
+    r2_ohm, r3_ohm = select_section_resistors(cutoff_hz, SECTION_QUALITY, c_f, series)
     first_hz = pole_hz(nearest_value(r1_ohm(cutoff_hz, c_f), series), c_f)
-    section = section_error(r2_ohm, r3_ohm, c_f, cutoff_hz, 1.0 / math.sqrt(B2))
+    section = section_error(r2_ohm, r3_ohm, c_f, cutoff_hz, SECTION_QUALITY)
     return math.hypot(section, math.log(first_hz / cutoff_hz))
 
 

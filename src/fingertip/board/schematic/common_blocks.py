@@ -150,6 +150,6 @@ _SUPPLY_MIDPOINT = Sheet(
         PowerSymbol("VCC", 42, 136), PowerSymbol("GND", 42, 148),
     ),
     labels=(Label("HALF", 30, 140),),
-    texts=(("The supply's middle, buffered", 22, 129),),
+    texts=(("Buffered mid-supply", 22, 129),),
     global_labels=(GlobalLabel("VMID", 56, 142),),
 )  # fmt: skip

@@ -14,6 +14,7 @@ import itertools
 from pathlib import Path
 from typing import Any
 
+from fingertip import extras
 from fingertip.cad.solids import (
     Box,
     Cone,
@@ -44,6 +45,7 @@ try:
     from OCP.TColStd import TColStd_Array2OfReal
     from OCP.TopoDS import TopoDS_Shape
 except ImportError as error:
+    extras.require("STEP", "cadquery", alternative="leave STEP out with --formats stl,3mf")
     raise MissingLibraryError(
         Issue(
             "STEP",

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from fingertip.campaign.closed_loop import NO_CONTROL, ClosedLoopTrial, any_finger_slips
 from fingertip.campaign.evaluate import select_input, simulate_trace
@@ -25,6 +25,9 @@ from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 from fingertip.slip import ChainSettings, SlipChain, Trace, make_detector
 from fingertip.slip.intervals import intervals
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _VOLTAGE, _ENVELOPE, _TRUTH, _FORCE = "#1f4e79", "#d98c2b", "#7fb3a6", "#4a5157"
 _REFERENCE = "#b0b7bf"

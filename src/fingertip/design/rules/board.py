@@ -24,6 +24,9 @@ BAND_CUTOFFS = 3.0
 """Band of vibrations that is kept, in cutoffs: slip of the embedded finger ends at 1.5, that of the bare sensor reaches
 about 3."""
 
+MAX_SPLIT_V = 5.5
+"""Maximum of each half of a split supply [V]. The AD623's supply range ends at 12 V (its data sheet; unverified)."""
+
 
 @RULES.rule("board.capacitor_uf")
 def filter_capacitor_fits_its_footprint(design: DesignTables) -> Violation | None:
@@ -152,6 +155,20 @@ def band_limit_capacitor_exists(design: DesignTables) -> Violation | None:
         limit, passing = f"above {maximum * 1e12:g} pF", at_least(f * c_f / maximum)
     return Violation(
         f"{f:g} Hz with R5 of {R5:g} ohm requires {c_f * 1e12:.4g} pF across it, {limit}", passing, "with this r5_ohm"
+    )
+
+
+@RULES.rule("board.supply_v")
+def bridge_amplifier_withstands_the_split_supply(design: DesignTables) -> Violation | None:
+    """Both halves of a split supply together stay below the bridge amplifier's maximum, with a margin."""
+    supply_v = design.board.supply_v
+    if design.board.supply != "split" or supply_v <= MAX_SPLIT_V:
+        return None
+    return Violation(
+        f"plus and minus {supply_v:g} V put {2 * supply_v:g} V across the bridge's AD623, too close to the end of its "
+        "supply range",
+        at_most(MAX_SPLIT_V),
+        alternatives={"board.supply": "single"},
     )
 
 

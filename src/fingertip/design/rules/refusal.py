@@ -19,12 +19,12 @@ _MAX_CHANGED = 3
 """Maximum number of changed parameters among which alternatives are searched. More of them are a design of its own, in
 which none stands out."""
 _BUNDLED_DESIGNS = {
-    "fsr400": "params/fsr400.toml",
-    "fsr400_short": "params/fsr400.toml",
-    "fsr402": "params/fsr402.toml",
-    "fsr402_short": "params/fsr402.toml",
+    "fsr400": "fsr400",
+    "fsr400_short": "fsr400",
+    "fsr402": "fsr402",
+    "fsr402_short": "fsr402",
 }
-"""Bundled design file for each sensor of the catalogue."""
+"""Bundled design for each sensor of the catalogue."""
 
 Values = dict[str, Any]
 """Values of parameters by their dotted names."""
@@ -125,8 +125,9 @@ def _format_bound(refusal: Refusal, name: str, values: Values) -> str:
 def _suggest_bundled_design(refusal: Refusal, name: str) -> str:
     """Name the bundled design for a sensor that the present design does not fit."""
     present, before = refusal.tables.value(name), refusal.before.value(name)
-    file = _BUNDLED_DESIGNS.get(present) if name == "sensor.model" else None
-    return f", or start from {file}" if file and _BUNDLED_DESIGNS.get(before) != file else ""
+    design = _BUNDLED_DESIGNS.get(present) if name == "sensor.model" else None
+    is_other = design and _BUNDLED_DESIGNS.get(before) != design
+    return f", or start from the bundled design {design}" if is_other else ""
 
 
 def _note(refusal: Refusal, name: str) -> str:

@@ -8,13 +8,12 @@ import statistics
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 
+from fingertip import extras
 from fingertip.arrays import Array
-from fingertip.errors import Issue, MissingLibraryError
 
 MIN_ERROR_RATIO = 100.0
 """Smallest ratio of an error to the difference of the two references at which the error counts as known."""
@@ -135,16 +134,11 @@ def describe_machine() -> dict[str, Any]:
 
 
 def require_libraries() -> None:
-    """Raise unless the libraries that the benchmark compares with are installed.
+    """Raise unless the libraries that the benchmark compares with and draws with are installed.
 
     Raises
     ------
     MissingLibraryError
         With the names of the missing packages.
     """
-    missing = [name for name in ("scipy", "numba") if find_spec(name) is None]
-    if missing:
-        names = " and ".join(missing)
-        raise MissingLibraryError(
-            Issue("fingertip bench", f"needs {names}; install with `pip install {' '.join(missing)}`.")
-        )
+    extras.require("fingertip bench", "scipy", "numba", "matplotlib")

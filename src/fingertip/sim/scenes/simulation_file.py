@@ -54,7 +54,7 @@ class SimulationFile(BaseModel):
 
     @classmethod
     def load(cls, *files: str | Path, changes: Iterable[str] = ()) -> Self:
-        """Read a file: defaults first, then each file, then changes such as ``"tap.force_n=5"``.
+        """Read a file or a bundled one: defaults first, then each file, then changes such as ``"tap.force_n=5"``.
 
         Raises
         ------

@@ -21,11 +21,9 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.design import Design
+from fingertip.design.filter_components import SECTION_QUALITY as Q
 from fingertip.jit import CompiledLoop
 from fingertip.slip.detectors.detector import DetectorOutput, as_samples
-
-Q = 1.0
-"""Quality factor of the second-order section of a third-order Butterworth filter (article, eq. 8)."""
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip import extras
 from fingertip.design import Design
 from fingertip.design.issues import suggest_name
-from fingertip.errors import Issue, MissingLibraryError, TomlFileError, TraceError
+from fingertip.errors import Issue, TomlFileError, TraceError
 from fingertip.slip.traces.csv_file import read_csv
 from fingertip.slip.traces.guess_columns import suggest_options
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace
@@ -173,11 +173,7 @@ def _load_numpy(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
 
 def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     """Load channels by name. A single channel is the voltage, and the recording's increment gives the times."""
-    try:
-        nptdms = importlib.import_module("nptdms")
-    except ImportError:
-        message = "requires npTDMS, which is not installed; pip install 'fingertip[tdms]'."
-        raise MissingLibraryError(Issue(str(path), message)) from None
+    nptdms = extras.load("nptdms", str(path), alternative="save the recording as CSV")
     with path.open("rb") as file:
         if file.read(4) != b"TDSm":  # the tag of every segment
             raise TraceError(Issue(str(path), "is not a TDMS file; export it again, or save it as CSV."))

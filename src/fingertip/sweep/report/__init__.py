@@ -9,6 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fingertip import extras
+
 if TYPE_CHECKING:
     from fingertip.sweep.database import SweepDatabase
     from fingertip.sweep.plan import SweepPlan
@@ -25,7 +27,7 @@ def write_report(
 
     It always contains `summary.json`. It contains `feasibility.png`, `sensitivity.png`, `heatmap_OUTPUT.png` and
     `scatter_matrix.png` if the rows have something to draw, `best.toml` and `pareto_front.csv` if the sweep has an
-    objective, and `pareto_front.png` if it has two or more.
+    objective, and `pareto_front.png` if it has two or more. Without matplotlib, the plots are left out.
 
     Parameters
     ----------
@@ -50,7 +52,7 @@ def write_report(
     SweepError
         If the database holds a different sweep than the plan.
     """
-    from fingertip.files import atomic_write
+    from fingertip.output_set import SetWriter, hash_parameters
     from fingertip.sweep.report.best_design import format_best_design
     from fingertip.sweep.report.summary import describe_best, format_text, summarise, to_json_data
 
@@ -63,14 +65,20 @@ def write_report(
         files["best.toml"] = format_best_design(summary.plan, summary.table, summary.selection).encode()
         files["pareto_front.csv"] = _format_front(summary)
     if len(summary.table.point):
-        from fingertip.sweep.report.plots import draw_plots
+        from fingertip.sweep.report.plots import select_plots
 
-        progress("drawing")
-        files |= dict(draw_plots(summary))
+        plots = dict(select_plots(summary))
+        if extras.is_installed("matplotlib"):
+            progress("drawing")
+            files |= {name: draw() for name, draw in plots.items()}
+        elif plots:
+            progress(f"left out {', '.join(plots)}: plots need {extras.describe_missing('matplotlib')}")
     names = sorted([*files, "summary.json"])
     data = to_json_data(summary) | {"best_summary": describe_best(summary), "files": names}
     files["summary.json"] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
-    atomic_write(folder, files)
+    # The database in the folder is open, so the folder must stay where it is.
+    parameters = hash_parameters(summary.plan.to_toml())
+    SetWriter(folder, "sweep report", summary.plan.file.name, parameters, force=True, in_place=True).write(files)
     progress(f"wrote {', '.join(names)} to {folder}")
     return data | {"text": format_text(summary)}
 

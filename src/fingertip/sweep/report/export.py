@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from fingertip.errors import Issue, MissingLibraryError
+from fingertip import extras
 from fingertip.files import open_atomic
 
 if TYPE_CHECKING:
@@ -86,13 +86,9 @@ def load_pyarrow() -> tuple[Any, Any]:
     MissingLibraryError
         If they are not installed.
     """
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError as error:
-        remedy = "pip install 'fingertip[parquet]', or write CSV with --csv"
-        raise MissingLibraryError(Issue("--parquet", f"needs the package pyarrow; {remedy}.")) from error
-    return pyarrow, pyarrow.parquet
+    remedy = "write CSV with --csv"
+    pyarrow = extras.load("pyarrow", "--parquet", alternative=remedy)
+    return pyarrow, extras.load("pyarrow.parquet", "--parquet", alternative=remedy)
 
 
 def list_columns(plan: SweepPlan) -> list[str]:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
-from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from fingertip.plot_style import GRID_COLOUR, TEXT_COLOUR, new_figure, style_axes, to_png
 from fingertip.sweep.report.feasibility import FEASIBLE, PointClasses
 from fingertip.sweep.report.plot_scales import PlotScale, make_scale
 from fingertip.sweep.report.statistics import Column
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
 
 _FEASIBLE_COLOUR, _OTHERS_COLOUR, _EMPTY_COLOUR = "#cfe3d8", "#b9bec4", "#f4f5f6"
 _RULE_COLOURS = ("#b03a2e", "#d98c2b", "#1f4e79", "#8e6bb0", "#d9c32b", "#4fa3c7", "#7a4b26", "#d67fa8")
@@ -69,6 +71,8 @@ def draw_feasibility(axes: dict[str, Column], classes: PointClasses, ranked_axes
 
 def _choose_colours(classes: PointClasses) -> tuple[list[str], NDArray[np.intp], list[Patch]]:
     """Choose colours, the colour index of each point, and the legend; the rarest of many classes share a colour."""
+    from matplotlib.patches import Patch
+
     counts, total = classes.count(), max(1, len(classes.indices))
     names = list(classes.names)
     colours = [_FEASIBLE_COLOUR]
@@ -105,6 +109,8 @@ def _draw_map(
     colours: list[str],
 ) -> str:
     """Draw markers or cells, and describe them."""
+    from matplotlib.colors import ListedColormap
+
     exact = x.bins.is_exact and y.bins.is_exact
     as_markers = not exact and len(codes) <= _MAX_MARKERS
     margin = 0.02 if as_markers else 0.0

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from fingertip.plot_style import RED, TEXT_COLOUR, new_figure, style_axes, to_png
@@ -16,6 +14,10 @@ from fingertip.sweep.report.best_design import Objective
 from fingertip.sweep.report.plot_scales import PlotScale, choose_points, make_scale, wrap_name
 from fingertip.sweep.report.sensitivity import OutputSensitivity
 from fingertip.sweep.report.statistics import Column, compute_cell_statistics
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _EMPTY_COLOUR = "#e9ebed"
 _MAX_CELLS = 40
@@ -177,6 +179,8 @@ def _draw_cells(
     title: str,
     unit: str,
 ) -> None:
+    from matplotlib.colors import ListedColormap
+
     x, y = scales
     plot.pcolormesh(x.edges, y.edges, np.ma.masked_equal(points, 0), cmap=ListedColormap([_EMPTY_COLOUR]))
     mesh = plot.pcolormesh(x.edges, y.edges, np.ma.masked_invalid(values), cmap="viridis")

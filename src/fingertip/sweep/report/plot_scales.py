@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from fingertip.sweep.report.statistics import (
@@ -19,6 +17,9 @@ from fingertip.sweep.report.statistics import (
     suits_log_scale,
     to_sortable,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,8 @@ class PlotScale:
         if self.categories:
             getattr(axes, f"set_{side}ticks")(range(len(self.categories)), self.categories)
         elif self.log:
+            from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
             getattr(axes, f"set_{side}scale")("log")
             axis = getattr(axes, f"{side}axis")
             axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

@@ -1,8 +1,9 @@
-"""Choice of the plots that are worth drawing for a sweep. Imports matplotlib, as the plot modules do."""
+"""Choice of the plots that are worth drawing for a sweep. Choosing them does not need matplotlib."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -17,17 +18,17 @@ from fingertip.sweep.report.summary import SweepSummary
 _MAX_HEAT_MAPS = 3
 
 
-def draw_plots(summary: SweepSummary) -> Iterator[tuple[str, bytes]]:
-    """Draw each plot that has something to show; give its file name and its PNG."""
+def select_plots(summary: SweepSummary) -> Iterator[tuple[str, Callable[[], bytes]]]:
+    """Select the plots that have something to show; give the file name of each and the function that draws its PNG."""
     table, feasible = summary.table, find_feasible(summary.table)
     axes = {name: column for name, column in table.axes.items() if _varies(column)}
     if not axes:
         return
     if summary.limiting_rules:
         ranked = select_strongest_axes(summary.find_sensitivity(FEASIBLE), [*axes], len(axes))
-        yield "feasibility.png", draw_feasibility(axes, summary.classes, ranked)
+        yield "feasibility.png", partial(draw_feasibility, axes, summary.classes, ranked)
     if summary.sensitivities:
-        yield "sensitivity.png", draw_sensitivities(summary.sensitivities, [*axes])
+        yield "sensitivity.png", partial(draw_sensitivities, summary.sensitivities, [*axes])
     # Outputs that vary, objectives first
     outputs = {name: column for name, column in table.outputs.items() if _varies(column[feasible])}
     objectives = {o.output: o for o in summary.selection.objectives}
@@ -38,10 +39,10 @@ def draw_plots(summary: SweepSummary) -> Iterator[tuple[str, bytes]]:
         x, y = sorted(strongest, key=list(axes).index)
         minimise = objectives[output].sign > 0 if output in objectives else None
         values = table.outputs[output]
-        yield f"heatmap_{output}.png", draw_heat_map(axes, x, y, output, values, feasible, minimise)
-    yield "scatter_matrix.png", _draw_scatter_matrix(summary, axes, {name: outputs[name] for name in names})
+        yield f"heatmap_{output}.png", partial(draw_heat_map, axes, x, y, output, values, feasible, minimise)
+    yield "scatter_matrix.png", partial(_draw_scatter_matrix, summary, axes, {name: outputs[name] for name in names})
     if len(objectives) >= 2 and summary.selection.best is not None:
-        yield "pareto_front.png", _draw_front(summary)
+        yield "pareto_front.png", partial(_draw_front, summary)
 
 
 def _varies(column: Column) -> bool:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from fingertip.plot_style import BLUE, TEXT_COLOUR, new_figure, to_png
 from fingertip.sweep.report.plot_scales import PlotScale, choose_points, make_scale
 from fingertip.sweep.report.statistics import Column, compute_correlation, compute_ranks, is_categorical
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 MAX_COLUMNS = 8
 _MAX_POINTS = 2000

@@ -1,0 +1,57 @@
+"""Command `fingertip new`: begin a design of one's own."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fingertip.cli.console import Console, JsonOption, QuietOption, command, find_suffix_issues
+
+
+@command
+def new(
+    name: Annotated[str, typer.Argument(help="Name of the design: up to 40 letters, digits, - and _.")],
+    sensor: Annotated[
+        str,
+        typer.Option("--sensor", help="Sensor: fsr400, fsr400_short, fsr402, fsr402_short or custom (see the file)."),
+    ] = "fsr400",
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="FILE", help="File to write; NAME.toml by default.")
+    ] = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Write a design file with comments, to be edited: the main parameters, and all others as comments.
+
+    The bundled design of the sensor is the base. An existing file is never overwritten.
+    """
+    from fingertip.bundled import list_bundled_files
+    from fingertip.design.new_design import write_new_design
+    from fingertip.errors import DesignError, FingertipError, Issue
+    from fingertip.files import write_file
+    from fingertip.toml_files import DESIGN
+
+    console = Console(as_json, quiet)
+    issues = list(find_suffix_issues("--out", out, ".toml", "TOML"))
+    if name in list_bundled_files(DESIGN):
+        issues.append(Issue("NAME", f"{name} is the name of a bundled design; choose another, such as my_{name}."))
+    text = ""
+    try:
+        text = write_new_design(name, sensor)
+    except DesignError as error:
+        options = {"name": "NAME", "sensor": "--sensor"}
+        issues += (Issue(options.get(issue.field, issue.field), issue.message) for issue in error.issues)
+    path = out or Path(f"{name}.toml")
+    if text and os.path.lexists(path):
+        problem = "is a folder" if path.is_dir() else "exists and is not overwritten"
+        issues.append(Issue(str(path), f"{problem}; give another name, or another file with --out."))
+    if issues:
+        raise FingertipError(issues)
+    write_file(path, text.encode())
+    following = f"fingertip build {shlex.quote(path.as_posix())}"
+    data = {"design": path.as_posix(), "name": name, "sensor": sensor, "next": following}
+    console.result(data, f"wrote {path}; edit it, then run: {following}")

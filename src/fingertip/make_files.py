@@ -1,0 +1,117 @@
+"""Everything of a design in one go: parts, board, one simulated trial and the slip detected in it.
+
+The parts stand at the top of the folder, as `build` writes them; the board is in `board/`, the trial in `signal/`. Each
+is a set of its own. While the B-rep kernel works on the STEP files in a second process, this process makes the others.
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fingertip import extras
+from fingertip.build_files import Build, build
+from fingertip.design import Design
+from fingertip.sim.trace_export import SIGNAL_FOLDER, encode_trace, signal_writer
+
+if TYPE_CHECKING:
+    from fingertip.detect_trace import FileDetection
+    from fingertip.output_set import SetWriter
+
+TRACE, PLOT, DETECTION = "trace.csv", "slip.png", "detection.json"
+
+
+@dataclass(frozen=True)
+class Made:
+    """Result of `make`."""
+
+    parts: Build
+    board: tuple[Path, ...]
+    """Files of the board."""
+    signal: tuple[Path, ...]
+    """Files of the simulated trial."""
+    detection: FileDetection
+    """Slip that was detected in the trial."""
+
+
+def make(
+    design: Design,
+    out: str | Path | None = None,
+    *,
+    formats: Iterable[str] | None = None,
+    force: bool = False,
+    progress: Callable[[str], None] = lambda message: None,
+) -> Made:
+    """Make parts, board, a simulated trial and its detection, in one folder.
+
+    Parameters
+    ----------
+    design
+        The fingertip.
+    out
+        Output folder; `out/<design name>` if None.
+    formats
+        File formats of the parts, as for `build`.
+    force
+        Whether files may be overwritten that this function did not write, or that were changed since.
+    progress
+        Called with a message at each step.
+
+    Raises
+    ------
+    FingertipError
+        As `build`, `write_board`, `simulate` and `detect_file` do. Nothing has been written then.
+    """
+    folder = Path("out") / design.name if out is None else Path(out)
+    others: list[tuple[SetWriter, Mapping[str, bytes]]] = []
+    found: list[FileDetection] = []
+
+    def make_the_others() -> None:
+        from fingertip.board.output import board_files, board_writer
+
+        progress("making the board")
+        board, board_set = board_writer(design, folder / "board", force), board_files(design)
+        board.check(board_set)
+        signal = signal_writer(design, folder / SIGNAL_FOLDER, force)
+        signal.check((TRACE, PLOT, DETECTION))
+        signal_set, detection = _simulate_and_detect(design, progress)
+        others.extend(((board, board_set), (signal, signal_set)))
+        found.append(detection)
+
+    parts = build(design, folder, formats=formats, force=force, progress=progress, meanwhile=make_the_others)
+    for writer, contents in others:
+        writer.write(contents)
+        progress(f"{len(contents)} files in {writer.folder}")
+    board_paths, signal_paths = (tuple(writer.folder / name for name in contents) for writer, contents in others)
+    return Made(parts, board_paths, signal_paths, found[0])
+
+
+def _simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tuple[dict[str, bytes], FileDetection]:
+    """Simulate a trial, and detect slip in its trace as it is read back from a file."""
+    from fingertip.detect_trace import detect_file
+    from fingertip.sim import load_simulation
+    from fingertip.sim.simulation import Simulation
+    from fingertip.slip.format import as_data
+
+    progress("simulating a trial")
+    simulation = Simulation(design, load_simulation().scene)
+    result = simulation.run()
+    contents = {TRACE: encode_trace(result.time_s, result.columns, Path(TRACE))}
+    progress("detecting slip in it")
+    with tempfile.TemporaryDirectory() as temporary:
+        path = Path(temporary) / TRACE
+        path.write_bytes(contents[TRACE])
+        found = detect_file(path, design)
+    data = as_data(found.detection, found.noise)
+    contents[DETECTION] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
+    if extras.is_installed("matplotlib"):
+        from fingertip.slip.plot import draw
+
+        contents[PLOT] = draw(found.trace, found.detection, TRACE)
+    else:
+        progress(f"{PLOT} is left out: it needs {extras.describe_missing('matplotlib')}")
+    return contents, found

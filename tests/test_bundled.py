@@ -1,0 +1,245 @@
+"""Bundled designs, scenes and sweeps: found by bare name, from a checkout and from the wheel."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fingertip.bundled import find_file, list_bundled_files
+from fingertip.design import Design
+from fingertip.errors import FingertipError, SweepError
+from fingertip.sim import ManipulationFile, SceneFile, load_simulation
+from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.sweep_file import read_sweep_file, to_canonical_text
+from fingertip.toml_files import DESIGN, KINDS, SCENE, SWEEP
+from tests.conftest import ROOT, run_fingertip, run_python
+
+PARAMS = ROOT / "params"
+FILES = sorted(PARAMS.rglob("*.toml"))
+SMALL_MAP = ("--set", "axes.skin.width_mm=[16, 17]", "--set", "axes.skin.thickness_palmar_mm=[3.0]", "--jobs", "1")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty working folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_every_file_has_a_name_of_its_own() -> None:
+    assert list_bundled_files() == {path.stem: path for path in FILES}
+    assert len({path.stem for path in FILES}) == len(FILES)
+    by_kind = [list_bundled_files(kind) for kind in KINDS]
+    assert all(by_kind)
+    assert sum(map(len, by_kind)) == len(FILES)
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+def test_examples_in_messages_are_names_of_bundled_files(kind: Any) -> None:
+    assert kind.example in list_bundled_files(kind)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_a_name_gives_what_the_path_gives(path: Path, folder: Path) -> None:
+    name = path.stem
+    if name in list_bundled_files(DESIGN):
+        assert Design.load(name) == Design.load(path)
+        assert load_simulation(name) == load_simulation(path)
+    elif name in list_bundled_files(SWEEP):
+        assert read_sweep_file(name) == read_sweep_file(path)
+        assert str(ROOT) not in to_canonical_text(read_sweep_file(name))
+    else:
+        model = SceneFile if name in list_bundled_files(SCENE) else ManipulationFile
+        assert model.load(name) == model.load(path)
+        assert load_simulation(name, "fsr402") == load_simulation(path, PARAMS / "fsr402.toml")
+
+
+def test_a_path_comes_before_a_name(folder: Path) -> None:
+    (folder / "fsr400").write_text("[skin]\nwidth_mm = 18\n")
+    assert Design.load("fsr400").skin.width_mm == 18
+    assert Design.load("fsr402").skin.width_mm == 24.4
+    (folder / "fsr402").mkdir()
+    with pytest.raises(FingertipError, match="fsr402: is a folder, which comes before the bundled file of the same"):
+        Design.load("fsr402")
+
+
+@pytest.mark.parametrize(
+    "given", ["fsr400.toml", "./fsr400", "../fsr400", "params/fsr400", "scenes/drift", "fsr400.", ""]
+)
+def test_only_a_single_word_is_a_name(given: str, folder: Path) -> None:
+    assert find_file(given, DESIGN) == Path(given)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ("fsr4", "fsr4: is neither a file nor the name of a bundled design; did you mean fsr400 or fsr402?"),
+        (
+            "thumb",
+            "thumb: is neither a file nor the name of a bundled design; known names: fsr400, fsr402; "
+            "or give the path of a file.",
+        ),
+        ("mine", "mine: is neither a file nor the name of a bundled design; did you mean mine.toml?"),
+        (
+            "hard_tap",
+            "hard_tap: is a scene file, not a design file; known names: fsr400, fsr402 "
+            "(`fingertip simulate` takes a scene file as its first argument).",
+        ),
+    ],
+)
+def test_an_unknown_name_gives_one_sentence(given: str, message: str, folder: Path) -> None:
+    (folder / "mine.toml").touch()
+    with pytest.raises(FingertipError) as caught:
+        Design.load(given)
+    assert str(caught.value) == message
+
+
+def test_unknown_names_are_refused_by_the_commands_that_take_other_kinds(folder: Path) -> None:
+    done = run_fingertip("simulate", "hard_tp", "--design", "fsr40")
+    assert done.returncode == 2
+    assert done.stderr.splitlines() == [
+        "error: hard_tp: is neither a file nor the name of a bundled design, scene or manipulation; "
+        "did you mean hard_tap?",
+        "error: fsr40: is neither a file nor the name of a bundled design; did you mean fsr400 or fsr402?",
+    ]
+    done = run_fingertip("simulate", "map")
+    assert done.stderr.startswith(
+        "error: map: is a sweep file, not a design file, a scene file or a manipulation file;"
+    )
+    done = run_fingertip("sweep", "bord")
+    assert done.stderr == "error: bord: is neither a file nor the name of a bundled sweep; did you mean board?\n"
+    assert not list(folder.iterdir())
+
+
+def test_a_sweep_file_names_bundled_files_and_files_beside_it(folder: Path) -> None:
+    text = 'design = "{}"\nscene = "{}"\noutputs = ["delay_ms"]\n[axes]\nskin.width_mm = [24.4]\n'
+    beside = folder / "sweeps"
+    beside.mkdir()
+    (beside / "by_name.toml").write_text(text.format("fsr402", "drift"))
+    path = "../designs/own.toml"
+    (folder / "designs").mkdir()
+    (folder / "designs/own.toml").write_bytes((PARAMS / "fsr402.toml").read_bytes())
+    (beside / "by_path.toml").write_text(text.format(path, PARAMS / "scenes" / "drift.toml"))
+    tables = read_sweep_file("sweeps/by_name.toml")
+    assert tables["design"] == tomllib.loads((PARAMS / "fsr402.toml").read_text())
+    assert tables == read_sweep_file("sweeps/by_path.toml")
+    (beside / "fsr402").write_text("[skin]\nwidth_mm = 18\n")
+    assert read_sweep_file("sweeps/by_name.toml")["design"] == {"skin": {"width_mm": 18}}
+    (beside / "unknown.toml").write_text(text.format("fsr4", "map"))
+    with pytest.raises(SweepError) as caught:
+        read_sweep_file("sweeps/unknown.toml")
+    assert [issue.field for issue in caught.value.issues] == ["fsr4", "map"]
+
+
+def test_changes_of_a_bundled_sweep_name_files_of_the_working_folder(folder: Path) -> None:
+    (folder / "own.toml").write_text("[skin]\nwidth_mm = 18\n")
+    assert read_sweep_file("board", ["design=own.toml"])["design"] == {"skin": {"width_mm": 18}}
+    assert read_sweep_file("board", ["design=fsr402"])["design"]["name"] == "fsr402"
+    with pytest.raises(SweepError) as caught:
+        read_sweep_file("board", ["design=none.toml"])
+    assert [issue.field for issue in caught.value.issues] == ["none.toml"]
+
+
+def test_the_scene_that_a_message_recommends_can_be_set(folder: Path) -> None:
+    changes = ['outputs=["delay_ms"]', "sampling=grid", "points=0", "axes={board.series=['E24']}"]
+    with pytest.raises(SweepError, match=r'scene: is missing, .*; write scene = "sliding_finger"'):
+        SweepPlan.load("map", changes)
+    plan = SweepPlan.load("map", [*changes, "scene=sliding_finger"])
+    assert plan.scene == SceneFile.load("sliding_finger")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("params", "fsr402"),
+        ("board", "fsr400", "--out", "pcb"),
+        ("simulate", "fsr400"),
+        ("simulate", "sliding_surface", "--design", "fsr402"),
+        ("simulate", "real_manipulation", "--parameters"),
+        ("sweep", "map", *SMALL_MAP),
+        pytest.param(("check", "fsr400", "fsr402"), marks=pytest.mark.slow),
+        pytest.param(("sheet", "fsr402"), marks=pytest.mark.slow),
+        pytest.param(("picture", "fsr400"), marks=pytest.mark.slow),
+        pytest.param(("build", "fsr400", "--parts", "skin", "--formats", "stl"), marks=pytest.mark.slow),
+    ],
+    ids=lambda words: words[0],
+)
+def test_commands_take_names_and_write_no_path_of_this_machine(words: tuple[str, ...], folder: Path) -> None:
+    done = run_fingertip(*words)
+    assert done.returncode == 0, done.stderr
+    written = [path.read_bytes() for path in folder.rglob("*") if path.is_file()]
+    assert written or words[0] in ("params", "check") or "--parameters" in words
+    for text in (done.stdout.encode(), done.stderr.encode(), *written):
+        assert str(ROOT).encode() not in text
+        assert str(folder).encode() not in text
+
+
+def test_detect_takes_a_name(folder: Path) -> None:
+    assert run_fingertip("simulate", "fsr400", "--out", "trace.csv").returncode == 0
+    by_name, by_path = (
+        run_fingertip("detect", "trace.csv", "--design", design, "--json")
+        for design in ("fsr402", PARAMS / "fsr402.toml")
+    )
+    assert by_name.returncode == 0, by_name.stderr
+    assert by_name.stdout == by_path.stdout
+
+
+def test_validate_takes_a_name(folder: Path) -> None:
+    """The detector is looked up after the design."""
+    assert "fsr4: is neither a file" in run_fingertip("validate", "fsr4", "--detector", "none").stderr
+    assert "'none' is not" in run_fingertip("validate", "fsr402", "--detector", "none").stderr
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel, built as `pip install .` does."""
+    made = tmp_path_factory.mktemp("wheel")
+    command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", str(made), str(ROOT)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    if "No matching distribution found for hatchling" in done.stderr:
+        pytest.skip("hatchling, which builds the wheel, cannot be fetched: pip reaches no index")
+    assert done.returncode == 0, done.stderr
+    (path,) = made.glob("*.whl")
+    return path
+
+
+@pytest.mark.slow
+def test_the_wheel_holds_every_bundled_file(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        held = {name: archive.read(name) for name in archive.namelist() if name.startswith("fingertip/params/")}
+    assert held == {f"fingertip/params/{path.relative_to(PARAMS).as_posix()}": path.read_bytes() for path in FILES}
+
+
+@pytest.mark.slow
+def test_the_installed_wheel_finds_its_files(wheel: Path, folder: Path) -> None:
+    target = folder / "installed"
+    command = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", str(target), str(wheel)]
+    subprocess.run(command, check=True, capture_output=True, timeout=300)
+    work = folder / "work"
+    work.mkdir()
+    place = {"PYTHONPATH": str(target), "PWD": str(work)}
+    found = run_python("-c", "import fingertip; print(fingertip.__file__)", **place).stdout
+    assert found.strip() == str(target / "fingertip" / "__init__.py")
+    for words in (
+        ("params", "fsr400"),
+        ("board", "fsr400", "--out", "pcb"),
+        ("simulate", "hard_tap", "--design", "fsr402"),
+        ("sweep", "map", *SMALL_MAP),
+        ("new", "mine", "--sensor", "fsr402"),
+        ("params", "mine.toml"),
+    ):
+        done = run_python("-m", "fingertip", *words, **place)
+        assert done.returncode == 0, done.stderr
+        assert str(folder) not in done.stdout + done.stderr
+    here = run_fingertip("params", "fsr400").stdout
+    assert run_python("-m", "fingertip", "params", "fsr400", **place).stdout == here
+    unknown = run_python("-m", "fingertip", "params", "fsr4", **place)
+    assert unknown.stderr.endswith("did you mean fsr400 or fsr402?\n")
+    for path in work.rglob("*"):
+        assert path.is_dir() or str(folder).encode() not in path.read_bytes(), path

@@ -1,0 +1,84 @@
+"""`fingertip make`: everything of a design in one folder, as the single commands write it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from fingertip import Design, board_values, make
+from fingertip.board.output import write_board
+from fingertip.build_files import build
+from fingertip.errors import OutputError
+from fingertip.output_set import verify_sets
+from tests.conftest import run_fingertip
+
+QUICK = ("--formats", "stl")
+
+
+def files_below(folder: Path) -> dict[str, bytes]:
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("make") / "finger"
+    design = Design.load("fsr400")
+    result = make(design, folder, formats=["stl"])
+    assert result.parts.passed
+    assert result.detection.detection.intervals
+    assert {path.name for path in result.signal} >= {"trace.csv", "detection.json"}
+    assert board_values(design).variant == "article"
+    return folder
+
+
+def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> None:
+    """Parts and board have the bytes that `build` and `board` write; the trace is that of `simulate`."""
+    design = Design.load("fsr400")
+    build(design, tmp_path / "single", formats=["stl"])
+    write_board(design, tmp_path / "single" / "board")
+    trace = tmp_path / "trace.csv"
+    assert run_fingertip("simulate", "fsr400", "--out", trace).returncode == 0
+    found = files_below(made)
+    signal = {name: data for name, data in found.items() if name.startswith("signal/")}
+    assert {name: data for name, data in found.items() if name not in signal} == files_below(tmp_path / "single")
+    assert signal["signal/trace.csv"] == trace.read_bytes()
+    detected = json.loads(run_fingertip("detect", trace, "--design", "fsr400", "--json").stdout)
+    assert json.loads(signal["signal/detection.json"])["intervals"] == detected["intervals"]
+
+
+def test_all_sets_are_as_written(made: Path) -> None:
+    count, differences = verify_sets(made)
+    assert (count, differences) == (len(files_below(made)) - 3, [])  # all but the three manifests
+
+
+def test_own_file_in_any_set_is_found_before_anything_is_written(tmp_path: Path) -> None:
+    for name in ("bone.stl", "board/bom.csv", "signal/trace.csv"):
+        folder = tmp_path / name.replace("/", "_")
+        (folder / name).parent.mkdir(parents=True)
+        (folder / name).write_bytes(b"mine")
+        with pytest.raises(OutputError, match="was not written by fingertip"):
+            make(Design.load("fsr400"), folder, formats=["stl"])
+        assert files_below(folder) == {name: b"mine"}
+
+
+def test_command_prints_where_everything_is(tmp_path: Path) -> None:
+    run = run_fingertip("make", "fsr400", *QUICK, "--json", "--quiet", PWD=str(tmp_path))
+    assert (run.returncode, run.stderr) == (0, "")
+    data = json.loads(run.stdout)
+    assert data["folder"] == "out/fsr400"
+    for name in (*data["board"], *data["signal"]):
+        assert (tmp_path / name).is_file()
+    assert data["parts"]["passed"]
+    assert data["detection"]["intervals"]
+    again = run_fingertip("make", "fsr400", *QUICK, PWD=str(tmp_path))
+    assert again.returncode == 0
+    assert "board: out/fsr400/board" in again.stdout
+
+
+def test_design_that_is_refused_makes_nothing(tmp_path: Path) -> None:
+    run = run_fingertip("make", "fsr400", "--set", "skin.width_mm=10", PWD=str(tmp_path))
+    assert run.returncode == 2
+    assert "skin.width_mm" in run.stderr
+    assert not (tmp_path / "out").exists()

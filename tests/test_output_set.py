@@ -1,0 +1,354 @@
+"""Sets of files: whole or old whenever the writer is killed, and never at the cost of somebody's own file."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import random
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from fingertip import output_set
+from fingertip.errors import OutputError
+from fingertip.files import open_atomic, write_file
+from fingertip.output_set import MANIFEST, SetWriter, read_manifest, recover, verify_sets
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are killed with signals, NOT TESTED HERE")
+
+OLD = {"board.net": b"old netlist", "bom.csv": b"old parts", "old_only.txt": b"of the old set"}
+NEW = {"board.net": b"new netlist", "bom.csv": b"new parts", "new_only.txt": b"of the new set"}
+OPERATIONS = ("os.rename", "os.link", "os.mkdir", "os.remove", "os.rmdir", "os.symlink", "shutil.copyfile", "open")
+"""Audit events of what changes a file system; a swap has none and is counted by hand."""
+
+
+def writer(folder: Path, parameters: str, **options: bool) -> SetWriter:
+    return SetWriter(folder, "board", "finger", parameters, **options)
+
+
+def prepare(folder: Path) -> None:
+    """Write the old set, a file and a link of somebody's own, and a subfolder with another set."""
+    writer(folder, "old").write(OLD)
+    (folder / "mine.txt").write_bytes(b"mine")
+    (folder / "link").symlink_to("mine.txt")
+    writer(folder / "fab", "old").write({"gerbers.zip": b"gerbers"})
+
+
+def files_in(folder: Path) -> dict[str, bytes]:
+    """Content of the files in a folder, without the manifest and what is somebody's own."""
+    paths = [path for path in folder.iterdir() if path.is_file() and path.name not in (MANIFEST, "mine.txt", "link")]
+    return {path.name: path.read_bytes() for path in paths}
+
+
+def assert_whole(folder: Path) -> None:
+    """The folder holds the old set or the new one, with its own manifest, and somebody's own file."""
+    files, manifest = files_in(folder), read_manifest(folder)
+    assert files in (OLD, NEW)
+    assert manifest is not None
+    assert manifest.parameters == ("old" if files == OLD else "new")
+    assert dict(manifest.files) == {name: hashlib.sha256(data).hexdigest() for name, data in files.items()}
+    assert (folder / "mine.txt").read_bytes() == b"mine"
+    assert os.readlink(folder / "link") == "mine.txt"
+
+
+def assert_no_litter(folder: Path) -> None:
+    assert [path.name for path in folder.parent.iterdir() if path.name != folder.name] == []
+    names = {path.name for path in folder.iterdir()}
+    assert names == {*files_in(folder), MANIFEST, "mine.txt", "link", "fab"}
+    assert verify_sets(folder) == (len(files_in(folder)) + 1, [])
+
+
+def run_and_kill_before(operation: int, action: Callable[[], object]) -> bool:
+    """Run an action in a child that kills itself before the n-th change of the file system; True if it got there."""
+    child = os.fork()
+    if child == 0:
+        count = 0
+
+        def step() -> None:
+            nonlocal count
+            if count == operation:
+                os.kill(os.getpid(), signal.SIGKILL)
+            count += 1
+
+        def hook(event: str, arguments: tuple[object, ...]) -> None:
+            if event == "open" and isinstance(arguments[1], str) and not set(arguments[1]) & set("wax+"):
+                return
+            if event in OPERATIONS:
+                step()
+
+        swap = output_set._swap
+
+        def counted_swap(first: Path, second: Path) -> bool:
+            step()
+            swapped = swap(first, second)
+            step()
+            return swapped
+
+        output_set._swap = counted_swap
+        sys.addaudithook(hook)
+        status = 0
+        try:
+            action()
+        except BaseException:
+            status = 1
+        os._exit(status)
+    _, status = os.waitpid(child, 0)
+    assert status in (0, signal.SIGKILL), "the writer failed without being killed"
+    return status == signal.SIGKILL
+
+
+def kill_everywhere(folder: Path, action: Callable[[], object]) -> Iterator[int]:
+    """Prepare a folder anew and kill the action before its first, second, ... change, until it ends by itself."""
+    operation = 0
+    while True:
+        for path in sorted(folder.parent.rglob("*"), reverse=True):
+            path.rmdir() if path.is_dir() and not path.is_symlink() else path.unlink()
+        prepare(folder)
+        killed = run_and_kill_before(operation, action)
+        yield operation
+        if not killed:
+            return
+        operation += 1
+
+
+def test_writer_killed_at_any_change_leaves_the_old_set_or_the_new_one(tmp_path: Path) -> None:
+    folder = tmp_path / "area" / "board"
+    seen, steps = set(), 0
+    for _ in kill_everywhere(folder, lambda: writer(folder, "new").write(NEW)):
+        steps += 1
+        assert_whole(folder)  # at once, before anything else has run
+        seen.add("old" if files_in(folder) == OLD else "new")
+        writer(folder, "new").write(NEW)  # the next run
+        assert files_in(folder) == NEW
+        assert (folder / "fab" / "gerbers.zip").read_bytes() == b"gerbers"
+        assert_no_litter(folder)
+    assert seen == {"old", "new"}
+    assert steps > 12
+
+
+def test_check_recovers_what_a_killed_writer_left(tmp_path: Path) -> None:
+    folder = tmp_path / "area" / "board"
+    for _ in kill_everywhere(folder, lambda: writer(folder, "new").write(NEW)):
+        verify_sets(folder)
+        assert_whole(folder)
+        assert_no_litter(folder)
+
+
+def test_killed_renames_in_place_are_completed_or_undone_by_the_next_command(tmp_path: Path) -> None:
+    """Where folders cannot be swapped, the set is whole again after the next command."""
+    folder = tmp_path / "area" / "board"
+    seen = set()
+    for _ in kill_everywhere(folder, lambda: writer(folder, "new", in_place=True).write(NEW)):
+        verify_sets(folder)
+        assert_whole(folder)
+        seen.add("old" if files_in(folder) == OLD else "new")
+        assert_no_litter(folder)
+    assert seen == {"old", "new"}
+
+
+def test_folder_that_cannot_be_swapped_is_written_in_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "area" / "board"
+    prepare(folder)
+    inode = folder.stat().st_ino
+    monkeypatch.setattr(output_set, "_swap", lambda first, second: False)
+    assert writer(folder, "new").write(NEW) == ("old_only.txt",)
+    assert folder.stat().st_ino == inode
+    assert_whole(folder)
+    assert_no_litter(folder)
+
+
+def test_current_folder_is_not_swapped_from_under_the_shell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "area" / "board"
+    prepare(folder)
+    monkeypatch.chdir(folder)
+    writer(Path("."), "new").write(NEW)
+    assert Path("board.net").read_bytes() == b"new netlist"
+    assert_whole(folder)
+    assert_no_litter(folder)
+
+
+@pytest.mark.slow
+def test_random_interruptions_leave_whole_sets(tmp_path: Path) -> None:
+    """200 writers are killed after random times. No folder is ever mixed, and nothing is left in the end."""
+    folder = tmp_path / "area" / "board"
+    prepare(folder)
+    rng = random.Random(1)
+    killed = 0
+    for _ in range(200):
+        child = os.fork()
+        if child == 0:
+            while True:
+                writer(folder, "new").write(NEW)
+                writer(folder, "old").write(OLD)
+        time.sleep(rng.uniform(0.0, 0.02))
+        os.kill(child, signal.SIGKILL)
+        _, status = os.waitpid(child, 0)
+        killed += status == signal.SIGKILL
+        assert_whole(folder)
+    assert killed == 200
+    writer(folder, "old").write(OLD)
+    assert_no_litter(folder)
+
+
+@pytest.mark.slow
+def test_writers_at_the_same_time_wait_for_each_other(tmp_path: Path) -> None:
+    folder = tmp_path / "area" / "board"
+    prepare(folder)
+    children = []
+    for files, parameters in ((OLD, "old"), (NEW, "new")) * 2:
+        child = os.fork()
+        if child == 0:
+            status = 0
+            try:
+                for _ in range(50):
+                    writer(folder, parameters).write(files)
+            except BaseException:
+                status = 1
+            os._exit(status)
+        children.append(child)
+    assert [os.waitpid(child, 0)[1] for child in children] == [0] * 4
+    assert_whole(folder)
+    assert_no_litter(folder)
+
+
+def test_writer_that_waits_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "area" / "board"
+    prepare(folder)
+    monkeypatch.setattr(output_set, "_LOCK_S", 0.1)
+    with output_set._lock(folder.parent), pytest.raises(OutputError, match=r"has been writing here for 0\.1 s; wait"):
+        writer(folder, "new").write(NEW)
+    assert files_in(folder) == OLD
+
+
+# What is somebody's own
+
+
+def test_changed_or_unknown_files_are_never_overwritten(tmp_path: Path) -> None:
+    folder = tmp_path / "board"
+    prepare(folder)
+    (folder / "bom.csv").write_bytes(b"my own notes on the parts")
+    (folder / "new_only.txt").write_bytes(b"my own")
+    before = {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+    for attempt in (lambda: writer(folder, "new").check(NEW), lambda: writer(folder, "new").write(NEW)):
+        with pytest.raises(OutputError) as caught:
+            attempt()
+        assert [Path(issue.field).name for issue in caught.value.issues] == ["bom.csv", "new_only.txt"]
+        assert all("add --force to overwrite it" in issue.message for issue in caught.value.issues)
+        assert {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()} == before
+    assert writer(folder, "new", force=True).write(NEW) == ("old_only.txt",)
+    assert files_in(folder) == NEW
+
+
+def test_changed_file_that_the_new_set_does_not_have_stays(tmp_path: Path) -> None:
+    folder = tmp_path / "board"
+    prepare(folder)
+    (folder / "old_only.txt").write_bytes(b"changed")
+    assert writer(folder, "new").write(NEW) == ()
+    assert (folder / "old_only.txt").read_bytes() == b"changed"
+
+
+def test_set_of_the_same_parameters_grows(tmp_path: Path) -> None:
+    folder = tmp_path / "parts"
+    writer(folder, "a").write({"bone.stl": b"1"})
+    assert writer(folder, "a").write({"skin.stl": b"2"}) == ()
+    manifest = read_manifest(folder)
+    assert manifest is not None
+    assert set(manifest.files) == {"bone.stl", "skin.stl"}
+    writer(folder, "a").add({"casting.md": b"3"})
+    with pytest.raises(OutputError, match="of other parameters of 'finger'; build this design there first"):
+        writer(folder, "b").add({"casting.md": b"4"})
+    assert verify_sets(folder) == (3, [])
+
+
+def test_folder_in_the_place_of_a_file_is_refused_and_nothing_changes(tmp_path: Path) -> None:
+    folder = tmp_path / "board"
+    prepare(folder)
+    (folder / "new_only.txt").mkdir()
+    with pytest.raises(OutputError, match=r"new_only\.txt: is a folder; move it away"):
+        writer(folder, "new").write(NEW)
+    assert files_in(folder) == OLD
+
+
+def test_manifest_of_another_program_is_not_overwritten(tmp_path: Path) -> None:
+    (tmp_path / MANIFEST).write_text('{"name": "web app"}')
+    with pytest.raises(OutputError, match=r"manifest\.json: was not written by fingertip"):
+        writer(tmp_path, "new").write(NEW)
+    assert json.loads((tmp_path / MANIFEST).read_text()) == {"name": "web app"}
+
+
+def test_error_leaves_no_folder_behind(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError, match=r"cannot be written .*; choose another folder with --out"):
+        writer(tmp_path / "file" / "deeper" / "board", "new").write(NEW)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_link_to_a_folder_stays_a_link(tmp_path: Path) -> None:
+    real, link = tmp_path / "real", tmp_path / "link"
+    real.mkdir()
+    link.symlink_to(real)
+    writer(link, "old").write(OLD)
+    writer(link, "new").write(NEW)
+    assert link.is_symlink()
+    assert files_in(real) == NEW
+
+
+def test_manifest_is_the_same_for_the_same_files(tmp_path: Path) -> None:
+    first, second = tmp_path / "first", tmp_path / "second"
+    writer(first, "new").write(NEW)
+    writer(second, "new").write(dict(reversed(NEW.items())))
+    assert (first / MANIFEST).read_bytes() == (second / MANIFEST).read_bytes()
+    assert str(tmp_path) not in (first / MANIFEST).read_text()
+
+
+def test_missing_and_changed_files_are_found(tmp_path: Path) -> None:
+    folder = tmp_path / "board"
+    prepare(folder)
+    (folder / "bom.csv").unlink()
+    (folder / "fab" / "gerbers.zip").write_bytes(b"other")
+    count, differences = verify_sets(folder)
+    assert count == 4
+    assert sorted(differences) == [
+        f"{folder / 'bom.csv'}: is missing.",
+        f"{folder / 'fab' / 'gerbers.zip'}: was changed after it was written.",
+    ]
+    with pytest.raises(OutputError, match=r"has no manifest\.json of fingertip"):
+        verify_sets(tmp_path / "area")
+
+
+def test_temporary_folders_of_version_one_are_removed(tmp_path: Path) -> None:
+    folder = tmp_path / "board"
+    prepare(folder)
+    (folder / ".fingertip-ab12cd34").mkdir()
+    (folder / ".fingertip-ab12cd34" / "half").write_bytes(b"")
+    recover(folder)
+    assert not list(folder.glob(".fingertip*"))
+
+
+# Single files
+
+
+def test_killed_writer_of_one_file_leaves_it_as_it_was_and_the_next_one_cleans_up(tmp_path: Path) -> None:
+    path = tmp_path / "trace.csv"
+    operation, killed = 0, True
+    while killed:
+        path.write_bytes(b"old")
+        killed = run_and_kill_before(operation, lambda: write_file(path, b"new"))
+        assert path.read_bytes() in (b"old", b"new")
+        write_file(tmp_path / "other.csv", b"other")
+        assert sorted(p.name for p in tmp_path.iterdir()) == ["other.csv", "trace.csv"]
+        operation += 1
+    assert operation > 2
+
+
+def test_unfinished_file_of_a_running_process_is_left_alone(tmp_path: Path) -> None:
+    with open_atomic(tmp_path / "long.csv") as file:
+        file.write(b"half")
+        write_file(tmp_path / "short.csv", b"short")
+        file.write(b" and half")
+    assert (tmp_path / "long.csv").read_bytes() == b"half and half"

@@ -17,7 +17,7 @@ import pytest
 from fingertip import output_set
 from fingertip.errors import OutputError
 from fingertip.files import open_atomic, write_file
-from fingertip.output_set import MANIFEST, SetWriter, read_manifest, recover, verify_sets
+from fingertip.output_set import MANIFEST, SetWriter, add_to_set, read_manifest, recover, verify_sets
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are killed with signals, NOT TESTED HERE")
 
@@ -36,7 +36,7 @@ def prepare(folder: Path) -> None:
     writer(folder, "old").write(OLD)
     (folder / "mine.txt").write_bytes(b"mine")
     (folder / "link").symlink_to("mine.txt")
-    writer(folder / "fab", "old").write({"gerbers.zip": b"gerbers"})
+    SetWriter(folder / "fab", "gerbers", "finger", "old").write({"gerbers.zip": b"gerbers"})
 
 
 def files_in(folder: Path) -> dict[str, bytes]:
@@ -283,7 +283,7 @@ def test_manifest_of_another_program_is_not_overwritten(tmp_path: Path) -> None:
 
 def test_error_leaves_no_folder_behind(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(OutputError, match=r"cannot be written .*; choose another folder with --out"):
+    with pytest.raises(OutputError, match=r"file: is a file; choose another folder with --out"):
         writer(tmp_path / "file" / "deeper" / "board", "new").write(NEW)
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
@@ -328,6 +328,72 @@ def test_temporary_folders_of_version_one_are_removed(tmp_path: Path) -> None:
     (folder / ".fingertip-ab12cd34" / "half").write_bytes(b"")
     recover(folder)
     assert not list(folder.glob(".fingertip*"))
+
+
+def test_set_of_another_kind_is_not_replaced(tmp_path: Path) -> None:
+    writer(tmp_path, "old").write(OLD)
+    parts = SetWriter(tmp_path, "parts", "finger", "old", force=True)
+    for attempt in (lambda: parts.check(["bone.stl"]), lambda: parts.write({"bone.stl": b"1"})):
+        with pytest.raises(
+            OutputError, match=r"holds the board of 'finger'; choose another folder .* such as \S+parts"
+        ):
+            attempt()
+    assert files_in(tmp_path) == OLD
+
+
+def test_sets_of_different_parameters_in_one_folder_are_found(tmp_path: Path) -> None:
+    SetWriter(tmp_path, "parts", "finger", "a").write({"bone.stl": b"1"})
+    writer(tmp_path / "board", "a").write(OLD)
+    assert verify_sets(tmp_path)[1] == []
+    writer(tmp_path / "board", "b").write(NEW)
+    (difference,) = verify_sets(tmp_path)[1]
+    assert difference.startswith(f"{tmp_path / 'board'}: was made from other parameters than {tmp_path}")
+
+
+def test_folder_without_manifest_takes_equal_files_and_explains_others(tmp_path: Path) -> None:
+    writer(tmp_path, "old").write(OLD)
+    (tmp_path / MANIFEST).unlink()
+    writer(tmp_path, "old").write(OLD)  # nothing would change
+    (tmp_path / MANIFEST).unlink()
+    with pytest.raises(OutputError) as caught:
+        writer(tmp_path, "new").write(NEW)
+    assert str(caught.value) == (
+        f"{tmp_path}: has no manifest.json that says who wrote board.net, bom.csv; move them away, choose another "
+        "place with --out, or add --force to overwrite them."
+    )
+
+
+def test_what_was_made_from_an_earlier_file_is_removed(tmp_path: Path) -> None:
+    writer(tmp_path, "a").write({"trace.csv": b"1", "slip.png": b"of 1", "other.csv": b"2"})
+    assert writer(tmp_path, "a").write({"trace.csv": b"3"}, obsolete=("slip.png",)) == ("slip.png",)
+    assert set(files_in(tmp_path)) == {"trace.csv", "other.csv"}
+    assert verify_sets(tmp_path) == (2, [])
+
+
+def test_single_file_in_a_set_becomes_a_part_of_it(tmp_path: Path) -> None:
+    writer(tmp_path, "a").write({"trace.csv": b"1"})
+    add_to_set(tmp_path / "slip.png", b"2")
+    add_to_set(tmp_path / "slip.png", b"3")
+    assert verify_sets(tmp_path) == (2, [])
+    add_to_set(tmp_path / "elsewhere" / "slip.png", b"4")
+    assert not (tmp_path / "elsewhere" / MANIFEST).exists()
+
+
+@pytest.mark.parametrize("mode", [0o555, 0o500])
+def test_folder_that_may_not_be_written_is_refused_and_nothing_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mode: int
+) -> None:
+    folder = tmp_path / "area" / "board"
+    prepare(folder)
+    folder.chmod(mode)
+    may_write = os.access  # root may write everywhere
+    monkeypatch.setattr(os, "access", lambda path, how: os.stat(path).st_mode & 0o200 and may_write(path, how))
+    with pytest.raises(OutputError, match="board: may not be written; change its mode"):
+        writer(folder, "new").write(NEW)
+    assert [path.name for path in folder.parent.iterdir()] == ["board"]
+    folder.chmod(0o755)
+    assert_whole(folder)
+    assert files_in(folder) == OLD
 
 
 # Single files

@@ -14,15 +14,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fingertip import extras
+from fingertip.board.output import BOARD_FILES, board_files, board_writer
 from fingertip.build_files import Build, build
 from fingertip.design import Design
-from fingertip.sim.trace_export import SIGNAL_FOLDER, encode_trace, signal_writer
+from fingertip.sim.trace_export import DETECTION, PLOT, SIGNAL_FOLDER, TRACE, encode_trace, signal_writer
 
 if TYPE_CHECKING:
     from fingertip.detect_trace import FileDetection
     from fingertip.output_set import SetWriter
-
-TRACE, PLOT, DETECTION = "trace.csv", "slip.png", "detection.json"
 
 
 @dataclass(frozen=True)
@@ -67,17 +66,15 @@ def make(
         As `build`, `write_board`, `simulate` and `detect_file` do. Nothing has been written then.
     """
     folder = Path("out") / design.name if out is None else Path(out)
+    board, signal = board_writer(design, folder / "board", force), signal_writer(design, folder / SIGNAL_FOLDER, force)
+    board.check(BOARD_FILES)
+    signal.check((TRACE, PLOT, DETECTION))
     others: list[tuple[SetWriter, Mapping[str, bytes]]] = []
     found: list[FileDetection] = []
 
     def make_the_others() -> None:
-        from fingertip.board.output import board_files, board_writer
-
         progress("making the board")
-        board, board_set = board_writer(design, folder / "board", force), board_files(design)
-        board.check(board_set)
-        signal = signal_writer(design, folder / SIGNAL_FOLDER, force)
-        signal.check((TRACE, PLOT, DETECTION))
+        board_set = board_files(design)
         signal_set, detection = _simulate_and_detect(design, progress)
         others.extend(((board, board_set), (signal, signal_set)))
         found.append(detection)

@@ -27,12 +27,15 @@ from pathlib import Path
 
 from fingertip._version import __version__
 from fingertip.errors import Issue, OutputError
+from fingertip.files import write_file
 
 MANIFEST = "manifest.json"
 _COMMIT = ".fingertip-commit"
 """Folder, within the output folder, of files that are renamed one after the other."""
 _PLAN, _COMPLETE = "plan.json", "complete.json"
 """Name of the list of renames before and after all files were written."""
+_OF_ONE_DESIGN = ("parts", "board", "fabrication", "signal")
+"""Kinds of sets in the folder of a design, which belong together if they were made from the same parameters."""
 _LOCK_S = 60.0
 """Time for which a command waits for another one that writes to the same place."""
 
@@ -73,36 +76,64 @@ class SetWriter:
     """True if the folder must not be swapped, because a file in it is open."""
 
     def check(self, names: Collection[str]) -> None:
-        """Refuse to write these names if one is somebody's own or a folder, before work starts.
+        """Refuse to write these names if the folder cannot take them, before work starts.
+
+        Parameters
+        ----------
+        names
+            Names of the files; with their contents, files that are equal already do not count.
 
         Raises
         ------
         OutputError
-            With all such names.
+            If the folder is a file, may not be written or holds a set of another kind, or if a name is that of a
+            folder or of a file that is somebody's own.
         """
         with _output_errors(self.folder):
-            issues = [
-                Issue(str(self.folder / name), "is a folder; move it away, or choose another folder with --out.")
-                for name in names
-                if (self.folder / name).is_dir()
-            ]
-            if not self.force:
-                issues += (
-                    Issue(
-                        str(self.folder / name),
-                        "was not written by fingertip, or was changed since; move it away, choose another folder with "
-                        "--out, or add --force to overwrite it.",
-                    )
-                    for name in sorted(self._foreign(names))
-                )
-        if issues:
-            raise OutputError(issues)
+            if issues := list(self._find_issues(names)):
+                raise OutputError(issues)
 
-    def write(self, contents: Mapping[str, bytes]) -> tuple[str, ...]:
+    def _find_issues(self, names: Collection[str]) -> Iterator[Issue]:
+        place = next((path for path in (self.folder, *self.folder.parents) if path.exists()), self.folder)
+        if not place.is_dir():
+            yield Issue(str(place), "is a file; choose another folder with --out.")
+            return
+        if not os.access(place, os.W_OK):
+            yield Issue(str(place), "may not be written; change its mode, or choose another folder with --out.")
+        manifest = read_manifest(self.folder)
+        if manifest and manifest.kind != self.kind:
+            message = f"holds the {manifest.kind} of {manifest.design!r}; choose another folder with --out, such as"
+            yield Issue(str(self.folder), f"{message} {self.folder / self.kind}.")
+            return
+        yield from (
+            Issue(str(self.folder / name), "is a folder; move it away, or choose another folder with --out.")
+            for name in names
+            if (self.folder / name).is_dir()
+        )
+        foreign = [] if self.force else sorted(self._foreign(names))
+        remedy = "move it away, choose another place with --out, or add --force to overwrite it."
+        if len(foreign) > 1 and manifest is None:
+            yield Issue(
+                str(self.folder),
+                f"has no {MANIFEST} that says who wrote {', '.join(foreign)}; move them away, choose another place "
+                "with --out, or add --force to overwrite them.",
+            )
+        else:
+            for name in foreign:
+                yield Issue(str(self.folder / name), f"was not written by fingertip, or was changed since; {remedy}")
+
+    def write(self, contents: Mapping[str, bytes], obsolete: Collection[str] = ()) -> tuple[str, ...]:
         """Write the set: the folder holds either the old set or the new one at any moment.
 
         Files of the old set stay if they were made from the same parameters. Otherwise those that nobody changed are
         removed.
+
+        Parameters
+        ----------
+        contents
+            Name -> content of each file.
+        obsolete
+            Files of the old set that are to be removed in any case, unless somebody changed them.
 
         Returns
         -------
@@ -112,8 +143,9 @@ class SetWriter:
         Raises
         ------
         OutputError
-            If the folder or a file cannot be written, or a file is somebody's own. Nothing has changed then.
+            As `check` does, or if a file cannot be written. Nothing has changed then.
         """
+        self.check(contents)
         folder = self.folder.resolve()
         created = [path for path in (folder, *folder.parents) if not path.exists()]
         try:
@@ -121,8 +153,8 @@ class SetWriter:
                 folder.parent.mkdir(parents=True, exist_ok=True)
                 with _lock(folder.parent):
                     recover(folder)
-                    self.check((*contents, MANIFEST))
-                    return self._write(folder, contents)
+                    self.check({**contents, MANIFEST: b""})
+                    return self._write(folder, contents, obsolete)
         except BaseException:
             for path in created:
                 with contextlib.suppress(OSError):
@@ -146,13 +178,14 @@ class SetWriter:
             raise OutputError(Issue(str(self.folder), message))
         self.write(contents)
 
-    def _write(self, folder: Path, contents: Mapping[str, bytes]) -> tuple[str, ...]:
+    def _write(self, folder: Path, contents: Mapping[str, bytes], obsolete: Collection[str]) -> tuple[str, ...]:
         old = read_manifest(folder)
         known = dict(old.files) if old else dict.fromkeys(self.adopted, "")
         same = old is not None and (old.kind, old.parameters) == (self.kind, self.parameters)
         others = [name for name in known if name not in contents and (folder / name).is_file()]
-        removed = () if same else tuple(sorted(set(others) - self._foreign(others)))
-        kept = {name: known[name] for name in others} if same else {}
+        unwanted = set(others) & set(obsolete) if same else set(others)
+        removed = tuple(sorted(unwanted - self._foreign(unwanted)))
+        kept = {name: known[name] for name in others if name not in removed} if same else {}
         hashes = {name: hashlib.sha256(data).hexdigest() for name, data in contents.items()}
         manifest = Manifest(__version__, self.kind, self.design, self.parameters, kept | hashes)
         files = {**contents, MANIFEST: manifest.to_bytes()}
@@ -165,14 +198,30 @@ class SetWriter:
         manifest, foreign = read_manifest(self.folder), set()
         for name in names:
             path = self.folder / name
-            if name == MANIFEST and manifest is None and path.exists():
+            if name == MANIFEST:
+                is_own = manifest is not None or not path.exists()
+            elif not path.is_file() or (isinstance(names, Mapping) and path.read_bytes() == names[name]):
+                is_own = True
+            else:
+                is_own = _hash(path) == manifest.files.get(name) if manifest else name in self.adopted
+            if not is_own:
                 foreign.add(name)
-            elif path.is_file() and name != MANIFEST:
-                listed = manifest.files.get(name) if manifest else None
-                is_own = _hash(path) == listed if manifest else name in self.adopted
-                if not is_own:
-                    foreign.add(name)
         return foreign
+
+
+def add_to_set(path: Path, data: bytes, option: str = "--out") -> None:
+    """Write one file; where its folder holds a set, the file becomes a part of it.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written, or the set's folder holds a file of this name that is somebody's own.
+    """
+    manifest = read_manifest(path.parent)
+    if manifest is None or path.is_dir():
+        write_file(path, data, option)
+    else:
+        SetWriter(path.parent, manifest.kind, manifest.design, manifest.parameters).write({path.name: data})
 
 
 def hash_parameters(data: object) -> str:
@@ -204,7 +253,8 @@ def verify_sets(folder: Path) -> tuple[int, list[str]]:
     OutputError
         If there is no manifest.
     """
-    recover(folder.resolve())
+    with _output_errors(folder):
+        recover(folder.resolve())
     manifests = {path.parent: read_manifest(path.parent) for path in sorted(folder.rglob(MANIFEST))}
     found = {place: manifest for place, manifest in manifests.items() if manifest}
     if not found:
@@ -218,12 +268,18 @@ def verify_sets(folder: Path) -> tuple[int, list[str]]:
                 differences.append(f"{path}: is missing.")
             elif _hash(path) != digest:
                 differences.append(f"{path}: was changed after it was written.")
+    top = found.get(folder)
+    for place, manifest in found.items():
+        if top and manifest.kind in _OF_ONE_DESIGN and manifest.parameters != top.parameters:
+            differences.append(f"{place}: was made from other parameters than {folder}; make both again.")
     return sum(len(manifest.files) for manifest in found.values()), differences
 
 
 def recover(folder: Path) -> None:
     """Complete or undo what a command that was killed has left in or beside a folder."""
     staging = _staging(folder)
+    if staging.is_dir():
+        staging.chmod(0o700)  # it may have the mode of a folder that was made read-only
     if staging.is_dir() and not folder.exists():
         shutil.rmtree(staging)  # of a set that was never put in place
     if staging.is_dir():
@@ -282,6 +338,7 @@ def _swap_in(folder: Path, files: Mapping[str, bytes], removed: Collection[str])
         if not _swap(staging, folder):
             shutil.rmtree(staging)
             return False
+        staging.chmod(0o700)
         for name in subfolders:
             os.rename(staging / name, folder / name)
         shutil.rmtree(staging)

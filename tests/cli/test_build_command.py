@@ -215,7 +215,7 @@ def test_file_changed_by_hand_is_not_overwritten(tmp_path: Path) -> None:
     assert refused.returncode == 2
     assert refused.stderr == (
         f"error: {tmp_path / 'bone.stl'}: was not written by fingertip, or was changed since; move it away, choose "
-        "another folder with --out, or add --force to overwrite it.\n"
+        "another place with --out, or add --force to overwrite it.\n"
     )
     assert (tmp_path / "bone.stl").read_bytes() == b"repaired by hand"
     assert run_fingertip("check", tmp_path).returncode == 1

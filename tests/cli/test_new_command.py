@@ -39,7 +39,7 @@ def base(sensor: str) -> Design:
 def test_the_file_is_the_bundled_design_of_its_sensor(sensor: str, folder: Path) -> None:
     done = run_fingertip("new", "mine", "--sensor", sensor)
     assert done.returncode == 0, done.stderr
-    assert done.stdout == "wrote mine.toml; edit it, then run: fingertip build mine.toml\n"
+    assert done.stdout == "wrote mine.toml; edit it, then run: fingertip make mine.toml\n"
     assert Design.load("mine.toml") == base(sensor)
     assert run_fingertip("params", "mine.toml").returncode == 0
 
@@ -131,7 +131,7 @@ def test_out_json_and_quoting(folder: Path) -> None:
         "design": "my designs/first try.toml",
         "name": "mine",
         "sensor": "fsr400",
-        "next": "fingertip build 'my designs/first try.toml'",
+        "next": "fingertip make 'my designs/first try.toml'",
     }
     assert Design.load(data["design"]).name == "mine"
 

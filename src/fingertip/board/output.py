@@ -31,6 +31,8 @@ LAYOUT = "slip_filter.kicad_pcb"
 PROJECT = "slip_filter.kicad_pro"
 README = "README.md"
 
+BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README)
+"""Names of the files of a board."""
 FAB_FOLDER = "fab"
 PROVENANCE = "made_from.sha256"
 _MAX_DIFF_LINES = 12
@@ -79,7 +81,7 @@ def write_board(design: Design, out: str | Path | None = None, *, force: bool = 
     """
     folder = board_folder(design) if out is None else Path(out)
     files = board_files(design)
-    board_writer(design, folder, force).write(files)
+    board_writer(design, folder, force).write(files)  # with the same names always, so that nothing is removed
     return tuple(folder / name for name in files)
 
 
@@ -89,8 +91,7 @@ def board_writer(design: Design, folder: Path, force: bool = False) -> SetWriter
 
 
 def _writer(design: Design, folder: Path, kind: str, force: bool) -> SetWriter:
-    parameters = {name: getattr(design, name).model_dump(mode="json") for name in ("board", "detector", "sensor")}
-    return SetWriter(folder, kind, design.name, hash_parameters(parameters), force=force)
+    return SetWriter(folder, kind, design.name, hash_parameters(design.model_dump(mode="json")), force=force)
 
 
 def write_fabrication(

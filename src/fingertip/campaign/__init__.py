@@ -2,6 +2,6 @@
 
 from fingertip.campaign.plan import CampaignPlan
 from fingertip.campaign.run import CampaignResult, run_campaign
-from fingertip.campaign.validation import Validation, validate
+from fingertip.campaign.validation import FILES, Validation, validate
 
-__all__ = ["CampaignPlan", "CampaignResult", "Validation", "run_campaign", "validate"]
+__all__ = ["FILES", "CampaignPlan", "CampaignResult", "Validation", "run_campaign", "validate"]

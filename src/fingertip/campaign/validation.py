@@ -28,6 +28,14 @@ STUDY_TRIALS = 24
 """Largest number of trials in each study beside the campaign: three for each surface and object."""
 
 
+FILES = (
+    "validation.json", "omissions.md", "delays.png", "surfaces.png", "surfaces_digital.png", "spectra.png",
+    "windows.png", "comparison.png", "trial.png", "trials_surfaces.png", "trials_objects.png", "window_trial.png",
+    "closed_loop_power.png", "closed_loop_pinch.png",
+)  # fmt: skip
+"""Names of all files of a validation."""
+
+
 @dataclass(frozen=True, eq=False)
 class Validation:
     """Results of a validation."""

@@ -92,11 +92,11 @@ def detect(
     for warning in found.warnings:
         console.progress(f"warning: {warning}")
     if plot is not None:
-        from fingertip.files import write_file
+        from fingertip.output_set import add_to_set
         from fingertip.slip.plot import draw
 
         console.progress(f"drawing {plot}")
-        write_file(plot, draw(found.trace, found.detection, trace.name), "--plot")
+        add_to_set(plot, draw(found.trace, found.detection, trace.name), "--plot")
     console.result(as_data(found.detection, found.noise), as_text(found.detection))
 
 

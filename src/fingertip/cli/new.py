@@ -52,6 +52,6 @@ def new(
     if issues:
         raise FingertipError(issues)
     write_file(path, text.encode())
-    following = f"fingertip build {shlex.quote(path.as_posix())}"
+    following = f"fingertip make {shlex.quote(path.as_posix())}"
     data = {"design": path.as_posix(), "name": name, "sensor": sensor, "next": following}
     console.result(data, f"wrote {path}; edit it, then run: {following}")

@@ -7,7 +7,15 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_png_path_issues
+from fingertip.cli.console import (
+    Console,
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    SetOption,
+    command,
+    find_png_path_issues,
+)
 
 MIN_WIDTH_PX = 400
 MAX_WIDTH_PX = 6000
@@ -18,6 +26,7 @@ def picture(
     design: Annotated[Path, typer.Argument(help="Design file, or a bundled design: fsr400 or fsr402.")],
     out: Annotated[Path | None, typer.Option(help="Output PNG; out/NAME/exploded.png by default.")] = None,
     width_px: Annotated[int, typer.Option(help="Width of the picture, in pixels: 400 to 6000.")] = 1600,
+    force: ForceOption = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -37,9 +46,11 @@ def picture(
         raise OutputError(issues)
     loaded, _ = load_design(design, changes, console.progress)
     path = out or Path("out") / loaded.name / "exploded.png"
+    if out is None:
+        parts_writer(loaded, path.parent, force).check((path.name,))
     data = draw(loaded, width_px, console.progress)
     if out is None:
-        parts_writer(loaded, path.parent).add({path.name: data})
+        parts_writer(loaded, path.parent, force).add({path.name: data})
     else:
         write_file(out, data)
     console.result({"picture": str(path)}, f"drawn to {path}")

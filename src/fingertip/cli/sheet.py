@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_suffix_issues
+from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, SetOption, command, find_suffix_issues
 
 _MESH_TOLERANCE_MM = 0.01
 _SLICED_MESH_TOLERANCE_MM = 0.02
@@ -23,6 +23,7 @@ def sheet(
     slicer: Annotated[
         bool, typer.Option("--slicer", help="Estimate print time and volume on a filament printer with PrusaSlicer.")
     ] = False,
+    force: ForceOption = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -63,7 +64,7 @@ def sheet(
     path = out or Path("out") / loaded.name / SHEET
     page = render_sheet(data).encode()
     if out is None:
-        parts_writer(loaded, path.parent).add({SHEET: page})
+        parts_writer(loaded, path.parent, force).add({SHEET: page})
     else:
         write_file(out, page)
     batch = data["batch"]

@@ -65,7 +65,7 @@ def simulate(
     from fingertip.errors import FingertipError, Issue
     from fingertip.files import write_file
     from fingertip.sim import load_simulation, summary
-    from fingertip.sim.trace_export import SIGNAL_FOLDER, encode_trace, find_path_issues, signal_writer
+    from fingertip.sim.trace_export import SIGNAL_FOLDER, encode_trace, find_path_issues, write_trace
 
     console = Console(as_json, quiet)
     issues = [*(find_path_issues(out) if out else ()), *find_png_path_issues("--plot", plot)]
@@ -111,7 +111,9 @@ def simulate(
         console.progress(f"drawing {plot}")
         write_file(plot, draw(result, lines[0]), "--plot")
     if out is None:
-        signal_writer(simulation.design, path.parent, force).write({path.name: contents})
+        removed = write_trace(simulation.design, path, contents, force)
+        if removed:
+            console.progress(f"removed what was made from earlier traces or another design: {', '.join(removed)}")
     else:
         write_file(out, contents)
     console.progress(f"wrote {path}")

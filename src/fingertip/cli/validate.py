@@ -48,14 +48,15 @@ def validate(
     warnings = [*noise.settings_warnings(loaded, detector), *adc_range_warnings(board_values(loaded).voltage_limits)]
     for warning in warnings:
         console.progress(f"warning: {warning}")
+    folder = out or Path("out") / loaded.name / "validation"
+    parameters = hash_parameters(loaded.model_dump(mode="json"))
+    writer = SetWriter(folder, "validation", loaded.name, parameters, force=force)
+    writer.check(campaign.FILES)
     validation = campaign.validate(loaded, plan, detector, progress=console.progress)
     if with_plots:
         console.progress("drawing plots")
-    folder = out or Path("out") / loaded.name / "validation"
     files = validation.files(with_plots)
-    SetWriter(folder, "validation", loaded.name, hash_parameters(loaded.model_dump(mode="json")), force=force).write(
-        files
-    )
+    writer.write(files)
     console.progress(f"wrote {', '.join(files)} to {folder}")
     console.result(validation.as_data(), validation.as_text())
     if not validation.passed:

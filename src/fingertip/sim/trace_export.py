@@ -16,6 +16,8 @@ from fingertip.output_set import SetWriter, hash_parameters
 from fingertip.slip.traces.csv_file import to_csv
 from fingertip.slip.traces.trace import Trace
 
+TRACE, PLOT, DETECTION = "trace.csv", "slip.png", "detection.json"
+"""Names of the files of a simulated trial."""
 SIGNAL_FOLDER = "signal"
 """Folder of simulated traces within the output folder of a design."""
 DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
@@ -26,6 +28,15 @@ bytes."""
 def signal_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
     """Writer of simulated traces of a design, and of what is made from them."""
     return SetWriter(folder, "signal", design.name, hash_parameters(design.model_dump(mode="json")), force=force)
+
+
+def write_trace(design: Design, path: Path, data: bytes, force: bool = False) -> tuple[str, ...]:
+    """Write a trace to the folder of a design's signals, and return the names of the files that were removed.
+
+    Plot and detection of the trial are removed if the trace is another one than they were made from.
+    """
+    is_new = path.name == TRACE and not (path.is_file() and path.read_bytes() == data)
+    return signal_writer(design, path.parent, force).write({path.name: data}, (PLOT, DETECTION) if is_new else ())
 
 
 def find_path_issues(path: Path, option: str = "--out") -> list[Issue]:

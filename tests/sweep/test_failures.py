@@ -25,13 +25,13 @@ from tests.tools import require_tool
 
 BOARD_POINTS = 72
 """Points of `examples.BOARD`."""
-LARGE_POINTS = 24_000
+LARGE_POINTS = 8_000
 LARGE_SWEEP = """
 name = "many"
 outputs = ["q", "gain"]
 
 [axes]
-board.cutoff_hz = {low = 20, high = 2000, steps = 240, spacing = "logarithmic"}
+board.cutoff_hz = {low = 20, high = 2000, steps = 80, spacing = "logarithmic"}
 board.passband_gain = {low = 2, high = 900, steps = 50}
 board.series = ["E12", "E24"]
 """

@@ -9,6 +9,8 @@ Expression = tuple["str | Expression", ...]
 
 def quote(word: str) -> str:
     """Return a word in double quotes, escaped."""
+    if word.isprintable() and '"' not in word and "\\" not in word:
+        return f'"{word}"'
     return json.dumps(word, ensure_ascii=False)
 
 
@@ -29,17 +31,23 @@ def format_expression(expression: Expression, indent: str = "") -> str:
 
 def _lines(expression: Expression, indent: str) -> tuple[str, list[str]]:
     """Text of an expression on one line, and its lines. Both come from one pass: layouts have thousands of lists."""
-    words = [item for item in expression if isinstance(item, str)]
-    if len(words) == len(expression):
-        flat = f"({' '.join(words)})"
-        return flat, [indent + flat]
-    inner = [(item, []) if isinstance(item, str) else _lines(item, indent + "  ") for item in expression]
-    flat = f"({' '.join(text for text, _ in inner)})"
+    flats: list[str] = []
+    inner: list[list[str]] = []
+    words = 0
+    for item in expression:
+        if isinstance(item, str):
+            flats.append(item)
+            words += not inner  # words before the first list
+        else:
+            flat, lines = _lines(item, indent + "  ")
+            flats.append(flat)
+            inner.append(lines)
+    flat = f"({' '.join(flats)})"
     # Where words follow a list, their order matters.
-    if len(indent) + len(flat) <= MAX_LINE or expression[: len(words)] != tuple(words):
+    if not inner or len(indent) + len(flat) <= MAX_LINE or words + len(inner) < len(flats):
         return flat, [indent + flat]
-    lines = [f"{indent}({' '.join(words)}"]
-    for _, lines_of_item in inner:
-        lines += lines_of_item
-    lines[-1] += ")"
-    return flat, lines
+    divided = [f"{indent}({' '.join(flats[:words])}"]
+    for lines in inner:
+        divided += lines
+    divided[-1] += ")"
+    return flat, divided

@@ -89,6 +89,17 @@ class SetWriter:
             If the folder is a file, may not be written or holds a set of another kind, or if a name is that of a
             folder or of a file that is somebody's own.
         """
+        try:
+            self._refuse(names)
+        except OutputError:
+            parent = self.folder.resolve().parent
+            if not parent.is_dir():
+                raise
+            # Another command may just have swapped the folder between two looks at it.
+            with _output_errors(self.folder), _lock(parent):
+                self._refuse(names)
+
+    def _refuse(self, names: Collection[str]) -> None:
         with _output_errors(self.folder):
             if issues := list(self._find_issues(names)):
                 raise OutputError(issues)
@@ -145,7 +156,7 @@ class SetWriter:
         OutputError
             As `check` does, or if a file cannot be written. Nothing has changed then.
         """
-        self.check(contents)
+        self.check(())
         folder = self.folder.resolve()
         created = [path for path in (folder, *folder.parents) if not path.exists()]
         try:
@@ -153,7 +164,7 @@ class SetWriter:
                 folder.parent.mkdir(parents=True, exist_ok=True)
                 with _lock(folder.parent):
                     recover(folder)
-                    self.check({**contents, MANIFEST: b""})
+                    self._refuse({**contents, MANIFEST: b""})
                     return self._write(folder, contents, obsolete)
         except BaseException:
             for path in created:

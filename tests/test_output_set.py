@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import random
+import shutil
 import signal
 import sys
 import time
@@ -14,10 +15,10 @@ from pathlib import Path
 
 import pytest
 
-from fingertip import output_set
 from fingertip.errors import OutputError
 from fingertip.files import open_atomic, write_file
-from fingertip.output_set import MANIFEST, SetWriter, add_to_set, read_manifest, recover, verify_sets
+from fingertip.output_set import MANIFEST, SetWriter, add_to_set, lock, read_manifest, replacement, verify_sets
+from fingertip.output_set.replacement import recover
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are killed with signals, NOT TESTED HERE")
 
@@ -81,7 +82,7 @@ def run_and_kill_before(operation: int, action: Callable[[], object]) -> bool:
             if event in OPERATIONS:
                 step()
 
-        swap = output_set._swap
+        swap = replacement._swap
 
         def counted_swap(first: Path, second: Path) -> bool:
             step()
@@ -89,7 +90,7 @@ def run_and_kill_before(operation: int, action: Callable[[], object]) -> bool:
             step()
             return swapped
 
-        output_set._swap = counted_swap
+        replacement._swap = counted_swap
         sys.addaudithook(hook)
         status = 0
         try:
@@ -139,6 +140,34 @@ def test_check_recovers_what_a_killed_writer_left(tmp_path: Path) -> None:
         assert_no_litter(folder)
 
 
+def test_check_recovers_sets_in_subfolders(tmp_path: Path) -> None:
+    folder = tmp_path / "area" / "board"
+    fabrication = SetWriter(folder / "fab", "gerbers", "finger", "new")
+    for _ in kill_everywhere(folder, lambda: fabrication.write({"gerbers.zip": b"new"})):
+        assert verify_sets(folder) == (4, [])
+        assert [path.name for path in (folder / "fab").iterdir() if path.name.startswith(".")] == []
+        assert_no_litter(folder)
+
+
+def test_check_waits_for_a_writer_and_leaves_its_work_alone(tmp_path: Path) -> None:
+    folder = tmp_path / "area" / "board"
+    prepare(folder)
+    staging = folder.with_name(".board.fingertip")
+    reader, ready = os.pipe()
+    child = os.fork()
+    if child == 0:
+        with lock.lock(folder.parent):
+            staging.mkdir()
+            os.write(ready, b".")
+            time.sleep(0.3)
+            status = 0 if staging.is_dir() else 1
+            shutil.rmtree(staging, ignore_errors=True)
+        os._exit(status)
+    os.read(reader, 1)
+    assert verify_sets(folder) == (4, [])
+    assert os.waitpid(child, 0)[1] == 0
+
+
 def test_killed_renames_in_place_are_completed_or_undone_by_the_next_command(tmp_path: Path) -> None:
     """Where folders cannot be swapped, the set is whole again after the next command."""
     folder = tmp_path / "area" / "board"
@@ -155,7 +184,7 @@ def test_folder_that_cannot_be_swapped_is_written_in_place(tmp_path: Path, monke
     folder = tmp_path / "area" / "board"
     prepare(folder)
     inode = folder.stat().st_ino
-    monkeypatch.setattr(output_set, "_swap", lambda first, second: False)
+    monkeypatch.setattr(replacement, "_swap", lambda first, second: False)
     assert writer(folder, "new").write(NEW) == ("old_only.txt",)
     assert folder.stat().st_ino == inode
     assert_whole(folder)
@@ -219,8 +248,8 @@ def test_writers_at_the_same_time_wait_for_each_other(tmp_path: Path) -> None:
 def test_writer_that_waits_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "area" / "board"
     prepare(folder)
-    monkeypatch.setattr(output_set, "_LOCK_S", 0.1)
-    with output_set._lock(folder.parent), pytest.raises(OutputError, match=r"has been writing here for 0\.1 s; wait"):
+    monkeypatch.setattr(lock, "LOCK_S", 0.1)
+    with lock.lock(folder.parent), pytest.raises(OutputError, match=r"has been writing here for 0\.1 s; wait"):
         writer(folder, "new").write(NEW)
     assert files_in(folder) == OLD
 
@@ -279,6 +308,15 @@ def test_manifest_of_another_program_is_not_overwritten(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"manifest\.json: was not written by fingertip"):
         writer(tmp_path, "new").write(NEW)
     assert json.loads((tmp_path / MANIFEST).read_text()) == {"name": "web app"}
+
+
+def test_manifest_that_names_files_elsewhere_is_not_of_this_program(tmp_path: Path) -> None:
+    folder = tmp_path / "board"
+    prepare(folder)
+    for name in ("../mine.txt", "/etc/hostname", "fab/gerbers.zip"):
+        data = json.loads((folder / MANIFEST).read_text())
+        (folder / MANIFEST).write_text(json.dumps(data | {"files": {name: ""}}))
+        assert read_manifest(folder) is None
 
 
 def test_error_leaves_no_folder_behind(tmp_path: Path) -> None:

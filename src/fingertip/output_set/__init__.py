@@ -1,0 +1,13 @@
+"""Sets of output files: written whole or not at all, and protected from being overwritten.
+
+A set is what one command writes to a folder. Its manifest, `manifest.json`, lists the files with their hashes.
+
+A file that the manifest does not name, or that was changed since, is somebody's own. It is never overwritten or
+removed unless that is asked for.
+"""
+
+from fingertip.output_set.manifest import MANIFEST, Manifest, hash_parameters, read_manifest
+from fingertip.output_set.verification import verify_sets
+from fingertip.output_set.writer import SetWriter, add_to_set
+
+__all__ = ["MANIFEST", "Manifest", "SetWriter", "add_to_set", "hash_parameters", "read_manifest", "verify_sets"]

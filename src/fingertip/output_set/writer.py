@@ -1,0 +1,191 @@
+"""Writer of sets of files, which leaves alone what is somebody's own."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from fingertip._version import __version__
+from fingertip.errors import Issue, OutputError
+from fingertip.files import write_file
+from fingertip.output_set.lock import lock, output_errors
+from fingertip.output_set.manifest import MANIFEST, Manifest, hash_file, read_manifest
+from fingertip.output_set.replacement import recover, replace_files
+
+
+@dataclass(frozen=True)
+class SetWriter:
+    """Writer of one set: its place, what it is made from, and how it treats other files there."""
+
+    folder: Path
+    kind: str
+    design: str
+    parameters: str
+    adopted: Collection[str] = ()
+    """Files of an earlier version without manifest that count as this program's own."""
+    force: bool = False
+    """True if files that are somebody's own may be overwritten."""
+    in_place: bool = False
+    """True if the folder must not be swapped, because a file in it is open."""
+
+    def check(self, names: Collection[str]) -> None:
+        """Refuse to write these names if the folder cannot take them, before work starts.
+
+        Parameters
+        ----------
+        names
+            Names of the files; with their contents, files that are equal already do not count.
+
+        Raises
+        ------
+        OutputError
+            If the folder is a file, may not be written or holds a set of another kind, or if a name is that of a
+            folder or of a file that is somebody's own.
+        """
+        try:
+            self._refuse(names)
+        except OutputError:
+            parent = self.folder.resolve().parent
+            if not parent.is_dir():
+                raise
+            # Another command may just have swapped the folder between two looks at it.
+            with output_errors(self.folder), lock(parent):
+                self._refuse(names)
+
+    def _refuse(self, names: Collection[str]) -> None:
+        with output_errors(self.folder):
+            if issues := list(self._find_issues(names)):
+                raise OutputError(issues)
+
+    def _find_issues(self, names: Collection[str]) -> Iterator[Issue]:
+        place = next((path for path in (self.folder, *self.folder.parents) if path.exists()), self.folder)
+        if not place.is_dir():
+            yield Issue(str(place), "is a file; choose another folder with --out.")
+            return
+        if not os.access(place, os.W_OK):
+            yield Issue(str(place), "may not be written; change its mode, or choose another folder with --out.")
+        manifest = read_manifest(self.folder)
+        if manifest and manifest.kind != self.kind:
+            message = f"holds the {manifest.kind} of {manifest.design!r}; choose another folder with --out, such as"
+            yield Issue(str(self.folder), f"{message} {self.folder / self.kind}.")
+            return
+        yield from (
+            Issue(str(self.folder / name), "is a folder; move it away, or choose another folder with --out.")
+            for name in names
+            if (self.folder / name).is_dir()
+        )
+        foreign = [] if self.force else sorted(self._foreign(names))
+        remedy = "move it away, choose another place with --out, or add --force to overwrite it."
+        if len(foreign) > 1 and manifest is None:
+            yield Issue(
+                str(self.folder),
+                f"has no {MANIFEST} that says who wrote {', '.join(foreign)}; move them away, choose another place "
+                "with --out, or add --force to overwrite them.",
+            )
+        else:
+            for name in foreign:
+                yield Issue(str(self.folder / name), f"was not written by fingertip, or was changed since; {remedy}")
+
+    def write(self, contents: Mapping[str, bytes], obsolete: Collection[str] = ()) -> tuple[str, ...]:
+        """Write the set: the folder holds either the old set or the new one at any moment.
+
+        Files of the old set stay if they were made from the same parameters. Otherwise those that nobody changed are
+        removed.
+
+        Parameters
+        ----------
+        contents
+            Name -> content of each file.
+        obsolete
+            Files of the old set that are to be removed in any case, unless somebody changed them.
+
+        Returns
+        -------
+        tuple
+            Names of the files that were removed.
+
+        Raises
+        ------
+        OutputError
+            As `check` does, or if a file cannot be written. Nothing has changed then.
+        """
+        self.check(())
+        folder = self.folder.resolve()
+        created = [path for path in (folder, *folder.parents) if not path.exists()]
+        try:
+            with output_errors(self.folder):
+                folder.parent.mkdir(parents=True, exist_ok=True)
+                with lock(folder.parent):
+                    recover(folder)
+                    self._refuse({**contents, MANIFEST: b""})
+                    return self._write(folder, contents, obsolete)
+        except BaseException:
+            for path in created:
+                with contextlib.suppress(OSError):
+                    path.rmdir()
+            raise
+
+    def add(self, contents: Mapping[str, bytes]) -> None:
+        """Write some files of a set to a folder that holds no set, or one of the same parameters.
+
+        Raises
+        ------
+        OutputError
+            As `write` does, and if the folder holds a set of other parameters.
+        """
+        manifest = read_manifest(self.folder)
+        if manifest and (manifest.kind, manifest.parameters) != (self.kind, self.parameters):
+            message = (
+                f"holds the {manifest.kind} of another design, or of other parameters of {manifest.design!r}; build "
+                "this design there first, or name a file with --out."
+            )
+            raise OutputError(Issue(str(self.folder), message))
+        self.write(contents)
+
+    def _write(self, folder: Path, contents: Mapping[str, bytes], obsolete: Collection[str]) -> tuple[str, ...]:
+        old = read_manifest(folder)
+        known = dict(old.files) if old else dict.fromkeys(self.adopted, "")
+        same = old is not None and (old.kind, old.parameters) == (self.kind, self.parameters)
+        others = [name for name in known if name not in contents and (folder / name).is_file()]
+        unwanted = set(others) & set(obsolete) if same else set(others)
+        removed = tuple(sorted(unwanted - self._foreign(unwanted)))
+        kept = {name: known[name] for name in others if name not in removed} if same else {}
+        hashes = {name: hashlib.sha256(data).hexdigest() for name, data in contents.items()}
+        manifest = Manifest(__version__, self.kind, self.design, self.parameters, kept | hashes)
+        files = {**contents, MANIFEST: manifest.to_bytes()}
+        replace_files(folder, files, removed, in_place=self.in_place)
+        return removed
+
+    def _foreign(self, names: Collection[str]) -> set[str]:
+        """Names of existing files that are somebody's own."""
+        manifest, foreign = read_manifest(self.folder), set()
+        for name in names:
+            path = self.folder / name
+            if name == MANIFEST:
+                is_own = manifest is not None or not path.exists()
+            elif not path.is_file() or (isinstance(names, Mapping) and path.read_bytes() == names[name]):
+                is_own = True
+            else:
+                is_own = hash_file(path) == manifest.files.get(name) if manifest else name in self.adopted
+            if not is_own:
+                foreign.add(name)
+        return foreign
+
+
+def add_to_set(path: Path, data: bytes, option: str = "--out") -> None:
+    """Write one file; where its folder holds a set, the file becomes a part of it.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written, or the set's folder holds a file of this name that is somebody's own.
+    """
+    manifest = read_manifest(path.parent)
+    if manifest is None or path.is_dir():
+        write_file(path, data, option)
+    else:
+        SetWriter(path.parent, manifest.kind, manifest.design, manifest.parameters).write({path.name: data})

@@ -1,9 +1,17 @@
-"""LuGre friction per newton of normal force: parameters, their bounds, and the definition of gross slip.
+"""LuGre friction under a varying normal force: model, parameters, their bounds, and the definition of gross slip.
 
-Model: C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, IEEE Trans. Automatic Control 40(3), 1995,
-doi:10.1109/9.376053. The Stribeck curve has the rational form of D. P. Hess and A. Soom (Trans. ASME J. Tribology
-112(1), 1990), which needs no exponential. Elasto-plastic bristles: P. Dupont, V. Hayward, B. Armstrong, F. Altpeter,
-IEEE Trans. Automatic Control 47(5), 2002, doi:10.1109/TAC.2002.1000274.
+    z     = c s,   c = 1 / sqrt(N + N0)                                 mean bristle deflection
+    ds/dt = N c (v - alpha(v, z) sigma0 |v| z / g(v)) - r(N) s
+    mu    = sigma0 z + sigma1 c ds/dt + sigma2 v,   friction force N mu
+
+At constant load this is the model of C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, IEEE Trans. Automatic
+Control 40(3), 1995, doi:10.1109/9.376053, with alpha = 1. The Stribeck curve g has the rational form of D. P. Hess and
+A. Soom (Trans. ASME J. Tribology 112(1), 1990), which needs no exponential. Elasto-plastic bristles (alpha): P. Dupont,
+V. Hayward, B. Armstrong, F. Altpeter, IEEE Trans. Automatic Control 47(5), 2002, doi:10.1109/TAC.2002.1000274.
+
+The state is s, because the bristles store the energy ``sigma0 s^2 / 2``. A change of the load at rest leaves s and this
+energy as they are. With z as state, as usual, the stored energy ``sigma0 N z^2 / 2`` would grow with the load, and
+nobody would have done that work. Friction is therefore passive under any load, with the bound of `Friction.is_passive`.
 """
 
 from __future__ import annotations
@@ -21,6 +29,8 @@ ELASTO_PLASTIC = 0.7
 
 ROS2_GAMMA = 1 - 1 / math.sqrt(2)
 """Parameter of ROS2 that makes it L-stable (Verwer et al. 1999), the method of both loops with fixed steps."""
+LOAD_SCALE_N = 1e-3
+"""N0, a load far below all that matter [N]. It keeps the model smooth where contact begins and ends."""
 RELAXATION_S = 1e-3
 """Time in which bristles without contact straighten up [s]. Assumption.
 

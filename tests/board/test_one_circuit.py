@@ -26,8 +26,8 @@ from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.output import board_files
 from fingertip.board.spice import spice_deck
 from fingertip.design import Design
-from fingertip.sim.electronics.analog import simulate_board
-from fingertip.sim.electronics.analog_circuit import AnalogBoard
+from fingertip.sim.signal.filter_board import simulate_board
+from fingertip.sim.signal.analog_circuit import AnalogBoard
 from tests.board.ngspice import run_ngspice
 
 TONE_HZ, STEP_S = 100.0, 1 / 16_000
@@ -143,7 +143,7 @@ def test_rectifier_changed_in_one_place_scales_envelope_noise_and_ripple(
 
 def test_bridge_changed_in_one_place_moves_the_tactile_voltage(monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip.board.components.bridge import Bridge
-    from fingertip.sim.electronics.sensor import select_voltage_function
+    from fingertip.sim.signal.fsr import select_voltage_function
 
     before, select = board_values(DESIGN), Bridge.by_reference
     before_v = select_voltage_function(DESIGN, "board")(1.0)

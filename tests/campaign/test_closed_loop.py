@@ -23,7 +23,7 @@ from fingertip.campaign.report import trial_plots
 from fingertip.campaign.requirements import RequirementLimits, check_closed_loop
 from fingertip.design import Design
 from fingertip.sim import Observation
-from fingertip.sim.electronics.board_output import EnvelopeStream, compute_bridge_v, simulate_envelope_v
+from fingertip.sim.signal.board_output import EnvelopeStream, compute_bridge_v, simulate_envelope_v
 from fingertip.slip.detectors.noise import input_noise_v
 
 DESIGN = Design()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from fingertip.arrays import Array
 from fingertip.sim.bench.board import read_result, run_deck, write_deck
-from fingertip.sim.electronics.analog_circuit import AnalogBoard
+from fingertip.sim.signal.analog_circuit import AnalogBoard
 
 
 def simulate_with_ngspice(

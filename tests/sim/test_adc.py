@@ -5,7 +5,7 @@ import pytest
 
 from fingertip.board import board_values
 from fingertip.design import Design
-from fingertip.sim.electronics.adc import AntiAliasFilter
+from fingertip.sim.signal.converter import AntiAliasFilter
 from tests.oracles.filter_formulas import envelope_pin_transfer, tactile_pin_transfer
 
 DESIGNS = [Design(), Design(detector={"sample_rate_hz": 20_000.0, "window_samples": 600})]

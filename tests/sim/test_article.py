@@ -13,8 +13,8 @@ from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import SURFACES, SceneFile, Trial, run_scene, simulate
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.electronics.sensor import select_voltage_function
-from fingertip.sim.scenes.timeline import build_timeline
+from fingertip.sim.signal.fsr import select_voltage_function
+from fingertip.sim.scene.timeline import build_timeline
 from fingertip.sim.stages.context import SceneContext
 from fingertip.slip import detect
 from fingertip.slip.traces.csv_file import to_csv

@@ -16,7 +16,7 @@ from fingertip.sim.contact.coupled import CoupledMotion, NormalContact, integrat
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, RELAX_PER_S, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.tangential import Mount, drag
-from fingertip.sim.scenes.timeline import TrapezoidalMove
+from fingertip.sim.scene.timeline import TrapezoidalMove
 from tests.oracles.steady_friction import steady_coefficient
 
 FORCE_N = 0.8

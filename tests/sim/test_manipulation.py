@@ -15,8 +15,8 @@ from fingertip.errors import TraceError
 from fingertip.sim import FixedGrip, ManipulationFile, article_manipulations, compiled, run_manipulation
 from fingertip.sim.contact.friction import ELASTO_PLASTIC
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.electronics.adc import AntiAliasFilter
-from fingertip.sim.electronics.sensor import LOAD_SHIFT_PER_M, select_voltage_function
+from fingertip.sim.signal.converter import AntiAliasFilter
+from fingertip.sim.signal.fsr import LOAD_SHIFT_PER_M, select_voltage_function
 from fingertip.sim.hand.motion_plan import plan_motion
 from fingertip.sim.hand.stepper import ManipulationStepper
 from tests.conftest import ROOT, run_fingertip

@@ -9,9 +9,9 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.noise import add_noise
 from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
-from fingertip.sim.electronics.adc import quantise_v, sample_v
-from fingertip.sim.electronics.board_noise import compute_input_noise_v, compute_noise_gain
-from fingertip.sim.electronics.board_output import simulate_quiescent_level, simulate_replay_level
+from fingertip.sim.signal.converter import quantise_v, sample_v
+from fingertip.sim.signal.board_noise import compute_input_noise_v, compute_noise_gain
+from fingertip.sim.signal.board_output import simulate_quiescent_level, simulate_replay_level
 
 CONSTANT_FORCE = {"hold": {"mode": "grasp", "min_force_n": 1.0, "max_force_n": 1.0, "min_s": 20.0, "release": False}}
 SETTLED = 4000

@@ -11,8 +11,8 @@ import pytest
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import SceneFile, Trial, run_scene, simulate
-from fingertip.sim.electronics.analog import simulate_board
-from fingertip.sim.electronics.analog_circuit import AnalogBoard
+from fingertip.sim.signal.filter_board import simulate_board
+from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.stages.context import SceneContext
 from fingertip.slip import detect
 from tests.conftest import ROOT, run_fingertip

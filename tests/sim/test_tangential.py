@@ -13,7 +13,7 @@ from fingertip.errors import TraceError
 from fingertip.sim.article import Trial
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.tangential import Friction, Mount, PadMotion, drag
-from fingertip.sim.scenes.timeline import build_timeline
+from fingertip.sim.scene.timeline import build_timeline
 from tests.oracles.steady_friction import steady_coefficient, stribeck_coefficient
 
 FRICTION = Friction(0.6, 0.48)

@@ -13,8 +13,8 @@ from fingertip.design import Design
 from fingertip.sim.article import MAX_FORCE_N, Trial
 from fingertip.sim.contact import vibration
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.electronics import adc, sensor
-from fingertip.sim.scenes.timeline import LIFT_M, TrapezoidalMove, build_timeline
+from fingertip.sim.signal import adc, sensor
+from fingertip.sim.scene.timeline import LIFT_M, TrapezoidalMove, build_timeline
 
 PAD = Pad.from_design(Design())
 

@@ -13,7 +13,7 @@ from fingertip.arrays import Array
 from fingertip.campaign.plan import Case
 from fingertip.design import Design
 from fingertip.sim import run_scene
-from fingertip.sim.electronics.board_output import sample_envelope_v
+from fingertip.sim.signal.board_output import sample_envelope_v
 from fingertip.slip import DETECTORS, Trace, make_detector
 from fingertip.slip.intervals import INCIPIENT_S, Interval, intervals, score
 

@@ -22,7 +22,7 @@ from fingertip.design import Design
 from fingertip.errors import FingertipError, Issue
 from fingertip.sim import ManipulationFile, ManipulationResult, Observation, Simulation, run_manipulation
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.electronics.board_output import compute_bridge_v
+from fingertip.sim.signal.board_output import compute_bridge_v
 from fingertip.slip import DETECTORS, make_detector
 from fingertip.slip.detectors.registry import find_detector_type
 

@@ -10,8 +10,8 @@ from fingertip.design.issues import suggest_name
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.hand.manipulation_file import ManipulationFile
-from fingertip.sim.scenes.scene_file import SceneFile
-from fingertip.sim.scenes.timeline import SLIDE_M
+from fingertip.sim.scene.scene_file import SceneFile
+from fingertip.sim.scene.timeline import SLIDE_M
 from fingertip.sim.stages.pipeline import run_scene
 from fingertip.slip.traces.trace import Trace
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.hand.manipulation import ManipulationResult
-from fingertip.sim.scenes.scene_file import SceneFile
-from fingertip.sim.scenes.timeline import TrapezoidalMove
+from fingertip.sim.scene.scene_file import SceneFile
+from fingertip.sim.scene.timeline import TrapezoidalMove
 from fingertip.sim.stages.pipeline import SceneResult
 from fingertip.slip.intervals import STICK_S, Interval, intervals, merge
 

@@ -234,7 +234,7 @@ def _parse_range(
 
 
 def _load_scene_model() -> type[BaseModel]:
-    from fingertip.sim.scenes.scene_file import SceneFile  # imports the whole simulation, which most sweeps do not use
+    from fingertip.sim.scene.scene_file import SceneFile  # imports the whole simulation, which most sweeps do not use
 
     return SceneFile
 

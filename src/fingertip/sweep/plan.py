@@ -27,7 +27,7 @@ from fingertip.sweep.outputs import OutputGroup, check_output_names, find_groups
 from fingertip.sweep.sweep_file import MAX_POINTS, SweepFile
 
 if TYPE_CHECKING:
-    from fingertip.sim.scenes.scene_file import SceneFile
+    from fingertip.sim.scene.scene_file import SceneFile
 
 PointNumbers = NDArray[np.int64]
 
@@ -190,7 +190,7 @@ def _read_axes(entries: Mapping[str, Any], sampled: bool) -> tuple[list[Axis], l
 def _read_scene(tables: Mapping[str, Any] | None) -> tuple[SceneFile | None, list[Issue]]:
     if tables is None:
         return None, []
-    from fingertip.sim.scenes.scene_file import SceneFile
+    from fingertip.sim.scene.scene_file import SceneFile
 
     try:
         return SceneFile(**tables), []

@@ -23,7 +23,7 @@ from fingertip.sweep.outputs import TRACES, OutputGroup
 from fingertip.sweep.plan import SweepPlan
 
 if TYPE_CHECKING:
-    from fingertip.sim.scenes.scene_file import SceneFile
+    from fingertip.sim.scene.scene_file import SceneFile
     from fingertip.sweep.cached_solids import CachedEvaluator
 
 MAX_GROUP_RESULTS = 4096
@@ -104,7 +104,7 @@ class PointEvaluator:
         return design, scene
 
     def _build_scene(self, tables: dict[str, Any], changes: Mapping[str, Value]) -> SceneFile:
-        from fingertip.sim.scenes.scene_file import SceneFile
+        from fingertip.sim.scene.scene_file import SceneFile
 
         scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
         return SceneFile(**apply_changes(tables, scene_changes))

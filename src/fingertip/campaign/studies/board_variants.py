@@ -19,7 +19,7 @@ from fingertip.design import Design
 from fingertip.design.rules.board import BAND_CUTOFFS
 from fingertip.errors import DesignError
 from fingertip.jit import compiled
-from fingertip.sim.electronics.board_output import simulate_quiescent_level
+from fingertip.sim.signal.board_output import simulate_quiescent_level
 
 VARIANTS = ("article", "precision")
 

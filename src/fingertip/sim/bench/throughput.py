@@ -13,12 +13,12 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.sim.article import article_manipulations, article_trials
-from fingertip.sim.electronics.analog import simulate_boards
-from fingertip.sim.electronics.analog_circuit import AnalogBoard
-from fingertip.sim.electronics.monte_carlo import draw_boards
+from fingertip.sim.signal.filter_board import simulate_boards
+from fingertip.sim.signal.analog_circuit import AnalogBoard
+from fingertip.sim.signal.monte_carlo import draw_boards
 from fingertip.sim.hand.controller import FixedGrip
 from fingertip.sim.hand.manipulation import run_manipulation
-from fingertip.sim.scenes.scene_file import SceneFile
+from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.stages.pipeline import run_scene
 
 CAMPAIGN_TARGET_S = 6.0

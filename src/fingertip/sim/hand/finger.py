@@ -17,11 +17,11 @@ from fingertip.design import Design
 from fingertip.sim.contact import vibration
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import Surface
-from fingertip.sim.electronics.adc import AntiAliasFilter, draw_noise_v, sample_v
-from fingertip.sim.electronics.board_noise import compute_input_noise_v
-from fingertip.sim.electronics.board_output import sample_envelope_v
-from fingertip.sim.electronics.sensor import apply_hysteresis, compute_sensor_force_n, select_voltage_function
-from fingertip.sim.scenes.scene_file import Sensing
+from fingertip.sim.signal.converter import AntiAliasFilter, draw_noise_v, sample_v
+from fingertip.sim.signal.board_noise import compute_input_noise_v
+from fingertip.sim.signal.board_output import sample_envelope_v
+from fingertip.sim.signal.fsr import apply_hysteresis, compute_sensor_force_n, select_voltage_function
+from fingertip.sim.scene.scene_file import Sensing
 
 PROFILE_MARGIN_M = 2e-3
 """Length of the surface profile before the point of first touch [m], because objects are also pushed back a little."""

@@ -26,7 +26,7 @@ from fingertip.design import Design
 from fingertip.design.issues import suggest_name
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.electronics.comparator import describe_missing_comparator, simulate_pin_v
+from fingertip.sim.signal.comparator import describe_missing_comparator, simulate_pin_v
 from fingertip.sim.hand.controller import Controller, Observation
 from fingertip.sim.hand.manipulation_file import OUTPUTS, ManipulationFile
 from fingertip.sim.hand.motion_plan import MotionPlan, plan_motion, thumb_force_n

@@ -14,9 +14,9 @@ from pydantic import ConfigDict
 
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.errors import Issue
-from fingertip.sim.scenes.scene_file import Sensing
-from fingertip.sim.scenes.simulation_file import SimulationFile
-from fingertip.sim.scenes.timeline import ACCELERATION_M_S2
+from fingertip.sim.scene.scene_file import Sensing
+from fingertip.sim.scene.simulation_file import SimulationFile
+from fingertip.sim.scene.timeline import ACCELERATION_M_S2
 from fingertip.toml_files import MANIPULATION, FileKind
 
 OUTPUTS = (

@@ -12,7 +12,7 @@ from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.hand.manipulation_file import ManipulationFile
-from fingertip.sim.scenes.timeline import ACCELERATION_M_S2, OPEN_S, TrapezoidalMove, smoothstep
+from fingertip.sim.scene.timeline import ACCELERATION_M_S2, OPEN_S, TrapezoidalMove, smoothstep
 
 GRAVITY_M_S2 = 9.80665
 """Standard acceleration of gravity [m/s2]."""

@@ -22,8 +22,8 @@ from fingertip.design import Design
 from fingertip.sim.contact.friction import GROSS_SLIP_M_S, RELAX_PER_S
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import SURFACES
-from fingertip.sim.electronics.analog import AnalogStream
-from fingertip.sim.electronics.analog_circuit import board_with_amplifiers
+from fingertip.sim.signal.filter_board import AnalogStream
+from fingertip.sim.signal.analog_circuit import board_with_amplifiers
 from fingertip.sim.hand import grasp_loop
 from fingertip.sim.hand.finger import FingerSensor, VibratingPad
 from fingertip.sim.hand.manipulation_file import ManipulationFile

@@ -12,7 +12,7 @@ from fingertip.sim.contact import coupled, vibration
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, HAND_N_PER_M
 from fingertip.sim.contact.tangential import PadMotion, drag
-from fingertip.sim.scenes import disturbances
+from fingertip.sim.scene import disturbances
 from fingertip.sim.stages.context import SceneContext
 
 Inputs = Mapping[str, Any]

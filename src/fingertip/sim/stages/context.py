@@ -14,8 +14,8 @@ from fingertip.design import Design
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import SURFACES, Surface
 from fingertip.sim.contact.tangential import Mount
-from fingertip.sim.scenes.scene_file import SceneFile
-from fingertip.sim.scenes.timeline import Timeline, build_timeline
+from fingertip.sim.scene.scene_file import SceneFile
+from fingertip.sim.scene.timeline import Timeline, build_timeline
 
 MAX_STEP_S = 1.25e-4
 """Maximum step of the grid on which contacts are integrated [s]. Velocities are then within 1e-5 m/s of the limit for

@@ -15,8 +15,8 @@ from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact import coupled
-from fingertip.sim.electronics.comparator import describe_missing_comparator
-from fingertip.sim.scenes.scene_file import SceneFile
+from fingertip.sim.signal.comparator import describe_missing_comparator
+from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.stages import contact_stages, signal_stages
 from fingertip.sim.stages.context import SceneContext
 from fingertip.sim.stages.stage import Stage, StageStats, run_stages

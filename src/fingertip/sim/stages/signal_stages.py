@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.sim.electronics import analog, comparator
-from fingertip.sim.electronics.adc import AntiAliasFilter, draw_noise_v, sample_v
-from fingertip.sim.electronics.analog_circuit import board_with_amplifiers
-from fingertip.sim.electronics.board_noise import compute_input_noise_v
-from fingertip.sim.electronics.sensor import apply_hysteresis, compute_sensor_force_n, select_voltage_function
-from fingertip.sim.scenes import disturbances
+from fingertip.sim.signal import comparator, filter_board
+from fingertip.sim.signal.converter import AntiAliasFilter, draw_noise_v, sample_v
+from fingertip.sim.signal.analog_circuit import board_with_amplifiers
+from fingertip.sim.signal.board_noise import compute_input_noise_v
+from fingertip.sim.signal.fsr import apply_hysteresis, compute_sensor_force_n, select_voltage_function
+from fingertip.sim.scene import disturbances
 from fingertip.sim.stages.context import SceneContext
 
 Inputs = Mapping[str, Any]

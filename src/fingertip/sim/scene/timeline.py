@@ -14,7 +14,7 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.scenes.scene_file import SceneFile
+from fingertip.sim.scene.scene_file import SceneFile
 
 SLIDE_M = 0.04
 """Length of the article's slide [m]."""

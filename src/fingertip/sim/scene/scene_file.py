@@ -14,7 +14,7 @@ from pydantic import ConfigDict, Field
 
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.errors import Issue
-from fingertip.sim.scenes.simulation_file import SimulationFile
+from fingertip.sim.scene.simulation_file import SimulationFile
 from fingertip.toml_files import SCENE, FileKind
 
 OUTPUTS = (

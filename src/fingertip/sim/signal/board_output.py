@@ -12,11 +12,11 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.sim.electronics.adc import AntiAliasFilter, draw_noise_v, sample_v
-from fingertip.sim.electronics.analog import AnalogStream, simulate_board
-from fingertip.sim.electronics.analog_circuit import AnalogBoard
-from fingertip.sim.electronics.board_noise import compute_input_noise_v
-from fingertip.sim.electronics.sensor import select_voltage_function
+from fingertip.sim.signal.converter import AntiAliasFilter, draw_noise_v, sample_v
+from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
+from fingertip.sim.signal.analog_circuit import AnalogBoard
+from fingertip.sim.signal.board_noise import compute_input_noise_v
+from fingertip.sim.signal.fsr import select_voltage_function
 from fingertip.slip.detectors.analog import AnalogDetector
 from fingertip.slip.detectors.detector import DetectorOutput
 from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v, measure_noise_level
@@ -48,7 +48,7 @@ def sample_envelope_v(
 def simulate_envelope_v(design: Design, voltage_v: Array) -> Array:
     """Simulate the board's sampled envelope [V] for a sampled input [V] that is linear between samples.
 
-    A recording has passed the anti-aliasing poles of the tactile voltage (`fingertip.sim.electronics.adc`), which the
+    A recording has passed the anti-aliasing poles of the tactile voltage (`fingertip.sim.signal.converter`), which the
     real board's filter has not: the envelope comes out some 3 % low at 2 kHz, 12 % at 1 kHz.
 
     Raises

@@ -7,7 +7,7 @@ ahead of the rectifier has the right strength, and with it the envelope's quiesc
 too strong: at 2 kHz 1.6 times on a board with a low-pass in its first stage, and four times on one without, where a
 bare diode hides it.
 
-The noise of the ADC is separate: it is added after the board's gain (`fingertip.sim.electronics.adc`).
+The noise of the ADC is separate: it is added after the board's gain (`fingertip.sim.signal.converter`).
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from fingertip.board.analysis.noise import add_noise
 from fingertip.board.components.component_values import select_components
 from fingertip.board.nets import FILTERED
 from fingertip.design import Design
-from fingertip.sim.electronics.analog import simulate_board
-from fingertip.sim.electronics.analog_circuit import AnalogBoard
+from fingertip.sim.signal.filter_board import simulate_board
+from fingertip.sim.signal.analog_circuit import AnalogBoard
 
 _MEMORY_S = 0.1
 """Time in which the filter forgets an impulse at a cutoff of 67 Hz [s]: seven periods."""

@@ -1,4 +1,4 @@
-"""Loop of `fingertip.sim.electronics.analog`: exact linear steps, and a diode that charges R parallel to C.
+"""Loop of `fingertip.sim.signal.filter_board`: exact linear steps, and a diode that charges R parallel to C.
 
     C dv/dt = i - v / R,   i = Is (exp((u - v - i Rs) / nVt) - 1)     variant article
     C dv/dt = (max(u, 0) - v) / R                                      variants precision, comparator
@@ -101,7 +101,7 @@ def _envelope_loop(
     # Parameters: tolerance of a step [V], sampling interval H, number of states, width of a row, number of step sizes,
     # voltage of the rails (0: none), whether the rectifier is `precision`, and the values of diode and load. The input
     # is given right before and right after each sample. step_rows, rk_rows, output_rows and amplifier1_row are those of
-    # `fingertip.sim.electronics.analog_circuit.compute_step_matrices`.
+    # `fingertip.sim.signal.analog_circuit.compute_step_matrices`.
     saturation, nvt, series = diode
     R, C = load
     shortest = levels - 1

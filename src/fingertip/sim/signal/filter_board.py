@@ -1,7 +1,7 @@
 """Filter board in the time domain: tactile voltage in, filtered voltage and envelope out, for one board or thousands.
 
-Between samples the input is linear, which the linear stages follow exactly (`fingertip.sim.electronics.exact_steps`).
-The rectifier and the envelope are solved with error control (`fingertip.sim.electronics.envelope_loop`). A jump of the
+Between samples the input is linear, which the linear stages follow exactly (`fingertip.sim.signal.exact_steps`).
+The rectifier and the envelope are solved with error control (`fingertip.sim.signal.envelope_loop`). A jump of the
 input is given as two values at one sample.
 """
 
@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.sim.electronics import envelope_loop
-from fingertip.sim.electronics.analog_circuit import AnalogBoard, compute_step_matrices
-from fingertip.sim.electronics.envelope_loop import LEVELS
+from fingertip.sim.signal import envelope_loop
+from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_step_matrices
+from fingertip.sim.signal.envelope_loop import LEVELS
 from fingertip.sim.validation import find_column_issues, find_not_positive, raise_issues
 
 _CHUNK = 256  # boards whose matrices are in memory at a time: 4 MB

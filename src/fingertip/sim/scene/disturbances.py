@@ -8,8 +8,8 @@ import random
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.sim.scenes.scene_file import Cable, Drift, Motor, Tap
-from fingertip.sim.scenes.timeline import smoothstep
+from fingertip.sim.scene.scene_file import Cable, Drift, Motor, Tap
+from fingertip.sim.scene.timeline import smoothstep
 
 CREEP_FROM_S = 1.0
 """Time under load from which creep is counted in decades [s]: data sheets read the sensor then. Assumption."""

@@ -26,8 +26,8 @@ from fingertip.board.nets import FILTERED, STAGE1_OUT, TACTILE, VMID
 from fingertip.board.network import Network, Value, build_network
 from fingertip.design import Design
 from fingertip.errors import Issue
-from fingertip.sim.electronics.envelope_loop import ABSCISSAE, LEVELS, WIDTH
-from fingertip.sim.electronics.exact_steps import augment, exponentials
+from fingertip.sim.signal.envelope_loop import ABSCISSAE, LEVELS, WIDTH
+from fingertip.sim.signal.exact_steps import augment, exponentials
 from fingertip.sim.validation import find_negative, find_not_positive, raise_issues
 
 COMPONENTS = (

@@ -2,7 +2,7 @@
 
 The poles lie between the board's outputs and the ADC (R8, C9, R9, C19 for the tactile voltage; R7, C8 for the
 envelope). Between samples the voltage is linear, which two RC sections follow exactly
-(`fingertip.sim.electronics.exact_steps`). They delay by some 1.3 samples, whatever the sampling rate, because the
+(`fingertip.sim.signal.exact_steps`). They delay by some 1.3 samples, whatever the sampling rate, because the
 board's values are selected for it.
 """
 
@@ -21,7 +21,7 @@ from fingertip.board.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, TACTILE
 from fingertip.board.network import build_network
 from fingertip.design import Design
 from fingertip.jit import CompiledLoop
-from fingertip.sim.electronics.exact_steps import augment, exponentials
+from fingertip.sim.signal.exact_steps import augment, exponentials
 
 _FIRST, _SECOND, _INPUT = range(3)
 """Indices of the filter's state: voltages of the first and the second capacitor, and the previous input [V]."""

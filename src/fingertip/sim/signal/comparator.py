@@ -20,7 +20,7 @@ from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
 from fingertip.jit import CompiledLoop
-from fingertip.sim.electronics.analog_circuit import AnalogBoard
+from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.validation import find_column_issues, find_not_positive, raise_issues
 
 PIN_LOW_V = 0.0

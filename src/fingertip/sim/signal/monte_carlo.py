@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.errors import Issue, TraceError
-from fingertip.sim.electronics.analog_circuit import AnalogBoard
+from fingertip.sim.signal.analog_circuit import AnalogBoard
 
 RESISTOR_TOLERANCE = 0.01
 """Relative tolerance of the resistors."""

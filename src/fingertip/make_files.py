@@ -108,7 +108,7 @@ def _simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tup
     if extras.is_installed("matplotlib"):
         from fingertip.slip.plot import draw
 
-        contents[PLOT] = draw(found.trace, found.detection, TRACE)
+        contents[PLOT] = draw(found.trace, found.detection, f"{design.name}: simulated trial")
     else:
         progress(f"{PLOT} is left out: it needs {extras.describe_missing('matplotlib')}")
     return contents, found

@@ -109,7 +109,7 @@ def test_network_of_the_articles_values_has_the_articles_figures(article_model: 
     assert round(float(section_hz), 2) == 67.02
     assert round(float(quality), 4) == 0.9895
     assert round(float(article_model.first_pole_hz(values)), 2) == 66.31
-    assert round(1e3 * float(article_model.envelope_decay_s(values)), 2) == 4.40
+    assert round(1e3 * float(article_model.envelope.decay_s(values)), 2) == 4.40
     ideal = multiply(stage.evaluate(values) for stage in article_model.ideal)
     assert round(abs(ideal.at(1e9)), 2) == 67.67
     assert round(ideal_cutoff_hz(ARTICLE), 2) == 67.26
@@ -136,8 +136,8 @@ def test_network_of_ideal_parts_agrees_with_the_closed_forms(
     section = tuple(float(v) for v in article_model.section(values))
     assert section == pytest.approx((target.section_hz, target.section_quality), rel=1e-9)
     assert section == pytest.approx((section_frequency_hz(ideal), section_quality(ideal)), rel=1e-9)
-    assert float(article_model.envelope_decay_s(values)) == pytest.approx(target.envelope_decay_s, rel=1e-9)
-    assert float(article_model.envelope_gain(values)) == pytest.approx(ideal.r_lp_ohm, rel=1e-9)
+    assert float(article_model.envelope.decay_s(values)) == pytest.approx(target.envelope_decay_s, rel=1e-9)
+    assert float(article_model.envelope.gain(values)) == pytest.approx(ideal.r_lp_ohm, rel=1e-9)
 
 
 @settings(max_examples=200)
@@ -222,11 +222,12 @@ def state_response(system: StateSpace, net: str) -> Array:
 
 
 def test_products_of_a_coefficient_never_cancel() -> None:
-    """All products of a denominator's coefficient have the same sign, so that it is exact to rounding."""
+    """All products of a coefficient are positive, so that it is exact to rounding."""
     for name in BOARD_CONFIGURATIONS:
         model = model_filter(load(name)[1], name.startswith("article"))
-        for stage in (*model.ideal, *model.as_built, model.envelope):
-            assert all(factor > 0 for products in stage.denominator for factor, _ in products)
+        for stage in (*model.ideal, *model.as_built, model.envelope.stage):
+            for polynomial in (stage.numerator, stage.denominator):
+                assert all(factor > 0 for products in polynomial for factor, _ in products)
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)

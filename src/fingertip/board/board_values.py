@@ -108,7 +108,7 @@ def board_values(design: Design) -> BoardValues:
     circuit, supply, has_diode = board_circuit(components), SUPPLIES[board.supply], board.variant == "article"
     model, network = model_filter(circuit, has_diode), build_network(circuit, board.gain_bandwidth_hz)
     achieved = compute_response(model, network.values, board.gain_bandwidth_hz)
-    envelope_gain = None if has_diode else float(model.envelope_gain(network.values))
+    envelope_gain = None if has_diode else float(model.envelope.gain(network.values))
     limits = compute_voltage_limits(
         circuit, supply, board.supply_v, compute_output_swing(AMPLIFIERS[components.amplifier], supply, board.supply_v),
         achieved.passband_gain, has_diode, detector.adc_range_v,

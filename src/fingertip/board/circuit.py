@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -81,6 +82,11 @@ class Circuit:
     name: str
     components: tuple[Component, ...]
     nets: tuple[Net, ...]
+
+    @functools.cached_property
+    def net_by_pin(self) -> Mapping[Node, str]:
+        """Name of the net of each connected pin."""
+        return {node: net.name for net in self.nets for node in net.nodes}
 
     def component(self, reference: str) -> Component:
         """The component with this reference; KeyError if there is none."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from fingertip.board.analysis.limits import describe_touches
+from fingertip.board.analysis.touches import describe_touches
 from fingertip.board.components.amplifiers import AMPLIFIERS, ARTICLE_AMPLIFIER
 
 

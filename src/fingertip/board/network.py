@@ -43,6 +43,16 @@ _TRIMMER_END_OHM = 1e-3
 """Resistance that remains between a trimmer's wiper and the end to which it is turned [ohm]."""
 
 
+class AmplifierOutput(NamedTuple):
+    """Net that an amplifier drives."""
+
+    amplifier: str
+    """Reference of its component, with the letter of its unit: "U1a", or "U2" for a single amplifier."""
+    reference: str
+    """Reference of its component."""
+    net: str
+
+
 class Term(NamedTuple):
     """Summand of an equation: factor * quantity * s^order * voltage of a net."""
 
@@ -214,8 +224,8 @@ def build_network(
     trimmer_ratio
         Position of the trimmer's wiper, from 0 (at its third pin) to 1.
     """
-    nets = {node: net.name for net in circuit.nets for node in net.nodes}
-    driven = set(_driven_nets(circuit, nets))
+    nets = circuit.net_by_pin
+    driven = {output.net for output in list_amplifiers(circuit)}
     gain_nets = {nets[c.reference, pin] for c in circuit.components for pin in "18" if c.symbol.name == "AD623ARMZ"}
     free = set(nets.values()) - set(RAILS) - driven - gain_nets
     terms: list[Term] = []
@@ -263,7 +273,7 @@ def build_network(
                     values[f"{name} {INVERSE_BANDWIDTH}"] = 1.0 / (math.tau * bandwidth_hz)
                     terms.append(Term(pins[out], pins[out], f"{name} {INVERSE_GAIN}", -1.0, 0))
                     terms.append(Term(pins[out], pins[out], f"{name} {INVERSE_BANDWIDTH}", -1.0, 1))
-                    for pin in {plus, minus}:
+                    for pin in dict.fromkeys((plus, minus)):
                         add(f"{name} C{pin}", data.input_f, pins[pin], None, order=1)
     return Network(tuple(terms), values, RAILS)
 
@@ -274,15 +284,15 @@ def filter_quantities(components: Mapping[str, float], gain_bandwidth_hz: float)
     return values | {f"U1{unit} {INVERSE_BANDWIDTH}": 1.0 / (math.tau * gain_bandwidth_hz) for unit in "ab"}
 
 
-def _driven_nets(circuit: Circuit, nets: Mapping[tuple[str, str], str]) -> Iterator[str]:
-    """Yield the nets that amplifiers drive."""
+def list_amplifiers(circuit: Circuit) -> Iterator[AmplifierOutput]:
+    """Yield each amplifier of a circuit with the net that it drives, in the order of the components."""
     for component in circuit.components:
-        symbol = component.symbol.name
+        reference, symbol = component.reference, component.symbol.name
         if symbol == "AD623ARMZ":
-            yield nets[component.reference, "6"]
+            yield AmplifierOutput(reference, reference, circuit.net_by_pin[reference, "6"])
         elif symbol in AMPLIFIERS:
-            for _, _, out in AMPLIFIERS[symbol].units.values():
-                yield nets[component.reference, out]
+            for unit, (_, _, out) in AMPLIFIERS[symbol].units.items():
+                yield AmplifierOutput(f"{reference}{unit}", reference, circuit.net_by_pin[reference, out])
 
 
 def _add_instrumentation_amplifier(

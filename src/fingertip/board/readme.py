@@ -6,12 +6,13 @@ import textwrap
 from collections.abc import Iterable
 
 from fingertip.board.analysis.figures import format_figure
-from fingertip.board.analysis.limits import DIODE_V, describe_adc_range, describe_touches
+from fingertip.board.analysis.limits import DIODE_V, describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
 from fingertip.board.analysis.offsets import OutputOffset
 from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V
 from fingertip.board.analysis.thresholds import ComparatorLevels
+from fingertip.board.analysis.touches import describe_touches
 from fingertip.board.board_values import BoardValues
 from fingertip.board.circuit import Circuit
 from fingertip.board.components.amplifiers import AMPLIFIERS, ARTICLE_AMPLIFIER

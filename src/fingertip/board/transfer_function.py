@@ -4,7 +4,8 @@ Cramer's rule gives each voltage as a ratio of two determinants, whose expansion
 The network is split into stages first: groups of nets that determine each other, such as a Sallen-Key section. Each
 follows from the one before it, because an amplifier isolates its output, so their transfer functions multiply. The
 expansion is done once for a circuit; evaluating it for other values, or for thousands of boards at once, takes some
-hundred products. No difference of nearly equal numbers occurs, so all coefficients are exact to rounding.
+hundred products. On every board all products of a coefficient are positive, so no difference of nearly equal numbers
+occurs, and all coefficients are exact to rounding.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from fingertip.board.network import Network, Term, Value
 
 Polynomial = dict[tuple[int, tuple[str, ...]], float]
 """Power of s and sorted symbols of each product -> its factor."""
+SymbolicPolynomial = tuple[tuple[tuple[float, tuple[str, ...]], ...], ...]
+"""Coefficients of a polynomial in s, from the constant one upwards, each a sum of products as (factor, symbols)."""
 Coefficients = list[Value]
 """Coefficients of a polynomial in s, from the constant one upwards."""
 
@@ -59,10 +62,10 @@ class Rational:
 
 @dataclass(frozen=True)
 class Stage:
-    """Transfer function of one stage: products that sum up to each coefficient, as (factor, symbols)."""
+    """Transfer function of one stage, with the component values as symbols."""
 
-    numerator: tuple[tuple[tuple[float, tuple[str, ...]], ...], ...]
-    denominator: tuple[tuple[tuple[float, tuple[str, ...]], ...], ...]
+    numerator: SymbolicPolynomial
+    denominator: SymbolicPolynomial
 
     def evaluate(self, values: Mapping[str, Value]) -> Rational:
         """Transfer function for these values."""
@@ -159,7 +162,7 @@ def _add_to(polynomial: Polynomial, key: tuple[int, tuple[str, ...]], factor: fl
         polynomial.pop(key, None)  # products with opposite signs cancel exactly
 
 
-def _by_power(polynomial: Polynomial, sign: float) -> tuple[tuple[tuple[float, tuple[str, ...]], ...], ...]:
+def _by_power(polynomial: Polynomial, sign: float) -> SymbolicPolynomial:
     degree = max((order for order, _ in polynomial), default=0)
     return tuple(
         tuple((sign * factor, symbols) for (order, symbols), factor in polynomial.items() if order == power)
@@ -167,9 +170,9 @@ def _by_power(polynomial: Polynomial, sign: float) -> tuple[tuple[tuple[float, t
     )
 
 
-def _evaluate(powers: Sequence[Sequence[tuple[float, tuple[str, ...]]]], values: Mapping[str, Value]) -> Coefficients:
+def _evaluate(polynomial: SymbolicPolynomial, values: Mapping[str, Value]) -> Coefficients:
     coefficients: Coefficients = []
-    for products in powers:
+    for products in polynomial:
         total: Value = 0.0
         for product, symbols in products:
             for symbol in symbols:

@@ -98,7 +98,7 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         noise_total_v=total,
         noise_alternatives=compare_noise_alternatives(
             circuit, board.gain_bandwidth_hz, board.band_limit_hz,
-            None if has_diode else float(model.envelope_gain(network.values)),
+            None if has_diode else float(model.envelope.gain(network.values)),
         ),
         threshold_v=design.detector.threshold_v,
         amplifier=values.amplifier,

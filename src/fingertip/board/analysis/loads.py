@@ -14,9 +14,8 @@ import numpy as np
 
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuit import Circuit
-from fingertip.board.components.amplifiers import AMPLIFIERS
 from fingertip.board.nets import TACTILE
-from fingertip.board.network import build_network
+from fingertip.board.network import build_network, list_amplifiers
 from fingertip.design.parameters import Board
 from fingertip.design.rules.board import BAND_CUTOFFS
 
@@ -69,7 +68,7 @@ def compute_amplifier_loads(
     f = np.geomspace(*signal_band_hz(cutoff_hz), _FREQUENCIES)
     volts = dict(zip(network.nets, network.response(f, {TACTILE: 1.0}, *network.nets).T, strict=True))
     volts[TACTILE] = np.ones(len(f), dtype=np.complex128)
-    nets = {node: net.name for net in circuit.nets for node in net.nodes}
+    nets = circuit.net_by_pin
     branches = [
         (c.reference, nets[c.reference, "1"], nets[c.reference, "2"])
         for c in circuit.components
@@ -77,7 +76,9 @@ def compute_amplifier_loads(
     ]
 
     loads = []
-    for amplifier, output in sorted(_outputs(circuit, nets)):
+    for amplifier, component, output in sorted(list_amplifiers(circuit)):
+        if component in _OTHER_BUFFERS:
+            continue
         filter_a, diode_a = np.zeros((2, len(f)), dtype=np.complex128)
         for reference, first, second in branches:
             if output not in (first, second):
@@ -101,17 +102,6 @@ def compute_amplifier_loads(
 def find_filter_load_ohm(loads: Iterable[AmplifierLoad]) -> float:
     """Find the smallest impedance that an amplifier of the two filter stages drives [ohm], without the diode."""
     return min(load.min_filter_ohm for load in loads if load.min_filter_ohm and load.amplifier in _FILTER_AMPLIFIERS)
-
-
-def _outputs(circuit: Circuit, nets: dict[tuple[str, str], str]) -> Iterator[tuple[str, str]]:
-    """Yield each amplifier of the signal path with the net that it drives."""
-    for component in circuit.components:
-        reference, symbol = component.reference, component.symbol.name
-        if symbol == "AD623ARMZ":
-            yield reference, nets[reference, "6"]
-        elif symbol in AMPLIFIERS and reference not in _OTHER_BUFFERS:
-            for unit, (_, _, out) in AMPLIFIERS[symbol].units.items():
-                yield f"{reference}{unit}", nets[reference, out]
 
 
 def load_warnings(board: Board, filter_load_ohm: float, capacitor_f: float) -> Iterator[str]:

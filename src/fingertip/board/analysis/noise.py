@@ -31,7 +31,7 @@ from fingertip.board.components.bridge import GAIN_CONSTANT_OHM, sensor_conducta
 from fingertip.board.components.preferred_values import nearest_value
 from fingertip.board.kicad import symbols
 from fingertip.board.nets import ADC_TACTILE, FEEDBACK, FILTERED, STAGE1_OUT, TACTILE
-from fingertip.board.network import Network, build_network
+from fingertip.board.network import Network, build_network, list_amplifiers
 from fingertip.design.filter_components import compute_limiting_capacitor_f
 
 NETS = (TACTILE, STAGE1_OUT, FILTERED, ADC_TACTILE)
@@ -131,7 +131,7 @@ def add_noise(circuit: Circuit, gain_bandwidth_hz: float) -> NoisyNetwork:
 
 
 def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
-    nets = {node: net.name for net in circuit.nets for node in net.nodes}
+    amplifiers = tuple(list_amplifiers(circuit))
     for component in circuit.components:
         symbol, reference = component.symbol.name, component.reference
         if symbol == "R" and reference != GAIN_RESISTOR:
@@ -140,10 +140,12 @@ def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
             yield Source(reference, entries, _thermal_noise(1.0 / parse_component_value(component.value)), 0.0)
         elif symbol in AMPLIFIERS:
             data = AMPLIFIERS[symbol]
-            for unit, (_, _, out) in data.units.items():
-                yield Source(f"{reference}{unit}", {nets[reference, out]: -1.0}, data.noise_v, data.offset_v)
+            for name, owner, out in amplifiers:
+                if owner == reference:
+                    yield Source(name, {out: -1.0}, data.noise_v, data.offset_v)
         elif symbol == "AD623ARMZ":
-            resistor_ohm, out = parse_component_value(circuit.component(GAIN_RESISTOR).value), nets[reference, "6"]
+            (out,) = (output.net for output in amplifiers if output.reference == reference)
+            resistor_ohm = parse_component_value(circuit.component(GAIN_RESISTOR).value)
             gain = 1.0 + GAIN_CONSTANT_OHM / resistor_ohm
             noise_v = math.hypot(AD623_NOISE_V, AD623_OUTPUT_NOISE_V / gain)
             yield Source(reference, {out: -gain}, noise_v, AD623_OFFSET_V)

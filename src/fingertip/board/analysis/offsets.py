@@ -15,7 +15,7 @@ from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuit import Circuit
 from fingertip.board.components.amplifiers import AMPLIFIERS, LOW_OFFSET_NAME, LOW_OFFSET_V
 from fingertip.board.nets import ENVELOPE
-from fingertip.board.network import build_network
+from fingertip.board.network import build_network, list_amplifiers
 
 BLOCKING_DIODE = "D4"
 """Diode that conducts while the filtered signal is negative, and cuts the rectifier off from the filter."""
@@ -69,13 +69,7 @@ def _offset_gains(circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str
     network = build_network(circuit, gain_bandwidth_hz, conducting=[diode]).restrict(ENVELOPE, signal_ground)
     envelope = network.constant_transfers(ENVELOPE)
     ground = {} if signal_ground in network.inputs else network.constant_transfers(signal_ground)
-    nets = {node: net.name for net in circuit.nets for node in net.nodes}
-    outputs = [
-        nets[component.reference, pins[2]]
-        for component in circuit.components
-        if component.reference in _FILTER_AND_RECTIFIER
-        for pins in AMPLIFIERS[component.symbol.name].units.values()
-    ]
+    outputs = (output.net for output in list_amplifiers(circuit) if output.reference in _FILTER_AND_RECTIFIER)
     return [envelope.get(net, 0.0) - ground.get(net, 0.0) for net in outputs]
 
 

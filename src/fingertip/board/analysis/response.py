@@ -79,6 +79,24 @@ class Passband:
 
 
 @dataclass(frozen=True)
+class EnvelopeModel:
+    """Transfer function of the envelope for any component values: the network's quantities are its symbols."""
+
+    stage: Stage
+    """First-order low-pass: from the filtered voltage (variant article: from the diode's current) to the envelope."""
+
+    def decay_s(self, values: Mapping[str, Value]) -> Value:
+        """Time constant [s]."""
+        constant, slope = self.stage.evaluate(values).denominator
+        return slope / constant
+
+    def gain(self, values: Mapping[str, Value]) -> Value:
+        """Constant envelope for a constant input: a ratio of voltages; in variant article a resistance [ohm]."""
+        response = self.stage.evaluate(values)
+        return response.numerator[0] / response.denominator[0]
+
+
+@dataclass(frozen=True)
 class FilterModel:
     """Transfer functions of filter and envelope for any component values: the network's quantities are their symbols.
 
@@ -90,8 +108,7 @@ class FilterModel:
     """Stages with ideal amplifiers."""
     as_built: tuple[Stage, ...]
     """Stages with amplifiers of finite bandwidth and with input capacitance."""
-    envelope: Stage
-    """First-order envelope: from the filtered voltage (variant article: from the diode's current) to the envelope."""
+    envelope: EnvelopeModel
 
     def transfer(self, values: Mapping[str, Value]) -> Rational:
         """Transfer function as built."""
@@ -107,16 +124,6 @@ class FilterModel:
         constant, linear, square = self.ideal[-1].evaluate(values).denominator
         return (constant / square) ** 0.5 / math.tau, (constant * square) ** 0.5 / linear
 
-    def envelope_decay_s(self, values: Mapping[str, Value]) -> Value:
-        """Time constant of the envelope [s]."""
-        constant, slope = self.envelope.evaluate(values).denominator
-        return slope / constant
-
-    def envelope_gain(self, values: Mapping[str, Value]) -> Value:
-        """Constant envelope for a constant input: a ratio of voltages; in variant article a resistance [ohm]."""
-        response = self.envelope.evaluate(values)
-        return response.numerator[0] / response.denominator[0]
-
 
 def model_filter(circuit: Circuit, has_diode: bool) -> FilterModel:
     """Expand the transfer functions of a circuit's filter and envelope.
@@ -131,7 +138,20 @@ def model_filter(circuit: Circuit, has_diode: bool) -> FilterModel:
     ideal, as_built = (
         find_stages(build_network(circuit, bandwidth).drive(TACTILE), TACTILE, FILTERED) for bandwidth in (None, 1.0)
     )
-    return FilterModel(ideal, as_built, _model_peak_detector(circuit) if has_diode else _model_low_pass(circuit))
+    return FilterModel(ideal, as_built, model_envelope(circuit, has_diode))
+
+
+def model_envelope(circuit: Circuit, has_diode: bool) -> EnvelopeModel:
+    """Expand the transfer function of a circuit's envelope alone.
+
+    Parameters
+    ----------
+    circuit
+        Circuit of a board.
+    has_diode
+        Whether a bare diode charges the envelope's capacitor (variant article).
+    """
+    return EnvelopeModel(_model_peak_detector(circuit) if has_diode else _model_low_pass(circuit))
 
 
 def _model_low_pass(circuit: Circuit) -> Stage:
@@ -254,7 +274,7 @@ def compute_response(model: FilterModel, values: Mapping[str, Value], gain_bandw
     """
     section_hz, quality = model.section(values)
     passband = find_passband(model.transfer(values), search_band_hz(model, values))
-    decay_s = float(model.envelope_decay_s(values))
+    decay_s = float(model.envelope.decay_s(values))
     return FrequencyResponse(
         passband_gain=passband.gain,
         passband_gain_db=decibel(passband.gain),

@@ -78,7 +78,6 @@ def rotate_offset(angle: int, x: float, y: float) -> tuple[float, float]:
 
 def place_pads(circuit: Circuit, placement: Placement) -> Iterator[PlacedPad]:
     """Yield every pad of the board."""
-    nets = {node: net.name for net in circuit.nets for node in net.nodes}
     for component in circuit.components:
         position = placement.positions[component.reference]
         for pad in FOOTPRINTS[component.footprint].pads:
@@ -91,7 +90,7 @@ def place_pads(circuit: Circuit, placement: Placement) -> Iterator[PlacedPad]:
                 position.y + dy,
                 width / 2,
                 height / 2,
-                nets.get((component.reference, pad.number), ""),
+                circuit.net_by_pin.get((component.reference, pad.number), ""),
             )
 
 

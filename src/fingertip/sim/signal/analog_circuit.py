@@ -19,7 +19,7 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.response import FilterModel, model_filter
+from fingertip.board.analysis.response import EnvelopeModel, model_envelope
 from fingertip.board.circuit import Circuit
 from fingertip.board.components.component_values import select_components
 from fingertip.board.nets import FILTERED, STAGE1_OUT, TACTILE, VMID
@@ -61,7 +61,7 @@ class AnalogBoard:
 
     network: Network
     """Equations of the filter, driven at its input."""
-    model: FilterModel
+    envelope: EnvelopeModel
     """Gain and time constant of rectifier and envelope."""
     rectifier: Literal["diode", "precision"] = "diode"
     """A diode that charges R_LP parallel to C_LP (article), or amplifiers that rectify and follow with one pole."""
@@ -106,7 +106,7 @@ class AnalogBoard:
         quiet = {VMID, *network.inputs} - {TACTILE}
         return cls(
             network.ground(*quiet).restrict(FILTERED),
-            model_filter(circuit, has_diode),
+            model_envelope(circuit, has_diode),
             "diode" if has_diode else "precision",
         )
 
@@ -149,18 +149,18 @@ class AnalogBoard:
     def load(self) -> tuple[Value, Value]:
         """Resistance and capacitance that the diode charges [ohm, F]; of a precision rectifier their product counts."""
         decay_s = self.envelope_decay_s
-        ohm = self.model.envelope_gain(self.network.values) if self.rectifier == "diode" else 1e3
+        ohm = self.envelope.gain(self.network.values) if self.rectifier == "diode" else 1e3
         return ohm, decay_s / ohm
 
     @property
     def envelope_decay_s(self) -> Value:
         """Time constant of the envelope [s]."""
-        return self.model.envelope_decay_s(self.network.values)
+        return self.envelope.decay_s(self.network.values)
 
     @property
     def envelope_gain(self) -> Value:
         """Gain from the positive half waves of the filtered voltage to the envelope; 1 for a bare diode."""
-        return 1.0 if self.rectifier == "diode" else self.model.envelope_gain(self.network.values)
+        return 1.0 if self.rectifier == "diode" else self.envelope.gain(self.network.values)
 
 
 def board_with_amplifiers(design: Design, amplifiers: str) -> AnalogBoard:

@@ -92,7 +92,7 @@ def evaluate_manipulation(
     detector: str, manipulation: ManipulationResult, decisions: Sequence[GripDecision]
 ) -> ClosedLoopTrial:
     """Evaluate one manipulation against the true slip."""
-    time_s, closing = manipulation.time_s, manipulation.signals["closing_m"]
+    time_s, closing = manipulation.time_s, manipulation.signals.closing_m
     slip = any_finger_slips(manipulation)
     slipping = np.flatnonzero(slip & (time_s >= manipulation.plan.knock_s))
     onset_s = reaction_s = None
@@ -132,7 +132,7 @@ def evaluate_manipulation(
 
 def any_finger_slips(manipulation: ManipulationResult) -> NDArray[np.bool_]:
     """Return whether any finger slips, at each sample."""
-    slipping: NDArray[np.bool_] = np.logical_or.reduce(manipulation.signals["slip"], axis=0)
+    slipping: NDArray[np.bool_] = np.logical_or.reduce(manipulation.output("slip"), axis=0)
     return slipping
 
 

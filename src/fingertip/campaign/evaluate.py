@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,6 @@ from fingertip.arrays import Array
 from fingertip.campaign.plan import Case
 from fingertip.design import Design
 from fingertip.sim import run_scene
-from fingertip.sim.signal.board_output import sample_envelope_v
 from fingertip.slip import DETECTORS, Trace, make_detector
 from fingertip.slip.intervals import INCIPIENT_S, Interval, intervals, score
 
@@ -59,13 +57,9 @@ def simulate_trace(design: Design, case: Case, board: bool = True) -> tuple[Trac
     force_n
         Holding force [N].
     """
-    outputs = ["voltage_v", "force_n", "slip", *(["envelope_v"] if board else [])]
+    outputs = ["voltage_v", "force_n", "slip", *(["sampled_envelope_v"] if board else [])]
     result = run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed)
-    if not board:
-        return result.trace, result.force_n
-    rng = random.Random(f"{case.seed}:noise of the envelope")
-    sampled = sample_envelope_v(design, result.columns["envelope_v"], rng)
-    return replace(result.trace, envelope_v=sampled), result.force_n
+    return result.trace, result.force_n
 
 
 def needs_board(*detectors: str) -> bool:

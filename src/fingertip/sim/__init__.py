@@ -13,7 +13,7 @@ from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.simulation import Simulation, load_simulation
-from fingertip.sim.stages.pipeline import SceneResult, run_scene
+from fingertip.sim.scene.run import SceneResult, run_scene
 from fingertip.sim.trace_export import encode_trace
 
 __all__ = [

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fingertip.plot_style import TEXT_COLOUR, new_figure, style_axes, to_png
 from fingertip.sim.hand.manipulation import ManipulationResult
-from fingertip.sim.stages.pipeline import SceneResult
+from fingertip.sim.scene.run import SceneResult
 from fingertip.slip.intervals import intervals
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ _LABELS = {
     "tactile_v": ("tactile\nvoltage [V]", 1),
     "filtered_v": ("filtered\nvoltage [V]", 1),
     "envelope_v": ("envelope\nvoltage [V]", 1),
+    "sampled_envelope_v": ("sampled\nenvelope [V]", 1),
     "closing_m": ("finger\nclosing [mm]", 1000),
     "command_m": ("commanded\nclosing [mm]", 1000),
     "object_m": ("object\nposition [mm]", 1000),
@@ -55,7 +56,7 @@ def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold", fontsize=12)
     for axes, name in zip(panels, names, strict=True):
-        signal = result.signals[name] if isinstance(result, ManipulationResult) else result.columns[name]
+        signal = result.output(name) if isinstance(result, ManipulationResult) else result.columns[name]
         rows = signal if signal.ndim == 2 else signal[None, :]
         style_axes(axes, "both")
         label, factor = _LABELS[name]

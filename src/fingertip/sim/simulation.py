@@ -22,7 +22,7 @@ from fingertip.sim.hand.controller import Controller
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.scene.scene_file import SceneFile
-from fingertip.sim.stages.pipeline import SceneResult, run_scene
+from fingertip.sim.scene.run import SceneResult, run_scene
 from fingertip.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 
 

@@ -9,9 +9,7 @@ import numpy as np
 
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.hand.manipulation import ManipulationResult
-from fingertip.sim.scene.scene_file import SceneFile
-from fingertip.sim.scene.timeline import TrapezoidalMove
-from fingertip.sim.stages.pipeline import SceneResult
+from fingertip.sim.scene.run import SceneResult
 from fingertip.slip.intervals import STICK_S, Interval, intervals, merge
 
 
@@ -50,7 +48,7 @@ def as_data(result: SceneResult | ManipulationResult, grips_s: Sequence[float] |
         "knock_s": round(plan.knock_s, 7) if plan.pin else None,
         "held": result.lost_s is None,
         "lost_s": None if result.lost_s is None else round(result.lost_s, 7),
-        "moved_m": round(float(result.signals["object_m"][-1]), 9),
+        "moved_m": round(float(result.signals.object_m[-1]), 9),
     }
     return data if grips_s is None else data | {"grips_s": [*grips_s]}
 
@@ -65,12 +63,12 @@ def as_text(result: SceneResult | ManipulationResult, grips_s: Sequence[float] |
     if isinstance(result, SceneResult):
         scene = result.scene
         slides = scene.slide.distance_m > 0.0
-        title = f"{_describe_surface(scene.contact.surface)}, {_describe_speed(scene)}" if slides else scene.name
+        title = f"{_describe_surface(scene.contact.surface)}, {scene.slide.speed_m_s:g} m/s" if slides else scene.name
         return [f"{title}, {result.force_n:.2f} N, {size}", *slips]
     target = result.scene.object
     surface = _describe_surface(target.surface)
     title = f"object: {surface}, {1000 * target.mass_kg:g} g, {result.scene.grasp.kind} grasp"
-    moved = f"the object moved by {1000 * result.signals['object_m'][-1]:.1f} mm"
+    moved = f"the object moved by {1000 * result.signals.object_m[-1]:.1f} mm"
     end = "was held" if result.lost_s is None else f"left the fingers at {result.lost_s:.4f} s"
     lines = [f"{title}, thumb {result.force_n:.2f} N, {size}"]
     lines += [f"knock at {result.plan.knock_s:.4f} s"] if result.plan.pin else []
@@ -87,16 +85,6 @@ def as_text(result: SceneResult | ManipulationResult, grips_s: Sequence[float] |
 def _describe_surface(name: str) -> str:
     label = SURFACES[name].label
     return name if label == name else f"{name} ({label})"
-
-
-def _describe_speed(scene: SceneFile) -> str:
-    """Describe the peak speed, which a short distance or a small acceleration keeps below the requested one."""
-    slide = scene.slide
-    move = TrapezoidalMove.with_speed(0.0, slide.distance_m, slide.speed_m_s, slide.acceleration_m_s2)
-    if move.peak_m_s < slide.speed_m_s:
-        reason = f"{slide.speed_m_s:g} m/s is not reached in {slide.distance_m:g} m at {slide.acceleration_m_s2:g} m/s2"
-        return f"peak {move.peak_m_s:.3g} m/s ({reason})"
-    return f"{slide.speed_m_s:g} m/s"
 
 
 def _true_slips(result: SceneResult | ManipulationResult) -> tuple[Interval, ...]:

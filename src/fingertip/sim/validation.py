@@ -48,6 +48,12 @@ def find_column_issues(**arrays: Array) -> Iterable[Issue]:
             yield Issue(name, message)
 
 
+def round_down(value: float) -> float:
+    """Round a positive number down to three digits, so that the remedy of an error passes when it is typed back in."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return float(f"{math.floor(value / unit * (1 + 1e-12)) * unit:.3g}")
+
+
 def raise_issues(issues: Iterable[Issue]) -> None:
     """Raise all issues as one error, if there are any.
 

@@ -210,14 +210,14 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
     t = manipulation.time_s
     for i, finger in enumerate(manipulation.fingers):
         color = _FINGERS[finger]
-        force.plot(t, manipulation.signals["force_n"][i], color=color, linewidth=0.8, label=finger)
-        closing.plot(t, 1000 * manipulation.signals["closing_m"][i], color=color, linewidth=1.1, label=finger)
+        force.plot(t, manipulation.output("force_n")[i], color=color, linewidth=0.8, label=finger)
+        closing.plot(t, 1000 * manipulation.signals.closing_m[i], color=color, linewidth=1.1, label=finger)
     force.set_ylabel("normal force [N]")
     force.legend(frameon=False, ncols=5, fontsize=9, loc="lower right")
     closing.set_ylabel("closing [mm]")
     # Show the last millimetres, in which the hand reacts: the initial closing is the same in all manipulations.
     closed = np.searchsorted(t, manipulation.plan.closed_s)
-    low = 1000 * float(min(signal[closed] for signal in manipulation.signals["closing_m"]))
+    low = 1000 * float(min(signal[closed] for signal in manipulation.signals.closing_m))
     closing.set_ylim(bottom=max(0.0, 0.85 * low))
     flags = np.array([(decision.detected, decision.suppressed) for decision in trial.decisions], dtype=np.bool_)
     periods = np.array([decision.time_s for decision in trial.decisions])
@@ -236,10 +236,10 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
         if decision.tightened:
             for axes in panels:
                 axes.axvline(decision.time_s, color="#4a5157", linestyle=":", linewidth=1)
-    displacement.plot(t, 1000 * manipulation.signals["object_m"], color="#1f4e79", label="with control")
+    displacement.plot(t, 1000 * manipulation.signals.object_m, color="#1f4e79", label="with control")
     other = uncontrolled.manipulation
     label = f"without control: {'held' if uncontrolled.held else 'lost'}"
-    displacement.plot(other.time_s, 1000 * other.signals["object_m"], color=_REFERENCE, label=label)
+    displacement.plot(other.time_s, 1000 * other.signals.object_m, color=_REFERENCE, label=label)
     displacement.set_ylabel("object [mm]")
     displacement.set_xlabel(f"time [s]; dotted: grip tightened ({NOTE})")
     displacement.legend(frameon=False, fontsize=9, loc="upper left")

@@ -19,7 +19,7 @@ from fingertip.sim.signal.monte_carlo import draw_boards
 from fingertip.sim.hand.controller import FixedGrip
 from fingertip.sim.hand.manipulation import run_manipulation
 from fingertip.sim.scene.scene_file import SceneFile
-from fingertip.sim.stages.pipeline import run_scene
+from fingertip.sim.scene.run import run_scene
 
 CAMPAIGN_TARGET_S = 6.0
 MANIPULATION_TARGET_S = 1.0

@@ -20,6 +20,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.arrays import Array
 from fingertip.errors import Issue, TraceError
@@ -36,7 +37,9 @@ RELAXATION_S = 1e-3
 
 The loops take it as an argument: numba's cache would not notice a change of a constant in another file."""
 RELAX_PER_S = 1 / RELAXATION_S
-"""Rate of this relaxation [1/s]."""
+"""Rate of this relaxation without load [1/s]: r(N) = RELAX_PER_S (1 - N / N0), and 0 from N0 on."""
+STICK_SLIP_STRIBECK_M_S = 0.06
+"""Stribeck velocity of `Friction.with_stick_slip` [m/s]: friction still falls at the article's speeds. Assumption."""
 GROSS_SLIP_M_S = 1e-3
 """Sliding speed above which slip is gross [m/s]; slip onset is the time at which it is first exceeded.
 
@@ -88,6 +91,10 @@ class Friction:
         if issues:
             raise TraceError(issues)
 
+    def with_stick_slip(self) -> Friction:
+        """Friction that falls with speed so far and so widely that a pad on its mount sticks and slips. Assumption."""
+        return Friction(1.6 * self.mu_c, self.mu_c, STICK_SLIP_STRIBECK_M_S, self.sigma0, 0.2, 0.15)
+
     @property
     def is_passive(self) -> bool:
         """True if friction only ever takes energy: ``sigma2 > sigma1 (mu_s - mu_c) / mu_c``.
@@ -97,6 +104,10 @@ class Friction:
         ``test_friction_is_passive`` look for a counterexample with both kinds of bristles.
         """
         return self.sigma2 * self.mu_c > self.sigma1 * (self.mu_s - self.mu_c)
+
+    def is_gross_slip(self, velocity_m_s: Array, bristle_m: Array, load_n: Array) -> NDArray[np.bool_]:
+        """Return where the contact slides faster than `GROSS_SLIP_M_S`; without load nothing slides."""
+        return (self.sliding_speed_m_s(velocity_m_s, bristle_m) > GROSS_SLIP_M_S) & (load_n > 0.0)
 
     def sliding_speed_m_s(self, velocity_m_s: Array, bristle_m: Array) -> Array:
         """Speed at which the contact slides [m/s]: the part of the velocity that does not bend bristles, ``v - dz/dt``.

@@ -78,16 +78,34 @@ class Pad:
         """Quasi-static normal force [N]: the inverse of the method `depth_m`, exactly 0 where the depth is not above 0.
 
         Newton's method solves ``n^3/k + c n^2 = depth`` for n, the cube root of the force. It starts above the root of
-        a convex function, so it decreases monotonically.
+        a convex function, so it decreases monotonically. A depth mostly stays for long, and each is solved once.
         """
+        changes = np.flatnonzero(np.diff(depth_m, prepend=np.nan) != 0.0)
         k, c = HAND_N_PER_M, self.hertz_m_per_n23
-        depth = np.maximum(depth_m, 0.0)
+        depth = np.maximum(depth_m[changes], 0.0)
         n = np.sqrt(depth / c)
         for _ in range(12):
             n = n - (n * n * (n / k + c) - depth) / np.where(n > 0.0, n * (3 * n / k + 2 * c), 1.0)
-        return np.where(depth > 0.0, n * n * n, 0.0)
+        force = np.where(depth > 0.0, n * n * n, 0.0)
+        return np.repeat(force, np.diff(changes, append=len(depth_m)))
+
+    def patch_radius_m(self, force_n: float) -> float:
+        """Radius of the contact patch [m]: ``(3 N R / (4 E*))^(1/3)`` (Hertz; Johnson 1985, section 4.2)."""
+        return math.cbrt(3 * force_n * self.radius_m / (4 * self._modulus_pa))
 
     @property
     def hertz_m_per_n23(self) -> float:
         """Hertzian indentation under 1 N [m]. It grows with the force to the power 2/3."""
         return math.cbrt(9 / (16 * self.radius_m * self._modulus_pa**2))
+
+
+def cube_root(values: Array) -> Array:
+    """Cube root of values of at least 0, with operations that every processor rounds alike.
+
+    Newton's method for ``y^3 = x`` from the fourth root, for values from 1e-12 to 1e4; smaller ones count as 0.
+    """
+    x = np.where(values > 1e-12, values, 1.0)
+    y = np.sqrt(np.sqrt(x))
+    for _ in range(9):
+        y = (2 * y + x / (y * y)) / 3
+    return np.where(values > 1e-12, y, 0.0)

@@ -1,12 +1,13 @@
 """Motion of a grasped object along the direction of slip: weight, impact of a pin, friction at each finger.
 
 States: position X [m] and velocity V [m/s] of the object; for each pad, position x [m] and velocity v [m/s] relative to
-its finger and bristle deflection z [m]. With w = v - V, the velocity of the pad over the object, and normal forces N:
+its finger and bristle state s [m sqrt(N)]. With w = v - V, the velocity of the pad over the object, normal forces N,
+and friction as in `fingertip.sim.contact.friction`:
 
-    dz/dt   = w - sigma0 |w| z / g(w)
-    mu      = sigma0 z + sigma1 dz/dt + sigma2 w
-    m dv/dt = -k x - c v - N mu
-    M dV/dt = weight + sum N mu + pin,   pin = kp d (1 + lambda dd/dt), d = Xp - X > 0
+    ds/dt   = N c (w - sigma0 |w| z / g(w)) - r(N) s,   z = c s,   c = 1 / sqrt(N + N0)
+    mu      = sigma0 z + sigma1 c ds/dt + sigma2 w
+    m dv/dt = -k x - d v - N mu
+    M dV/dt = weight + sum N mu + pin,   pin = kp p (1 + lambda dp/dt), p = Xp - X > 0
 
 Xp is the position of the pin. Its contact model is that of Hunt and Crossley (Trans. ASME J. Applied Mechanics 42(2),
 1975, doi:10.1115/1.3423596). Friction is LuGre friction as in `fingertip.sim.contact.friction`. The method is ROS2 with
@@ -16,35 +17,36 @@ object only, so each one is eliminated by itself, and one scalar equation for th
 
 from __future__ import annotations
 
+import math
 from collections.abc import MutableSequence, Sequence
 
 from fingertip.jit import CompiledLoop
 from fingertip.sim.contact.friction import ROS2_GAMMA
 
 PAD_STATES = 3
-"""Number of states of each pad: x, v, z. The pads come first in the state."""
+"""Number of states of each pad: x, v, s. The pads come first in the state."""
 OBJECT_X, OBJECT_V, HAS_LEFT = range(3)
 """Indices of the object's states, counted from the end of the pads' states."""
 OBJECT_STATES = 3
 """Number of states of the object: X, V, and 1 once it has left the fingers."""
-_A, _B, _PIVOT_Z, _J_ZW, _PIVOT_V, _J_VZ, _DZ, _DRIFT, _KX1, _KV1, _KZ1, _S, _E, _RX, _RZ = range(15)
+_A, _B, _PIVOT_S, _J_SW, _PIVOT_V, _J_VS, _RS1, _DRIFT_S, _DRIFT_V, _C1, _KX1, _KV1, _KS1, _S, _E, _RX, _RS2 = range(17)
 """Indices of the values kept for each finger between the parts of a step, named like the variables of the loop."""
-SCRATCH_SIZE = 15
+SCRATCH_SIZE = 17
 """Number of these values."""
 
 
 def pin_n(k: float, damping: float, X: float, V: float, Xp: float, Vp: float) -> float:
     """Force of the pin on the object [N], which never pulls (Hunt and Crossley 1975)."""
-    d = Xp - X
-    if d <= 0.0:
+    depth = Xp - X
+    if depth <= 0.0:
         return 0.0
-    f = k * d * (1 + damping * (Vp - V))
+    f = k * depth * (1 + damping * (Vp - V))
     return f if f > 0.0 else 0.0
 
 
 def _grasp_loop(
     curve: tuple[float, float, float],
-    sigma: tuple[float, float, float, float],
+    sigma: tuple[float, float, float, float, float],
     h: float,
     mass: float,
     pin: tuple[float, float],
@@ -59,17 +61,17 @@ def _grasp_loop(
     scratch: MutableSequence[float],
     load: MutableSequence[float],
     x_out: MutableSequence[float],
-    object_over_pad: MutableSequence[float],
+    over_object: MutableSequence[float],
     z_out: MutableSequence[float],
     object_out: MutableSequence[float],
     pin_out: MutableSequence[float],
 ) -> None:
     """Integrate object and pads by ROS2."""
     # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2 and their rate of
-    # relaxation; stiffness and damping of the pin. Arrays hold one finger after the other: mount (mass, stiffness,
-    # damping), state (x, v, z), load.
+    # relaxation, N0; stiffness and damping of the pin. Arrays hold one finger after the other: mount (mass, stiffness,
+    # damping), state (x, v, s), load.
     mu_c, drop, vs = curve
-    s0, s1, s2, relax_per_s = sigma
+    s0, s1, s2, relax_per_s, N0 = sigma
     kp, damping = pin
     G = ROS2_GAMMA * h
     target = PAD_STATES * count  # index of the object's first state
@@ -86,56 +88,61 @@ def _grasp_loop(
         P1 = pin_n(kp, damping, X, V, pin_x[j + 1], pin_v[j + 1])
         jx = jv = 0.0
         if P0 > 0.0:
-            d = pin_x[j] - X
+            depth = pin_x[j] - X
             jx = -kp * (1 + damping * (pin_v[j] - V)) / mass
-            jv = -kp * damping * d / mass
+            jv = -kp * damping * depth / mass
         dV = (weight[j] + P0) / mass
         drift_V = ROS2_GAMMA * (weight[j + 1] - weight[j] + P1 - P0) / mass
         # diagonal * kV = rhs is the scalar equation of the object; each finger adds to both sides.
         diagonal, rhs = 1 - G * jv - G * G * jx, 0.0
         for i in range(count):
-            # LuGre friction of this finger: dz/dt, and its derivatives J_zz by z and J_zw by w.
-            m, k, c = mount[3 * i], mount[3 * i + 1], mount[3 * i + 2]
-            x, v, z = state[3 * i], state[3 * i + 1], state[3 * i + 2]
+            # Friction of this finger: ds/dt, and its derivatives J_ss by s and J_sw by w.
+            m, k, d = mount[3 * i], mount[3 * i + 1], mount[3 * i + 2]
+            x, v, s = state[3 * i], state[3 * i + 1], state[3 * i + 2]
             N, N1 = load[i * (length + 1) + j], load[i * (length + 1) + j + 1]
             w = v - V
             ratio = w / vs
             denominator = 1 + ratio * ratio
             g = mu_c + drop / denominator
             speed = w if w >= 0.0 else -w
-            if N > 0.0:
-                J_zz = -s0 * speed / g
-                dg = -2 * drop * ratio / (vs * denominator * denominator)
-                J_zw = 1 - s0 * z * ((1.0 if w >= 0.0 else -1.0) - speed * dg / g) / g
-                dz = w + J_zz * z
-            else:
-                J_zz, J_zw, dz = -relax_per_s, 0.0, -relax_per_s * z
-            mu = s0 * z + s1 * dz + s2 * w
-            dv = (-k * x - c * v - N * mu) / m
-            drift = -ROS2_GAMMA * (N1 - N) * mu / m
-            dV += N * mu / mass
-            drift_V += ROS2_GAMMA * (N1 - N) * mu / mass
+            dg = -2 * drop * ratio / (vs * denominator * denominator)
+            c = 1 / math.sqrt(N + N0)
+            z, grip = c * s, N * c
+            J_ss = -grip * c * s0 * speed / g - (relax_per_s * (1 - N / N0) if N < N0 else 0.0)
+            J_sw = grip * (1 - s0 * z * ((1.0 if w >= 0.0 else -1.0) - speed * dg / g) / g)
+            ds = grip * w + J_ss * s
+            mu = s0 * z + s1 * c * ds + s2 * w
+            dv = (-k * x - d * v - N * mu) / m
 
-            # Row v of the finger's Jacobian: J_vx, J_vv, J_vz, and J_vV = e / m. Eliminating x and z leaves
+            # Rates at the end of the step for the present state: the step times the partial derivative by time.
+            c1 = 1 / math.sqrt(N1 + N0)
+            late = N1 * c1 * (w - c1 * s0 * speed / g * s) - (relax_per_s * (1 - N1 / N0) if N1 < N0 else 0.0) * s
+            change = N1 * (s0 * c1 * s + s1 * c1 * late + s2 * w) - N * mu
+            drift_s, drift_v = ROS2_GAMMA * (late - ds), -ROS2_GAMMA * change / m
+            dV += N * mu / mass
+            drift_V += ROS2_GAMMA * change / mass
+
+            # Row v of the finger's Jacobian: J_vx, J_vv, J_vs, and J_vV = e / m. Eliminating x and s leaves
             # kv = A + B kV, and with it the finger's contribution to the object's equation.
             J_vx = -k / m
-            e = N * (s1 * J_zw + s2)
-            J_vv = -(c + e) / m
-            J_vz = -N * (s0 + s1 * J_zz) / m
-            pivot_z = 1 / (1 - G * J_zz)
-            pivot_v = 1 / (1 - G * (J_vv + G * (J_vx + J_vz * J_zw * pivot_z)))
-            A = (dv + drift + G * (J_vx * v + J_vz * pivot_z * dz)) * pivot_v
-            B = G * (e / m - G * J_vz * J_zw * pivot_z) * pivot_v
-            S = -J_vz * m / mass
+            e = N * (s1 * c * J_sw + s2)
+            J_vv = -(d + e) / m
+            J_vs = -grip * (s0 + s1 * J_ss) / m
+            pivot_s = 1 / (1 - G * J_ss)
+            pivot_v = 1 / (1 - G * (J_vv + G * (J_vx + J_vs * J_sw * pivot_s)))
+            rs = ds + drift_s
+            A = (dv + drift_v + G * (J_vx * v + J_vs * pivot_s * rs)) * pivot_v
+            B = G * (e / m - G * J_vs * J_sw * pivot_s) * pivot_v
+            S = -J_vs * m / mass
             E = e / mass
-            diagonal += G * E - G * (E * B + S * pivot_z * G * J_zw * (B - 1))
-            rhs += G * (E * A + S * pivot_z * (dz + G * J_zw * A))
+            diagonal += G * E - G * (E * B + S * pivot_s * G * J_sw * (B - 1))
+            rhs += G * (E * A + S * pivot_s * (rs + G * J_sw * A))
             offset = SCRATCH_SIZE * i
             scratch[offset + _A], scratch[offset + _B] = A, B
-            scratch[offset + _PIVOT_Z], scratch[offset + _PIVOT_V] = pivot_z, pivot_v
-            scratch[offset + _J_ZW], scratch[offset + _J_VZ] = J_zw, J_vz
-            scratch[offset + _DZ], scratch[offset + _DRIFT] = dz, drift
-            scratch[offset + _S], scratch[offset + _E] = S, E
+            scratch[offset + _PIVOT_S], scratch[offset + _PIVOT_V] = pivot_s, pivot_v
+            scratch[offset + _J_SW], scratch[offset + _J_VS] = J_sw, J_vs
+            scratch[offset + _RS1], scratch[offset + _DRIFT_S], scratch[offset + _DRIFT_V] = rs, drift_s, drift_v
+            scratch[offset + _C1], scratch[offset + _S], scratch[offset + _E] = c1, S, E
         kV1 = (dV + drift_V + G * jx * V + rhs) / diagonal
         kX1 = V + G * kV1
 
@@ -144,32 +151,33 @@ def _grasp_loop(
         dV = (weight[j + 1] + pin_n(kp, damping, Xe, Ve, pin_x[j + 1], pin_v[j + 1])) / mass
         rhs = 0.0
         for i in range(count):
-            m, k, c = mount[3 * i], mount[3 * i + 1], mount[3 * i + 2]
-            x, v, z = state[3 * i], state[3 * i + 1], state[3 * i + 2]
+            m, k, d = mount[3 * i], mount[3 * i + 1], mount[3 * i + 2]
+            x, v, s = state[3 * i], state[3 * i + 1], state[3 * i + 2]
             N1 = load[i * (length + 1) + j + 1]
             offset = SCRATCH_SIZE * i
-            pivot_z, pivot_v = scratch[offset + _PIVOT_Z], scratch[offset + _PIVOT_V]
-            J_zw, J_vz = scratch[offset + _J_ZW], scratch[offset + _J_VZ]
-            dz, drift = scratch[offset + _DZ], scratch[offset + _DRIFT]
+            pivot_s, pivot_v = scratch[offset + _PIVOT_S], scratch[offset + _PIVOT_V]
+            J_sw, J_vs, c1 = scratch[offset + _J_SW], scratch[offset + _J_VS], scratch[offset + _C1]
             # First-stage increments of this finger, from the object's.
             kv1 = scratch[offset + _A] + scratch[offset + _B] * kV1
             kx1 = v + G * kv1
-            kz1 = pivot_z * (dz + G * J_zw * (kv1 - kV1))
-            xe, ve, ze = x + h * kx1, v + h * kv1, z + h * kz1
+            ks1 = pivot_s * (scratch[offset + _RS1] + G * J_sw * (kv1 - kV1))
+            xe, ve, se = x + h * kx1, v + h * kv1, s + h * ks1
             # Friction at the end of the step, and the finger's contribution to the object's equation.
             w = ve - Ve
             ratio = w / vs
             g = mu_c + drop / (1 + ratio * ratio)
-            dz = w - s0 * (w if w >= 0.0 else -w) * ze / g if N1 > 0.0 else -relax_per_s * ze
-            mu = s0 * ze + s1 * dz + s2 * w
-            dv = (-k * xe - c * ve - N1 * mu) / m
+            z = c1 * se
+            ds = N1 * c1 * (w - s0 * (w if w >= 0.0 else -w) * z / g)
+            ds -= (relax_per_s * (1 - N1 / N0) if N1 < N0 else 0.0) * se
+            mu = s0 * z + s1 * c1 * ds + s2 * w
+            dv = (-k * xe - d * ve - N1 * mu) / m
             dV += N1 * mu / mass
-            rx, rv, rz = ve - 2 * kx1, dv - drift - 2 * kv1, dz - 2 * kz1
-            A = (rv + G * (-k / m * rx + J_vz * pivot_z * rz)) * pivot_v
-            rhs += G * (scratch[offset + _E] * A + scratch[offset + _S] * pivot_z * (rz + G * J_zw * A))
+            rx, rv, rs = ve - 2 * kx1, dv - scratch[offset + _DRIFT_V] - 2 * kv1, ds - scratch[offset + _DRIFT_S] - 2 * ks1
+            A = (rv + G * (-k / m * rx + J_vs * pivot_s * rs)) * pivot_v
+            rhs += G * (scratch[offset + _E] * A + scratch[offset + _S] * pivot_s * (rs + G * J_sw * A))
             scratch[offset + _A] = A
-            scratch[offset + _KX1], scratch[offset + _KV1], scratch[offset + _KZ1] = kx1, kv1, kz1
-            scratch[offset + _RX], scratch[offset + _RZ] = rx, rz
+            scratch[offset + _KX1], scratch[offset + _KV1], scratch[offset + _KS1] = kx1, kv1, ks1
+            scratch[offset + _RX], scratch[offset + _RS2] = rx, rs
 
         # New state of the object: y + h (3/2 k1 + 1/2 k2).
         rX = Ve - 2 * kX1
@@ -185,16 +193,16 @@ def _grasp_loop(
         # New state of each pad, and outputs.
         for i in range(count):
             offset = SCRATCH_SIZE * i
-            kx1, kv1, kz1 = scratch[offset + _KX1], scratch[offset + _KV1], scratch[offset + _KZ1]
+            kx1, kv1, ks1 = scratch[offset + _KX1], scratch[offset + _KV1], scratch[offset + _KS1]
             kv2 = scratch[offset + _A] + scratch[offset + _B] * kV2
             kx2 = scratch[offset + _RX] + G * kv2
-            kz2 = scratch[offset + _PIVOT_Z] * (scratch[offset + _RZ] + G * scratch[offset + _J_ZW] * (kv2 - kV2))
+            ks2 = scratch[offset + _PIVOT_S] * (scratch[offset + _RS2] + G * scratch[offset + _J_SW] * (kv2 - kV2))
             state[3 * i] += h * (1.5 * kx1 + 0.5 * kx2)
             state[3 * i + 1] += h * (1.5 * kv1 + 0.5 * kv2)
-            state[3 * i + 2] += h * (1.5 * kz1 + 0.5 * kz2)
+            state[3 * i + 2] += h * (1.5 * ks1 + 0.5 * ks2)
             x_out[i * length + j] = state[3 * i]
-            object_over_pad[i * length + j] = V - state[3 * i + 1]  # -w
-            z_out[i * length + j] = state[3 * i + 2]
+            over_object[i * length + j] = state[3 * i + 1] - V  # w
+            z_out[i * length + j] = scratch[offset + _C1] * state[3 * i + 2]
             if has_left > 0.0:
                 load[i * (length + 1) + j + 1] = 0.0
         object_out[j] = X
@@ -202,10 +210,10 @@ def _grasp_loop(
     state[target + OBJECT_X], state[target + OBJECT_V], state[target + HAS_LEFT] = X, V, has_left
 
 
-run = CompiledLoop(_grasp_loop, pin_n, outputs=8, samples="x_out", plain_us=4.5)
+run = CompiledLoop(_grasp_loop, pin_n, outputs=8, samples="x_out", plain_us=6.0)
 """Advances the grasp over a chunk.
 
-The state (x, v, z of each pad; X, V and whether the object has left) and the scratch values are carried from chunk to
-chunk. Loads become 0 once the object has left. The outputs are, at the end of each step: position of each pad, velocity
-of the object over it (the opposite of w), its bristle deflection, position of the object, and force of the pin.
+The state (x, v, s of each pad; X, V and whether the object has left) and the scratch values are carried from chunk to
+chunk. Loads become 0 once the object has left. The outputs are, at the end of each step: position of each pad, its
+velocity w over the object, its bristle deflection, position of the object, and force of the pin.
 """

@@ -13,7 +13,6 @@ does not act back on friction. Stiffness and resonance of a pad stay those at it
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -26,15 +25,19 @@ from fingertip.design import Design
 from fingertip.design.issues import suggest_name
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.signal.comparator import describe_missing_comparator, simulate_pin_v
+from fingertip.sim.cost import StageCost
+from fingertip.sim.grid import Grid
 from fingertip.sim.hand.controller import Controller, Observation
-from fingertip.sim.hand.manipulation_file import OUTPUTS, ManipulationFile
+from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.hand.motion_plan import MotionPlan, plan_motion, thumb_force_n
-from fingertip.sim.hand.stepper import ManipulationStepper
-from fingertip.sim.stages.pipeline import LONG_S
-from fingertip.sim.stages.stage import StageStats
+from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper, choose_grid
+from fingertip.sim.progress import ShareDone
+from fingertip.sim.signal.comparator import describe_missing_comparator
 from fingertip.sim.validation import raise_issues
 from fingertip.slip.traces.trace import Trace
+
+CHUNK = 8192
+"""Number of points that are computed at a time without a controller."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,14 +48,17 @@ class ManipulationResult:
     seed: int
     plan: MotionPlan
     """Moments and forces as drawn."""
-    time_s: Array
-    """Times of the samples [s]."""
-    signals: dict[str, NDArray[Any]]
-    """Signals by output, (fingers, samples). Those of the object, object_m and pin_n, are (samples,)."""
+    signals: HandSignals
+    """Signals of fingers and object."""
     lost_s: float | None
     """Moment at which the object left the fingers [s]. None: it was held to the end."""
-    stages: tuple[StageStats, ...]
+    stages: tuple[StageCost, ...]
     """Stages that ran, with their cost."""
+
+    @property
+    def time_s(self) -> Array:
+        """Times of the samples [s]."""
+        return self.signals.time_s
 
     @property
     def fingers(self) -> tuple[str, ...]:
@@ -64,16 +70,19 @@ class ManipulationResult:
         """Planned holding force of the thumb [N]."""
         return float(self.plan.force_n[0])
 
+    def output(self, name: str) -> NDArray[Any]:
+        """Return an output of the scene: (fingers, samples), or (samples,) for the object's."""
+        signal = self.signals.find(name)
+        assert signal is not None
+        return signal
+
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
         """Outputs as columns. Those of thumb and object have the plain names, others are called like index_force_n."""
-        found = {}
-        for name in self.scene.outputs:
-            signal = self.signals[name]
-            found[name] = signal if signal.ndim == 1 else signal[0]
+        outputs = {name: self.output(name) for name in self.scene.outputs}
+        found = {name: signal if signal.ndim == 1 else signal[0] for name, signal in outputs.items()}
         for i, finger in list(enumerate(self.fingers))[1:]:
-            renamed = {f"{finger}_{name}": self.signals[name] for name in self.scene.outputs}
-            found |= {name: signal[i] for name, signal in renamed.items() if signal.ndim == 2}
+            found |= {f"{finger}_{name}": signal[i] for name, signal in outputs.items() if signal.ndim == 2}
         return found
 
     def trace(self, finger: str = "thumb") -> Trace:
@@ -86,11 +95,10 @@ class ManipulationResult:
         """
         if finger not in self.fingers:
             raise TraceError(Issue("finger", f"{finger!r} does not touch; {suggest_name(finger, self.fingers)}"))
-        if "voltage_v" not in self.signals:
+        signals = self.signals.fingers[self.fingers.index(finger)]
+        if signals.voltage_v is None:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
-        i = self.fingers.index(finger)
-        signals = {name: signal[i] for name, signal in self.signals.items() if signal.ndim == 2}
-        return Trace(self.time_s, signals["voltage_v"], signals.get("force_n"), signals.get("slip"))
+        return Trace(self.time_s, signals.voltage_v, signals.force_n, signals.slip)
 
 
 def run_manipulation(
@@ -99,6 +107,7 @@ def run_manipulation(
     controller: Controller | None = None,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
+    grid: Grid | None = None,
 ) -> ManipulationResult:
     """Simulate a manipulation.
 
@@ -113,7 +122,9 @@ def run_manipulation(
     seed
         Seed of grip, friction, surfaces and noise. The same design, scene, seed and commands give the same columns.
     progress
-        Receives progress messages, for scenes longer than `LONG_S`.
+        Receives progress messages, for manipulations longer than `progress.LONG_S`.
+    grid
+        Grid of the computation. None: the base grid, refined where the bristles need it.
 
     Raises
     ------
@@ -124,33 +135,43 @@ def run_manipulation(
     pad = Pad.from_design(design)
     raise_issues(_find_issues(design, scene, seed))
     plan = plan_motion(scene, pad, seed)
-    if progress and plan.duration_s > LONG_S:
-        progress(f"{scene.name}, {plan.duration_s:.1f} s")
+    done = ShareDone(scene.name, plan.duration_s, progress)
     outputs = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
-    stepper = ManipulationStepper(design, scene, plan, pad, seed, outputs)
-    rate = design.detector.sample_rate_hz
-    count = math.ceil(plan.duration_s * rate)
-    period, delay = max(1, round(scene.hand.period_s * rate)), round(scene.hand.delay_s * rate)
+    if controller and "envelope_v" in outputs:
+        outputs |= {"sampled_envelope_v"}
+    stepper = ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or choose_grid(scene, plan, pad))
+    rate_hz = stepper.grid.rate_hz
+    count = stepper.grid.count_points(plan.duration_s, design.detector.sample_rate_hz) - 1
+    period, delay = max(1, round(scene.hand.period_s * rate_hz)), round(scene.hand.delay_s * rate_hz)
     starts = range(0, count, period)
+    commands = plan.planned_m(np.array(starts) / rate_hz)
     if controller is None:
-        # No controller needs intermediate values, so one step covers the whole duration.
-        commands = plan.planned_m(np.array(starts) / rate)
-        stepper.advance(_delay_commands(commands, 0, count, period, delay))
+        # No controller needs intermediate values, so a chunk may be long.
+        for start in range(0, count, CHUNK):
+            stepper.advance(_delay_commands(commands, start, min(start + CHUNK, count), period, delay))
+            done.report(start / rate_hz)
     else:
-        commands = np.zeros((len(scene.fingers), len(starts)))
+        planned = commands.copy()
         for i, start in enumerate(starts):
-            planned = plan.planned_m(np.array([start / rate]))[:, 0]
-            assert stepper.samples
-            voltage, envelope = stepper.samples.voltage_v, stepper.samples.envelope_v
-            closing = stepper.motors.closing_m
-            observation = Observation(start / rate, voltage.copy(), closing.copy(), planned, envelope)
-            commands[:, i] = _validate_command(controller.step(observation), start / rate, len(scene.fingers))
+            observation = _observe(stepper, start / rate_hz, planned[:, i])
+            commands[:, i] = _validate_command(controller.step(observation), start / rate_hz, len(scene.fingers))
             stepper.advance(_delay_commands(commands, start, min(start + period, count), period, delay))
-    return _collect_result(stepper, count)
+            done.report(start / rate_hz)
+    return _collect_result(stepper)
+
+
+def _observe(stepper: ManipulationStepper, time_s: float, planned_m: Array) -> Observation:
+    """Collect what a controller sees: the samples since its last command."""
+    fingers = stepper.chunks[-1].fingers
+    voltages = [finger.voltage_v for finger in fingers if finger.voltage_v is not None]
+    envelopes = [finger.sampled_envelope_v for finger in fingers if finger.sampled_envelope_v is not None]
+    return Observation(
+        time_s, np.stack(voltages), stepper.motors.closing_m.copy(), planned_m, np.stack(envelopes) if envelopes else None
+    )
 
 
 def _delay_commands(commands: Array, start: int, end: int, period: int, delay: int) -> Array:
-    """Command in force before each sample after `start`. Command i is given at i * period and takes `delay` samples."""
+    """Command in force before each point after `start`. Command i is given at i * period and takes `delay` points."""
     latest = (np.arange(start, end) - delay) // period
     return np.where(latest >= 0, commands[:, np.maximum(latest, 0)], 0.0)
 
@@ -167,23 +188,11 @@ def _validate_command(command: Array, time_s: float, count: int) -> Array:
     return command
 
 
-def _collect_result(stepper: ManipulationStepper, count: int) -> ManipulationResult:
-    design, scene = stepper.design, stepper.scene
-    signals: dict[str, NDArray[Any]] = {
-        name: np.concatenate(chunks, axis=-1) for name, chunks in stepper.chunks.items()
-    }
-    step = 1 / design.detector.sample_rate_hz
-    time_s = np.arange(count + 1, dtype=np.float64) * step
-    if "slip_pin_v" in scene.outputs:
-        board_outputs = zip(signals["filtered_v"], signals["envelope_v"], strict=True)
-        signals["slip_pin_v"] = np.stack([simulate_pin_v(design, step, *outputs) for outputs in board_outputs])
-    beyond = np.flatnonzero(signals["object_m"] >= scene.object.length_m)
-    lost_s = float(time_s[beyond[0]]) if stepper.is_lost else None
-    if "force_n" not in scene.outputs:
-        signals.pop("force_n")
-    signals = {name: signals[name] for name in OUTPUTS if name in signals}
-    stages = tuple(stepper.stats.values())
-    return ManipulationResult(scene, stepper.seed, stepper.plan, time_s, signals, lost_s, stages)
+def _collect_result(stepper: ManipulationStepper) -> ManipulationResult:
+    scene, signals = stepper.scene, HandSignals.join(stepper.chunks)
+    beyond = np.flatnonzero(signals.object_m >= scene.object.length_m)
+    lost_s = float(signals.time_s[beyond[0]]) if stepper.is_lost and len(beyond) else None
+    return ManipulationResult(scene, stepper.seed, stepper.plan, signals, lost_s, stepper.meter.costs)
 
 
 def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Issue]:

@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field
 
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.errors import Issue
-from fingertip.sim.scene.scene_file import Sensing
 from fingertip.sim.scene.simulation_file import SimulationFile
 from fingertip.sim.scene.timeline import ACCELERATION_M_S2
+from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing, find_converter_issues
 from fingertip.toml_files import MANIPULATION, FileKind
 
 OUTPUTS = (
@@ -29,13 +29,14 @@ OUTPUTS = (
     "object_m",
     "pin_n",
     "envelope_v",
+    "sampled_envelope_v",
     "slip_pin_v",
 )
 """Signals that a manipulation can record.
 
 Of each finger: voltage_v, sampled by the ADC; force_n, true normal force; slip, true gross slip; velocity_m_s, velocity
 of the object over the pad (a scene records the opposite, that of the pad over the surface); closing_m, closing;
-command_m, commanded closing; envelope_v and slip_pin_v, outputs of its board as in a scene. Of the object: object_m,
+command_m, commanded closing; envelope_v, sampled_envelope_v and slip_pin_v, outputs of its board as in a scene. Of the object: object_m,
 its position; pin_n, force of the pin.
 """
 
@@ -53,6 +54,9 @@ class GraspedObject(ParameterTable):
         "The seed draws friction within this relative range around the surface's. Assumption.",
         minimum=0,
         maximum=0.5,
+    )
+    patch_average: bool = Field(
+        False, description="Whether pads average the surface profile over their contact patches, as real ones do."
     )
     length_m: float = quantity(
         0.05, "m", "Distance after which the object has left the fingers. Assumption.", minimum=0.005, maximum=0.5
@@ -177,7 +181,11 @@ class ManipulationFile(SimulationFile):
     grasp: Grasp = Grasp()
     knock: Knock = Knock()
     hand: Hand = Hand()
+    drift: Drift = Drift()
+    cable: Cable = Cable()
+    noise: Noise = Noise()
     sensing: Sensing = Sensing()
+    converter: ConverterInput = ConverterInput()
 
     def __init__(self, **tables: Any) -> None:
         super().__init__(**tables)
@@ -199,6 +207,4 @@ class ManipulationFile(SimulationFile):
         if knock.stroke_m < minimum:
             message = f"{knock.stroke_m:g} m is too short to stop from {knock.speed_m_s:g} m/s; at least {minimum:g} m."
             yield Issue("knock.stroke_m", message), {"knock.stroke_m", "knock.speed_m_s"}
-        if self.sensing.jitter_s:
-            message = "is not modelled with the hand in the loop; set it to 0."
-            yield Issue("sensing.jitter_s", f"{self.sensing.jitter_s:g} s {message}"), {"sensing.jitter_s"}
+        yield from find_converter_issues(self.converter)

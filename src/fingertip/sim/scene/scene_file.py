@@ -7,6 +7,7 @@ as assumptions.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
@@ -15,6 +16,8 @@ from pydantic import ConfigDict, Field
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.errors import Issue
 from fingertip.sim.scene.simulation_file import SimulationFile
+from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing, find_converter_issues
+from fingertip.sim.validation import round_down
 from fingertip.toml_files import SCENE, FileKind
 
 OUTPUTS = (
@@ -26,6 +29,7 @@ OUTPUTS = (
     "tactile_v",
     "filtered_v",
     "envelope_v",
+    "sampled_envelope_v",
     "slip_pin_v",
 )
 """Signals that a scene can record.
@@ -34,7 +38,8 @@ voltage_v: voltage as sampled by the ADC. force_n: true normal force. slip: true
 the contact sticks do not count. velocity_m_s: velocity of the pad over the surface, including that bending (a
 manipulation records the opposite, that of the object over the pad). shear_m: shear of the pad. tactile_v: voltage ahead
 of the filter board, with the noise of its amplifiers; the ADC samples the same voltage without this noise. filtered_v,
-envelope_v: outputs of the filter board, above its output offset. slip_pin_v: voltage of the comparator's output, low
+envelope_v: outputs of the filter board, above its output offset. sampled_envelope_v: envelope_v as sampled by the ADC.
+slip_pin_v: voltage of the comparator's output, low
 while it reports slip.
 """
 
@@ -57,6 +62,12 @@ class Contact(ParameterTable):
         "plain", "LuGre friction as published, or without its creep below breakaway."
     )
     feedback: bool = Field(False, description="Whether vibration of the load acts back on friction.")
+    patch_average: bool = Field(
+        False, description="Whether the pad averages the surface profile over its contact patch, as a real one does."
+    )
+    stick_slip: bool = Field(
+        False, description="Whether friction falls with speed so much that the pad sticks and slips. Assumption."
+    )
 
 
 class Hold(ParameterTable):
@@ -129,47 +140,6 @@ class Motor(ParameterTable):
     duration_s: float = quantity(1.0, "s", "Duration. Assumption.", minimum=0.01, maximum=600)
 
 
-class Drift(ParameterTable):
-    """Slow changes of sensor and amplifier."""
-
-    share_per_decade: float = quantity(
-        0.0, "", "Creep: relative increase per decade of time (data sheet: below 0.05).", minimum=0, maximum=0.2
-    )
-    volt_per_s: float = quantity(
-        0.0, "V/s", "Drift of the amplifier with temperature. Assumption.", minimum=-0.1, maximum=0.1
-    )
-
-
-class Cable(ParameterTable):
-    """Touch of the cable; 0 V means none."""
-
-    step_v: float = quantity(0.0, "V", "Jump when the touch begins, and back when it ends.", minimum=-1, maximum=1)
-    decay_s: float = quantity(0.05, "s", "Decay time of the jump. Assumption.", minimum=0.001, maximum=10)
-    hum_v: float = quantity(0.0, "V", "Amplitude of the mains hum during the touch.", minimum=0, maximum=1)
-    hum_hz: float = quantity(50.0, "Hz", "Mains frequency.", minimum=16, maximum=60)
-    at_s: float = quantity(1.0, "s", "Start, after the holding force is reached. Assumption.", minimum=0, maximum=600)
-    duration_s: float = quantity(0.5, "s", "Duration. Assumption.", minimum=0.01, maximum=600)
-
-
-class Sensing(ParameterTable):
-    """Conversion of force to voltage."""
-
-    bridge: Literal["board", "article"] = choice(
-        "board", "The design's bridge and amplifier; or, for comparison, a curve through the article's voltages."
-    )
-    amplifiers: Literal["ideal", "rails", "gain_bandwidth"] = choice(
-        "ideal", "Amplifiers of the filter: ideal, limited at their rails, or with the design's gain-bandwidth product."
-    )
-    noise: bool = Field(True, description="Whether the board's amplifiers and the ADC add noise.")
-    jitter_s: float = quantity(
-        0.0,
-        "s",
-        "RMS sampling jitter of the ADC; 0: none (assumption: a data acquisition card's).",
-        minimum=0,
-        maximum=1e-3,
-    )
-
-
 class SceneFile(SimulationFile):
     """One validated scene; a faulty one reports all its issues at once.
 
@@ -191,7 +161,9 @@ class SceneFile(SimulationFile):
     motor: Motor = Motor()
     drift: Drift = Drift()
     cable: Cable = Cable()
+    noise: Noise = Noise()
     sensing: Sensing = Sensing()
+    converter: ConverterInput = ConverterInput()
 
     def __init__(self, **tables: Any) -> None:
         super().__init__(**tables)
@@ -203,9 +175,20 @@ class SceneFile(SimulationFile):
         if hold.min_force_n > hold.max_force_n:
             message = f"{hold.min_force_n:g} N is above hold.max_force_n; at most {hold.max_force_n:g} N."
             yield Issue("hold.min_force_n", message), {"hold.min_force_n", "hold.max_force_n"}
+        yield from find_converter_issues(self.converter)
         if slide.distance_m > self.contact.length_m:
             message = f"{slide.distance_m:g} m is longer than contact.length_m; at most {self.contact.length_m:g} m."
             yield Issue("slide.distance_m", message), {"slide.distance_m", "contact.length_m"}
+        reached = math.sqrt(slide.acceleration_m_s2 * slide.distance_m)
+        if slide.distance_m and slide.speed_m_s > reached * (1 + 1e-9):
+            message = (
+                f"{slide.speed_m_s:g} m/s is not reached within {slide.distance_m:g} m at "
+                f"{slide.acceleration_m_s2:g} m/s2; at most {round_down(reached):g} m/s."
+            )
+            yield Issue("slide.speed_m_s", message), {"slide.speed_m_s", "slide.distance_m", "slide.acceleration_m_s2"}
+        if self.contact.stick_slip and self.contact.bristles == "elasto_plastic":
+            message = "is modelled with plain bristles only; set contact.bristles=plain or contact.stick_slip=false."
+            yield Issue("contact.stick_slip", message), {"contact.stick_slip", "contact.bristles"}
         if tap.force_n and tap.count > 1 and tap.interval_s < 2 * tap.rise_s:
             message = f"{tap.interval_s:g} s lets taps overlap; at least {2 * tap.rise_s:g} s."
             yield Issue("tap.interval_s", message), {"tap.interval_s", "tap.rise_s", "tap.count"}

@@ -1,11 +1,9 @@
 """Noise of the board's amplifiers, so that a simulated board is as noisy as its noise budget.
 
-Nearly all of this noise arises ahead of the filter, in the bridge's amplifier, and nearly all of that lies above half
-the sampling rate (`fingertip.board.analysis.noise`). The simulation adds white noise of the samples to the board's
-input, of the strength that makes the filter's output as noisy as the noise budget, from 0.1 Hz to 1 MHz. So the noise
-ahead of the rectifier has the right strength, and with it the envelope's quiescent level. Within the band of slip it is
-too strong: at 2 kHz 1.6 times on a board with a low-pass in its first stage, and four times on one without, where a
-bare diode hides it.
+Nearly all of this noise arises ahead of the filter, in the bridge's amplifier, and much of that lies beyond what the
+grid holds (`fingertip.board.analysis.noise`). The simulation adds white noise at the points of the base grid to the
+board's input, of the strength that makes the filter's output as noisy as the noise budget, from 0.1 Hz to 1 MHz. So the
+noise ahead of the rectifier has the right strength, and with it the envelope's quiescent level, at every sampling rate.
 
 The noise of the ADC is separate: it is added after the board's gain (`fingertip.sim.signal.converter`).
 """
@@ -22,6 +20,7 @@ from fingertip.board.analysis.noise import add_noise
 from fingertip.board.components.component_values import select_components
 from fingertip.board.nets import FILTERED
 from fingertip.design import Design
+from fingertip.sim.grid import BASE_HZ
 from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 
@@ -33,15 +32,14 @@ _SMALL_V = 1e-6
 
 @functools.lru_cache(maxsize=256)
 def compute_input_noise_v(design: Design) -> float:
-    """Compute the white RMS noise of the samples at the board's input that stands for its amplifiers' noise [V]."""
+    """Compute the white RMS noise at the board's input, on the base grid, that stands for its amplifiers' noise [V]."""
     circuit = board_circuit(select_components(design))
     return add_noise(circuit, design.board.gain_bandwidth_hz).total_v(FILTERED) / compute_noise_gain(design)
 
 
 def compute_noise_gain(design: Design) -> float:
-    """Compute the standard deviation at the filter's output for white samples of deviation 1 at the board's input."""
-    rate, cutoff = design.detector.sample_rate_hz, design.board.cutoff_hz
-    impulse = np.zeros(2 + round(_MEMORY_S * rate * 67.0 / cutoff))
+    """Compute the standard deviation at the filter's output for white noise of deviation 1 on the base grid."""
+    impulse = np.zeros(2 + round(_MEMORY_S * BASE_HZ * 67.0 / design.board.cutoff_hz))
     impulse[1] = _SMALL_V
-    h = simulate_board(AnalogBoard.from_design(design), 1 / rate, impulse).filtered_v / _SMALL_V
+    h = simulate_board(AnalogBoard.from_design(design), 1 / BASE_HZ, impulse).filtered_v / _SMALL_V
     return math.sqrt(float(h @ h))

@@ -5,44 +5,27 @@ The board is driven by simulated traces, by recorded voltages, by a stream, or b
 
 from __future__ import annotations
 
-import random
 from collections.abc import Iterable
 
 import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.sim.signal.converter import AntiAliasFilter, draw_noise_v, sample_v
-from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
+from fingertip.sim.grid import Grid, SampleClock, count_samples
+from fingertip.sim.randomness import draw_noise, open_stream
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.board_noise import compute_input_noise_v
-from fingertip.sim.signal.fsr import select_voltage_function
+from fingertip.sim.signal.bridge import Bridge
+from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, sample_v
+from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
 from fingertip.slip.detectors.analog import AnalogDetector
 from fingertip.slip.detectors.detector import DetectorOutput
 from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v, measure_noise_level
 
 _WINDOWS = 133
 """Number of detector windows of simulated noise: the standard deviation is known to 6 %."""
-
-
-def sample_envelope_v(
-    design: Design, envelope_v: Array, rng: random.Random | None, anti_alias: AntiAliasFilter | None = None
-) -> Array:
-    """Sample the board's envelope output with the ADC: the anti-aliasing pole, then noise and quantisation [V].
-
-    Parameters
-    ----------
-    design
-        Its board and ADC.
-    envelope_v
-        Envelope at the samples, ahead of the ADC [V].
-    rng
-        Source of the ADC's noise. None: the ADC has no noise.
-    anti_alias
-        Filter that keeps its state between chunks. None: a new one, in the steady state of the first sample.
-    """
-    poles = anti_alias or AntiAliasFilter.for_envelope(design)
-    return sample_v(design, poles.process(envelope_v), rng)
+_SETTLING_S = 0.1
+"""Time in which the board settles before its noise counts [s]."""
 
 
 def simulate_envelope_v(design: Design, voltage_v: Array) -> Array:
@@ -58,7 +41,7 @@ def simulate_envelope_v(design: Design, voltage_v: Array) -> Array:
     """
     board = AnalogBoard.from_design(design)
     envelope_v = simulate_board(board, 1 / design.detector.sample_rate_hz, voltage_v).envelope_v
-    return sample_envelope_v(design, envelope_v, None)
+    return sample_v(design, AntiAliasFilter.for_envelope(design).process(envelope_v), None)
 
 
 class EnvelopeStream:
@@ -77,7 +60,7 @@ class EnvelopeStream:
             self._filters = [AntiAliasFilter.for_envelope(self._design) for _ in voltage_v]
         envelope_v = self._boards.process(voltage_v)[1]
         pairs = zip(envelope_v, self._filters, strict=True)
-        return np.stack([sample_envelope_v(self._design, row, None, poles) for row, poles in pairs])
+        return np.stack([sample_v(self._design, poles.process(row), None) for row, poles in pairs])
 
 
 class SimulatedBoardDetector:
@@ -116,8 +99,7 @@ class SimulatedBoardDetector:
 
 def compute_bridge_v(design: Design, force_n: Array) -> Array:
     """Compute the bridge's voltage [V] for a normal force [N], without the sensor's hysteresis."""
-    voltage = select_voltage_function(design, "board")
-    return np.array([voltage(force) for force in force_n.tolist()])
+    return Bridge.of_board(design).voltage_v(force_n)
 
 
 def simulate_quiescent_level(design: Design) -> NoiseLevel:
@@ -125,7 +107,13 @@ def simulate_quiescent_level(design: Design) -> NoiseLevel:
 
     The board's amplifiers add noise ahead of the filter, the ADC adds noise behind it.
     """
-    return _simulate_level(design, compute_input_noise_v(design), random.Random("converter"))
+    grid, rate = Grid(), design.detector.sample_rate_hz
+    count = grid.count_points(_noise_s(design), rate)
+    noise_v = draw_noise(open_stream(0, "quiescent board"), compute_input_noise_v(design), count)
+    envelope_v = simulate_board(AnalogBoard.from_design(design), grid.step_s, noise_v).envelope_v
+    poles, adc = AntiAliasFilter.for_envelope(design, grid.step_s), AdcRange.from_design(design)
+    converter = Converter(design, poles, adc, grid.step_s, open_stream(0, "quiescent converter"))
+    return _measure_level(design, converter.process(envelope_v, SampleClock(grid, rate).advance(count)))
 
 
 def simulate_replay_level(design: Design) -> NoiseLevel:
@@ -133,17 +121,22 @@ def simulate_replay_level(design: Design) -> NoiseLevel:
 
     The recording already contains the ADC's noise, which therefore comes ahead of the filter.
     """
-    return _simulate_level(design, input_noise_v(design), None)
+    count = count_samples(_noise_s(design), design.detector.sample_rate_hz)
+    return _measure_level(
+        design, simulate_envelope_v(design, draw_noise(open_stream(0, "replayed noise"), input_noise_v(design), count))
+    )
 
 
-def _simulate_level(design: Design, sigma_v: float, adc: random.Random | None) -> NoiseLevel:
-    """Measure the noise level on the simulated board.
+def _noise_s(design: Design) -> float:
+    """Duration of the simulated noise [s]."""
+    return _SETTLING_S + _WINDOWS * design.detector.window_samples / design.detector.sample_rate_hz
+
+
+def _measure_level(design: Design, sampled_v: Array) -> NoiseLevel:
+    """Measure the noise level of a sampled envelope.
 
     The threshold that follows is at least one step of the ADC: a diode without bias passes so little noise that the
     ADC shows none.
     """
-    d = design.detector
-    settling = round(0.1 * d.sample_rate_hz)
-    noise = draw_noise_v(random.Random(0), sigma_v, _WINDOWS * d.window_samples + settling)
-    envelope_v = simulate_board(AnalogBoard.from_design(design), 1 / d.sample_rate_hz, noise).envelope_v
-    return measure_noise_level(sample_envelope_v(design, envelope_v, adc)[settling:], design, "simulated noise")
+    settled = sampled_v[round(_SETTLING_S * design.detector.sample_rate_hz) :]
+    return measure_noise_level(settled, design, "simulated noise")

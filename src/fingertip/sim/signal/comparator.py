@@ -91,37 +91,86 @@ def describe_missing_comparator(design: Design) -> str:
     )
 
 
-def simulate_comparator(
-    comparator: Comparator, board: AnalogBoard, step_s: float, filtered_v: Array, envelope_v: Array
-) -> ComparatorSignals:
-    """Simulate the comparator behind one board's outputs, as `analog.simulate_board` gives them.
+class ComparatorStream:
+    """Comparator behind one board's outputs, chunk by chunk. The mean begins in its steady state.
 
-    The mean begins in its steady state.
+    Parameters
+    ----------
+    comparator
+        Time constant and thresholds.
+    board
+        Board with a precision rectifier, whose envelope's slope is known at every point.
+    step_s
+        Time between the board's outputs [s].
 
     Raises
     ------
     TraceError
-        If the board has no precision rectifier, whose envelope's slope is known at every sample, or its outputs are not
-        finite.
+        If the board has no precision rectifier, or the step is not above 0.
     """
-    issues = list(find_column_issues(filtered_v=filtered_v, envelope_v=envelope_v))
-    if board.rectifier != "precision":
-        issues.append(Issue("board.rectifier", f"{board.rectifier!r} has no comparator behind it; use 'precision'."))
-    raise_issues([*issues, *find_not_positive("step_s", step_s, "s", "0.0005")])
-    slope = (board.envelope_gain * np.maximum(filtered_v, 0.0) - envelope_v) / np.asarray(board.envelope_decay_s)
-    mean, on, count = np.zeros(len(envelope_v)), np.zeros(len(envelope_v)), np.zeros(1)
-    edges = np.zeros(_PARTS * len(envelope_v))  # room for a crossing in every part of every interval
-    _compare(
-        comparator.averaging_tau_s, comparator.on_v, comparator.off_v, step_s, envelope_v, slope, mean, on, edges, count
-    )
-    return ComparatorSignals(mean, on > 0.0, edges[: int(count[0])])
+
+    def __init__(self, comparator: Comparator, board: AnalogBoard, step_s: float) -> None:
+        issues = []
+        if board.rectifier != "precision":
+            issues.append(
+                Issue("board.rectifier", f"{board.rectifier!r} has no comparator behind it; use 'precision'.")
+            )
+        raise_issues([*issues, *find_not_positive("step_s", step_s, "s", "0.0005")])
+        self._comparator, self._board, self._step_s = comparator, board, step_s
+        self._state = np.zeros(0)
+        self._last = np.zeros((2, 0))
+        self._points = 0
+
+    def process(self, filtered_v: Array, envelope_v: Array) -> ComparatorSignals:
+        """Follow the comparator over the next outputs of the board [V].
+
+        Raises
+        ------
+        TraceError
+            If an output is not finite.
+        """
+        raise_issues(find_column_issues(filtered_v=filtered_v, envelope_v=envelope_v))
+        levels, board = self._comparator, self._board
+        slope = (board.envelope_gain * np.maximum(filtered_v, 0.0) - envelope_v) / np.asarray(board.envelope_decay_s)
+        if not len(self._state):
+            self._state = np.array([envelope_v[0], 1.0 if envelope_v[0] > levels.on_v else 0.0])
+        known = np.concatenate((self._last, [envelope_v, slope]), axis=1)
+        repeated, count = self._last.shape[1], known.shape[1]
+        self._last = known[:, -1:].copy()
+        mean, on, found = np.zeros(count), np.zeros(count), np.zeros(1)
+        edges = np.zeros(_PARTS * count)  # room for a crossing in every part of every interval
+        _compare(
+            levels.averaging_tau_s, levels.on_v, levels.off_v, self._step_s, known[0], known[1],
+            self._state, mean, on, edges, found,
+        )  # fmt: skip
+        begin_s = max(self._points - 1, 0) * self._step_s
+        self._points += len(envelope_v)
+        return ComparatorSignals(mean[repeated:], on[repeated:] > 0.0, begin_s + edges[: int(found[0])])
 
 
-def simulate_pin_v(design: Design, step_s: float, filtered_v: Array, envelope_v: Array) -> Array:
-    """Simulate the voltage of the design's slip pin at the samples [V]."""
-    comparator = Comparator.from_design(design)
-    signals = simulate_comparator(comparator, AnalogBoard.from_design(design), step_s, filtered_v, envelope_v)
-    return np.where(signals.on, PIN_LOW_V, comparator.high_v)
+def simulate_comparator(
+    comparator: Comparator, board: AnalogBoard, step_s: float, filtered_v: Array, envelope_v: Array
+) -> ComparatorSignals:
+    """Simulate the comparator behind one board's outputs, as `filter_board.simulate_board` gives them.
+
+    Raises
+    ------
+    TraceError
+        If the board has no precision rectifier, or its outputs are not finite.
+    """
+    return ComparatorStream(comparator, board, step_s).process(filtered_v, envelope_v)
+
+
+class SlipPin:
+    """Voltage of a design's slip pin, chunk by chunk."""
+
+    def __init__(self, design: Design, step_s: float) -> None:
+        self._comparator = Comparator.from_design(design)
+        self._stream = ComparatorStream(self._comparator, AnalogBoard.from_design(design), step_s)
+
+    def process(self, filtered_v: Array, envelope_v: Array) -> Array:
+        """Return the voltage of the pin [V] behind the board's outputs [V]."""
+        return np.where(self._stream.process(filtered_v, envelope_v).on, PIN_LOW_V, self._comparator.high_v)
 
 
 def mean_after(tau: float, s: float, m: float, v: float, d: float, a: float, b: float) -> float:
@@ -138,14 +187,14 @@ def _comparator_loop(
     H: float,
     envelope: Sequence[float],
     slope: Sequence[float],
+    state: MutableSequence[float],
     mean: MutableSequence[float],
     on_out: MutableSequence[float],
     edges: MutableSequence[float],
     count: MutableSequence[float],
 ) -> None:
     """Follow the mean, and locate each crossing of a threshold by bisection."""
-    m = envelope[0]
-    on = 1.0 if m > on_v else 0.0  # a float, because the output array takes only floats
+    m, on = state[0], state[1]  # ON is a float, because the output array takes only floats
     found = 0
     mean[0], on_out[0] = m, on
     for i in range(len(envelope) - 1):
@@ -175,8 +224,9 @@ def _comparator_loop(
         m = mean_after(tau, H, m, v, d, a, b)
         mean[i + 1] = m
         on_out[i + 1] = on
+    state[0], state[1] = m, on
     count[0] = found
 
 
-_compare = CompiledLoop(_comparator_loop, mean_after, outputs=4, samples="envelope", plain_us=4.0)
-"""Fills the mean, ON or OFF, the moments at which the output changes, and their number."""
+_compare = CompiledLoop(_comparator_loop, mean_after, outputs=5, samples="envelope", plain_us=4.0)
+"""Carries mean and output to the next chunk. Fills the mean, ON or OFF, the moments at which the output changes, and their number."""

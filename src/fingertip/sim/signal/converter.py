@@ -1,15 +1,15 @@
-"""Analog-to-digital converter (ADC): the anti-aliasing poles ahead of its pins, its noise and its quantisation.
+"""Analog-to-digital converter (ADC): the anti-aliasing poles ahead of its pins, its jitter, noise and quantisation.
 
 The poles lie between the board's outputs and the ADC (R8, C9, R9, C19 for the tactile voltage; R7, C8 for the
-envelope). Between samples the voltage is linear, which two RC sections follow exactly
+envelope). Between the points of a grid the voltage is linear, which two RC sections follow exactly
 (`fingertip.sim.signal.exact_steps`). They delay by some 1.3 samples, whatever the sampling rate, because the
 board's values are selected for it.
 """
 
 from __future__ import annotations
 
-import random
 from collections.abc import MutableSequence, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,7 +21,10 @@ from fingertip.board.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, TACTILE
 from fingertip.board.network import build_network
 from fingertip.design import Design
 from fingertip.jit import CompiledLoop
+from fingertip.sim.grid import Instants, Sampler
+from fingertip.sim.randomness import Stream, draw_noise
 from fingertip.sim.signal.exact_steps import augment, exponentials
+from fingertip.sim.signal.parameters import ConverterInput
 
 _FIRST, _SECOND, _INPUT = range(3)
 """Indices of the filter's state: voltages of the first and the second capacitor, and the previous input [V]."""
@@ -37,7 +40,7 @@ class AntiAliasFilter:
     source, pin
         Nets between which the poles lie.
     step_s
-        Sampling interval [s].
+        Time between the voltages that it is given [s].
     """
 
     def __init__(self, circuit: Circuit, source: str, pin: str, step_s: float) -> None:
@@ -56,27 +59,34 @@ class AntiAliasFilter:
         self._state: Array | None = None
 
     @classmethod
-    def for_tactile(cls, design: Design) -> AntiAliasFilter:
-        """Filter ahead of the tactile voltage's pin."""
-        return cls(board_circuit(select_components(design)), TACTILE, ADC_TACTILE, 1 / design.detector.sample_rate_hz)
+    def for_tactile(cls, design: Design, step_s: float | None = None) -> AntiAliasFilter:
+        """Filter ahead of the tactile voltage's pin; without a step [s], for voltages at the samples."""
+        return cls(board_circuit(select_components(design)), TACTILE, ADC_TACTILE, _step_s(design, step_s))
 
     @classmethod
-    def for_envelope(cls, design: Design) -> AntiAliasFilter:
-        """Filter ahead of the envelope's pin."""
-        return cls(board_circuit(select_components(design)), ENVELOPE, ADC_ENVELOPE, 1 / design.detector.sample_rate_hz)
+    def for_envelope(cls, design: Design, step_s: float | None = None) -> AntiAliasFilter:
+        """Filter ahead of the envelope's pin; without a step [s], for voltages at the samples."""
+        return cls(board_circuit(select_components(design)), ENVELOPE, ADC_ENVELOPE, _step_s(design, step_s))
 
-    def process(self, voltage_v: Array) -> Array:
-        """Return the voltage at the pin [V] at the same instants as the voltage at the board's output [V]."""
+    def process(self, voltage_v: Array, after_v: Array | None = None) -> Array:
+        """Return the voltage at the pin [V] at the same instants as the voltage at the board's output [V].
+
+        Where the input jumps, `after_v` is the voltage right after each instant.
+        """
         out = np.zeros(len(voltage_v))
         if len(voltage_v):
             if self._state is None:
                 self._state = np.full(3, voltage_v[0])
-            _filter(self._matrix, voltage_v, self._state, out)
+            _filter(self._matrix, voltage_v, voltage_v if after_v is None else after_v, self._state, out)
         return out
 
 
 def _filter_loop(
-    matrix: tuple[float, ...], samples: Sequence[float], state: MutableSequence[float], out: MutableSequence[float]
+    matrix: tuple[float, ...],
+    samples: Sequence[float],
+    after: Sequence[float],
+    state: MutableSequence[float],
+    out: MutableSequence[float],
 ) -> None:
     """Follow the filter over samples between which the input is linear."""
     a11, a12, b1, d1, a21, a22, b2, d2 = matrix
@@ -84,7 +94,7 @@ def _filter_loop(
     for i in range(len(samples)):
         v = samples[i]
         x, y = a11 * x + a12 * y + b1 * u + d1 * (v - u), a21 * x + a22 * y + b2 * u + d2 * (v - u)
-        u = v
+        u = after[i]
         out[i] = y
     state[_FIRST], state[_SECOND], state[_INPUT] = x, y, u
 
@@ -92,20 +102,90 @@ def _filter_loop(
 _filter = CompiledLoop(_filter_loop, outputs=2, samples="samples", plain_us=0.5)
 
 
-def sample_v(design: Design, voltage_v: Array, rng: random.Random | None) -> Array:
-    """Convert the voltages at the ADC's instants [V] to samples [V]; without `rng` the ADC has no noise."""
-    d = design.detector
-    noisy = voltage_v if rng is None else voltage_v + draw_noise_v(rng, d.noise_v, len(voltage_v))
-    return quantise_v(noisy, d.adc_bits, d.adc_range_v)
+def _step_s(design: Design, step_s: float | None) -> float:
+    return 1 / design.detector.sample_rate_hz if step_s is None else step_s
 
 
-def draw_noise_v(rng: random.Random, deviation_v: float, count: int) -> Array:
-    """Draw samples of white Gaussian noise [V]."""
-    return np.array([rng.gauss(0.0, deviation_v) for _ in range(count)])
+@dataclass(frozen=True)
+class AdcRange:
+    """Resolution and range of a converter."""
+
+    bits: int
+    low_v: float
+    """Lower end of the range [V]."""
+    high_v: float
+    """Upper end of the range [V]."""
+
+    @classmethod
+    def from_design(cls, design: Design) -> AdcRange:
+        """Range of the design's ADC, from minus to plus its ``adc_range_v``."""
+        d = design.detector
+        return cls(d.adc_bits, -d.adc_range_v, d.adc_range_v)
+
+    @classmethod
+    def select(cls, design: Design, converter: ConverterInput) -> AdcRange:
+        """Range of a scene's converter, or of the design's where the scene names none."""
+        if converter.bits:
+            return cls(converter.bits, converter.low_v, converter.high_v)
+        return cls.from_design(design)
+
+    def quantise_v(self, voltage_v: Array) -> Array:
+        """Round to the converter's steps [V]; voltages outside the range saturate."""
+        step = (self.high_v - self.low_v) / 2**self.bits
+        codes = np.floor((voltage_v - self.low_v) / step + 0.5)
+        return np.clip(codes, 0, 2**self.bits - 1) * step + self.low_v
 
 
-def quantise_v(voltage_v: Array, bits: int, range_v: float) -> Array:
-    """Round to the ADC's steps [V] for ``-range_v <= V < range_v``; voltages outside saturate."""
-    half: int = 2 ** (bits - 1)
-    codes = np.floor(voltage_v / range_v * half + 0.5)
-    return np.clip(codes, -half, half - 1) * range_v / half
+class Converter:
+    """One channel of the ADC: anti-aliasing poles on the grid, then samples with jitter, noise and quantisation.
+
+    Parameters
+    ----------
+    design
+        Gives the noise of the ADC.
+    anti_alias
+        Poles ahead of the pin, with the step of the grid.
+    adc
+        Resolution and range.
+    step_s
+        Step of the grid [s].
+    noise
+        Source of the ADC's noise. None: it has none.
+    jitter
+        Source of the sampling jitter, and its RMS [s]. None: it has none.
+    """
+
+    def __init__(
+        self,
+        design: Design,
+        anti_alias: AntiAliasFilter,
+        adc: AdcRange,
+        step_s: float,
+        noise: Stream | None = None,
+        jitter: tuple[Stream, float] | None = None,
+    ) -> None:
+        self._deviation_v, self._anti_alias, self._adc, self._step_s = design.detector.noise_v, anti_alias, adc, step_s
+        self._noise, self._jitter = noise, jitter
+        self._sampler, self._slope_sampler = Sampler(), Sampler()
+        self._last = np.zeros(0)
+
+    def process(self, voltage_v: Array, at: Instants, after_v: Array | None = None) -> Array:
+        """Return the samples [V] of a chunk of voltages on the grid [V], with those right after each jump."""
+        pin_v = self._anti_alias.process(voltage_v, after_v)
+        sampled = self._sampler.process(pin_v, at)
+        if self._jitter:
+            # The ADC samples a little early or late, on the line through the two latest points.
+            stream, deviation_s = self._jitter
+            before = np.concatenate((self._last if len(self._last) else pin_v[:1], pin_v[:-1]))
+            self._last = pin_v[-1:].copy()
+            slope = self._slope_sampler.process((pin_v - before) / self._step_s, at)
+            sampled = sampled + slope * draw_noise(stream, deviation_s, len(sampled))
+        if self._noise:
+            sampled = sampled + draw_noise(self._noise, self._deviation_v, len(sampled))
+        return self._adc.quantise_v(sampled)
+
+
+def sample_v(design: Design, voltage_v: Array, noise: Stream | None) -> Array:
+    """Convert the voltages at the ADC's instants [V] to samples [V]; without `noise` the ADC has none."""
+    noisy = voltage_v if noise is None else voltage_v + draw_noise(noise, design.detector.noise_v, len(voltage_v))
+    return AdcRange.from_design(design).quantise_v(noisy)

@@ -14,11 +14,14 @@ from typing import Any
 import numpy as np
 
 from fingertip.arrays import Array
+from fingertip.errors import Issue
 from fingertip.sim.signal import envelope_loop
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_step_matrices
 from fingertip.sim.signal.envelope_loop import LEVELS
 from fingertip.sim.validation import find_column_issues, find_not_positive, raise_issues
 
+MAX_V = 1e4
+"""Largest input voltage [V], of either sign. A diode that is driven harder has no current that a number can hold."""
 _CHUNK = 256  # boards whose matrices are in memory at a time: 4 MB
 _FIXED = 6
 """Number of a board's values that the loop takes as they are; the others determine the matrices."""
@@ -87,7 +90,9 @@ def simulate_boards(
         [
             *find_not_positive("step_s", step_s, "s", "0.0005"),
             *find_not_positive("tolerance_v", tolerance_v, "V", "1e-4"),
-            *find_column_issues(voltage_v=voltage_v, after_v=after),
+            *(columns := list(find_column_issues(voltage_v=voltage_v, after_v=after))),
+            *(() if columns else find_voltage_issues("voltage_v", voltage_v)),
+            *(() if columns or after is voltage_v else find_voltage_issues("after_v", after)),
         ]
     )
     table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, _values(board))), axis=1).astype(np.float64)
@@ -133,29 +138,51 @@ class AnalogStream:
         fixed = np.array([[float(value) for value in _values(board)[:_FIXED]]])
         self._integrator, self._count = _Integrator(board, step_s, tolerance_v, fixed), count
         self._states: list[tuple[Array, Array]] = []
-        self._last = np.zeros((count, 0))
+        self._last = np.zeros((2, count, 0))
+        self.steps = 0
+        """Steps taken so far, accepted and rejected."""
 
-    def process(self, voltage_v: Array) -> tuple[Array, Array]:
+    def process(self, voltage_v: Array, after_v: Array | None = None) -> tuple[Array, Array]:
         """Return filtered voltages and envelopes [V] at the next samples, (boards, samples) like the voltages [V].
+
+        Parameters
+        ----------
+        voltage_v
+            Voltages at the samples [V].
+        after_v
+            Voltages right after each sample [V], where the input jumps there.
 
         Raises
         ------
         TraceError
-            If a sample is not finite.
+            If a sample is not finite, or no voltage that a board can meet.
         """
-        raise_issues(
-            issue for i, row in enumerate(voltage_v) for issue in find_column_issues(**{f"voltage_v of board {i}": row})
-        )
+        after = voltage_v if after_v is None else after_v
+        for name, rows in (("voltage_v", voltage_v), ("after_v", after)):
+            raise_issues(issue for i, row in enumerate(rows) for issue in find_voltage_issues(f"{name} of board {i}", row))
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
-        known = np.concatenate((self._last, voltage_v), axis=1)
+        known = np.concatenate((self._last, [voltage_v, after]), axis=2)
         if not self._states:
             self._states = [self._integrator.steady_state(0, row[0]) for row in voltage_v]
-        filtered_v, envelope_v = np.zeros_like(known), np.zeros_like(known)
+        filtered_v, envelope_v = np.zeros_like(known[0]), np.zeros_like(known[0])
         for i, state in enumerate(self._states):
-            self._integrator.integrate(0, *state, known[i], known[i], filtered_v[i], envelope_v[i])
-        repeated = self._last.shape[1]
-        self._last = known[:, -1:]
+            counts = self._integrator.integrate(0, *state, known[0, i], known[1, i], filtered_v[i], envelope_v[i])
+            self.steps += int(counts[envelope_loop.STEPS] + counts[envelope_loop.REJECTED])
+        repeated = self._last.shape[2]
+        self._last = known[:, :, -1:].copy()
         return filtered_v[:, repeated:], envelope_v[:, repeated:]
+
+
+def find_voltage_issues(field: str, voltage_v: Array) -> Iterator[Issue]:
+    """Report voltages that are not finite or beyond `MAX_V`, with the first such sample."""
+    finite = np.isfinite(voltage_v)
+    if (bad := np.flatnonzero(~finite)).size:
+        more = f" (and {bad.size - 1} more after it)" if bad.size > 1 else ""
+        message = f"{voltage_v[bad[0]]} at sample {bad[0]}{more} is not a finite number; give the true value."
+        yield Issue(field, message)
+    elif (bad := np.flatnonzero(np.abs(voltage_v) > MAX_V)).size:
+        message = f"{voltage_v[bad[0]]:g} V at sample {bad[0]} is no voltage of a board; at most {MAX_V:g} V."
+        yield Issue(field, message)
 
 
 class _Integrator:

@@ -1,0 +1,147 @@
+"""Heights of a rough surface along the line on which a pad slides.
+
+The profile is a sum of waves with random phases and amplitudes proportional to lambda^H. Its scale makes the waves up to
+the cutoff wavelength have the given roughness: the RMS height of a Gaussian profile is ``Ra sqrt(pi / 2)``.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import MutableSequence, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.jit import CompiledLoop
+
+HURST = 0.8
+"""Hurst exponent of the self-affine profile (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1)."""
+_ROUGH_OCTAVES = 5
+"""Octaves of roughness below the cutoff wavelength: to at least 0.5 kHz at 4 cm/s, far above the resonance."""
+_WAVY_OCTAVES = 2
+"""Octaves of waviness above the cutoff wavelength, where the self-affine spectrum is assumed to continue."""
+_PER_OCTAVE = 6
+"""Waves per octave."""
+_SPACING_M = 5e-6
+"""Spacing of the profile's points [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceProfile:
+    """Heights [m] and slopes along one line across a surface, every `_SPACING_M`."""
+
+    start_m: float
+    """Position of the first point [m]."""
+    heights_m: Array
+    slopes: Array
+
+    def height_m(self, position_m: Array) -> Array:
+        """Height under a pad [m]: the cubic through heights and slopes, constant beyond the ends."""
+        out = np.zeros(len(position_m))
+        _interpolate(_SPACING_M, self.start_m, self.heights_m, self.slopes, position_m, out)
+        return out
+
+
+def generate_profile(
+    rng: random.Random,
+    roughness_um: float,
+    cutoff_m: float,
+    start_m: float,
+    length_m: float,
+    patch_radius_m: float = 0.0,
+) -> SurfaceProfile:
+    """Generate a profile.
+
+    Parameters
+    ----------
+    rng
+        Source of phases and wavelengths.
+    roughness_um
+        Arithmetic mean deviation Ra of the surface [um].
+    cutoff_m
+        Cutoff wavelength between roughness and waviness [m].
+    start_m, length_m
+        Start and length of the line [m].
+    patch_radius_m
+        Radius of the contact patch over which heights are averaged [m]; 0: the pad follows one line of summits.
+    """
+    count = math.ceil(length_m / _SPACING_M) + 2
+    waves, square = [], 0.0
+    for i in range(-_WAVY_OCTAVES * _PER_OCTAVE, _ROUGH_OCTAVES * _PER_OCTAVE):
+        octave = (i + rng.random()) / _PER_OCTAVE  # random wavelengths share no common period, so they do not beat
+        amplitude = 2.0 ** (-HURST * octave)
+        square += amplitude * amplitude / 2 if octave >= 0.0 else 0.0
+        waves.append((amplitude, 2 * math.pi * 2.0**octave / cutoff_m, 2 * math.pi * rng.random()))
+    scale = roughness_um * 1e-6 * math.sqrt(math.pi / 2) / math.sqrt(square)
+    # Each wave is a phasor that turns by a fixed angle per point. This needs no cosine per point, and no vectorised
+    # cosine, whose last bit varies between processors.
+    turns = [complex(math.cos(k * _SPACING_M), math.sin(k * _SPACING_M)) for _, k, _ in waves]
+    starts = [
+        scale * amplitude * average_over_patch(k * patch_radius_m) * complex(math.cos(phase), math.sin(phase))
+        for amplitude, k, phase in waves
+    ]
+    numbers = np.array([k for _, k, _ in waves])
+    heights, slopes = np.zeros(count), np.zeros(count)
+    _sum_waves(np.array(starts), np.array(turns), numbers, heights, slopes)
+    return SurfaceProfile(start_m, heights, slopes)
+
+
+def average_over_patch(angle: float) -> float:
+    """Fraction of a wave's amplitude that is left after averaging over a round contact patch.
+
+    Heights are weighted by the pressure, ``sqrt(1 - r^2 / a^2)`` of a Hertzian contact, and the surface is the same
+    across the line. A wave of wave number k then keeps ``3 (sin u - u cos u) / u^3`` with u = k a.
+    """
+    if angle < 1e-2:
+        return 1 - angle * angle / 10
+    return 3 * (math.sin(angle) - angle * math.cos(angle)) / angle**3
+
+
+def _sum_waves_loop(
+    starts: Sequence[complex],
+    turns: Sequence[complex],
+    numbers: Sequence[float],
+    heights: MutableSequence[float],
+    slopes: MutableSequence[float],
+) -> None:
+    """Add each rotating phasor: its real part is a height, its negative imaginary part times k a slope."""
+    for wave in range(len(starts)):
+        pointer, turn, k = starts[wave], turns[wave], numbers[wave]
+        for i in range(len(heights)):
+            heights[i] += pointer.real
+            slopes[i] -= k * pointer.imag
+            pointer *= turn
+
+
+def _interpolate_loop(
+    spacing: float,
+    start: float,
+    heights: Sequence[float],
+    slopes: Sequence[float],
+    position: Sequence[float],
+    out: MutableSequence[float],
+) -> None:
+    """Evaluate Hermite's cubic between the two points around each position."""
+    last = len(heights) - 1
+    for i in range(len(position)):
+        at = (position[i] - start) / spacing
+        if at <= 0.0:
+            out[i] = heights[0]
+        elif at >= last:
+            out[i] = heights[last]
+        else:
+            j = int(at)
+            t = at - j
+            rise = heights[j + 1] - heights[j]
+            before, after = spacing * slopes[j], spacing * slopes[j + 1]
+            out[i] = heights[j] + t * (
+                before + t * (3 * rise - 2 * before - after + t * (before + after - 2 * rise))
+            )
+
+
+_sum_waves = CompiledLoop(_sum_waves_loop, outputs=2, samples="heights", plain_us=6.0)
+"""Fills heights and slopes at every point."""
+_interpolate = CompiledLoop(_interpolate_loop, outputs=1, samples="position", plain_us=0.5)
+"""Fills the height at every position."""

@@ -1,0 +1,284 @@
+"""Run a scene: its events drive one finger, chunk by chunk.
+
+A scene without a slide has no friction. A scene without vibration sources has no disturbances. Parts that no recorded
+output depends on do not run (`fingertip.sim.finger`).
+"""
+
+from __future__ import annotations
+
+import functools
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.arrays import Array
+from fingertip.design import Design
+from fingertip.errors import Issue, TraceError
+from fingertip.sim.contact.friction import Friction
+from fingertip.sim.contact.pad import Pad
+from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.contact.tangential import admissible_step_s
+from fingertip.sim.cost import CostMeter, StageCost
+from fingertip.sim.finger import Finger, FingerDrive, FingerSetup, FingerSignals, needs_contact
+from fingertip.sim.grid import Grid, count_samples
+from fingertip.sim.progress import ReportProgress, ShareDone
+from fingertip.sim.scene import disturbances
+from fingertip.sim.scene.scene_file import SceneFile
+from fingertip.sim.scene.sliding import (
+    CoupledPad,
+    ErrorControlledPad,
+    SlidingPad,
+    SteppedPad,
+    make_elasto_plastic,
+    mount_pad,
+)
+from fingertip.sim.scene.timeline import Timeline, build_timeline
+from fingertip.sim.signal.comparator import describe_missing_comparator
+from fingertip.sim.validation import raise_issues
+from fingertip.slip.traces.trace import Trace
+
+CHUNK = 32_768
+"""Number of points that are computed at a time: 3 s. A finger needs some 10 MB for them."""
+
+
+@dataclass(frozen=True, eq=False)
+class SceneResult:
+    """Recorded signals of a scene."""
+
+    scene: SceneFile
+    seed: int
+    force_n: float
+    """Holding force on this finger [N]."""
+    signals: FingerSignals
+    """Signals that the scene records; the others are None."""
+    stages: tuple[StageCost, ...]
+    """Stages that ran, with their cost."""
+
+    @property
+    def time_s(self) -> Array:
+        """Times of the samples [s]."""
+        return self.signals.time_s
+
+    @property
+    def columns(self) -> dict[str, NDArray[np.float64] | NDArray[np.bool_]]:
+        """Outputs that the scene names, in its order. The column slip holds booleans."""
+        return select_columns(self.signals, self.scene)
+
+    @property
+    def trace(self) -> Trace:
+        """Trace for a detector: voltage, and the true force and slip that it is evaluated against.
+
+        Raises
+        ------
+        TraceError
+            If the voltage is not among the outputs of the scene.
+        """
+        if self.signals.voltage_v is None:
+            raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
+        found = self.signals
+        return Trace(found.time_s, found.voltage_v, found.force_n, found.slip, found.sampled_envelope_v)
+
+
+def select_columns(signals: FingerSignals, scene: SceneFile) -> dict[str, NDArray[np.float64] | NDArray[np.bool_]]:
+    """Select the outputs that a scene names, in its order."""
+    return {name: getattr(signals, name) for name in scene.outputs}
+
+
+@dataclass
+class SceneRun:
+    """Scene in progress: iterate over `chunks` once.
+
+    Parameters
+    ----------
+    design, scene, seed
+        As in `run_scene`.
+    grid
+        Grid of the computation. None: the base grid, or as many times finer as the bristles need under this load.
+
+    Raises
+    ------
+    TraceError
+        If the seed is negative, the board of this design has no such output, or a motor is faster than the samples.
+    """
+
+    design: Design
+    scene: SceneFile
+    seed: int = 0
+    grid: Grid | None = None
+    meter: CostMeter = field(default_factory=CostMeter)
+
+    def __post_init__(self) -> None:
+        raise_issues(find_scene_issues(self.design, self.scene, self.seed))
+        self.grid = self.grid or self._choose_grid()
+
+    @functools.cached_property
+    def force_n(self) -> float:
+        """Holding force on this finger, drawn by the seed [N]."""
+        hold = self.scene.hold
+        force = hold.min_force_n + (hold.max_force_n - hold.min_force_n) * self._open_random("force").random()
+        return force * hold.share if hold.mode == "grasp" else force
+
+    @functools.cached_property
+    def pad(self) -> Pad:
+        """Pad of the finger."""
+        return Pad.from_design(self.design, self.scene.contact.resonance_hz)
+
+    @functools.cached_property
+    def friction(self) -> Friction:
+        """Friction of the surface, as the scene asks for it."""
+        contact = self.scene.contact
+        friction = SURFACES[contact.surface].friction
+        if contact.stick_slip:
+            friction = friction.with_stick_slip()
+        return make_elasto_plastic(friction) if contact.bristles == "elasto_plastic" else friction
+
+    @functools.cached_property
+    def timeline(self) -> Timeline:
+        """Moments of the scene's events."""
+        return build_timeline(self.scene, self.pad, self.force_n)
+
+    @property
+    def max_load_n(self) -> float:
+        """Largest load on the pad, without vibration [N]."""
+        return self.force_n + max(0.0, self.scene.load_change.by_n)
+
+    @property
+    def samples(self) -> int:
+        """Number of samples of the recording."""
+        return count_samples(self.timeline.duration_s, self.design.detector.sample_rate_hz)
+
+    def chunks(self, size: int = CHUNK) -> Iterator[FingerSignals]:
+        """Yield the signals of one chunk after the other; the size of a chunk changes no bit."""
+        assert self.grid
+        count = self.grid.count_points(self.timeline.duration_s, self.design.detector.sample_rate_hz)
+        outputs, slides = frozenset(self.scene.outputs), self.timeline.slide is not None
+        setup, feedback = self._set_up(), slides and self.scene.contact.feedback
+        pad = self._build_pad(setup, self.grid) if slides else None
+        finger = Finger(setup, self.grid, outputs, self.meter, feedback)
+        phases = disturbances.draw_motor_phases(self._open_random("motor"))
+        for first in range(0, count, size):
+            time_s = self.grid.time_s(first, min(size, count - first))
+            with self.meter.stage("load"):
+                load_n = self.timeline.load_n(self.pad, time_s)
+            push_n = self._compute_push_n(time_s, phases) if feedback or needs_contact(outputs) else None
+            if pad is None:
+                yield finger.process(FingerDrive(load_n, push_n))
+                continue
+            assert self.timeline.slide
+            with self.meter.stage("carriage"):
+                at_m, speed_m_s = self.timeline.slide.position_m(time_s), self.timeline.slide.velocity_m_s(time_s)
+            yield finger.process(pad.process(at_m, speed_m_s, load_n, push_n))
+
+    def _choose_grid(self) -> Grid:
+        if not self.scene.slide.distance_m:
+            return Grid()
+        plain = Friction(**(vars(self.friction) | {"elastic": 0.0}))
+        longest = admissible_step_s(plain, mount_pad(self.pad, self.force_n), self.max_load_n)
+        return Grid.finer_than(longest)
+
+    def _set_up(self) -> FingerSetup:
+        scene, slides = self.scene, bool(self.scene.slide.distance_m)
+        return FingerSetup(
+            design=self.design,
+            pad=self.pad,
+            held_n=self.force_n,
+            friction=self.friction,
+            open_random=self._open_random,
+            seed=(self.seed, "finger"),
+            surface=SURFACES[scene.contact.surface] if slides else None,
+            profile_length_m=scene.slide.distance_m,
+            patch_average=scene.contact.patch_average,
+            sensing=scene.sensing,
+            converter=scene.converter,
+            drift=scene.drift,
+            cable=scene.cable,
+            noise=scene.noise,
+            event_origin_s=self.timeline.held_s,
+        )
+
+    def _build_pad(self, setup: FingerSetup, grid: Grid) -> SlidingPad:
+        mount, contact = mount_pad(self.pad, self.force_n), self.scene.contact
+        if contact.feedback:
+            profile = setup.make_profile()
+            shaking_n = self.scene.tap.force_n + 2 * self.scene.motor.force_n
+            return CoupledPad(
+                self.friction, mount, self.pad, self.force_n, profile, grid, self.max_load_n + shaking_n, self.meter
+            )
+        if contact.bristles == "elasto_plastic":
+            return ErrorControlledPad(self.friction, mount, grid, self.max_load_n, self.meter)
+        return SteppedPad(self.friction, mount, grid, self.meter)
+
+    def _compute_push_n(self, time_s: Array, phases: tuple[float, float]) -> Array | None:
+        """Compute the forces of knocks and motors [N]; None without any."""
+        scene, held = self.scene, self.timeline.held_s
+        if not scene.tap.force_n and not scene.motor.force_n:
+            return None
+        with self.meter.stage("disturbances"):
+            push = np.zeros_like(time_s)
+            if scene.tap.force_n:
+                push += disturbances.knock_force_n(scene.tap, held, time_s)
+            if scene.motor.force_n:
+                push += disturbances.motor_force_n(scene.motor, phases, held, time_s)
+            return push
+
+    def _open_random(self, purpose: str) -> random.Random:
+        """Random numbers for one purpose, so that setting the force changes neither the surface nor the motors."""
+        return random.Random(f"{self.seed}:{purpose}")
+
+
+def run_scene(
+    design: Design,
+    scene: SceneFile,
+    seed: int = 0,
+    progress: Callable[[str], None] | None = None,
+    grid: Grid | None = None,
+) -> SceneResult:
+    """Simulate a scene, running only the parts that its outputs depend on.
+
+    Parameters
+    ----------
+    design
+        Gives the shape of the pad, the board, the ADC and its noise.
+    scene
+        Events, and outputs to record.
+    seed
+        Seed of force, surface, motors and noise. The same design, scene and seed give the same columns.
+    progress
+        Receives progress messages, for scenes longer than `progress.LONG_S`.
+    grid
+        Grid of the computation. None: the base grid, refined where the bristles need it.
+
+    Raises
+    ------
+    TraceError
+        If the scene cannot be simulated with this design.
+    """
+    run = SceneRun(design, scene, seed, grid)
+    chunks = [*report_share(run, run.chunks(), progress)]
+    return SceneResult(scene, seed, run.force_n, FingerSignals.join(chunks), run.meter.costs)
+
+
+def report_share(
+    run: SceneRun, chunks: Iterator[FingerSignals], progress: ReportProgress | None
+) -> Iterator[FingerSignals]:
+    """Pass the chunks of a run on, and report the share of a long one that is done."""
+    done = ShareDone(run.scene.name, run.timeline.duration_s, progress)
+    for chunk in chunks:
+        done.report(float(chunk.time_s[-1]) if len(chunk.time_s) else 0.0)
+        yield chunk
+
+
+def find_scene_issues(design: Design, scene: SceneFile, seed: int) -> Iterator[Issue]:
+    """Yield what prevents a scene from being simulated with a design."""
+    if seed < 0:
+        yield Issue("--seed", f"{seed} is negative; choose a whole number of at least 0.")
+    if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
+        yield Issue("outputs", describe_missing_comparator(design))
+    half = design.detector.sample_rate_hz / 2
+    if scene.motor.force_n and scene.motor.frequency_hz >= half:
+        message = f"{scene.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz; below {half:g} Hz."
+        yield Issue("motor.frequency_hz", message)
+

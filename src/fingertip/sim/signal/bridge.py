@@ -1,0 +1,118 @@
+"""Bridge and amplifier: from the force that the sensor shows to the tactile voltage."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import MutableSequence, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.board import board_values
+from fingertip.board.analysis.operating_point import TactileResponse
+from fingertip.board.components.bridge import ARTICLE_POINTS, sensor_conductance_s
+from fingertip.design import Design
+from fingertip.jit import CompiledLoop
+
+TURN_ON_WIDTH_N = 0.1
+"""Half width of the turn-on around its force [N]: the traces short one after the other as the pad's contact patch
+grows. Assumption; that contacts show nothing above 30 Hz (article, III.A) rules out a sharp turn-on."""
+
+
+@dataclass(frozen=True)
+class ConductanceCurve:
+    """Conductance over force: ``scale (F - turn_on)^exponent`` [S], with the turn-on of `turn_on_power`."""
+
+    turn_on_n: float
+    scale: float
+    exponent: float
+
+    def conductance_s(self, force_n: float) -> float:
+        """Conductance [S] at a force [N] that never decreased."""
+        return self.scale * turn_on_power(force_n - self.turn_on_n, self.exponent, TURN_ON_WIDTH_N)
+
+
+@dataclass(frozen=True)
+class Bridge:
+    """Tactile voltage over force: the sensor's curve, and the response of bridge and amplifier to its conductance."""
+
+    curve: ConductanceCurve
+    response: TactileResponse
+
+    @classmethod
+    def of_board(cls, design: Design) -> Bridge:
+        """Bridge and amplifier of a design, with the data sheet's sensor."""
+        return cls(fit_conductance_curve(), board_values(design).tactile_response)
+
+    @classmethod
+    def of_article(cls) -> Bridge:
+        """Curve through the article's points.
+
+        The article does not show its bridge circuit. Over the article's range the curve is a power law of the
+        conductance, measured by a circuit whose voltage falls in proportion to the conductance. The exponent is 0.669;
+        Interlink's curve (50 g: 10 kohm, 1 kg: 1.25 kohm), which is not used here, gives 0.694.
+        """
+        (f0, v0), (f1, v1), (f2, v2) = ARTICLE_POINTS
+        exponent = math.log((v0 - v2) / (v0 - v1)) / math.log((f2 - f0) / (f1 - f0))
+        scale = (v0 - v1) / (f1 - f0) ** exponent
+        return cls(ConductanceCurve(f0, scale, exponent), TactileResponse(v0, 1.0, 0.0, 1.0))
+
+    @classmethod
+    def select(cls, design: Design, name: str) -> Bridge:
+        """Select the bridge of a scene: "board" or "article"."""
+        return cls.of_article() if name == "article" else cls.of_board(design)
+
+    def voltage_v(self, force_n: Array) -> Array:
+        """Tactile voltage [V] at the forces that the sensor shows [N]."""
+        curve, response = self.curve, self.response
+        out = np.zeros(len(force_n))
+        _convert(
+            (curve.turn_on_n, curve.scale, curve.exponent, TURN_ON_WIDTH_N),
+            (response.open_v, response.sensor_v, response.source_ohm, response.transfer_ohm), force_n, out,
+        )  # fmt: skip
+        return out
+
+
+def turn_on_power(excess_n: float, exponent: float, width_n: float) -> float:
+    """Power ``excess^exponent`` beyond the turn-on's width, 0 below it, and a cubic that starts as a parabola between.
+
+    Value and slope are continuous. The start is equally gentle for every exponent: a parabola of the force, raised to
+    an exponent of 0.5, would have a corner.
+    """
+    if excess_n >= width_n:
+        return math.pow(excess_n, exponent)
+    if excess_n <= -width_n:
+        return 0.0
+    t = (excess_n + width_n) / (2 * width_n)
+    return math.pow(width_n, exponent) * t * t * (3 - 2 * exponent + (2 * exponent - 2) * t)
+
+
+def fit_conductance_curve() -> ConductanceCurve:
+    """Fit Interlink's curve at the article's two forces, with the turn-on at which the board's own curve begins."""
+    (f0, _), (f1, _), (f2, _) = ARTICLE_POINTS
+    g1, g2 = sensor_conductance_s(f1), sensor_conductance_s(f2)
+    exponent = math.log(g2 / g1) / math.log((f2 - f0) / (f1 - f0))
+    return ConductanceCurve(f0, g1 / (f1 - f0) ** exponent, exponent)
+
+
+def _convert_loop(
+    curve: tuple[float, float, float, float],
+    response: tuple[float, float, float, float],
+    forces: Sequence[float],
+    out: MutableSequence[float],
+) -> None:
+    """Convert each force to the voltage of `TactileResponse.tactile_v`."""
+    turn_on, scale, exponent, width = curve
+    open_v, sensor_v, source_ohm, transfer_ohm = response
+    # A finger in the air or at rest shows the same force for long.
+    force, voltage = math.nan, 0.0
+    for i in range(len(forces)):
+        if forces[i] != force:
+            force = forces[i]
+            g = scale * turn_on_power(force - turn_on, exponent, width)
+            voltage = open_v - transfer_ohm * (sensor_v * g / (1.0 + source_ohm * g))
+        out[i] = voltage
+
+
+_convert = CompiledLoop(_convert_loop, turn_on_power, outputs=1, samples="forces", plain_us=0.9)

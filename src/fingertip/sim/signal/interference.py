@@ -1,0 +1,263 @@
+"""Voltages that are added to the tactile voltage: drift, a touched cable, hum, pink noise and the vibration of a hand."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, MutableSequence, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.jit import CompiledLoop
+from fingertip.sim.grid import BASE_HZ, Grid
+from fingertip.sim.randomness import OpenStream, Stream
+from fingertip.sim.signal.parameters import Cable, Drift, Noise
+
+HAND_BAND_HZ = (30.0, 90.0)
+"""Band of a hand's vibration [Hz]."""
+_PINK_OCTAVES = 16
+"""Number of first-order processes that add up to pink noise, one per octave down from half the base grid's rate."""
+_GONE = 40.0
+"""Number of decay times after which a jump of the cable has decayed to nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Interference:
+    """Voltages of one chunk [V], and by how much they jump at each point: a jump happens right after its point."""
+
+    volts: Array
+    """Voltage right after each point [V]."""
+    jumps: Array | None = None
+    """Jump at each point [V]. None: there are none."""
+
+
+class InterferenceSource:
+    """All interference of one finger, chunk by chunk.
+
+    Parameters
+    ----------
+    grid
+        Grid of the points.
+    drift, cable, noise
+        What is added.
+    held_s
+        Moment at which the holding force is reached, from which a touch of the cable is counted [s].
+    open_stream
+        Function from a purpose to random numbers.
+    """
+
+    def __init__(
+        self, grid: Grid, drift: Drift, cable: Cable, noise: Noise, held_s: float, open_stream: OpenStream
+    ) -> None:
+        self._grid, self._drift, self._cable, self._noise, self._held_s = grid, drift, cable, noise, held_s
+        self._pink = PinkNoise(grid, noise.pink_v, open_stream("pink noise")) if noise.pink_v else None
+        self._hand = HandVibration(grid, noise.hand_v, open_stream("hand vibration")) if noise.hand_v else None
+        self._points = 0
+
+    @property
+    def is_silent(self) -> bool:
+        """True if nothing is added."""
+        cable, noise = self._cable, self._noise
+        return not any((self._drift.volt_per_s, cable.step_v, cable.hum_v, noise.pink_v, noise.hand_v, noise.hum_v))
+
+    def process(self, touching: Array) -> Interference:
+        """Return the interference at the next points, given where the finger touches [1 or 0]."""
+        count = len(touching)
+        time_s = self._grid.time_s(self._points, count)
+        self._points += count
+        volts, jumps = np.zeros(count), None
+        if self._cable.step_v or self._cable.hum_v:
+            touch, jumps = compute_cable_v(self._cable, self._held_s, time_s, self._grid.step_s)
+            volts += touch
+        if self._drift.volt_per_s:
+            volts += self._drift.volt_per_s * time_s
+        if self._noise.hum_v:
+            volts += compute_hum_v(self._noise, time_s)
+        if self._pink:
+            volts += self._pink.process(count)
+        if self._hand:
+            volts += self._hand.process(count) * touching
+        return Interference(volts, jumps)
+
+
+def compute_cable_v(cable: Cable, held_s: float, time_s: Array, step_s: float) -> tuple[Array, Array]:
+    """Voltage that a touched cable adds [V], and its jumps: one at each end of the touch, which then decays.
+
+    A jump between two points is taken to happen at the later one. Mains hum is added during the touch.
+    """
+    volts, jumps = np.zeros(len(time_s)), np.zeros(len(time_s))
+    begin = held_s + cable.at_s
+    for moment, sign in ((begin, 1.0), (begin + cable.duration_s, -1.0)):
+        since = time_s - moment
+        for i in np.flatnonzero((since >= 0.0) & (since < _GONE * cable.decay_s)).tolist():
+            part = sign * cable.step_v * math.exp(-float(since[i]) / cable.decay_s)
+            volts[i] += part
+            if since[i] < step_s * (1 - 1e-9):
+                jumps[i] += part
+    during = np.flatnonzero((time_s >= begin) & (time_s < begin + cable.duration_s))
+    for i in during.tolist():
+        volts[i] += cable.hum_v * math.sin(2 * math.pi * cable.hum_hz * (float(time_s[i]) - begin))
+    return volts, jumps
+
+
+def compute_hum_v(noise: Noise, time_s: Array) -> Array:
+    """Mains hum with its third and fifth harmonic [V]."""
+    out = np.zeros(len(time_s))
+    _hum(2 * math.pi * noise.hum_hz, noise.hum_v, noise.hum_third, noise.hum_fifth, time_s, out)
+    return out
+
+
+class PinkNoise:
+    """Noise whose power per decade is the same in every decade, chunk by chunk.
+
+    It is a sum of first-order processes with corner frequencies one octave apart, which is within 0.3 dB of 1/f from
+    0.1 Hz to 1 kHz (A. van der Ziel, Physica 16, 1950, 359). It is drawn on the base grid, with straight lines between.
+
+    Parameters
+    ----------
+    grid
+        Grid of the points.
+    volts_per_decade
+        RMS voltage per decade of frequency [V].
+    stream
+        Source of random numbers.
+    """
+
+    def __init__(self, grid: Grid, volts_per_decade: float, stream: Stream) -> None:
+        corners = [BASE_HZ / 2 / 2.0**i for i in range(1, _PINK_OCTAVES + 1)]
+        decays = [math.exp(-2 * math.pi * corner / BASE_HZ) for corner in corners]
+        # An octave holds log10(2) of a decade's power, and so does each process.
+        deviation = volts_per_decade * math.sqrt(math.log10(2.0))
+        self._matrix = (np.array(decays), np.array([deviation * math.sqrt(1 - a * a) for a in decays]))
+        self._state = deviation * stream.standard_normal(_PINK_OCTAVES)
+        self._stream = stream
+        self._refined = RefinedNoise(grid, self._draw)
+
+    def process(self, count: int) -> Array:
+        """Return the noise at the next points [V]."""
+        return self._refined.process(count)
+
+    def _draw(self, count: int) -> Array:
+        out = np.zeros(count)
+        _pink(*self._matrix, self._stream.standard_normal(count * _PINK_OCTAVES), self._state, out)
+        return out
+
+
+class HandVibration:
+    """Noise in the band of a hand's vibration, chunk by chunk: white noise behind two Butterworth filters of order 2.
+
+    Parameters
+    ----------
+    grid
+        Grid of the points.
+    deviation_v
+        RMS voltage [V].
+    stream
+        Source of random numbers.
+    """
+
+    def __init__(self, grid: Grid, deviation_v: float, stream: Stream) -> None:
+        low, high = HAND_BAND_HZ
+        self._sections = (*_butterworth(low, True), *_butterworth(high, False))
+        impulse, response = np.zeros(round(BASE_HZ)), np.zeros(round(BASE_HZ))
+        impulse[0] = 1.0
+        _band_pass(self._sections, impulse, np.zeros(4), response)
+        self._deviation = deviation_v / math.sqrt(float(np.sum(response * response)))
+        self._state, self._stream = np.zeros(4), stream
+        self._draw(round(BASE_HZ / 2))  # the filters are settled when the recording begins
+        self._refined = RefinedNoise(grid, self._draw)
+
+    def process(self, count: int) -> Array:
+        """Return the noise at the next points [V]."""
+        return self._refined.process(count)
+
+    def _draw(self, count: int) -> Array:
+        out = np.zeros(count)
+        _band_pass(self._sections, self._deviation * self._stream.standard_normal(count), self._state, out)
+        return out
+
+
+class RefinedNoise:
+    """Noise that is drawn on the base grid, with straight lines between its points on a finer grid.
+
+    Parameters
+    ----------
+    grid
+        Grid of the points.
+    draw
+        Function from a count to the next values on the base grid.
+    """
+
+    def __init__(self, grid: Grid, draw: Callable[[int], Array]) -> None:
+        self._parts, self._draw, self._points = grid.refinement, draw, 0
+        self._known = np.zeros(0)
+
+    def process(self, count: int) -> Array:
+        """Return the noise at the next points."""
+        if self._parts == 1:
+            return self._draw(count)
+        at = np.arange(self._points, self._points + count)
+        first = self._points // self._parts  # base point that `_known` begins with
+        needed = (self._points + count - 1) // self._parts + 2 - first
+        self._known = np.concatenate((self._known, self._draw(needed - len(self._known))))
+        index, fraction = at // self._parts - first, (at % self._parts) / self._parts
+        out = self._known[index] + fraction * (self._known[index + 1] - self._known[index])
+        self._points += count
+        self._known = self._known[self._points // self._parts - first :]
+        return np.asarray(out)
+
+
+def _butterworth(corner_hz: float, is_high_pass: bool) -> tuple[float, float, float, float, float]:
+    """Coefficients b0, b1, b2, a1, a2 of a Butterworth filter of order 2 on the base grid (bilinear transform)."""
+    k = math.tan(math.pi * corner_hz / BASE_HZ)
+    scale = 1 / (1 + math.sqrt(2.0) * k + k * k)
+    b = (scale, -2 * scale, scale) if is_high_pass else (k * k * scale, 2 * k * k * scale, k * k * scale)
+    return (*b, 2 * (k * k - 1) * scale, (1 - math.sqrt(2.0) * k + k * k) * scale)
+
+
+def _hum_loop(
+    w: float, amplitude: float, third: float, fifth: float, time: Sequence[float], out: MutableSequence[float]
+) -> None:
+    """Add up fundamental, third and fifth harmonic."""
+    for i in range(len(time)):
+        x = w * time[i]
+        out[i] = amplitude * (math.sin(x) + third * math.sin(3 * x) + fifth * math.sin(5 * x))
+
+
+def _pink_loop(
+    decays: Sequence[float],
+    gains: Sequence[float],
+    white: Sequence[float],
+    state: MutableSequence[float],
+    out: MutableSequence[float],
+) -> None:
+    """Advance each first-order process, and add them up."""
+    count = len(decays)
+    for i in range(len(out)):
+        total = 0.0
+        for j in range(count):
+            state[j] = decays[j] * state[j] + gains[j] * white[i * count + j]
+            total += state[j]
+        out[i] = total
+
+
+def _band_pass_loop(
+    sections: tuple[float, ...], white: Sequence[float], state: MutableSequence[float], out: MutableSequence[float]
+) -> None:
+    """Apply two sections of order 2 (transposed direct form II)."""
+    b0, b1, b2, a1, a2, e0, e1, e2, f1, f2 = sections
+    p, q, r, s = state[0], state[1], state[2], state[3]
+    for i in range(len(white)):
+        x = white[i]
+        y = b0 * x + p
+        p, q = b1 * x - a1 * y + q, b2 * x - a2 * y
+        z = e0 * y + r
+        r, s = e1 * y - f1 * z + s, e2 * y - f2 * z
+        out[i] = z
+    state[0], state[1], state[2], state[3] = p, q, r, s
+
+
+_hum = CompiledLoop(_hum_loop, outputs=1, samples="time", plain_us=0.6)
+_pink = CompiledLoop(_pink_loop, outputs=2, samples="out", plain_us=4.0)
+_band_pass = CompiledLoop(_band_pass_loop, outputs=2, samples="white", plain_us=0.7)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import tempfile
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, BinaryIO
 
 import typer
 
 from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, command, find_png_path_issues
 
 if TYPE_CHECKING:
-    from fingertip.sim import Simulation
+    from fingertip.sim import ManipulationResult, SceneRecord, Simulation
 
 
 @command
@@ -63,9 +65,9 @@ def simulate(
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
     from fingertip import extras
     from fingertip.errors import FingertipError, Issue
-    from fingertip.files import write_file
+    from fingertip.files import open_atomic, write_file
     from fingertip.sim import load_simulation, summary
-    from fingertip.sim.trace_export import SIGNAL_FOLDER, encode_trace, find_path_issues, write_trace
+    from fingertip.sim.trace_export import SIGNAL_FOLDER, find_path_issues, signal_writer, write_trace
 
     console = Console(as_json, quiet)
     issues = [*(find_path_issues(out) if out else ()), *find_png_path_issues("--plot", plot)]
@@ -94,28 +96,55 @@ def simulate(
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     for warning in simulation.find_warnings():
         console.progress(f"warning: {warning}")
+    path = out or Path("out") / simulation.design.name / SIGNAL_FOLDER / f"{simulation.name}.csv"
+    if out is None:  # refused before the work starts
+        signal_writer(simulation.design, path.parent, force).check((path.name,))
+    with tempfile.TemporaryDirectory() as folder:
+        finished = Path(folder) / path.name
+        with open_atomic(out) if out else finished.open("wb") as opened:
+            record, grips_s, picture = _simulate(simulation, opened, path, grip, plot is not None, console.progress)
+        if out is None:
+            removed = write_trace(simulation.design, path, finished, force)
+            if removed:
+                console.progress(f"removed what was made from earlier traces or another design: {', '.join(removed)}")
+    console.progress(f"wrote {path}")
+    if plot is not None and picture is not None:
+        write_file(plot, picture, "--plot")
+        console.progress(f"wrote {plot}")
+    written = {"trace": path.as_posix()} | ({"plot": plot.as_posix()} if plot else {})
+    console.result(written | summary.as_data(record, grips_s), "\n".join(summary.as_text(record, grips_s)))
+
+
+def _simulate(
+    simulation: Simulation,
+    file: BinaryIO,
+    path: Path,
+    grip: str | None,
+    plotted: bool,
+    progress: Callable[[str], None],
+) -> tuple[SceneRecord | ManipulationResult, tuple[float, ...] | None, bytes | None]:
+    """Simulate and write the trace; return what is known about it, the moments of grip, and the plot if asked for."""
+    from fingertip.sim import ManipulationResult, summary
+    from fingertip.sim.trace_export import open_trace
+
+    if grip is None and not plotted:
+        return simulation.write(file, path, progress), None, None
     grips_s = None
     if grip is None:
-        result = simulation.run(progress=console.progress)
+        result = simulation.run(progress=progress)
     else:
         from fingertip.campaign.grip import run_with_grip
 
-        gripped = run_with_grip(simulation, grip, console.progress)
+        gripped = run_with_grip(simulation, grip, progress)
         result, grips_s = gripped.result, gripped.grips_s
-    lines = summary.as_text(result, grips_s)
-    path = out or Path("out") / simulation.design.name / SIGNAL_FOLDER / f"{simulation.name}.csv"
-    contents = encode_trace(result.time_s, result.columns, path)
-    if plot is not None:
+    record = result if isinstance(result, ManipulationResult) else result.record
+    writer = open_trace(file, path, [*result.columns])
+    writer.write(result.time_s, result.columns)
+    writer.close()
+    picture = None
+    if plotted:
         from fingertip.sim.plot import draw
 
-        console.progress(f"drawing {plot}")
-        write_file(plot, draw(result, lines[0]), "--plot")
-    if out is None:
-        removed = write_trace(simulation.design, path, contents, force)
-        if removed:
-            console.progress(f"removed what was made from earlier traces or another design: {', '.join(removed)}")
-    else:
-        write_file(out, contents)
-    console.progress(f"wrote {path}")
-    written = {"trace": path.as_posix()} | ({"plot": plot.as_posix()} if plot else {})
-    console.result(written | summary.as_data(result, grips_s), "\n".join(lines))
+        progress("drawing the plot")
+        picture = draw(result, summary.as_text(record, grips_s)[0])
+    return record, grips_s, picture

@@ -51,4 +51,5 @@ def hash_parameters(data: object) -> str:
 
 def hash_file(path: Path) -> str:
     """Hash the content of a file."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -17,6 +17,8 @@ import sys
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
+from fingertip.output_set.content import Content, write_content
+
 _COMMIT = ".fingertip-commit"
 """Folder, within the output folder, of files that are renamed one after the other."""
 _PLAN, _COMPLETE = "plan.json", "complete.json"
@@ -25,7 +27,7 @@ _STAGING_SUFFIX = ".fingertip"
 
 
 def replace_files(
-    folder: Path, files: Mapping[str, bytes], removed: Collection[str] = (), *, in_place: bool = False
+    folder: Path, files: Mapping[str, Content], removed: Collection[str] = (), *, in_place: bool = False
 ) -> None:
     """Write some files of a folder and remove others. The caller holds the lock of the folder's parent.
 
@@ -90,7 +92,7 @@ def _free_name(path: Path) -> Path:
     return path
 
 
-def _swap_in(folder: Path, files: Mapping[str, bytes], removed: Collection[str]) -> bool:
+def _swap_in(folder: Path, files: Mapping[str, Content], removed: Collection[str]) -> bool:
     """Put files in place by swapping folders; False if that is not possible here, and nothing has changed then."""
     if _is_current(folder):
         return False
@@ -101,7 +103,7 @@ def _swap_in(folder: Path, files: Mapping[str, bytes], removed: Collection[str])
         return False
     try:
         for name, data in files.items():
-            (staging / name).write_bytes(data)
+            write_content(data, staging / name)
         if not folder.exists():
             os.rename(staging, folder)
             return True
@@ -160,13 +162,13 @@ def _swap(first: Path, second: Path) -> bool:
     return bool(result == 0)
 
 
-def _rename_in(folder: Path, files: Mapping[str, bytes], removed: Collection[str]) -> None:
+def _rename_in(folder: Path, files: Mapping[str, Content], removed: Collection[str]) -> None:
     """Put files in place one after the other, after a plan that `recover` can complete."""
     commit = folder / _COMMIT
     commit.mkdir(parents=True)
     try:
         for name, data in files.items():
-            (commit / f"new-{name}").write_bytes(data)
+            write_content(data, commit / f"new-{name}")
         plan = {"files": list(files), "removed": list(removed)}
         (commit / _PLAN).write_text(json.dumps(plan), "utf-8")
     except BaseException:

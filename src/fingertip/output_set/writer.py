@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import os
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from pathlib import Path
 from fingertip._version import __version__
 from fingertip.errors import Issue, OutputError
 from fingertip.files import write_file
+from fingertip.output_set.content import Content, equals_file, hash_content
 from fingertip.output_set.lock import lock, output_errors
 from fingertip.output_set.manifest import MANIFEST, Manifest, hash_file, read_manifest
 from fingertip.output_set.replacement import recover, replace_files
@@ -90,7 +90,7 @@ class SetWriter:
             for name in foreign:
                 yield Issue(str(self.folder / name), f"was not written by fingertip, or was changed since; {remedy}")
 
-    def write(self, contents: Mapping[str, bytes], obsolete: Collection[str] = ()) -> tuple[str, ...]:
+    def write(self, contents: Mapping[str, Content], obsolete: Collection[str] = ()) -> tuple[str, ...]:
         """Write the set: the folder holds either the old set or the new one at any moment.
 
         Files of the old set stay if they were made from the same parameters. Otherwise those that nobody changed are
@@ -129,7 +129,7 @@ class SetWriter:
                     path.rmdir()
             raise
 
-    def add(self, contents: Mapping[str, bytes]) -> None:
+    def add(self, contents: Mapping[str, Content]) -> None:
         """Write some files of a set to a folder that holds no set, or one of the same parameters.
 
         Raises
@@ -146,7 +146,7 @@ class SetWriter:
             raise OutputError(Issue(str(self.folder), message))
         self.write(contents)
 
-    def _write(self, folder: Path, contents: Mapping[str, bytes], obsolete: Collection[str]) -> tuple[str, ...]:
+    def _write(self, folder: Path, contents: Mapping[str, Content], obsolete: Collection[str]) -> tuple[str, ...]:
         old = read_manifest(folder)
         known = dict(old.files) if old else dict.fromkeys(self.adopted, "")
         same = old is not None and (old.kind, old.parameters) == (self.kind, self.parameters)
@@ -154,7 +154,7 @@ class SetWriter:
         unwanted = set(others) & set(obsolete) if same else set(others)
         removed = tuple(sorted(unwanted - self._foreign(unwanted)))
         kept = {name: known[name] for name in others if name not in removed} if same else {}
-        hashes = {name: hashlib.sha256(data).hexdigest() for name, data in contents.items()}
+        hashes = {name: hash_content(data) for name, data in contents.items()}
         manifest = Manifest(__version__, self.kind, self.design, self.parameters, kept | hashes)
         files = {**contents, MANIFEST: manifest.to_bytes()}
         replace_files(folder, files, removed, in_place=self.in_place)
@@ -167,7 +167,7 @@ class SetWriter:
             path = self.folder / name
             if name == MANIFEST:
                 is_own = manifest is not None or not path.exists()
-            elif not path.is_file() or (isinstance(names, Mapping) and path.read_bytes() == names[name]):
+            elif not path.is_file() or (isinstance(names, Mapping) and equals_file(names[name], path)):
                 is_own = True
             else:
                 is_own = hash_file(path) == manifest.files.get(name) if manifest else name in self.adopted

@@ -11,9 +11,9 @@ from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.hand.controller import Controller, FixedGrip, Observation
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.manipulation_file import ManipulationFile
+from fingertip.sim.scene.run import SceneRecord, SceneResult, run_scene
 from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.simulation import Simulation, load_simulation
-from fingertip.sim.scene.run import SceneResult, run_scene
 from fingertip.sim.trace_export import encode_trace
 
 __all__ = [
@@ -24,6 +24,7 @@ __all__ = [
     "ManipulationResult",
     "Observation",
     "SceneFile",
+    "SceneRecord",
     "SceneResult",
     "Simulation",
     "Trial",

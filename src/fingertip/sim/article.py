@@ -10,9 +10,9 @@ from fingertip.design.issues import suggest_name
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.hand.manipulation_file import ManipulationFile
+from fingertip.sim.scene.run import run_scene
 from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.scene.timeline import SLIDE_M
-from fingertip.sim.scene.run import run_scene
 from fingertip.slip.traces.trace import Trace
 
 FORCE_RANGE_N = (0.2, 2.0)

@@ -7,7 +7,6 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-
 STAGES = (
     "load", "hand", "object", "disturbances", "carriage", "friction", "coupled contact", "profile", "contact", "force",
     "sensor", "bridge", "interference", "ADC", "board noise", "filter board", "comparator", "ADC of the envelope",

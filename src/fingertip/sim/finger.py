@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,15 +34,15 @@ from fingertip.sim.signal.fsr import ForceSensor
 from fingertip.sim.signal.interference import InterferenceSource, RefinedNoise
 from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing
 
-_OF_BOARD = frozenset({"filtered_v", "envelope_v", "slip_pin_v", "sampled_envelope_v"})
-_OF_BRIDGE = _OF_BOARD | {"voltage_v", "tactile_v"}
-_OF_CONTACT = _OF_BRIDGE | {"force_n"}
+OF_BOARD = frozenset({"filtered_v", "envelope_v", "slip_pin_v", "sampled_envelope_v"})
+OF_BRIDGE = OF_BOARD | {"voltage_v", "tactile_v"}
+OF_CONTACT = OF_BRIDGE | {"force_n"}
 """Outputs that need the filter board, the bridge, and the contact force."""
 
 
 def needs_contact(outputs: frozenset[str]) -> bool:
     """Return whether an output depends on the contact force, and with it on all that shakes the pad."""
-    return bool(outputs & _OF_CONTACT)
+    return bool(outputs & OF_CONTACT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,11 +127,11 @@ class FingerSetup:
     """Length of the profile [m]."""
     patch_average: bool = False
     """Whether the pad averages the profile over its contact patch."""
-    sensing: Sensing = Sensing()
-    converter: ConverterInput = ConverterInput()
-    drift: Drift = Drift()
-    cable: Cable = Cable()
-    noise: Noise = Noise()
+    sensing: Sensing = field(default_factory=Sensing)
+    converter: ConverterInput = field(default_factory=ConverterInput)
+    drift: Drift = field(default_factory=Drift)
+    cable: Cable = field(default_factory=Cable)
+    noise: Noise = field(default_factory=Noise)
     event_origin_s: float = 0.0
     """Moment from which a touch of the cable is counted [s]."""
 
@@ -171,19 +172,19 @@ class Finger:
         if needs_contact(outputs) and not contact_is_given:
             self._contact = _Contact(setup, grid, meter)
         self._force = Sampler() if "force_n" in outputs else None
-        self._bridge = _BridgeVoltage(setup, grid, meter) if outputs & _OF_BRIDGE else None
+        self._bridge = _BridgeVoltage(setup, grid, meter) if outputs & OF_BRIDGE else None
         self._converter: Converter | None = None
         if "voltage_v" in outputs:
             with meter.stage("ADC"):
                 self._converter = _build_converter(setup, grid, "noise", AntiAliasFilter.for_tactile)
         self._board: _BoardSignals | None = None
-        if outputs & (_OF_BOARD | {"tactile_v"}):
+        if outputs & (OF_BOARD | {"tactile_v"}):
             self._board = _BoardSignals(setup, grid, outputs, meter)
 
     def process(self, drive: FingerDrive) -> FingerSignals:
         """Follow the finger over the next points of the grid, and return its signals at the instants within them."""
-        at, found = self._clock.advance(len(drive.load_n)), {}
-        found["time_s"] = at.time_s
+        at = self._clock.advance(len(drive.load_n))
+        found: dict[str, Any] = {"time_s": at.time_s}
         found |= self._motion.process(drive, at, self._meter)
         contact_n = drive.contact_n
         if self._contact and contact_n is None:
@@ -211,9 +212,10 @@ class _MotionSampler:
         self._friction, self._outputs = friction, outputs
         self._samplers = [Sampler() for _ in range(4)]
 
-    def process(self, drive: FingerDrive, at: Instants, meter: CostMeter) -> dict[str, Array]:
+    def process(self, drive: FingerDrive, at: Instants, meter: CostMeter) -> dict[str, Array | NDArray[np.bool_]]:
         load, velocity, bristle, shear = self._samplers
-        wanted, found = self._outputs & {"slip", "velocity_m_s", "shear_m"}, {}
+        wanted = self._outputs & {"slip", "velocity_m_s", "shear_m"}
+        found: dict[str, Array | NDArray[np.bool_]] = {}
         if not wanted:
             return {}
         if drive.velocity_m_s is None or drive.bristle_m is None or drive.shear_m is None:
@@ -222,10 +224,10 @@ class _MotionSampler:
                 return {name: zeros > 0.0 if name == "slip" else zeros for name in sorted(wanted)}
         if wanted & {"slip", "velocity_m_s"}:
             with meter.stage("slip"):
-                found["velocity_m_s"] = velocity.process(drive.velocity_m_s, at)
+                speed_m_s = found["velocity_m_s"] = velocity.process(drive.velocity_m_s, at)
                 if "slip" in wanted:
                     bent, pressed = bristle.process(drive.bristle_m, at), load.process(drive.load_n, at)
-                    found["slip"] = self._friction.is_gross_slip(found["velocity_m_s"], bent, pressed)
+                    found["slip"] = self._friction.is_gross_slip(speed_m_s, bent, pressed)
         if "shear_m" in wanted:
             with meter.stage("shear"):
                 found["shear_m"] = shear.process(drive.shear_m, at)
@@ -295,7 +297,7 @@ class _BoardSignals:
         self._board: AnalogStream | None = None
         self._pin: SlipPin | None = None
         self._converter: Converter | None = None
-        if outputs & _OF_BOARD:
+        if outputs & OF_BOARD:
             with meter.stage("filter board", 4):
                 self._board = AnalogStream(board_with_amplifiers(setup.design, setup.sensing.amplifiers), grid.step_s)
         if "slip_pin_v" in outputs:

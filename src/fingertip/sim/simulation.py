@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 from fingertip.board.analysis.limits import adc_range_warnings
 from fingertip.board.board_values import board_values
@@ -21,8 +22,9 @@ from fingertip.sim.article import Trial
 from fingertip.sim.hand.controller import Controller
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.manipulation_file import ManipulationFile
+from fingertip.sim.scene.run import SceneRecord, SceneResult, run_scene, select_columns, stream_scene
 from fingertip.sim.scene.scene_file import SceneFile
-from fingertip.sim.scene.run import SceneResult, run_scene
+from fingertip.sim.trace_export import open_trace
 from fingertip.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 
 
@@ -62,6 +64,43 @@ class Simulation:
         if isinstance(self.scene, ManipulationFile):
             return run_manipulation(self.design, self.scene, controller, self.seed, progress)
         return run_scene(self.design, self.scene, self.seed, progress)
+
+    def write(
+        self, file: BinaryIO, path: Path, progress: Callable[[str], None] | None = None
+    ) -> SceneRecord | ManipulationResult:
+        """Run the simulation and write its trace to an open file, a scene chunk by chunk.
+
+        Parameters
+        ----------
+        file
+            File to write to.
+        path
+            Name that tells the kind of file: .csv or .npz.
+        progress
+            Receives progress messages.
+
+        Raises
+        ------
+        TraceError
+            If the scene cannot be simulated with this design, or the name has another suffix.
+        """
+        if isinstance(self.scene, ManipulationFile):
+            result = run_manipulation(self.design, self.scene, None, self.seed, progress)
+            writer = open_trace(file, path, result.column_names)
+            writer.write(result.time_s, result.columns)
+            writer.close()
+            return result
+        scene = self.scene
+        writer = open_trace(file, path, scene.outputs)
+        record = stream_scene(
+            self.design,
+            scene,
+            lambda chunk: writer.write(chunk.time_s, select_columns(chunk, scene)),
+            self.seed,
+            progress,
+        )
+        writer.close()
+        return record
 
 
 def load_simulation(

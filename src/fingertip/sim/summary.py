@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.hand.manipulation import ManipulationResult
-from fingertip.sim.scene.run import SceneResult
-from fingertip.slip.intervals import STICK_S, Interval, intervals, merge
+from fingertip.sim.scene.run import SceneRecord
+from fingertip.slip.intervals import STICK_S, merge
 
 
-def as_data(result: SceneResult | ManipulationResult, grips_s: Sequence[float] | None = None) -> dict[str, Any]:
+def as_data(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None) -> dict[str, Any]:
     """Return the summary as plain mappings and lists, for JSON. Keys carry their units.
 
     Parameters
@@ -25,16 +23,16 @@ def as_data(result: SceneResult | ManipulationResult, grips_s: Sequence[float] |
     """
     data = {
         "scene": result.scene.name,
-        "columns": ["time_s", *result.columns],
-        "samples": len(result.time_s),
-        "sample_rate_hz": round(1 / float(result.time_s[1] - result.time_s[0]), 6),
-        "duration_s": round(float(result.time_s[-1]), 7),
+        "columns": ["time_s", *result.column_names],
+        "samples": result.samples,
+        "sample_rate_hz": round(result.sample_rate_hz, 6),
+        "duration_s": round(result.duration_s, 7),
         "force_n": round(result.force_n, 6),
         "seed": result.seed,
         "stages": [{"name": s.name, "states": s.states, "evaluations": s.evaluations} for s in result.stages],
-        "slips": [{"onset_s": round(s.onset_s, 7), "end_s": round(s.end_s, 7)} for s in _true_slips(result)],
+        "slips": [{"onset_s": round(s.onset_s, 7), "end_s": round(s.end_s, 7)} for s in result.slips],
     }
-    if isinstance(result, SceneResult):
+    if isinstance(result, SceneRecord):
         slide = result.scene.slide
         speed = slide.speed_m_s if slide.distance_m else 0.0
         return data | {"surface": result.scene.contact.surface, "speed_m_s": speed}
@@ -53,14 +51,14 @@ def as_data(result: SceneResult | ManipulationResult, grips_s: Sequence[float] |
     return data if grips_s is None else data | {"grips_s": [*grips_s]}
 
 
-def as_text(result: SceneResult | ManipulationResult, grips_s: Sequence[float] | None = None) -> list[str]:
+def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None) -> list[str]:
     """Return the summary as lines of text. The parameters are those of `as_data`.
 
     Slips that are no further apart than `STICK_S` are one line, as `fingertip detect` counts them.
     """
-    size = f"seed {result.seed}: {len(result.time_s)} samples, {result.time_s[-1]:.2f} s"
-    slips = [f"gross slip from {s.onset_s:.4f} s to {s.end_s:.4f} s" for s in merge(_true_slips(result), STICK_S)]
-    if isinstance(result, SceneResult):
+    size = f"seed {result.seed}: {result.samples} samples, {result.duration_s:.2f} s"
+    slips = [f"gross slip from {s.onset_s:.4f} s to {s.end_s:.4f} s" for s in merge(result.slips, STICK_S)]
+    if isinstance(result, SceneRecord):
         scene = result.scene
         slides = scene.slide.distance_m > 0.0
         title = f"{_describe_surface(scene.contact.surface)}, {scene.slide.speed_m_s:g} m/s" if slides else scene.name
@@ -85,9 +83,3 @@ def as_text(result: SceneResult | ManipulationResult, grips_s: Sequence[float] |
 def _describe_surface(name: str) -> str:
     label = SURFACES[name].label
     return name if label == name else f"{name} ({label})"
-
-
-def _true_slips(result: SceneResult | ManipulationResult) -> tuple[Interval, ...]:
-    if "slip" not in result.columns:
-        return ()
-    return tuple(intervals(result.time_s, result.columns["slip"].astype(np.bool_)))

@@ -1,11 +1,14 @@
-"""Recorded columns as the bytes of a trace file, CSV or NPZ."""
+"""Recorded columns as a trace file, CSV or NPZ, all at once or chunk by chunk."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+import shutil
+import tempfile
+import zipfile
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +16,7 @@ from numpy.typing import NDArray
 from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
 from fingertip.output_set import SetWriter, hash_parameters
-from fingertip.slip.traces.csv_file import to_csv
-from fingertip.slip.traces.trace import Trace
+from fingertip.output_set.manifest import hash_file
 
 TRACE, PLOT, DETECTION = "trace.csv", "slip.png", "detection.json"
 """Names of the files of a simulated trial."""
@@ -30,13 +32,24 @@ def signal_writer(design: Design, folder: Path, force: bool = False) -> SetWrite
     return SetWriter(folder, "signal", design.name, hash_parameters(design.model_dump(mode="json")), force=force)
 
 
-def write_trace(design: Design, path: Path, data: bytes, force: bool = False) -> tuple[str, ...]:
-    """Write a trace to the folder of a design's signals, and return the names of the files that were removed.
+def write_trace(design: Design, path: Path, trace: Path, force: bool = False) -> tuple[str, ...]:
+    """Move a trace into the folder of a design's signals, and return the names of the files that were removed.
 
     Plot and detection of the trial are removed if the trace is another one than they were made from.
+
+    Parameters
+    ----------
+    design
+        Design that was simulated.
+    path
+        Name of the trace in that folder.
+    trace
+        Finished file.
+    force
+        Whether a file that is somebody's own may be overwritten.
     """
-    is_new = path.name == TRACE and not (path.is_file() and path.read_bytes() == data)
-    return signal_writer(design, path.parent, force).write({path.name: data}, (PLOT, DETECTION) if is_new else ())
+    is_new = path.name == TRACE and not (path.is_file() and hash_file(path) == hash_file(trace))
+    return signal_writer(design, path.parent, force).write({path.name: trace}, (PLOT, DETECTION) if is_new else ())
 
 
 def find_path_issues(path: Path, option: str = "--out") -> list[Issue]:
@@ -44,6 +57,99 @@ def find_path_issues(path: Path, option: str = "--out") -> list[Issue]:
     if path.suffix.lower() in (".csv", ".npz"):
         return []
     return [Issue(option, f"{path.name!r} is not a known kind of trace file; end it in .csv or .npz.")]
+
+
+class TraceWriter(Protocol):
+    """Writer of a trace, chunk by chunk."""
+
+    def write(self, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
+        """Add the next samples of all columns."""
+        ...
+
+    def close(self) -> None:
+        """Complete the file."""
+        ...
+
+
+class CsvTraceWriter:
+    """Writer of a CSV file: one line that names the columns, then one sample per line, with fixed decimals.
+
+    Parameters
+    ----------
+    file
+        Open file.
+    names
+        Names of the columns beside the time.
+    """
+
+    def __init__(self, file: BinaryIO, names: Sequence[str]) -> None:
+        self._file = file
+        file.write((",".join(["time_s", *names]) + "\n").encode("ascii"))
+
+    def write(self, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
+        """Add the next samples of all columns."""
+        cells = [[f"{t:.7f}" for t in time_s.tolist()]]
+        cells += [
+            [_format_cell(name, value) for value in round_column(name, v).tolist()] for name, v in columns.items()
+        ]
+        lines = [*map(",".join, zip(*cells, strict=True)), ""]
+        self._file.write("\n".join(lines).encode("ascii"))
+
+    def close(self) -> None:
+        """Complete the file."""
+
+
+class NpzTraceWriter:
+    """Writer of a numpy archive with one member per column. The columns wait in temporary files.
+
+    Parameters
+    ----------
+    file
+        Open file.
+    names
+        Names of the columns beside the time.
+    """
+
+    def __init__(self, file: BinaryIO, names: Sequence[str]) -> None:
+        self._file = file
+        self._spools = {name: tempfile.TemporaryFile() for name in ("time_s", *names)}  # noqa: SIM115 (closed below)
+        self._types: dict[str, np.dtype[Any]] = {}
+        self._count = 0
+
+    def write(self, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
+        """Add the next samples of all columns."""
+        self._count += len(time_s)
+        rounded = {"time_s": np.round(time_s, 7)} | {name: round_column(name, v) for name, v in columns.items()}
+        for name, values in rounded.items():
+            self._types[name] = values.dtype
+            self._spools[name].write(values.tobytes())
+
+    def close(self) -> None:
+        """Complete the file."""
+        with zipfile.ZipFile(self._file, "w") as archive:
+            for name, spool in self._spools.items():
+                # A date of its own would give other bytes every day.
+                member = zipfile.ZipInfo(f"{name}.npy", (1980, 1, 1, 0, 0, 0))
+                member.compress_type = zipfile.ZIP_DEFLATED
+                kind = np.lib.format.dtype_to_descr(self._types[name])
+                with archive.open(member, "w", force_zip64=True) as out, spool:
+                    header = {"descr": kind, "fortran_order": False, "shape": (self._count,)}
+                    np.lib.format.write_array_header_1_0(out, header)
+                    spool.seek(0)
+                    shutil.copyfileobj(spool, out)
+
+
+def open_trace(file: BinaryIO, path: Path, names: Sequence[str]) -> TraceWriter:
+    """Open a writer for the kind of file that a path names: CSV, or a numpy archive if it ends in .npz.
+
+    Raises
+    ------
+    TraceError
+        If the path has another suffix.
+    """
+    if issues := find_path_issues(path):
+        raise TraceError(issues)
+    return NpzTraceWriter(file, names) if path.suffix.lower() == ".npz" else CsvTraceWriter(file, names)
 
 
 def encode_trace(time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]], path: Path) -> bytes:
@@ -54,26 +160,19 @@ def encode_trace(time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]], path
     TraceError
         If the path has another suffix.
     """
-    if issues := find_path_issues(path):
-        raise TraceError(issues)
-    rounded = {name: _round(name, values) for name, values in columns.items()}
-    if path.suffix.lower() == ".npz":
-        out = io.BytesIO()
-        np.savez_compressed(out, time_s=np.round(time_s, 7), **rounded)  # type: ignore[arg-type]
-        return out.getvalue()
-    if list(rounded) == ["voltage_v", "force_n", "slip"]:
-        return to_csv(Trace(time_s, columns["voltage_v"], columns["force_n"], columns["slip"]))
-    cells = [[f"{t:.7f}" for t in time_s.tolist()]]
-    cells += [[_format_cell(name, value) for value in values.tolist()] for name, values in rounded.items()]
-    lines = [",".join(["time_s", *rounded]), *map(",".join, zip(*cells, strict=True))]
-    return ("\n".join(lines) + "\n").encode("ascii")
+    out = io.BytesIO()
+    writer = open_trace(out, path, [*columns])
+    writer.write(time_s, columns)
+    writer.close()
+    return out.getvalue()
 
 
 def _decimals(name: str) -> int:
     return next(decimals for end, decimals in reversed(DECIMALS.items()) if name.endswith(end))
 
 
-def _round(name: str, values: NDArray[Any]) -> NDArray[Any]:
+def round_column(name: str, values: NDArray[Any]) -> NDArray[Any]:
+    """Round a column to the decimals that are written; negative zero becomes zero."""
     return values if values.dtype == np.bool_ else np.round(values, _decimals(name)) + 0.0
 
 

@@ -75,6 +75,36 @@ def intervals(time_s: Array, flags: NDArray[np.bool_]) -> tuple[Interval, ...]:
     )
 
 
+class SlipCollector:
+    """Intervals in which a flag is true, collected chunk by chunk."""
+
+    def __init__(self) -> None:
+        self._found: list[Interval] = []
+        self._onset_s: float | None = None
+        self._last_s = 0.0
+
+    def add(self, time_s: Array, flags: NDArray[np.bool_]) -> None:
+        """Add the next samples."""
+        if not len(time_s):
+            return
+        before = self._onset_s is not None
+        edges = np.flatnonzero(np.diff(np.concatenate(([before], flags)).astype(np.int8)))
+        for moment in time_s[edges].tolist():
+            if self._onset_s is None:
+                self._onset_s = moment
+            else:
+                self._found.append(Interval(self._onset_s, moment))
+                self._onset_s = None
+        self._last_s = float(time_s[-1])
+
+    def close(self) -> tuple[Interval, ...]:
+        """Return all intervals; one that is still open ends at the last sample."""
+        if self._onset_s is not None:
+            self._found.append(Interval(self._onset_s, self._last_s))
+            self._onset_s = None
+        return tuple(self._found)
+
+
 def merge(parts: Sequence[Interval], gap_s: float) -> tuple[Interval, ...]:
     """Merge intervals, given in order of time, that are no further apart than `gap_s` [s]."""
     out: list[Interval] = []

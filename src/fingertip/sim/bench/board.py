@@ -23,9 +23,9 @@ from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.jit import compile_for_process
 from fingertip.sim.bench.work_precision import WorkPrecision
-from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.envelope_loop import wright_omega
+from fingertip.sim.signal.filter_board import simulate_board
 
 STEP_S = 1 / 2000
 TARGET_V = 5e-4

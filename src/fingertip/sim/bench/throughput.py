@@ -13,13 +13,13 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.sim.article import article_manipulations, article_trials
-from fingertip.sim.signal.filter_board import simulate_boards
-from fingertip.sim.signal.analog_circuit import AnalogBoard
-from fingertip.sim.signal.monte_carlo import draw_boards
 from fingertip.sim.hand.controller import FixedGrip
 from fingertip.sim.hand.manipulation import run_manipulation
-from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.scene.run import run_scene
+from fingertip.sim.scene.scene_file import SceneFile
+from fingertip.sim.signal.analog_circuit import AnalogBoard
+from fingertip.sim.signal.filter_board import simulate_boards
+from fingertip.sim.signal.monte_carlo import draw_boards
 
 CAMPAIGN_TARGET_S = 6.0
 MANIPULATION_TARGET_S = 1.0

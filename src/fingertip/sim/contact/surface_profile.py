@@ -1,7 +1,7 @@
 """Heights of a rough surface along the line on which a pad slides.
 
-The profile is a sum of waves with random phases and amplitudes proportional to lambda^H. Its scale makes the waves up to
-the cutoff wavelength have the given roughness: the RMS height of a Gaussian profile is ``Ra sqrt(pi / 2)``.
+The profile is a sum of waves with random phases and amplitudes proportional to lambda^H. Its scale makes the waves up
+to the cutoff wavelength have the given roughness: the RMS height of a Gaussian profile is ``Ra sqrt(pi / 2)``.
 """
 
 from __future__ import annotations
@@ -136,9 +136,7 @@ def _interpolate_loop(
             t = at - j
             rise = heights[j + 1] - heights[j]
             before, after = spacing * slopes[j], spacing * slopes[j + 1]
-            out[i] = heights[j] + t * (
-                before + t * (3 * rise - 2 * before - after + t * (before + after - 2 * rise))
-            )
+            out[i] = heights[j] + t * (before + t * (3 * rise - 2 * before - after + t * (before + after - 2 * rise)))
 
 
 _sum_waves = CompiledLoop(_sum_waves_loop, outputs=2, samples="heights", plain_us=6.0)

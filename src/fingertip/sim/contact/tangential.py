@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.errors import Issue, TraceError
+from fingertip.errors import Issue
 from fingertip.jit import CompiledLoop
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Friction
 from fingertip.sim.validation import find_column_issues, find_negative, find_not_positive, raise_issues, round_down

@@ -172,7 +172,11 @@ def _grasp_loop(
             mu = s0 * z + s1 * c1 * ds + s2 * w
             dv = (-k * xe - d * ve - N1 * mu) / m
             dV += N1 * mu / mass
-            rx, rv, rs = ve - 2 * kx1, dv - scratch[offset + _DRIFT_V] - 2 * kv1, ds - scratch[offset + _DRIFT_S] - 2 * ks1
+            rx, rv, rs = (
+                ve - 2 * kx1,
+                dv - scratch[offset + _DRIFT_V] - 2 * kv1,
+                ds - scratch[offset + _DRIFT_S] - 2 * ks1,
+            )
             A = (rv + G * (-k / m * rx + J_vs * pivot_s * rs)) * pivot_v
             rhs += G * (scratch[offset + _E] * A + scratch[offset + _S] * pivot_s * (rs + G * J_sw * A))
             scratch[offset + _A] = A

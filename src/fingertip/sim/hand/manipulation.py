@@ -34,6 +34,7 @@ from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper, choose_
 from fingertip.sim.progress import ShareDone
 from fingertip.sim.signal.comparator import describe_missing_comparator
 from fingertip.sim.validation import raise_issues
+from fingertip.slip.intervals import Interval, intervals
 from fingertip.slip.traces.trace import Trace
 
 CHUNK = 8192
@@ -69,6 +70,32 @@ class ManipulationResult:
     def force_n(self) -> float:
         """Planned holding force of the thumb [N]."""
         return float(self.plan.force_n[0])
+
+    @property
+    def samples(self) -> int:
+        """Number of samples."""
+        return len(self.time_s)
+
+    @property
+    def sample_rate_hz(self) -> float:
+        """Sampling rate [Hz]."""
+        return (self.samples - 1) / self.duration_s
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the last sample [s]."""
+        return float(self.time_s[-1])
+
+    @property
+    def column_names(self) -> list[str]:
+        """Names of the recorded columns."""
+        return [*self.columns]
+
+    @property
+    def slips(self) -> tuple[Interval, ...]:
+        """True slips of the thumb; empty if the scene does not record them."""
+        slip = self.signals.fingers[0].slip
+        return () if slip is None else intervals(self.time_s, slip)
 
     def output(self, name: str) -> NDArray[Any]:
         """Return an output of the scene: (fingers, samples), or (samples,) for the object's."""
@@ -166,7 +193,11 @@ def _observe(stepper: ManipulationStepper, time_s: float, planned_m: Array) -> O
     voltages = [finger.voltage_v for finger in fingers if finger.voltage_v is not None]
     envelopes = [finger.sampled_envelope_v for finger in fingers if finger.sampled_envelope_v is not None]
     return Observation(
-        time_s, np.stack(voltages), stepper.motors.closing_m.copy(), planned_m, np.stack(envelopes) if envelopes else None
+        time_s,
+        np.stack(voltages),
+        stepper.motors.closing_m.copy(),
+        planned_m,
+        np.stack(envelopes) if envelopes else None,
     )
 
 

@@ -179,9 +179,7 @@ class ManipulationStepper:
         by_finger = (values.reshape(count, -1) for values in (shear, over_object_m_s, bristle))
         return (*by_finger, object_m, pin)
 
-    def _record(
-        self, closing: Array, command: Array, drives: list[FingerDrive], object_m: Array, pin_n: Array
-    ) -> None:
+    def _record(self, closing: Array, command: Array, drives: list[FingerDrive], object_m: Array, pin_n: Array) -> None:
         """Let the fingers follow, and sample what the hand itself shows."""
         fingers = [finger.process(drive) for finger, drive in zip(self._fingers, drives, strict=True)]
         at = self._clock.advance(len(object_m))

@@ -6,14 +6,17 @@ output depends on do not run (`fingertip.sim.finger`).
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import random
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip import jit
 from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
@@ -22,7 +25,7 @@ from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.cost import CostMeter, StageCost
-from fingertip.sim.finger import Finger, FingerDrive, FingerSetup, FingerSignals, needs_contact
+from fingertip.sim.finger import OF_BOARD, OF_BRIDGE, Finger, FingerDrive, FingerSetup, FingerSignals, needs_contact
 from fingertip.sim.grid import Grid, count_samples
 from fingertip.sim.progress import ReportProgress, ShareDone
 from fingertip.sim.scene import disturbances
@@ -38,24 +41,73 @@ from fingertip.sim.scene.sliding import (
 from fingertip.sim.scene.timeline import Timeline, build_timeline
 from fingertip.sim.signal.comparator import describe_missing_comparator
 from fingertip.sim.validation import raise_issues
+from fingertip.slip.intervals import Interval, SlipCollector
 from fingertip.slip.traces.trace import Trace
 
+COMPILE_FROM_S = 3.0
+"""Time in plain Python from which a scene runs compiled [s]. Loading numba and the loops takes 0.8 s."""
+_PLAIN_US = {
+    "friction": 2.5, "error control": 40.0, "shaking": 2.0, "bridge": 0.8, "ADC": 0.3, "board": 7.0, "comparator": 3.5,
+}  # fmt: skip
+"""Time per point in plain Python of each group of stages [us], measured once."""
 CHUNK = 32_768
 """Number of points that are computed at a time: 3 s. A finger needs some 10 MB for them."""
+
+
+@dataclass(frozen=True)
+class SceneRecord:
+    """What a simulation of a scene tells about itself, without its signals."""
+
+    scene: SceneFile
+    seed: int
+    force_n: float
+    """Holding force on this finger [N]."""
+    samples: int
+    """Number of samples."""
+    slips: tuple[Interval, ...]
+    """True slips; empty if the scene does not record them."""
+    stages: tuple[StageCost, ...]
+    """Stages that ran, with their cost."""
+    sample_rate_hz: float
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the last sample [s]."""
+        return (self.samples - 1) / self.sample_rate_hz
+
+    @property
+    def column_names(self) -> list[str]:
+        """Names of the recorded columns."""
+        return self.scene.outputs
 
 
 @dataclass(frozen=True, eq=False)
 class SceneResult:
     """Recorded signals of a scene."""
 
-    scene: SceneFile
-    seed: int
-    force_n: float
-    """Holding force on this finger [N]."""
+    record: SceneRecord
     signals: FingerSignals
     """Signals that the scene records; the others are None."""
-    stages: tuple[StageCost, ...]
-    """Stages that ran, with their cost."""
+
+    @property
+    def scene(self) -> SceneFile:
+        """Scene that was simulated."""
+        return self.record.scene
+
+    @property
+    def seed(self) -> int:
+        """Seed of everything random."""
+        return self.record.seed
+
+    @property
+    def force_n(self) -> float:
+        """Holding force on this finger [N]."""
+        return self.record.force_n
+
+    @property
+    def stages(self) -> tuple[StageCost, ...]:
+        """Stages that ran, with their cost."""
+        return self.record.stages
 
     @property
     def time_s(self) -> Array:
@@ -63,7 +115,7 @@ class SceneResult:
         return self.signals.time_s
 
     @property
-    def columns(self) -> dict[str, NDArray[np.float64] | NDArray[np.bool_]]:
+    def columns(self) -> dict[str, NDArray[Any]]:
         """Outputs that the scene names, in its order. The column slip holds booleans."""
         return select_columns(self.signals, self.scene)
 
@@ -76,13 +128,13 @@ class SceneResult:
         TraceError
             If the voltage is not among the outputs of the scene.
         """
-        if self.signals.voltage_v is None:
-            raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
         found = self.signals
+        if found.voltage_v is None:
+            raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
         return Trace(found.time_s, found.voltage_v, found.force_n, found.slip, found.sampled_envelope_v)
 
 
-def select_columns(signals: FingerSignals, scene: SceneFile) -> dict[str, NDArray[np.float64] | NDArray[np.bool_]]:
+def select_columns(signals: FingerSignals, scene: SceneFile) -> dict[str, NDArray[Any]]:
     """Select the outputs that a scene names, in its order."""
     return {name: getattr(signals, name) for name in scene.outputs}
 
@@ -149,6 +201,19 @@ class SceneRun:
     def samples(self) -> int:
         """Number of samples of the recording."""
         return count_samples(self.timeline.duration_s, self.design.detector.sample_rate_hz)
+
+    def predict_plain_s(self) -> float:
+        """Predict the time that the scene takes in plain Python [s]."""
+        assert self.grid
+        contact, outputs, slides = self.scene.contact, frozenset(self.scene.outputs), self.timeline.slide is not None
+        adaptive = slides and (contact.feedback or contact.bristles == "elasto_plastic")
+        runs = {
+            "friction": slides, "error control": adaptive, "shaking": needs_contact(outputs),
+            "bridge": bool(outputs & OF_BRIDGE), "ADC": "voltage_v" in outputs, "board": bool(outputs & OF_BOARD),
+            "comparator": "slip_pin_v" in outputs,
+        }  # fmt: skip
+        points = self.grid.count_points(self.timeline.duration_s, self.design.detector.sample_rate_hz)
+        return 1e-6 * points * sum(_PLAIN_US[name] for name, does in runs.items() if does)
 
     def chunks(self, size: int = CHUNK) -> Iterator[FingerSignals]:
         """Yield the signals of one chunk after the other; the size of a chunk changes no bit."""
@@ -256,19 +321,46 @@ def run_scene(
     TraceError
         If the scene cannot be simulated with this design.
     """
-    run = SceneRun(design, scene, seed, grid)
-    chunks = [*report_share(run, run.chunks(), progress)]
-    return SceneResult(scene, seed, run.force_n, FingerSignals.join(chunks), run.meter.costs)
+    chunks: list[FingerSignals] = []
+    record = stream_scene(design, scene, chunks.append, seed, progress, grid)
+    return SceneResult(record, FingerSignals.join(chunks))
 
 
-def report_share(
-    run: SceneRun, chunks: Iterator[FingerSignals], progress: ReportProgress | None
-) -> Iterator[FingerSignals]:
-    """Pass the chunks of a run on, and report the share of a long one that is done."""
-    done = ShareDone(run.scene.name, run.timeline.duration_s, progress)
-    for chunk in chunks:
-        done.report(float(chunk.time_s[-1]) if len(chunk.time_s) else 0.0)
-        yield chunk
+def stream_scene(
+    design: Design,
+    scene: SceneFile,
+    take: Callable[[FingerSignals], None],
+    seed: int = 0,
+    progress: ReportProgress | None = None,
+    grid: Grid | None = None,
+) -> SceneRecord:
+    """Simulate a scene and hand its signals on, chunk by chunk, so that memory does not grow with its length.
+
+    Loops run compiled where the scene would take longer than `COMPILE_FROM_S` in plain Python. The bits are the same.
+
+    Parameters
+    ----------
+    take
+        Receives the signals of each chunk.
+    design, scene, seed, progress, grid
+        As in `run_scene`.
+
+    Raises
+    ------
+    TraceError
+        If the scene cannot be simulated with this design.
+    """
+    run, slips = SceneRun(design, scene, seed, grid), SlipCollector()
+    done = ShareDone(scene.name, run.timeline.duration_s, progress)
+    chunks = run.chunks()
+    with jit.compiled(progress) if run.predict_plain_s() > COMPILE_FROM_S else contextlib.nullcontext():
+        for chunk in chunks:
+            if chunk.slip is not None:
+                slips.add(chunk.time_s, chunk.slip)
+            take(chunk)
+            done.report(float(chunk.time_s[-1]) if len(chunk.time_s) else 0.0)
+    rate = design.detector.sample_rate_hz
+    return SceneRecord(scene, seed, run.force_n, run.samples, slips.close(), run.meter.costs, rate)
 
 
 def find_scene_issues(design: Design, scene: SceneFile, seed: int) -> Iterator[Issue]:
@@ -281,4 +373,3 @@ def find_scene_issues(design: Design, scene: SceneFile, seed: int) -> Iterator[I
     if scene.motor.force_n and scene.motor.frequency_hz >= half:
         message = f"{scene.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz; below {half:g} Hz."
         yield Issue("motor.frequency_hz", message)
-

@@ -21,8 +21,8 @@ from fingertip.board.components.component_values import select_components
 from fingertip.board.nets import FILTERED
 from fingertip.design import Design
 from fingertip.sim.grid import BASE_HZ
-from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.analog_circuit import AnalogBoard
+from fingertip.sim.signal.filter_board import simulate_board
 
 _MEMORY_S = 0.1
 """Time in which the filter forgets an impulse at a cutoff of 67 Hz [s]: seven periods."""

@@ -229,4 +229,7 @@ def _comparator_loop(
 
 
 _compare = CompiledLoop(_comparator_loop, mean_after, outputs=5, samples="envelope", plain_us=4.0)
-"""Carries mean and output to the next chunk. Fills the mean, ON or OFF, the moments at which the output changes, and their number."""
+"""Carries mean and output to the next chunk.
+
+Fills the mean, ON or OFF, the moments at which the output changes, and their number.
+"""

@@ -133,7 +133,7 @@ class AdcRange:
         """Round to the converter's steps [V]; voltages outside the range saturate."""
         step = (self.high_v - self.low_v) / 2**self.bits
         codes = np.floor((voltage_v - self.low_v) / step + 0.5)
-        return np.clip(codes, 0, 2**self.bits - 1) * step + self.low_v
+        return np.asarray(np.clip(codes, 0, 2**self.bits - 1) * step + self.low_v)
 
 
 class Converter:

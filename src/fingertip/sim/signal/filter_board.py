@@ -159,7 +159,9 @@ class AnalogStream:
         """
         after = voltage_v if after_v is None else after_v
         for name, rows in (("voltage_v", voltage_v), ("after_v", after)):
-            raise_issues(issue for i, row in enumerate(rows) for issue in find_voltage_issues(f"{name} of board {i}", row))
+            raise_issues(
+                issue for i, row in enumerate(rows) for issue in find_voltage_issues(f"{name} of board {i}", row)
+            )
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         known = np.concatenate((self._last, [voltage_v, after]), axis=2)
         if not self._states:

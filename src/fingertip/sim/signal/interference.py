@@ -1,4 +1,4 @@
-"""Voltages that are added to the tactile voltage: drift, a touched cable, hum, pink noise and the vibration of a hand."""
+"""Voltages that are added to the tactile voltage: drift, a touched cable, hum, pink noise, vibration of a hand."""
 
 from __future__ import annotations
 

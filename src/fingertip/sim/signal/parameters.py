@@ -84,11 +84,11 @@ class Sensing(ParameterTable):
 class ConverterInput(ParameterTable):
     """Converter that samples in place of the design's ADC; 0 bits mean the design's."""
 
-    bits: int = Field(
-        0, ge=0, le=24, description="Resolution: 10 or 12 in most microcontrollers; 0: the design's ADC."
-    )
+    bits: int = Field(0, ge=0, le=24, description="Resolution: 10 or 12 in most microcontrollers; 0: the design's ADC.")
     low_v: float = quantity(0.0, "V", "Lower end of its range.", minimum=-100, maximum=100)
-    high_v: float = quantity(5.0, "V", "Upper end of its range: 3.3 or 5 in most microcontrollers.", minimum=-100, maximum=100)
+    high_v: float = quantity(
+        5.0, "V", "Upper end of its range: 3.3 or 5 in most microcontrollers.", minimum=-100, maximum=100
+    )
 
 
 def find_converter_issues(converter: ConverterInput) -> Iterator[tuple[Issue, set[str]]]:

@@ -19,7 +19,7 @@ from fingertip.design import Design
 from fingertip.jit import compile_for_process
 from fingertip.sim.bench.work_precision import WorkPrecision
 from fingertip.sim.contact.coupled import NormalContact, integrate
-from fingertip.sim.contact.friction import Friction
+from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.tangential import Mount
 
@@ -101,40 +101,52 @@ def measure_contact(seconds: float, methods: tuple[str, ...] = ("LSODA", "Radau"
 def _scipy_equations(mount: Mount, press: NormalContact) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Right side and Jacobian for scipy, independent of fingertip's; compiled too where numba is installed."""
     f = _FRICTION
+    n0 = LOAD_SCALE_N
     mu_c, drop, vs, s0, s1, s2 = f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.sigma0, f.sigma1, f.sigma2
     m, k, c = mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m
     w2, damp = (2 * math.pi * press.resonance_hz) ** 2, 4 * math.pi * press.resonance_hz * press.damping_ratio
 
     def rates(t: float, s: Array, drive: Array) -> Array:
-        x, v, z, y, w = s
+        x, v, bristles, y, w = s
         T = t - drive[0]
         X, V = drive[1] + T * (drive[2] + T * drive[3] / 2), drive[2] + T * drive[3]
         g = mu_c + drop / (1 + (v / vs) ** 2)
-        dz = v - s0 * abs(v) * z / g
+        scale = 1 / math.sqrt(y + n0)
+        z = scale * bristles
+        rate = y * scale * (v - s0 * abs(v) * z / g)
         out = np.empty(5)
         out[0] = v
-        out[1] = (k * (X - x) + c * (V - v) - y * (s0 * z + s1 * dz + s2 * v)) / m
-        out[2] = dz
+        out[1] = (k * (X - x) + c * (V - v) - y * (s0 * z + s1 * scale * rate + s2 * v)) / m
+        out[2] = rate
         out[3] = w
         out[4] = w2 * (drive[4] + T * drive[5] - y) - damp * w
         return out
 
     def jacobian(t: float, s: Array, drive: Array) -> Array:
-        v, z, y = s[1], s[2], s[3]
+        v, bristles, y = s[1], s[2], s[3]
+        scale = 1 / math.sqrt(y + n0)
+        z, flow = scale * bristles, y * scale
+        scale_y = -(scale**3) / 2
         b = 1 + (v / vs) ** 2
         g = mu_c + drop / b
         dg = -2 * drop * v / (vs * vs * b * b)
         a = -s0 * abs(v) / g
-        dv = 1 - s0 * z * ((1.0 if v >= 0 else -1.0) - abs(v) * dg / g) / g
-        mu = s0 * z + s1 * (v + a * z) + s2 * v
+        bends = v + a * z
+        bends_v = 1 - s0 * z * ((1.0 if v >= 0 else -1.0) - abs(v) * dg / g) / g
+        rate = flow * bends
+        rate_v, rate_s = flow * bends_v, flow * scale * a
+        rate_y = (scale + y * scale_y) * bends + flow * a * scale_y * bristles
+        mu = s0 * z + s1 * scale * rate + s2 * v
+        mu_y = s0 * scale_y * bristles + s1 * (scale_y * rate + scale * rate_y)
         out = np.zeros((5, 5))
         out[0, 1] = 1.0
         out[1, 0] = -k / m
-        out[1, 1] = -(c + y * (s1 * dv + s2)) / m
-        out[1, 2] = -y * (s0 + s1 * a) / m
-        out[1, 3] = -mu / m
-        out[2, 1] = dv
-        out[2, 2] = a
+        out[1, 1] = -(c + y * (s1 * scale * rate_v + s2)) / m
+        out[1, 2] = -y * scale * (s0 + s1 * rate_s) / m
+        out[1, 3] = -(mu + y * mu_y) / m
+        out[2, 1] = rate_v
+        out[2, 2] = rate_s
+        out[2, 3] = rate_y
         out[3, 4] = 1.0
         out[4, 3] = -w2
         out[4, 4] = -damp

@@ -1,22 +1,24 @@
 """Contact in both directions with error control: a pad that is dragged and pressed, and that sticks, slips or bounces.
 
-States: position x [m] and velocity v [m/s] of the pad along the surface, bristle deflection z [m], compression of the
-contact expressed as its force y [N], and its rate w [N/s]. With the normal force N = max(y, 0):
+States: position x [m] and velocity v [m/s] of the pad along the surface, bristles s [m sqrt(N)], compression of the
+contact expressed as its force y [N], and its rate w [N/s]. The normal force is N = max(y, 0). With c = 1 / sqrt(N + N0)
+and the mean bristle deflection z = c s (`fingertip.sim.contact.friction`):
 
-    dz/dt = v - alpha(v, z) sigma0 |v| z / g(v) - r(N) z       plain LuGre friction: alpha = 1
-    m dv/dt = k (X - x) + c (V - v) - N (sigma0 z + sigma1 dz/dt + sigma2 v)
+    ds/dt = N c (v - alpha(v, z) sigma0 |v| z / g(v)) - r(N) s         plain LuGre friction: alpha = 1
+    m dv/dt = k (X - x) + c_m (V - v) - N (sigma0 z + sigma1 c ds/dt + sigma2 v)
     dy/dt = w
-    dw/dt = omega^2 (d - y) - 2 zeta omega w                   touching, y > 0
-    dw/dt = omega^2 (d - rho y) - 2 zeta sqrt(rho) omega w     in flight, where only the hand pulls the pad back
+    dw/dt = omega^2 (d - y) - 2 zeta omega w                           touching, y > 0
+    dw/dt = omega^2 (d - rho y) - 2 zeta sqrt(rho) omega w             in flight, where only the hand pulls the pad back
 
-X and V are position and velocity of the carriage (cubic between samples), d is the pressing force (linear between
-samples), alpha is the elasto-plastic factor of Dupont et al. 2002, and r(N) relaxes bristles without contact. Every
-sample is the end of a step, so kinks and jumps of the drive at samples do not reduce the order. The method is RODAS
-with the analytic Jacobian (`fingertip.sim.contact.coupled_loop`).
+k and c_m are stiffness and damping of the mount, X and V position and velocity of the carriage (cubic between samples),
+d is the pressing force (linear between samples), alpha is the elasto-plastic factor of Dupont et al. 2002, and r(N)
+relaxes bristles without contact. Every sample is the end of a step, so kinks and jumps of the drive at samples do not
+reduce the order. The method is RODAS with the analytic Jacobian (`fingertip.sim.contact.coupled_loop`).
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +26,7 @@ import numpy as np
 from fingertip.arrays import Array
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact import coupled_loop
-from fingertip.sim.contact.friction import RELAX_PER_S, Friction
+from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
 from fingertip.sim.contact.tangential import Mount
 from fingertip.sim.validation import find_column_issues, find_negative, find_not_positive, raise_issues
 
@@ -32,6 +34,8 @@ MAX_STEPS = 200_000
 """Maximum number of steps between two samples."""
 STATES = 5
 """Number of integrated states."""
+_MIN_LOAD_N = 1e-3
+"""Smallest load for which errors are weighted [N]."""
 
 
 @dataclass(frozen=True)
@@ -84,6 +88,105 @@ class CoupledMotion:
         return 6 * (self.steps + self.rejected)
 
 
+class CoupledContact:
+    """A pad under a drive that comes in chunks; any chunks give the bits of `integrate`.
+
+    It begins at standstill, in balance with the pressing force of the first sample.
+
+    Parameters
+    ----------
+    friction, mount, normal
+        Surface, mount of the pad along the surface, and resonance normal to it.
+    step_s
+        Time between samples [s].
+    max_pressing_n
+        Largest pressing force to be expected [N]. It turns errors of velocity and deflection into forces; a larger
+        force is integrated too, with an error that is larger in proportion.
+    tolerance_n
+        Permitted error of one step, as a force [N].
+
+    Raises
+    ------
+    TraceError
+        If a value is out of bounds.
+    """
+
+    def __init__(
+        self,
+        friction: Friction,
+        mount: Mount,
+        normal: NormalContact,
+        step_s: float,
+        max_pressing_n: float,
+        tolerance_n: float = 1e-6,
+    ) -> None:
+        raise_issues(_find_setting_issues(step_s, max_pressing_n, tolerance_n))
+        omega = float(2 * np.pi * normal.resonance_hz)
+        self._parameters = (
+            (friction.mu_c, friction.mu_s - friction.mu_c, 1 / friction.stribeck_m_s, friction.elastic),
+            (friction.sigma0, friction.sigma1, friction.sigma2, RELAX_PER_S, LOAD_SCALE_N),
+            (1 / mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m),
+            (omega, normal.damping_ratio, normal.hand_ratio),
+        )
+        # Weights that turn the error of each state into a force: stiffness for x, damping for v, bristle stiffness for
+        # z = s / sqrt(N).
+        max_load = max(max_pressing_n, _MIN_LOAD_N)
+        stiffness = max(mount.stiffness_n_per_m, max_load * friction.sigma0 * 1e-3)
+        damping = (mount.stiffness_n_per_m * mount.mass_kg) ** 0.5 + mount.damping_n_s_per_m
+        self._weights = (
+            stiffness / tolerance_n,
+            (damping + max_load * (friction.sigma1 + friction.sigma2)) / tolerance_n,
+            math.sqrt(max_load) * friction.sigma0 / tolerance_n,
+            1 / tolerance_n,
+            1 / (tolerance_n * omega),
+        )
+        self._step_s, self._tolerance_n, self._hand_ratio = step_s, tolerance_n, normal.hand_ratio
+        self._carried = np.zeros(6)
+        self._last = np.zeros((3, 0))
+        self._samples = 0
+
+    def process(self, carriage_m: Array, carriage_m_s: Array, pressing_n: Array) -> CoupledMotion:
+        """Return the motion at the next samples; the very first sample is the start.
+
+        Parameters
+        ----------
+        carriage_m, carriage_m_s, pressing_n
+            Position [m] and velocity [m/s] of the carriage, and pressing force [N], at the samples.
+
+        Raises
+        ------
+        TraceError
+            If an input is not finite (the error names the first such sample of the chunk), or a sample needs more than
+            `MAX_STEPS` steps (the error counts samples from the first chunk). The state is then as before the call.
+        """
+        raise_issues(find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n))
+        # The interval before a chunk's first sample begins at the last sample of the chunk before.
+        repeated = self._last.shape[1]
+        drive = np.concatenate((self._last, (carriage_m, carriage_m_s, pressing_n)), axis=1)
+        if not repeated:
+            start_n = float(pressing_n[0])
+            balance_n = start_n if start_n > 0.0 else start_n / self._hand_ratio
+            self._carried[:] = (carriage_m[0], 0.0, 0.0, balance_n, 0.0, self._step_s)
+        out = [np.zeros(drive.shape[1]) for _ in range(4)]
+        carried, stats = self._carried.copy(), np.zeros(3)
+        coupled_loop.run(*self._parameters, self._weights, MAX_STEPS, self._step_s, *drive, carried, *out, stats)
+        if (failed := int(stats[coupled_loop.FAILED_SAMPLE])) > 0:
+            raise TraceError(
+                Issue(
+                    f"sample {self._samples - repeated + failed}",
+                    f"needs more than {MAX_STEPS} steps from the previous sample; choose a larger tolerance_n than "
+                    f"{self._tolerance_n:g} N, or a softer contact.",
+                )
+            )
+        self._carried, self._last = carried, drive[:, -1:]
+        self._samples += len(carriage_m)
+        x, v, s, y = (column[repeated:] for column in out)
+        force_n = np.maximum(y, 0.0)
+        deflection_m = s / np.sqrt(force_n + LOAD_SCALE_N)
+        steps, rejected = int(stats[coupled_loop.ACCEPTED]), int(stats[coupled_loop.REJECTED])
+        return CoupledMotion(x, v, deflection_m, force_n, steps, rejected)
+
+
 def integrate(
     friction: Friction,
     mount: Mount,
@@ -113,44 +216,17 @@ def integrate(
         If a value is out of bounds, an input is not finite (the error names the first such sample), or a sample needs
         more than `MAX_STEPS` steps.
     """
-    raise_issues(
-        [
-            *find_not_positive("step_s", step_s, "s", "0.0005"),
-            *find_not_positive("tolerance_n", tolerance_n, "N", "1e-6"),
-            *find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n),
-        ]
-    )
-    out = [np.zeros(len(carriage_m)) for _ in range(4)]
-    stats = np.zeros(3)
-    omega = float(2 * np.pi * normal.resonance_hz)
+    issues = _find_setting_issues(step_s, 0.0, tolerance_n)
+    issues += find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n)
+    raise_issues(issues)
+    max_pressing_n = max(float(np.max(pressing_n)), 0.0)
+    contact = CoupledContact(friction, mount, normal, step_s, max_pressing_n, tolerance_n)
+    return contact.process(carriage_m, carriage_m_s, pressing_n)
 
-    # Weights that turn the error of each state into a force: stiffness for x, damping for v, bristle stiffness for z.
-    max_load = max(float(np.max(pressing_n)), 1e-3)
-    stiffness = max(mount.stiffness_n_per_m, max_load * friction.sigma0 * 1e-3)
-    damping = (mount.stiffness_n_per_m * mount.mass_kg) ** 0.5 + mount.damping_n_s_per_m
-    weights = (
-        stiffness / tolerance_n,
-        (damping + max_load * (friction.sigma1 + friction.sigma2)) / tolerance_n,
-        max_load * friction.sigma0 / tolerance_n,
-        1 / tolerance_n,
-        1 / (tolerance_n * omega),
-    )
-    coupled_loop.run(
-        (friction.mu_c, friction.mu_s - friction.mu_c, friction.stribeck_m_s, friction.elastic),
-        (friction.sigma0, friction.sigma1, friction.sigma2, RELAX_PER_S),
-        (mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m),
-        (omega, normal.damping_ratio, normal.hand_ratio),
-        weights,
-        MAX_STEPS, step_s, carriage_m, carriage_m_s, pressing_n, *out, stats,
-    )  # fmt: skip
-    if (failed := int(stats[coupled_loop.FAILED_SAMPLE])) > 0:
-        raise TraceError(
-            Issue(
-                f"sample {failed}",
-                f"needs more than {MAX_STEPS} steps from the previous sample; choose a larger tolerance_n than "
-                f"{tolerance_n:g} N, or a softer contact.",
-            )
-        )
-    x, v, z, y = out
-    steps, rejected = int(stats[coupled_loop.ACCEPTED]), int(stats[coupled_loop.REJECTED])
-    return CoupledMotion(x, v, z, np.maximum(y, 0.0), steps, rejected)
+
+def _find_setting_issues(step_s: float, max_pressing_n: float, tolerance_n: float) -> list[Issue]:
+    return [
+        *find_not_positive("step_s", step_s, "s", "0.0005"),
+        *find_negative("max_pressing_n", max_pressing_n, "N"),
+        *find_not_positive("tolerance_n", tolerance_n, "N", "1e-6"),
+    ]

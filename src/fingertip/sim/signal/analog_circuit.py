@@ -26,7 +26,7 @@ from fingertip.board.nets import FILTERED, STAGE1_OUT, TACTILE, VMID
 from fingertip.board.network import Network, Value, build_network
 from fingertip.design import Design
 from fingertip.errors import Issue
-from fingertip.sim.signal.envelope_loop import ABSCISSAE, LEVELS, WIDTH
+from fingertip.sim.signal.envelope_loop import ABSCISSAE, BLOCK, LEVELS
 from fingertip.sim.signal.exact_steps import augment, exponentials
 from fingertip.sim.validation import find_negative, find_not_positive, raise_issues
 
@@ -208,7 +208,7 @@ def compute_state_space(board: AnalogBoard, mode: int = 0) -> LinearBoard:
     rail = board.rail_v or 0.0
     states = zip((STAGE1_OUT, FILTERED), divmod(mode, 3), strict=True)
     saturated = {net: (rail, -rail)[state - 1] for net, state in states if state}
-    network = board.network.drive(*saturated)
+    network = board.network.drive(*saturated) if saturated else board.network
     system = network.state_space()
     n = system.A.shape[-1]
     A, B = (matrix.reshape(-1, *matrix.shape[-2:]) for matrix in (system.A, system.B))
@@ -226,32 +226,32 @@ def compute_state_space(board: AnalogBoard, mode: int = 0) -> LinearBoard:
     return LinearBoard(A, B[:, :, 0], B[:, :, 1:] @ constants, rows)
 
 
-def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, Array, Array, Array, Array]:
+def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, int, Array, Array, Array]:
     """Compute the board's exact steps in the layout of `envelope_loop`: one flat array for each board.
 
     Returns
     -------
-    states
-        Number of states.
-    step_rows, rk_rows
-        Rows of the state at the end of a step, and of the output at `ABSCISSAE` within it, where the Runge-Kutta method
-        needs it; by mode of the rails and level of the step.
+    states, rows
+        Number of states, and of rows of a step's matrix.
+    step_columns
+        Matrices, by columns, of the states at the end of a step and the output at `ABSCISSAE` within it, where the
+        Runge-Kutta method needs it; by mode of the rails and level of the step.
     output_rows
         Rows of the second amplifier's output without rails, at one moment, by the state of the first amplifier.
     amplifier1_row
         Row of the first amplifier's output without rails, at one moment.
     """
-    step_rows, rk_rows, output_rows = [], [], []
+    step_columns, output_rows = [], []
     amplifier1_row = np.zeros(0)
-    n = 0
+    n = rows = 0
     for mode in range(9 if board.rail_v else 1):
         system = compute_state_space(board, mode)
-        n = system.A.shape[-1]
-        padding = max(0, WIDTH - n - 3)
+        count, n = system.A.shape[:2]
+        rows = -(-(n + len(ABSCISSAE)) // BLOCK) * BLOCK
         if mode % 3 == 0:
-            output_rows.append(np.pad(system.rows[FILTERED], ((0, 0), (0, padding))))
+            output_rows.append(system.rows[FILTERED])
         if mode == 0:
-            amplifier1_row = np.pad(system.rows[STAGE1_OUT], ((0, 0), (0, padding)))
+            amplifier1_row = system.rows[STAGE1_OUT]
         M = augment(system.A, system.b, system.k)
         # Two levels more than the loop uses give the quarters and halves of the shortest step.
         powers = exponentials(M, step_s, LEVELS + 2)
@@ -259,10 +259,11 @@ def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, Array
         quarter, half, full = powers[:, 2:], powers[:, 1:-1], powers[:, :-2]
         transition = {0.25: quarter, 0.5: half, 0.75: quarter @ half, 0.55: odd, 1.0: full}
         output = system.rows[FILTERED][:, None, None, :]
-        row = np.stack([(output @ transition[c])[:, :, 0] for c in ABSCISSAE], axis=2)
-        pad = ((0, 0), (0, 0), (0, 0), (0, padding))
-        step_rows.append(np.pad(full[:, :, :n], pad))
-        rk_rows.append(np.pad(row, pad))
+        matrix = np.zeros((count, LEVELS, n + 3, rows))
+        matrix[..., :n] = full[:, :, :n].swapaxes(2, 3)
+        for place, c in enumerate(ABSCISSAE, n):
+            matrix[..., place] = (output @ transition[c])[:, :, 0]
+        step_columns.append(matrix)
     count = len(amplifier1_row)
-    step, rk, outputs = (np.stack(rows, axis=1).reshape(count, -1) for rows in (step_rows, rk_rows, output_rows))
-    return n, step, rk, outputs, amplifier1_row
+    columns, outputs = (np.stack(found, axis=1).reshape(count, -1) for found in (step_columns, output_rows))
+    return n, rows, columns, outputs, amplifier1_row

@@ -24,10 +24,13 @@ LEVELS = 25
 """Number of step sizes, from the sampling interval down to the interval over 2^24: 30 ps at 2 kHz."""
 ABSCISSAE = (0.25, 0.75, 0.55, 0.5, 1.0)
 """Positions within a step at which SDIRK4 needs the filter's output (the method's c)."""
-WIDTH = 8
-"""Minimum length of a row of the matrices, for up to five states; longer rows keep their own length."""
-ENVELOPE, LEVEL = range(2)
-"""Indices of what a chunk carries to the next one, beside the circuit's states: envelope [V] and level of the step."""
+BLOCK = 8
+"""Rows of the step matrices that one pass computes: the length of a column is a multiple of it."""
+ENVELOPE, LEVEL, OUTPUT = range(3)
+"""Indices of what a chunk carries to the next one, beside the circuit's states: envelope [V], level of the step and the
+filter's output [V]."""
+LOG_OFF = math.log(1e-3)
+"""Logarithm of the fraction of the tolerance below which the diode's charge is neglected."""
 STEPS, REJECTED, IMPLICIT = range(3)
 """Indices of the statistics: accepted steps, rejected steps, and steps that were solved implicitly."""
 
@@ -65,19 +68,43 @@ def wright_omega(y: float) -> float:
 
 
 def dot(rows: Sequence[float], start: int, z: Sequence[float], width: int) -> float:
-    """Product of the row that begins at `start` with the state; unused places of both are 0."""
-    first = rows[start] * z[0] + rows[start + 1] * z[1] + rows[start + 2] * z[2] + rows[start + 3] * z[3]
-    total = first + (rows[start + 4] * z[4] + rows[start + 5] * z[5] + rows[start + 6] * z[6] + rows[start + 7] * z[7])
-    for i in range(8, width):
+    """Product of the row that begins at `start` with the first `width` values of z."""
+    total = rows[start] * z[0]
+    for i in range(1, width):
         total += rows[start + i] * z[i]
     return total
+
+
+def multiply(
+    columns: Sequence[float], start: int, z: Sequence[float], width: int, rows: int, out: MutableSequence[float]
+) -> None:
+    """Multiply the matrix that begins at `start`, stored by columns, with z; `rows` is a multiple of `BLOCK`.
+
+    Eight sums at a time let a compiler use vector instructions and keep the order of every sum.
+    """
+    for block in range(0, rows, BLOCK):
+        a0 = a1 = a2 = a3 = a4 = a5 = a6 = a7 = 0.0
+        at = start + block
+        for i in range(width):
+            value = z[i]
+            a0 += columns[at] * value
+            a1 += columns[at + 1] * value
+            a2 += columns[at + 2] * value
+            a3 += columns[at + 3] * value
+            a4 += columns[at + 4] * value
+            a5 += columns[at + 5] * value
+            a6 += columns[at + 6] * value
+            a7 += columns[at + 7] * value
+            at += rows
+        out[block], out[block + 1], out[block + 2], out[block + 3] = a0, a1, a2, a3
+        out[block + 4], out[block + 5], out[block + 6], out[block + 7] = a4, a5, a6, a7
 
 
 def _envelope_loop(
     tolerance: float,
     H: float,
     states: int,
-    width: int,
+    rows: int,
     levels: int,
     rail: float,
     precision: bool,
@@ -85,32 +112,38 @@ def _envelope_loop(
     load: tuple[float, float],
     before: Sequence[float],
     after: Sequence[float],
-    step_rows: Sequence[float],
-    rk_rows: Sequence[float],
+    step_columns: Sequence[float],
     output_rows: Sequence[float],
     amplifier1_row: Sequence[float],
     carried: MutableSequence[float],
     z: MutableSequence[float],
     z_next: MutableSequence[float],
-    decays: MutableSequence[float],
+    z_end: MutableSequence[float],
+    tables: MutableSequence[float],
     filtered: MutableSequence[float],
     envelope: MutableSequence[float],
     statistics: MutableSequence[float],
 ) -> None:
     """Follow the envelope over a chunk: exact steps of the circuit, and an implicit method where the diode conducts."""
-    # Parameters: tolerance of a step [V], sampling interval H, number of states, width of a row, number of step sizes,
+    # Parameters: tolerance of a step [V], sampling interval H, number of states, length of a column, number of levels,
     # voltage of the rails (0: none), whether the rectifier is `precision`, and the values of diode and load. The input
-    # is given right before and right after each sample. step_rows, rk_rows, output_rows and amplifier1_row are those of
+    # is given right before and right after each sample. step_columns, output_rows and amplifier1_row are those of
     # `fingertip.sim.signal.analog_circuit.compute_step_matrices`.
     saturation, nvt, series = diode
     R, C = load
+    width = states + 3
+    u1_at = states  # places of the filter's output at `ABSCISSAE` in a product with step_columns
     shortest = levels - 1
     # A tick is the shortest step; a step at level l takes 2^(levels - 1 - l) of them.
     ticks_per_sample = 1 << shortest
+    # Tables by level, filled when a level is first used: decay of the envelope, exponents of the diode's current below
+    # which it is off or hardly conducts, and a term of SDIRK4's stages.
+    off_at, weak_at, shift_at = levels, 2 * levels, 3 * levels
     for a in range(levels):
-        decays[a] = math.exp(-H / (1 << a) / (R * C))
+        tables[a] = 0.0
     v = carried[ENVELOPE]
     level = int(carried[LEVEL])
+    u0 = carried[OUTPUT]
     steps = rejected = implicit = 0
     filtered[0] = 0.0
     envelope[0] = v
@@ -120,9 +153,9 @@ def _envelope_loop(
         z[states] = after[i]
         z[states + 1] = (before[i + 1] - after[i]) / H
         z[states + 2] = 1.0
-        u0 = dot(output_rows, 0, z, width)
         tick = 0
         if before[i] != after[i]:
+            u0 = dot(output_rows, 0, z, width)
             level = shortest  # after a jump the response may be arbitrarily fast
         while tick < ticks_per_sample:
             # A step begins at a multiple of its own length, so that every step size divides the interval.
@@ -141,21 +174,29 @@ def _envelope_loop(
 
             # Linear part: exact states at the end of the step, and the filter's output in its middle and at its end.
             h = H / (1 << level)
-            start = (mode * levels + level) * states * width
-            for a in range(states):
-                z_next[a] = dot(step_rows, start + a * width, z, width)
-            start = (mode * levels + level) * 5 * width
-            u4, u5 = dot(rk_rows, start + 3 * width, z, width), dot(rk_rows, start + 4 * width, z, width)
+            multiply(step_columns, (mode * levels + level) * width * rows, z, width, rows, z_next)
+            u4, u5 = z_next[u1_at + 3], z_next[u1_at + 4]
+            decay = tables[level]
+            if decay == 0.0:
+                decay = math.exp(-h / (R * C))
+                charge = 0.25 * h / C / (1 + 0.25 * h / (R * C))
+                rho = (series + charge) / nvt
+                weak = math.log(tolerance * C / (h * saturation))
+                tables[level] = decay
+                tables[off_at + level] = weak + LOG_OFF
+                tables[weak_at + level] = weak
+                if saturation * series > 0.0:
+                    tables[weak_at + level] = min(weak, math.log(0.01 * nvt / (saturation * series)))
+                tables[shift_at + level] = math.log(rho * saturation) + rho * saturation
 
-            # Bounds for the step: the largest output, the smallest envelope, and the largest current between them.
+            # Bounds for the step: the largest output, the smallest envelope, and from them the largest exponent of the
+            # diode's current.
             # Between three points the output bends by no more than they do; twice that is a bound with a margin.
             max_output = max(max(u0, u4), u5) + abs(u0 - 2 * u4 + u5)
-            decay = decays[level]
             min_envelope = v * decay - saturation * R * (1 - decay)
             if v < min_envelope:
                 min_envelope = v
             max_exponent = (max_output - min_envelope) / nvt
-            max_current = saturation * math.exp(max_exponent) if max_exponent < 300.0 else 1e300
 
             if precision:
                 # Amplifiers compensate the diode's drop: R and C follow the positive half waves.
@@ -165,9 +206,7 @@ def _envelope_loop(
                 else:
                     # SDIRK4; every stage is linear in its own value.
                     implicit += 1
-                    u1 = dot(rk_rows, start, z, width)
-                    u2 = dot(rk_rows, start + width, z, width)
-                    u3 = dot(rk_rows, start + 2 * width, z, width)
+                    u1, u2, u3 = z_next[u1_at], z_next[u1_at + 1], z_next[u1_at + 2]
                     g = 0.25 * h / (R * C)
                     alpha = g / (1 + g)
                     k1 = alpha * (max(u1, 0.0) - v)
@@ -181,11 +220,11 @@ def _envelope_loop(
                     if min(min(min(u0, u1), min(u2, u3)), min(u4, u5)) < 0.0:
                         # The corner at u = 0 lies within the step, and all stages may miss it.
                         error = max(error, 0.4 * g * max_output)
-            elif max_current * h < 1e-3 * tolerance * C and saturation * R < 1e-2 * tolerance:
+            elif max_exponent < tables[off_at + level] and saturation * R < 1e-2 * tolerance:
                 # The diode is off: neither its forward nor its reverse current matters.
                 v_next = v * decay
                 error = 0.0
-            elif max_current * h < tolerance * C and max_current * series < 0.01 * nvt:
+            elif max_exponent < tables[weak_at + level]:
                 # The diode hardly conducts: reverse current and decay are exact, the forward current is within the
                 # tolerance and integrated by Simpson's rule.
                 half_decay = math.sqrt(decay)
@@ -211,14 +250,12 @@ def _envelope_loop(
             else:
                 # SDIRK4. With k_i = gamma h dv/dt, a stage's own value is base + k_i.
                 implicit += 1
-                u1 = dot(rk_rows, start, z, width)
-                u2 = dot(rk_rows, start + width, z, width)
-                u3 = dot(rk_rows, start + 2 * width, z, width)
+                u1, u2, u3 = z_next[u1_at], z_next[u1_at + 1], z_next[u1_at + 2]
                 g = 0.25 * h
                 alpha = 1 / (1 + g / (R * C))
                 charge = alpha * g / C
                 rho = (series + charge) / nvt
-                shift = math.log(rho * saturation) + rho * saturation
+                shift = tables[shift_at + level]
                 drop = g / (R * C)
                 base = v
                 k1 = charge * (wright_omega(shift + (u1 - alpha * base) / nvt) / rho - saturation) - alpha * drop * base
@@ -235,11 +272,14 @@ def _envelope_loop(
 
             # Reject a step in which an amplifier reaches or leaves a rail: bisection locates the moment.
             if rail > 0.0 and level < shortest:
-                z_next[states] = z[states] + h * z[states + 1]
-                z_next[states + 2] = 1.0
-                p = dot(amplifier1_row, 0, z_next, width)
+                for a in range(states):
+                    z_end[a] = z_next[a]
+                z_end[states] = z[states] + h * z[states + 1]
+                z_end[states + 1] = z[states + 1]
+                z_end[states + 2] = 1.0
+                p = dot(amplifier1_row, 0, z_end, width)
                 first = 1 if p > rail else 2 if p < -rail else 0
-                o2 = dot(output_rows, first * width, z_next, width)
+                o2 = dot(output_rows, first * width, z_end, width)
                 if mode != first * 3 + (1 if o2 > rail else 2 if o2 < -rail else 0):
                     error = 1e300
             if error > tolerance and level < shortest:
@@ -267,12 +307,13 @@ def _envelope_loop(
         envelope[i + 1] = v
     carried[ENVELOPE] = v
     carried[LEVEL] = float(level)
+    carried[OUTPUT] = u0
     statistics[STEPS], statistics[REJECTED], statistics[IMPLICIT] = steps, rejected, implicit
 
 
-run = CompiledLoop(_envelope_loop, wright_omega, dot, outputs=7, samples="before", plain_us=7.0)
+run = CompiledLoop(_envelope_loop, wright_omega, dot, multiply, outputs=8, samples="before", plain_us=7.0)
 """Follows one board over one chunk of samples.
 
-It carries (envelope, level of the next step) and z (the states) to the next chunk, uses z_next and decays as scratch
-memory, and fills filtered, envelope and the statistics.
+It carries (envelope, level of the next step, output) and z (the states) to the next chunk, uses z_next, z_end and
+tables as scratch memory, and fills filtered, envelope and the statistics.
 """

@@ -98,7 +98,9 @@ def simulate_boards(
     table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, _values(board))), axis=1).astype(np.float64)
     for start in range(0, len(table), _CHUNK):
         rows = table[start : start + _CHUNK]
-        chunk = board.with_components(**{name: rows[:, _FIXED + i] for i, name in enumerate(board.components)})
+        chunk = board
+        if len(table) > _CHUNK:
+            chunk = board.with_components(**{name: rows[:, _FIXED + i] for i, name in enumerate(board.components)})
         integrator = _Integrator(chunk, step_s, tolerance_v, rows[:, :_FIXED])
         filtered_v, envelope_v = np.zeros((len(rows), len(voltage_v))), np.zeros((len(rows), len(voltage_v)))
         counts = np.zeros(3)
@@ -192,15 +194,18 @@ class _Integrator:
 
     def __init__(self, board: AnalogBoard, step_s: float, tolerance_v: float, fixed: Array) -> None:
         self._board, self._step_s, self._tolerance_v, self._fixed = board, step_s, tolerance_v, fixed.tolist()
-        self._state_count, *rows = compute_step_matrices(board, step_s)
+        self._state_count, self._rows, *matrices = compute_step_matrices(board, step_s)
         self._steady_state = board.network.steady_state().reshape(-1, self._state_count)
-        self._step_rows, self._rk_rows, self._output_rows, self._amplifier1_row = rows
+        self._step_columns, self._output_rows, self._amplifier1_row = matrices
 
     def steady_state(self, i: int, voltage_v: float) -> tuple[Array, Array]:
-        """State for a constant input: (envelope, level of the next step), and the circuit's states."""
-        z = np.zeros(self._amplifier1_row.shape[-1])
+        """State for a constant input: (envelope, level of the next step, output), and the circuit's states."""
+        z = np.zeros(self._state_count + 3)
         z[: self._state_count] = self._steady_state[i] * voltage_v
-        return np.zeros(2), z
+        z[self._state_count], z[-1] = voltage_v, 1.0
+        carried = np.zeros(3)
+        carried[envelope_loop.OUTPUT] = envelope_loop.dot(self._output_rows[i].tolist(), 0, z.tolist(), len(z))
+        return carried, z
 
     def integrate(
         self, i: int, carried: Array, z: Array, before: Array, after: Array, filtered_v: Array, envelope_v: Array
@@ -209,10 +214,10 @@ class _Integrator:
         statistics, board = np.zeros(3), self._board
         saturation, nvt, series, r, c, gain = self._fixed[i]
         envelope_loop.run(
-            self._tolerance_v, self._step_s, self._state_count, len(z), LEVELS, board.rail_v or 0.0,
+            self._tolerance_v, self._step_s, self._state_count, self._rows, LEVELS, board.rail_v or 0.0,
             board.rectifier == "precision", (saturation, nvt, series), (r, c), before, after,
-            self._step_rows[i], self._rk_rows[i], self._output_rows[i], self._amplifier1_row[i],
-            carried, z, np.zeros(len(z)), np.zeros(LEVELS), filtered_v, envelope_v, statistics,
+            self._step_columns[i], self._output_rows[i], self._amplifier1_row[i], carried, z,
+            np.zeros(self._rows), np.zeros(len(z)), np.zeros(4 * LEVELS), filtered_v, envelope_v, statistics,
         )  # fmt: skip
         envelope_v *= gain  # the loop's rectifier and envelope have the gain 1
         return statistics

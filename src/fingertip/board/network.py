@@ -124,6 +124,10 @@ class Network:
 
     def matrices(self) -> tuple[Array, Array]:
         """Matrices (G, G_in) and (C, C_in) side by side, (..., nets, nets + inputs), batched like the values."""
+        return self._matrices
+
+    @functools.cached_property
+    def _matrices(self) -> tuple[Array, Array]:
         row = {name: i for i, name in enumerate(self.nets)}
         column = {name: i for i, name in enumerate((*self.nets, *self.inputs))}
         batch = np.broadcast_shapes(*(np.shape(self.values[t.quantity]) for t in self.terms if t.quantity), ())
@@ -131,6 +135,7 @@ class Network:
         for equation, net, quantity, factor, order in self.terms:
             value = self.values[quantity] if quantity else 1.0
             (C if order else G)[..., row[equation], column[net]] += factor * value
+        G.flags.writeable = C.flags.writeable = False
         return G, C
 
     def response(self, f_hz: Array, inputs: Mapping[str, float], *nets: str) -> Spectrum:
@@ -183,6 +188,10 @@ class Network:
         numpy.linalg.LinAlgError
             If the charges of two nets determine each other, as at both ends of a capacitor that nothing else joins.
         """
+        return self._state_space
+
+    @functools.cached_property
+    def _state_space(self) -> StateSpace:
         n = len(self.nets)
         G, C = self.matrices()
         has_state = [any(t.order and t.equation == name for t in self.terms) for name in self.nets]

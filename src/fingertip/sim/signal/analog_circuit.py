@@ -254,9 +254,8 @@ def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, int, 
             amplifier1_row = system.rows[STAGE1_OUT]
         M = augment(system.A, system.b, system.k)
         # Two levels more than the loop uses give the quarters and halves of the shortest step.
-        powers = exponentials(M, step_s, LEVELS + 2)
-        odd = exponentials(M, step_s * 0.55, LEVELS)
-        quarter, half, full = powers[:, 2:], powers[:, 1:-1], powers[:, :-2]
+        powers = exponentials(np.stack((M, 0.55 * M)), step_s, LEVELS + 2)
+        quarter, half, full, odd = powers[0, :, 2:], powers[0, :, 1:-1], powers[0, :, :-2], powers[1, :, :-2]
         transition = {0.25: quarter, 0.5: half, 0.75: quarter @ half, 0.55: odd, 1.0: full}
         output = system.rows[FILTERED][:, None, None, :]
         matrix = np.zeros((count, LEVELS, n + 3, rows))

@@ -26,8 +26,8 @@ from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.output import board_files
 from fingertip.board.spice import spice_deck
 from fingertip.design import Design
-from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.analog_circuit import AnalogBoard
+from fingertip.sim.signal.filter_board import simulate_board
 from tests.board.ngspice import run_ngspice
 
 TONE_HZ, STEP_S = 100.0, 1 / 16_000
@@ -143,13 +143,13 @@ def test_rectifier_changed_in_one_place_scales_envelope_noise_and_ripple(
 
 def test_bridge_changed_in_one_place_moves_the_tactile_voltage(monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip.board.components.bridge import Bridge
-    from fingertip.sim.signal.fsr import select_voltage_function
+    from fingertip.sim.signal.board_output import compute_bridge_v
 
     before, select = board_values(DESIGN), Bridge.by_reference
-    before_v = select_voltage_function(DESIGN, "board")(1.0)
+    before_v = compute_bridge_v(DESIGN, np.ones(1))[0]
     monkeypatch.setattr(Bridge, "by_reference", lambda bridge: {**select(bridge), "R13": 100.0})
     board_values.cache_clear()
     after = board_values(DESIGN)
     assert after.tactile_response.open_v < before.tactile_response.open_v - 0.5
     assert after.voltage_limits.max_tactile_v == pytest.approx(after.tactile_response.open_v, rel=1e-9)
-    assert select_voltage_function(DESIGN, "board")(1.0) < before_v - 0.5
+    assert compute_bridge_v(DESIGN, np.ones(1))[0] < before_v - 0.5

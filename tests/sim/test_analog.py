@@ -15,10 +15,10 @@ from fingertip.board.nets import FILTERED
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.jit import compiled
-from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
 from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode, compute_state_space
 from fingertip.sim.signal.envelope_loop import wright_omega
 from fingertip.sim.signal.exact_steps import augment, exponentials
+from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
 from tests.oracles.filter_formulas import OPEN_LOOP_GAIN, filter_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
 from tests.oracles.ngspice import simulate_with_ngspice

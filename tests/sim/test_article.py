@@ -13,9 +13,9 @@ from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import SURFACES, SceneFile, Trial, run_scene, simulate
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.signal.fsr import select_voltage_function
+from fingertip.sim.scene.run import SceneRun
 from fingertip.sim.scene.timeline import build_timeline
-from fingertip.sim.stages.context import SceneContext
+from fingertip.sim.signal.board_output import compute_bridge_v
 from fingertip.slip import detect
 from fingertip.slip.traces.csv_file import to_csv
 
@@ -29,7 +29,7 @@ def gross():
 
 def test_trial_has_the_rate_voltage_and_force_of_the_article(gross):
     assert (gross.time_s[1] - gross.time_s[0]) == 0.0005
-    assert gross.voltage_v[:200].mean() == pytest.approx(select_voltage_function(DESIGN, "board")(0.0), abs=1e-3)
+    assert gross.voltage_v[:200].mean() == pytest.approx(compute_bridge_v(DESIGN, np.zeros(1))[0], abs=1e-3)
     holding = (gross.time_s > 1.4) & (gross.time_s < 1.8)
     assert gross.force_n[holding].mean() == pytest.approx(1.0, rel=1e-3)
     assert gross.force_n.min() == 0.0
@@ -101,7 +101,7 @@ def test_hand_keeps_the_force_over_a_wavy_surface():
 
 
 def test_drawn_force_lies_in_the_range_of_the_article():
-    forces = [SceneContext(DESIGN, Trial(seed=seed).scene, seed).force_n for seed in range(200)]
+    forces = [SceneRun(DESIGN, Trial(seed=seed).scene, seed).force_n for seed in range(200)]
     assert 0.2 <= min(forces) < 0.25
     assert 1.95 < max(forces) <= 2.0
 

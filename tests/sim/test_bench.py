@@ -17,8 +17,8 @@ from fingertip.sim import run_scene
 from fingertip.sim.article import article_trials
 from fingertip.sim.bench import throughput
 from fingertip.sim.bench.work_precision import WorkPrecision
-from fingertip.sim.signal.filter_board import simulate_board, simulate_boards
 from fingertip.sim.signal.analog_circuit import AnalogBoard
+from fingertip.sim.signal.filter_board import simulate_board, simulate_boards
 from fingertip.sim.signal.monte_carlo import draw_boards
 from tests.conftest import run_fingertip
 

@@ -13,9 +13,9 @@ from fingertip.board.spice import spice_deck
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
-from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.comparator import Comparator, simulate_comparator
+from fingertip.sim.signal.filter_board import simulate_board
 from tests.tools import require_tool
 
 DESIGN = Design(board={"variant": "comparator"})

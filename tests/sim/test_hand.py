@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from fingertip.design import Design
 from fingertip.jit import compiled
 from fingertip.sim import ManipulationFile, run_manipulation
-from fingertip.sim.contact.friction import RELAX_PER_S
+from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.hand import grasp_loop
 from fingertip.sim.hand.manipulation_file import Hand
@@ -84,22 +84,22 @@ def move_object(
     pin_v = np.zeros(length + 1) if pin is None else pin(time)[1]
     mount = np.array([PAD.mass_kg, 6000.0, 2.0] * count)
     flat = np.repeat(np.array(loads, dtype=float), length + 1)
-    shear, object_over_pad, bristle = (np.zeros(count * length) for _ in range(3))
+    shear, over_object, bristle = (np.zeros(count * length) for _ in range(3))
     moved, pushed = np.zeros(length), np.zeros(length)
     weights = weight * np.minimum(time / 0.05, 1.0) if weight else np.zeros(length + 1)
     state = np.zeros(grasp_loop.PAD_STATES * count + grasp_loop.OBJECT_STATES)
     scratch = np.zeros(grasp_loop.SCRATCH_SIZE * count)
     grasp_loop.run(
-        (0.56, 0.14, 0.005), (*sigma, RELAX_PER_S), step_s, mass, (2000.0, 5.0), leaves, count, length, mount, weights,
-        pin_x, pin_v, state, scratch, flat, shear, object_over_pad, bristle, moved, pushed,
+        (0.56, 0.14, 0.005), (*sigma, RELAX_PER_S, LOAD_SCALE_N), step_s, mass, (2000.0, 5.0), leaves, count, length, mount, weights,
+        pin_x, pin_v, state, scratch, flat, shear, over_object, bristle, moved, pushed,
     )  # fmt: skip
-    return time[1:], moved, shear.reshape(count, -1), object_over_pad.reshape(count, -1), pushed
+    return time[1:], moved, shear.reshape(count, -1), over_object.reshape(count, -1), pushed
 
 
 def test_friction_carries_the_weight_at_rest():
-    _, _, shear, object_over_pad, _ = move_object(1.0, 1.25e-4, [1.0, 0.6, 0.4])
+    _, _, shear, over_object, _ = move_object(1.0, 1.25e-4, [1.0, 0.6, 0.4])
     assert (6000.0 * shear[:, -1]).sum() == pytest.approx(0.98, rel=1e-6)
-    assert np.abs(object_over_pad[:, -1]).max() < 1e-7
+    assert np.abs(over_object[:, -1]).max() < 1e-7
 
 
 def test_released_object_falls():
@@ -117,17 +117,17 @@ def pin_motion(time):
 def rates(t, y, loads, mass, weight):
     """The equations of `grasp_loop`, written as plainly as possible."""
     n = len(loads)
-    x, v, z, X, V = y[:n], y[n : 2 * n], y[2 * n : 3 * n], y[-2], y[-1]
-    w = v - V
+    x, v, s, X, V = y[:n], y[n : 2 * n], y[2 * n : 3 * n], y[-2], y[-1]
+    w, c = v - V, 1 / np.sqrt(loads + LOAD_SCALE_N)
     g = 0.56 + 0.14 / (1 + (w / 0.005) ** 2)
-    dz = w - 25e3 * np.abs(w) * z / g
-    mu = 25e3 * z + 2.0 * dz + 0.6 * w
+    ds = loads * c * (w - 25e3 * np.abs(w) * c * s / g)
+    mu = 25e3 * c * s + 2.0 * c * ds + 0.6 * w
     Xp, Vp = (float(q[0]) for q in pin_motion(np.array([t])))
     d = Xp - X
     push = max(0.0, 2000.0 * d * (1 + 5.0 * (Vp - V))) if d > 0 else 0.0
     dv = (-6000.0 * x - 2.0 * v - loads * mu) / PAD.mass_kg
     dV = (weight * min(t / 0.05, 1.0) + push + float(loads @ mu)) / mass
-    return np.concatenate((v, dv, dz, [V, dV]))
+    return np.concatenate((v, dv, ds, [V, dV]))
 
 
 def test_every_step_is_ros2_with_the_full_jacobian():
@@ -195,7 +195,7 @@ def test_extreme_parameters_give_bounded_motion(tables):
     tables = tables | {"grasp": quick | tables.get("grasp", {}), "knock": {"at_s": 0.1} | tables.get("knock", {})}
     scene = ManipulationFile(**tables, outputs=["force_n", "velocity_m_s", "object_m", "pin_n"])
     result = run_manipulation(Design(), scene, None, 1)
-    assert all(np.isfinite(signal).all() for signal in result.signals.values())
+    assert all(np.isfinite(signal).all() for signal in result.columns.values())
     assert np.abs(result.signals["velocity_m_s"]).max() < 2 * scene.knock.speed_m_s + math.sqrt(2 * 9.81 * 0.05)
 
 

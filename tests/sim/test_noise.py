@@ -1,7 +1,5 @@
 """Noise of the simulation: the amplifiers' ahead of the filter, the ADC's at the samples."""
 
-import random
-
 import numpy as np
 import pytest
 
@@ -9,9 +7,10 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.noise import add_noise
 from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
-from fingertip.sim.signal.converter import quantise_v, sample_v
+from fingertip.sim.randomness import open_stream
 from fingertip.sim.signal.board_noise import compute_input_noise_v, compute_noise_gain
 from fingertip.sim.signal.board_output import simulate_quiescent_level, simulate_replay_level
+from fingertip.sim.signal.converter import AdcRange, sample_v
 
 CONSTANT_FORCE = {"hold": {"mode": "grasp", "min_force_n": 1.0, "max_force_n": 1.0, "min_s": 20.0, "release": False}}
 SETTLED = 4000
@@ -57,9 +56,11 @@ def test_adc_adds_its_noise_behind_the_gain():
     expected = np.hypot(DESIGN.detector.noise_v, step / np.sqrt(12))
     assert np.std(np.diff(noisy["voltage_v"])) == pytest.approx(expected * np.sqrt(2), rel=0.02)
     assert np.std(np.diff(silent["voltage_v"])) < step
-    sampled = sample_v(DESIGN, np.full(20_000, 0.1), random.Random(1))
+    sampled = sample_v(DESIGN, np.full(20_000, 0.1), open_stream(1, "test"))
     assert np.std(sampled) == pytest.approx(expected, rel=0.02)
-    assert np.array_equal(sample_v(DESIGN, np.array([0.1]), None), quantise_v(np.array([0.1]), 16, 10.0))
+    assert np.array_equal(
+        sample_v(DESIGN, np.array([0.1]), None), AdcRange(16, -10.0, 10.0).quantise_v(np.array([0.1]))
+    )
 
 
 def test_signals_are_constant_without_noise():
@@ -81,7 +82,7 @@ def test_adc_does_not_affect_the_board():
 def test_quiescent_level_is_that_of_a_scene_with_constant_force(variant):
     design = Design(board={"variant": variant})
     level = simulate_quiescent_level(design)
-    envelope_v = sample_v(design, simulate_hold(design, "envelope_v")["envelope_v"], random.Random(2))
+    envelope_v = sample_v(design, simulate_hold(design, "envelope_v")["envelope_v"], open_stream(2, "test"))
     width = design.detector.window_samples
     means = np.convolve(envelope_v, np.full(width, 1 / width), "valid")
     assert means.mean() == pytest.approx(level.mean_v, abs=0.1 * level.mean_v + 5e-6)

@@ -7,7 +7,6 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
-from fingertip.sim.stages.stage import Stage, run_stages, select_stages
 from tests.conftest import run_python
 
 DESIGN = Design()
@@ -93,20 +92,3 @@ def test_scene_with_true_slip_only_imports_no_heavy_package(tmp_path):
         "print(sorted({name.split('.')[0] for name in sys.modules} & heavy))"
     )
     assert run_python("-c", code).stdout.strip() == "[]"
-
-
-def test_stages_run_in_the_order_of_their_needs():
-    log: list[str] = []
-
-    def stage(name: str, needs: tuple[str, ...], provides: tuple[str, ...]) -> Stage[None]:
-        return Stage(name, needs, provides, lambda _, inputs: log.append(name) or dict.fromkeys(provides, name))
-
-    stages = [stage("c", ("b1", "a"), ("c",)), stage("b", ("a",), ("b1", "b2")), stage("a", (), ("a",))]
-    stages.append(stage("d", ("c",), ("d",)))
-    values, _ = run_stages(stages, None, ["c"])
-    assert log == ["a", "b", "c"]
-    assert set(values) == {"a", "b1", "b2", "c"}
-    with pytest.raises(KeyError):
-        select_stages(stages, ["nothing"])
-    with pytest.raises(KeyError, match="x needs itself"):
-        select_stages([stage("x", ("y",), ("x",)), stage("y", ("x",), ("y",))], ["x"])

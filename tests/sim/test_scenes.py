@@ -11,9 +11,9 @@ import pytest
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import SceneFile, Trial, run_scene, simulate
-from fingertip.sim.signal.filter_board import simulate_board
+from fingertip.sim.scene.run import SceneRun
 from fingertip.sim.signal.analog_circuit import AnalogBoard
-from fingertip.sim.stages.context import SceneContext
+from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.slip import detect
 from tests.conftest import ROOT, run_fingertip
 
@@ -30,7 +30,7 @@ def load_scene(name: str, **changes) -> SceneFile:
 
 def held_s(scene: SceneFile, seed: int = 0) -> float:
     """Moment at which the holding force is reached [s]."""
-    return SceneContext(DESIGN, scene, seed).timeline.held_s
+    return SceneRun(DESIGN, scene, seed).timeline.held_s
 
 
 def test_all_bundled_scenes_are_known():

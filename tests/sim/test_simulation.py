@@ -17,7 +17,8 @@ from fingertip.sim import (
     simulate,
     summary,
 )
-from fingertip.sim.stages.pipeline import SceneResult
+from fingertip.sim.scene.run import SceneRecord
+from fingertip.slip.intervals import SlipCollector, intervals
 from tests.conftest import ROOT, design_file
 
 SCENES = ROOT / "params" / "scenes"
@@ -90,16 +91,32 @@ def test_summary_describes_the_surface_and_the_peak_speed_that_is_reached():
 
     assert title("sliding_finger.toml", surface="smooth").startswith("smooth (metal, Ra 0.2 um), 0.04 m/s, ")
     assert title("sliding_finger.toml", surface="wood").startswith("wood, 0.04 m/s, ")
+
+
+def test_slide_that_never_reaches_its_speed_is_refused_with_a_speed_that_passes():
     slow = ["slide.acceleration_m_s2=0.05"]
-    reached = "peak 0.0447 m/s (0.2 m/s is not reached in 0.04 m at 0.05 m/s2), "
-    assert reached in title("sliding_finger.toml", speed_m_s=0.2, changes=slow)
+    message = r"slide\.speed_m_s: 0\.2 m/s is not reached within 0\.04 m at 0\.05 m/s2; at most 0\.0447 m/s\."
+    with pytest.raises(FingertipError, match=message):
+        load_simulation(SCENES / "sliding_finger.toml", speed_m_s=0.2, changes=slow)
+    assert load_simulation(SCENES / "sliding_finger.toml", speed_m_s=0.0447, changes=slow)
+
+
+def test_motor_faster_than_half_the_sampling_rate_is_refused():
+    changes = ["motor.frequency_hz=500.0", "detector.sample_rate_hz=1000.0"]
+    with pytest.raises(FingertipError, match=r"motor\.frequency_hz: 500 Hz is not below half of .*; below 500 Hz\."):
+        load_simulation(SCENES / "motor_vibration.toml", changes=changes).run()
+    assert load_simulation(SCENES / "motor_vibration.toml", changes=["motor.frequency_hz=499.0", *changes[1:]]).run()
 
 
 def test_summary_merges_slips_as_detection_does():
     time = np.arange(2000) / 2000
     slip = ((time >= 0.1) & (time < 0.2)) | ((time >= 0.24) & (time < 0.3)) | ((time >= 0.5) & (time < 0.6))
     scene = SceneFile(scene="events", outputs=["slip"])
-    result = SceneResult(scene, 0, 1.0, time, {"slip": slip.astype(np.float64)}, ())
+    collector = SlipCollector()
+    for part in np.split(np.arange(len(time)), [150, 450, 451]):
+        collector.add(time[part], slip[part])
+    result = SceneRecord(scene, 0, 1.0, len(time), collector.close(), (), 2000.0)
+    assert result.slips == intervals(time, slip)
     assert summary.as_text(result)[1:] == [
         "gross slip from 0.1000 s to 0.3000 s",
         "gross slip from 0.5000 s to 0.6000 s",

@@ -11,10 +11,13 @@ import pytest
 from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.design import Design
 from fingertip.sim.article import MAX_FORCE_N, Trial
-from fingertip.sim.contact import vibration
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.signal import adc, sensor
+from fingertip.sim.contact.surface_profile import generate_profile
+from fingertip.sim.contact.vibration import ContactResonance, high_pass
 from fingertip.sim.scene.timeline import LIFT_M, TrapezoidalMove, build_timeline
+from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, Bridge, fit_conductance_curve, turn_on_power
+from fingertip.sim.signal.converter import AdcRange
+from fingertip.sim.signal.fsr import ForceSensor
 
 PAD = Pad.from_design(Design())
 
@@ -60,7 +63,7 @@ def test_stiffness_matches_hertz_and_mindlin():
 
 
 def test_profile_has_the_given_roughness_below_the_cutoff():
-    heights = vibration.generate_profile(random.Random(1), 0.8, 0.8e-3, 0.5)
+    heights = generate_profile(random.Random(1), 0.8, 0.8e-3, 0.0, 0.5).heights_m
     spectrum = np.abs(np.fft.rfft(heights * np.hanning(len(heights)))) ** 2
     waves_per_m = np.fft.rfftfreq(len(heights), 5e-6)
     window = np.mean(np.hanning(len(heights)) ** 2)
@@ -72,7 +75,7 @@ def test_profile_has_the_given_roughness_below_the_cutoff():
 def test_resonance_matches_closed_form(frequency):
     f0, zeta, h = 90.0, 0.15, 1.25e-4
     time = np.arange(24_000) * h
-    out = vibration.apply_resonance(5 + np.sin(2 * math.pi * frequency * time), time >= 0, h, f0, zeta)
+    out = ContactResonance(h, f0, zeta).process(5 + np.sin(2 * math.pi * frequency * time), np.ones_like(time))
     tail = out[-8000:] - 5.0  # a second: whole periods
     r = frequency / f0
     gain = 1 / math.hypot(1 - r * r, 2 * zeta * r)
@@ -83,76 +86,77 @@ def test_hand_follows_slow_waves_only():
     assert PAD.hand_hz == pytest.approx(math.sqrt(90 / PAD.mass_kg) / (2 * math.pi))
     time = np.arange(160_000) * 1.25e-4
     for frequency in (0.5, 10.0, 90.0):
-        out = vibration.compute_pad_deflection_m(np.sin(2 * math.pi * frequency * time), 1.25e-4, 10.0)[80_000:]
+        out = high_pass(np.sin(2 * math.pi * frequency * time), 1.25e-4, 10.0, np.zeros(2))[80_000:]
         r = frequency / 10.0
         assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(r / math.hypot(1, r), rel=0.02)
-    assert abs(vibration.compute_pad_deflection_m(np.append(0.0, np.ones(8000)), 1.25e-4, 10.0)[-1]) < 1e-12
+    assert abs(high_pass(np.append(0.0, np.ones(8000)), 1.25e-4, 10.0, np.zeros(2))[-1]) < 1e-12
 
 
 def test_force_is_zero_without_contact():
     h = 1.25e-4
-    touching = np.arange(4000) < 2000
-    out = vibration.apply_resonance(np.where(touching, 1.0, 0.0), touching, h, 90.0, 0.15)
+    load = np.where(np.arange(4000) < 2000, 1.0, 0.0)
+    out = ContactResonance(h, 90.0, 0.15).process(load, load)
     assert out[1999] == pytest.approx(1.0, rel=1e-3)
     assert not out[2000:].any()
-    assert (vibration.apply_resonance(np.full(4000, -1.0), touching, h, 90.0, 0.15) == 0.0).all()
+    assert (ContactResonance(h, 90.0, 0.15).process(np.full(4000, -1.0), load) == 0.0).all()
 
 
 def test_voltage_curve_passes_the_points_of_the_article():
-    curve = sensor.fit_voltage_curve()
-    assert [round(curve.voltage_v(f), 9) for f in (0.0, 0.1, 0.8, 1.3)] == [4.3, 4.3, 4.0, 3.85]
-    assert 4.25 < curve.voltage_v(0.2) < 4.3  # in the middle of the turn-on
+    bridge = Bridge.of_article()
+    assert bridge.voltage_v(np.array([0.0, 0.1, 0.8, 1.3])).round(9).tolist() == [4.3, 4.3, 4.0, 3.85]
+    assert 4.25 < bridge.voltage_v(np.array([0.2]))[0] < 4.3  # in the middle of the turn-on
 
 
-@pytest.mark.parametrize(
-    "exponent", [sensor.fit_voltage_curve().exponent, sensor.fit_conductance_curve().exponent, 1.0, 0.3]
-)
+@pytest.mark.parametrize("exponent", [Bridge.of_article().curve.exponent, fit_conductance_curve().exponent, 1.0, 0.3])
 def test_turn_on_has_neither_jump_nor_kink(exponent):
     """The slope grows from 0 in proportion to the force and ends as that of the power law, for every exponent.
 
     A kink would make the high-pass filter ring at every contact, which the article did not observe.
     """
-    w, h = sensor.TURN_ON_WIDTH_N, 1e-6
+    w, h = TURN_ON_WIDTH_N, 1e-6
 
     def slope(excess: float) -> float:
-        return (sensor.turn_on_power(excess + h, exponent) - sensor.turn_on_power(excess - h, exponent)) / (2 * h)
+        return (turn_on_power(excess + h, exponent, w) - turn_on_power(excess - h, exponent, w)) / (2 * h)
 
-    assert sensor.turn_on_power(-w, exponent) == 0.0
-    assert sensor.turn_on_power(w * (1 - 1e-12), exponent) == pytest.approx(w**exponent)
+    assert turn_on_power(-w, exponent, w) == 0.0
+    assert turn_on_power(w * (1 - 1e-12), exponent, w) == pytest.approx(w**exponent)
     assert slope(w - 2 * h) == pytest.approx(exponent * w ** (exponent - 1), rel=1e-3)
     for share in (1e-3, 1e-2):
         assert slope(-w + 2 * w * share) / share == pytest.approx(w ** (exponent - 1) * (3 - 2 * exponent), rel=0.05)
-    rising = [sensor.turn_on_power(-0.2 + i / 1000, exponent) for i in range(3000)]
+    rising = [turn_on_power(-0.2 + i / 1000, exponent, w) for i in range(3000)]
     assert rising == sorted(rising)
 
 
 def test_curves_fall_and_follow_the_data_sheet():
-    curve = sensor.fit_voltage_curve()
-    assert curve.exponent == pytest.approx(0.694, abs=0.03)  # the data sheet's slope, which took no part in the fit
-    falling = [curve.voltage_v(0.2 + i / 100) for i in range(300)]
+    bridge = Bridge.of_article()
+    assert bridge.curve.exponent == pytest.approx(
+        0.694, abs=0.03
+    )  # the data sheet's slope, which took no part in the fit
+    falling = bridge.voltage_v(0.2 + np.arange(300) / 100).tolist()
     assert falling == sorted(falling, reverse=True)
-    conductance = sensor.fit_conductance_curve()
+    conductance = fit_conductance_curve()
     for force in (0.8, 1.3):
         assert conductance.conductance_s(force) == pytest.approx(sensor_conductance_s(force), rel=1e-9)
 
 
 def test_hysteresis_stays_below_ten_percent_and_passes_vibration():
     up, down = np.linspace(0.0, 2.0, 401), np.linspace(2.0, 0.0, 401)
-    shown = sensor.apply_hysteresis(np.concatenate((up, down)))
+    shown = ForceSensor(1e-3).process(np.concatenate((up, down)))
     assert np.array_equal(shown[:401], up)
     above = shown[401:-1] / down[:-1]
     assert above[0] == 1.0
     assert (above >= 1.0).all()
     assert above.max() == pytest.approx(1.10)
     assert shown[-1] == 0.0
-    shaken = sensor.apply_hysteresis(1 + 0.001 * np.sin(np.arange(1000) / 10))
+    shaken = ForceSensor(1e-3).process(1 + 0.001 * np.sin(np.arange(1000) / 10))
     assert np.ptp(shaken[500:]) == pytest.approx(0.8 * 0.002, rel=0.01)
 
 
 def test_adc_quantises_and_clips():
     step = 20 / 65536
-    codes = adc.quantise_v(np.linspace(-11, 11, 2001), 16, 10.0) / step
+    adc = AdcRange(16, -10.0, 10.0)
+    codes = adc.quantise_v(np.linspace(-11, 11, 2001)) / step
     assert np.array_equal(codes, np.round(codes))
     assert (codes.min(), codes.max()) == (-32768, 32767)
-    assert adc.quantise_v(np.float64(4.3), 16, 10.0) == pytest.approx(4.3, abs=step / 2)
-    assert adc.quantise_v(np.float64(0.6 * step), 16, 10.0) == step
+    assert adc.quantise_v(np.float64(4.3)) == pytest.approx(4.3, abs=step / 2)
+    assert adc.quantise_v(np.float64(0.6 * step)) == pytest.approx(step, abs=1e-15)

@@ -46,8 +46,7 @@ class ProfileForce:
     def __init__(self, pad: Pad, profile: SurfaceProfile, step_s: float) -> None:
         self._stiffness_at_1n = pad.normal_stiffness_n_per_m(1.0)
         self._profile, self._step_s = profile, step_s
-        w = 2 * math.pi * pad.hand_hz
-        self._hand = (math.exp(-w * step_s), 1 / w)
+        self._hand_hz = pad.hand_hz
         self._state: Array | None = None
 
     def process(self, load_n: Array, path_m: Array) -> Array:
@@ -55,8 +54,7 @@ class ProfileForce:
         height = self._profile.height_m(path_m)
         if self._state is None:
             self._state = np.array([height[0], height[0]])  # the hand has followed the surface so far
-        deflection = np.zeros(len(height))
-        _high_pass(*self._hand, self._step_s, height, self._state, deflection)
+        deflection = high_pass(height, self._step_s, self._hand_hz, self._state)
         # The load presses the pad into the profile: stiffness at the present force, and none without contact.
         return self._stiffness_at_1n * cube_root(load_n) * deflection
 
@@ -90,6 +88,26 @@ class ContactResonance:
         out = np.zeros(len(drive_n))
         _resonate(self._free, self._lag, self._step_s, drive_n, load_n, self._state, out)
         return out
+
+
+def high_pass(height_m: Array, step_s: float, follow_hz: float, state: Array) -> Array:
+    """Deflection of a pad over heights [m] whose part below `follow_hz` the hand follows.
+
+    Parameters
+    ----------
+    height_m
+        Height of the surface under the pad at each point [m].
+    step_s
+        Time between the points [s].
+    follow_hz
+        Frequency up to which the hand follows [Hz].
+    state
+        Height of the hand, and previous height of the surface [m], carried from chunk to chunk.
+    """
+    w = 2 * math.pi * follow_hz
+    deflection = np.zeros(len(height_m))
+    _high_pass(math.exp(-w * step_s), 1 / w, step_s, height_m, state, deflection)
+    return deflection
 
 
 def _high_pass_loop(

@@ -1,31 +1,37 @@
-"""Work-precision of the contact: a pad dragged to and fro under a changing load, by fingertip and by scipy.
+"""Work-precision of the contact: a pad dragged to and fro under a changing load, by fingertip and by its peers.
 
-scipy gets compiled right sides and Jacobians of its own, is restarted at the drive's few corners (fingertip steps
-from sample to sample), and returns its dense output at the samples.
+Peers get right-hand sides and Jacobians of their own, scipy's compiled by numba and CVODE's in C. They restart at the
+drive's few corners (fingertip steps from sample to sample), and return their dense output at the samples. Only the
+integration is timed, for every solver.
 """
 
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
+from fingertip._version import __version__
 from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.jit import compile_for_process
-from fingertip.sim.bench.work_precision import WorkPrecision
+from fingertip.sim.bench.cvode import CvodeLibrary
+from fingertip.sim.bench.peers import SOLVE_IVP, Segment, System, scipy_version, solve_with_scipy
+from fingertip.sim.bench.work_precision import Job, Outcome, WorkPrecision, time_cpu
 from fingertip.sim.contact.coupled import NormalContact, integrate
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.tangential import Mount
 
 RATE_HZ = 2000.0
-TARGET_N = 5e-6
-OURS = "fingertip (RODAS)"
+LEVELS_N = (1e-5, 5e-6, 2.5e-6)
+"""Errors at which solvers are compared [N]."""
+TARGETS = {"scipy odeint": 15.0, "CVODE": 10.0}
+OURS = "fingertip"
 _FRICTION = Friction(0.6, 0.48)
 _LOAD_N = 0.8
 # Corners of the piecewise linear drive: time [s] and stage velocity [m/s]; time [s] and load [N].
@@ -43,62 +49,147 @@ def make_input(seconds: float) -> tuple[Array, Array, Array, Array]:
     return t, position, velocity, load
 
 
-def measure_contact(seconds: float, methods: tuple[str, ...] = ("LSODA", "Radau", "BDF")) -> WorkPrecision:
-    """Measure all solvers on the same problem."""
-    pad = Pad.from_design(Design())
-    k = pad.tangential_stiffness_n_per_m(_LOAD_N)
-    mount = Mount(pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * pad.mass_kg))
-    press = NormalContact(pad.resonance_hz(_LOAD_N), DAMPING_RATIO)
-    diagram = WorkPrecision(f"contact, {seconds:g} s to and fro", "N", TARGET_N, {"scipy LSODA": 15.0})
-    start = time.process_time()
-    t, X, V, load = make_input(seconds)
-    diagram.input_s = time.process_time() - start
+@dataclass(frozen=True)
+class ContactProblem:
+    """Drive, pad and mount of the problem."""
 
-    def as_forces(position: Array, normal: Array) -> Array:
-        return np.concatenate((k * (X - position), normal))
+    time_s: Array
+    carriage_m: Array
+    carriage_m_s: Array
+    load_n: Array
+    mount: Mount
+    normal: NormalContact
 
-    def run_ours(tolerance: float) -> Array:
-        run = integrate(_FRICTION, mount, press, 1 / RATE_HZ, X, V, load, tolerance)
-        return as_forces(run.position_m, run.force_n)
+    @classmethod
+    def over(cls, seconds: float) -> ContactProblem:
+        """Problem over some seconds, with the pad of the default design."""
+        pad = Pad.from_design(Design())
+        k = pad.tangential_stiffness_n_per_m(_LOAD_N)
+        mount = Mount(pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * pad.mass_kg))
+        return cls(*make_input(seconds), mount, NormalContact(pad.resonance_hz(_LOAD_N), DAMPING_RATIO))
 
-    rates, jacobian = _scipy_equations(mount, press)
-    knots = sorted({x for x, _ in (*_VELOCITY, *_LOADS) if x < seconds} | {seconds})
+    def forces_n(self, position_m: Array, normal_n: Array) -> Array:
+        """Force of the mount's spring, then normal force [N]: what errors are measured on."""
+        return np.concatenate((self.mount.stiffness_n_per_m * (self.carriage_m - position_m), normal_n))
 
-    def run_scipy(method: str, tolerance: float) -> Array:
-        from scipy.integrate import solve_ivp
+    @property
+    def start(self) -> Array:
+        """States x, v, s, y and w at time 0."""
+        return np.array([0.0, 0.0, 0.0, self.load_n[0], 0.0])
 
-        state, place = np.array([0.0, 0.0, 0.0, load[0], 0.0]), 0
-        out = np.zeros((5, len(t)))
-        # Absolute tolerances by component: the same force error as fingertip's, through the same stiffnesses.
-        scale = np.array([1 / k, 1 / math.sqrt(k * mount.mass_kg), 1 / _FRICTION.sigma0, 1.0, 600.0])
-        for begin, end in pairwise(knots):
-            last = round(end * RATE_HZ)
-            i = round(begin * RATE_HZ)
-            drive = (begin, X[i], V[i], (V[i + 1] - V[i]) * RATE_HZ, load[i], (load[i + 1] - load[i]) * RATE_HZ)
-            part = solve_ivp(
-                rates, (begin, end), state, method, t[place : last + 1].clip(begin, end),
-                args=(np.array(drive),), rtol=tolerance, atol=tolerance * scale, jac=jacobian,
-            )  # fmt: skip
-            if not part.success:
-                raise ArithmeticError(part.message)
-            out[:, place : last + 1] = part.y
-            state, place = part.y[:, -1], last
-        return as_forces(out[0], np.maximum(out[3], 0.0))
+    @property
+    def absolute(self) -> Array:
+        """Absolute tolerances of the states for an error of about 1 N, through the stiffnesses as in fingertip."""
+        m, k = self.mount.mass_kg, self.mount.stiffness_n_per_m
+        return np.array([1 / k, 1 / math.sqrt(k * m), 1 / _FRICTION.sigma0, 1.0, 600.0])
 
-    run_ours(1e-3)  # compiles
-    reference = run_ours(1e-12)
-    diagram.reference_difference = float(np.abs(run_scipy("Radau", 1e-11) - reference).max())
-    for exponent in range(-3, -10, -1):
-        diagram.measure(OURS, f"1e{exponent} N", lambda e=exponent: run_ours(10.0**e), reference)  # type: ignore[misc]
-    for method in methods:
-        for exponent in (-3, -4, -5, -6, -7, -8, -9):
-            run: Callable[[], Array] = lambda m=method, e=exponent: run_scipy(m, 10.0**e)  # type: ignore[misc]  # noqa: E731
-            diagram.measure(f"scipy {method}", f"rtol 1e{exponent}", run, reference)
-    diagram.omissions.append("ngspice: has no model of friction")
+    @property
+    def corners(self) -> list[int]:
+        """Samples at which the drive has a corner, the first and the last sample included."""
+        end = self.time_s[-1]
+        inner = {round(x * RATE_HZ) for x, _ in (*_VELOCITY, *_LOADS) if x < end}
+        return sorted(inner | {len(self.time_s) - 1})
+
+    def drives(self) -> Array:
+        """Begin [s], carriage [m], its velocity [m/s] and acceleration [m/s^2], load [N] and its rate [N/s], by segment."""
+        i = np.array(self.corners[:-1])
+        V, load = self.carriage_m_s, self.load_n
+        rates = ((V[i + 1] - V[i]) * RATE_HZ, (load[i + 1] - load[i]) * RATE_HZ)
+        return np.stack((self.time_s[i], self.carriage_m[i], V[i], rates[0], load[i], rates[1]), axis=1)
+
+    def run_fingertip(self, tolerance_n: float) -> Array:
+        """Forces by fingertip [N]."""
+        columns = self.carriage_m, self.carriage_m_s, self.load_n
+        run = integrate(_FRICTION, self.mount, self.normal, 1 / RATE_HZ, *columns, tolerance_n)
+        return self.forces_n(run.position_m, run.force_n)
+
+    def run_scipy(self, system: System, method: str, tolerance: float) -> Array:
+        """Forces by scipy [N]."""
+        drives = self.drives()
+        segments = [
+            Segment(self.time_s[a : b + 1], (drive,))
+            for (a, b), drive in zip(pairwise(self.corners), drives, strict=True)
+        ]
+        found = solve_with_scipy(method, system, segments, self.start, tolerance, tolerance * self.absolute)
+        return self.forces_n(found[0], np.maximum(found[3], 0.0))
+
+    def run_cvode(self, library: CvodeLibrary, tolerance: float) -> Outcome:
+        """Forces by CVODE [N]."""
+        f, mount, omega = _FRICTION, self.mount, 2 * math.pi * self.normal.resonance_hz
+        surface = [f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.sigma0, f.sigma1, f.sigma2, LOAD_SCALE_N]
+        normal = [omega * omega, 2 * self.normal.damping_ratio * omega]
+        parameters = np.array([*surface, mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m, *normal])
+        x, y, cpu_s = library.solve_contact(
+            parameters, self.drives(), np.array(self.corners[1:]), RATE_HZ, self.start, tolerance,
+            tolerance * self.absolute,
+        )  # fmt: skip
+        return Outcome(self.forces_n(x, np.maximum(y, 0.0)), cpu_s)
+
+
+def measure_contact(seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary | str) -> WorkPrecision:
+    """Measure fingertip and its peers on the same problem.
+
+    Parameters
+    ----------
+    seconds
+        Length of the problem [s].
+    peers
+        Names of the peers (`peers.PEERS`).
+    cvode
+        CVODE, or why it is missing.
+    """
+    problem = ContactProblem.over(seconds)
+    system = _scipy_equations(problem.mount, problem.normal)
+    diagram = WorkPrecision(f"contact, {seconds:g} s to and fro", "N", LEVELS_N)
+    diagram.solvers[OURS] = f"{__version__}, RODAS, compiled loop; each sample ends a step"
+    if "odeint" in peers:
+        diagram.targets["scipy odeint"] = TARGETS["scipy odeint"]
+    if "CVODE" in peers:
+        diagram.targets["CVODE"] = TARGETS["CVODE"]
+    problem.run_fingertip(1e-3)  # compiles
+    reference = problem.run_fingertip(1e-12)
+    other = problem.run_scipy(system, "Radau", 1e-11)
+    diagram.reference_difference = float(np.abs(other - reference).max())
+    jobs = [
+        Job(OURS, f"tolerance 1e{e} N", partial(time_cpu, partial(problem.run_fingertip, 10.0**e)))
+        for e in range(-3, -10, -1)
+    ]
+    jobs += _peer_jobs(diagram, problem, system, peers, cvode)
+    diagram.measure(jobs, reference)
+    if "ngspice" in peers:
+        diagram.omissions.append("ngspice: has no model of friction")
     return diagram
 
 
-def _scipy_equations(mount: Mount, press: NormalContact) -> tuple[Callable[..., Any], Callable[..., Any]]:
+def _peer_jobs(
+    diagram: WorkPrecision, problem: ContactProblem, system: System, peers: tuple[str, ...], cvode: CvodeLibrary | str
+) -> Iterator[Job]:
+    """Jobs of the peers; writes their versions and settings, or why they are missing, into the diagram."""
+    settings = "analytic Jacobian, restarted at the drive's corners, rtol as stated, atol: rtol as a force"
+    for method in (*SOLVE_IVP, "odeint"):
+        if method not in peers:
+            continue
+        kind = "odeint" if method == "odeint" else f"solve_ivp({method})"
+        name = f"scipy {method}"
+        diagram.solvers[name] = f"scipy {scipy_version()}, {kind}, equations compiled by numba, {settings}"
+        exponents = {"odeint": np.arange(-6.0, -10.1, -0.5), "LSODA": np.arange(-6.0, -9.1, -0.5)}
+        for e in exponents.get(method, np.arange(-5.0, -8.1, -1.0)):
+            run = partial(problem.run_scipy, system, method, 10.0**e)
+            yield Job(name, f"rtol {10.0**e:.1e}", partial(time_cpu, run))
+    if "CVODE" not in peers:
+        return
+    if isinstance(cvode, str):
+        diagram.solvers["CVODE"] = "NOT MEASURED"
+        diagram.omissions.append(f"CVODE: NOT MEASURED: {cvode}")
+        return
+    diagram.solvers["CVODE"] = (
+        f"SUNDIALS {cvode.version}, BDF with Newton and a dense matrix, equations in C ({cvode.compiler}), {settings}"
+    )
+    for e in np.arange(-6.0, -10.1, -0.5):
+        yield Job("CVODE", f"rtol {10.0**e:.1e}", partial(problem.run_cvode, cvode, 10.0**e))
+
+
+def _scipy_equations(mount: Mount, press: NormalContact) -> System:
     """Right side and Jacobian for scipy, independent of fingertip's; compiled too where numba is installed."""
     f = _FRICTION
     n0 = LOAD_SCALE_N
@@ -152,4 +243,4 @@ def _scipy_equations(mount: Mount, press: NormalContact) -> tuple[Callable[..., 
         out[4, 4] = -damp
         return out
 
-    return compile_for_process(rates), compile_for_process(jacobian)
+    return System(compile_for_process(rates), compile_for_process(jacobian))

@@ -1,0 +1,109 @@
+"""Peers of the benchmark: their names, and how scipy's solvers run on a problem with corners."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.errors import Issue
+
+SOLVE_IVP = ("LSODA", "Radau", "BDF")
+"""Methods of scipy's `solve_ivp`."""
+PEERS = (*SOLVE_IVP, "odeint", "CVODE", "ngspice")
+"""Names of `fingertip bench --solvers`."""
+_MAX_STEPS = 1_000_000
+
+
+def read_peers(text: str) -> tuple[tuple[str, ...], list[Issue]]:
+    """Read names of peers, separated by commas, and find what is wrong with them."""
+    names = tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
+    known = ", ".join(PEERS)
+    issues = [
+        Issue("--solvers", f"{name!r} is not known; choose among {known}.") for name in names if name not in PEERS
+    ]
+    if not names:
+        issues.append(Issue("--solvers", f"{text!r} names no solver; give at least one of {known}."))
+    return names, issues
+
+
+@dataclass(frozen=True)
+class System:
+    """Right-hand side and Jacobian of a problem, called with time, state and further arguments."""
+
+    rates: Callable[..., Any]
+    jacobian: Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Segment:
+    """Time between two corners of the input."""
+
+    time_s: Array
+    """Samples, from one corner to the other."""
+    arguments: tuple[Any, ...]
+    """Arguments of right-hand side and Jacobian."""
+
+
+def solve_with_scipy(
+    method: str,
+    system: System,
+    segments: Sequence[Segment],
+    start: Array,
+    relative: float,
+    absolute: Array,
+    longest_s: float | None = None,
+    stops_s: Array | None = None,
+) -> Array:
+    """Return the states at the samples, (states, samples), with a fresh start at every corner.
+
+    Parameters
+    ----------
+    method
+        "odeint" or a method of `SOLVE_IVP`.
+    system, segments, start
+        The problem.
+    relative, absolute
+        Tolerances.
+    longest_s
+        Longest step [s]; None: any.
+    stops_s
+        Times that odeint must not step over [s].
+
+    Raises
+    ------
+    ArithmeticError
+        If the solver fails, with its message.
+    """
+    integrate = importlib.import_module("scipy.integrate")
+    state, parts = start, [start[:, None]]
+    for segment in segments:
+        t = segment.time_s
+        if method == "odeint":
+            found, report = integrate.odeint(
+                system.rates, state, t, segment.arguments, Dfun=system.jacobian, tfirst=True, rtol=relative,
+                atol=absolute, hmax=longest_s or 0.0, mxstep=_MAX_STEPS, full_output=True,
+                tcrit=t[-1:] if stops_s is None else stops_s,
+            )  # fmt: skip
+            values, message = found.T, report["message"]
+            succeeded = message == "Integration successful."
+        else:
+            solution = integrate.solve_ivp(
+                system.rates, (t[0], t[-1]), state, method, t, args=segment.arguments, rtol=relative, atol=absolute,
+                max_step=longest_s or np.inf, jac=system.jacobian,
+            )  # fmt: skip
+            values, message, succeeded = solution.y, solution.message, solution.success
+        if not succeeded:
+            raise ArithmeticError(message)
+        parts.append(values[:, 1:])
+        state = values[:, -1]
+    return np.concatenate(parts, axis=1)
+
+
+def scipy_version() -> str:
+    """Version of scipy."""
+    return str(importlib.import_module("scipy").__version__)

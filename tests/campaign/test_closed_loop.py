@@ -135,8 +135,8 @@ def test_detector_in_the_loop_holds_every_object_in_time(trials):
     assert 0.02 < with_it.reactions_s[0] <= with_it.reactions_s[-1] < 0.2
     assert with_it.false_grips == with_it.unanswered == 0
     for one in trials:
-        assert one.manipulation.signals["slip"].any()
-    displacements = {(one.detector, one.name): one.manipulation.signals["object_m"][-1] for one in trials}
+        assert one.manipulation.output("slip").any()
+    displacements = {(one.detector, one.name): one.manipulation.signals.object_m[-1] for one in trials}
     assert all(displacements["fast", name] < displacements[NO_CONTROL, name] for name in ("bottle", "parallelepiped"))
 
 

@@ -209,7 +209,7 @@ def test_million_samples_stay_periodic():
 
 def test_statistics_of_a_bouncing_pad_do_not_depend_on_the_tolerance():
     """The pad is in flight for 0.78 of the time. Single points of such a chaotic motion need not agree."""
-    time = grid(8.0)
+    time = grid(24.0)
     shaken = 0.5 + 3.0 * np.sin(2 * math.pi * 90 * time)
     with compiled():
         runs = [
@@ -223,7 +223,7 @@ def test_statistics_of_a_bouncing_pad_do_not_depend_on_the_tolerance():
         assert run.force_n.mean() == pytest.approx(runs[-1].force_n.mean(), rel=0.01)
         assert run.force_n.std() == pytest.approx(runs[-1].force_n.std(), rel=0.01)
         assert run.force_n.min() == 0.0
-        assert run.steps + run.rejected < 700_000
+        assert run.steps + run.rejected < 2_100_000
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7])

@@ -90,8 +90,8 @@ def move_object(
     state = np.zeros(grasp_loop.PAD_STATES * count + grasp_loop.OBJECT_STATES)
     scratch = np.zeros(grasp_loop.SCRATCH_SIZE * count)
     grasp_loop.run(
-        (0.56, 0.14, 0.005), (*sigma, RELAX_PER_S, LOAD_SCALE_N), step_s, mass, (2000.0, 5.0), leaves, count, length, mount, weights,
-        pin_x, pin_v, state, scratch, flat, shear, over_object, bristle, moved, pushed,
+        (0.56, 0.14, 0.005), (*sigma, RELAX_PER_S, LOAD_SCALE_N), step_s, mass, (2000.0, 5.0), leaves, count, length,
+        mount, weights, pin_x, pin_v, state, scratch, flat, shear, over_object, bristle, moved, pushed,
     )  # fmt: skip
     return time[1:], moved, shear.reshape(count, -1), over_object.reshape(count, -1), pushed
 
@@ -196,7 +196,7 @@ def test_extreme_parameters_give_bounded_motion(tables):
     scene = ManipulationFile(**tables, outputs=["force_n", "velocity_m_s", "object_m", "pin_n"])
     result = run_manipulation(Design(), scene, None, 1)
     assert all(np.isfinite(signal).all() for signal in result.columns.values())
-    assert np.abs(result.signals["velocity_m_s"]).max() < 2 * scene.knock.speed_m_s + math.sqrt(2 * 9.81 * 0.05)
+    assert np.abs(result.output("velocity_m_s")).max() < 2 * scene.knock.speed_m_s + math.sqrt(2 * 9.81 * 0.05)
 
 
 def test_compiled_loops_give_the_same_bits():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 
 import numpy as np
@@ -142,13 +143,17 @@ def test_jitter_error_is_proportional_to_the_slope():
     assert off[(time > start + 0.5) & (time < start + 0.9)].max() <= 20 / 65536 + 1e-12
 
 
-def test_only_long_scenes_report_progress():
+def test_only_long_scenes_report_progress(monkeypatch):
+    monkeypatch.setattr("fingertip.sim.progress._EVERY_S", 0.0)
     messages: list[str] = []
     run_scene(DESIGN, load_scene("contact"), 0, messages.append)
     assert messages == []
     run_scene(DESIGN, SceneFile(scene="long", hold={"min_s": 20.0}, outputs=["force_n"]), 0, messages.append)
     assert messages[0].startswith("long, 2")
-    assert messages[1:] == ["simulating: load", "simulating: contact", "simulating: force"]
+    shares = [int(re.fullmatch(r"simulating: (\d+) % done, \d+ s left", line).group(1)) for line in messages[1:]]
+    assert len(shares) > 3
+    assert shares == sorted(shares)
+    assert shares[-1] == 100
 
 
 def test_parameters_are_listed_with_unit_and_bounds():

@@ -87,7 +87,7 @@ def test_warnings_concern_the_recorded_voltage_only():
 def test_summary_describes_the_surface_and_the_peak_speed_that_is_reached():
     def title(scene: str, **options: object) -> str:
         simulation = load_simulation(SCENES / scene, **options)
-        return summary.as_text(simulation.run())[0]
+        return summary.as_text(simulation.run().record)[0]
 
     assert title("sliding_finger.toml", surface="smooth").startswith("smooth (metal, Ra 0.2 um), 0.04 m/s, ")
     assert title("sliding_finger.toml", surface="wood").startswith("wood, 0.04 m/s, ")

@@ -40,5 +40,5 @@ class ShareDone:
             return
         self._reported = now
         share = simulated_s / self._duration_s
-        left_s = (now - self._begun) * (1 / share - 1) if share > 0.0 else 0.0
+        left_s = max(0.0, (now - self._begun) * (1 / share - 1)) if share > 0.0 else 0.0
         self._progress(f"simulating: {100 * share:.0f} % done, {left_s:.0f} s left")

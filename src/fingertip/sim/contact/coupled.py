@@ -4,16 +4,18 @@ States: position x [m] and velocity v [m/s] of the pad along the surface, bristl
 contact expressed as its force y [N], and its rate w [N/s]. The normal force is N = max(y, 0). With c = 1 / sqrt(N + N0)
 and the mean bristle deflection z = c s (`fingertip.sim.contact.friction`):
 
-    ds/dt = N c (v - alpha(v, z) sigma0 |v| z / g(v)) - r(N) s         plain LuGre friction: alpha = 1
-    m dv/dt = k (X - x) + c_m (V - v) - N (sigma0 z + sigma1 c ds/dt + sigma2 v)
+    L     = v - alpha(v, z) sigma0 |v| z / g(v)                        plain LuGre friction: alpha = 1
+    ds/dt = N c L - r(N, z) s
+    m dv/dt = k (X - x) + c_m (V - v) - N (sigma0 z + sigma1 N c^2 L + sigma2 v)
     dy/dt = w
     dw/dt = omega^2 (d - y) - 2 zeta omega w                           touching, y > 0
     dw/dt = omega^2 (d - rho y) - 2 zeta sqrt(rho) omega w             in flight, where only the hand pulls the pad back
 
 k and c_m are stiffness and damping of the mount, X and V position and velocity of the carriage (cubic between samples),
-d is the pressing force (linear between samples), alpha is the elasto-plastic factor of Dupont et al. 2002, and r(N)
-relaxes bristles without contact. Every sample is the end of a step, so kinks and jumps of the drive at samples do not
-reduce the order. The method is RODAS with the analytic Jacobian (`fingertip.sim.contact.coupled_loop`).
+d is the pressing force (linear between samples), alpha is the elasto-plastic factor of Dupont et al. 2002, and r
+relaxes bristles without contact or beyond breakaway. Every sample is the end of a step, so kinks and jumps of the drive
+at samples do not reduce the order. The method is RODAS with the analytic Jacobian
+(`fingertip.sim.contact.coupled_loop`).
 """
 
 from __future__ import annotations

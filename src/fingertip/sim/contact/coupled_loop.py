@@ -49,8 +49,6 @@ D1, D2, D3, D4, _, _ = D
 (A21,), (A31, A32), (A41, A42, A43), (A51, A52, A53, A54) = A
 (C21,), (C31, C32), (C41, C42, C43), (C51, C52, C53, C54), (C61, C62, C63, C64, C65) = C
 
-RELAX_BELOW_N = 1e-3
-"""Load below which the relaxation of the bristles fades in [N], so that the right-hand side stays continuous."""
 MIN_STEP_RATIO = 1e-12
 """Shortest step as a fraction of the time between samples. Such a step is accepted whatever its error."""
 POSITION, VELOCITY, BRISTLE, COMPRESSION, RATE, STEP = range(6)
@@ -93,11 +91,14 @@ def rates(
         else:
             fraction = (s0 * abs(z) - elastic * mu_c) / (1 / per_g - elastic * mu_c)
             alpha = 0.0 if fraction <= 0.0 else 1.0 if fraction >= 1.0 else fraction * fraction * (3 - 2 * fraction)
-    # LuGre friction, and relaxation of bristles that hardly touch.
+    # Bending by the motion, and relaxation of bristles that hardly touch or are bent beyond breakaway.
     ds = load * scale * (v - alpha * s0 * abs(v) * z * per_g)
-    if load < RELAX_BELOW_N:
-        ds -= relax_per_s * (1 - load / RELAX_BELOW_N) * s
     dv = (k * (X - x) + c * (V - v) - load * (s0 * z + s1 * scale * ds + s2 * v)) * per_m
+    if load < n0:
+        ds -= relax_per_s * (1 - load / n0) * s
+    stretch = s0 * abs(z) / (mu_c + drop)
+    if stretch > 1.0:
+        ds -= relax_per_s * (stretch - 1) * s
     # Normal direction: contact resonance while touching, the softer and slower hand in flight.
     if y > 0.0:
         return dv, ds, omega * (omega * (d - y) - 2 * zeta * w)
@@ -164,23 +165,33 @@ def linearise(
     scale_y = -0.5 * scale * scale * scale  # derivative of c by N
     if y > 0.0:
         J_sy = (scale + load * scale_y) * bending + flow * L_z * scale_y * s
-    if load < RELAX_BELOW_N:
-        relax = relax_per_s * (1 - load / RELAX_BELOW_N)
-        ds -= relax * s
-        J_ss -= relax
-        if y > 0.0:
-            J_sy += relax_per_s / RELAX_BELOW_N * s
     mu = s0 * z + s1 * scale * ds + s2 * v
     dv = (k * (X - x) + c * (V - v) - load * mu) * per_m
     J_vv = -(c + load * (s1 * scale * J_sv + s2)) * per_m
     J_vs = -flow * (s0 + s1 * J_ss) * per_m
+    J_vy = 0.0
     if y > 0.0:
         J_vy = -(mu + load * (scale_y * (s0 * s + s1 * ds) + s1 * scale * J_sy)) * per_m
+
+    # Relaxation of bristles that hardly touch or are bent beyond breakaway. It is no part of the damping sigma1.
+    if load < n0:
+        relax = relax_per_s * (1 - load / n0)
+        ds -= relax * s
+        J_ss -= relax
+        if y > 0.0:
+            J_sy += relax_per_s / n0 * s
+    stretch = s0 * abs(z) / (mu_c + drop)
+    if stretch > 1.0:
+        ds -= relax_per_s * (stretch - 1) * s
+        J_ss -= relax_per_s * (2 * stretch - 1)
+        if y > 0.0:
+            J_sy -= relax_per_s * stretch * scale_y / scale * s
+    if y > 0.0:
         dw = omega * (omega * (d - y) - 2 * zeta * w)
         return dv, ds, dw, J_vv, J_vs, J_vy, J_sv, J_ss, J_sy, -omega * omega, -2 * zeta * omega
     damping = 2 * zeta * math.sqrt(rho)
     dw = omega * (omega * (d - rho * y) - damping * w)
-    return dv, ds, dw, J_vv, J_vs, 0.0, J_sv, J_ss, J_sy, -omega * omega * rho, -damping * omega
+    return dv, ds, dw, J_vv, J_vs, J_vy, J_sv, J_ss, J_sy, -omega * omega * rho, -damping * omega
 
 
 def _coupled_loop(

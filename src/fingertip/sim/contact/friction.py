@@ -1,8 +1,9 @@
 """LuGre friction under a varying normal force: model, parameters, their bounds, and the definition of gross slip.
 
     z     = c s,   c = 1 / sqrt(N + N0)                                 mean bristle deflection
-    ds/dt = N c (v - alpha(v, z) sigma0 |v| z / g(v)) - r(N) s
-    mu    = sigma0 z + sigma1 c ds/dt + sigma2 v,   friction force N mu
+    L     = v - alpha(v, z) sigma0 |v| z / g(v)                         rate at which motion bends bristles
+    ds/dt = N c L - r(N, z) s
+    mu    = sigma0 z + sigma1 N c^2 L + sigma2 v,   friction force N mu
 
 At constant load this is the model of C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, IEEE Trans. Automatic
 Control 40(3), 1995, doi:10.1109/9.376053, with alpha = 1. The Stribeck curve g has the rational form of D. P. Hess and
@@ -12,6 +13,9 @@ V. Hayward, B. Armstrong, F. Altpeter, IEEE Trans. Automatic Control 47(5), 2002
 The state is s, because the bristles store the energy ``sigma0 s^2 / 2``. A change of the load at rest leaves s and this
 energy as they are. With z as state, as usual, the stored energy ``sigma0 N z^2 / 2`` would grow with the load, and
 nobody would have done that work. Friction is therefore passive under any load, with the bound of `Friction.is_passive`.
+
+Bristles relax at the rate ``r = R ((1 - N / N0)+ + (sigma0 |z| / mu_s - 1)+)``, which only takes energy: where the load
+is nearly gone, and where a falling load has left them more friction than breakaway. At constant load they never are.
 """
 
 from __future__ import annotations
@@ -37,7 +41,7 @@ RELAXATION_S = 1e-3
 
 The loops take it as an argument: numba's cache would not notice a change of a constant in another file."""
 RELAX_PER_S = 1 / RELAXATION_S
-"""Rate of this relaxation without load [1/s]: r(N) = RELAX_PER_S (1 - N / N0), and 0 from N0 on."""
+"""Rate R of this relaxation [1/s]."""
 STICK_SLIP_STRIBECK_M_S = 0.06
 """Stribeck velocity of `Friction.with_stick_slip` [m/s]: friction still falls at the article's speeds. Assumption."""
 GROSS_SLIP_M_S = 1e-3

@@ -4,9 +4,9 @@ States: position x [m] and velocity v [m/s] of the pad, and state s of its brist
 moving part of the linear stage that drags the pad, has position X and velocity V. N is the normal force. The equations
 cover stick, incipient slip and gross slip (`fingertip.sim.contact.friction`):
 
-    ds/dt = N c (v - sigma0 |v| z / g(v)) - r(N) s,   z = c s,   c = 1 / sqrt(N + N0)
-    mu    = sigma0 z + sigma1 c ds/dt + sigma2 v
-    m dv/dt = k (X - x) + c_mount (V - v) - N mu
+    z  = c s,   c = 1 / sqrt(N + N0),   L = v - sigma0 |v| z / g(v)
+    ds/dt   = N c L - r(N, z) s
+    m dv/dt = k (X - x) + d (V - v) - N (sigma0 z + sigma1 N c^2 L + sigma2 v)
 
 Losing contact is not singular: at N = 0 friction vanishes. A step that is too long for the stiffness of the bristles is
 refused (`admissible_step_s`). `fingertip.sim.contact.coupled` controls its own error.
@@ -194,39 +194,46 @@ def _drag_loop(
     x, v, s = state[0], state[1], state[2]
     load = N[0]
     c = 1 / math.sqrt(load + N0)
-    relax = relax_per_s * (1 - load / N0) if load < N0 else 0.0
+    unloaded = relax_per_s * (1 - load / N0) if load < N0 else 0.0  # relaxation without load, the first part of r
+    per_mu_s = 1 / (mu_c + drop)
     xs[0], vs_out[0], zs[0] = x, v, c * s
     for i in range(len(X) - 1):
         # Friction at the start of the step: g(v), ds/dt, and its derivatives J_ss by s and J_sv by v.
         ratio = v / vs
         denominator = 1 + ratio * ratio
         g = mu_c + drop / denominator
+        dg = -2 * drop * ratio / (vs * denominator * denominator)  # derivative of g by v
         speed = v if v >= 0.0 else -v
         z = c * s
         grip = load * c
-        J_ss = -grip * c * s0 * speed / g - relax
-        dg = -2 * drop * ratio / (vs * denominator * denominator)  # derivative of g by v
+        slides = grip * c * s0 * speed / g
+        L = grip * v - slides * s  # N c times the L of the equations
+        ratio = s0 * (z if z >= 0.0 else -z) * per_mu_s
+        relax = unloaded + (relax_per_s * (ratio - 1) if ratio > 1.0 else 0.0)
+        J_ss = -slides - relax - (relax_per_s * ratio if ratio > 1.0 else 0.0)
         J_sv = grip * (1 - s0 * z * ((1.0 if v >= 0.0 else -1.0) - speed * dg / g) / g)
-        ds = grip * v + J_ss * s
-        mu = s0 * z + s1 * c * ds + s2 * v
+        ds = L - relax * s
+        mu = s0 * z + s1 * c * L + s2 * v
         dv = (k * (X[i] - x) + d * (V[i] - v) - load * mu) / m
 
         # The same rates at the end of the step, for the present state: their difference is the step times the partial
         # derivative by time.
         next_load = N[i + 1]
         next_c = 1 / math.sqrt(next_load + N0)
-        next_relax = relax_per_s * (1 - next_load / N0) if next_load < N0 else 0.0
+        next_unloaded = relax_per_s * (1 - next_load / N0) if next_load < N0 else 0.0
         next_grip = next_load * next_c
-        late = next_grip * (v - next_c * s0 * speed / g * s) - next_relax * s
+        late = next_grip * (v - next_c * s0 * speed / g * s)
         late_mu = s0 * next_c * s + s1 * next_c * late + s2 * v
-        drift_s = ROS2_GAMMA * (late - ds)
+        ratio = s0 * next_c * (s if s >= 0.0 else -s) * per_mu_s
+        relax = next_unloaded + (relax_per_s * (ratio - 1) if ratio > 1.0 else 0.0)
+        drift_s = ROS2_GAMMA * (late - relax * s - ds)
         drift_v = ROS2_GAMMA * (k * (X[i + 1] - X[i]) + d * (V[i + 1] - V[i]) - (next_load * late_mu - load * mu)) / m
 
         # Row v of the Jacobian; row x is [0, 1, 0]. Eliminating x and s from (I - gamma h J) k = right-hand side leaves
         # one scalar equation for the velocity.
         J_vx = -k / m
         J_vv = -(d + load * (s1 * c * J_sv + s2)) / m
-        J_vs = -grip * (s0 + s1 * J_ss) / m
+        J_vs = -grip * (s0 - s1 * slides) / m
         pivot_s = 1 / (1 - G * J_ss)
         pivot_v = 1 / (1 - G * (J_vv + G * (J_vx + J_vs * J_sv * pivot_s)))
 
@@ -237,13 +244,15 @@ def _drag_loop(
         ks1 = (rs + G * J_sv * kv1) * pivot_s
 
         # Second stage: right-hand side at the end of the step, solved with the same matrix.
-        load, c, relax = next_load, next_c, next_relax
+        load, c, unloaded = next_load, next_c, next_unloaded
         xe, ve, se = x + h * kx1, v + h * kv1, s + h * ks1
         ratio = ve / vs
         g = mu_c + drop / (1 + ratio * ratio)
         z = c * se
-        ds = next_grip * (ve - s0 * (ve if ve >= 0.0 else -ve) * z / g) - relax * se
-        dv = (k * (X[i + 1] - xe) + d * (V[i + 1] - ve) - load * (s0 * z + s1 * c * ds + s2 * ve)) / m
+        L = next_grip * (ve - s0 * (ve if ve >= 0.0 else -ve) * z / g)
+        ratio = s0 * (z if z >= 0.0 else -z) * per_mu_s
+        ds = L - (unloaded + (relax_per_s * (ratio - 1) if ratio > 1.0 else 0.0)) * se
+        dv = (k * (X[i + 1] - xe) + d * (V[i + 1] - ve) - load * (s0 * z + s1 * c * L + s2 * ve)) / m
         rx, rv, rs = ve - 2 * kx1, dv - drift_v - 2 * kv1, ds - drift_s - 2 * ks1
         kv2 = (rv + G * (J_vx * rx + J_vs * pivot_s * rs)) * pivot_v
         kx2 = rx + G * kv2

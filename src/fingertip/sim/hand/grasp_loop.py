@@ -4,8 +4,9 @@ States: position X [m] and velocity V [m/s] of the object; for each pad, positio
 its finger and bristle state s [m sqrt(N)]. With w = v - V, the velocity of the pad over the object, normal forces N,
 and friction as in `fingertip.sim.contact.friction`:
 
-    ds/dt   = N c (w - sigma0 |w| z / g(w)) - r(N) s,   z = c s,   c = 1 / sqrt(N + N0)
-    mu      = sigma0 z + sigma1 c ds/dt + sigma2 w
+    z       = c s,   c = 1 / sqrt(N + N0),   L = w - sigma0 |w| z / g(w)
+    ds/dt   = N c L - r(N, z) s
+    mu      = sigma0 z + sigma1 N c^2 L + sigma2 w
     m dv/dt = -k x - d v - N mu
     M dV/dt = weight + sum N mu + pin,   pin = kp p (1 + lambda dp/dt), p = Xp - X > 0
 
@@ -44,6 +45,18 @@ def pin_n(k: float, damping: float, X: float, V: float, Xp: float, Vp: float) ->
     return f if f > 0.0 else 0.0
 
 
+def relax_rate(full: float, load_ratio: float, stretch: float) -> tuple[float, float]:
+    """Rate r(N, z) at which bristles relax, and the derivative of r by s, times s (`fingertip.sim.contact.friction`).
+
+    The arguments are the rate R, N / N0, and sigma0 z / mu_s.
+    """
+    r = full * (1 - load_ratio) if load_ratio < 1.0 else 0.0
+    stretch = stretch if stretch >= 0.0 else -stretch
+    if stretch <= 1.0:
+        return r, 0.0
+    return r + full * (stretch - 1), full * stretch
+
+
 def _grasp_loop(
     curve: tuple[float, float, float],
     sigma: tuple[float, float, float, float, float],
@@ -72,6 +85,7 @@ def _grasp_loop(
     # damping), state (x, v, s), load.
     mu_c, drop, vs = curve
     s0, s1, s2, relax_per_s, N0 = sigma
+    per_mu_s = 1 / (mu_c + drop)
     kp, damping = pin
     G = ROS2_GAMMA * h
     target = PAD_STATES * count  # index of the object's first state
@@ -108,17 +122,21 @@ def _grasp_loop(
             dg = -2 * drop * ratio / (vs * denominator * denominator)
             c = 1 / math.sqrt(N + N0)
             z, grip = c * s, N * c
-            J_ss = -grip * c * s0 * speed / g - (relax_per_s * (1 - N / N0) if N < N0 else 0.0)
+            slides = grip * c * s0 * speed / g
+            L = grip * w - slides * s  # N c times the L of the equations
+            relax, steeper = relax_rate(relax_per_s, N / N0, s0 * z * per_mu_s)
+            J_ss = -slides - relax - steeper
             J_sw = grip * (1 - s0 * z * ((1.0 if w >= 0.0 else -1.0) - speed * dg / g) / g)
-            ds = grip * w + J_ss * s
-            mu = s0 * z + s1 * c * ds + s2 * w
+            ds = L - relax * s
+            mu = s0 * z + s1 * c * L + s2 * w
             dv = (-k * x - d * v - N * mu) / m
 
             # Rates at the end of the step for the present state: the step times the partial derivative by time.
             c1 = 1 / math.sqrt(N1 + N0)
-            late = N1 * c1 * (w - c1 * s0 * speed / g * s) - (relax_per_s * (1 - N1 / N0) if N1 < N0 else 0.0) * s
+            late = N1 * c1 * (w - c1 * s0 * speed / g * s)
             change = N1 * (s0 * c1 * s + s1 * c1 * late + s2 * w) - N * mu
-            drift_s, drift_v = ROS2_GAMMA * (late - ds), -ROS2_GAMMA * change / m
+            relax, _ = relax_rate(relax_per_s, N1 / N0, s0 * c1 * s * per_mu_s)
+            drift_s, drift_v = ROS2_GAMMA * (late - relax * s - ds), -ROS2_GAMMA * change / m
             dV += N * mu / mass
             drift_V += ROS2_GAMMA * change / mass
 
@@ -127,7 +145,7 @@ def _grasp_loop(
             J_vx = -k / m
             e = N * (s1 * c * J_sw + s2)
             J_vv = -(d + e) / m
-            J_vs = -grip * (s0 + s1 * J_ss) / m
+            J_vs = -grip * (s0 - s1 * slides) / m
             pivot_s = 1 / (1 - G * J_ss)
             pivot_v = 1 / (1 - G * (J_vv + G * (J_vx + J_vs * J_sw * pivot_s)))
             rs = ds + drift_s
@@ -167,9 +185,10 @@ def _grasp_loop(
             ratio = w / vs
             g = mu_c + drop / (1 + ratio * ratio)
             z = c1 * se
-            ds = N1 * c1 * (w - s0 * (w if w >= 0.0 else -w) * z / g)
-            ds -= (relax_per_s * (1 - N1 / N0) if N1 < N0 else 0.0) * se
-            mu = s0 * z + s1 * c1 * ds + s2 * w
+            L = N1 * c1 * (w - s0 * (w if w >= 0.0 else -w) * z / g)
+            relax, _ = relax_rate(relax_per_s, N1 / N0, s0 * z * per_mu_s)
+            ds = L - relax * se
+            mu = s0 * z + s1 * c1 * L + s2 * w
             dv = (-k * xe - d * ve - N1 * mu) / m
             dV += N1 * mu / mass
             rx, rv, rs = (
@@ -214,7 +233,7 @@ def _grasp_loop(
     state[target + OBJECT_X], state[target + OBJECT_V], state[target + HAS_LEFT] = X, V, has_left
 
 
-run = CompiledLoop(_grasp_loop, pin_n, outputs=8, samples="x_out", plain_us=6.0)
+run = CompiledLoop(_grasp_loop, pin_n, relax_rate, outputs=8, samples="x_out", plain_us=6.0)
 """Advances the grasp over a chunk.
 
 The state (x, v, s of each pad; X, V and whether the object has left) and the scratch values are carried from chunk to

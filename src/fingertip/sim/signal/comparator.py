@@ -9,7 +9,7 @@ indicates slip.
 from __future__ import annotations
 
 import math
-from collections.abc import MutableSequence, Sequence
+from collections.abc import Iterator, MutableSequence, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -110,12 +110,7 @@ class ComparatorStream:
     """
 
     def __init__(self, comparator: Comparator, board: AnalogBoard, step_s: float) -> None:
-        issues = []
-        if board.rectifier != "precision":
-            issues.append(
-                Issue("board.rectifier", f"{board.rectifier!r} has no comparator behind it; use 'precision'.")
-            )
-        raise_issues([*issues, *find_not_positive("step_s", step_s, "s", "0.0005")])
+        raise_issues(_find_issues(board, step_s))
         self._comparator, self._board, self._step_s = comparator, board, step_s
         self._state = np.zeros(0)
         self._last = np.zeros((2, 0))
@@ -158,7 +153,15 @@ def simulate_comparator(
     TraceError
         If the board has no precision rectifier, or its outputs are not finite.
     """
+    columns = find_column_issues(filtered_v=filtered_v, envelope_v=envelope_v)
+    raise_issues([*columns, *_find_issues(board, step_s)])
     return ComparatorStream(comparator, board, step_s).process(filtered_v, envelope_v)
+
+
+def _find_issues(board: AnalogBoard, step_s: float) -> Iterator[Issue]:
+    if board.rectifier != "precision":
+        yield Issue("board.rectifier", f"{board.rectifier!r} has no comparator behind it; use 'precision'.")
+    yield from find_not_positive("step_s", step_s, "s", "0.0005")
 
 
 class SlipPin:

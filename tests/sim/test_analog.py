@@ -448,3 +448,24 @@ def test_impossible_components_are_refused(change: Callable[[], AnalogBoard], me
 def test_step_that_is_not_positive_is_refused(step):
     with pytest.raises(TraceError, match=r"step_s: .* above 0, such as 0\.0005 s"):
         simulate_board(BOARD, step, burst())
+
+
+@pytest.mark.parametrize("volts", [1e300, 1e15, -1e15, 1.1e4])
+def test_voltages_that_no_board_meets_are_refused(volts):
+    """1e300 V once gave NaN, and 1e15 V never ended."""
+    with pytest.raises(TraceError, match=r"voltage_v: .* V at sample 3 is no voltage of a board; at most 10000 V\."):
+        simulate_board(BOARD, STEP_S, np.where(np.arange(10) == 3, volts, 0.0))
+    with pytest.raises(TraceError, match="after_v"):
+        simulate_board(BOARD, STEP_S, np.zeros(10), after_v=np.where(np.arange(10) == 3, volts, 0.0))
+    with pytest.raises(TraceError, match="voltage_v of board 1"):
+        AnalogStream(BOARD, STEP_S, 2).process(np.where(np.arange(10) == 3, [[0.0], [volts]], 0.0))
+    assert np.isfinite(simulate_board(BOARD, STEP_S, np.where(np.arange(10) == 3, 1e4, 0.0)).envelope_v).all()
+
+
+@pytest.mark.parametrize("bad", [math.inf, math.nan, 0.0, -1.0])
+@pytest.mark.parametrize("name", ["R6", "C4"])
+def test_component_values_that_are_no_positive_numbers_are_refused_in_arrays_too(name, bad):
+    with pytest.raises(TraceError, match=rf"board\.{name}: .* at index 1 is refused; give a finite number above 0"):
+        BOARD.with_components(**{name: np.array([1e-6, bad, 1e-6])})
+    with pytest.raises(TraceError, match=r"diode\.saturation_a: .* at index 0 is refused"):
+        replace(BOARD, diode=replace(BOARD.diode, saturation_a=np.array([bad, 1e-9])))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -27,6 +27,32 @@ def find_not_positive(field: str, value: float, unit: str, example: str) -> list
         return []
     remedy = f"give a finite number above 0, such as {example} {unit}"
     return [Issue(field, f"{_with_unit(value, unit)} is refused; {remedy}.")]
+
+
+def find_values_not_positive(field: str, values: Array | float, unit: str, example: str) -> list[Issue]:
+    """Report the first of one or many values that is not a finite number above 0 (parameters as above)."""
+    return [
+        Issue(issue.field, issue.message.replace(" is refused", f"{place} is refused"))
+        for place, value in _select_invalid(values, zero_is_valid=False)
+        for issue in find_not_positive(field, value, unit, example)
+    ]
+
+
+def find_negative_values(field: str, values: Array | float, unit: str) -> list[Issue]:
+    """Report the first of one or many values that is not a finite number of at least 0."""
+    return [
+        Issue(issue.field, issue.message.replace(" is refused", f"{place} is refused"))
+        for place, value in _select_invalid(values, zero_is_valid=True)
+        for issue in find_negative(field, value, unit)
+    ]
+
+
+def _select_invalid(values: Array | float, zero_is_valid: bool) -> Iterator[tuple[str, float]]:
+    """Yield place and value of the first number that is not finite, or too small, if there is one."""
+    row = np.atleast_1d(np.asarray(values, dtype=np.float64)).ravel()
+    valid = np.isfinite(row) & ((row >= 0.0) if zero_is_valid else (row > 0.0))
+    for i in np.flatnonzero(~valid).tolist()[:1]:
+        yield (f" at index {i}" if row.size > 1 else ""), float(row[i])
 
 
 def find_negative(field: str, value: float, unit: str) -> list[Issue]:

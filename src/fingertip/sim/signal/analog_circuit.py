@@ -28,7 +28,7 @@ from fingertip.design import Design
 from fingertip.errors import Issue
 from fingertip.sim.signal.envelope_loop import ABSCISSAE, BLOCK, LEVELS
 from fingertip.sim.signal.exact_steps import augment, exponentials
-from fingertip.sim.validation import find_negative, find_not_positive, raise_issues
+from fingertip.sim.validation import find_negative_values, find_not_positive, find_values_not_positive, raise_issues
 
 COMPONENTS = (
     "R1", "R2", "R3", "R4", "R5", "R6", "C1", "C2", "C3", "C4", "C14", "C20", "R15", "R16", "R17",
@@ -73,12 +73,12 @@ class AnalogBoard:
         issues = []
         for name, value in self.components.items():
             unit, example = ("ohm", "1000") if name.startswith("R") else ("F", "1e-6")
-            issues.extend(find_not_positive(f"board.{name}", float(np.min(value)), unit, example))
+            issues.extend(find_values_not_positive(f"board.{name}", value, unit, example))
         d = self.diode
-        issues.extend(find_not_positive("diode.saturation_a", float(np.min(d.saturation_a)), "A", "2.52e-9"))
-        issues.extend(find_not_positive("diode.emission", float(np.min(d.emission)), "", "1.752"))
-        issues.extend(find_negative("diode.series_ohm", float(np.min(d.series_ohm)), "ohm"))
-        issues.extend(find_not_positive("diode.thermal_v", float(np.min(d.thermal_v)), "V", "0.0259"))
+        issues.extend(find_values_not_positive("diode.saturation_a", d.saturation_a, "A", "2.52e-9"))
+        issues.extend(find_values_not_positive("diode.emission", d.emission, "", "1.752"))
+        issues.extend(find_negative_values("diode.series_ohm", d.series_ohm, "ohm"))
+        issues.extend(find_values_not_positive("diode.thermal_v", d.thermal_v, "V", "0.0259"))
         if self.rail_v is not None:
             issues.extend(find_not_positive("board.rail_v", self.rail_v, "V", "3.5"))
             if any(term.equation == term.net == FILTERED for term in self.network.terms if term.order):
@@ -140,7 +140,7 @@ class AnalogBoard:
         ]
         for name, value in values.items():
             unit, example = ("ohm", "1000") if name.startswith("R") else ("F", "1e-6")
-            issues += find_not_positive(f"board.{name}", float(np.min(value)), unit, example)
+            issues += find_values_not_positive(f"board.{name}", value, unit, example)
         raise_issues(issues)
         quantities = {name: 1 / value if name.startswith("R") else value for name, value in values.items()}
         return replace(self, network=self.network.with_values(quantities))

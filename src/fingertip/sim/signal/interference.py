@@ -18,6 +18,8 @@ HAND_BAND_HZ = (30.0, 90.0)
 """Band of a hand's vibration [Hz]."""
 _PINK_OCTAVES = 16
 """Number of first-order processes that add up to pink noise, one per octave down from half the base grid's rate."""
+_BAND_STATES = 8
+"""Number of states of the filters behind a hand's vibration: two sections of order 2 in each of two filters."""
 _GONE = 40.0
 """Number of decay times after which a jump of the cable has decayed to nothing."""
 
@@ -145,7 +147,7 @@ class PinkNoise:
 
 
 class HandVibration:
-    """Noise in the band of a hand's vibration, chunk by chunk: white noise behind two Butterworth filters of order 2.
+    """Noise in the band of a hand's vibration, chunk by chunk: white noise behind two Butterworth filters of order 4.
 
     Parameters
     ----------
@@ -159,12 +161,12 @@ class HandVibration:
 
     def __init__(self, grid: Grid, deviation_v: float, stream: Stream) -> None:
         low, high = HAND_BAND_HZ
-        self._sections = (*_butterworth(low, True), *_butterworth(high, False))
+        self._sections = (*_design_butterworth(low, True), *_design_butterworth(high, False))
         impulse, response = np.zeros(round(BASE_HZ)), np.zeros(round(BASE_HZ))
         impulse[0] = 1.0
-        _band_pass(self._sections, impulse, np.zeros(4), response)
+        _band_pass(self._sections, impulse, np.zeros(_BAND_STATES), response)
         self._deviation = deviation_v / math.sqrt(float(np.sum(response * response)))
-        self._state, self._stream = np.zeros(4), stream
+        self._state, self._stream = np.zeros(_BAND_STATES), stream
         self._draw(round(BASE_HZ / 2))  # the filters are settled when the recording begins
         self._refined = RefinedNoise(grid, self._draw)
 
@@ -208,12 +210,17 @@ class RefinedNoise:
         return np.asarray(out)
 
 
-def _butterworth(corner_hz: float, is_high_pass: bool) -> tuple[float, float, float, float, float]:
-    """Coefficients b0, b1, b2, a1, a2 of a Butterworth filter of order 2 on the base grid (bilinear transform)."""
+def _design_butterworth(corner_hz: float, is_high_pass: bool) -> tuple[float, ...]:
+    """Coefficients b0, b1, b2, a1, a2 of both sections of a Butterworth filter of order 4 (bilinear transform)."""
     k = math.tan(math.pi * corner_hz / BASE_HZ)
-    scale = 1 / (1 + math.sqrt(2.0) * k + k * k)
-    b = (scale, -2 * scale, scale) if is_high_pass else (k * k * scale, 2 * k * k * scale, k * k * scale)
-    return (*b, 2 * (k * k - 1) * scale, (1 - math.sqrt(2.0) * k + k * k) * scale)
+    found: list[float] = []
+    for pole in (1, 3):
+        damping = 2 * math.sin(pole * math.pi / 8)  # 1 / Q of the section
+        scale = 1 / (1 + damping * k + k * k)
+        b0 = scale if is_high_pass else k * k * scale
+        b1 = -2 * b0 if is_high_pass else 2 * b0
+        found += [b0, b1, b0, 2 * (k * k - 1) * scale, (1 - damping * k + k * k) * scale]
+    return tuple(found)
 
 
 def _hum_loop(
@@ -245,19 +252,18 @@ def _pink_loop(
 def _band_pass_loop(
     sections: tuple[float, ...], white: Sequence[float], state: MutableSequence[float], out: MutableSequence[float]
 ) -> None:
-    """Apply two sections of order 2 (transposed direct form II)."""
-    b0, b1, b2, a1, a2, e0, e1, e2, f1, f2 = sections
-    p, q, r, s = state[0], state[1], state[2], state[3]
+    """Apply sections of order 2 one after the other (transposed direct form II)."""
     for i in range(len(white)):
         x = white[i]
-        y = b0 * x + p
-        p, q = b1 * x - a1 * y + q, b2 * x - a2 * y
-        z = e0 * y + r
-        r, s = e1 * y - f1 * z + s, e2 * y - f2 * z
-        out[i] = z
-    state[0], state[1], state[2], state[3] = p, q, r, s
+        for j in range(len(sections) // 5):
+            b0, b1, b2 = sections[5 * j], sections[5 * j + 1], sections[5 * j + 2]
+            y = b0 * x + state[2 * j]
+            state[2 * j] = b1 * x - sections[5 * j + 3] * y + state[2 * j + 1]
+            state[2 * j + 1] = b2 * x - sections[5 * j + 4] * y
+            x = y
+        out[i] = x
 
 
 _hum = CompiledLoop(_hum_loop, outputs=1, samples="time", plain_us=0.6)
 _pink = CompiledLoop(_pink_loop, outputs=2, samples="out", plain_us=4.0)
-_band_pass = CompiledLoop(_band_pass_loop, outputs=2, samples="white", plain_us=0.7)
+_band_pass = CompiledLoop(_band_pass_loop, outputs=2, samples="white", plain_us=3.0)

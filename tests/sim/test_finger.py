@@ -1,0 +1,322 @@
+"""One finger: chunks, sampling rates, converters and interference, in scenes and in a hand."""
+
+from __future__ import annotations
+
+import io
+import math
+import random
+import tracemalloc
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.design import Design
+from fingertip.errors import TraceError
+from fingertip.jit import compiled
+from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene
+from fingertip.sim.contact.pad import Pad
+from fingertip.sim.contact.surface_profile import average_over_patch, generate_profile
+from fingertip.sim.finger import FingerSignals
+from fingertip.sim.grid import BASE_HZ, Grid, SampleClock, Sampler, count_samples
+from fingertip.sim.randomness import open_stream
+from fingertip.sim.scene.run import SceneRun, stream_scene
+from fingertip.sim.scene.scene_file import OUTPUTS
+from fingertip.sim.signal.converter import AdcRange
+from fingertip.sim.signal.interference import HandVibration, PinkNoise, compute_hum_v
+from fingertip.sim.signal.parameters import Noise
+from fingertip.sim.trace_export import encode_trace, open_trace
+from tests.conftest import ROOT
+
+DESIGN = Design(board={"variant": "comparator"})
+SCENES = [path for path in sorted((ROOT / "params/scenes").glob("*.toml")) if path.stem != "real_manipulation"]
+EVERYTHING = {
+    "noise": {"pink_v": 1e-4, "hand_v": 2e-4, "hum_v": 1e-3},
+    "cable": {"step_v": 0.02, "hum_v": 0.005, "at_s": 0.2},
+    "drift": {"share_per_decade": 0.05, "volt_per_s": 0.001},
+    "sensing": {"jitter_s": 2e-5},
+    "converter": {"bits": 12},
+}
+
+
+def record_all(path: Path, **changes) -> SceneFile:
+    """A bundled scene that records every output."""
+    return SceneFile.load(path).model_copy(update={"outputs": [*OUTPUTS], **changes})
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_chunks_change_no_bit(path):
+    scene = record_all(path)
+    with compiled():
+        whole = run_scene(DESIGN, scene, 2).signals
+        for size in (997, 4096):
+            parts = FingerSignals.join([*SceneRun(DESIGN, scene, 2).chunks(size)])
+            for name in ("time_s", *OUTPUTS):
+                assert np.array_equal(getattr(parts, name), getattr(whole, name)), (name, size)
+
+
+@pytest.mark.parametrize("rate", [1000.0, 3000.0, 20_000.0])
+@pytest.mark.parametrize("refinement", [1, 3])
+def test_chunks_change_no_bit_at_any_rate_with_all_interference(rate, refinement):
+    design = Design(detector={"sample_rate_hz": rate}, board={"variant": "comparator"})
+    tables = {"hold": {"wait_s": 0.05}, "slide": {"distance_m": 0.004}, "outputs": [*OUTPUTS]} | EVERYTHING
+    for contact in ({}, {"feedback": True}, {"bristles": "elasto_plastic"}):
+        scene, grid = SceneFile(**tables, contact=contact), Grid(refinement)
+        with compiled():
+            whole = run_scene(design, scene, 2, grid=grid).signals
+            parts = FingerSignals.join([*SceneRun(design, scene, 2, grid).chunks(1303)])
+        for name in ("time_s", *OUTPUTS):
+            assert np.array_equal(getattr(parts, name), getattr(whole, name)), (name, contact)
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_plain_python_and_compiled_loops_give_the_same_bytes(path):
+    scene = record_all(path)
+    scene = scene.model_copy(update={"hold": scene.hold.model_copy(update={"wait_s": 0.1, "min_s": 0.5})})
+    plain = run_scene(DESIGN, scene, 4)
+    with compiled():
+        fast = run_scene(DESIGN, scene, 4)
+    for name in OUTPUTS:
+        assert np.array_equal(plain.columns[name], fast.columns[name]), name
+    assert len(plain.columns) == len(OUTPUTS)
+
+
+@pytest.mark.slow
+def test_plain_python_and_compiled_loops_give_the_same_bytes_with_everything_and_in_a_hand():
+    tables = {"hold": {"wait_s": 0.05}, "slide": {"distance_m": 0.004}, "outputs": [*OUTPUTS]} | EVERYTHING
+    hand = ManipulationFile(
+        outputs=["voltage_v", "force_n", "slip", "envelope_v", "slip_pin_v", "object_m", "sampled_envelope_v"],
+        grasp={"after_s": 0.2},
+        **EVERYTHING,
+    )
+    scenes = [
+        SceneFile(**tables, contact=contact)
+        for contact in (
+            {},
+            {"feedback": True},
+            {"bristles": "elasto_plastic"},
+            {"patch_average": True, "stick_slip": True},
+        )
+    ]
+    plain = [run_scene(DESIGN, scene, 4).columns for scene in scenes] + [
+        run_manipulation(DESIGN, hand, None, 4).columns
+    ]
+    with compiled():
+        fast = [run_scene(DESIGN, s, 4).columns for s in scenes] + [run_manipulation(DESIGN, hand, None, 4).columns]
+    for one, other in zip(plain, fast, strict=True):
+        assert one.keys() == other.keys()
+        for name in one:
+            assert np.array_equal(one[name], other[name]), name
+
+
+@pytest.mark.parametrize("variant", ["article", "precision"])
+@pytest.mark.parametrize("surface", ["wood", "gross"])
+def test_board_does_not_know_the_sampling_rate(variant, surface):
+    """The envelope's mean over a slide is the same at every rate: at C_LP to 0.1 %, at the converter to 0.5 %."""
+    scene = SceneFile(
+        contact={"surface": surface}, hold={"min_force_n": 2.0, "max_force_n": 2.0},
+        slide={"distance_m": 0.04, "speed_m_s": 0.08}, sensing={"noise": False},
+        outputs=["envelope_v", "sampled_envelope_v"],
+    )  # fmt: skip
+    at_board, at_converter, points = [], [], []
+    for rate in (1000.0, 2000.0, 3000.0, 5000.0, 20_000.0):
+        design = Design(detector={"sample_rate_hz": rate, "noise_v": 0.0, "adc_bits": 24}, board={"variant": variant})
+        run = SceneRun(design, scene, 3)
+        with compiled():
+            found = run_scene(design, scene, 3)
+        start, end = round(run.timeline.slide.start_s + 0.12, 2), round(run.timeline.slide.end_s - 0.06, 2)
+        during = (found.time_s >= start - 1e-9) & (found.time_s < end + 1e-9)
+        for means, name in ((at_board, "envelope_v"), (at_converter, "sampled_envelope_v")):
+            means.append(np.trapezoid(found.columns[name][during], found.time_s[during]) / (end - start))
+        every = round(rate / 1000)
+        points.append(found.columns["envelope_v"][::every])
+    assert max(at_board) / min(at_board) - 1 < 1e-3
+    assert max(at_converter) / min(at_converter) - 1 < 5e-3
+    assert at_board[0] > 1e-3
+    for other in points[1:]:  # the same bits wherever both are sampled at a point of the grid
+        shared = min(len(other), len(points[0]))
+        assert np.array_equal(other[:shared], points[0][:shared])
+
+
+def test_stream_needs_no_more_memory_for_a_longer_scene():
+    def peak_mb(seconds: float) -> float:
+        scene = SceneFile(hold={"min_s": seconds}, outputs=["voltage_v", "force_n", "slip"])
+        tracemalloc.start()
+        record = stream_scene(Design(), scene, lambda chunk: None, 1)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert record.duration_s > seconds
+        return peak / 1e6
+
+    with compiled():
+        peak_mb(5.0)
+        short, long = peak_mb(10.0), peak_mb(60.0)
+    assert long < 1.1 * short
+
+
+@pytest.mark.parametrize("suffix", ["csv", "npz"])
+def test_trace_in_chunks_has_the_bytes_of_the_whole(suffix):
+    result = run_scene(DESIGN, record_all(SCENES[0]), 1)
+    path, out = Path(f"trace.{suffix}"), io.BytesIO()
+    writer = open_trace(out, path, [*OUTPUTS])
+    for a, b in pairwise((0, 1, 700, 5000, len(result.time_s))):
+        writer.write(result.time_s[a:b], {name: values[a:b] for name, values in result.columns.items()})
+    writer.close()
+    assert out.getvalue() == encode_trace(result.time_s, result.columns, path)
+
+
+def test_long_scene_runs_compiled_and_a_trial_plain(monkeypatch):
+    entered = []
+    monkeypatch.setattr(
+        "fingertip.sim.scene.run.jit.compiled", lambda progress: entered.append(1) or compiled(progress)
+    )
+    run_scene(Design(), Trial().scene, 0)
+    assert not entered
+    run_scene(Design(), SceneFile(hold={"min_s": 400.0}, outputs=["force_n"]), 0)
+    assert entered
+
+
+@pytest.mark.parametrize("rate", [1000.0, 2000.0, 3000.0, 2500.0, 1999.7, 20_000.0])
+def test_samples_lie_on_the_straight_line_between_points(rate):
+    grid, clock, sampler = Grid(), SampleClock(Grid(), rate), Sampler()
+    count = grid.count_points(0.5, rate)
+    values = 3.0 * grid.time_s(0, count) + 1.0
+    times, found = [], []
+    for a, b in pairwise((0, 1, 2, 5, 1000, 1001, count)):
+        at = clock.advance(b - a)
+        times.append(at.time_s)
+        found.append(sampler.process(values[a:b], at))
+    time_s = np.concatenate(times)
+    assert np.array_equal(time_s, np.arange(count_samples(0.5, rate)) / rate)
+    assert np.concatenate(found) == pytest.approx(3.0 * time_s + 1.0, abs=1e-12)
+
+
+def test_hand_has_drift_cable_jitter_and_interference_too():
+    quick = {"outputs": ["voltage_v"], "grasp": {"kind": "pinch", "after_s": 0.0}, "knock": {"speed_m_s": 0.0}}
+    usual = run_manipulation(Design(), ManipulationFile(**quick), None, 1).output("voltage_v")
+    for table, values in EVERYTHING.items():
+        changed = run_manipulation(Design(), ManipulationFile(**quick, **{table: values}), None, 1).output("voltage_v")
+        assert np.abs(changed - usual).max() > 1e-4, table
+    # No two fingers share their noise.
+    noisy = run_manipulation(Design(), ManipulationFile(**quick, noise={"pink_v": 0.01}), None, 1).output("voltage_v")
+    assert abs(np.corrcoef(noisy[:, :500])[0, 1]) < 0.9
+
+
+def power_density(values: np.ndarray, rate_hz: float, length: int = 8192) -> tuple[np.ndarray, np.ndarray]:
+    """Frequency [Hz] and one-sided power spectral density, by Welch's method."""
+    window = np.hanning(length)
+    parts = np.lib.stride_tricks.sliding_window_view(values, length)[:: length // 2]
+    power = (np.abs(np.fft.rfft(parts * window, axis=1)) ** 2).mean(axis=0) * 2 / (rate_hz * np.sum(window**2))
+    return np.fft.rfftfreq(length, 1 / rate_hz), power
+
+
+def test_pink_noise_has_the_same_power_in_every_decade():
+    with compiled():
+        noise = PinkNoise(Grid(), 1e-3, open_stream(3, "test"))
+        values = np.concatenate([noise.process(250_000) for _ in range(8)])
+    frequency, power = power_density(values, BASE_HZ, 32_768)
+    for low in (2.0, 10.0, 50.0, 150.0):
+        band = (frequency >= low) & (frequency < 10 * low)
+        decade = math.sqrt(power[band].sum() * frequency[1])
+        assert decade == pytest.approx(1e-3, rel=0.08), low
+    slope = np.polyfit(np.log10(frequency[(frequency > 2) & (frequency < 1500)]),
+                       np.log10(power[(frequency > 2) & (frequency < 1500)]), 1)[0]  # fmt: skip
+    assert slope == pytest.approx(-1.0, abs=0.05)
+
+
+def test_vibration_of_a_hand_lies_in_its_band():
+    with compiled():
+        values = HandVibration(Grid(), 3e-4, open_stream(3, "test")).process(1_000_000)
+    assert values.std() == pytest.approx(3e-4, rel=0.02)
+    frequency, power = power_density(values, BASE_HZ)
+    inside = (frequency > 25) & (frequency < 105)
+    assert power[inside].sum() > 0.9 * power.sum()
+    assert power[frequency > 300].sum() < 0.01 * power.sum()
+
+
+def test_hum_has_its_harmonics():
+    time_s = Grid().time_s(0, 10_000)
+    values = compute_hum_v(Noise(hum_v=1e-3, hum_third=0.2, hum_fifth=0.1), time_s)
+    lines = 2 * np.abs(np.fft.rfft(values)) / len(values)
+    assert lines[[50, 150, 250]] == pytest.approx([1e-3, 2e-4, 1e-4], rel=1e-9)
+
+
+def test_noise_is_the_same_on_a_finer_grid():
+    for make in (
+        lambda grid: PinkNoise(grid, 1e-3, open_stream(1, "x")),
+        lambda g: HandVibration(g, 1e-3, open_stream(1, "x")),
+    ):
+        base, fine = make(Grid()).process(500), make(Grid(4))
+        found = np.concatenate([fine.process(n) for n in (1, 3, 700, 1293)])
+        assert np.array_equal(found[::4][:499], base[:499])
+        assert found[2] == pytest.approx((base[0] + base[1]) / 2)
+
+
+def test_hand_vibration_needs_contact():
+    scene = SceneFile(
+        hold={"wait_s": 0.2}, noise={"hand_v": 5e-3}, sensing={"noise": False}, outputs=["tactile_v", "force_n"]
+    )
+    found = run_scene(Design(), scene, 0).columns
+    air = found["force_n"] == 0.0
+    assert np.ptp(found["tactile_v"][air]) < 1e-12
+    assert found["tactile_v"][~air].std() > 4e-3
+
+
+@pytest.mark.parametrize(("bits", "high_v"), [(10, 5.0), (12, 3.3)])
+def test_converter_of_a_microcontroller_gives_its_steps(bits, high_v):
+    scene = SceneFile(hold={"wait_s": 0.2}, converter={"bits": bits, "high_v": high_v})
+    volts = run_scene(Design(), scene, 0).columns["voltage_v"]
+    codes = volts / (high_v / 2**bits)
+    assert np.abs(codes - np.round(codes)).max() < 1e-6
+    assert volts.max() <= high_v - high_v / 2**bits + 1e-9
+    assert AdcRange(bits, 0.0, high_v).quantise_v(np.array([-1.0, 99.0])) == pytest.approx(
+        [0.0, high_v - high_v / 2**bits]
+    )
+
+
+@pytest.mark.parametrize("bad", [{"bits": 10, "low_v": 5.0}, {"bits": 3}, {"bits": 25}])
+def test_impossible_converters_are_refused(bad):
+    with pytest.raises(TraceError, match=r"converter\."):
+        SceneFile(converter=bad)
+
+
+def test_average_over_the_patch_is_the_pressure_weighted_mean():
+    """Against a sum over the disc, and by how much it lowers the vibration of a slide."""
+    pad = Pad.from_design(Design())
+    radius = pad.patch_radius_m(1.0)
+    assert radius == pytest.approx(2.05e-3, abs=0.01e-3)
+    x, y = np.meshgrid(np.linspace(-1, 1, 801), np.linspace(-1, 1, 801))
+    weight = np.sqrt(np.clip(1 - x * x - y * y, 0.0, None))
+    for wavelength in (0.2e-3, 0.8e-3, 3e-3, 50e-3):
+        u = 2 * math.pi * radius / wavelength
+        assert average_over_patch(u) == pytest.approx((weight * np.cos(u * x)).sum() / weight.sum(), abs=2e-3)
+    scene = Trial("medium", 0.06, 1.0, 1).scene.model_copy(update={"outputs": ["force_n", "slip"]})
+    spread = []
+    for average in (False, True):
+        contact = scene.contact.model_copy(update={"patch_average": average})
+        found = run_scene(Design(), scene.model_copy(update={"contact": contact}), 1).columns
+        spread.append(found["force_n"][found["slip"]][200:1000].std())
+    assert 15 < spread[0] / spread[1] < 60
+
+
+def test_stick_slip_lets_the_pad_stop_during_a_slide():
+    scene = Trial("medium", 0.06, 2.0, 1).scene.model_copy(update={"outputs": ["velocity_m_s", "slip"]})
+    still = []
+    for stick_slip in (False, True):
+        contact = scene.contact.model_copy(update={"stick_slip": stick_slip})
+        found = run_scene(Design(), scene.model_copy(update={"contact": contact}), 1)
+        since_s = found.time_s - found.record.slips[0].onset_s
+        during = (since_s > 0.1) & (since_s < 0.5)
+        still.append((found.columns["velocity_m_s"][during] < 1e-3).mean())
+    assert still[0] == 0.0
+    assert still[1] > 0.03
+
+
+def test_profile_slopes_are_the_derivative_of_its_heights():
+    profile = generate_profile(random.Random(4), 1.6, 0.8e-3, -1e-3, 0.01)
+    inner = np.gradient(profile.heights_m, 5e-6)[1:-1]
+    assert np.abs(inner - profile.slopes[1:-1]).max() < 0.1 * np.abs(inner).max()
+    # The cubic passes through the points.
+    at = -1e-3 + np.arange(100) * 5e-6
+    assert profile.height_m(at) == pytest.approx(profile.heights_m[:100], abs=1e-15)

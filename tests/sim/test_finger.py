@@ -127,9 +127,10 @@ def test_board_does_not_know_the_sampling_rate(variant, surface):
             found = run_scene(design, scene, 3)
         start, end = round(run.timeline.slide.start_s + 0.12, 2), round(run.timeline.slide.end_s - 0.06, 2)
         during = (found.time_s >= start - 1e-9) & (found.time_s < end + 1e-9)
-        for means, name in ((at_board, "envelope_v"), (at_converter, "sampled_envelope_v")):
-            means.append(np.trapezoid(found.columns[name][during], found.time_s[during]) / (end - start))
-        every = round(rate / 1000)
+        every = round(rate / 1000)  # the board's own voltage is compared at the same moments, 1 ms apart
+        at_board.append(found.columns["envelope_v"][during][::every].mean())
+        mean_v = np.trapezoid(found.columns["sampled_envelope_v"][during], found.time_s[during]) / (end - start)
+        at_converter.append(mean_v)
         points.append(found.columns["envelope_v"][::every])
     assert max(at_board) / min(at_board) - 1 < 1e-3
     assert max(at_converter) / min(at_converter) - 1 < 5e-3

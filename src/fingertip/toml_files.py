@@ -44,7 +44,8 @@ SCENE = FileKind(
     "scene",
     frozenset(
         {
-            "scene", "outputs", "contact", "hold", "slide", "load_change", "tap", "motor", "drift", "cable", "sensing",
+            "scene", "outputs", "contact", "hold", "slide", "load_change", "tap", "motor", "drift", "cable", "noise",
+            "sensing", "converter",
         }
     ),
     "hard_tap",
@@ -52,7 +53,21 @@ SCENE = FileKind(
 )  # fmt: skip
 MANIPULATION = FileKind(
     "manipulation",
-    frozenset({"scene", "outputs", "object", "grasp", "knock", "hand", "sensing"}),
+    frozenset(
+        {
+            "scene",
+            "outputs",
+            "object",
+            "grasp",
+            "knock",
+            "hand",
+            "drift",
+            "cable",
+            "noise",
+            "sensing",
+            "converter",
+        }
+    ),
     "real_manipulation",
     "`fingertip simulate` takes a manipulation file as its first argument",
 )

@@ -178,11 +178,15 @@ def test_matched_threshold_is_the_lowest_one_that_keeps_the_alarm_rate():
 
 @pytest.mark.slow
 def test_mean_delay_is_above_the_bound_and_less_noise_lowers_the_bound():
-    plan = CampaignPlan(16, 0.5)
+    plan = CampaignPlan(96, 0.5)
     bounds = np.array(compute_bounds_s(Design(), plan))
-    assert len(bounds) == 16
+    assert len(bounds) == 96
     delays = np.array(run_campaign(Design(), plan, ("fast",), (1.0,)).at_nominal_threshold("fast").delays_s)
-    assert np.mean(delays) >= np.mean(bounds)  # the bound limits the average, not each delay
+    assert len(delays) == 96
+    # The bound limits the average over the noise, not each delay, so chance may lower it by two standard errors.
+    above = delays - bounds
+    assert np.mean(above) >= -2 * np.std(above) / np.sqrt(len(above))
+    assert np.mean(above) < 2e-3
     assert np.median(delays) < 2 * np.median(bounds)
     quieter = compute_bounds_s(Design(detector={"noise_v": 1e-4, "adc_bits": 20}), plan)
     assert np.median(quieter) < np.median(bounds)

@@ -114,7 +114,10 @@ def test_scene_outputs_the_slip_pin_only_for_boards_that_have_one():
         outputs=["slip", "slip_pin_v"],
     )
     found = run_scene(DESIGN, tables, 1)
-    assert [stage.name for stage in found.stages][-2:] == ["filter board", "comparator"]
+    assert [stage.name for stage in found.stages if "board" in stage.name or "comp" in stage.name][-2:] == [
+        "filter board",
+        "comparator",
+    ]
     low = found.columns["slip_pin_v"] < 2.5
     assert set(found.columns["slip_pin_v"].tolist()) == {0.0, 5.0}
     assert low[found.columns["slip"]].mean() > 0.8

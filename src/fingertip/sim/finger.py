@@ -20,7 +20,7 @@ from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surface_profile import SurfaceProfile, generate_profile
 from fingertip.sim.contact.surfaces import Surface
-from fingertip.sim.contact.vibration import ContactResonance, ProfileForce
+from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, transmit
 from fingertip.sim.cost import CostMeter, StageCost
 from fingertip.sim.grid import Grid, Instants, SampleClock, Sampler
 from fingertip.sim.randomness import draw_noise, open_stream
@@ -57,6 +57,8 @@ class FingerDrive:
     """Quasi-static normal load [N]."""
     push_n: Array | None = None
     """Other forces that shake the pad while it touches [N]."""
+    push_jump_n: Array | None = None
+    """Jump of these forces right after the previous point [N]. None: they do not jump."""
     path_m: Array | None = None
     """Position of the pad over the surface [m]."""
     velocity_m_s: Array | None = None
@@ -126,7 +128,7 @@ class FingerSetup:
     profile_length_m: float = 0.0
     """Length of the profile [m]."""
     patch_average: bool = False
-    """Whether the pad averages the profile over its contact patch."""
+    """True if the pad averages the profile over its contact patch."""
     sensing: Sensing = field(default_factory=Sensing)
     converter: ConverterInput = field(default_factory=ConverterInput)
     drift: Drift = field(default_factory=Drift)
@@ -252,9 +254,10 @@ class _Contact:
             with self._meter.stage("profile", 1, len(force)):
                 force = force + self._profile.process(drive.load_n, drive.path_m)
         if drive.push_n is not None:
-            force = force + np.where(drive.load_n > 0.0, drive.push_n, 0.0)
+            force = force + transmit(drive.load_n) * drive.push_n
         with self._meter.stage("contact", 2, len(force)):
-            return self._resonance.process(force, drive.load_n)
+            jump_n = None if drive.push_jump_n is None else transmit(drive.load_n) * drive.push_jump_n
+            return self._resonance.process(force, drive.load_n, jump_n)
 
 
 class _BridgeVoltage:

@@ -17,6 +17,7 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.jit import CompiledLoop
+from fingertip.sim.contact.friction import LOAD_SCALE_N
 from fingertip.sim.contact.pad import Pad, cube_root
 from fingertip.sim.contact.surface_profile import SurfaceProfile
 
@@ -24,6 +25,15 @@ _HAND, _HEIGHT = range(2)
 """Indices of the state of the hand that follows a surface: its height, and the previous height of the surface [m]."""
 _FORCE, _RATE, _DRIVE = range(3)
 """Indices of the state of the resonance: force [N], its rate [N/s], and the previous drive [N]."""
+
+
+def transmit(load_n: Array) -> Array:
+    """Fraction of a shaking force that reaches the contact: all of it under load, and none without contact.
+
+    It begins in proportion to the load. A force that began all at once, between two points of the grid, would have no
+    order 2.
+    """
+    return np.asarray(load_n / (load_n + LOAD_SCALE_N))
 
 
 class ProfileForce:
@@ -55,8 +65,9 @@ class ProfileForce:
         if self._state is None:
             self._state = np.array([height[0], height[0]])  # the hand has followed the surface so far
         deflection = high_pass(height, self._step_s, self._hand_hz, self._state)
-        # The load presses the pad into the profile: stiffness at the present force, and none without contact.
-        return self._stiffness_at_1n * cube_root(load_n) * deflection
+        # The load N presses the pad into the profile: stiffness at the present force, and none without contact. It
+        # grows with N^(1/3), but begins in proportion to N: a force with a vertical slope would cost the order 2.
+        return self._stiffness_at_1n * load_n / cube_root(load_n + LOAD_SCALE_N) ** 2 * deflection
 
 
 class ContactResonance:
@@ -83,10 +94,14 @@ class ContactResonance:
         self._free = (C + zeta * w * S, S, -w * w * S, C - zeta * w * S)
         self._lag, self._step_s, self._state = 2 * zeta / w, h, np.zeros(3)
 
-    def process(self, drive_n: Array, load_n: Array) -> Array:
-        """Return the contact force [N] under a drive [N]; the finger touches where the load is above 0."""
+    def process(self, drive_n: Array, load_n: Array, jump_n: Array | None = None) -> Array:
+        """Return the contact force [N] under a drive [N]; the finger touches where the load is above 0.
+
+        A drive may jump by `jump_n` right after the previous point.
+        """
         out = np.zeros(len(drive_n))
-        _resonate(self._free, self._lag, self._step_s, drive_n, load_n, self._state, out)
+        jumps = np.zeros(len(drive_n)) if jump_n is None else jump_n
+        _resonate(self._free, self._lag, self._step_s, drive_n, jumps, load_n, self._state, out)
         return out
 
 
@@ -135,6 +150,7 @@ def _resonance_loop(
     lag: float,
     h: float,
     drive: Sequence[float],
+    jump: Sequence[float],
     load: Sequence[float],
     state: MutableSequence[float],
     out: MutableSequence[float],
@@ -143,6 +159,7 @@ def _resonance_loop(
     a11, a12, a21, a22 = free
     y, rate, before = state[_FORCE], state[_RATE], state[_DRIVE]
     for i in range(len(drive)):
+        before += jump[i]
         now = drive[i]
         if load[i] > 0.0:
             # Subtract the particular solution (drive - lag * ramp), advance the free part, add the solution again.

@@ -30,6 +30,20 @@ POSITION_TOLERANCE_M = 1e-9
 """Distance from its command at which a motor stops [m]."""
 
 
+@dataclass(frozen=True, eq=False)
+class MotorMotion:
+    """Motion of the fingers at the next points, (fingers, points)."""
+
+    closing_m: Array
+    """Closing [m]."""
+    force_n: Array
+    """Force with which the finger presses [N]."""
+    vibration_n: Array
+    """Force with which the motor shakes its finger [N]."""
+    jump_n: Array
+    """Jump of this force right after the previous point, where a new command changes the velocity [N]."""
+
+
 @dataclass
 class Motors:
     """Closing of the fingers and the forces they press with, carried from chunk to chunk."""
@@ -46,43 +60,41 @@ class Motors:
     closing_m: Array = field(init=False)
     """Present closing of each finger [m]."""
     _phase: Array = field(init=False)  # phase of each motor's vibration [rad]
+    _shaking: Array = field(init=False)  # present force of each motor's vibration [N]
+    _moved: Array = field(init=False)  # 1 if a finger has moved since the forces were balanced
     _root: Array = field(init=False)  # cube root of each force [N^(1/3)], the start of Newton's method
 
     def __post_init__(self) -> None:
         count = len(self.fingers)
-        self.closing_m, self._phase, self._root = (np.zeros(count) for _ in range(3))
+        self._moved = np.ones(1)
+        self.closing_m, self._phase, self._shaking, self._root = (np.zeros(count) for _ in range(4))
 
     @property
     def stall_closing_m(self) -> Array:
         """Closing at which each tendon stalls while the other side stands still [m]."""
         return self.reach_m + self.pad.depth_m(self.hand.max_force_n)
 
-    def follow(self, command_m: Array) -> tuple[Array, Array, Array]:
+    def follow(self, command_m: Array) -> MotorMotion:
         """Advance the motors over a chunk.
 
         Parameters
         ----------
         command_m
-            Commanded closing [m] from each sample to the next, (fingers, samples).
-
-        Returns
-        -------
-        tuple of three arrays
-            Closing [m], force [N] and vibration of the motor [N] of each finger at the next samples.
+            Commanded closing [m] from each point to the next, (fingers, points).
         """
         goal = np.clip(command_m, 0.0, self.stall_closing_m[:, None])
         if all(name in self.fingers for name in SHARED_MOTOR):
             both = [self.fingers.index(name) for name in SHARED_MOTOR]
             goal[both] = goal[both].max(axis=0)
         count, length = goal.shape
-        closing, force, vibration = (np.zeros(count * length) for _ in range(3))
+        closing, force, vibration, jump = (np.zeros(count * length) for _ in range(4))
         h, hand = self.step_s, self.hand
         _follow(
-            (1 - math.exp(-h / hand.lag_s), hand.rate_m_s * h, 2 * math.pi * hand.motor_hz * h, hand.motor_n),
+            (hand.lag_s, hand.rate_m_s, 2 * math.pi * hand.motor_hz, hand.motor_n), h,
             (HAND_N_PER_M, self.pad.hertz_m_per_n23), count, length, self.reach_m, goal.ravel(),
-            self.closing_m, self._phase, self._root, closing, force, vibration,
+            self.closing_m, self._phase, self._shaking, self._moved, self._root, closing, force, vibration, jump,
         )  # fmt: skip
-        return closing.reshape(goal.shape), force.reshape(goal.shape), vibration.reshape(goal.shape)
+        return MotorMotion(*(row.reshape(goal.shape) for row in (closing, force, vibration, jump)))
 
 
 def solve_force_root(depth: float, k: float, c: float, start: float) -> float:
@@ -101,8 +113,36 @@ def solve_force_root(depth: float, k: float, c: float, start: float) -> float:
     return n
 
 
+def approach(distance: float, h: float, lag: float, rate: float) -> float:
+    """Distance to the command after a step, for a first-order lag with limited velocity: exact, also across the limit.
+
+    A motor that is closer than `POSITION_TOLERANCE_M` stands still.
+    """
+    size = distance if distance >= 0.0 else -distance
+    if size <= POSITION_TOLERANCE_M:
+        return distance
+    limited = (size - rate * lag) / rate  # time for which the velocity stays at its limit
+    if limited >= h:
+        size -= rate * h
+    elif limited > 0.0:
+        size = rate * lag * math.exp(-(h - limited) / lag)
+    else:
+        size *= math.exp(-h / lag)
+    return size if distance >= 0.0 else -size
+
+
+def speed_share(distance: float, lag: float, rate: float) -> float:
+    """Velocity at a distance from the command, as a fraction of the maximum."""
+    size = distance if distance >= 0.0 else -distance
+    if size <= POSITION_TOLERANCE_M:
+        return 0.0
+    share = size / (lag * rate)
+    return share if share < 1.0 else 1.0
+
+
 def _motor_loop(
     motor: tuple[float, float, float, float],
+    h: float,
     spring: tuple[float, float],
     count: int,
     length: int,
@@ -110,30 +150,33 @@ def _motor_loop(
     goal: Sequence[float],
     position: MutableSequence[float],
     phase: MutableSequence[float],
+    shaking: MutableSequence[float],
+    moved: MutableSequence[float],
     root: MutableSequence[float],
     closing: MutableSequence[float],
     force: MutableSequence[float],
     vibration: MutableSequence[float],
+    jump: MutableSequence[float],
 ) -> None:
     """Advance the motors, and solve the balance of forces between thumb and fingers."""
-    lag_fraction, max_step, phase_step, amplitude = motor
+    lag, rate, w, amplitude = motor
     k, c = spring
-    moved = True
     for s in range(length):
-        # Motors: a first-order lag towards the command with limited velocity; vibration in proportion to velocity.
+        # Motors: a first-order lag towards the command with limited velocity, solved exactly; vibration in proportion
+        # to the velocity, which jumps with the command.
         for i in range(count):
-            step = lag_fraction * (goal[i * length + s] - position[i])
-            step = max_step if step > max_step else -max_step if step < -max_step else step
-            if abs(goal[i * length + s] - position[i]) <= POSITION_TOLERANCE_M:
-                step = 0.0
-            else:
-                moved = True
-            position[i] += step
-            speed_ratio = abs(step) / max_step
-            phase[i] = (phase[i] + phase_step * speed_ratio) % (2 * math.pi)
-            vibration[i * length + s] = amplitude * speed_ratio * math.sin(phase[i])
+            before = goal[i * length + s] - position[i]
+            after = approach(before, h, lag, rate)
+            if after != before:
+                moved[0] = 1.0
+            position[i] += before - after
+            start = amplitude * speed_share(before, lag, rate) * math.sin(phase[i])
+            jump[i * length + s] = start - shaking[i]
+            phase[i] = (phase[i] + w * (abs(before - after) / rate)) % (2 * math.pi)
+            shaking[i] = amplitude * speed_share(after, lag, rate) * math.sin(phase[i])
+            vibration[i * length + s] = shaking[i]
             closing[i * length + s] = position[i]
-        if moved:
+        if moved[0] > 0.0:
             # Balance of forces: find the thumb's root n, so that all fingers together press with n^3. The larger n, the
             # deeper the thumb's pad is compressed and the less the fingers are. So the difference between their force
             # and n^3 falls with n and has one root. Its upper bound is the force of the fingers on a rigid thumb.
@@ -172,10 +215,10 @@ def _motor_loop(
                     if done:
                         break
             root[0] = n
-            moved = False
+            moved[0] = 0.0
         for i in range(count):
             force[i * length + s] = root[i] * root[i] * root[i]
 
 
-_follow = CompiledLoop(_motor_loop, solve_force_root, outputs=6, samples="force", plain_us=4.0)
-"""Advances closing, phase and root of each finger, and fills closing, force and vibration, finger by finger."""
+_follow = CompiledLoop(_motor_loop, solve_force_root, approach, speed_share, outputs=9, samples="force", plain_us=5.0)
+"""Advances closing, phase, vibration and root of each finger, and fills the fields of `MotorMotion`."""

@@ -110,7 +110,7 @@ class ManipulationStepper:
         self._samplers = [Sampler() for _ in range(2 * count + 2)]
         self._fingers = [Finger(self._set_up(i), self.grid, self.outputs, self.meter) for i in range(count)]
         still, none = np.zeros((count, 1)), np.zeros(1)
-        drives = [self._drive(still, still, still, still, none, none, i) for i in range(count)]
+        drives = [self._drive(still, still, still, still, still, still, none, i) for i in range(count)]
         self._record(still, still, drives, none, none)
 
     @property
@@ -128,35 +128,45 @@ class ManipulationStepper:
         """
         count, length = command_m.shape
         with self.meter.stage("hand", 2, length):
-            closing, force, motor_n = self.motors.follow(command_m)
-        loads = np.concatenate((self._last_load_n[:, None], force), axis=1)
+            motors = self.motors.follow(command_m)
+        loads = np.concatenate((self._last_load_n[:, None], motors.force_n), axis=1)
         time_s = self.grid.time_s(self._points - 1, length + 1)
         self._points += length
 
         # Object and pads along the direction of slip. The loop sets the loads of a lost object to 0.
         with self.meter.stage("object", 3 * count + 2, 2 * length):
             shear, over_object_m_s, bristle, object_m, pin_n = self._move(time_s, loads)
-        self._last_load_n = force[:, -1] * (0.0 if self.is_lost else 1.0)
+        self._last_load_n = motors.force_n[:, -1] * (0.0 if self.is_lost else 1.0)
 
         # The pin hits off centre: it presses on the thumb and relieves the fingers.
         pressed_n = self.scene.knock.normal_share * pin_n
         shares = [1.0, *[-1.0 / (count - 1)] * (count - 1)]
-        pushes = motor_n + np.array(shares)[:, None] * pressed_n
+        pushes = motors.vibration_n + np.array(shares)[:, None] * pressed_n
         drives = [
-            self._drive(loads[:, 1:], pushes, shear, over_object_m_s, bristle[i], object_m, i) for i in range(count)
+            self._drive(loads[:, 1:], pushes, motors.jump_n, shear, over_object_m_s, bristle, object_m, i)
+            for i in range(count)
         ]
-        self._record(closing, command_m, drives, object_m, pin_n)
+        self._record(motors.closing_m, command_m, drives, object_m, pin_n)
 
+    @staticmethod
     def _drive(
-        self, loads: Array, pushes: Array, shear: Array, over_object_m_s: Array, bristle: Array, object_m: Array, i: int
+        loads: Array,
+        pushes: Array,
+        jumps: Array,
+        shear: Array,
+        over_object_m_s: Array,
+        bristle: Array,
+        object_m: Array,
+        i: int,
     ) -> FingerDrive:
         """Loads and motion of one finger. The object moves under the pad, so the pad moves backwards over it."""
         return FingerDrive(
             load_n=loads[i],
             push_n=pushes[i],
+            push_jump_n=jumps[i],
             path_m=object_m - shear[i],
             velocity_m_s=np.where(loads[i] > 0.0, over_object_m_s[i], 0.0),
-            bristle_m=bristle,
+            bristle_m=bristle[i],
             shear_m=shear[i],
         )
 

@@ -56,7 +56,7 @@ CHUNK = 32_768
 
 @dataclass(frozen=True)
 class SceneRecord:
-    """What a simulation of a scene tells about itself, without its signals."""
+    """Facts about a simulated scene, without its signals."""
 
     scene: SceneFile
     seed: int

@@ -13,7 +13,7 @@ from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, HAND_N_PER_M, Pad
 from fingertip.sim.contact.surface_profile import SurfaceProfile
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
-from fingertip.sim.contact.vibration import ProfileForce
+from fingertip.sim.contact.vibration import ProfileForce, transmit
 from fingertip.sim.cost import CostMeter, StageCost
 from fingertip.sim.finger import FingerDrive
 from fingertip.sim.grid import Grid
@@ -102,7 +102,7 @@ class CoupledPad:
             first = self._first.process(carriage_m, carriage_m_s, load_n)
             pressing = load_n + self._profile.process(load_n, first.position_m)
             if push_n is not None:
-                pressing = pressing + np.where(load_n > 0.0, push_n, 0.0)
+                pressing = pressing + transmit(load_n) * push_n
             motion = self._contact.process(carriage_m, carriage_m_s, pressing)
         self._meter.add(StageCost("coupled contact", coupled.STATES, motion.evaluations, 0.0))
         contact_n = np.where(load_n > 0.0, motion.force_n, 0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from fingertip.arrays import Array
-from fingertip.sim.bench.board import read_result, run_deck, write_deck
+from fingertip.sim.bench.spice import Spice, sampled_source
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 
 

@@ -1,191 +1,276 @@
-"""Work-precision of the board: a burst of vibration through filter, diode and envelope, in three simulators.
+"""Work-precision of the board: a burst of vibration through filter, diode and envelope, by fingertip and its peers.
 
-Every solver joins the samples by straight lines. scipy gets compiled right sides and Jacobians, with the diode and its
-series resistance solved by the same function as here, and must not step over a sample. ngspice reads the samples as a
-piecewise linear source and evaluates it itself. Writing its deck and reading its result are not counted.
+The input is a simulated tactile voltage: samples that straight lines join. Peers get right-hand sides and Jacobians of
+their own, scipy's compiled by numba and CVODE's in C, with the same function for the diode and its series resistance.
+Their steps are no longer than a sample, or end at every sample; both ways are measured, and the better one counts.
+ngspice reads the samples as a piecewise linear source.
+
+The same burst is also given as a sine, to CVODE and to ngspice, whose native source it is. Their errors are then those
+against the exact response to that sine, so that each solver's error is that of its integration alone. What the straight
+lines change in the response is stated beside.
 """
 
 from __future__ import annotations
 
 import math
-import resource
-import shutil
-import subprocess
-import tempfile
-import time
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
+from fingertip._version import __version__
 from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.jit import compile_for_process
-from fingertip.sim.bench.work_precision import WorkPrecision
+from fingertip.sim.bench import spice
+from fingertip.sim.bench.cvode import CvodeLibrary
+from fingertip.sim.bench.peers import SOLVE_IVP, Segment, System, scipy_version, solve_with_scipy
+from fingertip.sim.bench.spice import Spice, gain
+from fingertip.sim.bench.work_precision import Job, Outcome, WorkPrecision, time_cpu
+from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.envelope_loop import wright_omega
-from fingertip.sim.signal.filter_board import simulate_board
 
 STEP_S = 1 / 2000
-TARGET_V = 5e-4
-OURS = "fingertip (exact + SDIRK4)"
-_SPICE_SETTINGS = ((1e-2, 5e-4), (1e-3, 5e-4), (1e-4, 1e-4), (1e-5, 5e-5), (1e-6, 2e-5))
+LEVELS_V = (5e-4, 1e-4, 2e-5)
+"""Errors at which solvers are compared [V]."""
+TARGETS = {"scipy odeint": 25.0, "CVODE": 10.0, "ngspice, sine": 60.0}
+OURS = "fingertip"
+CONSTANT_V, AMPLITUDE_V, FREQUENCY_HZ = 4.0, 0.02, 90.0
+_SPICE_SETTINGS = (
+    (1e-2, 5e-4), (1e-3, 2e-4), (1e-3, 1e-4), (1e-4, 1e-4), (1e-4, 5e-5), (1e-5, 5e-5), (1e-5, 2e-5), (1e-6, 2e-5),
+    (1e-6, 1e-5), (1e-6, 5e-6),
+)  # fmt: skip
 # Relative tolerance, and longest step [s].
-_DECK = """slip filter, sampled input
-V1 in 0 PWL(
-{points}
-+ )
-C1 in p {C1!r}
-R1 p 0 {R1!r}
-E1 o1 0 p 0 {gain!r}
-C2 o1 m {C2!r}
-C3 m n {C3!r}
-R2 m o2 {R2!r}
-R3 n 0 {R3!r}
-E2 o2 0 n 0 1
-D1 o2 env dd
-RL env 0 {R6!r}
-CL env 0 {C4!r}
-.model dd D(IS={diode.saturation_a!r} N={diode.emission!r} RS={diode.series_ohm!r})
-.options reltol={reltol!r} gmin=1e-18
-.temp 27
-.control
-set wr_singlescale
-option numdgt=10
-tran {step!r} {end!r} 0 {longest!r}
-wrdata out v(o2) v(env)
-quit
-.endc
-.end
-"""
 
 
-def make_input(seconds: float) -> Array:
-    """Tactile voltage at the samples [V]: 90 Hz of 20 mV during two fifths of the time, on 4 V."""
-    t = np.arange(round(seconds / STEP_S) + 1) * STEP_S
-    during = (t > 0.2 * seconds) & (t < 0.6 * seconds)
-    return 4.0 + np.where(during, 0.02 * np.sin(2 * math.pi * 90 * t), 0.0)
+@dataclass(frozen=True)
+class BoardProblem:
+    """Board and input of the problem."""
 
+    board: AnalogBoard
+    seconds: float
 
-def measure_board(seconds: float, methods: tuple[str, ...] = ("LSODA", "Radau", "BDF")) -> WorkPrecision:
-    """Measure all solvers on the same problem."""
-    board = AnalogBoard.from_design(Design())
-    diagram = WorkPrecision(
-        f"board, {seconds:g} s with a burst of {0.4 * seconds:g} s",
-        "V",
-        TARGET_V,
-        {"scipy LSODA": 20.0, "ngspice": 50.0},
-    )
-    start = time.process_time()
-    voltage = make_input(seconds)
-    diagram.input_s = time.process_time() - start
-    rates, jacobian = _scipy_equations(board)
-    t = np.arange(len(voltage)) * STEP_S
-    start_state = np.array([voltage[0], 0.0, 0.0, 0.0])
+    @property
+    def burst_s(self) -> tuple[float, float]:
+        """Begin and end of the burst [s]: whole periods, some two fifths of the time."""
+        begin, end = (round(share * self.seconds * FREQUENCY_HZ) / FREQUENCY_HZ for share in (0.2, 0.6))
+        return begin, end
 
-    def run_ours(tolerance: float) -> Array:
-        return simulate_board(board, STEP_S, voltage, tolerance).envelope_v
+    @property
+    def time_s(self) -> Array:
+        """Samples [s]."""
+        return np.arange(round(self.seconds / STEP_S) + 1) * STEP_S
 
-    def run_scipy(method: str, tolerance: float) -> Array:
-        from scipy.integrate import solve_ivp
+    @property
+    def voltage_v(self) -> Array:
+        """Tactile voltage at the samples [V]: 90 Hz of 20 mV during the burst, on 4 V."""
+        t, (begin, end) = self.time_s, self.burst_s
+        sine = AMPLITUDE_V * np.sin(2 * math.pi * FREQUENCY_HZ * t)
+        return CONSTANT_V + np.where((t > begin) & (t < end), sine, 0.0)
 
-        solution = solve_ivp(
-            rates, (0.0, t[-1]), start_state, method, t, args=(voltage,), rtol=tolerance, atol=tolerance * 0.1,
-            max_step=STEP_S, jac=jacobian,
+    @property
+    def start(self) -> Array:
+        """States at time 0: voltages of C1, C2 and C3, and the envelope."""
+        return np.array([CONSTANT_V, 0.0, 0.0, 0.0])
+
+    def run_fingertip(self, tolerance_v: float) -> Outcome:
+        """Envelope by fingertip [V]; the preparation of the board's exact steps counts."""
+        voltage = self.voltage_v
+        fresh = replace(self.board, network=replace(self.board.network))  # without equations solved before
+        return time_cpu(lambda: simulate_board(fresh, STEP_S, voltage, tolerance_v).envelope_v)
+
+    def run_scipy(self, system: System, method: str, stops: bool, tolerance: float) -> Outcome:
+        """Envelope by scipy [V]; steps end at every sample, or are no longer than a sample."""
+        t = self.time_s
+        segments = [Segment(t, (self.voltage_v,))]
+        longest = None if stops else STEP_S
+        absolute = np.full(4, 0.1 * tolerance)
+        return time_cpu(
+            lambda: solve_with_scipy(
+                method, system, segments, self.start, tolerance, absolute, longest, t[1:] if stops else None
+            )[3]
+        )
+
+    def run_restarted(self, system: System, tolerance: float) -> Array:
+        """Envelope by LSODA [V], restarted at every sample: the independent reference."""
+        t = self.time_s
+        segments = [Segment(t[i : i + 2], (self.voltage_v,)) for i in range(len(t) - 1)]
+        return solve_with_scipy("LSODA", system, segments, self.start, tolerance, np.full(4, 1e-14))[3]
+
+    def run_exact_sine(self, system: System, method: str, tolerance: float, time_s: Array) -> Array:
+        """Envelope at sorted times [V] for the sine itself, restarted where it begins and ends."""
+        corners = [0.0, *self.burst_s, time_s[-1]]
+        amplitudes = (0.0, AMPLITUDE_V, 0.0)
+        wanted = np.unique(np.concatenate((time_s, corners)))
+        segments = [
+            Segment(wanted[(wanted >= a) & (wanted <= b)], (np.array([amplitude]),))
+            for (a, b), amplitude in zip(pairwise(corners), amplitudes, strict=True)
+        ]
+        found = solve_with_scipy(method, system, segments, self.start, tolerance, np.full(4, 0.1 * tolerance))[3]
+        return found[np.searchsorted(wanted, time_s)]
+
+    def run_cvode(self, library: CvodeLibrary, way: str, reference: Array | None, tolerance: float) -> Outcome:
+        """Envelope by CVODE [V], in one of the ways "no longer than a sample", "stops at samples" and "sine"."""
+        board, count = self.board, len(self.time_s)
+        d, c = board.diode, {name: float(value) for name, value in board.components.items()}
+        parameters = np.array(
+            [gain(board), c["R1"] * c["C1"], c["R3"] * c["C3"], c["R2"], c["R3"], c["C2"], d.emission * d.thermal_v,
+             d.saturation_a, d.series_ohm, c["R6"], c["C4"]]
         )  # fmt: skip
-        if not solution.success:
-            raise ArithmeticError(solution.message)
-        return np.asarray(solution.y[3])
+        last = np.array([count - 1])
+        if way == "stops at samples":
+            last = np.arange(1, count)
+        elif way == "sine":
+            last = np.array([*(round(time / STEP_S) for time in self.burst_s), count - 1])
+        envelope, cpu_s = library.solve_board(
+            parameters, None if way == "sine" else self.voltage_v, np.array([CONSTANT_V, AMPLITUDE_V, FREQUENCY_HZ]),
+            last, way == "sine", STEP_S if way == "no longer than a sample" else 0.0, 1 / STEP_S, self.start, tolerance,
+            np.full(4, 0.1 * tolerance),
+        )  # fmt: skip
+        return Outcome(envelope, cpu_s, reference)
 
-    def run_restarted(tolerance: float) -> Array:
-        """LSODA restarted at every sample, where the input has a corner: the independent reference."""
-        from scipy.integrate import solve_ivp
+    def run_spice(self, simulator: Spice, system: System | None, reltol: float, longest_s: float) -> Outcome:
+        """Envelope by ngspice [V]: at the samples, or, for the sine, at its own time points."""
+        t, _, envelope = simulator.simulate(reltol, longest_s)
+        cpu_s = simulator.measure_cpu_s(reltol, longest_s)
+        if system is None:
+            return Outcome(np.interp(self.time_s, t, envelope), cpu_s)
+        return Outcome(envelope, cpu_s, self.run_exact_sine(system, "LSODA", 1e-11, t))
 
-        state, out = start_state, [0.0]
-        for i in range(len(voltage) - 1):
-            solution = solve_ivp(rates, (t[i], t[i + 1]), state, "LSODA", args=(voltage,), rtol=tolerance, atol=1e-14,
-                                 jac=jacobian)  # fmt: skip
-            state = solution.y[:, -1]
-            out.append(float(state[3]))
-        return np.array(out)
 
-    run_ours(1e-3)  # compiles
-    reference = run_ours(1e-12)
-    diagram.reference_difference = float(np.abs(run_restarted(1e-12) - reference).max())
-    for exponent in range(-2, -8, -1):
-        diagram.measure(OURS, f"1e{exponent} V", lambda e=exponent: run_ours(10.0**e), reference)  # type: ignore[misc]
-    for method in methods:
-        for exponent in (-2, -3, -4, -5, -6) if method == "LSODA" else (-2, -4, -6):
-            run: Callable[[], Array] = lambda m=method, e=exponent: run_scipy(m, 10.0**e)  # type: ignore[misc]  # noqa: E731
-            diagram.measure(f"scipy {method}", f"rtol 1e{exponent}", run, reference)
-    _measure_ngspice(diagram, board, voltage, reference)
+def measure_board(seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary | str) -> WorkPrecision:
+    """Measure fingertip and its peers on the same problem.
+
+    Parameters
+    ----------
+    seconds
+        Length of the problem [s], a multiple of 0.5 s for a burst that begins and ends at a sample.
+    peers
+        Names of the peers (`peers.PEERS`).
+    cvode
+        CVODE, or why it is missing.
+    """
+    problem = BoardProblem(AnalogBoard.from_design(Design()), seconds)
+    system = _scipy_equations(problem.board)
+    begin, end = problem.burst_s
+    diagram = WorkPrecision(f"board, {seconds:g} s with a burst of {end - begin:.3g} s", "V", LEVELS_V)
+    diagram.solvers[OURS] = f"{__version__}, exact linear steps and SDIRK4, compiled loop, samples joined by lines"
+    problem.run_fingertip(1e-3)  # compiles
+    reference = problem.run_fingertip(1e-12).result
+    diagram.reference_difference = float(np.abs(problem.run_restarted(system, 1e-12) - reference).max())
+    jobs = [
+        Job(OURS, f"tolerance {tolerance:.0e} V", partial(problem.run_fingertip, tolerance))
+        for tolerance in (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6)
+    ]
+    jobs += _scipy_jobs(diagram, problem, system, peers)
+    if {"CVODE", "ngspice"} & set(peers):
+        t = problem.time_s
+        sine = problem.run_exact_sine(system, "LSODA", 1e-12, t)
+        difference = float(np.abs(problem.run_exact_sine(system, "Radau", 1e-10, t) - sine).max())
+        diagram.reference_difference = max(diagram.reference_difference, difference)
+        lines = float(np.abs(sine - reference).max())
+        diagram.notes.append(
+            f"straight lines instead of the sine change the envelope by up to {lines:.1e} V; errors for the sine are "
+            "those against the response to the sine"
+        )
+        jobs += _cvode_jobs(diagram, problem, peers, cvode, sine)
+        jobs += _spice_jobs(diagram, problem, system, peers)
+    diagram.measure(jobs, reference)
     return diagram
 
 
-def _measure_ngspice(diagram: WorkPrecision, board: AnalogBoard, voltage: Array, reference: Array) -> None:
-    program = shutil.which("ngspice")
-    if not program:
-        diagram.omissions.append("ngspice: is not installed")
+def _scipy_jobs(diagram: WorkPrecision, problem: BoardProblem, system: System, peers: tuple[str, ...]) -> Iterator[Job]:
+    for method in (*SOLVE_IVP, "odeint"):
+        if method not in peers:
+            continue
+        name, both = f"scipy {method}", method == "odeint"
+        kind = "odeint" if both else f"solve_ivp({method})"
+        diagram.solvers[name] = (
+            f"scipy {scipy_version()}, {kind}, equations compiled by numba, analytic Jacobian, rtol as stated, "
+            f"atol: rtol x 0.1 V, steps {'as stated' if both else 'no longer than a sample'}"
+        )
+        if both:
+            diagram.targets[name] = TARGETS[name]
+        exponents = np.arange(-2.0, -7.1, -0.5) if both or method == "LSODA" else np.arange(-2.0, -6.1, -2.0)
+        for stops in (False, True) if both else (False,):
+            way = ("stops at samples" if stops else "step <= sample") if both else ""
+            for e in exponents:
+                setting = f"rtol {10.0**e:.1e} {way}".rstrip()
+                yield Job(name, setting, partial(problem.run_scipy, system, method, stops, 10.0**e))
+
+
+def _cvode_jobs(
+    diagram: WorkPrecision, problem: BoardProblem, peers: tuple[str, ...], cvode: CvodeLibrary | str, sine: Array
+) -> Iterator[Job]:
+    if "CVODE" not in peers:
         return
-    for reltol, longest in _SPICE_SETTINGS:
-        with tempfile.TemporaryDirectory() as folder:
-            write_deck(Path(folder), board, STEP_S, voltage, reltol, longest)
-            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    diagram.targets["CVODE"] = TARGETS["CVODE"]
+    if isinstance(cvode, str):
+        diagram.solvers["CVODE"] = "NOT MEASURED"
+        diagram.omissions.append(f"CVODE: NOT MEASURED: {cvode}")
+        return
+    settings = (
+        f"SUNDIALS {cvode.version}, BDF with Newton and a dense matrix, equations in C ({cvode.compiler}), analytic "
+        "Jacobian, rtol as stated, atol: rtol x 0.1 V"
+    )
+    diagram.solvers["CVODE"] = f"{settings}, samples joined by lines, steps as stated"
+    diagram.solvers["CVODE, sine"] = f"{settings}, input: the sine, restarted where it begins and ends"
+    exponents = np.arange(-3.0, -8.1, -0.5)
+    for way, short in (("no longer than a sample", "step <= sample"), ("stops at samples", "stops at samples")):
+        for e in exponents:
+            yield Job(
+                "CVODE", f"rtol {10.0**e:.1e} {short}", partial(problem.run_cvode, cvode, way, None, 10.0**e)
+            )  # fmt: skip
+    for e in exponents:
+        yield Job("CVODE, sine", f"rtol {10.0**e:.1e}", partial(problem.run_cvode, cvode, "sine", sine, 10.0**e))
+
+
+def _spice_jobs(diagram: WorkPrecision, problem: BoardProblem, system: System, peers: tuple[str, ...]) -> Iterator[Job]:
+    if "ngspice" not in peers:
+        return
+    names = "ngspice", "ngspice, sine"
+    diagram.targets[names[1]] = TARGETS[names[1]]
+    program = spice.find_program()
+    if program is None:
+        for name in names:
+            diagram.solvers[name] = "NOT MEASURED"
+        diagram.omissions.append(
+            "ngspice: NOT MEASURED: it is not installed; install Debian's package ngspice, or leave it out of --solvers"
+        )
+        return
+    version = f"{spice.read_version(program)}, trapezoidal rule, reltol and longest step as stated, gmin 1e-18 S"
+    diagram.solvers[names[0]] = f"{version}, input: PWL source"
+    diagram.solvers[names[1]] = f"{version}, input: two SIN sources in series"
+    sampled = Spice(program, problem.board, spice.sampled_source(STEP_S, problem.voltage_v), STEP_S, problem.seconds)
+    burst = spice.burst_source(CONSTANT_V, AMPLITUDE_V, FREQUENCY_HZ, *problem.burst_s)
+    for name, simulator, exact in ((names[0], sampled, None), (names[1], replace(sampled, source=burst), system)):
+        for reltol, longest in _SPICE_SETTINGS:
             setting = f"reltol {reltol:g}, step {longest:g} s"
-            try:
-                run_deck(Path(program), Path(folder))
-                after = resource.getrusage(resource.RUSAGE_CHILDREN)
-                _, envelope = read_result(Path(folder), STEP_S, len(voltage))
-            except Exception as error:
-                diagram.omissions.append(f"ngspice, {setting}: failed ({type(error).__name__}: {str(error)[:80]})")
-                continue
-            cpu = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
-            diagram.add_result("ngspice", setting, cpu, envelope, reference)
+            yield Job(name, setting, partial(problem.run_spice, simulator, exact, reltol, longest))
 
 
-def write_deck(
-    folder: Path, board: AnalogBoard, step_s: float, voltage_v: Array, reltol: float, longest_s: float
-) -> None:
-    """Write the deck `slip.cir` for ngspice. Its amplifiers are ideal, like those of an `AnalogBoard` without rails."""
-    pairs = [f"{i * step_s:.9g} {v:.17g}" for i, v in enumerate(voltage_v.tolist())]
-    points = "\n".join("+ " + " ".join(pairs[i : i + 4]) for i in range(0, len(pairs), 4))
-    deck = _DECK.format(
-        points=points, gain=_gain(board), diode=board.diode, reltol=reltol, step=step_s,
-        end=(len(pairs) - 1) * step_s, longest=longest_s, **board.components,
-    )  # fmt: skip
-    (folder / "slip.cir").write_text(deck)
-
-
-def run_deck(program: Path, folder: Path) -> None:
-    """Run ngspice on the deck; raises CalledProcessError if it fails."""
-    subprocess.run([program, "-b", "slip.cir"], cwd=folder, check=True, capture_output=True)
-
-
-def read_result(folder: Path, step_s: float, samples: int) -> tuple[Array, Array]:
-    """Read filtered voltage and envelope at the samples; ngspice has time points there, at its source's corners."""
-    out = np.loadtxt(folder / "out.data" if (folder / "out.data").exists() else folder / "out")
-    time = np.arange(samples) * step_s
-    return np.interp(time, out[:, 0], out[:, 1]), np.interp(time, out[:, 0], out[:, 2])
-
-
-def _gain(board: AnalogBoard) -> float:
-    """Gain of the first stage, G = 1 + R5 / R4."""
-    return 1 + float(board.components["R5"] / board.components["R4"])
-
-
-def _scipy_equations(board: AnalogBoard) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Right side and Jacobian for scipy."""
+def _scipy_equations(board: AnalogBoard) -> System:
+    """Right-hand side and Jacobian for scipy; their argument holds the samples, or the amplitude of the burst alone."""
     d, (_, r2, r3, _, _, r, _, c2, _, c) = board.diode, (float(v) for v in board.components.values())
-    G, t1, t3 = _gain(board), board.components["R1"] * board.components["C1"], r3 * board.components["C3"]
+    G, t1, t3 = gain(board), board.components["R1"] * board.components["C1"], r3 * board.components["C3"]
     nvt, saturation, series = d.emission * d.thermal_v, d.saturation_a, d.series_ohm
     rho = series / nvt
     shift = math.log(rho * saturation) + rho * saturation
     omega = compile_for_process(wright_omega)
 
-    def rates(t: float, s: Array, voltage: Array) -> Array:
+    def read_input(t: float, voltage: Array) -> float:
+        if len(voltage) == 1:  # the amplitude of the burst at this time
+            return CONSTANT_V + voltage[0] * math.sin(2 * math.pi * FREQUENCY_HZ * t)
         place = min(int(t / STEP_S), len(voltage) - 2)
-        u = voltage[place] + (voltage[place + 1] - voltage[place]) * (t / STEP_S - place)
+        return voltage[place] + (voltage[place + 1] - voltage[place]) * (t / STEP_S - place)
+
+    input_v = compile_for_process(read_input)
+
+    def rates(t: float, s: Array, voltage: Array) -> Array:
+        u = input_v(t, voltage)
         p = u - s[0]
         n = G * p - s[1] - s[2]
         current = omega(shift + (n - s[3]) / nvt) / rho - saturation
@@ -197,8 +282,7 @@ def _scipy_equations(board: AnalogBoard) -> tuple[Callable[..., Any], Callable[.
         return out
 
     def jacobian(t: float, s: Array, voltage: Array) -> Array:
-        place = min(int(t / STEP_S), len(voltage) - 2)
-        u = voltage[place] + (voltage[place + 1] - voltage[place]) * (t / STEP_S - place)
+        u = input_v(t, voltage)
         n = G * (u - s[0]) - s[1] - s[2]
         w = omega(shift + (n - s[3]) / nvt)
         slope = w / (1 + w) / series
@@ -216,4 +300,4 @@ def _scipy_equations(board: AnalogBoard) -> tuple[Callable[..., Any], Callable[.
         out[3, 3] = -(slope + 1 / r) / c
         return out
 
-    return compile_for_process(rates), compile_for_process(jacobian)
+    return System(compile_for_process(rates), compile_for_process(jacobian))

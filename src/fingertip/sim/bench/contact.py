@@ -91,7 +91,7 @@ class ContactProblem:
         return sorted(inner | {len(self.time_s) - 1})
 
     def drives(self) -> Array:
-        """Begin [s], carriage [m, m/s, m/s2], and load [N, N/s] of each segment."""
+        """Begin [s], carriage [m], its velocity [m/s], acceleration [m/s^2], load [N] and its rate [N/s], by segment."""
         i = np.array(self.corners[:-1])
         V, load = self.carriage_m_s, self.load_n
         rates = ((V[i + 1] - V[i]) * RATE_HZ, (load[i + 1] - load[i]) * RATE_HZ)

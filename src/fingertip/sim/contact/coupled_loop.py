@@ -51,6 +51,8 @@ D1, D2, D3, D4, _, _ = D
 
 MIN_STEP_RATIO = 1e-12
 """Shortest step as a fraction of the time between samples. Such a step is accepted whatever its error."""
+WHOLE_STEP_ERROR = 0.9**4
+"""Error of a step, relative to the tolerance, up to which the next one may be as long."""
 POSITION, VELOCITY, BRISTLE, COMPRESSION, RATE, STEP = range(6)
 """Indices of what a chunk carries to the next one: the states x, v, s, y and w, and the length of the next step [s]."""
 ACCEPTED, REJECTED, FAILED_SAMPLE = range(3)
@@ -358,23 +360,28 @@ def _coupled_loop(
             us6 = (rs + J_sv * uv6) * pivot_s
 
             # Error: the largest of the five, each as a force relative to the tolerance. The step follows the fourth
-            # root of the error, because the estimate has order 3. NaN counts as too large.
+            # root of the error, because the estimate has order 3. NaN counts as too large. No step is longer than a
+            # sample, so a step over a whole sample with a small error leaves nothing to compute.
             error = max(
                 abs(ux6) * weight_x, abs(uv6) * weight_v, abs(us6) * weight_s, abs(uy6) * weight_y, abs(uw6) * weight_w
             )
-            factor = 6.0 if error <= 1e-6 else 0.9 / math.sqrt(math.sqrt(error))
-            factor = 6.0 if factor > 6.0 else factor if factor > 0.15 else 0.15
-            if error <= 1.0 or step <= MIN_STEP_RATIO * H:
+            is_accepted = error <= 1.0 or step <= MIN_STEP_RATIO * H
+            if is_accepted:
                 x, v, s, y, w = xe + ux6, ve + uv6, se + us6, ye + uy6, we + uw6
                 steps += 1
-                t = H if is_last else t + step
-                # A step that a sample cut short is no reason to give up a longer one.
-                h = max(h, step * factor) if is_last and factor > 1.0 else step * factor
-                if h > 64 * H:
-                    h = 64 * H
             else:
                 rejected += 1
-                h = step * factor
+            if is_last and t == 0.0 and error <= WHOLE_STEP_ERROR:
+                h = H
+            else:
+                factor = 6.0 if error <= 1e-6 else 0.9 / math.sqrt(math.sqrt(error))
+                factor = 6.0 if factor > 6.0 else factor if factor > 0.15 else 0.15
+                # A step that a sample cut short is no reason to give up a longer one.
+                h = max(h, step * factor) if is_accepted and is_last and factor > 1.0 else step * factor
+                if h > H:
+                    h = H
+            if is_accepted:
+                t = H if is_last else t + step
         xs[i + 1] = x
         vs_out[i + 1] = v
         ss[i + 1] = s

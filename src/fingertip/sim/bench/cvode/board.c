@@ -19,7 +19,7 @@ typedef struct {
     int in_burst;
 } Problem;
 
-/* Wright's omega function; same method as in fingertip/sim/electronics/envelope_loop.py. */
+/* Wright's omega function; same method as in fingertip/sim/signal/envelope_loop.py. */
 static double wright_omega(double y)
 {
     double w;

@@ -34,6 +34,8 @@ from fingertip.sim.signal.fsr import ForceSensor
 from fingertip.sim.signal.interference import InterferenceSource, RefinedNoise
 from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing
 
+BOARD_TOLERANCE_V = 1e-4
+"""Largest error of one step of the envelope on the base grid [V]."""
 OF_BOARD = frozenset({"filtered_v", "envelope_v", "slip_pin_v", "sampled_envelope_v"})
 OF_BRIDGE = OF_BOARD | {"voltage_v", "tactile_v"}
 OF_CONTACT = OF_BRIDGE | {"force_n"}
@@ -302,7 +304,10 @@ class _BoardSignals:
         self._converter: Converter | None = None
         if outputs & OF_BOARD:
             with meter.stage("filter board", 4):
-                self._board = AnalogStream(board_with_amplifiers(setup.design, setup.sensing.amplifiers), grid.step_s)
+                board = board_with_amplifiers(setup.design, setup.sensing.amplifiers)
+                # The board's own error falls with the step as that of its input does.
+                tolerance_v = BOARD_TOLERANCE_V / grid.refinement**2
+                self._board = AnalogStream(board, grid.step_s, tolerance_v=tolerance_v)
         if "slip_pin_v" in outputs:
             with meter.stage("comparator", 1):
                 self._pin = SlipPin(setup.design, grid.step_s)

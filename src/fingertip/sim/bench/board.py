@@ -29,9 +29,9 @@ from fingertip.sim.bench.cvode import CvodeLibrary
 from fingertip.sim.bench.peers import SOLVE_IVP, Segment, System, scipy_version, solve_with_scipy
 from fingertip.sim.bench.spice import Spice, gain
 from fingertip.sim.bench.work_precision import Job, Outcome, WorkPrecision, time_cpu
-from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.envelope_loop import wright_omega
+from fingertip.sim.signal.filter_board import simulate_board
 
 STEP_S = 1 / 2000
 LEVELS_V = (5e-4, 1e-4, 2e-5)

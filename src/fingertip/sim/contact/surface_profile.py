@@ -30,17 +30,19 @@ _SPACING_M = 5e-6
 
 @dataclass(frozen=True, eq=False)
 class SurfaceProfile:
-    """Heights [m] and slopes along one line across a surface, every `_SPACING_M`."""
+    """Heights [m] and slopes at equal distances along one line across a surface."""
 
     start_m: float
     """Position of the first point [m]."""
     heights_m: Array
     slopes: Array
+    spacing_m: float = _SPACING_M
+    """Distance between two points [m]."""
 
     def height_m(self, position_m: Array) -> Array:
         """Height under a pad [m]: the cubic through heights and slopes, constant beyond the ends."""
         out = np.zeros(len(position_m))
-        _interpolate(_SPACING_M, self.start_m, self.heights_m, self.slopes, position_m, out)
+        _interpolate(self.spacing_m, self.start_m, self.heights_m, self.slopes, position_m, out)
         return out
 
 

@@ -22,6 +22,7 @@ from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import Pad
+from fingertip.sim.contact.surface_profile import SurfaceProfile
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.cost import CostMeter, StageCost
@@ -191,6 +192,10 @@ class SceneRun:
     def timeline(self) -> Timeline:
         """Moments of the scene's events."""
         return build_timeline(self.scene, self.pad, self.force_n)
+
+    def make_profile(self) -> SurfaceProfile:
+        """Generate the profile of the surface on which the finger slides."""
+        return self._set_up().make_profile()
 
     @property
     def max_load_n(self) -> float:

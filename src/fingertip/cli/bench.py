@@ -1,4 +1,4 @@
-"""`fingertip bench`: error and run time of the simulation beside scipy and ngspice; run time of campaigns."""
+"""`fingertip bench`: error and run time of the simulation beside other solvers; run time of campaigns."""
 
 from __future__ import annotations
 
@@ -16,10 +16,12 @@ def bench(
         "out/bench"
     ),
     seconds: Annotated[
-        float, typer.Option(help="Seconds of the contact problem; the board's problem is a fifth as long.")
+        float, typer.Option(help="Seconds of the contact problem; the board's is a fifth as long, at least 0.5 s.")
     ] = 5.0,
     boards: Annotated[int, typer.Option(help="Number of boards to simulate at once.")] = 10_000,
-    solvers: Annotated[str, typer.Option(help="scipy methods to compare with, comma-separated.")] = "LSODA,Radau,BDF",
+    solvers: Annotated[
+        str, typer.Option(help="Solvers to compare with, comma-separated: scipy's, SUNDIALS CVODE, ngspice.")
+    ] = "LSODA,Radau,BDF,odeint,CVODE,ngspice",
     first_run: Annotated[
         bool, typer.Option(help="Also measure a fresh process, with an empty and with a full compiler cache.")
     ] = True,
@@ -27,20 +29,16 @@ def bench(
     quiet: QuietOption = False,
 ) -> None:
     """Measure error and run time of the simulation beside other solvers."""
+    import contextlib
     import json
 
     from fingertip.errors import FingertipError, Issue
     from fingertip.output_set import SetWriter, hash_parameters
+    from fingertip.sim.bench.peers import read_peers
     from fingertip.sim.bench.work_precision import describe_machine, require_libraries
 
     console = Console(as_json, quiet)
-    methods = tuple(name.strip() for name in solvers.split(",") if name.strip())
-    known = ("LSODA", "Radau", "BDF")
-    issues = [
-        Issue("--solvers", f"{name!r} is not known; choose among {', '.join(known)}.")
-        for name in methods
-        if name not in known
-    ]
+    peers, issues = read_peers(solvers)
     if not 1.0 <= seconds <= 60.0:
         issues.append(Issue("--seconds", f"{seconds:g} s is out of bounds; choose 1 to 60 s."))
     if not 1 <= boards <= 1_000_000:
@@ -53,14 +51,25 @@ def bench(
     from fingertip.sim.bench import throughput
     from fingertip.sim.bench.board import measure_board
     from fingertip.sim.bench.contact import measure_contact
+    from fingertip.sim.bench.cvode import CvodeLibrary, CvodeMissingError, compile_cvode
     from fingertip.sim.bench.plot import draw
+    from fingertip.sim.bench.start_up import measure_start_up
 
     machine = describe_machine()
-    with compiled(console.progress):
+    with compiled(console.progress), contextlib.ExitStack() as resources:
+        cvode: CvodeLibrary | str = ""
+        if "CVODE" in peers:
+            try:
+                cvode = resources.enter_context(compile_cvode())
+            except CvodeMissingError as missing:
+                cvode = str(missing)
+                console.progress(f"CVODE is NOT MEASURED: {cvode}")
         console.progress("contact: running every solver at every tolerance")
-        diagrams = [measure_contact(seconds, methods)]
-        console.progress("board: running every solver at every tolerance (scipy's Radau is slow)")
-        diagrams.append(measure_board(seconds / 5, methods))
+        diagrams = [measure_contact(seconds, peers, cvode)]
+        console.progress("board: running every solver at every tolerance (ngspice and scipy's Radau are slow)")
+        diagrams.append(measure_board(seconds / 5, peers, cvode))
+        console.progress("measuring start-up")
+        start_up = measure_start_up(peers, cvode)
         console.progress("running 120 trials")
         trials = throughput.measure_trials()
         console.progress("running 12 manipulations")
@@ -75,6 +84,7 @@ def bench(
     data: dict[str, Any] = {
         "machine": machine,
         "diagrams": [diagram.as_data() for diagram in diagrams],
+        "start_up_cpu_s": start_up,
         "trials": trials,
         "manipulations": manipulations,
         "boards": many,
@@ -84,7 +94,10 @@ def bench(
         f"{machine['machine']}, {machine['cores']} cores, load {machine['load'][0]} before and "
         f"{machine['load_after'][0]} after"
     )
-    picture = draw(diagrams, f"{load}. CPU time without compilation; generating the input is part of every point.")
+    picture = draw(
+        diagrams,
+        f"{load}. CPU time of the integration, without start-up and input. Pale: beaten by another point of the solver",
+    )
     whole = json.dumps(data, indent=2, allow_nan=False) + "\n"
     files = {"work_precision.png": picture, "work_precision.json": whole.encode()}
     SetWriter(out, "benchmark", "", hash_parameters([])).write(files)
@@ -92,6 +105,8 @@ def bench(
     lines = [load]
     for diagram in diagrams:
         lines += diagram.as_text()
+    lines.append("start-up, not part of any point above, CPU time:")
+    lines += [f"  {name}: {cpu_s:.2f} s" for name, cpu_s in start_up.items()]
     lines += [
         f"{trials['trials']} trials: {trials['cpu_s']:.2f} s of CPU time, target {trials['target_s']:g} s",
         f"{manipulations['manipulations']} manipulations of {manipulations['simulated_s']:.0f} s in total, "
@@ -105,5 +120,6 @@ def bench(
             f"{first['full_cache_cpu_s']:.1f} s with a full one"
         )
     console.result(data, "\n".join(lines))
-    if any(found["cpu_s"] > found["target_s"] for found in (trials, manipulations, many)):
+    slow = any(found["cpu_s"] > found["target_s"] for found in (trials, manipulations, many))
+    if slow or any(diagram.misses_target for diagram in diagrams):
         raise typer.Exit(CHECK_FAILED)

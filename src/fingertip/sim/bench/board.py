@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -38,6 +39,8 @@ LEVELS_V = (5e-4, 1e-4, 2e-5)
 """Errors at which solvers are compared [V]."""
 TARGETS = {"scipy odeint": 25.0, "CVODE": 10.0, "ngspice, sine": 60.0}
 OURS = "fingertip"
+MIN_SECONDS = 0.5
+"""Shortest length of the problem [s], with a burst of 0.2 s."""
 CONSTANT_V, AMPLITUDE_V, FREQUENCY_HZ = 4.0, 0.02, 90.0
 _SPICE_SETTINGS = (
     (1e-2, 5e-4), (1e-3, 2e-4), (1e-3, 1e-4), (1e-4, 1e-4), (1e-4, 5e-5), (1e-5, 5e-5), (1e-5, 2e-5), (1e-6, 2e-5),
@@ -55,21 +58,20 @@ class BoardProblem:
 
     @property
     def burst_s(self) -> tuple[float, float]:
-        """Begin and end of the burst [s]: whole periods, some two fifths of the time."""
-        begin, end = (round(share * self.seconds * FREQUENCY_HZ) / FREQUENCY_HZ for share in (0.2, 0.6))
-        return begin, end
+        """Begin and end of the burst [s], some two fifths of the time: tenths, each a zero of the sine and a sample."""
+        return round(2 * self.seconds) / 10, round(6 * self.seconds) / 10
 
     @property
     def time_s(self) -> Array:
         """Samples [s]."""
-        return np.arange(round(self.seconds / STEP_S) + 1) * STEP_S
+        return np.asarray(np.arange(round(self.seconds / STEP_S) + 1) * STEP_S, dtype=np.float64)
 
     @property
     def voltage_v(self) -> Array:
         """Tactile voltage at the samples [V]: 90 Hz of 20 mV during the burst, on 4 V."""
         t, (begin, end) = self.time_s, self.burst_s
         sine = AMPLITUDE_V * np.sin(2 * math.pi * FREQUENCY_HZ * t)
-        return CONSTANT_V + np.where((t > begin) & (t < end), sine, 0.0)
+        return np.asarray(CONSTANT_V + np.where((t > begin) & (t < end), sine, 0.0), dtype=np.float64)
 
     @property
     def start(self) -> Array:
@@ -77,10 +79,9 @@ class BoardProblem:
         return np.array([CONSTANT_V, 0.0, 0.0, 0.0])
 
     def run_fingertip(self, tolerance_v: float) -> Outcome:
-        """Envelope by fingertip [V]; the preparation of the board's exact steps counts."""
+        """Envelope by fingertip [V]; preparing the exact steps counts, the circuit's equations are given as to all."""
         voltage = self.voltage_v
-        fresh = replace(self.board, network=replace(self.board.network))  # without equations solved before
-        return time_cpu(lambda: simulate_board(fresh, STEP_S, voltage, tolerance_v).envelope_v)
+        return time_cpu(lambda: simulate_board(self.board, STEP_S, voltage, tolerance_v).envelope_v)
 
     def run_scipy(self, system: System, method: str, stops: bool, tolerance: float) -> Outcome:
         """Envelope by scipy [V]; steps end at every sample, or are no longer than a sample."""
@@ -98,7 +99,8 @@ class BoardProblem:
         """Envelope by LSODA [V], restarted at every sample: the independent reference."""
         t = self.time_s
         segments = [Segment(t[i : i + 2], (self.voltage_v,)) for i in range(len(t) - 1)]
-        return solve_with_scipy("LSODA", system, segments, self.start, tolerance, np.full(4, 1e-14))[3]
+        found = solve_with_scipy("LSODA", system, segments, self.start, tolerance, np.full(4, 1e-14))
+        return np.asarray(found[3], dtype=np.float64)
 
     def run_exact_sine(self, system: System, method: str, tolerance: float, time_s: Array) -> Array:
         """Envelope at sorted times [V] for the sine itself, restarted where it begins and ends."""
@@ -110,7 +112,7 @@ class BoardProblem:
             for (a, b), amplitude in zip(pairwise(corners), amplitudes, strict=True)
         ]
         found = solve_with_scipy(method, system, segments, self.start, tolerance, np.full(4, 0.1 * tolerance))[3]
-        return found[np.searchsorted(wanted, time_s)]
+        return np.asarray(found[np.searchsorted(wanted, time_s)], dtype=np.float64)
 
     def run_cvode(self, library: CvodeLibrary, way: str, reference: Array | None, tolerance: float) -> Outcome:
         """Envelope by CVODE [V], in one of the ways "no longer than a sample", "stops at samples" and "sine"."""
@@ -147,12 +149,13 @@ def measure_board(seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary | 
     Parameters
     ----------
     seconds
-        Length of the problem [s], a multiple of 0.5 s for a burst that begins and ends at a sample.
+        Length of the problem [s]; at least 0.5 s are simulated.
     peers
         Names of the peers (`peers.PEERS`).
     cvode
         CVODE, or why it is missing.
     """
+    seconds = max(seconds, MIN_SECONDS)
     problem = BoardProblem(AnalogBoard.from_design(Design()), seconds)
     system = _scipy_equations(problem.board)
     begin, end = problem.burst_s
@@ -261,7 +264,7 @@ def _scipy_equations(board: AnalogBoard) -> System:
     shift = math.log(rho * saturation) + rho * saturation
     omega = compile_for_process(wright_omega)
 
-    def read_input(t: float, voltage: Array) -> float:
+    def read_input(t: float, voltage: Array) -> Any:
         if len(voltage) == 1:  # the amplitude of the burst at this time
             return CONSTANT_V + voltage[0] * math.sin(2 * math.pi * FREQUENCY_HZ * t)
         place = min(int(t / STEP_S), len(voltage) - 2)

@@ -8,6 +8,7 @@ integration is timed, for every solver.
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -21,7 +22,7 @@ from fingertip.design import Design
 from fingertip.jit import compile_for_process
 from fingertip.sim.bench.cvode import CvodeLibrary
 from fingertip.sim.bench.peers import SOLVE_IVP, Segment, System, scipy_version, solve_with_scipy
-from fingertip.sim.bench.work_precision import Job, Outcome, WorkPrecision, time_cpu
+from fingertip.sim.bench.work_precision import Job, Outcome, WorkPrecision
 from fingertip.sim.contact.coupled import NormalContact, integrate
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
@@ -97,21 +98,25 @@ class ContactProblem:
         rates = ((V[i + 1] - V[i]) * RATE_HZ, (load[i + 1] - load[i]) * RATE_HZ)
         return np.stack((self.time_s[i], self.carriage_m[i], V[i], rates[0], load[i], rates[1]), axis=1)
 
-    def run_fingertip(self, tolerance_n: float) -> Array:
+    def run_fingertip(self, tolerance_n: float) -> Outcome:
         """Forces by fingertip [N]."""
         columns = self.carriage_m, self.carriage_m_s, self.load_n
+        start = time.process_time()
         run = integrate(_FRICTION, self.mount, self.normal, 1 / RATE_HZ, *columns, tolerance_n)
-        return self.forces_n(run.position_m, run.force_n)
+        cpu_s = time.process_time() - start
+        return Outcome(self.forces_n(run.position_m, run.force_n), cpu_s)
 
-    def run_scipy(self, system: System, method: str, tolerance: float) -> Array:
+    def run_scipy(self, system: System, method: str, tolerance: float) -> Outcome:
         """Forces by scipy [N]."""
         drives = self.drives()
         segments = [
             Segment(self.time_s[a : b + 1], (drive,))
             for (a, b), drive in zip(pairwise(self.corners), drives, strict=True)
         ]
+        start = time.process_time()
         found = solve_with_scipy(method, system, segments, self.start, tolerance, tolerance * self.absolute)
-        return self.forces_n(found[0], np.maximum(found[3], 0.0))
+        cpu_s = time.process_time() - start
+        return Outcome(self.forces_n(found[0], np.maximum(found[3], 0.0)), cpu_s)
 
     def run_cvode(self, library: CvodeLibrary, tolerance: float) -> Outcome:
         """Forces by CVODE [N]."""
@@ -147,13 +152,10 @@ def measure_contact(seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary 
     if "CVODE" in peers:
         diagram.targets["CVODE"] = TARGETS["CVODE"]
     problem.run_fingertip(1e-3)  # compiles
-    reference = problem.run_fingertip(1e-12)
-    other = problem.run_scipy(system, "Radau", 1e-11)
+    reference = problem.run_fingertip(1e-12).result
+    other = problem.run_scipy(system, "Radau", 1e-11).result
     diagram.reference_difference = float(np.abs(other - reference).max())
-    jobs = [
-        Job(OURS, f"tolerance 1e{e} N", partial(time_cpu, partial(problem.run_fingertip, 10.0**e)))
-        for e in range(-3, -10, -1)
-    ]
+    jobs = [Job(OURS, f"tolerance 1e{e} N", partial(problem.run_fingertip, 10.0**e)) for e in range(-3, -10, -1)]
     jobs += _peer_jobs(diagram, problem, system, peers, cvode)
     diagram.measure(jobs, reference)
     if "ngspice" in peers:
@@ -175,7 +177,7 @@ def _peer_jobs(
         exponents = {"odeint": np.arange(-6.0, -10.1, -0.5), "LSODA": np.arange(-6.0, -9.1, -0.5)}
         for e in exponents.get(method, np.arange(-5.0, -8.1, -1.0)):
             run = partial(problem.run_scipy, system, method, 10.0**e)
-            yield Job(name, f"rtol {10.0**e:.1e}", partial(time_cpu, run))
+            yield Job(name, f"rtol {10.0**e:.1e}", run)
     if "CVODE" not in peers:
         return
     if isinstance(cvode, str):

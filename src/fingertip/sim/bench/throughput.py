@@ -23,7 +23,7 @@ from fingertip.sim.signal.monte_carlo import draw_boards
 
 CAMPAIGN_TARGET_S = 6.0
 MANIPULATION_TARGET_S = 1.0
-BOARDS_TARGET_S = 15.0
+BOARDS_TARGET_S = 10.0
 BOARDS_TOLERANCE_V = 1e-3
 _COLD = """
 import time
@@ -76,7 +76,7 @@ def measure_boards(count: int) -> dict[str, Any]:
         slide={"distance_m": 0.04},
         outputs=["tactile_v"],
     )
-    voltage = run_scene(design, scene, 1).columns["tactile_v"][: round(5 * design.detector.sample_rate_hz)]
+    voltage = run_scene(design, scene, 1).columns["tactile_v"][: round(5 * design.detector.sample_rate_hz) + 1]
     step, nominal = 1 / design.detector.sample_rate_hz, AnalogBoard.from_design(design)
     list(simulate_boards(nominal, step, voltage[:10]))
     start = time.process_time()

@@ -100,21 +100,21 @@ class WorkPrecision:
         """
         times: dict[Job, list[float]] = {job: [] for job in jobs}
         results: dict[Job, Outcome] = {}
+        remaining = list(jobs)
         for _ in range(_ROUNDS):
-            for job in jobs:
-                if job in results and max(times[job]) > _REPEAT_BELOW_S:
-                    continue
-                if _ > 0 and job not in results:
-                    continue
+            for job in tuple(remaining):
                 try:
                     outcome = job.run()
                 except Exception as error:  # another solver may fail in any way; the failure is reported
                     reason = f"failed ({type(error).__name__}: {str(error)[:80]})"
                     self.omissions.append(f"{job.solver}, {job.setting}: {reason}")
                     results.pop(job, None)
+                    remaining.remove(job)
                     continue
                 times[job].append(outcome.cpu_s)
                 results[job] = outcome
+                if outcome.cpu_s > _REPEAT_BELOW_S:
+                    remaining.remove(job)
         for job, outcome in results.items():
             expected = reference if outcome.reference is None else outcome.reference
             self.add_result(job.solver, job.setting, statistics.median(times[job]), outcome.result, expected)
@@ -152,7 +152,7 @@ class WorkPrecision:
         for coarse, fine in pairwise(best):
             if fine.error <= error:
                 share = math.log(coarse.error / error) / math.log(coarse.error / fine.error)
-                return coarse.cpu_s * (fine.cpu_s / coarse.cpu_s) ** share
+                return coarse.cpu_s * math.exp(share * math.log(fine.cpu_s / coarse.cpu_s))
         return None
 
     def compare(self, solver: str) -> Comparison:

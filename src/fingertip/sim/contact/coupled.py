@@ -162,6 +162,9 @@ class CoupledContact:
             `MAX_STEPS` steps (the error counts samples from the first chunk). The state is then as before the call.
         """
         raise_issues(find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n))
+        return self._advance(carriage_m, carriage_m_s, pressing_n)
+
+    def _advance(self, carriage_m: Array, carriage_m_s: Array, pressing_n: Array) -> CoupledMotion:
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         repeated = self._last.shape[1]
         drive = np.concatenate((self._last, (carriage_m, carriage_m_s, pressing_n)), axis=1)
@@ -223,7 +226,7 @@ def integrate(
     raise_issues(issues)
     max_pressing_n = max(float(np.max(pressing_n)), 0.0)
     contact = CoupledContact(friction, mount, normal, step_s, max_pressing_n, tolerance_n)
-    return contact.process(carriage_m, carriage_m_s, pressing_n)
+    return contact._advance(carriage_m, carriage_m_s, pressing_n)  # the columns are checked above
 
 
 def _find_setting_issues(step_s: float, max_pressing_n: float, tolerance_n: float) -> list[Issue]:

@@ -26,13 +26,15 @@ from fingertip.sim.bench.work_precision import Job, Outcome, WorkPrecision
 from fingertip.sim.contact.coupled import NormalContact, integrate
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
-from fingertip.sim.contact.tangential import Mount
+from fingertip.sim.contact.tangential import Mount, drag
+from fingertip.sim.contact.vibration import ContactResonance
 
 RATE_HZ = 2000.0
 LEVELS_N = (1e-5, 5e-6, 2.5e-6)
 """Errors at which solvers are compared [N]."""
 TARGETS = {"scipy odeint": 15.0, "CVODE": 10.0}
 OURS = "fingertip"
+STEPPER = "fingertip's stepper of trials"
 _FRICTION = Friction(0.6, 0.48)
 _LOAD_N = 0.8
 # Corners of the piecewise linear drive: time [s] and stage velocity [m/s]; time [s] and load [N].
@@ -92,7 +94,7 @@ class ContactProblem:
         return sorted(inner | {len(self.time_s) - 1})
 
     def drives(self) -> Array:
-        """Begin [s], carriage [m], its velocity [m/s], acceleration [m/s^2], load [N] and its rate [N/s], by segment."""
+        """Begin [s], carriage [m, m/s, m/s2] and load [N, N/s] of each segment."""
         i = np.array(self.corners[:-1])
         V, load = self.carriage_m_s, self.load_n
         rates = ((V[i + 1] - V[i]) * RATE_HZ, (load[i + 1] - load[i]) * RATE_HZ)
@@ -105,6 +107,18 @@ class ContactProblem:
         run = integrate(_FRICTION, self.mount, self.normal, 1 / RATE_HZ, *columns, tolerance_n)
         cpu_s = time.process_time() - start
         return Outcome(self.forces_n(run.position_m, run.force_n), cpu_s)
+
+    def run_stepper(self, parts: int) -> Array:
+        """Forces by the stepper of trials, with so many steps per sample [N]; the normal force is the resonance's."""
+        rate = RATE_HZ * parts
+        t = np.arange((len(self.time_s) - 1) * parts + 1) / rate
+        velocity, load = np.interp(t, self.time_s, self.carriage_m_s), np.interp(t, self.time_s, self.load_n)
+        position = np.concatenate(([0.0], np.cumsum((velocity[1:] + velocity[:-1]) / 2) / rate))
+        hold = np.full(round(rate), load[0])  # the resonance comes to rest under the first load
+        resonance = ContactResonance(1 / rate, self.normal.resonance_hz, self.normal.damping_ratio)
+        normal = resonance.process(np.concatenate((hold, load)), np.concatenate((hold, load)))[len(hold) :]
+        moved = drag(_FRICTION, self.mount, 1 / rate, position, velocity, normal)
+        return self.forces_n(moved.position_m[::parts], normal[::parts])
 
     def run_scipy(self, system: System, method: str, tolerance: float) -> Outcome:
         """Forces by scipy [N]."""
@@ -147,6 +161,7 @@ def measure_contact(seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary 
     system = _scipy_equations(problem.mount, problem.normal)
     diagram = WorkPrecision(f"contact, {seconds:g} s to and fro", "N", LEVELS_N)
     diagram.solvers[OURS] = f"{__version__}, RODAS, compiled loop; each sample ends a step"
+    diagram.solvers[STEPPER] = f"{__version__}, ROS2 with equal steps on an exact resonance, compiled loops"
     if "odeint" in peers:
         diagram.targets["scipy odeint"] = TARGETS["scipy odeint"]
     if "CVODE" in peers:
@@ -156,6 +171,10 @@ def measure_contact(seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary 
     other = problem.run_scipy(system, "Radau", 1e-11).result
     diagram.reference_difference = float(np.abs(other - reference).max())
     jobs = [Job(OURS, f"tolerance 1e{e} N", partial(problem.run_fingertip, 10.0**e)) for e in range(-3, -10, -1)]
+    jobs += [
+        Job(STEPPER, f"steps of {1e6 / RATE_HZ / n:g} us", partial(problem.run_stepper, n))
+        for n in (2, 5, 10, 20, 40, 80, 160)
+    ]
     jobs += _peer_jobs(diagram, problem, system, peers, cvode)
     diagram.measure(jobs, reference)
     if "ngspice" in peers:

@@ -10,7 +10,7 @@ from fingertip.sim.bench import spice
 from fingertip.sim.bench.board import STEP_S, BoardProblem
 from fingertip.sim.bench.cvode import CvodeLibrary
 from fingertip.sim.bench.spice import Spice
-from fingertip.sim.electronics.analog_circuit import AnalogBoard
+from fingertip.sim.signal.analog_circuit import AnalogBoard
 
 _PROCESS = """
 import time
@@ -22,7 +22,7 @@ from fingertip.jit import compiled
 from fingertip.sim.bench.board import BoardProblem
 from fingertip.sim.bench.contact import ContactProblem
 from fingertip.design import Design
-from fingertip.sim.electronics.analog_circuit import AnalogBoard
+from fingertip.sim.signal.analog_circuit import AnalogBoard
 with compiled():
     ContactProblem.over(1.0).run_fingertip(1e-3)
     BoardProblem(AnalogBoard.from_design(Design()), 0.5).run_fingertip(1e-3)

@@ -21,7 +21,7 @@ from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_boards
 from fingertip.sim.signal.monte_carlo import draw_boards
 
-CAMPAIGN_TARGET_S = 6.0
+CAMPAIGN_TARGET_S = 3.0
 MANIPULATION_TARGET_S = 1.0
 BOARDS_TARGET_S = 10.0
 BOARDS_TOLERANCE_V = 1e-3

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import statistics
 import time
 from dataclasses import asdict, dataclass, field
@@ -54,8 +53,9 @@ class TrialAccuracy:
 
     def order(self, variant: str, quantity: str) -> float:
         """Order of convergence: slope of the error over the step, both logarithmic."""
-        rows = [(math.log(p.step_s), math.log(p.errors[quantity])) for p in self.points if p.variant == variant]
-        return float(np.polyfit(*zip(*rows, strict=True), 1)[0])
+        points = [p for p in self.points if p.variant == variant]
+        steps, errors = np.log([p.step_s for p in points]), np.log([p.errors[quantity] for p in points])
+        return float(np.polyfit(steps, errors, 1)[0])
 
     @property
     def misses_target(self) -> bool:

@@ -1,4 +1,4 @@
-"""Independent reference of a whole trial: the same equations, solved by scipy on a window around the start of the slide.
+"""Independent reference of a whole trial: its equations, solved by scipy in a window around the start of the slide.
 
 Before the slide the pad rests under its holding force, so every state is known there. The chain is written out once
 more: odeint for pad and resonance with the drive as functions of time, a loop for the play of the sensor, arrays for

@@ -108,17 +108,19 @@ class ContactProblem:
         cpu_s = time.process_time() - start
         return Outcome(self.forces_n(run.position_m, run.force_n), cpu_s)
 
-    def run_stepper(self, parts: int) -> Array:
+    def run_stepper(self, parts: int) -> Outcome:
         """Forces by the stepper of trials, with so many steps per sample [N]; the normal force is the resonance's."""
         rate = RATE_HZ * parts
         t = np.arange((len(self.time_s) - 1) * parts + 1) / rate
         velocity, load = np.interp(t, self.time_s, self.carriage_m_s), np.interp(t, self.time_s, self.load_n)
         position = np.concatenate(([0.0], np.cumsum((velocity[1:] + velocity[:-1]) / 2) / rate))
         hold = np.full(round(rate), load[0])  # the resonance comes to rest under the first load
+        start = time.process_time()
         resonance = ContactResonance(1 / rate, self.normal.resonance_hz, self.normal.damping_ratio)
         normal = resonance.process(np.concatenate((hold, load)), np.concatenate((hold, load)))[len(hold) :]
         moved = drag(_FRICTION, self.mount, 1 / rate, position, velocity, normal)
-        return self.forces_n(moved.position_m[::parts], normal[::parts])
+        cpu_s = time.process_time() - start
+        return Outcome(self.forces_n(moved.position_m[::parts], normal[::parts]), cpu_s)
 
     def run_scipy(self, system: System, method: str, tolerance: float) -> Outcome:
         """Forces by scipy [N]."""

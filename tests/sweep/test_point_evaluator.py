@@ -17,6 +17,7 @@ from fingertip.design.parameters import DesignTables
 from fingertip.design.parameters.design_tables import ELECTRONIC_TABLES
 from fingertip.design.rules import PART_RULES, RULES
 from fingertip.design.rules.ruleset import find_violations
+from fingertip.errors import SweepError
 from fingertip.sweep import compute
 from fingertip.sweep.cache import LruCache
 from fingertip.sweep.cached_solids import MAX_TRIANGLES, CachedEvaluator
@@ -295,6 +296,65 @@ def test_simulated_trials_are_shared_between_windows_and_thresholds(variant: str
     assert repr(shared) == repr(separate)
     assert {row[1] for row in shared} == {"ok"}
     assert {row[4][2] for row in shared} == {1.0}
+
+
+SHORT_SLIDE: dict[str, Any] = {
+    "slide": {"distance_m": 0.005, "speed_m_s": 0.05},
+    "hold": {"wait_s": 0.1, "release": False, "min_force_n": 1.0, "max_force_n": 1.0},
+}
+
+
+def test_realistic_effects_are_axes_of_a_sweep() -> None:
+    plan = make_plan(
+        outputs=["found_share", "slip_vibration_n", "slip_onset_ms"],
+        trials=1,
+        scene=SHORT_SLIDE,
+        axes={
+            "scene.contact.patch_average": [False, True],
+            "scene.contact.bristles": ["plain", "elasto_plastic"],
+            "scene.noise.pink_v": {"low": 0.0, "high": 1e-4, "steps": 2},
+            "scene.converter.bits": [0, 12],
+        },
+    )
+    evaluator = PointEvaluator(plan)
+    rows = [(plan.point(i), evaluator.evaluate(i, plan.point(i))) for i in range(plan.size)]
+    assert {row[1] for _, row in rows} == {"ok"}
+    vibration, onset = ({True: set(), "plain": set(), False: set(), "elasto_plastic": set()} for _ in range(2))
+    for point, (*_, outputs) in rows:
+        vibration[point["scene.contact.patch_average"]].add(outputs[1])
+        onset[point["scene.contact.bristles"]].add(outputs[2])
+    assert max(vibration[True]) < 0.2 * min(vibration[False])
+    assert min(onset["elasto_plastic"]) > max(onset["plain"]) + 2.0
+
+
+def test_refused_effect_of_a_scene_keeps_its_reason() -> None:
+    axes = {"scene.contact.stick_slip": [True], "scene.contact.bristles": ["elasto_plastic"]}
+    plan = make_plan(outputs=["found_share"], trials=1, scene=SHORT_SLIDE, axes=axes)
+    _, status, field, _, _ = PointEvaluator(plan).evaluate(0, plan.point(0))
+    assert (status, field) == ("refused", "scene.contact.stick_slip")
+
+
+def test_errors_of_the_time_step_cost_nothing_unless_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = count_group_calls(monkeypatch)
+    errors = [name for name in OUTPUTS if name.startswith("simulation.")]
+    axes = {"scene.contact.resonance_hz": [90.0]}
+    plan = make_plan(outputs=["found_share"], trials=1, scene=SHORT_SLIDE, axes=axes)
+    PointEvaluator(plan).evaluate(0, plan.point(0))
+    assert (calls["detection"], calls["simulation"]) == (1, 0)
+    plan = make_plan(outputs=errors, scene=SHORT_SLIDE, axes=axes)
+    _, status, _, reason, outputs = PointEvaluator(plan).evaluate(0, plan.point(0))
+    assert (status, reason) == ("ok", "")
+    assert (calls["detection"], calls["simulation"]) == (1, 1)
+    force_mn, voltage_mv, envelope_mv, shift = outputs
+    assert 0.0 < force_mn < 0.1
+    assert 0.0 <= voltage_mv < 1.0
+    assert 0.0 < envelope_mv < 2.0
+    assert shift <= 1.0
+
+
+def test_error_of_the_time_step_needs_a_scene() -> None:
+    with pytest.raises(SweepError, match=r"simulation\.force_error_mn"):
+        make_plan(outputs=["simulation.force_error_mn"])
 
 
 def list_outputs(group: str) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -34,3 +35,9 @@ def measure_vibration_n(trace: Trace) -> float:
     width = min(max(1, round(1 / (VIBRATION_HZ * float(trace.time_s[1] - trace.time_s[0])))), len(trace.force_n))
     fast_n = trace.force_n - np.convolve(trace.force_n, np.full(width, 1 / width), "same")
     return float(np.sqrt(np.mean(fast_n[slipping[0] : slipping[-1] + 1] ** 2)))
+
+
+def median_of_known(values: Iterable[float]) -> float:
+    """Median of those values that are finite; NaN if none is."""
+    known = [value for value in values if math.isfinite(value)]
+    return float(np.median(known)) if known else math.nan

@@ -21,12 +21,16 @@ from fingertip.campaign.studies.detection_bound import compute_bounds_s
 from fingertip.campaign.studies.knock_rejection import study_knock_rejection
 from fingertip.campaign.studies.motor_discrimination import study_motor_discrimination
 from fingertip.campaign.studies.sampling_rates import study_sampling_rates
+from fingertip.campaign.studies.step_sensitivity import study_steps
 from fingertip.design import Design
+from fingertip.sim.contact.pad import Pad
 from fingertip.slip.detectors.registry import find_detector_type
 
 STUDY_TRIALS = 24
 """Largest number of trials in each study beside the campaign: three for each surface and object."""
-
+MAX_STEP_TRIALS = 60
+"""Largest number of trials that are repeated with a finer time step: half of the default plan's, as each takes the
+time of ten."""
 
 FILES = (
     "validation.json", "omissions.md", "delays.png", "surfaces.png", "surfaces_digital.png", "spectra.png",
@@ -72,8 +76,11 @@ class Validation:
         return {
             "validation.json": (json.dumps(self.as_data(), indent=2, allow_nan=False) + "\n").encode(),
             **(self._draw_plots() if with_plots else {}),
-            "omissions.md": omissions.as_markdown(self.campaign, self.requirements, self.closed_loop).encode(),
+            "omissions.md": self._write_omissions().encode(),
         }
+
+    def _write_omissions(self) -> str:
+        return omissions.as_markdown(self.campaign, self.requirements, self.closed_loop, self.studies, self.detector)
 
     def _draw_plots(self) -> dict[str, bytes]:
         from fingertip.campaign.report import plots, trial_plots
@@ -126,11 +133,13 @@ def validate(
     summaries = summarise(manipulations)
     required = next(summary for summary in summaries if summary.detector == detector)
     requirements = (*check_detection(result, detector, limits), *check_closed_loop(required, limits))
-    progress("studies: detection bound, assumptions, windows, spectra, accelerations, sampling rates, boards, knocks")
+    progress("studies: bound, assumptions, time step, windows, spectra, accelerations, sampling rates, boards, knocks")
     trials = min(STUDY_TRIALS, plan.trials)
     studies = StudyResults(
         bounds_s=compute_bounds_s(design, plan),
         variations=study_assumptions(design, detector, trials),
+        steps=study_steps(design, min(MAX_STEP_TRIALS, (plan.trials + 1) // 2)),
+        patch_radius_m=Pad.from_design(design).patch_radius_m(1.0),
         windows=study_windows(design, trials),
         spectra=compute_spectra(design),
         accelerations=study_accelerations(design, trials),

@@ -108,16 +108,21 @@ def compute_detection(context: PointContext) -> OutputValues:
     from fingertip.campaign.evaluate import evaluate, needs_board, simulate_trace
     from fingertip.campaign.plan import Case
     from fingertip.campaign.run import DetectorResult
+    from fingertip.campaign.true_slip import find_onset_s, measure_vibration_n, median_of_known
     from fingertip.jit import compiled
 
     assert context.scene is not None
     detector, design = context.file.detector, context.design
-    results = []
+    results, onsets_s, vibrations_n = [], [], []
     with compiled():
         for seed in range(context.file.first_seed, context.file.first_seed + context.file.trials):
             case = Case("slip", context.scene, seed)
             trace, force_n = context.load_trial(seed, partial(simulate_trace, design, case, needs_board(detector)))
             results += evaluate(case, trace, force_n, detector, design, [1.0])
+            if "slip_onset_ms" in context.file.outputs:
+                onsets_s.append(find_onset_s(design, case, trace))
+            if "slip_vibration_n" in context.file.outputs:
+                vibrations_n.append(measure_vibration_n(trace))
     pooled = DetectorResult(1.0, tuple(results))
     minutes = sum(result.duration_s for result in results) / 60.0
     return {
@@ -126,6 +131,26 @@ def compute_detection(context: PointContext) -> OutputValues:
         "found_share": pooled.found_share,
         "false_alarms_per_min": sum(pooled.alarms().values()) / minutes,
         "slips": pooled.slips,
+        "slip_onset_ms": 1e3 * median_of_known(onsets_s),
+        "slip_vibration_n": median_of_known(vibrations_n),
+    }
+
+
+def compute_simulation(context: PointContext) -> OutputValues:
+    """Compute what the time step changes in the first trial, by a comparison with a much finer step."""
+    from fingertip.campaign.plan import Case
+    from fingertip.campaign.studies.step_sensitivity import compare_grids
+    from fingertip.jit import compiled
+
+    assert context.scene is not None
+    case, detector = Case("slip", context.scene, context.file.first_seed), context.file.detector
+    with compiled():
+        found = compare_grids(context.design, case, (detector,))
+    return {
+        "simulation.force_error_mn": 1e3 * found.errors["force_n"],
+        "simulation.voltage_error_mv": 1e3 * found.errors["voltage_v"],
+        "simulation.envelope_error_mv": 1e3 * found.errors["envelope_v"],
+        "simulation.delay_shift_samples": found.shifts_samples[detector],
     }
 
 
@@ -203,6 +228,7 @@ GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
     "circuit": compute_circuit,
     "noise": compute_noise,
     "detection": compute_detection,
+    "simulation": compute_simulation,
     "skin": compute_skin,
     "bone": compute_bone,
     "mold": compute_mold,

@@ -51,6 +51,7 @@ GROUPS = {
         OutputGroup("noise", frozenset({"board", "detector"}), 1),
         OutputGroup("circuit", frozenset({"board", "detector", "sensor", "custom_sensor"}), 1),
         OutputGroup("detection", SIMULATION | {"scene"}, 2),
+        OutputGroup("simulation", SIMULATION | {"scene"}, 3),
         OutputGroup("skin", CLOSED_MOLD, 4),
         OutputGroup("bone", CLOSED_MOLD, 4),
         OutputGroup("mold", CLOSED_MOLD | {"name"}, 4),
@@ -132,6 +133,20 @@ OUTPUTS = {
         SweepOutput("found_share", "detection", "share of the slips that were detected, 0 to 1"),
         SweepOutput("false_alarms_per_min", "detection", "alarms without slip per simulated minute"),
         SweepOutput("slips", "detection", "number of slips in the trials"),
+        SweepOutput("slip_onset_ms", "detection", "median true onset of slip after the slide starts; NaN: no slip"),
+        SweepOutput(
+            "slip_vibration_n", "detection", "median RMS of the normal force above 30 Hz in slip; NaN: no slip"
+        ),
+        SweepOutput(
+            "simulation.force_error_mn", "simulation", "largest error of force_n in the first trial, by its time step"
+        ),
+        SweepOutput("simulation.voltage_error_mv", "simulation", "the same of voltage_v; resolution: one ADC step"),
+        SweepOutput("simulation.envelope_error_mv", "simulation", "the same of envelope_v"),
+        SweepOutput(
+            "simulation.delay_shift_samples",
+            "simulation",
+            "shift of its delay by the time step; inf: found with one step only, NaN: with none",
+        ),
     )
 }
 """Name -> output."""

@@ -241,7 +241,7 @@ def _check_consistency(plan: SweepPlan) -> list[Issue]:
     scene_axes = [axis.name for axis in plan.axes if axis.name.startswith("scene.")]
     issues = []
     if "scene" in tables_read and plan.scene is None:
-        outputs = ", ".join(n for n in plan.outputs if find_groups([n])[0].name == "detection")
+        outputs = ", ".join(n for n in plan.outputs if "scene" in find_groups([n])[0].reads)
         remedy = f'write scene = "{_EXAMPLE_SCENE}"'
         issues.append(Issue("scene", f"is missing, but outputs need one ({outputs}); {remedy}."))
     if "scene" not in tables_read:

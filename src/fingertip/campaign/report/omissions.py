@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from fingertip.campaign.closed_loop import NO_CONTROL, ClosedLoopTrial
 from fingertip.campaign.plan import REPORTED_SEPARATELY
-from fingertip.campaign.report.tables import ASSUMPTIONS
+from fingertip.campaign.report import robustness
+from fingertip.campaign.report.tables import ASSUMPTIONS, StudyResults
 from fingertip.campaign.requirements import Requirement
 from fingertip.campaign.run import CampaignResult, surface
 
@@ -41,19 +42,32 @@ FIGURE_ASSUMPTIONS = {
     ),
     "table of board variants": (
         "One diode, 1N4148 at 27 degrees Celsius, and nominal values; `fingertip board --analysis` gives tolerances. "
-        "The noise of the amplifiers is that of the noise budget (typical values), concentrated in the band of the "
-        "samples. The noise of the ADC is added behind the board. False alarms are counted in 2 minutes without slip."
+        "The noise of the amplifiers is that of the noise budget (typical values), as white noise on the simulation's "
+        "grid, ahead of the filter. The noise of the ADC is added behind the board. False alarms are counted in 2 "
+        "minutes without slip."
     ),
     "table of accelerations": (
         "The article gives no acceleration; 4 cm at 4 cm/s in one second is compatible with all of these."
     ),
     "table of sampling rates": (
-        "Noise of the ADC only, with the same strength at every conversion; noise of the sensor itself is not "
-        "included. The anti-aliasing poles ahead of the ADC are those that the board would have for each rate."
+        "Noise of the ADC only, with the same strength at every conversion; pink noise of sensor and amplifier is left "
+        "out here. The grid of the simulation is the same at every rate. The anti-aliasing poles ahead of the ADC are "
+        "those that the board would have for each rate."
     ),
     "table of knocks": (
         "A knock is a force that rises and falls as a smooth step, on a pad that resonates at 90 Hz. Every detector "
         "here reports weak knocks as slip: a single force axis cannot distinguish them."
+    ),
+    "table of assumptions": (
+        "One change at a time, on the same trials. Pink noise has the same power in every decade, and vibration of a "
+        "hand is noise from 30 to 90 Hz while the finger touches; thresholds remain those for the white noise of the "
+        "ADC. The patch average weights heights with the pressure of a Hertzian contact, on a surface that does not "
+        "change across the line. Stick-slip follows from friction that was chosen to cause it. A converter is as noisy "
+        "as the design's ADC, and the thresholds follow its step."
+    ),
+    "table of the time step": (
+        "Trials spread over the article's surfaces and speeds, with the default effects only. The finer grid stands "
+        "for the limit of vanishing steps."
     ),
     "table of motor tones": (
         "The motor is a tone of 45 Hz and its second harmonic, of constant frequency. A motor that changes speed is "
@@ -64,7 +78,11 @@ FIGURE_ASSUMPTIONS = {
 NOT_TESTED = (
     "A real finger, board or hand: everything here is simulated.",
     "Skins that wear, sweat or warm up; sensors that differ from the data sheet's curve.",
-    "Boards at the limits of their tolerances; mains hum on the supply; crosstalk between fingers.",
+    "Levels and spectra of real noise: pink noise, mains hum and vibration of a hand are tested at assumed levels, one "
+    "at a time, and not in the closed loop.",
+    "Boards at the limits of their tolerances; mains hum that enters through the supply instead of the tactile "
+    "voltage; crosstalk between fingers.",
+    "Stick-slip with elasto-plastic bristles, and vibration that acts back on friction.",
     "Slip that starts with less than 0.5 m/s2, creeps, or rotates the object about the finger.",
     "A knock on an object that is held too firmly to slip, in the closed loop: the hand would respond to a weak one.",
     "A deformable bottle, objects that roll, grasps in which the palm carries weight.",
@@ -72,7 +90,11 @@ NOT_TESTED = (
 
 
 def as_markdown(
-    result: CampaignResult, requirements: Sequence[Requirement], closed_loop: Sequence[ClosedLoopTrial]
+    result: CampaignResult,
+    requirements: Sequence[Requirement],
+    closed_loop: Sequence[ClosedLoopTrial],
+    studies: StudyResults,
+    detector: str,
 ) -> str:
     """Write the page.
 
@@ -84,6 +106,10 @@ def as_markdown(
         Requirements, met or missed.
     closed_loop
         Manipulations of the closed loop.
+    studies
+        Studies beside the campaign.
+    detector
+        Detector that the study of assumptions applies to.
     """
     lines = ["# Omissions: failures, assumptions and what was not tested", "", "## Requirements missed", ""]
     lines += [f"- {requirement.message}" for requirement in requirements if not requirement.passed] or ["None."]
@@ -91,6 +117,9 @@ def as_markdown(
     for name in result.detectors:
         lines += list(_list_failures(result, name))
     lines += ["", "## Manipulations", "", *_list_manipulations(closed_loop)]
+    remarks = robustness.realism_remarks(studies.variations, detector, studies.patch_radius_m)
+    lines += ["", "## Effects of real fingers that the trials leave out", "", *(f"- {text}" for text in remarks)]
+    lines += ["", "## Time step", "", *(f"- {text}" for text in robustness.step_remarks(studies.steps))]
     lines += ["", "## Assumptions of all results", "", *(f"- {text}" for text in ASSUMPTIONS)]
     lines += ["", "## Assumptions of each figure and table", ""]
     lines += [f"- {name}: {text}" for name, text in FIGURE_ASSUMPTIONS.items()]

@@ -9,6 +9,7 @@ from typing import Any
 
 from fingertip.campaign.closed_loop import NO_CONTROL, ClosedLoopSummary
 from fingertip.campaign.plan import REPORTED_SEPARATELY, TUNING_SEEDS
+from fingertip.campaign.report import robustness
 from fingertip.campaign.requirements import Requirement
 from fingertip.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
 from fingertip.campaign.studies.acceleration_sensitivity import ASSUMED_M_S2, AccelerationResult
@@ -18,6 +19,7 @@ from fingertip.campaign.studies.board_variants import BoardResult
 from fingertip.campaign.studies.knock_rejection import KnockResult
 from fingertip.campaign.studies.motor_discrimination import DiscriminationResult
 from fingertip.campaign.studies.sampling_rates import SamplingRateResult
+from fingertip.campaign.studies.step_sensitivity import StepSensitivity
 
 BOUND_LABEL = "estimated bound (asymptotic, for the mean delay); single results may lie below"
 """Label of Lorden's bound (`fingertip.campaign.studies.detection_bound`) in the tables."""
@@ -48,7 +50,11 @@ class StudyResults:
     bounds_s: Sequence[float]
     """Lower bound on the delay of each slip [s] (`fingertip.campaign.studies.detection_bound`)."""
     variations: Sequence[VariationResult]
-    """Change of the detector's delay with the simulation's assumptions."""
+    """Result of the detector with each of the simulation's assumptions changed."""
+    steps: StepSensitivity
+    """Effect of the simulation's time step."""
+    patch_radius_m: float
+    """Radius of the pad's contact patch at 1 N [m]."""
     windows: Sequence[WindowResult]
     """Delay of the article's chain by window length."""
     spectra: Sequence[Spectrum]
@@ -96,16 +102,8 @@ def as_data(
         "first_seed": result.first_seed,
         "detectors": {name: _detector(result, name) for name in result.detectors},
         "detection_bound": {"median_s": _number(studies.bound_s(0.5)), "p90_s": _number(studies.bound_s(0.9))},
-        "assumption_sensitivity": [
-            {
-                "variation": v.label,
-                "found_share": v.found_share,
-                "median_s": _number(v.median_s),
-                "change_s": _number(v.change_s),
-                "alarms_per_minute": round(v.alarms_per_minute, 4),
-            }
-            for v in studies.variations
-        ],
+        "assumption_sensitivity": robustness.variations_as_data(studies.variations),
+        "step_sensitivity": robustness.steps_as_data(studies.steps),
         "windows": [
             {
                 "window_s": row.window_s,
@@ -227,7 +225,8 @@ def as_text(result: CampaignResult, detector: str, requirements: Sequence[Requir
                 f"{_ms(matched.delay_s(0.9))}   at {matched.scale:g} times its nominal threshold"
             )
     lines += _study_tables(studies)
-    lines += _variation_table(studies.variations, detector)
+    lines += robustness.variation_table(studies.variations, detector)
+    lines += robustness.step_table(studies.steps)
     lines += ["", "digital by window length: median delay, alarms per minute at contacts, releases and load changes:"]
     lines += [
         f"{1000 * row.window_s:7.0f} ms {1000 * row.median_s:7.1f} ms {row.contact_alarms_per_minute:8.1f}"
@@ -294,25 +293,6 @@ def _study_tables(studies: StudyResults) -> list[str]:
             text += f"   {times:>24} {row.false_grips:12} {row.suppressed:12}"
         lines.append(text)
     return lines
-
-
-def _variation_table(variations: Sequence[VariationResult], detector: str) -> list[str]:
-    """Table of the assumptions, by size of their effect."""
-    base = variations[0]
-    ranked = sorted(variations[1:], key=lambda v: -abs(v.change_s) if math.isfinite(v.change_s) else -math.inf)
-    return [
-        "",
-        f"change of the median delay of {detector} with each assumption, and its alarms per minute "
-        f"(unchanged: {base.alarms_per_minute:.2f}):",
-        *(f"{_change(v, base)} {v.alarms_per_minute:8.2f}  {v.label}" for v in ranked),
-    ]
-
-
-def _change(variation: VariationResult, base: VariationResult) -> str:
-    """Change of the median; where the median is infinite before or after the change, "found" or "missed"."""
-    if math.isfinite(variation.change_s):
-        return f"{1000 * variation.change_s:+7.1f} ms"
-    return "  found   " if math.isfinite(variation.median_s) > math.isfinite(base.median_s) else "  missed  "
 
 
 def _short_ms(seconds: float) -> str:

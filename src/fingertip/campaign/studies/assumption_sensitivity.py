@@ -11,13 +11,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from fingertip.campaign.evaluate import TrialResult, evaluate, needs_board, simulate_trace
 from fingertip.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, generate_cases
 from fingertip.campaign.run import DetectorResult
 from fingertip.campaign.studies.assumption_variations import VARIATIONS, Variation
-from fingertip.campaign.true_slip import find_onset_s, measure_vibration_n
+from fingertip.campaign.true_slip import find_onset_s, measure_vibration_n, median_of_known
 from fingertip.design import Design
 from fingertip.jit import compiled
 
@@ -70,9 +68,7 @@ def study_assumptions(
     return results
 
 
-def _run_variation(
-    design: Design, detector: str, variation: Variation, trials: int, first_seed: int
-) -> _VariationRun:
+def _run_variation(design: Design, detector: str, variation: Variation, trials: int, first_seed: int) -> _VariationRun:
     changed_design = variation.vary_design(design)
     collected: list[TrialResult] = []
     onsets_s, vibrations_n = [], []
@@ -100,12 +96,6 @@ def _compare(variation: Variation, run: _VariationRun, base: _VariationRun) -> V
         median_s,
         median_s - before_s if is_comparable else math.nan,
         run.pooled.alarms_per_minute,
-        _median(np.subtract(run.onsets_s, base.onsets_s)),
-        _median(np.array(run.vibrations_n)),
+        median_of_known(now - before for now, before in zip(run.onsets_s, base.onsets_s, strict=True)),
+        median_of_known(run.vibrations_n),
     )
-
-
-def _median(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
-    """Median of those values that are known; NaN if none is."""
-    known = values[np.isfinite(values)]
-    return float(np.median(known)) if len(known) else math.nan

@@ -54,7 +54,9 @@ def compare_grids(
     pair = [run_scene(design, scene, case.seed, grid=Grid(parts * shipped.refinement)) for parts in (1, refinement)]
     errors = {name: float(np.max(np.abs(pair[0].columns[name] - pair[1].columns[name]))) for name in SIGNALS}
     rate = design.detector.sample_rate_hz
-    shifts = {name: rate * _find_shift_s(*(_find_delays_s(design, case, one, name) for one in pair)) for name in detectors}
+    shifts = {
+        name: rate * _find_shift_s(*(_find_delays_s(design, case, one, name) for one in pair)) for name in detectors
+    }
     return GridDifference(errors, shifts)
 
 
@@ -129,13 +131,14 @@ def study_steps(
     errors = []
     for name in SIGNALS:
         values = [difference.errors[name] for difference in differences]
-        errors.append(SignalError(name, *(quantile_s(values, len(values), q) for q in (0.5, 0.9)), max(values)))
+        median, p90 = (float(np.quantile(values, q, method="higher")) for q in (0.5, 0.9))
+        errors.append(SignalError(name, median, p90, max(values)))
     return StepSensitivity(len(cases), refinement, shifts, tuple(errors))
 
 
 def _pool_shifts(detector: str, shifts_samples: Sequence[float], rate_hz: float) -> DelayShift:
     found = [shift for shift in shifts_samples if not math.isnan(shift)]
     beyond = sum(shift > MAX_SHIFT_SAMPLES + _ROUNDING for shift in found)
-    quantiles = [quantile_s(found, len(found), q) / rate_hz if found else 0.0 for q in (0.5, 0.9)]
+    median_s, p90_s = (quantile_s(found, len(found), q) / rate_hz if found else 0.0 for q in (0.5, 0.9))
     worst_s = max(found, default=0.0) / rate_hz
-    return DelayShift(detector, len(found), beyond, sum(map(math.isinf, found)), *quantiles, worst_s)
+    return DelayShift(detector, len(found), beyond, sum(map(math.isinf, found)), median_s, p90_s, worst_s)

@@ -1,4 +1,4 @@
-"""What a simulated recording tells about the slip itself: when it begins, and how strongly the pad vibrates in it."""
+"""True slip in a simulated recording: its onset, and the vibration of the pad in it."""
 
 from __future__ import annotations
 

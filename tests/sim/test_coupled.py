@@ -209,7 +209,7 @@ def test_million_samples_stay_periodic():
 
 def test_statistics_of_a_bouncing_pad_do_not_depend_on_the_tolerance():
     """The pad is in flight for 0.78 of the time. Single points of such a chaotic motion need not agree."""
-    time = grid(24.0)
+    time = grid(32.0)
     shaken = 0.5 + 3.0 * np.sin(2 * math.pi * 90 * time)
     with compiled():
         runs = [
@@ -223,7 +223,7 @@ def test_statistics_of_a_bouncing_pad_do_not_depend_on_the_tolerance():
         assert run.force_n.mean() == pytest.approx(runs[-1].force_n.mean(), rel=0.01)
         assert run.force_n.std() == pytest.approx(runs[-1].force_n.std(), rel=0.01)
         assert run.force_n.min() == 0.0
-        assert run.steps + run.rejected < 2_100_000
+        assert run.steps + run.rejected < 2_800_000
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
@@ -267,7 +267,7 @@ def test_creep_below_breakaway_comes_from_the_model(rate):
 
 def loop_parameters(f: Friction) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return the curve and the coefficients of the bristles as the loop takes them."""
-    curve = f.mu_c, f.mu_s - f.mu_c, 1 / f.stribeck_m_s, f.elastic
+    curve = f.mu_c, f.mu_s, 1 / f.stribeck_m_s, f.elastic
     return curve, (f.sigma0, f.sigma1, f.sigma2, RELAX_PER_S, LOAD_SCALE_N)
 
 
@@ -283,7 +283,7 @@ def draw_friction(rng: np.random.Generator, elastic: float) -> Friction:
 def test_jacobian_agrees_with_finite_differences(elastic):
     """Also in flight, next to the loss of contact, and with both signs of velocity and deflection."""
     rng = np.random.default_rng(5)
-    mount, normal = (1 / 0.002, 900.0, 0.3), (570.0, 0.15, 0.02)
+    mount, normal = (900.0 / 0.002, 0.3 / 0.002, 1 / 0.002), (570.0**2, 170.0, 0.02, 24.0)
     yielding = 0
     for case in range(2000):
         curve, sigma = loop_parameters(draw_friction(rng, elastic))
@@ -291,12 +291,12 @@ def test_jacobian_agrees_with_finite_differences(elastic):
         v = rng.choice([-1, 1]) * 10 ** rng.uniform(-4, -1)
         s = rng.uniform(-1.2, 1.2) * curve[0] / sigma[0] * math.sqrt(max(y, 0.0) + LOAD_SCALE_N)
         state = np.array([1e-4, v, s, y, 3.0])
-        given = curve, sigma, mount, normal, 2e-4, 0.01, 0.7
+        given = curve, sigma, mount, normal, 90.0, 0.7
         found = coupled_loop.linearise(*given, *state)
         assert found[:3] == pytest.approx(coupled_loop.rates(*given, *state), rel=1e-12, abs=1e-12)
         J_vv, J_vs, J_vy, J_sv, J_ss, J_sy, J_wy, J_ww = found[3:]
         expected = np.array(
-            [[-mount[1] * mount[0], J_vv, J_vs, J_vy, 0.0], [0.0, J_sv, J_ss, J_sy, 0.0], [0.0, 0.0, 0.0, J_wy, J_ww]]
+            [[-mount[0], J_vv, J_vs, J_vy, 0.0], [0.0, J_sv, J_ss, J_sy, 0.0], [0.0, 0.0, 0.0, J_wy, J_ww]]
         )
         scale = np.array([1e-4, abs(v), 1e-5, max(abs(y), 1e-3), 1.0])
         differences = np.empty((3, 5))
@@ -368,7 +368,7 @@ def balance_energy(rates, curve, sigma, former, load_n, ratio, phase, amplitude_
             load = load_n * (1 + 0.8 * math.sin(ratio * omega * t + phase))
             v = -amplitude_m * omega * math.sin(omega * t)
             force, ds, _ = rates(
-                curve, sigma, (1.0, 0.0, 0.0), (1.0, 1.0, 1.0), 0.0, 0.0, 0.0, 0.0, v, s + reach * h * ds,
+                curve, sigma, (0.0, 0.0, 1.0), (1.0, 1.0, 1.0, 1.0), 0.0, 0.0, 0.0, v, s + reach * h * ds,
                 1.0 if former else load, 0.0,
             )  # fmt: skip
             power = -force * v * (load if former else 1.0)

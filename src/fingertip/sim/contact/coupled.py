@@ -6,7 +6,7 @@ and the mean bristle deflection z = c s (`fingertip.sim.contact.friction`):
 
     L     = v - alpha(v, z) sigma0 |v| z / g(v)                        plain LuGre friction: alpha = 1
     ds/dt = N c L - r(N, z) s
-    m dv/dt = k (X - x) + c_m (V - v) - N (sigma0 z + sigma1 N c^2 L + sigma2 v)
+    m dv/dt = k (X - x) + c_m (V - v) - N (sigma0 z + sigma1 c ds/dt + sigma2 v)
     dy/dt = w
     dw/dt = omega^2 (d - y) - 2 zeta omega w                           touching, y > 0
     dw/dt = omega^2 (d - rho y) - 2 zeta sqrt(rho) omega w             in flight, where only the hand pulls the pad back
@@ -123,12 +123,13 @@ class CoupledContact:
         tolerance_n: float = 1e-6,
     ) -> None:
         raise_issues(_find_setting_issues(step_s, max_pressing_n, tolerance_n))
-        omega = float(2 * np.pi * normal.resonance_hz)
+        omega = 2 * math.pi * normal.resonance_hz
+        damping_per_s = 2 * normal.damping_ratio * omega
         self._parameters = (
-            (friction.mu_c, friction.mu_s - friction.mu_c, 1 / friction.stribeck_m_s, friction.elastic),
+            (friction.mu_c, friction.mu_s, 1 / friction.stribeck_m_s, friction.elastic),
             (friction.sigma0, friction.sigma1, friction.sigma2, RELAX_PER_S, LOAD_SCALE_N),
-            (1 / mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m),
-            (omega, normal.damping_ratio, normal.hand_ratio),
+            (mount.stiffness_n_per_m / mount.mass_kg, mount.damping_n_s_per_m / mount.mass_kg, 1 / mount.mass_kg),
+            (omega * omega, damping_per_s, normal.hand_ratio, math.sqrt(normal.hand_ratio) * damping_per_s),
         )
         # Weights that turn the error of each state into a force: stiffness for x, damping for v, bristle stiffness for
         # z = s / sqrt(N).

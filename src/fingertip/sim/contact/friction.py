@@ -3,7 +3,7 @@
     z     = c s,   c = 1 / sqrt(N + N0)                                 mean bristle deflection
     L     = v - alpha(v, z) sigma0 |v| z / g(v)                         rate at which motion bends bristles
     ds/dt = N c L - r(N, z) s
-    mu    = sigma0 z + sigma1 N c^2 L + sigma2 v,   friction force N mu
+    mu    = sigma0 z + sigma1 c ds/dt + sigma2 v,   friction force N mu
 
 At constant load this is the model of C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, IEEE Trans. Automatic
 Control 40(3), 1995, doi:10.1109/9.376053, with alpha = 1. The Stribeck curve g has the rational form of D. P. Hess and

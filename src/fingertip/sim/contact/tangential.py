@@ -6,7 +6,7 @@ cover stick, incipient slip and gross slip (`fingertip.sim.contact.friction`):
 
     z  = c s,   c = 1 / sqrt(N + N0),   L = v - sigma0 |v| z / g(v)
     ds/dt   = N c L - r(N, z) s
-    m dv/dt = k (X - x) + d (V - v) - N (sigma0 z + sigma1 N c^2 L + sigma2 v)
+    m dv/dt = k (X - x) + d (V - v) - N (sigma0 z + sigma1 c ds/dt + sigma2 v)
 
 Losing contact is not singular: at N = 0 friction vanishes. A step that is too long for the stiffness of the bristles is
 refused (`admissible_step_s`). `fingertip.sim.contact.coupled` controls its own error.
@@ -207,13 +207,12 @@ def _drag_loop(
         z = c * s
         grip = load * c
         slides = grip * c * s0 * speed / g
-        L = grip * v - slides * s  # N c times the L of the equations
         ratio = s0 * (z if z >= 0.0 else -z) * per_mu_s
         relax = unloaded + (relax_per_s * (ratio - 1) if ratio > 1.0 else 0.0)
         J_ss = -slides - relax - (relax_per_s * ratio if ratio > 1.0 else 0.0)
         J_sv = grip * (1 - s0 * z * ((1.0 if v >= 0.0 else -1.0) - speed * dg / g) / g)
-        ds = L - relax * s
-        mu = s0 * z + s1 * c * L + s2 * v
+        ds = grip * v - (slides + relax) * s
+        mu = s0 * z + s1 * c * ds + s2 * v
         dv = (k * (X[i] - x) + d * (V[i] - v) - load * mu) / m
 
         # The same rates at the end of the step, for the present state: their difference is the step times the partial
@@ -222,18 +221,18 @@ def _drag_loop(
         next_c = 1 / math.sqrt(next_load + N0)
         next_unloaded = relax_per_s * (1 - next_load / N0) if next_load < N0 else 0.0
         next_grip = next_load * next_c
-        late = next_grip * (v - next_c * s0 * speed / g * s)
-        late_mu = s0 * next_c * s + s1 * next_c * late + s2 * v
         ratio = s0 * next_c * (s if s >= 0.0 else -s) * per_mu_s
         relax = next_unloaded + (relax_per_s * (ratio - 1) if ratio > 1.0 else 0.0)
-        drift_s = ROS2_GAMMA * (late - relax * s - ds)
+        late = next_grip * (v - next_c * s0 * speed / g * s) - relax * s
+        late_mu = s0 * next_c * s + s1 * next_c * late + s2 * v
+        drift_s = ROS2_GAMMA * (late - ds)
         drift_v = ROS2_GAMMA * (k * (X[i + 1] - X[i]) + d * (V[i + 1] - V[i]) - (next_load * late_mu - load * mu)) / m
 
         # Row v of the Jacobian; row x is [0, 1, 0]. Eliminating x and s from (I - gamma h J) k = right-hand side leaves
         # one scalar equation for the velocity.
         J_vx = -k / m
         J_vv = -(d + load * (s1 * c * J_sv + s2)) / m
-        J_vs = -grip * (s0 - s1 * slides) / m
+        J_vs = -grip * (s0 + s1 * J_ss) / m
         pivot_s = 1 / (1 - G * J_ss)
         pivot_v = 1 / (1 - G * (J_vv + G * (J_vx + J_vs * J_sv * pivot_s)))
 
@@ -249,10 +248,10 @@ def _drag_loop(
         ratio = ve / vs
         g = mu_c + drop / (1 + ratio * ratio)
         z = c * se
-        L = next_grip * (ve - s0 * (ve if ve >= 0.0 else -ve) * z / g)
         ratio = s0 * (z if z >= 0.0 else -z) * per_mu_s
-        ds = L - (unloaded + (relax_per_s * (ratio - 1) if ratio > 1.0 else 0.0)) * se
-        dv = (k * (X[i + 1] - xe) + d * (V[i + 1] - ve) - load * (s0 * z + s1 * c * L + s2 * ve)) / m
+        relax = unloaded + (relax_per_s * (ratio - 1) if ratio > 1.0 else 0.0)
+        ds = next_grip * (ve - s0 * (ve if ve >= 0.0 else -ve) * z / g) - relax * se
+        dv = (k * (X[i + 1] - xe) + d * (V[i + 1] - ve) - load * (s0 * z + s1 * c * ds + s2 * ve)) / m
         rx, rv, rs = ve - 2 * kx1, dv - drift_v - 2 * kv1, ds - drift_s - 2 * ks1
         kv2 = (rv + G * (J_vx * rx + J_vs * pivot_s * rs)) * pivot_v
         kx2 = rx + G * kv2

@@ -6,7 +6,7 @@ and friction as in `fingertip.sim.contact.friction`:
 
     z       = c s,   c = 1 / sqrt(N + N0),   L = w - sigma0 |w| z / g(w)
     ds/dt   = N c L - r(N, z) s
-    mu      = sigma0 z + sigma1 N c^2 L + sigma2 w
+    mu      = sigma0 z + sigma1 c ds/dt + sigma2 w
     m dv/dt = -k x - d v - N mu
     M dV/dt = weight + sum N mu + pin,   pin = kp p (1 + lambda dp/dt), p = Xp - X > 0
 
@@ -123,20 +123,19 @@ def _grasp_loop(
             c = 1 / math.sqrt(N + N0)
             z, grip = c * s, N * c
             slides = grip * c * s0 * speed / g
-            L = grip * w - slides * s  # N c times the L of the equations
             relax, steeper = relax_rate(relax_per_s, N / N0, s0 * z * per_mu_s)
             J_ss = -slides - relax - steeper
             J_sw = grip * (1 - s0 * z * ((1.0 if w >= 0.0 else -1.0) - speed * dg / g) / g)
-            ds = L - relax * s
-            mu = s0 * z + s1 * c * L + s2 * w
+            ds = grip * w - (slides + relax) * s
+            mu = s0 * z + s1 * c * ds + s2 * w
             dv = (-k * x - d * v - N * mu) / m
 
             # Rates at the end of the step for the present state: the step times the partial derivative by time.
             c1 = 1 / math.sqrt(N1 + N0)
-            late = N1 * c1 * (w - c1 * s0 * speed / g * s)
-            change = N1 * (s0 * c1 * s + s1 * c1 * late + s2 * w) - N * mu
             relax, _ = relax_rate(relax_per_s, N1 / N0, s0 * c1 * s * per_mu_s)
-            drift_s, drift_v = ROS2_GAMMA * (late - relax * s - ds), -ROS2_GAMMA * change / m
+            late = N1 * c1 * (w - c1 * s0 * speed / g * s) - relax * s
+            change = N1 * (s0 * c1 * s + s1 * c1 * late + s2 * w) - N * mu
+            drift_s, drift_v = ROS2_GAMMA * (late - ds), -ROS2_GAMMA * change / m
             dV += N * mu / mass
             drift_V += ROS2_GAMMA * change / mass
 
@@ -145,7 +144,7 @@ def _grasp_loop(
             J_vx = -k / m
             e = N * (s1 * c * J_sw + s2)
             J_vv = -(d + e) / m
-            J_vs = -grip * (s0 - s1 * slides) / m
+            J_vs = -grip * (s0 + s1 * J_ss) / m
             pivot_s = 1 / (1 - G * J_ss)
             pivot_v = 1 / (1 - G * (J_vv + G * (J_vx + J_vs * J_sw * pivot_s)))
             rs = ds + drift_s
@@ -185,10 +184,9 @@ def _grasp_loop(
             ratio = w / vs
             g = mu_c + drop / (1 + ratio * ratio)
             z = c1 * se
-            L = N1 * c1 * (w - s0 * (w if w >= 0.0 else -w) * z / g)
             relax, _ = relax_rate(relax_per_s, N1 / N0, s0 * z * per_mu_s)
-            ds = L - relax * se
-            mu = s0 * z + s1 * c1 * L + s2 * w
+            ds = N1 * c1 * (w - s0 * (w if w >= 0.0 else -w) * z / g) - relax * se
+            mu = s0 * z + s1 * c1 * ds + s2 * w
             dv = (-k * xe - d * ve - N1 * mu) / m
             dV += N1 * mu / mass
             rx, rv, rs = (

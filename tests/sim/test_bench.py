@@ -103,7 +103,8 @@ def test_solvers_are_compared_by_the_geometric_mean_over_the_levels():
     for target, missed in ((39.0, False), (41.0, True)):
         diagram.targets["theirs"] = target
         assert diagram.misses_target == missed
-        text = f"20.0, 80.0, not reached; mean 40.0, target {target:g}: {'missed' if missed else 'reached'}"
+        verdict = "missed" if missed else "reached"
+        text = f"20.0, 80.0, not reached; mean 40.0 of the levels reached, target {target:g}: {verdict}"
         assert any(text in line for line in diagram.as_text())
         data = diagram.as_data()["comparisons"]["theirs"]
         assert data["target"] == target

@@ -196,7 +196,7 @@ def _peer_jobs(
         name = f"scipy {method}"
         diagram.solvers[name] = f"scipy {scipy_version()}, {kind}, equations compiled by numba, {settings}"
         exponents = {"odeint": np.arange(-6.0, -10.1, -0.5), "LSODA": np.arange(-6.0, -9.1, -0.5)}
-        for e in exponents.get(method, np.arange(-5.0, -8.1, -1.0)):
+        for e in exponents.get(method, np.arange(-5.0, -9.1, -1.0)):
             run = partial(problem.run_scipy, system, method, 10.0**e)
             yield Job(name, f"rtol {10.0**e:.1e}", run)
     if "CVODE" not in peers:

@@ -64,7 +64,7 @@ class Comparison:
     ratios: tuple[float | None, ...]
     """Ratio at each level; None where one of both has no point that is accurate enough."""
     mean: float | None
-    """Geometric mean of the ratios."""
+    """Geometric mean of the ratios that are known."""
     target: float | None
     """Smallest mean to be reached."""
 
@@ -200,7 +200,8 @@ class WorkPrecision:
             return "NOT COMPARED" + target
         ratios = ", ".join(f"{ratio:.1f}" if ratio else "not reached" for ratio in found.ratios)
         verdict = "" if found.target is None else ": missed" if found.is_missed else ": reached"
-        return f"{ratios}; mean {found.mean:.1f}{target}{verdict}"
+        part = " of the levels reached" if None in found.ratios else ""
+        return f"{ratios}; mean {found.mean:.1f}{part}{target}{verdict}"
 
 
 def time_cpu(run: Callable[[], Array]) -> Outcome:

@@ -168,12 +168,14 @@ class CoupledContact:
     def _advance(self, carriage_m: Array, carriage_m_s: Array, pressing_n: Array) -> CoupledMotion:
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         repeated = self._last.shape[1]
-        drive = np.concatenate((self._last, (carriage_m, carriage_m_s, pressing_n)), axis=1)
-        if not repeated:
+        drive: tuple[Array, ...] = (carriage_m, carriage_m_s, pressing_n)
+        if repeated:
+            drive = tuple(np.concatenate((self._last, drive), axis=1))
+        else:
             start_n = float(pressing_n[0])
             balance_n = start_n if start_n > 0.0 else start_n / self._hand_ratio
             self._carried[:] = (carriage_m[0], 0.0, 0.0, balance_n, 0.0, self._step_s)
-        out = [np.zeros(drive.shape[1]) for _ in range(4)]
+        out = [np.zeros(len(drive[0])) for _ in range(4)]
         carried, stats = self._carried.copy(), np.zeros(3)
         coupled_loop.run(*self._parameters, self._weights, MAX_STEPS, self._step_s, *drive, carried, *out, stats)
         if (failed := int(stats[coupled_loop.FAILED_SAMPLE])) > 0:
@@ -184,7 +186,7 @@ class CoupledContact:
                     f"{self._tolerance_n:g} N, or a softer contact.",
                 )
             )
-        self._carried, self._last = carried, drive[:, -1:]
+        self._carried, self._last = carried, np.array([[column[-1]] for column in drive], dtype=np.float64)
         self._samples += len(carriage_m)
         x, v, s, y = (column[repeated:] for column in out)
         force_n = np.maximum(y, 0.0)

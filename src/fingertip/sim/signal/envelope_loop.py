@@ -80,7 +80,7 @@ def multiply(
 ) -> None:
     """Multiply the matrix that begins at `start`, stored by columns, with z; `rows` is a multiple of `BLOCK`.
 
-    Eight sums at a time let a compiler use vector instructions and keep the order of every sum.
+    Eight sums at a time do not wait for each other, and every sum keeps its order.
     """
     for block in range(0, rows, BLOCK):
         a0 = a1 = a2 = a3 = a4 = a5 = a6 = a7 = 0.0

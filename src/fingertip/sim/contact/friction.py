@@ -16,6 +16,7 @@ nobody would have done that work. Friction is therefore passive under any load, 
 
 Bristles relax at the rate ``r = R ((1 - N / N0)+ + (sigma0 |z| / mu_s - 1)+)``, which only takes energy: where the load
 is nearly gone, and where a falling load has left them more friction than breakaway. At constant load they never are.
+(Relaxation is part of the damping sigma1 too, which is harmless while sigma1^2 R is far below 4 sigma0 sigma2.)
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ LEVELS_N = (1e-5, 5e-6, 2.5e-6)
 """Errors at which solvers are compared [N]."""
 TARGETS = {"scipy odeint": 15.0, "CVODE": 10.0}
 OURS = "fingertip"
-STEPPER = "fingertip's stepper of trials"
+STEPPER = "fingertip, ROS2 of trials"
 _FRICTION = Friction(0.6, 0.48)
 _LOAD_N = 0.8
 # Corners of the piecewise linear drive: time [s] and stage velocity [m/s]; time [s] and load [N].

@@ -20,7 +20,7 @@ FLOOR = {
     "tactile_v": 1e-9,
     "voltage_v": 5e-6,
     "envelope_v": 3e-5,
-    "velocity_m_s": 1e-8,
+    "velocity_m_s": 1e-9,
     "object_m": 1e-10,
 }
 """Errors that are not those of the grid: tolerance of the board, steps of the ADC, last digits."""

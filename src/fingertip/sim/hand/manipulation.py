@@ -30,7 +30,7 @@ from fingertip.sim.grid import Grid
 from fingertip.sim.hand.controller import Controller, Observation
 from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.hand.motion_plan import MotionPlan, plan_motion, thumb_force_n
-from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper, choose_grid
+from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.progress import ShareDone
 from fingertip.sim.signal.comparator import describe_missing_comparator
 from fingertip.sim.validation import raise_issues
@@ -151,7 +151,7 @@ def run_manipulation(
     progress
         Receives progress messages, for manipulations longer than `progress.LONG_S`.
     grid
-        Grid of the computation. None: the base grid, refined where the bristles need it.
+        Grid of the computation. None: the base grid. Pads and object take more steps where the bristles need it.
 
     Raises
     ------
@@ -166,7 +166,7 @@ def run_manipulation(
     outputs = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
     if controller and "envelope_v" in outputs:
         outputs |= {"sampled_envelope_v"}
-    stepper = ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or choose_grid(scene, plan, pad))
+    stepper = ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid())
     rate_hz = stepper.grid.rate_hz
     count = stepper.grid.count_points(plan.duration_s, design.detector.sample_rate_hz) - 1
     period, delay = max(1, round(scene.hand.period_s * rate_hz)), round(scene.hand.delay_s * rate_hz)

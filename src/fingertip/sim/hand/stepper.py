@@ -20,7 +20,7 @@ from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.contact.tangential import MAX_PHASE
 from fingertip.sim.cost import CostMeter
 from fingertip.sim.finger import Finger, FingerDrive, FingerSetup, FingerSignals
-from fingertip.sim.grid import Grid, SampleClock, Sampler
+from fingertip.sim.grid import BASE_HZ, Grid, SampleClock, Sampler
 from fingertip.sim.hand import grasp_loop
 from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.hand.motion_plan import MotionPlan
@@ -68,14 +68,16 @@ class HandSignals:
         return None if found[0] is None else np.stack(found)
 
 
-def choose_grid(scene: ManipulationFile, plan: MotionPlan, pad: Pad) -> Grid:
-    """Choose the grid that resolves pads and object on their bristles: the base grid, or a multiple of it."""
-    friction, total = plan.friction, 2 * float(plan.force_n[0])
-    # Pads and object swing against each other on the bristles of all fingers.
-    heaviest = float(plan.force_n.max())
-    rate_2 = (pad.tangential_stiffness_n_per_m(heaviest) + heaviest * friction.sigma0) / pad.mass_kg
-    rate_2 += total * friction.sigma0 / scene.object.mass_kg
-    return Grid.finer_than(MAX_PHASE / math.sqrt(rate_2))
+def count_substeps(scene: ManipulationFile, plan: MotionPlan, pad: Pad) -> int:
+    """Number of steps of pads and object per step of the grid: so many that they resolve the motion on the bristles.
+
+    Pads and object swing against each other on the bristles of all fingers, most stiffly where the tendons stall. A
+    refined grid keeps the number, so that all errors fall with its step.
+    """
+    friction, most = plan.friction, scene.hand.max_force_n
+    rate_2 = (pad.tangential_stiffness_n_per_m(float(plan.force_n.max())) + most * friction.sigma0) / pad.mass_kg
+    rate_2 += 2 * most * friction.sigma0 / scene.object.mass_kg  # thumb and fingers press with the same force
+    return max(1, math.ceil(math.sqrt(rate_2) / BASE_HZ / MAX_PHASE))
 
 
 @dataclass
@@ -105,6 +107,7 @@ class ManipulationStepper:
         self._state = np.zeros(grasp_loop.PAD_STATES * count + grasp_loop.OBJECT_STATES)
         self._scratch = np.zeros(grasp_loop.SCRATCH_SIZE * count)
         self._last_load_n = np.zeros(count)
+        self._parts = count_substeps(scene, plan, self.pad)
         self._points = 1
         self._clock = SampleClock(self.grid, self.design.detector.sample_rate_hz)
         self._samplers = [Sampler() for _ in range(2 * count + 2)]
@@ -173,21 +176,24 @@ class ManipulationStepper:
     def _move(self, time_s: Array, loads: Array) -> tuple[Array, ...]:
         """Compute shear, velocity over the object and bristles of each pad, position of the object, and pin force."""
         scene, friction, count = self.scene, self.plan.friction, len(self.scene.fingers)
-        length = len(time_s) - 1
-        pin_x, pin_v = self.plan.pin_m(time_s)
+        fine_s, fine_loads = _refine(time_s[None], self._parts)[0], _refine(loads, self._parts)
+        length = len(fine_s) - 1
+        pin_x, pin_v = self.plan.pin_m(fine_s)
         shear, over_object_m_s, bristle = (np.zeros(count * length) for _ in range(3))
         object_m, pin = np.zeros(length), np.zeros(length)
-        flat = loads.ravel()
+        flat = fine_loads.ravel()
         grasp_loop.run(
             (friction.mu_c, friction.mu_s - friction.mu_c, friction.stribeck_m_s),
             (friction.sigma0, friction.sigma1, friction.sigma2, RELAX_PER_S, LOAD_SCALE_N),
-            self.grid.step_s, scene.object.mass_kg, (scene.knock.stiffness_n_per_m, scene.knock.damping_s_per_m),
-            scene.object.length_m, count, length, self._mounts, self.plan.weight_n(time_s), pin_x, pin_v,
+            self.grid.step_s / self._parts, scene.object.mass_kg,
+            (scene.knock.stiffness_n_per_m, scene.knock.damping_s_per_m),
+            scene.object.length_m, count, length, self._mounts, self.plan.weight_n(fine_s), pin_x, pin_v,
             self._state, self._scratch, flat, shear, over_object_m_s, bristle, object_m, pin,
         )  # fmt: skip
-        loads[...] = flat.reshape(loads.shape)
-        by_finger = (values.reshape(count, -1) for values in (shear, over_object_m_s, bristle))
-        return (*by_finger, object_m, pin)
+        every = slice(self._parts - 1, None, self._parts)
+        loads[:, 1:] = flat.reshape(count, -1)[:, 1:][:, every]
+        by_finger = (values.reshape(count, -1)[:, every] for values in (shear, over_object_m_s, bristle))
+        return (*by_finger, object_m[every], pin[every])
 
     def _record(self, closing: Array, command: Array, drives: list[FingerDrive], object_m: Array, pin_n: Array) -> None:
         """Let the fingers follow, and sample what the hand itself shows."""
@@ -233,3 +239,13 @@ def _turn_velocity(finger: FingerSignals) -> FingerSignals:
     if finger.velocity_m_s is None:
         return finger
     return replace(finger, velocity_m_s=0.0 - finger.velocity_m_s)
+
+
+def _refine(values: Array, parts: int) -> Array:
+    """Insert points on the straight lines between the columns of an array."""
+    if parts == 1:
+        return values.copy()
+    fraction = np.arange(1, parts + 1) / parts
+    steps = values[:, :-1, None] + (values[:, 1:] - values[:, :-1])[:, :, None] * fraction
+    steps[:, :, -1] = values[:, 1:]
+    return np.concatenate((values[:, :1], steps.reshape(len(values), -1)), axis=1)

@@ -19,7 +19,7 @@ from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, 
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surface_profile import average_over_patch, generate_profile
 from fingertip.sim.finger import FingerSignals
-from fingertip.sim.grid import BASE_HZ, Grid, SampleClock, Sampler, count_samples
+from fingertip.sim.grid import BASE_HZ, Grid
 from fingertip.sim.randomness import open_stream
 from fingertip.sim.scene.run import SceneRun, stream_scene
 from fingertip.sim.scene.scene_file import OUTPUTS
@@ -176,21 +176,6 @@ def test_long_scene_runs_compiled_and_a_trial_plain(monkeypatch):
     assert not entered
     run_scene(Design(), SceneFile(hold={"min_s": 400.0}, outputs=["force_n"]), 0)
     assert entered
-
-
-@pytest.mark.parametrize("rate", [1000.0, 2000.0, 3000.0, 2500.0, 1999.7, 20_000.0])
-def test_samples_lie_on_the_straight_line_between_points(rate):
-    grid, clock, sampler = Grid(), SampleClock(Grid(), rate), Sampler()
-    count = grid.count_points(0.5, rate)
-    values = 3.0 * grid.time_s(0, count) + 1.0
-    times, found = [], []
-    for a, b in pairwise((0, 1, 2, 5, 1000, 1001, count)):
-        at = clock.advance(b - a)
-        times.append(at.time_s)
-        found.append(sampler.process(values[a:b], at))
-    time_s = np.concatenate(times)
-    assert np.array_equal(time_s, np.arange(count_samples(0.5, rate)) / rate)
-    assert np.concatenate(found) == pytest.approx(3.0 * time_s + 1.0, abs=1e-12)
 
 
 def test_hand_has_drift_cable_jitter_and_interference_too():

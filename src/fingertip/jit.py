@@ -42,6 +42,7 @@ CALL_S = 5e-6
 
 _always_compile = False
 _progress: Callable[[str], None] | None = None
+_is_reported = False
 
 
 @functools.cache
@@ -57,7 +58,7 @@ def compiled(progress: Callable[[str], None] | None = None) -> Iterator[None]:
     Parameters
     ----------
     progress
-        Called with one line before each loop is loaded or compiled.
+        Called with one line before the first loop of a process is loaded.
     """
     global _always_compile, _progress
     before = _always_compile, _progress
@@ -66,6 +67,14 @@ def compiled(progress: Callable[[str], None] | None = None) -> Iterator[None]:
         yield
     finally:
         _always_compile, _progress = before
+
+
+def _report_loading() -> None:
+    """Report, once in a process, that compiled loops are loaded."""
+    global _is_reported
+    if _progress and not _is_reported:
+        _is_reported = True
+        _progress("loading compiled loops; their first use on a machine takes some seconds more")
 
 
 class CompiledLoop:
@@ -135,11 +144,7 @@ class CompiledLoop:
 
     def _load(self) -> Function:
         if self._compiled is None:
-            if _progress:
-                module = self.plain.__module__.rpartition(".")[2]
-                _progress(
-                    f"preparing the loop {self.plain.__name__.lstrip('_')} of {module} (compiled once, then cached)"
-                )
+            _report_loading()
             self._compiled = _compile_cached(self.plain, *self._helpers)
         return self._compiled
 

@@ -315,7 +315,7 @@ def test_command_reports_all_issues_at_once(tmp_path):
         assert message in done.stderr
     done = run_fingertip("simulate", design_file, "--set", "tap.force_n=1", "--out", tmp_path / "a.csv")
     assert done.returncode == 2
-    assert "changes a scene; give a scene, such as hard_tap" in done.stderr
+    assert "changes a scene; give a scene, such as sliding_finger" in done.stderr
     assert not list(tmp_path.iterdir())
     done = run_fingertip("simulate", design_file, "--design", design_file, "--out", tmp_path / "a.csv")
     assert "is not a scene; leave --design out" in done.stderr

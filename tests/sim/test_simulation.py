@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.errors import FingertipError
+from fingertip.errors import FingertipError, TraceError
 from fingertip.sim import (
     ManipulationFile,
     SceneFile,
@@ -129,3 +131,64 @@ def test_load_change_that_ends_the_contact_names_a_remedy_that_works():
         load_simulation(SCENES / "load_change.toml", changes=["load_change.by_n=-4"])
     assert "set load_change.by_n=0 and hold.release=true" in str(refused.value)
     assert load_simulation(SCENES / "load_change.toml", changes=["load_change.by_n=0", "hold.release=true"])
+
+
+@pytest.mark.parametrize(
+    ("changes", "warning"),
+    [
+        (["converter.bits=12"], None),
+        (["converter.bits=12", "converter.high_v=3.3"], "to 3.3 V clips what lies outside"),
+        (["converter.bits=12", "converter.high_v=1.2"], "to 1.2 V clips all of it"),
+        (["detector.adc_range_v=4.0"], "is clipped"),
+    ],
+)
+def test_converter_that_clips_the_voltage_is_reported(changes, warning):
+    found = [*load_simulation("sliding_finger", "fsr400", changes=changes).find_warnings()]
+    assert len(found) == (warning is not None)
+    assert warning is None or warning in found[0]
+
+
+def test_range_up_to_the_named_voltage_does_not_clip():
+    simulation = load_simulation("sliding_finger", changes=["converter.bits=12", "converter.high_v=3.3"])
+    (warning,) = simulation.find_warnings()
+    named = re.search(r"converter\.high_v=([0-9.]+)\.$", warning).group(1)
+    wide = load_simulation("sliding_finger", changes=["converter.bits=12", f"converter.high_v={named}"])
+    assert not [*wide.find_warnings()]
+    volts = wide.run().columns["voltage_v"]
+    assert volts.max() < float(named) - 5 / 2**12
+
+
+def test_range_without_a_converter_is_refused():
+    with pytest.raises(FingertipError, match="the range has no effect; choose 12, or leave the range out"):
+        load_simulation("sliding_finger", changes=["converter.high_v=3.3"])
+    assert load_simulation("sliding_finger", changes=["converter.high_v=3.3", "converter.bits=12"])
+
+
+def test_list_of_words_needs_no_quotes():
+    scene = load_simulation("sliding_finger", changes=["outputs=[voltage_v, envelope_v]"]).scene
+    assert scene.outputs == ["voltage_v", "envelope_v"]
+    with pytest.raises(FingertipError, match=r"write 'outputs=\[\"voltage_v\"\]', with both kinds of quotes"):
+        load_simulation("sliding_finger", changes=["outputs=voltage_v"])
+
+
+def test_values_of_a_wrong_type_are_refused_with_an_example():
+    design, scene, hand = Design(), SceneFile(), ManipulationFile()
+    with pytest.raises(TraceError, match=r"scene: is .*ManipulationFile; give a SceneFile, such as SceneFile\.load"):
+        run_scene(design, hand)
+    with pytest.raises(TraceError, match=r"scene: is .*SceneFile; give a ManipulationFile"):
+        run_manipulation(design, scene)
+    with pytest.raises(TraceError, match=r"design: is 'fsr400', of type str; give a Design"):
+        run_scene("fsr400", scene)
+    with pytest.raises(TraceError, match=r"grid: is 16, of type int; give a Grid, such as Grid\(16\)"):
+        run_scene(design, scene, grid=16)
+    with pytest.raises(TraceError, match="controller: is 'fast', which has no method step"):
+        run_manipulation(design, hand, "fast")
+
+
+def test_controller_that_commands_millimetres_is_refused():
+    class InMillimetres:
+        def step(self, observation):
+            return observation.planned_m * 1000
+
+    with pytest.raises(TraceError, match=r"return closings in metres, at most 0\.5 m"):
+        run_manipulation(Design(), ManipulationFile(grasp={"kind": "pinch"}), InMillimetres())

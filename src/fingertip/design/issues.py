@@ -80,7 +80,9 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
         case "bool_type" | "bool_parsing":
             return Issue(field, f"{value!r} is neither true nor false; write true or false, without quotes.")
         case "list_type":
-            return Issue(field, f"{value!r} is not a list; write one in square brackets, such as [{_quote(value)}].")
+            text = str(value).strip("[]").split(",")
+            items = ",".join(_quote(item.strip()) for item in text)
+            return Issue(field, f"{value!r} is not a list; write '{field}=[{items}]', with both kinds of quotes.")
         case "dict_type":
             return Issue(field, f"{value!r} is not a table; write [{field}] and its entries below it.")
         case "model_type":

@@ -68,7 +68,11 @@ def load_tables(files: Iterable[str | Path], changes: Iterable[str], kind: FileK
 
 
 def parse_change(change: str) -> dict[str, Any]:
-    """Parse "mold.draft_deg=2" as ``{"mold": {"draft_deg": 2}}``. A value that is not TOML is taken as text."""
+    """Parse "mold.draft_deg=2" as ``{"mold": {"draft_deg": 2}}``.
+
+    A value that is not TOML is taken as text, and words in square brackets as a list of texts, because a shell takes
+    their quotes away.
+    """
     key, equals, text = change.partition("=")
     steps = [step.strip() for step in key.split(".")]
     if not equals or not all(steps):
@@ -79,6 +83,8 @@ def parse_change(change: str) -> dict[str, Any]:
         value: Any = tomllib.loads(f"v = {text}")["v"]
     except tomllib.TOMLDecodeError:
         value = text.strip()
+        if re.fullmatch(r"\[\s*\w+(\s*,\s*\w+)*\s*\]", value):
+            value = [word.strip() for word in value[1:-1].split(",")]
     for step in reversed(steps):
         value = {step: value}
     return dict(value)

@@ -8,10 +8,12 @@ run them, and `fingertip.sim.summary` summarises their results. `simulate` runs 
 from fingertip.jit import compiled
 from fingertip.sim.article import Trial, article_manipulations, article_trials, simulate
 from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.finger import FingerSignals
+from fingertip.sim.grid import Grid
 from fingertip.sim.hand.controller import Controller, FixedGrip, Observation
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.manipulation_file import ManipulationFile
-from fingertip.sim.scene.run import SceneRecord, SceneResult, run_scene
+from fingertip.sim.scene.run import SceneRecord, SceneResult, run_scene, stream_scene
 from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.simulation import Simulation, load_simulation
 from fingertip.sim.trace_export import encode_trace
@@ -19,7 +21,9 @@ from fingertip.sim.trace_export import encode_trace
 __all__ = [
     "SURFACES",
     "Controller",
+    "FingerSignals",
     "FixedGrip",
+    "Grid",
     "ManipulationFile",
     "ManipulationResult",
     "Observation",
@@ -36,4 +40,5 @@ __all__ = [
     "run_manipulation",
     "run_scene",
     "simulate",
+    "stream_scene",
 ]

@@ -24,6 +24,7 @@ from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.scene.run import SceneRecord, SceneResult, run_scene, select_columns, stream_scene
 from fingertip.sim.scene.scene_file import SceneFile
+from fingertip.sim.signal.parameters import find_converter_warnings
 from fingertip.sim.trace_export import open_trace
 from fingertip.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 
@@ -41,7 +42,11 @@ class Simulation:
     def find_warnings(self) -> Iterator[str]:
         """Yield what limits the recorded voltage, such as an ADC range that the board exceeds."""
         if "voltage_v" in self.scene.outputs:
-            yield from adc_range_warnings(board_values(self.design).voltage_limits)
+            limits = board_values(self.design).voltage_limits
+            if self.scene.converter.bits:
+                yield from find_converter_warnings(self.scene.converter, limits.min_tactile_v, limits.max_tactile_v)
+            else:
+                yield from adc_range_warnings(limits)
 
     def run(
         self, controller: Controller | None = None, progress: Callable[[str], None] | None = None
@@ -149,7 +154,7 @@ def load_simulation(
             message = f"stands beside {given or 'no file'}, which is not a scene; leave --design out."
             issues.append(Issue("--design", message))
         if scene_changes:
-            message = "changes a scene; give a scene, such as hard_tap."
+            message = "changes a scene; give a scene, such as sliding_finger."
             issues.append(Issue(f"--set {scene_changes[0]}", message))
     elif seed < 0:  # a trial checks its seed itself
         issues.append(Issue("--seed", f"{seed} is negative; choose a whole number of at least 0."))

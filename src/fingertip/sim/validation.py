@@ -74,6 +74,13 @@ def find_column_issues(**arrays: Array) -> Iterable[Issue]:
             yield Issue(name, message)
 
 
+def check_type(field: str, value: object, expected: type, example: str) -> None:
+    """Raise a `TraceError` unless a value has the expected type; `example` makes one that has."""
+    if not isinstance(value, expected):
+        message = f"is {value!r:.60}, of type {type(value).__name__}; give a {expected.__name__}, such as {example}."
+        raise TraceError(Issue(field, message))
+
+
 def round_down(value: float) -> float:
     """Round a positive number down to three digits, so that the remedy of an error passes when it is typed back in."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 2)

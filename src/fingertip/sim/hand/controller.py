@@ -10,16 +10,20 @@ from fingertip.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """Values that a controller receives at the end of each control period. It sees nothing of the ground truth."""
+    """Values that a controller receives at the end of each control period. It sees nothing of the ground truth.
+
+    Fingers are in the order of `ManipulationFile.fingers`, the thumb first.
+    """
 
     time_s: float
     """Present time [s]. The first observation is at time 0 and holds one sample."""
     voltage_v: Array
-    """Voltages sampled by the ADC since the previous observation [V], (fingers, samples)."""
+    """Voltages sampled by the ADC since the previous observation, up to now [V], (fingers, samples)."""
     closing_m: Array
-    """Present closing of each finger [m], as the encoder of its motor shows it."""
+    """Present closing of each finger [m], (fingers,), as the encoder of its motor shows it."""
     planned_m: Array
-    """Closing of each finger that a hand without control would command now [m]: it closes and keeps its grip."""
+    """Closing of each finger that a hand without control would command now [m], (fingers,): the hand closes, and keeps
+    its grip. A controller that returns this changes nothing; one that adds 0.001 closes by 1 mm more."""
     envelope_v: Array | None = None
     """Sampled outputs of the filter boards [V], shaped like `voltage_v`. None unless ``envelope_v`` is among the
     outputs of the scene."""

@@ -33,10 +33,12 @@ from fingertip.sim.hand.motion_plan import MotionPlan, plan_motion, thumb_force_
 from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.progress import ShareDone
 from fingertip.sim.signal.comparator import describe_missing_comparator
-from fingertip.sim.validation import raise_issues
+from fingertip.sim.validation import check_type, raise_issues
 from fingertip.slip.intervals import Interval, intervals
 from fingertip.slip.traces.trace import Trace
 
+MAX_CLOSING_M = 0.5
+"""Largest closing that a controller may command, of either sign [m]. No finger closes so far: 30 means millimetres."""
 CHUNK = 8192
 """Number of points that are computed at a time without a controller."""
 
@@ -159,6 +161,11 @@ def run_manipulation(
         If the seed is negative, the plan needs more force than a finger can press with, the board of this design has no
         such output, or a command of the controller is not valid.
     """
+    check_type("design", design, Design, 'Design.load("fsr400")')
+    check_type("scene", scene, ManipulationFile, 'ManipulationFile.load("real_manipulation")')
+    if controller is not None and not hasattr(controller, "step"):
+        message = f"is {controller!r:.60}, which has no method step; see fingertip.sim.Controller, or leave it out."
+        raise TraceError(Issue("controller", message))
     pad = Pad.from_design(design)
     raise_issues(_find_issues(design, scene, seed))
     plan = plan_motion(scene, pad, seed)
@@ -215,6 +222,11 @@ def _validate_command(command: Array, time_s: float, count: int) -> Array:
     if not np.isfinite(command).all():
         bad = int(np.flatnonzero(~np.isfinite(command))[0])
         message = f"returned {command[bad]} for finger {bad} at {time_s:g} s; return finite closings [m]."
+        raise TraceError(Issue("controller", message))
+    if (np.abs(command) > MAX_CLOSING_M).any():
+        bad = int(np.abs(command).argmax())
+        found = f"returned {command[bad]:g} m for finger {bad} at {time_s:g} s"
+        message = f"{found}; return closings in metres, at most {MAX_CLOSING_M:g} m."
         raise TraceError(Issue("controller", message))
     return command
 

@@ -41,7 +41,7 @@ from fingertip.sim.scene.sliding import (
 )
 from fingertip.sim.scene.timeline import Timeline, build_timeline
 from fingertip.sim.signal.comparator import describe_missing_comparator
-from fingertip.sim.validation import raise_issues
+from fingertip.sim.validation import check_type, raise_issues
 from fingertip.slip.intervals import Interval, SlipCollector
 from fingertip.slip.traces.trace import Trace
 
@@ -164,6 +164,10 @@ class SceneRun:
     meter: CostMeter = field(default_factory=CostMeter)
 
     def __post_init__(self) -> None:
+        check_type("design", self.design, Design, 'Design.load("fsr400")')
+        check_type("scene", self.scene, SceneFile, 'SceneFile.load("sliding_finger")')
+        if self.grid is not None:
+            check_type("grid", self.grid, Grid, "Grid(16)")
         raise_issues(find_scene_issues(self.design, self.scene, self.seed))
         self.grid = self.grid or self._choose_grid()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Literal
 
@@ -9,6 +10,9 @@ from pydantic import Field
 
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.errors import Issue
+
+MIN_BITS = 8
+"""Smallest resolution of a converter."""
 
 
 class Drift(ParameterTable):
@@ -93,8 +97,25 @@ class ConverterInput(ParameterTable):
 
 def find_converter_issues(converter: ConverterInput) -> Iterator[tuple[Issue, set[str]]]:
     """Yield each broken rule of a converter, with the names of the parameters it reads."""
+    fields = {"converter.bits", "converter.low_v", "converter.high_v"}
     if converter.bits and converter.high_v <= converter.low_v:
         message = f"{converter.high_v:g} V is not above converter.low_v; more than {converter.low_v:g} V."
-        yield Issue("converter.high_v", message), {"converter.high_v", "converter.low_v", "converter.bits"}
-    if 0 < converter.bits < 8:
-        yield Issue("converter.bits", f"{converter.bits} is too small; choose 8 to 24, or 0."), {"converter.bits"}
+        yield Issue("converter.high_v", message), fields
+    if 0 < converter.bits < MIN_BITS:
+        yield Issue("converter.bits", f"{converter.bits} is too small; choose {MIN_BITS} to 24, or 0."), fields
+    unused = ConverterInput()
+    if not converter.bits and (converter.low_v, converter.high_v) != (unused.low_v, unused.high_v):
+        message = "0 leaves the design's ADC in place, so the range has no effect; choose 12, or leave the range out."
+        yield Issue("converter.bits", message), fields
+
+
+def find_converter_warnings(converter: ConverterInput, min_v: float, max_v: float) -> Iterator[str]:
+    """Yield a warning if a converter clips a voltage that lies between two limits [V]."""
+    if converter.low_v <= min_v and max_v <= converter.high_v:
+        return
+    cut = "all of it" if max_v <= converter.low_v or min_v >= converter.high_v else "what lies outside"
+    yield (
+        f"the tactile voltage lies between {min_v:.2f} V (20 N) and {max_v:.2f} V (no force), and a converter from "
+        f"{converter.low_v:g} to {converter.high_v:g} V clips {cut}: divide the voltage ahead of the converter, which "
+        f"divides slip too, or choose a range up to converter.high_v={math.ceil(10 * max_v) / 10:g}."
+    )

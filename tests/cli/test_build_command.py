@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from dataclasses import replace
@@ -282,3 +283,18 @@ def test_string_instead_of_a_list_is_rejected() -> None:
         build(Design(), formats="stl,3mf")
     with pytest.raises(DesignError, match=r"changes: 'skin.width_mm=18' is a single text; give a list"):
         Design.load(changes="skin.width_mm=18")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="SIGINT of a terminal")
+def test_interrupt_says_so_and_leaves_no_file(tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "fingertip", "build", str(FSR400), "--out", str(tmp_path / "own")]
+    process = subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    first = process.stderr.readline()  # the work has begun
+    process.send_signal(signal.SIGINT)
+    errors = process.communicate(timeout=60)[1]
+    assert process.returncode == 130
+    assert first
+    assert errors.splitlines()[-1] == "interrupted; no file is half-written"
+    assert list(tmp_path.iterdir()) == []

@@ -126,7 +126,7 @@ def _discard_stdout() -> None:
 
 
 def command(function: Callable[P, None]) -> Callable[P, None]:
-    """Decorate a command: print the issues of an error and exit with `BAD_INPUT`."""
+    """Decorate a command: print the issues of an error and exit with `BAD_INPUT`, or with `INTERRUPTED` at Ctrl-C."""
 
     # The help page would keep the line breaks of the source within a paragraph.
     paragraphs = inspect.cleandoc(function.__doc__ or "").split("\n\n")
@@ -139,5 +139,9 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
         except FingertipError as error:
             Console(bool(kwargs.get("as_json")), False).print_issues(error)
             raise typer.Exit(BAD_INPUT) from None
+        except KeyboardInterrupt:
+            # Sets of files are swapped in whole, so an interrupted command leaves the former set or the new one.
+            print("interrupted; no file is half-written", file=sys.stderr)
+            raise typer.Exit(INTERRUPTED) from None
 
     return run

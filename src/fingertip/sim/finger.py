@@ -284,7 +284,7 @@ class _BridgeVoltage:
         if self._interference.is_silent:
             return volts, None
         with self._meter.stage("interference"):
-            added = self._interference.process(np.where(contact_n > 0.0, 1.0, 0.0))
+            added = self._interference.process(contact_n)
         return volts + added.volts, added.jumps
 
 

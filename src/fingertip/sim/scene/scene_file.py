@@ -37,10 +37,10 @@ OUTPUTS = (
 voltage_v: voltage as sampled by the ADC. force_n: true normal force. slip: true gross slip; bristles that bend while
 the contact sticks do not count. velocity_m_s: velocity of the pad over the surface, including that bending (a
 manipulation records the opposite, that of the object over the pad). shear_m: shear of the pad. tactile_v: voltage ahead
-of the filter board, with the noise of its amplifiers; the ADC samples the same voltage without this noise. filtered_v,
-envelope_v: outputs of the filter board, above its output offset. sampled_envelope_v: envelope_v as sampled by the ADC.
-slip_pin_v: voltage of the comparator's output, low
-while it reports slip.
+of the filter board, with white noise that stands for that of its amplifiers up to 1 MHz; the ADC samples the same
+voltage without it, because `detector.noise_v` is all noise of a sample. filtered_v, envelope_v: outputs of the filter
+board, above its output offset. sampled_envelope_v: envelope_v as sampled by the ADC. slip_pin_v: voltage of the
+comparator's output, low while it reports slip.
 """
 
 
@@ -66,7 +66,9 @@ class Contact(ParameterTable):
         False, description="Whether the pad averages the surface profile over its contact patch, as a real one does."
     )
     stick_slip: bool = Field(
-        False, description="Whether friction falls with speed so much that the pad sticks and slips. Assumption."
+        False,
+        description="Whether friction falls with speed so much that the pad swings on its mount, and sticks at moments "
+        "under a firm grip. It does so near 0.04 m/s; slower and faster slides stay smooth. Assumption.",
     )
 
 

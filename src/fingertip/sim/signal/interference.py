@@ -16,6 +16,8 @@ from fingertip.sim.signal.parameters import Cable, Drift, Noise
 
 HAND_BAND_HZ = (30.0, 90.0)
 """Band of a hand's vibration [Hz]."""
+HAND_LOAD_N = 0.02
+"""Force at which half of a hand's vibration reaches the sensor [N]. Assumption."""
 _PINK_OCTAVES = 16
 """Number of first-order processes that add up to pink noise, one per octave down from half the base grid's rate."""
 _BAND_STATES = 8
@@ -63,9 +65,9 @@ class InterferenceSource:
         cable, noise = self._cable, self._noise
         return not any((self._drift.volt_per_s, cable.step_v, cable.hum_v, noise.pink_v, noise.hand_v, noise.hum_v))
 
-    def process(self, touching: Array) -> Interference:
-        """Return the interference at the next points, given where the finger touches [1 or 0]."""
-        count = len(touching)
+    def process(self, contact_n: Array) -> Interference:
+        """Return the interference at the next points, given the force of the contact [N]."""
+        count = len(contact_n)
         time_s = self._grid.time_s(self._points, count)
         self._points += count
         volts, jumps = np.zeros(count), None
@@ -79,7 +81,9 @@ class InterferenceSource:
         if self._pink:
             volts += self._pink.process(count)
         if self._hand:
-            volts += self._hand.process(count) * touching
+            # A sensor begins to show force gradually: noise that began all at once would look like a knock.
+            load_n = np.maximum(contact_n, 0.0)
+            volts += self._hand.process(count) * (load_n / (load_n + HAND_LOAD_N))
         return Interference(volts, jumps)
 
 

@@ -257,7 +257,7 @@ def test_command_writes_diagrams_and_times(tmp_path):
             assert None not in diagram["comparisons"][name]["ratios"]
             assert diagram["comparisons"][name]["mean"] > 2
         assert isinstance(diagram["omissions"], list)
-    assert "loading compiled loops" in done.stderr
+    assert "running every solver" in done.stderr
 
 
 @pytest.mark.parametrize(

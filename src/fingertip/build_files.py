@@ -19,6 +19,7 @@ from fingertip._version import __version__
 from fingertip.cad.files.step_process import BrepMeasurements, StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name, print_scale
+from fingertip.cad.strength.assess import BoneStrength, assess_strength, strength_data
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.part_files import check_brep_solid
@@ -63,6 +64,8 @@ class Build:
     contents: Mapping[str, bytes]
     """File name -> bytes."""
     checks: tuple[Check, ...]
+    strength: BoneStrength | None
+    """Strength of the bone; None unless it was built."""
     casting: Mapping[str, Any] | None
     """Data of the casting sheet, from `casting.sheet.casting_sheet_data`; None unless all parts were built."""
     removed: tuple[str, ...] = ()
@@ -83,6 +86,8 @@ class Build:
             "parts": {built.part.name: self._part_entry(built) for built in self.parts},
             "checks": [check.to_dict() for check in self.checks],
         }
+        if self.strength:
+            report["strength"] = strength_data(self.strength)
         return report | ({"casting": self.casting} if self.casting else {})
 
     def _part_entry(self, built: BuiltPart) -> dict[str, Any]:
@@ -177,6 +182,7 @@ def build(
             process = stack.enter_context(StepProcess(job))
         verified = verify(design, names, file_formats, evaluator, progress)
         meshes, checks = verified.meshes, list(verified.checks)
+        strength = assess_strength(design, evaluator) if "bone" in names else None
         all_built = names == [*known]
         casting = casting_sheet_data(design, measure_volumes(design, evaluator), silicone) if all_built else None
         meanwhile()
@@ -202,7 +208,7 @@ def build(
     heading = "Design from which these files were built. `fingertip build` accepts this file."
     if casting:
         contents[SHEET] = render_sheet(casting).encode()
-    result = Build(design, folder, tolerance_mm, built, contents, tuple(checks), casting)
+    result = Build(design, folder, tolerance_mm, built, contents, tuple(checks), strength, casting)
     contents[REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
     contents[DESIGN] = to_toml(design, heading).encode()
     removed = writer.write(contents)

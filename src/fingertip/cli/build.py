@@ -66,6 +66,10 @@ def format_build(result: Build) -> list[str]:
         for built in result.parts
     ]
     failed = [check for check in result.checks if not check.passed]
+    if result.strength:
+        from fingertip.cad.strength.assess import describe_strength
+
+        lines += describe_strength(result.strength)
     lines += [f"FAILED {c.name}: {c.value:g} {c.unit}, must be {c.relation} {c.limit:g}" for c in failed]
     lines.append(
         f"{len(result.checks) - len(failed)} of {len(result.checks)} checks passed; written to {result.folder}"

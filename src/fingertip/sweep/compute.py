@@ -166,6 +166,18 @@ def compute_bone(context: PointContext) -> OutputValues:
     return {"bone_volume_mm3": volume, "bone_mass_g": volume / 1e3 * context.file.print_density_g_cm3}
 
 
+def compute_strength(context: PointContext) -> OutputValues:
+    """Compute the safety factors of the bone."""
+    from fingertip.cad.strength.assess import assess_strength
+
+    found = assess_strength(context.design, context.evaluator())
+    return {
+        "grip_safety_factor": found.grip_safety_factor,
+        "shock_safety_factor": found.shock_safety_factor,
+        "weakest_z_mm": found.weakest.z_mm,
+    }
+
+
 def compute_mold(context: PointContext) -> OutputValues:
     """Compute volumes and mass of both mold halves."""
     palmar, dorsal = (_mesh(context, f"mold_{half}").volume() for half in ("palmar", "dorsal"))
@@ -231,6 +243,7 @@ GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
     "simulation": compute_simulation,
     "skin": compute_skin,
     "bone": compute_bone,
+    "strength": compute_strength,
     "mold": compute_mold,
     "thickness": compute_thickness,
     "casting": compute_casting,

@@ -3,7 +3,7 @@
 from fingertip.design.parameters.declaration import ParameterTable, choice, quantity
 from fingertip.design.parameters.design_tables import DesignTables
 from fingertip.design.parameters.electronics import Board, Detector
-from fingertip.design.parameters.finger import Bone, CustomSensor, Mold, Printer, Sensor, Skin
+from fingertip.design.parameters.finger import Bone, CustomSensor, Mold, Printer, Sensor, Skin, Strength
 
 __all__ = [
     "Board",
@@ -16,6 +16,7 @@ __all__ = [
     "Printer",
     "Sensor",
     "Skin",
+    "Strength",
     "choice",
     "quantity",
 ]

@@ -269,3 +269,23 @@ class Printer(ParameterTable):
         minimum=0.1,
         maximum=5,
     )
+
+
+class Strength(ParameterTable):
+    """Loads that the bone must carry, and what it is printed from; for its safety factors."""
+
+    grip_force_n: float = quantity(
+        20.0, "N", "Force of a firm grip, at the pad, the apex and the side, in any direction.", minimum=1, maximum=200
+    )
+    shock_force_n: float = quantity(
+        60.0, "N", "Force of a fall or a knock, at the same places.", minimum=1, maximum=500, verified=False
+    )
+    print_material: Literal["surgical_guide", "clear", "durable", "petg", "pa12"] = choice(
+        "surgical_guide", "Material of the bone: three SLA resins, PETG or nylon 12."
+    )
+    print_direction: Literal["lying", "upright"] = choice(
+        "lying", "Direction of the print: layers along the finger (lying) or across it (upright)."
+    )
+    post_fillet_mm: float = quantity(
+        0.5, "mm", "Radius that the print leaves at the root of a post.", minimum=0.05, maximum=5, verified=False
+    )

@@ -1,0 +1,219 @@
+"""Safety factor of the bone, by beam theory on cross-sections of its mesh.
+
+The bone is a cantilever that is loaded at the pad's centre, at the apex and from the side. A post is held along its
+length: the bending moment falls there from its root, in proportion to the distance, to nothing at its end. So it does
+along the bore of a socket, from its bottom to its mouth.
+
+At each cross-section all load distal to it gives a normal force and two bending moments, and these a stress at every
+corner of the section. The stress is linear in the load, so its largest value over all directions of the load is the
+length of a vector: no direction is missed, and none is assumed.
+
+Not included: shear and torsion, the skin (too soft to carry anything), creep, fatigue, defects of the print.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.strength.concentration import hole_in_tension, shoulder_in_bending
+from fingertip.cad.strength.sections import Section, measure_section
+from fingertip.design import Design
+from fingertip.files import round_for_output
+from fingertip.print_materials import PRINT_MATERIALS, PrintMaterial
+
+STATIONS = 160
+"""Number of cross-sections."""
+WANTED_AT_GRIP, WANTED_AT_SHOCK = 2.0, 1.2
+"""Safety factors below which a build warns."""
+
+
+@dataclass(frozen=True)
+class LoadPoint:
+    """Point at which the finger is loaded."""
+
+    name: str
+    position_mm: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Weakness:
+    """Place and load at which the bone breaks first."""
+
+    load: str
+    """Name of the load point."""
+    z_mm: float
+    """Height of the cross-section."""
+    stress_per_n: float
+    """Largest tensile stress per newton of load in the worst direction, with stress concentration [MPa/N]."""
+    concentration: float
+    """Stress concentration factor that it contains."""
+    direction: tuple[float, float, float]
+    """Worst direction of the load."""
+
+
+@dataclass(frozen=True)
+class BoneStrength:
+    """Safety factors of a bone."""
+
+    material: PrintMaterial
+    weakest: Weakness
+    by_load: tuple[Weakness, ...]
+    """Weakest place for each load point."""
+    grip_safety_factor: float
+    """Strength over the stress at the load of a firm grip."""
+    shock_safety_factor: float
+    """Strength over the stress at the load of a fall or knock."""
+
+
+def list_load_points(design: Design) -> tuple[LoadPoint, ...]:
+    """Pad centre over the sensor, apex, and side of the finger at the sensor's height."""
+    dims, skin = design.dimensions, design.skin
+    scale = dims.outer.scale_at(dims.sensor_z)
+    return (
+        LoadPoint("pad centre", (0.0, -skin.semi_axis_palmar_mm * scale, dims.sensor_z)),
+        LoadPoint("apex", (0.0, 0.0, skin.length_mm)),
+        LoadPoint("side", (skin.width_mm / 2 * scale, 0.0, dims.sensor_z)),
+    )
+
+
+def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
+    """Find the weakest place of the bone, and its safety factors.
+
+    Raises
+    ------
+    GeometryError
+        If the mesh kernel rejects the bone.
+    """
+    material = PRINT_MATERIALS[design.strength.print_material]
+    sections = [*_cut(design, evaluator)]
+    by_load = tuple(
+        max(
+            (_find_stress(design, point, z, section) for z, section in sections if z < point.position_mm[2]),
+            key=lambda weakness: weakness.stress_per_n,
+        )
+        for point in list_load_points(design)
+    )
+    weakest = max(by_load, key=lambda weakness: weakness.stress_per_n)
+    strength = material.across_mpa if design.strength.print_direction == "upright" else material.strength_mpa
+    factor = strength / weakest.stress_per_n
+    return BoneStrength(
+        material, weakest, by_load, factor / design.strength.grip_force_n, factor / design.strength.shock_force_n
+    )
+
+
+def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Section]]:
+    """Cut the bone from its proximal end to the rounded tip, which the skin around it loads as a whole."""
+    solid = evaluator.manifold(PARTS["bone"].solid(design))
+    low, high = solid.bounding_box()[2], design.dimensions.taper_end_z
+    for i in range(STATIONS):
+        z = low + (i + 0.5) * (high - low) / STATIONS
+        section = measure_section([np.asarray(polygon) for polygon in solid.slice(z).to_polygons()])
+        if section:
+            yield z, section
+
+
+def _find_stress(design: Design, point: LoadPoint, z: float, section: Section) -> Weakness:
+    """Find the largest stress that a load at a point gives in a section, over all directions of the load."""
+    gradients = stress_gradients(section, np.array(point.position_mm), z, _find_moment_share(design, z))
+    sizes = np.linalg.norm(gradients, axis=1)
+    worst = int(sizes.argmax())
+    factor = _find_concentration(design, z)
+    direction = gradients[worst] / sizes[worst]
+    x, y, along = (round(float(value), 6) + 0.0 for value in direction)
+    return Weakness(point.name, z, factor * float(sizes[worst]), factor, (x, y, along))
+
+
+def stress_gradients(section: Section, point_mm: Array, z_mm: float, moment_share: float = 1.0) -> Array:
+    """Stress at each corner of a section per newton in x, y and z of a load at a point, (corners, 3) [MPa/N].
+
+    Parameters
+    ----------
+    section
+        The section.
+    point_mm
+        Point of the load [mm].
+    z_mm
+        Height of the section [mm].
+    moment_share
+        Fraction of the bending moment that reaches the section.
+    """
+    arm = point_mm - np.array([*section.centroid_mm, z_mm])
+    inverse = np.linalg.inv([
+        [section.second_yy_mm4, section.second_xy_mm4],
+        [section.second_xy_mm4, section.second_xx_mm4],
+    ])  # fmt: skip
+    gradients = []
+    for axis in range(3):
+        force = np.eye(3)[axis]
+        mx, my, _ = np.cross(arm, force)
+        a, b = inverse @ np.array([-my, mx])
+        gradients.append(force[2] / section.area_mm2 + moment_share * (section.edge_mm @ np.array([a, b])))
+    return np.stack(gradients, axis=1)
+
+
+def _find_moment_share(design: Design, z: float) -> float:
+    """Fraction of the bending moment that a section of the interface carries, because the phalanx holds it."""
+    bone = design.bone
+    end = -bone.base_length_mm
+    if bone.interface == "plain":
+        return min(1.0, max(0.0, (z - end) / bone.post_length_mm + 1.0))
+    return min(1.0, max(0.0, (z - end) / bone.socket_depth_mm))
+
+
+def _find_concentration(design: Design, z: float) -> float:
+    """Stress concentration factor of the bone at a height."""
+    dims, bone = design.dimensions, design.bone
+    end, factor = -bone.base_length_mm, 1.0
+    if bone.interface == "plain":
+        section, across = dims.bone_outline.section, bone.post_diameter_mm
+        base = min(2 * section.half_width, section.dorsal + dims.flat_depth)
+        if end - across / 2 <= z <= end:  # a shoulder acts about half a diameter far
+            factor = shoulder_in_bending(base, across, design.strength.post_fillet_mm)
+        hole = end - bone.post_length_mm / 2
+    else:
+        across, hole = bone.socket_diameter_mm + 2 * bone.wall_mm, end + bone.socket_depth_mm / 2
+    if abs(z - hole) <= bone.cross_bolt_diameter_mm / 2:
+        factor = max(factor, hole_in_tension(bone.cross_bolt_diameter_mm, across))
+    return factor
+
+
+def describe_strength(strength: BoneStrength) -> list[str]:
+    """Describe safety factors and weakest place as lines of text."""
+    weakest = strength.weakest
+    lines = [
+        f"bone in {strength.material.label}: safety factor {strength.grip_safety_factor:.2f} at the grip force, "
+        f"{strength.shock_safety_factor:.2f} at the shock; weakest at z = {weakest.z_mm:.1f} mm under a load at the "
+        f"{weakest.load}"
+    ]
+    if strength.grip_safety_factor < WANTED_AT_GRIP or strength.shock_safety_factor < WANTED_AT_SHOCK:
+        lines.append(
+            f"warning: {WANTED_AT_GRIP:g} and {WANTED_AT_SHOCK:g} are wanted; a thicker post, a thinner cross bolt, a "
+            "shorter base or a stronger material raise them"
+        )
+    return lines
+
+
+def strength_data(strength: BoneStrength) -> dict[str, Any]:
+    """Return the entry of report.json."""
+    weakest = strength.weakest
+    return {
+        "material": strength.material.name,
+        "strength_mpa": strength.material.strength_mpa,
+        "strength_verified": "strength_mpa" in strength.material.verified,
+        "grip_safety_factor": round_for_output(strength.grip_safety_factor),
+        "shock_safety_factor": round_for_output(strength.shock_safety_factor),
+        "weakest": {
+            "load": weakest.load,
+            "z_mm": round_for_output(weakest.z_mm),
+            "stress_concentration": round_for_output(weakest.concentration),
+            "stress_mpa_per_n": round_for_output(weakest.stress_per_n),
+            "direction": list(weakest.direction),
+        },
+    }

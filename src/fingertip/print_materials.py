@@ -1,0 +1,59 @@
+"""Catalogue of materials for printed parts, with the source of every figure.
+
+The catalogue is separate from the formulas, so that a figure can be corrected without touching one. Figures that are
+not `verified` were not found in a document of the product or of its kind. Strength falls with temperature, moisture,
+age and a poor post-cure: no figure here includes that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class PrintMaterial:
+    """Material of a printed part."""
+
+    name: str
+    label: str
+    strength_mpa: float
+    """Tensile strength within a layer [MPa]; the lower end where the source gives a range."""
+    across_mpa: float
+    """Tensile strength across the layers [MPa]."""
+    modulus_mpa: float
+    """Young's modulus [MPa]."""
+    source: str
+    verified: tuple[str, ...] = ()
+    """Names of the figures that the source confirms."""
+
+
+PRINT_MATERIALS: dict[str, PrintMaterial] = {
+    material.name: material
+    for material in (
+        PrintMaterial(
+            "surgical_guide", "Formlabs Surgical Guide resin (SLA)", 73.0, 73.0, 2900.0,
+            "manufacturer's figures in PMC10406103, table 2; as strong across the layers: assumed for SLA",
+            ("strength_mpa", "modulus_mpa"),
+        ),
+        PrintMaterial(
+            "clear", "Formlabs Clear resin V4 (SLA)", 65.0, 65.0, 2800.0,
+            "no document found; as strong across the layers: assumed for SLA",
+        ),
+        PrintMaterial(
+            "durable", "Formlabs Durable resin (SLA)", 31.8, 31.8, 1260.0,
+            "Formlabs, Material properties of FLDUCL01, 2017, post-cured; as strong across the layers: assumed for SLA",
+            ("strength_mpa", "modulus_mpa"),
+        ),
+        PrintMaterial(
+            "petg", "PETG (FDM, solid)", 44.0, 25.0, 2000.0,
+            "additive.tools/materials/petg: 44 to 56 MPa within a layer, 25 to 38 MPa across",
+            ("strength_mpa", "across_mpa", "modulus_mpa"),
+        ),
+        PrintMaterial(
+            "pa12", "nylon 12 (powder bed)", 43.0, 36.0, 1387.0,
+            "3D Systems' figures in PMC10406103, table 2; across the layers: assumed",
+            ("strength_mpa", "modulus_mpa"),
+        ),
+    )
+}  # fmt: skip
+"""Materials by name."""

@@ -1,0 +1,213 @@
+"""Strength of the bone: sections and stresses against closed forms, and safety factors of designs."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.strength import assess
+from fingertip.cad.strength.assess import assess_strength, describe_strength, strength_data, stress_gradients
+from fingertip.cad.strength.concentration import hole_in_tension, shoulder_in_bending
+from fingertip.cad.strength.sections import measure_section
+from fingertip.design import Design
+from fingertip.print_materials import PRINT_MATERIALS
+from tests.conftest import run_fingertip
+
+DESIGN = Design()
+
+
+def circle(radius: float, corners: int = 2000, at: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
+    """Counter-clockwise polygon."""
+    turn = 2 * math.pi * np.arange(corners) / corners
+    return np.stack([at[0] + radius * np.cos(turn), at[1] + radius * np.sin(turn)], axis=1)
+
+
+def strength_of(**tables):
+    """Strength of a design."""
+    design = Design(**tables)
+    return assess_strength(design, MeshEvaluator(0.02))
+
+
+def test_section_of_a_rectangle_away_from_the_origin():
+    b, h = 4.0, 6.0
+    section = measure_section([np.array([[10, 20], [14, 20], [14, 26], [10, 26]], dtype=float)])
+    assert section.area_mm2 == b * h
+    assert section.centroid_mm == (12.0, 23.0)
+    assert section.second_xx_mm4 == pytest.approx(b * h**3 / 12)
+    assert section.second_yy_mm4 == pytest.approx(h * b**3 / 12)
+    assert section.second_xy_mm4 == pytest.approx(0.0, abs=1e-9)
+
+
+def test_section_of_a_tube():
+    section = measure_section([circle(5.0), circle(3.0)[::-1]])
+    assert section.area_mm2 == pytest.approx(math.pi * 16, rel=1e-5)
+    assert section.second_xx_mm4 == pytest.approx(math.pi / 4 * (5**4 - 3**4), rel=1e-5)
+
+
+def test_section_of_an_angle_has_the_mixed_moment_of_its_parts():
+    angle = np.array([[0, 0], [6, 0], [6, 1], [1, 1], [1, 8], [0, 8]], dtype=float)
+    section = measure_section([angle])
+    step = 0.01
+    x, y = np.meshgrid(np.arange(step / 2, 6, step), np.arange(step / 2, 8, step))
+    inside = (y < 1) | (x < 1)
+    dx, dy = x[inside] - x[inside].mean(), y[inside] - y[inside].mean()
+    expected = [(dy * dy).sum(), (dx * dx).sum(), (dx * dy).sum()]
+    found = [section.second_xx_mm4, section.second_yy_mm4, section.second_xy_mm4]
+    assert found == pytest.approx([value * step * step for value in expected], rel=1e-4)
+
+
+def test_empty_section_is_none():
+    assert measure_section([]) is None
+
+
+def test_round_cantilever_has_the_textbook_stress_in_every_direction():
+    section = measure_section([circle(3.5)])
+    gradients = stress_gradients(section, np.array([0.0, 0.0, 56.0]), 0.0)
+    bending = 56.0 * 32 / (math.pi * 7.0**3)
+    assert np.linalg.norm(gradients[:, :2], axis=1) == pytest.approx(np.full(2000, bending), rel=1e-3)
+    assert gradients[:, 2] == pytest.approx(np.full(2000, 4 / (math.pi * 49)), rel=1e-3)
+    half = stress_gradients(section, np.array([0.0, 0.0, 56.0]), 0.0, 0.5)
+    assert half[:, :2] == pytest.approx(gradients[:, :2] / 2)
+    assert half[:, 2] == pytest.approx(gradients[:, 2])
+
+
+def test_stress_in_an_angle_balances_force_and_moments():
+    """The stress field of each unit load has exactly its force and its moments, about the section's centroid."""
+    angle = np.array([[0, 0], [6, 0], [6, 1], [1, 1], [1, 8], [0, 8]], dtype=float)
+    section = measure_section([angle])
+    point = np.array([3.0, -2.0, 40.0])
+    gradients = stress_gradients(section, point, 5.0)
+    # A stress that is linear in x and y: recover its three coefficients from three corners.
+    base = np.column_stack([np.ones(6), section.edge_mm])
+    for axis in range(3):
+        mean, a, b = np.linalg.lstsq(base, gradients[:, axis], rcond=None)[0]
+        mx = a * section.second_xy_mm4 + b * section.second_xx_mm4
+        my = -(a * section.second_yy_mm4 + b * section.second_xy_mm4)
+        arm = point - np.array([*section.centroid_mm, 5.0])
+        moment = np.cross(arm, np.eye(3)[axis])
+        assert mean * section.area_mm2 == pytest.approx(float(axis == 2), abs=1e-12)
+        assert [mx, my] == pytest.approx(moment[:2].tolist(), abs=1e-9)
+
+
+@pytest.mark.parametrize(("large", "small", "fillet"), [(10, 8, 1.0), (13, 7, 1.0), (10, 9, 0.2), (13, 7, 0.5)])
+def test_factor_of_a_shoulder_agrees_with_the_older_edition_of_its_source(large, small, fillet):
+    h = (large - small) / 2
+    q, s = h / fillet, 2 * h / large
+    root = math.sqrt(q)
+    if q <= 2:
+        c = (0.947 + 1.206 * root - 0.131 * q, 0.022 - 3.405 * root + 0.915 * q)
+        c += (0.869 + 1.777 * root - 0.555 * q, -0.810 + 0.422 * root - 0.260 * q)
+    else:
+        c = (1.232 + 0.832 * root - 0.008 * q, -3.813 + 0.968 * root - 0.260 * q)
+        c += (7.423 - 4.868 * root + 0.869 * q, -3.839 + 3.070 * root - 0.600 * q)
+    older = sum(value * s**i for i, value in enumerate(c))
+    assert shoulder_in_bending(large, small, fillet) == pytest.approx(older, rel=0.02)
+
+
+def test_factors_at_their_limits():
+    assert shoulder_in_bending(8.0, 8.0, 0.5) == shoulder_in_bending(7.0, 8.0, 0.5) == 1.0
+    assert shoulder_in_bending(13.0, 7.0, 0.0) == shoulder_in_bending(13.0, 7.0, 0.15)
+    fillets = [shoulder_in_bending(13.0, 7.0, r) for r in (0.2, 0.5, 1.0, 2.0, 3.0)]
+    assert fillets == sorted(fillets, reverse=True)
+    assert all(1.0 < factor < 3.5 for factor in fillets)
+    assert hole_in_tension(0.0, 7.0) == 3.0
+    assert hole_in_tension(3.5, 7.0) == pytest.approx(3 - 1.565 + 0.915 - 0.19125)
+
+
+def test_default_finger_is_too_weak_and_says_so():
+    """The round post of 7 mm on a base of 22 mm: the reason why the finger has to become shorter."""
+    found = strength_of()
+    assert found.grip_safety_factor < 1.0
+    assert found.shock_safety_factor == pytest.approx(found.grip_safety_factor / 3)
+    assert found.weakest.load == "apex"
+    first, warning = describe_strength(found)
+    assert "safety factor 0.8" in first
+    assert warning.startswith("warning: 2 and 1.2 are wanted")
+    assert strength_data(found)["weakest"]["load"] == "apex"
+    assert len(describe_strength(strength_of(strength={"grip_force_n": 5.0, "shock_force_n": 10.0}))) == 1
+
+
+def test_nominal_stress_of_the_post_is_that_of_the_beam():
+    """Just below its root, where neither hole nor socket acts, without the factor of the shoulder."""
+    found = strength_of(bone={"cross_bolt_diameter_mm": 1.7})
+    design = Design(bone={"cross_bolt_diameter_mm": 1.7})
+    sections = dict(assess._cut(design, MeshEvaluator(0.005)))
+    z = max(z for z in sections if z < -design.bone.base_length_mm)
+    apex = next(point for point in assess.list_load_points(design) if point.name == "apex")
+    weakness = assess._find_stress(design, apex, z, sections[z])
+    share = 1 + (z + 22.0) / 8.0
+    nominal = (34.0 - z) * share * 32 / (math.pi * 7.0**3)
+    assert weakness.stress_per_n / weakness.concentration == pytest.approx(nominal, rel=0.02)
+    assert 1.6 < weakness.concentration < 2.75
+    assert found.grip_safety_factor > strength_of().grip_safety_factor
+
+
+def test_safety_factor_follows_material_direction_and_load():
+    base = strength_of()
+    weak = strength_of(strength={"print_material": "durable"})
+    ratio = PRINT_MATERIALS["durable"].strength_mpa / PRINT_MATERIALS["surgical_guide"].strength_mpa
+    assert weak.grip_safety_factor == pytest.approx(base.grip_safety_factor * ratio)
+    lying, upright = (
+        strength_of(strength={"print_material": "petg", "print_direction": way}) for way in ("lying", "upright")
+    )
+    assert upright.grip_safety_factor == pytest.approx(lying.grip_safety_factor * 25 / 44)
+    assert strength_of(strength={"grip_force_n": 40.0}).grip_safety_factor == pytest.approx(base.grip_safety_factor / 2)
+    assert strength_of(bone={"post_diameter_mm": 8.0}).grip_safety_factor > 1.4 * base.grip_safety_factor
+
+
+@pytest.mark.parametrize("name", PRINT_MATERIALS)
+def test_materials_are_plausible_and_name_their_source(name):
+    material = PRINT_MATERIALS[name]
+    assert 10 < material.across_mpa <= material.strength_mpa < 120
+    assert 500 < material.modulus_mpa < 10_000
+    assert material.source
+    assert set(material.verified) <= {"strength_mpa", "across_mpa", "modulus_mpa"}
+
+
+def test_tolerance_and_number_of_sections_matter_little(monkeypatch):
+    base = assess_strength(DESIGN, MeshEvaluator(0.01))
+    fine = assess_strength(DESIGN, MeshEvaluator(0.002))
+    assert fine.grip_safety_factor == pytest.approx(base.grip_safety_factor, rel=0.02)
+    monkeypatch.setattr(assess, "STATIONS", 640)
+    assert assess_strength(DESIGN, MeshEvaluator(0.01)).grip_safety_factor == pytest.approx(
+        base.grip_safety_factor, rel=0.05
+    )
+
+
+def test_report_and_command_state_the_strength(tmp_path):
+    done = run_fingertip("build", "fsr400", "--formats", "stl", "--parts", "bone", "--out", tmp_path / "b", "-q")
+    assert done.returncode == 0, done.stderr
+    assert "safety factor 0.8" in done.stdout
+    report = json.loads((tmp_path / "b" / "report.json").read_text())
+    assert 0.8 < report["strength"]["grip_safety_factor"] < 0.9
+    skin = run_fingertip("build", "fsr400", "--formats", "stl", "--parts", "skin", "--out", tmp_path / "s", "-q")
+    assert "safety factor" not in skin.stdout
+    assert "strength" not in json.loads((tmp_path / "s" / "report.json").read_text())
+
+
+@pytest.mark.slow
+def test_sections_agree_with_the_exact_solid():
+    """cadquery cuts the B-rep solid at some heights and measures the faces."""
+    cq = pytest.importorskip("cadquery")
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+
+    from fingertip import part_solid
+
+    solid = part_solid(DESIGN, "bone")
+    mesh = MeshEvaluator(0.002).manifold(PARTS["bone"].solid(DESIGN))
+    for z in (-28.5, -20.0, -10.0, -3.0, 10.0, 20.0):
+        box = cq.Workplane("XY").rect(60, 60).extrude(1e-3).val().moved(cq.Location(cq.Vector(0, 0, z)))
+        properties = GProp_GProps()
+        BRepGProp.VolumeProperties_s(solid.intersect(box).wrapped, properties, 1e-6, False, False)
+        section = measure_section([np.asarray(p) for p in mesh.slice(z + 5e-4).to_polygons()])
+        assert section.area_mm2 == pytest.approx(properties.Mass() / 1e-3, rel=2e-3)
+        matrix = properties.MatrixOfInertia()  # about the centre of mass
+        thin = 1e-3
+        assert section.second_xx_mm4 == pytest.approx(matrix.Value(1, 1) / thin, rel=3e-3)
+        assert section.second_yy_mm4 == pytest.approx(matrix.Value(2, 2) / thin, rel=3e-3)

@@ -12,6 +12,14 @@ from fingertip.design import Design
 VARIANTS = {
     "sleeve": ["mold.method=sleeve", "mold.silicone_shrinkage_percent=1.2"],
     "socket": ["bone.interface=socket", "bone.base_length_mm=31"],
+    "round post": ["bone.post_width_mm=7", "bone.post_height_mm=7"],
+    "flange": ["bone.interface=flange", "bone.base_length_mm=26"],
+    "flange with four bolts": [
+        "bone.interface=flange",
+        "bone.base_length_mm=26",
+        "bone.flange_spacing_y_mm=12",
+        "bone.flange_height_mm=18",
+    ],
     "short tail": ["sensor.model=fsr400_short", "bone.base_length_mm=15"],
     "plain": ["bone.groove_depth_mm=0", "mold.engraving_depth_mm=0", "mold.silicone_shrinkage_percent=0"],
     "custom sensor": ["sensor.model=custom", "custom_sensor.head_diameter_mm=6", "custom_sensor.length_mm=30"],

@@ -119,14 +119,18 @@ def test_factors_at_their_limits():
     assert hole_in_tension(3.5, 7.0) == pytest.approx(3 - 1.565 + 0.915 - 0.19125)
 
 
-def test_default_finger_is_too_weak_and_says_so():
-    """The round post of 7 mm on a base of 22 mm: the reason why the finger has to become shorter."""
-    found = strength_of()
-    assert found.grip_safety_factor < 1.0
+ROUND = {"post_width_mm": 7.0, "post_height_mm": 7.0}
+"""The round post that the default finger once had."""
+
+
+def test_weak_finger_says_so():
+    found, rounded = strength_of(), strength_of(bone=ROUND)
+    assert 1.4 < found.grip_safety_factor < 1.6
+    assert rounded.grip_safety_factor < 0.9
     assert found.shock_safety_factor == pytest.approx(found.grip_safety_factor / 3)
     assert found.weakest.load == "apex"
     first, warning = describe_strength(found)
-    assert "safety factor 0.8" in first
+    assert "safety factor 1.5" in first
     assert warning.startswith("warning: 2 and 1.2 are wanted")
     assert strength_data(found)["weakest"]["load"] == "apex"
     assert len(describe_strength(strength_of(strength={"grip_force_n": 5.0, "shock_force_n": 10.0}))) == 1
@@ -134,8 +138,7 @@ def test_default_finger_is_too_weak_and_says_so():
 
 def test_nominal_stress_of_the_post_is_that_of_the_beam():
     """Just below its root, where neither hole nor socket acts, without the factor of the shoulder."""
-    found = strength_of(bone={"cross_bolt_diameter_mm": 1.7})
-    design = Design(bone={"cross_bolt_diameter_mm": 1.7})
+    design = Design(bone=ROUND)
     sections = dict(assess._cut(design, MeshEvaluator(0.005)))
     z = max(z for z in sections if z < -design.bone.base_length_mm)
     apex = next(point for point in assess.list_load_points(design) if point.name == "apex")
@@ -144,7 +147,6 @@ def test_nominal_stress_of_the_post_is_that_of_the_beam():
     nominal = (34.0 - z) * share * 32 / (math.pi * 7.0**3)
     assert weakness.stress_per_n / weakness.concentration == pytest.approx(nominal, rel=0.02)
     assert 1.6 < weakness.concentration < 2.75
-    assert found.grip_safety_factor > strength_of().grip_safety_factor
 
 
 def test_safety_factor_follows_material_direction_and_load():
@@ -157,7 +159,23 @@ def test_safety_factor_follows_material_direction_and_load():
     )
     assert upright.grip_safety_factor == pytest.approx(lying.grip_safety_factor * 25 / 44)
     assert strength_of(strength={"grip_force_n": 40.0}).grip_safety_factor == pytest.approx(base.grip_safety_factor / 2)
-    assert strength_of(bone={"post_diameter_mm": 8.0}).grip_safety_factor > 1.4 * base.grip_safety_factor
+    thin = {"cross_bolt_diameter_mm": 1.7}
+    assert strength_of(bone=ROUND | thin).grip_safety_factor > strength_of(bone=ROUND).grip_safety_factor
+    assert strength_of(strength={"root_fillet_mm": 1.5}).grip_safety_factor > 1.05 * base.grip_safety_factor
+
+
+def test_flange_bends_as_a_plate_between_base_and_bolts():
+    """Under a load from the side one bolt pulls and the other presses; both strips bend at the base."""
+    flange = {"interface": "flange", "base_length_mm": 26.0, "flange_thickness_mm": 1.5}
+    found = strength_of(bone=flange)
+    arm = 34.0 + 26.0
+    sideways = arm / 20.0 * (20.0 - 13.0) / 2 / (12.0 * 1.5**2 / 6)
+    upwards = arm / 6.0 * (12.0 - 5.5 - Design().dimensions.flat_depth) / 2 / (27.0 * 1.5**2 / 6)
+    assert found.weakest.z_mm == -24.5
+    assert found.weakest.stress_per_n == pytest.approx(math.hypot(sideways, upwards))
+    thick = strength_of(bone=flange | {"flange_thickness_mm": 4.0})
+    assert thick.grip_safety_factor > found.grip_safety_factor
+    assert thick.weakest.z_mm > -22.0  # the base breaks first
 
 
 @pytest.mark.parametrize("name", PRINT_MATERIALS)
@@ -182,9 +200,9 @@ def test_tolerance_and_number_of_sections_matter_little(monkeypatch):
 def test_report_and_command_state_the_strength(tmp_path):
     done = run_fingertip("build", "fsr400", "--formats", "stl", "--parts", "bone", "--out", tmp_path / "b", "-q")
     assert done.returncode == 0, done.stderr
-    assert "safety factor 0.8" in done.stdout
+    assert "safety factor 1.5" in done.stdout
     report = json.loads((tmp_path / "b" / "report.json").read_text())
-    assert 0.8 < report["strength"]["grip_safety_factor"] < 0.9
+    assert 1.4 < report["strength"]["grip_safety_factor"] < 1.6
     skin = run_fingertip("build", "fsr400", "--formats", "stl", "--parts", "skin", "--out", tmp_path / "s", "-q")
     assert "safety factor" not in skin.stdout
     assert "strength" not in json.loads((tmp_path / "s" / "report.json").read_text())

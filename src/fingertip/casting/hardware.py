@@ -44,11 +44,6 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     bolts = size_clamp_bolts(design)
     thread = bolts.thread
     bone, sensor = design.bone, design.sensor
-    cross_thread_mm = select_thread(bone.cross_bolt_diameter_mm).diameter_mm
-    # The cross bolt passes through the post, or through the whole bone where it has a socket.
-    crossed_mm = (
-        bone.post_diameter_mm if bone.interface == "plain" else design.dimensions.bone_outline.section.half_width * 2
-    )
     return [
         {"item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1},
         {"item": "adhesive film for the sensor", "thickness_mm": sensor.adhesive_thickness_mm, "count": 1},
@@ -60,11 +55,32 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
             "item": "mold nut (hexagon nut)", "thread_mm": thread.diameter_mm, "across_flats_mm": thread.nut_flats_mm,
             "count": bolts.count,
         },
-        {
-            "item": "cross bolt (machine screw)", "thread_mm": cross_thread_mm,
-            "crossed_mm": round(crossed_mm, 1), "count": 1,
-        },
-        {"item": "cross bolt nut (hexagon nut)", "thread_mm": cross_thread_mm, "count": 1},
+        *_interface_bolts(design),
         {"item": "stranded wire", "pair_thinner_than_mm": bone.channel_diameter_mm, "count": 2},
         {"item": "cable tie or thread", "thinner_than_mm": bone.tie_hole_diameter_mm, "count": 1},
+    ]  # fmt: skip
+
+
+def _interface_bolts(design: Design) -> list[dict[str, Any]]:
+    """Items that hold the bone to the proximal phalanx."""
+    bone = design.bone
+    if bone.interface == "flange":
+        return [
+            {
+                "item": "flange bolt (machine screw)",
+                "thread_mm": select_thread(bone.flange_hole_diameter_mm).diameter_mm,
+                "crossed_mm": bone.flange_thickness_mm, "count": 4 if bone.flange_spacing_y_mm else 2,
+            }
+        ]  # fmt: skip
+    thread_mm = select_thread(bone.cross_bolt_diameter_mm).diameter_mm
+    # The cross bolt passes through the post, or through the whole bone where it has a socket.
+    crossed_mm = (
+        bone.post_width_mm if bone.interface == "post" else design.dimensions.bone_outline.section.half_width * 2
+    )
+    return [
+        {
+            "item": "cross bolt (machine screw)", "thread_mm": thread_mm,
+            "crossed_mm": round(crossed_mm, 1), "count": 1,
+        },
+        {"item": "cross bolt nut (hexagon nut)", "thread_mm": thread_mm, "count": 1},
     ]  # fmt: skip

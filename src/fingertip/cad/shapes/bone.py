@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from fingertip.cad.shapes.insert import filled_bone
-from fingertip.cad.solids import Box, ElbowTube, Solid, cylinder, difference, union
+from fingertip.cad.solids import Box, ElbowTube, Solid, cylinder, difference, intersection, union
 from fingertip.design import Design
+
+_MIN_FLAT_MM = 0.02
+"""Depth of a post's flat below which it is left out [mm]: both kernels fail on slivers."""
 
 
 def bone(design: Design) -> Solid:
@@ -83,10 +86,43 @@ def interface(design: Design) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
         socket = cylinder("z", (0.0, y), end - radius, end + bone.socket_depth_mm, radius)
         hole = cylinder("x", (y, end + bone.socket_depth_mm / 2), -across, across, bolt)
         return (), (socket, hole)
-    radius = bone.post_diameter_mm / 2
+    if bone.interface == "flange":
+        return (_flange(design, y),), _flange_holes(design, y)
     foot = end - bone.post_length_mm
-    stem = cylinder("z", (0.0, y), foot, end + bone.wall_mm / 2, radius)
-    return (stem,), (cylinder("x", (y, foot + bone.post_length_mm / 2), -across, across, bolt),)
+    return (_post(design, y, foot, end + bone.wall_mm / 2),), (
+        cylinder("x", (y, foot + bone.post_length_mm / 2), -across, across, bolt),
+    )
+
+
+def _post(design: Design, y: float, low: float, high: float) -> Solid:
+    """Build a round post with a dorsal and a palmar flat, or without them if it is as high as wide."""
+    radius, half = design.bone.post_width_mm / 2, design.bone.post_height_mm / 2
+    stem = cylinder("z", (0.0, y), low, high, radius)
+    if half > radius - _MIN_FLAT_MM:
+        return stem
+    margin = radius  # past the round sides and the ends, by a length that scales with the design
+    return intersection(
+        stem, Box((-radius - margin, y - half, low - margin), (radius + margin, y + half, high + margin))
+    )
+
+
+def _flange(design: Design, y: float) -> Solid:
+    """Build the plate at the proximal end of the base."""
+    bone = design.bone
+    end, x, half = -bone.base_length_mm, bone.flange_width_mm / 2, bone.flange_height_mm / 2
+    return Box((-x, y - half, end), (x, y + half, end + bone.flange_thickness_mm))
+
+
+def _flange_holes(design: Design, y: float) -> tuple[Solid, ...]:
+    """Build the bolt holes of the flange."""
+    bone = design.bone
+    end, top = -bone.base_length_mm, -bone.base_length_mm + bone.flange_thickness_mm
+    radius, x, rows = bone.flange_hole_diameter_mm / 2, bone.flange_spacing_x_mm / 2, bone.flange_spacing_y_mm / 2
+    return tuple(
+        cylinder("z", (side * x, y + row), end - radius, top + radius, radius)
+        for row in ((-rows, rows) if rows else (0.0,))
+        for side in (-1.0, 1.0)
+    )
 
 
 def sensor_body(design: Design) -> Solid:
@@ -101,8 +137,11 @@ def sensor_body(design: Design) -> Solid:
 def genus(design: Design) -> int:
     """Count the through holes that the bone must have.
 
-    Three are the cable channel, the hole of the cross bolt and the tie hole. The passage of the tail through the collar
-    adds one. A socket adds one too: it is blind, but it opens into the hole of the cross bolt, which then has three
-    mouths. A different count in the built solid reveals a hollow that breaks through a wall.
+    Two are the cable channel and the tie hole, and the passage of the tail through the collar adds one. The interface
+    adds the hole of the cross bolt or those of the flange's bolts. A socket adds one more: it is blind, but it opens
+    into the hole of the cross bolt, which then has three mouths. A different count in the built solid reveals a hollow
+    that breaks through a wall.
     """
-    return 3 + design.dimensions.tail_passes_collar + (design.bone.interface == "socket")
+    bone = design.bone
+    holes = {"post": 1, "socket": 2, "flange": 4 if bone.flange_spacing_y_mm else 2}[bone.interface]
+    return 2 + design.dimensions.tail_passes_collar + holes

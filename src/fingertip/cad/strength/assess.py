@@ -2,7 +2,7 @@
 
 The bone is a cantilever that is loaded at the pad's centre, at the apex and from the side. A post is held along its
 length: the bending moment falls there from its root, in proportion to the distance, to nothing at its end. So it does
-along the bore of a socket, from its bottom to its mouth.
+along the bore of a socket, from its bottom to its mouth. A flange is a plate that bends between base and bolts.
 
 At each cross-section all load distal to it gives a normal force and two bending moments, and these a stress at every
 corner of the section. The stress is linear in the load, so its largest value over all directions of the load is the
@@ -13,6 +13,8 @@ Not included: shear and torsion, the skin (too soft to carry anything), creep, f
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -95,7 +97,10 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
     sections = [*_cut(design, evaluator)]
     by_load = tuple(
         max(
-            (_find_stress(design, point, z, section) for z, section in sections if z < point.position_mm[2]),
+            itertools.chain(
+                (_find_stress(design, point, z, section) for z, section in sections if z < point.position_mm[2]),
+                (_bend_flange(design, point),) if design.bone.interface == "flange" else (),
+            ),
             key=lambda weakness: weakness.stress_per_n,
         )
         for point in list_load_points(design)
@@ -112,6 +117,8 @@ def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Sect
     """Cut the bone from its proximal end to the rounded tip, which the skin around it loads as a whole."""
     solid = evaluator.manifold(PARTS["bone"].solid(design))
     low, high = solid.bounding_box()[2], design.dimensions.taper_end_z
+    if design.bone.interface == "flange":
+        low += design.bone.flange_thickness_mm  # the flange itself is a plate, no beam
     for i in range(STATIONS):
         z = low + (i + 0.5) * (high - low) / STATIONS
         section = measure_section([np.asarray(polygon) for polygon in solid.slice(z).to_polygons()])
@@ -162,26 +169,62 @@ def _find_moment_share(design: Design, z: float) -> float:
     """Fraction of the bending moment that a section of the interface carries, because the phalanx holds it."""
     bone = design.bone
     end = -bone.base_length_mm
-    if bone.interface == "plain":
+    if bone.interface == "post":
         return min(1.0, max(0.0, (z - end) / bone.post_length_mm + 1.0))
-    return min(1.0, max(0.0, (z - end) / bone.socket_depth_mm))
+    if bone.interface == "socket":
+        return min(1.0, max(0.0, (z - end) / bone.socket_depth_mm))
+    return 1.0
 
 
 def _find_concentration(design: Design, z: float) -> float:
     """Stress concentration factor of the bone at a height."""
     dims, bone = design.dimensions, design.bone
-    end, factor = -bone.base_length_mm, 1.0
-    if bone.interface == "plain":
-        section, across = dims.bone_outline.section, bone.post_diameter_mm
-        base = min(2 * section.half_width, section.dorsal + dims.flat_depth)
-        if end - across / 2 <= z <= end:  # a shoulder acts about half a diameter far
-            factor = shoulder_in_bending(base, across, design.strength.post_fillet_mm)
-        hole = end - bone.post_length_mm / 2
+    end, fillet = -bone.base_length_mm, design.strength.root_fillet_mm
+    section = dims.bone_outline.section
+    width, height = 2 * section.half_width, section.dorsal + dims.flat_depth
+    if bone.interface == "flange":
+        root = end + bone.flange_thickness_mm
+        large, small = (bone.flange_width_mm, bone.flange_height_mm), (width, height)
+        near = root <= z <= root + min(small) / 2  # a shoulder acts about half a diameter far
+        return _at_shoulder(large, small, fillet) if near else 1.0
+    if bone.interface == "post":
+        across = min(bone.post_height_mm, bone.post_width_mm)
+        near, hole = end - across / 2 <= z <= end, end - bone.post_length_mm / 2
+        factor = _at_shoulder((width, height), (bone.post_width_mm, across), fillet) if near else 1.0
     else:
-        across, hole = bone.socket_diameter_mm + 2 * bone.wall_mm, end + bone.socket_depth_mm / 2
+        across, hole, factor = bone.socket_diameter_mm + 2 * bone.wall_mm, end + bone.socket_depth_mm / 2, 1.0
     if abs(z - hole) <= bone.cross_bolt_diameter_mm / 2:
         factor = max(factor, hole_in_tension(bone.cross_bolt_diameter_mm, across))
     return factor
+
+
+def _at_shoulder(large_mm: tuple[float, float], small_mm: tuple[float, float], fillet_mm: float) -> float:
+    """Larger of the factors in width and in height."""
+    return max(shoulder_in_bending(*sizes, fillet_mm) for sizes in zip(large_mm, small_mm, strict=True))
+
+
+def _bend_flange(design: Design, point: LoadPoint) -> Weakness:
+    """Find the bending stress of the flange where the base stands on it, which its bolts pull off the phalanx.
+
+    A load from the side or from above is held by a couple: bolts on one side, and bolts or the flange's edge on the
+    other. The plate is a cantilever between the couple's line and the base.
+    """
+    dims, bone = design.dimensions, design.bone
+    section = dims.bone_outline.section
+    arm = point.position_mm[2] + bone.base_length_mm
+    modulus = bone.flange_thickness_mm**2 / 6
+    per_n = []
+    for spacing, size, base, across in (
+        (bone.flange_spacing_x_mm, bone.flange_width_mm, 2 * section.half_width, bone.flange_height_mm),
+        (bone.flange_spacing_y_mm, bone.flange_height_mm, section.dorsal + dims.flat_depth, bone.flange_width_mm),
+    ):
+        # Without a second row the flange turns about its edge, and the bolts pull in its middle.
+        couple = arm / (spacing if spacing else size / 2)
+        lever = max((spacing if spacing else size) - base, 0.0) / 2
+        per_n.append(couple * lever / (across * modulus))
+    stress = math.hypot(*per_n)
+    direction = (round(per_n[0] / stress, 6), round(per_n[1] / stress, 6), 0.0) if stress else (0.0, 1.0, 0.0)
+    return Weakness(point.name, -bone.base_length_mm + bone.flange_thickness_mm, stress, 1.0, direction)
 
 
 def describe_strength(strength: BoneStrength) -> list[str]:

@@ -106,16 +106,40 @@ class Bone(ParameterTable):
     )
     groove_width_mm: float = quantity(3.0, "mm", "Width of the groove at its floor.", minimum=0.5, maximum=15)
     groove_distance_mm: float = quantity(2.0, "mm", "Distance from the collar to the groove.", minimum=0.5, maximum=60)
-    interface: Literal["plain", "socket"] = choice(
-        "plain",
-        "Interface to the proximal phalanx. plain: a post on the bone; socket: a hole for the phalanx's post.",
+    interface: Literal["post", "socket", "flange"] = choice(
+        "post",
+        "Interface to the proximal phalanx. post: a post on the bone, with two flats; socket: a hole for the phalanx's "
+        "post; flange: a plate with bolt holes.",
     )
-    post_diameter_mm: float = quantity(7.0, "mm", "Diameter of the post (interface plain).", minimum=2, maximum=25)
-    post_length_mm: float = quantity(8.0, "mm", "Length of the post (interface plain).", minimum=2, maximum=40)
+    post_width_mm: float = quantity(
+        8.4, "mm", "Diameter of the post, which is its width (interface post).", minimum=2, maximum=40
+    )
+    post_height_mm: float = quantity(
+        7.2,
+        "mm",
+        "Height of the post between its two flats, which lock rotation; from post_width_mm on it is round.",
+        minimum=2,
+        maximum=40,
+    )
+    post_length_mm: float = quantity(8.0, "mm", "Length of the post (interface post).", minimum=2, maximum=40)
     socket_diameter_mm: float = quantity(5.0, "mm", "Diameter of the socket (interface socket).", minimum=2, maximum=25)
     socket_depth_mm: float = quantity(8.0, "mm", "Depth of the socket (interface socket).", minimum=2, maximum=40)
     cross_bolt_diameter_mm: float = quantity(
         2.2, "mm", "Diameter of the cross bolt's hole through post or socket.", minimum=MIN_HOLE_MM, maximum=6
+    )
+    flange_width_mm: float = quantity(27.0, "mm", "Width of the flange (interface flange).", minimum=4, maximum=80)
+    flange_height_mm: float = quantity(12.0, "mm", "Height of the flange.", minimum=4, maximum=80)
+    flange_thickness_mm: float = quantity(
+        4.0, "mm", "Thickness of the flange, the proximal part of the base.", minimum=1, maximum=15
+    )
+    flange_spacing_x_mm: float = quantity(
+        20.0, "mm", "Distance between the flange's bolt holes across the finger.", minimum=4, maximum=70
+    )
+    flange_spacing_y_mm: float = quantity(
+        0.0, "mm", "Distance of their two rows from dorsal to palmar; 0: one row of two holes.", minimum=0, maximum=70
+    )
+    flange_hole_diameter_mm: float = quantity(
+        3.2, "mm", "Diameter of the flange's bolt holes (3.2: M3).", minimum=MIN_HOLE_MM, maximum=9
     )
 
 
@@ -286,6 +310,11 @@ class Strength(ParameterTable):
     print_direction: Literal["lying", "upright"] = choice(
         "lying", "Direction of the print: layers along the finger (lying) or across it (upright)."
     )
-    post_fillet_mm: float = quantity(
-        0.5, "mm", "Radius that the print leaves at the root of a post.", minimum=0.05, maximum=5, verified=False
+    root_fillet_mm: float = quantity(
+        0.5,
+        "mm",
+        "Radius that the print leaves at the root of a post or on a flange.",
+        minimum=0.05,
+        maximum=5,
+        verified=False,
     )

@@ -7,6 +7,7 @@ import math
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, tip_within_skin
+from fingertip.design.threads import select_thread
 from fingertip.numerics import bisect
 
 RULES = Ruleset()
@@ -15,6 +16,10 @@ _MIN_COLLAR_HEIGHT = 0.1
 """Minimum height of the collar's face, on which the skin ends [mm]."""
 _BEFORE_TIP = 0.1
 """Minimum distance of the groove from the rounded tip [mm]."""
+_MIN_SHOULDER = 0.1
+"""Minimum height of the shoulder above and below a post [mm]."""
+_HEAD_CLEARANCE = 0.3
+"""Clearance around the head of a flange's bolt [mm]."""
 _CIRCLE_POINTS = 64
 """Intervals at which half a circle is sampled."""
 _DEPTH_HALVINGS = 30
@@ -36,11 +41,11 @@ def walls_print(design: DesignTables) -> Violation | None:
 def base_holds_everything(design: DesignTables) -> Violation | None:
     """The base is long enough for the posterior hole, the tie hole and a socket."""
     dims, bone = design.dimensions, design.bone
-    socket = bone.socket_depth_mm if bone.interface == "socket" else 0.0
-    minimum = -dims.tie_hole_z + bone.tie_hole_diameter_mm / 2 + bone.wall_mm + socket
+    within = {"post": 0.0, "socket": bone.socket_depth_mm, "flange": bone.flange_thickness_mm}[bone.interface]
+    minimum = -dims.tie_hole_z + bone.tie_hole_diameter_mm / 2 + bone.wall_mm + within
     if bone.base_length_mm >= minimum - SLACK:
         return None
-    what = "posterior hole, tie hole and socket" if socket else "posterior hole and tie hole"
+    what = f"posterior hole, tie hole and {bone.interface}" if within else "posterior hole and tie hole"
     return Violation(
         f"{bone.base_length_mm:g} mm does not hold {what} below the mold's recess (the {dims.sensor.label} is "
         f"{dims.sensor.length_mm:g} mm long)",
@@ -145,12 +150,30 @@ def tie_hole_within_back(design: DesignTables) -> Violation | None:
     return Violation(f"{design.bone.tie_hole_diameter_mm:g} mm does not fit the back of the base", at_most(maximum))
 
 
-@RULES.rule("bone.post_diameter_mm", bone_left_at_sides, bone_left_dorsally)
+@RULES.rule("bone.post_height_mm", bone_left_at_sides, bone_left_dorsally)
+def post_not_higher_than_base(design: DesignTables) -> Violation | None:
+    """The base is higher than the post, so that it ends in a shoulder."""
+    dims, height = design.dimensions, min(design.bone.post_height_mm, design.bone.post_width_mm)
+    maximum = dims.bone_outline.section.dorsal + dims.flat_depth - 2 * _MIN_SHOULDER
+    if design.bone.interface != "post" or height <= maximum + SLACK:
+        return None
+    return Violation(f"{height:g} mm is higher than the base with its shoulder", at_most(maximum))
+
+
+@RULES.rule("bone.post_width_mm", bone_left_at_sides, bone_left_dorsally, post_not_higher_than_base)
 def post_within_base(design: DesignTables) -> Violation | None:
     """The post is not wider than the base."""
-    if design.bone.interface != "plain" or _base_holds_circle(design, (design.bone.post_diameter_mm - SLACK) / 2):
+    height = design.bone.post_height_mm
+
+    def holds(width: float) -> bool:
+        return _base_holds_circle(design, (width - SLACK) / 2, height / 2)
+
+    if design.bone.interface != "post" or holds(design.bone.post_width_mm):
         return None
-    return Violation(f"{design.bone.post_diameter_mm:g} mm is wider than the base", at_most(_base_room(design)))
+    highest = 2 * design.dimensions.bone_outline.section.half_width
+    return Violation(
+        f"{design.bone.post_width_mm:g} mm is wider than the base", at_most(bisect(holds, 0.0, highest, halvings=30)[0])
+    )
 
 
 @RULES.rule("bone.socket_diameter_mm", bone_left_at_sides, bone_left_dorsally)
@@ -164,13 +187,18 @@ def socket_within_base(design: DesignTables) -> Violation | None:
     )
 
 
-def _base_holds_circle(design: DesignTables, radius: float) -> bool:
-    """Return whether a circle [mm] about the middle of the base's height stays inside the base's section."""
+def _base_holds_circle(design: DesignTables, radius: float, half_height: float = math.inf) -> bool:
+    """Return whether a circle [mm] about the middle of the base's height stays inside the base's section.
+
+    The circle may have two flats, which leave `half_height` [mm] on either side of the middle.
+    """
     section, flat = design.dimensions.bone_outline.section, design.dimensions.flat_depth
     middle = (section.dorsal - flat) / 2
-    if radius >= (section.dorsal + flat) / 2:
+    half_height = min(radius, half_height)
+    if half_height >= (section.dorsal + flat) / 2:
         return False
-    angles = (math.pi * (i / _CIRCLE_POINTS - 0.5) for i in range(_CIRCLE_POINTS + 1))
+    last = math.asin(half_height / radius) if radius > 0.0 else 0.0
+    angles = (last * (2 * i / _CIRCLE_POINTS - 1) for i in range(_CIRCLE_POINTS + 1))
     return all(
         radius * math.cos(angle) <= section.half_width_at(max(middle + radius * math.sin(angle), -flat)) + SLACK
         for angle in angles
@@ -187,10 +215,12 @@ def _base_room(design: DesignTables) -> float:
 def cross_bolt_within_interface(design: DesignTables) -> Violation | None:
     """Post or socket keeps a wall around the hole of the cross bolt."""
     bone = design.bone
+    if bone.interface == "flange":
+        return None
     if bone.interface == "socket":
         what, across, along = "socket", bone.socket_diameter_mm + bone.wall_mm, bone.socket_depth_mm
     else:
-        what, across, along = "post", bone.post_diameter_mm, bone.post_length_mm
+        what, across, along = "post", min(bone.post_height_mm, bone.post_width_mm), bone.post_length_mm
     maximum = min(across, along) - 2 * bone.wall_mm
     if bone.cross_bolt_diameter_mm <= maximum + SLACK:
         return None
@@ -198,3 +228,67 @@ def cross_bolt_within_interface(design: DesignTables) -> Violation | None:
         f"{bone.cross_bolt_diameter_mm:g} mm leaves less than {bone.wall_mm:g} mm around it in the {what}",
         at_most(maximum),
     )
+
+
+@RULES.rule("bone.flange_spacing_x_mm")
+def flange_bolts_clear_of_base(design: DesignTables) -> Violation | None:
+    """The heads of the flange's bolts lie beside the base, or above and below it."""
+    dims, bone = design.dimensions, design.bone
+    section = dims.bone_outline.section
+    # The heads of machine screws are as wide as the nuts across flats (ISO 4762).
+    head = select_thread(bone.flange_hole_diameter_mm).nut_flats_mm / 2 + _HEAD_CLEARANCE
+    minimum = 2 * (section.half_width + head)
+    above = section.dorsal + dims.flat_depth + 2 * head
+    if bone.interface != "flange" or bone.flange_spacing_x_mm >= minimum - SLACK or bone.flange_spacing_y_mm >= above:
+        return None
+    return Violation(
+        f"{bone.flange_spacing_x_mm:g} mm leaves no room for bolt heads beside the base", at_least(minimum)
+    )
+
+
+@RULES.rule("bone.flange_width_mm")
+def flange_wide_enough(design: DesignTables) -> Violation | None:
+    """The flange keeps a wall beside its bolt holes, and covers the base."""
+    bone = design.bone
+    minimum = bone.flange_spacing_x_mm + bone.flange_hole_diameter_mm + 2 * bone.wall_mm
+    base = 2 * (design.dimensions.bone_outline.section.half_width + _MIN_SHOULDER)
+    if bone.interface != "flange" or bone.flange_width_mm >= max(minimum, base) - SLACK:
+        return None
+    what = (
+        f"leaves less than {bone.wall_mm:g} mm beside the bolt holes" if minimum > base else "is less than the base's"
+    )
+    return Violation(f"{bone.flange_width_mm:g} mm {what}", at_least(max(minimum, base)))
+
+
+@RULES.rule("bone.flange_height_mm")
+def flange_high_enough(design: DesignTables) -> Violation | None:
+    """The flange keeps a wall above and below its bolt holes, and covers the base."""
+    dims, bone = design.dimensions, design.bone
+    minimum = bone.flange_spacing_y_mm + bone.flange_hole_diameter_mm + 2 * bone.wall_mm
+    base = dims.bone_outline.section.dorsal + dims.flat_depth + 2 * _MIN_SHOULDER
+    if bone.interface != "flange" or bone.flange_height_mm >= max(minimum, base) - SLACK:
+        return None
+    what = "leaves too little above and below the bolt holes" if minimum > base else "is less than the base's height"
+    return Violation(f"{bone.flange_height_mm:g} mm {what}", at_least(max(minimum, base)))
+
+
+@RULES.rule("bone.flange_spacing_y_mm")
+def flange_rows_keep_a_wall(design: DesignTables) -> Violation | None:
+    """Two rows of the flange's bolt holes keep a wall between them."""
+    bone = design.bone
+    minimum = bone.flange_hole_diameter_mm + bone.wall_mm
+    if bone.interface != "flange" or not 0.0 < bone.flange_spacing_y_mm < minimum - SLACK:
+        return None
+    return Violation(
+        f"{bone.flange_spacing_y_mm:g} mm leaves less than {bone.wall_mm:g} mm between the rows of bolt holes",
+        ((0.0, 0.0), *at_least(minimum)),
+    )
+
+
+@RULES.rule("bone.flange_thickness_mm")
+def flange_prints(design: DesignTables) -> Violation | None:
+    """The flange is not thinner than a wall."""
+    bone = design.bone
+    if bone.interface != "flange" or bone.flange_thickness_mm >= bone.wall_mm - SLACK:
+        return None
+    return Violation(f"{bone.flange_thickness_mm:g} mm is thinner than a wall", at_least(bone.wall_mm))

@@ -290,7 +290,14 @@ def test_string_instead_of_a_list_is_rejected() -> None:
 def test_interrupt_says_so_and_leaves_no_file(tmp_path: Path) -> None:
     own = str(tmp_path / "own")
     words = [sys.executable, "-m", "fingertip", "build", str(FSR400), "--out", own, "--formats", "stl"]
-    process = subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    # A test run in the background ignores SIGINT, and so would its processes.
+    process = subprocess.Popen(
+        words,
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     assert process.stderr is not None
     # The first part is meshed. Before, while manifold3d is imported, an interrupt ends the process with a traceback.
     first = process.stderr.readline()

@@ -5,7 +5,10 @@ from __future__ import annotations
 from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.solids import Box, ElbowTube, Solid, cylinder, difference, intersection, union
 from fingertip.design import Design
+from fingertip.design.geometry.tail_fold import SLIDING_MM, STEP_MM, TailFold
 
+_OVERLAP_MM = 0.2
+"""Length by which passages reach into the window [mm]. Boxes that only touch would leave coincident faces."""
 _MIN_FLAT_MM = 0.02
 """Depth of a post's flat below which it is left out [mm]: both kernels fail on slivers."""
 
@@ -28,6 +31,13 @@ def sensor_recess(design: Design) -> Solid:
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
     tail = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
     floor = flat + dims.pocket_depth
+    if dims.fold:
+        top = dims.sensor_z + design.sensor.clearance_mm
+        passage = Box((-tail, floor - dims.passage_height, dims.fold.nose_z - _OVERLAP_MM), (tail, floor, top))
+        return union(
+            cylinder("y", (dims.sensor_z, 0.0), outside, floor, head), Box((-tail, outside, 0.0), (tail, floor, top)),
+            passage, *_dorsal_passage(dims.fold, tail), _window(design, dims.fold, tail),
+        )  # fmt: skip
     # 0.1 mm deeper than the top of the channel: a plane tangent to it would leave a stray edge in the B-rep solid.
     relief_floor = flat + dims.channel_depth + bone.channel_diameter_mm / 2 + 0.1
     relief_top = dims.tail_end_z + dims.relief_half_length
@@ -41,13 +51,45 @@ def sensor_recess(design: Design) -> Solid:
     return union(pocket, passage, under_skin, relief)
 
 
+def _dorsal_passage(fold: TailFold, half_width: float) -> tuple[Solid, ...]:
+    """Build the passage for the end of a folded tail: wide for the film, and higher over the tabs and their wires."""
+    low, floor = fold.nose_z - _OVERLAP_MM, fold.floor_y
+    return (
+        Box(
+            (-half_width, floor, low),
+            (half_width, floor + fold.film_passage_mm, fold.film_end_z + SLIDING_MM),
+        ),
+        Box(
+            (-fold.tabs_half_width, floor, low),
+            (fold.tabs_half_width, floor + fold.tabs_passage_mm, fold.passage_end_z),
+        ),
+    )
+
+
+def _window(design: Design, fold: TailFold, half_width: float) -> Solid:
+    """Build the window through the base in which the tail bends around the nose, and the cut above its cheeks."""
+    section = design.dimensions.bone_outline.section
+    palmar, dorsal = -2 * section.palmar, 2 * section.dorsal  # past the base on both sides
+    low, high = fold.window_low_z, fold.nose_z
+    nose = cylinder("x", (fold.nose_y, fold.nose_z), -2 * half_width, 2 * half_width, fold.radius)
+    through = Box((-half_width, palmar, low), (half_width, dorsal, high))
+    above = Box((-2 * section.half_width, design.dimensions.cheek_top_y, low), (2 * section.half_width, dorsal, high))
+    return union(difference(through, nose), above)
+
+
 def cable_channel(design: Design) -> Solid:
     """Build the cable channel.
 
-    It runs from the solder relief along the bone, then by one bend to its opening on the dorsal side of the base.
+    It runs from the solder relief along the bone, then by one bend to its opening on the dorsal side of the base. The
+    cables of a folded tail lie in a groove instead, which leads from the window past the mold.
     """
     dims, bone = design.dimensions, design.bone
     section = dims.bone_outline.section
+    if dims.fold:
+        half, floor = bone.channel_diameter_mm / 2, section.dorsal - dims.cable_groove_depth
+        return Box(
+            (-half, floor, dims.cable_groove_end_z), (half, 2 * section.dorsal, dims.fold.window_low_z + _OVERLAP_MM)
+        )
     return ElbowTube(
         start_y=-dims.flat_depth + dims.channel_depth,
         start_z=dims.relief_proximal_z + dims.relief_half_length,
@@ -61,12 +103,12 @@ def cable_channel(design: Design) -> Solid:
 def tie_hole(design: Design) -> Solid:
     """Build the hole for a cable tie (strain relief), across the dorsal side of the base.
 
-    It lies one wall thickness proximal to the opening of the cable channel.
+    It lies one wall thickness proximal to the opening of the cable channel, or to the window of a folded tail.
     """
-    dims, bone = design.dimensions, design.bone
-    radius, half_width = bone.tie_hole_diameter_mm / 2, dims.bone_outline.section.half_width
-    y = dims.bone_outline.section.dorsal - bone.wall_mm - radius
-    return cylinder("x", (y, dims.tie_hole_z), -2 * half_width, 2 * half_width, radius)
+    dims = design.dimensions
+    half_width = dims.bone_outline.section.half_width
+    radius = design.bone.tie_hole_diameter_mm / 2
+    return cylinder("x", (dims.tie_hole_y, dims.tie_hole_z), -2 * half_width, 2 * half_width, radius)
 
 
 def interface(design: Design) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
@@ -131,7 +173,24 @@ def sensor_body(design: Design) -> Solid:
     dorsal_face = -dims.flat_depth + dims.pocket_depth - design.sensor.adhesive_thickness_mm
     palmar_face, half_tail = dorsal_face - dims.sensor.thickness_mm, dims.sensor.tail_width_mm / 2
     head = cylinder("y", (dims.sensor_z, 0.0), palmar_face, dorsal_face, dims.sensor.head_diameter_mm / 2)
-    return union(head, Box((-half_tail, palmar_face, dims.tail_end_z), (half_tail, dorsal_face, dims.sensor_z)))
+    fold = dims.fold
+    if not fold:
+        return union(head, Box((-half_tail, palmar_face, dims.tail_end_z), (half_tail, dorsal_face, dims.sensor_z)))
+    palmar = Box((-half_tail, palmar_face, fold.nose_z), (half_tail, dorsal_face, dims.sensor_z))
+    # Around the nose the film keeps to the plane in which it lies in its slot, and to that of the dorsal passage.
+    inner, low = fold.floor_y + STEP_MM, fold.nose_z
+    y, r = (dorsal_face + inner) / 2, (inner - dorsal_face) / 2
+    outer = cylinder("x", (y, low), -half_tail, half_tail, r + dims.sensor.thickness_mm)
+    bend = difference(outer, cylinder("x", (y, low), -2 * half_tail, 2 * half_tail, r))
+    reach = 2 * r
+    bend = intersection(bend, Box((-half_tail, y - reach, low - reach), (half_tail, y + reach, low + STEP_MM)))
+    dorsal = Box((-half_tail, inner, low), (half_tail, inner + dims.sensor.thickness_mm, fold.film_end_z))
+    half_tabs = fold.tabs_half_width - SLIDING_MM
+    tabs = Box(
+        (-half_tabs, inner, fold.film_end_z - STEP_MM),
+        (half_tabs, inner + dims.sensor.thickness_mm, fold.tabs_end_z),
+    )
+    return union(head, palmar, bend, dorsal, tabs)
 
 
 def genus(design: Design) -> int:
@@ -143,5 +202,8 @@ def genus(design: Design) -> int:
     that breaks through a wall.
     """
     bone = design.bone
+    if design.dimensions.fold:
+        # Palmar passage and window; the groove is open, and the dorsal passage ends blind.
+        return 3 + {"post": 1, "socket": 2, "flange": 4 if bone.flange_spacing_y_mm else 2}[bone.interface]
     holes = {"post": 1, "socket": 2, "flange": 4 if bone.flange_spacing_y_mm else 2}[bone.interface]
     return 2 + design.dimensions.tail_passes_collar + holes

@@ -11,6 +11,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip
+from fingertip.design.geometry.tail_fold import TailFold, fold_tail
+from fingertip.numerics import bisect
 from fingertip.sensors import CATALOGUE, ForceSensor
 
 if TYPE_CHECKING:
@@ -20,6 +22,8 @@ MIN_PASSAGE_HEIGHT_MM = 0.8
 """Minimum height of the passage through which the tail leaves the collar [mm]. Lower passages close up in printing. An
 assumption."""
 
+TAB_WIDTH_MM = 1.0
+"""Width of a solder tab [mm]: an assumption."""
 _RIM_POINTS = 64
 """Intervals at which the flat's margin around the sensor is sampled."""
 
@@ -110,14 +114,38 @@ class Dimensions:
         return max(MIN_PASSAGE_HEIGHT_MM, self.pocket_depth + self._design.sensor.clearance_mm)
 
     @cached_property
+    def fold(self) -> TailFold | None:
+        """Course of a folded tail; None if it is straight."""
+        sensor = self._design.sensor
+        if sensor.tail == "straight":
+            return None
+        body = self.sensor
+        return fold_tail(
+            self.pocket_depth - self.flat_depth, self.sensor_z, self._design.bone.collar_length_mm,
+            sensor.fold_radius_mm, (body.length_mm - body.head_diameter_mm / 2, body.thickness_mm),
+            (sensor.tab_length_mm, sensor.crimp_height_mm, body.tab_pitch_mm + TAB_WIDTH_MM),
+        )  # fmt: skip
+
+    @cached_property
+    def cable_groove_depth(self) -> float:
+        """Depth of the groove in which the cables of a folded tail leave the base: they lie side by side."""
+        return self._design.bone.channel_diameter_mm / 2
+
+    @cached_property
+    def cable_groove_end_z(self) -> float:
+        """Proximal end of this groove, outside the mold's recess."""
+        bone = self._design.bone
+        return -max(bone.collar_length_mm, self._design.mold.recess_length_mm) - self.cable_groove_depth
+
+    @cached_property
     def tail_end_z(self) -> float:
-        """End of the sensor's tail, with its solder tabs."""
+        """End of a straight tail, with its solder tabs."""
         return self.sensor_z + self.sensor.head_diameter_mm / 2 - self.sensor.length_mm
 
     @cached_property
     def tail_passes_collar(self) -> bool:
-        """True if the tail runs out through the collar (a long tail) or ends under the skin (a short one)."""
-        return self.tail_end_z < 0.0
+        """True if the tail runs out through the collar (a long or a folded one) or ends under the skin (a short one)."""
+        return self.fold is not None or self.tail_end_z < 0.0
 
     @cached_property
     def relief_half_length(self) -> float:
@@ -151,8 +179,27 @@ class Dimensions:
     @cached_property
     def tie_hole_z(self) -> float:
         """Centre of the hole for the cable tie."""
-        bone = self._design.bone
+        bone, fold = self._design.bone, self.fold
+        if fold:
+            return fold.window_low_z - bone.wall_mm - bone.tie_hole_diameter_mm / 2
         return self.channel_exit_z - bone.channel_diameter_mm / 2 - bone.wall_mm - bone.tie_hole_diameter_mm / 2
+
+    @cached_property
+    def tie_hole_y(self) -> float:
+        """Centre of the hole for the cable tie, a wall below the dorsal side or below the cable groove."""
+        bone = self._design.bone
+        covered = self.cable_groove_depth if self.fold else 0.0
+        return self.bone_outline.section.dorsal - covered - bone.wall_mm - bone.tie_hole_diameter_mm / 2
+
+    @cached_property
+    def cheek_top_y(self) -> float:
+        """Height above which the base is cut off beside the window of a folded tail: its cheeks are a wall thick there.
+
+        The outline of the base curves inwards, so that higher cheeks would end in an edge.
+        """
+        section, bone = self.bone_outline.section, self._design.bone
+        needed = self.sensor.tail_width_mm / 2 + self._design.sensor.clearance_mm + bone.wall_mm
+        return bisect(lambda y: section.half_width_at(y) >= needed, 0.0, section.dorsal, halvings=40)[0]
 
     @cached_property
     def collar(self) -> ConicBody:

@@ -17,6 +17,24 @@ class Sensor(ParameterTable):
     distance_from_tip_mm: float = quantity(
         11.5, "mm", "Distance from the tip of the skin to the centre of the active area.", minimum=3, maximum=60
     )
+    tail: Literal["straight", "folded"] = choice(
+        "straight",
+        "straight: out through the base; folded: once around the bone, its end under the dorsal side of the skin.",
+    )
+    fold_radius_mm: float = quantity(
+        2.5, "mm", "Radius at which a folded tail bends; Interlink allows no less than 2.5.", minimum=0.8, maximum=6
+    )
+    tab_length_mm: float = quantity(
+        4.3, "mm", "Length by which the crimped tabs stick out of the film.", minimum=0, maximum=15, verified=False
+    )
+    crimp_height_mm: float = quantity(
+        1.1,
+        "mm",
+        "Height of crimps and soldered wires above the film, for the passage of a folded tail.",
+        minimum=0.2,
+        maximum=5,
+        verified=False,
+    )
     clearance_mm: float = quantity(0.15, "mm", "Gap around the sensor in its pocket and slot.", minimum=0.02, maximum=1)
     adhesive_thickness_mm: float = quantity(
         0.13,

@@ -42,10 +42,12 @@ def base_holds_everything(design: DesignTables) -> Violation | None:
     """The base is long enough for the posterior hole, the tie hole and a socket."""
     dims, bone = design.dimensions, design.bone
     within = {"post": 0.0, "socket": bone.socket_depth_mm, "flange": bone.flange_thickness_mm}[bone.interface]
-    minimum = -dims.tie_hole_z + bone.tie_hole_diameter_mm / 2 + bone.wall_mm + within
+    needed = -dims.tie_hole_z + bone.tie_hole_diameter_mm / 2
+    minimum = (max(needed, -dims.cable_groove_end_z) if dims.fold else needed) + bone.wall_mm + within
     if bone.base_length_mm >= minimum - SLACK:
         return None
-    what = f"posterior hole, tie hole and {bone.interface}" if within else "posterior hole and tie hole"
+    hole = "cable groove" if dims.fold else "posterior hole"
+    what = f"{hole}, tie hole and {bone.interface}" if within else f"{hole} and tie hole"
     return Violation(
         f"{bone.base_length_mm:g} mm does not hold {what} below the mold's recess (the {dims.sensor.label} is "
         f"{dims.sensor.length_mm:g} mm long)",
@@ -57,6 +59,8 @@ def base_holds_everything(design: DesignTables) -> Violation | None:
 def relief_clear_of_pocket(design: DesignTables) -> Violation | None:
     """The recess for the solder joints ends before the sensor's pocket."""
     dims = design.dimensions
+    if dims.fold:
+        return None
     pocket = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - design.sensor.clearance_mm
     maximum = 2 * (pocket - dims.tail_end_z)
     if design.bone.relief_length_mm <= maximum + SLACK:
@@ -68,6 +72,8 @@ def relief_clear_of_pocket(design: DesignTables) -> Violation | None:
 def relief_clear_of_collar(design: DesignTables) -> Violation | None:
     """The solder joints lie above or below the collar."""
     dims, distance = design.dimensions, design.sensor.distance_from_tip_mm
+    if dims.fold:
+        return None
     low, high = dims.relief_proximal_z, dims.tail_end_z + dims.relief_half_length
     if high <= -design.bone.collar_length_mm + SLACK or low >= -SLACK:
         return None

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from fingertip.design.geometry.dimensions import TAB_WIDTH_MM
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
 
 RULES = Ruleset()
-_TAB_MM = 1.0
-"""Width of a solder tab [mm]: an assumption."""
 
 
 @RULES.rule("custom_sensor.active_diameter_mm")
@@ -27,9 +26,9 @@ def tail_holds_its_tabs(design: DesignTables) -> Violation | None:
     if design.sensor.model != "custom":
         return None
     width, pitch = design.custom_sensor.tail_width_mm, design.dimensions.sensor.tab_pitch_mm
-    minimum = pitch + _TAB_MM
+    minimum = pitch + TAB_WIDTH_MM
     if width >= minimum - SLACK:
         return None
     return Violation(
-        f"{width:g} mm does not hold two solder tabs of {_TAB_MM:g} mm, {pitch:g} mm apart", at_least(minimum)
+        f"{width:g} mm does not hold two solder tabs of {TAB_WIDTH_MM:g} mm, {pitch:g} mm apart", at_least(minimum)
     )

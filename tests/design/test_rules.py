@@ -11,6 +11,10 @@ from fingertip.errors import DesignError, Issue
 from tests.conftest import design_file
 from tests.design.remedies import as_changes, read_remedy
 
+FOLDED = [
+    "sensor.tail=folded", "skin.length_mm=25", "skin.tip_length_mm=8", "sensor.distance_from_tip_mm=9.5",
+    "bone.base_length_mm=10", "bone.groove_depth_mm=0", "bone.wall_mm=0.8",
+]  # fmt: skip
 CASE_BY_FIELD = {
     "skin.tip_length_mm": ["skin.tip_length_mm=33"],
     "skin.thickness_side_mm": ["skin.thickness_side_mm=5.5"],
@@ -21,6 +25,9 @@ CASE_BY_FIELD = {
     "sensor.distance_from_tip_mm": ["sensor.distance_from_tip_mm=31"],
     "skin.thickness_palmar_mm": ["skin.thickness_palmar_mm=6"],
     "skin.width_mm": ["skin.width_mm=15"],
+    "sensor.fold_radius_mm": [*FOLDED, "sensor.fold_radius_mm=2"],
+    "sensor.crimp_height_mm": [*FOLDED, "sensor.crimp_height_mm=1.5"],
+    "skin.semi_axis_dorsal_mm": [*FOLDED, "skin.semi_axis_dorsal_mm=6.2"],
     "bone.squareness_palmar": ["skin.thickness_side_mm=0.6", "bone.squareness_palmar=8"],
     "bone.wall_mm": ["bone.wall_mm=4"],
     "bone.channel_diameter_mm": ["bone.channel_diameter_mm=9"],
@@ -62,6 +69,12 @@ CASE_BY_FIELD = {
 }
 MORE_CASES = [  # fields that a second rule blames too
     ("sensor.distance_from_tip_mm", ["sensor.model=fsr400_short", "sensor.distance_from_tip_mm=18"]),
+    ("sensor.distance_from_tip_mm", [*FOLDED, "sensor.model=fsr400_short"]),
+    ("sensor.distance_from_tip_mm", [*FOLDED, "sensor.distance_from_tip_mm=20"]),
+    ("skin.width_mm", [*FOLDED, "skin.width_mm=13"]),
+    ("bone.base_length_mm", [*FOLDED, "bone.base_length_mm=8.5"]),
+    ("bone.tie_hole_diameter_mm", [*FOLDED, "bone.tie_hole_diameter_mm=5.9"]),
+    ("skin.semi_axis_dorsal_mm", [*FOLDED, "bone.groove_depth_mm=0.6"]),
     (
         "skin.min_thickness_mm",
         ["skin.thickness_side_mm=1.2", "skin.min_thickness_mm=1.2", "bone.squareness_palmar=2.5"],

@@ -42,7 +42,7 @@ def render_sheet(data: Data) -> str:
 
 def warnings(data: Data) -> list[str]:
     """List what can spoil the casting or damage the sensor."""
-    found = []
+    found, is_folded = [], data["sensor_tail"] == "folded"
     if data["silicone"]["cure"] == "addition":
         found.append(
             "Uncured resin inhibits the cure of platinum silicone. Wash and fully post-cure parts printed from resin, "
@@ -69,9 +69,12 @@ def warnings(data: Data) -> list[str]:
     found += [
         "Do not use cyanoacrylate on the sensor: it wicks into the sensor, and its vapour damages it. Use the adhesive "
         "film.",
-        "Keep the air vent of the sensor open. The sensor breathes through the end of its tail, the solder relief and "
-        "the cable channel.",
-        "Do not bend the tail of the sensor sharply. Never bend it at the head.",
+        "Keep the air vent of the sensor open. The sensor breathes through the end of its tail, "
+        + ("the passage around it and the window." if is_folded else "the solder relief and the cable channel."),
+        "Do not bend the tail of the sensor sharply: it follows the round nose, and no film may cross a moving joint. "
+        "Never bend it at the head."
+        if is_folded
+        else "Do not bend the tail of the sensor sharply. Never bend it at the head.",
     ]
     return found
 
@@ -80,7 +83,7 @@ def steps(data: Data) -> list[str]:
     """List the steps of the procedure, in order."""
     properties, batch = data["silicone"]["properties"], data["batch"]
     is_sleeve = data["method"] == "sleeve"
-    tail_passes_collar = data["mold"]["tail_passes_collar"]
+    tail_passes_collar, is_folded = data["mold"]["tail_passes_collar"], data["sensor_tail"] == "folded"
     insert = "core" if is_sleeve else "bone"
     first, second = data["silicone"]["components"]
     assemble_sensor = [
@@ -88,6 +91,28 @@ def steps(data: Data) -> list[str]:
         "Solder the wires to the sensor's tabs in the solder relief. Route them through the cable channel to its "
         "opening on the dorsal side of the base. Tie them down at the hole proximal to the channel opening.",
     ]
+    if is_folded:
+        assemble_sensor = [
+            "Solder the wires to the sensor's tabs, flat against the tail, and lead them back along it. Insulate the "
+            "joints.",
+            "Thread wires and tail from the pocket through the passage in the collar into the window. Bend the tail "
+            "around the round nose in the window, without a crease, and push its end under the dorsal side of the "
+            "bone, tabs first, until it stops. Then stick the head into its pocket with the adhesive film.",
+            "Lay the wires side by side in the groove on the dorsal side of the base. Tie them down at the hole after "
+            "casting.",
+        ]
+    if is_folded:
+        covered, opening = "the slot", "window and the groove"
+        plug = (
+            "Fill the window in the base and the groove around the wires with sulfur-free modelling clay, flush with "
+            "the base. This plug is temporary."
+        )
+    else:
+        covered, opening = "the slot and the solder relief", "channel opening"
+        plug = (
+            "Plug the channel opening on the dorsal side of the base, around the wires, with sulfur-free modelling "
+            "clay. The opening lies outside the mold. This plug is temporary."
+        )
     if is_sleeve:
         seal = [
             "Leave the bone and the sensor out of the mold. Only the core lies in it. The core has no pocket, slot or "
@@ -96,11 +121,10 @@ def steps(data: Data) -> list[str]:
     else:
         seal = [
             "Keep silicone out of the pocket, the slot and the channel. The sensor sits flush, with a "
-            f"{data['fit']['sensor_clearance_mm']:g} mm gap around it. Cover the slot and the solder relief with a "
-            "strip of thin tape across the flat and press its edges down, but do not fill them: the sensor breathes "
+            f"{data['fit']['sensor_clearance_mm']:g} mm gap around it. Cover {covered} with "
+            "a strip of thin tape across the flat and press its edges down, but do not fill them: the sensor breathes "
             "there. This tape is permanent.",
-            "Plug the channel opening on the dorsal side of the base, around the wires, with sulfur-free modelling "
-            "clay. The opening lies outside the mold. This plug is temporary.",
+            plug,
         ]
         if tail_passes_collar:
             seal.append(
@@ -130,7 +154,7 @@ def steps(data: Data) -> list[str]:
         return [
             *assemble_sensor,
             *cast,
-            "Remove the clay from the channel opening, so that the air vent of the sensor is open. The tape under the "
+            f"Remove the clay from the {opening}, so that the air vent of the sensor is open. The tape under the "
             "skin stays in place" + (", and so does the seal in the collar." if tail_passes_collar else "."),
         ]
     return [

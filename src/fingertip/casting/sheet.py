@@ -47,6 +47,7 @@ def casting_sheet_data(
         "design": design.name,
         "method": design.mold.method,
         "sensor": design.dimensions.sensor.label,
+        "sensor_tail": design.sensor.tail,
         "silicone": _silicone_data(silicone),
         "volumes_cm3": _volumes_data(volumes),
         "batch": _batch_data(silicone, volumes),

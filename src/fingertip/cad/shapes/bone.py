@@ -178,7 +178,7 @@ def sensor_body(design: Design) -> Solid:
         return union(head, Box((-half_tail, palmar_face, dims.tail_end_z), (half_tail, dorsal_face, dims.sensor_z)))
     palmar = Box((-half_tail, palmar_face, fold.nose_z), (half_tail, dorsal_face, dims.sensor_z))
     # Around the nose the film keeps to the plane in which it lies in its slot, and to that of the dorsal passage.
-    inner, low = fold.floor_y + STEP_MM, fold.nose_z
+    inner, low = fold.floor_y + SLIDING_MM / 2, fold.nose_z
     y, r = (dorsal_face + inner) / 2, (inner - dorsal_face) / 2
     outer = cylinder("x", (y, low), -half_tail, half_tail, r + dims.sensor.thickness_mm)
     bend = difference(outer, cylinder("x", (y, low), -2 * half_tail, 2 * half_tail, r))

@@ -55,14 +55,30 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     _, removed = bone.interface(design)
     holes = [evaluator.manifold(s) for s in (bone.tie_hole(design), *removed)]
 
-    # The part of the channel that has bone on all sides: proximal to the solder relief, and short of its opening on the
-    # dorsal side.
-    buried = channel.trim_by_plane((0.0, 0.0, -1.0), -(dims.relief_proximal_z - 1e-3))
-    mouth = dims.bone_outline.section.dorsal - wall - diameter
-    buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
-    yield check_min_distance("bone.wall.channel_to_outside", buried, outside, wall)
-    for name, hole in zip(("tie_hole", "interface"), holes, strict=False):
-        yield check_min_distance(f"bone.wall.channel_to_{name}", buried, hole, wall)
+    if dims.fold:
+        # The window is open on both sides: walls matter distal to it, and beside it.
+        channel, window = channel.trim_by_plane((0.0, 0.0, -1.0), -dims.fold.window_low_z), recess
+        recess = above_z(recess, dims.fold.nose_z + PLANE_OFFSET_MM)
+        passage = recess.trim_by_plane((0.0, 1.0, 0.0), dims.fold.nose_y)
+        yield check_min_distance("bone.wall.tail_passage_to_outside", passage, outside, wall)
+        low, high = y_flat + PLANE_OFFSET_MM, dims.cheek_top_y - PLANE_OFFSET_MM
+        window, beside = (
+            body.trim_by_plane((0.0, 1.0, 0.0), low).trim_by_plane((0.0, -1.0, 0.0), -high)
+            for body in (window.trim_by_plane((0.0, 0.0, -1.0), -dims.fold.nose_z), outside)
+        )
+        yield check_min_distance("bone.wall.window_to_outside", window, beside, wall)
+        for name, hole in zip(("tie_hole", "interface"), holes, strict=False):
+            yield check_min_distance(f"bone.wall.groove_to_{name}", channel, hole, wall)
+            yield check_min_distance(f"bone.wall.window_to_{name}", window, hole, wall)
+    else:
+        # The part of the channel that has bone on all sides: proximal to the solder relief, and short of its opening on
+        # the dorsal side.
+        buried = channel.trim_by_plane((0.0, 0.0, -1.0), -(dims.relief_proximal_z - 1e-3))
+        mouth = dims.bone_outline.section.dorsal - wall - diameter
+        buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
+        yield check_min_distance("bone.wall.channel_to_outside", buried, outside, wall)
+        for name, hole in zip(("tie_hole", "interface"), holes, strict=False):
+            yield check_min_distance(f"bone.wall.channel_to_{name}", buried, hole, wall)
 
     # Pocket and slot open in the plane of the flat, so only what lies above that plane is measured.
     recessed = recess.trim_by_plane((0.0, 1.0, 0.0), y_flat + PLANE_OFFSET_MM) ^ whole
@@ -89,7 +105,10 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
         yield check_min_distance("sensor.pocket_clearance", body, solid, clearance)
     yield check_zero_volume("overlap.bone.sensor", (body ^ solid).volume())
     floor = -dims.flat_depth + dims.pocket_depth
-    distal = above_z(body, dims.tail_end_z + dims.relief_half_length + PLANE_OFFSET_MM)
+    if dims.fold:  # only its palmar side rests on a seat
+        distal = above_z(body, dims.fold.nose_z + PLANE_OFFSET_MM).trim_by_plane((0.0, -1.0, 0.0), -dims.fold.nose_y)
+    else:
+        distal = above_z(body, dims.tail_end_z + dims.relief_half_length + PLANE_OFFSET_MM)
     low, high = distal.bounding_box()[1], distal.bounding_box()[4]
     # Move the sensor into its seat by its own thickness. Where it then meets no bone, the seat does not support it.
     sunk = distal.translate((0.0, floor - low, 0.0))

@@ -118,6 +118,10 @@ def _check_draft(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
 def _check_cable_channel(design: Design, evaluator: MeshEvaluator) -> Check:
     """Check that the cables, which are in place during overmolding, leave the bone outside the mold."""
     channel = evaluator.manifold(bone.cable_channel(design))
+    if design.dimensions.fold:  # a groove, which the mold covers up to its proximal face
+        outside = design.mold_layout.proximal_z - channel.bounding_box()[2]
+        needed = design.dimensions.cable_groove_depth - evaluator.tolerance_mm
+        return Check("mold.cable_groove_outside", outside, needed, "mm", "at least")
     block = evaluator.manifold(mold.block(design))
     in_mold = (channel ^ block).volume()
     in_bone = (channel ^ evaluator.manifold(filled_bone(design)) ^ block).volume()

@@ -110,8 +110,12 @@ class Dimensions:
 
     @cached_property
     def passage_height(self) -> float:
-        """Height, from its floor, of the tail's passage through the collar. It never presses on film and tail."""
-        return max(MIN_PASSAGE_HEIGHT_MM, self.pocket_depth + self._design.sensor.clearance_mm)
+        """Height, from its floor, of the tail's passage through the collar.
+
+        It never presses on film and tail. The tabs of a folded tail are threaded through it.
+        """
+        threaded = self.fold.tabs_passage_mm if self.fold else 0.0
+        return max(MIN_PASSAGE_HEIGHT_MM, self.pocket_depth + self._design.sensor.clearance_mm, threaded)
 
     @cached_property
     def fold(self) -> TailFold | None:
@@ -144,7 +148,7 @@ class Dimensions:
 
     @cached_property
     def tail_passes_collar(self) -> bool:
-        """True if the tail runs out through the collar (a long or a folded one) or ends under the skin (a short one)."""
+        """True if the tail runs out through the collar (a long or folded one) or ends under the skin (a short one)."""
         return self.fold is not None or self.tail_end_z < 0.0
 
     @cached_property

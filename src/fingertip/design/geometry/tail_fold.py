@@ -30,7 +30,7 @@ class TailFold:
     radius: float
     """Radius of the nose, at which the film bends."""
     window_low_z: float
-    """Proximal face of the window."""
+    """Proximal face of the window; the tabs pass between it and the nose."""
     floor_y: float
     """Palmar face of the dorsal passage, on which the end of the tail lies."""
     film_end_z: float
@@ -40,7 +40,7 @@ class TailFold:
     film_passage_mm: float
     """Height of the dorsal passage beside the tabs."""
     tabs_passage_mm: float
-    """Height of the dorsal passage over the tabs."""
+    """Height of a passage for film with crimps and wires: over the tabs, and wherever they are threaded."""
     tabs_half_width: float
     """Half the width of the higher part."""
 
@@ -82,15 +82,16 @@ def fold_tail(
     left = length - (sensor_z - nose_z) - math.pi * (radius_mm + thickness / 2)
     film_end_z = nose_z + left
     film_passage = thickness + SLIDING_MM
+    tabs_passage = thickness + crimp_height + SLIDING_MM
     return TailFold(
         nose_y,
         nose_z,
         radius_mm,
-        nose_z - radius_mm - thickness - SLIDING_MM,
+        nose_z - radius_mm - tabs_passage,
         nose_y + radius_mm + STEP_MM,
         film_end_z,
         film_end_z + tab_length,
         film_passage,
-        max(film_passage, crimp_height + SLIDING_MM),
+        tabs_passage,
         tab_width / 2 + SLIDING_MM,
     )

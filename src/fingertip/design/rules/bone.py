@@ -150,7 +150,9 @@ def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
 @RULES.rule("bone.tie_hole_diameter_mm")
 def tie_hole_within_back(design: DesignTables) -> Violation | None:
     """The tie hole fits the back of the base."""
-    maximum = (design.skin.semi_axis_dorsal_mm - design.skin.thickness_dorsal_mm) / 2 - design.bone.wall_mm
+    dims, wall = design.dimensions, design.bone.wall_mm
+    dorsal = design.skin.semi_axis_dorsal_mm - design.skin.thickness_dorsal_mm
+    maximum = dorsal + dims.flat_depth - dims.cable_groove_depth - 2 * wall if dims.fold else dorsal / 2 - wall
     if design.bone.tie_hole_diameter_mm <= maximum + SLACK:
         return None
     return Violation(f"{design.bone.tie_hole_diameter_mm:g} mm does not fit the back of the base", at_most(maximum))

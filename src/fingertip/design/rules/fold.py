@@ -1,0 +1,131 @@
+"""Rules of a folded tail: it is long enough, bends gently, and keeps walls around its passage and its window."""
+
+from __future__ import annotations
+
+import math
+
+from fingertip.design.geometry.tail_fold import SLIDING_MM
+from fingertip.design.parameters import DesignTables
+from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
+from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, tip_within_skin
+from fingertip.numerics import bisect
+
+RULES = Ruleset()
+
+MIN_FOLD_RADIUS_MM = 2.5
+"""Least radius at which Interlink allows the film of a catalogue sensor to bend, at rest [mm]."""
+_MIN_STRAIGHT_MM = 5.0
+"""Least length of tail that stays straight behind the head [mm]."""
+_MIN_IN_PASSAGE_MM = 2.0
+"""Least length of film in the dorsal passage, which holds the end of the tail [mm]. An assumption."""
+_DIRECTIONS = 16
+"""Directions in which the wall at a corner of the passage is measured."""
+
+
+@RULES.rule("sensor.fold_radius_mm")
+def film_bends_gently(design: DesignTables) -> Violation | None:
+    """The film of a catalogue sensor bends no tighter than its maker allows."""
+    radius = design.sensor.fold_radius_mm
+    if design.sensor.tail == "straight" or design.sensor.model == "custom" or radius >= MIN_FOLD_RADIUS_MM - SLACK:
+        return None
+    return Violation(f"{radius:g} mm bends the film tighter than its maker allows", at_least(MIN_FOLD_RADIUS_MM))
+
+
+@RULES.rule("sensor.distance_from_tip_mm")
+def tail_long_enough_to_fold(design: DesignTables) -> Violation | None:
+    """The tail reaches around its nose into the dorsal passage, and is straight behind the head."""
+    dims, distance = design.dimensions, design.sensor.distance_from_tip_mm
+    fold = dims.fold
+    if fold is None:
+        return None
+    # The further the head lies from the tip, the closer it is to the fold: the more film is left, the less is straight.
+    minimum = distance + fold.nose_z + _MIN_IN_PASSAGE_MM - fold.film_end_z
+    straight = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - fold.nose_z
+    maximum = distance + straight - _MIN_STRAIGHT_MM
+    if minimum - SLACK <= distance <= maximum + SLACK:
+        return None
+    what = "too short to fold" if distance < minimum else "bent right behind the sensor's head"
+    return Violation(
+        f"{distance:g} mm leaves the tail of the {dims.sensor.label} {what}",
+        ((minimum, maximum),) if minimum <= maximum else (),
+        alternatives={"sensor.tail": "straight"},
+    )
+
+
+@RULES.rule("skin.semi_axis_dorsal_mm", bone_left_at_sides, bone_left_dorsally, tip_within_skin)
+def film_passage_keeps_a_roof(design: DesignTables) -> Violation | None:
+    """The dorsal passage keeps a wall around the film, also where the groove of the skin thins the bone."""
+    fold = design.dimensions.fold
+    if fold is None:
+        return None
+    half = design.dimensions.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
+    lacking = _find_lacking_roof(design, half, fold.floor_y + fold.film_passage_mm, fold.film_end_z + SLIDING_MM)
+    if lacking <= SLACK:
+        return None
+    dorsal = design.skin.semi_axis_dorsal_mm
+    needed = dorsal + lacking
+    return Violation(f"{dorsal:g} mm leaves no wall above the end of the folded tail", at_least(needed))
+
+
+@RULES.rule("sensor.crimp_height_mm", film_passage_keeps_a_roof)
+def tabs_passage_keeps_a_roof(design: DesignTables) -> Violation | None:
+    """The dorsal passage keeps a wall around crimps and wires."""
+    fold = design.dimensions.fold
+    if fold is None:
+        return None
+    lacking = _find_lacking_roof(design, fold.tabs_half_width, fold.floor_y + fold.tabs_passage_mm, fold.passage_end_z)
+    if lacking <= SLACK:
+        return None
+    crimp = design.sensor.crimp_height_mm
+    return Violation(f"{crimp:g} mm leaves no wall above the tabs of the folded tail", at_most(crimp - lacking))
+
+
+@RULES.rule("skin.width_mm", bone_left_at_sides, bone_left_dorsally)
+def cheeks_hold_the_nose(design: DesignTables) -> Violation | None:
+    """The cheeks beside the window are as high as the nose, and a wall thick there."""
+    dims = design.dimensions
+    fold, section = dims.fold, dims.bone_outline.section
+    if fold is None:
+        return None
+    half = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm + design.bone.wall_mm
+    top = fold.nose_y + fold.radius
+    if section.half_width_at(top) >= half - SLACK:
+        return None
+    width, share = design.skin.width_mm, section.half_width_at(top) / section.half_width
+    passing = at_least(width + 2 * (half / share - section.half_width)) if share > 0.0 else ()
+    return Violation(f"{width:g} mm leaves no wall beside the folded tail", passing)
+
+
+def _find_lacking_roof(design: DesignTables, half_width: float, top: float, end_z: float) -> float:
+    """Find by how much the top of a passage [mm] must be lower for its corners to keep a wall; 0 if they keep it."""
+    scale = _outline_scale(design, end_z)
+
+    def keeps(lower: float) -> bool:
+        return _has_wall(design, half_width, top - lower, scale)
+
+    if keeps(0.0):
+        return 0.0
+    height = top + design.skin.semi_axis_dorsal_mm
+    return bisect(lambda lower: not keeps(lower), 0.0, height, halvings=40)[1]
+
+
+def _outline_scale(design: DesignTables, end_z: float) -> float:
+    """Scale of the bone's outline at the distal end of a passage, or in the groove of the skin if that is smaller."""
+    outline, bone = design.dimensions.bone_outline, design.bone
+    scale = outline.scale_at(min(end_z + bone.wall_mm, outline.tip.z if outline.tip else end_z))
+    groove_end = bone.groove_distance_mm + bone.groove_depth_mm + bone.groove_width_mm
+    if bone.groove_depth_mm and bone.groove_distance_mm < end_z:
+        floor = outline.scale_at(min(groove_end, design.dimensions.taper_end_z))
+        scale = min(scale, floor * (1 - bone.groove_depth_mm / outline.section.half_width))
+    return scale
+
+
+def _has_wall(design: DesignTables, x: float, y: float, scale: float) -> bool:
+    """Return whether a point of the bone's section [mm] is a wall away from its outline, in all directions outwards."""
+    section, wall = design.dimensions.bone_outline.section, design.bone.wall_mm
+    for i in range(_DIRECTIONS + 1):
+        angle = math.pi / 2 * i / _DIRECTIONS
+        height = y + wall * math.sin(angle)
+        if height >= 0.0 and section.half_width_at(height, scale) < x + wall * math.cos(angle):
+            return False
+    return True

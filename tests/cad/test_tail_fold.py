@@ -1,0 +1,127 @@
+"""Folded tail: its course against the length of the film, the parts around it, and checks that see a fault."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from fingertip.build_files import build
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes import bone
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.solids import Box, difference, union
+from fingertip.cad.verification.verify import verify
+from fingertip.design import Design
+from fingertip.design.geometry.tail_fold import SLIDING_MM, fold_tail
+from tests.conftest import design_file
+
+COMPACT = design_file("fsr400_compact")
+FSR402 = [
+    "sensor.tail=folded", "sensor.model=fsr402", "skin.length_mm=35", "bone.base_length_mm=10",
+    "bone.groove_depth_mm=0", "bone.wall_mm=0.8",
+]  # fmt: skip
+
+
+def compact(*changes: str) -> Design:
+    return Design.load(COMPACT, changes=changes)
+
+
+def failed_checks(design: Design) -> set[str]:
+    found = verify(design, list(parts_by_name(design)), ("stl",), MeshEvaluator(0.02)).checks
+    return {check.name for check in found if not check.passed}
+
+
+@pytest.mark.parametrize("radius", [2.5, 3.0])
+def test_course_has_the_length_of_the_film(radius: float) -> None:
+    """Straight to the nose, half round it at the middle of the film's thickness, straight to the end."""
+    fold = fold_tail(-2.2, 15.0, 2.0, radius, (34.19, 0.3), (4.3, 0.9, 3.54))
+    length = (15.0 - fold.nose_z) + math.pi * (radius + 0.15) + (fold.film_end_z - fold.nose_z)
+    assert length == pytest.approx(34.19)
+    assert fold.tabs_end_z == pytest.approx(fold.film_end_z + 4.3)
+    assert fold.floor_y == pytest.approx(-2.2 + 2 * radius, abs=0.11)
+
+
+def test_straight_tail_has_no_fold() -> None:
+    assert Design().dimensions.fold is None
+
+
+@pytest.mark.parametrize(("name", "changes", "limit_mm"), [("fsr400_compact", [], 35.0), ("fsr402", FSR402, 45.0)])
+def test_finger_is_short_and_passes_all_mesh_checks(name: str, changes: list[str], limit_mm: float) -> None:
+    design = Design.load(design_file(name), changes=changes)
+    assert design.skin.length_mm + design.bone.base_length_mm <= limit_mm
+    assert failed_checks(design) == set()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "changes",
+    [
+        [],
+        ["mold.method=sleeve"],
+        ["bone.interface=flange", "bone.base_length_mm=14"],
+        ["bone.interface=socket", "bone.base_length_mm=18.5"],
+        ["sensor.fold_radius_mm=2.6", "sensor.tab_length_mm=0", "sensor.crimp_height_mm=0.8"],
+    ],
+)
+def test_both_kernels_pass_all_checks(changes: list[str], tmp_path: Path) -> None:
+    result = build(compact(*changes), tmp_path, formats=["stl", "step"], tolerance_mm=0.02)
+    assert [check.name for check in result.checks if not check.passed] == []
+    names = {check.name for check in result.checks}
+    assert {"bone.wall.tail_passage_to_outside", "bone.wall.window_to_outside"} <= names
+    assert ("mold.cable_groove_outside" in names) == ("mold.method=sleeve" not in changes)
+
+
+def test_sensor_has_the_volume_of_its_film() -> None:
+    """Bent film keeps the area along its middle: the volume is that of the flat sensor with its tabs."""
+    design = compact()
+    dims, sensor = design.dimensions, design.dimensions.sensor
+    fold = dims.fold
+    assert fold
+    volume = MeshEvaluator(0.005).manifold(bone.sensor_body(design)).volume()
+    head = math.pi / 8 * sensor.head_diameter_mm**2  # the far half; the tail begins at its middle
+    near = math.pi / 8 * sensor.head_diameter_mm**2 - _segment(sensor.head_diameter_mm / 2, sensor.tail_width_mm / 2)
+    tail = sensor.tail_width_mm * (sensor.length_mm - sensor.head_diameter_mm / 2)
+    tabs = 2 * (fold.tabs_half_width - SLIDING_MM) * design.sensor.tab_length_mm
+    assert volume == pytest.approx((head + near + tail + tabs) * sensor.thickness_mm, rel=0.03)
+
+
+def _segment(radius: float, half: float) -> float:
+    """Area of half a circle within a strip about its middle."""
+    return half * math.sqrt(radius**2 - half**2) + radius**2 * math.asin(half / radius)
+
+
+def test_thin_roof_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = bone.sensor_recess
+    monkeypatch.setattr(
+        bone, "sensor_recess", lambda design: union(original(design), Box((-1.0, 3.0, 0.0), (1.0, 5.0, 8.0)))
+    )
+    assert "bone.wall.tail_passage_to_outside" in failed_checks(compact())
+
+
+def test_thin_cheek_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = bone.sensor_recess
+    monkeypatch.setattr(
+        bone, "sensor_recess", lambda design: union(original(design), Box((-6.0, -1.0, -5.0), (0.0, 1.0, -4.0)))
+    )
+    assert "bone.wall.window_to_outside" in failed_checks(compact())
+
+
+def test_groove_that_ends_within_the_mold_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = bone.cable_channel
+    monkeypatch.setattr(
+        bone, "cable_channel", lambda design: difference(original(design), Box((-9.0, 0.0, -20.0), (9.0, 20.0, -8.0)))
+    )
+    assert failed_checks(compact()) == {"mold.cable_groove_outside"}
+
+
+def test_nose_that_is_too_thick_touches_the_film(monkeypatch: pytest.MonkeyPatch) -> None:
+    design = compact()
+    fold = design.dimensions.fold
+    assert fold
+    body = MeshEvaluator(0.02).manifold(bone.sensor_body(design))
+    monkeypatch.setitem(design.dimensions.__dict__, "fold", replace(fold, radius=fold.radius + 0.25))
+    solid = MeshEvaluator(0.02).manifold(PARTS["bone"].solid(design))
+    assert (body ^ solid).volume() > 0.1

@@ -16,7 +16,7 @@ from fingertip.cli import app
 from fingertip.design import Design
 
 ROOT = Path(__file__).resolve().parent.parent
-DESIGNS = ("fsr400", "fsr402")
+DESIGNS = ("fsr400", "fsr402", "fsr400_compact")
 
 
 def run_python(*arguments: str, given: str | None = None, **environment: str) -> subprocess.CompletedProcess[str]:

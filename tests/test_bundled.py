@@ -82,13 +82,13 @@ def test_only_a_single_word_is_a_name(given: str, folder: Path) -> None:
         ("fsr4", "fsr4: is neither a file nor the name of a bundled design; did you mean fsr400 or fsr402?"),
         (
             "thumb",
-            "thumb: is neither a file nor the name of a bundled design; known names: fsr400, fsr402; "
+            "thumb: is neither a file nor the name of a bundled design; known names: fsr400, fsr400_compact, fsr402; "
             "or give the path of a file.",
         ),
         ("mine", "mine: is neither a file nor the name of a bundled design; did you mean mine.toml?"),
         (
             "hard_tap",
-            "hard_tap: is a scene file, not a design file; known names: fsr400, fsr402 "
+            "hard_tap: is a scene file, not a design file; known names: fsr400, fsr400_compact, fsr402 "
             "(`fingertip simulate` takes a scene file as its first argument).",
         ),
     ],

@@ -63,7 +63,7 @@ def test_finger_is_short_and_passes_all_mesh_checks(name: str, changes: list[str
         ["mold.method=sleeve"],
         ["bone.interface=flange", "bone.base_length_mm=14"],
         ["bone.interface=socket", "bone.base_length_mm=18.5"],
-        ["sensor.fold_radius_mm=2.6", "sensor.tab_length_mm=0", "sensor.crimp_height_mm=0.8"],
+        ["sensor.fold_radius_mm=2.6", "sensor.tab_length_mm=0", "sensor.crimp_height_mm=0.5"],
     ],
 )
 def test_both_kernels_pass_all_checks(changes: list[str], tmp_path: Path) -> None:

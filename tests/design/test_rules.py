@@ -26,7 +26,7 @@ CASE_BY_FIELD = {
     "skin.thickness_palmar_mm": ["skin.thickness_palmar_mm=6"],
     "skin.width_mm": ["skin.width_mm=15"],
     "sensor.fold_radius_mm": [*FOLDED, "sensor.fold_radius_mm=2"],
-    "sensor.crimp_height_mm": [*FOLDED, "sensor.crimp_height_mm=1.5"],
+    "sensor.crimp_height_mm": [*FOLDED, "sensor.crimp_height_mm=1.2"],
     "skin.semi_axis_dorsal_mm": [*FOLDED, "skin.semi_axis_dorsal_mm=6.2"],
     "bone.squareness_palmar": ["skin.thickness_side_mm=0.6", "bone.squareness_palmar=8"],
     "bone.wall_mm": ["bone.wall_mm=4"],

@@ -126,13 +126,13 @@ def interface(design: Design) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
     if bone.interface == "socket":
         radius = bone.socket_diameter_mm / 2
         socket = cylinder("z", (0.0, y), end - radius, end + bone.socket_depth_mm, radius)
-        hole = cylinder("x", (y, end + bone.socket_depth_mm / 2), -across, across, bolt)
+        hole = cylinder("x", (y, dims.cross_bolt_z), -across, across, bolt)
         return (), (socket, hole)
     if bone.interface == "flange":
         return (_flange(design, y),), _flange_holes(design, y)
     foot = end - bone.post_length_mm
     return (_post(design, y, foot, end + bone.wall_mm / 2),), (
-        cylinder("x", (y, foot + bone.post_length_mm / 2), -across, across, bolt),
+        cylinder("x", (y, dims.cross_bolt_z), -across, across, bolt),
     )
 
 

@@ -128,13 +128,16 @@ def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Sect
 
 def _find_stress(design: Design, point: LoadPoint, z: float, section: Section) -> Weakness:
     """Find the largest stress that a load at a point gives in a section, over all directions of the load."""
-    gradients = stress_gradients(section, np.array(point.position_mm), z, _find_moment_share(design, z))
+    factors = _find_concentration(design, z)
+    plain = stress_gradients(section, np.array(point.position_mm), z, _find_moment_share(design, z))
+    # A load in x bends the section in its width, one in y in its height. One in z bends it in both.
+    gradients = plain * [factors.width, factors.height, max(factors.width, factors.height)]
     sizes = np.linalg.norm(gradients, axis=1)
     worst = int(sizes.argmax())
-    factor = _find_concentration(design, z)
     direction = gradients[worst] / sizes[worst]
     x, y, along = (round(float(value), 6) + 0.0 for value in direction)
-    return Weakness(point.name, z, factor * float(sizes[worst]), factor, (x, y, along))
+    factor = float(sizes[worst] / np.linalg.norm(plain[worst]))
+    return Weakness(point.name, z, float(sizes[worst]), factor, (x, y, along))
 
 
 def stress_gradients(section: Section, point_mm: Array, z_mm: float, moment_share: float = 1.0) -> Array:
@@ -176,8 +179,19 @@ def _find_moment_share(design: Design, z: float) -> float:
     return 1.0
 
 
-def _find_concentration(design: Design, z: float) -> float:
-    """Stress concentration factor of the bone at a height."""
+@dataclass(frozen=True)
+class _Factors:
+    """Stress concentration factors of a section that is bent in its width and in its height."""
+
+    width: float = 1.0
+    height: float = 1.0
+
+    def at_least(self, factor: float) -> _Factors:
+        return _Factors(max(self.width, factor), max(self.height, factor))
+
+
+def _find_concentration(design: Design, z: float) -> _Factors:
+    """Find the stress concentration factors of the bone at a height."""
     dims, bone = design.dimensions, design.bone
     end, fillet = -bone.base_length_mm, design.strength.root_fillet_mm
     section = dims.bone_outline.section
@@ -186,21 +200,22 @@ def _find_concentration(design: Design, z: float) -> float:
         root = end + bone.flange_thickness_mm
         large, small = (bone.flange_width_mm, bone.flange_height_mm), (width, height)
         near = root <= z <= root + min(small) / 2  # a shoulder acts about half a diameter far
-        return _at_shoulder(large, small, fillet) if near else 1.0
+        return _at_shoulder(large, small, fillet) if near else _Factors()
     if bone.interface == "post":
         across = min(bone.post_height_mm, bone.post_width_mm)
-        near, hole = end - across / 2 <= z <= end, end - bone.post_length_mm / 2
-        factor = _at_shoulder((width, height), (bone.post_width_mm, across), fillet) if near else 1.0
+        near = end - across / 2 <= z <= end
+        factors = _at_shoulder((width, height), (bone.post_width_mm, across), fillet) if near else _Factors()
     else:
-        across, hole, factor = bone.socket_diameter_mm + 2 * bone.wall_mm, end + bone.socket_depth_mm / 2, 1.0
-    if abs(z - hole) <= bone.cross_bolt_diameter_mm / 2:
-        factor = max(factor, hole_in_tension(bone.cross_bolt_diameter_mm, across))
-    return factor
+        across = bone.socket_diameter_mm + 2 * bone.wall_mm
+        factors = _Factors()
+    if abs(z - dims.cross_bolt_z) <= bone.cross_bolt_diameter_mm / 2:
+        factors = factors.at_least(hole_in_tension(bone.cross_bolt_diameter_mm, across))
+    return factors
 
 
-def _at_shoulder(large_mm: tuple[float, float], small_mm: tuple[float, float], fillet_mm: float) -> float:
-    """Larger of the factors in width and in height."""
-    return max(shoulder_in_bending(*sizes, fillet_mm) for sizes in zip(large_mm, small_mm, strict=True))
+def _at_shoulder(large_mm: tuple[float, float], small_mm: tuple[float, float], fillet_mm: float) -> _Factors:
+    """Find the factors of a shoulder, each with the sizes in the direction in which the shaft bends."""
+    return _Factors(*(shoulder_in_bending(*sizes, fillet_mm) for sizes in zip(large_mm, small_mm, strict=True)))
 
 
 def _bend_flange(design: Design, point: LoadPoint) -> Weakness:

@@ -21,7 +21,7 @@ _BELOW_COLLAR_MM = 0.5
 
 @dataclass(frozen=True)
 class TailFold:
-    """Where a folded tail runs [mm]."""
+    """Course of a folded tail [mm]."""
 
     nose_y: float
     """Axis of the nose, across."""

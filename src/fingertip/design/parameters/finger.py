@@ -28,7 +28,7 @@ class Sensor(ParameterTable):
         4.3, "mm", "Length by which the crimped tabs stick out of the film.", minimum=0, maximum=15, verified=False
     )
     crimp_height_mm: float = quantity(
-        0.9,
+        0.6,
         "mm",
         "Height of crimps and soldered wires above the film, for the passage of a folded tail.",
         minimum=0.2,

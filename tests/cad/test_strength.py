@@ -126,7 +126,7 @@ ROUND = {"post_width_mm": 7.0, "post_height_mm": 7.0}
 def test_weak_finger_says_so():
     found, rounded = strength_of(), strength_of(bone=ROUND)
     assert 1.7 < found.grip_safety_factor < 1.8
-    assert rounded.grip_safety_factor < 0.9
+    assert rounded.grip_safety_factor < 1.2
     assert found.shock_safety_factor == pytest.approx(found.grip_safety_factor / 3)
     assert found.weakest.load == "apex"
     first, warning = describe_strength(found)

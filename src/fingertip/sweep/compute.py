@@ -48,6 +48,7 @@ def compute_lengths(context: PointContext) -> OutputValues:
     design = context.design
     m = design.mold_layout
     return {
+        "finger_length_mm": design.skin.length_mm + design.bone.base_length_mm,
         "sensor_rim_mm": design.dimensions.sensor_rim_margin(design.bone.rim_mm, design.sensor.clearance_mm),
         "mold_width_mm": 2 * m.half_width,
         "mold_height_mm": m.palmar_height + m.dorsal_height,

@@ -11,11 +11,12 @@ import pytest
 from fingertip.build_files import build
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone
+from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.solids import Box, difference, union
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
-from fingertip.design.geometry.tail_fold import SLIDING_MM, fold_tail
+from fingertip.design.geometry.tail_fold import SLIDING_MM, SensorTail, fold_tail
 from tests.conftest import design_file
 
 COMPACT = design_file("fsr400_compact")
@@ -37,7 +38,7 @@ def failed_checks(design: Design) -> set[str]:
 @pytest.mark.parametrize("radius", [2.5, 3.0])
 def test_course_has_the_length_of_the_film(radius: float) -> None:
     """Straight to the nose, half round it at the middle of the film's thickness, straight to the end."""
-    fold = fold_tail(-2.2, 15.0, 2.0, radius, (34.19, 0.3), (4.3, 0.9, 3.54))
+    fold = fold_tail(-2.2, 15.0, 2.0, radius, SensorTail(34.19, 0.3, 4.3, 3.54, 0.6, 0.5))
     length = (15.0 - fold.nose_z) + math.pi * (radius + 0.15) + (fold.film_end_z - fold.nose_z)
     assert length == pytest.approx(34.19)
     assert fold.tabs_end_z == pytest.approx(fold.film_end_z + 4.3)
@@ -63,14 +64,14 @@ def test_finger_is_short_and_passes_all_mesh_checks(name: str, changes: list[str
         ["mold.method=sleeve"],
         ["bone.interface=flange", "bone.base_length_mm=14"],
         ["bone.interface=socket", "bone.base_length_mm=18.5"],
-        ["sensor.fold_radius_mm=2.6", "sensor.tab_length_mm=0", "sensor.crimp_height_mm=0.5"],
+        ["sensor.fold_radius_mm=2.6", "sensor.tab_length_mm=0", "sensor.crimp_height_mm=0.4"],
     ],
 )
 def test_both_kernels_pass_all_checks(changes: list[str], tmp_path: Path) -> None:
     result = build(compact(*changes), tmp_path, formats=["stl", "step"], tolerance_mm=0.02)
     assert [check.name for check in result.checks if not check.passed] == []
     names = {check.name for check in result.checks}
-    assert {"bone.wall.tail_passage_to_outside", "bone.wall.window_to_outside"} <= names
+    assert {"bone.wall.trough_to_outside", "bone.wall.window_to_outside", "lid.wall"} <= names
     assert ("mold.cable_groove_outside" in names) == ("mold.method=sleeve" not in changes)
 
 
@@ -93,12 +94,41 @@ def _segment(radius: float, half: float) -> float:
     return half * math.sqrt(radius**2 - half**2) + radius**2 * math.asin(half / radius)
 
 
-def test_thin_roof_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_thin_lid_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = bone.tail_space
+    monkeypatch.setattr(
+        bone, "tail_space", lambda design: union(original(design), Box((-1.0, 3.0, 2.0), (1.0, 5.3, 8.0)))
+    )
+    assert "lid.wall" in failed_checks(compact())
+
+
+def test_thin_wall_beside_the_trough_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.sensor_recess
     monkeypatch.setattr(
-        bone, "sensor_recess", lambda design: union(original(design), Box((-1.0, 3.0, 0.0), (1.0, 5.0, 8.0)))
+        bone, "sensor_recess", lambda design: union(original(design), Box((-5.5, 2.9, 2.0), (0.0, 3.3, 4.0)))
     )
-    assert "bone.wall.tail_passage_to_outside" in failed_checks(compact())
+    assert "bone.wall.trough_to_outside" in failed_checks(compact())
+
+
+def test_lid_fills_the_trough_up_to_its_gaps() -> None:
+    """Bone, lid, the space below it and the gap around it add up to the filled bone there."""
+    design = compact()
+    evaluator, fold = MeshEvaluator(0.01), design.dimensions.fold
+    assert fold
+    lid, whole = (evaluator.manifold(solid) for solid in (PARTS["lid"].solid(design), filled_bone(design)))
+    half, gap = design.dimensions.sensor.tail_width_mm / 2, design.sensor.clearance_mm
+    low, high = fold.nose_z, fold.trough_end_z - gap
+    column = whole.trim_by_plane((1.0, 0.0, 0.0), -half).trim_by_plane((-1.0, 0.0, 0.0), -half)
+    column = column.trim_by_plane((0.0, 0.0, 1.0), low).trim_by_plane((0.0, 0.0, -1.0), -high)
+    above = column.trim_by_plane((0.0, 1.0, 0.0), fold.floor_y + fold.film_space_mm).volume()
+    higher = 2 * fold.tabs_half_width * (high - low) * (fold.tabs_space_mm - fold.film_space_mm)
+    assert lid.volume() == pytest.approx(above - higher, rel=1e-6)
+    assert (lid ^ evaluator.manifold(PARTS["bone"].solid(design))).volume() == 0.0
+
+
+def test_straight_tail_has_no_lid() -> None:
+    assert "lid" not in parts_by_name(Design())
+    assert "lid" in parts_by_name(compact())
 
 
 def test_thin_cheek_fails(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,7 +13,7 @@ from tests.design.remedies import as_changes, read_remedy
 
 FOLDED = [
     "sensor.tail=folded", "skin.length_mm=25", "skin.tip_length_mm=8", "sensor.distance_from_tip_mm=9.5",
-    "bone.base_length_mm=10", "bone.groove_depth_mm=0", "bone.wall_mm=0.8",
+    "bone.base_length_mm=10", "bone.groove_depth_mm=0", "bone.wall_mm=0.8", "skin.semi_axis_dorsal_mm=7.6",
 ]  # fmt: skip
 CASE_BY_FIELD = {
     "skin.tip_length_mm": ["skin.tip_length_mm=33"],

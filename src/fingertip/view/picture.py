@@ -83,6 +83,8 @@ def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
         "sensor": (0.0, 2.0 - gap, -size["skin"][2] * 0.55),
         "mold_palmar": (0.0, -spread, 0.0),
     }
+    if "lid" in parts:
+        shift["lid"] = (0.0, 2.0 + gap, -size["skin"][2] * 0.55)
     if "core" in parts:
         shift["core"] = (0.0, 2.0, shift["bone"][2] - size["bone"][2] - 2 * gap)
     colours = {name: part.colour for name, part in PARTS.items()} | {"sensor": _SENSOR_COLOUR}
@@ -96,7 +98,7 @@ def _cut_open(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:
     """Place what lies in the closed mold, without the half of each part on the viewer's side of the plane x = 0."""
     solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
     if "core" in solids:  # a sleeve is cast around the core, without bone and sensor
-        del solids["bone"]
+        solids = {name: solid for name, solid in solids.items() if name not in ("bone", "lid")}
     else:
         solids["sensor"] = sensor_body(design)
     colours = {name: part.colour for name, part in PARTS.items()} | {"sensor": _SENSOR_COLOUR}

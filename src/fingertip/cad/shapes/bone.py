@@ -36,7 +36,7 @@ def sensor_recess(design: Design) -> Solid:
         passage = Box((-tail, floor - dims.passage_height, dims.fold.nose_z - _OVERLAP_MM), (tail, floor, top))
         return union(
             cylinder("y", (dims.sensor_z, 0.0), outside, floor, head), Box((-tail, outside, 0.0), (tail, floor, top)),
-            passage, *_dorsal_passage(dims.fold, tail), _window(design, dims.fold, tail),
+            passage, _trough(design, dims.fold, tail), _window(design, dims.fold, tail),
         )  # fmt: skip
     # 0.1 mm deeper than the top of the channel: a plane tangent to it would leave a stray edge in the B-rep solid.
     relief_floor = flat + dims.channel_depth + bone.channel_diameter_mm / 2 + 0.1
@@ -51,19 +51,33 @@ def sensor_recess(design: Design) -> Solid:
     return union(pocket, passage, under_skin, relief)
 
 
-def _dorsal_passage(fold: TailFold, half_width: float) -> tuple[Solid, ...]:
-    """Build the passage for the end of a folded tail: wide for the film, and higher over the tabs and their wires."""
-    low, floor = fold.nose_z - _OVERLAP_MM, fold.floor_y
-    return (
-        Box(
-            (-half_width, floor, low),
-            (half_width, floor + fold.film_passage_mm, fold.film_end_z + SLIDING_MM),
-        ),
-        Box(
-            (-fold.tabs_half_width, floor, low),
-            (fold.tabs_half_width, floor + fold.tabs_passage_mm, fold.passage_end_z),
-        ),
+def _trough(design: Design, fold: TailFold, half_width: float) -> Solid:
+    """Build the trough for the end of a folded tail, open on the dorsal side."""
+    dorsal = 2 * design.dimensions.bone_outline.section.dorsal  # past the bone
+    return Box((-half_width, fold.floor_y, fold.nose_z - _OVERLAP_MM), (half_width, dorsal, fold.trough_end_z))
+
+
+def tail_space(design: Design) -> Solid:
+    """Build the space under the lid of the trough: low beside the tabs, and higher over crimps and wires."""
+    fold = design.dimensions.fold
+    assert fold
+    half = design.dimensions.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
+    low, high = fold.nose_z - _OVERLAP_MM, fold.trough_end_z + _OVERLAP_MM  # past both ends of the lid
+    deep = fold.floor_y - _OVERLAP_MM
+    return union(
+        Box((-half - _OVERLAP_MM, deep, low), (half + _OVERLAP_MM, fold.floor_y + fold.film_space_mm, high)),
+        Box((-fold.tabs_half_width, deep, low), (fold.tabs_half_width, fold.floor_y + fold.tabs_space_mm, high)),
     )
+
+
+def lid(design: Design) -> Solid:
+    """Build the lid of the trough. Its dorsal side continues the surface of bone and collar, on which the skin lies."""
+    fold, gap = design.dimensions.fold, design.sensor.clearance_mm
+    assert fold
+    half = design.dimensions.sensor.tail_width_mm / 2
+    dorsal = 2 * design.dimensions.bone_outline.section.dorsal
+    block = Box((-half, fold.floor_y, fold.nose_z), (half, dorsal, fold.trough_end_z - gap))
+    return difference(intersection(filled_bone(design), block), tail_space(design))
 
 
 def _window(design: Design, fold: TailFold, half_width: float) -> Solid:

@@ -51,6 +51,10 @@ PARTS: dict[str, Part] = {
     part.name: part
     for part in (
         Part("bone", bone.bone, bone.genus, (0.93, 0.89, 0.80), True),
+        Part(
+            "lid", bone.lid, lambda design: 0, (0.80, 0.74, 0.62), True,
+            exists_in=lambda design: design.dimensions.fold is not None,
+        ),
         Part("skin", skin.skin, lambda design: 0, (0.87, 0.62, 0.52), False),
         Part("mold_palmar", mold.mold_palmar, _bolt_hole_count, (0.45, 0.58, 0.70), True),
         Part("mold_dorsal", mold.mold_dorsal, _bolt_hole_count, (0.62, 0.72, 0.80), True),
@@ -86,6 +90,8 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
         "mold_palmar": Orientation(90.0, "the outer face, parting plane up", needs_supports=False),
         "mold_dorsal": Orientation(-90.0, "the outer face, parting plane up", needs_supports=False),
     }
+    if design.dimensions.fold:
+        orientations["lid"] = Orientation(90.0, "the face towards the tail", needs_supports=True)
     if design.mold.method == "sleeve":
         orientations["core"] = Orientation(0.0, "the flat proximal end", needs_supports=True)
     return orientations

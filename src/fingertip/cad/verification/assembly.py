@@ -47,6 +47,7 @@ def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str,
     if design.mold.method == "sleeve":
         # The bone does not lie in the mold, and a sleeve is smaller than it by the interference.
         inside.pop("bone", None)
+        inside.pop("lid", None)
         if "skin" in inside:
             inside["skin"] = scaled(inside["skin"], design.dimensions.shrinkage)  # size before it shrinks
     halves = {name: solid for name, solid in parts.items() if name in HALVES}

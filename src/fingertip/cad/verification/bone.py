@@ -7,11 +7,12 @@ tolerance, so the limits are relaxed by the tolerance.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone
-from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.solids import union
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
@@ -23,6 +24,11 @@ from fingertip.cad.verification.check import (
 )
 from fingertip.design import Design
 
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+_CLOSED = {"bone", "lid", "skin"}
+"""Parts that enclose the sensor."""
 _AREA_TOLERANCE_MM2 = 0.01
 """Largest area that counts as zero [mm2]: a strip along the sensor as narrow as the rounding to the vertex grid."""
 
@@ -39,7 +45,7 @@ def check_air_vent(design: Design, evaluator: MeshEvaluator) -> Check:
     The check counts the connected volumes of air in and around bone and skin. A pocket that is cut off from the outside
     is a second one.
     """
-    solid = union(PARTS["bone"].solid(design), PARTS["skin"].solid(design))
+    solid = union(*(parts_by_name(design)[name].solid(design) for name in _CLOSED & parts_by_name(design).keys()))
     air = complement(evaluator, solid) - evaluator.manifold(bone.sensor_body(design))
     volumes = [body for body in air.decompose() if body.volume() > 0.0]  # inner walls have a negative volume
     return Check("sensor.air_volumes", len(volumes), 1, "volumes", "exactly")
@@ -58,9 +64,12 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     if dims.fold:
         # The window is open on both sides: walls matter distal to it, and beside it.
         channel, window = channel.trim_by_plane((0.0, 0.0, -1.0), -dims.fold.window_low_z), recess
-        recess = above_z(recess, dims.fold.nose_z + PLANE_OFFSET_MM)
-        passage = recess.trim_by_plane((0.0, 1.0, 0.0), dims.fold.nose_y)
-        yield check_min_distance("bone.wall.tail_passage_to_outside", passage, outside, wall)
+        # The trough is open on the dorsal side, where the lid closes it: walls matter up to the film's space.
+        covered = dims.fold.floor_y + dims.fold.film_space_mm
+        recess = above_z(recess, dims.fold.nose_z + PLANE_OFFSET_MM).trim_by_plane((0.0, -1.0, 0.0), -covered)
+        trough = recess.trim_by_plane((0.0, 1.0, 0.0), dims.fold.nose_y)
+        yield check_min_distance("bone.wall.trough_to_outside", trough, outside, wall)
+        yield check_min_distance("lid.wall", *_lid_faces(design, evaluator, outside), wall)
         low, high = y_flat + PLANE_OFFSET_MM, dims.cheek_top_y - PLANE_OFFSET_MM
         window, beside = (
             body.trim_by_plane((0.0, 1.0, 0.0), low).trim_by_plane((0.0, -1.0, 0.0), -high)
@@ -91,6 +100,18 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
         deep = above_z(holes[1], -design.bone.base_length_mm + 2 * wall)
         yield check_min_distance("bone.wall.socket_to_outside", deep, outside, wall)
         yield check_min_distance("bone.wall.socket_to_sensor", deep, recess, wall)
+
+
+def _lid_faces(design: Design, evaluator: MeshEvaluator, outside: Manifold) -> tuple[Manifold, Manifold]:
+    """Space below the lid, and what lies above it, both as wide and as long as the lid."""
+    low_x, _, low_z, high_x, _, high_z = evaluator.manifold(PARTS["lid"].solid(design)).bounding_box()
+    return tuple(
+        body.trim_by_plane((1.0, 0.0, 0.0), low_x)
+        .trim_by_plane((-1.0, 0.0, 0.0), -high_x)
+        .trim_by_plane((0.0, 0.0, 1.0), low_z)
+        .trim_by_plane((0.0, 0.0, -1.0), -high_z)
+        for body in (evaluator.manifold(bone.tail_space(design)), outside)
+    )
 
 
 def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:

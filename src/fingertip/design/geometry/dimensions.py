@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip
-from fingertip.design.geometry.tail_fold import TailFold, fold_tail
+from fingertip.design.geometry.tail_fold import SensorTail, TailFold, fold_tail
 from fingertip.numerics import bisect
 from fingertip.sensors import CATALOGUE, ForceSensor
 
@@ -114,7 +114,7 @@ class Dimensions:
 
         It never presses on film and tail. The tabs of a folded tail are threaded through it.
         """
-        threaded = self.fold.tabs_passage_mm if self.fold else 0.0
+        threaded = self.fold.tabs_space_mm if self.fold else 0.0
         return max(MIN_PASSAGE_HEIGHT_MM, self.pocket_depth + self._design.sensor.clearance_mm, threaded)
 
     @cached_property
@@ -126,8 +126,11 @@ class Dimensions:
         body = self.sensor
         return fold_tail(
             self.pocket_depth - self.flat_depth, self.sensor_z, self._design.bone.collar_length_mm,
-            sensor.fold_radius_mm, (body.length_mm - body.head_diameter_mm / 2, body.thickness_mm),
-            (sensor.tab_length_mm, sensor.crimp_height_mm, body.tab_pitch_mm + TAB_WIDTH_MM),
+            sensor.fold_radius_mm,
+            SensorTail(
+                body.length_mm - body.head_diameter_mm / 2, body.thickness_mm, sensor.tab_length_mm,
+                body.tab_pitch_mm + TAB_WIDTH_MM, sensor.crimp_height_mm, sensor.wire_diameter_mm,
+            ),
         )  # fmt: skip
 
     @cached_property

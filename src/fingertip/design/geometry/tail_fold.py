@@ -1,9 +1,9 @@
-"""Folded tail of the sensor: down the palmar side, around a web of the bone, and up into a passage on the dorsal side.
+"""Folded tail of the sensor: down the palmar side, around a web of the bone, and up into a trough on the dorsal side.
 
 A straight tail makes the base as long as itself. A folded one ends under the dorsal side of the skin, so that the base
-is only as long as the fold. The film bends around a half-round nose, the proximal end of the web between both passages.
-The nose stands in a window, which is open on the palmar and the dorsal side of the base: there the tail is threaded
-and bent, and there the wires leave the passage.
+is only as long as the fold. The film bends around a half-round nose, the proximal end of the web between both sides.
+The nose stands in a window through the base, in which the tail is threaded. Tabs and crimps are stiff, so they cannot
+be pushed into a closed passage around a bend: the trough is open, and a lid closes it.
 """
 
 from __future__ import annotations
@@ -12,11 +12,31 @@ import math
 from dataclasses import dataclass
 
 SLIDING_MM = 0.3
-"""Gap around film and crimps in the dorsal passage, through which they are pushed [mm]. An assumption."""
+"""Gap beside and above film, crimps and wires [mm]. An assumption."""
+END_ROOM_MM = 1.5
+"""Room between the tabs and the end of the trough, for tails longer than stated [mm]. An assumption."""
 STEP_MM = 0.05
 """Height by which the web stands above its nose [mm]. Tangent surfaces would leave a stray edge in the B-rep solid."""
 _BELOW_COLLAR_MM = 0.5
 """Distance of the window from the collar [mm]."""
+
+
+@dataclass(frozen=True)
+class SensorTail:
+    """Tail of a sensor as it is folded [mm]."""
+
+    film_mm: float
+    """Length of the film from the centre of the head to its end."""
+    thickness_mm: float
+    """Thickness of the film."""
+    tab_length_mm: float
+    """Length of the tabs beyond the film."""
+    tabs_width_mm: float
+    """Width over both tabs."""
+    crimp_height_mm: float
+    """Height of crimps and solder above the film."""
+    wire_diameter_mm: float
+    """Diameter of the wires, which lie on the crimps."""
 
 
 @dataclass(frozen=True)
@@ -30,33 +50,28 @@ class TailFold:
     radius: float
     """Radius of the nose, at which the film bends."""
     window_low_z: float
-    """Proximal face of the window; the tabs pass between it and the nose."""
+    """Proximal face of the window; crimps and wires pass between it and the nose."""
     floor_y: float
-    """Palmar face of the dorsal passage, on which the end of the tail lies."""
+    """Floor of the trough, on which the end of the tail lies."""
     film_end_z: float
-    """End of the film in the dorsal passage."""
+    """End of the film in the trough."""
     tabs_end_z: float
-    """End of the crimped tabs, which stick out of the film."""
-    film_passage_mm: float
-    """Height of the dorsal passage beside the tabs."""
-    tabs_passage_mm: float
-    """Height of a passage for film with crimps and wires: over the tabs, and wherever they are threaded."""
+    """End of the tabs."""
+    film_space_mm: float
+    """Height between floor and lid beside the tabs."""
+    tabs_space_mm: float
+    """Height between floor and lid over the tabs, and of all openings through which they are threaded."""
     tabs_half_width: float
-    """Half the width of the higher part."""
+    """Half the width of the higher space."""
 
     @property
-    def passage_end_z(self) -> float:
-        """Distal end of the dorsal passage."""
-        return self.tabs_end_z + SLIDING_MM
+    def trough_end_z(self) -> float:
+        """Distal end of the trough."""
+        return self.tabs_end_z + END_ROOM_MM
 
 
 def fold_tail(
-    pocket_floor_y: float,
-    sensor_z: float,
-    collar_length_mm: float,
-    radius_mm: float,
-    film_mm: tuple[float, float],
-    tabs_mm: tuple[float, float, float],
+    pocket_floor_y: float, sensor_z: float, collar_length_mm: float, radius_mm: float, tail: SensorTail
 ) -> TailFold:
     """Lay the tail around its nose.
 
@@ -70,28 +85,24 @@ def fold_tail(
         Length of the collar, below which the window begins [mm].
     radius_mm
         Radius at which the film bends [mm].
-    film_mm
-        Length of the film from the centre of the head to its end, and its thickness [mm].
-    tabs_mm
-        Length of the tabs beyond the film, height of their crimps and wires above its face, and width [mm].
+    tail
+        The tail.
     """
-    (length, thickness), (tab_length, crimp_height, tab_width) = film_mm, tabs_mm
     nose_y = pocket_floor_y + STEP_MM + radius_mm
     nose_z = -(collar_length_mm + _BELOW_COLLAR_MM)
     # The neutral line of the film runs half its thickness outside the nose.
-    left = length - (sensor_z - nose_z) - math.pi * (radius_mm + thickness / 2)
+    left = tail.film_mm - (sensor_z - nose_z) - math.pi * (radius_mm + tail.thickness_mm / 2)
     film_end_z = nose_z + left
-    film_passage = thickness + SLIDING_MM
-    tabs_passage = thickness + crimp_height + SLIDING_MM
+    tabs_space = tail.thickness_mm + tail.crimp_height_mm + tail.wire_diameter_mm + SLIDING_MM
     return TailFold(
         nose_y,
         nose_z,
         radius_mm,
-        nose_z - radius_mm - tabs_passage,
+        nose_z - radius_mm - tabs_space,
         nose_y + radius_mm + STEP_MM,
         film_end_z,
-        film_end_z + tab_length,
-        film_passage,
-        tabs_passage,
-        tab_width / 2 + SLIDING_MM,
+        film_end_z + tail.tab_length_mm,
+        tail.thickness_mm + SLIDING_MM,
+        tabs_space,
+        tail.tabs_width_mm / 2 + SLIDING_MM,
     )

@@ -30,10 +30,13 @@ class Sensor(ParameterTable):
     crimp_height_mm: float = quantity(
         0.6,
         "mm",
-        "Height of crimps and soldered wires above the film, for the passage of a folded tail.",
+        "Height of crimps and solder above the film, for the space of a folded tail.",
         minimum=0.2,
         maximum=5,
         verified=False,
+    )
+    wire_diameter_mm: float = quantity(
+        0.5, "mm", "Outer diameter of the wires on the tabs of a folded tail.", minimum=0.1, maximum=3
     )
     clearance_mm: float = quantity(0.15, "mm", "Gap around the sensor in its pocket and slot.", minimum=0.02, maximum=1)
     adhesive_thickness_mm: float = quantity(

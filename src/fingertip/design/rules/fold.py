@@ -1,10 +1,9 @@
-"""Rules of a folded tail: it is long enough, bends gently, and keeps walls around its passage and its window."""
+"""Rules of a folded tail: it is long enough, bends gently, and keeps walls at its trough and its window."""
 
 from __future__ import annotations
 
 import math
 
-from fingertip.design.geometry.tail_fold import SLIDING_MM
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, tip_within_skin
@@ -17,9 +16,9 @@ MIN_FOLD_RADIUS_MM = 2.5
 _MIN_STRAIGHT_MM = 5.0
 """Least length of tail that stays straight behind the head [mm]."""
 _MIN_IN_PASSAGE_MM = 2.0
-"""Least length of film in the dorsal passage, which holds the end of the tail [mm]. An assumption."""
+"""Least length of film in the trough [mm]. An assumption."""
 _DIRECTIONS = 16
-"""Directions in which the wall at a corner of the passage is measured."""
+"""Directions in which the thickness of the lid is measured."""
 
 
 @RULES.rule("sensor.fold_radius_mm")
@@ -33,7 +32,7 @@ def film_bends_gently(design: DesignTables) -> Violation | None:
 
 @RULES.rule("sensor.distance_from_tip_mm")
 def tail_long_enough_to_fold(design: DesignTables) -> Violation | None:
-    """The tail reaches around its nose into the dorsal passage, and is straight behind the head."""
+    """The tail reaches around its nose into the trough, and is straight behind the head."""
     dims, distance = design.dimensions, design.sensor.distance_from_tip_mm
     fold = dims.fold
     if fold is None:
@@ -53,31 +52,33 @@ def tail_long_enough_to_fold(design: DesignTables) -> Violation | None:
 
 
 @RULES.rule("skin.semi_axis_dorsal_mm", bone_left_at_sides, bone_left_dorsally, tip_within_skin)
-def film_passage_keeps_a_roof(design: DesignTables) -> Violation | None:
-    """The dorsal passage keeps a wall around the film, also where the groove of the skin thins the bone."""
+def lid_thick_enough_over_film(design: DesignTables) -> Violation | None:
+    """The lid keeps a wall above the film, also where the groove of the skin thins it."""
     fold = design.dimensions.fold
     if fold is None:
         return None
     half = design.dimensions.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
-    lacking = _find_lacking_roof(design, half, fold.floor_y + fold.film_passage_mm, fold.film_end_z + SLIDING_MM)
+    lacking = _find_lacking_roof(design, half, fold.floor_y + fold.film_space_mm, fold.trough_end_z)
     if lacking <= SLACK:
         return None
     dorsal = design.skin.semi_axis_dorsal_mm
     needed = dorsal + lacking
-    return Violation(f"{dorsal:g} mm leaves no wall above the end of the folded tail", at_least(needed))
+    return Violation(f"{dorsal:g} mm leaves no lid of a wall above the folded tail", at_least(needed))
 
 
-@RULES.rule("sensor.crimp_height_mm", film_passage_keeps_a_roof)
-def tabs_passage_keeps_a_roof(design: DesignTables) -> Violation | None:
-    """The dorsal passage keeps a wall around crimps and wires."""
+@RULES.rule("sensor.crimp_height_mm", lid_thick_enough_over_film)
+def lid_thick_enough_over_tabs(design: DesignTables) -> Violation | None:
+    """The lid keeps a wall above crimps and wires."""
     fold = design.dimensions.fold
     if fold is None:
         return None
-    lacking = _find_lacking_roof(design, fold.tabs_half_width, fold.floor_y + fold.tabs_passage_mm, fold.passage_end_z)
+    lacking = _find_lacking_roof(design, fold.tabs_half_width, fold.floor_y + fold.tabs_space_mm, fold.trough_end_z)
     if lacking <= SLACK:
         return None
     crimp = design.sensor.crimp_height_mm
-    return Violation(f"{crimp:g} mm leaves no wall above the tabs of the folded tail", at_most(crimp - lacking))
+    return Violation(
+        f"{crimp:g} mm leaves no lid of a wall above the tabs of the folded tail", at_most(crimp - lacking)
+    )
 
 
 @RULES.rule("skin.width_mm", bone_left_at_sides, bone_left_dorsally)
@@ -97,7 +98,7 @@ def cheeks_hold_the_nose(design: DesignTables) -> Violation | None:
 
 
 def _find_lacking_roof(design: DesignTables, half_width: float, top: float, end_z: float) -> float:
-    """Find by how much the top of a passage [mm] must be lower for its corners to keep a wall; 0 if they keep it."""
+    """Find by how much the top of a space [mm] must be lower for its corners to keep a wall; 0 if they keep it."""
     scale = _outline_scale(design, end_z)
 
     def keeps(lower: float) -> bool:
@@ -110,7 +111,7 @@ def _find_lacking_roof(design: DesignTables, half_width: float, top: float, end_
 
 
 def _outline_scale(design: DesignTables, end_z: float) -> float:
-    """Scale of the bone's outline at the distal end of a passage, or in the groove of the skin if that is smaller."""
+    """Scale of the bone's outline at the distal end of the trough, or in the groove of the skin if that is smaller."""
     outline, bone = design.dimensions.bone_outline, design.bone
     scale = outline.scale_at(min(end_z + bone.wall_mm, outline.tip.z if outline.tip else end_z))
     groove_end = bone.groove_distance_mm + bone.groove_depth_mm + bone.groove_width_mm
@@ -121,11 +122,13 @@ def _outline_scale(design: DesignTables, end_z: float) -> float:
 
 
 def _has_wall(design: DesignTables, x: float, y: float, scale: float) -> bool:
-    """Return whether a point of the bone's section [mm] is a wall away from its outline, in all directions outwards."""
+    """Return whether the lid is a wall thick around a point of the bone's section [mm], in all directions outwards."""
     section, wall = design.dimensions.bone_outline.section, design.bone.wall_mm
+    edge = design.dimensions.sensor.tail_width_mm / 2
     for i in range(_DIRECTIONS + 1):
         angle = math.pi / 2 * i / _DIRECTIONS
-        height = y + wall * math.sin(angle)
-        if height >= 0.0 and section.half_width_at(height, scale) < x + wall * math.cos(angle):
+        beside, above = x + wall * math.cos(angle), y + wall * math.sin(angle)
+        # Beyond its edge the lid ends.
+        if beside <= max(edge, x) + SLACK and section.half_width_at(max(above, 0.0), scale) < beside:
             return False
     return True

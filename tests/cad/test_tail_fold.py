@@ -21,7 +21,7 @@ from tests.conftest import design_file
 
 COMPACT = design_file("fsr400_compact")
 FSR402 = [
-    "sensor.tail=folded", "sensor.model=fsr402", "skin.length_mm=35", "bone.base_length_mm=10",
+    "sensor.tail=folded", "sensor.model=fsr402", "skin.length_mm=34.9", "bone.base_length_mm=10.1",
     "bone.groove_depth_mm=0", "bone.wall_mm=0.8",
 ]  # fmt: skip
 

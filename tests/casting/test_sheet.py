@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from fingertip.build_files import Build, build
-from fingertip.cad.shapes.parts import PARTS, print_orientations
+from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_orientations
 from fingertip.casting.markdown import render_sheet, steps, warnings
 from fingertip.casting.materials import MATERIALS
 from fingertip.casting.quantities import SiliconeVolumes

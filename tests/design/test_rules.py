@@ -73,8 +73,7 @@ MORE_CASES = [  # fields that a second rule blames too
     ("sensor.distance_from_tip_mm", [*FOLDED, "sensor.distance_from_tip_mm=20"]),
     ("skin.width_mm", [*FOLDED, "skin.width_mm=13"]),
     ("bone.base_length_mm", [*FOLDED, "bone.base_length_mm=8.5"]),
-    ("bone.tie_hole_diameter_mm", [*FOLDED, "bone.tie_hole_diameter_mm=5.9"]),
-    ("skin.semi_axis_dorsal_mm", [*FOLDED, "bone.groove_depth_mm=0.6"]),
+    ("sensor.crimp_height_mm", [*FOLDED, "bone.groove_depth_mm=0.6"]),
     (
         "skin.min_thickness_mm",
         ["skin.thickness_side_mm=1.2", "skin.min_thickness_mm=1.2", "bone.squareness_palmar=2.5"],

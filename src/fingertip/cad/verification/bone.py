@@ -16,6 +16,7 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.solids import union
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
+    VOLUME_TOLERANCE_MM3,
     Check,
     above_z,
     check_min_distance,
@@ -47,7 +48,8 @@ def check_air_vent(design: Design, evaluator: MeshEvaluator) -> Check:
     """
     solid = union(*(parts_by_name(design)[name].solid(design) for name in _CLOSED & parts_by_name(design).keys()))
     air = complement(evaluator, solid) - evaluator.manifold(bone.sensor_body(design))
-    volumes = [body for body in air.decompose() if body.volume() > 0.0]  # inner walls have a negative volume
+    # Inner walls have a negative volume, and surfaces that touch leave slivers.
+    volumes = [body for body in air.decompose() if body.volume() > VOLUME_TOLERANCE_MM3]
     return Check("sensor.air_volumes", len(volumes), 1, "volumes", "exactly")
 
 

@@ -44,7 +44,7 @@ def test_volume_balances_hold_on_brep_solids(volume: BrepVolumes) -> None:
 
 
 def test_dented_skin_breaks_the_cavity_balance(volume: BrepVolumes) -> None:
-    dent = cylinder("y", (20.0, 0.0), 6.5, 20.0, 0.3)
+    dent = cylinder("y", (15.0, 0.0), 6.5, 20.0, 0.3)
     assert failed_balances(volume, skin=difference(volume.part["skin"], dent)) == {"step.volume_balance.cavity"}
 
 

@@ -56,7 +56,11 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
             "count": bolts.count,
         },
         *_interface_bolts(design),
-        {"item": "stranded wire", "pair_thinner_than_mm": bone.channel_diameter_mm, "count": 2},
+        (
+            {"item": "insulated wire", "thinner_than_mm": sensor.wire_diameter_mm, "count": 2}
+            if design.dimensions.fold
+            else {"item": "stranded wire", "pair_thinner_than_mm": bone.channel_diameter_mm, "count": 2}
+        ),
         {"item": "cable tie or thread", "thinner_than_mm": bone.tie_hole_diameter_mm, "count": 1},
     ]  # fmt: skip
 

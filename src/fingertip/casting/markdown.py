@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from fingertip.casting.sensor_steps import describe_opening, list_mounting_steps, list_sealing_steps
 from fingertip.casting.slicer import HOW_TO_INSTALL
 
 Data = Mapping[str, Any]
@@ -83,55 +84,15 @@ def steps(data: Data) -> list[str]:
     """List the steps of the procedure, in order."""
     properties, batch = data["silicone"]["properties"], data["batch"]
     is_sleeve = data["method"] == "sleeve"
-    tail_passes_collar, is_folded = data["mold"]["tail_passes_collar"], data["sensor_tail"] == "folded"
     insert = "core" if is_sleeve else "bone"
     first, second = data["silicone"]["components"]
-    assemble_sensor = [
-        "Place the adhesive film and the sensor in the bone's pocket, with the tail in its slot.",
-        "Solder the wires to the sensor's tabs in the solder relief. Route them through the cable channel to its "
-        "opening on the dorsal side of the base. Tie them down at the hole proximal to the channel opening.",
-    ]
-    if is_folded:
-        assemble_sensor = [
-            "Solder the wires to the sensor's tabs, flat against the tail, and lead them back along it. Insulate the "
-            "joints.",
-            "Thread wires and tail from the pocket through the passage in the collar into the window. Bend the tail "
-            "around the round nose in the window, without a crease, and push its end under the dorsal side of the "
-            "bone, tabs first, until it stops. Then stick the head into its pocket with the adhesive film.",
-            "Lay the wires side by side in the groove on the dorsal side of the base. Tie them down at the hole after "
-            "casting.",
-        ]
-    if is_folded:
-        covered, opening = "the slot", "window and the groove"
-        plug = (
-            "Fill the window in the base and the groove around the wires with sulfur-free modelling clay, flush with "
-            "the base. This plug is temporary."
-        )
-    else:
-        covered, opening = "the slot and the solder relief", "channel opening"
-        plug = (
-            "Plug the channel opening on the dorsal side of the base, around the wires, with sulfur-free modelling "
-            "clay. The opening lies outside the mold. This plug is temporary."
-        )
     if is_sleeve:
         seal = [
             "Leave the bone and the sensor out of the mold. Only the core lies in it. The core has no pocket, slot or "
             "channel, so nothing needs to be sealed."
         ]
     else:
-        seal = [
-            "Keep silicone out of the pocket, the slot and the channel. The sensor sits flush, with a "
-            f"{data['fit']['sensor_clearance_mm']:g} mm gap around it. Cover {covered} with "
-            "a strip of thin tape across the flat and press its edges down, but do not fill them: the sensor breathes "
-            "there. This tape is permanent.",
-            plug,
-        ]
-        if tail_passes_collar:
-            seal.append(
-                "Fill the passage through the collar around the tail with sulfur-free modelling clay or silicone "
-                "adhesive, because the passage leads out of the mold. This seal is permanent. Leave the end of the "
-                "tail open: the sensor breathes there."
-            )
+        seal = list_sealing_steps(data)
     cast = [
         *seal,
         f"Lay the {insert if is_sleeve else 'bone with its sensor'} in the recess of the palmar half and fit the "
@@ -151,16 +112,11 @@ def steps(data: Data) -> list[str]:
         "flash around the base.",
     ]
     if not is_sleeve:
-        return [
-            *assemble_sensor,
-            *cast,
-            f"Remove the clay from the {opening}, so that the air vent of the sensor is open. The tape under the "
-            "skin stays in place" + (", and so does the seal in the collar." if tail_passes_collar else "."),
-        ]
+        return [*list_mounting_steps(data), *cast, describe_opening(data)]
     return [
         *cast,
         "Roll the skin off the core.",
-        *assemble_sensor,
+        *list_mounting_steps(data),
         "Wet the outside of the bone with soapy water, but keep the sensor, its tail, the slot and the channel dry. "
         "Pull the skin over the bone until the edge of the skin sits on the collar. Let the skin and the bone dry.",
     ]
@@ -259,7 +215,14 @@ def _bill(data: Data) -> str:
         rows.append((f"{entry['count']:g}", entry["item"], ", ".join(sizes)))
     batch = data["batch"]
     rows.append((f"{batch['total_g']:g} g", data["silicone"]["label"], "both components together"))
-    printed = "bone, core and mold" if data["method"] == "sleeve" else "bone and mold"
+    printed = ", ".join(
+        [
+            "bone",
+            *(["lid"] if data["sensor_tail"] == "folded" else []),
+            *(["core"] if data["method"] == "sleeve" else []),
+        ]
+    )
+    printed += " and mold"
     rows.append(("", f"rigid printing material for {printed}: resin or filament", "see Printing"))
     rows.append(("", _consumables(data), ""))
     rows.append(("", "tools: soldering iron, scale, screwdriver, knife", ""))
@@ -273,8 +236,10 @@ def _consumables(data: Data) -> str:
         items.append("soapy water")
     else:
         items += ["thin tape", "sulfur-free modelling clay"]
-        if data["mold"]["tail_passes_collar"]:
+        if data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
             items.append("silicone adhesive (instead of clay in the collar)")
+    if data["sensor_tail"] == "folded":
+        items += ["neutral-cure silicone adhesive", "insulating varnish", "ohmmeter", "syringe"]
     return ", ".join(items)
 
 

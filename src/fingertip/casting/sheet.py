@@ -23,6 +23,7 @@ from fingertip.design.geometry.misalignment import (
     sleeve_inset_mm,
 )
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
+from fingertip.design.geometry.tail_fold import END_ROOM_MM
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
 
@@ -77,6 +78,9 @@ def _fit_data(design: Design) -> dict[str, float]:
     """Fit of the sensor in its pocket and of bone or core in the recess, and the minimum skin thickness they leave."""
     return {
         "sensor_clearance_mm": design.sensor.clearance_mm,
+        "wire_mm": design.sensor.wire_diameter_mm,
+        "crimp_mm": design.sensor.crimp_height_mm,
+        "end_room_mm": END_ROOM_MM,
         "clearance_mm": design.mold.fit_clearance_mm,
         "min_skin_design_mm": round(min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), 2),
         "min_skin_held_mm": round(min_thickness_held(design), 2),

@@ -19,7 +19,7 @@ class Sensor(ParameterTable):
     )
     tail: Literal["straight", "folded"] = choice(
         "straight",
-        "straight: out through the base; folded: once around the bone, its end under the dorsal side of the skin.",
+        "straight: out through the base; folded: once around the bone, its end in a trough under a lid.",
     )
     fold_radius_mm: float = quantity(
         2.5, "mm", "Radius at which a folded tail bends; Interlink allows no less than 2.5.", minimum=0.8, maximum=6

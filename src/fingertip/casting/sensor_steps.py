@@ -1,0 +1,82 @@
+"""Steps that mount the sensor in the bone and keep silicone away from it, for a straight and for a folded tail."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+_MEASURE = "Measure the sensor again: above 1 Mohm untouched, some kilohm while you press its head with a finger."
+
+
+def list_mounting_steps(data: Mapping[str, Any]) -> list[str]:
+    """List the steps from the sensor as bought to the wired bone."""
+    if data["sensor_tail"] == "straight":
+        return [
+            "Place the adhesive film and the sensor in the bone's pocket, with the tail in its slot.",
+            "Solder the wires to the sensor's tabs in the solder relief. Route them through the cable channel to its "
+            "opening on the dorsal side of the base. Tie them down at the hole proximal to the channel opening.",
+        ]
+    fit = data["fit"]
+    return [
+        "Wash resin out of the trough and the passage in the collar with a syringe, and try the fold with a strip of "
+        "plastic film first.",
+        f"Solder a wire of at most {fit['wire_mm']:g} mm to each tab, straight out beyond the tabs. Tabs, crimps and "
+        f"solder may stand at most {fit['crimp_mm']:g} mm above the film. Insulate the joints with a thin varnish. "
+        "Measure the sensor: above 1 Mohm untouched, some kilohm while you press its head with a finger.",
+        "Thread the wires, then the tabs and the tail, from the pocket through the passage in the collar. Pull them "
+        "out below the base. The head is wider than the window and comes last.",
+        "Lead the wires and the tabs up through the window, between the round nose and the base. Pull until the film "
+        "lies around the nose, without a crease, and lay its end into the trough.",
+        f"Lay the head into its pocket, still without adhesive. At least {fit['end_room_mm'] / 2:g} mm must be free "
+        "between the tabs and the end of the trough. Then stick the head down with the adhesive film.",
+        "Bend the wires back over the tail in a loop, without pulling at the joints. Lay them side by side through the "
+        "window into the groove of the base. Fix them there with a drop of neutral-cure silicone adhesive. " + _MEASURE,
+        "Stick the lid into the trough with a thin bead of the same adhesive along its edges. It ends flush with bone "
+        "and collar.",
+    ]
+
+
+def list_sealing_steps(data: Mapping[str, Any]) -> list[str]:
+    """List the steps that keep silicone out of the sensor's pocket while the skin is cast around the bone."""
+    gap = f"{data['fit']['sensor_clearance_mm']:g} mm"
+    keep_out = (
+        f"Keep silicone out of the pocket, the slot and the channel. The sensor sits flush, with a {gap} gap around it."
+    )
+    tape = "with a strip of thin tape across the flat and press its edges down, but do not fill"
+    if data["sensor_tail"] == "folded":
+        return [
+            "Seal the passage through the collar around the tail, flush with the face of the collar, with neutral-cure "
+            "silicone adhesive, and let it cure. This seal is permanent. Do not fill the window: the sensor breathes "
+            "there.",
+            f"{keep_out} Cover the slot {tape} it, and let the tape overlap the seal. This tape is permanent.",
+            "Cover both openings of the window with tape, and the groove around the wires with sulfur-free modelling "
+            "clay, flush with the base. Both are temporary. " + _MEASURE,
+        ]
+    steps = [
+        f"{keep_out} Cover the slot and the solder relief {tape} them: the sensor breathes there. This tape is "
+        "permanent.",
+        "Plug the channel opening on the dorsal side of the base, around the wires, with sulfur-free modelling clay. "
+        "The opening lies outside the mold. This plug is temporary.",
+    ]
+    if data["mold"]["tail_passes_collar"]:
+        steps.append(
+            "Fill the passage through the collar around the tail with sulfur-free modelling clay or silicone adhesive, "
+            "because the passage leads out of the mold. This seal is permanent. Leave the end of the tail open: the "
+            "sensor breathes there."
+        )
+    return steps
+
+
+def describe_opening(data: Mapping[str, Any]) -> str:
+    """Write the step that opens the sensor's air vent after casting."""
+    if data["sensor_tail"] == "folded":
+        return (
+            "Peel the tape off the window and lift the clay out of the groove with a blunt wooden stick, so that the "
+            "air vent of the sensor is open. Never pull the wires. The tape under the skin and the seal in the collar "
+            "stay in place. " + _MEASURE
+        )
+    stays = ", and so does the seal in the collar." if data["mold"]["tail_passes_collar"] else "."
+    return (
+        "Remove the clay from the channel opening, so that the air vent of the sensor is open. The tape under the "
+        f"skin stays in place{stays}"
+    )

@@ -133,13 +133,24 @@ def volume(shape: Any) -> float:
 def genus(solid: Any) -> int:
     """Count the through holes G of a solid by the Euler-Poincare formula V - E + F - (L - F) = 2 (1 - G).
 
-    V, E, F and L are the numbers of vertices, edges, faces and loops (edge cycles that bound faces). Degenerate edges,
-    which have no length and occur at the tip's apex, are not counted.
+    V, E, F and L are the numbers of vertices, edges, faces and loops (edge cycles that bound faces). Cycles that touch
+    in a vertex, such as a bore tangent to the seam between two faces, bound a simply connected face and count as one.
+    Degenerate edges, which have no length and occur at the tip's apex, are not counted.
     """
     edges = sum(not BRep_Tool.Degenerated_s(edge.wrapped) for edge in solid.Edges())
     faces = solid.Faces()
-    loops = sum(len(face.Wires()) for face in faces)
+    loops = sum(_count_loops(face) for face in faces)
     return 1 - (len(solid.Vertices()) - edges + 2 * len(faces) - loops) // 2
+
+
+def _count_loops(face: Any) -> int:
+    """Count the connected pieces of a face's boundary."""
+    pieces: list[set[Any]] = []
+    for wire in face.Wires():
+        vertices = set(wire.Vertices())
+        touched = [piece for piece in pieces if piece & vertices]
+        pieces = [piece for piece in pieces if piece not in touched] + [vertices.union(*touched)]
+    return len(pieces)
 
 
 def save(shape: Any, path: Path) -> None:

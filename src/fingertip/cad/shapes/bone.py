@@ -1,22 +1,22 @@
-"""Bone: pocket and slot for the sensor, channel for its cables, interface to the proximal phalanx."""
+"""Bone: pocket and slot for the sensor, channel for its cables. Its interface has a module of its own."""
 
 from __future__ import annotations
 
 from fingertip.cad.shapes.insert import filled_bone
+from fingertip.cad.shapes.interface import interface, interface_genus
 from fingertip.cad.solids import Box, ElbowTube, Solid, cylinder, difference, intersection, union
 from fingertip.design import Design
 from fingertip.design.geometry.tail_fold import SLIDING_MM, STEP_MM, TailFold
 
 _OVERLAP_MM = 0.2
 """Length by which passages reach into the window [mm]. Boxes that only touch would leave coincident faces."""
-_MIN_FLAT_MM = 0.02
-"""Depth of a post's flat below which it is left out [mm]: both kernels fail on slivers."""
 
 
 def bone(design: Design) -> Solid:
     """Build the printable bone."""
     added, removed = interface(design)
-    hollows = (sensor_recess(design), cable_channel(design), tie_hole(design), *removed)
+    cables = () if design.dimensions.window_opens_into_gap else (cable_channel(design), tie_hole(design))
+    hollows = (sensor_recess(design), *cables, *removed)
     return difference(union(filled_bone(design), *added), *hollows)
 
 
@@ -125,62 +125,6 @@ def tie_hole(design: Design) -> Solid:
     return cylinder("x", (dims.tie_hole_y, dims.tie_hole_z), -2 * half_width, 2 * half_width, radius)
 
 
-def interface(design: Design) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
-    """Build the interface to the proximal phalanx.
-
-    Returns
-    -------
-    added, removed
-        Solids that the interface adds to the base, and solids that it removes.
-    """
-    dims, bone = design.dimensions, design.bone
-    y = (dims.bone_outline.section.dorsal - dims.flat_depth) / 2
-    end, across = -bone.base_length_mm, 2 * dims.bone_outline.section.half_width
-    bolt = bone.cross_bolt_diameter_mm / 2
-    if bone.interface == "socket":
-        radius = bone.socket_diameter_mm / 2
-        socket = cylinder("z", (0.0, y), end - radius, end + bone.socket_depth_mm, radius)
-        hole = cylinder("x", (y, dims.cross_bolt_z), -across, across, bolt)
-        return (), (socket, hole)
-    if bone.interface == "flange":
-        return (_flange(design, y),), _flange_holes(design, y)
-    foot = end - bone.post_length_mm
-    return (_post(design, y, foot, end + bone.wall_mm / 2),), (
-        cylinder("x", (y, dims.cross_bolt_z), -across, across, bolt),
-    )
-
-
-def _post(design: Design, y: float, low: float, high: float) -> Solid:
-    """Build a round post with a dorsal and a palmar flat, or without them if it is as high as wide."""
-    radius, half = design.bone.post_width_mm / 2, design.bone.post_height_mm / 2
-    stem = cylinder("z", (0.0, y), low, high, radius)
-    if half > radius - _MIN_FLAT_MM:
-        return stem
-    margin = radius  # past the round sides and the ends, by a length that scales with the design
-    return intersection(
-        stem, Box((-radius - margin, y - half, low - margin), (radius + margin, y + half, high + margin))
-    )
-
-
-def _flange(design: Design, y: float) -> Solid:
-    """Build the plate at the proximal end of the base."""
-    bone = design.bone
-    end, x, half = -bone.base_length_mm, bone.flange_width_mm / 2, bone.flange_height_mm / 2
-    return Box((-x, y - half, end), (x, y + half, end + bone.flange_thickness_mm))
-
-
-def _flange_holes(design: Design, y: float) -> tuple[Solid, ...]:
-    """Build the bolt holes of the flange."""
-    bone = design.bone
-    end, top = -bone.base_length_mm, -bone.base_length_mm + bone.flange_thickness_mm
-    radius, x, rows = bone.flange_hole_diameter_mm / 2, bone.flange_spacing_x_mm / 2, bone.flange_spacing_y_mm / 2
-    return tuple(
-        cylinder("z", (side * x, y + row), end - radius, top + radius, radius)
-        for row in ((-rows, rows) if rows else (0.0,))
-        for side in (-1.0, 1.0)
-    )
-
-
 def sensor_body(design: Design) -> Solid:
     """Build the sensor as mounted in the bone, for pictures and checks; it is not printed."""
     dims = design.dimensions
@@ -210,14 +154,12 @@ def sensor_body(design: Design) -> Solid:
 def genus(design: Design) -> int:
     """Count the through holes that the bone must have.
 
-    Two are the cable channel and the tie hole, and the passage of the tail through the collar adds one. The interface
-    adds the hole of the cross bolt or those of the flange's bolts. A socket adds one more: it is blind, but it opens
-    into the hole of the cross bolt, which then has three mouths. A different count in the built solid reveals a hollow
+    Two are the cable channel and the tie hole, and the passage of the tail through the collar adds one. A folded tail
+    has the passage, its window and the tie hole; the groove of its cables is open, and its trough ends blind. Where the
+    window opens into the gap of a fork, only the passage is left. A different count in the built solid reveals a hollow
     that breaks through a wall.
     """
-    bone = design.bone
-    if design.dimensions.fold:
-        # Palmar passage and window; the groove is open, and the dorsal passage ends blind.
-        return 3 + {"post": 1, "socket": 2, "flange": 4 if bone.flange_spacing_y_mm else 2}[bone.interface]
-    holes = {"post": 1, "socket": 2, "flange": 4 if bone.flange_spacing_y_mm else 2}[bone.interface]
-    return 2 + design.dimensions.tail_passes_collar + holes
+    dims = design.dimensions
+    if dims.fold:
+        return (1 if dims.window_opens_into_gap else 3) + interface_genus(design)
+    return 2 + dims.tail_passes_collar + interface_genus(design)

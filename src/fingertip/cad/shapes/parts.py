@@ -84,7 +84,10 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
     is then a wall, on which no layer ends. The foot of their collar overhangs the base and needs supports. So does the
     base above a post.
     """
-    face = {"post": "the end of the post", "socket": "the proximal end, with the socket", "flange": "the flange"}
+    face = {
+        "post": "the end of the post", "socket": "the proximal end, with the socket", "flange": "the flange",
+        "clevis": "the eyes of the joint",
+    }  # fmt: skip
     orientations = {
         "bone": Orientation(0.0, face[design.bone.interface], needs_supports=True),
         "mold_palmar": Orientation(90.0, "the outer face, parting plane up", needs_supports=False),

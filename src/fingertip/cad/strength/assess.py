@@ -2,7 +2,8 @@
 
 The bone is a cantilever that is loaded at the pad's centre, at the apex and from the side. A post is held along its
 length: the bending moment falls there from its root, in proportion to the distance, to nothing at its end. So it does
-along the bore of a socket, from its bottom to its mouth. A flange is a plate that bends between base and bolts.
+along the bore of a socket, from its bottom to its mouth. A flange is a plate that bends between base and bolts. The
+eyes of a clevis carry all of it as far as the pin, and the joint beyond has a module of its own.
 
 At each cross-section all load distal to it gives a normal force and two bending moments, and these a stress at every
 corner of the section. The stress is linear in the load, so its largest value over all directions of the load is the
@@ -13,9 +14,8 @@ Not included: shear and torsion, the skin (too soft to carry anything), creep, f
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,8 +25,10 @@ from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.strength.concentration import hole_in_tension, shoulder_in_bending
+from fingertip.cad.strength.pin_joint import stress_joint, tendon_force_per_n
 from fingertip.cad.strength.sections import Section, measure_section
 from fingertip.design import Design
+from fingertip.design.geometry.joint import Joint
 from fingertip.files import round_for_output
 from fingertip.print_materials import PRINT_MATERIALS, PrintMaterial
 
@@ -52,12 +54,16 @@ class Weakness:
     """Name of the load point."""
     z_mm: float
     """Height of the cross-section."""
+    place: str
+    """What breaks there."""
     stress_per_n: float
     """Largest tensile stress per newton of load in the worst direction, with stress concentration [MPa/N]."""
     concentration: float
     """Stress concentration factor that it contains."""
     direction: tuple[float, float, float]
     """Worst direction of the load."""
+    at_shock: bool = True
+    """False for what a shock does not load."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +78,8 @@ class BoneStrength:
     """Strength over the stress at the load of a firm grip."""
     shock_safety_factor: float
     """Strength over the stress at the load of a fall or knock."""
+    tendon_force_n: float
+    """Force of the tendon at the grip force on the apex; 0 without a tendon."""
 
 
 def list_load_points(design: Design) -> tuple[LoadPoint, ...]:
@@ -95,22 +103,42 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
     """
     material = PRINT_MATERIALS[design.strength.print_material]
     sections = [*_cut(design, evaluator)]
-    by_load = tuple(
-        max(
-            itertools.chain(
-                (_find_stress(design, point, z, section) for z, section in sections if z < point.position_mm[2]),
-                (_bend_flange(design, point),) if design.bone.interface == "flange" else (),
-            ),
-            key=lambda weakness: weakness.stress_per_n,
-        )
+    places = [
+        [
+            *(_find_stress(design, point, z, section) for z, section in sections if z < point.position_mm[2]),
+            *((_bend_flange(design, point),) if design.bone.interface == "flange" else ()),
+            *_load_joint(design, point),
+        ]
         for point in list_load_points(design)
-    )
-    weakest = max(by_load, key=lambda weakness: weakness.stress_per_n)
+    ]
+    by_load = tuple(_find_weakest(found) for found in places)
+    weakest = _find_weakest(by_load)
+    at_shock = _find_weakest(place for found in places for place in found if place.at_shock)
     strength = material.across_mpa if design.strength.print_direction == "upright" else material.strength_mpa
-    factor = strength / weakest.stress_per_n
+    grip, shock = design.strength.grip_force_n, design.strength.shock_force_n
     return BoneStrength(
-        material, weakest, by_load, factor / design.strength.grip_force_n, factor / design.strength.shock_force_n
-    )
+        material, weakest, by_load, strength / weakest.stress_per_n / grip, strength / at_shock.stress_per_n / shock,
+        grip * tendon_force_per_n(design, design.skin.length_mm),
+    )  # fmt: skip
+
+
+def _find_weakest(places: Iterable[Weakness]) -> Weakness:
+    """Find the place with the largest stress per newton."""
+    return max(places, key=lambda weakness: weakness.stress_per_n)
+
+
+def _load_joint(design: Design, point: LoadPoint) -> Iterator[Weakness]:
+    """List the places of a clevis that a load at a point stresses, in the plane in which the finger bends."""
+    for found in stress_joint(design, point.position_mm[2]):
+        yield Weakness(
+            point.name,
+            found.z_mm,
+            found.place,
+            found.stress_per_n,
+            found.concentration,
+            (0.0, 1.0, 0.0),
+            found.at_shock,
+        )
 
 
 def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Section]]:
@@ -119,6 +147,9 @@ def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Sect
     low, high = solid.bounding_box()[2], design.dimensions.taper_end_z
     if design.bone.interface == "flange":
         low += design.bone.flange_thickness_mm  # the flange itself is a plate, no beam
+    if design.dimensions.joint:
+        # Past the pin only the joint's own forces act, which are assessed for themselves.
+        low = design.dimensions.joint.axis_z + design.dimensions.joint.pin_radius
     for i in range(STATIONS):
         z = low + (i + 0.5) * (high - low) / STATIONS
         section = measure_section([np.asarray(polygon) for polygon in solid.slice(z).to_polygons()])
@@ -137,7 +168,7 @@ def _find_stress(design: Design, point: LoadPoint, z: float, section: Section) -
     direction = gradients[worst] / sizes[worst]
     x, y, along = (round(float(value), 6) + 0.0 for value in direction)
     factor = float(sizes[worst] / np.linalg.norm(plain[worst]))
-    return Weakness(point.name, z, float(sizes[worst]), factor, (x, y, along))
+    return Weakness(point.name, z, "cross-section", float(sizes[worst]), factor, (x, y, along))
 
 
 def stress_gradients(section: Section, point_mm: Array, z_mm: float, moment_share: float = 1.0) -> Array:
@@ -201,6 +232,9 @@ def _find_concentration(design: Design, z: float) -> _Factors:
         large, small = (bone.flange_width_mm, bone.flange_height_mm), (width, height)
         near = root <= z <= root + min(small) / 2  # a shoulder acts about half a diameter far
         return _at_shoulder(large, small, fillet) if near else _Factors()
+    if joint := dims.joint:
+        near = joint.shoulder_z - joint.eye_radius / 2 <= z <= joint.shoulder_z
+        return _at_shoulder((width, height), _eye_sizes(design, joint), fillet) if near else _Factors()
     if bone.interface == "post":
         across = min(bone.post_height_mm, bone.post_width_mm)
         near = end - across / 2 <= z <= end
@@ -211,6 +245,14 @@ def _find_concentration(design: Design, z: float) -> _Factors:
     if abs(z - dims.cross_bolt_z) <= bone.cross_bolt_diameter_mm / 2:
         factors = factors.at_least(hole_in_tension(bone.cross_bolt_diameter_mm, across))
     return factors
+
+
+def _eye_sizes(design: Design, joint: Joint) -> tuple[float, float]:
+    """Width and height of the eyes at their root [mm]: as high as the base if they have stops."""
+    dims = design.dimensions
+    section = dims.bone_outline.section
+    height = section.dorsal + dims.flat_depth if joint.travel_deg else 2 * joint.eye_radius
+    return (2 * section.half_width if joint.is_fork else 2 * joint.half_width), height
 
 
 def _at_shoulder(large_mm: tuple[float, float], small_mm: tuple[float, float], fillet_mm: float) -> _Factors:
@@ -239,7 +281,7 @@ def _bend_flange(design: Design, point: LoadPoint) -> Weakness:
         per_n.append(couple * lever / (across * modulus))
     stress = math.hypot(*per_n)
     direction = (round(per_n[0] / stress, 6), round(per_n[1] / stress, 6), 0.0) if stress else (0.0, 1.0, 0.0)
-    return Weakness(point.name, -bone.base_length_mm + bone.flange_thickness_mm, stress, 1.0, direction)
+    return Weakness(point.name, -bone.base_length_mm + bone.flange_thickness_mm, "flange", stress, 1.0, direction)
 
 
 def describe_strength(strength: BoneStrength) -> list[str]:
@@ -247,8 +289,8 @@ def describe_strength(strength: BoneStrength) -> list[str]:
     weakest = strength.weakest
     lines = [
         f"bone in {strength.material.label}: safety factor {strength.grip_safety_factor:.2f} at the grip force, "
-        f"{strength.shock_safety_factor:.2f} at the shock; weakest at z = {weakest.z_mm:.1f} mm under a load at the "
-        f"{weakest.load}"
+        f"{strength.shock_safety_factor:.2f} at the shock; weakest at the {weakest.place} at z = {weakest.z_mm:.1f} mm "
+        f"under a load at the {weakest.load}"
     ]
     if strength.grip_safety_factor < WANTED_AT_GRIP or strength.shock_safety_factor < WANTED_AT_SHOCK:
         lines.append(
@@ -267,8 +309,10 @@ def strength_data(strength: BoneStrength) -> dict[str, Any]:
         "strength_verified": "strength_mpa" in strength.material.verified,
         "grip_safety_factor": round_for_output(strength.grip_safety_factor),
         "shock_safety_factor": round_for_output(strength.shock_safety_factor),
+        "tendon_force_n": round_for_output(strength.tendon_force_n),
         "weakest": {
             "load": weakest.load,
+            "place": weakest.place,
             "z_mm": round_for_output(weakest.z_mm),
             "stress_concentration": round_for_output(weakest.concentration),
             "stress_mpa_per_n": round_for_output(weakest.stress_per_n),

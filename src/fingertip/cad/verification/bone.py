@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone
+from fingertip.cad.shapes.interface import interface
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.solids import union
 from fingertip.cad.verification.check import (
@@ -60,7 +61,7 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     whole = evaluator.manifold(filled_bone(design))
     outside = complement(evaluator, filled_bone(design))
     channel, recess = (evaluator.manifold(s(design)) for s in (bone.cable_channel, bone.sensor_recess))
-    _, removed = bone.interface(design)
+    _, removed = interface(design)
     holes = [evaluator.manifold(s) for s in (bone.tie_hole(design), *removed)]
 
     if dims.fold:
@@ -78,9 +79,10 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
             for body in (window.trim_by_plane((0.0, 0.0, -1.0), -dims.fold.nose_z), outside)
         )
         yield check_min_distance("bone.wall.window_to_outside", window, beside, wall)
-        for name, hole in zip(("tie_hole", "interface"), holes, strict=False):
-            yield check_min_distance(f"bone.wall.groove_to_{name}", channel, hole, wall)
-            yield check_min_distance(f"bone.wall.window_to_{name}", window, hole, wall)
+        if not dims.window_opens_into_gap:
+            for name, hole in zip(("tie_hole", "interface"), holes, strict=False):
+                yield check_min_distance(f"bone.wall.groove_to_{name}", channel, hole, wall)
+                yield check_min_distance(f"bone.wall.window_to_{name}", window, hole, wall)
     else:
         # The part of the channel that has bone on all sides: proximal to the solder relief, and short of its opening on
         # the dorsal side.
@@ -96,7 +98,8 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     beside = outside.trim_by_plane((0.0, 1.0, 0.0), y_flat + PLANE_OFFSET_MM)
     rim = min(design.bone.rim_mm, wall)
     yield check_min_distance("bone.wall.sensor_to_outside", recessed, beside, 0.95 * rim)
-    yield check_min_distance("bone.wall.sensor_to_tie_hole", recess, holes[0], wall)
+    if not dims.window_opens_into_gap:
+        yield check_min_distance("bone.wall.sensor_to_tie_hole", recess, holes[0], wall)
     if design.bone.interface == "socket":
         # The socket opens in the proximal face, so its mouth is left out.
         deep = above_z(holes[1], -design.bone.base_length_mm + 2 * wall)

@@ -47,7 +47,7 @@ def check_mold(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     yield from _check_gate_and_vents(design, evaluator)
     yield from _check_recess_clearance(design, evaluator)
     yield from _check_draft(design, evaluator)
-    if design.mold.method == "overmold":
+    if design.mold.method == "overmold" and not design.dimensions.window_opens_into_gap:
         yield _check_cable_channel(design, evaluator)
     yield _check_air_trap(design, evaluator)
     yield from _check_cavity_walls(design, evaluator)

@@ -15,6 +15,7 @@ from fingertip.cad.solids import scaled
 from fingertip.cad.verification.assembly import check_assembly
 from fingertip.cad.verification.bone import check_air_vent, check_bone
 from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.joint import check_joint
 from fingertip.cad.verification.mold import check_mold
 from fingertip.cad.verification.part_files import check_mesh_file
 from fingertip.cad.verification.skin import check_skin, check_sleeve_stretch
@@ -90,6 +91,7 @@ def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, M
         yield from check_bone(design, evaluator)
     if "bone" in meshes and "skin" in meshes:
         yield check_air_vent(design, evaluator)
+        yield from check_joint(design, evaluator)
     if "mold_palmar" in meshes and "mold_dorsal" in meshes:
         yield from check_mold(design, evaluator)
     if "core" in meshes:

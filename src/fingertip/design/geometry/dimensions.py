@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip
+from fingertip.design.geometry.joint import Joint, TendonAnchor
 from fingertip.design.geometry.tail_fold import SensorTail, TailFold, fold_tail
 from fingertip.numerics import bisect
 from fingertip.sensors import CATALOGUE, ForceSensor
@@ -22,6 +23,9 @@ MIN_PASSAGE_HEIGHT_MM = 0.8
 """Minimum height of the passage through which the tail leaves the collar [mm]. Lower passages close up in printing. An
 assumption."""
 
+_SEAL_MM = 2.0
+"""Length of the collar that seals the mold at a folded tail [mm]; the window may lie in what is longer. An
+assumption."""
 TAB_WIDTH_MM = 1.0
 """Width of a solder tab [mm]: an assumption."""
 _RIM_POINTS = 64
@@ -72,6 +76,44 @@ class Dimensions:
         return ConicBody(section, stations, Tip(skin.length_mm, skin.squareness_tip))
 
     @cached_property
+    def joint(self) -> Joint | None:
+        """Joint of a clevis; None for other interfaces."""
+        bone, hand = self._design.bone, self._design.hand
+        if bone.interface != "clevis":
+            return None
+        is_fork = hand.knuckle == "tongue"
+        return Joint(
+            hand.axis_height_mm - self._design.skin.semi_axis_palmar_mm, -bone.base_length_mm,
+            hand.pin_diameter_mm / 2, hand.clearance_radius_mm, bone.joint_clearance_mm, is_fork,
+            hand.width_mm / 2 + (bone.joint_clearance_mm if is_fork else -bone.joint_clearance_mm), hand.travel_deg,
+        )  # fmt: skip
+
+    @cached_property
+    def base_end_z(self) -> float:
+        """Proximal end of the base, with the eyes of a clevis."""
+        return self.joint.low_z if self.joint else -self._design.bone.base_length_mm
+
+    @cached_property
+    def full_base_length(self) -> float:
+        """Length along which the base has its full outline [mm]. The eyes of a clevis are lower."""
+        return -self.joint.shoulder_z if self.joint else self._design.bone.base_length_mm
+
+    @cached_property
+    def anchor(self) -> TendonAnchor | None:
+        """Anchor of the tendon, through the collar a wall above its foot; None without a tendon."""
+        bone, hand, joint = self._design.bone, self._design.hand, self.joint
+        if joint is None or hand.tendon_distance_mm == 0.0:
+            return None
+        y, radius = joint.axis_y - hand.tendon_distance_mm, bone.anchor_diameter_mm / 2
+        foot = self.draft_slope * abs(y) - bone.collar_length_mm
+        return TendonAnchor(y, foot + bone.wall_mm + radius, radius, hand.tendon_distance_mm)
+
+    @cached_property
+    def window_opens_into_gap(self) -> bool:
+        """True if the window of a folded tail and the gap of a fork are one opening, through which the wires leave."""
+        return self.fold is not None and self.joint is not None and self.joint.is_fork
+
+    @cached_property
     def bone_outline(self) -> ConicBody:
         """Bone with its base, before the palmar flat is cut."""
         skin, bone = self._design.skin, self._design.bone
@@ -88,7 +130,7 @@ class Dimensions:
         scale = tapered / section.half_width if section.half_width else 0.0
         return ConicBody(
             section,
-            ((-bone.base_length_mm, 1.0), (0.0, 1.0), (self.taper_end_z, scale)),
+            ((self.base_end_z, 1.0), (0.0, 1.0), (self.taper_end_z, scale)),
             Tip(skin.length_mm - skin.thickness_tip_mm, skin.squareness_tip),
         )
 
@@ -125,7 +167,7 @@ class Dimensions:
             return None
         body = self.sensor
         return fold_tail(
-            self.pocket_depth - self.flat_depth, self.sensor_z, self._design.bone.collar_length_mm,
+            self.pocket_depth - self.flat_depth, self.sensor_z, min(self._design.bone.collar_length_mm, _SEAL_MM),
             sensor.fold_radius_mm,
             SensorTail(
                 body.length_mm - body.head_diameter_mm / 2, body.thickness_mm, sensor.tab_length_mm,

@@ -40,7 +40,7 @@ class MisalignedPoint:
 
 def loose_tilt_slope(design: DesignTables) -> float:
     """Compute the tangent of the tilt angle of a bone that nothing holds down."""
-    return 2.0 * design.mold.fit_clearance_mm / design.mold.recess_length_mm
+    return 2.0 * design.mold.fit_clearance_mm / _held_length(design)
 
 
 def held_tilt_slope(design: DesignTables, x: float, y: float) -> float:
@@ -74,7 +74,7 @@ def misaligned_points(design: DesignTables) -> Iterator[MisalignedPoint]:
     dims = design.dimensions
     assert dims.bone_outline.tip is not None
     join, apex = dims.bone_outline.stations[-1][0], dims.bone_outline.tip.z
-    per_recess, collar = 2.0 / design.mold.recess_length_mm, _outline(dims.collar.section)
+    per_recess, collar = 2.0 / _held_length(design), _outline(dims.collar.section)
     inset = sleeve_inset_mm(design)
     for z in (0.0, join, *(join + (apex - join) * i / (_TIP_SECTIONS + 1) for i in range(1, _TIP_SECTIONS + 1))):
         narrowing = _narrowing(dims, z)
@@ -84,6 +84,11 @@ def misaligned_points(design: DesignTables) -> Iterator[MisalignedPoint]:
             yield MisalignedPoint(
                 sample.thickness_mm * cosine, cosine * (1.0 + held * z), cosine * (1.0 + per_recess * z)
             )
+
+
+def _held_length(design: DesignTables) -> float:
+    """Length [mm] of the recess in which the base has its full outline. The eyes of a clevis touch nothing."""
+    return min(design.mold.recess_length_mm, design.dimensions.full_base_length)
 
 
 def _outline(section: CrossSection) -> tuple[list[tuple[float, float]], ...]:

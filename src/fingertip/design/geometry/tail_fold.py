@@ -17,8 +17,8 @@ END_ROOM_MM = 1.5
 """Room between the tabs and the end of the trough, for tails longer than stated [mm]. An assumption."""
 STEP_MM = 0.05
 """Height by which the web stands above its nose [mm]. Tangent surfaces would leave a stray edge in the B-rep solid."""
-_BELOW_COLLAR_MM = 0.5
-"""Distance of the window from the collar [mm]."""
+_BELOW_SEAL_MM = 0.5
+"""Distance of the window from the sealing part of the collar [mm]."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class TailFold:
 
 
 def fold_tail(
-    pocket_floor_y: float, sensor_z: float, collar_length_mm: float, radius_mm: float, tail: SensorTail
+    pocket_floor_y: float, sensor_z: float, seal_length_mm: float, radius_mm: float, tail: SensorTail
 ) -> TailFold:
     """Lay the tail around its nose.
 
@@ -81,15 +81,15 @@ def fold_tail(
         Face of the pocket on which the sensor lies, and of the tail's slot [mm].
     sensor_z
         Centre of the sensor's head [mm].
-    collar_length_mm
-        Length of the collar, below which the window begins [mm].
+    seal_length_mm
+        Length of the collar that seals the mold, below which the window begins [mm].
     radius_mm
         Radius at which the film bends [mm].
     tail
         The tail.
     """
     nose_y = pocket_floor_y + STEP_MM + radius_mm
-    nose_z = -(collar_length_mm + _BELOW_COLLAR_MM)
+    nose_z = -(seal_length_mm + _BELOW_SEAL_MM)
     # The neutral line of the film runs half its thickness outside the nose.
     left = tail.film_mm - (sensor_z - nose_z) - math.pi * (radius_mm + tail.thickness_mm / 2)
     film_end_z = nose_z + left

@@ -13,7 +13,7 @@ from fingertip.design.geometry.dimensions import Dimensions
 from fingertip.design.geometry.mold_layout import MoldLayout
 from fingertip.design.parameters.declaration import ParameterTable
 from fingertip.design.parameters.electronics import Board, Detector
-from fingertip.design.parameters.finger import Bone, CustomSensor, Mold, Printer, Sensor, Skin, Strength
+from fingertip.design.parameters.finger import Bone, CustomSensor, Hand, Mold, Printer, Sensor, Skin, Strength
 
 ELECTRONIC_TABLES = frozenset({"board", "detector"})
 """Tables on which no part's shape depends."""
@@ -28,6 +28,7 @@ class DesignTables(BaseModel):
     sensor: Sensor = Sensor()
     custom_sensor: CustomSensor = CustomSensor()
     bone: Bone = Bone()
+    hand: Hand = Hand()
     skin: Skin = Skin()
     mold: Mold = Mold()
     printer: Printer = Printer()

@@ -65,7 +65,11 @@ class Bone(ParameterTable):
     """Rigid part that carries the sensor, and its interface to the proximal phalanx."""
 
     base_length_mm: float = quantity(
-        22.0, "mm", "Length of the base from the skin's proximal end to the interface.", minimum=4, maximum=60
+        22.0,
+        "mm",
+        "Length of the base from the skin's proximal end to the interface, or to the joint axis of a clevis.",
+        minimum=4,
+        maximum=60,
     )
     squareness_palmar: float = quantity(
         1.3,
@@ -127,10 +131,10 @@ class Bone(ParameterTable):
     )
     groove_width_mm: float = quantity(3.0, "mm", "Width of the groove at its floor.", minimum=0.5, maximum=15)
     groove_distance_mm: float = quantity(2.0, "mm", "Distance from the collar to the groove.", minimum=0.5, maximum=60)
-    interface: Literal["post", "socket", "flange"] = choice(
+    interface: Literal["post", "socket", "flange", "clevis"] = choice(
         "post",
         "Interface to the proximal phalanx. post: a post on the bone, with two flats; socket: a hole for the phalanx's "
-        "post; flange: a plate with bolt holes.",
+        "post; flange: a plate with bolt holes; clevis: a joint with a pin, whose sizes stand in [hand].",
     )
     post_width_mm: float = quantity(
         8.4, "mm", "Diameter of the post, which is its width (interface post).", minimum=2, maximum=40
@@ -161,6 +165,55 @@ class Bone(ParameterTable):
     )
     flange_hole_diameter_mm: float = quantity(
         3.2, "mm", "Diameter of the flange's bolt holes (3.2: M3).", minimum=MIN_HOLE_MM, maximum=9
+    )
+    joint_clearance_mm: float = quantity(
+        0.3, "mm", "Gap between bone and hand on every side of the joint (interface clevis).", minimum=0.05, maximum=2
+    )
+    anchor_diameter_mm: float = quantity(
+        1.2, "mm", "Diameter of the hole for the pin or thread that holds the tendon.", minimum=0.8, maximum=4
+    )
+
+
+class Hand(ParameterTable):
+    """Joint of the hand on which the fingertip turns (interface clevis), and the length that the hand allows."""
+
+    knuckle: Literal["tongue", "fork"] = choice(
+        "tongue", "The hand's part of the joint: a tongue between the cheeks of the bone, or a fork around its tongue."
+    )
+    width_mm: float = quantity(
+        6.5, "mm", "Width of the hand's tongue, or between the cheeks of its fork.", minimum=2, maximum=30
+    )
+    axis_height_mm: float = quantity(
+        7.0, "mm", "Height of the joint axis above the palmar side of the finger.", minimum=1, maximum=60
+    )
+    pin_diameter_mm: float = quantity(2.0, "mm", "Diameter of the bore for the joint's pin.", minimum=1, maximum=8)
+    clearance_radius_mm: float = quantity(
+        4.0,
+        "mm",
+        "Radius about the joint axis within which the hand's tongue or fork is round; its shoulder begins there.",
+        minimum=1.5,
+        maximum=20,
+    )
+    tendon_distance_mm: float = quantity(
+        4.5,
+        "mm",
+        "Distance of the tendon from the joint axis, on the palmar side; 0: no tendon.",
+        minimum=0,
+        maximum=30,
+    )
+    travel_deg: float = quantity(
+        80.0,
+        "degree",
+        "Travel of the joint from straight to bent, between hard stops; 0: no stops.",
+        minimum=0,
+        maximum=110,
+    )
+    length_limit_mm: float = quantity(
+        0.0,
+        "mm",
+        "Maximum length from the tip to the joint axis, or to the shoulder of another interface; 0: no limit.",
+        minimum=0,
+        maximum=150,
     )
 
 
@@ -338,4 +391,10 @@ class Strength(ParameterTable):
         minimum=0.05,
         maximum=5,
         verified=False,
+    )
+    min_grip_factor: float = quantity(
+        1.5, "", "Minimum safety factor of the bone at grip_force_n, for its check.", minimum=0, maximum=20
+    )
+    min_shock_factor: float = quantity(
+        0.5, "", "Minimum safety factor of the bone at shock_force_n, for its check.", minimum=0, maximum=20
     )

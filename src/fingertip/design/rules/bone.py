@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from fingertip.design.geometry.tail_fold import SLIDING_MM
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, tip_within_skin
@@ -41,7 +42,13 @@ def walls_print(design: DesignTables) -> Violation | None:
 def base_holds_everything(design: DesignTables) -> Violation | None:
     """The base is long enough for the posterior hole, the tie hole and a socket."""
     dims, bone = design.dimensions, design.bone
-    within = {"post": 0.0, "socket": bone.socket_depth_mm, "flange": bone.flange_thickness_mm}[bone.interface]
+    if dims.window_opens_into_gap:
+        return None
+    joint = dims.joint
+    within = {
+        "post": 0.0, "socket": bone.socket_depth_mm, "flange": bone.flange_thickness_mm,
+        "clevis": joint.radius + joint.clearance if joint else 0.0,
+    }[bone.interface]  # fmt: skip
     needed = -dims.tie_hole_z + bone.tie_hole_diameter_mm / 2
     minimum = (max(needed, -dims.cable_groove_end_z) if dims.fold else needed) + bone.wall_mm + within
     if bone.base_length_mm >= minimum - SLACK:
@@ -52,6 +59,25 @@ def base_holds_everything(design: DesignTables) -> Violation | None:
         f"{bone.base_length_mm:g} mm does not hold {what} below the mold's recess (the {dims.sensor.label} is "
         f"{dims.sensor.length_mm:g} mm long)",
         at_least(minimum),
+    )
+
+
+@RULES.rule("bone.base_length_mm")
+def joint_clear_of_collar_and_tail(design: DesignTables) -> Violation | None:
+    """The hand's knuckle is clear of the collar, and of a tail that is folded in the gap of a fork."""
+    dims, bone = design.dimensions, design.bone
+    joint, fold = dims.joint, dims.fold
+    if joint is None:
+        return None
+    above, what = bone.collar_length_mm + _MIN_SHOULDER, "collar"
+    if fold and dims.window_opens_into_gap:
+        film = -fold.nose_z + fold.radius + dims.sensor.thickness_mm + SLIDING_MM
+        above, what = max((above, what), (film, "folded tail"))
+    minimum = above + joint.radius + joint.clearance
+    if bone.base_length_mm >= minimum - SLACK:
+        return None
+    return Violation(
+        f"{bone.base_length_mm:g} mm brings the hand's knuckle into the {what} of the finger", at_least(minimum)
     )
 
 
@@ -151,6 +177,8 @@ def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
 def tie_hole_within_back(design: DesignTables) -> Violation | None:
     """The tie hole fits the back of the base."""
     dims, wall = design.dimensions, design.bone.wall_mm
+    if dims.window_opens_into_gap:
+        return None
     dorsal = design.skin.semi_axis_dorsal_mm - design.skin.thickness_dorsal_mm
     maximum = dorsal + dims.flat_depth - dims.cable_groove_depth - 2 * wall if dims.fold else dorsal / 2 - wall
     if design.bone.tie_hole_diameter_mm <= maximum + SLACK:
@@ -223,7 +251,7 @@ def _base_room(design: DesignTables) -> float:
 def cross_bolt_within_interface(design: DesignTables) -> Violation | None:
     """Post or socket keeps a wall around the hole of the cross bolt."""
     bone = design.bone
-    if bone.interface == "flange":
+    if bone.interface in ("flange", "clevis"):
         return None
     if bone.interface == "socket":
         what, across, along = "socket", bone.socket_diameter_mm + bone.wall_mm, bone.socket_depth_mm

@@ -19,7 +19,7 @@ from fingertip._version import __version__
 from fingertip.cad.files.step_process import BrepMeasurements, StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name, print_scale
-from fingertip.cad.strength.assess import BoneStrength, assess_strength, strength_data
+from fingertip.cad.strength.assess import BoneStrength, strength_data
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.part_files import check_brep_solid
@@ -181,8 +181,7 @@ def build(
             job = StepJob(design.name, solids, brep_balance_solids(design, names))
             process = stack.enter_context(StepProcess(job))
         verified = verify(design, names, file_formats, evaluator, progress)
-        meshes, checks = verified.meshes, list(verified.checks)
-        strength = assess_strength(design, evaluator) if "bone" in names else None
+        meshes, checks, strength = verified.meshes, list(verified.checks), verified.strength
         all_built = names == [*known]
         casting = casting_sheet_data(design, measure_volumes(design, evaluator), silicone) if all_built else None
         meanwhile()

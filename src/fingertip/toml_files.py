@@ -36,7 +36,9 @@ class FileKind:
 
 DESIGN = FileKind(
     "design",
-    frozenset({"name", "sensor", "custom_sensor", "bone", "skin", "mold", "printer", "strength", "board", "detector"}),
+    frozenset(
+        {"name", "sensor", "custom_sensor", "bone", "hand", "skin", "mold", "printer", "strength", "board", "detector"}
+    ),
     "fsr400",
     "`fingertip build` takes a design file, and so does design = in a sweep file",
 )

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 
 from fingertip.cad.shapes import bone, parts
 from fingertip.cad.shapes.insert import skin_interior
+from fingertip.cad.shapes.interface import interface
 from fingertip.cad.shapes.parts import Orientation
 from fingertip.cad.solids import Box, Cone, ElbowTube, cylinder, difference, union
+from fingertip.cad.verification import bone as bone_checks
 from fingertip.cad.verification import skin as skin_checks
 from fingertip.design import Design
 from fingertip.design.geometry.misalignment import loose_tilt_slope, min_thickness_held
@@ -17,6 +20,12 @@ from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from tests.cad.part_checks import SLEEVE, SOCKET, failed_checks, run_checks
 
 THICK = ["sensor.model=custom", "custom_sensor.thickness_mm=1.2", "sensor.adhesive_thickness_mm=0.5"]
+
+
+def replace_interface(monkeypatch: pytest.MonkeyPatch, changed: Callable[[Design], object]) -> None:
+    """Replace the interface in the bone and in its checks."""
+    for module in (bone, bone_checks):
+        monkeypatch.setattr(module, "interface", changed)
 
 
 @pytest.mark.slow
@@ -30,20 +39,20 @@ def test_min_skin_thickness_of_the_default_design() -> None:
     assert run_checks()["skin.min_thickness"].value == pytest.approx(1.5, abs=0.01)
 
 
-@pytest.mark.parametrize("weight", [2.0, 2.3, 2.5])
-def test_min_skin_thickness_agrees_with_the_design_rule(weight: float) -> None:
+@pytest.mark.parametrize("fullness", [0.9721, 0.9784, 0.9815])
+def test_min_skin_thickness_agrees_with_the_design_rule(fullness: float) -> None:
     """The squarer edges of the bone are closer to the surface than its sides; meshes and sections agree."""
     changes = [
         "skin.thickness_side_mm=1.2",
         "skin.min_thickness_mm=0.3",
         "mold.fit_clearance_mm=0.02",
-        f"bone.squareness_palmar={weight}",
+        f"bone.palmar_fullness={fullness}",
     ]
     expected = min_skin_thickness(Design.load(changes=changes).dimensions, 0.0)
     assert run_checks(*changes)["skin.min_thickness"].value == pytest.approx(expected, abs=0.01)
 
 
-@pytest.mark.parametrize("changes", [[], ["bone.squareness_palmar=2"], ["mold.fit_clearance_mm=0.2"]], ids=str)
+@pytest.mark.parametrize("changes", [[], ["bone.palmar_fullness=0.9721"], ["mold.fit_clearance_mm=0.2"]], ids=str)
 def test_misaligned_skin_thickness_agrees_with_the_design_rule(changes: list[str]) -> None:
     design = Design.load(changes=changes)
     expected = min_thickness_held(design)
@@ -121,26 +130,26 @@ def test_hole_in_the_seat_fails(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_socket_too_close_to_the_outside_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = bone.interface
+    original = interface
 
     def wider(design: Design) -> object:
         added, (socket, *others) = original(design)
         assert isinstance(socket, Cone)
         return added, (replace(socket, low_radius=3.6, high_radius=3.6), *others)
 
-    monkeypatch.setattr(bone, "interface", wider)
+    replace_interface(monkeypatch, wider)
     assert failed_checks(*SOCKET) == {"bone.wall.socket_to_outside"}
 
 
 def test_cross_bolt_too_close_to_the_channel_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = bone.interface
+    original = interface
 
     def higher(design: Design) -> object:
         added, (hole,) = original(design)
         assert isinstance(hole, Cone)
         return added, (replace(hole, centre=(3.0, -20.0)),)
 
-    monkeypatch.setattr(bone, "interface", higher)
+    replace_interface(monkeypatch, higher)
     assert "bone.wall.channel_to_interface" in failed_checks()
 
 
@@ -157,14 +166,14 @@ def test_tie_hole_too_close_to_the_solder_relief_fails(monkeypatch: pytest.Monke
 
 
 def test_socket_too_close_to_the_solder_relief_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = bone.interface
+    original = interface
 
     def deeper(design: Design) -> object:
         added, (socket, *others) = original(design)
         assert isinstance(socket, Cone)
         return added, (replace(socket, high=-14.5), *others)
 
-    monkeypatch.setattr(bone, "interface", deeper)
+    replace_interface(monkeypatch, deeper)
     assert "bone.wall.socket_to_sensor" in failed_checks(*SOCKET)
 
 

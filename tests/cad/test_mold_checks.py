@@ -18,9 +18,9 @@ Solids = tuple[Solid, ...]
 # Nearly rectangular bone, as that of the FSR 402: beside the parting plane its outline has no draft of its own.
 BOXY = [
     "skin.width_mm=24.4",
-    "bone.squareness_palmar=4",
+    "bone.palmar_fullness=0.9924",
     "skin.semi_axis_palmar_mm=7",
-    "skin.squareness_palmar=1.2",
+    "skin.pulp_fullness=0.9345",
     "skin.min_thickness_mm=0.6",
 ]
 

@@ -114,7 +114,7 @@ def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> 
         (["mold.land_mm=13"], "mold.key_diameter_mm: 5 mm does not fit between the bolts; set mold.land_mm=7.91.", 1),
         (["skin.width_mm=6"], "skin.width_mm: 6 mm breaks 2 rules, listed below; at least 16.2 mm.", 3),
         (
-            ["skin.width_mm=6", "bone.collar_inset_mm=3.1661", "skin.squareness_dorsal=2.11381"],
+            ["skin.width_mm=6", "bone.collar_inset_mm=3.1661", "skin.nail_fullness=0.9748"],
             "skin.thickness_side_mm: 2 mm leaves less than 1 mm of bone at the sides; "
             "set skin.width_mm=16.2 and bone.collar_inset_mm=1.4.",
             2,

@@ -15,7 +15,16 @@ FOLDED = [
     "sensor.tail=folded", "skin.length_mm=25", "skin.tip_length_mm=8", "sensor.distance_from_tip_mm=9.5",
     "bone.base_length_mm=10", "bone.groove_depth_mm=0", "bone.wall_mm=0.8", "skin.semi_axis_dorsal_mm=7.6",
 ]  # fmt: skip
+CLEVIS = [
+    *FOLDED, "bone.interface=clevis", "bone.collar_length_mm=4.9", "mold.recess_length_mm=6.1", "hand.travel_deg=60",
+]  # fmt: skip
 CASE_BY_FIELD = {
+    "skin.length_mm": [*CLEVIS, "hand.length_limit_mm=34.5"],
+    "hand.pin_diameter_mm": [*CLEVIS, "hand.pin_diameter_mm=6.5"],
+    "hand.axis_height_mm": [*CLEVIS, "hand.axis_height_mm=4"],
+    "hand.width_mm": [*CLEVIS, "hand.width_mm=12"],
+    "hand.tendon_distance_mm": [*CLEVIS, "hand.tendon_distance_mm=4.8"],
+    "hand.travel_deg": [*CLEVIS, "hand.travel_deg=90"],
     "skin.tip_length_mm": ["skin.tip_length_mm=33"],
     "skin.thickness_side_mm": ["skin.thickness_side_mm=5.5"],
     "skin.min_thickness_mm": ["skin.min_thickness_mm=1.7"],
@@ -28,7 +37,7 @@ CASE_BY_FIELD = {
     "sensor.fold_radius_mm": [*FOLDED, "sensor.fold_radius_mm=2"],
     "sensor.crimp_height_mm": [*FOLDED, "sensor.crimp_height_mm=1.2"],
     "skin.semi_axis_dorsal_mm": [*FOLDED, "skin.semi_axis_dorsal_mm=6.2"],
-    "bone.squareness_palmar": ["skin.thickness_side_mm=0.6", "bone.squareness_palmar=8"],
+    "bone.palmar_fullness": ["skin.thickness_side_mm=0.6", "bone.palmar_fullness=0.998"],
     "bone.wall_mm": ["bone.wall_mm=4"],
     "bone.channel_diameter_mm": ["bone.channel_diameter_mm=9"],
     "bone.channel_bend_radius_mm": ["bone.channel_bend_radius_mm=1.2"],
@@ -73,10 +82,14 @@ MORE_CASES = [  # fields that a second rule blames too
     ("sensor.distance_from_tip_mm", [*FOLDED, "sensor.distance_from_tip_mm=20"]),
     ("skin.width_mm", [*FOLDED, "skin.width_mm=13"]),
     ("bone.base_length_mm", [*FOLDED, "bone.base_length_mm=8.5"]),
+    ("bone.base_length_mm", [*CLEVIS, "bone.base_length_mm=9.5"]),
+    ("bone.base_length_mm", [*CLEVIS, "hand.knuckle=fork", "bone.base_length_mm=13"]),
+    ("bone.collar_length_mm", [*CLEVIS, "bone.collar_length_mm=4.5"]),
+    ("hand.width_mm", [*CLEVIS, "hand.knuckle=fork", "bone.base_length_mm=14.3", "hand.width_mm=2"]),
     ("sensor.crimp_height_mm", [*FOLDED, "bone.groove_depth_mm=0.6"]),
     (
         "skin.min_thickness_mm",
-        ["skin.thickness_side_mm=1.2", "skin.min_thickness_mm=1.2", "bone.squareness_palmar=2.5"],
+        ["skin.thickness_side_mm=1.2", "skin.min_thickness_mm=1.2", "bone.palmar_fullness=0.9815"],
     ),
     ("bone.wall_mm", ["bone.wall_mm=0.6"]),
     ("mold.recess_length_mm", ["mold.recess_length_mm=2.5"]),
@@ -119,7 +132,7 @@ MORE_CASES = [  # fields that a second rule blames too
 CASES = [*CASE_BY_FIELD.items(), *MORE_CASES]
 BOUND_IN_ANOTHER_FIELD = {
     "mold.key_diameter_mm": "mold.land_mm",
-    "bone.squareness_palmar": "skin.thickness_side_mm",
+    "bone.palmar_fullness": "skin.thickness_side_mm",
     "mold.pry_width_mm": "skin.length_mm",
 }
 """Blamed fields of which no value passes in these cases, with the field whose value does."""

@@ -176,6 +176,7 @@ def compute_strength(context: PointContext) -> OutputValues:
         "grip_safety_factor": found.grip_safety_factor,
         "shock_safety_factor": found.shock_safety_factor,
         "weakest_z_mm": found.weakest.z_mm,
+        "tendon_force_n": found.tendon_force_n,
     }
 
 
@@ -212,6 +213,16 @@ def compute_thickness(context: PointContext) -> OutputValues:
     return {"min_skin_thickness_mm": float(interior.min_gap(exterior, max_thickness))}
 
 
+def compute_walls(context: PointContext) -> OutputValues:
+    """Compute the thinnest wall of the bone and its lid."""
+    from fingertip.cad.verification.bone import check_bone
+    from fingertip.cad.verification.joint import check_joint
+
+    checks = (*check_bone(context.design, context.evaluator()), *check_joint(context.design, context.evaluator()))
+    walls = [check.value for check in checks if check.name.startswith(("bone.wall.", "lid.wall"))]
+    return {"min_bone_wall_mm": min(walls)}
+
+
 def compute_checks(context: PointContext) -> OutputValues:
     """Run every check of `fingertip check`, at the sweep's tolerance."""
     from fingertip.cad.shapes.parts import parts_by_name
@@ -245,6 +256,7 @@ GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
     "skin": compute_skin,
     "bone": compute_bone,
     "strength": compute_strength,
+    "walls": compute_walls,
     "mold": compute_mold,
     "thickness": compute_thickness,
     "casting": compute_casting,

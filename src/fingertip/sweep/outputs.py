@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from fingertip.design.issues import suggest_name
 from fingertip.errors import Issue
 
-FINGER = frozenset({"sensor", "custom_sensor", "bone", "skin"})
+FINGER = frozenset({"sensor", "custom_sensor", "bone", "hand", "skin"})
 """Tables that define the shape of the finger."""
 CLOSED_MOLD = FINGER | {"mold"}
 """Tables that define the shape of finger and mold."""
-PARTS = CLOSED_MOLD | {"name", "printer"}
+PARTS = CLOSED_MOLD | {"name", "printer", "strength"}
 """Tables that the checks of the printed parts read: the mold halves carry the design's name, and the printer's scale
-and limits decide on the checks."""
+and limits and the loads decide on the checks."""
 SIMULATION = FINGER | {"board", "detector", "mold"}
 """Tables that a simulation can depend on. It uses the pad's shape, which is derived together with the mold's
 lengths."""
@@ -56,6 +56,7 @@ GROUPS = {
         OutputGroup("bone", CLOSED_MOLD, 4),
         OutputGroup("mold", CLOSED_MOLD | {"name"}, 4),
         OutputGroup("strength", CLOSED_MOLD | {"strength"}, 4),
+        OutputGroup("walls", CLOSED_MOLD | {"printer"}, 5),
         OutputGroup("thickness", CLOSED_MOLD, 4),
         OutputGroup("casting", CLOSED_MOLD | {"name"}, 5),
         OutputGroup("checks", PARTS, 6),
@@ -96,6 +97,8 @@ OUTPUTS = {
         SweepOutput("grip_safety_factor", "strength", "strength of the bone over its stress at strength.grip_force_n"),
         SweepOutput("shock_safety_factor", "strength", "the same at strength.shock_force_n"),
         SweepOutput("weakest_z_mm", "strength", "height of the bone's weakest cross-section"),
+        SweepOutput("tendon_force_n", "strength", "force of a clevis's tendon at the grip force on the apex"),
+        SweepOutput("min_bone_wall_mm", "walls", "thinnest wall of bone and lid, as their checks measure it"),
         SweepOutput("mold_palmar_volume_mm3", "mold", "volume of the palmar mold half"),
         SweepOutput("mold_dorsal_volume_mm3", "mold", "volume of the dorsal mold half"),
         SweepOutput("mold_mass_g", "mold", "mass of both mold halves at print_density_g_cm3"),

@@ -12,6 +12,7 @@ from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, build_volume_excess, print_scale
 from fingertip.cad.solids import scaled
+from fingertip.cad.strength.assess import BoneStrength, assess_strength
 from fingertip.cad.verification.assembly import check_assembly
 from fingertip.cad.verification.bone import check_air_vent, check_bone
 from fingertip.cad.verification.check import Check
@@ -34,6 +35,8 @@ class VerifiedParts:
     contents: Mapping[str, bytes]
     """File name -> bytes; no file has been written."""
     checks: tuple[Check, ...]
+    strength: BoneStrength | None
+    """Strength of the bone; None without a bone."""
 
 
 def verify(
@@ -77,7 +80,9 @@ def verify(
     checks = [check for file, data in contents.items() for check in _check_file(design, file, data)]
     checks += check_assembly(design, evaluator, solids)
     checks += check_parts(design, evaluator, meshes)
-    return VerifiedParts(meshes, contents, tuple(checks))
+    strength = assess_strength(design, evaluator) if "bone" in meshes else None
+    checks += check_strength(design, strength) if strength else ()
+    return VerifiedParts(meshes, contents, tuple(checks), strength)
 
 
 def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, Mesh]) -> Iterator[Check]:
@@ -96,6 +101,15 @@ def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, M
         yield from check_mold(design, evaluator)
     if "core" in meshes:
         yield check_sleeve_stretch(design, evaluator)
+
+
+def check_strength(design: Design, strength: BoneStrength) -> tuple[Check, ...]:
+    """Check the safety factors of the bone against the limits of the design."""
+    limits = design.strength
+    return (
+        Check("bone.safety_factor.grip", strength.grip_safety_factor, limits.min_grip_factor, "", "at least"),
+        Check("bone.safety_factor.shock", strength.shock_safety_factor, limits.min_shock_factor, "", "at least"),
+    )
 
 
 def validate_tolerance(tolerance_mm: float) -> None:

@@ -62,6 +62,19 @@ def arc_abscissa(y: float, w: float) -> float:
     return 1.0 - 2.0 * y * y / (b + math.sqrt(b * b - 4.0 * y * y))
 
 
+def weight_of_fullness(fullness: float) -> float:
+    """Return the weight of the arc that has a given width at half of its height.
+
+    With (x + y - 1)^2 = 4 w^2 (1 - x) (1 - y), the equation of the unit arc, and y = 1/2.
+
+    Parameters
+    ----------
+    fullness
+        Width at half the height, relative to the full width: 0.5 for a triangle, 0.866 for an ellipse, 1 for a box.
+    """
+    return (fullness - 0.5) / math.sqrt(2.0 * (1.0 - fullness))
+
+
 def arc_area(w: float) -> float:
     """Return the area between the unit arc and the axes: pi/4 for the ellipse, 1/2 at w = 0, 1 in the limit of large w.
 
@@ -77,7 +90,7 @@ def arc_area(w: float) -> float:
 
 @dataclass(frozen=True)
 class CrossSection:
-    """Cross-section by half width and two half heights [mm], each half with its own arc weight (squareness)."""
+    """Cross-section by half width and two half heights [mm], each half with its own arc weight."""
 
     half_width: float
     palmar: float

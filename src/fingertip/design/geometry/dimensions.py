@@ -10,7 +10,7 @@ import math
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip
+from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
 from fingertip.design.geometry.joint import Joint, TendonAnchor
 from fingertip.design.geometry.tail_fold import SensorTail, TailFold, fold_tail
 from fingertip.numerics import bisect
@@ -69,11 +69,11 @@ class Dimensions:
             skin.width_mm / 2,
             skin.semi_axis_palmar_mm,
             skin.semi_axis_dorsal_mm,
-            skin.squareness_palmar,
-            skin.squareness_dorsal,
+            weight_of_fullness(skin.pulp_fullness),
+            weight_of_fullness(skin.nail_fullness),
         )
         stations = ((0.0, 1.0), (self.taper_end_z, skin.taper_ratio))
-        return ConicBody(section, stations, Tip(skin.length_mm, skin.squareness_tip))
+        return ConicBody(section, stations, Tip(skin.length_mm, weight_of_fullness(skin.tip_fullness)))
 
     @cached_property
     def joint(self) -> Joint | None:
@@ -122,8 +122,8 @@ class Dimensions:
             half_width - skin.thickness_side_mm,
             skin.semi_axis_palmar_mm - skin.thickness_side_mm,
             skin.semi_axis_dorsal_mm - skin.thickness_dorsal_mm,
-            bone.squareness_palmar,
-            skin.squareness_dorsal,
+            weight_of_fullness(bone.palmar_fullness),
+            weight_of_fullness(skin.nail_fullness),
         )
         # The taper keeps the side thickness where the tip begins. The base runs straight below the skin.
         tapered = half_width * skin.taper_ratio - skin.thickness_side_mm
@@ -131,7 +131,7 @@ class Dimensions:
         return ConicBody(
             section,
             ((self.base_end_z, 1.0), (0.0, 1.0), (self.taper_end_z, scale)),
-            Tip(skin.length_mm - skin.thickness_tip_mm, skin.squareness_tip),
+            Tip(skin.length_mm - skin.thickness_tip_mm, weight_of_fullness(skin.tip_fullness)),
         )
 
     @cached_property
@@ -270,8 +270,8 @@ class Dimensions:
             skin.width_mm / 2 - bone.collar_inset_mm,
             skin.semi_axis_palmar_mm - bone.collar_inset_mm,
             skin.semi_axis_dorsal_mm - bone.collar_inset_mm,
-            skin.squareness_palmar,
-            skin.squareness_dorsal,
+            weight_of_fullness(skin.pulp_fullness),
+            weight_of_fullness(skin.nail_fullness),
         )
         return ConicBody(section, ((-bone.collar_length_mm, 1.0), (0.0, 1.0)))
 

@@ -71,12 +71,12 @@ class Bone(ParameterTable):
         minimum=4,
         maximum=60,
     )
-    squareness_palmar: float = quantity(
-        1.3,
+    palmar_fullness: float = quantity(
+        0.9422,
         "",
-        "Squareness of the palmar edges, the weight of their conic arcs (0.71: ellipse, 2: near a box).",
-        minimum=0.5,
-        maximum=8,
+        "Width of the bone at half its palmar height, before the flat is cut, relative to its full width.",
+        minimum=0.8,
+        maximum=0.998,
     )
     rim_mm: float = quantity(
         0.6,
@@ -236,18 +236,26 @@ class Skin(ParameterTable):
         minimum=0.4,
         maximum=1,
     )
-    squareness_palmar: float = quantity(
-        0.8, "", "Squareness of the pad, the weight of its conic arcs (0.71: ellipse).", minimum=0.4, maximum=4
-    )
-    squareness_dorsal: float = quantity(
-        0.75, "", "Squareness of the dorsal side, the weight of its conic arcs (0.71: ellipse).", minimum=0.4, maximum=4
-    )
-    squareness_tip: float = quantity(
-        0.75,
+    pulp_fullness: float = quantity(
+        0.8845,
         "",
-        "Squareness of the tip's profile, the weight of its conic arcs (0.71: ellipse).",
-        minimum=0.4,
-        maximum=4,
+        "Width of the pulp at half its height, relative to the full width (0.5: triangle, 0.866: ellipse, 1: box).",
+        minimum=0.77,
+        maximum=0.9925,
+    )
+    nail_fullness: float = quantity(
+        0.875,
+        "",
+        "Width of the nail side at half its height, relative to the full width.",
+        minimum=0.77,
+        maximum=0.9925,
+    )
+    tip_fullness: float = quantity(
+        0.875,
+        "",
+        "Size of the cross-section halfway along the rounded tip, relative to where the tip begins.",
+        minimum=0.77,
+        maximum=0.9925,
     )
     thickness_side_mm: float = quantity(2.0, "mm", "Skin thickness at the sides.", minimum=0.4, maximum=15)
     thickness_palmar_mm: float = quantity(

@@ -129,14 +129,14 @@ def sensor_fits_flat(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("bone.squareness_palmar", sensor_fits_flat, flat_within_bone)
+@RULES.rule("bone.palmar_fullness", sensor_fits_flat, flat_within_bone)
 def flat_edges_within_skin(design: DesignTables) -> Violation | None:
     """The edges of the bone's flat stay away from the skin's surface."""
     thickness = _edge_thickness(design)
     if thickness >= _EDGE_THICKNESS:
         return None
     return Violation(
-        f"{design.bone.squareness_palmar:g} brings the edges of the bone's flat to {max(0.0, thickness):.2f} mm from "
+        f"{design.bone.palmar_fullness:g} brings the edges of the bone's flat to {max(0.0, thickness):.2f} mm from "
         f"the skin's surface (measured sideways); at least {_EDGE_THICKNESS:g} mm are required"
     )
 

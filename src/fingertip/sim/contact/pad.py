@@ -14,6 +14,7 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.design import Design
+from fingertip.design.geometry.conic import weight_of_fullness
 
 YOUNG_PA = 1.0e6
 """Young's modulus of silicone of Shore hardness 40 A [Pa]. Published values range from 0.7 to 2.0 MPa."""
@@ -42,7 +43,7 @@ class Pad:
     def from_design(cls, design: Design, resonance_hz: float = RESONANCE_HZ) -> Pad:
         """Build the pad of a design, with the curvature of its palmar conic arc: ``R = 2 w^2 a^2 / b``."""
         a, b = design.skin.width_mm / 2, design.skin.semi_axis_palmar_mm
-        return cls(2 * design.skin.squareness_palmar**2 * a * a / b * 1e-3, resonance_hz)
+        return cls(2 * weight_of_fullness(design.skin.pulp_fullness) ** 2 * a * a / b * 1e-3, resonance_hz)
 
     @property
     def _modulus_pa(self) -> float:

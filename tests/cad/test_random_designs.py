@@ -24,7 +24,9 @@ from tests.conftest import DESIGNS, design_file
 TOLERANCE = 0.03
 MANY = int(os.environ.get("FINGERTIP_RANDOM_DESIGNS", "0"))
 """Number of designs of each kind; 0 selects as many as a minute allows."""
-VARIED = [p.path for p in list_parameters() if p.path.startswith(("sensor.", "bone.", "skin.", "mold.")) and p.unit]
+TABLES = ("sensor.", "bone.", "hand.", "skin.", "mold.")
+VARIED = [p.path for p in list_parameters() if p.path.startswith(TABLES) and p.unit]
+UNLIMITED = ["strength.min_grip_factor=0", "strength.min_shock_factor=0"]
 
 
 def generate_accepted(seed: int) -> Iterator[Design]:
@@ -33,13 +35,13 @@ def generate_accepted(seed: int) -> Iterator[Design]:
     while True:
         file = design_file(rng.choice(DESIGNS))
         base = Design.load(file)
-        changes = []
+        changes = [*UNLIMITED]
         for path in rng.sample(VARIED, rng.randint(3, 12)):
             section, key = path.split(".")
             changes.append(f"{path}={getattr(getattr(base, section), key) * rng.uniform(0.5, 2.0)}")
         changes.append(f"bone.base_length_mm={rng.uniform(8, 45)}")
         changes.append(f"mold.method={rng.choice(('overmold', 'sleeve'))}")
-        changes.append(f"bone.interface={rng.choice(('post', 'socket', 'flange'))}")
+        changes.append(f"bone.interface={rng.choice(('post', 'socket', 'flange', 'clevis'))}")
         with contextlib.suppress(DesignError):
             yield Design.load(file, changes=changes)
 

@@ -182,9 +182,10 @@ class Dimensions:
 
     @cached_property
     def cable_groove_end_z(self) -> float:
-        """Proximal end of this groove, outside the mold's recess."""
-        bone = self._design.bone
-        return -max(bone.collar_length_mm, self._design.mold.recess_length_mm) - self.cable_groove_depth
+        """Proximal end of this groove, outside the mold's recess and past the window."""
+        bone, fold = self._design.bone, self.fold
+        inside = max(bone.collar_length_mm, self._design.mold.recess_length_mm)
+        return -max(inside, -fold.window_low_z if fold else 0.0) - self.cable_groove_depth
 
     @cached_property
     def tail_end_z(self) -> float:

@@ -16,6 +16,8 @@ from fingertip.toml_files import FileKind, identify_kind
 
 _IN_WHEEL = Path(__file__).parent / "params"
 _IN_CHECKOUT = Path(__file__).parents[2] / "params"
+PARAMS = _IN_WHEEL if _IN_WHEEL.is_dir() else _IN_CHECKOUT
+"""Folder of the bundled files."""
 _FOLDERS = ("", "scenes", "sweeps")
 _BARE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
 _MAX_SUGGESTIONS = 3
@@ -23,8 +25,7 @@ _MAX_SUGGESTIONS = 3
 
 def list_bundled_files(*kinds: FileKind) -> dict[str, Path]:
     """List the bundled files of some kinds, or of all kinds, by bare name. No two files have the same name."""
-    top = _IN_WHEEL if _IN_WHEEL.is_dir() else _IN_CHECKOUT
-    files = {path.stem: path for folder in _FOLDERS for path in sorted((top / folder).glob("*.toml"))}
+    files = {path.stem: path for folder in _FOLDERS for path in sorted((PARAMS / folder).glob("*.toml"))}
     return {name: path for name, path in files.items() if not kinds or identify_kind(path) in kinds}
 
 

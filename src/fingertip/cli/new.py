@@ -16,9 +16,28 @@ from fingertip.cli.console import Console, JsonOption, QuietOption, command, fin
 def new(
     name: Annotated[str, typer.Argument(help="Name of the design: up to 40 letters, digits, - and _.")],
     sensor: Annotated[
-        str,
-        typer.Option("--sensor", help="Sensor: fsr400, fsr400_short, fsr402, fsr402_short or custom (see the file)."),
-    ] = "fsr400",
+        str | None,
+        typer.Option(
+            "--sensor",
+            help="Sensor: fsr400, fsr400_short, fsr402, fsr402_short or custom (see the file); fsr400 by default.",
+        ),
+    ] = None,
+    preset: Annotated[
+        str | None,
+        typer.Option(
+            "--preset",
+            help="Anatomical size, with a joint: adult_finger, adult_thumb, youth_finger, youth_thumb, child_finger or "
+            "child_thumb.",
+        ),
+    ] = None,
+    hand: Annotated[
+        str | None,
+        typer.Option(
+            "--hand",
+            metavar="FILE",
+            help="File with the [hand] section of your hand, or a bundled hand: flexible_flyer or david_finger.",
+        ),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="FILE", help="File to write; NAME.toml by default.")
     ] = None,
@@ -27,11 +46,12 @@ def new(
 ) -> None:
     """Write a design file with comments, to be edited: the main parameters, and all others as comments.
 
-    The bundled design of the sensor is the base. An existing file is never overwritten.
+    The bundled design of the sensor is the base, or the preset. With a preset or a hand, lengths that nobody measures
+    are fitted until the design can be made. An existing file is never overwritten.
     """
     from fingertip.bundled import list_bundled_files
     from fingertip.design.new_design import write_new_design
-    from fingertip.errors import DesignError, FingertipError, Issue
+    from fingertip.errors import FingertipError, Issue
     from fingertip.files import write_file
     from fingertip.toml_files import DESIGN
 
@@ -39,19 +59,24 @@ def new(
     issues = list(find_suffix_issues("--out", out, ".toml", "TOML"))
     if name in list_bundled_files(DESIGN):
         issues.append(Issue("NAME", f"{name} is the name of a bundled design; choose another, such as my_{name}."))
-    text = ""
+    made = None
     try:
-        text = write_new_design(name, sensor)
-    except DesignError as error:
-        options = {"name": "NAME", "sensor": "--sensor"}
+        made = write_new_design(name, sensor, preset, hand, console.progress)
+    except FingertipError as error:
+        options = {"name": "NAME", "sensor": "--sensor", "preset": "--preset"}
         issues += (Issue(options.get(issue.field, issue.field), issue.message) for issue in error.issues)
     path = out or Path(f"{name}.toml")
-    if text and os.path.lexists(path):
+    if made and os.path.lexists(path):
         problem = "is a folder" if path.is_dir() else "exists and is not overwritten"
         issues.append(Issue(str(path), f"{problem}; give another name, or another file with --out."))
     if issues:
         raise FingertipError(issues)
-    write_file(path, text.encode())
+    assert made
+    write_file(path, made.text.encode())
     following = f"fingertip make {shlex.quote(path.as_posix())}"
-    data = {"design": path.as_posix(), "name": name, "sensor": sensor, "next": following}
-    console.result(data, f"wrote {path}; edit it, then run: {following}")
+    data = {
+        "design": path.as_posix(), "name": name, "sensor": made.sensor, "base": made.base,
+        "fitted": {name: list(values) for name, values in made.fitted.items()}, "next": following,
+    }  # fmt: skip
+    fitted = [f"fitted: {name} {before:g} -> {after:g}" for name, (before, after) in made.fitted.items()]
+    console.result(data, "\n".join([*fitted, f"wrote {path}; edit it, then run: {following}"]))

@@ -7,13 +7,16 @@ moved, or its # removed, without regard to tables.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from fingertip.design.export import Parameter, list_parameters
+from fingertip.design.fit import fit_design
+from fingertip.design.hands import find_hand
 from fingertip.design.issues import issues_from_pydantic, suggest_name
 from fingertip.design.load import load_tables
 from fingertip.design.model import Design
@@ -54,49 +57,105 @@ _MAIN_PARAMETERS = (
 )
 """Parameters that a user changes first. They stand at the top."""
 
+_JOINT_PARAMETERS = (
+    "hand.knuckle",
+    "hand.width_mm",
+    "hand.axis_height_mm",
+    "hand.pin_diameter_mm",
+    "hand.clearance_radius_mm",
+    "hand.tendon_distance_mm",
+    "hand.travel_deg",
+    "hand.length_limit_mm",
+)
+"""Parameters that stand at the top of a design with a clevis: what is measured on the hand."""
+PRESETS = ("adult_finger", "adult_thumb", "youth_finger", "youth_thumb", "child_finger", "child_thumb")
+"""Bundled designs of anatomical size, each with a clevis."""
 _MAX_COLUMN_WIDTH = 40
 """Maximum column in which the comments of a block begin. A longer line shifts its own comment only."""
 
 
-def write_new_design(name: str, sensor: str) -> str:
-    """Write a design file with the bundled design of a sensor as its base.
+@dataclass(frozen=True)
+class NewDesign:
+    """Text of a new design file, and what was fitted for it."""
+
+    text: str
+    sensor: str
+    base: str
+    """Bundled design that it began from."""
+    fitted: Mapping[str, tuple[float, float]]
+    """Parameter -> value in the base and in the new design."""
+
+
+def write_new_design(
+    name: str,
+    sensor: str | None = None,
+    preset: str | None = None,
+    hand: str | Path | None = None,
+    progress: Callable[[str], None] = lambda message: None,
+) -> NewDesign:
+    """Write a design file with a bundled design as its base.
+
+    A preset has a joint. With a preset or a hand, lengths that nobody measures are fitted until all rules pass.
 
     Parameters
     ----------
     name
         Name of the design.
     sensor
-        Model of the sensor, as in sensor.model.
+        Model of the sensor, as in sensor.model; by default that of the preset, or fsr400.
+    preset
+        One of `PRESETS`; with a hand, adult_finger by default.
+    hand
+        File with a [hand] section, or name of a bundled hand.
+    progress
+        Called with a message while lengths are fitted.
 
     Returns
     -------
-    str
+    NewDesign
         TOML text with a description, the unit and the bounds of each parameter in a comment.
 
     Raises
     ------
     DesignError
-        If the name cannot name a design, or if the sensor is not known.
+        If the name cannot name a design, if sensor or preset is not known, or if no lengths fit.
+    TomlFileError
+        If the hand file cannot be read.
     """
     issues: list[Issue] = []
     try:
         DesignTables(name=name)
     except ValidationError as error:
         issues += issues_from_pydantic(error, Design)
-    if sensor not in _BASES:
+    if sensor is not None and sensor not in _BASES:
         issues.append(Issue("sensor", f"{sensor!r} is not known; {suggest_name(sensor, list(_BASES))}"))
+    if preset is not None and preset not in PRESETS:
+        issues.append(Issue("preset", f"{preset!r} is not known; {suggest_name(preset, PRESETS)}"))
     if issues:
         raise DesignError(issues)
-    base = _BASES[sensor]
-    tables = load_tables([base.design], [f"sensor.model={sensor}", *base.changes]).tables
-    return "\n".join(_list_lines(Design(**tables | {"name": name}), base.design)) + "\n"
+    if preset is None and hand is None:
+        base = _BASES[sensor or "fsr400"]
+        tables = load_tables([base.design], [f"sensor.model={sensor or 'fsr400'}", *base.changes]).tables
+        design = Design(**tables | {"name": name})
+        return NewDesign("\n".join(_list_lines(design, base.design)) + "\n", design.sensor.model, base.design, {})
+    start = preset or "adult_finger"
+    files: list[str | Path] = [start, *([find_hand(hand)] if hand is not None else [])]
+    tables = load_tables(files, [f"sensor.model={sensor}"] if sensor else []).tables
+    try:
+        given = DesignTables(**tables | {"name": name})
+    except ValidationError as error:
+        raise DesignError(issues_from_pydantic(error, Design)) from None
+    fit = fit_design(given, progress=lambda share: progress(f"fitting lengths: {share:.0%} of the search"))
+    design = Design(**fit.tables.model_dump())
+    return NewDesign("\n".join(_list_lines(design, start)) + "\n", design.sensor.model, start, fit.changes)
 
 
 def _list_lines(design: Design, base: str) -> Iterator[str]:
     """Yield the lines of the file."""
     parameters = {parameter.path: parameter for parameter in list_parameters()}
     name = parameters.pop("name")
-    main = [parameters.pop(path) for path in _MAIN_PARAMETERS]
+    joint = _JOINT_PARAMETERS if design.bone.interface == "clevis" else ()
+    main = [parameters.pop(path) for path in (*_MAIN_PARAMETERS, *joint)]
     if design.sensor.model == "custom":
         main[1:1] = [parameters.pop(path) for path in list(parameters) if path.startswith("custom_sensor.")]
     changed = [p for p in parameters.values() if design.value(p.path) != p.default]

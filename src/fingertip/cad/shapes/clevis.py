@@ -83,7 +83,9 @@ def knuckle(design: Design, joint: Joint) -> Solid:
     """Build the hand's part of the joint as `[hand]` describes it, for checks and pictures: knuckle and shoulder."""
     hand, reach = design.hand, 4 * joint.radius
     y, z, half = joint.axis_y, joint.axis_z, hand.width_mm / 2
-    shoulder = Box((-reach, y - reach, z - joint.radius - reach), (reach, y + reach, z - joint.radius))
+    # The hand ends on its palmar side at the height from which its axis is measured.
+    palmar = y - hand.axis_height_mm
+    shoulder = Box((-reach, palmar, z - joint.radius - reach), (reach, y + reach, z - joint.radius))
     neck = union(
         Box((-reach, y - joint.radius + STEP_MM, z - joint.radius - STEP_MM), (reach, y + joint.radius - STEP_MM, z)),
         cylinder("x", (y, z), -reach, reach, joint.radius),

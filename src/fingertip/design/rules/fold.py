@@ -97,6 +97,28 @@ def cheeks_hold_the_nose(design: DesignTables) -> Violation | None:
     return Violation(f"{width:g} mm leaves no wall beside the folded tail", passing)
 
 
+@RULES.rule("skin.width_mm", bone_left_at_sides, bone_left_dorsally, tip_within_skin)
+def trough_keeps_side_walls(design: DesignTables) -> Violation | None:
+    """The bone keeps a wall beside the film's space at the end of the trough, where the finger is narrowest."""
+    dims, wall = design.dimensions, design.bone.wall_mm
+    fold, section = dims.fold, dims.bone_outline.section
+    if fold is None:
+        return None
+    half = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
+    top, scale = fold.floor_y + fold.film_space_mm, _outline_scale(design, fold.trough_end_z)
+    angles = [math.pi / 2 * i / _DIRECTIONS for i in range(_DIRECTIONS)]
+    lacking = max(
+        half + wall * math.cos(a) - section.half_width_at(max(top + wall * math.sin(a), 0.0), scale) for a in angles
+    )
+    if lacking <= SLACK:
+        return None
+    width = design.skin.width_mm
+    return Violation(
+        f"{width:g} mm leaves no wall beside the end of the folded tail",
+        at_least(width + 2 * lacking / scale) if scale > 0.0 else (),
+    )
+
+
 def _find_lacking_roof(design: DesignTables, half_width: float, top: float, end_z: float) -> float:
     """Find by how much the top of a space [mm] must be lower for its corners to keep a wall; 0 if they keep it."""
     scale = _outline_scale(design, end_z)

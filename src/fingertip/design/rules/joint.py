@@ -18,6 +18,8 @@ _BELOW_SEAL_MM = 0.2
 """Gap between the anchor and the sealing part of the collar at a folded tail [mm]."""
 _NOTCH_HALF_WIDTH_MM = 1.25
 """Half the width of the notch of a tendon [mm]."""
+_MIN_SLOPE = 0.05
+"""Least sine or cosine by which a length is divided."""
 _DIRECTIONS, _ANGLES = 16, 120
 """Directions in which walls are measured, and angles of the joint that are tried."""
 
@@ -142,6 +144,37 @@ def travel_free(design: DesignTables) -> Violation | None:
                 at_most(free) if free else (),
             )
     return None
+
+
+@RULES.rule("hand.travel_deg", *_SOUND_BASE, collar_carries_skin)
+def bent_stop_long_enough(design: DesignTables) -> Violation | None:
+    """The stop of the bent finger has a length of half the pin's diameter within the finger's outline."""
+    joint, travel = design.dimensions.joint, design.hand.travel_deg
+    if joint is None or travel == 0.0:
+        return None
+
+    def holds(angle_deg: float) -> bool:
+        return _stop_length(design, joint, angle_deg) >= joint.pin_radius - SLACK
+
+    if holds(travel):
+        return None
+    passing = [angle for angle in range(1, 111) if holds(float(angle))]
+    nearest = min(passing, key=lambda angle: abs(angle - travel), default=None)
+    return Violation(
+        f"{travel:g} degrees leave no hard stop for the bent finger within its outline",
+        ((float(nearest), float(nearest)),) if nearest else (),
+    )
+
+
+def _stop_length(design: DesignTables, joint: Joint, angle_deg: float) -> float:
+    """Length [mm] of the palmar stop that lies within the base, or in the chin below it, outside the mold."""
+    dims, angle = design.dimensions, math.radians(angle_deg)
+    palmar, proximal = joint.radius * math.sin(angle), joint.radius * math.cos(angle)
+    across, along = max(math.cos(angle), _MIN_SLOPE), max(math.sin(angle), _MIN_SLOPE)
+    top = min(-design.mold.recess_length_mm, joint.shoulder_z) - joint.clearance - joint.axis_z
+    in_base = (dims.flat_depth + joint.axis_y - palmar) / across
+    in_chin = min((dims.collar.section.palmar + joint.axis_y - palmar) / across, (top + proximal) / along)
+    return max(in_base, in_chin)
 
 
 def _find_highest_anchor(design: DesignTables, anchor: TendonAnchor) -> float:

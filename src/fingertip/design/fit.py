@@ -1,0 +1,156 @@
+"""Fit of a design: lengths that nobody measures on a hand are adjusted until every rule passes.
+
+The sizes of the finger and of the hand's joint are given. Wall thicknesses, the place of the sensor, the collar and
+the like may vary within sensible ranges. A seeded random search lowers the number of broken rules to zero; each value
+then moves back towards where it began, as far as the rules allow. The same input gives the same design.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+
+from fingertip.design.parameters import DesignTables
+from fingertip.design.rules import PART_RULES
+from fingertip.design.rules.remedies import find_remedies
+from fingertip.design.rules.ruleset import BrokenRule, find_violations
+from fingertip.design.rules.search import cheapest_first
+from fingertip.errors import DesignError
+
+FREE: Mapping[str, tuple[float, float]] = {
+    "sensor.distance_from_tip_mm": (6.5, 15.0),
+    "skin.tip_length_mm": (6.0, 14.0),
+    "skin.taper_ratio": (0.9, 1.0),
+    "skin.thickness_side_mm": (1.0, 2.5),
+    "skin.thickness_palmar_mm": (2.0, 4.0),
+    "skin.thickness_dorsal_mm": (0.8, 2.0),
+    "skin.thickness_tip_mm": (1.4, 3.0),
+    "bone.base_length_mm": (8.0, 20.0),
+    "bone.palmar_fullness": (0.92, 0.99),
+    "bone.rim_mm": (0.3, 0.6),
+    "bone.collar_length_mm": (2.0, 8.0),
+    "bone.collar_inset_mm": (0.25, 0.6),
+    "mold.recess_length_mm": (3.2, 12.0),
+    "mold.funnel_diameter_mm": (4.5, 7.0),
+    "mold.fit_clearance_mm": (0.1, 0.15),
+    "hand.tendon_distance_mm": (2.0, 8.0),
+    "hand.travel_deg": (30.0, 110.0),
+}
+"""Ranges of the lengths that a fit may change, in the unit of each."""
+_STARTS, _STEPS = 6, 1200
+"""Number of searches from the beginning, and largest number of designs that each of them tries."""
+_BACK_STEPS = 8
+"""Halvings by which a value moves back towards where it began."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Design that passes, and what was changed for it."""
+
+    tables: DesignTables
+    changes: Mapping[str, tuple[float, float]]
+    """Parameter -> value before and after."""
+
+
+def fit_design(
+    tables: DesignTables, given: Collection[str] = (), progress: Callable[[float], None] = lambda share: None
+) -> Fit:
+    """Adjust the free lengths of a design until its parts can be made.
+
+    Parameters
+    ----------
+    tables
+        The design, with values within their own bounds.
+    given
+        Names of free parameters that are given, so that they must stay.
+    progress
+        Called with the share of the search that is done.
+
+    Raises
+    ------
+    DesignError
+        If no combination was found. It describes the rules that the nearest one breaks.
+    """
+    rules = cheapest_first(PART_RULES)
+    free = {name: ends for name, ends in FREE.items() if name not in given and _is_used(tables, name)}
+    begin = {name: float(tables.value(name)) for name in free}
+
+    def broken(values: Mapping[str, float]) -> list[BrokenRule]:
+        return list(find_violations(rules, tables.with_values(values)))
+
+    nearest, values = math.inf, dict(begin)
+    for seed in range(_STARTS):
+        progress(seed / _STARTS)
+        score, reached = _search(seed, free, begin, broken)
+        if score < nearest:
+            nearest, values = score, reached
+        if nearest == 0.0:
+            break
+    if nearest:
+        raise DesignError(find_remedies(tables.with_values(values), broken(values), None, ()))
+    for _ in range(2):
+        for name in free:
+            values[name] = _move_back(name, begin[name], values, lambda trial: not broken(trial))
+    return Fit(
+        tables.with_values(values), {name: (begin[name], values[name]) for name in free if values[name] != begin[name]}
+    )
+
+
+def _search(
+    seed: int,
+    free: Mapping[str, tuple[float, float]],
+    begin: Mapping[str, float],
+    broken: Callable[[Mapping[str, float]], list[BrokenRule]],
+) -> tuple[float, dict[str, float]]:
+    """Change a few values at a time at random, and keep what does not raise the score. Return score and values."""
+    rng, values = random.Random(seed), dict(begin)
+    best = _score(broken(values))
+    for _ in range(_STEPS):
+        if best == 0.0:
+            break
+        trial = dict(values)
+        for name in rng.sample(sorted(free), rng.randint(1, 3)):
+            low, high = free[name]
+            trial[name] = round(min(max(trial[name] + rng.gauss(0.0, 0.2) * (high - low) * rng.random(), low), high), 2)
+        if (score := _score(broken(trial))) <= best:
+            best, values = score, trial
+    return best, values
+
+
+def _is_used(tables: DesignTables, name: str) -> bool:
+    """Return whether a free parameter matters: those of the joint do so in a clevis with tendon and stops only."""
+    if name.startswith("hand."):
+        return tables.bone.interface == "clevis" and bool(tables.value(name))
+    return True
+
+
+def _score(found: list[BrokenRule]) -> float:
+    """Measure how far a design is from passing: one for each broken rule, and less where a small change repairs it."""
+    total = 0.0
+    for rule in found:
+        present, ends = (
+            rule.design.value(rule.rule.field),
+            [e for i in rule.violation.passing for e in i if abs(e) < 1e6],
+        )
+        nearest = min((abs(present - end) for end in ends), default=None) if isinstance(present, float) else None
+        total += 1.0 + (1.0 if nearest is None else min(0.9, nearest / max(1.0, abs(present))))
+    return total
+
+
+def _move_back(
+    name: str, begin: float, values: Mapping[str, float], passes: Callable[[Mapping[str, float]], bool]
+) -> float:
+    """Move one value towards where it began, as far as the design passes; rounded to hundredths."""
+    here = values[name]
+    if passes({**values, name: begin}):
+        return begin
+    low, high = 0.0, 1.0  # shares of the way back that pass and fail
+    for _ in range(_BACK_STEPS):
+        middle = (low + high) / 2
+        if passes({**values, name: round(here + middle * (begin - here), 2)}):
+            low = middle
+        else:
+            high = middle
+    return round(here + low * (begin - here), 2)

@@ -1,0 +1,178 @@
+"""Clevis: presets and hands pass every check, the joint moves as it is stated, and checks see a fault."""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import replace
+
+import pytest
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes import clevis, interface
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.solids import Solid, union
+from fingertip.cad.strength.pin_joint import stress_joint, tendon_force_per_n
+from fingertip.cad.verification import joint as joint_checks
+from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.verify import verify
+from fingertip.design import Design
+from fingertip.design.geometry.joint import Joint
+from fingertip.design.new_design import PRESETS
+from tests.conftest import design_file
+
+LENGTH_MM = {
+    "adult_finger": 35.0, "adult_thumb": 37.0, "youth_finger": 34.0, "youth_thumb": 35.0, "child_finger": 33.0,
+    "child_thumb": 34.0,
+}  # fmt: skip
+TONGUE = ["hand.knuckle=fork", "bone.base_length_mm=14.4", "strength.min_shock_factor=0"]
+FSR402 = [
+    "sensor.model=fsr402", "sensor.tail=folded", "skin.length_mm=31.9", "bone.base_length_mm=10.1",
+    "bone.groove_depth_mm=0", "bone.wall_mm=0.8", "bone.interface=clevis", "bone.collar_length_mm=5",
+    "mold.recess_length_mm=6.2", "hand.width_mm=9", "hand.axis_height_mm=8", "hand.travel_deg=60",
+    "skin.min_thickness_mm=0.7", "strength.min_grip_factor=2", "strength.min_shock_factor=1.2",
+]  # fmt: skip
+
+
+def load(name: str, *changes: str) -> Design:
+    return Design.load(design_file(name), changes=changes)
+
+
+def run_checks(design: Design) -> dict[str, Check]:
+    found = verify(design, list(parts_by_name(design)), ("stl",), MeshEvaluator(0.02)).checks
+    return {check.name: check for check in found}
+
+
+def failed(design: Design) -> set[str]:
+    return {name for name, check in run_checks(design).items() if not check.passed}
+
+
+def length_mm(design: Design) -> float:
+    """Length from the tip of the skin to the joint axis, on the meshes."""
+    evaluator = MeshEvaluator(0.005)
+    tip = evaluator.manifold(PARTS["skin"].solid(design)).bounding_box()[5]
+    joint = design.dimensions.joint
+    assert joint
+    bore = evaluator.manifold(PARTS["bone"].solid(design)).slice(joint.axis_z)
+    # The section through the axis is cut by the bore over its whole diameter.
+    y = sorted({round(float(point[1]), 3) for ring in bore.to_polygons() for point in ring})
+    assert any(abs(value - (joint.axis_y - joint.pin_radius)) < 0.02 for value in y)
+    return tip - joint.axis_z
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PRESETS)
+def test_preset_passes_all_mesh_checks_with_its_safety_factors(name: str) -> None:
+    design = load(name)
+    assert failed(design) == set()
+    assert (design.strength.min_grip_factor, design.strength.min_shock_factor) == (2.0, 1.2)
+    assert length_mm(design) == pytest.approx(LENGTH_MM[name], abs=0.01)
+    if name == "child_finger":
+        assert design.skin.width_mm <= 14.0
+
+
+def test_adult_finger_reaches_its_length_and_safety_factors_at_the_full_loads() -> None:
+    design = load("adult_finger")
+    assert (design.strength.grip_force_n, design.strength.shock_force_n) == (20.0, 60.0)
+    assert design.strength.print_material == "surgical_guide"
+    assert design.skin.length_mm + design.bone.base_length_mm <= 35.0
+    assert failed(design) == set()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "changes"), [("adult_finger", TONGUE), ("fsr402", FSR402)])
+def test_tongue_and_fsr_402_pass_all_mesh_checks(name: str, changes: list[str]) -> None:
+    design = load(name, *changes)
+    assert failed(design) == set()
+    if name == "fsr402":
+        assert length_mm(design) <= 42.0 + 0.01
+
+
+@pytest.mark.parametrize("travel_deg", [20.0, 60.0, 90.0, 110.0])
+def test_profile_between_the_stops_never_meets_the_shoulder(travel_deg: float) -> None:
+    """Every corner stays on the near side of the shoulder, in the frame of the bone, at all angles of the travel."""
+    joint = Joint(0.0, 0.0, 1.0, 4.0, 0.3, True, 3.0, travel_deg)
+    corners = [point for point in joint.stopped_profile(20.0) if math.hypot(*point) > 0.0]
+    for i in range(101):
+        angle = math.radians(travel_deg * i / 100)
+        assert max(-y * math.sin(angle) - z * math.cos(angle) for y, z in corners) <= 4.0 + 1e-9
+    for angle in (0.0, math.radians(travel_deg)):
+        reached = max(-y * math.sin(angle) - z * math.cos(angle) for y, z in corners)
+        assert reached == pytest.approx(4.0)
+
+
+def test_too_large_eyes_block_the_travel(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = clevis.eye_profile
+
+    def larger(joint: Joint, reach: float) -> Solid:
+        return original(replace(joint, clearance=-0.5), reach)
+
+    monkeypatch.setattr(clevis, "eye_profile", larger)
+    assert "joint.travel_overlap" in failed(load("adult_finger"))
+
+
+def test_missing_stops_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = clevis.eye_profile
+
+    def round_only(joint: Joint, reach: float) -> Solid:
+        return original(replace(joint, travel_deg=0.0), reach)
+
+    monkeypatch.setattr(clevis, "eye_profile", round_only)
+    assert {"joint.stop_straight_overlap", "joint.stop_bent_overlap"} <= failed(load("adult_finger"))
+
+
+def test_walls_around_pin_and_anchor_are_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    def wider(joint: Joint, half_length: float) -> Solid:
+        return union(clevis.pin_bore(replace(joint, pin_radius=3.2), half_length))
+
+    monkeypatch.setattr(joint_checks, "pin_bore", wider)
+    checks = run_checks(load("adult_finger"))
+    assert not checks["bone.wall.pin_to_outside"].passed
+    assert checks["bone.wall.anchor_to_outside"].value == pytest.approx(0.8, abs=0.1)
+    # 6.5 mm of cheek outside the gap of 7.1 mm at the height of the axis, less at the edge of the bore.
+    assert 1.5 < checks["bone.wall.cheek"].value < 2.95
+
+
+def test_free_knuckle_of_the_hand_is_larger_than_the_eye() -> None:
+    """The eyes are a clearance smaller than the space that the hand states, apart from the stops."""
+    design = load("adult_finger")
+    joint = design.dimensions.joint
+    assert joint
+    assert joint.eye_radius == pytest.approx(design.hand.clearance_radius_mm - design.bone.joint_clearance_mm)
+    assert interface.interface_genus(design) == 4
+
+
+def test_forces_of_the_joint_follow_from_its_levers() -> None:
+    """35 mm of lever about the pin against 4.5 mm of the tendon, and 5.1 x 2/3 mm of the stop."""
+    design = load("adult_finger")
+    assert tendon_force_per_n(design, 25.0) == pytest.approx(35.0 / 4.5)
+    stresses = {found.place: found for found in stress_joint(design, 25.0)}
+    section, joint = design.dimensions.bone_outline.section, design.dimensions.joint
+    assert joint
+    pull = 35.0 / (2 / 3 * (section.dorsal - joint.axis_y)) + 1.0
+    cheek = section.half_width_at(joint.axis_y + 1.0) - joint.half_width
+    assert stresses["end of the eye"].stress_per_n == pytest.approx(math.sqrt(3) * pull / (4 * cheek * (3.7 - 1.0)))
+    assert not stresses["bearing of the anchor"].at_shock
+    assert stresses["eye"].at_shock
+
+
+@pytest.mark.slow
+def test_random_joints_pass_every_mesh_check() -> None:
+    """Presets with random joints; what the rules accept moves freely and stops at both ends."""
+    rng, accepted = random.Random(3), 0
+    while accepted < 12:
+        changes = [
+            f"hand.width_mm={rng.uniform(3, 9):.2f}", f"hand.axis_height_mm={rng.uniform(5, 9):.2f}",
+            f"hand.pin_diameter_mm={rng.uniform(1, 4):.2f}", f"hand.clearance_radius_mm={rng.uniform(2.5, 7):.2f}",
+            f"hand.travel_deg={rng.choice((0, rng.uniform(5, 110))):.1f}",
+            f"bone.base_length_mm={rng.uniform(9, 18):.2f}",
+            f"hand.tendon_distance_mm={rng.choice((0.0, rng.uniform(3, 6))):.2f}",
+            f"hand.knuckle={rng.choice(('tongue', 'fork'))}", "strength.min_grip_factor=0",
+            "strength.min_shock_factor=0",
+        ]  # fmt: skip
+        try:
+            design = load(rng.choice(PRESETS), *changes)
+        except Exception:
+            continue
+        accepted += 1
+        assert failed(design) == set(), changes

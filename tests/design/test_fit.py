@@ -1,0 +1,88 @@
+"""Fit: presets need none, hands get one, and what does not fit is refused with the rule."""
+
+from __future__ import annotations
+
+import random
+import tomllib
+
+import pytest
+
+from fingertip.design import Design
+from fingertip.design.fit import FREE, fit_design
+from fingertip.design.hands import find_hand, list_hands
+from fingertip.design.load import load_tables
+from fingertip.design.new_design import PRESETS, write_new_design
+from fingertip.design.parameters import DesignTables
+from fingertip.design.rules import RULES
+from fingertip.design.rules.ruleset import find_violations
+from fingertip.errors import DesignError, TomlFileError
+from tests.conftest import design_file
+
+SHAPE = (
+    "skin.width_mm", "skin.length_mm", "skin.semi_axis_palmar_mm", "skin.semi_axis_dorsal_mm",
+    "skin.thickness_palmar_mm", "hand.width_mm", "hand.axis_height_mm", "hand.pin_diameter_mm",
+    "hand.clearance_radius_mm",
+)  # fmt: skip
+"""What is measured on a finger and on a hand."""
+
+
+def tables(name: str, **values: float) -> DesignTables:
+    return DesignTables(**load_tables([design_file(name)], []).tables).with_values(values)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_preset_needs_no_fit(name: str) -> None:
+    fit = fit_design(tables(name))
+    assert fit.changes == {}
+
+
+@pytest.mark.parametrize("hand", list_hands())
+def test_bundled_hand_gets_a_tip_of_its_own_sizes(hand: str) -> None:
+    new = write_new_design("mine", hand=hand)
+    design = Design(**tomllib.loads(new.text))
+    given = tomllib.loads(find_hand(hand).read_text())["hand"]
+    for name, value in given.items():
+        if f"hand.{name}" not in FREE:
+            assert getattr(design.hand, name) == value
+    assert "Not tried on the real hand." in " ".join(find_hand(hand).read_text().replace("#", "").split())
+    assert set(new.fitted) <= set(FREE)
+
+
+def test_fit_is_reproducible_and_passes_all_rules() -> None:
+    begin = tables("adult_finger", **{"skin.width_mm": 15.2, "skin.semi_axis_dorsal_mm": 8.0})
+    first, second = fit_design(begin), fit_design(begin)
+    assert first == second
+    assert first.changes
+    assert not list(find_violations(RULES, first.tables))
+    kept = {name: begin.value(name) for name in ("skin.width_mm", "skin.semi_axis_dorsal_mm", "skin.length_mm")}
+    assert all(first.tables.value(name) == value for name, value in kept.items())
+
+
+def test_given_lengths_stay() -> None:
+    begin = tables("adult_finger", **{"hand.clearance_radius_mm": 5.0})
+    assert "bone.base_length_mm" in fit_design(begin).changes
+    with pytest.raises(DesignError, match=r"bone\.base_length_mm"):
+        fit_design(begin, given=["bone.base_length_mm"])
+
+
+def test_a_file_that_is_no_hand_is_refused(tmp_path) -> None:
+    with pytest.raises(TomlFileError, match=r"is neither a file nor the name of a bundled"):
+        find_hand("nobody")
+    (tmp_path / "h.toml").write_text("[hand]\nwidth_mm = 5.0\n[skin]\nwidth_mm = 17.0\n")
+    with pytest.raises(TomlFileError, match=r"holds skin besides \[hand\]"):
+        find_hand(tmp_path / "h.toml")
+
+
+@pytest.mark.slow
+def test_half_of_the_fingers_near_a_preset_are_accepted() -> None:
+    """All that is measured on finger and hand is drawn within 20 % of a preset; the rest is fitted."""
+    rng, accepted, count = random.Random(11), 0, 24
+    for i in range(count):
+        base = tables(PRESETS[i % len(PRESETS)])
+        drawn = {name: round(base.value(name) * rng.uniform(0.8, 1.2), 2) for name in SHAPE}
+        try:
+            fit_design(base.with_values(drawn))
+            accepted += 1
+        except DesignError:
+            pass
+    assert accepted >= count / 2

@@ -21,7 +21,7 @@ from fingertip.toml_files import DESIGN, KINDS, SCENE, SWEEP
 from tests.conftest import ROOT, run_fingertip, run_python
 
 PARAMS = ROOT / "params"
-FILES = sorted(PARAMS.rglob("*.toml"))
+FILES = sorted(path for path in PARAMS.rglob("*.toml") if path.parent.name != "hands")  # found with --hand
 SMALL_MAP = ("--set", "axes.skin.width_mm=[16, 17]", "--set", "axes.skin.thickness_palmar_mm=[3.0]", "--jobs", "1")
 
 
@@ -81,15 +81,17 @@ def test_only_a_single_word_is_a_name(given: str, folder: Path) -> None:
     [
         ("fsr4", "fsr4: is neither a file nor the name of a bundled design; did you mean fsr400 or fsr402?"),
         (
-            "thumb",
-            "thumb: is neither a file nor the name of a bundled design; known names: fsr400, fsr400_compact, fsr402; "
-            "or give the path of a file.",
+            "wheel",
+            "wheel: is neither a file nor the name of a bundled design; known names: adult_finger, adult_thumb, "
+            "child_finger, child_thumb, fsr400, fsr400_compact, fsr402, youth_finger, youth_thumb; or give the path of "
+            "a file.",
         ),
         ("mine", "mine: is neither a file nor the name of a bundled design; did you mean mine.toml?"),
         (
             "hard_tap",
-            "hard_tap: is a scene file, not a design file; known names: fsr400, fsr400_compact, fsr402 "
-            "(`fingertip simulate` takes a scene file as its first argument).",
+            "hard_tap: is a scene file, not a design file; known names: adult_finger, adult_thumb, child_finger, "
+            "child_thumb, fsr400, fsr400_compact, fsr402, youth_finger, youth_thumb (`fingertip simulate` takes a "
+            "scene file as its first argument).",
         ),
     ],
 )

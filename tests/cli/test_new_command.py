@@ -14,7 +14,8 @@ import typer
 from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.design.export import list_parameters
-from fingertip.design.new_design import write_new_design
+from fingertip.design.hands import list_hands
+from fingertip.design.new_design import PRESETS, write_new_design
 from tests.conftest import run_fingertip
 
 SENSORS = ("fsr400", "fsr400_short", "fsr402", "fsr402_short", "custom")
@@ -53,7 +54,7 @@ def test_the_choice_of_sensors_is_that_of_the_parameter() -> None:
 
 @pytest.mark.parametrize("sensor", SENSORS)
 def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -> None:
-    text = write_new_design("mine", sensor)
+    text = write_new_design("mine", sensor).text
     uncommented = re.sub(r"^#(?=[a-z0-9_.]+ = )", "", text, flags=re.MULTILINE)
     assert Design(**tomllib.loads(uncommented)) == base(sensor)
     lines = {line.partition(" = ")[0]: line for line in uncommented.splitlines() if not line.startswith("#") and line}
@@ -66,7 +67,7 @@ def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -
 
 
 def test_the_top_of_the_file_is_short() -> None:
-    lines = write_new_design("mine", "fsr400").splitlines()
+    lines = write_new_design("mine", "fsr400").text.splitlines()
     set_here = [line.partition(" = ")[0] for line in lines if line and not line.startswith("#")]
     assert set_here[:3] == ["name", "sensor.model", "skin.width_mm"]
     assert len(set_here) <= 12
@@ -74,7 +75,7 @@ def test_the_top_of_the_file_is_short() -> None:
 
 
 def test_what_the_top_does_not_set_is_the_default_when_uncommented() -> None:
-    text = write_new_design("mine", "fsr402")
+    text = write_new_design("mine", "fsr402").text
     commented = dict(re.findall(r"^#([a-z_]+\.[a-z0-9_]+) = (.*?)  +#", text, re.MULTILINE))
     defaults = {p.path: p.default for p in list_parameters()}
     assert len(commented) > 60
@@ -92,6 +93,8 @@ def test_what_the_top_does_not_set_is_the_default_when_uncommented() -> None:
         (("fsr402",), "NAME: fsr402 is the name of a bundled design; choose another, such as my_fsr402."),
         (("mine", "--sensor", "fsr404"), "--sensor: 'fsr404' is not known; did you mean fsr400?"),
         (("mine", "--sensor", "piezo"), "--sensor: 'piezo' is not known; known names: fsr400, fsr400_short, "),
+        (("mine", "--preset", "child"), "--preset: 'child' is not known; did you mean child_"),
+        (("mine", "--hand", "flexible"), "flexible: is neither a file nor the name of a bundled hand; "),
         (("mine", "--out", "mine.txt"), "--out: 'mine.txt' is not the name of a TOML file, the only format written;"),
         (("mine", "--out", "."), "is a folder; give another name, or another file with --out."),
     ],
@@ -137,6 +140,8 @@ def test_out_json_and_quoting(folder: Path) -> None:
         "design": "my designs/first try.toml",
         "name": "mine",
         "sensor": "fsr400",
+        "base": "fsr400",
+        "fitted": {},
         "next": "fingertip make 'my designs/first try.toml'",
     }
     assert Design.load(data["design"]).name == "mine"
@@ -151,3 +156,25 @@ def test_the_next_command_runs(sensor: str, folder: Path) -> None:
     done = run_fingertip(*shlex.split(following)[1:], *quick)
     assert done.returncode == 0, done.stderr
     assert (folder / "out/mine/bone.stl").exists()
+
+
+def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
+    """The command names each length that it fitted, and the file holds the hand's own sizes."""
+    done = run_fingertip("new", "mine", "--preset", "adult_finger", "--hand", "david_finger")
+    assert done.returncode == 0, done.stderr
+    fitted = [line for line in done.stdout.splitlines() if line.startswith("fitted: ")]
+    assert fitted[0].startswith("fitted: bone.base_length_mm 10 -> ")
+    design = Design.load("mine.toml")
+    assert design.bone.interface == "clevis"
+    assert (design.hand.width_mm, design.hand.pin_diameter_mm) == (4.4, 5.0)
+    assert f"-> {design.bone.base_length_mm:g}" in fitted[0]
+    lines = Path("mine.toml").read_text().splitlines()
+    top = lines[: lines.index("")] + lines[: next(i for i, line in enumerate(lines) if line.startswith("# Other"))]
+    assert any(line.startswith("hand.width_mm = 4.4") for line in top)
+
+
+def test_the_choice_of_presets_is_that_of_the_help() -> None:
+    (option,) = (p for p in typer.main.get_command(app).commands["new"].params if p.name == "preset")  # type: ignore[attr-defined]
+    assert f"{', '.join(PRESETS[:-1])} or {PRESETS[-1]}" in option.help
+    (option,) = (p for p in typer.main.get_command(app).commands["new"].params if p.name == "hand")  # type: ignore[attr-defined]
+    assert all(name in option.help for name in list_hands())

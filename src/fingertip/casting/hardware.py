@@ -61,13 +61,39 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
             if design.dimensions.fold
             else {"item": "stranded wire", "pair_thinner_than_mm": bone.channel_diameter_mm, "count": 2}
         ),
-        {"item": "cable tie or thread", "thinner_than_mm": bone.tie_hole_diameter_mm, "count": 1},
+        *_strain_relief(design),
     ]  # fmt: skip
+
+
+def _strain_relief(design: Design) -> list[dict[str, Any]]:
+    """List what holds the wires to the bone; in a fork with a folded tail they are glued only."""
+    if design.dimensions.window_opens_into_gap:
+        return []
+    return [{"item": "cable tie or thread", "thinner_than_mm": design.bone.tie_hole_diameter_mm, "count": 1}]
+
+
+def _joint_hardware(design: Design) -> list[dict[str, Any]]:
+    """Pin of a clevis, and what holds its tendon."""
+    anchor, section = design.dimensions.anchor, design.dimensions.bone_outline.section
+    items: list[dict[str, Any]] = [
+        {
+            "item": "joint pin (steel)", "diameter_mm": design.hand.pin_diameter_mm,
+            "length_mm": round(2 * section.half_width, 1), "count": 1,
+        }
+    ]  # fmt: skip
+    if anchor:
+        items.append({
+            "item": "anchor pin of the tendon (steel)", "thinner_than_mm": design.bone.anchor_diameter_mm,
+            "length_mm": round(2 * design.dimensions.collar.section.half_width_at(anchor.y), 1), "count": 1,
+        })  # fmt: skip
+    return items
 
 
 def _interface_bolts(design: Design) -> list[dict[str, Any]]:
     """Items that hold the bone to the proximal phalanx."""
     bone = design.bone
+    if bone.interface == "clevis":
+        return _joint_hardware(design)
     if bone.interface == "flange":
         return [
             {

@@ -5,7 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from fingertip.casting.sensor_steps import describe_opening, list_mounting_steps, list_sealing_steps
+from fingertip.casting.sensor_steps import (
+    describe_opening,
+    list_joint_steps,
+    list_mounting_steps,
+    list_sealing_steps,
+)
 from fingertip.casting.slicer import HOW_TO_INSTALL
 
 Data = Mapping[str, Any]
@@ -67,6 +72,16 @@ def warnings(data: Data) -> list[str]:
             f"There is no room to engrave {', '.join(texts)} in strokes of {data['mold']['min_stroke_mm']:g} mm. Mark "
             "the mold halves with a pen."
         )
+    if data["skin_pull_off_n"] == 0.0:
+        found.append(
+            "Nothing but its own adhesion holds this skin on the bone. Degrease the bone, and pull the finger by its "
+            "skin before you trust it. A groove (bone.groove_depth_mm) holds a skin where the finger is long enough."
+        )
+    else:
+        found.append(
+            "The groove or the tightness of the sleeve holds the skin against a pull of some "
+            f"{data['skin_pull_off_n']:g} N, without adhesion, for the softest silicone of this kind."
+        )
     found += [
         "Do not use cyanoacrylate on the sensor: it wicks into the sensor, and its vapour damages it. Use the adhesive "
         "film.",
@@ -112,13 +127,14 @@ def steps(data: Data) -> list[str]:
         "flash around the base.",
     ]
     if not is_sleeve:
-        return [*list_mounting_steps(data), *cast, describe_opening(data)]
+        return [*list_mounting_steps(data), *cast, describe_opening(data), *list_joint_steps(data)]
     return [
         *cast,
         "Roll the skin off the core.",
         *list_mounting_steps(data),
         "Wet the outside of the bone with soapy water, but keep the sensor, its tail, the slot and the channel dry. "
         "Pull the skin over the bone until the edge of the skin sits on the collar. Let the skin and the bone dry.",
+        *list_joint_steps(data),
     ]
 
 
@@ -206,6 +222,10 @@ def _bill(data: Data) -> str:
             sizes.append(f"{entry['across_flats_mm']:g} mm across flats")
         if "crossed_mm" in entry:
             sizes.append(f"length = {entry['crossed_mm']:g} mm + mating part + nut")
+        if "diameter_mm" in entry:
+            sizes.append(f"{entry['diameter_mm']:g} mm")
+        if "length_mm" in entry and "thread_mm" not in entry:
+            sizes.append(f"{entry['length_mm']:g} mm long")
         if "thickness_mm" in entry:
             sizes.append(f"{entry['thickness_mm']:g} mm thick")
         if "pair_thinner_than_mm" in entry:

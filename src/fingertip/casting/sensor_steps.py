@@ -25,12 +25,19 @@ def list_mounting_steps(data: Mapping[str, Any]) -> list[str]:
         "Measure the sensor: above 1 Mohm untouched, some kilohm while you press its head with a finger.",
         "Thread the wires, then the tabs and the tail, from the pocket through the passage in the collar. Pull them "
         "out below the base. The head is wider than the window and comes last.",
-        "Lead the wires and the tabs up through the window, between the round nose and the base. Pull until the film "
+        "Lead the wires and the tabs around the round nose, up through the window. Pull until the film "
         "lies around the nose, without a crease, and lay its end into the trough.",
         f"Lay the head into its pocket, still without adhesive. At least {fit['end_room_mm'] / 2:g} mm must be free "
         "between the tabs and the end of the trough. Then stick the head down with the adhesive film.",
-        "Bend the wires back over the tail in a loop, without pulling at the joints. Lay them side by side through the "
-        "window into the groove of the base. Fix them there with a drop of neutral-cure silicone adhesive. " + _MEASURE,
+        "Bend the wires back over the tail in a loop, without pulling at the joints. "
+        + (
+            "Lead them side by side out between the cheeks on the dorsal side. Fix them at the mouth of the trough "
+            "with a "
+            if data["wires_between_cheeks"]
+            else "Lay them side by side through the window into the groove of the base. Fix them there with a "
+        )
+        + "drop of neutral-cure silicone adhesive. "
+        + _MEASURE,
         "Stick the lid into the trough with a thin bead of the same adhesive along its edges. It ends flush with bone "
         "and collar.",
     ]
@@ -49,8 +56,10 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[str]:
             "silicone adhesive, and let it cure. This seal is permanent. Do not fill the window: the sensor breathes "
             "there.",
             f"{keep_out} Cover the slot {tape} it, and let the tape overlap the seal. This tape is permanent.",
-            "Cover both openings of the window with tape, and the groove around the wires with sulfur-free modelling "
-            "clay, flush with the base. Both are temporary. " + _MEASURE,
+            "Cover both openings of the window with tape, and "
+            + ("the gap" if data["wires_between_cheeks"] else "the groove")
+            + " around the wires with sulfur-free modelling clay, flush with the base. Both are temporary. "
+            + _MEASURE,
         ]
     steps = [
         f"{keep_out} Cover the slot and the solder relief {tape} them: the sensor breathes there. This tape is "
@@ -69,14 +78,41 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[str]:
 
 def describe_opening(data: Mapping[str, Any]) -> str:
     """Write the step that opens the sensor's air vent after casting."""
+    outlet = "gap" if data["wires_between_cheeks"] else "groove"
     if data["sensor_tail"] == "folded":
         return (
-            "Peel the tape off the window and lift the clay out of the groove with a blunt wooden stick, so that the "
-            "air vent of the sensor is open. Never pull the wires. The tape under the skin and the seal in the collar "
-            "stay in place. " + _MEASURE
+            f"Peel the tape off the window and lift the clay out of the {outlet} with a blunt wooden stick, so that "
+            "the air vent of the sensor is open. Never pull the wires. The tape under the skin and the seal in the "
+            "collar stay in place. " + _MEASURE
         )
     stays = ", and so does the seal in the collar." if data["mold"]["tail_passes_collar"] else "."
     return (
         "Remove the clay from the channel opening, so that the air vent of the sensor is open. The tape under the "
         f"skin stays in place{stays}"
     )
+
+
+def list_joint_steps(data: Mapping[str, Any]) -> list[str]:
+    """List the steps that mount a finger with a clevis on its hand."""
+    joint = data["joint"]
+    if joint is None:
+        return []
+    steps = [
+        f"Ream the bore of the joint to {joint['pin_mm']:g} mm and push the pin through bone and hand. The finger must "
+        "fall by its own weight, without shaking sideways."
+    ]
+    if joint["travel_deg"]:
+        steps.append(
+            f"Bend the finger. It must stop when it is straight, and again at {joint['travel_deg']:g} degrees. File "
+            "the flat that stops too early."
+        )
+    if joint["tendon_distance_mm"]:
+        steps.append(
+            "Push the anchor pin through the collar, below the joint, and knot the tendon around it between the "
+            "cheeks. Fix the pin with a drop of adhesive at each end."
+        )
+    steps.append(
+        "Lead the wires over the dorsal side of the joint in a loop that stays loose when the finger is bent. Tie them "
+        "to the hand."
+    )
+    return steps

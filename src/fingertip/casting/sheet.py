@@ -14,6 +14,7 @@ from fingertip.cad.shapes.parts import print_orientations
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.materials import SOURCES, Silicone
 from fingertip.casting.quantities import MIN_COMPONENT_G, WASTE_FRACTION, SiliconeVolumes, compute_batch
+from fingertip.casting.retention import skin_pull_off_n
 from fingertip.casting.slicer import LAYER_MM, PrintEstimate
 from fingertip.design import Design
 from fingertip.design.geometry.misalignment import (
@@ -49,6 +50,7 @@ def casting_sheet_data(
         "method": design.mold.method,
         "sensor": design.dimensions.sensor.label,
         "sensor_tail": design.sensor.tail,
+        "wires_between_cheeks": design.dimensions.window_opens_into_gap,
         "silicone": _silicone_data(silicone),
         "volumes_cm3": _volumes_data(volumes),
         "batch": _batch_data(silicone, volumes),
@@ -62,6 +64,8 @@ def casting_sheet_data(
             "min_stroke_mm": MIN_STROKE_MM,
         },
         "fit": _fit_data(design),
+        "skin_pull_off_n": round(skin_pull_off_n(design, silicone), 1),
+        "joint": _joint_data(design),
         "bill": bill_of_materials(design),
         "printing": _printing_data(design, prints),
     }
@@ -72,6 +76,17 @@ def mold_matches_silicone(design: Design, silicone: Silicone) -> bool:
     compensated, shrinkage = design.mold.silicone_shrinkage_percent, silicone.shrinkage_percent
     low, high = shrinkage.low - _SHRINKAGE_TOLERANCE_PERCENT, shrinkage.high + _SHRINKAGE_TOLERANCE_PERCENT
     return low <= compensated <= high
+
+
+def _joint_data(design: Design) -> dict[str, float] | None:
+    """Pin, travel and tendon of a clevis; None for other interfaces."""
+    if design.dimensions.joint is None:
+        return None
+    return {
+        "pin_mm": design.hand.pin_diameter_mm,
+        "travel_deg": design.hand.travel_deg,
+        "tendon_distance_mm": design.hand.tendon_distance_mm,
+    }
 
 
 def _fit_data(design: Design) -> dict[str, float]:

@@ -188,13 +188,16 @@ def compute_mold(context: PointContext) -> OutputValues:
 
 
 def compute_casting(context: PointContext) -> OutputValues:
-    """Compute the mass of silicone to mix for the mold."""
+    """Compute the mass of silicone to mix for the mold, and how firmly the skin sits."""
     from fingertip.casting.materials import find_silicone
     from fingertip.casting.quantities import compute_batch, measure_volumes
+    from fingertip.casting.retention import skin_pull_off_n
 
     volumes = measure_volumes(context.design, context.evaluator())
-    batch = compute_batch(find_silicone(context.file.silicone), volumes.total_cm3)
-    return {"silicone_in_mold_g": batch.in_mold_g, "silicone_g": batch.total_g}
+    silicone = find_silicone(context.file.silicone)
+    batch = compute_batch(silicone, volumes.total_cm3)
+    pull = skin_pull_off_n(context.design, silicone)
+    return {"silicone_in_mold_g": batch.in_mold_g, "silicone_g": batch.total_g, "skin_pull_off_n": pull}
 
 
 def compute_thickness(context: PointContext) -> OutputValues:

@@ -105,6 +105,7 @@ OUTPUTS = {
         SweepOutput("min_skin_thickness_mm", "thickness", "minimum silicone thickness between bone and surface"),
         SweepOutput("silicone_in_mold_g", "casting", "mass of the sweep's silicone that fills the mold"),
         SweepOutput("silicone_g", "casting", "mass of silicone to mix, with waste; never less than can be weighed"),
+        SweepOutput("skin_pull_off_n", "casting", "pull that the groove or a tight sleeve resists, without adhesion"),
         SweepOutput("checks_failed", "checks", "number of failed checks of `fingertip check`, at tolerance_mm"),
         SweepOutput("checks_run", "checks", "number of checks that were run"),
         SweepOutput("board.r1_ohm", "board", "preferred value: pole of the first stage"),

@@ -1,4 +1,7 @@
-"""Picture of a design: exploded views from the dorsal and palmar sides, and a section along the finger."""
+"""Picture of a design: exploded views from both sides, a section through the mold, and a joint on the hand.
+
+An arrow points at the place where the bone breaks first.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +15,15 @@ from numpy.typing import NDArray
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.strength.assess import assess_strength
 from fingertip.design import Design
+from fingertip.view.joint_view import HAND, place_on_hand
 from fingertip.view.raster import Camera, Canvas, Colour, bounds
 
 _TOLERANCE_MM = 0.02
 _MARGIN_PX = 36
 _SENSOR_COLOUR: Colour = (0.86, 0.68, 0.24)
+_HAND_COLOUR: Colour = (0.80, 0.80, 0.78)
 
 
 @dataclass(frozen=True)
@@ -52,23 +58,63 @@ def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] =
     parts = {name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()}
     parts["sensor"] = evaluator.mesh(sensor_body(design))
     exploded = _explode(parts)
-    half = width_px // 2
-    panels = []
-    for title, placed, camera, width in (
+    half, mark = width_px // 2, _mark_weakest(design, evaluator, exploded)
+    views: list[tuple[str, list[PlacedMesh], Camera, int]] = [
         ("dorsal view", exploded, Camera.from_angles(28, 24), half),
         ("palmar view", exploded, Camera.from_angles(28, -26), width_px - half),
         ("longitudinal section of the closed mold", _cut_open(design, evaluator), Camera.from_angles(0, 0), width_px),
-    ):
+    ]
+    if design.dimensions.joint:
+        title = f"finger on the hand: straight, and bent by {design.hand.travel_deg:g} degrees to its stop"
+        views.append((title, _place_joint(design, evaluator), Camera.from_angles(0, 0), width_px))
+    panels = []
+    for title, placed, camera, width in views:
         progress(f"drawing: {title}")
-        panels.append(_draw_panel(title, placed, camera, width, labelled=placed is exploded))
+        marks = (mark,) if title == "dorsal view" else ()
+        panels.append(_draw_panel(title, placed, camera, width, labelled=placed is exploded, marks=marks))
     top_height = max(panels[0].shape[0], panels[1].shape[0])
-    picture = np.full((top_height + panels[2].shape[0], width_px, 3), 255, dtype=np.uint8)
+    below = panels[2:]
+    picture = np.full((top_height + sum(panel.shape[0] for panel in below), width_px, 3), 255, dtype=np.uint8)
     picture[: panels[0].shape[0], :half] = panels[0]
     picture[: panels[1].shape[0], half:] = panels[1]
-    picture[top_height:] = panels[2]
+    for panel in below:
+        picture[top_height : top_height + panel.shape[0]] = panel
+        top_height += panel.shape[0]
     file = io.BytesIO()
     Image.fromarray(picture).save(file, format="PNG", optimize=True)
     return file.getvalue()
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Text with an arrow to a point."""
+
+    text: str
+    point_mm: tuple[float, float, float]
+
+
+def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[PlacedMesh]) -> Mark:
+    """Mark the place where the bone breaks first."""
+    found = assess_strength(design, evaluator)
+    (placed,) = (item for item in exploded if item.label == "bone")
+    low = float(placed.mesh.vertices[:, 2].min())
+    original = float(evaluator.mesh(PARTS["bone"].solid(design)).vertices[:, 2].min())
+    near = placed.mesh.vertices[:, 1][np.abs(placed.mesh.vertices[:, 2] - low - found.weakest.z_mm + original) < 1.0]
+    y = float(near.max()) if len(near) else 0.0
+    text = f"weakest: {found.weakest.place}\nsafety factor {found.grip_safety_factor:.1f}\nat the grip force"
+    return Mark(text, (0.0, y, low + found.weakest.z_mm - original))
+
+
+def _place_joint(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:
+    """Place bone, sensor, lid and skin on the hand."""
+    assert design.dimensions.joint
+    solids = {
+        name: part.solid(design) for name, part in parts_by_name(design).items() if name in ("bone", "lid", "skin")
+    }
+    solids["sensor"] = sensor_body(design)
+    colours = {name: part.colour for name, part in PARTS.items()} | {"sensor": _SENSOR_COLOUR, HAND: _HAND_COLOUR}
+    placed = place_on_hand(design, design.dimensions.joint, evaluator, solids)
+    return [PlacedMesh(name, mesh, colours[name]) for name, mesh in placed]
 
 
 def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
@@ -111,10 +157,17 @@ def _cut_open(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:
 
 
 def _draw_panel(
-    title: str, placed: list[PlacedMesh], camera: Camera, width_px: int, *, labelled: bool
+    title: str,
+    placed: list[PlacedMesh],
+    camera: Camera,
+    width_px: int,
+    *,
+    labelled: bool,
+    marks: tuple[Mark, ...] = (),
 ) -> NDArray[np.uint8]:
     from PIL import Image, ImageDraw, ImageFont
 
+    font_px = 17
     centre, size = bounds([item.mesh for item in placed], camera)
     scale = (width_px - 2 * _MARGIN_PX) / size[0]
     if not labelled:
@@ -124,7 +177,7 @@ def _draw_panel(
     for item in placed:
         canvas.draw(item.mesh, item.colour, centre)
     picture = Image.fromarray(canvas.image())
-    pen, font = ImageDraw.Draw(picture), ImageFont.load_default(size=17)
+    pen, font = ImageDraw.Draw(picture), ImageFont.load_default(size=font_px)
     pen.text((16, 10), title, fill=(40, 40, 40), font=font)
     for item in placed if labelled else []:
         projected = (item.mesh.vertices - centre) @ camera.axes.T * scale
@@ -135,4 +188,13 @@ def _draw_panel(
         }.get(item.label, (left, low - 2, "lt"))
         position = (width_px / 2 + x, height_px / 2 - y)
         pen.text(position, item.label.replace("_", " "), fill=(40, 40, 40), font=font, anchor=anchor)
+    for mark in marks:
+        u, v = ((np.array(mark.point_mm) - centre) @ camera.axes.T * scale)[:2]
+        tip = (width_px / 2 + u, height_px / 2 - v)
+        # Above the mold's front corner the picture is empty.
+        text = (16, 0.24 * height_px)
+        pen.multiline_text(text, mark.text, fill=(150, 30, 20), font=font)
+        start = (text[0] + 40, text[1] + 4 * font_px)
+        pen.line([start, tip], fill=(150, 30, 20), width=2)
+        pen.ellipse([tip[0] - 5, tip[1] - 5, tip[0] + 5, tip[1] + 5], outline=(150, 30, 20), width=2)
     return np.asarray(picture)

@@ -55,7 +55,7 @@ class Weakness:
     z_mm: float
     """Height of the cross-section."""
     place: str
-    """What breaks there."""
+    """Name of what breaks there."""
     stress_per_n: float
     """Largest tensile stress per newton of load in the worst direction, with stress concentration [MPa/N]."""
     concentration: float

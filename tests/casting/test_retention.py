@@ -1,0 +1,38 @@
+"""Pull-off force of the skin: of a thin ring, and zero where nothing but adhesion holds it."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from fingertip.casting.materials import find_silicone
+from fingertip.casting.retention import FRICTION, skin_pull_off_n
+from fingertip.design import Design
+
+SILICONE = find_silicone("generic_40a")
+
+
+def pull(*changes: str) -> float:
+    return skin_pull_off_n(Design.load(changes=changes), SILICONE)
+
+
+def test_groove_holds_as_a_stretched_ring() -> None:
+    """E e t / R over the width of a groove of 0.6 mm around a bone of 13 x 8.9 mm."""
+    dims = Design().dimensions
+    radius = (6.5 + (5.5 + dims.flat_depth) / 2) / 2
+    expected = SILICONE.modulus_mpa.low * (0.6 / radius) * 1.5 / radius * math.tau * radius * 3.0
+    assert pull() == pytest.approx(expected)
+    assert pull("bone.groove_depth_mm=0") == 0.0
+    assert pull("bone.groove_width_mm=6") == pytest.approx(2 * expected)
+
+
+def test_sleeve_is_held_by_friction_along_its_length() -> None:
+    tight, loose = (
+        pull("mold.method=sleeve", "bone.groove_depth_mm=0", f"mold.sleeve_interference_mm={i}") for i in (0.2, 0.0)
+    )
+    assert loose == 0.0
+    dims = Design().dimensions
+    radius = (6.5 + (5.5 + dims.flat_depth) / 2) / 2
+    force = FRICTION * SILICONE.modulus_mpa.low * (0.2 / radius) * 1.5 * math.tau * dims.taper_end_z
+    assert tight == pytest.approx(force)

@@ -10,7 +10,7 @@ from fingertip.casting.materials import find_silicone
 from fingertip.casting.retention import FRICTION, skin_pull_off_n
 from fingertip.design import Design
 
-SILICONE = find_silicone("generic_40a")
+SILICONE = find_silicone("addition_40a")
 
 
 def pull(*changes: str) -> float:

@@ -101,7 +101,7 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
     original = float(evaluator.mesh(PARTS["bone"].solid(design)).vertices[:, 2].min())
     near = placed.mesh.vertices[:, 1][np.abs(placed.mesh.vertices[:, 2] - low - found.weakest.z_mm + original) < 1.0]
     y = float(near.max()) if len(near) else 0.0
-    text = f"weakest: {found.weakest.place}\nsafety factor {found.grip_safety_factor:.1f}\nat the grip force"
+    text = f"weakest: {found.weakest.place},\nz = {found.weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}\nat the grip force"
     return Mark(text, (0.0, y, low + found.weakest.z_mm - original))
 
 

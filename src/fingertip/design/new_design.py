@@ -14,6 +14,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from fingertip.bundled import list_bundled_files
 from fingertip.design.export import Parameter, list_parameters
 from fingertip.design.fit import fit_design
 from fingertip.design.hands import find_hand
@@ -22,6 +23,7 @@ from fingertip.design.load import load_tables
 from fingertip.design.model import Design
 from fingertip.design.parameters import DesignTables
 from fingertip.errors import DesignError, Issue
+from fingertip.toml_files import DESIGN
 
 
 @dataclass(frozen=True)
@@ -135,11 +137,12 @@ def write_new_design(
         raise DesignError(issues)
     if preset is None and hand is None:
         base = _BASES[sensor or "fsr400"]
-        tables = load_tables([base.design], [f"sensor.model={sensor or 'fsr400'}", *base.changes]).tables
+        changes = [f"sensor.model={sensor or 'fsr400'}", *base.changes]
+        tables = load_tables([list_bundled_files(DESIGN)[base.design]], changes).tables
         design = Design(**tables | {"name": name})
         return NewDesign("\n".join(_list_lines(design, base.design)) + "\n", design.sensor.model, base.design, {})
     start = preset or "adult_finger"
-    files: list[str | Path] = [start, *([find_hand(hand)] if hand is not None else [])]
+    files: list[str | Path] = [list_bundled_files(DESIGN)[start], *([find_hand(hand)] if hand is not None else [])]
     tables = load_tables(files, [f"sensor.model={sensor}"] if sensor else []).tables
     try:
         given = DesignTables(**tables | {"name": name})

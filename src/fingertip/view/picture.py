@@ -101,8 +101,12 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
     original = float(evaluator.mesh(PARTS["bone"].solid(design)).vertices[:, 2].min())
     near = placed.mesh.vertices[:, 1][np.abs(placed.mesh.vertices[:, 2] - low - found.weakest.z_mm + original) < 1.0]
     y = float(near.max()) if len(near) else 0.0
-    text = f"weakest: {found.weakest.place},\nz = {found.weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}\nat the grip force"
-    return Mark(text, (0.0, y, low + found.weakest.z_mm - original))
+    lines = (
+        f"weakest: {found.weakest.place},",
+        f"z = {found.weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}",
+        "at the grip force",
+    )
+    return Mark("\n".join(lines), (0.0, y, low + found.weakest.z_mm - original))
 
 
 def _place_joint(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 import random
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from fingertip.build_files import build
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import clevis, interface
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
@@ -176,3 +179,36 @@ def test_random_joints_pass_every_mesh_check() -> None:
             continue
         accepted += 1
         assert failed(design) == set(), changes
+
+
+@pytest.mark.slow
+def test_step_file_holds_pin_eye_and_nose_where_they_belong(tmp_path: Path) -> None:
+    """The text of bone.step, read without a geometry kernel: radii and axes of its cylinders."""
+    design = load("adult_finger")
+    build(design, tmp_path, parts=["bone", "skin"], formats=["step"])
+    cylinders = read_cylinders((tmp_path / "bone.step").read_text())
+    joint, fold = design.dimensions.joint, design.dimensions.fold
+    assert joint
+    assert fold
+    along_x = {(round(r, 6), round(y, 6), round(z, 6)) for r, (_, y, z), axis in cylinders if abs(axis[0]) > 0.999}
+    pin = (1.0, round(joint.axis_y, 6), -10.0)
+    assert {pin, (3.7, *pin[1:]), (2.5, round(fold.nose_y, 6), -2.5)} <= along_x
+    # The apex is the highest point that the skin's file names.
+    apex = max(z for _, _, z in read_points((tmp_path / "skin.step").read_text()).values())
+    assert apex - pin[2] == pytest.approx(35.0, abs=1e-6)
+
+
+def read_points(step: str) -> dict[str, tuple[float, ...]]:
+    """All points and directions of a STEP file, by their numbers."""
+    found = re.findall(r"(#\d+) = (?:CARTESIAN_POINT|DIRECTION)\('[^']*',\(([^)]*)\)\)", re.sub(r"\s+", " ", step))
+    return {name: tuple(map(float, text.split(","))) for name, text in found if text.count(",") == 2}
+
+
+def read_cylinders(step: str) -> list[tuple[float, tuple[float, ...], tuple[float, ...]]]:
+    """Radius, a point on the axis, and direction of every cylindrical surface of a STEP file."""
+    points, step = read_points(step), re.sub(r"\s+", " ", step)
+    places = dict(re.findall(r"(#\d+) = AXIS2_PLACEMENT_?3D\('[^']*',(#\d+,#\d+)", step))
+    return [
+        (float(radius), *(points[name] for name in places[place].split(",")))  # type: ignore[misc]
+        for place, radius in re.findall(r"CYLINDRICAL_SURFACE\('[^']*',(#\d+),([\d.Ee+-]+)\)", step)
+    ]

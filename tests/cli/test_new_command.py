@@ -173,6 +173,16 @@ def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
     assert any(line.startswith("hand.width_mm = 4.4") for line in top)
 
 
+def test_measured_sizes_stay_while_the_rest_is_fitted(folder: Path) -> None:
+    done = run_fingertip(
+        "new", "mine", "--preset", "adult_finger", "--set", "skin.width_mm=15.4", "--set", "skin.length_mm=26"
+    )
+    assert done.returncode == 0, done.stderr
+    assert "fitted: " in done.stdout
+    design = Design.load("mine.toml")
+    assert (design.skin.width_mm, design.skin.length_mm) == (15.4, 26.0)
+
+
 def test_the_choice_of_presets_is_that_of_the_help() -> None:
     (option,) = (p for p in typer.main.get_command(app).commands["new"].params if p.name == "preset")  # type: ignore[attr-defined]
     assert f"{', '.join(PRESETS[:-1])} or {PRESETS[-1]}" in option.help

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, command, find_suffix_issues
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_suffix_issues
 
 
 @command
@@ -41,13 +41,14 @@ def new(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="FILE", help="File to write; NAME.toml by default.")
     ] = None,
+    changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Write a design file with comments, to be edited: the main parameters, and all others as comments.
 
     The bundled design of the sensor is the base, or the preset. With a preset or a hand, lengths that nobody measures
-    are fitted until the design can be made. An existing file is never overwritten.
+    are fitted until the design can be made; what is changed with --set stays. An existing file is never overwritten.
     """
     from fingertip.bundled import list_bundled_files
     from fingertip.design.new_design import write_new_design
@@ -61,7 +62,7 @@ def new(
         issues.append(Issue("NAME", f"{name} is the name of a bundled design; choose another, such as my_{name}."))
     made = None
     try:
-        made = write_new_design(name, sensor, preset, hand, console.progress)
+        made = write_new_design(name, sensor, preset, hand, changes or (), console.progress)
     except FingertipError as error:
         options = {"name": "NAME", "sensor": "--sensor", "preset": "--preset"}
         issues += (Issue(options.get(issue.field, issue.field), issue.message) for issue in error.issues)

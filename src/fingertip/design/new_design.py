@@ -7,7 +7,7 @@ moved, or its # removed, without regard to tables.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -93,6 +93,7 @@ def write_new_design(
     sensor: str | None = None,
     preset: str | None = None,
     hand: str | Path | None = None,
+    changes: Sequence[str] = (),
     progress: Callable[[str], None] = lambda message: None,
 ) -> NewDesign:
     """Write a design file with a bundled design as its base.
@@ -109,6 +110,8 @@ def write_new_design(
         One of `PRESETS`; with a hand, adult_finger by default.
     hand
         File with a [hand] section, or name of a bundled hand.
+    changes
+        Sizes that were measured, such as "skin.width_mm=16"; a fit leaves them alone.
     progress
         Called with a message while lengths are fitted.
 
@@ -137,18 +140,18 @@ def write_new_design(
         raise DesignError(issues)
     if preset is None and hand is None:
         base = _BASES[sensor or "fsr400"]
-        changes = [f"sensor.model={sensor or 'fsr400'}", *base.changes]
-        tables = load_tables([list_bundled_files(DESIGN)[base.design]], changes).tables
+        own = [f"sensor.model={sensor or 'fsr400'}", *base.changes, *changes]
+        tables = load_tables([list_bundled_files(DESIGN)[base.design]], own).tables
         design = Design(**tables | {"name": name})
         return NewDesign("\n".join(_list_lines(design, base.design)) + "\n", design.sensor.model, base.design, {})
     start = preset or "adult_finger"
     files: list[str | Path] = [list_bundled_files(DESIGN)[start], *([find_hand(hand)] if hand is not None else [])]
-    tables = load_tables(files, [f"sensor.model={sensor}"] if sensor else []).tables
+    loaded = load_tables(files, [*([f"sensor.model={sensor}"] if sensor else []), *changes])
     try:
-        given = DesignTables(**tables | {"name": name})
+        begun = DesignTables(**loaded.tables | {"name": name})
     except ValidationError as error:
         raise DesignError(issues_from_pydantic(error, Design)) from None
-    fit = fit_design(given, progress=lambda share: progress(f"fitting lengths: {share:.0%} of the search"))
+    fit = fit_design(begun, loaded.changed, lambda share: progress(f"fitting lengths: {share:.0%} of the search"))
     design = Design(**fit.tables.model_dump())
     return NewDesign("\n".join(_list_lines(design, start)) + "\n", design.sensor.model, start, fit.changes)
 

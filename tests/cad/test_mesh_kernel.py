@@ -29,3 +29,18 @@ def test_vertices_on_the_same_grid_point_are_merged() -> None:
     read = stl.from_bytes(stl.to_bytes(mesh, "mold_palmar"))
     assert count_open_edges(read) == 0
     assert len(read.triangles) == len(mesh.triangles)
+
+
+def test_triangle_without_area_is_removed_with_its_short_edge() -> None:
+    """A design on which manifold3d leaves an edge of 15 nm that it does not collapse."""
+    from fingertip.cad.kernel.mesh import find_degenerate_triangles
+    from fingertip.cad.verification.part_files import count_open_edges
+
+    changes = [
+        "bone.interface=post", "skin.tip_fullness=0.920", "skin.pulp_fullness=0.980", "skin.semi_axis_palmar_mm=6.700",
+        "bone.base_length_mm=11.30",
+    ]  # fmt: skip
+    design = Design.load(design_file("youth_thumb"), changes=changes)
+    mesh = MeshEvaluator(0.02).mesh(PARTS["mold_palmar"].solid(design))
+    assert not len(find_degenerate_triangles(mesh.vertices, mesh.triangles))
+    assert count_open_edges(mesh) == 0

@@ -20,8 +20,7 @@ from tests.conftest import design_file
 
 SHAPE = (
     "skin.width_mm", "skin.length_mm", "skin.semi_axis_palmar_mm", "skin.semi_axis_dorsal_mm",
-    "skin.thickness_palmar_mm", "hand.width_mm", "hand.axis_height_mm", "hand.pin_diameter_mm",
-    "hand.clearance_radius_mm",
+    "hand.width_mm", "hand.axis_height_mm", "hand.pin_diameter_mm", "hand.clearance_radius_mm",
 )  # fmt: skip
 """What is measured on a finger and on a hand."""
 
@@ -50,7 +49,8 @@ def test_bundled_hand_gets_a_tip_of_its_own_sizes(hand: str) -> None:
 
 def test_fit_is_reproducible_and_passes_all_rules() -> None:
     begin = tables("adult_finger", **{"skin.width_mm": 15.2, "skin.semi_axis_dorsal_mm": 8.0})
-    first, second = fit_design(begin), fit_design(begin)
+    given = ["skin.length_mm"]
+    first, second = fit_design(begin, given), fit_design(begin, given)
     assert first == second
     assert first.changes
     assert not list(find_violations(RULES, first.tables))
@@ -65,9 +65,22 @@ def test_given_lengths_stay() -> None:
         fit_design(begin, given=["bone.base_length_mm"])
 
 
+def test_a_length_limit_shortens_the_skin() -> None:
+    limited = fit_design(tables("adult_finger", **{"hand.length_limit_mm": 34.0})).tables
+    assert limited.skin.length_mm + limited.bone.base_length_mm <= 34.0
+
+
 def test_a_file_that_is_no_hand_is_refused(tmp_path) -> None:
     with pytest.raises(TomlFileError, match=r"is neither a file nor the name of a bundled"):
         find_hand("nobody")
+    with pytest.raises(TomlFileError, match="is a folder; give the path of a hand file"):
+        find_hand(tmp_path)
+    (tmp_path / "h.toml").write_text("[hand]\nwidth_mm = 5.0\n")
+    with pytest.raises(TomlFileError, match="lacks knuckle, axis_height_mm, pin_diameter_mm,"):
+        find_hand(tmp_path / "h.toml")
+    (tmp_path / "h.toml").write_text("[hand]\nwidth_mm = 5,5\n")
+    with pytest.raises(TomlFileError, match="with a decimal point, not with a comma"):
+        find_hand(tmp_path / "h.toml")
     (tmp_path / "h.toml").write_text("[hand]\nwidth_mm = 5.0\n[skin]\nwidth_mm = 17.0\n")
     with pytest.raises(TomlFileError, match=r"holds skin besides \[hand\]"):
         find_hand(tmp_path / "h.toml")
@@ -81,7 +94,7 @@ def test_half_of_the_fingers_near_a_preset_are_accepted() -> None:
         base = tables(PRESETS[i % len(PRESETS)])
         drawn = {name: round(base.value(name) * rng.uniform(0.8, 1.2), 2) for name in SHAPE}
         try:
-            fit_design(base.with_values(drawn))
+            fit_design(base.with_values(drawn), SHAPE)
             accepted += 1
         except DesignError:
             pass

@@ -83,7 +83,9 @@ def describe_opening(data: Mapping[str, Any]) -> str:
         return (
             f"Peel the tape off the window and lift the clay out of the {outlet} with a blunt wooden stick, so that "
             "the air vent of the sensor is open. Never pull the wires. The tape under the skin and the seal in the "
-            "collar stay in place. " + _MEASURE
+            "collar stay in place. "
+            + ("" if data["wires_between_cheeks"] else "Tie the wires down at the hole in the base. ")
+            + _MEASURE
         )
     stays = ", and so does the seal in the collar." if data["mold"]["tail_passes_collar"] else "."
     return (
@@ -108,8 +110,8 @@ def list_joint_steps(data: Mapping[str, Any]) -> list[str]:
         )
     if joint["tendon_distance_mm"]:
         steps.append(
-            "Push the anchor pin through the collar, below the joint, and knot the tendon around it between the "
-            "cheeks. Fix the pin with a drop of adhesive at each end."
+            "Push the anchor pin through the collar, below the joint, and knot the tendon around it in the "
+            "middle of the finger. Fix the pin with a drop of adhesive at each end."
         )
     steps.append(
         "Lead the wires over the dorsal side of the joint in a loop that stays loose when the finger is bent. Tie them "

@@ -11,6 +11,9 @@ import typer
 
 from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_suffix_issues
 
+_TOLERANCE_MM = 0.05
+"""Tolerance of the mesh on which the strength is assessed [mm]."""
+
 
 @command
 def new(
@@ -35,7 +38,7 @@ def new(
         typer.Option(
             "--hand",
             metavar="FILE",
-            help="File with the [hand] section of your hand, or a bundled hand: flexible_flyer or david_finger.",
+            help="File with the sizes of your hand's joint, or a bundled hand: flexible_flyer or david_finger.",
         ),
     ] = None,
     out: Annotated[
@@ -51,6 +54,8 @@ def new(
     are fitted until the design can be made; what is changed with --set stays. An existing file is never overwritten.
     """
     from fingertip.bundled import list_bundled_files
+    from fingertip.cad.kernel.mesh import MeshEvaluator
+    from fingertip.cad.strength.assess import assess_strength, describe_strength
     from fingertip.design.new_design import write_new_design
     from fingertip.errors import FingertipError, Issue
     from fingertip.files import write_file
@@ -76,8 +81,11 @@ def new(
     write_file(path, made.text.encode())
     following = f"fingertip make {shlex.quote(path.as_posix())}"
     data = {
-        "design": path.as_posix(), "name": name, "sensor": made.sensor, "base": made.base,
+        "design": path.as_posix(), "name": name, "sensor": made.design.sensor.model, "base": made.base,
         "fitted": {name: list(values) for name, values in made.fitted.items()}, "next": following,
     }  # fmt: skip
-    fitted = [f"fitted: {name} {before:g} -> {after:g}" for name, (before, after) in made.fitted.items()]
-    console.result(data, "\n".join([*fitted, f"wrote {path}; edit it, then run: {following}"]))
+    lines = [f"fitted: {name} {before:g} -> {after:g}" for name, (before, after) in made.fitted.items()]
+    lines += [f"note: {reason}: a measured value was changed" for reason in made.reasons.values()]
+    if preset or hand:
+        lines += describe_strength(assess_strength(made.design, MeshEvaluator(_TOLERANCE_MM)))
+    console.result(data, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))

@@ -21,6 +21,7 @@ from fingertip.errors import DesignError
 
 FREE: Mapping[str, tuple[float, float]] = {
     "sensor.distance_from_tip_mm": (6.5, 15.0),
+    "skin.length_mm": (20.0, 40.0),
     "skin.tip_length_mm": (6.0, 14.0),
     "skin.taper_ratio": (0.9, 1.0),
     "skin.thickness_side_mm": (1.0, 2.5),
@@ -39,8 +40,9 @@ FREE: Mapping[str, tuple[float, float]] = {
     "hand.travel_deg": (30.0, 110.0),
 }
 """Ranges of the lengths that a fit may change, in the unit of each."""
-_STARTS, _STEPS = 6, 1200
-"""Number of searches from the beginning, and largest number of designs that each of them tries."""
+_STARTS, _STEPS, _PATIENCE = 5, 1200, 350
+"""Number of searches from the beginning, largest number of designs that each tries, and number of designs without
+improvement after which it ends."""
 _BACK_STEPS = 8
 """Halvings by which a value moves back towards where it began."""
 
@@ -52,6 +54,8 @@ class Fit:
     tables: DesignTables
     changes: Mapping[str, tuple[float, float]]
     """Parameter -> value before and after."""
+    reasons: Mapping[str, str]
+    """Changed parameter of the hand -> what its measured value would break."""
 
 
 def fit_design(
@@ -93,9 +97,13 @@ def fit_design(
     for _ in range(2):
         for name in free:
             values[name] = _move_back(name, begin[name], values, lambda trial: not broken(trial))
-    return Fit(
-        tables.with_values(values), {name: (begin[name], values[name]) for name in free if values[name] != begin[name]}
-    )
+    changes = {name: (begin[name], values[name]) for name in free if values[name] != begin[name]}
+    reasons = {
+        name: found[0].violation.problem
+        for name in changes
+        if name.startswith("hand.") and (found := broken({**values, name: begin[name]}))
+    }
+    return Fit(tables.with_values(values), changes, reasons)
 
 
 def _search(
@@ -106,15 +114,16 @@ def _search(
 ) -> tuple[float, dict[str, float]]:
     """Change a few values at a time at random, and keep what does not raise the score. Return score and values."""
     rng, values = random.Random(seed), dict(begin)
-    best = _score(broken(values))
-    for _ in range(_STEPS):
-        if best == 0.0:
+    best, improved = _score(broken(values)), 0
+    for step in range(_STEPS):
+        if best == 0.0 or step - improved > _PATIENCE:
             break
         trial = dict(values)
         for name in rng.sample(sorted(free), rng.randint(1, 3)):
             low, high = free[name]
             trial[name] = round(min(max(trial[name] + rng.gauss(0.0, 0.2) * (high - low) * rng.random(), low), high), 2)
         if (score := _score(broken(trial))) <= best:
+            improved = step if score < best else improved
             best, values = score, trial
     return best, values
 

@@ -81,11 +81,14 @@ class NewDesign:
     """Text of a new design file, and what was fitted for it."""
 
     text: str
-    sensor: str
     base: str
     """Bundled design that it began from."""
     fitted: Mapping[str, tuple[float, float]]
     """Parameter -> value in the base and in the new design."""
+    reasons: Mapping[str, str]
+    """Fitted parameter of the hand -> what its measured value would break."""
+    design: Design
+    """The design."""
 
 
 def write_new_design(
@@ -143,7 +146,7 @@ def write_new_design(
         own = [f"sensor.model={sensor or 'fsr400'}", *base.changes, *changes]
         tables = load_tables([list_bundled_files(DESIGN)[base.design]], own).tables
         design = Design(**tables | {"name": name})
-        return NewDesign("\n".join(_list_lines(design, base.design)) + "\n", design.sensor.model, base.design, {})
+        return NewDesign(_write(design, base.design), base.design, {}, {}, design)
     start = preset or "adult_finger"
     files: list[str | Path] = [list_bundled_files(DESIGN)[start], *([find_hand(hand)] if hand is not None else [])]
     loaded = load_tables(files, [*([f"sensor.model={sensor}"] if sensor else []), *changes])
@@ -153,7 +156,12 @@ def write_new_design(
         raise DesignError(issues_from_pydantic(error, Design)) from None
     fit = fit_design(begun, loaded.changed, lambda share: progress(f"fitting lengths: {share:.0%} of the search"))
     design = Design(**fit.tables.model_dump())
-    return NewDesign("\n".join(_list_lines(design, start)) + "\n", design.sensor.model, start, fit.changes)
+    return NewDesign(_write(design, start), start, fit.changes, fit.reasons, design)
+
+
+def _write(design: Design, base: str) -> str:
+    """Write the text of the file."""
+    return "\n".join(_list_lines(design, base)) + "\n"
 
 
 def _list_lines(design: Design, base: str) -> Iterator[str]:

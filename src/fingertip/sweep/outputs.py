@@ -85,7 +85,9 @@ class SweepOutput:
 OUTPUTS = {
     output.name: output
     for output in (
-        SweepOutput("finger_length_mm", "lengths", "from the tip to the shoulder of the post or the end of the base"),
+        SweepOutput(
+            "finger_length_mm", "lengths", "from the tip to the joint axis, or else to the interface's shoulder"
+        ),
         SweepOutput("sensor_rim_mm", "lengths", "width of flat bone left around the sensor and its rim; 0: just fits"),
         SweepOutput("mold_width_mm", "lengths", "closed mold, width across the finger"),
         SweepOutput("mold_height_mm", "lengths", "closed mold, height from the palmar to the dorsal face"),

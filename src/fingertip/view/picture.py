@@ -99,14 +99,27 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
     (placed,) = (item for item in exploded if item.label == "bone")
     low = float(placed.mesh.vertices[:, 2].min())
     original = float(evaluator.mesh(PARTS["bone"].solid(design)).vertices[:, 2].min())
+    original_y = float(evaluator.mesh(PARTS["bone"].solid(design)).vertices[:, 1].max())
     near = placed.mesh.vertices[:, 1][np.abs(placed.mesh.vertices[:, 2] - low - found.weakest.z_mm + original) < 1.0]
-    y = float(near.max()) if len(near) else 0.0
+    y = _height_of(design, found.weakest.place)
+    if y is None:
+        y = float(near.max()) if len(near) else 0.0
+    else:  # the bone is drawn a little higher than it lies
+        y += float(placed.mesh.vertices[:, 1].max()) - original_y
     lines = (
         f"weakest: {found.weakest.place},",
         f"z = {found.weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}",
         "at the grip force",
     )
     return Mark("\n".join(lines), (0.0, y, low + found.weakest.z_mm - original))
+
+
+def _height_of(design: Design, place: str) -> float | None:
+    """Find the height y of a named place of a clevis [mm]; None for a cross-section, which has no single one."""
+    joint, anchor = design.dimensions.joint, design.dimensions.anchor
+    if anchor and "anchor" in place:
+        return anchor.y
+    return joint.axis_y if joint and place != "cross-section" else None
 
 
 def _place_joint(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:
@@ -183,12 +196,14 @@ def _draw_panel(
     picture = Image.fromarray(canvas.image())
     pen, font = ImageDraw.Draw(picture), ImageFont.load_default(size=font_px)
     pen.text((16, 10), title, fill=(40, 40, 40), font=font)
-    for item in placed if labelled else []:
+    for item in placed if labelled else [item for item in placed if item.label == HAND]:
         projected = (item.mesh.vertices - centre) @ camera.axes.T * scale
         (left, low), (right, high) = projected.min(axis=0)[:2], projected.max(axis=0)[:2]
         x, y, anchor = {
             "mold_dorsal": (right, high, "rt"),
             "skin": (right, low - 4, "rt"),
+            "lid": (right + 6, high, "lt"),
+            HAND: (left + 4, high - 4, "lt"),
         }.get(item.label, (left, low - 2, "lt"))
         position = (width_px / 2 + x, height_px / 2 - y)
         pen.text(position, item.label.replace("_", " "), fill=(40, 40, 40), font=font, anchor=anchor)

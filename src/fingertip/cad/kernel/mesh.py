@@ -25,6 +25,10 @@ GRID_MM = 2.0**-17
 Binary32 numbers, as in STL, hold multiples of it exactly up to 128 mm. An STL file therefore holds the mesh itself, and
 rounding errors of floating-point arithmetic do not reach the files.
 """
+_SHORT_EDGE_MM = 8 * GRID_MM
+"""Length up to which edges are collapsed [mm]."""
+MIN_TRIANGLE_HEIGHT_MM = 1e-6
+"""Height below which a triangle counts as degenerate: single-precision files cannot represent its area [mm]."""
 
 
 @dataclass(frozen=True)
@@ -106,13 +110,15 @@ def to_canonical_mesh(manifold: Manifold) -> Mesh:
     Vertices are rounded to the grid and sorted. Triangles start at their smallest index and are sorted.
 
     Booleans leave very short edges, which are collapsed first. Where manifold3d does not collapse one, both its ends
-    may round to the same grid point. Readers of the file would merge these two vertices, so they are merged here, and
-    the triangles between them are removed.
+    may round to the same grid point, or span a triangle without area. Readers of the file would merge these two
+    vertices or drop the triangle, so they are merged here, and the triangles between them are removed.
     """
-    simplified = manifold.simplify(8 * GRID_MM)
+    simplified = manifold.simplify(_SHORT_EDGE_MM)
     _raise_unless_valid(simplified)
     raw: Any = simplified.to_mesh64()
     vertices = np.round(np.asarray(raw.vert_properties, dtype=np.float64)[:, :3] / GRID_MM) * GRID_MM + 0.0
+    corners = np.asarray(raw.tri_verts, dtype=np.int64)
+    _join_slivers(vertices, corners)
     # Sort the vertices and give equal ones the same index.
     order = np.lexsort(vertices.T[::-1])
     vertices = vertices[order]
@@ -121,11 +127,31 @@ def to_canonical_mesh(manifold: Manifold) -> Mesh:
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.cumsum(distinct) - 1
     # Renumber the triangles, drop those that have become degenerate, and bring them into canonical order.
-    triangles = rank[np.asarray(raw.tri_verts, dtype=np.int64)]
+    triangles = rank[corners]
     triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
     smallest = triangles.argmin(axis=1)
     triangles = np.take_along_axis(triangles, (smallest[:, None] + np.arange(3)) % 3, axis=1)
     return Mesh(vertices[distinct], triangles[np.lexsort(triangles.T[::-1])])
+
+
+def find_degenerate_triangles(vertices: Array, triangles: Triangles) -> Triangles:
+    """Find triangles without area, as a vertex on an edge leaves them; return their numbers."""
+    corners = vertices[triangles]
+    sides = np.roll(corners, -1, axis=1) - corners
+    twice_area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    longest = np.sqrt(np.max(np.einsum("ijk,ijk->ij", sides, sides), axis=1))
+    return np.flatnonzero(twice_area <= MIN_TRIANGLE_HEIGHT_MM * longest)
+
+
+def _join_slivers(vertices: Array, triangles: Triangles) -> None:
+    """Move both ends of the short edge of each triangle without area to one point, in place."""
+    for number in find_degenerate_triangles(vertices, triangles):
+        a, b, c = triangles[number]
+        length, i, j = min(
+            (float(np.linalg.norm(vertices[i] - vertices[j])), i, j) for i, j in ((a, b), (b, c), (c, a))
+        )
+        if length <= _SHORT_EDGE_MM:
+            vertices[j] = vertices[i]
 
 
 def _raise_unless_valid(manifold: Manifold) -> None:

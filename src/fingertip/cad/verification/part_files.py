@@ -7,13 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from fingertip.cad.files.step_process import BrepMeasurements
-from fingertip.cad.kernel.mesh import Mesh, to_manifold
+from fingertip.cad.kernel.mesh import Mesh, find_degenerate_triangles, to_manifold
 from fingertip.cad.shapes.parts import Part
 from fingertip.cad.verification.check import Check
 from fingertip.design import Design
-
-_MIN_TRIANGLE_HEIGHT_MM = 1e-6
-"""Height below which a triangle counts as degenerate: single-precision files cannot represent its area [mm]."""
 
 
 def check_mesh_file(design: Design, part: Part, mesh: Mesh, file_format: str) -> Iterator[Check]:
@@ -63,11 +60,7 @@ def count_degenerate_triangles(mesh: Mesh) -> int:
 
     Many programs drop such triangles when they read a file, which leaves a hole in the surface.
     """
-    corners = mesh.vertices[mesh.triangles]
-    sides = np.roll(corners, -1, axis=1) - corners
-    twice_area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    longest = np.sqrt(np.max(np.einsum("ijk,ijk->ij", sides, sides), axis=1))
-    return int(np.sum(twice_area <= _MIN_TRIANGLE_HEIGHT_MM * longest))
+    return len(find_degenerate_triangles(mesh.vertices, mesh.triangles))
 
 
 def count_open_edges(mesh: Mesh) -> int:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from fingertip.cad.files import stl
-from fingertip.cad.kernel.mesh import GRID_MM, MeshEvaluator
+from fingertip.cad.kernel.mesh import GRID_MM, MeshEvaluator, find_degenerate_triangles
 from fingertip.cad.shapes.mold import mold_palmar
 from fingertip.cad.verification.part_files import count_open_edges
 from fingertip.design import Design
+from tests.conftest import design_file
 
 # In this design, found by a sweep, a boolean leaves an edge of 5e-6 mm that manifold3d does not collapse. Both its ends
 # round to the same grid point.
@@ -33,14 +34,11 @@ def test_vertices_on_the_same_grid_point_are_merged() -> None:
 
 def test_triangle_without_area_is_removed_with_its_short_edge() -> None:
     """A design on which manifold3d leaves an edge of 15 nm that it does not collapse."""
-    from fingertip.cad.kernel.mesh import find_degenerate_triangles
-    from fingertip.cad.verification.part_files import count_open_edges
-
     changes = [
         "bone.interface=post", "skin.tip_fullness=0.920", "skin.pulp_fullness=0.980", "skin.semi_axis_palmar_mm=6.700",
         "bone.base_length_mm=11.30",
     ]  # fmt: skip
     design = Design.load(design_file("youth_thumb"), changes=changes)
-    mesh = MeshEvaluator(0.02).mesh(PARTS["mold_palmar"].solid(design))
+    mesh = MeshEvaluator(0.02).mesh(mold_palmar(design))
     assert not len(find_degenerate_triangles(mesh.vertices, mesh.triangles))
     assert count_open_edges(mesh) == 0

@@ -17,6 +17,7 @@ FOLDED = [
 ]  # fmt: skip
 CLEVIS = [
     *FOLDED, "bone.interface=clevis", "bone.collar_length_mm=4.9", "mold.recess_length_mm=6.1", "hand.travel_deg=60",
+    "hand.tendon_diameter_mm=0.1",
 ]  # fmt: skip
 CASE_BY_FIELD = {
     "skin.length_mm": [*CLEVIS, "hand.length_limit_mm=34.5"],

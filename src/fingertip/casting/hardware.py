@@ -75,13 +75,17 @@ def _strain_relief(design: Design) -> list[dict[str, Any]]:
 def _joint_hardware(design: Design) -> list[dict[str, Any]]:
     """Pin of a clevis, and what holds its tendon."""
     anchor, section = design.dimensions.anchor, design.dimensions.bone_outline.section
-    pin: dict[str, Any] = {"item": "joint pin (steel)", "diameter_mm": design.hand.pin_diameter_mm, "count": 1}
+    pin: dict[str, Any] = {
+        "item": "joint pin (hardened steel, such as a dowel pin)",
+        "diameter_mm": design.hand.pin_diameter_mm,
+        "count": 1,
+    }
     if design.hand.knuckle == "tongue":  # else it is as long as the hand's fork is wide
         pin["length_mm"] = round(2 * section.half_width, 1)
     items = [pin]
     if anchor:
         items.append({
-            "item": "anchor pin of the tendon (steel)", "thinner_than_mm": design.bone.anchor_diameter_mm,
+            "item": "anchor pin of the tendon (spring steel wire)", "thinner_than_mm": design.bone.anchor_diameter_mm,
             "length_mm": round(2 * design.dimensions.collar.section.half_width_at(anchor.y), 1), "count": 1,
         })  # fmt: skip
     return items

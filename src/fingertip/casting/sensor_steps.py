@@ -101,7 +101,7 @@ def list_joint_steps(data: Mapping[str, Any]) -> list[str]:
         return []
     steps = [
         f"Ream the bore of the joint to {joint['pin_mm']:g} mm and push the pin through bone and hand. The finger must "
-        "fall by its own weight, without shaking sideways."
+        "fall by its own weight, without shaking sideways. Fix both ends of the pin with a drop of adhesive."
     ]
     if joint["travel_deg"]:
         steps.append(

@@ -10,7 +10,7 @@ from fingertip.design.parameters.finger import Hand
 from fingertip.errors import Issue, TomlFileError
 from fingertip.toml_files import read_toml
 
-_OPTIONAL = "length_limit_mm"
+_OPTIONAL = ("length_limit_mm", "tendon_diameter_mm")
 
 
 def list_hands() -> dict[str, Path]:
@@ -45,7 +45,7 @@ def _find_fault(path: Path, example: str) -> str:
     others, hand = [name for name in tables if name != "hand"], tables.get("hand", {})
     if others:
         return f"holds {others[0]} besides [hand]; a hand file has the table [hand] alone, as {example} has."
-    missing = [name for name in Hand.model_fields if name not in hand and name != _OPTIONAL]
+    missing = [name for name in Hand.model_fields if name not in hand and name not in _OPTIONAL]
     if missing:
         return f"lacks {', '.join(missing)} in [hand]; measure your hand, or start from {example}."
     return ""

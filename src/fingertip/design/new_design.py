@@ -66,6 +66,7 @@ _JOINT_PARAMETERS = (
     "hand.pin_diameter_mm",
     "hand.clearance_radius_mm",
     "hand.tendon_distance_mm",
+    "hand.tendon_diameter_mm",
     "hand.travel_deg",
     "hand.length_limit_mm",
 )

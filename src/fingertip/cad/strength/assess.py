@@ -217,33 +217,41 @@ class _Factors:
     width: float = 1.0
     height: float = 1.0
 
-    def at_least(self, factor: float) -> _Factors:
-        return _Factors(max(self.width, factor), max(self.height, factor))
+    def combined_with(self, other: _Factors) -> _Factors:
+        return _Factors(max(self.width, other.width), max(self.height, other.height))
 
 
 def _find_concentration(design: Design, z: float) -> _Factors:
-    """Find the stress concentration factors of the bone at a height."""
+    """Find the stress concentration factors of the bone at a height.
+
+    A shoulder acts about half the height of the thinner side far. The collar is one on both sides.
+    """
     dims, bone = design.dimensions, design.bone
     end, fillet = -bone.base_length_mm, design.strength.root_fillet_mm
-    section = dims.bone_outline.section
-    width, height = 2 * section.half_width, section.dorsal + dims.flat_depth
+    section, collar = dims.bone_outline.section, dims.collar.section
+    base = 2 * section.half_width, section.dorsal + dims.flat_depth
+    reach = min(base) / 2
+    factors = _Factors()
+    if -bone.collar_length_mm - reach <= z <= -bone.collar_length_mm or 0.0 <= z <= reach:
+        factors = _at_shoulder((2 * collar.half_width, collar.palmar + collar.dorsal), base, fillet)
     if bone.interface == "flange":
         root = end + bone.flange_thickness_mm
-        large, small = (bone.flange_width_mm, bone.flange_height_mm), (width, height)
-        near = root <= z <= root + min(small) / 2  # a shoulder acts about half a diameter far
-        return _at_shoulder(large, small, fillet) if near else _Factors()
+        if root <= z <= root + reach:
+            factors = factors.combined_with(_at_shoulder((bone.flange_width_mm, bone.flange_height_mm), base, fillet))
+        return factors
     if joint := dims.joint:
-        near = joint.shoulder_z - joint.eye_radius / 2 <= z <= joint.shoulder_z
-        return _at_shoulder((width, height), _eye_sizes(design, joint), fillet) if near else _Factors()
+        if joint.shoulder_z - joint.eye_radius / 2 <= z <= joint.shoulder_z:
+            factors = factors.combined_with(_at_shoulder(base, _eye_sizes(design, joint), fillet))
+        return factors
     if bone.interface == "post":
         across = min(bone.post_height_mm, bone.post_width_mm)
-        near = end - across / 2 <= z <= end
-        factors = _at_shoulder((width, height), (bone.post_width_mm, across), fillet) if near else _Factors()
+        if end - across / 2 <= z <= end:
+            factors = factors.combined_with(_at_shoulder(base, (bone.post_width_mm, across), fillet))
     else:
         across = bone.socket_diameter_mm + 2 * bone.wall_mm
-        factors = _Factors()
     if abs(z - dims.cross_bolt_z) <= bone.cross_bolt_diameter_mm / 2:
-        factors = factors.at_least(hole_in_tension(bone.cross_bolt_diameter_mm, across))
+        hole = hole_in_tension(bone.cross_bolt_diameter_mm, across)
+        factors = factors.combined_with(_Factors(hole, hole))
     return factors
 
 

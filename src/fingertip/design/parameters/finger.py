@@ -201,6 +201,9 @@ class Hand(ParameterTable):
         minimum=0,
         maximum=30,
     )
+    tendon_diameter_mm: float = quantity(
+        0.8, "mm", "Diameter of the tendon, which is knotted around its anchor.", minimum=0.1, maximum=3
+    )
     travel_deg: float = quantity(
         80.0,
         "degree",
@@ -390,7 +393,7 @@ class Strength(ParameterTable):
         "surgical_guide", "Material of the bone: three SLA resins, PETG or nylon 12."
     )
     print_direction: Literal["lying", "upright"] = choice(
-        "lying", "Direction of the print: layers along the finger (lying) or across it (upright)."
+        "upright", "Direction of the print: layers along the finger (lying) or across it (upright, as the sheet says)."
     )
     root_fillet_mm: float = quantity(
         0.5,

@@ -181,7 +181,8 @@ def _find_highest_anchor(design: DesignTables, anchor: TendonAnchor) -> float:
     """Find the height y up to which the anchor is clear of the film, or of the tail's passage."""
     dims, fold = design.dimensions, design.dimensions.fold
     if fold:
-        reach = fold.radius + dims.sensor.thickness_mm + SLIDING_MM + anchor.radius
+        line = design.hand.tendon_diameter_mm
+        reach = fold.radius + dims.sensor.thickness_mm + SLIDING_MM + line + anchor.radius
         return fold.nose_y - math.sqrt(max(0.0, reach**2 - (fold.nose_z - anchor.z) ** 2))
     if dims.tail_passes_collar:
         floor = dims.pocket_depth - dims.flat_depth

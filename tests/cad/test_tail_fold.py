@@ -122,7 +122,8 @@ def test_lid_fills_the_trough_up_to_its_gaps() -> None:
     column = column.trim_by_plane((0.0, 0.0, 1.0), low).trim_by_plane((0.0, 0.0, -1.0), -high)
     above = column.trim_by_plane((0.0, 1.0, 0.0), fold.floor_y + fold.film_space_mm).volume()
     higher = 2 * fold.tabs_half_width * (high - low) * (fold.tabs_space_mm - fold.film_space_mm)
-    assert lid.volume() == pytest.approx(above - higher, rel=1e-6)
+    feet = 2 * (half - fold.tabs_half_width) * (fold.film_space_mm - 0.05) * (high - fold.film_end_z - 1.5)
+    assert lid.volume() == pytest.approx(above - higher + feet, rel=1e-6)
     assert (lid ^ evaluator.manifold(PARTS["bone"].solid(design))).volume() == 0.0
 
 
@@ -155,3 +156,20 @@ def test_nose_that_is_too_thick_touches_the_film(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setitem(design.dimensions.__dict__, "fold", replace(fold, radius=fold.radius + 0.25))
     solid = MeshEvaluator(0.02).manifold(PARTS["bone"].solid(design))
     assert (body ^ solid).volume() > 0.1
+
+
+def test_lid_stands_on_two_feet_beside_the_tabs() -> None:
+    """They end just above the floor of the trough, distal to a film that is longer than stated."""
+    design = compact()
+    fold = design.dimensions.fold
+    assert fold
+    lid = MeshEvaluator(0.01).manifold(PARTS["lid"].solid(design))
+    assert lid.bounding_box()[1] == pytest.approx(fold.floor_y + 0.05, abs=1e-6)
+    low = lid.trim_by_plane((0.0, -1.0, 0.0), -(fold.floor_y + 0.2))
+    feet = low.decompose()
+    assert len(feet) == 2
+    for foot in feet:
+        x0, _, z0, x1, _, z1 = foot.bounding_box()
+        assert min(abs(x0), abs(x1)) >= fold.tabs_half_width - 1e-6
+        assert z0 == pytest.approx(fold.film_end_z + 1.5)
+        assert z1 - z0 > 3.0

@@ -38,8 +38,8 @@ def list_mounting_steps(data: Mapping[str, Any]) -> list[str]:
         )
         + "drop of neutral-cure silicone adhesive. "
         + _MEASURE,
-        "Stick the lid into the trough with a thin bead of the same adhesive along its edges. It ends flush with bone "
-        "and collar.",
+        "Stick the lid into the trough with a thin bead of the same adhesive along its edges. It stands on its feet "
+        "beside the tabs and ends flush with bone and collar.",
     ]
 
 

@@ -6,8 +6,10 @@ from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.interface import interface, interface_genus
 from fingertip.cad.solids import Box, ElbowTube, Solid, cylinder, difference, intersection, union
 from fingertip.design import Design
-from fingertip.design.geometry.tail_fold import SLIDING_MM, STEP_MM, TailFold
+from fingertip.design.geometry.tail_fold import END_ROOM_MM, SLIDING_MM, STEP_MM, TailFold
 
+_FOOT_GAP_MM = 0.05
+"""Gap between the feet of the lid and the floor of the trough, for a bead of adhesive [mm]."""
 _OVERLAP_MM = 0.2
 """Length by which passages reach into the window [mm]. Boxes that only touch would leave coincident faces."""
 
@@ -58,14 +60,20 @@ def _trough(design: Design, fold: TailFold, half_width: float) -> Solid:
 
 
 def tail_space(design: Design) -> Solid:
-    """Build the space under the lid of the trough: low beside the tabs, and higher over crimps and wires."""
+    """Build the space under the lid of the trough: low over the film, and higher over crimps and wires.
+
+    Beside the tabs, where no film lies even if the tail is longer than stated, the lid stands on two feet.
+    """
     fold = design.dimensions.fold
     assert fold
     half = design.dimensions.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
     low, high = fold.nose_z - _OVERLAP_MM, fold.trough_end_z + _OVERLAP_MM  # past both ends of the lid
     deep = fold.floor_y - _OVERLAP_MM
     return union(
-        Box((-half - _OVERLAP_MM, deep, low), (half + _OVERLAP_MM, fold.floor_y + fold.film_space_mm, high)),
+        Box(
+            (-half - _OVERLAP_MM, deep, low),
+            (half + _OVERLAP_MM, fold.floor_y + fold.film_space_mm, fold.film_end_z + END_ROOM_MM),
+        ),
         Box((-fold.tabs_half_width, deep, low), (fold.tabs_half_width, fold.floor_y + fold.tabs_space_mm, high)),
     )
 
@@ -76,7 +84,7 @@ def lid(design: Design) -> Solid:
     assert fold
     half = design.dimensions.sensor.tail_width_mm / 2
     dorsal = 2 * design.dimensions.bone_outline.section.dorsal
-    block = Box((-half, fold.floor_y, fold.nose_z), (half, dorsal, fold.trough_end_z - gap))
+    block = Box((-half, fold.floor_y + _FOOT_GAP_MM, fold.nose_z), (half, dorsal, fold.trough_end_z - gap))
     return difference(intersection(filled_bone(design), block), tail_space(design))
 
 

@@ -15,6 +15,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import clevis, interface
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.solids import Solid, union
+from fingertip.cad.strength.assess import assess_strength
 from fingertip.cad.strength.pin_joint import stress_joint, tendon_force_per_n
 from fingertip.cad.verification import joint as joint_checks
 from fingertip.cad.verification.check import Check
@@ -22,6 +23,9 @@ from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
 from fingertip.design.geometry.joint import Joint
 from fingertip.design.new_design import PRESETS
+from fingertip.design.parameters import DesignTables
+from fingertip.design.rules import joint as joint_rules
+from fingertip.design.rules.ruleset import find_violations
 from tests.conftest import design_file
 
 LENGTH_MM = {
@@ -146,6 +150,50 @@ def test_free_knuckle_of_the_hand_is_larger_than_the_eye() -> None:
     assert interface.interface_genus(design) == 4
 
 
+@pytest.mark.parametrize("name", PRESETS)
+def test_tendon_has_room_between_its_anchor_and_the_film(name: str) -> None:
+    dims, line = load(name).dimensions, load(name).hand.tendon_diameter_mm
+    fold, anchor = dims.fold, dims.anchor
+    assert fold
+    assert anchor
+    film = fold.radius + dims.sensor.thickness_mm
+    assert math.hypot(anchor.y - fold.nose_y, anchor.z - fold.nose_z) - film - anchor.radius >= line + 0.299
+
+
+def test_missing_notch_of_the_tendon_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    design = load("adult_finger", *TONGUE)
+    assert run_checks(design)["joint.tendon_overlap"].passed
+    monkeypatch.setattr(clevis, "_notch", lambda design, anchor: clevis.pin_bore(design.dimensions.joint, 1.0))
+    assert "joint.tendon_overlap" in failed(design)
+
+
+def test_a_narrow_joint_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = clevis.space
+    monkeypatch.setattr(clevis, "space", lambda design, joint: original(design, replace(joint, clearance=0.05)))
+    assert "joint.clearance" in failed(load("adult_finger"))
+
+
+@pytest.mark.parametrize(
+    ("values", "blamed"),
+    [
+        ({"hand.travel_deg": 90.0}, True),
+        ({"hand.axis_height_mm": 9.0, "hand.clearance_radius_mm": 2.6, "bone.base_length_mm": 15.2}, True),
+        ({"hand.clearance_radius_mm": 6.5, "hand.axis_height_mm": 5.0, "bone.base_length_mm": 13.0}, True),
+        ({}, False),
+    ],
+)
+def test_travel_that_meets_the_shoulder_or_has_no_stop_is_refused(values: dict[str, float], blamed: bool) -> None:
+    """The pulp meets the shoulder; the shoulder's corner meets the collar; the stop lies outside the finger."""
+    design = DesignTables(**load("adult_finger").model_dump()).with_values(values)
+    fields = [broken.rule.field for broken in find_violations(joint_rules.RULES, design)]
+    assert ("hand.travel_deg" in fields) == blamed
+
+
+def test_tendon_that_would_press_on_the_film_is_refused() -> None:
+    design = DesignTables(**load("adult_finger").model_dump()).with_values({"hand.tendon_diameter_mm": 2.0})
+    assert [broken.rule.field for broken in find_violations(joint_rules.RULES, design)] == ["hand.tendon_distance_mm"]
+
+
 def test_forces_of_the_joint_follow_from_its_levers() -> None:
     """35 mm of lever about the pin against 4.95 mm of the tendon, and two thirds of the stop."""
     design = load("adult_finger")
@@ -157,6 +205,14 @@ def test_forces_of_the_joint_follow_from_its_levers() -> None:
     cheek = section.half_width_at(joint.axis_y + 1.0) - joint.half_width
     assert stresses["end of the eye"].stress_per_n == pytest.approx(math.sqrt(3) * pull / (4 * cheek * (3.2 - 1.0)))
     assert not stresses["bearing of the anchor"].at_shock
+    force, anchor = 35.0 / 4.95, design.dimensions.anchor
+    assert anchor
+    assert stresses["bearing of the pin"].stress_per_n == pytest.approx((force + 1.0) / (2 * cheek * 2.0))
+    window = design.dimensions.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
+    length = 2 * (design.dimensions.collar.section.half_width_at(anchor.y) - window)
+    assert stresses["bearing of the anchor"].stress_per_n == pytest.approx(force / (length * 1.2))
+    assert stresses["wall at the anchor"].stress_per_n == pytest.approx(math.sqrt(3) * force / (2 * length * 0.8))
+    assert assess_strength(design, MeshEvaluator(0.02)).tendon_force_n == pytest.approx(20.0 * force)
     assert stresses["eye"].at_shock
 
 

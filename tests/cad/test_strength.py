@@ -236,3 +236,16 @@ def test_sections_agree_with_the_exact_solid():
         thin = 1e-3
         assert section.second_xx_mm4 == pytest.approx(matrix.Value(1, 1) / thin, rel=3e-3)
         assert section.second_yy_mm4 == pytest.approx(matrix.Value(2, 2) / thin, rel=3e-3)
+
+
+def test_collar_concentrates_stress_on_both_sides() -> None:
+    """A shoulder acts half the height of the thinner side far: below the collar, and above it in the skin."""
+    design = Design.load(design_file("fsr400_compact"))
+    dims, collar = design.dimensions, design.dimensions.collar.section
+    base = dims.bone_outline.section.dorsal + dims.flat_depth
+    expected = shoulder_in_bending(collar.palmar + collar.dorsal, base, 0.5)
+    assert expected > 1.5
+    for z in (-design.bone.collar_length_mm - 0.1, 0.1, base / 2 - 0.1):
+        assert assess._find_concentration(design, z).height == pytest.approx(expected)
+    for z in (-design.bone.collar_length_mm + 0.1, base / 2 + 0.1):
+        assert assess._find_concentration(design, z).height == 1.0

@@ -13,7 +13,7 @@ from fingertip.design.hands import find_hand, list_hands
 from fingertip.design.load import load_tables
 from fingertip.design.new_design import PRESETS, write_new_design
 from fingertip.design.parameters import DesignTables
-from fingertip.design.rules import RULES
+from fingertip.design.rules import PART_RULES, RULES
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.errors import DesignError, TomlFileError
 from tests.conftest import design_file
@@ -56,6 +56,8 @@ def test_fit_is_reproducible_and_passes_all_rules() -> None:
     assert not list(find_violations(RULES, first.tables))
     kept = {name: begin.value(name) for name in ("skin.width_mm", "skin.semi_axis_dorsal_mm", "skin.length_mm")}
     assert all(first.tables.value(name) == value for name, value in kept.items())
+    for name, (before, _) in first.changes.items():  # each change is needed
+        assert list(find_violations(PART_RULES, first.tables.with_values({name: before}))), name
 
 
 def test_given_lengths_stay() -> None:

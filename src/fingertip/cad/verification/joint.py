@@ -14,7 +14,14 @@ from fingertip.cad.shapes.clevis import eye_profile, knuckle, pin_bore, space
 from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.solids import Box, cylinder, intersection
-from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, check_min_distance, complement
+from fingertip.cad.verification.check import (
+    VOLUME_TOLERANCE_MM3,
+    Check,
+    check_min_distance,
+    check_zero_volume,
+    complement,
+    search_distance,
+)
 from fingertip.design import Design
 from fingertip.design.geometry.joint import Joint, TendonAnchor
 
@@ -37,6 +44,7 @@ def check_joint(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     yield from _check_eyes(design, joint, evaluator, wall)
     if anchor:
         yield _check_anchor(design, anchor, evaluator, wall)
+        yield _check_tendon(design, joint, anchor, evaluator)
     yield from _check_travel(design, joint, evaluator)
 
 
@@ -73,6 +81,14 @@ def _check_anchor(design: Design, anchor: TendonAnchor, evaluator: MeshEvaluator
     return check_min_distance("bone.wall.anchor_to_outside", evaluator.manifold(hole), outside, wall)
 
 
+def _check_tendon(design: Design, joint: Joint, anchor: TendonAnchor, evaluator: MeshEvaluator) -> Check:
+    """Check that nothing lies in the way of the tendon, which leaves its anchor straight along the finger."""
+    radius = min(design.hand.tendon_diameter_mm / 2, anchor.radius)
+    tendon = evaluator.manifold(cylinder("z", (0.0, anchor.y), joint.low_z - joint.radius, anchor.z, radius))
+    bone = evaluator.manifold(PARTS["bone"].solid(design))
+    return check_zero_volume("joint.tendon_overlap", (tendon ^ bone).volume())
+
+
 def _check_travel(design: Design, joint: Joint, evaluator: MeshEvaluator) -> Iterator[Check]:
     """Check that the finger turns freely from straight to bent, and that the stops block it beyond both ends."""
     hand = evaluator.manifold(knuckle(design, joint))
@@ -82,6 +98,10 @@ def _check_travel(design: Design, joint: Joint, evaluator: MeshEvaluator) -> Ite
     angles = [travel * i / _FREE_ANGLES for i in range(_FREE_ANGLES + 1)] if travel else [0.0]
     worst = max(_overlap(finger, hand, joint, angle) for angle in angles)
     yield Check("joint.travel_overlap", worst, _touching_volume(design, joint, evaluator), "mm3")
+    halfway = [_turn(part, joint, travel / 2) for part in finger]
+    ahead = hand.trim_by_plane((0.0, 0.0, 1.0), joint.axis_z)  # without the shoulder, which the stops meet
+    clearance = search_distance(lambda reach: min(part.min_gap(ahead, reach) for part in halfway), 2 * joint.clearance)
+    yield Check("joint.clearance", clearance, 0.9 * joint.clearance - evaluator.tolerance_mm, "mm", "at least")
     if travel:
         for name, angle in (("straight", -_BEYOND_STOP_DEG), ("bent", travel + _BEYOND_STOP_DEG)):
             blocked = _overlap(finger[:1], hand, joint, angle)
@@ -90,13 +110,13 @@ def _check_travel(design: Design, joint: Joint, evaluator: MeshEvaluator) -> Ite
 
 def _overlap(finger: list[Manifold], hand: Manifold, joint: Joint, angle_deg: float) -> float:
     """Compute the volume [mm3] that finger and hand share if the finger is bent by an angle."""
-    overlap = 0.0
-    for part in finger:
-        at_origin = part.translate((0.0, -joint.axis_y, -joint.axis_z))
-        # The tip (+z) turns to the palmar side (-y), which is a positive rotation about x.
-        turned = at_origin.rotate((angle_deg, 0.0, 0.0)).translate((0.0, joint.axis_y, joint.axis_z))
-        overlap += (turned ^ hand).volume()
-    return float(overlap)
+    return float(sum((_turn(part, joint, angle_deg) ^ hand).volume() for part in finger))
+
+
+def _turn(part: Manifold, joint: Joint, angle_deg: float) -> Manifold:
+    """Turn a part of the finger about the pin: its tip (+z) to the palmar side (-y), a positive rotation about x."""
+    at_origin = part.translate((0.0, -joint.axis_y, -joint.axis_z))
+    return at_origin.rotate((angle_deg, 0.0, 0.0)).translate((0.0, joint.axis_y, joint.axis_z))
 
 
 def _touching_volume(design: Design, joint: Joint, evaluator: MeshEvaluator) -> float:

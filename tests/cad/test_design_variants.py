@@ -9,10 +9,11 @@ import pytest
 from fingertip.build_files import build
 from fingertip.design import Design
 
+UNLIMITED = ["strength.min_grip_factor=0", "strength.min_shock_factor=0"]
 VARIANTS = {
     "sleeve": ["mold.method=sleeve", "mold.silicone_shrinkage_percent=1.2"],
     "socket": ["bone.interface=socket", "bone.base_length_mm=31"],
-    "round post": ["bone.post_width_mm=7", "bone.post_height_mm=7"],
+    "round post": ["bone.post_width_mm=7", "bone.post_height_mm=7", *UNLIMITED],
     "flange": ["bone.interface=flange", "bone.base_length_mm=26"],
     "flange with four bolts": [
         "bone.interface=flange",

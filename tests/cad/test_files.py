@@ -84,11 +84,11 @@ def test_every_facet_has_three_different_vertices(built: Build) -> None:
 
 
 def test_step_holds_one_valid_named_solid_with_the_volume_of_the_mesh(built: Build) -> None:
+    import cadquery as cq
+
+    from fingertip.cad.kernel import brep
+
     for name in sorted(names(built)):
-        import cadquery as cq
-
-        from fingertip.cad.kernel import brep
-
         path = built.folder / f"{name}.step"
         solids = cq.importers.importStep(str(path)).solids().vals()
         assert len(solids) == 1

@@ -18,6 +18,7 @@ from fingertip.cad.verification.part_files import check_brep_solid
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
 from fingertip.design.export import list_parameters
+from fingertip.design.new_design import PRESETS
 from fingertip.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 
@@ -33,7 +34,7 @@ def generate_accepted(seed: int) -> Iterator[Design]:
     """Generate designs that the rules accept: a bundled one with some parameters scaled by 0.5 to 2."""
     rng = random.Random(seed)
     while True:
-        file = design_file(rng.choice(DESIGNS))
+        file = design_file(rng.choice((*DESIGNS, *PRESETS)))
         base = Design.load(file)
         changes = [*UNLIMITED]
         for path in rng.sample(VARIED, rng.randint(3, 12)):

@@ -142,6 +142,7 @@ def test_out_json_and_quoting(folder: Path) -> None:
         "sensor": "fsr400",
         "base": "fsr400",
         "fitted": {},
+        "reasons": {},
         "next": "fingertip make 'my designs/first try.toml'",
     }
     assert Design.load(data["design"]).name == "mine"

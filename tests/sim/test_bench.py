@@ -294,14 +294,14 @@ def test_trials_take_seconds_and_all_slip():
 
 
 @pytest.mark.slow
-def test_manipulations_are_measured_on_objects_of_which_some_are_lost():
-    """`fingertip bench` compares the time with its target of a second each."""
+def test_a_manipulation_takes_less_than_a_second():
+    """The target of `fingertip bench`. One takes half of it on two cores of 2026, and more beside other work."""
     pytest.importorskip("numba")
     with compiled():
         found = throughput.measure_manipulations()
     assert found["manipulations"] == 12
     assert found["target_s"] == 12.0
-    assert found["cpu_s"] > 0.0
+    assert found["cpu_s"] < found["target_s"]
     assert found["lost"] >= 5  # without control
 
 

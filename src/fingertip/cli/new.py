@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -54,8 +54,6 @@ def new(
     are fitted until the design can be made; what is changed with --set stays. An existing file is never overwritten.
     """
     from fingertip.bundled import list_bundled_files
-    from fingertip.cad.kernel.mesh import MeshEvaluator
-    from fingertip.cad.strength.assess import assess_strength, describe_strength
     from fingertip.design.new_design import write_new_design
     from fingertip.errors import FingertipError, Issue
     from fingertip.files import write_file
@@ -80,12 +78,18 @@ def new(
     assert made
     write_file(path, made.text.encode())
     following = f"fingertip make {shlex.quote(path.as_posix())}"
-    data = {
+    data: dict[str, Any] = {
         "design": path.as_posix(), "name": name, "sensor": made.design.sensor.model, "base": made.base,
-        "fitted": {name: list(values) for name, values in made.fitted.items()}, "next": following,
+        "fitted": {name: list(values) for name, values in made.fitted.items()}, "reasons": dict(made.reasons),
+        "next": following,
     }  # fmt: skip
     lines = [f"fitted: {name} {before:g} -> {after:g}" for name, (before, after) in made.fitted.items()]
     lines += [f"note: {reason}: a measured value was changed" for reason in made.reasons.values()]
     if preset or hand:
-        lines += describe_strength(assess_strength(made.design, MeshEvaluator(_TOLERANCE_MM)))
+        from fingertip.cad.kernel.mesh import MeshEvaluator
+        from fingertip.cad.strength.assess import assess_strength, describe_strength, strength_data
+
+        strength = assess_strength(made.design, MeshEvaluator(_TOLERANCE_MM))
+        data["strength"] = strength_data(strength)
+        lines += describe_strength(strength)
     console.result(data, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))

@@ -139,12 +139,9 @@ def _score(found: list[BrokenRule]) -> float:
     """Measure how far a design is from passing: one for each broken rule, and less where a small change repairs it."""
     total = 0.0
     for rule in found:
-        present, ends = (
-            rule.design.value(rule.rule.field),
-            [e for i in rule.violation.passing for e in i if abs(e) < 1e6],
-        )
-        nearest = min((abs(present - end) for end in ends), default=None) if isinstance(present, float) else None
-        total += 1.0 + (1.0 if nearest is None else min(0.9, nearest / max(1.0, abs(present))))
+        present = rule.design.value(rule.rule.field)
+        ends = [end for interval in rule.violation.passing for end in interval if math.isfinite(end)]
+        total += 1.0 + min((min(0.9, abs(present - end) / max(1.0, abs(present))) for end in ends), default=1.0)
     return total
 
 

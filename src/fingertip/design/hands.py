@@ -6,7 +6,7 @@ from pathlib import Path
 
 from fingertip.bundled import PARAMS
 from fingertip.design.issues import suggest_name
-from fingertip.design.parameters.finger import Hand
+from fingertip.design.parameters import Hand
 from fingertip.errors import Issue, TomlFileError
 from fingertip.toml_files import read_toml
 

@@ -22,8 +22,14 @@ from fingertip.view.raster import Camera, Canvas, Colour, bounds
 
 _TOLERANCE_MM = 0.02
 _MARGIN_PX = 36
-_SENSOR_COLOUR: Colour = (0.86, 0.68, 0.24)
-_HAND_COLOUR: Colour = (0.80, 0.80, 0.78)
+_COLOURS: Mapping[str, Colour] = {
+    **{name: part.colour for name, part in PARTS.items()},
+    "sensor": (0.86, 0.68, 0.24),
+    HAND: (0.80, 0.80, 0.78),
+}
+"""Colours of the parts and of what lies with them."""
+_MARK_REACH_MM = 1.0
+"""Distance along the finger within which the surface above a weak section is looked for."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +39,8 @@ class PlacedMesh:
     label: str
     mesh: Mesh
     colour: Colour
+    offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Distance by which the mesh was moved from where the part lies."""
 
 
 def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] = lambda message: None) -> bytes:
@@ -96,22 +104,18 @@ class Mark:
 def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[PlacedMesh]) -> Mark:
     """Mark the place where the bone breaks first."""
     found = assess_strength(design, evaluator)
-    (placed,) = (item for item in exploded if item.label == "bone")
-    low = float(placed.mesh.vertices[:, 2].min())
-    original = float(evaluator.mesh(PARTS["bone"].solid(design)).vertices[:, 2].min())
-    original_y = float(evaluator.mesh(PARTS["bone"].solid(design)).vertices[:, 1].max())
-    near = placed.mesh.vertices[:, 1][np.abs(placed.mesh.vertices[:, 2] - low - found.weakest.z_mm + original) < 1.0]
-    y = _height_of(design, found.weakest.place)
+    weakest, vertices = found.weakest, evaluator.mesh(PARTS["bone"].solid(design)).vertices
+    (dx, dy, dz) = next(item.offset_mm for item in exploded if item.label == "bone")
+    y = _height_of(design, weakest.place)
     if y is None:
-        y = float(near.max()) if len(near) else 0.0
-    else:  # the bone is drawn a little higher than it lies
-        y += float(placed.mesh.vertices[:, 1].max()) - original_y
+        beside = np.abs(vertices[:, 2] - weakest.z_mm) < _MARK_REACH_MM
+        y = float(vertices[beside, 1].max(initial=0.0))
     lines = (
-        f"weakest: {found.weakest.place},",
-        f"z = {found.weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}",
+        f"weakest: {weakest.place},",
+        f"z = {weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}",
         "at the grip force",
     )
-    return Mark("\n".join(lines), (0.0, y, low + found.weakest.z_mm - original))
+    return Mark("\n".join(lines), (dx, y + dy, weakest.z_mm + dz))
 
 
 def _height_of(design: Design, place: str) -> float | None:
@@ -129,9 +133,8 @@ def _place_joint(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:
         name: part.solid(design) for name, part in parts_by_name(design).items() if name in ("bone", "lid", "skin")
     }
     solids["sensor"] = sensor_body(design)
-    colours = {name: part.colour for name, part in PARTS.items()} | {"sensor": _SENSOR_COLOUR, HAND: _HAND_COLOUR}
     placed = place_on_hand(design, design.dimensions.joint, evaluator, solids)
-    return [PlacedMesh(name, mesh, colours[name]) for name, mesh in placed]
+    return [PlacedMesh(name, mesh, _COLOURS[name]) for name, mesh in placed]
 
 
 def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
@@ -150,9 +153,8 @@ def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
         shift["lid"] = (0.0, 2.0 + gap, -size["skin"][2] * 0.55)
     if "core" in parts:
         shift["core"] = (0.0, 2.0, shift["bone"][2] - size["bone"][2] - 2 * gap)
-    colours = {name: part.colour for name, part in PARTS.items()} | {"sensor": _SENSOR_COLOUR}
     return [
-        PlacedMesh(name, Mesh(parts[name].vertices + np.array(offset), parts[name].triangles), colours[name])
+        PlacedMesh(name, Mesh(parts[name].vertices + np.array(offset), parts[name].triangles), _COLOURS[name], offset)
         for name, offset in shift.items()
     ]
 
@@ -164,10 +166,9 @@ def _cut_open(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:
         solids = {name: solid for name, solid in solids.items() if name not in ("bone", "lid")}
     else:
         solids["sensor"] = sensor_body(design)
-    colours = {name: part.colour for name, part in PARTS.items()} | {"sensor": _SENSOR_COLOUR}
     return [
         PlacedMesh(
-            name, to_canonical_mesh(evaluator.manifold(solid).trim_by_plane((1.0, 0.0, 0.0), 0.0)), colours[name]
+            name, to_canonical_mesh(evaluator.manifold(solid).trim_by_plane((1.0, 0.0, 0.0), 0.0)), _COLOURS[name]
         )
         for name, solid in solids.items()
     ]
@@ -202,7 +203,7 @@ def _draw_panel(
         x, y, anchor = {
             "mold_dorsal": (right, high, "rt"),
             "skin": (right, low - 4, "rt"),
-            "lid": (right + 6, high, "lt"),
+            "lid": (right + 6, (low + high) / 2, "lm"),
             HAND: (left + 4, high - 4, "lt"),
         }.get(item.label, (left, low - 2, "lt"))
         position = (width_px / 2 + x, height_px / 2 - y)

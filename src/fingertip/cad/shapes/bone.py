@@ -6,7 +6,8 @@ from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.interface import interface, interface_genus
 from fingertip.cad.solids import Box, ElbowTube, Solid, cylinder, difference, intersection, union
 from fingertip.design import Design
-from fingertip.design.geometry.tail_fold import END_ROOM_MM, SLIDING_MM, STEP_MM, TailFold
+from fingertip.design.geometry.tail_fold import END_ROOM_MM, SLIDING_MM, TailFold
+from fingertip.design.geometry.tangency import TANGENT_STEP_MM
 
 _FOOT_GAP_MM = 0.05
 """Gap between the feet of the lid and the floor of the trough, for a bead of adhesive [mm]."""
@@ -31,7 +32,7 @@ def sensor_recess(design: Design) -> Solid:
     flat = -dims.flat_depth
     outside = -dims.collar.section.palmar - dims.bone_outline.section.palmar  # below the palmar surface of every solid
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
-    tail = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
+    tail = dims.tail_half_width
     floor = flat + dims.pocket_depth
     if dims.fold:
         top = dims.sensor_z + design.sensor.clearance_mm
@@ -66,7 +67,7 @@ def tail_space(design: Design) -> Solid:
     """
     fold = design.dimensions.fold
     assert fold
-    half = design.dimensions.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
+    half = design.dimensions.tail_half_width
     low, high = fold.nose_z - _OVERLAP_MM, fold.trough_end_z + _OVERLAP_MM  # past both ends of the lid
     deep = fold.floor_y - _OVERLAP_MM
     return union(
@@ -149,11 +150,11 @@ def sensor_body(design: Design) -> Solid:
     outer = cylinder("x", (y, low), -half_tail, half_tail, r + dims.sensor.thickness_mm)
     bend = difference(outer, cylinder("x", (y, low), -2 * half_tail, 2 * half_tail, r))
     reach = 2 * r
-    bend = intersection(bend, Box((-half_tail, y - reach, low - reach), (half_tail, y + reach, low + STEP_MM)))
+    bend = intersection(bend, Box((-half_tail, y - reach, low - reach), (half_tail, y + reach, low + TANGENT_STEP_MM)))
     dorsal = Box((-half_tail, inner, low), (half_tail, inner + dims.sensor.thickness_mm, fold.film_end_z))
     half_tabs = fold.tabs_half_width - SLIDING_MM
     tabs = Box(
-        (-half_tabs, inner, fold.film_end_z - STEP_MM),
+        (-half_tabs, inner, fold.film_end_z - TANGENT_STEP_MM),
         (half_tabs, inner + dims.sensor.thickness_mm, fold.tabs_end_z),
     )
     return union(head, palmar, bend, dorsal, tabs)

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from fingertip.cad.solids import Box, Prism, Solid, cylinder, difference, intersection, union
 from fingertip.design import Design
-from fingertip.design.geometry.joint import STEP_MM, Joint, TendonAnchor
-
-_NOTCH_WIDTH_MM = 2.5
-"""Width of the notch in which the tendon reaches its anchor [mm]."""
+from fingertip.design.geometry.joint import NOTCH_WIDTH_MM, Joint, TendonAnchor
+from fingertip.design.geometry.tangency import TANGENT_STEP_MM
 
 
 def clevis(design: Design) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
@@ -49,7 +47,7 @@ def space(design: Design, joint: Joint) -> Solid:
         beside = (Box((-reach, -reach, low), (-half, reach, high)), Box((half, -reach, low), (reach, reach, high)))
         return union(around, *beside)
     # The window of a folded tail lies above the gap, and opens into it.
-    top = max(high, dims.fold.window_low_z + STEP_MM) if dims.fold else high
+    top = max(high, dims.fold.window_low_z + TANGENT_STEP_MM) if dims.fold else high
     return union(around, Box((-half, -reach, low), (half, reach, top)))
 
 
@@ -59,7 +57,7 @@ def eye_profile(joint: Joint, reach: float) -> Solid:
     around = cylinder("x", (y, z), -reach, reach, joint.eye_radius)
     if joint.travel_deg:
         return union(Prism("x", joint.stopped_profile(reach), -reach, reach), around)
-    half = joint.eye_radius - STEP_MM
+    half = joint.eye_radius - TANGENT_STEP_MM
     return union(Box((-reach, y - half, z), (reach, y + half, z + reach)), around)
 
 
@@ -72,7 +70,7 @@ def _notch(design: Design, anchor: TendonAnchor) -> Solid:
     """Build the notch of the tendon, from its anchor to the palmar and the proximal side."""
     section, joint = design.dimensions.collar.section, design.dimensions.joint
     assert joint
-    half = _NOTCH_WIDTH_MM / 2
+    half = NOTCH_WIDTH_MM / 2
     return Box(
         (-half, -2 * section.palmar, joint.low_z - section.palmar),
         (half, anchor.y + anchor.radius, anchor.z + 2 * anchor.radius),
@@ -86,8 +84,9 @@ def knuckle(design: Design, joint: Joint) -> Solid:
     # The hand ends on its palmar side at the height from which its axis is measured.
     palmar = y - hand.axis_height_mm
     shoulder = Box((-reach, palmar, z - joint.radius - reach), (reach, y + reach, z - joint.radius))
+    flat = joint.radius - TANGENT_STEP_MM
     neck = union(
-        Box((-reach, y - joint.radius + STEP_MM, z - joint.radius - STEP_MM), (reach, y + joint.radius - STEP_MM, z)),
+        Box((-reach, y - flat, z - joint.radius - TANGENT_STEP_MM), (reach, y + flat, z)),
         cylinder("x", (y, z), -reach, reach, joint.radius),
     )
     inner = Box((-half, y - reach, z - reach), (half, y + reach, z + reach))

@@ -302,8 +302,8 @@ def describe_strength(strength: BoneStrength) -> list[str]:
     ]
     if strength.grip_safety_factor < WANTED_AT_GRIP or strength.shock_safety_factor < WANTED_AT_SHOCK:
         lines.append(
-            f"warning: {WANTED_AT_GRIP:g} and {WANTED_AT_SHOCK:g} are wanted; a thicker post, a thinner cross bolt, a "
-            "shorter base or a stronger material raise them"
+            f"warning: {WANTED_AT_GRIP:g} and {WANTED_AT_SHOCK:g} are wanted; a larger "
+            "interface, a shorter finger or a stronger material raises them"
         )
     return lines
 

@@ -77,6 +77,4 @@ def _eye_thickness(design: Design, joint: Joint) -> float:
 
 def _anchor_length(design: Design, anchor: TendonAnchor) -> float:
     """Length [mm] of the anchor's hole in both cheeks together."""
-    dims = design.dimensions
-    inner = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm if dims.fold else 1.25
-    return 2 * (dims.collar.section.half_width_at(anchor.y) - inner)
+    return 2 * (design.dimensions.collar.section.half_width_at(anchor.y) - anchor.inner_half_width)

@@ -25,6 +25,7 @@ from fingertip.cad.verification.check import (
     complement,
 )
 from fingertip.design import Design
+from fingertip.design.geometry.tail_fold import TailFold
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -47,7 +48,7 @@ def check_air_vent(design: Design, evaluator: MeshEvaluator) -> Check:
     The check counts the connected volumes of air in and around bone and skin. A pocket that is cut off from the outside
     is a second one.
     """
-    solid = union(*(parts_by_name(design)[name].solid(design) for name in _CLOSED & parts_by_name(design).keys()))
+    solid = union(*(part.solid(design) for name, part in parts_by_name(design).items() if name in _CLOSED))
     air = complement(evaluator, solid) - evaluator.manifold(bone.sensor_body(design))
     # Inner walls have a negative volume, and surfaces that touch leave slivers.
     volumes = [body for body in air.decompose() if body.volume() > VOLUME_TOLERANCE_MM3]
@@ -55,43 +56,17 @@ def check_air_vent(design: Design, evaluator: MeshEvaluator) -> Check:
 
 
 def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check the walls around channel, sensor, tie hole and interface."""
+    """Check the walls around channel or trough, sensor, tie hole and interface."""
     dims, wall = design.dimensions, design.printer.min_wall_mm - evaluator.tolerance_mm
-    diameter, y_flat = design.bone.channel_diameter_mm, -dims.flat_depth
-    whole = evaluator.manifold(filled_bone(design))
-    outside = complement(evaluator, filled_bone(design))
-    channel, recess = (evaluator.manifold(s(design)) for s in (bone.cable_channel, bone.sensor_recess))
+    y_flat = -dims.flat_depth
+    whole, outside = evaluator.manifold(filled_bone(design)), complement(evaluator, filled_bone(design))
+    recess = evaluator.manifold(bone.sensor_recess(design))
     _, removed = interface(design)
-    holes = [evaluator.manifold(s) for s in (bone.tie_hole(design), *removed)]
-
     if dims.fold:
-        # The window is open on both sides: walls matter distal to it, and beside it.
-        channel, window = channel.trim_by_plane((0.0, 0.0, -1.0), -dims.fold.window_low_z), recess
-        # The trough is open on the dorsal side, where the lid closes it: walls matter up to the film's space.
-        covered = dims.fold.floor_y + dims.fold.film_space_mm
-        recess = above_z(recess, dims.fold.nose_z + PLANE_OFFSET_MM).trim_by_plane((0.0, -1.0, 0.0), -covered)
-        trough = recess.trim_by_plane((0.0, 1.0, 0.0), dims.fold.nose_y)
-        yield check_min_distance("bone.wall.trough_to_outside", trough, outside, wall)
-        yield check_min_distance("lid.wall", *_lid_faces(design, evaluator, outside), wall)
-        low, high = y_flat + PLANE_OFFSET_MM, dims.cheek_top_y - PLANE_OFFSET_MM
-        window, beside = (
-            body.trim_by_plane((0.0, 1.0, 0.0), low).trim_by_plane((0.0, -1.0, 0.0), -high)
-            for body in (window.trim_by_plane((0.0, 0.0, -1.0), -dims.fold.nose_z), outside)
-        )
-        yield check_min_distance("bone.wall.window_to_outside", window, beside, wall)
-        if not dims.window_opens_into_gap:
-            for name, hole in zip(("tie_hole", "interface"), holes, strict=False):
-                yield check_min_distance(f"bone.wall.groove_to_{name}", channel, hole, wall)
-                yield check_min_distance(f"bone.wall.window_to_{name}", window, hole, wall)
+        yield from _check_folded_walls(design, dims.fold, evaluator, outside, wall)
+        recess = _cover_trough(recess, dims.fold)
     else:
-        # The part of the channel that has bone on all sides: proximal to the solder relief, and short of its opening on
-        # the dorsal side.
-        buried = channel.trim_by_plane((0.0, 0.0, -1.0), -(dims.relief_proximal_z - 1e-3))
-        mouth = dims.bone_outline.section.dorsal - wall - diameter
-        buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
-        yield check_min_distance("bone.wall.channel_to_outside", buried, outside, wall)
-        for name, hole in zip(("tie_hole", "interface"), holes, strict=False):
-            yield check_min_distance(f"bone.wall.channel_to_{name}", buried, hole, wall)
+        yield from _check_channel_walls(design, evaluator, outside, wall)
 
     # Pocket and slot open in the plane of the flat, so only what lies above that plane is measured.
     recessed = recess.trim_by_plane((0.0, 1.0, 0.0), y_flat + PLANE_OFFSET_MM) ^ whole
@@ -99,12 +74,61 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     rim = min(design.bone.rim_mm, wall)
     yield check_min_distance("bone.wall.sensor_to_outside", recessed, beside, 0.95 * rim)
     if not dims.window_opens_into_gap:
-        yield check_min_distance("bone.wall.sensor_to_tie_hole", recess, holes[0], wall)
+        tie_hole = evaluator.manifold(bone.tie_hole(design))
+        yield check_min_distance("bone.wall.sensor_to_tie_hole", recess, tie_hole, wall)
     if design.bone.interface == "socket":
         # The socket opens in the proximal face, so its mouth is left out.
-        deep = above_z(holes[1], -design.bone.base_length_mm + 2 * wall)
+        deep = above_z(evaluator.manifold(removed[0]), -design.bone.base_length_mm + 2 * wall)
         yield check_min_distance("bone.wall.socket_to_outside", deep, outside, wall)
         yield check_min_distance("bone.wall.socket_to_sensor", deep, recess, wall)
+
+
+def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Manifold, wall: float) -> Iterator[Check]:
+    """Check the part of the channel that has bone on all sides: from the solder relief to short of its dorsal end."""
+    dims = design.dimensions
+    channel = evaluator.manifold(bone.cable_channel(design))
+    buried = channel.trim_by_plane((0.0, 0.0, -1.0), -(dims.relief_proximal_z - 1e-3))
+    mouth = dims.bone_outline.section.dorsal - wall - design.bone.channel_diameter_mm
+    buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
+    yield check_min_distance("bone.wall.channel_to_outside", buried, outside, wall)
+    for name, hole in _list_holes(design, evaluator):
+        yield check_min_distance(f"bone.wall.channel_to_{name}", buried, hole, wall)
+
+
+def _check_folded_walls(
+    design: Design, fold: TailFold, evaluator: MeshEvaluator, outside: Manifold, wall: float
+) -> Iterator[Check]:
+    """Check the walls of trough, lid and window, and of the groove where there is one."""
+    dims, recess = design.dimensions, evaluator.manifold(bone.sensor_recess(design))
+    trough = _cover_trough(recess, fold).trim_by_plane((0.0, 1.0, 0.0), fold.nose_y)
+    yield check_min_distance("bone.wall.trough_to_outside", trough, outside, wall)
+    yield check_min_distance("lid.wall", *_lid_faces(design, evaluator, outside), wall)
+    # The window is open on both sides: walls matter beside it.
+    low, high = PLANE_OFFSET_MM - dims.flat_depth, dims.cheek_top_y - PLANE_OFFSET_MM
+    window, beside = (
+        body.trim_by_plane((0.0, 1.0, 0.0), low).trim_by_plane((0.0, -1.0, 0.0), -high)
+        for body in (recess.trim_by_plane((0.0, 0.0, -1.0), -fold.nose_z), outside)
+    )
+    yield check_min_distance("bone.wall.window_to_outside", window, beside, wall)
+    if dims.window_opens_into_gap:
+        return
+    groove = evaluator.manifold(bone.cable_channel(design)).trim_by_plane((0.0, 0.0, -1.0), -fold.window_low_z)
+    for name, hole in _list_holes(design, evaluator):
+        yield check_min_distance(f"bone.wall.groove_to_{name}", groove, hole, wall)
+        yield check_min_distance(f"bone.wall.window_to_{name}", window, hole, wall)
+
+
+def _list_holes(design: Design, evaluator: MeshEvaluator) -> tuple[tuple[str, Manifold], ...]:
+    """List tie hole and first hollow of the interface with their names in checks."""
+    _, removed = interface(design)
+    solids = (("tie_hole", bone.tie_hole(design)), ("interface", removed[0]))
+    return tuple((name, evaluator.manifold(solid)) for name, solid in solids)
+
+
+def _cover_trough(recess: Manifold, fold: TailFold) -> Manifold:
+    """Cut off what lies proximal to the nose, and what the lid closes: the trough is open on the dorsal side."""
+    covered = fold.floor_y + fold.film_space_mm
+    return above_z(recess, fold.nose_z + PLANE_OFFSET_MM).trim_by_plane((0.0, -1.0, 0.0), -covered)
 
 
 def _lid_faces(design: Design, evaluator: MeshEvaluator, outside: Manifold) -> tuple[Manifold, Manifold]:

@@ -74,8 +74,7 @@ def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: fl
 
 def _check_anchor(design: Design, anchor: TendonAnchor, evaluator: MeshEvaluator, wall: float) -> Check:
     """Check the walls around the tendon's anchor along its first millimetres in each cheek."""
-    dims = design.dimensions
-    inner = (dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm) if dims.fold else 0.0
+    inner = anchor.inner_half_width
     hole = cylinder("x", (anchor.y, anchor.z), inner, inner + wall, anchor.radius)
     outside = complement(evaluator, filled_bone(design))
     return check_min_distance("bone.wall.anchor_to_outside", evaluator.manifold(hole), outside, wall)
@@ -126,7 +125,7 @@ def _touching_volume(design: Design, joint: Joint, evaluator: MeshEvaluator) -> 
 
 
 def _wedge(design: Design, joint: Joint) -> float:
-    """Half the volume of a stop that is pressed past the shoulder by the angle beyond the stop [mm3]."""
+    """Half the volume of a stop as long as the pin's radius, pressed past the shoulder by the angle beyond it [mm3]."""
     section = design.dimensions.bone_outline.section
     width = 2 * (section.half_width - joint.half_width if joint.is_fork else joint.half_width)
     depth = math.tan(math.radians(_BEYOND_STOP_DEG))

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
-from fingertip.design.geometry.joint import Joint, TendonAnchor
+from fingertip.design.geometry.joint import NOTCH_WIDTH_MM, Joint, TendonAnchor
 from fingertip.design.geometry.tail_fold import SensorTail, TailFold, fold_tail
 from fingertip.numerics import bisect
 from fingertip.sensors import CATALOGUE, ForceSensor
@@ -106,7 +106,8 @@ class Dimensions:
             return None
         y, radius = joint.axis_y - hand.tendon_distance_mm, bone.anchor_diameter_mm / 2
         foot = self.draft_slope * abs(y) - bone.collar_length_mm
-        return TendonAnchor(y, foot + bone.wall_mm + radius, radius, hand.tendon_distance_mm)
+        inner = self.tail_half_width if self.fold else NOTCH_WIDTH_MM / 2
+        return TendonAnchor(y, foot + bone.wall_mm + radius, radius, hand.tendon_distance_mm, inner)
 
     @cached_property
     def window_opens_into_gap(self) -> bool:
@@ -149,6 +150,11 @@ class Dimensions:
     def pocket_depth(self) -> float:
         """Depth of the sensor's pocket: sensor and adhesive film."""
         return self.sensor.thickness_mm + self._design.sensor.adhesive_thickness_mm
+
+    @cached_property
+    def tail_half_width(self) -> float:
+        """Half the width of the tail's slot, and of everything else in which it lies."""
+        return self.sensor.tail_width_mm / 2 + self._design.sensor.clearance_mm
 
     @cached_property
     def passage_height(self) -> float:
@@ -257,7 +263,7 @@ class Dimensions:
         The outline of the base curves inwards, so that higher cheeks would end in an edge.
         """
         section, bone = self.bone_outline.section, self._design.bone
-        needed = self.sensor.tail_width_mm / 2 + self._design.sensor.clearance_mm + bone.wall_mm
+        needed = self.tail_half_width + bone.wall_mm
         return bisect(lambda y: section.half_width_at(y) >= needed, 0.0, section.dorsal, halvings=40)[0]
 
     @cached_property

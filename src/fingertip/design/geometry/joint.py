@@ -11,9 +11,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-STEP_MM = 0.05
-"""Height by which a round end stands above the flat faces beside it [mm]. Tangent surfaces would leave a stray edge in
-the B-rep solid."""
+NOTCH_WIDTH_MM = 2.5
+"""Width of the notch in which the tendon reaches its anchor, where no window does [mm]."""
 
 
 @dataclass(frozen=True)
@@ -81,3 +80,5 @@ class TendonAnchor:
     radius: float
     distance: float
     """Distance of the tendon from the joint's axis."""
+    inner_half_width: float
+    """Half the width of the notch or window that it crosses; beyond it lie the cheeks that hold it."""

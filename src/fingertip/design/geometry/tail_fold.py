@@ -11,12 +11,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from fingertip.design.geometry.tangency import TANGENT_STEP_MM
+
 SLIDING_MM = 0.3
 """Gap beside and above film, crimps and wires [mm]. An assumption."""
 END_ROOM_MM = 1.5
 """Room between the tabs and the end of the trough, for tails longer than stated [mm]. An assumption."""
-STEP_MM = 0.05
-"""Height by which the web stands above its nose [mm]. Tangent surfaces would leave a stray edge in the B-rep solid."""
 _BELOW_SEAL_MM = 0.5
 """Distance of the window from the sealing part of the collar [mm]."""
 
@@ -88,7 +88,7 @@ def fold_tail(
     tail
         The tail.
     """
-    nose_y = pocket_floor_y + STEP_MM + radius_mm
+    nose_y = pocket_floor_y + TANGENT_STEP_MM + radius_mm
     nose_z = -(seal_length_mm + _BELOW_SEAL_MM)
     # The neutral line of the film runs half its thickness outside the nose.
     left = tail.film_mm - (sensor_z - nose_z) - math.pi * (radius_mm + tail.thickness_mm / 2)
@@ -99,7 +99,7 @@ def fold_tail(
         nose_z,
         radius_mm,
         nose_z - radius_mm - tabs_space,
-        nose_y + radius_mm + STEP_MM,
+        nose_y + radius_mm + TANGENT_STEP_MM,
         film_end_z,
         film_end_z + tail.tab_length_mm,
         tail.thickness_mm + SLIDING_MM,

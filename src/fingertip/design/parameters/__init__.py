@@ -1,9 +1,11 @@
 """Parameters of a design. Each one is declared once: default, unit, bounds and description."""
 
+from fingertip.design.parameters.bone import Bone, Hand, Strength
 from fingertip.design.parameters.declaration import ParameterTable, choice, quantity
 from fingertip.design.parameters.design_tables import DesignTables
 from fingertip.design.parameters.electronics import Board, Detector
-from fingertip.design.parameters.finger import Bone, CustomSensor, Mold, Printer, Sensor, Skin, Strength
+from fingertip.design.parameters.finger import CustomSensor, Sensor, Skin
+from fingertip.design.parameters.mold import Mold, Printer
 
 __all__ = [
     "Board",
@@ -11,6 +13,7 @@ __all__ = [
     "CustomSensor",
     "DesignTables",
     "Detector",
+    "Hand",
     "Mold",
     "ParameterTable",
     "Printer",

@@ -11,9 +11,11 @@ from pydantic.fields import FieldInfo
 
 from fingertip.design.geometry.dimensions import Dimensions
 from fingertip.design.geometry.mold_layout import MoldLayout
+from fingertip.design.parameters.bone import Bone, Hand, Strength
 from fingertip.design.parameters.declaration import ParameterTable
 from fingertip.design.parameters.electronics import Board, Detector
-from fingertip.design.parameters.finger import Bone, CustomSensor, Hand, Mold, Printer, Sensor, Skin, Strength
+from fingertip.design.parameters.finger import CustomSensor, Sensor, Skin
+from fingertip.design.parameters.mold import Mold, Printer
 
 ELECTRONIC_TABLES = frozenset({"board", "detector"})
 """Tables on which no part's shape depends."""

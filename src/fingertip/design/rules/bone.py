@@ -160,7 +160,7 @@ def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
             at_most(max(0.0, (limit - low - width) / 2)),
         )
     section = dims.bone_outline.section
-    slot = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm + design.bone.wall_mm
+    slot = dims.tail_half_width + design.bone.wall_mm
 
     def keeps_wall(depth: float) -> bool:
         scale = dims.bone_outline.scale_at(min(low + depth + width, head)) * (1 - depth / section.half_width)

@@ -57,7 +57,7 @@ def lid_thick_enough_over_film(design: DesignTables) -> Violation | None:
     fold = design.dimensions.fold
     if fold is None:
         return None
-    half = design.dimensions.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
+    half = design.dimensions.tail_half_width
     lacking = _find_lacking_roof(design, half, fold.floor_y + fold.film_space_mm, fold.trough_end_z)
     if lacking <= SLACK:
         return None
@@ -88,7 +88,7 @@ def cheeks_hold_the_nose(design: DesignTables) -> Violation | None:
     fold, section = dims.fold, dims.bone_outline.section
     if fold is None:
         return None
-    half = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm + design.bone.wall_mm
+    half = dims.tail_half_width + design.bone.wall_mm
     top = fold.nose_y + fold.radius
     if section.half_width_at(top) >= half - SLACK:
         return None
@@ -104,7 +104,7 @@ def trough_keeps_side_walls(design: DesignTables) -> Violation | None:
     fold, section = dims.fold, dims.bone_outline.section
     if fold is None:
         return None
-    half = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
+    half = dims.tail_half_width
     top, scale = fold.floor_y + fold.film_space_mm, _outline_scale(design, fold.trough_end_z)
     angles = [math.pi / 2 * i / _DIRECTIONS for i in range(_DIRECTIONS)]
     lacking = max(

@@ -16,8 +16,6 @@ RULES = Ruleset()
 
 _BELOW_SEAL_MM = 0.2
 """Gap between the anchor and the sealing part of the collar at a folded tail [mm]."""
-_NOTCH_HALF_WIDTH_MM = 1.25
-"""Half the width of the notch of a tendon [mm]."""
 _MIN_SLOPE = 0.05
 """Least sine or cosine by which a length is divided."""
 _DIRECTIONS, _ANGLES = 16, 120
@@ -194,7 +192,7 @@ def _keeps_wall(design: DesignTables, anchor: TendonAnchor, y: float) -> bool:
     """Return whether the collar is a wall thick around an anchor at the height `y`, along its first millimetres."""
     dims, wall = design.dimensions, design.bone.wall_mm
     section = dims.collar.section
-    x = (dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm) if dims.fold else _NOTCH_HALF_WIDTH_MM
+    x = anchor.inner_half_width
     for i in range(_DIRECTIONS + 1):
         angle = math.pi / 2 * i / _DIRECTIONS
         low = y - anchor.radius - wall * math.sin(angle)

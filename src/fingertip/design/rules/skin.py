@@ -181,7 +181,7 @@ def _edge_thickness(design: DesignTables) -> float:
 def slot_fits_flat(design: DesignTables) -> Violation | None:
     """The flat keeps a wall on each side of the tail's slot."""
     dims = design.dimensions
-    half = dims.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
+    half = dims.tail_half_width
     room = min(dims.bone_outline.half_width_at(-dims.flat_depth, z) for z in (0.0, max(0.0, dims.sensor_z)))
     if half + design.bone.wall_mm <= room or room == 0.0:
         return None

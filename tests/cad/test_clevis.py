@@ -73,8 +73,11 @@ def length_mm(design: Design) -> float:
 @pytest.mark.parametrize("name", PRESETS)
 def test_preset_passes_all_mesh_checks_with_its_safety_factors(name: str) -> None:
     design = load(name)
-    assert failed(design) == set()
-    assert (design.strength.min_grip_factor, design.strength.min_shock_factor) == (2.0, 0.7)
+    checks = run_checks(design)
+    assert {check.name for check in checks.values() if not check.passed} == set()
+    assert (design.strength.min_grip_factor, design.strength.min_shock_factor) == (2.0, 1.0)
+    assert checks["bone.safety_factor.grip"].value >= 2.0
+    assert checks["bone.safety_factor.shock"].value >= 1.2
     assert length_mm(design) == pytest.approx(LENGTH_MM[name], abs=0.01)
     if name == "child_finger":
         assert design.skin.width_mm <= 14.0
@@ -92,9 +95,23 @@ def test_adult_finger_reaches_its_length_and_its_safety_factor_at_the_full_grip(
 @pytest.mark.parametrize(("name", "changes"), [("adult_finger", TONGUE), ("fsr402", FSR402)])
 def test_tongue_and_fsr_402_pass_all_mesh_checks(name: str, changes: list[str]) -> None:
     design = load(name, *changes)
-    assert failed(design) == set()
+    checks = run_checks(design)
+    assert {check.name for check in checks.values() if not check.passed} == set()
     if name == "fsr402":
         assert length_mm(design) <= 42.0 + 0.01
+        assert checks["bone.safety_factor.grip"].value >= 2.0
+        assert checks["bone.safety_factor.shock"].value >= 1.2
+
+
+@pytest.mark.parametrize(("name", "gain_mm"), [("adult_finger", 1.5), ("fsr400_compact", 0.8), ("fsr400", 0.0)])
+def test_base_is_higher_than_the_flat_if_the_tail_is_folded(name: str, gain_mm: float) -> None:
+    design = load(name)
+    dims = design.dimensions
+    assert dims.base_flat_depth - dims.flat_depth >= gain_mm
+    bone = MeshEvaluator(0.005).manifold(PARTS["bone"].solid(design))
+    below_collar = -design.bone.collar_length_mm - 0.1
+    palmar = min(float(point[1]) for ring in bone.slice(below_collar).to_polygons() for point in ring)
+    assert palmar == pytest.approx(-dims.base_flat_depth, abs=1e-3)
 
 
 @pytest.mark.parametrize("travel_deg", [20.0, 60.0, 90.0, 110.0])

@@ -242,10 +242,12 @@ def test_collar_concentrates_stress_on_both_sides() -> None:
     """A shoulder acts half the height of the thinner side far: below the collar, and above it in the skin."""
     design = Design.load(design_file("fsr400_compact"))
     dims, collar = design.dimensions, design.dimensions.collar.section
-    base = dims.bone_outline.section.dorsal + dims.flat_depth
-    expected = shoulder_in_bending(collar.palmar + collar.dorsal, base, 0.5)
-    assert expected > 1.5
-    for z in (-design.bone.collar_length_mm - 0.1, 0.1, base / 2 - 0.1):
-        assert assess._find_concentration(design, z).height == pytest.approx(expected)
-    for z in (-design.bone.collar_length_mm + 0.1, base / 2 + 0.1):
+    below, above = (dims.bone_outline.section.dorsal + flat for flat in (dims.base_flat_depth, dims.flat_depth))
+    assert below > above + 0.1  # the tail is folded
+    for height, heights in ((below, (-design.bone.collar_length_mm - 0.1,)), (above, (0.1, above / 2 - 0.1))):
+        expected = shoulder_in_bending(collar.palmar + collar.dorsal, height, 0.5)
+        assert expected > 1.5
+        for z in heights:
+            assert assess._find_concentration(design, z).height == pytest.approx(expected)
+    for z in (-design.bone.collar_length_mm + 0.1, above / 2 + 0.1):
         assert assess._find_concentration(design, z).height == 1.0

@@ -28,7 +28,7 @@ def clevis(design: Design) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
 def _palmar_stop(design: Design, joint: Joint) -> Solid:
     """Build the stop of the bent finger: it fills the finger's outline below the flat of the base, outside the mold."""
     dims, section = design.dimensions, design.dimensions.bone_outline.section
-    half = min(section.half_width_at(joint.axis_y), section.half_width_at(-dims.flat_depth))
+    half = min(section.half_width_at(joint.axis_y), section.half_width_at(-dims.base_flat_depth))
     top = min(-design.mold.recess_length_mm, joint.shoulder_z) - joint.clearance
     low = Box((-half, -dims.collar.section.palmar, joint.low_z - 1.0), (half, joint.axis_y, top))
     return intersection(eye_profile(joint, 2 * half), low)

@@ -13,6 +13,8 @@ from fingertip.cad.solids import Box, Prism, Solid, SuperconicSolid, difference,
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, CrossSection
 
+_STEP_IN_COLLAR_MM = 0.3
+"""Depth of the step between both flats in the collar, which rules keep longer than this [mm]."""
 _BODY_OVERLAP_MM, _BASE_OVERLAP_MM = 0.2, 0.4
 """Depths to which the body and the base of a sleeve's core reach into the collar [mm]. Solids that only touch would
 leave coincident faces."""
@@ -28,15 +30,21 @@ def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
 
 
 def _cut_flat(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
-    """Cut the palmar flat, `inset_mm` deeper than the bone's."""
-    section = body.section
-    # The cutting box extends past the outline by a length that scales with the design.
+    """Cut the palmar flat, `inset_mm` deeper than the bone's, and that of the base."""
+    section, dims = body.section, design.dimensions
+    # The cutting boxes extend past the outline by a length that scales with the design.
     margin = section.half_width
-    below = Box(
-        (-section.half_width - margin, -section.palmar - margin, body.stations[0][0] - margin),
-        (section.half_width + margin, -design.dimensions.flat_depth + inset_mm, design.skin.length_mm + margin),
-    )
-    return difference(SuperconicSolid(body), below)
+
+    def below(depth: float, low: float) -> Box:
+        return Box(
+            (-section.half_width - margin, -section.palmar - margin, low),
+            (section.half_width + margin, -depth, design.skin.length_mm + margin),
+        )
+
+    flat, base, low = dims.flat_depth - inset_mm, dims.base_flat_depth, body.stations[0][0] - margin
+    if base == dims.flat_depth:
+        return difference(SuperconicSolid(body), below(flat, low))
+    return difference(SuperconicSolid(body), below(base, low), below(flat, -_STEP_IN_COLLAR_MM))
 
 
 def collar(design: Design) -> Solid:

@@ -19,7 +19,7 @@ def interface(design: Design) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
         Solids that the interface adds to the base, and solids that it removes.
     """
     dims, bone = design.dimensions, design.bone
-    y = (dims.bone_outline.section.dorsal - dims.flat_depth) / 2
+    y = (dims.bone_outline.section.dorsal - dims.base_flat_depth) / 2
     end, across = -bone.base_length_mm, 2 * dims.bone_outline.section.half_width
     bolt = bone.cross_bolt_diameter_mm / 2
     if bone.interface == "socket":

@@ -51,7 +51,7 @@ def base_recess(design: Design) -> tuple[Solid, ...]:
     Near the parting plane the outlines have less than the draft angle. Straight drafted walls replace them there.
     """
     dims, gap, slope = design.dimensions, design.mold.fit_clearance_mm, design.dimensions.draft_slope
-    section, flat = offset_section(dims.bone_outline.section, gap), dims.flat_depth + gap
+    section, flat = offset_section(dims.bone_outline.section, gap), dims.base_flat_depth + gap
     margin = section.half_width
     low = design.mold_layout.proximal_z - margin
     side, bottom = section.half_width + margin, -section.palmar - margin

@@ -229,11 +229,13 @@ def _find_concentration(design: Design, z: float) -> _Factors:
     dims, bone = design.dimensions, design.bone
     end, fillet = -bone.base_length_mm, design.strength.root_fillet_mm
     section, collar = dims.bone_outline.section, dims.collar.section
-    base = 2 * section.half_width, section.dorsal + dims.flat_depth
+    base, body = ((2 * section.half_width, section.dorsal + flat) for flat in (dims.base_flat_depth, dims.flat_depth))
+    factors, step = _Factors(), (2 * collar.half_width, collar.palmar + collar.dorsal)
+    if 0.0 <= z <= min(body) / 2:
+        factors = _at_shoulder(step, body, fillet)
     reach = min(base) / 2
-    factors = _Factors()
-    if -bone.collar_length_mm - reach <= z <= -bone.collar_length_mm or 0.0 <= z <= reach:
-        factors = _at_shoulder((2 * collar.half_width, collar.palmar + collar.dorsal), base, fillet)
+    if -bone.collar_length_mm - reach <= z <= -bone.collar_length_mm:
+        factors = _at_shoulder(step, base, fillet)
     if bone.interface == "flange":
         root = end + bone.flange_thickness_mm
         if root <= z <= root + reach:
@@ -259,7 +261,7 @@ def _eye_sizes(design: Design, joint: Joint) -> tuple[float, float]:
     """Width and height of the eyes at their root [mm]: as high as the base if they have stops."""
     dims = design.dimensions
     section = dims.bone_outline.section
-    height = section.dorsal + dims.flat_depth if joint.travel_deg else 2 * joint.eye_radius
+    height = section.dorsal + dims.base_flat_depth if joint.travel_deg else 2 * joint.eye_radius
     return (2 * section.half_width if joint.is_fork else 2 * joint.half_width), height
 
 
@@ -281,7 +283,7 @@ def _bend_flange(design: Design, point: LoadPoint) -> Weakness:
     per_n = []
     for spacing, size, base, across in (
         (bone.flange_spacing_x_mm, bone.flange_width_mm, 2 * section.half_width, bone.flange_height_mm),
-        (bone.flange_spacing_y_mm, bone.flange_height_mm, section.dorsal + dims.flat_depth, bone.flange_width_mm),
+        (bone.flange_spacing_y_mm, bone.flange_height_mm, section.dorsal + dims.base_flat_depth, bone.flange_width_mm),
     ):
         # Without a second row the flange turns about its edge, and the bolts pull in its middle.
         couple = arm / (spacing if spacing else size / 2)

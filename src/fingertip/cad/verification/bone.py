@@ -104,7 +104,7 @@ def _check_folded_walls(
     yield check_min_distance("bone.wall.trough_to_outside", trough, outside, wall)
     yield check_min_distance("lid.wall", *_lid_faces(design, evaluator, outside), wall)
     # The window is open on both sides: walls matter beside it.
-    low, high = PLANE_OFFSET_MM - dims.flat_depth, dims.cheek_top_y - PLANE_OFFSET_MM
+    low, high = PLANE_OFFSET_MM - dims.base_flat_depth, dims.cheek_top_y - PLANE_OFFSET_MM
     window, beside = (
         body.trim_by_plane((0.0, 1.0, 0.0), low).trim_by_plane((0.0, -1.0, 0.0), -high)
         for body in (recess.trim_by_plane((0.0, 0.0, -1.0), -fold.nose_z), outside)

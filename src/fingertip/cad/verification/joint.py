@@ -52,7 +52,9 @@ def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: fl
     """Check the walls of the eyes around the pin and beside the joint's gap."""
     dims, half_length = design.dimensions, 1.0
     reach = 2 * (joint.radius + dims.collar.section.dorsal + dims.collar.section.palmar)
-    heights = Box((-reach, -dims.flat_depth, -reach + joint.axis_z), (reach, dims.bone_outline.section.dorsal, reach))
+    heights = Box(
+        (-reach, -dims.base_flat_depth, -reach + joint.axis_z), (reach, dims.bone_outline.section.dorsal, reach)
+    )
     around = complement(evaluator, intersection(eye_profile(joint, 2 * reach), heights))
     bore = evaluator.manifold(pin_bore(joint, half_length))
     yield check_min_distance("bone.wall.pin_to_outside", bore, around, wall)

@@ -147,6 +147,21 @@ class Dimensions:
         return skin.semi_axis_palmar_mm * self.outer.scale_at(self.sensor_z) - skin.thickness_palmar_mm
 
     @cached_property
+    def base_flat_depth(self) -> float:
+        """Depth of the palmar flat of the base, at y = -base_flat_depth.
+
+        A straight tail runs on along the flat of the bone. A folded one leaves it at the collar: proximal to the collar
+        the base is stronger, as high as its cheeks beside the window and the joint keep a wall.
+        """
+        if self.fold is None:
+            return self.flat_depth
+        section, joint = self.bone_outline.section, self.joint
+        between = joint.half_width if joint and joint.is_fork else 0.0
+        needed = max(self.tail_half_width, between) + self._design.bone.wall_mm
+        deepest = bisect(lambda y: section.half_width_at(-y) >= needed, 0.0, section.palmar, halvings=40)[0]
+        return max(self.flat_depth, deepest)
+
+    @cached_property
     def pocket_depth(self) -> float:
         """Depth of the sensor's pocket: sensor and adhesive film."""
         return self.sensor.thickness_mm + self._design.sensor.adhesive_thickness_mm

@@ -180,7 +180,7 @@ def tie_hole_within_back(design: DesignTables) -> Violation | None:
     if dims.window_opens_into_gap:
         return None
     dorsal = design.skin.semi_axis_dorsal_mm - design.skin.thickness_dorsal_mm
-    maximum = dorsal + dims.flat_depth - dims.cable_groove_depth - 2 * wall if dims.fold else dorsal / 2 - wall
+    maximum = dorsal + dims.base_flat_depth - dims.cable_groove_depth - 2 * wall if dims.fold else dorsal / 2 - wall
     if design.bone.tie_hole_diameter_mm <= maximum + SLACK:
         return None
     return Violation(f"{design.bone.tie_hole_diameter_mm:g} mm does not fit the back of the base", at_most(maximum))
@@ -190,7 +190,7 @@ def tie_hole_within_back(design: DesignTables) -> Violation | None:
 def post_not_higher_than_base(design: DesignTables) -> Violation | None:
     """The base is higher than the post, so that it ends in a shoulder."""
     dims, height = design.dimensions, min(design.bone.post_height_mm, design.bone.post_width_mm)
-    maximum = dims.bone_outline.section.dorsal + dims.flat_depth - 2 * _MIN_SHOULDER
+    maximum = dims.bone_outline.section.dorsal + dims.base_flat_depth - 2 * _MIN_SHOULDER
     if design.bone.interface != "post" or height <= maximum + SLACK:
         return None
     return Violation(f"{height:g} mm is higher than the base with its shoulder", at_most(maximum))
@@ -228,7 +228,7 @@ def _base_holds_circle(design: DesignTables, radius: float, half_height: float =
 
     The circle may have two flats, which leave `half_height` [mm] on either side of the middle.
     """
-    section, flat = design.dimensions.bone_outline.section, design.dimensions.flat_depth
+    section, flat = design.dimensions.bone_outline.section, design.dimensions.base_flat_depth
     middle = (section.dorsal - flat) / 2
     half_height = min(radius, half_height)
     if half_height >= (section.dorsal + flat) / 2:
@@ -243,7 +243,7 @@ def _base_holds_circle(design: DesignTables, radius: float, half_height: float =
 
 def _base_room(design: DesignTables) -> float:
     """Find the diameter [mm] of the largest circle that the base's section holds, by bisection."""
-    highest = (design.dimensions.bone_outline.section.dorsal + design.dimensions.flat_depth) / 2
+    highest = (design.dimensions.bone_outline.section.dorsal + design.dimensions.base_flat_depth) / 2
     return 2 * bisect(lambda radius: _base_holds_circle(design, radius), 0.0, highest, halvings=30)[0]
 
 
@@ -274,7 +274,7 @@ def flange_bolts_clear_of_base(design: DesignTables) -> Violation | None:
     # The heads of machine screws are as wide as the nuts across flats (ISO 4762).
     head = select_thread(bone.flange_hole_diameter_mm).nut_flats_mm / 2 + _HEAD_CLEARANCE
     minimum = 2 * (section.half_width + head)
-    above = section.dorsal + dims.flat_depth + 2 * head
+    above = section.dorsal + dims.base_flat_depth + 2 * head
     if bone.interface != "flange" or bone.flange_spacing_x_mm >= minimum - SLACK or bone.flange_spacing_y_mm >= above:
         return None
     return Violation(
@@ -301,7 +301,7 @@ def flange_high_enough(design: DesignTables) -> Violation | None:
     """The flange keeps a wall above and below its bolt holes, and covers the base."""
     dims, bone = design.dimensions, design.bone
     minimum = bone.flange_spacing_y_mm + bone.flange_hole_diameter_mm + 2 * bone.wall_mm
-    base = dims.bone_outline.section.dorsal + dims.flat_depth + 2 * _MIN_SHOULDER
+    base = dims.bone_outline.section.dorsal + dims.base_flat_depth + 2 * _MIN_SHOULDER
     if bone.interface != "flange" or bone.flange_height_mm >= max(minimum, base) - SLACK:
         return None
     what = "leaves too little above and below the bolt holes" if minimum > base else "is less than the base's height"

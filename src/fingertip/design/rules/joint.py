@@ -59,7 +59,7 @@ def axis_within_base(design: DesignTables) -> Violation | None:
     if joint is None:
         return None
     around, palmar = joint.pin_radius + design.bone.wall_mm, design.skin.semi_axis_palmar_mm
-    low, high = palmar - dims.flat_depth + around, palmar + dims.bone_outline.section.dorsal - around
+    low, high = palmar - dims.base_flat_depth + around, palmar + dims.bone_outline.section.dorsal - around
     if low - SLACK <= height <= high + SLACK:
         return None
     side = "palmar" if height < low else "dorsal"
@@ -170,7 +170,7 @@ def _stop_length(design: DesignTables, joint: Joint, angle_deg: float) -> float:
     palmar, proximal = joint.radius * math.sin(angle), joint.radius * math.cos(angle)
     across, along = max(math.cos(angle), _MIN_SLOPE), max(math.sin(angle), _MIN_SLOPE)
     top = min(-design.mold.recess_length_mm, joint.shoulder_z) - joint.clearance - joint.axis_z
-    in_base = (dims.flat_depth + joint.axis_y - palmar) / across
+    in_base = (dims.base_flat_depth + joint.axis_y - palmar) / across
     in_chin = min((dims.collar.section.palmar + joint.axis_y - palmar) / across, (top + proximal) / along)
     return max(in_base, in_chin)
 
@@ -209,8 +209,10 @@ def _is_clear(design: DesignTables, joint: Joint, angle_deg: float) -> bool:
     # The finger as nested outlines, each from one height on: the palmar edge of base, collar and skin.
     foot = dims.draft_slope * dims.collar.section.palmar - design.bone.collar_length_mm
     outline = (
-        (joint.axis_z, -dims.flat_depth), (foot, -dims.collar.section.palmar), (0.0, -skin.semi_axis_palmar_mm),
-    )  # fmt: skip
+        (joint.shoulder_z, -dims.base_flat_depth),
+        (foot, -dims.collar.section.palmar),
+        (0.0, -skin.semi_axis_palmar_mm),
+    )
     palmar = -design.hand.axis_height_mm  # of the hand, from its axis
     # The shoulder's palmar corner in the frame of the bone.
     y = joint.axis_y + palmar * cosine - joint.radius * sine

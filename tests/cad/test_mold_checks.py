@@ -1,4 +1,4 @@
-"""Each check of the mold fails when the feature it verifies is broken: gate, vents, walls, fit, draft, keys."""
+"""Each check of the mold fails when the feature it verifies is broken: inlet, vents, walls, fit, draft, keys."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from dataclasses import replace
 
 import pytest
 
-from fingertip.cad.shapes import bone, insert, mold
+from fingertip.cad.shapes import bone, insert, mold, runners
 from fingertip.cad.solids import Box, Cone, ElbowTube, Prism, Solid, cylinder, scaled, union
 from fingertip.cad.verification.check import search_distance
+from fingertip.cad.verification import mold as verification
 from fingertip.design import Design
+from fingertip.errors import DesignError
 from tests.cad.part_checks import SLEEVE, TOLERANCE, failed_checks, run_checks
 
 Solids = tuple[Solid, ...]
@@ -51,39 +53,73 @@ def test_bolt_too_close_to_the_cavity_fails(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_vent_that_does_not_reach_the_outside_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.gate_funnel_vents
+    original = mold.runners
 
     def short(design: Design) -> Solids:
         *others, last = original(design)
         assert isinstance(last, Cone)
-        return (*others, replace(last, high=36.0))
+        return (*others, replace(last, high=10.0))
 
-    monkeypatch.setattr(mold, "gate_funnel_vents", short)
-    assert failed_checks() == {"mold.gate_and_vent_openings"}
+    monkeypatch.setattr(mold, "runners", short)
+    assert failed_checks() == {"mold.inlet_and_vent_openings"}
 
 
 def test_vent_that_does_not_reach_the_cavity_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.gate_funnel_vents
+    original = mold.runners
 
     def high(design: Design) -> Solids:
         *others, last = original(design)
         assert isinstance(last, Cone)
-        return (*others, replace(last, low=36.0))
+        return (*others, replace(last, low=10.0))
 
-    monkeypatch.setattr(mold, "gate_funnel_vents", high)
+    monkeypatch.setattr(mold, "runners", high)
+    assert failed_checks() == {"mold.hollow_bodies", "mold_dorsal.undercut"}
+
+
+def test_runner_that_ends_before_the_cavity_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = mold.runners
+
+    def short(design: Design) -> Solids:
+        sprue, runner, *others = original(design)
+        assert isinstance(runner, Prism)
+        gate = min(x for _, x in runner.corners)
+        corners = tuple((z, x + 3.0 if x == gate else x) for z, x in runner.corners)
+        return (sprue, replace(runner, corners=corners), *others)
+
+    monkeypatch.setattr(mold, "runners", short)
     assert failed_checks() == {"mold.hollow_bodies"}
 
 
+def test_inlet_too_close_to_a_bolt_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mold, "bolt_holes", move_one(mold.bolt_holes, 1.0, 0.0, index=2))
+    assert failed_checks() == {"mold.wall.runners_to_cutouts"}
+
+
+def test_funnel_through_the_outer_face_fails_and_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    wide = ["mold.filling=gravity", "skin.width_mm=34", "mold.fit_clearance_mm=0.1"]
+    with pytest.raises(DesignError, match="goes through the outside of the mold; at most 18.42 mm"):
+        Design.load(changes=[*wide, "mold.funnel_diameter_mm=24"])
+    original = runners.gate_and_funnel
+
+    def wider(design: Design) -> Solids:
+        gate, funnel = original(design)
+        assert isinstance(funnel, Cone)
+        return gate, replace(funnel, high_radius=funnel.high_radius + 14.0)
+
+    monkeypatch.setattr(runners, "gate_and_funnel", wider)
+    assert "mold.wall.runners_to_outside" in failed_checks(*wide)
+
+
 def test_cavity_without_a_vent_at_its_apex_traps_air(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = mold.gate_funnel_vents
+    original = mold.runners
 
     def moved(design: Design) -> Solids:
         gate, funnel, apex, second = original(design)
         assert isinstance(apex, Cone)
         return gate, funnel, replace(apex, centre=(2.4, 0.0)), second
 
-    monkeypatch.setattr(mold, "gate_funnel_vents", moved)
-    assert failed_checks() == {"mold.air_trap_height"}
+    monkeypatch.setattr(verification, "runners", moved)
+    assert failed_checks("mold.filling=gravity") == {"mold.air_trap_height"}
 
 
 @pytest.mark.slow
@@ -97,7 +133,7 @@ def test_walls_much_thicker_than_the_limit_are_measured() -> None:
     """The default wall of the mold is 4 mm, five times the minimum wall."""
     design, checks = Design(), run_checks()
     assert checks["mold.wall.cavity_to_outside"].value == pytest.approx(4.0, abs=TOLERANCE)
-    assert checks["mold.wall.keys_to_bolts"].value > 9.0
+    assert checks["mold.wall.keys_to_bolts"].value > 8.0
     # The frustums of the keys are widest inside the dorsal half, at half its height.
     layout = design.mold_layout
     widening = design.dimensions.draft_slope * layout.dorsal_height / 2 + design.mold.key_clearance_mm

@@ -27,12 +27,12 @@ def measure(design: Design) -> SiliconeVolumes:
 
 
 def test_deeper_funnel_adds_a_frustum_and_longer_vents() -> None:
-    shallow, deep = (fsr400(f"mold.funnel_depth_mm={depth}") for depth in (4.0, 6.0))
-    mold, vents = deep.mold, len(deep.mold_layout.vents_x)
+    shallow, deep = (fsr400("mold.filling=gravity", f"mold.funnel_depth_mm={depth}") for depth in (4.0, 6.0))
+    mold, vents = deep.mold, len(deep.mold_layout.vents)
     throat, mouth = mold.gate_diameter_mm / 2, mold.funnel_diameter_mm / 2
     frustum = math.pi / 3 * (throat**2 + throat * mouth + mouth**2) * 2.0
     longer_vents = vents * math.pi * (mold.vent_diameter_mm / 2) ** 2 * 2.0
-    added = 1000 * (measure(deep).gate_funnel_vents_cm3 - measure(shallow).gate_funnel_vents_cm3)
+    added = 1000 * (measure(deep).runners_cm3 - measure(shallow).runners_cm3)
     assert added == pytest.approx(frustum + longer_vents, rel=4 * TOLERANCE_MM / (mold.vent_diameter_mm / 2))
 
 

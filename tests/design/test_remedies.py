@@ -111,10 +111,10 @@ def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> 
 @pytest.mark.parametrize(
     ("changes", "first", "count"),
     [
-        (["mold.land_mm=13"], "mold.key_diameter_mm: 5 mm does not fit between the bolts; set mold.land_mm=7.91.", 1),
-        (["skin.width_mm=6"], "skin.width_mm: 6 mm breaks 2 rules, listed below; at least 16.2 mm.", 3),
+        (["mold.filling=gravity", "mold.land_mm=13"], "mold.key_diameter_mm: 5 mm does not fit between the bolts; set mold.land_mm=7.91.", 1),
+        (["mold.filling=gravity", "skin.width_mm=6"], "skin.width_mm: 6 mm breaks 2 rules, listed below; at least 16.2 mm.", 3),
         (
-            ["skin.width_mm=6", "bone.collar_inset_mm=3.1661", "skin.nail_fullness=0.9748"],
+            ["mold.filling=gravity", "skin.width_mm=6", "bone.collar_inset_mm=3.1661", "skin.nail_fullness=0.9748"],
             "skin.thickness_side_mm: 2 mm leaves less than 1 mm of bone at the sides; "
             "set skin.width_mm=16.2 and bone.collar_inset_mm=1.4.",
             2,
@@ -124,7 +124,7 @@ def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> 
         (["bone.groove_depth_mm=0.9"], "at most 0.84 mm.", 1),
         (["mold.nut_width_mm=7"], "between 5.7 and 5.99 mm.", 1),
         (["mold.nut_width_mm=1"], "and at least 5.7 mm with the other parameters as they are.", 1),
-        (["printer.min_wall_mm=2"], "set printer.min_wall_mm=1.", 1),
+        (["printer.min_wall_mm=2"], "printer.min_wall_mm: 2 mm breaks 2 rules, listed below; at most 1 mm.", 3),
         (["board.passband_gain=1"], "such as 67.7.", 1),
         (
             ["board.variant=comparator", "board.cutoff_hz=400"],
@@ -162,8 +162,8 @@ def test_consequences_name_the_cause_that_resolves_them() -> None:
 
 def test_a_design_in_python_gets_the_same_remedies() -> None:
     with pytest.raises(DesignError) as caught:
-        Design(mold={"land_mm": 13.0})
-    assert caught.value.issues == refuse(["mold.land_mm=13.0"])
+        Design(mold={"filling": "gravity", "land_mm": 13.0})
+    assert caught.value.issues == refuse(["mold.filling=gravity", "mold.land_mm=13.0"])
 
 
 def test_refusals_without_remedies_blame_the_same_fields() -> None:

@@ -165,7 +165,7 @@ def _quantities(data: Data) -> str:
     first, second = data["silicone"]["components"]
     rows = [
         ("skin, with shrinkage allowance", f"{volumes['skin']:.2f} cm3"),
-        ("gate, funnel and vents", f"{volumes['gate_funnel_vents']:.2f} cm3"),
+        ("runners and vents", f"{volumes['runners']:.2f} cm3"),
         ("flash around the base", f"{volumes['gap']:.2f} cm3"),
         ("**total in the mold**", f"**{volumes['total']:.2f} cm3, {batch['in_mold_g']:.2f} g**"),
         (f"**{first}**", f"**{batch['a_g']:g} g**"),

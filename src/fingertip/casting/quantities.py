@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold, skin
 from fingertip.cad.shapes.insert import mold_insert
+from fingertip.cad.shapes.runners import runners
 from fingertip.cad.solids import intersection, union
 from fingertip.casting.materials import Silicone
 from fingertip.design import Design
 
 WASTE_FRACTION = 0.25
-"""Extra silicone as a fraction of what the mold holds. It stays on cup, stirrer and funnel. A project choice."""
+"""Extra silicone as a fraction of what the mold holds. It stays on cup, stirrer and syringe or funnel. A project choice."""
 MIN_COMPONENT_G = 1.0
 """Minimum mass of the lighter component [g]. A scale that reads 0.1 g then errs by 5% at most, and so does the
 ratio."""
@@ -24,8 +25,8 @@ class SiliconeVolumes:
 
     skin_cm3: float
     """Volume of the cavity minus the insert that the skin is cast around."""
-    gate_funnel_vents_cm3: float
-    """Volume of gate, funnel and vents, filled up to the mold's face."""
+    runners_cm3: float
+    """Volume of sprue, runner or gate, and vents, filled up to the mold's face or to the nozzle."""
     gap_cm3: float
     """Volume of the clearance around the base in its recess.
 
@@ -36,7 +37,7 @@ class SiliconeVolumes:
     @property
     def total_cm3(self) -> float:
         """Total volume [cm3]."""
-        return self.skin_cm3 + self.gate_funnel_vents_cm3 + self.gap_cm3
+        return self.skin_cm3 + self.runners_cm3 + self.gap_cm3
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Batch:
     in_mold_g: float
     """Mass of silicone that fills the mold."""
     with_waste_g: float
-    """Mass with the extra silicone that stays on cup, stirrer and funnel."""
+    """Mass with the extra silicone that stays on cup, stirrer and syringe or funnel."""
     total_g: float
     """Mass to mix; more than `with_waste_g` if the lighter component would otherwise be too light to weigh."""
     a_g: float
@@ -68,8 +69,8 @@ def measure_volumes(design: Design, evaluator: MeshEvaluator) -> SiliconeVolumes
     """
     block, cavity = evaluator.manifold(mold.block(design)), evaluator.manifold(skin.cavity(design))
     insert = evaluator.manifold(mold_insert(design))
-    openings = evaluator.manifold(union(*mold.gate_funnel_vents(design)))
-    hollow_mm3 = (evaluator.manifold(intersection(mold.hollow(design), mold.block(design))) - insert).volume()
+    openings = evaluator.manifold(union(*runners(design)))
+    hollow_mm3 = (evaluator.manifold(intersection(mold.cast_hollow(design), mold.block(design))) - insert).volume()
     skin_mm3 = (cavity - insert).volume()
     openings_mm3 = ((openings ^ block) - cavity).volume()
     gap_mm3 = max(0.0, hollow_mm3 - skin_mm3 - openings_mm3)

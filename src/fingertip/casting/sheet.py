@@ -58,7 +58,7 @@ def casting_sheet_data(
             "made_for_shrinkage_percent": design.mold.silicone_shrinkage_percent,
             "made_for_this_silicone": mold_matches_silicone(design, silicone),
             "bolts": len(design.mold_layout.bolts),
-            "vents": len(design.mold_layout.vents_x),
+            "vents": len(design.mold_layout.vents),
             "tail_passes_collar": design.dimensions.tail_passes_collar,
             "not_engraved": omitted_lines(design),
             "min_stroke_mm": MIN_STROKE_MM,
@@ -121,7 +121,7 @@ def _silicone_data(silicone: Silicone) -> dict[str, Any]:
 def _volumes_data(volumes: SiliconeVolumes) -> dict[str, float]:
     return {
         "skin": round(volumes.skin_cm3, 2),
-        "gate_funnel_vents": round(volumes.gate_funnel_vents_cm3, 2),
+        "runners": round(volumes.runners_cm3, 2),
         "gap": round(volumes.gap_cm3, 2),
         "total": round(volumes.total_cm3, 2),
     }

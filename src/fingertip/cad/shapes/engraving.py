@@ -24,10 +24,12 @@ HEIGHT = 6.0
 """Height of a letter, measured between the centre lines of its strokes [grid units]."""
 STROKE_WIDTH = 0.8
 """Width of a stroke [grid units]."""
+_CORNER_REACH = STROKE_WIDTH / math.sqrt(2.0)
+"""Distance of the corners of a stroke from its end [grid units]."""
 MIN_STROKE_MM = 0.4
 """Minimum stroke width [mm]. Narrower strokes close up in printing. The minimum letter height follows from it. An
 assumption."""
-_BASELINE = 2.0  # distance of each baseline from the centre line between the two lines of text [grid units]
+_BASELINE = 2.0  # least distance of each baseline from the centre line between both lines of text [grid units]
 _NUT_DISTANCE_MM = 0.5  # minimum distance between letters and nut traps
 _MAX_LENGTH_RATIO = 0.8  # length of the longest line divided by the length of the block
 
@@ -67,10 +69,17 @@ def engraved_lines(design: Design, half: str) -> Iterator[TextLine]:
     half
         "palmar" or "dorsal", the second line.
     """
-    for text, baseline in ((design.name, _BASELINE), (half, -_BASELINE - HEIGHT)):
+    for text, above in ((design.name, True), (half, False)):
         unit = _grid_unit_mm(design, text)
         if design.mold.engraving_depth_mm and STROKE_WIDTH * unit >= MIN_STROKE_MM - 1e-9:
-            yield TextLine(text, unit, unit * baseline)
+            baseline = max(_BASELINE * unit, _clear_of_overflow_mm(design) + _CORNER_REACH * unit)
+            yield TextLine(text, unit, baseline if above else -baseline - HEIGHT * unit)
+
+
+def _clear_of_overflow_mm(design: Design) -> float:
+    """Distance from the centre line [mm] at which letters keep a wall beside the overflow, which opens between them."""
+    radii = [vent.diameter_mm / 2 for vent in design.mold_layout.vents if vent.axis == "y"]
+    return max(radii) + design.printer.min_wall_mm if radii else 0.0
 
 
 def omitted_lines(design: Design) -> list[str]:
@@ -131,6 +140,7 @@ def _grid_unit_mm(design: Design, text: str) -> float:
         design.mold.engraving_height_mm / HEIGHT,
         _MAX_LENGTH_RATIO * (layout.distal_z - layout.proximal_z) / text_width(text),
         across / (_BASELINE + HEIGHT + STROKE_WIDTH / 2),
+        (across - _clear_of_overflow_mm(design)) / (HEIGHT + 2 * _CORNER_REACH),
     )
 
 

@@ -1,6 +1,6 @@
 """Two-part mold with its parting plane at y = 0.
 
-The halves hold the cavity, the recess for the bone's base, gate, vents, registration keys, clamp bolts with nut traps,
+The halves hold the cavity, the recess for the bone's base, inlet, vents, registration keys, clamp bolts with nut traps,
 pry slots, and engraved text.
 """
 
@@ -10,6 +10,7 @@ import math
 
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, engraved_lines, letter_outlines, text_width
 from fingertip.cad.shapes.insert import above_collar_foot, offset_section
+from fingertip.cad.shapes.runners import luer_cone, runners
 from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.solids import (
     Box,
@@ -38,11 +39,16 @@ def block(design: Design) -> Solid:
 
 
 def hollow(design: Design) -> Solid:
-    """Build the hollow of the closed mold: cavity, recess, gate and vents.
+    """Build the hollow of the closed mold: cavity, recess, inlet and vents.
 
     Bolt holes, nut traps and the clearance of the keys are not part of it.
     """
-    return union(cavity(design), *base_recess(design), *gate_funnel_vents(design))
+    return union(cast_hollow(design), *luer_cone(design))
+
+
+def cast_hollow(design: Design) -> Solid:
+    """Build the hollow without the Luer cone: what is cast in it must leave both halves."""
+    return union(cavity(design), *base_recess(design), *runners(design))
 
 
 def base_recess(design: Design) -> tuple[Solid, ...]:
@@ -70,19 +76,6 @@ def _drafted_extrusion(
     if slope == 0.0:
         return SuperconicSolid(ConicBody(section, ((low, 1.0), (high, 1.0))))
     return DraftedExtrusion(add_draft(section, slope, flat), low, high)
-
-
-def gate_funnel_vents(design: Design) -> tuple[Solid, ...]:
-    """Build the gate, its funnel and the vents, all on the parting plane."""
-    mold, m = design.mold, design.mold_layout
-    end = m.distal_z + mold.funnel_depth_mm
-    gate = cylinder("z", (m.gate_x, 0.0), m.inlet_z, end, mold.gate_diameter_mm / 2)
-    # The funnel continues past the block at the same slope, so that its mouth has the stated diameter on the block's
-    # face.
-    mouth, throat = mold.funnel_diameter_mm / 2, mold.gate_diameter_mm / 2
-    funnel = Cone("z", (m.gate_x, 0.0), m.distal_z - mold.funnel_depth_mm, end, throat, mouth + (mouth - throat))
-    vents = (cylinder("z", (x, 0.0), m.inlet_z, end, mold.vent_diameter_mm / 2) for x in m.vents_x)
-    return (gate, funnel, *vents)
 
 
 def bolt_holes(design: Design) -> tuple[Solid, ...]:

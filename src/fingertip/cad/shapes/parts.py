@@ -44,7 +44,13 @@ class Orientation:
 
 
 def _bolt_hole_count(design: Design) -> int:
-    return 4
+    return len(design.mold_layout.bolts)
+
+
+def _dorsal_hole_count(design: Design) -> int:
+    """Count the bolt holes, the vents through the dorsal half, and its inlet."""
+    layout = design.mold_layout
+    return len(layout.bolts) + sum(vent.axis == "y" for vent in layout.vents) + (layout.inlet is not None)
 
 
 PARTS: dict[str, Part] = {
@@ -57,7 +63,7 @@ PARTS: dict[str, Part] = {
         ),
         Part("skin", skin.skin, lambda design: 0, (0.87, 0.62, 0.52), False),
         Part("mold_palmar", mold.mold_palmar, _bolt_hole_count, (0.45, 0.58, 0.70), True),
-        Part("mold_dorsal", mold.mold_dorsal, _bolt_hole_count, (0.62, 0.72, 0.80), True),
+        Part("mold_dorsal", mold.mold_dorsal, _dorsal_hole_count, (0.62, 0.72, 0.80), True),
         Part(
             "core", insert.sleeve_core, lambda design: 0, (0.70, 0.78, 0.62), True,
             exists_in=lambda design: design.mold.method == "sleeve",

@@ -11,6 +11,7 @@ import numpy as np
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone, mold
 from fingertip.cad.shapes.insert import filled_bone, mold_insert
+from fingertip.cad.shapes.runners import openings, runners, runners_with_axes
 from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.solids import intersection, union
 from fingertip.cad.verification.check import (
@@ -44,25 +45,29 @@ when they are pressed together."""
 
 def check_mold(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     """Check both halves of the mold."""
-    yield from _check_gate_and_vents(design, evaluator)
+    yield from _check_openings(design, evaluator)
     yield from _check_recess_clearance(design, evaluator)
     yield from _check_draft(design, evaluator)
     if design.mold.method == "overmold" and not design.dimensions.window_opens_into_gap:
         yield _check_cable_channel(design, evaluator)
-    yield _check_air_trap(design, evaluator)
+    if design.mold.filling == "gravity":
+        yield _check_air_trap(design, evaluator)
     yield from _check_cavity_walls(design, evaluator)
+    yield from _check_runner_walls(design, evaluator)
     yield from _check_fasteners(design, evaluator)
 
 
-def _check_gate_and_vents(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check that the hollow is one connected volume, opens to the outside at gate and vents, and has no undercut."""
+def _check_openings(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check that the hollow is one connected volume, opens to the outside at inlet and vents, and has no undercut."""
     m = design.mold_layout
     hollow = evaluator.manifold(intersection(mold.hollow(design), mold.block(design)))
     yield Check("mold.hollow_bodies", len(hollow.decompose()), 1, "bodies", "exactly")
-    openings = hollow.trim_by_plane((0.0, 0.0, 1.0), m.distal_z - _FACE_DEPTH_MM).decompose()
-    yield Check("mold.gate_and_vent_openings", len(openings), 1 + len(m.vents_x), "openings", "exactly")
+    distal = hollow.trim_by_plane((0.0, 0.0, 1.0), m.distal_z - _FACE_DEPTH_MM).decompose()
+    dorsal = hollow.trim_by_plane((0.0, 1.0, 0.0), m.dorsal_height - _FACE_DEPTH_MM).decompose()
+    yield Check("mold.inlet_and_vent_openings", len(distal) + len(dorsal), 1 + len(m.vents), "openings", "exactly")
+    cast = evaluator.manifold(intersection(mold.cast_hollow(design), mold.block(design)))
     for half, direction in (("mold_palmar", -1.0), ("mold_dorsal", 1.0)):
-        yield Check(f"{half}.undercut", _undercut_area_mm2(hollow, direction), _AREA_TOLERANCE_MM2, "mm2")
+        yield Check(f"{half}.undercut", _undercut_area_mm2(cast, direction), _AREA_TOLERANCE_MM2, "mm2")
 
 
 def _undercut_area_mm2(hollow: Manifold, direction: float) -> float:
@@ -131,7 +136,7 @@ def _check_cable_channel(design: Design, evaluator: MeshEvaluator) -> Check:
 def _check_air_trap(design: Design, evaluator: MeshEvaluator) -> Check:
     """Check the height of the cavity above the highest vent, where air would be trapped."""
     cavity_body = evaluator.manifold(cavity(design))
-    openings = evaluator.manifold(union(*mold.gate_funnel_vents(design)))
+    openings = evaluator.manifold(union(*runners(design)))
     highest = cavity_body.bounding_box()[5]
     vented = (cavity_body ^ openings).bounding_box()[5]
     return Check("mold.air_trap_height", highest - vented, 2 * evaluator.tolerance_mm, "mm")
@@ -151,6 +156,24 @@ def _check_cavity_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Ch
         ("keys", mold.key_sockets(design)),
     ):
         yield check_min_distance(f"mold.land.{name}_to_cavity", cavity_body, evaluator.manifold(union(*solids)), land)
+
+
+def _check_runner_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check the walls between inlet and vents and everything else that is cut into the block, and its outside."""
+    wall = design.printer.min_wall_mm - evaluator.tolerance_mm
+    runners_ = evaluator.manifold(intersection(openings(design), mold.block(design)))
+    for name, solids in (
+        ("cutouts", (mold.outer_cutouts(design),)),
+        ("keys", mold.key_sockets(design)),
+    ):
+        yield check_min_distance(f"mold.wall.runners_to_{name}", runners_, evaluator.manifold(union(*solids)), wall)
+    low, high = (evaluator.manifold(mold.block(design)).bounding_box()[i : i + 3] for i in (0, 3))
+    distances = []
+    for solid, axis in runners_with_axes(design):
+        box = evaluator.manifold(intersection(solid, mold.block(design))).bounding_box()
+        # Along its own axis a hole opens to the outside.
+        distances += [min(box[i] - low[i], high[i] - box[i + 3]) for i in range(3) if i != axis]
+    yield Check("mold.wall.runners_to_outside", min(distances), wall, "mm", "at least")
 
 
 def _check_fasteners(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:

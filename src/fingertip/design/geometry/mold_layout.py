@@ -1,20 +1,69 @@
-"""Positions of gate, vents, bolts and keys around the mold's cavity, all derived from the parameters.
+"""Positions of inlet, vents, bolts and keys around the mold's cavity, all derived from the parameters.
 
 The mold is held with its proximal face down while it is filled, so that the apex of the tip is the cavity's highest
-point. Gate and vents lie on the parting plane: they open with the mold, and the cured sprue lifts out.
+point. A syringe fills it from below: it stands on the dorsal face, beside the collar. Sprue and runner lead to the side
+of the cavity, and the overflow opens on the dorsal side near the tip, where the silicone arrives last. A mold that is
+filled by gravity has its gate and vents beside the apex. All of them open with the mold, so that the cured sprue lifts
+out, and none touches the pad.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
+
+from fingertip.design.threads import select_thread
+from fingertip.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, SYRINGES, Syringe
 
 if TYPE_CHECKING:
     from fingertip.design.parameters import DesignTables
 
 _GATE_TO_VENT_MM = 1.2
 """Mold left between the funnel's mouth and the vent at the apex [mm]."""
+
+
+_BESIDE_BARREL_MM = 0.5
+"""Gap between the barrel of the syringe and the heads of the bolts [mm]."""
+_ABOVE_COLLAR_MM = 0.5
+"""Least distance of the gate from the collar [mm]."""
+_GATE_END = 0.95
+"""End of the runner inside the cavity, relative to the cavity's half width at the top of the runner."""
+_ABOVE_RUNNER_MM = 1.0
+"""Least length of the sprue between Luer cone and runner [mm]."""
+
+
+@dataclass(frozen=True)
+class Vent:
+    """Round hole from the cavity to the outside of the mold."""
+
+    axis: Literal["y", "z"]
+    """y: through the dorsal half; z: along the parting plane to the distal face."""
+    point_mm: tuple[float, float, float]
+    """Point on its axis at which it begins, inside the cavity."""
+    diameter_mm: float
+
+
+@dataclass(frozen=True)
+class Inlet:
+    """Way of the silicone from the syringe to the cavity: Luer cone and sprue along y, and the runner below them [mm].
+
+    All of it lies in the dorsal half. The runner leaves the sprue along z and enters the cavity along x.
+    """
+
+    syringe: Syringe
+    x: float
+    """Axis of cone and sprue, across."""
+    z: float
+    """Axis of cone and sprue, along the finger."""
+    gate_x: float
+    """End of the runner, inside the cavity."""
+    gate_z: float
+    """Centre of the gate, along the finger."""
+    width: float
+    depth: float
+    """Width and depth of the runner."""
 
 
 class MoldLayout:
@@ -33,8 +82,14 @@ class MoldLayout:
 
     @cached_property
     def _half_column(self) -> float:
-        """Half the width that bolts and keys need beside the cavity."""
-        return max(self.nut_circumradius, self._design.mold.key_diameter_mm / 2)
+        """Half the width that bolts, keys and inlet need beside the cavity."""
+        return max(self.nut_circumradius, self._design.mold.key_diameter_mm / 2, self.half_inlet)
+
+    @cached_property
+    def half_inlet(self) -> float:
+        """Half the width of the inlet: of its Luer cone, or of a wider runner; 0 if gravity fills the mold."""
+        mold = self._design.mold
+        return max(LUER_MOUTH_MM, mold.runner_width_mm) / 2 if mold.filling == "syringe" else 0.0
 
     @cached_property
     def _column_x(self) -> float:
@@ -54,8 +109,12 @@ class MoldLayout:
 
     @cached_property
     def dorsal_height(self) -> float:
-        """Height of the dorsal half."""
-        return self._design.skin.semi_axis_dorsal_mm * self._design.dimensions.shrinkage + self._design.mold.wall_mm
+        """Height of the dorsal half. It holds the Luer cone of the syringe above the runner."""
+        mold = self._design.mold
+        height = self._design.skin.semi_axis_dorsal_mm * self._design.dimensions.shrinkage + mold.wall_mm
+        if mold.filling == "gravity":
+            return height
+        return max(height, LUER_DEPTH_MM + _ABOVE_RUNNER_MM + mold.runner_depth_mm)
 
     @cached_property
     def proximal_z(self) -> float:
@@ -64,31 +123,75 @@ class MoldLayout:
 
     @cached_property
     def distal_z(self) -> float:
-        """Distal face of the mold."""
+        """Distal face of the mold. Inlet, key and bolts beside the cavity can make it longer than the skin."""
         mold = self._design.mold
-        return self._design.skin.length_mm * self._design.dimensions.shrinkage + mold.wall_mm + mold.funnel_depth_mm
+        around_skin = self._design.skin.length_mm * self._design.dimensions.shrinkage + mold.wall_mm
+        if self.inlet is None:
+            return around_skin + mold.funnel_depth_mm
+        beside_key = self._key_beside_inlet_z + self._small_key_radius + mold.land_mm + self.nut_circumradius
+        past_barrel = self.inlet.z + self._barrel_to_bolt
+        return max(around_skin, max(beside_key, past_barrel) + self._end_to_bolt)
+
+    @cached_property
+    def _end_to_bolt(self) -> float:
+        """Distance of the bolts from the end of the mold."""
+        return self._design.mold.land_mm + self.nut_circumradius
+
+    @cached_property
+    def _small_key_radius(self) -> float:
+        """Radius of the smaller key at its root."""
+        return 0.4 * self._design.mold.key_diameter_mm
+
+    @cached_property
+    def _barrel_to_bolt(self) -> float:
+        """Distance of the syringe's axis from that of a bolt, whose head is about as wide as its nut."""
+        mold = self._design.mold
+        head = select_thread(mold.bolt_diameter_mm).nut_flats_mm
+        return (SYRINGES[mold.syringe].barrel_mm + head) / 2 + _BESIDE_BARREL_MM
+
+    @cached_property
+    def inlet(self) -> Inlet | None:
+        """Inlet of a mold that is filled by syringe, in the column of the bolts at +x; None if gravity fills it."""
+        mold = self._design.mold
+        if mold.filling == "gravity":
+            return None
+        bolt_z, half = self.proximal_z + self._end_to_bolt, mold.runner_width_mm / 2
+        gate_z = max(_ABOVE_COLLAR_MM + half, bolt_z + mold.bolt_diameter_mm / 2 + self._design.printer.min_wall_mm + half)
+        z = max(bolt_z + self._barrel_to_bolt, gate_z + half + LUER_MOUTH_MM / 2)
+        # The runner ends where the cavity is as wide at its top, so that it enters the cavity over its whole depth.
+        end = self._design.dimensions.outer.half_width_at(mold.runner_depth_mm, gate_z + half)
+        return Inlet(
+            SYRINGES[mold.syringe], self._column_x, z, _GATE_END * end, gate_z, mold.runner_width_mm,
+            mold.runner_depth_mm,
+        )  # fmt: skip
 
     @cached_property
     def gate_x(self) -> float:
-        """Centre of the gate, beside the vent at the apex."""
+        """Centre of the gate of a mold that gravity fills, beside the vent at the apex."""
         mold = self._design.mold
         return -(mold.vent_diameter_mm / 2 + _GATE_TO_VENT_MM + mold.funnel_diameter_mm / 2)
 
     @cached_property
-    def vents_x(self) -> tuple[float, ...]:
-        """Centres of the vents: one at the apex, one opposite the gate."""
-        return (0.0, -self.gate_x)
+    def vents(self) -> tuple[Vent, ...]:
+        """Vents: one at the tip's dorsal side, the overflow; or one at the apex and one opposite the gate."""
+        diameter = self._design.mold.vent_diameter_mm
+        if self.inlet is None:
+            return tuple(Vent("z", (x, 0.0, self.inlet_z), diameter) for x in (0.0, -self.gate_x))
+        dims = self._design.dimensions
+        z = (self._design.skin.length_mm - self._design.mold.overflow_from_tip_mm) * dims.shrinkage
+        # It begins halfway up the cavity's height at its distal edge, well below the surface that it cuts.
+        height = dims.outer.section.dorsal * dims.outer.scale_at(z / dims.shrinkage + diameter / 2)
+        return (Vent("y", (0.0, height / 2, z), diameter),)
 
     @cached_property
     def inlet_z(self) -> float:
-        """Height at which gate and vents begin, inside the cavity."""
+        """Height at which gate and vents begin, inside the cavity, if gravity fills it."""
         return self._design.dimensions.taper_end_z
 
     @cached_property
     def _bolts_z(self) -> tuple[float, float]:
         """Heights of the proximal and the distal pair of bolts."""
-        margin = self._design.mold.land_mm
-        return self.proximal_z + margin + self.nut_circumradius, self.distal_z - margin - self.nut_circumradius
+        return self.proximal_z + self._end_to_bolt, self.distal_z - self._end_to_bolt
 
     @cached_property
     def bolts(self) -> tuple[tuple[float, float], ...]:
@@ -108,6 +211,12 @@ class MoldLayout:
         return (low + high) / 2
 
     @cached_property
+    def _key_beside_inlet_z(self) -> float:
+        """Least height of the key in the column of the inlet."""
+        assert self.inlet
+        return self.inlet.z + LUER_MOUTH_MM / 2 + self._design.mold.land_mm + self._small_key_radius
+
+    @cached_property
     def keys(self) -> tuple[tuple[float, float, float], ...]:
         """(x, z, root diameter) of each registration key.
 
@@ -115,9 +224,11 @@ class MoldLayout:
         socket for either of them, so the halves close in one way only.
         """
         mold = self._design.mold
-        second = 0.8 * mold.key_diameter_mm
         shift = (self.key_space - mold.key_diameter_mm - 2 * mold.land_mm) / 4
+        second = self.pry_z + shift / 2
+        if self.inlet:
+            second = max(second, self._key_beside_inlet_z)
         return (
             (-self._column_x, self.pry_z - shift, mold.key_diameter_mm),
-            (self._column_x, self.pry_z + shift / 2, second),
+            (self._column_x, second, 2 * self._small_key_radius),
         )

@@ -56,15 +56,37 @@ class Mold(ParameterTable):
     recess_length_mm: float = quantity(
         8.0, "mm", "Length of the recess that holds the bone's base.", minimum=2, maximum=60
     )
+    filling: Literal["syringe", "gravity"] = choice(
+        "syringe",
+        "syringe: from below, through a Luer cone in the dorsal half; gravity: poured into a funnel at the tip, for "
+        "thin silicones.",
+    )
+    syringe: Literal["3ml", "5ml", "10ml"] = choice("5ml", "Syringe with a Luer slip tip (filling syringe).")
+    thumb_force_n: float = quantity(
+        30.0, "N", "Force of the thumb on the plunger; 20 to 40 are usual.", minimum=1, maximum=150
+    )
+    nozzle_bore_mm: float = quantity(
+        2.1, "mm", "Bore of the syringe's nozzle: measure it, 0.1 mm changes the time by 20 %.", minimum=0.3, maximum=3.5,
+        verified=False,
+    )
+    runner_width_mm: float = quantity(
+        3.0, "mm", "Width of the runner from the sprue to the side of the cavity.", minimum=1, maximum=8
+    )
+    runner_depth_mm: float = quantity(2.5, "mm", "Depth of the runner, in the dorsal half.", minimum=0.8, maximum=8)
+    overflow_from_tip_mm: float = quantity(
+        6.0, "mm", "Distance of the overflow from the tip, along the finger, on the dorsal side.", minimum=0.5, maximum=60
+    )
     gate_diameter_mm: float = quantity(
-        3.0, "mm", "Diameter of the gate into the cavity, beside the vent at the tip.", minimum=0.8, maximum=12
+        3.0, "mm", "Diameter of the gate beside the vent at the tip (filling gravity).", minimum=0.8, maximum=12
     )
     funnel_diameter_mm: float = quantity(
-        7.0, "mm", "Diameter of the sprue's funnel at its mouth.", minimum=1, maximum=30
+        7.0, "mm", "Diameter of the sprue's funnel at its mouth (filling gravity).", minimum=1, maximum=30
     )
-    funnel_depth_mm: float = quantity(4.0, "mm", "Depth of the funnel.", minimum=0.5, maximum=30)
+    funnel_depth_mm: float = quantity(
+        4.0, "mm", "Depth of the funnel (filling gravity).", minimum=0.5, maximum=30
+    )
     vent_diameter_mm: float = quantity(
-        1.2, "mm", "Diameter of the mold vents, one at the tip and one opposite the gate.", minimum=0.4, maximum=5
+        1.2, "mm", "Diameter of the mold's vents, one of which is the overflow.", minimum=0.4, maximum=5
     )
     bolt_diameter_mm: float = quantity(
         3.4, "mm", "Diameter of the clamp bolts' clearance holes (3.4: M3).", minimum=MIN_HOLE_MM, maximum=9

@@ -19,6 +19,8 @@ _SOCKET_FLOOR = 1.0
 """Minimum floor of a key's socket [mm]."""
 _NUT_FLOOR = 2.0
 """Minimum floor under a nut [mm]."""
+_MAX_RUNNER_DEPTH = 0.5
+"""Maximum depth of the runner relative to the height of the cavity's dorsal side."""
 _KEY_TOP = 0.4
 """Minimum radius of a key's top [mm]."""
 _BESIDE_GATE = 0.2
@@ -30,11 +32,12 @@ def pry_slot_clear_of_bolts(design: DesignTables) -> Violation | None:
     """The pry slots end before the nut traps and the keys' sockets."""
     layout, slope = design.mold_layout, design.dimensions.draft_slope
     socket = design.mold.key_diameter_mm / 2 + design.mold.key_clearance_mm * math.hypot(1.0, slope)
+    beside = layout.half_inlet + max(0.0, design.printer.min_wall_mm - _BESIDE_PRY_SLOT) if layout.half_inlet else 0.0
     column = layout.bolts[-1][0]
-    maximum = layout.half_width - column - max(layout.nut_circumradius, socket) - _BESIDE_PRY_SLOT
+    maximum = layout.half_width - column - max(layout.nut_circumradius, socket, beside) - _BESIDE_PRY_SLOT
     if design.mold.pry_depth_mm <= maximum + SLACK:
         return None
-    return Violation(f"{design.mold.pry_depth_mm:g} mm reaches the keys", at_most(maximum), "(limited by mold.land_mm)")
+    return Violation(f"{design.mold.pry_depth_mm:g} mm reaches the keys or the inlet", at_most(maximum), "(limited by mold.land_mm)")
 
 
 @RULES.rule("mold.pry_width_mm")
@@ -61,7 +64,7 @@ def engraving_keeps_a_wall(design: DesignTables) -> Violation | None:
 @RULES.rule("mold.gate_diameter_mm")
 def gate_within_funnel(design: DesignTables) -> Violation | None:
     """The gate is not wider than its funnel."""
-    if design.mold.gate_diameter_mm <= design.mold.funnel_diameter_mm:
+    if design.mold.filling != "gravity" or design.mold.gate_diameter_mm <= design.mold.funnel_diameter_mm:
         return None
     return Violation(
         f"{design.mold.gate_diameter_mm:g} mm is wider than its funnel", at_most(design.mold.funnel_diameter_mm)
@@ -73,12 +76,57 @@ def gate_within_cavity(design: DesignTables) -> Violation | None:
     """The gate, beside the funnel, meets the cavity."""
     reach = -design.mold_layout.gate_x + design.mold.gate_diameter_mm / 2
     room = design.skin.width_mm / 2 * design.skin.taper_ratio - _BESIDE_GATE
-    if reach <= room + SLACK:
+    if design.mold.filling != "gravity" or reach <= room + SLACK:
         return None
     return Violation(
         f"{design.mold.funnel_diameter_mm:g} mm puts the edge of the gate {reach:.2f} mm from the middle, outside the "
         f"cavity, where at most {room:.2f} mm are possible",
         at_most(design.mold.funnel_diameter_mm - 2 * (reach - room)),
+    )
+
+
+@RULES.rule("mold.funnel_diameter_mm")
+def funnel_within_block(design: DesignTables) -> Violation | None:
+    """The mold keeps a wall palmar and dorsal of the funnel's mouth."""
+    layout, mold = design.mold_layout, design.mold
+    maximum = 2 * (min(layout.palmar_height, layout.dorsal_height) - design.printer.min_wall_mm)
+    if mold.filling != "gravity" or mold.funnel_diameter_mm <= maximum + SLACK:
+        return None
+    return Violation(f"{mold.funnel_diameter_mm:g} mm goes through the outside of the mold", at_most(maximum))
+
+
+@RULES.rule("mold.runner_width_mm")
+def gate_within_straight_skin(design: DesignTables) -> Violation | None:
+    """The gate enters the cavity between the collar and the rounded tip."""
+    inlet, width = design.mold_layout.inlet, design.mold.runner_width_mm
+    if inlet is None:
+        return None
+    excess = inlet.gate_z + width / 2 - design.dimensions.taper_end_z
+    if excess <= SLACK:
+        return None
+    return Violation(f"{width:g} mm makes the gate end on the rounded tip", at_most(width - excess))
+
+
+@RULES.rule("mold.runner_depth_mm")
+def gate_meets_cavity(design: DesignTables) -> Violation | None:
+    """The runner is less deep than the cavity is high, so that it enters at the side."""
+    maximum = _MAX_RUNNER_DEPTH * design.skin.semi_axis_dorsal_mm * design.skin.taper_ratio
+    depth = design.mold.runner_depth_mm
+    if design.mold.filling == "gravity" or depth <= maximum + SLACK:
+        return None
+    return Violation(f"{depth:g} mm ends above the side of the cavity", at_most(maximum))
+
+
+@RULES.rule("mold.overflow_from_tip_mm")
+def overflow_opens_into_cavity(design: DesignTables) -> Violation | None:
+    """The overflow opens into the cavity, between collar and tip."""
+    distance, mold = design.mold.overflow_from_tip_mm, design.mold
+    low = mold.vent_diameter_mm
+    high = design.skin.length_mm - mold.vent_diameter_mm
+    if mold.filling == "gravity" or low - SLACK <= distance <= high + SLACK:
+        return None
+    return Violation(
+        f"{distance:g} mm puts the overflow outside the cavity", ((low, high),) if low <= high else ()
     )
 
 

@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from fingertip.design.parameters.declaration import find_unit, format_unit
+from fingertip.design.parameters.declaration import find_allowed, find_unit, format_unit
 from fingertip.errors import Issue
 
 _MIN_SIMILARITY = 0.65
@@ -87,6 +87,8 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             return Issue(field, f"{value!r} is not a table; write [{field}] and its entries below it.")
         case "model_type":
             return Issue(field, f"{value!r} is not a table; {_show_parameter(location, model)}.")
+        case "string_pattern_mismatch" if isinstance(info, FieldInfo) and find_allowed(info):
+            return Issue(field, f"{value!r} cannot stand here; {find_allowed(info)}.")
         case "string_pattern_mismatch":
             return Issue(field, f"{value!r} cannot name a folder; use up to 40 letters, digits, - and _.")
     return Issue(field, f"{value!r} is not valid: {details['msg']}.")

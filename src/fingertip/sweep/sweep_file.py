@@ -53,7 +53,6 @@ class SweepFile(BaseModel):
         0, "", "Random seed of the first trial; the others count up from it.", minimum=0, maximum=2**31 - 1
     )
     detector: str = Field("fast", description="Detector that is run on the trials.")
-    silicone: str = Field("addition_40a", description="Silicone of the skin.")
     print_density_g_cm3: float = quantity(
         1.2, "g/cm3", "Density of the printed parts.", minimum=0.1, maximum=20, verified=False
     )

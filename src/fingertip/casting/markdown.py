@@ -151,7 +151,7 @@ def _ratio_warnings(silicone: Data) -> list[str]:
         return [f"{stated}. With the densities of both components this is {weight} by weight, as in this sheet."]
     return [
         f"{stated}. The densities of the components are not known, so this sheet takes the ratio by weight. If the "
-        "container gives no ratio by weight, measure both components by volume, together the same amount."
+        "container gives no ratio by weight, measure the components by volume instead."
     ]
 
 
@@ -161,10 +161,10 @@ def _weighing_step(silicone: Data, batch: Data) -> str:
     ratio = silicone["ratio"]
     unverified = "" if ratio["verified"] else " (unverified)"
     return (
-        f"Use the mix ratio printed on the container. This sheet takes {_ratio(ratio['parts_by_weight'])} parts of "
-        f"{first} and {second} by weight{unverified}; if the container says otherwise, the container is right. Weigh "
-        f"{batch['a_g']:g} g of {first} and add {batch['b_g']:g} g of {second}. Stir slowly, and scrape the walls and "
-        "the bottom of the cup. Degas the mixture under vacuum if you can."
+        f"Use the mix ratio printed on the container. This sheet mixes {first} and {second} "
+        f"{_ratio(ratio['parts_by_weight'])} by weight{unverified}; if the container says otherwise, the container is "
+        f"right. Weigh {batch['a_g']:g} g of {first} and add {batch['b_g']:g} g of {second}. Stir slowly, and scrape "
+        "the walls and the bottom of the cup. Degas the mixture under vacuum if you can."
     )
 
 

@@ -21,7 +21,7 @@ Cure = Literal["addition", "condensation"]
 Addition cure shrinks least, but uncured resin inhibits it. Condensation cure is not inhibited.
 """
 RatioBasis = Literal["weight", "volume", "weight or volume"]
-"""Whether the maker states the mix ratio by weight, by volume, or allows both."""
+"""Basis on which the maker states the mix ratio; "weight or volume" if both are allowed."""
 
 SOURCES = {
     "article": "Method for Automatic Slippage Detection With Tactile Sensors Embedded in Prosthetic Hands, III.B",

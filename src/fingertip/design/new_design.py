@@ -54,7 +54,6 @@ _MAIN_PARAMETERS = (
     "bone.base_length_mm",
     "bone.interface",
     "mold.method",
-    "silicone.product",
     "board.variant",
     "board.supply",
 )

@@ -25,12 +25,12 @@ from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.part_files import check_brep_solid
 from fingertip.cad.verification.verify import validate_tolerance, verify
 from fingertip.casting.markdown import render_sheet
-from fingertip.casting.materials import find_silicone
 from fingertip.casting.quantities import measure_volumes
 from fingertip.casting.sheet import casting_sheet_data
 from fingertip.design import Design
 from fingertip.design.export import to_toml
 from fingertip.design.issues import suggest_name
+from fingertip.design.silicone import replace_silicone, select_silicone
 from fingertip.errors import DesignError, Issue
 from fingertip.files import round_for_output
 from fingertip.output_set import SetWriter, hash_parameters, read_manifest
@@ -113,7 +113,7 @@ def build(
     parts: Iterable[str] | None = None,
     formats: Iterable[str] | None = None,
     tolerance_mm: float = 0.01,
-    material: str = "addition_40a",
+    material: str | None = None,
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
     meanwhile: Callable[[], None] = lambda: None,
@@ -138,7 +138,8 @@ def build(
     tolerance_mm
         Largest distance of a facet from the exact surface [mm], 0.0005 to 1.
     material
-        Silicone of the casting sheet, a name from `casting.materials`. The sheet is written if all parts are built.
+        Silicone of the casting sheet, a name from `fingertip.silicones` or "own"; the design's silicone.product if
+        None. The sheet is written if all parts are built.
     force
         Whether files may be overwritten that no build wrote, or that were changed since.
     progress
@@ -168,7 +169,7 @@ def build(
     if "step" in file_formats:
         extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
     validate_tolerance(tolerance_mm)
-    silicone, evaluator = find_silicone(material), MeshEvaluator(tolerance_mm)
+    design, evaluator = replace_silicone(design, material), MeshEvaluator(tolerance_mm)
     writer = parts_writer(design, folder, force)
     writer.check(_file_names(names, file_formats, len(names) == len(known)))
 
@@ -183,7 +184,9 @@ def build(
         verified = verify(design, names, file_formats, evaluator, progress)
         meshes, checks, strength = verified.meshes, list(verified.checks), verified.strength
         all_built = names == [*known]
-        casting = casting_sheet_data(design, measure_volumes(design, evaluator), silicone) if all_built else None
+        casting = None
+        if all_built:
+            casting = casting_sheet_data(design, measure_volumes(design, evaluator), select_silicone(design))
         meanwhile()
         step = StepFiles({}, {}, {})
         if process:

@@ -37,11 +37,14 @@ class FileKind:
 DESIGN = FileKind(
     "design",
     frozenset(
-        {"name", "sensor", "custom_sensor", "bone", "hand", "skin", "mold", "printer", "strength", "board", "detector"}
+        {
+            "name", "sensor", "custom_sensor", "bone", "hand", "skin", "silicone", "mold", "printer", "strength",
+            "board", "detector",
+        }
     ),
     "fsr400",
     "`fingertip build` takes a design file, and so does design = in a sweep file",
-)
+)  # fmt: skip
 SCENE = FileKind(
     "scene",
     frozenset(
@@ -78,7 +81,7 @@ SWEEP = FileKind(
     frozenset(
         {
             "name", "outputs", "sampling", "points", "seed", "tolerance_mm", "time_limit_s", "trials", "first_seed",
-            "detector", "silicone", "print_density_g_cm3", "minimise", "maximise", "axes", "design", "scene",
+            "detector", "print_density_g_cm3", "minimise", "maximise", "axes", "design", "scene",
         }
     ),
     "board",

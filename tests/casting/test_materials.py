@@ -3,28 +3,46 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import get_args
 
 import pytest
 
-from fingertip.casting.materials import MATERIALS, SOURCES, MaterialProperty, Silicone, find_silicone
-from fingertip.casting.quantities import MIN_COMPONENT_G, WASTE_FRACTION, compute_batch, mass_g, split_by_mix_ratio
+from fingertip.casting.quantities import (
+    MIN_COMPONENT_G,
+    WASTE_FRACTION,
+    compute_batch,
+    is_ratio_assumed,
+    mass_g,
+    parts_by_weight,
+    split_by_mix_ratio,
+)
+from fingertip.design import Design
+from fingertip.design.parameters import ChosenSilicone
+from fingertip.design.silicone import OWN, replace_silicone, select_silicone
 from fingertip.errors import DesignError
+from fingertip.silicones import SILICONES, SOURCES, MaterialProperty, Silicone, SiliconeName
+
+PSI_MPA = 0.00689476
+UNREAD = {"", "common", "trade", "recalled"}
+"""Sources that are no document."""
 
 
-@pytest.mark.parametrize("silicone", MATERIALS.values(), ids=MATERIALS)
+@pytest.mark.parametrize("silicone", SILICONES.values(), ids=SILICONES)
 class TestEachSilicone:
     def test_every_property_has_a_source_or_is_marked_as_unverified(self, silicone: Silicone) -> None:
-        assert len(silicone.properties()) == 9
         for name, value in silicone.properties().items():
             assert value.source in SOURCES, name
-            assert value.source not in ("", "common") or not value.verified, f"{name} has no source and no mark"
-            assert 0.0 < value.low <= value.high, name
+            assert value.verified == (value.source not in UNREAD), f"{name}: its mark does not fit its source"
+            assert 0.0 <= value.low <= value.high, name
+            assert value.low > 0.0 or name == "shrinkage_percent", name
 
-    def test_properties_are_those_of_a_40_shore_a_silicone(self, silicone: Silicone) -> None:
-        assert 35.0 <= silicone.shore_a.low <= silicone.shore_a.high <= 45.0
-        assert 0.7 <= silicone.modulus_mpa.low <= silicone.modulus_mpa.high <= 2.0
+    def test_properties_are_those_of_a_soft_silicone(self, silicone: Silicone) -> None:
+        assert (silicone.shore_a is None) != (silicone.shore_00 is None), "one scale of hardness"
+        assert 0.05 <= silicone.modulus_mpa.low <= silicone.modulus_mpa.high <= 2.5
         assert 1.0 < silicone.density_g_cm3.low <= silicone.density_g_cm3.high < 1.3
-        assert silicone.parts_a.low / silicone.parts_b.low == 10.0
+        assert 3.0 <= silicone.viscosity_pa_s.low <= silicone.viscosity_pa_s.high <= 35.0
+        assert silicone.pot_life_min.high / 60.0 < silicone.cure_h.high, "it is poured before it is cured"
+        assert silicone.shrinkage_percent.high <= 1.2
 
     def test_mass_is_volume_times_density(self, silicone: Silicone) -> None:
         assert mass_g(silicone, 2.5) == pytest.approx(2.5 * silicone.density_g_cm3.high, rel=1e-15)
@@ -32,7 +50,7 @@ class TestEachSilicone:
     def test_components_sum_to_the_total_in_the_mix_ratio(self, silicone: Silicone) -> None:
         a, b = split_by_mix_ratio(silicone, 33.0)
         assert a + b == pytest.approx(33.0, rel=1e-15)
-        assert a / b == pytest.approx(10.0, rel=1e-14)
+        assert a / b == pytest.approx(silicone.parts_a.low / silicone.parts_b.low, rel=1e-14)
 
     def test_batch_is_the_mold_content_plus_waste(self, silicone: Silicone) -> None:
         batch = compute_batch(silicone, 40.0)
@@ -44,29 +62,77 @@ class TestEachSilicone:
     def test_small_batch_is_large_enough_to_weigh(self, silicone: Silicone) -> None:
         batch = compute_batch(silicone, 1.0)
         assert batch.with_waste_g == pytest.approx((1 + WASTE_FRACTION) * silicone.density_g_cm3.high)
+        ratio = silicone.parts_a.low / silicone.parts_b.low
         assert batch.b_g == pytest.approx(MIN_COMPONENT_G)
-        assert batch.a_g == pytest.approx(10.0 * MIN_COMPONENT_G)
+        assert batch.a_g == pytest.approx(ratio * MIN_COMPONENT_G)
         assert batch.waste_g == pytest.approx(batch.total_g - silicone.density_g_cm3.high)
 
 
+def test_the_design_offers_the_catalogue_and_ones_own() -> None:
+    assert get_args(SiliconeName) == tuple(SILICONES)
+    assert get_args(ChosenSilicone.model_fields["product"].annotation) == (*SILICONES, OWN)
+
+
+def test_generic_silicones_are_of_the_articles_hardness() -> None:
+    for name in ("addition_40a", "condensation_40a"):
+        hardness = SILICONES[name].shore_a
+        assert hardness
+        assert (hardness.low, hardness.high) == (40.0, 40.0)
+
+
 def test_addition_cure_silicone_shrinks_least() -> None:
-    shrinkage = {name: silicone.shrinkage_percent.high for name, silicone in MATERIALS.items()}
-    assert shrinkage["addition_40a"] == 0.2
-    assert shrinkage["condensation_40a"] == 1.2
+    shrinkage = {name: silicone.shrinkage_percent.high for name, silicone in SILICONES.items()}
+    assert shrinkage.pop("condensation_40a") == 1.2
+    assert max(shrinkage.values()) == 0.2
 
 
 def test_upper_end_of_the_modulus_follows_ruess_relation() -> None:
     """Ruess: lg E = 0.0235 S - 0.6403, for 30 to 60 Shore A (josephborrello.com/shore-a-to-modulus)."""
     modulus_mpa = 10.0 ** (0.0235 * 40.0 - 0.6403)
     assert modulus_mpa == pytest.approx(1.994, abs=1e-3)
-    assert MATERIALS["addition_40a"].modulus_mpa.high == pytest.approx(modulus_mpa, abs=0.01)
+    assert SILICONES["addition_40a"].modulus_mpa.high == pytest.approx(modulus_mpa, abs=0.01)
 
 
-def test_batch_follows_another_mix_ratio() -> None:
-    part = MaterialProperty(1, 1, "neat")
-    equal_parts = replace(MATERIALS["addition_40a"], parts_a=part, parts_b=part)
-    assert split_by_mix_ratio(equal_parts, 10.0) == (5.0, 5.0)
-    assert compute_batch(equal_parts, 0.01).a_g == pytest.approx(MIN_COMPONENT_G)
+@pytest.mark.parametrize(
+    ("name", "stress_psi", "strength_psi"),
+    [("dragon_skin_30", 86, 500), ("ecoflex_00_30", 10, 200), ("smooth_sil_940", 200, 600), ("mold_star_30", 96, 422)],
+)
+def test_moduli_follow_from_the_stress_at_100_percent_strain(name: str, stress_psi: float, strength_psi: float) -> None:
+    """Neo-Hookean rubber: a stress of 1.75 E / 3 at twice the length."""
+    modulus, strength = SILICONES[name].modulus_mpa, SILICONES[name].tensile_strength_mpa
+    assert modulus.low == pytest.approx(stress_psi * PSI_MPA, rel=0.01)
+    assert modulus.high == pytest.approx(stress_psi * PSI_MPA * 3 / 1.75, rel=0.01)
+    assert strength
+    assert strength.low == pytest.approx(strength_psi * PSI_MPA, rel=0.02)
+
+
+def test_products_are_mixed_as_on_their_containers() -> None:
+    parts = {name: parts_by_weight(silicone) for name, silicone in SILICONES.items()}
+    equal = {"mold_star_30", "dragon_skin_30", "ecoflex_00_30"}
+    assert {name for name, found in parts.items() if found == (1.0, 1.0)} == equal
+    assert {name for name, found in parts.items() if found == (10.0, 1.0)} == SILICONES.keys() - equal
+    assert {name for name, silicone in SILICONES.items() if is_ratio_assumed(silicone)} == {"mold_star_30"}
+
+
+def test_grams_of_both_ratios() -> None:
+    assert split_by_mix_ratio(SILICONES["smooth_sil_940"], 22.0) == pytest.approx((20.0, 2.0))
+    assert split_by_mix_ratio(SILICONES["dragon_skin_30"], 22.0) == pytest.approx((11.0, 11.0))
+    assert compute_batch(SILICONES["dragon_skin_30"], 0.01).a_g == pytest.approx(MIN_COMPONENT_G)
+
+
+def test_ratio_by_volume_is_converted_with_both_densities() -> None:
+    def density(value: float) -> MaterialProperty:
+        return MaterialProperty(value, value, "neat")
+
+    by_volume = replace(SILICONES["mold_star_30"], density_a_g_cm3=density(1.2), density_b_g_cm3=density(1.0))
+    assert not is_ratio_assumed(by_volume)
+    assert parts_by_weight(by_volume) == (1.2, 1.0)
+    assert split_by_mix_ratio(by_volume, 22.0) == pytest.approx((12.0, 10.0))
+    half_known = replace(by_volume, density_b_g_cm3=None)
+    assert is_ratio_assumed(half_known)
+    assert parts_by_weight(half_known) == (1.0, 1.0)
+    by_weight = replace(by_volume, ratio_by="weight or volume")
+    assert parts_by_weight(by_weight) == (1.0, 1.0), "a ratio by weight needs no conversion"
 
 
 def test_unverified_property_is_printed_with_a_mark() -> None:
@@ -74,6 +140,47 @@ def test_unverified_property_is_printed_with_a_mark() -> None:
     assert str(MaterialProperty(1.08, 1.08, "", verified=False)) == "1.08 (unverified)"
 
 
+def test_design_names_its_silicone_and_an_option_replaces_it() -> None:
+    assert select_silicone(Design()) is SILICONES["addition_40a"]
+    design = Design.load(changes=["silicone.product=smooth_sil_940"])
+    assert select_silicone(design) is SILICONES["smooth_sil_940"]
+    assert replace_silicone(design, None) is design
+    replaced = replace_silicone(design, "sylgard_184")
+    assert select_silicone(replaced) is SILICONES["sylgard_184"]
+    assert replaced == Design.load(changes=["silicone.product=sylgard_184"])
+    assert replaced.dimensions.sensor == design.dimensions.sensor
+
+
+def test_own_silicone_has_the_figures_of_the_design() -> None:
+    figures = {
+        "viscosity_pa_s": 18.0, "density_g_cm3": 1.14, "parts_a": 100.0, "parts_b": 5.0, "pot_life_min": 20.0,
+        "cure_h": 8.0, "shore_a": 37.0, "modulus_mpa": 1.3, "elongation_percent": 310.0, "shrinkage_percent": 0.5,
+    }  # fmt: skip
+    changes = [f"silicone.{name}={value}" for name, value in figures.items()]
+    names = ["silicone.product=own", "silicone.label=Rubber 37", "silicone.cure=condensation"]
+    own = select_silicone(Design.load(changes=[*names, *changes]))
+    assert (own.label, own.cure, own.components) == ("Rubber 37", "condensation", ("base", "catalyst"))
+    assert {name: (value.low, value.high) for name, value in own.properties().items()} == {
+        name: (value, value) for name, value in figures.items()
+    }
+    assert {SOURCES[value.source] for value in own.properties().values()} == {"the table [silicone] of the design file"}
+    assert compute_batch(own, 100.0).b_g == pytest.approx(1.25 * 114.0 / 21.0)
+
+
+def test_own_figures_are_ignored_for_a_product_of_the_catalogue() -> None:
+    design = Design.load(changes=["silicone.parts_a=3", "silicone.product=dragon_skin_30"])
+    assert parts_by_weight(select_silicone(design)) == (1.0, 1.0)
+
+
 def test_unknown_silicone_is_refused_with_the_nearest_name() -> None:
     with pytest.raises(DesignError, match=r"--material: there is no 'sylgard'; did you mean sylgard_184\?"):
-        find_silicone("sylgard")
+        replace_silicone(Design(), "sylgard")
+    with pytest.raises(DesignError, match=r"'dragonskin_30' is not known; .* Did you mean dragon_skin_30\?") as caught:
+        Design.load(changes=["silicone.product=dragonskin_30"])
+    assert [issue.field for issue in caught.value.issues] == ["silicone.product"]
+
+
+@pytest.mark.parametrize("label", ["a|b", "", "x" * 61, " x", "two\\nlines"])
+def test_label_that_would_break_a_page_is_refused(label: str) -> None:
+    with pytest.raises(DesignError, match="cannot stand here; write up to 60 characters"):
+        Design.load(changes=[f'silicone.label="{label}"'])

@@ -6,11 +6,11 @@ import math
 
 import pytest
 
-from fingertip.casting.materials import find_silicone
 from fingertip.casting.retention import FRICTION, skin_pull_off_n
 from fingertip.design import Design
+from fingertip.silicones import SILICONES
 
-SILICONE = find_silicone("addition_40a")
+SILICONE = SILICONES["addition_40a"]
 
 
 def pull(*changes: str) -> float:

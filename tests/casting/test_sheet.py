@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +14,13 @@ import pytest
 from fingertip.build_files import Build, build
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_orientations
 from fingertip.casting.markdown import render_sheet, steps, warnings
-from fingertip.casting.materials import MATERIALS
 from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.casting.sheet import casting_sheet_data
 from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_duration_min, parse_gcode, slice_part
 from fingertip.design import Design
 from fingertip.design.geometry.misalignment import min_thickness_held
 from fingertip.errors import DesignError, GeometryError
+from fingertip.silicones import SILICONES, MaterialProperty
 from tests.conftest import design_file, run_fingertip
 from tests.tools import require_tool
 
@@ -33,7 +34,7 @@ def fsr400(*changes: str) -> Design:
 
 
 def sheet_data(*changes: str, material: str = "addition_40a") -> dict[str, Any]:
-    return casting_sheet_data(fsr400(*changes), VOLUMES, MATERIALS[material])
+    return casting_sheet_data(fsr400(*changes), VOLUMES, SILICONES[material])
 
 
 def leaf_values(data: Any) -> Iterator[Any]:
@@ -58,12 +59,12 @@ def numbers_missing_from_data(page: str, data: dict[str, Any]) -> list[str]:
 
 
 @pytest.mark.parametrize("prints", [None, PRINTS], ids=["unsliced", "sliced"])
-@pytest.mark.parametrize("material", MATERIALS)
+@pytest.mark.parametrize("material", SILICONES)
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 def test_every_number_of_the_page_is_in_the_data(
     method: str, material: str, prints: dict[str, PrintEstimate] | None
 ) -> None:
-    data = casting_sheet_data(fsr400(f"mold.method={method}"), VOLUMES, MATERIALS[material], prints)
+    data = casting_sheet_data(fsr400(f"mold.method={method}"), VOLUMES, SILICONES[material], prints)
     page = render_sheet(data)
     assert numbers_missing_from_data(page, data) == []
     assert numbers_missing_from_data(page + "\nand 98765 more", data) == ["98765"], "the helper finds a foreign number"
@@ -81,8 +82,9 @@ def test_masses_are_computed_from_the_volumes() -> None:
 
 
 def test_only_platinum_silicones_warn_of_uncured_resin() -> None:
-    texts = {name: " ".join(warnings(sheet_data(material=name))) for name in MATERIALS}
-    assert {name for name, text in texts.items() if "Uncured resin" in text} == {"addition_40a", "sylgard_184"}
+    texts = {name: " ".join(warnings(sheet_data(material=name))) for name in SILICONES}
+    warned = {name for name, text in texts.items() if "Uncured resin" in text}
+    assert warned == SILICONES.keys() - {"condensation_40a"}
     for text in texts.values():
         assert "cyanoacrylate" in text
         assert "air vent of the sensor open" in text
@@ -122,7 +124,7 @@ def test_consumables_are_those_of_the_procedure() -> None:
 def test_small_batch_is_stated_with_and_without_the_raise() -> None:
     """13.25 cm3 need more than 11 g, the least that can be weighed in parts of 10 to 1; 2 cm3 do not."""
     large = render_sheet(sheet_data())
-    small_data = casting_sheet_data(fsr400(), SiliconeVolumes(2.0, 0.0, 0.0), MATERIALS["addition_40a"])
+    small_data = casting_sheet_data(fsr400(), SiliconeVolumes(2.0, 0.0, 0.0), SILICONES["addition_40a"])
     assert "17.9 g with 25 % waste" in large
     assert "raised" not in large
     assert "2.7 g with 25 % waste" in render_sheet(small_data)
@@ -134,6 +136,56 @@ def test_tin_cure_silicone_is_mixed_from_base_and_catalyst() -> None:
     assert "g of base and add" in text
     assert "g of catalyst" in text
     assert "part A" not in render_sheet(sheet_data(material="condensation_40a"))
+
+
+@pytest.mark.parametrize("material", SILICONES)
+def test_ratio_on_the_container_comes_first(material: str) -> None:
+    data = sheet_data(material=material)
+    silicone = SILICONES[material]
+    (step,) = (step for step in steps(data) if "Weigh" in step)
+    assert step.startswith("Use the mix ratio printed on the container.")
+    assert "the container is right" in step
+    assert ("(unverified)" in step) == (not silicone.parts_a.verified)
+    ratio = re.search(r"mixes (.+) and (.+) ([\d.]+) to ([\d.]+) by weight", step)
+    assert ratio
+    assert ratio.groups() == (*silicone.components, f"{silicone.parts_a.low:g}", f"{silicone.parts_b.low:g}")
+    assert silicone.label in render_sheet(data).splitlines()[2], "the summary names the product"
+
+
+def test_equal_parts_are_weighed_alike() -> None:
+    data = sheet_data(material="dragon_skin_30")
+    assert data["batch"]["a_g"] == data["batch"]["b_g"] == pytest.approx(1.25 * 13.25 * 1.08 / 2, abs=0.05)
+    tiny = casting_sheet_data(fsr400(), SiliconeVolumes(0.5, 0.0, 0.0), SILICONES["dragon_skin_30"])
+    assert "raised to 2 g for at least 1 g of each component" in render_sheet(tiny)
+
+
+def test_the_lighter_component_is_named_even_if_it_is_the_first() -> None:
+    one, ten = (MaterialProperty(value, value, "design") for value in (1.0, 10.0))
+    silicone = replace(SILICONES["addition_40a"], parts_a=one, parts_b=ten)
+    page = render_sheet(casting_sheet_data(fsr400(), SiliconeVolumes(2.0, 0.0, 0.0), silicone))
+    assert "raised to 11 g for at least 1 g of part A" in page
+    assert "Weigh 1 g of part A and add 10 g of part B" in page
+
+
+def test_ratio_by_volume_is_converted_or_the_page_says_that_it_is_not() -> None:
+    assumed = warnings(sheet_data(material="mold_star_30"))
+    assert any("by volume, 1 to 1. The densities of the components are not known" in text for text in assumed)
+    thin, thick = (MaterialProperty(value, value, "design") for value in (1.0, 1.2))
+    silicone = replace(SILICONES["mold_star_30"], density_a_g_cm3=thick, density_b_g_cm3=thin)
+    data = casting_sheet_data(fsr400(), VOLUMES, silicone)
+    converted = " ".join(warnings(data))
+    assert "this is 1.2 to 1 by weight" in converted
+    assert "not known" not in converted
+    assert data["batch"]["a_g"] / data["batch"]["b_g"] == pytest.approx(1.2, rel=0.01)
+    assert numbers_missing_from_data(render_sheet(data), data) == []
+    assert not any("volume" in text for text in warnings(sheet_data(material="dragon_skin_30")))
+
+
+def test_silicone_data_lists_every_property_with_its_source() -> None:
+    page = render_sheet(sheet_data(material="smooth_sil_940"))
+    table = page.partition("## Silicone data")[2]
+    assert "| viscosity of the mixture | 35 Pa s (unverified) | recalled from the maker's data sheet" in table
+    assert table.count("\n| ") == 2 + len(SILICONES["smooth_sil_940"].properties())
 
 
 def procedure_text(*changes: str) -> str:
@@ -167,7 +219,7 @@ def test_name_too_long_to_engrave_is_warned_of() -> None:
 
 def test_procedure_says_that_an_unsupported_insert_can_touch_the_mold() -> None:
     design = Design.load(design_file("fsr402"))
-    procedure = steps(casting_sheet_data(design, VOLUMES, MATERIALS["addition_40a"]))
+    procedure = steps(casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"]))
     assert any("can tilt by 2.9 degrees and touch the mold" in step for step in procedure)
 
 
@@ -220,6 +272,32 @@ def test_build_writes_the_same_sheet_as_the_command(built: Build, tmp_path: Path
     assert (built.folder / "casting.md").read_bytes() == (tmp_path / "casting.md").read_bytes()
 
 
+OWN = (
+    "silicone.product=own", "silicone.label=Rubber 37", "silicone.parts_a=1", "silicone.parts_b=1",
+    "silicone.ratio_by=volume", "silicone.density_g_cm3=1.2", "silicone.viscosity_pa_s=9",
+)  # fmt: skip
+
+
+def test_own_silicone_goes_through_sheet_and_build(tmp_path: Path) -> None:
+    changes = [word for change in OWN for word in ("--set", change)]
+    page = tmp_path / "own.md"
+    done = run_fingertip("sheet", FSR400, *changes, "--out", page, "--json", "-q")
+    assert done.returncode == 0, done.stderr
+    batch = json.loads(done.stdout)["batch"]
+    assert batch["a_g"] == batch["b_g"]
+    assert batch["with_waste_g"] == pytest.approx(1.25 * 1.2 * json.loads(done.stdout)["volumes_cm3"]["total"], abs=0.1)
+    assert "Silicone: Rubber 37." in page.read_text()
+    result = build(fsr400(*OWN), tmp_path / "built", formats=["stl"], tolerance_mm=0.1)
+    assert "Rubber 37" in (result.folder / "casting.md").read_text()
+
+
+def test_option_replaces_the_silicone_of_the_design_in_all_files(tmp_path: Path) -> None:
+    result = build(fsr400(*OWN), tmp_path / "built", formats=["stl"], tolerance_mm=0.1, material="dragon_skin_30")
+    assert "Silicone: Smooth-On Dragon Skin 30." in (result.folder / "casting.md").read_text()
+    again = Design.load(result.folder / "design.toml")
+    assert again.silicone.product == "dragon_skin_30", "the same design builds the same sheet again"
+
+
 def test_build_of_some_parts_writes_no_sheet(tmp_path: Path) -> None:
     result = build(Design(), tmp_path, parts=["skin"], formats=["stl"], tolerance_mm=0.1)
     assert "casting" not in result.report()
@@ -236,7 +314,11 @@ def test_unknown_silicone_is_refused_before_anything_is_built(tmp_path: Path) ->
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
-    [(["--material", "adition_40a"], "did you mean addition_40a?"), (["--set", "skin.width_mm=5"], "skin.width_mm")],
+    [
+        (["--material", "adition_40a"], "did you mean addition_40a?"),
+        (["--set", "silicone.product=smoothsil_940"], "Did you mean smooth_sil_940?"),
+        (["--set", "skin.width_mm=5"], "skin.width_mm"),
+    ],
 )
 def test_bad_input_exits_2_and_writes_nothing(tmp_path: Path, arguments: list[str], message: str) -> None:
     done = run_fingertip("sheet", FSR400, *arguments, PWD=str(tmp_path))

@@ -66,6 +66,15 @@ def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -
             assert f"[{parameter.unit}, {parameter.bounds}]" in line
 
 
+def test_figures_of_ones_own_silicone_stand_at_the_top() -> None:
+    own = write_new_design("mine", "fsr400", changes=["silicone.product=own", "silicone.parts_b=5"])
+    lines = own.text.splitlines()
+    assert any(line.startswith("silicone.parts_b = 5.0 ") for line in lines)
+    assert any(line.startswith("silicone.density_g_cm3 = 1.08 ") for line in lines), "none is left as a comment"
+    catalogue = write_new_design("mine", "fsr400").text.splitlines()
+    assert any(line.startswith("#silicone.density_g_cm3 = 1.08 ") for line in catalogue)
+
+
 def test_the_top_of_the_file_is_short() -> None:
     lines = write_new_design("mine", "fsr400").text.splitlines()
     set_here = [line.partition(" = ")[0] for line in lines if line and not line.startswith("#")]

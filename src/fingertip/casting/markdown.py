@@ -15,13 +15,16 @@ from fingertip.casting.slicer import HOW_TO_INSTALL
 
 Data = Mapping[str, Any]
 _PROPERTY_LABELS = {
+    "viscosity_pa_s": ("viscosity of the mixture", "Pa s"),
     "shore_a": ("hardness", "Shore A"),
+    "shore_00": ("hardness", "Shore 00"),
     "modulus_mpa": ("Young's modulus", "MPa"),
     "density_g_cm3": ("density", "g/cm3"),
     "shrinkage_percent": ("linear shrinkage", "%"),
     "pot_life_min": ("pot life", "min"),
     "cure_h": ("cure at room temperature", "h"),
     "elongation_percent": ("elongation at break", "%"),
+    "tensile_strength_mpa": ("tensile strength", "MPa"),
 }
 
 
@@ -60,6 +63,7 @@ def warnings(data: Data) -> list[str]:
             "Condensation-cure silicone gives off vapour and needs air to cure. Ventilate the room, and expect the "
             "middle of a closed mold to cure last."
         )
+    found += _ratio_warnings(data["silicone"])
     if not data["mold"]["made_for_this_silicone"]:
         shrinkage = data["silicone"]["properties"]["shrinkage_percent"]
         found.append(
@@ -100,7 +104,6 @@ def steps(data: Data) -> list[str]:
     properties, batch = data["silicone"]["properties"], data["batch"]
     is_sleeve = data["method"] == "sleeve"
     insert = "core" if is_sleeve else "bone"
-    first, second = data["silicone"]["components"]
     if is_sleeve:
         seal = [
             "Leave the bone and the sensor out of the mold. Only the core lies in it. The core has no pocket, slot or "
@@ -114,8 +117,7 @@ def steps(data: Data) -> list[str]:
         "dorsal half. The mold closes only one way.",
         _centring_step(data["fit"], insert),
         f"Tighten the {data['mold']['bolts']} mold bolts until the parting line shows no gap. Do not tighten further.",
-        f"Weigh {batch['a_g']:g} g of {first} and add {batch['b_g']:g} g of {second}. Stir slowly, and scrape the "
-        "walls and the bottom of the cup. Degas the mixture under vacuum if you can.",
+        _weighing_step(data["silicone"], batch),
         f"Stand the mold funnel up, with the exposed end of the {insert} pointing down, over a cup that catches drips. "
         "A vise may hold it by the two sides with the pry slots, where no bolt protrudes.",
         f"Within {properties['pot_life_min']['low']:g} min of the start of stirring, pour a thin stream into the "
@@ -136,6 +138,38 @@ def steps(data: Data) -> list[str]:
         "Pull the skin over the bone until the edge of the skin sits on the collar. Let the skin and the bone dry.",
         *list_joint_steps(data),
     ]
+
+
+def _ratio_warnings(silicone: Data) -> list[str]:
+    """Warn of a mix ratio by volume, which this sheet states by weight."""
+    ratio = silicone["ratio"]
+    if ratio["stated_by"] != "volume":
+        return []
+    stated = f"The maker states the mix ratio by volume, {_ratio(ratio['parts'])}"
+    if not ratio["assumed_by_weight"]:
+        weight = _ratio(ratio["parts_by_weight"])
+        return [f"{stated}. With the densities of both components this is {weight} by weight, as in this sheet."]
+    return [
+        f"{stated}. The densities of the components are not known, so this sheet takes the ratio by weight. If the "
+        "container gives no ratio by weight, measure the components by volume instead."
+    ]
+
+
+def _weighing_step(silicone: Data, batch: Data) -> str:
+    """Write the step that weighs and mixes the components. The ratio on the container comes before the sheet's."""
+    first, second = silicone["components"]
+    ratio = silicone["ratio"]
+    unverified = "" if ratio["verified"] else " (unverified)"
+    return (
+        f"Use the mix ratio printed on the container. This sheet mixes {first} and {second} "
+        f"{_ratio(ratio['parts_by_weight'])} by weight{unverified}; if the container says otherwise, the container is "
+        f"right. Weigh {batch['a_g']:g} g of {first} and add {batch['b_g']:g} g of {second}. Stir slowly, and scrape "
+        "the walls and the bottom of the cup. Degas the mixture under vacuum if you can."
+    )
+
+
+def _ratio(parts: Sequence[float]) -> str:
+    return f"{parts[0]:g} to {parts[1]:g}"
 
 
 def _centring_step(fit: Data, insert: str) -> str:
@@ -177,8 +211,8 @@ def _quantities(data: Data) -> str:
     )
     if batch["is_raised"]:
         note += (
-            f"; raised to {batch['total_g']:g} g for at least {batch['min_component_g']:g} g of {second}, which a "
-            "kitchen scale can weigh"
+            f"; raised to {batch['total_g']:g} g for at least {batch['min_component_g']:g} g of "
+            f"{batch['lighter']}, which a kitchen scale can weigh"
         )
     note += "."
     return _table(("item", "quantity"), rows) + "\n\n" + note
@@ -265,9 +299,12 @@ def _consumables(data: Data) -> str:
 
 def _silicone(data: Data) -> str:
     first, second = data["silicone"]["components"]
+    basis = data["silicone"]["ratio"]["stated_by"]
     labels = _PROPERTY_LABELS | {
-        "parts_a": (f"{first}, parts by weight", ""),
-        "parts_b": (f"{second}, parts by weight", ""),
+        "parts_a": (f"{first}, parts by {basis}", ""),
+        "parts_b": (f"{second}, parts by {basis}", ""),
+        "density_a_g_cm3": (f"density of {first}", "g/cm3"),
+        "density_b_g_cm3": (f"density of {second}", "g/cm3"),
     }
     rows = [
         (

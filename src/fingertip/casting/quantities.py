@@ -9,8 +9,8 @@ from fingertip.cad.shapes import mold, skin
 from fingertip.cad.shapes.insert import mold_insert
 from fingertip.cad.shapes.runners import runners
 from fingertip.cad.solids import intersection, union
-from fingertip.casting.materials import Silicone
 from fingertip.design import Design
+from fingertip.silicones import MaterialProperty, Silicone
 
 WASTE_FRACTION = 0.25
 """Extra silicone as a fraction of what the mold holds. It stays on cup, stirrer and syringe or funnel. A project choice."""
@@ -82,9 +82,28 @@ def mass_g(silicone: Silicone, volume_cm3: float) -> float:
     return silicone.density_g_cm3.high * volume_cm3
 
 
+def is_ratio_assumed(silicone: Silicone) -> bool:
+    """Return whether a ratio by volume is taken by weight, because the densities of the components are not known."""
+    return silicone.ratio_by == "volume" and _component_densities(silicone) is None
+
+
+def parts_by_weight(silicone: Silicone) -> tuple[float, float]:
+    """Return the mix ratio as parts by weight of both components.
+
+    A ratio by volume is converted with the densities of the components. Without them it is taken by weight: see
+    `is_ratio_assumed`.
+    """
+    a, b = silicone.parts_a.low, silicone.parts_b.low
+    densities = _component_densities(silicone)
+    if silicone.ratio_by != "volume" or densities is None:
+        return a, b
+    return a * densities[0], b * densities[1]
+
+
 def split_by_mix_ratio(silicone: Silicone, total_g: float) -> tuple[float, float]:
-    """Split a total mass [g] into the masses of the larger and the smaller component [g]."""
-    fraction_b = silicone.parts_b.low / (silicone.parts_a.low + silicone.parts_b.low)
+    """Split a total mass [g] into the masses of both components [g]."""
+    a, b = parts_by_weight(silicone)
+    fraction_b = b / (a + b)
     return total_g * (1.0 - fraction_b), total_g * fraction_b
 
 
@@ -95,3 +114,13 @@ def compute_batch(silicone: Silicone, volume_cm3: float) -> Batch:
     with_waste_g = in_mold_g * (1.0 + WASTE_FRACTION)
     total_g = max(with_waste_g, MIN_COMPONENT_G / min(fraction_a, fraction_b))
     return Batch(in_mold_g, with_waste_g, total_g, *split_by_mix_ratio(silicone, total_g))
+
+
+def _component_densities(silicone: Silicone) -> tuple[float, float] | None:
+    """Densities of both components [g/cm3], each the middle of its range; None if one of them is not known."""
+    a, b = silicone.density_a_g_cm3, silicone.density_b_g_cm3
+    return (_middle(a), _middle(b)) if a and b else None
+
+
+def _middle(value: MaterialProperty) -> float:
+    return (value.low + value.high) / 2

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 
-from fingertip.casting.materials import Silicone
 from fingertip.design import Design
+from fingertip.silicones import Silicone
 
 FRICTION = 0.5
 """Coefficient of friction of silicone on resin. An assumption, at the lower end of rubber's."""

@@ -12,8 +12,15 @@ from typing import Any
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.shapes.parts import print_orientations
 from fingertip.casting.hardware import bill_of_materials
-from fingertip.casting.materials import SOURCES, Silicone
-from fingertip.casting.quantities import MIN_COMPONENT_G, WASTE_FRACTION, SiliconeVolumes, compute_batch
+from fingertip.casting.quantities import (
+    MIN_COMPONENT_G,
+    WASTE_FRACTION,
+    Batch,
+    SiliconeVolumes,
+    compute_batch,
+    is_ratio_assumed,
+    parts_by_weight,
+)
 from fingertip.casting.retention import skin_pull_off_n
 from fingertip.casting.slicer import LAYER_MM, PrintEstimate
 from fingertip.design import Design
@@ -25,8 +32,11 @@ from fingertip.design.geometry.misalignment import (
 )
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
+from fingertip.silicones import SOURCES, Silicone
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
+_SMALL_SHARE = 0.25
+"""Share of the mixture below which a component is weighed with one digit more, for the same relative error."""
 
 
 def casting_sheet_data(
@@ -113,8 +123,21 @@ def _silicone_data(silicone: Silicone) -> dict[str, Any]:
         "name": silicone.name,
         "label": silicone.label,
         "cure": silicone.cure,
-        "components": list(silicone.component_names),
+        "components": list(silicone.components),
+        "ratio": _ratio_data(silicone),
         "properties": properties,
+    }
+
+
+def _ratio_data(silicone: Silicone) -> dict[str, Any]:
+    """Mix ratio as the maker states it, and as parts by weight."""
+    a_weight, b_weight = parts_by_weight(silicone)
+    return {
+        "stated_by": silicone.ratio_by,
+        "parts": [silicone.parts_a.low, silicone.parts_b.low],
+        "verified": silicone.parts_a.verified and silicone.parts_b.verified,
+        "parts_by_weight": [round(a_weight, 3), round(b_weight, 3)],
+        "assumed_by_weight": is_ratio_assumed(silicone),
     }
 
 
@@ -127,10 +150,9 @@ def _volumes_data(volumes: SiliconeVolumes) -> dict[str, float]:
     }
 
 
-def _batch_data(silicone: Silicone, volumes: SiliconeVolumes) -> dict[str, float]:
+def _batch_data(silicone: Silicone, volumes: SiliconeVolumes) -> dict[str, Any]:
     batch = compute_batch(silicone, volumes.total_cm3)
-    # The smaller component is a tenth of the larger one, so it needs one digit more for the same relative error.
-    a_g, b_g = round(batch.a_g, 1), round(batch.b_g, 2)
+    a_g, b_g = (round(mass_g, 2 if mass_g < _SMALL_SHARE * batch.total_g else 1) for mass_g in (batch.a_g, batch.b_g))
     return {
         "in_mold_g": round(batch.in_mold_g, 2),
         "with_waste_g": round(batch.with_waste_g, 1),
@@ -140,7 +162,15 @@ def _batch_data(silicone: Silicone, volumes: SiliconeVolumes) -> dict[str, float
         "waste_percent": round(100.0 * WASTE_FRACTION, 1),
         "min_component_g": MIN_COMPONENT_G,
         "is_raised": batch.total_g > batch.with_waste_g,
+        "lighter": _name_lighter(silicone, batch),
     }
+
+
+def _name_lighter(silicone: Silicone, batch: Batch) -> str:
+    """Name the component of which least is weighed."""
+    if math.isclose(batch.a_g, batch.b_g):
+        return "each component"
+    return silicone.components[batch.b_g < batch.a_g]
 
 
 def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -> dict[str, Any]:

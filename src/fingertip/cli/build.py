@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fingertip.cli.console import CHECK_FAILED, Console, ForceOption, JsonOption, QuietOption, SetOption, command
+from fingertip.silicones import SILICONES
 
 if TYPE_CHECKING:
     from fingertip.build_files import Build
@@ -30,8 +31,9 @@ def build(
         float, typer.Option(help="Largest distance of a facet from the exact surface, in mm.")
     ] = 0.01,
     material: Annotated[
-        str, typer.Option(help="Silicone of the casting sheet: addition_40a, condensation_40a or sylgard_184.")
-    ] = "addition_40a",
+        str | None,
+        typer.Option(help=f"Silicone: {', '.join(SILICONES)} or own; the design's silicone.product if omitted."),
+    ] = None,
     force: ForceOption = False,
     changes: SetOption = None,
     as_json: JsonOption = False,

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, SetOption, command, find_suffix_issues
+from fingertip.silicones import SILICONES
 
 _MESH_TOLERANCE_MM = 0.01
 _SLICED_MESH_TOLERANCE_MM = 0.02
@@ -18,8 +19,9 @@ def sheet(
     design: Annotated[Path, typer.Argument(help="Design file, or a bundled design: fsr400 or fsr402.")],
     out: Annotated[Path | None, typer.Option(help="Markdown file to write; out/NAME/casting.md by default.")] = None,
     material: Annotated[
-        str, typer.Option(help="Silicone: addition_40a, condensation_40a or sylgard_184.")
-    ] = "addition_40a",
+        str | None,
+        typer.Option(help=f"Silicone: {', '.join(SILICONES)} or own; the design's silicone.product if omitted."),
+    ] = None,
     slicer: Annotated[
         bool, typer.Option("--slicer", help="Estimate print time and volume on a filament printer with PrusaSlicer.")
     ] = False,
@@ -33,11 +35,11 @@ def sheet(
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.parts import print_orientations
     from fingertip.casting.markdown import render_sheet
-    from fingertip.casting.materials import find_silicone
     from fingertip.casting.quantities import measure_volumes
     from fingertip.casting.sheet import casting_sheet_data
     from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_part
     from fingertip.cli.load import load_design
+    from fingertip.design.silicone import replace_silicone, select_silicone
     from fingertip.errors import OutputError
     from fingertip.files import write_file
 
@@ -45,7 +47,8 @@ def sheet(
     if issues := list(find_suffix_issues("--out", out, ".md", "Markdown")):
         raise OutputError(issues)
     loaded, _ = load_design(design, changes, console.progress)
-    silicone = find_silicone(material)
+    loaded = replace_silicone(loaded, material)
+    silicone = select_silicone(loaded)
     prints: dict[str, PrintEstimate] | None = None
     program = find_slicer() if slicer else None
     if slicer and program is None:
@@ -68,6 +71,6 @@ def sheet(
     else:
         write_file(out, page)
     batch = data["batch"]
-    first, second = silicone.component_names
+    first, second = silicone.components
     text = f"mix {batch['a_g']:g} g of {first} and {batch['b_g']:g} g of {second}; casting sheet written to {path}"
     console.result({**data, "page": str(path)}, text)

@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from fingertip.design.parameters.declaration import find_unit, format_unit
+from fingertip.design.parameters.declaration import find_allowed, find_unit, format_unit, list_choices
 from fingertip.errors import Issue
 
 _MIN_SIMILARITY = 0.65
@@ -65,7 +65,9 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
         case "finite_number":
             return Issue(field, f"{value!r} is not a finite number; give one{unit and ' in' + unit}.")
         case "literal_error":
-            return Issue(field, f"{value!r} is not known; choose {context['expected']}.")
+            similar = find_similar_name(str(value), list_choices(info)) if isinstance(info, FieldInfo) else None
+            suggestion = f" Did you mean {similar}?" if similar else ""
+            return Issue(field, f"{value!r} is not known; choose {context['expected']}.{suggestion}")
         case "float_type" | "int_type" if isinstance(value, str) and "=" in value:
             return Issue(field, f"{value!r} holds several changes; give --set once for each of them.")
         case "float_type" | "int_type" if isinstance(value, str) and _starts_with_number(value):
@@ -87,6 +89,8 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             return Issue(field, f"{value!r} is not a table; write [{field}] and its entries below it.")
         case "model_type":
             return Issue(field, f"{value!r} is not a table; {_show_parameter(location, model)}.")
+        case "string_pattern_mismatch" if isinstance(info, FieldInfo) and find_allowed(info):
+            return Issue(field, f"{value!r} cannot stand here; {find_allowed(info)}.")
         case "string_pattern_mismatch":
             return Issue(field, f"{value!r} cannot name a folder; use up to 40 letters, digits, - and _.")
     return Issue(field, f"{value!r} is not valid: {details['msg']}.")

@@ -173,6 +173,8 @@ def _list_lines(design: Design, base: str) -> Iterator[str]:
     main = [parameters.pop(path) for path in (*_MAIN_PARAMETERS, *joint)]
     if design.sensor.model == "custom":
         main[1:1] = [parameters.pop(path) for path in list(parameters) if path.startswith("custom_sensor.")]
+    if design.silicone.product == "own":
+        main += [parameters.pop(path) for path in list(parameters) if path.startswith("silicone.")]
     changed = [p for p in parameters.values() if design.value(p.path) != p.default]
     yield f"# Design of a fingertip, begun from the bundled design {base}."
     yield "# A comment holds the meaning of a parameter and, in brackets, its unit and bounds."

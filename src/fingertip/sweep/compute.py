@@ -189,12 +189,12 @@ def compute_mold(context: PointContext) -> OutputValues:
 
 def compute_casting(context: PointContext) -> OutputValues:
     """Compute the mass of silicone to mix for the mold, and how firmly the skin sits."""
-    from fingertip.casting.materials import find_silicone
     from fingertip.casting.quantities import compute_batch, measure_volumes
     from fingertip.casting.retention import skin_pull_off_n
+    from fingertip.design.silicone import select_silicone
 
     volumes = measure_volumes(context.design, context.evaluator())
-    silicone = find_silicone(context.file.silicone)
+    silicone = select_silicone(context.design)
     batch = compute_batch(silicone, volumes.total_cm3)
     pull = skin_pull_off_n(context.design, silicone)
     return {"silicone_in_mold_g": batch.in_mold_g, "silicone_g": batch.total_g, "skin_pull_off_n": pull}

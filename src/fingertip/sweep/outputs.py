@@ -58,7 +58,7 @@ GROUPS = {
         OutputGroup("strength", CLOSED_MOLD | {"strength"}, 4),
         OutputGroup("walls", CLOSED_MOLD | {"printer"}, 5),
         OutputGroup("thickness", CLOSED_MOLD, 4),
-        OutputGroup("casting", CLOSED_MOLD | {"name"}, 5),
+        OutputGroup("casting", CLOSED_MOLD | {"name", "silicone"}, 5),
         OutputGroup("checks", PARTS, 6),
     )
 }
@@ -105,7 +105,7 @@ OUTPUTS = {
         SweepOutput("mold_dorsal_volume_mm3", "mold", "volume of the dorsal mold half"),
         SweepOutput("mold_mass_g", "mold", "mass of both mold halves at print_density_g_cm3"),
         SweepOutput("min_skin_thickness_mm", "thickness", "minimum silicone thickness between bone and surface"),
-        SweepOutput("silicone_in_mold_g", "casting", "mass of the sweep's silicone that fills the mold"),
+        SweepOutput("silicone_in_mold_g", "casting", "mass of silicone that fills the mold"),
         SweepOutput("silicone_g", "casting", "mass of silicone to mix, with waste; never less than can be weighed"),
         SweepOutput("skin_pull_off_n", "casting", "pull that the groove or a tight sleeve resists, without adhesion"),
         SweepOutput("checks_failed", "checks", "number of failed checks of `fingertip check`, at tolerance_mm"),

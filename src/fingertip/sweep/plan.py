@@ -219,20 +219,14 @@ def _check_point_count(file: SweepFile, axes: list[Axis]) -> list[Issue]:
 
 
 def _check_catalogue_names(file: SweepFile) -> list[Issue]:
-    """Check the names of a silicone and a detector, which other packages list."""
-    from fingertip.casting.materials import find_silicone
+    """Check the name of a detector, which another package lists."""
     from fingertip.slip.detectors.registry import find_detector_type
 
-    issues: list[Issue] = []
-    for key, find, name in (
-        ("silicone", find_silicone, file.silicone),
-        ("detector", find_detector_type, file.detector),
-    ):
-        try:
-            find(name)
-        except FingertipError as error:
-            issues += (Issue(key, issue.message) for issue in error.issues)
-    return issues
+    try:
+        find_detector_type(file.detector)
+    except FingertipError as error:
+        return [Issue("detector", issue.message) for issue in error.issues]
+    return []
 
 
 def _check_consistency(plan: SweepPlan) -> list[Issue]:

@@ -53,7 +53,6 @@ class SweepFile(BaseModel):
         0, "", "Random seed of the first trial; the others count up from it.", minimum=0, maximum=2**31 - 1
     )
     detector: str = Field("fast", description="Detector that is run on the trials.")
-    silicone: str = Field("addition_40a", description="Silicone of the skin.")
     print_density_g_cm3: float = quantity(
         1.2, "g/cm3", "Density of the printed parts.", minimum=0.1, maximum=20, verified=False
     )
@@ -113,7 +112,7 @@ def parse_sweep_file(tables: Mapping[str, Any]) -> tuple[SweepFile | None, list[
     try:
         return SweepFile(**tables), []
     except ValidationError as error:
-        return None, [_explain_missing(issue) for issue in issues_from_pydantic(error, SweepFile)]
+        return None, [_explain(issue) for issue in issues_from_pydantic(error, SweepFile)]
 
 
 def parse_base_design(tables: Mapping[str, Any]) -> tuple[DesignTables | None, list[Issue]]:
@@ -223,7 +222,13 @@ def _sort_changes(changes: Iterable[str]) -> tuple[list[str], list[str], list[st
     return sweep, design, scene
 
 
-def _explain_missing(issue: Issue) -> Issue:
+def _explain(issue: Issue) -> Issue:
+    """Return the issue with a remedy where a field is missing, or where it became a parameter of the design."""
+    if issue.field == "silicone":
+        message = (
+            "is a parameter of the design; write silicone.product under [design], or add --set silicone.product=NAME."
+        )
+        return Issue(issue.field, message)
     if "Field required" not in issue.message:
         return issue
     remedy = {

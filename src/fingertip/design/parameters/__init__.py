@@ -1,15 +1,17 @@
 """Parameters of a design. Each one is declared once: default, unit, bounds and description."""
 
 from fingertip.design.parameters.bone import Bone, Hand, Strength
-from fingertip.design.parameters.declaration import ParameterTable, choice, quantity
+from fingertip.design.parameters.declaration import ParameterTable, choice, quantity, text
 from fingertip.design.parameters.design_tables import DesignTables
 from fingertip.design.parameters.electronics import Board, Detector
 from fingertip.design.parameters.finger import CustomSensor, Sensor, Skin
 from fingertip.design.parameters.mold import Mold, Printer
+from fingertip.design.parameters.silicone import ChosenSilicone
 
 __all__ = [
     "Board",
     "Bone",
+    "ChosenSilicone",
     "CustomSensor",
     "DesignTables",
     "Detector",
@@ -22,4 +24,5 @@ __all__ = [
     "Strength",
     "choice",
     "quantity",
+    "text",
 ]

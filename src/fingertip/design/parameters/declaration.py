@@ -68,6 +68,17 @@ def choice(default: str, description: str) -> Any:
     return Field(default, description=description)
 
 
+def text(default: str, description: str, *, pattern: str, allowed: str) -> Any:
+    """Declare a text that matches a pattern; `allowed` says in a message what it may hold."""
+    return Field(default, pattern=pattern, description=description, json_schema_extra={"allowed": allowed})
+
+
+def find_allowed(field: FieldInfo) -> str:
+    """Return what a text may hold, as a part of a sentence; "" if the parameter is no text declared here."""
+    extra = field.json_schema_extra
+    return str(extra.get("allowed", "")) if isinstance(extra, dict) else ""
+
+
 def find_unit(field: FieldInfo) -> str:
     """Return the unit of a parameter; "" if it has none."""
     extra = field.json_schema_extra

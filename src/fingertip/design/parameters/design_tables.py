@@ -16,9 +16,10 @@ from fingertip.design.parameters.declaration import ParameterTable
 from fingertip.design.parameters.electronics import Board, Detector
 from fingertip.design.parameters.finger import CustomSensor, Sensor, Skin
 from fingertip.design.parameters.mold import Mold, Printer
+from fingertip.design.parameters.silicone import ChosenSilicone
 
 ELECTRONIC_TABLES = frozenset({"board", "detector"})
-"""Tables on which no part's shape depends."""
+"""Tables of the electronics, on which no part's shape depends."""
 
 
 class DesignTables(BaseModel):
@@ -32,6 +33,7 @@ class DesignTables(BaseModel):
     bone: Bone = Bone()
     hand: Hand = Hand()
     skin: Skin = Skin()
+    silicone: ChosenSilicone = ChosenSilicone()
     mold: Mold = Mold()
     printer: Printer = Printer()
     strength: Strength = Strength()

@@ -1,0 +1,70 @@
+"""Silicone of a design: from the catalogue, or the user's own from the table [silicone]."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+from fingertip.design.issues import suggest_name
+from fingertip.design.parameters import ChosenSilicone, DesignTables
+from fingertip.errors import DesignError, Issue
+from fingertip.silicones import SILICONES, MaterialProperty, Silicone
+
+OWN = "own"
+"""Name that stands for the user's own silicone."""
+_COMPONENTS = {"addition": ("part A", "part B"), "condensation": ("base", "catalyst")}
+"""Names of the components of a silicone of one's own, by its cure system."""
+_Tables = TypeVar("_Tables", bound=DesignTables)
+
+
+def select_silicone(design: DesignTables) -> Silicone:
+    """Return the silicone that a design names in silicone.product."""
+    return describe_own(design.silicone) if design.silicone.product == OWN else SILICONES[design.silicone.product]
+
+
+def replace_silicone(design: _Tables, name: str | None, field: str = "--material") -> _Tables:
+    """Return the design with another silicone; the design itself if no name is given.
+
+    Parameters
+    ----------
+    design
+        The design.
+    name
+        Name from `fingertip.silicones`, "own", or None.
+    field
+        Field that an issue names.
+
+    Raises
+    ------
+    DesignError
+        If there is no silicone of this name.
+    """
+    if name is None or name == design.silicone.product:
+        return design
+    if name not in SILICONES and name != OWN:
+        raise DesignError(Issue(field, f"there is no {name!r}; {suggest_name(name, (*SILICONES, OWN))}"))
+    return design.with_values({"silicone.product": name})
+
+
+def describe_own(table: ChosenSilicone) -> Silicone:
+    """Return the silicone that the user's own figures describe."""
+
+    def stated(value: float) -> MaterialProperty:
+        return MaterialProperty(value, value, "design")
+
+    return Silicone(
+        OWN,
+        table.label,
+        table.cure,
+        _COMPONENTS[table.cure],
+        table.ratio_by,
+        parts_a=stated(table.parts_a),
+        parts_b=stated(table.parts_b),
+        viscosity_pa_s=stated(table.viscosity_pa_s),
+        density_g_cm3=stated(table.density_g_cm3),
+        shore_a=stated(table.shore_a),
+        modulus_mpa=stated(table.modulus_mpa),
+        shrinkage_percent=stated(table.shrinkage_percent),
+        pot_life_min=stated(table.pot_life_min),
+        cure_h=stated(table.cure_h),
+        elongation_percent=stated(table.elongation_percent),
+    )

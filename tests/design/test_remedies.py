@@ -111,8 +111,16 @@ def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> 
 @pytest.mark.parametrize(
     ("changes", "first", "count"),
     [
-        (["mold.filling=gravity", "mold.land_mm=13"], "mold.key_diameter_mm: 5 mm does not fit between the bolts; set mold.land_mm=7.91.", 1),
-        (["mold.filling=gravity", "skin.width_mm=6"], "skin.width_mm: 6 mm breaks 2 rules, listed below; at least 16.2 mm.", 3),
+        (
+            ["mold.filling=gravity", "mold.land_mm=13"],
+            "mold.key_diameter_mm: 5 mm does not fit between the bolts; set mold.land_mm=7.91.",
+            1,
+        ),
+        (
+            ["mold.filling=gravity", "skin.width_mm=6"],
+            "skin.width_mm: 6 mm breaks 2 rules, listed below; at least 16.2 mm.",
+            3,
+        ),
         (
             ["mold.filling=gravity", "skin.width_mm=6", "bone.collar_inset_mm=3.1661", "skin.nail_fullness=0.9748"],
             "skin.thickness_side_mm: 2 mm leaves less than 1 mm of bone at the sides; "

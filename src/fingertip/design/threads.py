@@ -46,6 +46,11 @@ MAX_TRAP_RATIO = 1.09
 apart as its flats (ISO 4032 gives both)."""
 
 
+def find_thread(diameter_mm: float) -> Thread:
+    """Find the thread of a nominal diameter [mm], such as 2 for M2."""
+    return next(thread for thread in THREADS if thread.diameter_mm == diameter_mm)
+
+
 def select_thread(hole_mm: float) -> Thread:
     """Select the thickest thread whose bolt passes a hole [mm], which is at least `MIN_HOLE_MM`."""
     return max((t for t in THREADS if t.hole_mm <= hole_mm + 1e-9), key=lambda thread: thread.diameter_mm)

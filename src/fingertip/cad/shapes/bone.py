@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fingertip.cad.shapes.chaplet import pilot_hole
 from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.interface import interface, interface_genus
 from fingertip.cad.solids import Box, ElbowTube, Solid, cylinder, difference, intersection, union
@@ -19,7 +20,7 @@ def bone(design: Design) -> Solid:
     """Build the printable bone."""
     added, removed = interface(design)
     cables = () if design.dimensions.window_opens_into_gap else (cable_channel(design), tie_hole(design))
-    hollows = (sensor_recess(design), *cables, *removed)
+    hollows = (sensor_recess(design), *cables, *pilot_hole(design), *removed)
     return difference(union(filled_bone(design), *added), *hollows)
 
 

@@ -72,13 +72,14 @@ def engraved_lines(design: Design, half: str) -> Iterator[TextLine]:
     for text, above in ((design.name, True), (half, False)):
         unit = _grid_unit_mm(design, text)
         if design.mold.engraving_depth_mm and STROKE_WIDTH * unit >= MIN_STROKE_MM - 1e-9:
-            baseline = max(_BASELINE * unit, _clear_of_overflow_mm(design) + _CORNER_REACH * unit)
+            baseline = max(_BASELINE * unit, _clear_of_holes_mm(design) + _CORNER_REACH * unit)
             yield TextLine(text, unit, baseline if above else -baseline - HEIGHT * unit)
 
 
-def _clear_of_overflow_mm(design: Design) -> float:
-    """Distance from the centre line [mm] at which letters keep a wall beside the overflow, which opens between them."""
+def _clear_of_holes_mm(design: Design) -> float:
+    """Distance from the centre line [mm] at which letters keep a wall beside the holes that open between them."""
     radii = [vent.diameter_mm / 2 for vent in design.mold_layout.vents if vent.axis == "y"]
+    radii += [design.dimensions.chaplet.head_radius] if design.dimensions.chaplet else []
     return max(radii) + design.printer.min_wall_mm if radii else 0.0
 
 
@@ -140,7 +141,7 @@ def _grid_unit_mm(design: Design, text: str) -> float:
         design.mold.engraving_height_mm / HEIGHT,
         _MAX_LENGTH_RATIO * (layout.distal_z - layout.proximal_z) / text_width(text),
         across / (_BASELINE + HEIGHT + STROKE_WIDTH / 2),
-        (across - _clear_of_overflow_mm(design)) / (HEIGHT + 2 * _CORNER_REACH),
+        (across - _clear_of_holes_mm(design)) / (HEIGHT + 2 * _CORNER_REACH),
     )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from fingertip.cad.shapes.chaplet import facet_cut, pilot_hole
 from fingertip.cad.solids import Box, Prism, Solid, SuperconicSolid, difference, intersection, scaled, union
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, CrossSection
@@ -21,12 +22,19 @@ leave coincident faces."""
 
 
 def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
-    """Build the bone with its channel, pocket and holes filled: outline with palmar flat, groove and collar.
+    """Build the bone with its channel, pocket and holes filled: outline with flats, facet, groove and collar.
 
     All surfaces but the collar's lie `inset_mm` inside the bone's.
     """
     body = _add_groove(design, _inset(design.dimensions.bone_outline, inset_mm))
-    return union(_cut_flat(design, body, inset_mm), collar(design))
+    return union(_cut_facets(design, body, inset_mm), collar(design))
+
+
+def _cut_facets(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
+    """Cut the palmar flats and the facet on which the chaplet stands."""
+    cut = _cut_flat(design, body, inset_mm)
+    facets = facet_cut(design, inset_mm)
+    return difference(cut, *facets) if facets else cut
 
 
 def _cut_flat(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
@@ -81,8 +89,14 @@ def offset_section(section: CrossSection, gap_mm: float) -> CrossSection:
     )
 
 
+def core(design: Design) -> Solid:
+    """Build the printable core of a sleeve, with the hole for the screw of the chaplet."""
+    body, holes = sleeve_core(design), pilot_hole(design)
+    return difference(body, *holes) if holes else body
+
+
 def sleeve_core(design: Design) -> Solid:
-    """Build the core around which a sleeve is cast: printed, without the bone's hollows.
+    """Build the core around which a sleeve is cast, filled: without the bone's hollows.
 
     Inside the skin it is smaller than the bone by the interference and then enlarged to allow for shrinkage. Its base
     and collar equal the bone's, because both fit the same recess of the mold.
@@ -92,7 +106,7 @@ def sleeve_core(design: Design) -> Solid:
     (base, scale), *stations = body.stations
     above = _add_groove(design, replace(body, stations=((-_BODY_OVERLAP_MM, scale), *stations)))
     below = ConicBody(design.dimensions.bone_outline.section, ((base, scale), (-_BASE_OVERLAP_MM, scale)))
-    within_skin = scaled(_cut_flat(design, above, inset), design.dimensions.shrinkage)
+    within_skin = scaled(_cut_facets(design, above, inset), design.dimensions.shrinkage)
     return union(within_skin, _cut_flat(design, below), collar(design))
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from fingertip.cad.shapes.chaplet import screw_hole
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, engraved_lines, letter_outlines, text_width
 from fingertip.cad.shapes.insert import above_collar_foot, offset_section
 from fingertip.cad.shapes.runners import luer_cone, runners
@@ -153,6 +154,11 @@ def outer_cutouts(design: Design) -> Solid:
     return union(*bolt_holes(design), *nut_traps(design), *pry_slots(design), *text)
 
 
+def outer_cutouts_and_screw(design: Design) -> Solid:
+    """Build all of it with the hole of the chaplet's screw, which alone reaches the cavity."""
+    return union(outer_cutouts(design), *screw_hole(design))
+
+
 def mold_palmar(design: Design) -> Solid:
     """Build the half below the parting plane, with key sockets and nut traps."""
     m = design.mold_layout
@@ -165,5 +171,5 @@ def mold_dorsal(design: Design) -> Solid:
     """Build the half above the parting plane, with the registration keys."""
     m = design.mold_layout
     half = Box((-m.half_width, 0.0, m.proximal_z), (m.half_width, m.dorsal_height, m.distal_z))
-    subtracted = (hollow(design), *bolt_holes(design), *pry_slots(design))
+    subtracted = (hollow(design), *bolt_holes(design), *pry_slots(design), *screw_hole(design))
     return difference(union(half, *keys(design)), *subtracted, *engraved_text(design, "dorsal"))

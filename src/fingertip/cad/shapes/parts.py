@@ -48,9 +48,10 @@ def _bolt_hole_count(design: Design) -> int:
 
 
 def _dorsal_hole_count(design: Design) -> int:
-    """Count the bolt holes, the vents through the dorsal half, and its inlet."""
+    """Count the bolt holes, the vents through the dorsal half, its inlet, and the hole of the chaplet's screw."""
     layout = design.mold_layout
-    return len(layout.bolts) + sum(vent.axis == "y" for vent in layout.vents) + (layout.inlet is not None)
+    vents = sum(vent.axis == "y" for vent in layout.vents)
+    return len(layout.bolts) + vents + (layout.inlet is not None) + (design.dimensions.chaplet is not None)
 
 
 PARTS: dict[str, Part] = {
@@ -61,11 +62,11 @@ PARTS: dict[str, Part] = {
             "lid", bone.lid, lambda design: 0, (0.80, 0.74, 0.62), True,
             exists_in=lambda design: design.dimensions.fold is not None,
         ),
-        Part("skin", skin.skin, lambda design: 0, (0.87, 0.62, 0.52), False),
+        Part("skin", skin.skin, lambda design: int(design.dimensions.chaplet is not None), (0.87, 0.62, 0.52), False),
         Part("mold_palmar", mold.mold_palmar, _bolt_hole_count, (0.45, 0.58, 0.70), True),
         Part("mold_dorsal", mold.mold_dorsal, _dorsal_hole_count, (0.62, 0.72, 0.80), True),
         Part(
-            "core", insert.sleeve_core, lambda design: 0, (0.70, 0.78, 0.62), True,
+            "core", insert.core, lambda design: 0, (0.70, 0.78, 0.62), True,
             exists_in=lambda design: design.mold.method == "sleeve",
         ),
     )

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold
+from fingertip.cad.shapes.chaplet import boss, contact_y, head_y
 from fingertip.cad.shapes.insert import mold_insert
-from fingertip.cad.shapes.skin import cavity
-from fingertip.cad.solids import Box, Cone, Prism, Solid, intersection, scaled, union
+from fingertip.cad.shapes.skin import cavity, cavity_outline
+from fingertip.cad.solids import Box, Cone, Prism, Solid, SuperconicSolid, intersection, scaled, union
 from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, check_zero_volume
 from fingertip.design import Design
 
@@ -66,6 +67,10 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
     solids: list[tuple[str, Solid]] = []
     if "skin" in parts:
         solids += [("cavity", cavity(design)), ("core_in_cavity", intersection(cavity(design), mold_insert(design)))]
+        if design.mold.method == "overmold":
+            outer = SuperconicSolid(design.dimensions.outer)
+            for name, outline in (("skin", outer), ("cavity", cavity_outline(design))):
+                solids += [(f"boss_in_{name}", intersection(outline, solid)) for solid in boss(design)]
     if set(HALVES) <= set(parts):
         solids.append(("hollow", intersection(mold.hollow(design), mold.block(design))))
     return tuple(solids)
@@ -90,8 +95,9 @@ def check_brep_assembly(
         skin, whole = parts["skin"].volume_mm3, volumes_mm3["cavity"]
         expected = growth * skin
         if design.mold.method == "overmold":
-            # The bone does not shrink, so silicone also fills what the cavity is larger than the skin around it.
-            expected += (growth - 1.0) * (whole / growth - skin)
+            # Bone and boss do not shrink, so silicone also fills what the cavity is larger than the skin around them.
+            expected += (growth - 1.0) * volumes_mm3["core_in_cavity"]
+            expected += growth * volumes_mm3.get("boss_in_skin", 0.0) - volumes_mm3.get("boss_in_cavity", 0.0)
         imbalance = abs(whole - volumes_mm3["core_in_cavity"] - expected)
         yield Check("step.volume_balance.cavity", imbalance, _BREP_VOLUME_ERROR * whole, "mm3")
     if "hollow" in volumes_mm3:
@@ -139,7 +145,12 @@ def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> 
     growth = design.dimensions.shrinkage**3
     expected = growth * evaluator.manifold(skin).volume()
     if design.mold.method == "overmold":
-        expected += (growth - 1.0) * (cavity_body.scale((1.0 / design.dimensions.shrinkage,) * 3) ^ insert).volume()
+        outline, rigid = (
+            evaluator.manifold(cavity_outline(design)),
+            evaluator.manifold(union(mold_insert(design), *boss(design))),
+        )
+        finished = outline.scale((1.0 / design.dimensions.shrinkage,) * 3)
+        expected += growth * (finished ^ rigid).volume() - (outline ^ rigid).volume()
     return abs(float(cast - expected))
 
 
@@ -152,8 +163,9 @@ def _demolding_overlap(half: Manifold, cast: Manifold, direction: float) -> floa
 def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[Solid]) -> float:
     """Compute |block - halves - hollow - cut-outs| [mm3]; hollow and cut-outs are evaluated apart from the halves."""
     block = mold.block(design)
-    hollows = (intersection(mold.hollow(design), block), intersection(mold.outer_cutouts(design), block))
-    filled = sum(evaluator.manifold(solid).volume() for solid in (*hollows, *halves))
+    # The hole of the chaplet's screw reaches into the hollow, so both are united first.
+    hollow = union(mold.hollow(design), mold.outer_cutouts_and_screw(design))
+    filled = sum(evaluator.manifold(solid).volume() for solid in (intersection(hollow, block), *halves))
     below = evaluator.manifold(block).trim_by_plane((0.0, -1.0, 0.0), 0.0)
     for socket, key in zip(mold.key_sockets(design), mold.keys(design), strict=True):
         filled += (evaluator.manifold(socket) ^ below).volume() - (evaluator.manifold(key) ^ below).volume()
@@ -172,7 +184,18 @@ def _cutout_volume_mm3(design: Design) -> float:
     )
     pry_slot = d.pry_width_mm * d.pry_depth_mm * 2.0 * d.pry_height_mm
     letters = (prism for half in ("palmar", "dorsal") for prism in mold.engraved_text(design, half))
-    return len(m.bolts) * fastener + 2.0 * pry_slot + d.engraving_depth_mm * sum(map(_prism_area_mm2, letters))
+    engraved = d.engraving_depth_mm * sum(map(_prism_area_mm2, letters))
+    return len(m.bolts) * fastener + 2.0 * pry_slot + engraved + _screw_hole_volume_mm3(design)
+
+
+def _screw_hole_volume_mm3(design: Design) -> float:
+    """Compute the volume [mm3] of the chaplet's screw hole above the hollow, with its counterbore."""
+    chaplet = design.dimensions.chaplet
+    if chaplet is None:
+        return 0.0
+    head, top = head_y(design), design.mold_layout.dorsal_height
+    hole, counterbore = head - contact_y(design), top - head
+    return math.pi * (chaplet.hole_radius**2 * hole + chaplet.head_radius**2 * counterbore)
 
 
 def _prism_area_mm2(prism: Solid) -> float:

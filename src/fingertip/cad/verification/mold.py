@@ -163,7 +163,7 @@ def _check_runner_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Ch
     wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     runners_ = evaluator.manifold(intersection(openings(design), mold.block(design)))
     for name, solids in (
-        ("cutouts", (mold.outer_cutouts(design),)),
+        ("cutouts", (mold.outer_cutouts_and_screw(design),)),
         ("keys", mold.key_sockets(design)),
     ):
         yield check_min_distance(f"mold.wall.runners_to_{name}", runners_, evaluator.manifold(union(*solids)), wall)

@@ -105,6 +105,15 @@ class CrossSection:
             return 0.0
         return scale * self.half_width * arc_abscissa(abs(y) / (height * scale), weight)
 
+    def dorsal_height_at(self, x: float, scale: float = 1.0) -> float:
+        """Return the height y [mm] of the dorsal side at x [mm], scaled by `scale`; 0 outside the section.
+
+        The arc is symmetric: exchanging x and y maps it on itself.
+        """
+        if scale <= 0.0:
+            return 0.0
+        return scale * self.dorsal * arc_abscissa(abs(x) / (self.half_width * scale), self.dorsal_weight)
+
     def area(self) -> float:
         """Return the area [mm2] at scale 1."""
         halves = self.palmar * arc_area(self.palmar_weight) + self.dorsal * arc_area(self.dorsal_weight)
@@ -164,3 +173,7 @@ class ConicBody:
     def half_width_at(self, y: float, z: float) -> float:
         """Return the half width [mm] of the body at (y, z) [mm]; 0 outside it."""
         return self.section.half_width_at(y, self.scale_at(z))
+
+    def dorsal_height_at(self, x: float, z: float) -> float:
+        """Return the height y [mm] of the dorsal side at (x, z) [mm]; 0 outside it."""
+        return self.section.dorsal_height_at(x, self.scale_at(z))

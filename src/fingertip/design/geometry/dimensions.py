@@ -10,6 +10,7 @@ import math
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from fingertip.design.geometry.chaplet import Chaplet, place_chaplet
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
 from fingertip.design.geometry.joint import NOTCH_WIDTH_MM, Joint, TendonAnchor
 from fingertip.design.geometry.tail_fold import SensorTail, TailFold, fold_tail
@@ -296,6 +297,15 @@ class Dimensions:
             weight_of_fullness(skin.nail_fullness),
         )
         return ConicBody(section, ((-bone.collar_length_mm, 1.0), (0.0, 1.0)))
+
+    @cached_property
+    def chaplet(self) -> Chaplet | None:
+        """Support of bone or core near the tip; None without one."""
+        mold = self._design.mold
+        if mold.chaplet_diameter_mm == 0.0:
+            return None
+        z = self._design.skin.length_mm - mold.chaplet_from_tip_mm
+        return place_chaplet(self.bone_outline, z, mold.chaplet_diameter_mm, float(mold.chaplet_screw[1:]))
 
     @cached_property
     def draft_slope(self) -> float:

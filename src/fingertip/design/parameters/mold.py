@@ -56,6 +56,19 @@ class Mold(ParameterTable):
     recess_length_mm: float = quantity(
         8.0, "mm", "Length of the recess that holds the bone's base.", minimum=2, maximum=60
     )
+    chaplet_diameter_mm: float = quantity(
+        5.0,
+        "mm",
+        "Diameter of the chaplet, the boss on the dorsal half that carries the bone near its tip; 0: none.",
+        minimum=0,
+        maximum=15,
+    )
+    chaplet_from_tip_mm: float = quantity(
+        10.0, "mm", "Distance of the chaplet from the tip of the skin, along the finger.", minimum=1, maximum=100
+    )
+    chaplet_screw: Literal["M1.6", "M2", "M2.5", "M3"] = choice(
+        "M2", "Screw that holds the bone on the chaplet; it cuts its own thread in the bone."
+    )
     filling: Literal["syringe", "gravity"] = choice(
         "syringe",
         "syringe: from below, through a Luer cone in the dorsal half; gravity: poured into a funnel at the tip, for "
@@ -66,7 +79,11 @@ class Mold(ParameterTable):
         30.0, "N", "Force of the thumb on the plunger; 20 to 40 are usual.", minimum=1, maximum=150
     )
     nozzle_bore_mm: float = quantity(
-        2.1, "mm", "Bore of the syringe's nozzle: measure it, 0.1 mm changes the time by 20 %.", minimum=0.3, maximum=3.5,
+        2.1,
+        "mm",
+        "Bore of the syringe's nozzle: measure it, 0.1 mm changes the time by 20 %.",
+        minimum=0.3,
+        maximum=3.5,
         verified=False,
     )
     runner_width_mm: float = quantity(
@@ -74,7 +91,11 @@ class Mold(ParameterTable):
     )
     runner_depth_mm: float = quantity(2.5, "mm", "Depth of the runner, in the dorsal half.", minimum=0.8, maximum=8)
     overflow_from_tip_mm: float = quantity(
-        6.0, "mm", "Distance of the overflow from the tip, along the finger, on the dorsal side.", minimum=0.5, maximum=60
+        6.0,
+        "mm",
+        "Distance of the overflow from the tip, along the finger, on the dorsal side.",
+        minimum=0.5,
+        maximum=60,
     )
     gate_diameter_mm: float = quantity(
         3.0, "mm", "Diameter of the gate beside the vent at the tip (filling gravity).", minimum=0.8, maximum=12
@@ -82,9 +103,7 @@ class Mold(ParameterTable):
     funnel_diameter_mm: float = quantity(
         7.0, "mm", "Diameter of the sprue's funnel at its mouth (filling gravity).", minimum=1, maximum=30
     )
-    funnel_depth_mm: float = quantity(
-        4.0, "mm", "Depth of the funnel (filling gravity).", minimum=0.5, maximum=30
-    )
+    funnel_depth_mm: float = quantity(4.0, "mm", "Depth of the funnel (filling gravity).", minimum=0.5, maximum=30)
     vent_diameter_mm: float = quantity(
         1.2, "mm", "Diameter of the mold's vents, one of which is the overflow.", minimum=0.4, maximum=5
     )
@@ -120,6 +139,9 @@ class Printer(ParameterTable):
         "Scale of the printed parts in STL and 3MF, relative to the design; STEP stays at 100.",
         minimum=95,
         maximum=105,
+    )
+    surface_error_mm: float = quantity(
+        0.05, "mm", "Error of each printed surface that locates bone or core in the mold.", minimum=0, maximum=0.5
     )
     bed_x_mm: float = quantity(120.0, "mm", "Width of the bed.", minimum=20, maximum=2000)
     bed_y_mm: float = quantity(68.0, "mm", "Depth of the bed.", minimum=20, maximum=2000)

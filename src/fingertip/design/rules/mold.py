@@ -37,7 +37,9 @@ def pry_slot_clear_of_bolts(design: DesignTables) -> Violation | None:
     maximum = layout.half_width - column - max(layout.nut_circumradius, socket, beside) - _BESIDE_PRY_SLOT
     if design.mold.pry_depth_mm <= maximum + SLACK:
         return None
-    return Violation(f"{design.mold.pry_depth_mm:g} mm reaches the keys or the inlet", at_most(maximum), "(limited by mold.land_mm)")
+    return Violation(
+        f"{design.mold.pry_depth_mm:g} mm reaches the keys or the inlet", at_most(maximum), "(limited by mold.land_mm)"
+    )
 
 
 @RULES.rule("mold.pry_width_mm")
@@ -125,9 +127,7 @@ def overflow_opens_into_cavity(design: DesignTables) -> Violation | None:
     high = design.skin.length_mm - mold.vent_diameter_mm
     if mold.filling == "gravity" or low - SLACK <= distance <= high + SLACK:
         return None
-    return Violation(
-        f"{distance:g} mm puts the overflow outside the cavity", ((low, high),) if low <= high else ()
-    )
+    return Violation(f"{distance:g} mm puts the overflow outside the cavity", ((low, high),) if low <= high else ())
 
 
 @RULES.rule("mold.draft_deg")

@@ -24,12 +24,7 @@ from fingertip.casting.quantities import (
 from fingertip.casting.retention import skin_pull_off_n
 from fingertip.casting.slicer import LAYER_MM, PrintEstimate
 from fingertip.design import Design
-from fingertip.design.geometry.misalignment import (
-    loose_tilt_slope,
-    min_thickness_held,
-    min_thickness_loose,
-    sleeve_inset_mm,
-)
+from fingertip.design.geometry.bone_play import find_losses, sleeve_inset_mm, worst
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
 from fingertip.silicones import SOURCES, Silicone
@@ -100,7 +95,8 @@ def _joint_data(design: Design) -> dict[str, float] | None:
 
 
 def _fit_data(design: Design) -> dict[str, float]:
-    """Fit of the sensor in its pocket and of bone or core in the recess, and the minimum skin thickness they leave."""
+    """Fit of the sensor in its pocket and of bone or core in the mold, and the skin that they leave."""
+    losses = find_losses(design)
     return {
         "sensor_clearance_mm": design.sensor.clearance_mm,
         "wire_mm": design.sensor.wire_diameter_mm,
@@ -108,9 +104,10 @@ def _fit_data(design: Design) -> dict[str, float]:
         "end_room_mm": END_ROOM_MM,
         "clearance_mm": design.mold.fit_clearance_mm,
         "min_skin_design_mm": round(min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), 2),
-        "min_skin_held_mm": round(min_thickness_held(design), 2),
-        "max_unsupported_tilt_deg": round(math.degrees(math.atan(loose_tilt_slope(design))), 1),
-        "min_skin_unsupported_mm": round(min_thickness_loose(design), 2),
+        "min_skin_held_mm": round(min(loss.left_mm for loss in losses), 2),
+        "surface_error_mm": design.printer.surface_error_mm,
+        "retained_over_sensor_percent": round(100 * worst(losses, over_sensor=True).retained),
+        "retained_elsewhere_percent": round(100 * worst(losses, over_sensor=False).retained),
     }
 
 

@@ -22,14 +22,16 @@ from fingertip.cad.verification.check import (
 )
 from fingertip.cad.verification.surface_deviation import max_facet_deviation
 from fingertip.design import Design
-from fingertip.design.geometry.misalignment import held_tilt_slope
+from fingertip.design.geometry.bone_play import Motion, find_losses, worst
+from fingertip.design.rules.chaplet import MIN_RETAINED, MIN_RETAINED_OVER_SENSOR
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-_TILT_DIRECTIONS_DEG = (-90.0, -60.0, -30.0, 0.0, 45.0, 90.0)
-"""Directions in which the bone is shifted and tilted, from palmar (-90) by the side (0) to dorsal (90). The other side
-is the mirror image."""
+_MOVED_POSITIONS = 6
+"""Worst positions of the bone in which the thickness is measured on the solids. The other side is the mirror image."""
+_PERCENT_SLACK = 1e-3
+"""Rounding error of a share that the rules have accepted [%]."""
 _FIRST_REACH_RATIO = 1.4
 """Reach of the first search for the misaligned thickness, relative to the minimum thickness. It usually suffices."""
 _SECTIONS = 24
@@ -37,12 +39,12 @@ _SECTIONS = 24
 
 
 def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator[Check]:
-    """Check the thickness of the skin, aligned and misaligned, and its mesh against the exact outer surface."""
+    """Check the thickness of the skin, with the bone in its place and off it, and its mesh against the outer surface."""
     interior = above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM)
     exterior = above_z(complement(evaluator, SuperconicSolid(design.dimensions.outer)), PLANE_OFFSET_MM)
     minimum = design.skin.min_thickness_mm - evaluator.tolerance_mm
     yield check_min_distance("skin.min_thickness", interior, exterior, minimum)
-    yield _check_misaligned_thickness(design, interior, exterior, minimum)
+    yield from _check_play(design, interior, exterior, minimum)
     deviation = max_facet_deviation(design.dimensions.outer, mesh.vertices, mesh.triangles)
     yield Check("skin.surface_deviation", deviation, evaluator.tolerance_mm, "mm")
 
@@ -58,29 +60,27 @@ def check_sleeve_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
     return Check("skin.fitting_stretch", 100 * stretch, design.mold.max_stretch_percent, "%")
 
 
-def _check_misaligned_thickness(design: Design, interior: Manifold, exterior: Manifold, minimum: float) -> Check:
-    """Check the thickness when bone or core is misaligned as far as the fit allows while its collar is held down."""
+def _check_play(design: Design, interior: Manifold, exterior: Manifold, minimum: float) -> Iterator[Check]:
+    """Check the silicone that is left where bone or core lies off as far as its supports allow."""
+    losses = find_losses(design)
+    for name, over_sensor, limit in (
+        ("over_sensor", True, MIN_RETAINED_OVER_SENSOR), ("elsewhere", False, MIN_RETAINED),
+    ):  # fmt: skip
+        retained = 100 * worst(losses, over_sensor).retained
+        yield Check(f"skin.retained_{name}", retained, 100 * limit - _PERCENT_SLACK, "%", "at least")
+    thinnest = sorted(losses, key=lambda loss: loss.left_mm)[:_MOVED_POSITIONS]
+    moved = [_move(interior, loss.motion) for loss in thinnest]
     thickness = search_distance(
-        lambda reach_mm: _min_misaligned_thickness(design, interior, exterior, reach_mm), _FIRST_REACH_RATIO * minimum
+        lambda reach_mm: min(solid.min_gap(exterior, reach_mm) for solid in moved), _FIRST_REACH_RATIO * minimum
     )
-    return Check("skin.min_thickness_misaligned", thickness, minimum, "mm", "at least")
+    yield Check("skin.min_thickness_misaligned", thickness, minimum, "mm", "at least")
 
 
-def _min_misaligned_thickness(design: Design, interior: Manifold, exterior: Manifold, reach_mm: float) -> float:
-    """Measure the smallest thickness [mm] over all tilt directions, or return the reach if none is smaller."""
-    thickness = reach_mm
-    for direction in _TILT_DIRECTIONS_DEG:
-        thickness = min(thickness, _misalign(design, interior, direction).min_gap(exterior, thickness))
-    return thickness
-
-
-def _misalign(design: Design, interior: Manifold, direction_deg: float) -> Manifold:
-    """Tilt and shift what lies inside the skin towards a direction."""
-    x, y = math.cos(math.radians(direction_deg)), math.sin(math.radians(direction_deg))
-    tilt_deg = math.degrees(math.atan(held_tilt_slope(design, x, y)))
-    tilted = interior.rotate((0.0, 0.0, -direction_deg)).rotate((0.0, tilt_deg, 0.0)).rotate((0.0, 0.0, direction_deg))
-    clearance = design.mold.fit_clearance_mm
-    return tilted.translate((clearance * x, clearance * y, 0.0))
+def _move(solid: Manifold, motion: Motion) -> Manifold:
+    """Move a solid by a shift and a small rotation, of which the order does not matter then."""
+    shift, rotation = motion[:3], motion[3:]
+    x, y, z = (math.degrees(angle) for angle in rotation)
+    return solid.rotate((x, 0.0, 0.0)).rotate((0.0, y, 0.0)).rotate((0.0, 0.0, z)).translate(shift)
 
 
 def _perimeter(solid: Manifold, z: float) -> float:

@@ -1,4 +1,4 @@
-"""Chaplet: the boss of the mold's dorsal half that carries bone or core near the tip, and the screw that holds it there.
+"""Chaplet: the boss of the mold's dorsal half that carries bone or core near the tip, and the screw that holds it.
 
 The base alone is a cantilever, whose play grows towards the tip. The chaplet is a second support: the screw pulls a
 flat facet of the bone against the boss, so that neither gap nor pressure of the silicone moves it. It stands on the
@@ -28,6 +28,8 @@ _PILOT_END_MM = 0.7
 """Length of the pilot hole beyond the screw [mm]."""
 _POINTS = 16
 """Points of the facet's edge at which the height of the bone is taken."""
+_HOLE_CLEARANCE_MM = 0.1
+"""Clearance of the screw in its hole, over its diameter [mm]. The hole is drilled, because a print closes it."""
 _HEAD_CLEARANCE_MM = 0.3
 """Gap beside the head of the screw [mm]."""
 SCREW_LENGTHS_MM = (4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50)
@@ -50,7 +52,7 @@ class Chaplet:
     @property
     def hole_radius(self) -> float:
         """Radius of the hole in the mold, which the screw passes."""
-        return self.thread.hole_mm / 2
+        return (self.thread.diameter_mm + _HOLE_CLEARANCE_MM) / 2
 
     @property
     def head_radius(self) -> float:
@@ -75,7 +77,7 @@ class Chaplet:
     @property
     def play(self) -> float:
         """Distance by which the bone can shift across the axis, before the screw meets its hole."""
-        return (self.thread.hole_mm - self.thread.diameter_mm) / 2
+        return _HOLE_CLEARANCE_MM / 2
 
     def screw_length(self, dorsal_height: float) -> float:
         """Select the longest screw whose head does not stand out of the dorsal face, at this height."""

@@ -28,6 +28,9 @@ class ThicknessSample:
     """Second component of that vector."""
     support_mm: float
     """Distance of the surface's nearest chord from the middle of the finger, along that vector."""
+    bone_x: float
+    bone_y: float
+    """The point of the bone's outline."""
 
 
 def min_skin_thickness(dims: Dimensions, inset_mm: float) -> float:
@@ -72,7 +75,8 @@ def skin_thicknesses(
             thickness, (ax, ay, dx, dy, _) = _nearest_chord(point, polyline)
             length = math.hypot(dx, dy) or 1.0
             x, y = dy / length, -dx / length
-            yield ThicknessSample(thickness, x, y if dorsal else -y, ax * x + ay * y)
+            side = 1.0 if dorsal else -1.0
+            yield ThicknessSample(thickness, x, side * y, ax * x + ay * y, point[0], side * point[1])
 
 
 def quarter_outline(section: CrossSection, dorsal: bool, count: int) -> list[tuple[float, float]]:

@@ -51,13 +51,13 @@ class Mold(ParameterTable):
         3.0, "degree", "Draft angle of the registration keys and of the recess's walls.", minimum=0, maximum=15
     )
     fit_clearance_mm: float = quantity(
-        0.15, "mm", "Gap between the bone's base and its recess in the mold.", minimum=0.02, maximum=1
+        0.05, "mm", "Gap between the bone's base and its recess in the mold.", minimum=0.01, maximum=1
     )
     recess_length_mm: float = quantity(
         8.0, "mm", "Length of the recess that holds the bone's base.", minimum=2, maximum=60
     )
     chaplet_diameter_mm: float = quantity(
-        5.0,
+        7.0,
         "mm",
         "Diameter of the chaplet, the boss on the dorsal half that carries the bone near its tip; 0: none.",
         minimum=0,

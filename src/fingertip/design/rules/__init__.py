@@ -7,9 +7,18 @@ still checked.
 
 from __future__ import annotations
 
-from fingertip.design.rules import board, bone, fold, joint, mold, recess, sensor, signal, skin
+from fingertip.design.rules import board, bone, chaplet, fold, joint, mold, recess, sensor, signal, skin
 
-PART_RULES = (*sensor.RULES, *skin.RULES, *bone.RULES, *fold.RULES, *joint.RULES, *recess.RULES, *mold.RULES)
+PART_RULES = (
+    *sensor.RULES,
+    *skin.RULES,
+    *bone.RULES,
+    *fold.RULES,
+    *joint.RULES,
+    *recess.RULES,
+    *mold.RULES,
+    *chaplet.RULES,
+)
 """Rules of the printed parts and the skin. They read no electronic table."""
 ELECTRONIC_RULES = (*board.RULES, *signal.RULES)
 """Rules of the board and of slip detection. They read only the electronic tables."""

@@ -1,15 +1,14 @@
-"""Rules of the mold's recess for base and collar: it fits them, and limits their misalignment."""
+"""Rules of the mold's recess for base and collar: it fits them, and ends within the skin's edge."""
 
 from __future__ import annotations
 
 import math
 
 from fingertip.design.geometry.draft import add_draft
-from fingertip.design.geometry.misalignment import min_thickness_held, misaligned_points
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.bone import collar_carries_skin
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
-from fingertip.design.rules.skin import SOUND_SECTIONS, bone_left_at_sides, bone_left_dorsally
+from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
 
 RULES = Ruleset()
 _MIN_COLLAR_LENGTH = 0.6
@@ -33,23 +32,6 @@ def recess_within_base(design: DesignTables) -> Violation | None:
         f"{design.mold.recess_length_mm:g} mm is longer than the bone's base",
         at_most(base),
         "(limited by bone.base_length_mm)",
-    )
-
-
-@RULES.rule("mold.fit_clearance_mm", *SOUND_SECTIONS, collar_carries_skin)
-def fit_limits_misalignment(design: DesignTables) -> Violation | None:
-    """A bone or core that is misaligned as far as its fit allows leaves the minimum skin thickness."""
-    minimum, points = design.skin.min_thickness_mm, list(misaligned_points(design))
-    if min(point.thickness_mm for point in points) <= minimum:
-        return None  # Too thin without any misalignment, which another rule reports.
-    maximum = min((point.thickness_mm - minimum) / point.held_loss for point in points)
-    if design.mold.fit_clearance_mm <= maximum + SLACK:
-        return None
-    left = max(0.0, min_thickness_held(design))
-    return Violation(
-        f"{design.mold.fit_clearance_mm:g} mm lets bone or core tilt in its recess until {left:.2f} mm of silicone "
-        f"are left, less than the {minimum:g} mm of skin.min_thickness_mm",
-        at_most(maximum),
     )
 
 

@@ -7,7 +7,7 @@ pressure, so that a conductance has the unit mm3.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -75,6 +75,20 @@ class FlowNetwork:
         flow = k * (potential[a] - potential[b])
         count = len(potential)
         return np.bincount(b, flow, count) - np.bincount(a, flow, count)
+
+    def reach(self, start: Mask) -> Mask:
+        """Return the nodes linked to the start, directly or through others."""
+        a, b, _ = self.links
+        reached = start.copy()
+        while True:
+            new = np.concatenate((b[reached[a] & ~reached[b]], a[reached[b] & ~reached[a]]))
+            if not len(new):
+                return reached
+            reached[new] = True
+
+    def keep(self, kept: Mask) -> FlowNetwork:
+        """Close all nodes but some, which no link joins to the others."""
+        return replace(self, volume_mm3=np.where(kept, self.volume_mm3, 0.0))
 
     @cached_property
     def _blocks(self) -> tuple[Array, Array, float]:

@@ -7,8 +7,8 @@ are paired by row and by the parameter of the outline's arc. The palmar flat cut
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -16,7 +16,7 @@ import numpy as np
 from fingertip.arrays import Array
 from fingertip.cad.shapes.insert import insert_body
 from fingertip.casting.filling.network import Mask
-from fingertip.casting.filling.surface_links import Layer, link_layer
+from fingertip.casting.filling.surface_links import Layer, NodeSums, link_layer, vector_areas
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, CrossSection
 
@@ -26,9 +26,23 @@ _SAMPLES = 65
 """Points of an arc or profile from which equal lengths are interpolated."""
 
 
+@dataclass(frozen=True, eq=False)
+class SkinGrid:
+    """Layer of silicone around an insert, and the areas on which its pressure acts."""
+
+    layer: Layer
+    insert_area_mm2: Array
+    """Area of the insert around each node, times its normal into the silicone, shape (nodes, 3).
+
+    The first row's nodes include the collar's face at z = 0.
+    """
+    parting_area_mm2: Array
+    """Area of the cavity's surface around each node, projected on the plane y = 0; the mean of both mold halves."""
+
+
 def build_skin_grid(
     design: Design, rows: int = ROWS, columns: int = COLUMNS, is_closed: Callable[[Array], Mask] | None = None
-) -> Layer:
+) -> SkinGrid:
     """Build the grid of a design's cavity.
 
     Parameters
@@ -51,7 +65,15 @@ def build_skin_grid(
     outside = _points(outer.section, outer_z, outer_scale, side[0], height[0], is_dorsal)
     inside = _points(body.section, inner_z, inner_scale, side[1], height[1], is_dorsal)
     inside[..., 1] = np.maximum(inside[..., 1], -flat)
-    return link_layer(scale * inside, shrinkage * outside, has_pole=True, is_periodic=True, is_closed=is_closed)
+    inside, outside = scale * inside, shrinkage * outside
+    layer = link_layer(inside, outside, has_pole=True, is_periodic=True, is_closed=is_closed)
+    sums = NodeSums(is_periodic=True, has_pole=True)
+    surfaces = [vector_areas(np.concatenate((surface, surface[:, :1]), axis=1)) for surface in (inside, outside)]
+    insert = np.stack([sums(surfaces[0][..., k]) for k in range(3)], axis=1)
+    face = np.concatenate((inside[:1], outside[:1]))
+    on_collar = vector_areas(np.concatenate((face, face[:, :1]), axis=1))[0]
+    insert[:columns] -= (on_collar + np.roll(on_collar, 1, axis=0))[::2]
+    return SkinGrid(layer, insert, 0.5 * sums(np.abs(surfaces[1][..., 1])))
 
 
 def _rows(outer: ConicBody, body: ConicBody, rows: int) -> tuple[Array, Array]:

@@ -33,10 +33,6 @@ class Layer:
     """Nodes halfway between both surfaces, shape (nodes, 3)."""
     thickness_mm: Array
     """Thickness of the layer at each node; 0 at closed ones."""
-    inner_area_mm2: Array
-    """Area of the inner surface around each node, times its normal into the layer, shape (nodes, 3)."""
-    outer_area_mm2: Array
-    """Area of the outer surface around each node, times its normal out of the layer, shape (nodes, 3)."""
 
 
 def link_layer(
@@ -63,7 +59,7 @@ def link_layer(
     else:
         middle_wrapped = middle
     small_volume = hexahedron_volumes(inner, outer)
-    small_area = np.linalg.norm(_vector_areas(middle_wrapped), axis=2)
+    small_area = np.linalg.norm(vector_areas(middle_wrapped), axis=2)
     volume, area = _sum_of_four(small_volume), _sum_of_four(small_area)
     thickness = np.divide(volume, area, out=np.zeros_like(volume), where=area > 0.0)
     closed = thickness < TOUCHING_MM
@@ -72,7 +68,7 @@ def link_layer(
     thickness = np.where(closed, 0.0, thickness)
     small_volume = np.where(np.repeat(np.repeat(closed, 2, axis=0), 2, axis=1), 0.0, small_volume)
 
-    collect = _Collector(is_periodic, has_pole)
+    collect = NodeSums(is_periodic, has_pole)
     node_volume = collect(small_volume)
     nodes = middle[::2, ::2]
     rest = (nodes[:-1].reshape(-1, 3), nodes[-1, :1]) if has_pole else (nodes.reshape(-1, 3), np.full((1, 3), np.nan))
@@ -80,16 +76,12 @@ def link_layer(
     node_area = collect(np.where(np.repeat(np.repeat(closed, 2, axis=0), 2, axis=1), 0.0, small_area))
     node_thickness = np.divide(node_volume, node_area, out=np.zeros_like(node_volume), where=node_area > 0.0)
     network = _link(middle_wrapped[::2, ::2], thickness**3 / 12.0, node_volume, has_pole, is_periodic)
-    inner_area, outer_area = (
-        np.stack([collect(areas[..., k]) for k in range(3)], axis=1)
-        for areas in (_vector_areas(inner), _vector_areas(outer))
-    )
-    return Layer(network, points, node_thickness, inner_area, outer_area)
+    return Layer(network, points, node_thickness)
 
 
 @dataclass(frozen=True)
-class _Collector:
-    """Sum of what belongs to the small quads around each node, as a vector over the nodes."""
+class NodeSums:
+    """Sums over the small quads around each node, as a vector over the nodes."""
 
     is_periodic: bool
     has_pole: bool
@@ -193,7 +185,7 @@ def _determinant(a: Array, b: Array, c: Array) -> Array:
     return result
 
 
-def _vector_areas(surface: Array) -> Array:
+def vector_areas(surface: Array) -> Array:
     """Compute the vector areas of the quads of a surface, rows x columns."""
     first, second = surface[1:, 1:] - surface[:-1, :-1], surface[:-1, 1:] - surface[1:, :-1]
     return 0.5 * np.cross(second, first)

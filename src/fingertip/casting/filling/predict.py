@@ -77,7 +77,11 @@ class FillingPrediction:
     total_integral: float
     """Integral of all resistance over all injected volume [1]."""
     gate_pressure_pa: float
-    """Largest pressure at the gate's mouth before the cavity is full; then it rises to that of the inlet."""
+    """Largest pressure at the gate's mouth while the front moves.
+
+    This pressure and the forces are taken up to the last front before the cavity is full, at some 98 % of its volume.
+    Then the pressure rises to that of the inlet everywhere, if the vents are closed.
+    """
     side_force_n: float
     """Largest force across the finger on the insert during the filling."""
     side_force_direction: tuple[float, float]
@@ -161,12 +165,16 @@ def predict_filling(
     closing = tuple(_close(locate(layer, vent.point_mm), vent.diameter_mm, arrival) for vent in vents)
     points, pockets = find_air(network, arrival, closing)
     not_reached = _not_reached(grid, filling)
-    pressures = np.stack([front.pressure_per_mm3 for front in filling.fronts])
-    pressures *= (pressure_pa * 1e-6 / (clock.ducts_resistance + clock.resistance))[:, None]  # [N/mm2]
+    # At the last front the pressure has no finite limit, because the front has shrunk to a point.
+    moving = slice(0, -1)
+    pressures = np.stack([front.pressure_per_mm3 for front in filling.fronts[moving]])
+    pressures *= (pressure_pa * 1e-6 / (clock.ducts_resistance + clock.resistance[moving]))[:, None]  # [N/mm2]
     on_insert = -pressures @ grid.insert_area_mm2
     across = np.hypot(on_insert[:, 0], on_insert[:, 1])
     worst = int(np.argmax(across))
     direction = on_insert[worst, :2] / max(float(across[worst]), 1e-300)
+    in_cavity = float(np.max(clock.resistance[moving]))
+    gate_fraction = in_cavity / (clock.ducts_resistance + in_cavity)
     static_n = pressure_pa * 1e-6
     return FillingPrediction(
         volume_mm3=volume,
@@ -178,7 +186,7 @@ def predict_filling(
         ducts_resistance=clock.ducts_resistance,
         cavity_integral=float(clock.integral[-1]),
         total_integral=clock.ducts_integral + clock.ducts_resistance * volume + float(clock.integral[-1]),
-        gate_pressure_pa=float(np.max(clock.resistance / (clock.ducts_resistance + clock.resistance))) * pressure_pa,
+        gate_pressure_pa=pressure_pa * gate_fraction,
         side_force_n=float(across[worst]),
         side_force_direction=(float(direction[0]), float(direction[1])),
         axial_force_n=float(np.max(-on_insert[:, 2])),

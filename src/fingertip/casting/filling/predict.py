@@ -17,8 +17,8 @@ from fingertip.arrays import Array
 from fingertip.casting.filling.air import ClosingVent, TrappedAir, find_air
 from fingertip.casting.filling.ducts import Duct, fill_in_series
 from fingertip.casting.filling.hele_shaw import LEVELS, Filling, fill
+from fingertip.casting.filling.mouth import Mouth, mouth_resistance, open_mouth
 from fingertip.casting.filling.peaks import refine_peak
-from fingertip.casting.filling.place import Place, locate
 from fingertip.casting.filling.skin_grid import SkinGrid
 
 Point3 = tuple[float, float, float]
@@ -154,15 +154,17 @@ def predict_filling(
         Number of injected volumes at which the front is computed.
     """
     layer, network = grid.layer, grid.layer.network
-    mouth = locate(layer, gate.point_mm)
+    mouth = open_mouth(layer, gate.point_mm, gate.diameter_mm)
     source = mouth.shares(len(network.volume_mm3))
     if not network.is_open.all():
         network = network.keep(network.reach(source > 0.0))
     filling = fill(network, source, levels)
-    clock = _Clock.of(filling, mouth.mouth_resistance(gate.diameter_mm), ducts, viscosity_pa_s / pressure_pa)
+    clock = _Clock.of(
+        filling, mouth_resistance(layer, mouth, gate.diameter_mm), ducts, viscosity_pa_s / pressure_pa
+    )
 
     volume, arrival = network.total_mm3, filling.arrival_mm3
-    closing = tuple(_close(locate(layer, vent.point_mm), vent.diameter_mm, arrival) for vent in vents)
+    closing = tuple(_close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival) for vent in vents)
     points, pockets = find_air(network, arrival, closing)
     not_reached = _not_reached(grid, filling)
     # At the last front the pressure has no finite limit, because the front has shrunk to a point.
@@ -212,16 +214,11 @@ def predict_filling(
     )  # fmt: skip
 
 
-def _close(place: Place, diameter_mm: float, arrival_mm3: Array) -> ClosingVent:
-    """Find when the front has covered a vent: when it passes the far side of its mouth."""
-    corners = place.nodes[np.isfinite(arrival_mm3[place.nodes])]
-    if not len(corners):
-        return ClosingVent(int(place.nodes[0]), 0.0)
-    node = int(corners[np.argmax(arrival_mm3[corners])])
-    if len(corners) < len(place.nodes):
-        return ClosingVent(node, float(arrival_mm3[node]))
-    covered = place.interpolate(arrival_mm3) + 0.5 * diameter_mm * place.slope(arrival_mm3)
-    return ClosingVent(node, covered)
+def _close(mouth: Mouth, arrival_mm3: Array) -> ClosingVent:
+    """Find when the front has covered a vent."""
+    reached = np.where(np.isfinite(arrival_mm3), arrival_mm3, 0.0)
+    corners = mouth.nodes.ravel()
+    return ClosingVent(int(corners[np.argmax(reached[corners])]), mouth.maximum(reached))
 
 
 def _not_reached(grid: SkinGrid, filling: Filling) -> tuple[TrappedAir, ...]:

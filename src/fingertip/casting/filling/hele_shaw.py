@@ -31,8 +31,8 @@ LEVELS = 12
 """Number of injected volumes at which the front is computed, the full cavity included."""
 _MAX_ITERATIONS = 40
 """Limit of the active set's iterations; two to five are common."""
-_FULL_TOLERANCE = 1e-9
-"""Filled fraction above 1, and negative u relative to its maximum, that count as rounding."""
+_ROUNDING = 1e-9
+"""Filled fraction above 1, and u relative to its maximum, that count as rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,8 +142,8 @@ def _solve_front(network: FlowNetwork, gate: Array, injected_mm3: float, guess: 
         solved = network.solve(wet, loads)
         potential = injected_mm3 * solved[:, 0] - solved[:, 1]
         filled = (network.inflow(potential) + injected_mm3 * gate) * per_volume
-        stays = potential > -_FULL_TOLERANCE * potential.max()
-        next_wet = np.where(wet, stays, filled > 1.0 + _FULL_TOLERANCE)
+        stays = potential > -_ROUNDING * potential.max()
+        next_wet = np.where(wet, stays, filled > 1.0 + _ROUNDING)
         if np.array_equal(next_wet, wet):
             break
         wet = next_wet
@@ -181,7 +181,8 @@ def _arrival(network: FlowNetwork, fronts: list[Front]) -> Array:
     if rest.any():
         # What is left shrinks to the minimum of u, and its volume is proportional to u.
         u = fronts[-1].potential[rest]
-        arrival[rest] = total - (total - below[0]) * u / max(float(u.max()), 1e-300)
+        largest = max(float(u.max()), _ROUNDING * float(fronts[-1].potential.max()))
+        arrival[rest] = total - (total - below[0]) * u / largest
     return arrival
 
 

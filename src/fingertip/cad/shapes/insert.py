@@ -102,12 +102,26 @@ def sleeve_core(design: Design) -> Solid:
     and collar equal the bone's, because both fit the same recess of the mold.
     """
     inset = design.mold.sleeve_interference_mm
-    body = _inset(design.dimensions.bone_outline, inset)
-    (base, scale), *stations = body.stations
-    above = _add_groove(design, replace(body, stations=((-_BODY_OVERLAP_MM, scale), *stations)))
+    above, _, _ = insert_body(design)
+    base, scale = design.dimensions.bone_outline.stations[0]
     below = ConicBody(design.dimensions.bone_outline.section, ((base, scale), (-_BASE_OVERLAP_MM, scale)))
     within_skin = scaled(_cut_facets(design, above, inset), design.dimensions.shrinkage)
     return union(within_skin, _cut_flat(design, below), collar(design))
+
+
+def insert_body(design: Design) -> tuple[ConicBody, float, float]:
+    """Return the insert within the skin: its body with the groove, the depth of its flat [mm], and its scale.
+
+    The flat at y = -depth cuts the body. The scale enlarges both, about the origin.
+    """
+    outline, dims = design.dimensions.bone_outline, design.dimensions
+    if design.mold.method != "sleeve":
+        return _add_groove(design, outline), dims.flat_depth, 1.0
+    inset = design.mold.sleeve_interference_mm
+    body = _inset(outline, inset)
+    (_, scale), *stations = body.stations
+    body = _add_groove(design, replace(body, stations=((-_BODY_OVERLAP_MM, scale), *stations)))
+    return body, dims.flat_depth - inset, dims.shrinkage
 
 
 def mold_insert(design: Design) -> Solid:

@@ -1,0 +1,205 @@
+"""Moving front of a viscous liquid in a thin gap (Hele-Shaw flow), on a network of conductances.
+
+With pressure 0 at the front, let u be the integral of p / (mu Q) over the injected volume. It solves an obstacle
+problem: for an injected volume V find u >= 0 and filled fractions 0 <= f <= 1 with
+
+    sum_j K_ij (u_j - u_i) + V w_i = v_i f_i,   f_i = 1 where u_i > 0.
+
+K are the conductances, v the volumes of the nodes, and w says how the gate's inflow is shared between nodes. The
+solution depends on V alone, not on the steps towards it, so that a few volumes suffice and no step limits the others.
+The derivative du/dV is the pressure of unit flow and unit viscosity, and w.u is the integral of the cavity's resistance
+over volume. At full volume, u is the solution of one linear Neumann problem, and its minimum the last point to fill.
+
+Each volume is solved with a primal-dual active set, warm-started from the next larger volume. The conductances form an
+M-matrix, for which the iteration ends after a few linear solves. Air is assumed to escape freely: `air.py` finds where
+it cannot.
+
+References: C. M. Elliott and V. Janovsky, Proc. R. Soc. Edinburgh A 88 (1981) 93 (the transform); M. Hintermueller, K.
+Ito and K. Kunisch, SIAM J. Optim. 13 (2002) 865 (the active set).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.casting.filling.network import FlowNetwork, Mask
+
+LEVELS = 12
+"""Number of injected volumes at which the front is computed, the full cavity included."""
+_MAX_ITERATIONS = 40
+"""Limit of the active set's iterations; two to five are common."""
+_ROUNDING = 1e-9
+"""Filled fraction above 1, and u relative to its maximum, that count as rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Front:
+    """Wet region at one injected volume. All arrays are vectors over the nodes."""
+
+    injected_mm3: float
+    potential: Array
+    """u, the integral of p / (mu Q) over the injected volume [1]."""
+    pressure_per_mm3: Array
+    """p / (mu Q) [1/mm3]."""
+    filled: Array
+    """Filled fraction f."""
+    iterations: int
+
+
+@dataclass(frozen=True, eq=False)
+class Filling:
+    """Filling of a network through one gate."""
+
+    network: FlowNetwork
+    gate: Array
+    """Share of the inflow that enters each node, a vector with the sum 1."""
+    fronts: tuple[Front, ...]
+    """Fronts from the smallest volume to the full cavity."""
+    arrival_mm3: Array
+    """Injected volume at which the front passes each node; NaN for closed nodes."""
+
+    @property
+    def resistance_integral(self) -> float:
+        """Integral of the cavity's resistance over the whole volume [1], without the mouth of the gate."""
+        return float(self.gate @ self.fronts[-1].potential)
+
+
+def fill(network: FlowNetwork, gate: Array, levels: int = LEVELS) -> Filling:
+    """Compute how a network fills through its gate.
+
+    Parameters
+    ----------
+    network
+        Cavity. All its open nodes must be linked to the gate.
+    gate
+        Share of the inflow that enters each node, a vector with the sum 1.
+    levels
+        Number of injected volumes.
+    """
+    fronts = [_full_front(network, gate)]
+    for injected in _volumes(network.total_mm3, levels)[::-1]:
+        front = _solve_front(network, gate, float(injected), _guess(network, fronts[-1], float(injected)))
+        fronts.append(front)
+    return Filling(network, gate, tuple(fronts[::-1]), _conserve(network, _arrival(network, fronts[::-1]), levels))
+
+
+def _volumes(total_mm3: float, levels: int) -> Array:
+    """Choose injected volumes, in rising order and without the full one.
+
+    The front is a small circle at first, and closes around a small spot at last. Its area is quadratic in its radius,
+    and so are these volumes at both ends.
+    """
+    angle = np.pi * np.arange(1, levels) / levels
+    return total_mm3 * 0.5 * (1.0 - np.cos(angle))
+
+
+def _guess(network: FlowNetwork, front: Front, injected_mm3: float) -> Mask:
+    """Guess the wet region at a smaller volume.
+
+    From the full cavity, the nodes of least u become dry: they fill last. From others, the arrival volumes are about
+    V - 2 u / (du/dV), as in `_arrival`.
+    """
+    u, removed_mm3 = front.potential, front.injected_mm3 - injected_mm3
+    if front.injected_mm3 < network.total_mm3:
+        wet: Mask = (u > 0.0) & (2.0 * u > removed_mm3 * front.pressure_per_mm3)
+        return wet
+    wet = network.is_open.copy()
+    order = np.argsort(np.where(wet, u, np.inf))
+    wet[order[np.cumsum(network.volume_mm3[order]) <= removed_mm3]] = False
+    return wet
+
+
+def _full_front(network: FlowNetwork, gate: Array) -> Front:
+    """Solve the full cavity: a Neumann problem with one node held at zero, then shifted to the minimum zero.
+
+    The pressure is that of the moment before the last node fills.
+    """
+    loads = np.stack((gate, network.volume_mm3), axis=1)
+    total = network.total_mm3
+    wet = network.is_open.copy()
+    last = int(np.flatnonzero(wet)[0])
+    for _ in range(2):  # the node held at zero is any open one first, then the last to fill
+        wet[last] = False
+        solved = network.solve(wet, loads)
+        potential = total * solved[:, 0] - solved[:, 1]
+        potential[~network.is_open] = np.inf
+        wet[last] = True
+        last = int(np.argmin(potential))
+    potential -= potential[last]
+    potential[~network.is_open] = 0.0
+    return Front(total, potential, solved[:, 0], network.is_open.astype(float), 2)
+
+
+def _solve_front(network: FlowNetwork, gate: Array, injected_mm3: float, guess: Mask) -> Front:
+    """Solve one injected volume with the active set, from a guess of the wet region."""
+    volume, wet = network.volume_mm3, guess
+    loads = np.stack((gate, volume), axis=1)
+    per_volume = np.divide(1.0, volume, out=np.zeros_like(volume), where=network.is_open)
+    for iteration in range(1, _MAX_ITERATIONS + 1):
+        solved = network.solve(wet, loads)
+        potential = injected_mm3 * solved[:, 0] - solved[:, 1]
+        filled = (network.inflow(potential) + injected_mm3 * gate) * per_volume
+        stays = potential > -_ROUNDING * potential.max()
+        next_wet = np.where(wet, stays, filled > 1.0 + _ROUNDING)
+        if np.array_equal(next_wet, wet):
+            break
+        wet = next_wet
+    return Front(injected_mm3, np.maximum(potential, 0.0), solved[:, 0], filled, iteration)
+
+
+def _arrival(network: FlowNetwork, fronts: list[Front]) -> Array:
+    """Interpolate the injected volume at which the front passes each node.
+
+    Behind a moving front u = c (V - A)^m for a node with arrival volume A: m is 2 where the front passes, since u is
+    quadratic in the distance from it, and 1 where it closes. With r = u / (du/dV) = (V - A) / m at the first two
+    volumes after the arrival, m and A follow.
+    """
+    total = network.total_mm3
+    arrival = np.full(len(network.volume_mm3), np.nan)
+    before = np.zeros(len(arrival))
+    below = np.zeros(len(arrival))
+    done = ~network.is_open
+    for k, front in enumerate(fronts[:-1]):
+        here = ~done & (front.potential > 0.0)
+        if here.any():
+            r = front.potential[here] / front.pressure_per_mm3[here]
+            after = fronts[k + 1]
+            is_last = k + 2 == len(fronts)
+            r_after = after.potential[here] / np.maximum(after.pressure_per_mm3[here], 1e-300)
+            step = after.injected_mm3 - front.injected_mm3
+            m = np.clip(step / np.maximum(r_after - r, 1e-300), 1.0, 2.0) if not is_last else np.full(r.shape, 2.0)
+            found = front.injected_mm3 - m * r
+            low = np.where(before[here] < 0.5, below[here], 0.0)
+            high = np.where(before[here] < 0.5, front.injected_mm3, below[here])
+            arrival[here] = np.clip(found, low, high)
+            done = done | here
+        before, below = front.filled, np.full(len(arrival), front.injected_mm3)
+    rest = ~done
+    if rest.any():
+        # What is left shrinks to the minimum of u, and its volume is proportional to u.
+        u = fronts[-1].potential[rest]
+        largest = max(float(u.max()), _ROUNDING * float(fronts[-1].potential.max()))
+        arrival[rest] = total - (total - below[0]) * u / largest
+    return arrival
+
+
+def _conserve(network: FlowNetwork, arrival: Array, levels: int) -> Array:
+    """Correct arrival volumes so that the nodes passed at any volume hold that volume.
+
+    Interpolation errors shift all nodes that the front passes at the same time alike. Counted in the volume of all
+    nodes passed before, their arrival is exact. The count is smoothed over half the distance of two fronts, since nodes
+    come in lumps.
+    """
+    total, volume = network.total_mm3, network.volume_mm3[network.is_open]
+    found = arrival[network.is_open]
+    knots = total * np.linspace(0.0, 1.0, 2 * levels + 1)[1:-1]
+    width = np.minimum(total / levels, 2.0 * np.minimum(knots, total - knots))
+    passed = np.clip((knots[:, None] - found) / width[:, None] + 0.5, 0.0, 1.0) @ volume
+    corrected = np.full(len(arrival), np.nan)
+    corrected[network.is_open] = np.interp(
+        found, np.concatenate(([0.0], knots, [total])), np.concatenate(([0.0], passed, [total]))
+    )
+    return corrected

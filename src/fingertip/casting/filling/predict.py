@@ -1,0 +1,275 @@
+"""Prediction of one filling: time, pressures, last points, trapped air, and forces on insert and mold.
+
+The silicone is Newtonian and the pressure at the inlet constant. Then time follows from the integral of the resistance
+over the injected volume, t = (mu / dp) * integral of R dV, first of the ducts and then of the cavity. Curing thickens
+silicone: state the viscosity of the end of the filling for a safe time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.casting.filling.air import ClosingVent, TrappedAir, find_air
+from fingertip.casting.filling.ducts import Duct, fill_in_series
+from fingertip.casting.filling.hele_shaw import LEVELS, Filling, fill
+from fingertip.casting.filling.mouth import Mouth, mouth_resistance, open_mouth
+from fingertip.casting.filling.peaks import refine_peak
+from fingertip.casting.filling.skin_grid import SkinGrid
+
+Point3 = tuple[float, float, float]
+_GRAVITY_M_S2 = 9.81
+
+
+@dataclass(frozen=True)
+class Opening:
+    """Mouth of a gate or of a vent in the cavity's surface."""
+
+    point_mm: Point3
+    diameter_mm: float
+
+
+@dataclass(frozen=True)
+class LastPoint:
+    """Point that fills later than all points around it."""
+
+    point_mm: Point3
+    arrival_mm3: float
+    arrival_s: float
+
+
+@dataclass(frozen=True)
+class AirPocket:
+    """Air that no vent can let out."""
+
+    point_mm: Point3
+    """Point of the pocket that would fill last."""
+    volume_mm3: float
+    """Volume when it is trapped, at the pressure of the air."""
+    injected_mm3: float
+    """Silicone in the cavity at that moment."""
+    time_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class FillingPrediction:
+    """Filling of a mold at constant pressure. Times count from the moment the silicone enters the first duct."""
+
+    volume_mm3: float
+    """Volume of the cavity."""
+    ducts_mm3: float
+    """Volume of the ducts."""
+    viscosity_pa_s: float
+    pressure_pa: float
+    """Pressure at the inlet of the first duct."""
+    ducts_s: float
+    """Time in which the ducts fill."""
+    fill_s: float
+    """Time at which the cavity is full."""
+    ducts_resistance: float
+    """Resistance of the full ducts [1/mm3]."""
+    cavity_integral: float
+    """Integral of the cavity's resistance over its volume [1]; divided by the volume, its mean resistance."""
+    total_integral: float
+    """Integral of all resistance over all injected volume [1]."""
+    gate_pressure_pa: float
+    """Largest pressure at the gate's mouth while the front moves.
+
+    This pressure and the forces are taken up to the last front before the cavity is full, at some 98 % of its volume.
+    Then the pressure rises to that of the inlet everywhere, if the vents are closed.
+    """
+    side_force_n: float
+    """Largest force across the finger on the insert during the filling."""
+    side_force_direction: tuple[float, float]
+    """Unit vector (x, y) of that force."""
+    axial_force_n: float
+    """Largest force out of the cavity, towards -z, on the insert during the filling, its collar included."""
+    opening_force_n: float
+    """Largest force that parts the mold halves during the filling."""
+    static_axial_force_n: float
+    """Axial force when the cavity is full, the vents are closed and the inlet's pressure acts everywhere."""
+    static_opening_force_n: float
+    """Opening force then."""
+    arrival_mm3: Array
+    """Volume in the cavity when the front passes each node of the grid; NaN where no silicone comes."""
+    arrival_s: Array
+    """Time at which the front passes each node."""
+    last_points: tuple[LastPoint, ...]
+    """Last points, the last first."""
+    air_pockets: tuple[AirPocket, ...]
+    """Air pockets, the largest first."""
+
+    def force_for_time_n(self, fill_s: float, bore_mm: float) -> float:
+        """Compute the force on a syringe's plunger that fills ducts and cavity within a time.
+
+        Parameters
+        ----------
+        fill_s
+            Time [s].
+        bore_mm
+            Inner diameter of the syringe [mm].
+        """
+        return self.viscosity_pa_s * self.total_integral / fill_s * _area_m2(bore_mm)
+
+
+def syringe_pressure_pa(force_n: float, bore_mm: float) -> float:
+    """Compute the pressure under a syringe's plunger, without the friction of its seal."""
+    return force_n / _area_m2(bore_mm)
+
+
+def head_pressure_pa(density_g_cm3: float, height_mm: float) -> float:
+    """Compute the pressure of a column of silicone."""
+    return density_g_cm3 * _GRAVITY_M_S2 * height_mm
+
+
+def _area_m2(diameter_mm: float) -> float:
+    return math.pi / 4.0 * diameter_mm**2 * 1e-6
+
+
+def predict_filling(
+    grid: SkinGrid, gate: Opening, vents: Sequence[Opening], ducts: Sequence[Duct], *,
+    viscosity_pa_s: float, pressure_pa: float, levels: int = LEVELS,
+) -> FillingPrediction:  # fmt: skip
+    """Predict how a cavity fills.
+
+    Parameters
+    ----------
+    grid
+        Cavity.
+    gate
+        Mouth through which silicone enters the cavity.
+    vents
+        Mouths through which air leaves it.
+    ducts
+        Ducts in series from the pressure to the gate, empty at first: nozzle, sprue, runner.
+    viscosity_pa_s
+        Dynamic viscosity of the mixed silicone.
+    pressure_pa
+        Pressure at the inlet of the first duct, constant.
+    levels
+        Number of injected volumes at which the front is computed.
+    """
+    layer, network = grid.layer, grid.layer.network
+    mouth = open_mouth(layer, gate.point_mm, gate.diameter_mm)
+    source = mouth.shares(len(network.volume_mm3))
+    if not network.is_open.all():
+        network = network.keep(network.reach(source > 0.0))
+    filling = fill(network, source, levels)
+    clock = _Clock.of(
+        filling, mouth_resistance(layer, mouth, gate.diameter_mm), ducts, viscosity_pa_s / pressure_pa
+    )
+
+    volume, arrival = network.total_mm3, filling.arrival_mm3
+    closing = tuple(_close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival) for vent in vents)
+    points, pockets = find_air(network, arrival, closing)
+    not_reached = _not_reached(grid, filling)
+    # At the last front the pressure has no finite limit, because the front has shrunk to a point.
+    moving = slice(0, -1)
+    pressures = np.stack([front.pressure_per_mm3 for front in filling.fronts[moving]])
+    pressures *= (pressure_pa * 1e-6 / (clock.ducts_resistance + clock.resistance[moving]))[:, None]  # [N/mm2]
+    on_insert = -pressures @ grid.insert_area_mm2
+    across = np.hypot(on_insert[:, 0], on_insert[:, 1])
+    worst = int(np.argmax(across))
+    direction = on_insert[worst, :2] / max(float(across[worst]), 1e-300)
+    in_cavity = float(np.max(clock.resistance[moving]))
+    gate_fraction = in_cavity / (clock.ducts_resistance + in_cavity)
+    static_n = pressure_pa * 1e-6
+    return FillingPrediction(
+        volume_mm3=volume,
+        ducts_mm3=clock.ducts_mm3,
+        viscosity_pa_s=viscosity_pa_s,
+        pressure_pa=pressure_pa,
+        ducts_s=clock.ducts_integral * clock.seconds,
+        fill_s=float(clock.time_s(np.array([volume]))[0]),
+        ducts_resistance=clock.ducts_resistance,
+        cavity_integral=float(clock.integral[-1]),
+        total_integral=clock.ducts_integral + clock.ducts_resistance * volume + float(clock.integral[-1]),
+        gate_pressure_pa=pressure_pa * gate_fraction,
+        side_force_n=float(across[worst]),
+        side_force_direction=(float(direction[0]), float(direction[1])),
+        axial_force_n=float(np.max(-on_insert[:, 2])),
+        opening_force_n=float(np.max(pressures @ grid.parting_area_mm2)),
+        static_axial_force_n=static_n * float(grid.insert_area_mm2[:, 2].sum()),
+        static_opening_force_n=static_n * float(grid.parting_area_mm2.sum()),
+        arrival_mm3=arrival,
+        arrival_s=clock.time_s(arrival),
+        last_points=tuple(
+            LastPoint(
+                refine_peak(layer, arrival, point.node), point.arrival_mm3,
+                float(clock.time_s(np.array([point.arrival_mm3]))[0]),
+            )
+            for point in points
+        ),
+        air_pockets=tuple(
+            AirPocket(
+                refine_peak(layer, arrival, air.node), air.volume_mm3, air.injected_mm3,
+                float(clock.time_s(np.array([air.injected_mm3]))[0]),
+            )
+            for air in (*pockets, *not_reached)
+        ),
+    )  # fmt: skip
+
+
+def _close(mouth: Mouth, arrival_mm3: Array) -> ClosingVent:
+    """Find when the front has covered a vent."""
+    reached = np.where(np.isfinite(arrival_mm3), arrival_mm3, 0.0)
+    corners = mouth.nodes.ravel()
+    return ClosingVent(int(corners[np.argmax(reached[corners])]), mouth.maximum(reached))
+
+
+def _not_reached(grid: SkinGrid, filling: Filling) -> tuple[TrappedAir, ...]:
+    """List the silicone's region that closed quads cut off from the gate, as one pocket."""
+    cut_off = grid.layer.network.is_open & ~filling.network.is_open
+    if not cut_off.any():
+        return ()
+    volume = float(grid.layer.network.volume_mm3[cut_off].sum())
+    return (TrappedAir(int(np.flatnonzero(cut_off)[0]), 0.0, volume),)
+
+
+@dataclass(frozen=True, eq=False)
+class _Clock:
+    """Resistance of ducts and cavity over the injected volume, and the time that follows from it."""
+
+    ducts_resistance: float
+    ducts_mm3: float
+    ducts_integral: float
+    injected_mm3: Array
+    """Volumes of the fronts."""
+    resistance: Array
+    """Resistance of the cavity at each front [1/mm3]."""
+    integral: Array
+    """Its integral up to each front [1]."""
+    seconds: float
+    """mu / dp [s]."""
+
+    @classmethod
+    def of(cls, filling: Filling, mouth_resistance: float, ducts: Sequence[Duct], seconds: float) -> _Clock:
+        """Collect the resistances of a filling; the mouth's may be negative, their sum at a front may not."""
+        gate = filling.gate
+        injected = np.array([front.injected_mm3 for front in filling.fronts])
+        resistance = np.array([gate @ front.pressure_per_mm3 for front in filling.fronts]) + mouth_resistance
+        integral = np.array([gate @ front.potential for front in filling.fronts]) + mouth_resistance * injected
+        return cls(*fill_in_series(ducts), injected, np.maximum(resistance, 0.0), np.maximum(integral, 0.0), seconds)
+
+    def time_s(self, volume_mm3: Array) -> Array:
+        """Compute the times at which volumes have entered the cavity.
+
+        Between fronts the integral is interpolated as cubic in the volume, with the resistance as its slope.
+        """
+        v = np.concatenate(([0.0], self.injected_mm3))
+        integral = np.concatenate(([0.0], self.integral))
+        slope = np.concatenate(([0.0], self.resistance))
+        k = np.clip(np.searchsorted(v, volume_mm3) - 1, 0, len(v) - 2)
+        step = v[k + 1] - v[k]
+        x = (volume_mm3 - v[k]) / step
+        cavity = (
+            integral[k] * (1 + 2 * x) * (1 - x) ** 2
+            + integral[k + 1] * x * x * (3 - 2 * x)
+            + step * x * (1 - x) * (slope[k] * (1 - x) - slope[k + 1] * x)
+        )
+        times: Array = self.seconds * (self.ducts_integral + self.ducts_resistance * volume_mm3 + cavity)
+        return times

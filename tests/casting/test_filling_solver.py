@@ -1,0 +1,164 @@
+"""Moving fronts against closed forms: slots, disc, and the gap between two cylinders."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fingertip.arrays import Array
+from fingertip.casting.filling.hele_shaw import Filling, fill
+from fingertip.casting.filling.mouth import mouth_resistance, open_mouth
+from fingertip.casting.filling.surface_links import Layer, hexahedron_volumes
+from tests.casting.filling_grids import disc, sleeve, slot
+
+
+def fill_from_first_row(layer: Layer, levels: int = 12) -> Filling:
+    columns = layer.network.shape[1]
+    volume = layer.network.volume_mm3
+    gate = np.zeros_like(volume)
+    gate[:columns] = volume[:columns] / volume[:columns].sum()
+    return fill(layer.network, gate, levels)
+
+
+def mean_error(filling: Filling, exact_mm3: Array) -> float:
+    """Mean error of the arrival volume, weighted by volume and relative to the whole."""
+    volume = filling.network.volume_mm3
+    error = np.where(volume > 0.0, np.abs(np.nan_to_num(filling.arrival_mm3 - exact_mm3)), 0.0)
+    return float(error @ volume) / filling.network.total_mm3**2
+
+
+def at_nodes(layer: Layer, values: Array) -> Array:
+    return np.append(values.ravel(), 0.0)
+
+
+def test_slot_of_constant_thickness() -> None:
+    layer = slot(40, 6, 30.0, 6.0, lambda y: np.full_like(y, 2.0))
+    filling = fill_from_first_row(layer)
+    assert filling.network.total_mm3 == pytest.approx(360.0, rel=1e-12)
+    # R = 12 L V' / (w h^3) grows linearly in the volume; its integral is half of the last R times the volume.
+    assert filling.resistance_integral == pytest.approx(0.5 * 12 * 30 / (6 * 8) * 360, rel=0.02)
+    y = layer.points_mm[:, 1]
+    assert mean_error(filling, 12.0 * y) < 0.006
+
+
+@pytest.mark.parametrize("slope", [0.05, -0.05])
+def test_wedge_converges_with_second_order(slope: float) -> None:
+    def exact(length: float) -> float:
+        """Integral over V of 12 / w * integral of dy / h^3: by parts, integral of (V_full - V) 12 / (w h^3) dy."""
+        y = np.linspace(0.0, length, 200_001)
+        h = 2.0 + slope * y
+        volume = 6.0 * (2.0 * y + 0.5 * slope * y * y)
+        # The middle surface is longer than y by this factor, and the thickness across it smaller.
+        slant = math.hypot(1.0, slope / 2.0)
+        return slant**4 * float(np.trapezoid((volume[-1] - volume) * 12.0 / (6.0 * h**3), y))
+
+    errors = []
+    for rows in (20, 40, 80):
+        layer = slot(rows, 3, 20.0, 6.0, lambda y: 2.0 + slope * y)
+        columns = layer.network.shape[1]
+        gate = np.zeros(len(layer.network.volume_mm3))
+        gate[:columns] = layer.network.volume_mm3[:columns] / layer.network.volume_mm3[:columns].sum()
+        filling = fill(layer.network, gate)
+        errors.append(abs(filling.resistance_integral / exact(20.0) - 1.0))
+        y = layer.points_mm[:, 1]
+        assert mean_error(filling, 6.0 * (2.0 * y + 0.5 * slope * y * y)) < 0.25 / rows
+    assert errors[0] < 0.01
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.3)
+    assert math.log2(errors[1] / errors[2]) == pytest.approx(2.0, abs=0.3)
+
+
+def test_disc_fills_in_circles_and_its_resistance_is_logarithmic() -> None:
+    layer = disc(30, 24, 20.0, 2.0)
+    pole = len(layer.points_mm) - 1
+    mouth = open_mouth(layer, (0.0, 0.0, 1.0), 3.0)
+    filling = fill(layer.network, mouth.shares(pole + 1))
+    radius = np.hypot(layer.points_mm[:, 0], layer.points_mm[:, 1])
+    area = filling.network.total_mm3 / 20.0**2
+    outside = radius > 2.0
+    assert np.abs(filling.arrival_mm3 - area * radius**2)[outside].max() < 0.03 * filling.network.total_mm3
+    rings = filling.arrival_mm3[:-1].reshape(layer.network.shape)
+    assert np.ptp(rings, axis=1).max() < 1e-9 * filling.network.total_mm3
+    added = mouth_resistance(layer, mouth, 3.0)
+    for front in filling.fronts[3:-1]:
+        r = math.sqrt(front.injected_mm3 / area)
+        exact = math.log(r / 1.5) / (2.0 * math.pi * 2.0**3 / 12.0)
+        assert filling.gate @ front.pressure_per_mm3 + added == pytest.approx(exact, rel=0.05)
+
+
+def test_mouth_resistance_makes_the_resistance_independent_of_the_grid() -> None:
+    found = []
+    for rows, columns in ((16, 24), (24, 36), (64, 96)):
+        layer = sleeve(rows, columns, 20.0, (5.0, 7.0))
+        for angle in (0.0, 0.05, 0.11):
+            mouth = open_mouth(layer, (7.0 * math.cos(angle), 7.0 * math.sin(angle), 6.3), 2.4)
+            filling = fill(layer.network, mouth.shares(len(layer.network.volume_mm3)), 2)
+            added = mouth_resistance(layer, mouth, 2.4) * filling.network.total_mm3
+            found.append(filling.resistance_integral + added)
+    assert found == pytest.approx([found[-1]] * len(found), rel=0.01)
+
+
+def test_gap_between_cylinders_converges_to_a_fine_grid() -> None:
+    def run(rows: int, columns: int) -> tuple[Layer, Filling]:
+        layer = sleeve(rows, columns, 20.0, (5.0, 7.0))
+        mouth = open_mouth(layer, (7.0, 0.0, 2.0), 2.4)
+        return layer, fill(layer.network, mouth.shares(len(layer.network.volume_mm3)))
+
+    _, fine = run(64, 64)
+    exact = fine.arrival_mm3[:-1].reshape(65, 64) / fine.network.total_mm3
+    errors = []
+    for n in (16, 32):
+        layer, coarse = run(n, n)
+        step = 64 // n
+        assert float(layer.points_mm[:-1, 2].max()) == 20.0
+        found = coarse.arrival_mm3[:-1].reshape(n + 1, n) / coarse.network.total_mm3
+        errors.append(float(np.abs(found - exact[::step, ::step]).mean()))
+    assert errors[1] < 0.006
+    assert errors[0] / errors[1] > 1.5
+
+
+@pytest.mark.parametrize("levels", [4, 12])
+def test_mass_is_conserved_and_fronts_grow(levels: int) -> None:
+    layer = sleeve(20, 32, 25.0, (5.0, 7.0))
+    mouth = open_mouth(layer, (7.0, 0.0, 2.0), 2.4)
+    filling = fill(layer.network, mouth.shares(len(layer.network.volume_mm3)), levels)
+    volume = filling.network.volume_mm3
+    for front in filling.fronts:
+        assert front.filled @ volume == pytest.approx(front.injected_mm3, rel=1e-9)
+        assert front.filled.min() >= 0.0
+        assert front.filled.max() <= 1.0 + 1e-6
+    for first, second in zip(filling.fronts, filling.fronts[1:], strict=False):
+        assert (second.potential >= first.potential).all()
+        assert (second.filled >= first.filled - 1e-6).all()
+    # The mean arrival is half the volume, whatever the way of the front.
+    open_nodes = filling.network.is_open
+    mean = float(filling.arrival_mm3[open_nodes] @ volume[open_nodes]) / filling.network.total_mm3
+    assert mean == pytest.approx(0.5 * filling.network.total_mm3, rel=0.01)
+
+
+def test_filling_is_symmetric_about_the_gate() -> None:
+    layer = sleeve(20, 32, 25.0, (5.0, 7.0))
+    mouth = open_mouth(layer, (7.0, 0.0, 4.0), 2.4)
+    filling = fill(layer.network, mouth.shares(len(layer.network.volume_mm3)))
+    arrival = filling.arrival_mm3[:-1].reshape(layer.network.shape)
+    mirrored = np.roll(arrival[:, ::-1], 1, axis=1)
+    assert arrival == pytest.approx(mirrored, rel=1e-6)
+
+
+def test_volume_of_a_hexahedron_with_warped_faces() -> None:
+    rng = np.random.default_rng(3)
+    inner = np.stack((*np.meshgrid([0.0, 1.0], [0.0, 1.0], indexing="ij"), np.zeros((2, 2))), axis=2)
+    inner, outer = (inner + [0, 0, z] + rng.normal(0.0, 0.15, (2, 2, 3)) for z in (1.0, 0.0))
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    total = 0.0
+    for r, wr in zip((nodes + 1) / 2, weights / 2, strict=True):
+        for s, ws in zip((nodes + 1) / 2, weights / 2, strict=True):
+            for t, wt in zip((nodes + 1) / 2, weights / 2, strict=True):
+                a, b = np.array([1 - r, r]), np.array([1 - s, s])
+                d = np.array([-1.0, 1.0])
+                mixed = (1 - t) * inner + t * outer
+                columns = (
+                    np.einsum("i,j,ijk", d, b, mixed), np.einsum("i,j,ijk", a, d, mixed),
+                    np.einsum("i,j,ijk", a, b, outer - inner),
+                )  # fmt: skip
+                total += wr * ws * wt * float(np.linalg.det(np.stack(columns)))
+    assert hexahedron_volumes(inner, outer)[0, 0] == pytest.approx(-total, rel=1e-12)

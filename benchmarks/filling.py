@@ -26,13 +26,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported: 
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.casting.filling.hele_shaw import fill
-from fingertip.casting.filling.mouth import Mouth, mouth_resistance, open_mouth
-from fingertip.casting.filling.network import FlowNetwork
-from fingertip.casting.filling.peaks import refine_peak
-from fingertip.casting.filling.skin_grid import COLUMNS, ROWS, build_skin_grid
-from fingertip.casting.filling.surface_links import Layer
 from fingertip.design import Design
+from fingertip.filling.hele_shaw import fill
+from fingertip.filling.mouth import Mouth, mouth_resistance, open_mouth
+from fingertip.filling.network import FlowNetwork
+from fingertip.filling.peaks import refine_peak
+from fingertip.filling.skin_grid import COLUMNS, ROWS, build_skin_grid
+from fingertip.filling.surface_links import Layer
 
 PARAMS = Path(__file__).resolve().parent.parent / "params"
 DESIGNS = tuple((name, method) for name in ("fsr400", "adult_finger", "fsr402") for method in ("overmold", "sleeve"))

@@ -37,6 +37,8 @@ LUER_MOUTH_MM = 4.3
 LUER_TAPER = 0.06
 """Taper of a Luer cone: its diameter per length. The 6 % stand in the title of ISO 80369-7."""
 LUER_DEPTH_MM = 7.5
-"""Depth of the female cone in the mold [mm]. A nozzle sits about 5 mm deep in it (unverified)."""
+"""Depth of the female cone in the mold [mm]."""
+NOZZLE_DEPTH_MM = 5.0
+"""Depth to which a nozzle sits in the cone [mm] (unverified)."""
 NOZZLE_LENGTH_MM = 10.0
 """Length of the nozzle's bore [mm] (unverified)."""

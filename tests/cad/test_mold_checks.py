@@ -97,7 +97,7 @@ def test_inlet_too_close_to_a_bolt_fails(monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_funnel_through_the_outer_face_fails_and_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     wide = ["mold.filling=gravity", "skin.width_mm=34", "mold.fit_clearance_mm=0.1"]
-    with pytest.raises(DesignError, match="goes through the outside of the mold; at most 18.42 mm"):
+    with pytest.raises(DesignError, match=r"goes through the outside of the mold; at most 18\.42 mm"):
         Design.load(changes=[*wide, "mold.funnel_diameter_mm=24"])
     original = runners.gate_and_funnel
 

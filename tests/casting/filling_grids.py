@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.casting.filling.surface_links import Layer, link_layer
+from fingertip.filling.surface_links import Layer, link_layer
 
 
 def slot(rows: int, columns: int, length: float, width: float, thickness: Callable[[Array], Array]) -> Layer:
@@ -30,7 +30,5 @@ def sleeve(rows: int, columns: int, length: float, radii: tuple[float, float]) -
     """Gap between two coaxial cylinders."""
     z = length * np.arange(2 * rows + 1) / (2 * rows)
     phi = np.pi * np.arange(2 * columns) / columns
-    surfaces = [
-        np.stack(np.broadcast_arrays(r * np.cos(phi), r * np.sin(phi), z[:, None]), axis=2) for r in radii
-    ]
+    surfaces = [np.stack(np.broadcast_arrays(r * np.cos(phi), r * np.sin(phi), z[:, None]), axis=2) for r in radii]
     return link_layer(*surfaces, has_pole=False, is_periodic=True)

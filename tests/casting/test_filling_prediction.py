@@ -9,9 +9,11 @@ import pytest
 
 from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.casting.filling.ducts import RectangularDuct, RoundDuct
-from fingertip.casting.filling.network import Mask
-from fingertip.casting.filling.predict import (
+from fingertip.casting.quantities import measure_volumes
+from fingertip.design import Design
+from fingertip.filling.ducts import RectangularDuct, RoundDuct
+from fingertip.filling.network import Mask
+from fingertip.filling.predict import (
     FillingPrediction,
     Opening,
     Point3,
@@ -19,9 +21,7 @@ from fingertip.casting.filling.predict import (
     predict_filling,
     syringe_pressure_pa,
 )
-from fingertip.casting.filling.skin_grid import SkinGrid, build_skin_grid
-from fingertip.casting.quantities import measure_volumes
-from fingertip.design import Design
+from fingertip.filling.skin_grid import SkinGrid, build_skin_grid
 from tests.conftest import design_file
 
 DUCTS = (RoundDuct(2.1, 10.0), RectangularDuct(3.0, 2.5, 12.0))
@@ -66,7 +66,9 @@ def test_thickness_over_the_flat_and_at_the_side(name: str) -> None:
     layer = build_skin_grid(design).layer
     side = int(np.argmin(((layer.points_mm - on_cavity(design, 0.95, 0.0, 18.0)) ** 2).sum(axis=1)))
     assert layer.thickness_mm[side] == pytest.approx(design.skin.thickness_side_mm, rel=0.1)
-    pad = int(np.argmin(((layer.points_mm - on_cavity(design, 0.0, -0.8, design.dimensions.sensor_z)) ** 2).sum(axis=1)))
+    pad = int(
+        np.argmin(((layer.points_mm - on_cavity(design, 0.0, -0.8, design.dimensions.sensor_z)) ** 2).sum(axis=1))
+    )
     assert layer.thickness_mm[pad] == pytest.approx(design.skin.thickness_palmar_mm, rel=0.1)
 
 

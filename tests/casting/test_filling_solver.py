@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from fingertip.arrays import Array
-from fingertip.casting.filling.hele_shaw import Filling, fill
-from fingertip.casting.filling.mouth import mouth_resistance, open_mouth
-from fingertip.casting.filling.surface_links import Layer, hexahedron_volumes
+from fingertip.filling.hele_shaw import Filling, fill
+from fingertip.filling.mouth import mouth_resistance, open_mouth
+from fingertip.filling.surface_links import Layer, hexahedron_volumes
 from tests.casting.filling_grids import disc, sleeve, slot
 
 

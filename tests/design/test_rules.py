@@ -63,7 +63,6 @@ CASE_BY_FIELD = {
     "mold.funnel_diameter_mm": ["mold.filling=gravity", "mold.funnel_diameter_mm=12"],
     "mold.runner_width_mm": ["skin.length_mm=23", "skin.tip_length_mm=17", "mold.runner_width_mm=6"],
     "mold.runner_depth_mm": ["mold.runner_depth_mm=4"],
-    "mold.overflow_from_tip_mm": ["mold.overflow_from_tip_mm=40"],
     "mold.draft_deg": ["mold.key_height_mm=8", "mold.draft_deg=14"],
     "mold.key_diameter_mm": ["mold.filling=gravity", "mold.land_mm=13"],
     "mold.key_height_mm": ["mold.key_height_mm=9.5"],

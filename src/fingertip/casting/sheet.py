@@ -27,6 +27,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.bone_play import find_losses, sleeve_inset_mm, worst
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
+from fingertip.filling.mold_filling import place_vents
 from fingertip.silicones import SOURCES, Silicone
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
@@ -63,7 +64,7 @@ def casting_sheet_data(
             "made_for_shrinkage_percent": design.mold.silicone_shrinkage_percent,
             "made_for_this_silicone": mold_matches_silicone(design, silicone),
             "bolts": len(design.mold_layout.bolts),
-            "vents": len(design.mold_layout.vents),
+            "vents": len(place_vents(design)),
             "tail_passes_collar": design.dimensions.tail_passes_collar,
             "not_engraved": omitted_lines(design),
             "min_stroke_mm": MIN_STROKE_MM,

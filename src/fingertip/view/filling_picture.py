@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.casting.filling.predict import FillingPrediction, Opening, Point3
-from fingertip.casting.filling.skin_grid import SkinGrid
-from fingertip.casting.filling.surface_links import Layer
+from fingertip.filling.predict import FillingPrediction, Opening, Point3
+from fingertip.filling.skin_grid import SkinGrid
+from fingertip.filling.surface_links import Layer
 from fingertip.plot_style import TEXT_COLOUR, new_figure, to_png
 
 if TYPE_CHECKING:

@@ -14,6 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from fingertip.design import Design
+from fingertip.filling.mold_filling import place_vents
 
 Point = tuple[float, float]
 Rings = tuple[tuple[Point, ...], ...]
@@ -24,12 +25,10 @@ HEIGHT = 6.0
 """Height of a letter, measured between the centre lines of its strokes [grid units]."""
 STROKE_WIDTH = 0.8
 """Width of a stroke [grid units]."""
-_CORNER_REACH = STROKE_WIDTH / math.sqrt(2.0)
-"""Distance of the corners of a stroke from its end [grid units]."""
 MIN_STROKE_MM = 0.4
 """Minimum stroke width [mm]. Narrower strokes close up in printing. The minimum letter height follows from it. An
 assumption."""
-_BASELINE = 2.0  # least distance of each baseline from the centre line between both lines of text [grid units]
+_BASELINE = 2.0  # distance of each baseline from the centre line between the two lines of text [grid units]
 _NUT_DISTANCE_MM = 0.5  # minimum distance between letters and nut traps
 _MAX_LENGTH_RATIO = 0.8  # length of the longest line divided by the length of the block
 
@@ -57,6 +56,8 @@ class TextLine:
     """Size of a grid unit [mm]."""
     baseline_mm: float
     """Signed distance of the baseline from the centre of the face [mm]."""
+    centre_z_mm: float
+    """Middle of the line, along the finger [mm]."""
 
 
 def engraved_lines(design: Design, half: str) -> Iterator[TextLine]:
@@ -69,18 +70,23 @@ def engraved_lines(design: Design, half: str) -> Iterator[TextLine]:
     half
         "palmar" or "dorsal", the second line.
     """
-    for text, above in ((design.name, True), (half, False)):
-        unit = _grid_unit_mm(design, text)
+    low, high = _find_free_length(design, half)
+    for text, baseline in ((design.name, _BASELINE), (half, -_BASELINE - HEIGHT)):
+        unit = _grid_unit_mm(design, text, high - low)
         if design.mold.engraving_depth_mm and STROKE_WIDTH * unit >= MIN_STROKE_MM - 1e-9:
-            baseline = max(_BASELINE * unit, _clear_of_holes_mm(design) + _CORNER_REACH * unit)
-            yield TextLine(text, unit, baseline if above else -baseline - HEIGHT * unit)
+            yield TextLine(text, unit, unit * baseline, (low + high) / 2)
 
 
-def _clear_of_holes_mm(design: Design) -> float:
-    """Distance from the centre line [mm] at which letters keep a wall beside the holes that open between them."""
-    radii = [vent.diameter_mm / 2 for vent in design.mold_layout.vents if vent.axis == "y"]
-    radii += [design.dimensions.chaplet.head_radius] if design.dimensions.chaplet else []
-    return max(radii) + design.printer.min_wall_mm if radii else 0.0
+def _find_free_length(design: Design, half: str) -> tuple[float, float]:
+    """Find the heights [mm] between which no hole opens in the face of a half, but for those of the bolts."""
+    layout, wall = design.mold_layout, design.printer.min_wall_mm
+    low, high = layout.proximal_z, layout.distal_z
+    if half == "palmar":
+        return low, high
+    holes = [(vent.point_mm[2], vent.diameter_mm / 2) for vent in place_vents(design) if vent.kind == "dorsal"]
+    chaplet = design.dimensions.chaplet
+    holes += [(chaplet.z, chaplet.head_radius)] if chaplet else []
+    return low, min((z - radius - wall for z, radius in holes), default=high)
 
 
 def omitted_lines(design: Design) -> list[str]:
@@ -130,18 +136,17 @@ def stroke_rectangles(letter: str, stroke_width: float) -> list[tuple[Point, ...
     return rectangles
 
 
-def _grid_unit_mm(design: Design, text: str) -> float:
+def _grid_unit_mm(design: Design, text: str, length_mm: float) -> float:
     """Compute the size of a grid unit [mm].
 
-    Letters have the requested height, unless the length of the block or the space between the nut traps limits it.
+    Letters have the requested height, unless the free length of the face or the space between the nut traps limits it.
     """
     layout = design.mold_layout
     across = layout.bolts[-1][0] - layout.nut_circumradius - _NUT_DISTANCE_MM
     return min(
         design.mold.engraving_height_mm / HEIGHT,
-        _MAX_LENGTH_RATIO * (layout.distal_z - layout.proximal_z) / text_width(text),
+        _MAX_LENGTH_RATIO * length_mm / text_width(text),
         across / (_BASELINE + HEIGHT + STROKE_WIDTH / 2),
-        (across - _clear_of_holes_mm(design)) / (HEIGHT + 2 * _CORNER_REACH),
     )
 
 

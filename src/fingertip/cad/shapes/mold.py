@@ -136,7 +136,7 @@ def engraved_text(design: Design, half: str) -> tuple[Solid, ...]:
     prisms = []
     for line in engraved_lines(design, half):
         unit, baseline_x = line.unit_mm, line.baseline_mm
-        start_z = (m.proximal_z + m.distal_z - unit * text_width(line.text)) / 2
+        start_z = line.centre_z_mm - unit * text_width(line.text) / 2
         for letter in letter_outlines(line.text, STROKE_WIDTH):
             # With z to the right, x points up as seen from the dorsal side, and down as seen from the palmar side.
             rings = (

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from fingertip.cad.shapes import bone, insert, mold, skin
 from fingertip.cad.solids import Solid
 from fingertip.design import Design
+from fingertip.filling.mold_filling import place_vents
 
 if TYPE_CHECKING:
     from fingertip.cad.kernel.mesh import Mesh
@@ -50,7 +51,7 @@ def _bolt_hole_count(design: Design) -> int:
 def _dorsal_hole_count(design: Design) -> int:
     """Count the bolt holes, the vents through the dorsal half, its inlet, and the hole of the chaplet's screw."""
     layout = design.mold_layout
-    vents = sum(vent.axis == "y" for vent in layout.vents)
+    vents = sum(vent.kind == "dorsal" for vent in place_vents(design))
     return len(layout.bolts) + vents + (layout.inlet is not None) + (design.dimensions.chaplet is not None)
 
 

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
 from fingertip.cad.solids import Cone, Prism, Solid, cylinder, union
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import Inlet
+from fingertip.filling.mold_filling import Vent, place_vents
 from fingertip.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER
 
 _SPRUE_DRAFT = 0.03
 """Draft of the sprue, which widens towards the parting plane, so that it lifts out: radius per length."""
+
+
+_VENT_BEGIN = 0.95
+"""Beginning of a groove inside the cavity, relative to the cavity's half width at its top."""
 
 
 def runners(design: Design) -> tuple[Solid, ...]:
@@ -46,12 +55,28 @@ def sprue(design: Design, inlet: Inlet) -> Solid:
 
 def runner(inlet: Inlet) -> Solid:
     """Build the runner from the sprue into the cavity: along z in the column of the bolts, then along x."""
-    half, x, z = inlet.width / 2, inlet.x, inlet.gate_z
-    corners = (
-        (inlet.z, x - half), (z + half, x - half), (z + half, inlet.gate_x), (z - half, inlet.gate_x),
-        (z - half, x + half), (inlet.z, x + half),
-    )  # fmt: skip
-    return Prism("y", corners[::-1], 0.0, inlet.depth)
+    course = ((inlet.x, inlet.z), (inlet.x, inlet.gate_z), (inlet.gate_x, inlet.gate_z))
+    return groove(course, inlet.width, inlet.depth)
+
+
+def groove(course: Sequence[tuple[float, float]], width: float, depth: float) -> Solid:
+    """Build a groove in the dorsal half, along a course of points (x, z) whose legs run along x or z.
+
+    Its corners are mitred, so that its outline is one polygon.
+    """
+    legs = [
+        (math.copysign(b[0] != a[0], b[0] - a[0]), math.copysign(b[1] != a[1], b[1] - a[1]))
+        for a, b in pairwise(course)
+    ]
+    left, right = [], []
+    for i, (x, z) in enumerate(course):
+        beside = {legs[max(i - 1, 0)], legs[min(i, len(legs) - 1)]}  # the leg before this point and that after it
+        shift_x, shift_z = (width / 2 * sum(part) for part in zip(*((-dz, dx) for dx, dz in beside), strict=True))
+        left.append((z + shift_z, x + shift_x))
+        right.append((z - shift_z, x - shift_x))
+    corners = (*left, *reversed(right))
+    area = sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise((*corners, corners[0])))
+    return Prism("y", corners if area > 0.0 else corners[::-1], 0.0, depth)
 
 
 def gate_and_funnel(design: Design) -> tuple[Solid, ...]:
@@ -68,15 +93,29 @@ def gate_and_funnel(design: Design) -> tuple[Solid, ...]:
 
 def vents(design: Design) -> tuple[Solid, ...]:
     """Build the vents."""
-    m, solids = design.mold_layout, []
-    for vent in m.vents:
-        x, y, z = vent.point_mm
-        radius = vent.diameter_mm / 2
-        if vent.axis == "z":
-            solids.append(cylinder("z", (x, y), z, m.distal_z + design.mold.funnel_depth_mm, radius))
-        else:
-            solids.append(cylinder("y", (z, x), y, 2 * m.dorsal_height, radius))
-    return tuple(solids)
+    return tuple(_vent(design, vent) for vent in place_vents(design))
+
+
+def _vent(design: Design, vent: Vent) -> Solid:
+    """Build one vent. It begins inside the cavity, well below the surface that it cuts."""
+    layout, radius = design.mold_layout, vent.diameter_mm / 2
+    x, y, z = vent.point_mm
+    match vent.kind:
+        case "tip":
+            return cylinder("z", (x, y), z, layout.distal_z + design.mold.funnel_depth_mm, radius)
+        case "dorsal":
+            return cylinder("y", (z, x), y, 2 * layout.dorsal_height, radius)
+        case "side":
+            side, clear = math.copysign(1.0, x), layout.clear_side_z(z, vent.diameter_mm)
+            outer = design.dimensions.outer
+            low = min(outer.half_width_at(vent.diameter_mm, z + way * radius) for way in (-1.0, 1.0))
+            begin, end = side * _VENT_BEGIN * low, side * 2 * layout.half_width
+            if clear == z:
+                return groove(((begin, z), (end, z)), vent.diameter_mm, vent.diameter_mm)
+            # Halfway across the land it turns, to pass the bolts and the key.
+            land = side * (outer.section.half_width * design.dimensions.shrinkage + design.mold.land_mm / 2)
+            course = ((begin, z), (land, z), (land, clear), (end, clear))
+            return groove(course, vent.diameter_mm, vent.diameter_mm)
 
 
 def openings(design: Design) -> Solid:
@@ -85,9 +124,9 @@ def openings(design: Design) -> Solid:
 
 
 def runners_with_axes(design: Design) -> tuple[tuple[Solid, int], ...]:
-    """List these solids with the axis along which each opens to the outside or the parting plane: 1 for y, 2 for z."""
-    in_layout = tuple({"y": 1, "z": 2}[vent.axis] for vent in design.mold_layout.vents)
-    beside = tuple(zip(vents(design), in_layout, strict=True))
+    """List these solids with the axis along which each opens to the outside or the parting plane: 0 for x, 1 for y."""
+    axes = tuple({"side": 0, "dorsal": 1, "tip": 2}[vent.kind] for vent in place_vents(design))
+    beside = tuple(zip(vents(design), axes, strict=True))
     inlet = design.mold_layout.inlet
     if inlet:
         return (sprue(design, inlet), 1), (runner(inlet), 1), *((cone, 1) for cone in luer_cone(design)), *beside

@@ -22,6 +22,7 @@ from fingertip.cad.verification.check import (
     complement,
 )
 from fingertip.design import Design
+from fingertip.filling.mold_filling import place_vents
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -64,7 +65,13 @@ def _check_openings(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]
     yield Check("mold.hollow_bodies", len(hollow.decompose()), 1, "bodies", "exactly")
     distal = hollow.trim_by_plane((0.0, 0.0, 1.0), m.distal_z - _FACE_DEPTH_MM).decompose()
     dorsal = hollow.trim_by_plane((0.0, 1.0, 0.0), m.dorsal_height - _FACE_DEPTH_MM).decompose()
-    yield Check("mold.inlet_and_vent_openings", len(distal) + len(dorsal), 1 + len(m.vents), "openings", "exactly")
+    vents = place_vents(design)
+    at_side = sum(vent.kind == "side" for vent in vents)
+    side = [*hollow.trim_by_plane((1.0, 0.0, 0.0), m.half_width - _FACE_DEPTH_MM).decompose()]
+    side += hollow.trim_by_plane((-1.0, 0.0, 0.0), m.half_width - _FACE_DEPTH_MM).decompose()
+    yield Check("mold.side_vent_openings", len(side), at_side, "openings", "exactly")
+    others = 1 + len(vents) - at_side
+    yield Check("mold.inlet_and_vent_openings", len(distal) + len(dorsal), others, "openings", "exactly")
     cast = evaluator.manifold(intersection(mold.cast_hollow(design), mold.block(design)))
     for half, direction in (("mold_palmar", -1.0), ("mold_dorsal", 1.0)):
         yield Check(f"{half}.undercut", _undercut_area_mm2(cast, direction), _AREA_TOLERANCE_MM2, "mm2")

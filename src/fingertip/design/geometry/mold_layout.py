@@ -2,9 +2,9 @@
 
 The mold is held with its proximal face down while it is filled, so that the apex of the tip is the cavity's highest
 point. A syringe fills it from below: it stands on the dorsal face, beside the collar. Sprue and runner lead to the side
-of the cavity, and the overflow opens on the dorsal side near the tip, where the silicone arrives last. A mold that is
-filled by gravity has its gate and vents beside the apex. All of them open with the mold, so that the cured sprue lifts
-out, and none touches the pad.
+of the cavity. Its vents stand where the silicone arrives last, on the dorsal side near the tip
+(`fingertip.filling`). A mold that is filled by gravity has its gate and vents beside the apex. All of them open with the
+mold, so that the cured sprue lifts out, and none touches the pad.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from fingertip.design.threads import select_thread
 from fingertip.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, SYRINGES, Syringe
@@ -32,17 +32,6 @@ _GATE_END = 0.95
 """End of the runner inside the cavity, relative to the cavity's half width at the top of the runner."""
 _ABOVE_RUNNER_MM = 1.0
 """Least length of the sprue between Luer cone and runner [mm]."""
-
-
-@dataclass(frozen=True)
-class Vent:
-    """Round hole from the cavity to the outside of the mold."""
-
-    axis: Literal["y", "z"]
-    """y: through the dorsal half; z: along the parting plane to the distal face."""
-    point_mm: tuple[float, float, float]
-    """Point on its axis at which it begins, inside the cavity."""
-    diameter_mm: float
 
 
 @dataclass(frozen=True)
@@ -174,18 +163,6 @@ class MoldLayout:
         return -(mold.vent_diameter_mm / 2 + _GATE_TO_VENT_MM + mold.funnel_diameter_mm / 2)
 
     @cached_property
-    def vents(self) -> tuple[Vent, ...]:
-        """Vents: one at the tip's dorsal side, the overflow; or one at the apex and one opposite the gate."""
-        diameter = self._design.mold.vent_diameter_mm
-        if self.inlet is None:
-            return tuple(Vent("z", (x, 0.0, self.inlet_z), diameter) for x in (0.0, -self.gate_x))
-        dims = self._design.dimensions
-        z = (self._design.skin.length_mm - self._design.mold.overflow_from_tip_mm) * dims.shrinkage
-        # It begins halfway up the cavity's height at its distal edge, well below the surface that it cuts.
-        height = dims.outer.section.dorsal * dims.outer.scale_at(z / dims.shrinkage + diameter / 2)
-        return (Vent("y", (0.0, height / 2, z), diameter),)
-
-    @cached_property
     def inlet_z(self) -> float:
         """Height at which gate and vents begin, inside the cavity, if gravity fills it."""
         return self._design.dimensions.taper_end_z
@@ -199,6 +176,24 @@ class MoldLayout:
     def bolts(self) -> tuple[tuple[float, float], ...]:
         """(x, z) of each clamp bolt."""
         return tuple((x, z) for x in (-self._column_x, self._column_x) for z in self._bolts_z)
+
+    def clear_side_z(self, z: float, width: float) -> float:
+        """Find the height nearest to `z` [mm] at which a groove of this width passes the bolts and the key at -x."""
+        wall = self._design.printer.min_wall_mm + width / 2
+        key_z, root = (
+            self.keys[0][1],
+            self.keys[0][2] / 2 + self.dorsal_height / 2 * self._design.dimensions.draft_slope,
+        )
+        bolt = self._design.mold.bolt_diameter_mm / 2
+        around = [(at - bolt - wall, at + bolt + wall) for at in self._bolts_z]
+        around.append((key_z - root - wall, key_z + root + wall))
+        candidates = [z, *(edge for interval in around for edge in interval)]
+        inside = (self.proximal_z + wall, self.distal_z - wall)
+        clear = [
+            at for at in candidates
+            if inside[0] <= at <= inside[1] and not any(low + 1e-9 < at < high - 1e-9 for low, high in around)
+        ]  # fmt: skip
+        return min(clear, key=lambda at: abs(at - z))
 
     @cached_property
     def key_space(self) -> float:

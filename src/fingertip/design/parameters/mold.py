@@ -90,13 +90,6 @@ class Mold(ParameterTable):
         3.0, "mm", "Width of the runner from the sprue to the side of the cavity.", minimum=1, maximum=8
     )
     runner_depth_mm: float = quantity(2.5, "mm", "Depth of the runner, in the dorsal half.", minimum=0.8, maximum=8)
-    overflow_from_tip_mm: float = quantity(
-        6.0,
-        "mm",
-        "Distance of the overflow from the tip, along the finger, on the dorsal side.",
-        minimum=0.5,
-        maximum=60,
-    )
     gate_diameter_mm: float = quantity(
         3.0, "mm", "Diameter of the gate beside the vent at the tip (filling gravity).", minimum=0.8, maximum=12
     )
@@ -105,7 +98,7 @@ class Mold(ParameterTable):
     )
     funnel_depth_mm: float = quantity(4.0, "mm", "Depth of the funnel (filling gravity).", minimum=0.5, maximum=30)
     vent_diameter_mm: float = quantity(
-        1.2, "mm", "Diameter of the mold's vents, one of which is the overflow.", minimum=0.4, maximum=5
+        1.2, "mm", "Diameter of the mold's vents, and width of those in the parting plane.", minimum=0.4, maximum=5
     )
     bolt_diameter_mm: float = quantity(
         3.4, "mm", "Diameter of the clamp bolts' clearance holes (3.4: M3).", minimum=MIN_HOLE_MM, maximum=9

@@ -60,8 +60,8 @@ def bone_is_held(design: DesignTables) -> Violation | None:
     limit = bisect(lambda value: _holds(design, value), 0.0, clearance, halvings=12)[0] if _holds(design, 0.0) else 0.0
     return Violation(
         f"{clearance:g} mm lets bone or core lie off until {100 * max(sensor.retained, 0.0):.0f} % of the skin are "
-        f"left over the sensor, {100 * max(elsewhere.retained, 0.0):.0f} % elsewhere and {least:.2f} mm at the thinnest "
-        f"place; {100 * MIN_RETAINED_OVER_SENSOR:g} %, {100 * MIN_RETAINED:g} % and "
+        f"left over the sensor, {100 * max(elsewhere.retained, 0.0):.0f} % elsewhere and {least:.2f} mm at the "
+        f"thinnest place; {100 * MIN_RETAINED_OVER_SENSOR:g} %, {100 * MIN_RETAINED:g} % and "
         f"{design.skin.min_thickness_mm:g} mm are needed",
         at_most(limit) if limit else (),
     )

@@ -119,17 +119,6 @@ def gate_meets_cavity(design: DesignTables) -> Violation | None:
     return Violation(f"{depth:g} mm ends above the side of the cavity", at_most(maximum))
 
 
-@RULES.rule("mold.overflow_from_tip_mm")
-def overflow_opens_into_cavity(design: DesignTables) -> Violation | None:
-    """The overflow opens into the cavity, between collar and tip."""
-    distance, mold = design.mold.overflow_from_tip_mm, design.mold
-    low = mold.vent_diameter_mm
-    high = design.skin.length_mm - mold.vent_diameter_mm
-    if mold.filling == "gravity" or low - SLACK <= distance <= high + SLACK:
-        return None
-    return Violation(f"{distance:g} mm puts the overflow outside the cavity", ((low, high),) if low <= high else ())
-
-
 @RULES.rule("mold.draft_deg")
 def keys_keep_a_top(design: DesignTables) -> Violation | None:
     """The draft does not bring the registration keys to a point."""

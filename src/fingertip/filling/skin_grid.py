@@ -15,10 +15,10 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.cad.shapes.insert import insert_body
-from fingertip.casting.filling.network import Mask
-from fingertip.casting.filling.surface_links import Layer, NodeSums, link_layer, vector_areas
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.filling.network import Mask
+from fingertip.filling.surface_links import Layer, NodeSums, link_layer, vector_areas
 
 ROWS, COLUMNS = 40, 48
 """Default numbers of rows, without the pole, and of columns."""

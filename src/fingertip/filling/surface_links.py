@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.casting.filling.network import FlowNetwork, Mask
+from fingertip.filling.network import FlowNetwork, Mask
 
 TOUCHING_MM = 0.05
 """Thickness below which both surfaces are taken to touch [mm]. Silicone does not flow there."""

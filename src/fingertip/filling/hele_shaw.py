@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.casting.filling.network import FlowNetwork, Mask
+from fingertip.filling.network import FlowNetwork, Mask
 
 LEVELS = 12
 """Number of injected volumes at which the front is computed, the full cavity included."""

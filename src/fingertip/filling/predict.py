@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.casting.filling.air import ClosingVent, TrappedAir, find_air
-from fingertip.casting.filling.ducts import Duct, fill_in_series
-from fingertip.casting.filling.hele_shaw import LEVELS, Filling, fill
-from fingertip.casting.filling.mouth import Mouth, mouth_resistance, open_mouth
-from fingertip.casting.filling.peaks import refine_peak
-from fingertip.casting.filling.skin_grid import SkinGrid
+from fingertip.filling.air import ClosingVent, TrappedAir, find_air
+from fingertip.filling.ducts import Duct, fill_in_series
+from fingertip.filling.hele_shaw import LEVELS, Filling, fill
+from fingertip.filling.mouth import Mouth, mouth_resistance, open_mouth
+from fingertip.filling.peaks import refine_peak
+from fingertip.filling.skin_grid import SkinGrid
 
 Point3 = tuple[float, float, float]
 _GRAVITY_M_S2 = 9.81
@@ -159,9 +159,7 @@ def predict_filling(
     if not network.is_open.all():
         network = network.keep(network.reach(source > 0.0))
     filling = fill(network, source, levels)
-    clock = _Clock.of(
-        filling, mouth_resistance(layer, mouth, gate.diameter_mm), ducts, viscosity_pa_s / pressure_pa
-    )
+    clock = _Clock.of(filling, mouth_resistance(layer, mouth, gate.diameter_mm), ducts, viscosity_pa_s / pressure_pa)
 
     volume, arrival = network.total_mm3, filling.arrival_mm3
     closing = tuple(_close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival) for vent in vents)

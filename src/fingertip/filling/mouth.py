@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.arrays import Array
-from fingertip.casting.filling.surface_links import Layer
+from fingertip.filling.surface_links import Layer
 
 _EQUIVALENT_RADIUS = math.exp(-0.5772156649015329) / 4.0
 """Radius at which the exact pressure around a source equals that of its node, divided by the quad's diagonal."""

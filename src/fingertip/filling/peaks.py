@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.casting.filling.surface_links import Layer
+from fingertip.filling.surface_links import Layer
 
 
 def refine_peak(layer: Layer, values: Array, node: int) -> tuple[float, float, float]:

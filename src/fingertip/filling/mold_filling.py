@@ -1,0 +1,164 @@
+"""Filling of a design's mold: its ducts, its gate, its vents, and the prediction for its silicone.
+
+Vents stand where air would be trapped: at each point that fills last in a part of the cavity. The gap between collar
+and recess lets air out, but hardly any silicone: silicone is a million times as viscous. Air at the collar's edge
+therefore needs no vent of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+
+from fingertip.design import Design
+from fingertip.design.geometry.mold_layout import Inlet
+from fingertip.design.silicone import select_silicone
+from fingertip.filling.ducts import ConicalDuct, Duct, RectangularDuct, RoundDuct
+from fingertip.filling.predict import (
+    AirPocket,
+    FillingPrediction,
+    Opening,
+    Point3,
+    head_pressure_pa,
+    predict_filling,
+    syringe_pressure_pa,
+)
+from fingertip.filling.skin_grid import SkinGrid, build_skin_grid
+from fingertip.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
+
+MAX_AIR_MM3 = 1.0
+"""Volume of an air pocket from which on it is a fault [mm3]."""
+_AT_COLLAR_MM = 0.6
+"""Height above the collar up to which its gap vents the cavity [mm]."""
+_MAX_ROUNDS = 4
+"""Largest number of rounds in which vents are added."""
+_STEEP = 1.5
+"""Distance of a last point from the dorsal surface straight above it, in thicknesses of the skin, from which on a hole
+from above would miss it."""
+
+
+@dataclass(frozen=True)
+class Vent:
+    """Hole through which air leaves the cavity."""
+
+    kind: Literal["dorsal", "side", "tip"]
+    """dorsal: along y through the dorsal half; side: a groove in the parting plane; tip: along z to the distal face."""
+    point_mm: Point3
+    """Point of the cavity that it vents."""
+    diameter_mm: float
+
+
+@lru_cache(maxsize=32)
+def place_vents(design: Design) -> tuple[Vent, ...]:
+    """Place the vents of a design's mold.
+
+    A mold that is filled by gravity has one at the apex and one opposite the gate. A mold that is filled by syringe has
+    one at each place where air would be trapped without it, the largest first.
+    """
+    diameter, layout = design.mold.vent_diameter_mm, design.mold_layout
+    if layout.inlet is None:
+        return tuple(Vent("tip", (x, 0.0, layout.inlet_z), diameter) for x in (0.0, -layout.gate_x))
+    vents: tuple[Vent, ...] = ()
+    for _ in range(_MAX_ROUNDS):
+        # A vent can leave another pocket behind, which had been part of the one that it empties.
+        pockets = [pocket for pocket in _predict(design, vents).air_pockets if not _is_at_collar(pocket.point_mm)]
+        found = [pocket.point_mm for pocket in pockets if pocket.point_mm not in [vent.point_mm for vent in vents]]
+        if not found:
+            break
+        vents += tuple(Vent(_choose_kind(design, point), point, diameter) for point in found)
+    return vents
+
+
+@lru_cache(maxsize=32)
+def predict_mold_filling(design: Design) -> FillingPrediction:
+    """Predict the filling of a design's mold, with its vents; air at the collar's edge counts as vented."""
+    prediction = _predict(design, place_vents(design))
+    trapped = tuple(pocket for pocket in prediction.air_pockets if not _is_at_collar(pocket.point_mm))
+    return replace(prediction, air_pockets=trapped)
+
+
+def largest_pocket(prediction: FillingPrediction) -> AirPocket | None:
+    """Return the largest air pocket; None if there is none."""
+    return max(prediction.air_pockets, key=lambda pocket: pocket.volume_mm3, default=None)
+
+
+def gate_opening(design: Design) -> Opening:
+    """Return the mouth of the gate in the cavity."""
+    layout, dims = design.mold_layout, design.dimensions
+    inlet = layout.inlet
+    if inlet is None:
+        z = design.skin.length_mm * dims.shrinkage
+        return Opening((layout.gate_x, 0.0, z), design.mold.gate_diameter_mm)
+    side = dims.outer.half_width_at(inlet.depth / 2, inlet.gate_z)
+    return Opening((side, inlet.depth / 2, inlet.gate_z), 2 * math.sqrt(inlet.width * inlet.depth / math.pi))
+
+
+def list_ducts(design: Design) -> tuple[Duct, ...]:
+    """List the ducts from the plunger, or from the funnel, to the gate."""
+    layout, mold = design.mold_layout, design.mold
+    inlet = layout.inlet
+    if inlet is None:
+        above = layout.distal_z - mold.funnel_depth_mm - design.skin.length_mm * design.dimensions.shrinkage
+        mouth, throat = mold.funnel_diameter_mm, mold.gate_diameter_mm
+        funnel = ConicalDuct(mouth, throat, mold.funnel_depth_mm) if mouth > throat else None
+        gate = RoundDuct(throat, max(above, throat))
+        return (funnel, gate) if funnel else (gate,)
+    return (RoundDuct(mold.nozzle_bore_mm, NOZZLE_LENGTH_MM), *_inlet_ducts(design, inlet))
+
+
+def _inlet_ducts(design: Design, inlet: Inlet) -> tuple[Duct, ...]:
+    """List the ducts in the mold: what the nozzle leaves of its cone, the sprue, and both legs of the runner."""
+    at_nozzle = LUER_MOUTH_MM - LUER_TAPER * NOZZLE_DEPTH_MM
+    at_end = LUER_MOUTH_MM - LUER_TAPER * LUER_DEPTH_MM
+    sprue = design.mold_layout.dorsal_height - LUER_DEPTH_MM
+    side = gate_opening(design).point_mm[0]
+    return (
+        ConicalDuct(at_nozzle, at_end, LUER_DEPTH_MM - NOZZLE_DEPTH_MM),
+        RoundDuct(at_end, sprue),
+        RectangularDuct(inlet.width, inlet.depth, inlet.z - inlet.gate_z + inlet.x - side),
+    )
+
+
+def _predict(design: Design, vents: tuple[Vent, ...]) -> FillingPrediction:
+    silicone = select_silicone(design)
+    inlet = design.mold_layout.inlet
+    if inlet:
+        pressure = syringe_pressure_pa(design.mold.thumb_force_n, inlet.syringe.bore_mm)
+    else:
+        # The head of a full funnel above the gate; in the cavity below it, air and silicone change places.
+        height = design.mold_layout.distal_z - design.skin.length_mm * design.dimensions.shrinkage
+        pressure = head_pressure_pa(silicone.density_g_cm3.low, height)
+    return predict_filling(
+        _grid(design), gate_opening(design), [Opening(vent.point_mm, vent.diameter_mm) for vent in vents],
+        list_ducts(design), viscosity_pa_s=silicone.viscosity_pa_s.high, pressure_pa=pressure,
+    )  # fmt: skip
+
+
+def _grid(design: Design) -> SkinGrid:
+    """Build the grid of the cavity, closed where the chaplet's boss stands."""
+    chaplet = design.dimensions.chaplet
+    if chaplet is None:
+        return build_skin_grid(design)
+    scale = design.dimensions.shrinkage if design.mold.method == "sleeve" else 1.0
+
+    def is_closed(points: np.ndarray) -> np.ndarray:
+        distance = np.hypot(points[..., 0], points[..., 2] - scale * chaplet.z)
+        return (points[..., 1] > 0.0) & (distance < scale * chaplet.radius)
+
+    return build_skin_grid(design, is_closed=is_closed)
+
+
+def _is_at_collar(point: Point3) -> bool:
+    return point[2] <= _AT_COLLAR_MM
+
+
+def _choose_kind(design: Design, point: Point3) -> Literal["dorsal", "side"]:
+    """Choose a hole from the dorsal side where it meets the point, and else a groove in the parting plane."""
+    x, y, z = point
+    dims = design.dimensions
+    above = dims.shrinkage * dims.outer.dorsal_height_at(x / dims.shrinkage, z / dims.shrinkage) - y
+    return "dorsal" if y > 0.0 and above <= _STEEP * design.skin.thickness_dorsal_mm else "side"

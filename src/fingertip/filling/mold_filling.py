@@ -13,7 +13,9 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import Inlet
 from fingertip.design.silicone import select_silicone
@@ -36,6 +38,12 @@ _AT_COLLAR_MM = 0.6
 """Height above the collar up to which its gap vents the cavity [mm]."""
 _MAX_ROUNDS = 4
 """Largest number of rounds in which vents are added."""
+_APART_DIAMETERS = 1.5
+"""Least distance of two vents, in diameters."""
+_BESIDE_HEAD_MM = 0.1
+"""Wall between a vent and the head of the chaplet's screw, beyond the least one [mm]."""
+_GROOVE_WIDTHS = 2.0
+"""Width of a vent in the parting plane over the diameter of the others; it is half as deep as wide."""
 _STEEP = 1.5
 """Distance of a last point from the dorsal surface straight above it, in thicknesses of the skin, from which on a hole
 from above would miss it."""
@@ -66,11 +74,31 @@ def place_vents(design: Design) -> tuple[Vent, ...]:
     for _ in range(_MAX_ROUNDS):
         # A vent can leave another pocket behind, which had been part of the one that it empties.
         pockets = [pocket for pocket in _predict(design, vents).air_pockets if not _is_at_collar(pocket.point_mm)]
-        found = [pocket.point_mm for pocket in pockets if pocket.point_mm not in [vent.point_mm for vent in vents]]
-        if not found:
+        before = len(vents)
+        for pocket in pockets:
+            point = _clear_of_chaplet(design, pocket.point_mm)
+            if all(math.dist(point, vent.point_mm) > _APART_DIAMETERS * diameter for vent in vents):
+                kind = _choose_kind(design, point)
+                # A groove is twice as wide as deep, because pockets at the side are long.
+                vents += (Vent(kind, point, diameter if kind == "dorsal" else _GROOVE_WIDTHS * diameter),)
+        if len(vents) == before:
             break
-        vents += tuple(Vent(_choose_kind(design, point), point, diameter) for point in found)
     return vents
+
+
+def _clear_of_chaplet(design: Design, point: Point3) -> Point3:
+    """Move a point as far from the chaplet as a vent needs: it may cut the side of the boss, but not its screw."""
+    chaplet = design.dimensions.chaplet
+    x, y, z = point
+    if chaplet is None or y < 0.0:
+        return point
+    scale = design.dimensions.shrinkage if design.mold.method == "sleeve" else 1.0
+    distance = math.hypot(x, z - scale * chaplet.z)
+    needed = chaplet.head_radius + design.mold.vent_diameter_mm / 2 + design.printer.min_wall_mm + _BESIDE_HEAD_MM
+    if distance >= needed or distance == 0.0:
+        return point
+    away = needed / distance
+    return (x * away, y, scale * chaplet.z + (z - scale * chaplet.z) * away)
 
 
 @lru_cache(maxsize=32)
@@ -145,9 +173,10 @@ def _grid(design: Design) -> SkinGrid:
         return build_skin_grid(design)
     scale = design.dimensions.shrinkage if design.mold.method == "sleeve" else 1.0
 
-    def is_closed(points: np.ndarray) -> np.ndarray:
+    def is_closed(points: Array) -> NDArray[np.bool_]:
         distance = np.hypot(points[..., 0], points[..., 2] - scale * chaplet.z)
-        return (points[..., 1] > 0.0) & (distance < scale * chaplet.radius)
+        closed: NDArray[np.bool_] = (points[..., 1] > 0.0) & (distance < scale * chaplet.radius)
+        return closed
 
     return build_skin_grid(design, is_closed=is_closed)
 

@@ -21,6 +21,8 @@ from fingertip.filling.mouth import Mouth, mouth_resistance, open_mouth
 from fingertip.filling.peaks import refine_peak
 from fingertip.filling.skin_grid import SkinGrid
 
+_WITHIN = 0.5
+"""Weight of a node from which on a sample of a mouth lies at that node."""
 Point3 = tuple[float, float, float]
 _GRAVITY_M_S2 = 9.81
 
@@ -162,7 +164,9 @@ def predict_filling(
     clock = _Clock.of(filling, mouth_resistance(layer, mouth, gate.diameter_mm), ducts, viscosity_pa_s / pressure_pa)
 
     volume, arrival = network.total_mm3, filling.arrival_mm3
-    closing = tuple(_close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival) for vent in vents)
+    closing = tuple(
+        sample for vent in vents for sample in _close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival)
+    )
     points, pockets = find_air(network, arrival, closing)
     not_reached = _not_reached(grid, filling)
     # At the last front the pressure has no finite limit, because the front has shrunk to a point.
@@ -212,11 +216,18 @@ def predict_filling(
     )  # fmt: skip
 
 
-def _close(mouth: Mouth, arrival_mm3: Array) -> ClosingVent:
-    """Find when the front has covered a vent."""
+def _close(mouth: Mouth, arrival_mm3: Array) -> list[ClosingVent]:
+    """Find when the front covers each sample of a vent's mouth, which can lie in several parts of the cavity."""
     reached = np.where(np.isfinite(arrival_mm3), arrival_mm3, 0.0)
-    corners = mouth.nodes.ravel()
-    return ClosingVent(int(corners[np.argmax(reached[corners])]), mouth.maximum(reached))
+    samples, corner = np.arange(len(mouth.nodes)), np.argmax(mouth.weights, axis=1)
+    heaviest = mouth.nodes[samples, corner]
+    covered = np.einsum("sk,sk->s", mouth.weights, reached[mouth.nodes])
+    # A node is the smallest volume that is resolved: one within the mouth is vented as long as it is not full.
+    covered = np.where(mouth.weights[samples, corner] > _WITHIN, reached[heaviest], covered)
+    latest: dict[int, float] = {}
+    for node, volume in zip(heaviest.tolist(), covered.tolist(), strict=True):
+        latest[node] = max(volume, latest.get(node, 0.0))
+    return [ClosingVent(node, volume) for node, volume in latest.items()]
 
 
 def _not_reached(grid: SkinGrid, filling: Filling) -> tuple[TrappedAir, ...]:

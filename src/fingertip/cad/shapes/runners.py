@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
+from fingertip.cad.shapes.chaplet import axis_z, contact_y
 from fingertip.cad.solids import Cone, Prism, Solid, cylinder, union
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import Inlet
@@ -18,6 +19,10 @@ _SPRUE_DRAFT = 0.03
 
 _VENT_BEGIN = 0.95
 """Beginning of a groove inside the cavity, relative to the cavity's half width at its top."""
+
+
+_BELOW_BOSS_MM = 0.2
+"""Length by which a vent reaches past the end of the boss [mm]."""
 
 
 def runners(design: Design) -> tuple[Solid, ...]:
@@ -64,10 +69,7 @@ def groove(course: Sequence[tuple[float, float]], width: float, depth: float) ->
 
     Its corners are mitred, so that its outline is one polygon.
     """
-    legs = [
-        (math.copysign(b[0] != a[0], b[0] - a[0]), math.copysign(b[1] != a[1], b[1] - a[1]))
-        for a, b in pairwise(course)
-    ]
+    legs = [(_sign(b[0] - a[0]), _sign(b[1] - a[1])) for a, b in pairwise(course)]
     left, right = [], []
     for i, (x, z) in enumerate(course):
         beside = {legs[max(i - 1, 0)], legs[min(i, len(legs) - 1)]}  # the leg before this point and that after it
@@ -77,6 +79,10 @@ def groove(course: Sequence[tuple[float, float]], width: float, depth: float) ->
     corners = (*left, *reversed(right))
     area = sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise((*corners, corners[0])))
     return Prism("y", corners if area > 0.0 else corners[::-1], 0.0, depth)
+
+
+def _sign(value: float) -> float:
+    return float((value > 0.0) - (value < 0.0))
 
 
 def gate_and_funnel(design: Design) -> tuple[Solid, ...]:
@@ -104,18 +110,27 @@ def _vent(design: Design, vent: Vent) -> Solid:
         case "tip":
             return cylinder("z", (x, y), z, layout.distal_z + design.mold.funnel_depth_mm, radius)
         case "dorsal":
-            return cylinder("y", (z, x), y, 2 * layout.dorsal_height, radius)
+            return cylinder("y", (z, x), _begin_dorsal(design, vent), 2 * layout.dorsal_height, radius)
         case "side":
             side, clear = math.copysign(1.0, x), layout.clear_side_z(z, vent.diameter_mm)
-            outer = design.dimensions.outer
-            low = min(outer.half_width_at(vent.diameter_mm, z + way * radius) for way in (-1.0, 1.0))
+            outer, depth = design.dimensions.outer, vent.diameter_mm / 2
+            low = min(outer.half_width_at(depth, z + way * radius) for way in (-1.0, 1.0))
             begin, end = side * _VENT_BEGIN * low, side * 2 * layout.half_width
             if clear == z:
-                return groove(((begin, z), (end, z)), vent.diameter_mm, vent.diameter_mm)
+                return groove(((begin, z), (end, z)), vent.diameter_mm, depth)
             # Halfway across the land it turns, to pass the bolts and the key.
             land = side * (outer.section.half_width * design.dimensions.shrinkage + design.mold.land_mm / 2)
-            course = ((begin, z), (land, z), (land, clear), (end, clear))
-            return groove(course, vent.diameter_mm, vent.diameter_mm)
+            return groove(((begin, z), (land, z), (land, clear), (end, clear)), vent.diameter_mm, depth)
+
+
+def _begin_dorsal(design: Design, vent: Vent) -> float:
+    """Height at which a vent from above begins. Where it cuts the boss of the chaplet it does so down to its end."""
+    (x, y, z), chaplet = vent.point_mm, design.dimensions.chaplet
+    if chaplet is None:
+        return y
+    widest = chaplet.radius + design.dimensions.draft_slope * design.mold_layout.dorsal_height
+    near = math.hypot(x, z - axis_z(design)) < widest * design.dimensions.shrinkage + vent.diameter_mm / 2
+    return min(y, contact_y(design) - _BELOW_BOSS_MM) if near else y
 
 
 def openings(design: Design) -> Solid:

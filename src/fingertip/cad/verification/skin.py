@@ -39,7 +39,7 @@ _SECTIONS = 24
 
 
 def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator[Check]:
-    """Check the thickness of the skin, with the bone in its place and off it, and its mesh against the outer surface."""
+    """Check the thickness of the skin, with the bone in place and off it, and its mesh against the outer surface."""
     interior = above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM)
     exterior = above_z(complement(evaluator, SuperconicSolid(design.dimensions.outer)), PLANE_OFFSET_MM)
     minimum = design.skin.min_thickness_mm - evaluator.tolerance_mm

@@ -16,6 +16,7 @@ from fingertip.cad.strength.assess import BoneStrength, assess_strength
 from fingertip.cad.verification.assembly import check_assembly
 from fingertip.cad.verification.bone import check_air_vent, check_bone
 from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.filling import check_filling
 from fingertip.cad.verification.joint import check_joint
 from fingertip.cad.verification.mold import check_mold
 from fingertip.cad.verification.part_files import check_mesh_file
@@ -99,6 +100,7 @@ def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, M
         yield from check_joint(design, evaluator)
     if "mold_palmar" in meshes and "mold_dorsal" in meshes:
         yield from check_mold(design, evaluator)
+        yield from check_filling(design)
     if "core" in meshes:
         yield check_sleeve_stretch(design, evaluator)
 

@@ -55,6 +55,7 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
             "item": "mold nut (hexagon nut)", "thread_mm": thread.diameter_mm, "across_flats_mm": thread.nut_flats_mm,
             "count": bolts.count,
         },
+        *_mold_hardware(design),
         *_interface_bolts(design),
         (
             {"item": "insulated wire", "thinner_than_mm": sensor.wire_diameter_mm, "count": 2}
@@ -63,6 +64,22 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
         ),
         *_strain_relief(design),
     ]  # fmt: skip
+
+
+def _mold_hardware(design: Design) -> list[dict[str, Any]]:
+    """List the screw of the chaplet, the syringe, and what is rubbed on the mold."""
+    items: list[dict[str, Any]] = []
+    if chaplet := design.dimensions.chaplet:
+        items.append({
+            "item": "chaplet screw (machine screw, pan or cylinder head)", "thread_mm": chaplet.thread.diameter_mm,
+            "length_mm": chaplet.screw_length(design.mold_layout.dorsal_height), "count": 1,
+        })  # fmt: skip
+    if inlet := design.mold_layout.inlet:
+        items.append({
+            "item": "syringe with Luer slip tip, as wide as stated", "volume_ml": inlet.syringe.volume_ml,
+            "nozzle_bore_mm": design.mold.nozzle_bore_mm, "count": 1,
+        })  # fmt: skip
+    return [*items, {"item": "mold release for silicone", "count": 1}]
 
 
 def _strain_relief(design: Design) -> list[dict[str, Any]]:

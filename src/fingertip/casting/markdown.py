@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from fingertip.casting.mold_steps import list_filling_steps, list_opening_steps, list_trying_steps
 from fingertip.casting.sensor_steps import (
     describe_opening,
     list_joint_steps,
@@ -101,41 +102,27 @@ def warnings(data: Data) -> list[str]:
 
 def steps(data: Data) -> list[str]:
     """List the steps of the procedure, in order."""
-    properties, batch = data["silicone"]["properties"], data["batch"]
-    is_sleeve = data["method"] == "sleeve"
-    insert = "core" if is_sleeve else "bone"
-    if is_sleeve:
-        seal = [
+    if data["method"] == "sleeve":
+        return [
+            *list_trying_steps(data),
             "Leave the bone and the sensor out of the mold. Only the core lies in it. The core has no pocket, slot or "
-            "channel, so nothing needs to be sealed."
+            "channel, so nothing needs to be sealed.",
+            *list_filling_steps(data, _weighing_step(data["silicone"], data["batch"])),
+            *list_opening_steps(data),
+            "Roll the skin off the core.",
+            *list_mounting_steps(data),
+            "Wet the outside of the bone with soapy water, but keep the sensor, its tail, the slot and the channel "
+            "dry. Pull the skin over the bone until the edge of the skin sits on the collar. Let the skin and the bone "
+            "dry.",
+            *list_joint_steps(data),
         ]
-    else:
-        seal = list_sealing_steps(data)
-    cast = [
-        *seal,
-        f"Lay the {insert if is_sleeve else 'bone with its sensor'} in the recess of the palmar half and fit the "
-        "dorsal half. The mold closes only one way.",
-        _centring_step(data["fit"], insert),
-        f"Tighten the {data['mold']['bolts']} mold bolts until the parting line shows no gap. Do not tighten further.",
-        _weighing_step(data["silicone"], batch),
-        f"Stand the mold funnel up, with the exposed end of the {insert} pointing down, over a cup that catches drips. "
-        "A vise may hold it by the two sides with the pry slots, where no bolt protrudes.",
-        f"Within {properties['pot_life_min']['low']:g} min of the start of stirring, pour a thin stream into the "
-        f"funnel until silicone rises in the {data['mold']['vents']} mold vents. Tap the mold and top it up.",
-        f"Let it cure for {properties['cure_h']['high']:g} h at room temperature. Before you open the mold, test the "
-        "leftover silicone in the cup with a fingernail.",
-        "Remove the rubber band, the bolts and the strips of paper. Twist a screwdriver in the pry slots, alternating "
-        "between the two sides, and lift the halves straight off. Trim the sprue and vent stubs flush, and remove any "
-        "flash around the base.",
-    ]
-    if not is_sleeve:
-        return [*list_mounting_steps(data), *cast, describe_opening(data), *list_joint_steps(data)]
     return [
-        *cast,
-        "Roll the skin off the core.",
+        *list_trying_steps(data),
         *list_mounting_steps(data),
-        "Wet the outside of the bone with soapy water, but keep the sensor, its tail, the slot and the channel dry. "
-        "Pull the skin over the bone until the edge of the skin sits on the collar. Let the skin and the bone dry.",
+        *list_sealing_steps(data),
+        *list_filling_steps(data, _weighing_step(data["silicone"], data["batch"])),
+        *list_opening_steps(data),
+        describe_opening(data),
         *list_joint_steps(data),
     ]
 
@@ -164,26 +151,12 @@ def _weighing_step(silicone: Data, batch: Data) -> str:
         f"Use the mix ratio printed on the container. This sheet mixes {first} and {second} "
         f"{_ratio(ratio['parts_by_weight'])} by weight{unverified}; if the container says otherwise, the container is "
         f"right. Weigh {batch['a_g']:g} g of {first} and add {batch['b_g']:g} g of {second}. Stir slowly, and scrape "
-        "the walls and the bottom of the cup. Degas the mixture under vacuum if you can."
+        "the walls and the bottom of the cup.."
     )
 
 
 def _ratio(parts: Sequence[float]) -> str:
     return f"{parts[0]:g} to {parts[1]:g}"
-
-
-def _centring_step(fit: Data, insert: str) -> str:
-    """Write the step that centres bone or core in the mold, and what happens if it is not held."""
-    unsupported_mm = fit["min_skin_unsupported_mm"]
-    unsupported = f"leave only {unsupported_mm:g} mm of silicone" if unsupported_mm else "touch the mold"
-    return (
-        f"Pull the exposed end of the {insert} away from the funnel until its collar sits on its shelf all round, and "
-        f"hold it there with a rubber band. Centre the {insert} with strips of paper between its base and the recess, "
-        "on all four sides, pushed in from the proximal end. Band and paper stay in place until the mold is opened. "
-        f"Even held this way, slight misalignment can thin the skin to {fit['min_skin_held_mm']:g} mm (design: "
-        f"{fit['min_skin_design_mm']:g} mm). Unsupported, with {fit['clearance_mm']:g} mm of clearance on all sides, "
-        f"the {insert} can tilt by {fit['max_unsupported_tilt_deg']:g} degrees and {unsupported}."
-    )
 
 
 def _summary(data: Data) -> str:
@@ -266,6 +239,8 @@ def _bill(data: Data) -> str:
             sizes.append(f"both together thinner than {entry['pair_thinner_than_mm']:g} mm")
         if "thinner_than_mm" in entry:
             sizes.append(f"thinner than {entry['thinner_than_mm']:g} mm")
+        if "volume_ml" in entry:
+            sizes.append(f"{entry['volume_ml']:g} ml, nozzle bore {entry['nozzle_bore_mm']:g} mm")
         rows.append((f"{entry['count']:g}", entry["item"], ", ".join(sizes)))
     batch = data["batch"]
     rows.append((f"{batch['total_g']:g} g", data["silicone"]["label"], "both components together"))

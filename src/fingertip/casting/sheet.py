@@ -11,6 +11,7 @@ from typing import Any
 
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.shapes.parts import print_orientations
+from fingertip.cad.verification.filling import POT_LIFE_SHARE
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
@@ -27,7 +28,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.bone_play import find_losses, sleeve_inset_mm, worst
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
-from fingertip.filling.mold_filling import place_vents
+from fingertip.filling.mold_filling import injected_cm3, place_vents, predict_mold_filling
 from fingertip.silicones import SOURCES, Silicone
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
@@ -54,6 +55,7 @@ def casting_sheet_data(
     return {
         "design": design.name,
         "method": design.mold.method,
+        "insert": "core" if design.mold.method == "sleeve" else "bone",
         "sensor": design.dimensions.sensor.label,
         "sensor_tail": design.sensor.tail,
         "wires_between_cheeks": design.dimensions.window_opens_into_gap,
@@ -69,6 +71,8 @@ def casting_sheet_data(
             "not_engraved": omitted_lines(design),
             "min_stroke_mm": MIN_STROKE_MM,
         },
+        "filling": _filling_data(design, silicone),
+        "chaplet": _chaplet_data(design),
         "fit": _fit_data(design),
         "skin_pull_off_n": round(skin_pull_off_n(design, silicone), 1),
         "joint": _joint_data(design),
@@ -92,6 +96,37 @@ def _joint_data(design: Design) -> dict[str, float] | None:
         "pin_mm": design.hand.pin_diameter_mm,
         "travel_deg": design.hand.travel_deg,
         "tendon_distance_mm": design.hand.tendon_distance_mm,
+    }
+
+
+def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
+    """Filling of the mold with a silicone: its time is in proportion to the viscosity."""
+    prediction, inlet = predict_mold_filling(design), design.mold_layout.inlet
+    viscosity = silicone.viscosity_pa_s.high
+    syringe = inlet.syringe if inlet else None
+    return {
+        "viscosity_pa_s": viscosity,
+        "fill_s": round(prediction.fill_s * viscosity / prediction.viscosity_pa_s),
+        "allowed_s": round(POT_LIFE_SHARE * silicone.pot_life_min.low * 60.0),
+        "injected_cm3": round(injected_cm3(prediction), 1),
+        "syringe": (
+            {"volume_ml": syringe.volume_ml, "bore_mm": syringe.bore_mm, "thumb_n": design.mold.thumb_force_n}
+            if syringe else None
+        ),
+    }  # fmt: skip
+
+
+def _chaplet_data(design: Design) -> dict[str, Any] | None:
+    """Chaplet and its screw; None without one."""
+    chaplet = design.dimensions.chaplet
+    if chaplet is None:
+        return None
+    return {
+        "diameter_mm": 2 * chaplet.radius,
+        "thread": chaplet.thread.label,
+        "length_mm": chaplet.screw_length(design.mold_layout.dorsal_height),
+        "hole_mm": round(2 * chaplet.hole_radius, 2),
+        "pilot_mm": round(2 * chaplet.pilot_radius, 2),
     }
 
 

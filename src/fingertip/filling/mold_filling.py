@@ -114,6 +114,11 @@ def largest_pocket(prediction: FillingPrediction) -> AirPocket | None:
     return max(prediction.air_pockets, key=lambda pocket: pocket.volume_mm3, default=None)
 
 
+def injected_cm3(prediction: FillingPrediction) -> float:
+    """Volume of silicone that the syringe must hold [cm3]: of the cavity, and of all ducts to it."""
+    return (prediction.volume_mm3 + prediction.ducts_mm3) / 1000.0
+
+
 def gate_opening(design: Design) -> Opening:
     """Return the mouth of the gate in the cavity."""
     layout, dims = design.mold_layout, design.dimensions

@@ -30,7 +30,7 @@ MIN_STROKE_MM = 0.4
 assumption."""
 _BASELINE = 2.0  # distance of each baseline from the centre line between the two lines of text [grid units]
 _NUT_DISTANCE_MM = 0.5  # minimum distance between letters and nut traps
-_MAX_LENGTH_RATIO = 0.8  # length of the longest line divided by the length of the block
+_MAX_LENGTH_RATIO = 0.85  # length of the longest line divided by the length of the block
 
 # A letter is a set of polylines, and a polyline a list of points "xy": x 0 to 4, y 0 (baseline) to 6 (cap height).
 # The letters have few strokes, because each one costs the B-rep kernel a boolean.

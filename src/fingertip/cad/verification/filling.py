@@ -9,14 +9,14 @@ from fingertip.cad.verification.check import Check
 from fingertip.design import Design
 from fingertip.design.silicone import select_silicone
 from fingertip.design.threads import select_thread
-from fingertip.filling.mold_filling import MAX_AIR_MM3, largest_pocket, predict_mold_filling
+from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, largest_pocket, predict_mold_filling
 from fingertip.filling.predict import FillingPrediction
 from fingertip.print_materials import PRINT_MATERIALS
 from fingertip.silicones import Silicone
 
 PUSH_S = 60.0
 """Time for which a thumb can push [s]. An assumption."""
-_POT_LIFE_SHARE = 0.5
+POT_LIFE_SHARE = 0.5
 """Share of the pot life in which the mold must be full: weighing, mixing and degassing take the rest."""
 _PRELOAD_N_PER_MM = 100.0
 """Preload of a bolt tightened by hand in a printed mold, per millimetre of its diameter [N/mm]. An assumption."""
@@ -28,7 +28,7 @@ _GRAVITY_M_S2 = 9.81
 def check_filling(design: Design) -> Iterator[Check]:
     """Check the filling of a mold with the silicone of its design."""
     prediction, silicone = predict_mold_filling(design), select_silicone(design)
-    allowed_s = _POT_LIFE_SHARE * silicone.pot_life_min.low * 60.0
+    allowed_s = POT_LIFE_SHARE * silicone.pot_life_min.low * 60.0
     syringe = design.mold_layout.inlet.syringe if design.mold_layout.inlet else None
     yield Check("mold.fill_time", prediction.fill_s, allowed_s, "s")
     if syringe:
@@ -43,11 +43,6 @@ def check_filling(design: Design) -> Iterator[Check]:
         yield Check("mold.bone_load", _bearing_factor(design, prediction), _MIN_BEARING_FACTOR, "", "at least")
     bolts = len(design.mold_layout.bolts) * _PRELOAD_N_PER_MM * select_thread(design.mold.bolt_diameter_mm).diameter_mm
     yield Check("mold.opening_force", prediction.static_opening_force_n, bolts, "N")
-
-
-def injected_cm3(prediction: FillingPrediction) -> float:
-    """Volume of silicone that the syringe must hold [cm3]: of the cavity, and of all ducts to it."""
-    return (prediction.volume_mm3 + prediction.ducts_mm3) / 1000.0
 
 
 def air_rise_s(design: Design, silicone: Silicone) -> float:

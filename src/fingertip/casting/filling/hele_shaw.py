@@ -159,8 +159,11 @@ def _arrival(network: FlowNetwork, fronts: list[Front]) -> Array:
     """
     total = network.total_mm3
     arrival = np.full(len(network.volume_mm3), np.nan)
-    before = np.zeros(len(arrival))
+    passed, at_end = np.zeros((2, len(arrival)), dtype=bool)
     below = np.zeros(len(arrival))
+    columns = network.shape[1]
+    at_end[:columns] = True
+    at_end[-1 - columns : -1] = not network.is_open[-1]
     done = ~network.is_open
     for k, front in enumerate(fronts[:-1]):
         here = ~done & (front.potential > 0.0)
@@ -171,12 +174,12 @@ def _arrival(network: FlowNetwork, fronts: list[Front]) -> Array:
             r_after = after.potential[here] / np.maximum(after.pressure_per_mm3[here], 1e-300)
             step = after.injected_mm3 - front.injected_mm3
             m = np.clip(step / np.maximum(r_after - r, 1e-300), 1.0, 2.0) if not is_last else np.full(r.shape, 2.0)
-            found = front.injected_mm3 - m * r
-            low = np.where(before[here] < 0.5, below[here], 0.0)
-            high = np.where(before[here] < 0.5, front.injected_mm3, below[here])
-            arrival[here] = np.clip(found, low, high)
+            low = np.where(passed[here], 0.0, below[here])
+            high = np.where(passed[here], below[here], front.injected_mm3)
+            arrival[here] = np.clip(front.injected_mm3 - m * r, low, high)
             done = done | here
-        before, below = front.filled, np.full(len(arrival), front.injected_mm3)
+        # The front passes a node when its part of the cavity is half full; one at an end, when it is full.
+        passed, below = (front.filled >= 0.5) & ~at_end, np.full(len(arrival), front.injected_mm3)
     rest = ~done
     if rest.any():
         # What is left shrinks to the minimum of u, and its volume is proportional to u.

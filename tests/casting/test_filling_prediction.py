@@ -66,7 +66,8 @@ def test_thickness_over_the_flat_and_at_the_side(name: str) -> None:
     layer = build_skin_grid(design).layer
     side = int(np.argmin(((layer.points_mm - on_cavity(design, 0.95, 0.0, 18.0)) ** 2).sum(axis=1)))
     assert layer.thickness_mm[side] == pytest.approx(design.skin.thickness_side_mm, rel=0.1)
-    pad = int(np.argmin(((layer.points_mm - on_cavity(design, 0.0, -0.8, design.dimensions.sensor_z)) ** 2).sum(axis=1)))
+    middle = on_cavity(design, 0.0, -0.8, design.dimensions.sensor_z)
+    pad = int(np.argmin(((layer.points_mm - middle) ** 2).sum(axis=1)))
     assert layer.thickness_mm[pad] == pytest.approx(design.skin.thickness_palmar_mm, rel=0.1)
 
 

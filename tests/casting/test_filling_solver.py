@@ -147,7 +147,7 @@ def test_filling_is_symmetric_about_the_gate() -> None:
 def test_volume_of_a_hexahedron_with_warped_faces() -> None:
     rng = np.random.default_rng(3)
     inner = np.stack((*np.meshgrid([0.0, 1.0], [0.0, 1.0], indexing="ij"), np.zeros((2, 2))), axis=2)
-    inner, outer = (inner + [0, 0, z] + rng.normal(0.0, 0.15, (2, 2, 3)) for z in (1.0, 0.0))
+    inner, outer = (inner + np.array([0.0, 0.0, z]) + rng.normal(0.0, 0.15, (2, 2, 3)) for z in (1.0, 0.0))
     nodes, weights = np.polynomial.legendre.leggauss(4)
     total = 0.0
     for r, wr in zip((nodes + 1) / 2, weights / 2, strict=True):

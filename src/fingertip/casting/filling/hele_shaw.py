@@ -138,16 +138,17 @@ def _solve_front(network: FlowNetwork, gate: Array, injected_mm3: float, guess: 
     volume, wet = network.volume_mm3, guess
     loads = np.stack((gate, volume), axis=1)
     per_volume = np.divide(1.0, volume, out=np.zeros_like(volume), where=network.is_open)
-    for iteration in range(1, _MAX_ITERATIONS + 1):
+    iterations, is_settled = 0, False
+    while not is_settled and iterations < _MAX_ITERATIONS:
+        iterations += 1
         solved = network.solve(wet, loads)
         potential = injected_mm3 * solved[:, 0] - solved[:, 1]
         filled = (network.inflow(potential) + injected_mm3 * gate) * per_volume
         stays = potential > -_ROUNDING * potential.max()
         next_wet = np.where(wet, stays, filled > 1.0 + _ROUNDING)
-        if np.array_equal(next_wet, wet):
-            break
+        is_settled = np.array_equal(next_wet, wet)
         wet = next_wet
-    return Front(injected_mm3, np.maximum(potential, 0.0), solved[:, 0], filled, iteration)
+    return Front(injected_mm3, np.maximum(potential, 0.0), solved[:, 0], filled, iterations)
 
 
 def _arrival(network: FlowNetwork, fronts: list[Front]) -> Array:

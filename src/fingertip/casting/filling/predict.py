@@ -159,9 +159,7 @@ def predict_filling(
     if not network.is_open.all():
         network = network.keep(network.reach(source > 0.0))
     filling = fill(network, source, levels)
-    clock = _Clock.of(
-        filling, mouth_resistance(layer, mouth, gate.diameter_mm), ducts, viscosity_pa_s / pressure_pa
-    )
+    clock = _Clock.of(filling, mouth_resistance(layer, mouth, gate.diameter_mm), ducts, viscosity_pa_s / pressure_pa)
 
     volume, arrival = network.total_mm3, filling.arrival_mm3
     closing = tuple(_close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival) for vent in vents)

@@ -137,9 +137,9 @@ class _View:
     y: Array
     columns: Any
     ends: tuple[str, str]
-    """What lies at the left and at the right."""
-    middle: str
-    """What lies in the middle."""
+    """Names of the left and the right end."""
+    edge: str
+    """Name of the lower edge."""
 
 
 def _grid_values(layer: Layer, values: Array) -> Array:
@@ -232,4 +232,4 @@ def _label_axes(axes: Axes, view: _View) -> None:
     axes.tick_params(length=0)
     axes.tick_params(axis="x", pad=9)
     axes.set_ylabel("distance from the collar [mm]")
-    axes.set_xlabel(view.middle)
+    axes.set_xlabel(view.edge)

@@ -189,7 +189,7 @@ def _determinant(a: Array, b: Array, c: Array) -> Array:
 def vector_areas(surface: Array) -> Array:
     """Compute the vector areas of the quads of a surface, rows x columns."""
     first, second = surface[1:, 1:] - surface[:-1, :-1], surface[:-1, 1:] - surface[1:, :-1]
-    areas: Array = np.asarray(0.5 * np.cross(second, first))
+    areas: Array = 0.5 * np.cross(second, first)
     return areas
 
 
@@ -203,4 +203,5 @@ def _cotangent(corner: Array, a: Array, b: Array) -> Array:
     u, v = a - corner, b - corner
     sine = np.linalg.norm(np.cross(u, v), axis=-1)
     cosine = np.einsum("...k,...k->...", u, v)
-    return np.divide(cosine, sine, out=np.zeros_like(cosine), where=sine > 1e-12)
+    cotangent: Array = np.divide(cosine, sine, out=np.zeros_like(cosine), where=sine > 1e-12)
+    return cotangent

@@ -10,9 +10,9 @@ solution depends on V alone, not on the steps towards it, so that a few volumes 
 The derivative du/dV is the pressure of unit flow and unit viscosity, and w.u is the integral of the cavity's resistance
 over volume. At full volume, u is the solution of one linear Neumann problem, and its minimum the last point to fill.
 
-Each volume is solved with a primal-dual active set, warm-started from the next larger volume. The conductances form an
-M-matrix, for which the iteration ends after a few linear solves. Air is assumed to escape freely: `air.py` finds where
-it cannot.
+Each volume is solved with a primal-dual active set, warm-started from the next larger volume. Where all conductances
+are positive (M-matrix), the iteration ends after a few linear solves; the few slightly negative ones of skewed quads
+near the apex do not disturb it. Air is assumed to escape freely: `air.py` finds where it cannot.
 
 References: C. M. Elliott and V. Janovsky, Proc. R. Soc. Edinburgh A 88 (1981) 93 (the transform); M. Hintermueller, K.
 Ito and K. Kunisch, SIAM J. Optim. 13 (2002) 865 (the active set).

@@ -10,6 +10,8 @@ import pytest
 from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.filling.ducts import RectangularDuct, RoundDuct
+from fingertip.casting.filling.hele_shaw import fill
+from fingertip.casting.filling.mouth import mouth_resistance, open_mouth
 from fingertip.casting.filling.network import Mask
 from fingertip.casting.filling.predict import (
     FillingPrediction,
@@ -203,3 +205,23 @@ def test_prediction_is_quick_and_repeats_itself() -> None:
         times.append(time.process_time() - start)
     assert np.array_equal(first.arrival_mm3, again.arrival_mm3, equal_nan=True)
     assert min(times) < 0.35
+
+
+def test_forces_are_the_largest_over_all_fronts() -> None:
+    design = load("adult_finger")
+    grid = build_skin_grid(design)
+    gate = on_cavity(design, 1.0, 0.0, 10.0)
+    found = predict(design, grid, gate)
+    mouth = open_mouth(grid.layer, gate, 2.74)
+    filling = fill(grid.layer.network, mouth.shares(len(grid.layer.points_mm)))
+    side, axial, opening = [], [], []
+    for front in filling.fronts[:-1]:
+        cavity = float(filling.gate @ front.pressure_per_mm3) + mouth_resistance(grid.layer, mouth, 2.74)
+        pressure = PRESSURE_PA * 1e-6 * front.pressure_per_mm3 / (found.ducts_resistance + max(cavity, 0.0))
+        x, y, z = pressure @ grid.insert_area_mm2
+        side.append(math.hypot(x, y))
+        axial.append(z)
+        opening.append(pressure @ grid.parting_area_mm2)
+    assert (found.side_force_n, found.axial_force_n, found.opening_force_n) == pytest.approx(
+        (max(side), max(axial), max(opening))
+    )

@@ -23,7 +23,7 @@ def disc(rows: int, columns: int, radius: float, thickness: float) -> Layer:
     phi = np.pi * np.arange(2 * columns) / columns
     x, y = r[:, None] * np.cos(phi), r[:, None] * np.sin(phi)
     inner = np.stack((x, y, np.zeros_like(x)), axis=2)
-    return link_layer(inner, inner + [0.0, 0.0, thickness], has_pole=True, is_periodic=True)
+    return link_layer(inner, inner + np.array([0.0, 0.0, thickness]), has_pole=True, is_periodic=True)
 
 
 def sleeve(rows: int, columns: int, length: float, radii: tuple[float, float]) -> Layer:

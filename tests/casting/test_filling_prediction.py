@@ -9,9 +9,9 @@ import pytest
 
 from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.casting.quantities import measure_volumes
-from fingertip.design import Design
 from fingertip.filling.ducts import RectangularDuct, RoundDuct
+from fingertip.filling.hele_shaw import fill
+from fingertip.filling.mouth import mouth_resistance, open_mouth
 from fingertip.filling.network import Mask
 from fingertip.filling.predict import (
     FillingPrediction,
@@ -22,6 +22,8 @@ from fingertip.filling.predict import (
     syringe_pressure_pa,
 )
 from fingertip.filling.skin_grid import SkinGrid, build_skin_grid
+from fingertip.casting.quantities import measure_volumes
+from fingertip.design import Design
 from tests.conftest import design_file
 
 DUCTS = (RoundDuct(2.1, 10.0), RectangularDuct(3.0, 2.5, 12.0))
@@ -66,9 +68,8 @@ def test_thickness_over_the_flat_and_at_the_side(name: str) -> None:
     layer = build_skin_grid(design).layer
     side = int(np.argmin(((layer.points_mm - on_cavity(design, 0.95, 0.0, 18.0)) ** 2).sum(axis=1)))
     assert layer.thickness_mm[side] == pytest.approx(design.skin.thickness_side_mm, rel=0.1)
-    pad = int(
-        np.argmin(((layer.points_mm - on_cavity(design, 0.0, -0.8, design.dimensions.sensor_z)) ** 2).sum(axis=1))
-    )
+    middle = on_cavity(design, 0.0, -0.8, design.dimensions.sensor_z)
+    pad = int(np.argmin(((layer.points_mm - middle) ** 2).sum(axis=1)))
     assert layer.thickness_mm[pad] == pytest.approx(design.skin.thickness_palmar_mm, rel=0.1)
 
 
@@ -204,3 +205,23 @@ def test_prediction_is_quick_and_repeats_itself() -> None:
         times.append(time.process_time() - start)
     assert np.array_equal(first.arrival_mm3, again.arrival_mm3, equal_nan=True)
     assert min(times) < 0.35
+
+
+def test_forces_are_the_largest_over_all_fronts() -> None:
+    design = load("adult_finger")
+    grid = build_skin_grid(design)
+    gate = on_cavity(design, 1.0, 0.0, 10.0)
+    found = predict(design, grid, gate)
+    mouth = open_mouth(grid.layer, gate, 2.74)
+    filling = fill(grid.layer.network, mouth.shares(len(grid.layer.points_mm)))
+    side, axial, opening = [], [], []
+    for front in filling.fronts[:-1]:
+        cavity = float(filling.gate @ front.pressure_per_mm3) + mouth_resistance(grid.layer, mouth, 2.74)
+        pressure = PRESSURE_PA * 1e-6 * front.pressure_per_mm3 / (found.ducts_resistance + max(cavity, 0.0))
+        x, y, z = pressure @ grid.insert_area_mm2
+        side.append(math.hypot(x, y))
+        axial.append(z)
+        opening.append(pressure @ grid.parting_area_mm2)
+    assert (found.side_force_n, found.axial_force_n, found.opening_force_n) == pytest.approx(
+        (max(side), max(axial), max(opening))
+    )

@@ -77,7 +77,7 @@ def test_disc_fills_in_circles_and_its_resistance_is_logarithmic() -> None:
     outside = radius > 2.0
     assert np.abs(filling.arrival_mm3 - area * radius**2)[outside].max() < 0.03 * filling.network.total_mm3
     rings = filling.arrival_mm3[:-1].reshape(layer.network.shape)
-    assert np.ptp(rings, axis=1).max() < 1e-9 * filling.network.total_mm3
+    assert np.ptp(rings, axis=1).max() < 1e-6 * filling.network.total_mm3
     added = mouth_resistance(layer, mouth, 3.0)
     for front in filling.fronts[3:-1]:
         r = math.sqrt(front.injected_mm3 / area)
@@ -147,7 +147,7 @@ def test_filling_is_symmetric_about_the_gate() -> None:
 def test_volume_of_a_hexahedron_with_warped_faces() -> None:
     rng = np.random.default_rng(3)
     inner = np.stack((*np.meshgrid([0.0, 1.0], [0.0, 1.0], indexing="ij"), np.zeros((2, 2))), axis=2)
-    inner, outer = (inner + [0, 0, z] + rng.normal(0.0, 0.15, (2, 2, 3)) for z in (1.0, 0.0))
+    inner, outer = (inner + np.array([0.0, 0.0, z]) + rng.normal(0.0, 0.15, (2, 2, 3)) for z in (1.0, 0.0))
     nodes, weights = np.polynomial.legendre.leggauss(4)
     total = 0.0
     for r, wr in zip((nodes + 1) / 2, weights / 2, strict=True):

@@ -48,7 +48,7 @@ class TrappedAir:
     injected_mm3: float
     """Injected volume at which it was trapped."""
     volume_mm3: float
-    """Its volume at that moment."""
+    """Volume at that moment."""
 
 
 @dataclass(frozen=True)

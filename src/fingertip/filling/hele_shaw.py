@@ -10,9 +10,9 @@ solution depends on V alone, not on the steps towards it, so that a few volumes 
 The derivative du/dV is the pressure of unit flow and unit viscosity, and w.u is the integral of the cavity's resistance
 over volume. At full volume, u is the solution of one linear Neumann problem, and its minimum the last point to fill.
 
-Each volume is solved with a primal-dual active set, warm-started from the next larger volume. The conductances form an
-M-matrix, for which the iteration ends after a few linear solves. Air is assumed to escape freely: `air.py` finds where
-it cannot.
+Each volume is solved with a primal-dual active set, warm-started from the next larger volume. Where all conductances
+are positive (M-matrix), the iteration ends after a few linear solves; the few slightly negative ones of skewed quads
+near the apex do not disturb it. Air is assumed to escape freely: `air.py` finds where it cannot.
 
 References: C. M. Elliott and V. Janovsky, Proc. R. Soc. Edinburgh A 88 (1981) 93 (the transform); M. Hintermueller, K.
 Ito and K. Kunisch, SIAM J. Optim. 13 (2002) 865 (the active set).
@@ -138,16 +138,17 @@ def _solve_front(network: FlowNetwork, gate: Array, injected_mm3: float, guess: 
     volume, wet = network.volume_mm3, guess
     loads = np.stack((gate, volume), axis=1)
     per_volume = np.divide(1.0, volume, out=np.zeros_like(volume), where=network.is_open)
-    for iteration in range(1, _MAX_ITERATIONS + 1):
+    iterations, is_settled = 0, False
+    while not is_settled and iterations < _MAX_ITERATIONS:
+        iterations += 1
         solved = network.solve(wet, loads)
         potential = injected_mm3 * solved[:, 0] - solved[:, 1]
         filled = (network.inflow(potential) + injected_mm3 * gate) * per_volume
         stays = potential > -_ROUNDING * potential.max()
         next_wet = np.where(wet, stays, filled > 1.0 + _ROUNDING)
-        if np.array_equal(next_wet, wet):
-            break
+        is_settled = np.array_equal(next_wet, wet)
         wet = next_wet
-    return Front(injected_mm3, np.maximum(potential, 0.0), solved[:, 0], filled, iteration)
+    return Front(injected_mm3, np.maximum(potential, 0.0), solved[:, 0], filled, iterations)
 
 
 def _arrival(network: FlowNetwork, fronts: list[Front]) -> Array:
@@ -159,8 +160,11 @@ def _arrival(network: FlowNetwork, fronts: list[Front]) -> Array:
     """
     total = network.total_mm3
     arrival = np.full(len(network.volume_mm3), np.nan)
-    before = np.zeros(len(arrival))
+    passed, at_end = np.zeros((2, len(arrival)), dtype=bool)
     below = np.zeros(len(arrival))
+    columns = network.shape[1]
+    at_end[:columns] = True
+    at_end[-1 - columns : -1] = not network.is_open[-1]
     done = ~network.is_open
     for k, front in enumerate(fronts[:-1]):
         here = ~done & (front.potential > 0.0)
@@ -171,12 +175,12 @@ def _arrival(network: FlowNetwork, fronts: list[Front]) -> Array:
             r_after = after.potential[here] / np.maximum(after.pressure_per_mm3[here], 1e-300)
             step = after.injected_mm3 - front.injected_mm3
             m = np.clip(step / np.maximum(r_after - r, 1e-300), 1.0, 2.0) if not is_last else np.full(r.shape, 2.0)
-            found = front.injected_mm3 - m * r
-            low = np.where(before[here] < 0.5, below[here], 0.0)
-            high = np.where(before[here] < 0.5, front.injected_mm3, below[here])
-            arrival[here] = np.clip(found, low, high)
+            low = np.where(passed[here], 0.0, below[here])
+            high = np.where(passed[here], below[here], front.injected_mm3)
+            arrival[here] = np.clip(front.injected_mm3 - m * r, low, high)
             done = done | here
-        before, below = front.filled, np.full(len(arrival), front.injected_mm3)
+        # The front passes a node when its part of the cavity is half full; one at an end, when it is full.
+        passed, below = (front.filled >= 0.5) & ~at_end, np.full(len(arrival), front.injected_mm3)
     rest = ~done
     if rest.any():
         # What is left shrinks to the minimum of u, and its volume is proportional to u.

@@ -37,7 +37,10 @@ class Mouth:
 
     def shares(self, count: int) -> Array:
         """Compute the share of a unit inflow that enters each of `count` nodes."""
-        return np.bincount(self.nodes.ravel(), (self.weights * self.areas[:, None]).ravel(), count)
+        shares: Array = np.bincount(self.nodes.ravel(), (self.weights * self.areas[:, None]).ravel(), count).astype(
+            float
+        )
+        return shares
 
     def maximum(self, values: Array) -> float:
         """Return the largest of the values within the mouth, interpolated from the nodes."""

@@ -74,7 +74,8 @@ class FlowNetwork:
         a, b, k = self.links
         flow = k * (potential[a] - potential[b])
         count = len(potential)
-        return np.bincount(b, flow, count) - np.bincount(a, flow, count)
+        inflow: Array = np.bincount(b, flow, count).astype(float) - np.bincount(a, flow, count)
+        return inflow
 
     def reach(self, start: Mask) -> Mask:
         """Return the nodes linked to the start, directly or through others."""

@@ -251,7 +251,7 @@ class _Clock:
     resistance: Array
     """Resistance of the cavity at each front [1/mm3]."""
     integral: Array
-    """Its integral up to each front [1]."""
+    """Integral of that resistance up to each front [1]."""
     seconds: float
     """mu / dp [s]."""
 

@@ -87,6 +87,7 @@ class NodeSums:
     has_pole: bool
 
     def __call__(self, small: Array) -> Array:
+        """Sum the values of all small quads, shape (2 rows, 2 columns)."""
         rows, columns = small.shape[0] // 2 + 1, small.shape[1] // 2
         by_row = np.zeros((rows, small.shape[1]))
         by_row[:-1] += small[::2]
@@ -188,7 +189,8 @@ def _determinant(a: Array, b: Array, c: Array) -> Array:
 def vector_areas(surface: Array) -> Array:
     """Compute the vector areas of the quads of a surface, rows x columns."""
     first, second = surface[1:, 1:] - surface[:-1, :-1], surface[:-1, 1:] - surface[1:, :-1]
-    return 0.5 * np.cross(second, first)
+    areas: Array = 0.5 * np.cross(second, first)
+    return areas
 
 
 def _sum_of_four(small: Array) -> Array:
@@ -201,4 +203,5 @@ def _cotangent(corner: Array, a: Array, b: Array) -> Array:
     u, v = a - corner, b - corner
     sine = np.linalg.norm(np.cross(u, v), axis=-1)
     cosine = np.einsum("...k,...k->...", u, v)
-    return np.divide(cosine, sine, out=np.zeros_like(cosine), where=sine > 1e-12)
+    cotangent: Array = np.divide(cosine, sine, out=np.zeros_like(cosine), where=sine > 1e-12)
+    return cotangent

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 _BANDS = 12
 """Approximate number of bands between isochrones."""
 _COLOURS = "YlGnBu"
+_LINE_MM = 1.7
+"""Height of a line of text beside a mark, in the picture's mm."""
 _CLOSED_COLOUR = "#b9bec3"
 
 
@@ -62,41 +64,39 @@ def draw_filling(
     MissingLibraryError
         If matplotlib is not installed.
     """
-    from matplotlib.ticker import MaxNLocator
-
-    figure = new_figure(14.0, 8.2)
-    layer, rows = grid.layer, grid.layer.network.shape[0]
-    seconds = prediction.arrival_s
-    levels = MaxNLocator(_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, prediction.fill_s)
-    levels = levels[levels < prediction.fill_s * 1.0001]
-    levels = np.append(levels, prediction.fill_s)
-    axes = figure.subplots(1, 3, width_ratios=(1.75, 1.0, 1.0))
+    figure = new_figure(14.0, 7.4)
+    levels = _choose_levels(prediction.fill_s)
+    views = (_unroll(grid.layer), _look(grid.layer, 1), _look(grid.layer, -1))
+    axes = figure.subplots(1, 3, width_ratios=[float(np.ptp(view.x)) for view in views])
     marks = _list_marks(prediction, gate, vents)
-    filled: Any = None
-    for view, its_axes in zip((_unroll(layer), _look(layer, 1), _look(layer, -1)), axes, strict=True):
-        values = _grid_values(layer, seconds)[:, view.columns]
-        its_axes.set_facecolor("white")
-        _draw_closed(its_axes, view, values)
-        filled = its_axes.contourf(view.x, view.y, values, levels=levels, cmap=_COLOURS)
-        lines = its_axes.contour(view.x, view.y, values, levels=levels[1:-1], colors="#34495e", linewidths=0.7)
-        its_axes.clabel(lines, fmt="%g s", fontsize=8, inline_spacing=2)
-        border_x = np.concatenate((view.x[0], view.x[1:, -1], view.x[-1, -2::-1], view.x[-2::-1, 0]))
-        border_y = np.concatenate((view.y[0], view.y[1:, -1], view.y[-1, -2::-1], view.y[-2::-1, 0]))
-        its_axes.plot(border_x, border_y, color=TEXT_COLOUR, linewidth=1.4)
-        for mark in marks:
-            _draw_mark(its_axes, view, layer, mark)
+    for view, its_axes in zip(views, axes, strict=True):
+        filled = _draw_map(its_axes, view, _grid_values(grid.layer, prediction.arrival_s)[:, view.columns], levels)
+        _draw_marks(its_axes, view, grid.layer, marks)
         _label_axes(its_axes, view)
-    bar = figure.colorbar(filled, ax=axes, shrink=0.75, pad=0.015, ticks=levels)
+    bar = figure.colorbar(filled, ax=axes, shrink=0.8, pad=0.015, ticks=levels)
     bar.set_label("time at which the silicone arrives [s]")
     bar.ax.set_yticklabels([*(f"{level:g}" for level in levels[:-1]), f"{levels[-1]:.1f}, full"])
-    used = dict.fromkeys(mark.symbol for mark in marks)
-    handles = [
+    handles: list[Any] = [
         axes[0].scatter([], [], marker=s.marker, color=s.colour, edgecolors="black", s=0.6 * s.size, label=s.legend)
-        for s in used
+        for s in dict.fromkeys(mark.symbol for mark in marks)
     ]
+    if np.isnan(prediction.arrival_s).any():
+        handles.append(
+            axes[0].scatter([], [], marker="s", color=_CLOSED_COLOUR, s=110, label="no silicone: insert and mold touch")
+        )
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, fontsize=10)
-    figure.suptitle(f"{title}\n{_summarise(prediction)}", fontsize=12)
+    figure.suptitle(f"{title}\n", x=0.01, ha="left", fontweight="bold", fontsize=13)  # the second line is the summary
+    figure.text(0.01, 0.935, _summarise(prediction), fontsize=10.5, color=TEXT_COLOUR)
     return to_png(figure)
+
+
+def _choose_levels(fill_s: float) -> Array:
+    """Choose the times of the isochrones: round numbers, and the end."""
+    from matplotlib.ticker import MaxNLocator
+
+    levels = np.array(MaxNLocator(_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, fill_s))
+    rounded = levels[levels < fill_s - 0.25 * (levels[1] - levels[0])]
+    return np.append(rounded, fill_s)
 
 
 def _summarise(prediction: FillingPrediction) -> str:
@@ -137,9 +137,9 @@ class _View:
     y: Array
     columns: Any
     ends: tuple[str, str]
-    """What lies at the left and at the right."""
-    middle: str
-    """What lies in the middle."""
+    """Names of the left and the right end."""
+    edge: str
+    """Name of the lower edge."""
 
 
 def _grid_values(layer: Layer, values: Array) -> Array:
@@ -164,8 +164,8 @@ def _unroll(layer: Layer) -> _View:
     along = np.linalg.norm(np.diff(points, axis=0), axis=2).mean(axis=1)
     height = np.concatenate(([0.0], np.cumsum(along)))
     return _View(
-        "Skin cut open along the palm and unrolled", -around, np.broadcast_to(height[:, None], around.shape), order,
-        ("palm, −x half", "palm, +x half"), "back of the finger",
+        "Skin cut open along the palm and unrolled", around, np.broadcast_to(height[:, None], around.shape), order,
+        ("palm, +x half", "palm, −x half"), "collar, in the middle of the back",
     )  # fmt: skip
 
 
@@ -177,39 +177,59 @@ def _look(layer: Layer, side: int) -> _View:
     points = _grid_points(layer)[:, order]
     title = "Dorsal side (back)" if side > 0 else "Palmar side (pad)"
     ends = ("+x", "−x") if side > 0 else ("−x", "+x")
-    return _View(title, -side * points[..., 0], points[..., 2], order, ends, "")
+    return _View(title, -side * points[..., 0], points[..., 2], order, ends, "collar")
 
 
-def _draw_closed(axes: Axes, view: _View, values: Array) -> None:
-    """Fill what no silicone reaches."""
-    if np.isnan(values).any():
-        axes.contourf(view.x, view.y, np.zeros_like(values), levels=[-1, 1], colors=[_CLOSED_COLOUR])
+def _draw_map(axes: Axes, view: _View, seconds: Array, levels: Array) -> Any:
+    """Draw the isochrones of a view and its outline."""
+    from matplotlib.patheffects import withStroke
+
+    if np.isnan(seconds).any():
+        axes.contourf(view.x, view.y, np.zeros_like(seconds), levels=[-1, 1], colors=[_CLOSED_COLOUR])
+    filled = axes.contourf(view.x, view.y, seconds, levels=levels, cmap=_COLOURS)
+    lines = axes.contour(view.x, view.y, seconds, levels=levels[1:-1], colors="#34495e", linewidths=0.7)
+    for label in axes.clabel(lines, fmt="%g s", fontsize=8.5, inline_spacing=1, colors="black"):
+        label.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
+    border = [np.concatenate((v[0], v[1:, -1], v[-1, -2::-1], v[-2::-1, 0])) for v in (view.x, view.y)]
+    axes.plot(*border, color=TEXT_COLOUR, linewidth=1.4)
+    return filled
 
 
-def _draw_mark(axes: Axes, view: _View, layer: Layer, mark: _Mark) -> None:
-    """Draw a mark in a view that shows its place."""
+def _draw_marks(axes: Axes, view: _View, layer: Layer, marks: Sequence[_Mark]) -> None:
+    """Draw the marks whose place a view shows. Their texts stand beside them, and move up where two would overlap."""
     points = _grid_points(layer)
-    away = ((points - np.array(mark.point_mm)) ** 2).sum(axis=2)
-    if away[:, view.columns].min() > away.min() + 1e-9:
-        return
-    i, j = np.unravel_index(int(np.argmin(away[:, view.columns])), (len(points), len(view.columns)))
-    x, y = float(view.x[i, j]), float(view.y[i, j])
-    axes.scatter(
-        x, y, marker=mark.symbol.marker, s=mark.symbol.size, color=mark.symbol.colour, edgecolors="black", zorder=5,
-        clip_on=False,
-    )  # fmt: skip
-    side = 1 if x <= 0.5 * float(view.x.min() + view.x.max()) else -1
-    axes.annotate(
-        mark.text, (x, y), (9 * side, 0), textcoords="offset points", ha="left" if side > 0 else "right", va="center",
-        fontsize=9, zorder=6, bbox={"boxstyle": "round,pad=0.2", "facecolor": "white", "alpha": 0.85, "linewidth": 0},
-    )  # fmt: skip
+    width, middle = float(np.ptp(view.x)), 0.5 * float(view.x.min() + view.x.max())
+    placed: list[tuple[float, int, float, _Mark]] = []
+    for mark in marks:
+        away = ((points - np.array(mark.point_mm)) ** 2).sum(axis=2)
+        if away[:, view.columns].min() > away.min() + 1e-9:
+            continue
+        i, j = np.unravel_index(int(np.argmin(away[:, view.columns])), (len(points), len(view.columns)))
+        x, y = float(view.x[i, j]), float(view.y[i, j])
+        outwards = 1 if x >= middle else -1
+        placed.append((y, outwards if abs(x - middle) < 0.3 * width else -outwards, x, mark))
+    taken = {1: -np.inf, -1: -np.inf}
+    for y, side, x, mark in sorted(placed, key=lambda item: item[0]):
+        axes.scatter(
+            x, y, marker=mark.symbol.marker, s=mark.symbol.size, color=mark.symbol.colour, edgecolors="black",
+            zorder=6, clip_on=False,
+        )  # fmt: skip
+        half = _LINE_MM * (1 + mark.text.count("\n")) / 2
+        text_y = max(y, taken[side] + half)
+        taken[side] = text_y + half
+        axes.annotate(
+            mark.text, (x, y), (x + side * 1.1, text_y), ha="left" if side > 0 else "right", va="center", fontsize=9,
+            zorder=5, bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "alpha": 0.85, "linewidth": 0},
+            arrowprops={"arrowstyle": "-", "color": "black", "linewidth": 0.8} if text_y > y + 0.1 else None,
+        )  # fmt: skip
 
 
 def _label_axes(axes: Axes, view: _View) -> None:
-    axes.set_aspect("equal")
-    axes.set_title(view.title, fontsize=11)
+    axes.set_aspect("equal", anchor="S")
+    axes.set_title(view.title, fontsize=11, pad=10)
     axes.spines[["top", "right", "left", "bottom"]].set_visible(False)
     axes.set_xticks([float(view.x[0].min()), float(view.x[0].max())], view.ends)
     axes.tick_params(length=0)
+    axes.tick_params(axis="x", pad=9)
     axes.set_ylabel("distance from the collar [mm]")
-    axes.set_xlabel("collar" + (f"; in the middle: {view.middle}" if view.middle else ""))
+    axes.set_xlabel(view.edge)

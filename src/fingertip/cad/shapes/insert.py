@@ -7,18 +7,18 @@ the core is smaller than the bone by an interference, which makes the skin fit t
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from fingertip.cad.shapes.chaplet import facet_cut, pilot_hole
 from fingertip.cad.solids import Box, Prism, Solid, SuperconicSolid, difference, intersection, scaled, union
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.conic import ConicBody
+from fingertip.design.geometry.insert_body import add_groove, insert_body, inset_body
 
 _STEP_IN_COLLAR_MM = 0.3
 """Depth of the step between both flats in the collar, which rules keep longer than this [mm]."""
-_BODY_OVERLAP_MM, _BASE_OVERLAP_MM = 0.2, 0.4
-"""Depths to which the body and the base of a sleeve's core reach into the collar [mm]. Solids that only touch would
-leave coincident faces."""
+_BASE_OVERLAP_MM = 0.4
+"""Depth to which the base of a sleeve's core reaches into the collar [mm]. Solids that only touch would leave
+coincident faces."""
 
 
 def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
@@ -26,7 +26,7 @@ def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
 
     All surfaces but the collar's lie `inset_mm` inside the bone's.
     """
-    body = _add_groove(design, _inset(design.dimensions.bone_outline, inset_mm))
+    body = add_groove(design, inset_body(design.dimensions.bone_outline, inset_mm))
     return union(_cut_facets(design, body, inset_mm), collar(design))
 
 
@@ -79,20 +79,10 @@ def above_collar_foot(design: Design, gap_mm: float = 0.0) -> Solid:
     return Prism("x", outline, -2 * section.half_width, 2 * section.half_width)
 
 
-def offset_section(section: CrossSection, gap_mm: float) -> CrossSection:
-    """Enlarge a section: half width and both half heights grow by `gap_mm` [mm]."""
-    return replace(
-        section,
-        half_width=section.half_width + gap_mm,
-        palmar=section.palmar + gap_mm,
-        dorsal=section.dorsal + gap_mm,
-    )
-
-
 def core(design: Design) -> Solid:
     """Build the printable core of a sleeve, with the hole for the screw of the chaplet."""
     body, holes = sleeve_core(design), pilot_hole(design)
-    return difference(body, *holes) if holes else body
+    return difference(body, *(scaled(hole, design.dimensions.shrinkage) for hole in holes)) if holes else body
 
 
 def sleeve_core(design: Design) -> Solid:
@@ -109,21 +99,6 @@ def sleeve_core(design: Design) -> Solid:
     return union(within_skin, _cut_flat(design, below), collar(design))
 
 
-def insert_body(design: Design) -> tuple[ConicBody, float, float]:
-    """Return the insert within the skin: its body with the groove, the depth of its flat [mm], and its scale.
-
-    The flat at y = -depth cuts the body. The scale enlarges both, about the origin.
-    """
-    outline, dims = design.dimensions.bone_outline, design.dimensions
-    if design.mold.method != "sleeve":
-        return _add_groove(design, outline), dims.flat_depth, 1.0
-    inset = design.mold.sleeve_interference_mm
-    body = _inset(outline, inset)
-    (_, scale), *stations = body.stations
-    body = _add_groove(design, replace(body, stations=((-_BODY_OVERLAP_MM, scale), *stations)))
-    return body, dims.flat_depth - inset, dims.shrinkage
-
-
 def mold_insert(design: Design) -> Solid:
     """Build the body that lies in the closed mold while the silicone cures, with its hollows filled."""
     return sleeve_core(design) if design.mold.method == "sleeve" else filled_bone(design)
@@ -132,32 +107,3 @@ def mold_insert(design: Design) -> Solid:
 def skin_interior(design: Design) -> Solid:
     """Build the region that the finished, unstretched skin encloses."""
     return filled_bone(design, design.mold.sleeve_interference_mm if design.mold.method == "sleeve" else 0.0)
-
-
-def _inset(body: ConicBody, inset: float) -> ConicBody:
-    """Shrink section and tip of a body by `inset` [mm]."""
-    assert body.tip is not None
-    return replace(body, section=offset_section(body.section, -inset), tip=replace(body.tip, z=body.tip.z - inset))
-
-
-def _add_groove(design: Design, body: ConicBody) -> ConicBody:
-    """Add a groove around the bone; silicone fills it and keeps the skin from slipping off.
-
-    The flanks rise at 45 degrees at the sides. Flanks and floor are four more stations of the superconic body, so that
-    no boolean is needed and both kernels represent the groove directly.
-    """
-    bone = design.bone
-    if bone.groove_depth_mm == 0.0:
-        return body
-    base, (z_a, s_a), (z_b, s_b) = body.stations
-    taper = (s_a - s_b) / (z_b - z_a)
-    rise = 1.0 / body.section.half_width  # slope of a flank: scale per mm
-    z0 = bone.groove_distance_mm + bone.groove_depth_mm
-    z1 = z0 + bone.groove_width_mm
-    floor = 1.0 - bone.groove_depth_mm * rise
-    s0, s1 = (body.scale_at(z) * floor for z in (z0, z1))
-    # Heights at which the lines of the flanks meet the taper s = s_a - taper (z - z_a).
-    low = (s0 + rise * z0 - s_a - taper * z_a) / (rise - taper)
-    high = (s_a + taper * z_a - s1 + rise * z1) / (rise + taper)
-    edges = ((low, s_a - taper * (low - z_a)), (z0, s0), (z1, s1), (high, s_a - taper * (high - z_a)))
-    return replace(body, stations=(base, (z_a, s_a), *edges, (z_b, s_b)))

@@ -10,7 +10,7 @@ import math
 
 from fingertip.cad.shapes.chaplet import screw_hole
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, engraved_lines, letter_outlines, text_width
-from fingertip.cad.shapes.insert import above_collar_foot, offset_section
+from fingertip.cad.shapes.insert import above_collar_foot
 from fingertip.cad.shapes.runners import luer_cone, runners
 from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.solids import (
@@ -29,6 +29,7 @@ from fingertip.cad.solids import (
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, CrossSection
 from fingertip.design.geometry.draft import add_draft
+from fingertip.design.geometry.insert_body import offset_section
 
 _OVERLAP_MM = 0.25  # united solids overlap by this length: solids that only touch would leave coincident faces
 

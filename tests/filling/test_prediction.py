@@ -9,6 +9,8 @@ import pytest
 
 from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.casting.quantities import measure_volumes
+from fingertip.design import Design
 from fingertip.filling.ducts import RectangularDuct, RoundDuct
 from fingertip.filling.hele_shaw import fill
 from fingertip.filling.mouth import mouth_resistance, open_mouth
@@ -22,8 +24,6 @@ from fingertip.filling.predict import (
     syringe_pressure_pa,
 )
 from fingertip.filling.skin_grid import SkinGrid, build_skin_grid
-from fingertip.casting.quantities import measure_volumes
-from fingertip.design import Design
 from tests.conftest import design_file
 
 DUCTS = (RoundDuct(2.1, 10.0), RectangularDuct(3.0, 2.5, 12.0))

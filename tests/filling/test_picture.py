@@ -5,9 +5,9 @@ import io
 import pytest
 from PIL import Image
 
+from fingertip.design import Design
 from fingertip.filling.predict import Opening, predict_filling
 from fingertip.filling.skin_grid import build_skin_grid
-from fingertip.design import Design
 from fingertip.view.filling_picture import draw_filling
 from tests.conftest import design_file
 

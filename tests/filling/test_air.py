@@ -5,7 +5,7 @@ import pytest
 
 from fingertip.arrays import Array
 from fingertip.filling.air import ClosingVent, LastPoint, TrappedAir, find_air
-from tests.casting.filling_grids import slot
+from tests.filling.filling_grids import slot
 
 LAYER = slot(60, 2, 30.0, 6.0, lambda y: np.full_like(y, 2.0))
 TOTAL = LAYER.network.total_mm3

@@ -9,7 +9,7 @@ from fingertip.arrays import Array
 from fingertip.filling.hele_shaw import Filling, fill
 from fingertip.filling.mouth import mouth_resistance, open_mouth
 from fingertip.filling.surface_links import Layer, hexahedron_volumes
-from tests.casting.filling_grids import disc, sleeve, slot
+from tests.filling.filling_grids import disc, sleeve, slot
 
 
 def fill_from_first_row(layer: Layer, levels: int = 12) -> Filling:

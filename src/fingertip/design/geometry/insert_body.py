@@ -1,0 +1,69 @@
+"""Bodies of bone and core in the skin: the outline with its retention groove, and inset for a sleeve's core."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from fingertip.design.geometry.conic import ConicBody, CrossSection
+
+if TYPE_CHECKING:
+    from fingertip.design.parameters import DesignTables
+
+_BODY_OVERLAP_MM = 0.2
+"""Depth to which the body of a sleeve's core reaches into the collar [mm]. Solids that only touch would leave
+coincident faces."""
+
+
+def offset_section(section: CrossSection, gap_mm: float) -> CrossSection:
+    """Enlarge a section: half width and both half heights grow by `gap_mm` [mm]."""
+    return replace(
+        section,
+        half_width=section.half_width + gap_mm,
+        palmar=section.palmar + gap_mm,
+        dorsal=section.dorsal + gap_mm,
+    )
+
+
+def insert_body(design: DesignTables) -> tuple[ConicBody, float, float]:
+    """Return the insert within the skin: its body with the groove, the depth of its flat [mm], and its scale.
+
+    The flat at y = -depth cuts the body. The scale enlarges both, about the origin.
+    """
+    outline, dims = design.dimensions.bone_outline, design.dimensions
+    if design.mold.method != "sleeve":
+        return add_groove(design, outline), dims.flat_depth, 1.0
+    inset = design.mold.sleeve_interference_mm
+    body = inset_body(outline, inset)
+    (_, scale), *stations = body.stations
+    body = add_groove(design, replace(body, stations=((-_BODY_OVERLAP_MM, scale), *stations)))
+    return body, dims.flat_depth - inset, dims.shrinkage
+
+
+def inset_body(body: ConicBody, inset: float) -> ConicBody:
+    """Shrink section and tip of a body by `inset` [mm]."""
+    assert body.tip is not None
+    return replace(body, section=offset_section(body.section, -inset), tip=replace(body.tip, z=body.tip.z - inset))
+
+
+def add_groove(design: DesignTables, body: ConicBody) -> ConicBody:
+    """Add a groove around the bone; silicone fills it and keeps the skin from slipping off.
+
+    The flanks rise at 45 degrees at the sides. Flanks and floor are four more stations of the superconic body, so that
+    no boolean is needed and both kernels represent the groove directly.
+    """
+    bone = design.bone
+    if bone.groove_depth_mm == 0.0:
+        return body
+    base, (z_a, s_a), (z_b, s_b) = body.stations
+    taper = (s_a - s_b) / (z_b - z_a)
+    rise = 1.0 / body.section.half_width  # slope of a flank: scale per mm
+    z0 = bone.groove_distance_mm + bone.groove_depth_mm
+    z1 = z0 + bone.groove_width_mm
+    floor = 1.0 - bone.groove_depth_mm * rise
+    s0, s1 = (body.scale_at(z) * floor for z in (z0, z1))
+    # Heights at which the lines of the flanks meet the taper s = s_a - taper (z - z_a).
+    low = (s0 + rise * z0 - s_a - taper * z_a) / (rise - taper)
+    high = (s_a + taper * z_a - s1 + rise * z1) / (rise + taper)
+    edges = ((low, s_a - taper * (low - z_a)), (z0, s0), (z1, s1), (high, s_a - taper * (high - z_a)))
+    return replace(body, stations=(base, (z_a, s_a), *edges, (z_b, s_b)))

@@ -88,7 +88,7 @@ def sleeve_core(design: Design) -> Solid:
     and collar equal the bone's, because both fit the same recess of the mold.
     """
     inset = design.mold.sleeve_interference_mm
-    above, _, _ = insert_body(design)
+    above = _core_body(design)
     base, scale = design.dimensions.bone_outline.stations[0]
     below = ConicBody(design.dimensions.bone_outline.section, ((base, scale), (-_BASE_OVERLAP_MM, scale)))
     within_skin = scaled(_cut_flat(design, above, inset), design.dimensions.shrinkage)
@@ -100,14 +100,17 @@ def insert_body(design: Design) -> tuple[ConicBody, float, float]:
 
     The flat at y = -depth cuts the body. The scale enlarges both, about the origin.
     """
-    outline, dims = design.dimensions.bone_outline, design.dimensions
+    dims = design.dimensions
     if design.mold.method != "sleeve":
-        return _add_groove(design, outline), dims.flat_depth, 1.0
-    inset = design.mold.sleeve_interference_mm
-    body = _inset(outline, inset)
+        return _add_groove(design, dims.bone_outline), dims.flat_depth, 1.0
+    return _core_body(design), dims.flat_depth - design.mold.sleeve_interference_mm, dims.shrinkage
+
+
+def _core_body(design: Design) -> ConicBody:
+    """Return the body of a sleeve's core within the skin, before it is enlarged."""
+    body = _inset(design.dimensions.bone_outline, design.mold.sleeve_interference_mm)
     (_, scale), *stations = body.stations
-    body = _add_groove(design, replace(body, stations=((-_BODY_OVERLAP_MM, scale), *stations)))
-    return body, dims.flat_depth - inset, dims.shrinkage
+    return _add_groove(design, replace(body, stations=((-_BODY_OVERLAP_MM, scale), *stations)))
 
 
 def mold_insert(design: Design) -> Solid:

@@ -158,7 +158,7 @@ def test_mesh_kernel_rejects_an_inverted_primitive(finger: Design, evaluator: Me
 def test_failed_check_is_reported_and_files_are_written(
     finger: Design, tmp_path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 1))
+    monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 0))
     result = build(finger, tmp_path, parts=["skin"], formats=["stl"])
     assert not result.passed
     assert {c.name for c in result.checks if not c.passed} == {"skin.stl.genus"}

@@ -59,14 +59,14 @@ def test_printer_compensation_scales_printed_parts_only(tmp_path: Path) -> None:
 def test_shrinkage_enlarges_the_cavity_but_not_the_skin(tmp_path: Path) -> None:
     """At 1 % linear shrinkage the cavity has 1 / 0.99^3 times the volume of the design; the skin keeps its size."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
-    from fingertip.cad.shapes.skin import cavity
+    from fingertip.cad.shapes.skin import cavity_outline
     from fingertip.cad.solids import SuperconicSolid
 
     plain = Design.load(changes=["mold.silicone_shrinkage_percent=0"])
     shrinking = Design.load(changes=["mold.silicone_shrinkage_percent=1"])
     evaluator = MeshEvaluator(0.02)
     outer = evaluator.manifold(SuperconicSolid(plain.dimensions.outer)).volume()
-    assert evaluator.manifold(cavity(shrinking)).volume() == pytest.approx(outer / 0.99**3, rel=1e-9)
+    assert evaluator.manifold(cavity_outline(shrinking)).volume() == pytest.approx(outer / 0.99**3, rel=1e-9)
     a = build(plain, tmp_path / "a", parts=["skin"], formats=["stl"]).parts[0]
     b = build(shrinking, tmp_path / "b", parts=["skin"], formats=["stl"]).parts[0]
     assert a.mesh.volume() == b.mesh.volume()

@@ -18,6 +18,7 @@ SHORT_EDGE = [
     "skin.semi_axis_palmar_mm=6.5",
     "skin.thickness_side_mm=1.2",
     "skin.min_thickness_mm=0.4",
+    "printer.surface_error_mm=0",
 ]
 
 

@@ -13,6 +13,7 @@ from fingertip.casting.quantities import SiliconeVolumes, measure_volumes
 from fingertip.design import Design
 from fingertip.design.threads import THREADS, select_thread
 from fingertip.errors import DesignError
+from fingertip.filling.mold_filling import place_vents
 from tests.conftest import design_file
 
 TOLERANCE_MM = 0.005
@@ -28,7 +29,7 @@ def measure(design: Design) -> SiliconeVolumes:
 
 def test_deeper_funnel_adds_a_frustum_and_longer_vents() -> None:
     shallow, deep = (fsr400("mold.filling=gravity", f"mold.funnel_depth_mm={depth}") for depth in (4.0, 6.0))
-    mold, vents = deep.mold, len(deep.mold_layout.vents)
+    mold, vents = deep.mold, len(place_vents(deep))
     throat, mouth = mold.gate_diameter_mm / 2, mold.funnel_diameter_mm / 2
     frustum = math.pi / 3 * (throat**2 + throat * mouth + mouth**2) * 2.0
     longer_vents = vents * math.pi * (mold.vent_diameter_mm / 2) ** 2 * 2.0

@@ -204,7 +204,7 @@ def test_procedure_tries_and_holds_the_insert_before_the_silicone_is_weighed(met
     text = procedure_text(f"mold.method={method}")
     least_mm = min(loss.left_mm for loss in find_losses(design))
     assert f"{round(least_mm, 2):g} mm at the thinnest place" in text
-    assert "M2 x 12 mm screw" in text
+    assert "M2 x 10 mm screw" in text
     order = ["Close the empty mold", "Drill the hole", "mold release", "facet on the boss", "Weigh", "Pull the plunger",
              "Stand the mold tip up", "Let it cure", "Take out the screw"]  # fmt: skip
     assert [text.index(part) for part in order] == sorted(text.index(part) for part in order)

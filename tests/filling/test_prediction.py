@@ -31,11 +31,11 @@ PRESSURE_PA = syringe_pressure_pa(30.0, 12.06)
 CASES = [(name, method) for name in ("fsr400", "adult_finger", "fsr402") for method in ("overmold", "sleeve")]
 
 
-@cache
 WITHOUT_CHAPLET = ("mold.chaplet_diameter_mm=0", "mold.fit_clearance_mm=0.01", "printer.surface_error_mm=0")
 """The grid neglects the facet; the rules accept a bone without chaplet if it has no play."""
 
 
+@cache
 def load(name: str, method: str = "overmold", *changes: str) -> Design:
     return Design.load(design_file(name), changes=(f"mold.method={method}", *changes))
 

@@ -6,7 +6,7 @@ Thickness is measured above the plane z = 0, where the skin is cut square.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
@@ -22,14 +22,14 @@ from fingertip.cad.verification.check import (
 )
 from fingertip.cad.verification.surface_deviation import max_facet_deviation
 from fingertip.design import Design
-from fingertip.design.geometry.bone_play import Motion, find_losses, worst
+from fingertip.design.geometry.bone_play import Loss, Motion, find_losses, worst
 from fingertip.design.rules.chaplet import MIN_RETAINED, MIN_RETAINED_OVER_SENSOR
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-_MOVED_POSITIONS = 6
-"""Worst positions of the bone in which the thickness is measured on the solids. The other side is the mirror image."""
+_STEEP = 0.5
+"""Component of a normal from which on it points to the dorsal or palmar side, or to the tip."""
 _PERCENT_SLACK = 1e-3
 """Rounding error of a share that the rules have accepted [%]."""
 _FIRST_REACH_RATIO = 1.4
@@ -68,12 +68,22 @@ def _check_play(design: Design, interior: Manifold, exterior: Manifold, minimum:
     ):  # fmt: skip
         retained = 100 * worst(losses, over_sensor).retained
         yield Check(f"skin.retained_{name}", retained, 100 * limit - _PERCENT_SLACK, "%", "at least")
-    thinnest = sorted(losses, key=lambda loss: loss.left_mm)[:_MOVED_POSITIONS]
-    moved = [_move(interior, loss.motion) for loss in thinnest]
+    moved = [_move(interior, loss.motion) for loss in _worst_by_direction(design, losses)]
     thickness = search_distance(
         lambda reach_mm: min(solid.min_gap(exterior, reach_mm) for solid in moved), _FIRST_REACH_RATIO * minimum
     )
     yield Check("skin.min_thickness_misaligned", thickness, minimum, "mm", "at least")
+
+
+def _worst_by_direction(design: Design, losses: Iterable[Loss]) -> list[Loss]:
+    """Select the largest loss towards each side of the finger, in its proximal and in its distal half."""
+    worst_by: dict[tuple[int, int, bool], Loss] = {}
+    for loss in losses:
+        _, y, z = loss.point.normal
+        side = int(y > _STEEP) - int(y < -_STEEP), int(z > _STEEP), loss.point.point_mm[2] > design.skin.length_mm / 2
+        if side not in worst_by or loss.loss_mm > worst_by[side].loss_mm:
+            worst_by[side] = loss
+    return [*worst_by.values()]
 
 
 def _move(solid: Manifold, motion: Motion) -> Manifold:

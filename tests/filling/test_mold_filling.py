@@ -1,0 +1,120 @@
+"""Filling of a design's mold: ducts, vents at the last points, and checks that fail when the filling is spoilt."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+from fingertip.cad.verification.filling import air_rise_s, check_filling
+from fingertip.design import Design
+from fingertip.design.new_design import PRESETS
+from fingertip.design.silicone import select_silicone
+from fingertip.filling import mold_filling
+from fingertip.filling.mold_filling import list_ducts, place_vents, predict_mold_filling
+from fingertip.filling.predict import Opening
+from tests.conftest import design_file
+
+DESIGNS = ("fsr400", "fsr402", "fsr400_compact", *PRESETS)
+
+
+@cache
+def load(name: str, *changes: str) -> Design:
+    return Design.load(design_file(name), changes=changes)
+
+
+def failed(*changes: str, name: str = "fsr400") -> set[str]:
+    return {check.name for check in check_filling(load(name, *changes)) if not check.passed}
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.parametrize("method", ["overmold", "sleeve"])
+def test_bundled_molds_fill_within_thirty_seconds_without_air(name: str, method: str) -> None:
+    """With 35 Pa s, 30 N, and a syringe of 5 ml, or of 10 ml for the FSR 402."""
+    design = load(name, f"mold.method={method}")
+    prediction = predict_mold_filling(design)
+    assert prediction.viscosity_pa_s == 35.0
+    assert prediction.fill_s <= 30.0
+    assert failed(f"mold.method={method}", name=name) == set()
+
+
+def test_vents_stay_off_the_pad() -> None:
+    for name in DESIGNS:
+        for vent in place_vents(load(name)):
+            assert vent.point_mm[1] > 0.0, name
+
+
+def test_ducts_follow_the_inlet() -> None:
+    design = load("fsr400")
+    nozzle, cone, sprue, runner = list_ducts(design)
+    inlet = design.mold_layout.inlet
+    assert inlet
+    assert nozzle.resistance == pytest.approx(128 * 10.0 / (math.pi * 2.1**4))
+    assert nozzle.resistance > 2 * (cone.resistance + sprue.resistance + runner.resistance)
+    legs = (inlet.z - inlet.gate_z) + (inlet.x - design.dimensions.outer.half_width_at(1.25, inlet.gate_z))
+    assert runner.volume_mm3 == pytest.approx(3.0 * 2.5 * legs, rel=0.01)
+
+
+def test_a_tenth_of_a_millimetre_of_nozzle_changes_the_time_by_a_sixth() -> None:
+    wide, narrow = (predict_mold_filling(load("fsr400", f"mold.nozzle_bore_mm={bore}")).fill_s for bore in (2.1, 2.0))
+    assert 1.1 < narrow / wide < 1.25
+
+
+def test_gravity_cannot_fill_with_thick_silicone_but_with_a_thin_one() -> None:
+    thick, thin = "mold.filling=gravity", "silicone.product=sylgard_184"
+    assert failed(thick) == {"mold.fill_time", "mold.air_rise_time"}
+    assert predict_mold_filling(load("fsr400", thick)).fill_s > 30 * 60
+    assert failed(thick, thin) == set()
+    design = load("fsr400", thick)
+    assert air_rise_s(design, select_silicone(design)) == pytest.approx(
+        0.034 * 12 * 35 / (1080 * 9.81 * 0.0015**2), rel=1e-6
+    )
+
+
+def test_silicone_that_is_far_too_thick_is_too_slow() -> None:
+    own = ["silicone.product=own", "silicone.viscosity_pa_s=500"]
+    assert {"mold.fill_time", "mold.syringe_force"} <= failed(*own)
+
+
+def test_narrow_nozzle_and_small_syringe_fail() -> None:
+    assert failed("mold.nozzle_bore_mm=0.6") == {"mold.fill_time", "mold.syringe_force"}
+    assert failed("mold.syringe=3ml", name="fsr402") == {"mold.syringe_volume"}
+
+
+@pytest.mark.parametrize("vents", [(), "moved"])
+def test_air_without_a_vent_at_its_place_fails(monkeypatch: pytest.MonkeyPatch, vents: object) -> None:
+    design = load("adult_finger")
+    placed = place_vents(design)
+    (x, y, z), others = placed[0].point_mm, placed[1:]
+    moved = (replace(placed[0], point_mm=(x, y, z - 8.0)), *others) if vents == "moved" else ()
+    monkeypatch.setattr(mold_filling, "place_vents", lambda design: moved)
+    predict_mold_filling.cache_clear()
+    try:
+        assert failed(name="adult_finger") == {"mold.air_trapped"}
+    finally:
+        predict_mold_filling.cache_clear()
+
+
+def test_gate_at_the_tip_traps_air_that_its_vents_do_not_reach(monkeypatch: pytest.MonkeyPatch) -> None:
+    design = load("adult_finger")
+    placed = place_vents(design)
+    at_tip = Opening((0.0, 0.0, design.skin.length_mm), 2.7)
+    monkeypatch.setattr(mold_filling, "gate_opening", lambda design: at_tip)
+    monkeypatch.setattr(mold_filling, "list_ducts", lambda design: ())
+    monkeypatch.setattr(mold_filling, "place_vents", lambda design: placed)
+    monkeypatch.setattr(mold_filling, "_is_at_collar", lambda point: False)
+    predict_mold_filling.cache_clear()
+    try:
+        assert "mold.air_trapped" in failed(name="adult_finger")
+    finally:
+        predict_mold_filling.cache_clear()
+
+
+def test_wider_bolts_hold_more_and_a_stronger_thumb_loads_more() -> None:
+    checks = {c.name: c for c in check_filling(load("fsr400"))}
+    strong = {c.name: c for c in check_filling(load("fsr400", "mold.thumb_force_n=60"))}
+    assert strong["mold.opening_force"].value == pytest.approx(2 * checks["mold.opening_force"].value)
+    assert strong["mold.bone_load"].value == pytest.approx(checks["mold.bone_load"].value / 2, rel=0.01)
+    assert failed("mold.thumb_force_n=150", "mold.syringe=3ml", name="fsr400_compact") >= {"mold.bone_load"}

@@ -24,18 +24,25 @@ MAX_WIDTH_PX = 6000
 @command
 def picture(
     design: Annotated[Path, typer.Argument(help="Design file, or a bundled design: fsr400 or fsr402.")],
-    out: Annotated[Path | None, typer.Option(help="Output PNG; out/NAME/exploded.png by default.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Output PNG; out/NAME/exploded.png or filling.png by default.")
+    ] = None,
+    filling: Annotated[
+        bool,
+        typer.Option("--filling", help="Draw when the silicone arrives where, with vents and last points."),
+    ] = False,
     width_px: Annotated[int, typer.Option(help="Width of the picture, in pixels: 400 to 6000.")] = 1600,
     force: ForceOption = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Draw an exploded view of the fingertip and a section through the closed mold."""
+    """Draw an exploded view of the fingertip and a section through the closed mold, or how the mold fills."""
     from fingertip.build_files import parts_writer
     from fingertip.cli.load import load_design
     from fingertip.errors import Issue, OutputError
     from fingertip.files import write_file
+    from fingertip.view.filling_picture import draw_mold_filling
     from fingertip.view.picture import draw
 
     console = Console(as_json, quiet)
@@ -45,10 +52,10 @@ def picture(
     if issues:
         raise OutputError(issues)
     loaded, _ = load_design(design, changes, console.progress)
-    path = out or Path("out") / loaded.name / "exploded.png"
+    path = out or Path("out") / loaded.name / ("filling.png" if filling else "exploded.png")
     if out is None:
         parts_writer(loaded, path.parent, force).check((path.name,))
-    data = draw(loaded, width_px, console.progress)
+    data = draw_mold_filling(loaded) if filling else draw(loaded, width_px, console.progress)
     if out is None:
         parts_writer(loaded, path.parent, force).add({path.name: data})
     else:

@@ -166,12 +166,12 @@ def _predict(design: Design, vents: tuple[Vent, ...]) -> FillingPrediction:
         height = design.mold_layout.distal_z - design.skin.length_mm * design.dimensions.shrinkage
         pressure = head_pressure_pa(silicone.density_g_cm3.low, height)
     return predict_filling(
-        _grid(design), gate_opening(design), [Opening(vent.point_mm, vent.diameter_mm) for vent in vents],
+        build_grid(design), gate_opening(design), [Opening(vent.point_mm, vent.diameter_mm) for vent in vents],
         list_ducts(design), viscosity_pa_s=silicone.viscosity_pa_s.high, pressure_pa=pressure,
     )  # fmt: skip
 
 
-def _grid(design: Design) -> SkinGrid:
+def build_grid(design: Design) -> SkinGrid:
     """Build the grid of the cavity, closed where the chaplet's boss stands."""
     chaplet = design.dimensions.chaplet
     if chaplet is None:

@@ -200,6 +200,33 @@ def compute_casting(context: PointContext) -> OutputValues:
     return {"silicone_in_mold_g": batch.in_mold_g, "silicone_g": batch.total_g, "skin_pull_off_n": pull}
 
 
+def compute_filling(context: PointContext) -> OutputValues:
+    """Predict how the mold fills with the silicone of the design."""
+    from fingertip.cad.verification.filling import PUSH_S
+    from fingertip.filling.mold_filling import injected_cm3, largest_pocket, predict_mold_filling
+
+    prediction, inlet = predict_mold_filling(context.design), context.design.mold_layout.inlet
+    pocket = largest_pocket(prediction)
+    return {
+        "fill_time_s": prediction.fill_s,
+        "thumb_force_n": prediction.force_for_time_n(PUSH_S, inlet.syringe.bore_mm) if inlet else 0.0,
+        "injected_cm3": injected_cm3(prediction),
+        "trapped_air_mm3": pocket.volume_mm3 if pocket else 0.0,
+        "gate_pressure_kpa": 1e-3 * prediction.gate_pressure_pa,
+    }
+
+
+def compute_play(context: PointContext) -> OutputValues:
+    """Compute the skin that is left where bone or core lies off as far as its supports allow."""
+    from fingertip.design.geometry.bone_play import find_losses, worst
+
+    losses = find_losses(context.design)
+    return {
+        "retained_over_sensor_percent": 100 * worst(losses, over_sensor=True).retained,
+        "retained_elsewhere_percent": 100 * worst(losses, over_sensor=False).retained,
+    }
+
+
 def compute_thickness(context: PointContext) -> OutputValues:
     """Compute the minimum thickness of the skin above the plane where it is cut square.
 
@@ -263,6 +290,8 @@ GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
     "mold": compute_mold,
     "thickness": compute_thickness,
     "casting": compute_casting,
+    "filling": compute_filling,
+    "play": compute_play,
     "checks": compute_checks,
 }
 """Name of a group in `outputs.GROUPS` -> the function that computes its outputs."""

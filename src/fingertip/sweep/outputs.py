@@ -17,9 +17,11 @@ FINGER = frozenset({"sensor", "custom_sensor", "bone", "hand", "skin"})
 """Tables that define the shape of the finger."""
 CLOSED_MOLD = FINGER | {"mold"}
 """Tables that define the shape of finger and mold."""
-PARTS = CLOSED_MOLD | {"name", "printer", "strength"}
+MOLD = CLOSED_MOLD | {"printer"}
+"""Tables that define the mold around the cavity, whose walls are as thick as the printer needs, and the play in it."""
+PARTS = MOLD | {"name", "strength", "silicone"}
 """Tables that the checks of the printed parts read: the mold halves carry the design's name, and the printer's scale
-and limits and the loads decide on the checks."""
+and limits, the loads and the silicone decide on the checks."""
 SIMULATION = FINGER | {"board", "detector", "mold"}
 """Tables that a simulation can depend on. It uses the pad's shape, which is derived together with the mold's
 lengths."""
@@ -46,7 +48,8 @@ class OutputGroup:
 GROUPS = {
     group.name: group
     for group in (
-        OutputGroup("lengths", CLOSED_MOLD, 0),
+        OutputGroup("lengths", MOLD, 0),
+        OutputGroup("play", MOLD, 1),
         OutputGroup("board", frozenset({"board", "detector", "sensor", "custom_sensor"}), 1),
         OutputGroup("noise", frozenset({"board", "detector"}), 1),
         OutputGroup("circuit", frozenset({"board", "detector", "sensor", "custom_sensor"}), 1),
@@ -54,11 +57,12 @@ GROUPS = {
         OutputGroup("simulation", SIMULATION | {"scene"}, 3),
         OutputGroup("skin", CLOSED_MOLD, 4),
         OutputGroup("bone", CLOSED_MOLD, 4),
-        OutputGroup("mold", CLOSED_MOLD | {"name"}, 4),
+        OutputGroup("mold", MOLD | {"name"}, 4),
         OutputGroup("strength", CLOSED_MOLD | {"strength"}, 4),
-        OutputGroup("walls", CLOSED_MOLD | {"printer"}, 5),
+        OutputGroup("filling", MOLD | {"silicone"}, 4),
+        OutputGroup("walls", MOLD, 5),
         OutputGroup("thickness", CLOSED_MOLD, 4),
-        OutputGroup("casting", CLOSED_MOLD | {"name", "silicone"}, 5),
+        OutputGroup("casting", MOLD | {"name", "silicone"}, 5),
         OutputGroup("checks", PARTS, 6),
     )
 }
@@ -108,6 +112,13 @@ OUTPUTS = {
         SweepOutput("silicone_in_mold_g", "casting", "mass of silicone that fills the mold"),
         SweepOutput("silicone_g", "casting", "mass of silicone to mix, with waste; never less than can be weighed"),
         SweepOutput("skin_pull_off_n", "casting", "pull that the groove or a tight sleeve resists, without adhesion"),
+        SweepOutput("fill_time_s", "filling", "time in which the mold fills, at mold.thumb_force_n or by gravity"),
+        SweepOutput("thumb_force_n", "filling", "force on the syringe that fills the mold in 60 s"),
+        SweepOutput("injected_cm3", "filling", "silicone that the syringe must hold"),
+        SweepOutput("trapped_air_mm3", "filling", "largest bubble that no vent lets out"),
+        SweepOutput("gate_pressure_kpa", "filling", "largest pressure in the cavity while the front moves"),
+        SweepOutput("retained_over_sensor_percent", "play", "skin left over the sensor if the bone lies off"),
+        SweepOutput("retained_elsewhere_percent", "play", "skin left at the worst other place"),
         SweepOutput("checks_failed", "checks", "number of failed checks of `fingertip check`, at tolerance_mm"),
         SweepOutput("checks_run", "checks", "number of checks that were run"),
         SweepOutput("board.r1_ohm", "board", "preferred value: pole of the first stage"),

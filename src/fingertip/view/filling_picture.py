@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fingertip.arrays import Array
+from fingertip.design import Design
+from fingertip.design.silicone import select_silicone
+from fingertip.filling.mold_filling import build_grid, gate_opening, place_vents, predict_mold_filling
 from fingertip.filling.predict import FillingPrediction, Opening, Point3
 from fingertip.filling.skin_grid import SkinGrid
 from fingertip.filling.surface_links import Layer
@@ -52,6 +55,26 @@ class _Mark:
     point_mm: Point3
     symbol: _Symbol
     text: str
+
+
+def draw_mold_filling(design: Design) -> bytes:
+    """Draw the filling of a design's mold as a PNG.
+
+    Raises
+    ------
+    MissingLibraryError
+        If matplotlib is not installed.
+    """
+    silicone, prediction = select_silicone(design), predict_mold_filling(design)
+    how = (
+        f"{design.mold.thumb_force_n:g} N on a syringe of {design.mold_layout.inlet.syringe.volume_ml:g} ml"
+        if design.mold_layout.inlet
+        else "gravity"
+    )
+    filled = f"{prediction.viscosity_pa_s:g} Pa s, {how}: full after {prediction.fill_s:.0f} s"
+    title = f"{design.name}: {silicone.label}, {filled}"
+    vents = [Opening(vent.point_mm, vent.diameter_mm) for vent in place_vents(design)]
+    return draw_filling(build_grid(design), prediction, gate_opening(design), vents, title)
 
 
 def draw_filling(

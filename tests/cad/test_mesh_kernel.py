@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fingertip.cad.files import stl
-from fingertip.cad.kernel.mesh import GRID_MM, MeshEvaluator, find_degenerate_triangles
+from fingertip.cad.kernel.mesh import GRID_MM, MeshEvaluator, _find_flaps, find_degenerate_triangles
 from fingertip.cad.shapes.mold import mold_palmar
 from fingertip.cad.verification.part_files import count_open_edges
 from fingertip.design import Design
@@ -31,6 +31,14 @@ def test_vertices_on_the_same_grid_point_are_merged() -> None:
     read = stl.from_bytes(stl.to_bytes(mesh, "mold_palmar"))
     assert count_open_edges(read) == 0
     assert len(read.triangles) == len(mesh.triangles)
+
+
+def test_sheet_without_volume_is_removed() -> None:
+    """A tetrahedron with a flap: two triangles on the same vertices, one the reverse of the other."""
+    corners = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
+    assert not _find_flaps(np.array(corners)).any()
+    flapped = np.array([*corners, (0, 1, 4), (0, 4, 1)])
+    assert _find_flaps(flapped).tolist() == [False] * 4 + [True] * 2
 
 
 def test_triangle_without_area_is_removed_with_its_short_edge() -> None:

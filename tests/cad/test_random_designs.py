@@ -27,6 +27,7 @@ MANY = int(os.environ.get("FINGERTIP_RANDOM_DESIGNS", "0"))
 """Number of designs of each kind; 0 selects as many as a minute allows."""
 TABLES = ("sensor.", "bone.", "hand.", "skin.", "mold.")
 VARIED = [p.path for p in list_parameters() if p.path.startswith(TABLES) and p.unit]
+NOT_GEOMETRY = ("build_volume_excess", "mold.fill_time", "mold.syringe_force", "mold.syringe_volume")
 UNLIMITED = ["strength.min_grip_factor=0", "strength.min_shock_factor=0"]
 
 
@@ -54,8 +55,8 @@ def test_random_design_passes_every_mesh_check(seed: int) -> None:
     found = verify(design, list(parts_by_name(design)), ("stl",), MeshEvaluator(TOLERANCE)).checks
     names = {check.name.rsplit(".", 1)[-1] for check in found}
     assert {"open_edges", "min_thickness_misaligned", "undercut"} <= names
-    # A part that exceeds the default printer is not an error of the geometry.
-    assert [check for check in found if not check.passed and not check.name.endswith("build_volume_excess")] == []
+    # A part that exceeds the default printer, and a syringe that suits the mold badly, are no errors of the geometry.
+    assert [check for check in found if not check.passed and not check.name.endswith(NOT_GEOMETRY)] == []
 
 
 @pytest.mark.slow

@@ -38,7 +38,7 @@ _AT_COLLAR_MM = 0.6
 """Height above the collar up to which its gap vents the cavity [mm]."""
 _MAX_ROUNDS = 4
 """Largest number of rounds in which vents are added."""
-_APART_DIAMETERS = 1.5
+_APART_DIAMETERS = 0.8
 """Least distance of two vents, in diameters."""
 _BESIDE_HEAD_MM = 0.1
 """Wall between a vent and the head of the chaplet's screw, beyond the least one [mm]."""

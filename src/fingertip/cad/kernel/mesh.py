@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.arrays import Array
 from fingertip.cad.kernel.tessellate import Triangles, tessellate
@@ -131,7 +132,16 @@ def to_canonical_mesh(manifold: Manifold) -> Mesh:
     triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
     smallest = triangles.argmin(axis=1)
     triangles = np.take_along_axis(triangles, (smallest[:, None] + np.arange(3)) % 3, axis=1)
+    triangles = triangles[~_find_flaps(triangles)]
     return Mesh(vertices[distinct], triangles[np.lexsort(triangles.T[::-1])])
+
+
+def _find_flaps(triangles: Triangles) -> NDArray[np.bool_]:
+    """Find pairs of triangles on the same vertices, one the reverse of the other: sheets without volume."""
+    size = int(triangles.max(initial=0)) + 1
+    keys = (triangles[:, 0] * size + triangles[:, 1]) * size + triangles[:, 2]
+    reverse = (triangles[:, 0] * size + triangles[:, 2]) * size + triangles[:, 1]
+    return np.isin(keys, reverse)
 
 
 def find_degenerate_triangles(vertices: Array, triangles: Triangles) -> Triangles:

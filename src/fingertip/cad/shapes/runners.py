@@ -102,6 +102,11 @@ def vents(design: Design) -> tuple[Solid, ...]:
     return tuple(_vent(design, vent) for vent in place_vents(design))
 
 
+def side_vents(design: Design) -> tuple[Solid, ...]:
+    """Build the vents in the parting plane."""
+    return tuple(_vent(design, vent) for vent in place_vents(design) if vent.kind == "side")
+
+
 def _vent(design: Design, vent: Vent) -> Solid:
     """Build one vent. It begins inside the cavity, well below the surface that it cuts."""
     layout, radius = design.mold_layout, vent.diameter_mm / 2

@@ -25,7 +25,7 @@ from fingertip.cad.verification.check import (
     complement,
 )
 from fingertip.design import Design
-from fingertip.design.geometry.tail_fold import TailFold
+from fingertip.design.geometry.tail_fold import SLIDING_MM, TailFold
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -150,7 +150,8 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
     """
     dims = design.dimensions
     solid, body = evaluator.manifold(PARTS["bone"].solid(design)), evaluator.manifold(bone.sensor_body(design))
-    clearance = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm) - evaluator.tolerance_mm
+    gaps = [design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm, *([SLIDING_MM / 2] if dims.fold else [])]
+    clearance = min(gaps) - evaluator.tolerance_mm
     if clearance > 0.0:
         yield check_min_distance("sensor.pocket_clearance", body, solid, clearance)
     yield check_zero_volume("overlap.bone.sensor", (body ^ solid).volume())

@@ -10,10 +10,11 @@ import numpy as np
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone, mold
+from fingertip.cad.shapes.chaplet import screw_hole
 from fingertip.cad.shapes.insert import filled_bone, mold_insert
-from fingertip.cad.shapes.runners import openings, runners, runners_with_axes
+from fingertip.cad.shapes.runners import openings, runners, runners_with_axes, side_vents
 from fingertip.cad.shapes.skin import cavity
-from fingertip.cad.solids import intersection, union
+from fingertip.cad.solids import Solid, difference, intersection, union
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
     Check,
@@ -66,15 +67,22 @@ def _check_openings(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]
     distal = hollow.trim_by_plane((0.0, 0.0, 1.0), m.distal_z - _FACE_DEPTH_MM).decompose()
     dorsal = hollow.trim_by_plane((0.0, 1.0, 0.0), m.dorsal_height - _FACE_DEPTH_MM).decompose()
     vents = place_vents(design)
-    at_side = sum(vent.kind == "side" for vent in vents)
-    side = [*hollow.trim_by_plane((1.0, 0.0, 0.0), m.half_width - _FACE_DEPTH_MM).decompose()]
-    side += hollow.trim_by_plane((-1.0, 0.0, 0.0), m.half_width - _FACE_DEPTH_MM).decompose()
-    yield Check("mold.side_vent_openings", len(side), at_side, "openings", "exactly")
-    others = 1 + len(vents) - at_side
+    others = 1 + sum(vent.kind != "side" for vent in vents)
     yield Check("mold.inlet_and_vent_openings", len(distal) + len(dorsal), others, "openings", "exactly")
+    # Two grooves may meet on their way, so each is followed by itself.
+    open_grooves = sum(_is_open(design, groove, evaluator) for groove in side_vents(design))
+    at_side = sum(vent.kind == "side" for vent in vents)
+    yield Check("mold.side_vent_openings", open_grooves, at_side, "openings", "exactly")
     cast = evaluator.manifold(intersection(mold.cast_hollow(design), mold.block(design)))
     for half, direction in (("mold_palmar", -1.0), ("mold_dorsal", 1.0)):
         yield Check(f"{half}.undercut", _undercut_area_mm2(cast, direction), _AREA_TOLERANCE_MM2, "mm2")
+
+
+def _is_open(design: Design, groove: Solid, evaluator: MeshEvaluator) -> bool:
+    """Return whether a groove connects the cavity with the side of the mold."""
+    solid, m = evaluator.manifold(groove), design.mold_layout
+    low, high = solid.bounding_box()[0], solid.bounding_box()[3]
+    return bool(max(-low, high) > m.half_width and (solid ^ evaluator.manifold(cavity(design))).volume() > 0.0)
 
 
 def _undercut_area_mm2(hollow: Manifold, direction: float) -> float:
@@ -169,11 +177,18 @@ def _check_runner_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Ch
     """Check the walls between inlet and vents and everything else that is cut into the block, and its outside."""
     wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     runners_ = evaluator.manifold(intersection(openings(design), mold.block(design)))
-    for name, solids in (
-        ("cutouts", (mold.outer_cutouts_and_screw(design),)),
-        ("keys", mold.key_sockets(design)),
-    ):
-        yield check_min_distance(f"mold.wall.runners_to_{name}", runners_, evaluator.manifold(union(*solids)), wall)
+    sockets = evaluator.manifold(union(*mold.key_sockets(design)))
+    yield check_min_distance("mold.wall.runners_to_keys", runners_, sockets, wall)
+    # A groove in the parting plane may end in a pry slot.
+    grooves = side_vents(design)
+    above = difference(openings(design), *grooves) if grooves else openings(design)
+    cutouts = evaluator.manifold(mold.outer_cutouts_and_screw(design))
+    clear = evaluator.manifold(intersection(above, mold.block(design)))
+    yield check_min_distance("mold.wall.runners_to_cutouts", clear, cutouts, wall)
+    if grooves:
+        bolts = evaluator.manifold(union(*mold.bolt_holes(design), *screw_hole(design)))
+        beside = evaluator.manifold(intersection(union(*grooves), mold.block(design)))
+        yield check_min_distance("mold.wall.side_vents_to_bolts", beside, bolts, wall)
     low, high = (evaluator.manifold(mold.block(design)).bounding_box()[i : i + 3] for i in (0, 3))
     distances = []
     for solid, axis in runners_with_axes(design):

@@ -110,7 +110,7 @@ class CrossSection:
 
         The arc is symmetric: exchanging x and y maps it on itself.
         """
-        if scale <= 0.0:
+        if scale <= 0.0 or abs(x) >= self.half_width * scale:
             return 0.0
         return scale * self.dorsal * arc_abscissa(abs(x) / (self.half_width * scale), self.dorsal_weight)
 

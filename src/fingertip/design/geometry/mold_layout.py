@@ -117,7 +117,7 @@ class MoldLayout:
         around_skin = self._design.skin.length_mm * self._design.dimensions.shrinkage + mold.wall_mm
         if self.inlet is None:
             return around_skin + mold.funnel_depth_mm
-        beside_key = self._key_beside_inlet_z + self._small_key_radius + mold.land_mm + self.nut_circumradius
+        beside_key = self._key_beside_inlet_z + self._small_key_reach + mold.land_mm + self.nut_circumradius
         past_barrel = self.inlet.z + self._barrel_to_bolt
         return max(around_skin, max(beside_key, past_barrel) + self._end_to_bolt)
 
@@ -177,13 +177,20 @@ class MoldLayout:
         """(x, z) of each clamp bolt."""
         return tuple((x, z) for x in (-self._column_x, self._column_x) for z in self._bolts_z)
 
+    def _key_reach(self, root: float) -> float:
+        """Reach of a key's socket from its axis, where its draft has widened it most."""
+        mold, slope = self._design.mold, self._design.dimensions.draft_slope
+        return root / 2 + slope * self.dorsal_height / 2 + mold.key_clearance_mm * math.hypot(1.0, slope)
+
+    @property
+    def _small_key_reach(self) -> float:
+        """Reach of the smaller key's socket."""
+        return self._key_reach(2 * self._small_key_radius)
+
     def clear_side_z(self, z: float, width: float) -> float:
         """Find the height nearest to `z` [mm] at which a groove of this width passes the bolts and the key at -x."""
         wall = self._design.printer.min_wall_mm + width / 2
-        key_z, root = (
-            self.keys[0][1],
-            self.keys[0][2] / 2 + self.dorsal_height / 2 * self._design.dimensions.draft_slope,
-        )
+        key_z, root = self.keys[0][1], self._key_reach(self.keys[0][2])
         bolt = self._design.mold.bolt_diameter_mm / 2
         around = [(at - bolt - wall, at + bolt + wall) for at in self._bolts_z]
         around.append((key_z - root - wall, key_z + root + wall))
@@ -211,7 +218,7 @@ class MoldLayout:
     def _key_beside_inlet_z(self) -> float:
         """Least height of the key in the column of the inlet."""
         assert self.inlet
-        return self.inlet.z + LUER_MOUTH_MM / 2 + self._design.mold.land_mm + self._small_key_radius
+        return self.inlet.z + self.half_inlet + self._design.mold.land_mm + self._small_key_reach
 
     @cached_property
     def keys(self) -> tuple[tuple[float, float, float], ...]:
@@ -222,10 +229,13 @@ class MoldLayout:
         """
         mold = self._design.mold
         shift = (self.key_space - mold.key_diameter_mm - 2 * mold.land_mm) / 4
-        second = self.pry_z + shift / 2
+        first, second = self.pry_z - shift, self.pry_z + shift / 2
         if self.inlet:
+            # Beside the inlet the second key has no room, and beside the proximal half of the cavity vents open.
             second = max(second, self._key_beside_inlet_z)
+            reach = self._key_reach(mold.key_diameter_mm)
+            first = self._bolts_z[1] - self.nut_circumradius - mold.land_mm - reach
         return (
-            (-self._column_x, self.pry_z - shift, mold.key_diameter_mm),
+            (-self._column_x, first, mold.key_diameter_mm),
             (self._column_x, second, 2 * self._small_key_radius),
         )

@@ -46,7 +46,7 @@ def test_bolt_too_close_to_the_cavity_fails(monkeypatch: pytest.MonkeyPatch) -> 
     def inwards(design: Design) -> Solids:
         first, *others = original(design)
         assert isinstance(first, Cone)
-        return replace(first, centre=(20.0, -11.5)), *others
+        return replace(first, centre=(10.0, -11.5)), *others
 
     monkeypatch.setattr(mold, "bolt_holes", inwards)
     assert failed_checks() == {"mold.land.bolts_to_cavity"}
@@ -133,7 +133,7 @@ def test_walls_much_thicker_than_the_limit_are_measured() -> None:
     """The default wall of the mold is 4 mm, five times the minimum wall."""
     design, checks = Design(), run_checks()
     assert checks["mold.wall.cavity_to_outside"].value == pytest.approx(4.0, abs=TOLERANCE)
-    assert checks["mold.wall.keys_to_bolts"].value > 8.0
+    assert checks["mold.wall.keys_to_bolts"].value > 4.0
     # The frustums of the keys are widest inside the dorsal half, at half its height.
     layout = design.mold_layout
     widening = design.dimensions.draft_slope * layout.dorsal_height / 2 + design.mold.key_clearance_mm
@@ -287,4 +287,4 @@ def test_keys_that_fit_in_reverse_fail(monkeypatch: pytest.MonkeyPatch) -> None:
         return first, replace(first, centre=(m.proximal_z + m.distal_z - z, -x))
 
     monkeypatch.setattr(mold, "key_frustums", symmetric)
-    assert failed_checks() == {"mold.reversed_assembly_overlap"}
+    assert "mold.reversed_assembly_overlap" in failed_checks()

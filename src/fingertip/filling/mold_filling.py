@@ -30,6 +30,7 @@ from fingertip.filling.predict import (
     syringe_pressure_pa,
 )
 from fingertip.filling.skin_grid import SkinGrid, build_skin_grid
+from fingertip.silicones import Silicone
 from fingertip.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 
 MAX_AIR_MM3 = 1.0
@@ -73,7 +74,9 @@ def place_vents(design: Design) -> tuple[Vent, ...]:
     vents: tuple[Vent, ...] = ()
     for _ in range(_MAX_ROUNDS):
         # A vent can leave another pocket behind, which had been part of the one that it empties.
-        pockets = [pocket for pocket in _predict(design, vents).air_pockets if not _is_at_collar(pocket.point_mm)]
+        # Neither viscosity nor pressure changes the way of the front.
+        trapped = _predict(design, vents, viscosity_pa_s=1.0, pressure_pa=1.0).air_pockets
+        pockets = [pocket for pocket in trapped if not _is_at_collar(pocket.point_mm)]
         before = len(vents)
         for pocket in pockets:
             point = _clear_of_chaplet(design, pocket.point_mm)
@@ -104,7 +107,9 @@ def _clear_of_chaplet(design: Design, point: Point3) -> Point3:
 @lru_cache(maxsize=32)
 def predict_mold_filling(design: Design) -> FillingPrediction:
     """Predict the filling of a design's mold, with its vents; air at the collar's edge counts as vented."""
-    prediction = _predict(design, place_vents(design))
+    silicone = select_silicone(design)
+    viscosity, pressure = silicone.viscosity_pa_s.high, _pressure_pa(design, silicone)
+    prediction = _predict(design, place_vents(design), viscosity, pressure)
     trapped = tuple(pocket for pocket in prediction.air_pockets if not _is_at_collar(pocket.point_mm))
     return replace(prediction, air_pockets=trapped)
 
@@ -156,19 +161,20 @@ def _inlet_ducts(design: Design, inlet: Inlet) -> tuple[Duct, ...]:
     )
 
 
-def _predict(design: Design, vents: tuple[Vent, ...]) -> FillingPrediction:
-    silicone = select_silicone(design)
-    inlet = design.mold_layout.inlet
-    if inlet:
-        pressure = syringe_pressure_pa(design.mold.thumb_force_n, inlet.syringe.bore_mm)
-    else:
-        # The head of a full funnel above the gate; in the cavity below it, air and silicone change places.
-        height = design.mold_layout.distal_z - design.skin.length_mm * design.dimensions.shrinkage
-        pressure = head_pressure_pa(silicone.density_g_cm3.low, height)
+def _predict(design: Design, vents: tuple[Vent, ...], viscosity_pa_s: float, pressure_pa: float) -> FillingPrediction:
     return predict_filling(
         build_grid(design), gate_opening(design), [Opening(vent.point_mm, vent.diameter_mm) for vent in vents],
-        list_ducts(design), viscosity_pa_s=silicone.viscosity_pa_s.high, pressure_pa=pressure,
+        list_ducts(design), viscosity_pa_s=viscosity_pa_s, pressure_pa=pressure_pa,
     )  # fmt: skip
+
+
+def _pressure_pa(design: Design, silicone: Silicone) -> float:
+    """Compute the pressure under the thumb, or the head of a full funnel above the gate."""
+    inlet = design.mold_layout.inlet
+    if inlet:
+        return syringe_pressure_pa(design.mold.thumb_force_n, inlet.syringe.bore_mm)
+    height = design.mold_layout.distal_z - design.skin.length_mm * design.dimensions.shrinkage
+    return head_pressure_pa(silicone.density_g_cm3.low, height)
 
 
 def build_grid(design: Design) -> SkinGrid:

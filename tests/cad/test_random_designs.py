@@ -27,7 +27,13 @@ MANY = int(os.environ.get("FINGERTIP_RANDOM_DESIGNS", "0"))
 """Number of designs of each kind; 0 selects as many as a minute allows."""
 TABLES = ("sensor.", "bone.", "hand.", "skin.", "mold.")
 VARIED = [p.path for p in list_parameters() if p.path.startswith(TABLES) and p.unit]
-NOT_GEOMETRY = ("build_volume_excess", "mold.fill_time", "mold.syringe_force", "mold.syringe_volume")
+NOT_GEOMETRY = (
+    "build_volume_excess",
+    "mold.fill_time",
+    "mold.syringe_force",
+    "mold.syringe_volume",
+    "mold.leak_length",
+)
 UNLIMITED = ["strength.min_grip_factor=0", "strength.min_shock_factor=0"]
 
 

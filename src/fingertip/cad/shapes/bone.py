@@ -40,7 +40,7 @@ def sensor_recess(design: Design) -> Solid:
         passage = Box((-tail, floor - dims.passage_height, dims.fold.nose_z - _OVERLAP_MM), (tail, floor, top))
         return union(
             cylinder("y", (dims.sensor_z, 0.0), outside, floor, head), Box((-tail, outside, 0.0), (tail, floor, top)),
-            passage, _trough(design, dims.fold, tail), _window(design, dims.fold, tail),
+            passage, trough(design, dims.fold), _window(design, dims.fold, tail),
         )  # fmt: skip
     # 0.1 mm deeper than the top of the channel: a plane tangent to it would leave a stray edge in the B-rep solid.
     relief_floor = flat + dims.channel_depth + bone.channel_diameter_mm / 2 + 0.1
@@ -55,8 +55,9 @@ def sensor_recess(design: Design) -> Solid:
     return union(pocket, passage, under_skin, relief)
 
 
-def _trough(design: Design, fold: TailFold, half_width: float) -> Solid:
+def trough(design: Design, fold: TailFold) -> Solid:
     """Build the trough for the end of a folded tail, open on the dorsal side."""
+    half_width = design.dimensions.tail_half_width
     dorsal = 2 * design.dimensions.bone_outline.section.dorsal  # past the bone
     return Box((-half_width, fold.floor_y, fold.nose_z - _OVERLAP_MM), (half_width, dorsal, fold.trough_end_z))
 

@@ -20,6 +20,7 @@ from fingertip.cad.verification.filling import check_filling
 from fingertip.cad.verification.joint import check_joint
 from fingertip.cad.verification.mold import check_mold
 from fingertip.cad.verification.part_files import check_mesh_file
+from fingertip.cad.verification.seals import check_seals
 from fingertip.cad.verification.skin import check_skin, check_sleeve_stretch
 from fingertip.design import Design
 from fingertip.errors import DesignError, Issue
@@ -101,6 +102,7 @@ def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, M
     if "mold_palmar" in meshes and "mold_dorsal" in meshes:
         yield from check_mold(design, evaluator)
         yield from check_filling(design)
+        yield from check_seals(design, evaluator)
     if "core" in meshes:
         yield check_sleeve_stretch(design, evaluator)
 

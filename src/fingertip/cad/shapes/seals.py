@@ -1,0 +1,56 @@
+"""Seals of an overmolding: what keeps silicone out of the bone's hollows while the skin is cast around it.
+
+A tape under the skin covers pocket and slot of the sensor, and its relief. Adhesive fills the passage of the tail
+through the collar, and the gap around the lid of a folded tail. The screw of the chaplet closes its own hole.
+"""
+
+from __future__ import annotations
+
+from fingertip.cad.shapes.bone import lid, sensor_body, tail_space, trough
+from fingertip.cad.shapes.chaplet import pilot_hole
+from fingertip.cad.shapes.insert import filled_bone
+from fingertip.cad.solids import Box, Solid, difference, intersection
+from fingertip.design import Design
+
+TAPE_MM = 0.1
+"""Thickness of the tape [mm]. An assumption."""
+_TAPE_RIM_MM = 0.5
+"""Width by which the tape reaches past what it covers [mm]."""
+_INTO_COLLAR_MM = 0.3
+"""Depth to which the tape reaches under the collar's seal [mm]."""
+
+
+def tape(design: Design) -> Solid:
+    """Build the tape on the flat of the bone, from the collar over the sensor's head."""
+    dims = design.dimensions
+    head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
+    half, top = max(head, dims.tail_half_width) + _TAPE_RIM_MM, dims.sensor_z + head + _TAPE_RIM_MM
+    flat = -dims.flat_depth
+    return Box((-half, flat - TAPE_MM, -_INTO_COLLAR_MM), (half, flat, top))
+
+
+def passage_seal(design: Design) -> tuple[Solid, ...]:
+    """Build the adhesive in the passage of the tail through the collar; none if the tail ends under the skin."""
+    dims = design.dimensions
+    if not dims.tail_passes_collar:
+        return ()
+    floor = -dims.flat_depth + dims.pocket_depth
+    low = dims.fold.nose_z if dims.fold else -design.bone.collar_length_mm
+    passage = Box(
+        (-dims.tail_half_width, floor - dims.passage_height, low), (dims.tail_half_width, floor, _INTO_COLLAR_MM)
+    )
+    return (difference(passage, sensor_body(design)),)
+
+
+def lid_seal(design: Design) -> tuple[Solid, ...]:
+    """Build the adhesive around the lid of a folded tail, above the space of the tail; none without a lid."""
+    fold = design.dimensions.fold
+    if fold is None:
+        return ()
+    around = intersection(trough(design, fold), filled_bone(design))
+    return (difference(around, lid(design), tail_space(design)),)
+
+
+def seals(design: Design) -> tuple[Solid, ...]:
+    """Build everything that closes the hollows of the bone in the mold."""
+    return (tape(design), *passage_seal(design), *lid_seal(design), *pilot_hole(design))

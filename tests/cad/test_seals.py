@@ -1,4 +1,4 @@
-"""Seals of the mold: nothing leaks as the sheet says, each seal that is left out opens a path, and creep in closed form."""
+"""Seals of the mold: nothing leaks, each seal that is left out opens a path, and creep in closed form."""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ import pytest
 from PIL import Image
 
 from fingertip.design import Design
-from fingertip.filling.predict import Opening, predict_filling
+from fingertip.filling.predict import Opening, follow_front, predict_filling
 from fingertip.filling.skin_grid import build_skin_grid
 from fingertip.view.filling_picture import draw_filling
 from tests.conftest import design_file
@@ -20,7 +20,7 @@ def test_picture_is_a_png_and_repeats_itself(has_nail: bool) -> None:
     is_closed = (lambda points: (points[..., 1] > 4.0) & (points[..., 2] > 20.0)) if has_nail else None
     grid = build_skin_grid(design, 24, 32, is_closed)
     gate, vents = Opening((9.0, 0.0, 1.5), 2.7), (Opening((0.0, 5.0, 33.0), 1.2),)
-    filling = predict_filling(grid, gate, vents, (), viscosity_pa_s=35.0, pressure_pa=2000.0)
+    filling = predict_filling(follow_front(grid, gate), vents, (), viscosity_pa_s=35.0, pressure_pa=2000.0)
     first, second = (draw_filling(grid, filling, gate, vents, "Filling of fsr400") for _ in range(2))
     assert first == second
     image = Image.open(io.BytesIO(first))

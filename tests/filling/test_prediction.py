@@ -19,6 +19,7 @@ from fingertip.filling.predict import (
     FillingPrediction,
     Opening,
     Point3,
+    follow_front,
     head_pressure_pa,
     predict_filling,
     syringe_pressure_pa,
@@ -53,8 +54,8 @@ def predict(
     if vents is None:
         vents = (on_cavity(design, 0.0, 1.0, 0.88 * design.skin.length_mm),)
     return predict_filling(
-        grid, Opening(gate or on_cavity(design, 1.0, 0.0, 1.5), 2.74), [Opening(point, 1.2) for point in vents], DUCTS,
-        viscosity_pa_s=35.0, pressure_pa=PRESSURE_PA,
+        follow_front(grid, Opening(gate or on_cavity(design, 1.0, 0.0, 1.5), 2.74)),
+        [Opening(point, 1.2) for point in vents], DUCTS, viscosity_pa_s=35.0, pressure_pa=PRESSURE_PA,
     )  # fmt: skip
 
 

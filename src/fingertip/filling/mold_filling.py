@@ -8,6 +8,7 @@ therefore needs no vent of its own.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
@@ -22,10 +23,14 @@ from fingertip.design.silicone import select_silicone
 from fingertip.filling.ducts import ConicalDuct, Duct, RectangularDuct, RoundDuct
 from fingertip.filling.predict import (
     AirPocket,
+    Course,
     FillingPrediction,
     Opening,
     Point3,
+    find_last_points,
+    follow_front,
     head_pressure_pa,
+    place_of,
     predict_filling,
     syringe_pressure_pa,
 )
@@ -62,6 +67,16 @@ class Vent:
 
 
 @lru_cache(maxsize=32)
+def follow_design_front(design: Design) -> Course:
+    """Compute the way of the front through the cavity of a design."""
+    return follow_front(build_grid(design), gate_opening(design))
+
+
+def _openings(vents: Iterable[Vent]) -> list[Opening]:
+    return [Opening(vent.point_mm, vent.diameter_mm) for vent in vents]
+
+
+@lru_cache(maxsize=32)
 def place_vents(design: Design) -> tuple[Vent, ...]:
     """Place the vents of a design's mold.
 
@@ -71,15 +86,15 @@ def place_vents(design: Design) -> tuple[Vent, ...]:
     diameter, layout = design.mold.vent_diameter_mm, design.mold_layout
     if layout.inlet is None:
         return tuple(Vent("tip", (x, 0.0, layout.inlet_z), diameter) for x in (0.0, -layout.gate_x))
-    vents: tuple[Vent, ...] = ()
+    course, vents = follow_design_front(design), tuple[Vent, ...]()
     for _ in range(_MAX_ROUNDS):
         # A vent can leave another pocket behind, which had been part of the one that it empties.
-        # Neither viscosity nor pressure changes the way of the front.
-        trapped = _predict(design, vents, viscosity_pa_s=1.0, pressure_pa=1.0).air_pockets
-        pockets = [pocket for pocket in trapped if not _is_at_collar(pocket.point_mm)]
+        points = (place_of(course, air.node) for air in find_last_points(course, _openings(vents))[1])
         before = len(vents)
-        for pocket in pockets:
-            point = _clear_of_chaplet(design, pocket.point_mm)
+        for found in points:
+            if _is_at_collar(found):
+                continue
+            point = _clear_of_chaplet(design, found)
             if all(math.dist(point, vent.point_mm) > _APART_DIAMETERS * diameter for vent in vents):
                 kind = _choose_kind(design, point)
                 # A groove is twice as wide as deep, because pockets at the side are long.
@@ -109,7 +124,10 @@ def predict_mold_filling(design: Design) -> FillingPrediction:
     """Predict the filling of a design's mold, with its vents; air at the collar's edge counts as vented."""
     silicone = select_silicone(design)
     viscosity, pressure = silicone.viscosity_pa_s.high, _pressure_pa(design, silicone)
-    prediction = _predict(design, place_vents(design), viscosity, pressure)
+    prediction = predict_filling(
+        follow_design_front(design), _openings(place_vents(design)), list_ducts(design),
+        viscosity_pa_s=viscosity, pressure_pa=pressure,
+    )  # fmt: skip
     trapped = tuple(pocket for pocket in prediction.air_pockets if not _is_at_collar(pocket.point_mm))
     return replace(prediction, air_pockets=trapped)
 
@@ -159,13 +177,6 @@ def _inlet_ducts(design: Design, inlet: Inlet) -> tuple[Duct, ...]:
         RoundDuct(at_end, sprue),
         RectangularDuct(inlet.width, inlet.depth, inlet.z - inlet.gate_z + inlet.x - side),
     )
-
-
-def _predict(design: Design, vents: tuple[Vent, ...], viscosity_pa_s: float, pressure_pa: float) -> FillingPrediction:
-    return predict_filling(
-        build_grid(design), gate_opening(design), [Opening(vent.point_mm, vent.diameter_mm) for vent in vents],
-        list_ducts(design), viscosity_pa_s=viscosity_pa_s, pressure_pa=pressure_pa,
-    )  # fmt: skip
 
 
 def _pressure_pa(design: Design, silicone: Silicone) -> float:

@@ -15,6 +15,7 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.filling.air import ClosingVent, TrappedAir, find_air
+from fingertip.filling.air import LastPoint as Last
 from fingertip.filling.ducts import Duct, fill_in_series
 from fingertip.filling.hele_shaw import LEVELS, Filling, fill
 from fingertip.filling.mouth import Mouth, mouth_resistance, open_mouth
@@ -132,11 +133,18 @@ def _area_m2(diameter_mm: float) -> float:
     return math.pi / 4.0 * diameter_mm**2 * 1e-6
 
 
-def predict_filling(
-    grid: SkinGrid, gate: Opening, vents: Sequence[Opening], ducts: Sequence[Duct], *,
-    viscosity_pa_s: float, pressure_pa: float, levels: int = LEVELS,
-) -> FillingPrediction:  # fmt: skip
-    """Predict how a cavity fills.
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Way of the front through a cavity: it depends on the gate alone, not on vents, ducts, viscosity or pressure."""
+
+    grid: SkinGrid
+    filling: Filling
+    mouth_resistance: float
+    """Resistance at the gate's mouth that the grid does not show [1/mm3]."""
+
+
+def follow_front(grid: SkinGrid, gate: Opening, levels: int = LEVELS) -> Course:
+    """Compute the way of the front, which takes most of the time of a prediction.
 
     Parameters
     ----------
@@ -144,14 +152,6 @@ def predict_filling(
         Cavity.
     gate
         Mouth through which silicone enters the cavity.
-    vents
-        Mouths through which air leaves it.
-    ducts
-        Ducts in series from the pressure to the gate, empty at first: nozzle, sprue, runner.
-    viscosity_pa_s
-        Dynamic viscosity of the mixed silicone.
-    pressure_pa
-        Pressure at the inlet of the first duct, constant.
     levels
         Number of injected volumes at which the front is computed.
     """
@@ -160,15 +160,46 @@ def predict_filling(
     source = mouth.shares(len(network.volume_mm3))
     if not network.is_open.all():
         network = network.keep(network.reach(source > 0.0))
-    filling = fill(network, source, levels)
-    clock = _Clock.of(filling, mouth_resistance(layer, mouth, gate.diameter_mm), ducts, viscosity_pa_s / pressure_pa)
+    return Course(grid, fill(network, source, levels), mouth_resistance(layer, mouth, gate.diameter_mm))
 
-    volume, arrival = network.total_mm3, filling.arrival_mm3
+
+def find_last_points(course: Course, vents: Sequence[Opening]) -> tuple[tuple[Last, ...], tuple[TrappedAir, ...]]:
+    """Find the last points, the last first, and the air that the vents do not let out, the largest first."""
+    layer, arrival = course.grid.layer, course.filling.arrival_mm3
     closing = tuple(
         sample for vent in vents for sample in _close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival)
     )
-    points, pockets = find_air(network, arrival, closing)
-    not_reached = _not_reached(grid, filling)
+    points, pockets = find_air(course.filling.network, arrival, closing)
+    return tuple(points), (*pockets, *_not_reached(course.grid, course.filling))
+
+
+def place_of(course: Course, node: int) -> Point3:
+    """Locate a maximum of the arrival volume between the nodes around it [mm]."""
+    return refine_peak(course.grid.layer, course.filling.arrival_mm3, node)
+
+
+def predict_filling(
+    course: Course, vents: Sequence[Opening], ducts: Sequence[Duct], *, viscosity_pa_s: float, pressure_pa: float
+) -> FillingPrediction:
+    """Predict how a cavity fills.
+
+    Parameters
+    ----------
+    course
+        Way of the front, from `follow_front`.
+    vents
+        Mouths through which air leaves it.
+    ducts
+        Ducts in series from the pressure to the gate, empty at first: nozzle, sprue, runner.
+    viscosity_pa_s
+        Dynamic viscosity of the mixed silicone.
+    pressure_pa
+        Pressure at the inlet of the first duct, constant.
+    """
+    grid, filling = course.grid, course.filling
+    clock = _Clock.of(filling, course.mouth_resistance, ducts, viscosity_pa_s / pressure_pa)
+    volume, arrival = filling.network.total_mm3, filling.arrival_mm3
+    points, pockets = find_last_points(course, vents)
     # At the last front the pressure has no finite limit, because the front has shrunk to a point.
     moving = slice(0, -1)
     pressures = np.stack([front.pressure_per_mm3 for front in filling.fronts[moving]])
@@ -201,17 +232,17 @@ def predict_filling(
         arrival_s=clock.time_s(arrival),
         last_points=tuple(
             LastPoint(
-                refine_peak(layer, arrival, point.node), point.arrival_mm3,
+                place_of(course, point.node), point.arrival_mm3,
                 float(clock.time_s(np.array([point.arrival_mm3]))[0]),
             )
             for point in points
         ),
         air_pockets=tuple(
             AirPocket(
-                refine_peak(layer, arrival, air.node), air.volume_mm3, air.injected_mm3,
+                place_of(course, air.node), air.volume_mm3, air.injected_mm3,
                 float(clock.time_s(np.array([air.injected_mm3]))[0]),
             )
-            for air in (*pockets, *not_reached)
+            for air in pockets
         ),
     )  # fmt: skip
 

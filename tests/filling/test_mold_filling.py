@@ -105,11 +105,14 @@ def test_gate_at_the_tip_traps_air_that_its_vents_do_not_reach(monkeypatch: pyte
     monkeypatch.setattr(mold_filling, "list_ducts", lambda design: ())
     monkeypatch.setattr(mold_filling, "place_vents", lambda design: placed)
     monkeypatch.setattr(mold_filling, "_is_at_collar", lambda point: False)
-    predict_mold_filling.cache_clear()
+    caches = (mold_filling.follow_design_front, predict_mold_filling)
+    for cache_of in caches:
+        cache_of.cache_clear()
     try:
         assert "mold.air_trapped" in failed(name="adult_finger")
     finally:
-        predict_mold_filling.cache_clear()
+        for cache_of in caches:
+            cache_of.cache_clear()
 
 
 def test_wider_bolts_hold_more_and_a_stronger_thumb_loads_more() -> None:

@@ -32,8 +32,8 @@ _STEEP = 0.5
 """Component of a normal from which on it points to the dorsal or palmar side, or to the tip."""
 _PERCENT_SLACK = 1e-3
 """Rounding error of a share that the rules have accepted [%]."""
-_FIRST_REACH_RATIO = 1.4
-"""Reach of the first search for the misaligned thickness, relative to the minimum thickness. It usually suffices."""
+_FIRST_REACH_RATIO = 1.1
+"""Reach of the first search for the thickness off its place, relative to the expected one. It usually suffices."""
 _SECTIONS = 24
 """Sections along the straight part of a sleeve whose perimeters are measured."""
 
@@ -69,9 +69,15 @@ def _check_play(design: Design, interior: Manifold, exterior: Manifold, minimum:
         retained = 100 * worst(losses, over_sensor).retained
         yield Check(f"skin.retained_{name}", retained, 100 * limit - _PERCENT_SLACK, "%", "at least")
     moved = [_move(interior, loss.motion) for loss in _worst_by_direction(design, losses)]
-    thickness = search_distance(
-        lambda reach_mm: min(solid.min_gap(exterior, reach_mm) for solid in moved), _FIRST_REACH_RATIO * minimum
-    )
+
+    def measure(reach_mm: float) -> float:
+        """Measure the smallest thickness in all positions, or return the reach if none is smaller."""
+        for solid in moved:
+            reach_mm = min(reach_mm, solid.min_gap(exterior, reach_mm))
+        return reach_mm
+
+    expected = min(loss.left_mm for loss in losses)
+    thickness = search_distance(measure, _FIRST_REACH_RATIO * max(expected, minimum))
     yield Check("skin.min_thickness_misaligned", thickness, minimum, "mm", "at least")
 
 

@@ -67,12 +67,16 @@ def format_build(result: Build) -> list[str]:
         f"{built.part.name:12} {built.mesh.volume() / 1000:8.2f} cm3   {', '.join(built.files.values())}"
         for built in result.parts
     ]
+    from fingertip.cli.check import describe_cause
+
     failed = [check for check in result.checks if not check.passed]
     if result.strength:
         from fingertip.cad.strength.assess import describe_strength
 
         lines += describe_strength(result.strength)
-    lines += [f"FAILED {c.name}: {c.value:g} {c.unit}, must be {c.relation} {c.limit:g}" for c in failed]
+    for check in failed:
+        lines.append(f"FAILED {check.name}: {check.value:g} {check.unit}, must be {check.relation} {check.limit:g}")
+        lines.append(describe_cause(check.name))
     lines.append(
         f"{len(result.checks) - len(failed)} of {len(result.checks)} checks passed; written to {result.folder}"
     )

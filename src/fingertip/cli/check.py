@@ -139,4 +139,13 @@ def _format_table(label: str, checks: Sequence[Check]) -> str:
         f"  {c.name:{width}} {round_for_output(c.value):12.6g} {c.sign:2} {c.limit:>9.6g} {c.unit:{unit}} {result}"
         for c, result in zip(checks, ("ok" if c.passed else "FAILED" for c in checks), strict=True)
     ]
+    lines += [describe_cause(c.name) for c in checks if not c.passed]
     return "\n".join([*lines, f"  {len(checks) - failed} of {len(checks)} checks passed"])
+
+
+def describe_cause(check: str) -> str:
+    """Describe what to change if a check of this name fails, as a line of text."""
+    from fingertip.cad.verification.causes import list_causes
+
+    causes = list_causes(check)
+    return f"  {check}: change {', '.join(causes)}" if causes else f"  {check}: this is a bug in fingertip"

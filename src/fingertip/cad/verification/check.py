@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.solids import Box, Solid, difference
+from fingertip.cad.verification.causes import list_causes
 from fingertip.files import round_for_output
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ class Check:
             "limit": round_for_output(self.limit),
             "unit": self.unit,
             "passed": self.passed,
+            **({} if self.passed else {"change": [*list_causes(self.name)]}),
         }
 
 

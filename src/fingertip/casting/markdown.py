@@ -34,16 +34,16 @@ def render_sheet(data: Data) -> str:
     sections = [
         f"# Casting sheet: {data['design']}",
         _summary(data),
+        "## What to buy",
+        _bill(data),
+        "## Printing",
+        _printing(data),
         "## Quantities",
         _quantities(data),
         "## Warnings",
         "\n".join(f"- {warning}" for warning in warnings(data)),
         "## Procedure",
         "\n".join(f"{number}. {step}" for number, step in enumerate(steps(data), 1)),
-        "## Printing",
-        _printing(data),
-        "## Bill of materials",
-        _bill(data),
         "## Silicone data",
         _silicone(data),
     ]
@@ -254,7 +254,9 @@ def _bill(data: Data) -> str:
     printed += " and mold"
     rows.append(("", f"rigid printing material for {printed}: resin or filament", "see Printing"))
     rows.append(("", _consumables(data), ""))
-    rows.append(("", "tools: soldering iron, scale, screwdriver, knife", ""))
+    rows.append(("", "tools: soldering iron, scale, screwdriver, knife, calipers, vacuum chamber if you have one", ""))
+    if chaplet := data["chaplet"]:
+        rows.append(("1 each", "drill bits", f"{chaplet['hole_mm']:g} mm, {chaplet['pilot_mm']:g} mm"))
     return _table(("quantity", "item", "size"), rows)
 
 

@@ -133,8 +133,8 @@ def test_chipped_half_breaks_the_volume_balance(finger: Design, evaluator: MeshE
 def test_mesh_too_coarse_for_its_stated_tolerance_fails(finger: Design) -> None:
     part, coarse = PARTS["skin"], MeshEvaluator(0.5).mesh(PARTS["skin"].solid(finger))
     exact = MeshEvaluator(0.0005).mesh(PARTS["skin"].solid(finger)).volume()
-    assert brep_failures(finger, part, coarse, BrepMeasurements(exact, 0), 0.5) == set()
-    assert brep_failures(finger, part, coarse, BrepMeasurements(exact, 0), 0.001) == {"volume_difference_to_mesh"}
+    assert brep_failures(finger, part, coarse, BrepMeasurements(exact, 1), 0.5) == set()
+    assert brep_failures(finger, part, coarse, BrepMeasurements(exact, 1), 0.001) == {"volume_difference_to_mesh"}
 
 
 @pytest.mark.slow

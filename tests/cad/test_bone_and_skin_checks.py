@@ -20,7 +20,10 @@ from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.errors import DesignError
 from tests.cad.part_checks import SLEEVE, SOCKET, failed_checks, run_checks
 
-THICK = ["sensor.model=custom", "custom_sensor.thickness_mm=1.2", "sensor.adhesive_thickness_mm=0.5"]
+THICK = [
+    "sensor.model=custom", "custom_sensor.thickness_mm=1.2", "sensor.adhesive_thickness_mm=0.5",
+    "mold.chaplet_screw=M1.6", "mold.chaplet_diameter_mm=5",
+]  # fmt: skip
 
 
 def replace_interface(monkeypatch: pytest.MonkeyPatch, changed: Callable[[Design], object]) -> None:

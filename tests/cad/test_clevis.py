@@ -39,7 +39,7 @@ FSR402 = [
     "bone.groove_depth_mm=0", "bone.wall_mm=0.8", "bone.interface=clevis", "bone.collar_length_mm=5",
     "mold.recess_length_mm=6.2", "hand.width_mm=9", "hand.axis_height_mm=8", "hand.travel_deg=55",
     "skin.min_thickness_mm=0.7", "strength.min_grip_factor=2", "strength.min_shock_factor=1",
-    "hand.tendon_distance_mm=5.4",
+    "hand.tendon_distance_mm=5.4", "mold.chaplet_diameter_mm=4.2", "mold.chaplet_from_tip_mm=6.25",
 ]  # fmt: skip
 
 

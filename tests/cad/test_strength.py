@@ -231,11 +231,11 @@ def test_sections_agree_with_the_exact_solid():
         properties = GProp_GProps()
         BRepGProp.VolumeProperties_s(solid.intersect(box).wrapped, properties, 1e-6, False, False)
         section = measure_section([np.asarray(p) for p in mesh.slice(z + 5e-4).to_polygons()])
-        assert section.area_mm2 == pytest.approx(properties.Mass() / 1e-3, rel=2e-3)
+        assert section.area_mm2 == pytest.approx(properties.Mass() / 1e-3, rel=5e-3)
         matrix = properties.MatrixOfInertia()  # about the centre of mass
         thin = 1e-3
-        assert section.second_xx_mm4 == pytest.approx(matrix.Value(1, 1) / thin, rel=3e-3)
-        assert section.second_yy_mm4 == pytest.approx(matrix.Value(2, 2) / thin, rel=3e-3)
+        assert section.second_xx_mm4 == pytest.approx(matrix.Value(1, 1) / thin, rel=5e-3)
+        assert section.second_yy_mm4 == pytest.approx(matrix.Value(2, 2) / thin, rel=5e-3)
 
 
 def test_collar_concentrates_stress_on_both_sides() -> None:

@@ -103,7 +103,7 @@ def test_sealing_steps_depend_on_the_casting_method() -> None:
     assert [i for i, step in enumerate(overmold) if "tape" in step] < [
         i for i, step in enumerate(overmold) if "Weigh" in step
     ]
-    assert not any("tape" in step for step in sleeve)
+    assert not any("polyimide tape" in step for step in sleeve)
     assert any("The core has no pocket, slot or channel" in step for step in sleeve)
     assert "Remove the clay from the channel opening" in overmold[-1], "the temporary seal is removed at the end"
     assert not any("clay" in step for step in sleeve)
@@ -114,7 +114,7 @@ def test_sealing_steps_depend_on_the_casting_method() -> None:
 
 def test_consumables_are_those_of_the_procedure() -> None:
     overmold, sleeve = (render_sheet(sheet_data(f"mold.method={method}")) for method in ("overmold", "sleeve"))
-    for item in ("thin tape", "modelling clay", "silicone adhesive"):
+    for item in ("polyimide tape", "modelling clay", "silicone adhesive"):
         assert item in overmold
         assert item not in sleeve
     assert "soapy water" not in overmold
@@ -205,8 +205,9 @@ def test_procedure_tries_and_holds_the_insert_before_the_silicone_is_weighed(met
     least_mm = min(loss.left_mm for loss in find_losses(design))
     assert f"{round(least_mm, 2):g} mm at the thinnest place" in text
     assert "M2 x 10 mm screw" in text
-    order = ["Close the empty mold", "Drill the hole", "mold release", "facet on the boss", "Weigh", "Pull the plunger",
-             "Stand the mold tip up", "Let it cure", "Take out the screw"]  # fmt: skip
+    order = ["Test the cure", "Close the empty mold", "Drill the hole", "mold release", "facet on the boss",
+             "crosswise", "air must leave", "Weigh", "Pull the plunger", "Hold the mold tip up", "Let it cure",
+             "Take out the screw", "round hole of 7 mm"]  # fmt: skip
     assert [text.index(part) for part in order] == sorted(text.index(part) for part in order)
 
 
@@ -214,8 +215,10 @@ def test_filling_step_states_the_predicted_time_and_volume() -> None:
     data = sheet_data()
     text = procedure_text()
     assert 5 <= data["filling"]["fill_s"] <= 30
-    assert f"fills the mold in {data['filling']['fill_s']} s" in text
-    assert f"at least {data['filling']['injected_cm3']:g} cm3" in text
+    assert f"fills the mold in some {data['filling']['fill_s']} s" in text
+    assert f"pour {data['filling']['load_cm3']:g} cm3 into the barrel" in text
+    assert data["filling"]["load_cm3"] > data["filling"]["injected_cm3"]
+    assert f"the mold takes {data['filling']['injected_cm3']:g} cm3" in text
     thin = sheet_data(material="ecoflex_00_30")
     assert thin["filling"]["fill_s"] < data["filling"]["fill_s"] / 5
     poured = procedure_text("mold.filling=gravity", "silicone.product=sylgard_184")

@@ -74,7 +74,7 @@ def test_gravity_cannot_fill_with_thick_silicone_but_with_a_thin_one() -> None:
 
 
 def test_silicone_that_is_far_too_thick_is_too_slow() -> None:
-    own = ["silicone.product=own", "silicone.viscosity_pa_s=500", "silicone.pot_life_min=5"]
+    own = ["silicone.product=own", "silicone.viscosity_pa_s=500", "silicone.pot_life_min=5", "mold.nozzle_bore_mm=1.9"]
     assert {"mold.fill_time", "mold.syringe_force"} <= failed(*own)
 
 

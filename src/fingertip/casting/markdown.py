@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from fingertip.casting.mold_steps import list_filling_steps, list_opening_steps, list_trying_steps
+from fingertip.casting.mold_steps import list_filling_steps, list_opening_steps, list_patching_steps, list_trying_steps
 from fingertip.casting.sensor_steps import (
     describe_opening,
     list_joint_steps,
@@ -111,9 +111,9 @@ def steps(data: Data) -> list[str]:
             *list_opening_steps(data),
             "Roll the skin off the core.",
             *list_mounting_steps(data),
-            "Wet the outside of the bone with soapy water, but keep the sensor, its tail, the slot and the channel "
-            "dry. Pull the skin over the bone until the edge of the skin sits on the collar. Let the skin and the bone "
-            "dry.",
+            "Wet the inside of the skin with isopropanol, but keep the sensor, its tail, the slot and the channel dry. "
+            "Pull the skin over the bone until the edge of the skin sits on the collar. Let the skin and the bone dry.",
+            *list_patching_steps(data),
             *list_joint_steps(data),
         ]
     return [
@@ -122,6 +122,7 @@ def steps(data: Data) -> list[str]:
         *list_sealing_steps(data),
         *list_filling_steps(data, _weighing_step(data["silicone"], data["batch"])),
         *list_opening_steps(data),
+        *list_patching_steps(data),
         describe_opening(data),
         *list_joint_steps(data),
     ]
@@ -185,7 +186,7 @@ def _quantities(data: Data) -> str:
     if batch["is_raised"]:
         note += (
             f"; raised to {batch['total_g']:g} g for at least {batch['min_component_g']:g} g of "
-            f"{batch['lighter']}, which a kitchen scale can weigh"
+            f"{batch['lighter']}, which such a scale can weigh"
         )
     note += "."
     return _table(("item", "quantity"), rows) + "\n\n" + note
@@ -254,7 +255,9 @@ def _bill(data: Data) -> str:
     printed += " and mold"
     rows.append(("", f"rigid printing material for {printed}: resin or filament", "see Printing"))
     rows.append(("", _consumables(data), ""))
-    rows.append(("", "tools: soldering iron, scale, screwdriver, knife, calipers, vacuum chamber if you have one", ""))
+    scale = f"scale that reads {data['batch']['scale_g']:g} g or better"
+    tools = f"soldering iron, {scale}, screwdriver, knife, calipers, ohmmeter, vise or stand"
+    rows.append(("", f"tools: {tools}", ""))
     if chaplet := data["chaplet"]:
         rows.append(("1 each", "drill bits", f"{chaplet['hole_mm']:g} mm, {chaplet['pilot_mm']:g} mm"))
     return _table(("quantity", "item", "size"), rows)
@@ -262,15 +265,13 @@ def _bill(data: Data) -> str:
 
 def _consumables(data: Data) -> str:
     """List the consumables of the procedure."""
-    items = ["solder", "paper", "rubber band", "cup", "stirrer", "vinyl gloves"]
-    if data["method"] == "sleeve":
-        items.append("soapy water")
-    else:
-        items += ["thin tape", "sulfur-free modelling clay"]
+    items = ["solder", "two cups", "stirrer", "vinyl gloves", "isopropanol", "office paper"]
+    if data["method"] == "overmold":
+        items += ["polyester or polyimide tape (no masking tape)", "sulfur-free modelling clay", "primer for silicone"]
         if data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
             items.append("silicone adhesive (instead of clay in the collar)")
     if data["sensor_tail"] == "folded":
-        items += ["neutral-cure silicone adhesive", "insulating varnish", "ohmmeter", "syringe"]
+        items += ["silicone adhesive without tin", "insulating varnish", "second syringe for washing"]
     return ", ".join(items)
 
 

@@ -15,6 +15,8 @@ from fingertip.silicones import MaterialProperty, Silicone
 WASTE_FRACTION = 0.25
 """Extra silicone as a fraction of what the mold holds. It stays on cup, stirrer and syringe or funnel. A project
 choice."""
+SCALE_G = 0.1
+"""Step of the scale that weighs the components [g]."""
 MIN_COMPONENT_G = 1.0
 """Minimum mass of the lighter component [g]. A scale that reads 0.1 g then errs by 5% at most, and so does the
 ratio."""

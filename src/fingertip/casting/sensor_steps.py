@@ -36,7 +36,7 @@ def list_mounting_steps(data: Mapping[str, Any]) -> list[str]:
             if data["wires_between_cheeks"]
             else "Lay them side by side through the window into the groove of the base. Fix them there with a "
         )
-        + "drop of neutral-cure silicone adhesive. "
+        + "drop of silicone adhesive without tin. "
         + _MEASURE,
         "Stick the lid into the trough with a thin bead of the same adhesive along its edges. It stands on its feet "
         "beside the tabs and ends flush with bone and collar.",
@@ -49,16 +49,20 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[str]:
     keep_out = (
         f"Keep silicone out of the pocket, the slot and the channel. The sensor sits flush, with a {gap} gap around it."
     )
-    tape = "with a strip of thin tape across the flat and press its edges down, but do not fill"
+    tape = (
+        "and the sensor's head with one strip of polyester or polyimide tape on the flat, from the collar on, press "
+        "its edges down, but do not fill"
+    )
     if data["sensor_tail"] == "folded":
         return [
-            "Seal the passage through the collar around the tail, flush with the face of the collar, with neutral-cure "
-            "silicone adhesive, and let it cure. This seal is permanent. Do not fill the window: the sensor breathes "
-            "there.",
+            "Seal the passage through the collar around the tail, flush with the face of the collar, with silicone "
+            "adhesive without tin, and let it cure. This seal is permanent. Do not fill the window: the sensor "
+            "breathes there.",
             f"{keep_out} Cover the slot {tape} it, and let the tape overlap the seal. This tape is permanent.",
-            "Cover both openings of the window with tape, and "
+            "Fill both openings of the window, "
             + ("the gap" if data["wires_between_cheeks"] else "the groove")
-            + " around the wires with sulfur-free modelling clay, flush with the base. Both are temporary. "
+            + " around the wires, and the hole of a tendon's anchor with sulfur-free modelling clay, flush with base "
+            "and collar: nothing may stand out, because the base lies close in its recess. All of it is temporary. "
             + _MEASURE,
         ]
     steps = [
@@ -81,7 +85,7 @@ def describe_opening(data: Mapping[str, Any]) -> str:
     outlet = "gap" if data["wires_between_cheeks"] else "groove"
     if data["sensor_tail"] == "folded":
         return (
-            f"Peel the tape off the window and lift the clay out of the {outlet} with a blunt wooden stick, so that "
+            f"Lift the clay out of the window and the {outlet} with a blunt wooden stick, so that "
             "the air vent of the sensor is open. Never pull the wires. The tape under the skin and the seal in the "
             "collar stay in place. "
             + ("" if data["wires_between_cheeks"] else "Tie the wires down at the hole in the base. ")

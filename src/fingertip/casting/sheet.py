@@ -15,6 +15,7 @@ from fingertip.cad.verification.filling import POT_LIFE_SHARE
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
+    SCALE_G,
     WASTE_FRACTION,
     Batch,
     SiliconeVolumes,
@@ -32,6 +33,8 @@ from fingertip.filling.mold_filling import injected_cm3, place_vents, predict_mo
 from fingertip.silicones import SOURCES, Silicone
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
+_LOAD_RATIO = 1.5
+"""Silicone in the syringe over what the mold takes: some stays in the nozzle, and some leaves through the vents."""
 _SMALL_SHARE = 0.25
 """Share of the mixture below which a component is weighed with one digit more, for the same relative error."""
 
@@ -109,6 +112,7 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
         "fill_s": round(prediction.fill_s * viscosity / prediction.viscosity_pa_s),
         "allowed_s": round(POT_LIFE_SHARE * silicone.pot_life_min.low * 60.0),
         "injected_cm3": round(injected_cm3(prediction), 1),
+        "load_cm3": round(min(_LOAD_RATIO * injected_cm3(prediction), syringe.volume_ml), 1) if syringe else None,
         "syringe": (
             {"volume_ml": syringe.volume_ml, "bore_mm": syringe.bore_mm, "thumb_n": design.mold.thumb_force_n}
             if syringe else None
@@ -127,6 +131,7 @@ def _chaplet_data(design: Design) -> dict[str, Any] | None:
         "length_mm": chaplet.screw_length(design.mold_layout.dorsal_height),
         "hole_mm": round(2 * chaplet.hole_radius, 2),
         "pilot_mm": round(2 * chaplet.pilot_radius, 2),
+        "pilot_depth_mm": round(chaplet.pilot_depth, 1),
     }
 
 
@@ -194,6 +199,7 @@ def _batch_data(silicone: Silicone, volumes: SiliconeVolumes) -> dict[str, Any]:
         "total_g": round(a_g + b_g, 2),
         "waste_percent": round(100.0 * WASTE_FRACTION, 1),
         "min_component_g": MIN_COMPONENT_G,
+        "scale_g": SCALE_G,
         "is_raised": batch.total_g > batch.with_waste_g,
         "lighter": _name_lighter(silicone, batch),
     }

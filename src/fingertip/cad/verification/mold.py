@@ -12,7 +12,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone, mold
 from fingertip.cad.shapes.chaplet import screw_hole
 from fingertip.cad.shapes.insert import filled_bone, mold_insert
-from fingertip.cad.shapes.runners import openings, runners, runners_with_axes, side_vents
+from fingertip.cad.shapes.runners import openings, runner, runners, runners_with_axes, side_vents, sprue
 from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.solids import Solid, difference, intersection, union
 from fingertip.cad.verification.check import (
@@ -179,6 +179,12 @@ def _check_runner_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Ch
     runners_ = evaluator.manifold(intersection(openings(design), mold.block(design)))
     sockets = evaluator.manifold(union(*mold.key_sockets(design)))
     yield check_min_distance("mold.wall.runners_to_keys", runners_, sockets, wall)
+    inlet = design.mold_layout.inlet
+    if inlet:
+        led = evaluator.manifold(union(sprue(design, inlet), runner(inlet)))
+        bolts = evaluator.manifold(union(*mold.bolt_holes(design)))
+        land = design.mold.land_mm - 2 * design.mold.key_clearance_mm
+        yield check_min_distance("mold.land.bolts_to_runner", led, bolts, land)
     # A groove in the parting plane may end in a pry slot.
     grooves = side_vents(design)
     above = difference(openings(design), *grooves) if grooves else openings(design)

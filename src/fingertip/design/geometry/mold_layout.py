@@ -145,9 +145,8 @@ class MoldLayout:
         if mold.filling == "gravity":
             return None
         bolt_z, half = self.proximal_z + self._end_to_bolt, mold.runner_width_mm / 2
-        gate_z = max(
-            _ABOVE_COLLAR_MM + half, bolt_z + mold.bolt_diameter_mm / 2 + self._design.printer.min_wall_mm + half
-        )
+        # Silicone under pressure must not creep to the bolt, as it must not from the cavity.
+        gate_z = max(_ABOVE_COLLAR_MM, bolt_z + mold.bolt_diameter_mm / 2 + mold.land_mm) + half
         z = max(bolt_z + self._barrel_to_bolt, gate_z + half + LUER_MOUTH_MM / 2)
         # The runner ends where the cavity is as wide at its top, so that it enters the cavity over its whole depth.
         end = self._design.dimensions.outer.half_width_at(mold.runner_depth_mm, gate_z + half)

@@ -185,17 +185,16 @@ def stress_gradients(section: Section, point_mm: Array, z_mm: float, moment_shar
     moment_share
         Fraction of the bending moment that reaches the section.
     """
-    arm = point_mm - np.array([*section.centroid_mm, z_mm])
+    x, y, z = (float(value) for value in point_mm - np.array([*section.centroid_mm, z_mm]))
     inverse = np.linalg.inv([
         [section.second_yy_mm4, section.second_xy_mm4],
         [section.second_xy_mm4, section.second_xx_mm4],
     ])  # fmt: skip
     gradients = []
-    for axis in range(3):
-        force = np.eye(3)[axis]
-        mx, my, _ = np.cross(arm, force)
+    # Components along x and y of the moment r x F of a unit force along each axis.
+    for (mx, my), along in (((0.0, z), 0.0), ((-z, 0.0), 0.0), ((y, -x), 1.0)):
         a, b = inverse @ np.array([-my, mx])
-        gradients.append(force[2] / section.area_mm2 + moment_share * (section.edge_mm @ np.array([a, b])))
+        gradients.append(along / section.area_mm2 + moment_share * (section.edge_mm @ np.array([a, b])))
     return np.stack(gradients, axis=1)
 
 

@@ -45,9 +45,10 @@ def flooded_mm3(design: Design, evaluator: MeshEvaluator) -> float:
     solid = union(*inside, bone.sensor_body(design), *seals(design))
     room = evaluator.manifold(difference(union(cavity(design), *base_recess(design, 0.0)), solid))
     in_cavity = evaluator.manifold(cavity(design))
-    flooded = max(room.decompose(), key=lambda body: (body ^ in_cavity).volume())
+    flooded = max(room.decompose(), key=lambda body: float(body.volume()))  # the skin, or what it leaks into
     hollows = evaluator.manifold(_hollows(design))
-    return float((flooded - in_cavity).volume() + (flooded ^ hollows).volume())
+    outside = flooded.volume() - (flooded ^ in_cavity).volume()
+    return float(outside + (flooded ^ hollows).volume())
 
 
 def _hollows(design: Design) -> Solid:

@@ -97,11 +97,26 @@ def place_vents(design: Design) -> tuple[Vent, ...]:
             point = _clear_of_chaplet(design, found)
             if all(math.dist(point, vent.point_mm) > _APART_DIAMETERS * diameter for vent in vents):
                 kind = _choose_kind(design, point)
+                if kind == "dorsal":
+                    point = _clear_of_vents(design, point, vents)
                 # A groove is twice as wide as deep, because pockets at the side are long.
                 vents += (Vent(kind, point, diameter if kind == "dorsal" else _GROOVE_WIDTHS * diameter),)
         if len(vents) == before:
             break
     return vents
+
+
+def _clear_of_vents(design: Design, point: Point3, vents: Iterable[Vent]) -> Point3:
+    """Move a point of a hole from above as far from such holes before it as keeps a wall between them."""
+    x, y, z = point
+    needed = design.mold.vent_diameter_mm + design.printer.min_wall_mm + _BESIDE_HEAD_MM
+    for vent in vents:
+        other_x, _, other_z = vent.point_mm
+        distance = math.hypot(x - other_x, z - other_z)
+        if vent.kind == "dorsal" and 0.0 < distance < needed:
+            away = needed / distance
+            x, z = other_x + (x - other_x) * away, other_z + (z - other_z) * away
+    return x, y, z
 
 
 def _clear_of_chaplet(design: Design, point: Point3) -> Point3:

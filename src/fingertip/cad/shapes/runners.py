@@ -21,6 +21,8 @@ _VENT_BEGIN = 0.95
 """Beginning of a groove inside the cavity, relative to the cavity's half width at its top."""
 
 
+_VENT_DEPTH = 0.8
+"""Beginning of a hole from above, relative to the height of the cavity at its lowest edge."""
 _BELOW_BOSS_MM = 0.2
 """Length by which a vent reaches past the end of the boss [mm]."""
 
@@ -130,7 +132,10 @@ def _vent(design: Design, vent: Vent) -> Solid:
 
 def _begin_dorsal(design: Design, vent: Vent) -> float:
     """Height at which a vent from above begins. Where it cuts the boss of the chaplet it does so down to its end."""
-    (x, y, z), chaplet = vent.point_mm, design.dimensions.chaplet
+    (x, y, z), chaplet, radius = vent.point_mm, design.dimensions.chaplet, vent.diameter_mm / 2
+    outer = design.dimensions.outer
+    lowest = min(outer.dorsal_height_at(abs(x) + radius, z + way * radius) for way in (-1.0, 1.0))
+    y = min(y, _VENT_DEPTH * lowest)  # below the surface of the cavity on all sides of the hole
     if chaplet is None:
         return y
     widest = chaplet.radius + design.dimensions.draft_slope * design.mold_layout.dorsal_height

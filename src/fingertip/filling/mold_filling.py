@@ -44,6 +44,8 @@ _AT_COLLAR_MM = 0.6
 """Height above the collar up to which its gap vents the cavity [mm]."""
 _MAX_ROUNDS = 4
 """Largest number of rounds in which vents are added."""
+_MOVES = 20
+"""Moves of a vent that is pushed away from others and from the chaplet by turns."""
 _APART_DIAMETERS = 0.8
 """Least distance of two vents, in diameters."""
 _BESIDE_HEAD_MM = 0.1
@@ -97,8 +99,8 @@ def place_vents(design: Design) -> tuple[Vent, ...]:
             point = _clear_of_chaplet(design, found)
             if all(math.dist(point, vent.point_mm) > _APART_DIAMETERS * diameter for vent in vents):
                 kind = _choose_kind(design, point)
-                if kind == "dorsal":
-                    point = _clear_of_vents(design, point, vents)
+                for _ in range(_MOVES if kind == "dorsal" else 0):
+                    point = _clear_of_chaplet(design, _clear_of_vents(design, point, vents))
                 # A groove is twice as wide as deep, because pockets at the side are long.
                 vents += (Vent(kind, point, diameter if kind == "dorsal" else _GROOVE_WIDTHS * diameter),)
         if len(vents) == before:

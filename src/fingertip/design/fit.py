@@ -35,7 +35,9 @@ FREE: Mapping[str, tuple[float, float]] = {
     "bone.collar_inset_mm": (0.25, 0.6),
     "mold.recess_length_mm": (3.2, 12.0),
     "mold.funnel_diameter_mm": (4.5, 7.0),
-    "mold.fit_clearance_mm": (0.1, 0.15),
+    "mold.fit_clearance_mm": (0.03, 0.05),
+    "mold.chaplet_from_tip_mm": (4.5, 14.0),
+    "mold.chaplet_diameter_mm": (4.2, 8.0),
     "hand.tendon_distance_mm": (2.0, 8.0),
     "hand.travel_deg": (30.0, 110.0),
 }

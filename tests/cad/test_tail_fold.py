@@ -173,3 +173,14 @@ def test_lid_stands_on_two_feet_beside_the_tabs() -> None:
         assert min(abs(x0), abs(x1)) >= fold.tabs_half_width - 1e-6
         assert z0 == pytest.approx(fold.film_end_z + 1.5)
         assert z1 - z0 > 3.0
+
+
+def test_wide_pocket_does_not_widen_what_the_folded_tail_needs() -> None:
+    """Beyond the nose the film has a clearance of its own, so a design with more clearance in its pocket passes too."""
+    assert failed_checks(compact("sensor.clearance_mm=0.18", "sensor.adhesive_thickness_mm=0.18")) == set()
+
+
+def test_tight_trough_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = bone.sensor_body
+    monkeypatch.setattr(bone, "sensor_body", lambda design: union(original(design), Box((-1, 2.6, 1), (1, 2.9, 3))))
+    assert "sensor.tail_clearance" in failed_checks(compact())

@@ -150,10 +150,14 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
     """
     dims = design.dimensions
     solid, body = evaluator.manifold(PARTS["bone"].solid(design)), evaluator.manifold(bone.sensor_body(design))
-    gaps = [design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm, *([SLIDING_MM / 2] if dims.fold else [])]
-    clearance = min(gaps) - evaluator.tolerance_mm
+    clearance = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm) - evaluator.tolerance_mm
+    in_pocket = body.trim_by_plane((0.0, -1.0, 0.0), -dims.fold.nose_y) if dims.fold else body
     if clearance > 0.0:
-        yield check_min_distance("sensor.pocket_clearance", body, solid, clearance)
+        yield check_min_distance("sensor.pocket_clearance", in_pocket, solid, clearance)
+    if dims.fold:
+        # Beyond the nose a folded tail has a clearance of its own, which does not grow with that of the pocket.
+        beyond, gap = body.trim_by_plane((0.0, 1.0, 0.0), dims.fold.nose_y), SLIDING_MM / 2
+        yield check_min_distance("sensor.tail_clearance", beyond, solid, gap - evaluator.tolerance_mm)
     yield check_zero_volume("overlap.bone.sensor", (body ^ solid).volume())
     floor = -dims.flat_depth + dims.pocket_depth
     if dims.fold:  # only its palmar side rests on a seat

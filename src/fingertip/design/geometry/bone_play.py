@@ -140,12 +140,24 @@ def list_skin_points(design: DesignTables) -> tuple[SkinPoint, ...]:
     return tuple(points)
 
 
-def find_losses(design: DesignTables, fit_clearance_mm: float | None = None) -> tuple[Loss, ...]:
-    """Find the worst loss of silicone at each point of the skin, over all positions that the contacts allow."""
+def find_losses(
+    design: DesignTables, fit_clearance_mm: float | None = None, points: Sequence[SkinPoint] | None = None
+) -> tuple[Loss, ...]:
+    """Find the worst loss of silicone at each point, over all positions that the contacts allow.
+
+    Parameters
+    ----------
+    design
+        The design.
+    fit_clearance_mm
+        Clearance of the recess [mm]; that of the design if None.
+    points
+        Points of the skin; those of `list_skin_points` if None.
+    """
     contacts = list_contacts(design, fit_clearance_mm)
     rows = [_moment(contact.point_mm, contact.normal) for contact in contacts]
     gaps = [contact.gap_mm for contact in contacts]
-    points = list_skin_points(design)
+    points = list_skin_points(design) if points is None else points
     solutions = maximise_linear([_moment(point.point_mm, point.normal) for point in points], rows, gaps, _LIMIT)
     return tuple(
         Loss(point, value, (m[0], m[1], m[2], m[3], m[4], m[5]))

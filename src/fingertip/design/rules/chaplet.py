@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from fingertip.design.geometry.bone_play import Loss, find_losses, worst
 from fingertip.design.geometry.chaplet import Chaplet, place_chaplet
@@ -38,12 +38,13 @@ def boss_keeps_a_wall(design: DesignTables) -> Violation | None:
 def chaplet_stands_on_bone(design: DesignTables) -> Violation | None:
     """The facet lies on the bone, clear of collar, groove and trough, and the pilot hole ends above the sensor."""
     distance = design.mold.chaplet_from_tip_mm
-    if design.dimensions.chaplet is None or _fits(design, distance):
+    if design.dimensions.chaplet is None or (missing := _find_missing_mm(design, distance)) <= SLACK:
         return None
     return Violation(
         f"{distance:g} mm leaves no room for the chaplet's facet and the hole of its screw",
-        _find_passing(design, lambda value: _fits(design, value)),
+        _find_passing(design, lambda value: _find_missing_mm(design, value) <= SLACK),
         alternatives={"mold.chaplet_diameter_mm": 5.0},
+        shortfall=missing,
     )
 
 
@@ -56,12 +57,15 @@ def bone_is_held(design: DesignTables) -> Violation | None:
     nominal = min(loss.point.thickness_mm for loss in losses)
     if nominal <= design.skin.min_thickness_mm:
         return None  # Too thin without any play, which another rule reports.
-    if _leaves_enough(design, losses):
+    if all(_leaves_enough(design, loss) for loss in losses):
         return None
     clearance = design.mold.fit_clearance_mm
 
+    # A point that keeps enough silicone does so with less clearance too.
+    failing = [loss.point for loss in losses if not _leaves_enough(design, loss)]
+
     def holds(value: float) -> bool:
-        return _leaves_enough(design, find_losses(design, value))
+        return all(_leaves_enough(design, loss) for loss in find_losses(design, value, failing))
 
     limit = bisect(holds, 0.0, clearance, halvings=_HALVINGS)[0] if holds(0.0) else 0.0
     return Violation(
@@ -70,20 +74,24 @@ def bone_is_held(design: DesignTables) -> Violation | None:
         f"thinnest place; {100 * MIN_RETAINED_OVER_SENSOR:g} %, {100 * MIN_RETAINED:g} % and "
         f"{design.skin.min_thickness_mm:g} mm are needed",
         at_most(limit) if limit else (),
+        shortfall=max(_find_share_missing(design, loss) for loss in losses),
     )
 
 
-def _leaves_enough(design: DesignTables, losses: Sequence[Loss]) -> bool:
-    """Return whether losses leave enough skin."""
-    return (
-        worst(losses, over_sensor=True).retained >= MIN_RETAINED_OVER_SENSOR - SLACK
-        and worst(losses, over_sensor=False).retained >= MIN_RETAINED - SLACK
-        and min(loss.left_mm for loss in losses) >= design.skin.min_thickness_mm - SLACK
-    )
+def _leaves_enough(design: DesignTables, loss: Loss) -> bool:
+    """Return whether a loss leaves enough skin."""
+    return _find_share_missing(design, loss) <= SLACK
 
 
-def _fits(design: DesignTables, from_tip_mm: float) -> bool:
-    """Return whether the chaplet can stand at this distance from the tip [mm]."""
+def _find_share_missing(design: DesignTables, loss: Loss) -> float:
+    """Return the share of the skin's thickness that is missing at a point; negative if there is more than is needed."""
+    minimum = MIN_RETAINED_OVER_SENSOR if loss.point.over_sensor else MIN_RETAINED
+    too_thin_mm = design.skin.min_thickness_mm - loss.left_mm
+    return max(minimum - loss.retained, too_thin_mm / loss.point.thickness_mm)
+
+
+def _find_missing_mm(design: DesignTables, from_tip_mm: float) -> float:
+    """Return the length [mm] that the chaplet lacks at this distance from the tip; not positive where it fits."""
     dims, bone, wall = design.dimensions, design.bone, design.bone.wall_mm
     placed = dims.chaplet
     assert placed
@@ -92,9 +100,9 @@ def _fits(design: DesignTables, from_tip_mm: float) -> bool:
     groove = bone.groove_distance_mm + 2 * bone.groove_depth_mm + bone.groove_width_mm if bone.groove_depth_mm else 0.0
     begins = max(groove, dims.fold.trough_end_z if dims.fold else 0.0) + wall
     if low < begins - SLACK:
-        return False
+        return begins - low
     moved = place_chaplet(dims.bone_outline, z, design.mold.chaplet_diameter_mm, placed.thread.diameter_mm)
-    return moved.facet_y >= _least_facet_y(design, moved) - SLACK
+    return _least_facet_y(design, moved) - moved.facet_y
 
 
 def _least_facet_y(design: DesignTables, chaplet: Chaplet) -> float:

@@ -49,6 +49,8 @@ class Violation:
     """Condition under which the bounds hold, such as "with this r5_ohm"."""
     alternatives: Mapping[str, Any] = field(default_factory=dict)
     """Values of other fields, each of which may pass instead."""
+    shortfall: float | None = None
+    """How far the design is from passing, in any unit in which smaller is nearer; None if the rule cannot tell."""
 
 
 RuleFunction = Callable[[DesignTables], Violation | None]

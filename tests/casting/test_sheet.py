@@ -105,8 +105,8 @@ def test_sealing_steps_depend_on_the_casting_method() -> None:
     ]
     assert not any("polyimide tape" in step for step in sleeve)
     assert any("The core has no pocket, slot or channel" in step for step in sleeve)
-    assert "Remove the clay from the channel opening" in overmold[-1], "the temporary seal is removed at the end"
-    assert not any("clay" in step for step in sleeve)
+    assert "channel opening on the dorsal side of the base is open" in overmold[-1], "the sensor breathes at the end"
+    assert not any("clay" in step for step in (*overmold, *sleeve)), "bought parts seal the bone"
     assert [i for i, step in enumerate(sleeve) if "sensor in the bone's pocket" in step] > [
         i for i, step in enumerate(sleeve) if "Weigh" in step
     ], "the sensor is assembled after casting"
@@ -114,7 +114,7 @@ def test_sealing_steps_depend_on_the_casting_method() -> None:
 
 def test_consumables_are_those_of_the_procedure() -> None:
     overmold, sleeve = (render_sheet(sheet_data(f"mold.method={method}")) for method in ("overmold", "sleeve"))
-    for item in ("polyimide tape", "modelling clay", "silicone adhesive"):
+    for item in ("polyimide tape", "silicone adhesive"):
         assert item in overmold
         assert item not in sleeve
     assert "soapy water" not in overmold

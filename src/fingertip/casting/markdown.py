@@ -267,9 +267,9 @@ def _consumables(data: Data) -> str:
     """List the consumables of the procedure."""
     items = ["solder", "two cups", "stirrer", "vinyl gloves", "isopropanol", "office paper"]
     if data["method"] == "overmold":
-        items += ["polyester or polyimide tape (no masking tape)", "sulfur-free modelling clay", "primer for silicone"]
+        items += ["polyimide tape (no masking tape)", "primer for silicone"]
         if data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
-            items.append("silicone adhesive (instead of clay in the collar)")
+            items.append("silicone adhesive without tin")
     if data["sensor_tail"] == "folded":
         items += ["silicone adhesive without tin", "insulating varnish", "second syringe for washing"]
     return ", ".join(items)

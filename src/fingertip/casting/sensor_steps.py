@@ -49,52 +49,52 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[str]:
     keep_out = (
         f"Keep silicone out of the pocket, the slot and the channel. The sensor sits flush, with a {gap} gap around it."
     )
-    tape = (
-        "and the sensor's head with one strip of polyester or polyimide tape on the flat, from the collar on, press "
+    covered = (
+        "and the sensor's head with one strip of polyimide tape on the flat, from the collar on, press "
         "its edges down, but do not fill"
     )
     if data["sensor_tail"] == "folded":
+        tape = data["fit"]["wound_tape"]
         return [
             "Seal the passage through the collar around the tail, flush with the face of the collar, with silicone "
             "adhesive without tin, and let it cure. This seal is permanent. Do not fill the window: the sensor "
             "breathes there.",
-            f"{keep_out} Cover the slot {tape} it, and let the tape overlap the seal. This tape is permanent.",
-            "Fill both openings of the window, "
-            + ("the gap" if data["wires_between_cheeks"] else "the groove")
-            + " around the wires, and the hole of a tendon's anchor with sulfur-free modelling clay, flush with base "
-            "and collar: nothing may stand out, because the base lies close in its recess. All of it is temporary. "
-            + _MEASURE,
+            f"{keep_out} Cover the slot {covered} it, and let the tape overlap the seal. This tape is permanent.",
+            "Wind one turn of polyimide tape around collar and base, over both openings of the window and over the "
+            + ("wires between the cheeks" if data["wires_between_cheeks"] else "wires in their groove")
+            + f", from {tape['from_mm']:g} to {tape['to_mm']:g} mm below the skin. "
+            f"Use tape of {tape['thickness_mm']:g} mm with its adhesive, without overlapping ends: it fills the gap "
+            "between the bone and its recess, and keeps silicone out. If the mold no longer closes by hand, the tape "
+            "is creased or doubled. This tape is temporary. " + _MEASURE,
         ]
     steps = [
-        f"{keep_out} Cover the slot and the solder relief {tape} them: the sensor breathes there. This tape is "
+        f"{keep_out} Cover the slot and the solder relief {covered} them: the sensor breathes there. This tape is "
         "permanent.",
-        "Plug the channel opening on the dorsal side of the base, around the wires, with sulfur-free modelling clay. "
-        "The opening lies outside the mold. This plug is temporary.",
+        "Leave the channel opening on the dorsal side of the base open. It lies outside the mold, and the sensor "
+        "breathes there.",
     ]
     if data["mold"]["tail_passes_collar"]:
         steps.append(
-            "Fill the passage through the collar around the tail with sulfur-free modelling clay or silicone adhesive, "
-            "because the passage leads out of the mold. This seal is permanent. Leave the end of the tail open: the "
-            "sensor breathes there."
+            "Fill the passage through the collar around the tail with silicone adhesive without tin, flush with the "
+            "face of the collar, because the passage leads out of the mold, and let it cure. This seal is permanent. "
+            "Leave the end of the tail open: the sensor breathes there."
         )
     return steps
 
 
 def describe_opening(data: Mapping[str, Any]) -> str:
     """Write the step that opens the sensor's air vent after casting."""
-    outlet = "gap" if data["wires_between_cheeks"] else "groove"
     if data["sensor_tail"] == "folded":
         return (
-            f"Lift the clay out of the window and the {outlet} with a blunt wooden stick, so that "
-            "the air vent of the sensor is open. Never pull the wires. The tape under the skin and the seal in the "
-            "collar stay in place. "
+            "Peel the tape off the base, so that the air vent of the sensor is open at the window. Never pull the "
+            "wires. The tape under the skin and the seal in the collar stay in place. "
             + ("" if data["wires_between_cheeks"] else "Tie the wires down at the hole in the base. ")
             + _MEASURE
         )
     stays = ", and so does the seal in the collar." if data["mold"]["tail_passes_collar"] else "."
     return (
-        "Remove the clay from the channel opening, so that the air vent of the sensor is open. The tape under the "
-        f"skin stays in place{stays}"
+        "See that the channel opening on the dorsal side of the base is open: the sensor breathes there. The tape "
+        f"under the skin stays in place{stays} {_MEASURE}"
     )
 
 

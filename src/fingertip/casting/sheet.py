@@ -11,6 +11,7 @@ from typing import Any
 
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.shapes.parts import print_orientations
+from fingertip.cad.shapes.seals import WOUND_TAPE_MM, wound_tape_span_mm
 from fingertip.cad.verification.filling import POT_LIFE_SHARE
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.quantities import (
@@ -135,10 +136,11 @@ def _chaplet_data(design: Design) -> dict[str, Any] | None:
     }
 
 
-def _fit_data(design: Design) -> dict[str, float]:
+def _fit_data(design: Design) -> dict[str, Any]:
     """Fit of the sensor in its pocket and of bone or core in the mold, and the skin that they leave."""
-    losses = find_losses(design)
+    losses, tape = find_losses(design), wound_tape_span_mm(design)
     return {
+        "wound_tape": {"thickness_mm": WOUND_TAPE_MM, "from_mm": tape[0], "to_mm": round(tape[1], 1)} if tape else None,
         "sensor_clearance_mm": design.sensor.clearance_mm,
         "wire_mm": design.sensor.wire_diameter_mm,
         "crimp_mm": design.sensor.crimp_height_mm,

@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from fingertip.casting.mold_steps import list_filling_steps, list_opening_steps, list_patching_steps, list_trying_steps
+from fingertip.casting.mold_steps import (
+    list_filling_steps,
+    list_opening_steps,
+    list_patching_steps,
+    list_seat_steps,
+    list_trying_steps,
+)
 from fingertip.casting.sensor_steps import (
     describe_opening,
     list_joint_steps,
@@ -107,6 +113,7 @@ def steps(data: Data) -> list[str]:
             *list_trying_steps(data),
             "Leave the bone and the sensor out of the mold. Only the core lies in it. The core has no pocket, slot or "
             "channel, so nothing needs to be sealed.",
+            *list_seat_steps(data),
             *list_filling_steps(data, _weighing_step(data["silicone"], data["batch"])),
             *list_opening_steps(data),
             "Roll the skin off the core.",
@@ -120,6 +127,7 @@ def steps(data: Data) -> list[str]:
         *list_trying_steps(data),
         *list_mounting_steps(data),
         *list_sealing_steps(data),
+        *list_seat_steps(data),
         *list_filling_steps(data, _weighing_step(data["silicone"], data["batch"])),
         *list_opening_steps(data),
         *list_patching_steps(data),
@@ -266,8 +274,10 @@ def _bill(data: Data) -> str:
 def _consumables(data: Data) -> str:
     """List the consumables of the procedure."""
     items = ["solder", "two cups", "stirrer", "vinyl gloves", "isopropanol", "office paper"]
+    if data["method"] == "overmold" or data["fit"]["seat_tape"]:
+        items.append("polyimide tape (no masking tape)")
     if data["method"] == "overmold":
-        items += ["polyimide tape (no masking tape)", "primer for silicone"]
+        items.append("primer for silicone")
         if data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
             items.append("silicone adhesive without tin")
     if data["sensor_tail"] == "folded":

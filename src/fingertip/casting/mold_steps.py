@@ -41,6 +41,24 @@ def list_trying_steps(data: Data) -> list[str]:
     return steps
 
 
+def list_seat_steps(data: Data) -> list[str]:
+    """List the step that seals the seat of bone or core; none without a tape."""
+    tape, insert = data["fit"]["seat_tape"], data["insert"]
+    if tape is None:
+        return []
+    where = f"from {tape['from_mm']:g} to {tape['to_mm']:g} mm below the edge of the skin"
+    covered = ""
+    if insert == "bone" and data["sensor_tail"] == "folded":
+        wires = "between the cheeks" if data["wires_between_cheeks"] else "in their groove"
+        covered = f", over both openings of the window and over the wires {wires}"
+    return [
+        f"Wind one turn of polyimide tape around the {insert}, {where}{covered}. Use tape of {tape['thickness_mm']:g} "
+        "mm with its adhesive, and let the ends meet without overlapping. It fills the gap between the "
+        f"{insert} and its recess, and silicone stops there. Close the mold once more: if it no longer closes by hand, "
+        "the tape is creased or doubled. This tape is temporary."
+    ]
+
+
 def list_filling_steps(data: Data, weighing: str) -> list[str]:
     """List the steps from the open mold to the cured silicone."""
     properties = data["silicone"]["properties"]

@@ -54,18 +54,11 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[str]:
         "its edges down, but do not fill"
     )
     if data["sensor_tail"] == "folded":
-        tape = data["fit"]["wound_tape"]
         return [
             "Seal the passage through the collar around the tail, flush with the face of the collar, with silicone "
             "adhesive without tin, and let it cure. This seal is permanent. Do not fill the window: the sensor "
             "breathes there.",
             f"{keep_out} Cover the slot {covered} it, and let the tape overlap the seal. This tape is permanent.",
-            "Wind one turn of polyimide tape around collar and base, over both openings of the window and over the "
-            + ("wires between the cheeks" if data["wires_between_cheeks"] else "wires in their groove")
-            + f", from {tape['from_mm']:g} to {tape['to_mm']:g} mm below the skin. "
-            f"Use tape of {tape['thickness_mm']:g} mm with its adhesive, without overlapping ends: it fills the gap "
-            "between the bone and its recess, and keeps silicone out. If the mold no longer closes by hand, the tape "
-            "is creased or doubled. This tape is temporary. " + _MEASURE,
         ]
     steps = [
         f"{keep_out} Cover the slot and the solder relief {covered} them: the sensor breathes there. This tape is "
@@ -86,15 +79,15 @@ def describe_opening(data: Mapping[str, Any]) -> str:
     """Write the step that opens the sensor's air vent after casting."""
     if data["sensor_tail"] == "folded":
         return (
-            "Peel the tape off the base, so that the air vent of the sensor is open at the window. Never pull the "
+            "Peel the tape off the seat, so that the air vent of the sensor is open at the window. Never pull the "
             "wires. The tape under the skin and the seal in the collar stay in place. "
             + ("" if data["wires_between_cheeks"] else "Tie the wires down at the hole in the base. ")
             + _MEASURE
         )
     stays = ", and so does the seal in the collar." if data["mold"]["tail_passes_collar"] else "."
     return (
-        "See that the channel opening on the dorsal side of the base is open: the sensor breathes there. The tape "
-        f"under the skin stays in place{stays} {_MEASURE}"
+        "Peel the tape off the seat. See that the channel opening on the dorsal side of the base is open: the sensor "
+        f"breathes there. The tape under the skin stays in place{stays} {_MEASURE}"
     )
 
 

@@ -11,7 +11,6 @@ from typing import Any
 
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.shapes.parts import print_orientations
-from fingertip.cad.shapes.seals import WOUND_TAPE_MM, wound_tape_span_mm
 from fingertip.cad.verification.filling import POT_LIFE_SHARE
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.quantities import (
@@ -28,6 +27,7 @@ from fingertip.casting.retention import skin_pull_off_n
 from fingertip.casting.slicer import LAYER_MM, PrintEstimate
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import find_losses, sleeve_inset_mm, worst
+from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
 from fingertip.filling.mold_filling import injected_cm3, place_vents, predict_mold_filling
@@ -138,9 +138,13 @@ def _chaplet_data(design: Design) -> dict[str, Any] | None:
 
 def _fit_data(design: Design) -> dict[str, Any]:
     """Fit of the sensor in its pocket and of bone or core in the mold, and the skin that they leave."""
-    losses, tape = find_losses(design), wound_tape_span_mm(design)
+    losses, tape = find_losses(design), tape_span_mm(design)
     return {
-        "wound_tape": {"thickness_mm": WOUND_TAPE_MM, "from_mm": tape[0], "to_mm": round(tape[1], 1)} if tape else None,
+        "seat_tape": (
+            {"thickness_mm": design.mold.seat_tape_mm, "from_mm": round(tape[0], 1), "to_mm": round(tape[1], 1)}
+            if tape
+            else None
+        ),
         "sensor_clearance_mm": design.sensor.clearance_mm,
         "wire_mm": design.sensor.wire_diameter_mm,
         "crimp_mm": design.sensor.crimp_height_mm,

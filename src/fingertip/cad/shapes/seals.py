@@ -1,8 +1,8 @@
 """Seals of an overmolding: what keeps silicone out of the bone's hollows while the skin is cast around it.
 
 A tape under the skin covers pocket and slot of the sensor, and its relief. Adhesive fills the passage of the tail
-through the collar, and the gap around the lid of a folded tail. The window of a folded tail lies in the recess of the
-mold: a second tape, as thick as the gap there, is wound around it. The screw of the chaplet closes its own hole.
+through the collar, and the gap around the lid of a folded tail. The screw of the chaplet closes its own hole. A second
+tape is wound around the base, where the mold holds it, and covers the window of a folded tail.
 """
 
 from __future__ import annotations
@@ -15,8 +15,6 @@ from fingertip.design import Design
 
 TAPE_MM = 0.1
 """Thickness of the tape [mm]. An assumption."""
-WOUND_TAPE_MM = 0.06
-"""Thickness of the tape around bone or collar: a film of 0.025 mm and its adhesive, as usual (unverified) [mm]."""
 _TAPE_RIM_MM = 0.5
 """Width by which the tape reaches past what it covers [mm]."""
 _INTO_COLLAR_MM = 0.3
@@ -43,19 +41,6 @@ def passage_seal(design: Design) -> tuple[Solid, ...]:
         (-dims.tail_half_width, floor - dims.passage_height, low), (dims.tail_half_width, floor, _INTO_COLLAR_MM)
     )
     return (difference(passage, sensor_body(design)),)
-
-
-def wound_tape_span_mm(design: Design) -> tuple[float, float] | None:
-    """Return where the tape around the window of a folded tail begins and ends [mm below the skin]; None without one.
-
-    It lies on the collar where the window begins in it, else on the base below it: it does not pass the collar's foot.
-    """
-    fold, collar = design.dimensions.fold, design.bone.collar_length_mm
-    if fold is None:
-        return None
-    if collar > -fold.nose_z:
-        return _TAPE_RIM_MM, collar - _TAPE_RIM_MM
-    return collar, _TAPE_RIM_MM - fold.window_low_z
 
 
 def lid_seal(design: Design) -> tuple[Solid, ...]:

@@ -6,7 +6,6 @@ its pressure and the time until it sets.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -20,6 +19,7 @@ from fingertip.cad.solids import Solid, difference, intersection, union
 from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check
 from fingertip.design import Design
 from fingertip.design.geometry.draft import add_draft
+from fingertip.design.geometry.seat import creep_mm, tape_span_mm
 from fingertip.design.silicone import select_silicone
 from fingertip.filling.mold_filling import predict_mold_filling
 from fingertip.filling.predict import head_pressure_pa
@@ -62,9 +62,8 @@ def _hollows(design: Design) -> Solid:
 def leak_mm(design: Design) -> float:
     """Compute how far silicone creeps along the seat until it sets [mm].
 
-    Silicone that enters a gap h at a pressure p reaches x with x^2 = h^2 / (6 mu) times the integral of p over time
-    (Hele-Shaw flow, as in `fingertip.filling`). During the filling that is the gate's pressure, of which the integral
-    over mu is the one of the cavity's resistance; later the head of the silicone.
+    During the filling the gate's pressure drives it, of which the integral over the viscosity is that of the cavity's
+    resistance; later the head of the silicone does.
     """
     silicone, prediction, dims = select_silicone(design), predict_mold_filling(design), design.dimensions
     section = dims.collar.section
@@ -72,4 +71,4 @@ def leak_mm(design: Design) -> float:
     gap_mm = design.mold.fit_clearance_mm + widening
     head = head_pressure_pa(silicone.density_g_cm3.high, design.skin.length_mm)
     setting = head * silicone.pot_life_min.low * 60.0 / silicone.viscosity_pa_s.low
-    return gap_mm * math.sqrt((prediction.cavity_integral + setting) / 6.0)
+    return creep_mm(prediction.cavity_integral + setting, gap_mm, design.mold.seat_tape_mm, tape_span_mm(design))

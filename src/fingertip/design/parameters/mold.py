@@ -56,6 +56,13 @@ class Mold(ParameterTable):
     recess_length_mm: float = quantity(
         8.0, "mm", "Length of the recess that holds the bone's base.", minimum=2, maximum=60
     )
+    seat_tape_mm: float = quantity(
+        0.06,
+        "mm",
+        "Thickness of the tape that is wound around the base or its collar and seals the recess; 0: none.",
+        minimum=0,
+        maximum=0.2,
+    )
     chaplet_diameter_mm: float = quantity(
         7.0,
         "mm",

@@ -44,11 +44,25 @@ FREE: Mapping[str, tuple[float, float]] = {
     "hand.travel_deg": (30.0, 110.0),
 }
 """Ranges of the lengths that a fit may change, in the unit of each."""
-_STARTS, _STEPS, _PATIENCE = 5, 1200, 350
-"""Number of searches from the beginning, largest number of designs that each tries, and number of designs without
-improvement after which it ends."""
-_REPAIRS = 0.5
-"""Share of the steps that repair one rule instead of changing values at random."""
+_STEPS = 1200
+"""Largest number of designs that one search tries."""
+
+
+@dataclass(frozen=True)
+class _Round:
+    """Searches of one kind, each from the beginning with another seed."""
+
+    searches: int
+    repairs: float
+    """Share of the steps that repair one rule instead of changing values at random."""
+    patience: int
+    """Number of designs without improvement after which a search ends."""
+    choice: int
+    """Number of designs that pass after which the round ends. The one that changes least is chosen."""
+
+
+_ROUNDS = (_Round(6, 0.8, 60, choice=6), _Round(5, 0.5, 350, choice=1))
+"""Rounds of the fit. A later one begins if none of the searches before found a design that passes."""
 _BACK_STEPS = 8
 """Halvings by which a value moves back towards where it began."""
 
@@ -93,11 +107,14 @@ def fit_design(
         return list(find_violations(rules, design)) or list(find_violations([bone_is_held], design))
 
     nearest, values = math.inf, dict(begin)
-    for seed in range(_STARTS):
-        progress(seed / _STARTS)
-        score, reached = _search(seed, free, begin, broken)
-        if score < nearest:
-            nearest, values = score, reached
+    for number, kind in enumerate(_ROUNDS):
+        progress(number / len(_ROUNDS))
+        reached: list[tuple[float, dict[str, float]]] = []
+        for seed in range(kind.searches):
+            reached.append(_search(kind, seed, free, begin, broken))
+            if sum(score == 0.0 for score, _ in reached) == kind.choice:
+                break
+        nearest, values = min(reached, key=lambda found: (found[0], _measure_change(free, begin, found[1])))
         if nearest == 0.0:
             break
     if nearest:
@@ -115,6 +132,7 @@ def fit_design(
 
 
 def _search(
+    kind: _Round,
     seed: int,
     free: Mapping[str, tuple[float, float]],
     begin: Mapping[str, float],
@@ -125,15 +143,22 @@ def _search(
     found = broken(values)
     best, improved = _score(found), 0
     for step in range(_STEPS):
-        if best == 0.0 or step - improved > _PATIENCE:
+        if best == 0.0 or step - improved > kind.patience:
             break
-        repair = _list_repairs(found, free, values) if rng.random() < _REPAIRS else []
+        repair = _list_repairs(found, free, values) if rng.random() < kind.repairs else []
         trial = {**values, **(rng.choice(repair) if repair else _change_at_random(rng, free, values))}
         found_now = broken(trial)
         if (score := _score(found_now)) <= best:
             improved = step if score < best else improved
             best, values, found = score, trial, found_now
     return best, values
+
+
+def _measure_change(
+    free: Mapping[str, tuple[float, float]], begin: Mapping[str, float], values: Mapping[str, float]
+) -> float:
+    """Add up the changes of all values, each relative to its range."""
+    return sum(abs(values[name] - begin[name]) / (high - low) for name, (low, high) in free.items())
 
 
 def _change_at_random(

@@ -50,7 +50,7 @@ class Violation:
     alternatives: Mapping[str, Any] = field(default_factory=dict)
     """Values of other fields, each of which may pass instead."""
     shortfall: float | None = None
-    """How far the design is from passing, in any unit in which smaller is nearer; None if the rule cannot tell."""
+    """Distance of the design from passing, in any unit; None if the rule cannot tell."""
 
 
 RuleFunction = Callable[[DesignTables], Violation | None]

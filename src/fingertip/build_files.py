@@ -37,6 +37,8 @@ from fingertip.output_set import SetWriter, hash_parameters, read_manifest
 
 FORMATS = ("stl", "3mf", "step")
 DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
+STEPS_FOLDER = "steps"
+"""Folder of the pictures of the casting steps, beside the casting sheet."""
 ALL_FILES = (*(f"{part}.{file_format}" for part in PARTS for file_format in FORMATS), ASSEMBLY, SHEET, REPORT, DESIGN)
 """Names of all files that a build may write."""
 
@@ -114,6 +116,7 @@ def build(
     formats: Iterable[str] | None = None,
     tolerance_mm: float = 0.01,
     material: str | None = None,
+    pictures: bool = False,
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
     meanwhile: Callable[[], None] = lambda: None,
@@ -140,6 +143,8 @@ def build(
     material
         Silicone of the casting sheet, a name from `fingertip.silicones` or "own"; the design's silicone.product if
         None. The sheet is written if all parts are built.
+    pictures
+        Whether a picture of each casting step is drawn, for the casting sheet.
     force
         Whether files may be overwritten that no build wrote, or that were changed since.
     progress
@@ -187,6 +192,7 @@ def build(
         casting = None
         if all_built:
             casting = casting_sheet_data(design, measure_volumes(design, evaluator), select_silicone(design))
+        steps_drawn = _draw_steps(design, casting, progress) if pictures and casting else {}
         meanwhile()
         step = StepFiles({}, {}, {})
         if process:
@@ -209,12 +215,15 @@ def build(
     )
     heading = "Design from which these files were built. `fingertip build` accepts this file."
     if casting:
-        contents[SHEET] = render_sheet(casting).encode()
+        contents[SHEET] = render_sheet(casting, [f"{STEPS_FOLDER}/{name}" for name in steps_drawn]).encode()
     result = Build(design, folder, tolerance_mm, built, contents, tuple(checks), strength, casting)
     contents[REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
     contents[DESIGN] = to_toml(design, heading).encode()
     removed = writer.write(contents)
     progress(f"{len(contents)} files in {folder}")
+    if steps_drawn:
+        steps_writer(design, folder, force).write(steps_drawn)
+        progress(f"{len(steps_drawn)} pictures in {folder / STEPS_FOLDER}")
     if removed:
         progress(f"removed files of another design from {folder}: {', '.join(removed)}")
     return replace(result, removed=removed)
@@ -225,6 +234,20 @@ def parts_writer(design: Design, folder: Path, force: bool = False) -> SetWriter
     parameters = hash_parameters(design.model_dump(mode="json"))
     adopted = () if read_manifest(folder) else _files_of_version_one(folder)
     return SetWriter(folder, "parts", design.name, parameters, adopted, force)
+
+
+def steps_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
+    """Writer of the pictures of the casting steps, in the folder of the casting sheet."""
+    parameters = hash_parameters(design.model_dump(mode="json"))
+    return SetWriter(folder / STEPS_FOLDER, STEPS_FOLDER, design.name, parameters, force=force)
+
+
+def _draw_steps(design: Design, casting: Mapping[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
+    """Draw the pictures of the casting steps."""
+    from fingertip.casting.markdown import steps
+    from fingertip.view.steps.pictures import draw_steps
+
+    return draw_steps(design, casting, steps(casting), progress)
 
 
 def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:

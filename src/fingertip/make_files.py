@@ -1,7 +1,8 @@
 """Everything of a design in one go: parts, board, one simulated trial and the slip detected in it.
 
-The parts stand at the top of the folder, as `build` writes them; the board is in `board/`, the trial in `signal/`. Each
-is a set of its own. While the B-rep kernel works on the STEP files in a second process, this process makes the others.
+The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps in `steps/`. The
+board is in `board/`, the trial in `signal/`. Each is a set of its own. While the B-rep kernel works on the STEP files
+in a second process, this process makes the others.
 """
 
 from __future__ import annotations
@@ -79,7 +80,9 @@ def make(
         others.extend(((board, board_set), (signal, signal_set)))
         found.append(detection)
 
-    parts = build(design, folder, formats=formats, force=force, progress=progress, meanwhile=make_the_others)
+    parts = build(
+        design, folder, formats=formats, pictures=True, force=force, progress=progress, meanwhile=make_the_others
+    )
     for writer, contents in others:
         writer.write(contents)
         progress(f"{len(contents)} files in {writer.folder}")

@@ -13,7 +13,8 @@ import pytest
 
 from fingertip.build_files import Build, build
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_orientations
-from fingertip.casting.markdown import render_sheet, steps, warnings
+from fingertip.casting import markdown
+from fingertip.casting.markdown import render_sheet, warnings
 from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.casting.sheet import casting_sheet_data
 from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_duration_min, parse_gcode, slice_part
@@ -27,6 +28,10 @@ from tests.tools import require_tool
 FSR400 = design_file("fsr400")
 VOLUMES = SiliconeVolumes(12.625, 0.5, 0.125)
 PRINTS = {name: PrintEstimate(31.4 + i, 2.87 + i) for i, name in enumerate(PARTS)}
+
+
+def steps(data: dict[str, Any]) -> list[str]:
+    return [step.text for step in markdown.steps(data)]
 
 
 def fsr400(*changes: str) -> Design:

@@ -13,12 +13,13 @@ from fingertip.casting.mold_steps import (
     list_trying_steps,
 )
 from fingertip.casting.sensor_steps import (
-    describe_opening,
     list_joint_steps,
     list_mounting_steps,
     list_sealing_steps,
+    open_air_vent,
 )
 from fingertip.casting.slicer import HOW_TO_INSTALL
+from fingertip.casting.step import Step
 
 Data = Mapping[str, Any]
 _PROPERTY_LABELS = {
@@ -35,8 +36,16 @@ _PROPERTY_LABELS = {
 }
 
 
-def render_sheet(data: Data) -> str:
-    """Render the data of `sheet.casting_sheet_data` as a Markdown page."""
+def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
+    """Render the data of `sheet.casting_sheet_data` as a Markdown page.
+
+    Parameters
+    ----------
+    data
+        The data.
+    pictures
+        Paths of the steps' pictures, relative to the page and in the order of the steps; none if empty.
+    """
     sections = [
         f"# Casting sheet: {data['design']}",
         _summary(data),
@@ -49,7 +58,7 @@ def render_sheet(data: Data) -> str:
         "## Warnings",
         "\n".join(f"- {warning}" for warning in warnings(data)),
         "## Procedure",
-        "\n".join(f"{number}. {step}" for number, step in enumerate(steps(data), 1)),
+        _procedure(data, pictures),
         "## Silicone data",
         _silicone(data),
     ]
@@ -106,20 +115,35 @@ def warnings(data: Data) -> list[str]:
     return found
 
 
-def steps(data: Data) -> list[str]:
+def _procedure(data: Data, pictures: Sequence[str]) -> str:
+    texts = [f"{number}. {step.text}" for number, step in enumerate(steps(data), 1)]
+    if not pictures:
+        return "\n".join(texts)
+    pairs = zip(texts, pictures, strict=True)
+    return "\n\n".join(f"{text}\n\n   ![step {i}]({picture})" for i, (text, picture) in enumerate(pairs, 1))
+
+
+def steps(data: Data) -> list[Step]:
     """List the steps of the procedure, in order."""
     if data["method"] == "sleeve":
         return [
             *list_trying_steps(data),
-            "Leave the bone and the sensor out of the mold. Only the core lies in it. The core has no pocket, slot or "
-            "channel, so nothing needs to be sealed.",
+            Step(
+                "core_only",
+                "Leave the bone and the sensor out of the mold. Only the core lies in it. The core has no pocket, "
+                "slot or channel, so nothing needs to be sealed.",
+            ),
             *list_seat_steps(data),
             *list_filling_steps(data, _weighing_step(data["silicone"], data["batch"])),
             *list_opening_steps(data),
-            "Roll the skin off the core.",
+            Step("roll_off", "Roll the skin off the core."),
             *list_mounting_steps(data),
-            "Wet the inside of the skin with isopropanol, but keep the sensor, its tail, the slot and the channel dry. "
-            "Pull the skin over the bone until the edge of the skin sits on the collar. Let the skin and the bone dry.",
+            Step(
+                "pull_on",
+                "Wet the inside of the skin with isopropanol, but keep the sensor, its tail, the slot and the "
+                "channel dry. Pull the skin over the bone until the edge of the skin sits on the collar. Let the "
+                "skin and the bone dry.",
+            ),
             *list_patching_steps(data),
             *list_joint_steps(data),
         ]
@@ -131,7 +155,7 @@ def steps(data: Data) -> list[str]:
         *list_filling_steps(data, _weighing_step(data["silicone"], data["batch"])),
         *list_opening_steps(data),
         *list_patching_steps(data),
-        describe_opening(data),
+        open_air_vent(data),
         *list_joint_steps(data),
     ]
 

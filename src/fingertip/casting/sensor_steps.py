@@ -5,45 +5,75 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from fingertip.casting.step import Step
+
 _MEASURE = "Measure the sensor again: above 1 Mohm untouched, some kilohm while you press its head with a finger."
 
 
-def list_mounting_steps(data: Mapping[str, Any]) -> list[str]:
+def list_mounting_steps(data: Mapping[str, Any]) -> list[Step]:
     """List the steps from the sensor as bought to the wired bone."""
     if data["sensor_tail"] == "straight":
         return [
-            "Place the adhesive film and the sensor in the bone's pocket, with the tail in its slot.",
-            "Solder the wires to the sensor's tabs in the solder relief. Route them through the cable channel to its "
-            "opening on the dorsal side of the base. Tie them down at the hole proximal to the channel opening.",
+            Step(
+                "place_sensor",
+                "Place the adhesive film and the sensor in the bone's pocket, with the tail in its slot.",
+            ),
+            Step(
+                "wires",
+                "Solder the wires to the sensor's tabs in the solder relief. Route them through the cable channel to "
+                "its opening on the dorsal side of the base. Tie them down at the hole proximal to the channel "
+                "opening.",
+            ),
         ]
     fit = data["fit"]
     return [
-        "Wash resin out of the trough and the passage in the collar with a syringe, and try the fold with a strip of "
-        "plastic film first.",
-        f"Solder a wire of at most {fit['wire_mm']:g} mm to each tab, straight out beyond the tabs. Tabs, crimps and "
-        f"solder may stand at most {fit['crimp_mm']:g} mm above the film. Insulate the joints with a thin varnish. "
-        "Measure the sensor: above 1 Mohm untouched, some kilohm while you press its head with a finger.",
-        "Thread the wires, then the tabs and the tail, from the pocket through the passage in the collar. Pull them "
-        "out below the base. The head is wider than the window and comes last.",
-        "Lead the wires and the tabs around the round nose, up through the window. Pull until the film "
-        "lies around the nose, without a crease, and lay its end into the trough.",
-        f"Lay the head into its pocket, still without adhesive. At least {fit['end_room_mm'] / 2:g} mm must be free "
-        "between the tabs and the end of the trough. Then stick the head down with the adhesive film.",
-        "Bend the wires back over the tail in a loop, without pulling at the joints. "
-        + (
-            "Lead them side by side out between the cheeks on the dorsal side. Fix them at the mouth of the trough "
-            "with a "
-            if data["wires_between_cheeks"]
-            else "Lay them side by side through the window into the groove of the base. Fix them there with a "
-        )
-        + "drop of silicone adhesive without tin. "
-        + _MEASURE,
-        "Stick the lid into the trough with a thin bead of the same adhesive along its edges. It stands on its feet "
-        "beside the tabs and ends flush with bone and collar.",
+        Step(
+            "try_fold",
+            "Wash resin out of the trough and the passage in the collar with a syringe, and try the fold with a "
+            "strip of plastic film first.",
+        ),
+        Step(
+            "solder_tabs",
+            f"Solder a wire of at most {fit['wire_mm']:g} mm to each tab, straight out beyond the tabs. Tabs, crimps "
+            f"and solder may stand at most {fit['crimp_mm']:g} mm above the film. Insulate the joints with a thin "
+            "varnish. Measure the sensor: above 1 Mohm untouched, some kilohm while you press its head with a finger.",
+        ),
+        Step(
+            "thread",
+            "Thread the wires, then the tabs and the tail, from the pocket through the passage in the collar. Pull "
+            "them out below the base. The head is wider than the window and comes last.",
+        ),
+        Step(
+            "fold",
+            "Lead the wires and the tabs around the round nose, up through the window. Pull until the film "
+            "lies around the nose, without a crease, and lay its end into the trough.",
+        ),
+        Step(
+            "stick_head",
+            f"Lay the head into its pocket, still without adhesive. At least {fit['end_room_mm'] / 2:g} mm must be "
+            "free between the tabs and the end of the trough. Then stick the head down with the adhesive film.",
+        ),
+        Step(
+            "bend_wires",
+            "Bend the wires back over the tail in a loop, without pulling at the joints. "
+            + (
+                "Lead them side by side out between the cheeks on the dorsal side. Fix them at the mouth of the trough "
+                "with a "
+                if data["wires_between_cheeks"]
+                else "Lay them side by side through the window into the groove of the base. Fix them there with a "
+            )
+            + "drop of silicone adhesive without tin. "
+            + _MEASURE,
+        ),
+        Step(
+            "stick_lid",
+            "Stick the lid into the trough with a thin bead of the same adhesive along its edges. It stands on its "
+            "feet beside the tabs and ends flush with bone and collar.",
+        ),
     ]
 
 
-def list_sealing_steps(data: Mapping[str, Any]) -> list[str]:
+def list_sealing_steps(data: Mapping[str, Any]) -> list[Step]:
     """List the steps that keep silicone out of the sensor's pocket while the skin is cast around the bone."""
     gap = f"{data['fit']['sensor_clearance_mm']:g} mm"
     keep_out = (
@@ -55,63 +85,92 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[str]:
     )
     if data["sensor_tail"] == "folded":
         return [
-            "Seal the passage through the collar around the tail, flush with the face of the collar, with silicone "
-            "adhesive without tin, and let it cure. This seal is permanent. Do not fill the window: the sensor "
-            "breathes there.",
-            f"{keep_out} Cover the slot {covered} it, and let the tape overlap the seal. This tape is permanent.",
+            Step(
+                "seal_passage",
+                "Seal the passage through the collar around the tail, flush with the face of the collar, with silicone "
+                "adhesive without tin, and let it cure. This seal is permanent. Do not fill the window: the sensor "
+                "breathes there.",
+            ),
+            Step(
+                "cover_sensor",
+                f"{keep_out} Cover the slot {covered} it, and let the tape overlap the seal. This tape is permanent.",
+            ),
         ]
+    relief = "" if data["mold"]["tail_passes_collar"] else ", the solder relief"
     steps = [
-        f"{keep_out} Cover the slot and the solder relief {covered} them: the sensor breathes there. This tape is "
-        "permanent.",
-        "Leave the channel opening on the dorsal side of the base open. It lies outside the mold, and the sensor "
-        "breathes there.",
+        Step(
+            "cover_sensor",
+            f"{keep_out} Cover the slot{relief} {covered} them: the sensor breathes there. This tape is permanent.",
+        ),
+        Step(
+            "channel_opening",
+            "Leave the channel opening on the dorsal side of the base open. It lies outside the mold, and the sensor "
+            "breathes there.",
+        ),
     ]
     if data["mold"]["tail_passes_collar"]:
         steps.append(
-            "Fill the passage through the collar around the tail with silicone adhesive without tin, flush with the "
-            "face of the collar, because the passage leads out of the mold, and let it cure. This seal is permanent. "
-            "Leave the end of the tail open: the sensor breathes there."
+            Step(
+                "seal_passage",
+                "Fill the passage through the collar around the tail with silicone adhesive without tin, flush with "
+                "the face of the collar, because the passage leads out of the mold, and let it cure. This seal is "
+                "permanent. Leave the end of the tail open: the sensor breathes there.",
+            )
         )
     return steps
 
 
-def describe_opening(data: Mapping[str, Any]) -> str:
+def open_air_vent(data: Mapping[str, Any]) -> Step:
     """Write the step that opens the sensor's air vent after casting."""
     if data["sensor_tail"] == "folded":
-        return (
+        return Step(
+            "peel_tape",
             "Peel the tape off the seat, so that the air vent of the sensor is open at the window. Never pull the "
             "wires. The tape under the skin and the seal in the collar stay in place. "
             + ("" if data["wires_between_cheeks"] else "Tie the wires down at the hole in the base. ")
-            + _MEASURE
+            + _MEASURE,
         )
     stays = ", and so does the seal in the collar." if data["mold"]["tail_passes_collar"] else "."
-    return (
+    return Step(
+        "peel_tape",
         "Peel the tape off the seat. See that the channel opening on the dorsal side of the base is open: the sensor "
-        f"breathes there. The tape under the skin stays in place{stays} {_MEASURE}"
+        f"breathes there. The tape under the skin stays in place{stays} {_MEASURE}",
     )
 
 
-def list_joint_steps(data: Mapping[str, Any]) -> list[str]:
+def list_joint_steps(data: Mapping[str, Any]) -> list[Step]:
     """List the steps that mount a finger with a clevis on its hand."""
     joint = data["joint"]
     if joint is None:
         return []
     steps = [
-        f"Ream the bore of the joint to {joint['pin_mm']:g} mm and push the pin through bone and hand. The finger must "
-        "fall by its own weight, without shaking sideways. Fix both ends of the pin with a drop of adhesive."
+        Step(
+            "pin",
+            f"Ream the bore of the joint to {joint['pin_mm']:g} mm and push the pin through bone and hand. The finger "
+            "must fall by its own weight, without shaking sideways. Fix both ends of the pin with a drop of adhesive.",
+        )
     ]
     if joint["travel_deg"]:
         steps.append(
-            f"Bend the finger. It must stop when it is straight, and again at {joint['travel_deg']:g} degrees. File "
-            "the flat that stops too early."
+            Step(
+                "bend",
+                f"Bend the finger. It must stop when it is straight, and again at {joint['travel_deg']:g} degrees. "
+                "File the flat that stops too early.",
+            )
         )
     if joint["tendon_distance_mm"]:
         steps.append(
-            "Push the anchor pin through the collar, below the joint, and knot the tendon around it in the "
-            "middle of the finger. Fix the pin with a drop of adhesive at each end."
+            Step(
+                "anchor",
+                "Push the anchor pin through the collar, below the joint, and knot the tendon around it in the "
+                "middle of the finger. Fix the pin with a drop of adhesive at each end.",
+            )
         )
     steps.append(
-        "Lead the wires over the dorsal side of the joint in a loop that stays loose when the finger is bent. Tie them "
-        "to the hand."
+        Step(
+            "wire_loop",
+            "Lead the wires over the dorsal side of the joint in a loop that stays loose when the finger is bent. "
+            "Tie them to the hand.",
+        )
     )
     return steps

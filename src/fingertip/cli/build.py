@@ -34,6 +34,9 @@ def build(
         str | None,
         typer.Option(help=f"Silicone: {', '.join(SILICONES)} or own; the design's silicone.product if omitted."),
     ] = None,
+    pictures: Annotated[
+        bool, typer.Option("--pictures", help="Draw a picture of each casting step, for the casting sheet.")
+    ] = False,
     force: ForceOption = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
@@ -52,6 +55,7 @@ def build(
         formats=None if formats is None else split_names(formats),
         tolerance_mm=tolerance_mm,
         material=material,
+        pictures=pictures,
         force=force,
         progress=console.progress,
     )

@@ -25,16 +25,19 @@ def sheet(
     slicer: Annotated[
         bool, typer.Option("--slicer", help="Estimate print time and volume on a filament printer with PrusaSlicer.")
     ] = False,
+    pictures: Annotated[
+        bool, typer.Option("--pictures", help="Draw a picture of each step, into a folder beside the page.")
+    ] = False,
     force: ForceOption = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Write the casting sheet: silicone quantities, warnings, procedure, print orientations and bill of materials."""
-    from fingertip.build_files import SHEET, parts_writer
+    from fingertip.build_files import SHEET, STEPS_FOLDER, parts_writer, steps_writer
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.parts import print_orientations
-    from fingertip.casting.markdown import render_sheet
+    from fingertip.casting.markdown import render_sheet, steps
     from fingertip.casting.quantities import measure_volumes
     from fingertip.casting.sheet import casting_sheet_data
     from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_part
@@ -65,7 +68,13 @@ def sheet(
     volumes = measure_volumes(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
     data = casting_sheet_data(loaded, volumes, silicone, prints)
     path = out or Path("out") / loaded.name / SHEET
-    page = render_sheet(data).encode()
+    drawn: dict[str, bytes] = {}
+    if pictures:
+        from fingertip.view.steps.pictures import draw_steps
+
+        drawn = draw_steps(loaded, data, steps(data), console.progress)
+        steps_writer(loaded, path.parent, force).write(drawn)
+    page = render_sheet(data, [f"{STEPS_FOLDER}/{name}" for name in drawn]).encode()
     if out is None:
         parts_writer(loaded, path.parent, force).add({SHEET: page})
     else:
@@ -73,4 +82,4 @@ def sheet(
     batch = data["batch"]
     first, second = silicone.components
     text = f"mix {batch['a_g']:g} g of {first} and {batch['b_g']:g} g of {second}; casting sheet written to {path}"
-    console.result({**data, "page": str(path)}, text)
+    console.result({**data, "page": str(path), "pictures": [f"{STEPS_FOLDER}/{name}" for name in drawn]}, text)

@@ -32,6 +32,14 @@ class Camera:
         towards = np.array([-math.cos(a) * math.cos(e), math.sin(e), math.sin(a) * math.cos(e)])
         return cls(np.array([right, np.cross(towards, right), towards]))
 
+    @classmethod
+    def looking_from(cls, towards: tuple[float, float, float], up: tuple[float, float, float]) -> Camera:
+        """Create a camera that looks from the direction `towards`, with `up` pointing upwards as far as it can."""
+        back = np.array(towards) / math.hypot(*towards)
+        right = np.cross(np.array(up), back)
+        right /= np.linalg.norm(right)
+        return cls(np.array([right, np.cross(back, right), back]))
+
 
 class Canvas:
     """RGB picture with a depth buffer, rendered `oversample` times finer than the image it returns."""

@@ -1,0 +1,151 @@
+"""Pictures of the casting steps: each step has its own, labels are legible, and what they say is on the sheet."""
+
+from __future__ import annotations
+
+import io
+import re
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+from PIL.ImageDraw import ImageDraw
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.casting.markdown import render_sheet, steps
+from fingertip.casting.quantities import measure_volumes
+from fingertip.casting.sheet import casting_sheet_data
+from fingertip.design import Design
+from fingertip.design.new_design import PRESETS
+from fingertip.design.silicone import select_silicone
+from fingertip.view.raster import Camera, Canvas
+from fingertip.view.steps import scene as drawing
+from fingertip.view.steps.bench import Bench
+from fingertip.view.steps.pictures import SCENES, draw_steps
+from fingertip.view.steps.scene import Arrow, Label, Scene, draw_scene
+from tests.conftest import design_file, run_fingertip
+
+DESIGNS = [
+    (name, method) for name in ("fsr400", "fsr402", "fsr400_compact", *PRESETS) for method in ("overmold", "sleeve")
+]
+GRAVITY = ("mold.filling=gravity", "silicone.product=sylgard_184")
+
+
+@cache
+def load(name: str, *changes: str) -> tuple[Design, dict[str, Any]]:
+    design = Design.load(design_file(name), changes=list(changes))
+    volumes = measure_volumes(design, MeshEvaluator(0.05))
+    return design, casting_sheet_data(design, volumes, select_silicone(design))
+
+
+def scenes(name: str, *changes: str) -> dict[str, Scene]:
+    design, data = load(name, *changes)
+    bench = Bench(design)
+    return {step.picture: SCENES[step.picture](bench, data) for step in steps(data)}
+
+
+def test_every_scene_is_used_and_no_step_shows_the_picture_of_another() -> None:
+    used = set[str]()
+    for name, method in DESIGNS:
+        names = [step.picture for step in steps(load(name, f"mold.method={method}")[1])]
+        assert len(names) == len(set(names))
+        used |= set(names)
+    used |= {step.picture for step in steps(load("fsr400", *GRAVITY)[1])}
+    assert used == set(SCENES)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "method"), DESIGNS)
+def test_labels_stand_apart_inside_the_picture(name: str, method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    boxes: list[tuple[float, float, float, float]] = []
+    original = ImageDraw.multiline_text
+
+    def record(self: ImageDraw, xy: Any, text: str, *args: Any, **kwargs: Any) -> None:
+        box = self.multiline_textbbox(
+            xy, text, font=kwargs["font"], anchor=kwargs["anchor"], spacing=kwargs["spacing"], align=kwargs["align"]
+        )
+        boxes.append(box)
+        original(self, xy, text, *args, **kwargs)
+
+    monkeypatch.setattr(ImageDraw, "multiline_text", record)
+    monkeypatch.setattr(Canvas, "draw", lambda *args: None)  # the text alone
+    for picture, scene in scenes(name, f"mold.method={method}").items():
+        boxes.clear()
+        width, height = Image.open(io.BytesIO(draw_scene(scene))).size
+        assert boxes, picture
+        for i, (left, top, right, bottom) in enumerate(boxes):
+            assert 0 <= left < right <= width, (picture, i)
+            assert 0 <= top < bottom <= height, (picture, i)
+            for other in boxes[:i]:
+                apart = right <= other[0] or other[2] <= left or bottom <= other[1] or other[3] <= top
+                assert apart, (picture, i)
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"), [("fsr400", ()), ("adult_finger", ()), ("fsr402", ("mold.method=sleeve",))]
+)
+def test_labels_state_numbers_of_the_sheet(name: str, changes: tuple[str, ...]) -> None:
+    """Each number with a unit in a picture stands in the text of the page too, but for levels in a drawn cup."""
+    _, data = load(name, *changes)
+    page = render_sheet(data)
+    checked = 0
+    for picture, scene in scenes(name, *changes).items():
+        if picture == "degas":
+            continue
+        for label in scene.labels:
+            for number in re.findall(r"\d+(?:\.\d+)? (?:mm|g|N|s|h|cm3|Mohm|degrees)\b", label.text.replace("\n", " ")):
+                assert number in page, (picture, number)
+                checked += 1
+    assert checked > 5
+
+
+def test_pictures_are_reproducible_and_show_the_design() -> None:
+    design, data = load("fsr400")
+    again = Design.load(design_file("fsr400"))
+    chosen = [step for step in steps(data) if step.picture in ("fill", "hold")]
+    first, second = draw_steps(design, data, chosen), draw_steps(again, data, chosen)
+    assert first == second
+    wider = draw_steps(*load("fsr400", "skin.width_mm=18"), chosen)
+    assert all(wider[name] != png for name, png in first.items())
+
+
+def test_label_points_lie_on_what_is_drawn_or_close_to_it() -> None:
+    """A leader that ends in empty space far from every part names nothing."""
+    for name, changes in (("fsr400", ()), ("adult_finger", ()), ("fsr402", ("mold.method=sleeve",))):
+        for picture, scene in scenes(name, *changes).items():
+            corners = np.concatenate([item.mesh.vertices for item in scene.shown])
+            low, high = corners.min(axis=0) - 3.0, corners.max(axis=0) + 3.0
+            for label in scene.labels:
+                assert np.all(low <= label.point_mm), (picture, label)
+                assert np.all(label.point_mm <= high), (picture, label)
+
+
+def test_crowded_labels_keep_their_order_and_their_distance() -> None:
+    entries = [((100.0, 50.0 + i), "two\nlines") for i in range(8)]
+    heights = drawing._spread(entries, 560)
+    assert heights == sorted(heights)
+    assert min(np.diff(heights)) >= 2 * drawing._FONT_PX
+    assert heights[-1] < 560
+
+
+def test_arrow_points_along_its_motion() -> None:
+    """The head of an arrow lies at its end: more of its colour there than at its beginning."""
+    bench = Bench(load("fsr400")[0])
+    bone = bench.part("bone")
+    scene = Scene(
+        (bone,), Camera.from_angles(0, 0), (Label("x", (0.0, 0.0, 0.0)),), (Arrow((0.0, 0.0, -40.0), (0.0, 0.0, 40.0)),)
+    )
+    picture = np.asarray(Image.open(io.BytesIO(draw_scene(scene))).convert("RGB")).astype(int)
+    red = (picture[..., 0] > 140) & (picture[..., 1] < 90) & (picture[..., 2] < 90)
+    columns = red.sum(axis=0)
+    (at,) = np.nonzero(columns)
+    assert columns[at[-15:]].max() > 1.5 * columns[at[:15]].max()
+
+
+def test_sheet_command_writes_the_pictures_that_the_page_links(tmp_path: Any) -> None:
+    done = run_fingertip("sheet", "fsr400", "--pictures", "--out", str(tmp_path / "sheet.md"), "--quiet")
+    assert done.returncode == 0, done.stderr
+    linked = re.findall(r"!\[step \d+\]\((steps/[^)]+)\)", (tmp_path / "sheet.md").read_text())
+    assert len(linked) == len(steps(load("fsr400")[1]))
+    assert all((tmp_path / path).read_bytes().startswith(b"\x89PNG") for path in linked)

@@ -1,42 +1,15 @@
-"""Hardware to buy: the bolts that clamp the mold and the bill of materials of a casting.
+"""Hardware to buy: the bill of materials of a casting.
 
 A bolt is bought as a machine screw, threaded to the head or not.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from fingertip.design import Design
-from fingertip.design.threads import Thread, select_thread
-
-_BOLT_LENGTHS_MM = (
-    5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120, 130, 140, 150
-)  # fmt: skip
-"""Standard lengths of metric bolts (ISO 888)."""
-
-
-@dataclass(frozen=True)
-class ClampBolts:
-    """Identical bolts that hold the mold halves together, each with a nut."""
-
-    count: int
-    thread: Thread
-    length_mm: float
-    """Length below the head."""
-
-
-def size_clamp_bolts(design: Design) -> ClampBolts:
-    """Size the bolts that hold the mold halves together.
-
-    They enter from the dorsal face and reach through the nut, which lies at the bottom of its trap in the palmar face.
-    """
-    layout, mold = design.mold_layout, design.mold
-    thread = select_thread(mold.bolt_diameter_mm)
-    grip_mm = layout.dorsal_height + layout.palmar_height - mold.nut_depth_mm + thread.nut_height_mm
-    length = next((length for length in _BOLT_LENGTHS_MM if length >= grip_mm), _BOLT_LENGTHS_MM[-1])
-    return ClampBolts(len(layout.bolts), thread, float(length))
+from fingertip.design.geometry.clamp_bolts import size_clamp_bolts
+from fingertip.design.threads import select_thread
 
 
 def bill_of_materials(design: Design) -> list[dict[str, Any]]:
@@ -91,14 +64,14 @@ def _strain_relief(design: Design) -> list[dict[str, Any]]:
 
 def _joint_hardware(design: Design) -> list[dict[str, Any]]:
     """Pin of a clevis, and what holds its tendon."""
-    anchor, section = design.dimensions.anchor, design.dimensions.bone_outline.section
+    anchor = design.dimensions.anchor
     pin: dict[str, Any] = {
         "item": "joint pin (hardened steel, such as a dowel pin)",
         "diameter_mm": design.hand.pin_diameter_mm,
         "count": 1,
     }
     if design.hand.knuckle == "tongue":  # else it is as long as the hand's fork is wide
-        pin["length_mm"] = round(2 * section.half_width, 1)
+        pin["length_mm"] = design.dimensions.pin_length
     items = [pin]
     if anchor:
         items.append({

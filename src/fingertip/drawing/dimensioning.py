@@ -105,8 +105,6 @@ def _place_length(placed: PlacedLength, occupancy: Occupancy, reserved: Sequence
             narrow = high - low < 2 * _ARROW_MM + 1.5
             outside = _ARROW_MM + 1.5 if narrow else 0.0
             along = (at(min(low - outside, begin), v), at(max(high + outside, end), v))
-            if not (begin < low or end > high):
-                along = (at(low - outside, v), at(high + outside, v))
             extensions = []
             for point in (placed.start, placed.end):
                 u = point[index]
@@ -154,8 +152,8 @@ def place_circle(size: Circle, centre: Point, radius: float, balloon: int, occup
     """
     best: tuple[float, tuple[Primitive, ...]] | None = None
     width = _group_width(size.text(), balloon)
-    above = _BALLOON_ABOVE_MM if balloon else _ABOVE_LINE_MM
-    for order, angle_deg in enumerate(_LEADER_ANGLES_DEG):
+    directions = _LEADER_ANGLES_DEG if size.direction_deg is None else (size.direction_deg,)
+    for order, angle_deg in enumerate(directions):
         c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
         tip = (centre[0] + radius * c, centre[1] + radius * s)
         for length in _LEADER_LENGTHS_MM:
@@ -163,14 +161,14 @@ def place_circle(size: Circle, centre: Point, radius: float, balloon: int, occup
             way = 1.0 if c > 0.0 else -1.0
             landing = (knee[0] + way * (width + 1.0), knee[1])
             begin = min(knee[0], landing[0]) + 0.5
-            text = _text_group(size.text(), balloon, (begin, knee[1] - above + above), turned=False)
+            text = _text_group(size.text(), balloon, (begin, knee[1]), turned=False)
             if not all(occupancy.is_free(box, _MARGIN_MM) for box in _boxes(text)):
                 continue
             path = (tip, knee, landing)
             if occupancy.crosses_text(path):
                 continue
             edges, lines = occupancy.crossings((_away(tip, c, s), knee, landing))
-            cost = 0.12 * length + 0.25 * edges + 0.5 * lines + 0.05 * order
+            cost = 0.12 * length + 0.5 * edges + 0.5 * lines + 0.05 * order
             if best and cost >= best[0]:
                 continue
             arrow = Arrow(tip, angle_deg + 180.0, _ARROW_MM)

@@ -28,17 +28,21 @@ def file_names(design: Design) -> tuple[str, ...]:
     return (*(svg_name(drawing.part) for drawing in part_drawings(design)), PDF)
 
 
+def require_packages(field: str) -> None:
+    """Raise a `MissingLibraryError` that blames `field` unless cadquery and reportlab are installed."""
+    extras.require(field, "cadquery", "reportlab", alternative="draw a picture with fingertip picture")
+
+
 def draw_sheets(design: Design, progress: Callable[[str], None] = lambda message: None) -> dict[str, Sheet]:
     """Draw a sheet for each printed part, by name.
 
     Raises
     ------
     MissingLibraryError
-        If cadquery is missing or cannot be loaded.
+        If cadquery cannot be loaded.
     GeometryError
         If the B-rep kernel fails, or no paper has room for all dimensions.
     """
-    extras.require("drawing", "cadquery", alternative="draw a picture with fingertip picture")
     drawings = part_drawings(design)
     # The engraved letters would hide the rest under some hundred edges. A note names them.
     plain = design.with_values({"mold.engraving_depth_mm": 0.0})
@@ -61,7 +65,7 @@ def draw_files(design: Design, progress: Callable[[str], None] = lambda message:
     GeometryError
         As `draw_sheets` does.
     """
-    extras.require("drawing", "cadquery", "reportlab", alternative="draw a picture with fingertip picture")
+    require_packages("drawing")
     sheets = draw_sheets(design, progress)
     files = {svg_name(part): render_svg(sheet) for part, sheet in sheets.items()}
     return files | {PDF: render_pdf(tuple(sheets.values()), f"fingertip {design.name}")}

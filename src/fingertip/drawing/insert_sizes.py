@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from fingertip.cad.shapes.bone import FOOT_GAP_MM
 from fingertip.cad.shapes.chaplet import axis_z, contact_y
 from fingertip.cad.solids import Point3
@@ -18,25 +20,26 @@ _PILOT = "narrow: drill it to size; wide: take the next thicker screw"
 
 def bone_drawing(design: Design) -> PartDrawing:
     """List what the sheet of the bone shows."""
-    dims, section = design.dimensions, design.dimensions.bone_outline.section
+    dims, section, pilot = design.dimensions, design.dimensions.bone_outline.section, _pilot_of_bone(design)
     tip = dims.bone_outline.tip
     assert tip
     sizes = [
         Length("overall length", "front", "below", "z", (0.0, 0.0, _low_z(design)), (0.0, 0.0, tip.z)),
         *_base_sizes(design),
         *_pocket_sizes(design),
-        *_chaplet_sizes(design, 1.0, "bone"),
+        *_chaplet_sizes(design, pilot, "bone"),
         *_interface_sizes(design),
     ]
     if not dims.window_opens_into_gap:
         tie = (section.half_width, dims.tie_hole_y, dims.tie_hole_z)
         sizes.append(Circle("hole of the cable tie", "front", "x", tie, design.bone.tie_hole_diameter_mm / 2))
-    return PartDrawing("bone", "Bone", "palmar", _material(design), tuple(sizes), _axes(design, 1.0))
+    return PartDrawing("bone", "Bone", "palmar", _material(design), tuple(sizes), _axes(pilot))
 
 
 def core_drawing(design: Design) -> PartDrawing:
     """List what the sheet of a sleeve's core shows."""
     dims, inset, scale = design.dimensions, design.mold.sleeve_interference_mm, design.dimensions.shrinkage
+    pilot = _pilot_of_core(design)
     tip = dims.bone_outline.tip
     assert tip
     apex, flat = (tip.z - inset) * scale, -(dims.flat_depth - inset) * scale
@@ -48,9 +51,9 @@ def core_drawing(design: Design) -> PartDrawing:
         Length("length of the base", "front", "below", "z", (0.0, 0.0, low), (0.0, 0.0, 0.0)),
         Length("depth of the palmar flat", "section", "right", "y", (0.0, 0.0, apex), (0.0, flat, dims.sensor_z),
                located(design, -flat), "high: sand the flat; low: print again, the skin grows thin over the sensor"),
-        *_chaplet_sizes(design, scale, "core"),
+        *_chaplet_sizes(design, pilot, "core"),
     ]  # fmt: skip
-    return PartDrawing("core", "Core", "palmar", _material(design), tuple(sizes), _axes(design, scale))
+    return PartDrawing("core", "Core", "palmar", _material(design), tuple(sizes), _axes(pilot))
 
 
 def lid_drawing(design: Design) -> PartDrawing:
@@ -130,30 +133,45 @@ def _pocket_sizes(design: Design) -> list[Size]:
     ]  # fmt: skip
 
 
-def _chaplet_sizes(design: Design, scale: float, insert: str) -> list[Size]:
+@dataclass(frozen=True)
+class _Pilot:
+    """Pilot hole of the chaplet's screw in bone or core [mm]."""
+
+    z: float
+    facet_y: float
+    radius: float
+    depth: float
+
+
+def _pilot_of_bone(design: Design) -> _Pilot | None:
+    chaplet = design.dimensions.chaplet
+    return _Pilot(chaplet.z, chaplet.facet_y, chaplet.pilot_radius, chaplet.pilot_depth) if chaplet else None
+
+
+def _pilot_of_core(design: Design) -> _Pilot | None:
+    """Pilot hole of the core: that of the bone, enlarged, below a facet that is inset."""
+    chaplet, scale = design.dimensions.chaplet, design.dimensions.shrinkage
+    if chaplet is None:
+        return None
+    facet, low = contact_y(design), (chaplet.facet_y - chaplet.pilot_depth) * scale
+    return _Pilot(axis_z(design), facet, chaplet.pilot_radius * scale, facet - low)
+
+
+def _chaplet_sizes(design: Design, pilot: _Pilot | None, insert: str) -> list[Size]:
     """List the sizes of facet and pilot hole."""
     chaplet = design.dimensions.chaplet
-    if chaplet is None:
+    if pilot is None or chaplet is None:
         return []
-    facet = contact_y(design)
-    z, low = axis_z(design), facet - _pilot_depth(design, scale)
-    pilot = chaplet.pilot_radius * scale
+    facet, z, low, radius = pilot.facet_y, pilot.z, pilot.facet_y - pilot.depth, pilot.radius
     bite = (chaplet.thread.diameter_mm - 2 * chaplet.pilot_radius) / 4.0
     return [
         Length("axis of the screw", "section", "above", "z", (0.0, facet, 0.0), (0.0, facet, z)),
         Length("height of the facet", "section", "left", "y", (0.0, 0.0, z), (0.0, facet, z), located(design, facet),
                f"high: sand the facet; low: lay film between {insert} and boss"),
-        Length("pilot hole of the screw", "section", "above", "z", (0.0, facet, z - pilot), (0.0, facet, z + pilot),
+        Length("pilot hole of the screw", "section", "above", "z", (0.0, facet, z - radius), (0.0, facet, z + radius),
                symmetric(bite), "" if design.dimensions.joint else _PILOT, is_diameter=True),
         Length("depth of the pilot hole", "section", "right", "y", (0.0, facet, z), (0.0, low, z)),
     ]  # fmt: skip
-
-
-def _pilot_depth(design: Design, scale: float) -> float:
-    """Depth of the pilot hole, which starts at the facet of the bone; a core's is scaled with its hole."""
-    chaplet = design.dimensions.chaplet
-    assert chaplet
-    return contact_y(design) - (chaplet.facet_y - chaplet.pilot_depth) * scale
 
 
 def _interface_sizes(design: Design) -> list[Size]:
@@ -224,7 +242,8 @@ def _joint_sizes(design: Design, joint: Joint) -> list[Size]:
         Length("joint axis to the skin", "front", "below", "z", pin, (across, 0.0, 0.0)),
         Circle("bore of the joint's pin", "front", "x", pin, joint.pin_radius, bore(design),
                "narrow: ream it to the pin; wide: take a thicker pin, or a bush"),
-        Circle("eyes of the joint", "front", "x", pin, joint.eye_radius, is_radius=True),
+        Circle("eyes of the joint", "front", "x", pin, joint.eye_radius, is_radius=True,
+               direction_deg=180.0 + joint.travel_deg / 2.0),
         Length(place, "end", "below", "x", (half, y, z), (-half, y, z), clearance(2 * joint.clearance), remedy),
     ]  # fmt: skip
     if abs(y) > 1e-6:
@@ -238,9 +257,8 @@ def _joint_sizes(design: Design, joint: Joint) -> list[Size]:
     return sizes
 
 
-def _axes(design: Design, scale: float) -> tuple[AxisLine, ...]:
-    chaplet = design.dimensions.chaplet
-    if chaplet is None:
+def _axes(pilot: _Pilot | None) -> tuple[AxisLine, ...]:
+    if pilot is None:
         return ()
-    z, top = axis_z(design), contact_y(design)
-    return (AxisLine("section", (0.0, top + 1.0, z), (0.0, top - _pilot_depth(design, scale) - 1.0, z)),)
+    z, top = pilot.z, pilot.facet_y
+    return (AxisLine("section", (0.0, top + 1.0, z), (0.0, top - pilot.depth - 1.0, z)),)

@@ -79,9 +79,15 @@ class PlacedView:
         return *self.on_paper((left, bottom)), *self.on_paper((right, top))
 
     def edge(self, side: Side) -> float:
-        """Return the coordinate of an edge of the view."""
+        """Return the coordinate from which the lanes of a side are counted: past the ends of the section line."""
         left, bottom, right, top = self.bounds()
-        return {"above": top, "below": bottom, "left": left, "right": right}[side]
+        past = _beside_section_line(self.name)
+        return {"above": top, "below": bottom, "left": left - past, "right": right + past}[side]
+
+
+def _beside_section_line(name: ViewName) -> float:
+    """Return the width that the ends of the section line need on both sides of a view."""
+    return _CUT_MM[1] - 2.0 if name in ("palmar", "dorsal") else 0.0
 
 
 def lay_out(part: PartDrawing, views: Mapping[ViewName, ProjectedView], heading: Heading) -> Sheet:
@@ -152,7 +158,8 @@ def _place_views(
 
     def lanes(name: ViewName, side: Side) -> float:
         lengths = [size for size in part.sizes if isinstance(size, Length) and size.view == name and size.side == side]
-        return FIRST_LANE_MM + LANE_MM * max(0, len(lengths) - 1) + 4.0 if lengths else _MIN_GAP_MM / 2
+        beside = _beside_section_line(name) if side in ("left", "right") else 0.0
+        return beside + (FIRST_LANE_MM + LANE_MM * (len(lengths) - 1) + 4.0 if lengths else _MIN_GAP_MM / 2)
 
     def extent(names: Sequence[ViewName], k: int, low: Side, high: Side) -> tuple[float, float, float, float]:
         """Return the lower and upper bound of views along an axis, and the widths of their lanes."""

@@ -27,7 +27,7 @@ def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
 
 
 def _notes(design: Design, drawing: PartDrawing) -> tuple[str, ...]:
-    notes = [f"Curved surfaces without sizes: see {drawing.part}.step."]
+    notes = [f"Curved surfaces and all other sizes: see {drawing.part}.step."]
     if drawing.part.startswith("mold") and design.mold.engraving_depth_mm:
         notes.append("Engraved text is not shown.")
     return tuple(notes)

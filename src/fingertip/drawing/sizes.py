@@ -57,6 +57,8 @@ class Circle:
     action: str = ""
     count: int = 1
     is_radius: bool = False
+    direction_deg: float | None = None
+    """Direction in the view in which the arc lies, of an arc that is no circle."""
 
     @property
     def value(self) -> float:

@@ -90,6 +90,11 @@ class Dimensions:
         )  # fmt: skip
 
     @cached_property
+    def pin_length(self) -> float:
+        """Length of the joint's pin through the cheeks of a fork, to a tenth of a millimetre."""
+        return round(2 * self.bone_outline.section.half_width, 1)
+
+    @cached_property
     def base_end_z(self) -> float:
         """Proximal end of the base, with the eyes of a clevis."""
         return self.joint.low_z if self.joint else -self._design.bone.base_length_mm

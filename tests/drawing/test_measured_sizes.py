@@ -28,8 +28,8 @@ class StepFeatures:
     def __init__(self, path: Path) -> None:
         import cadquery as cq
         from OCP.Bnd import Bnd_Box
-        from OCP.BRepBndLib import BRepBndLib
         from OCP.BRepAdaptor import BRepAdaptor_Surface
+        from OCP.BRepBndLib import BRepBndLib
 
         shape = cq.importers.importStep(str(path)).val()
         self.planes: dict[Axis, list[float]] = {"x": [], "y": [], "z": []}

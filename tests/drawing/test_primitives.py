@@ -36,14 +36,17 @@ HOLE = ((3.0, 3.0), (7.0, 3.0), (7.0, 7.0), (3.0, 7.0))
 ALL: tuple[Primitive, ...] = (
     rectangle(10.0, 10.0, 90.0, 60.0, EDGE), Arc((30.0, 30.0), 5.0, 0.0, 360.0, EDGE),
     Arc((60.0, 30.0), 5.0, 0.0, 90.0, DIMENSION), Arrow((20.0, 20.0), 90.0, 3.0),
-    Text("Ø3 ±0.1 < A&B", (40.0, 50.0), 3.5, "middle"), Text("up", (15.0, 20.0), 2.5, turned=True), Hatch((SQUARE,), 2.0),
+    Text("Ø3 ±0.1 < A&B", (40.0, 50.0), 3.5, "middle"), Text("up", (15.0, 20.0), 2.5, turned=True),
+    Hatch((SQUARE,), 2.0),
 )  # fmt: skip
 SHEET = Sheet("a & b", 100.0, 70.0, ALL)
 
 
 @pytest.mark.parametrize("angle_deg", [0.0, 30.0, 45.0, 90.0])
 @pytest.mark.parametrize(("rings", "area"), [((SQUARE,), 100.0), ((SQUARE, HOLE), 84.0)])
-def test_hatching_covers_the_area_between_the_rings(rings: tuple[tuple[tuple[float, float], ...], ...], area: float, angle_deg: float) -> None:
+def test_hatching_covers_the_area_between_the_rings(
+    rings: tuple[tuple[tuple[float, float], ...], ...], area: float, angle_deg: float
+) -> None:
     spacing = 0.01
     length = sum(math.dist(*hatched.points) for hatched in Hatch(rings, spacing, angle_deg).lines())
     assert length * spacing == pytest.approx(area, rel=2e-3)
@@ -58,7 +61,12 @@ def test_box_of_text_follows_anchor_and_direction() -> None:
 
 def test_widths_of_text_are_those_of_the_font_of_the_pdf() -> None:
     metrics = require_module("reportlab.pdfbase.pdfmetrics")
-    for text in ("4× Ø3.4 ±0.2", "5.8 +0.19/-0.3", "wide: sand the sides until it drops in; (print) again", "R3.7 A-A °"):
+    for text in (
+        "4× Ø3.4 ±0.2",
+        "5.8 +0.19/-0.3",
+        "wide: sand the sides until it drops in; (print) again",
+        "R3.7 A-A °",
+    ):
         size = Text(text, (0.0, 0.0), 2.5).size
         assert text_width(text, 2.5) == pytest.approx(metrics.stringWidth(text, "Helvetica", size), rel=1e-9)
 

@@ -30,6 +30,7 @@ def drawing(
     folder = out or Path("out") / loaded.name
     writer = parts_writer(loaded, folder, force)
     writer.check(file_names(loaded))
+    writer.check_parameters()
     files = draw_files(loaded, console.progress)
     writer.add(files)
     paths = [str(folder / name) for name in files]

@@ -7,12 +7,12 @@ tried, and the one of least cost among those whose text is clear of everything i
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from fingertip.drawing.occupancy import Box, Occupancy
 from fingertip.drawing.primitives import DIMENSION, Arc, Arrow, Point, Primitive, Text, line, text_width
-from fingertip.drawing.sizes import Circle, Length, Side
+from fingertip.drawing.sizes import Circle, Length
 
 TEXT_MM = 2.5
 """Height of dimensions (ISO 3098-1)."""
@@ -142,7 +142,9 @@ def _text_middles(low: float, high: float, width: float) -> Iterator[tuple[float
         yield low - beyond - further, 1.7 + 0.1 * further
 
 
-def place_circle(size: Circle, centre: Point, radius: float, balloon: int, occupancy: Occupancy) -> tuple[Primitive, ...]:
+def place_circle(
+    size: Circle, centre: Point, radius: float, balloon: int, occupancy: Occupancy
+) -> tuple[Primitive, ...]:
     """Place a diameter or a radius with a leader. The radius is that on paper.
 
     Raises
@@ -191,11 +193,10 @@ def _group_width(text: str, balloon: int) -> float:
 def _text_group(text: str, balloon: int, start: Point, *, turned: bool) -> tuple[Arc | Text, ...]:
     """Arrange a text and its balloon along a line that begins at `start`, on its upper or left side."""
     above = _BALLOON_ABOVE_MM if balloon else _ABOVE_LINE_MM
-    to_paper: Callable[[float, float], Point]
-    if turned:
-        to_paper = lambda u, v: (start[0] - v, start[1] + u)  # noqa: E731
-    else:
-        to_paper = lambda u, v: (start[0] + u, start[1] + v)  # noqa: E731
+
+    def to_paper(u: float, v: float) -> Point:
+        return (start[0] - v, start[1] + u) if turned else (start[0] + u, start[1] + v)
+
     if not balloon:
         return (Text(text, to_paper(0.0, above), TEXT_MM, turned=turned),)
     r, middle = _BALLOON_RADIUS_MM, above + TEXT_MM / 2
@@ -213,8 +214,3 @@ def _boxes(group: Sequence[Arc | Text]) -> Iterator[Box]:
         else:
             (x, y), r = item.centre, item.radius
             yield x - r, y - r, x + r, y + r
-
-
-def count_lanes(lengths: Sequence[Length], side: Side) -> int:
-    """Count the lanes that a side of a view may need."""
-    return sum(length.side == side for length in lengths)

@@ -1,12 +1,13 @@
 """Projection of B-rep solids with exact removal of hidden lines, and longitudinal sections, by Open CASCADE.
 
-Importing this module loads cadquery, as `cad.kernel.brep` does.
+Importing this module loads cadquery; import `cad.kernel.brep` first, which says what to install where that fails.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+import cadquery as cq
 from OCP.BRepLib import BRepLib
 from OCP.GCPnts import GCPnts_TangentialDeflection
 from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
@@ -14,7 +15,6 @@ from OCP.HLRAlgo import HLRAlgo_Projector
 from OCP.HLRBRep import HLRBRep_Algo, HLRBRep_HLRToShape
 from OCP.TopAbs import TopAbs_REVERSED
 
-from fingertip.cad.kernel import brep
 from fingertip.drawing.views import PROJECTIONS, Line2, ProjectedView, Projection, ViewName
 
 DEFLECTION_MM = 0.002
@@ -39,10 +39,8 @@ def project(solid: Any, view: ViewName) -> ProjectedView:
 def _far_half(solid: Any) -> Any:
     box = solid.BoundingBox()
     margin = 1.0
-    corner = brep.cq.Vector(box.xmin - margin, box.ymin - margin, box.zmin - margin)
-    near = brep.cq.Solid.makeBox(
-        margin - box.xmin, box.ylen + 2 * margin, box.zlen + 2 * margin, corner
-    )
+    corner = cq.Vector(box.xmin - margin, box.ymin - margin, box.zmin - margin)
+    near = cq.Solid.makeBox(margin - box.xmin, box.ylen + 2 * margin, box.zlen + 2 * margin, corner)
     return solid.cut(near)
 
 
@@ -68,7 +66,7 @@ def _polylines(*compounds: Any) -> tuple[Line2, ...]:
         if compound is None or compound.IsNull():
             continue
         BRepLib.BuildCurves3d_s(compound)
-        found.update(_discretise(edge) for edge in brep.cq.Shape.cast(compound).Edges())
+        found.update(_discretise(edge) for edge in cq.Shape.cast(compound).Edges())
     return tuple(sorted(edge for edge in found if len(edge) > 1))
 
 

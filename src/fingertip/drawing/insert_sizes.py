@@ -191,7 +191,8 @@ def _interface_sizes(design: Design) -> list[Size]:
         return [
             base,
             Circle("post", "end", "z", (0.0, y, foot), bone.post_width_mm / 2),
-            Length("height of the post over its flats", "end", "left", "y", (0.0, y - half, foot), (0.0, y + half, foot)),
+            Length("height of the post over its flats", "end", "left", "y", (0.0, y - half, foot),
+                   (0.0, y + half, foot)),
             Length("axis of the cross bolt", "front", "above", "z", (0.0, y, foot), (0.0, y, dims.cross_bolt_z)),
             cross,
         ]  # fmt: skip

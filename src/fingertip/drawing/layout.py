@@ -34,7 +34,7 @@ from fingertip.drawing.primitives import (
 )
 from fingertip.drawing.sizes import Circle, Length, PartDrawing, Side
 from fingertip.drawing.title_block import Heading, Paper, draw_frame
-from fingertip.drawing.views import PROJECTIONS, Projection, ProjectedView, ViewName
+from fingertip.drawing.views import PROJECTIONS, ProjectedView, Projection, ViewName
 from fingertip.errors import GeometryError, Issue
 
 A4, A3 = Paper("A4", 297.0, 210.0), Paper("A3", 420.0, 297.0)
@@ -154,7 +154,7 @@ def _place_views(
     """Place the views in rows and columns; a row shares its origin's height, a column the place of its origin."""
     bounds = {name: tuple(scale * b for b in views[name].bounds()) for name in part.views}
     rows = [[name for name in row if name] for row in arrangement]
-    columns = [[row[k] for row in arrangement if row[k]] for k in (0, 1)]
+    columns = [[name for row in arrangement for name in row[k : k + 1] if name] for k in (0, 1)]
 
     def lanes(name: ViewName, side: Side) -> float:
         lengths = [size for size in part.sizes if isinstance(size, Length) and size.view == name and size.side == side]
@@ -223,7 +223,8 @@ def _centre_lines(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> It
             yield line((left - _PAST_VIEW_MM, y), (right + _PAST_VIEW_MM, y), CENTRE)
     for axis in part.axes:
         view = views[axis.view]
-        yield line(*(view.on_paper(view.projection.flatten(p)) for p in (axis.start, axis.end)), CENTRE)
+        start, end = (view.on_paper(view.projection.flatten(p)) for p in (axis.start, axis.end))
+        yield line(start, end, CENTRE)
 
 
 def _circle_centres(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> Iterator[Primitive]:
@@ -253,9 +254,7 @@ def _section_marks(plan: PlacedView, section: PlacedView) -> Iterator[Primitive]
     yield Text("A-A", (left, top + 3.0), _LETTER_MM)
 
 
-def _lengths_on(
-    view: PlacedView, side: Side, part: PartDrawing, balloons: Mapping[str, int]
-) -> list[PlacedLength]:
+def _lengths_on(view: PlacedView, side: Side, part: PartDrawing, balloons: Mapping[str, int]) -> list[PlacedLength]:
     return [
         PlacedLength(
             size,

@@ -53,7 +53,9 @@ def dorsal_drawing(design: Design) -> PartDrawing:
     ]  # fmt: skip
     key_x, key_z, root = m.keys[0]
     tip = key_z + root / 2 - design.dimensions.draft_slope * mold.key_height_mm
-    sizes.append(Length("height of the keys", "front", "right", "y", (key_x, 0.0, tip), (key_x, -mold.key_height_mm, tip)))
+    sizes.append(
+        Length("height of the keys", "front", "right", "y", (key_x, 0.0, tip), (key_x, -mold.key_height_mm, tip))
+    )
     if inlet := m.inlet:
         mouth = LUER_MOUTH_MM / 2
         sizes.append(
@@ -97,12 +99,14 @@ def _key_sizes(design: Design, plan: ViewName, gap: float, kind: str) -> list[Si
     m, mold = design.mold_layout, design.mold
     offset = gap * math.hypot(1.0, design.dimensions.draft_slope)
     tolerance = shared_clearance(2 * mold.key_clearance_mm)
-    remedy = "wide: sand the keys until the halves close" if kind == "key" else "narrow: sand them until the halves close"
+    remedy = "wide: sand it until the halves close" if kind == "key" else "narrow: scrape it until the halves close"
     sizes: list[Size] = []
     for (x, z, root), label in zip(m.keys, ("larger", "smaller"), strict=True):
         action = f"{remedy}; loose: {_SCALE}" if label == "larger" else ""
         sizes += [
-            Circle(f"{label} {kind}, at the parting plane", plan, "y", (x, 0.0, z), root / 2 + offset, tolerance, action),
+            Circle(
+                f"{label} {kind}, at the parting plane", plan, "y", (x, 0.0, z), root / 2 + offset, tolerance, action
+            ),
             Length(f"axis of the {label} {kind}", plan, "above", "z", (x, 0.0, m.proximal_z), (x, 0.0, z)),
         ]
     return sizes
@@ -137,5 +141,7 @@ def _axes(design: Design, outer: float) -> tuple[AxisLine, ...]:
         if m.inlet:
             lines.append(AxisLine("front", (0.0, -past, m.inlet.z), (0.0, outer + past, m.inlet.z)))
         if design.dimensions.chaplet:
-            lines.append(AxisLine("section", (0.0, contact_y(design) - 1.0, axis_z(design)), (0.0, outer + 1.0, axis_z(design))))
+            lines.append(
+                AxisLine("section", (0.0, contact_y(design) - 1.0, axis_z(design)), (0.0, outer + 1.0, axis_z(design)))
+            )
     return tuple(lines)

@@ -127,7 +127,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Hatch:
-    """Region filled with parallel lines. A point lies in it if a ray from it crosses the rings an odd number of times."""
+    """Region filled with parallel lines. A ray from a point in it crosses the rings an odd number of times."""
 
     rings: tuple[tuple[Point, ...], ...]
     spacing: float

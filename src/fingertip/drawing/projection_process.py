@@ -1,4 +1,4 @@
-"""Separate process that projects parts, because the B-rep kernel can hang or crash (as for `cad.files.step_process`)."""
+"""Separate process that projects parts, because the B-rep kernel can hang or crash, as in `cad.files.step_process`."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from fingertip.drawing.projection_worker import ANSWER_FILE, Failure, Job, PartViews
 from fingertip import errors
+from fingertip.drawing.projection_worker import ANSWER_FILE, Failure, Job, PartViews
 from fingertip.errors import GeometryError, Issue
 
 TIME_LIMIT_S = 180.0

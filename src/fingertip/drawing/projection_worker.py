@@ -1,4 +1,4 @@
-"""Program that projects parts: `python -m fingertip.drawing.projection_worker FOLDER`, with the pickled job on stdin."""
+"""Program that projects parts: `python -m fingertip.drawing.projection_worker FOLDER`, with a pickled job on stdin."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class Length:
     tolerance: Tolerance | None = None
     """Tolerance; the general one if None."""
     action: str = ""
-    """What to do if the size is out of tolerance. Sizes with an action are those to check."""
+    """Remedy if the size is out of tolerance. Sizes with one are those to check."""
     is_diameter: bool = False
 
     @property

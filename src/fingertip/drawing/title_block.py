@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 from dataclasses import dataclass
 
 from fingertip._version import __version__
@@ -21,7 +20,7 @@ from fingertip.drawing.primitives import (
     text_width,
 )
 from fingertip.drawing.sizes import PartDrawing
-from fingertip.drawing.tolerances import GENERAL, general, size_text
+from fingertip.drawing.tolerances import GENERAL, general
 
 BORDER_MM, FILING_MM = 10.0, 20.0
 """Width of the border, and on the left, where the sheet is filed."""
@@ -117,7 +116,7 @@ def _title_block(paper: Paper, part: PartDrawing, heading: Heading) -> tuple[lis
 
 
 def _projection_symbol(x: float, y: float) -> list[Primitive]:
-    """Draw the symbol of first-angle projection: a truncated cone, and its view from the left on the right (ISO 5456-2)."""
+    """Draw the symbol of first-angle projection: a truncated cone and, on its right, its view from the left."""
     large, small, length = 4.2, 2.1, 8.4
     cone_x, circle_x = x - 9.0, x + 6.0
     cone = ((cone_x, y - small), (cone_x + length, y - large), (cone_x + length, y + large), (cone_x, y + small))
@@ -135,7 +134,11 @@ def _table(part: PartDrawing, left: float, right: float, bottom: float) -> tuple
     """Draw the table of the sizes to check."""
     columns = [left, left + 9.0, left + 9.0 + 58.0, left + 88.0, left + 110.0]
     wrapped = [
-        (size, _wrap(size.name, columns[2] - columns[1] - 2 * _PAD_MM), _wrap(size.action, right - columns[4] - 2 * _PAD_MM))
+        (
+            size,
+            _wrap(size.name, columns[2] - columns[1] - 2 * _PAD_MM),
+            _wrap(size.action, right - columns[4] - 2 * _PAD_MM),
+        )
         for size in part.checked
     ]
     heights = [_ROW_MM + _LINE_MM * (max(len(name), len(action)) - 1) for _, name, action in wrapped]
@@ -181,5 +184,3 @@ def _shorten(text: str, height: float, width: float) -> str:
     while text and text_width(f"{text}...", height) > width:
         text = text[:-1]
     return f"{text}..."
-
-

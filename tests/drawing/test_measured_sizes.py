@@ -60,12 +60,12 @@ class StepFeatures:
         self.bounds = box.Get()
 
     def station(self, axis: Axis, at: Point3) -> float:
-        """Coordinate of the plane, axis of a hole or extreme of the part near a place; else of a vertex."""
+        """Coordinate of the plane, axis of a hole, extreme of the part or vertex that is nearest to a place."""
         i = AXES[axis]
         found = [*self.planes[axis], self.bounds[i], self.bounds[i + 3]]
         found += [p[i] for p, d, _ in (*self.cylinders, *self.circles) if abs(d[i]) < 1e-9]
-        near = [value for value in found if abs(value - at[i]) < _NEAR_MM / 10]
-        near = near or [vertex[i] for vertex in self.vertices if abs(vertex[i] - at[i]) < _NEAR_MM]
+        found += [vertex[i] for vertex in self.vertices]
+        near = [value for value in found if abs(value - at[i]) < _NEAR_MM]
         assert near, f"nothing is near {axis} = {at[i]:.3f}"
         return min(near, key=lambda value: abs(value - at[i]))
 

@@ -154,7 +154,7 @@ def place_circle(
     """
     best: tuple[float, tuple[Primitive, ...]] | None = None
     width = _group_width(size.text(), balloon)
-    directions = _LEADER_ANGLES_DEG if size.direction_deg is None else (size.direction_deg,)
+    directions = [angle for angle in _LEADER_ANGLES_DEG if size.has_edge_at(angle)]
     for order, angle_deg in enumerate(directions):
         c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
         tip = (centre[0] + radius * c, centre[1] + radius * s)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from fingertip.cad.shapes.bone import FOOT_GAP_MM
@@ -15,6 +16,8 @@ from fingertip.drawing.tolerances import bore, clearance, located, symmetric
 from fingertip.print_materials import PRINT_MATERIALS
 
 _SCALE = "correct printer.scale_percent"
+_ARROW_DEG = 5.0
+"""Angle between the end of an arc and the arrow that points to it."""
 _PILOT = "narrow: drill it to size; wide: take the next thicker screw"
 
 
@@ -121,11 +124,15 @@ def _pocket_sizes(design: Design) -> list[Size]:
     dims, gap = design.dimensions, design.sensor.clearance_mm
     flat, half = -dims.flat_depth, dims.tail_half_width
     floor, z, head = flat + dims.pocket_depth, dims.sensor_z, dims.sensor.head_diameter_mm / 2 + gap
+    begin = 0.0 if dims.tail_passes_collar else dims.tail_end_z
+    opening = math.degrees(math.asin(min(1.0, half / head))) + _ARROW_DEG  # in which the slot meets the pocket
     return [
         Length("centre of the sensor", "palmar", "above", "z", (0.0, flat, 0.0), (0.0, flat, z)),
         Circle("pocket of the sensor", "palmar", "y", (0.0, floor, z), head, clearance(2 * gap),
-               "small: file the wall until the sensor lies flat; large: centre the sensor by eye"),
-        Length("width of the slot", "palmar", "left", "x", (half, flat, 0.0), (-half, flat, 0.0), clearance(2 * gap)),
+               "small: file the wall until the sensor lies flat; large: centre the sensor by eye",
+               hidden_deg=((180.0 - opening, 180.0 + opening),)),
+        Length("width of the slot", "palmar", "left", "x", (half, flat, begin), (-half, flat, begin),
+               clearance(2 * gap)),
         Length("depth of the palmar flat", "section", "right", "y", (0.0, 0.0, z), (0.0, flat, z + head),
                located(design, -flat), "high: sand the flat; low: the skin grows thick over the sensor, print again"),
         Length("depth of the pocket", "section", "right", "y", (0.0, flat, z + head), (0.0, floor, z + head),
@@ -190,7 +197,7 @@ def _interface_sizes(design: Design) -> list[Size]:
         half, foot = bone.post_height_mm / 2, end - bone.post_length_mm
         return [
             base,
-            Circle("post", "end", "z", (0.0, y, foot), bone.post_width_mm / 2),
+            Circle("post", "end", "z", (0.0, y, foot), bone.post_width_mm / 2, hidden_deg=_flats_deg(design)),
             Length("height of the post over its flats", "end", "left", "y", (0.0, y - half, foot),
                    (0.0, y + half, foot)),
             Length("axis of the cross bolt", "front", "above", "z", (0.0, y, foot), (0.0, y, dims.cross_bolt_z)),
@@ -205,6 +212,15 @@ def _interface_sizes(design: Design) -> list[Size]:
             cross,
         ]  # fmt: skip
     return [base, *_flange_sizes(design, y, end)]
+
+
+def _flats_deg(design: Design) -> tuple[tuple[float, float], ...]:
+    """Directions in the end view in which the post has its flats."""
+    height, width = design.bone.post_height_mm, design.bone.post_width_mm
+    if height >= width:
+        return ()
+    begin = math.degrees(math.asin(height / width)) - _ARROW_DEG
+    return (begin, 180.0 - begin), (180.0 + begin, 360.0 - begin)
 
 
 def _flange_sizes(design: Design, y: float, end: float) -> list[Size]:
@@ -244,7 +260,7 @@ def _joint_sizes(design: Design, joint: Joint) -> list[Size]:
         Circle("bore of the joint's pin", "front", "x", pin, joint.pin_radius, bore(design),
                "narrow: ream it to the pin; wide: take a thicker pin, or a bush"),
         Circle("eyes of the joint", "front", "x", pin, joint.eye_radius, is_radius=True,
-               direction_deg=180.0 + joint.travel_deg / 2.0),
+               hidden_deg=_beside_stops_deg(joint)),
         Length(place, "end", "below", "x", (half, y, z), (-half, y, z), clearance(2 * joint.clearance), remedy),
     ]  # fmt: skip
     if abs(y) > 1e-6:
@@ -256,6 +272,11 @@ def _joint_sizes(design: Design, joint: Joint) -> list[Size]:
             Length("anchor to joint axis", "front", "right", "y", at, pin),
         ]
     return sizes
+
+
+def _beside_stops_deg(joint: Joint) -> tuple[tuple[float, float], ...]:
+    """Directions in the front view in which the eyes are not round: all but those between the stops."""
+    return ((180.0 + joint.travel_deg - _ARROW_DEG, 540.0 + _ARROW_DEG),) if joint.travel_deg else ((-90.0, 90.0),)
 
 
 def _axes(pilot: _Pilot | None) -> tuple[AxisLine, ...]:

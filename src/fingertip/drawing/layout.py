@@ -52,6 +52,8 @@ _PAST_VIEW_MM = 3.0
 _CUT_MM = (2.0, 7.0)
 """Distances from the view between which the ends of the section line lie."""
 _LETTER_MM = 3.5
+_NAME_ABOVE_MM = 3.0
+"""Distance of the section's name from the section."""
 Arrangement: TypeAlias = tuple[tuple[ViewName, ViewName | None], ...]
 """Views on the left and on the right of each row, from the top."""
 _SIDES: tuple[Side, ...] = ("above", "below", "left", "right")
@@ -159,7 +161,8 @@ def _place_views(
     def lanes(name: ViewName, side: Side) -> float:
         lengths = [size for size in part.sizes if isinstance(size, Length) and size.view == name and size.side == side]
         beside = _beside_section_line(name) if side in ("left", "right") else 0.0
-        return beside + (FIRST_LANE_MM + LANE_MM * (len(lengths) - 1) + 4.0 if lengths else _MIN_GAP_MM / 2)
+        named = _NAME_ABOVE_MM + _LETTER_MM if (name, side) == ("section", "above") else 0.0
+        return max(named, beside) + (FIRST_LANE_MM + LANE_MM * (len(lengths) - 1) + 4.0 if lengths else _MIN_GAP_MM / 2)
 
     def extent(names: Sequence[ViewName], k: int, low: Side, high: Side) -> tuple[float, float, float, float]:
         """Return the lower and upper bound of views along an axis, and the widths of their lanes."""
@@ -251,7 +254,7 @@ def _section_marks(plan: PlacedView, section: PlacedView) -> Iterator[Primitive]
         below = y - towards * 2.0 - (_LETTER_MM if towards > 0.0 else 0.0)
         yield Text("A", (far, below), _LETTER_MM, "middle")
     left, _, _, top = section.bounds()
-    yield Text("A-A", (left, top + 3.0), _LETTER_MM)
+    yield Text("A-A", (left, top + _NAME_ABOVE_MM), _LETTER_MM)
 
 
 def _lengths_on(view: PlacedView, side: Side, part: PartDrawing, balloons: Mapping[str, int]) -> list[PlacedLength]:

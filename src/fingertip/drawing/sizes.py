@@ -57,13 +57,17 @@ class Circle:
     action: str = ""
     count: int = 1
     is_radius: bool = False
-    direction_deg: float | None = None
-    """Direction in the view in which the arc lies, of an arc that is no circle."""
+    hidden_deg: tuple[tuple[float, float], ...] = ()
+    """Ranges of directions in the view in which the part has no such edge, of an arc that is no circle."""
 
     @property
     def value(self) -> float:
         """Nominal diameter, or radius [mm]."""
         return self.radius if self.is_radius else 2.0 * self.radius
+
+    def has_edge_at(self, direction_deg: float) -> bool:
+        """Tell whether an arrow from a direction in the view meets the arc."""
+        return not any((direction_deg - low) % 360.0 < high - low for low, high in self.hidden_deg)
 
     def text(self) -> str:
         """Write the size as on the drawing."""

@@ -122,8 +122,8 @@ def test_numbers_are_those_of_the_step_files(built: Build) -> None:
 VARIANTS = (
     ("adult_finger", ()),
     ("adult_finger", ("mold.method=sleeve",)),
-    ("fsr400", ("mold.method=sleeve", "bone.interface=socket", "bone.base_length_mm=24")),
-    ("fsr400", ("bone.interface=flange", "mold.filling=gravity", "silicone.product=mold_star_30")),
+    ("fsr400", ("mold.method=sleeve", "bone.interface=socket", "bone.base_length_mm=31")),
+    ("fsr400", ("bone.interface=flange", "bone.base_length_mm=27")),
 )
 
 

@@ -66,6 +66,11 @@ REFUSED = [
     (f"build {DESIGN} --formats stl,step", STEP),
     ("detect trace.csv --plot plot.png", f"--plot: {PLOTS}"),  # the trace, which does not exist, is not even read
     ("simulate --plot plot.png", f"--plot: {PLOTS}"),
+    (
+        f"drawing {DESIGN} --out out",
+        "fingertip drawing: needs the packages cadquery and reportlab, which are not installed; "
+        'pip install "fingertip[step,drawing]", or draw a picture with fingertip picture.',
+    ),
     ("bench", f'fingertip bench: {BENCH}; pip install "fingertip[sweep,fast,plots]".'),
     (
         "sweep sobol.toml",
@@ -244,5 +249,6 @@ def test_only_the_exact_kernel_needs_an_extra_to_be_imported() -> None:
         [
             "fingertip.cad.files.step_writer: ModuleNotFoundError",
             "fingertip.cad.kernel.brep: MissingLibraryError",
+            "fingertip.drawing.hidden_lines: ModuleNotFoundError",
         ]
     )

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
+
+from fingertip.extras import install_command
 
 
 def require_tool(name: str, how_to_install: str) -> Path:
@@ -18,6 +22,17 @@ def require_tool(name: str, how_to_install: str) -> Path:
     if found:
         return Path(found)
     message = f"{name} IS MISSING, THIS IS NOT TESTED: {how_to_install}"
+    if os.environ.get("FINGERTIP_REQUIRE_TOOLS") == "1":
+        pytest.fail(message, pytrace=False)
+    pytest.skip(message)
+
+
+def require_module(name: str) -> Any:
+    """Import an optional package; like `require_tool`, skips the test loudly or fails it if the package is missing."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        message = f"{name} IS MISSING, THIS IS NOT TESTED: {install_command(name.partition('.')[0])}"
     if os.environ.get("FINGERTIP_REQUIRE_TOOLS") == "1":
         pytest.fail(message, pytrace=False)
     pytest.skip(message)

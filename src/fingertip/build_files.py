@@ -18,6 +18,7 @@ from fingertip import extras
 from fingertip._version import __version__
 from fingertip.cad.files.step_process import BrepMeasurements, StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.shapes.hardware import hardware
 from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name, print_scale
 from fingertip.cad.strength.assess import BoneStrength, strength_data
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
@@ -88,9 +89,21 @@ class Build:
             "parts": {built.part.name: self._part_entry(built) for built in self.parts},
             "checks": [check.to_dict() for check in self.checks],
         }
+        if ASSEMBLY in self.contents:
+            report["assembly"] = self._assembly_entry()
         if self.strength:
             report["strength"] = strength_data(self.strength)
         return report | ({"casting": self.casting} if self.casting else {})
+
+    def _assembly_entry(self) -> dict[str, Any]:
+        names = [built.part.name for built in self.parts]
+        bought = hardware(self.design, names)
+        return {
+            "file": ASSEMBLY,
+            "parts": names,
+            "hardware": [item.name for item in bought],
+            "threads": {item.name: list(item.thread_in) for item in bought if item.thread_in},
+        }
 
     def _part_entry(self, built: BuiltPart) -> dict[str, Any]:
         entry: dict[str, Any] = {
@@ -184,7 +197,8 @@ def build(
         if "step" in file_formats:
             progress("starting the B-rep kernel in a second process")
             solids = tuple((name, PARTS[name].solid(design), PARTS[name].colour) for name in names)
-            job = StepJob(design.name, solids, brep_balance_solids(design, names))
+            bought = tuple((item.name, item.solid, item.colour) for item in hardware(design, names))
+            job = StepJob(design.name, solids, brep_balance_solids(design, names), bought)
             process = stack.enter_context(StepProcess(job))
         verified = verify(design, names, file_formats, evaluator, progress)
         meshes, checks, strength = verified.meshes, list(verified.checks), verified.strength

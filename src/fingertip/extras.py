@@ -18,6 +18,7 @@ EXTRAS = {
     "trimesh": "mesh",
     "matplotlib": "plots",
     "scipy": "sweep",
+    "reportlab": "drawing",
     "numba": "fast",
     "pyarrow": "parquet",
     "nptdms": "tdms",

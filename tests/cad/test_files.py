@@ -13,6 +13,7 @@ import trimesh
 from manifold3d import Error, Manifold, Mesh64
 
 from fingertip.build_files import Build
+from fingertip.cad.shapes.hardware import hardware
 from fingertip.cad.shapes.parts import PARTS
 from tests.conftest import design_file, run_fingertip
 
@@ -99,16 +100,20 @@ def test_step_holds_one_valid_named_solid_with_the_volume_of_the_mesh(built: Bui
         assert f"PRODUCT('{name}','{name}'" in path.read_text()
 
 
-def test_assembly_holds_all_parts_with_names_and_colours(built: Build) -> None:
+def test_assembly_holds_parts_and_hardware_with_names_and_colours(built: Build) -> None:
     import cadquery as cq
 
     path = built.folder / "assembly.step"
     assembly = cq.Assembly.importStep(str(path))
     found = {child.name: child.color.toTuple()[:3] for child in assembly.children}
-    assert set(found) == names(built)
+    bought = {item.name: item.colour for item in hardware(built.design, names(built))}
+    assert set(found) == names(built) | set(bought)
     for name, colour in found.items():
-        assert colour == pytest.approx(PARTS[name].colour, abs=1e-6)
-    assert len(cq.importers.importStep(str(path)).solids().vals()) == len(names(built))
+        assert colour == pytest.approx(bought.get(name) or PARTS[name].colour, abs=1e-6)
+    assert len(cq.importers.importStep(str(path)).solids().vals()) == len(found)
+    stated = json.loads((built.folder / "report.json").read_text())["assembly"]
+    assert {*stated["parts"], *stated["hardware"]} == set(found)
+    assert stated["threads"] == {"chaplet_screw": ["bone"]}
 
 
 def test_report_agrees_with_the_files(built: Build) -> None:

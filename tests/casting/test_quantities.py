@@ -8,9 +8,10 @@ import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.casting.hardware import bill_of_materials, size_clamp_bolts
+from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.quantities import SiliconeVolumes, measure_volumes
 from fingertip.design import Design
+from fingertip.design.geometry.clamp_bolts import size_clamp_bolts
 from fingertip.design.threads import THREADS, select_thread
 from fingertip.errors import DesignError
 from fingertip.filling.mold_filling import place_vents

@@ -21,7 +21,7 @@ def run(*words: object) -> Any:
     return CliRunner().invoke(app, [str(word) for word in words])
 
 
-@pytest.mark.parametrize("command", ["build", "check", "sheet", "params", "picture", "board", "validate"])
+@pytest.mark.parametrize("command", ["build", "check", "sheet", "params", "picture", "drawing", "board", "validate"])
 @pytest.mark.parametrize(
     ("file", "answer"),
     [

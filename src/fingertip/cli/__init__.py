@@ -13,6 +13,7 @@ from fingertip.cli.build import build
 from fingertip.cli.check import check
 from fingertip.cli.console import Console, command
 from fingertip.cli.detect import detect
+from fingertip.cli.drawing import drawing
 from fingertip.cli.make import make
 from fingertip.cli.new import new
 from fingertip.cli.params import params
@@ -36,6 +37,7 @@ app.command()(check)
 app.command()(sheet)
 app.command()(params)
 app.command()(picture)
+app.command()(drawing)
 app.command()(board)
 app.command()(simulate)
 app.command()(detect)

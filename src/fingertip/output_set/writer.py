@@ -137,6 +137,17 @@ class SetWriter:
         OutputError
             As `write` does, and if the folder holds a set of other parameters.
         """
+        self.check_parameters()
+        self.write(contents)
+
+    def check_parameters(self) -> None:
+        """Refuse to add to a folder that holds a set of other parameters, before work starts.
+
+        Raises
+        ------
+        OutputError
+            If the folder holds one.
+        """
         manifest = read_manifest(self.folder)
         if manifest and (manifest.kind, manifest.parameters) != (self.kind, self.parameters):
             message = (
@@ -144,7 +155,6 @@ class SetWriter:
                 "this design there first, or name a file with --out."
             )
             raise OutputError(Issue(str(self.folder), message))
-        self.write(contents)
 
     def _write(self, folder: Path, contents: Mapping[str, Content], obsolete: Collection[str]) -> tuple[str, ...]:
         old = read_manifest(folder)

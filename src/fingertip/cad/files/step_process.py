@@ -37,6 +37,8 @@ class StepJob:
     """Name, solid and colour of each part."""
     measured_solids: tuple[tuple[str, Solid], ...] = ()
     """Name and solid of what is not written, and of which only the volume is computed."""
+    hardware: tuple[tuple[str, Solid, tuple[float, float, float]], ...] = ()
+    """Name, solid and colour of what only the assembly holds."""
 
 
 @dataclass(frozen=True)

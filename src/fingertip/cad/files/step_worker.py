@@ -51,6 +51,8 @@ def run_job(job: StepJob, folder: Path) -> JobMeasurements:
     with _ForkedJob(forked_job, folder) as forked:
         evaluator, solids = _make_solids(own_job, folder)
         _write_parts(solids, folder)
+        write_status(folder, "making the hardware")
+        bought = [(name, evaluator.solid(solid), colour) for name, solid, colour in job.hardware]
         forked.wait_for_solids()
         all_solids = solids + [
             (name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in forked_job.parts
@@ -58,7 +60,7 @@ def run_job(job: StepJob, folder: Path) -> JobMeasurements:
         write_status(folder, "writing the assembly")
         from fingertip.cad.files import step_writer
 
-        step_writer.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", all_solids)
+        step_writer.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", all_solids + bought)
         return _measure(own_job, evaluator, solids, folder) | forked.wait_for_measurements()
 
 

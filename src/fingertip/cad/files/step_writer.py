@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import cadquery as cq
@@ -23,6 +23,7 @@ _TIMESTAMP = re.compile(r"'\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d'")
 _FIXED_TIMESTAMP = "'1970-01-01T00:00:00'"
 _COLOUR_BLOCK = re.compile(r"^#\d+ = MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION", re.MULTILINE)
 _STYLED_ITEM = re.compile(r"STYLED_ITEM\('color',\(#\d+\),#(\d+)\)")
+_COLOUR = re.compile(r"^#(\d+) = COLOUR_RGB\([^;]*;\n", re.MULTILINE)
 _ENTITY = re.compile(r"^#(\d+) = ", re.MULTILINE)
 _REFERENCE = re.compile(r"#(\d+)")
 
@@ -65,8 +66,9 @@ def _make_reproducible(path: Path) -> None:
 def _sort_colour_blocks(text: str) -> str:
     """Sort the colour blocks at the end of the file by the number of the solid they colour.
 
-    The kernel writes them in the order of memory addresses. The blocks are moved and their entities renumbered; no
-    entity before them refers to an entity inside them.
+    The kernel writes them in the order of memory addresses. Solids of one colour share its entity, which stands in the
+    block that was written first; it moves to the first one after sorting. The blocks are moved and their entities
+    renumbered; no entity before them refers to an entity inside them.
     """
     starts = [match.start() for match in _COLOUR_BLOCK.finditer(text)]
     if len(starts) < 2:
@@ -74,10 +76,20 @@ def _sort_colour_blocks(text: str) -> str:
     end = text.index("ENDSEC;", starts[-1])
     blocks = [text[a:b] for a, b in zip(starts, [*starts[1:], end], strict=True)]
     blocks.sort(key=_coloured_entity)
+    blocks = list(_place_colours(blocks))
     old = [number for block in blocks for number in _ENTITY.findall(block)]
     new = dict(zip(old, sorted(old, key=int), strict=True))
     tail = _REFERENCE.sub(lambda m: f"#{new.get(m[1], m[1])}", "".join(blocks))
     return text[: starts[0]] + tail + text[end:]
+
+
+def _place_colours(blocks: list[str]) -> Iterator[str]:
+    """Move each colour to the end of the first block that refers to it."""
+    colours = {match[1]: match[0] for block in blocks for match in _COLOUR.finditer(block)}
+    for block in blocks:
+        own = _COLOUR.sub("", block)
+        used = [number for number in _REFERENCE.findall(own) if number in colours]
+        yield own + "".join(colours.pop(number) for number in dict.fromkeys(used))
 
 
 def _coloured_entity(block: str) -> int:

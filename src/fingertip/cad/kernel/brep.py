@@ -5,7 +5,8 @@ hold the same description. Superconic bodies become rational Bezier faces, sewn 
 planes, cylinders, cones and tori. Lofts and fillets are not used, because the kernel sometimes returns wrong solids for
 them without an error.
 
-Only this module and `cad.files.step_writer` import cadquery at the top. Import both only where STEP is needed.
+Only this module, `cad.files.step_writer` and `drawing.hidden_lines` import cadquery at the top. Import them only where
+exact solids are needed.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.tail_fold import END_ROOM_MM, SLIDING_MM, TailFold
 from fingertip.design.geometry.tangency import TANGENT_STEP_MM
 
-_FOOT_GAP_MM = 0.05
+FOOT_GAP_MM = 0.05
 """Gap between the feet of the lid and the floor of the trough, for a bead of adhesive [mm]."""
 _OVERLAP_MM = 0.2
 """Length by which passages reach into the window [mm]. Boxes that only touch would leave coincident faces."""
@@ -87,7 +87,7 @@ def lid(design: Design) -> Solid:
     assert fold
     half = design.dimensions.sensor.tail_width_mm / 2
     dorsal = 2 * design.dimensions.bone_outline.section.dorsal
-    block = Box((-half, fold.floor_y + _FOOT_GAP_MM, fold.nose_z), (half, dorsal, fold.trough_end_z - gap))
+    block = Box((-half, fold.floor_y + FOOT_GAP_MM, fold.nose_z), (half, dorsal, fold.trough_end_z - gap))
     return difference(intersection(filled_bone(design), block), tail_space(design))
 
 

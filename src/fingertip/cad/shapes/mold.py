@@ -79,6 +79,15 @@ def base_recess(design: Design, gap_mm: float | None = None) -> tuple[Solid, ...
     return difference(base, below_flat), intersection(collar, above_collar_foot(design, gap))
 
 
+def recess_half_width(design: Design) -> float:
+    """Half width of the base's recess at the parting plane [mm], where its draft makes it widest."""
+    dims, gap = design.dimensions, design.mold.fit_clearance_mm
+    section = offset_section(dims.bone_outline.section, gap)
+    if dims.draft_slope == 0.0:
+        return section.half_width
+    return add_draft(section, dims.draft_slope, dims.base_flat_depth + gap).half_width
+
+
 def _drafted_extrusion(
     section: CrossSection, slope: float, low: float, high: float, flat: float | None = None
 ) -> Solid:

@@ -1,0 +1,197 @@
+"""Primitives of a sheet, in millimetres on paper from its lower left corner: lines, arcs, text, arrows, hatching.
+
+A sheet is a list of them. `drawing.svg` and `drawing.pdf` render the list; they decide nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal, TypeAlias
+
+Point: TypeAlias = tuple[float, float]
+Anchor = Literal["start", "middle", "end"]
+
+WIDE_MM, NARROW_MM = 0.5, 0.25
+"""Widths of lines (ISO 128-2, line group 0.5)."""
+_HEADS_PER_SIZE = 0.718
+"""Height of a capital of Helvetica over the size of the font (Adobe's font metrics)."""
+_TIP_ANGLE_DEG = 15.0
+"""Angle of an arrowhead."""
+
+
+@dataclass(frozen=True)
+class Style:
+    """Type of a line."""
+
+    name: str
+    width_mm: float
+    dashes_mm: tuple[float, ...] = ()
+    """Lengths of dashes and gaps in turn; empty for a continuous line."""
+
+
+EDGE = Style("edge", WIDE_MM)
+HIDDEN = Style("hidden", NARROW_MM, (2.0, 1.0))
+CENTRE = Style("centre", NARROW_MM, (6.0, 1.0, 0.5, 1.0))
+DIMENSION = Style("dimension", NARROW_MM)
+HATCHING = Style("hatching", 0.18)
+SECTION = Style("section", WIDE_MM, (4.0, 1.0, 0.5, 1.0))
+FRAME = Style("frame", 0.7)
+GRID = Style("grid", NARROW_MM)
+
+
+@dataclass(frozen=True)
+class Polyline:
+    """Polyline, or a line if it has two points."""
+
+    points: tuple[Point, ...]
+    style: Style
+
+
+@dataclass(frozen=True)
+class Arc:
+    """Circular arc, counter-clockwise from `start_deg` to `end_deg`; a circle if these are 0 and 360."""
+
+    centre: Point
+    radius: float
+    start_deg: float
+    end_deg: float
+    style: Style
+
+    def points(self, count: int = 72) -> tuple[Point, ...]:
+        """Return points on the arc."""
+        angles = (math.radians(self.start_deg + (self.end_deg - self.start_deg) * i / count) for i in range(count + 1))
+        return tuple(
+            (self.centre[0] + self.radius * math.cos(a), self.centre[1] + self.radius * math.sin(a)) for a in angles
+        )
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """Filled arrowhead."""
+
+    tip: Point
+    direction_deg: float
+    """Direction in which it points."""
+    length: float
+
+    def corners(self) -> tuple[Point, Point, Point]:
+        """Return the corners, the tip first."""
+        x, y = self.tip
+        ends = []
+        for side in (-0.5, 0.5):
+            angle = math.radians(self.direction_deg + 180.0 + side * _TIP_ANGLE_DEG)
+            ends.append((x + self.length * math.cos(angle), y + self.length * math.sin(angle)))
+        return self.tip, ends[0], ends[1]
+
+
+@dataclass(frozen=True)
+class Text:
+    """Line of text in Helvetica."""
+
+    text: str
+    at: Point
+    """Point on the baseline."""
+    height: float
+    """Height of a capital."""
+    anchor: Anchor = "start"
+    turned: bool = False
+    """True if the line runs upwards, to be read from the right."""
+
+    @property
+    def size(self) -> float:
+        """Size of the font."""
+        return self.height / _HEADS_PER_SIZE
+
+    @property
+    def width(self) -> float:
+        """Width of the line."""
+        return text_width(self.text, self.height)
+
+    @property
+    def start(self) -> Point:
+        """Point on the baseline at which the line begins."""
+        shift = {"start": 0.0, "middle": 0.5, "end": 1.0}[self.anchor] * self.width
+        return (self.at[0], self.at[1] - shift) if self.turned else (self.at[0] - shift, self.at[1])
+
+    def box(self) -> tuple[float, float, float, float]:
+        """Return left, bottom, right and top of the line, with its descenders."""
+        x, y = self.start
+        down = _DESCENDER * self.size if any(c in _BELOW_BASELINE for c in self.text) else 0.0
+        if self.turned:
+            return x - self.height, y, x + down, y + self.width
+        return x, y - down, x + self.width, y + self.height
+
+
+@dataclass(frozen=True)
+class Hatch:
+    """Region filled with parallel lines. A ray from a point in it crosses the rings an odd number of times."""
+
+    rings: tuple[tuple[Point, ...], ...]
+    spacing: float
+    angle_deg: float = 45.0
+
+    def lines(self) -> Iterator[Polyline]:
+        """Compute the lines."""
+        c, s = math.cos(math.radians(self.angle_deg)), math.sin(math.radians(self.angle_deg))
+        rings = [[(x * c + y * s, -x * s + y * c) for x, y in ring] for ring in self.rings]
+        heights = [v for ring in rings for _, v in ring]
+        if not heights:
+            return
+        for k in range(math.ceil(min(heights) / self.spacing), math.floor(max(heights) / self.spacing) + 1):
+            v = k * self.spacing + 1e-7  # no corner lies exactly on a line
+            crossings = sorted(
+                a[0] + (v - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+                for ring in rings
+                for a, b in pairwise((*ring, ring[0]))
+                if (a[1] > v) != (b[1] > v)
+            )
+            for u0, u1 in zip(crossings[::2], crossings[1::2], strict=False):
+                yield Polyline(((u0 * c - v * s, u0 * s + v * c), (u1 * c - v * s, u1 * s + v * c)), HATCHING)
+
+
+Primitive: TypeAlias = Polyline | Arc | Arrow | Text | Hatch
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """One sheet."""
+
+    name: str
+    width: float
+    height: float
+    primitives: tuple[Primitive, ...]
+
+
+def line(a: Point, b: Point, style: Style) -> Polyline:
+    """Create a straight line."""
+    return Polyline((a, b), style)
+
+
+def rectangle(left: float, bottom: float, right: float, top: float, style: Style) -> Polyline:
+    """Create a rectangle."""
+    return Polyline(((left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)), style)
+
+
+def text_width(text: str, height: float) -> float:
+    """Compute the width of a line of text in Helvetica."""
+    return sum(_WIDTHS.get(character, _OTHER_WIDTH) for character in text) / 1000.0 * height / _HEADS_PER_SIZE
+
+
+_DESCENDER = 0.207
+"""Depth of descenders over the size of the font (Adobe's font metrics)."""
+_BELOW_BASELINE = "gjpqy,;()/_Q"
+_OTHER_WIDTH = 667
+_WIDTHS = {
+    character: width
+    for width, characters in (
+        (191, "'"), (222, "ijl"), (278, " !,./:;I[]\\ft"), (333, "()-r`"), (355, '"'), (400, "°"), (469, "^"),
+        (500, "Jckxvsyz"), (556, "0123456789abdeghnopqu_#$?L–"), (584, "+±<=>×~"), (611, "FTZ"),
+        (667, "ABEKPSVXY&"), (722, "CDHNRUw"), (778, "GOQØ"), (833, "Mm"), (889, "%"), (944, "W"), (1015, "@"),
+        (389, "*"), (260, "|"), (334, "{}"),
+    )
+    for character in characters
+}  # fmt: skip
+"""Width of characters in thousandths of the size of the font (Adobe's metrics of Helvetica)."""

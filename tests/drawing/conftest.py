@@ -1,0 +1,27 @@
+"""Sheets of bundled designs, drawn once a session."""
+
+from __future__ import annotations
+
+import pytest
+
+from fingertip.design import Design
+from fingertip.drawing.draw import draw_sheets
+from fingertip.drawing.primitives import Sheet
+from tests.conftest import ROOT, design_file
+
+FILES = sorted(path.stem for path in (ROOT / "params").glob("*.toml"))
+SLEEVES = ("fsr400", "adult_finger")
+SOCKET = ("bone.interface=socket", "mold.filling=gravity", "mold.chaplet_diameter_mm=0")
+VARIANTS = (*((name, ()) for name in FILES), *((name, ("mold.method=sleeve",)) for name in SLEEVES))
+
+
+def load_variant(variant: tuple[str, tuple[str, ...]]) -> Design:
+    name, changes = variant
+    return Design.load(design_file(name), changes=changes)
+
+
+@pytest.fixture(scope="session", params=VARIANTS, ids=lambda variant: "-".join((variant[0], *variant[1])))
+def drawn(request: pytest.FixtureRequest) -> tuple[Design, dict[str, Sheet]]:
+    """Design and its sheets by part."""
+    design = load_variant(request.param)
+    return design, draw_sheets(design)

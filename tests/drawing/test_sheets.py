@@ -1,0 +1,244 @@
+"""Sheets of all bundled designs: nothing covers a text, nothing leaves the frame, and every size is there."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+from itertools import combinations, pairwise
+from pathlib import Path
+
+import pytest
+
+from fingertip._version import __version__
+from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.design import Design
+from fingertip.drawing.parts import part_drawings
+from fingertip.drawing.primitives import EDGE, HIDDEN, Arc, Arrow, Hatch, Point, Polyline, Sheet, Text, line
+from fingertip.drawing.tolerances import general
+from fingertip.errors import MissingLibraryError
+from tests.conftest import design_file, run_fingertip, run_python
+from tests.drawing.conftest import FILES, load_variant
+from tests.tools import require_module
+
+Drawn = tuple[Design, dict[str, Sheet]]
+Box = tuple[float, float, float, float]
+ISO_5455 = {"5:1", "2:1", "1:1", "1:2"}
+TOUCHING_MM = 0.02
+
+
+def texts(sheet: Sheet) -> list[Text]:
+    return [primitive for primitive in sheet.primitives if isinstance(primitive, Text)]
+
+
+def segments(sheet: Sheet) -> Iterator[tuple[Point, Point]]:
+    """All straight pieces of all lines, circles included."""
+    for primitive in sheet.primitives:
+        match primitive:
+            case Polyline(points):
+                yield from pairwise(points)
+            case Arc():
+                yield from pairwise(primitive.points())
+            case Arrow():
+                a, b, c = primitive.corners()
+                yield from ((a, b), (b, c), (c, a))
+            case Hatch():
+                for hatched in primitive.lines():
+                    yield from pairwise(hatched.points)
+
+
+def overlap(a: Box, b: Box) -> bool:
+    return min(a[2], b[2]) - max(a[0], b[0]) > TOUCHING_MM and min(a[3], b[3]) - max(a[1], b[1]) > TOUCHING_MM
+
+
+def crosses(box: Box, a: Point, b: Point) -> bool:
+    """Whether a segment passes through a box (Liang and Barsky's clipping)."""
+    low, high = 0.0, 1.0
+    for k in (0, 1):
+        d, begin, end = b[k] - a[k], box[k] + TOUCHING_MM, box[k + 2] - TOUCHING_MM
+        if abs(d) < 1e-12:
+            if not begin < a[k] < end:
+                return False
+            continue
+        t0, t1 = sorted(((begin - a[k]) / d, (end - a[k]) / d))
+        low, high = max(low, t0), min(high, t1)
+    return low < high
+
+
+def faults(sheet: Sheet) -> list[str]:
+    """Texts that cover each other, are crossed by a line, or leave the sheet's frame."""
+    found = []
+    boxes = [(text.text, text.box()) for text in texts(sheet)]
+    found += [f"{a} covers {b}" for (a, one), (b, other) in combinations(boxes, 2) if overlap(one, other)]
+    for a, b in segments(sheet):
+        found += [f"a line crosses {text}" for text, box in boxes if crosses(box, a, b)]
+    frame = (20.0, 10.0, sheet.width - 10.0, sheet.height - 10.0)
+    for text, box in boxes:
+        if box[0] < frame[0] or box[1] < frame[1] or box[2] > frame[2] or box[3] > frame[3]:
+            found.append(f"{text} leaves the frame")
+    for a, b in segments(sheet):
+        for x, y in (a, b):
+            if x < frame[0] - 1e-6 or y < frame[1] - 1e-6 or x > frame[2] + 1e-6 or y > frame[3] + 1e-6:
+                found.append(f"a line leaves the frame at {x:.2f}, {y:.2f}")
+    return found
+
+
+@pytest.mark.slow
+def test_text_is_clear_of_everything_and_in_the_frame(drawn: Drawn) -> None:
+    for part, sheet in drawn[1].items():
+        assert not faults(sheet), part
+
+
+def test_faults_are_found() -> None:
+    good = Text("12.5", (100.0, 100.0), 2.5)
+    assert not faults(Sheet("", 297.0, 210.0, (good, line((90.0, 99.5), (120.0, 99.5), EDGE))))
+    assert len(faults(Sheet("", 297.0, 210.0, (good, Text("3", (101.0, 101.0), 2.5))))) == 1
+    assert faults(Sheet("", 297.0, 210.0, (good, line((90.0, 101.0), (120.0, 101.0), EDGE))))
+    assert faults(Sheet("", 297.0, 210.0, (good, Arc((100.0, 101.0), 1.0, 0.0, 360.0, EDGE))))
+    assert faults(Sheet("", 297.0, 210.0, (Text("12.5", (15.0, 100.0), 2.5),)))
+    assert faults(Sheet("", 297.0, 210.0, (line((90.0, 101.0), (300.0, 101.0), EDGE),)))
+
+
+@pytest.mark.slow
+def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn) -> None:
+    design, sheets = drawn
+    assert set(sheets) == {name for name, part in parts_by_name(design).items() if part.is_printed}
+    for drawing in part_drawings(design):
+        found = Counter(text.text for text in texts(sheets[drawing.part]))
+        wanted = Counter(size.text() for size in drawing.sizes)
+        for number, size in enumerate(drawing.checked, 1):
+            tolerance = (size.tolerance or general(size.value)).text()
+            nominal = size.text().removesuffix(f" {tolerance}")
+            wanted.update([str(number), str(number), nominal, tolerance])  # in its balloon, and its row of the table
+        assert {text: found[text] for text in wanted} == wanted, drawing.part
+
+
+@pytest.mark.slow
+def test_title_block_names_design_part_scale_and_sheet(drawn: Drawn) -> None:
+    design, sheets = drawn
+    for number, (part, sheet) in enumerate(sheets.items(), 1):
+        found = {text.text for text in texts(sheet)}
+        assert {design.name, "mm", f"fingertip {__version__}", f"{number} of {len(sheets)}", "A-A"} <= found
+        assert f"drawing_{part}.svg" in found
+        assert len(found & ISO_5455) == 1
+        assert (sheet.width, sheet.height) in ((297.0, 210.0), (420.0, 297.0))
+
+
+@pytest.mark.slow
+def test_lines_have_the_widths_of_iso_128(drawn: Drawn) -> None:
+    for part, sheet in drawn[1].items():
+        styles = {p.style for p in sheet.primitives if isinstance(p, Polyline)}
+        assert EDGE in styles
+        assert EDGE.width_mm == 0.5
+        assert HIDDEN.width_mm == 0.25
+        assert HIDDEN.dashes_mm
+        assert HIDDEN in styles, part
+        assert any(isinstance(primitive, Hatch) and any(primitive.lines()) for primitive in sheet.primitives)
+
+
+@pytest.mark.slow
+def test_hatched_area_is_that_of_the_solid_in_the_section() -> None:
+    """The section at x = 0 of the mesh, by another kernel."""
+    from fingertip.cad.kernel.mesh import MeshEvaluator
+    from fingertip.cad.shapes.parts import PARTS
+    from fingertip.drawing.projection_process import project_parts
+
+    design = Design.load(design_file("fsr400"), changes=["mold.engraving_depth_mm=0"])
+    solids = {part: PARTS[part].solid(design) for part in ("bone", "mold_dorsal")}
+    views = project_parts(tuple((part, solid, ("section",)) for part, solid in solids.items()))
+    for part, solid in solids.items():
+        manifold = MeshEvaluator(0.002).manifold(solid)
+        thin = 0.01
+        slab = manifold.trim_by_plane((1.0, 0.0, 0.0), 0.0).trim_by_plane((-1.0, 0.0, 0.0), -thin)
+        spacing = 0.005
+        hatched = Hatch(views[part]["section"].cut, spacing).lines()
+        area = sum(math.dist(*each.points) for each in hatched) * spacing
+        assert area == pytest.approx(slab.volume() / thin, rel=2e-3), part
+
+
+@pytest.mark.slow
+def test_command_writes_the_same_bytes_every_time(tmp_path: Path) -> None:
+    require_module("reportlab")
+    written = []
+    for seed in ("1", "2"):
+        folder = tmp_path / seed
+        done = run_python(
+            "-m", "fingertip", "drawing", str(design_file("child_thumb")), "--out", str(folder), PYTHONHASHSEED=seed
+        )
+        assert done.returncode == 0, done.stderr
+        written.append({path.name: path.read_bytes() for path in sorted(folder.iterdir())})
+    parts = ("bone", "lid", "mold_palmar", "mold_dorsal")
+    assert set(written[0]) == {*(f"drawing_{part}.svg" for part in parts), "drawing.pdf", "manifest.json"}
+    assert written[0] == written[1]
+
+
+def test_missing_package_is_refused_before_any_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    monkeypatch.setitem(sys.modules, "reportlab", None)
+    done = run_fingertip("drawing", design_file("fsr400"), "--out", tmp_path / "out")
+    assert done.returncode == 2
+    assert done.stderr == (
+        "error: fingertip drawing: needs the package reportlab, which is not installed; "
+        'pip install "fingertip[drawing]", or draw a picture with fingertip picture.\n'
+    )
+    assert not (tmp_path / "out").exists()
+
+
+def test_folder_of_another_design_is_refused_before_any_work(tmp_path: Path) -> None:
+    from fingertip.build_files import parts_writer
+
+    require_module("reportlab")
+    parts_writer(Design.load(design_file("fsr402")), tmp_path / "out").write({"casting.md": b"sheet"})
+    done = run_fingertip("drawing", design_file("fsr400"), "--out", tmp_path / "out")
+    assert done.returncode == 2
+    assert "holds the parts of another design" in done.stderr
+    assert "projecting" not in done.stderr
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_parts_have_up_to_eight_sizes_to_check(name: str) -> None:
+    for variant in ((name, ()), (name, ("mold.method=sleeve",))):
+        for drawing in part_drawings(load_variant(variant)):
+            fewest = {"lid": 5}.get(drawing.part, 6)
+            assert fewest <= len(drawing.checked) <= 8, drawing.part
+            names = [size.name for size in drawing.sizes]
+            assert len(set(names)) == len(names)
+
+
+def test_errors_of_the_process_are_raised_here() -> None:
+    from fingertip.cad.solids import Box, difference
+    from fingertip.drawing.projection_process import project_parts
+    from fingertip.errors import GeometryError
+
+    box = Box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    with pytest.raises(GeometryError, match="one valid solid was expected"):
+        project_parts((("nothing", difference(box, Box((-1.0, -1.0, -1.0), (2.0, 2.0, 2.0))), ("front",)),))
+    with pytest.raises(GeometryError, match=r"still projecting after 0\.01 s"):
+        project_parts((("box", box, ("front",)),), time_limit_s=0.01)
+
+
+def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
+    from fingertip.cad.solids import Box, cylinder, difference
+    from fingertip.drawing.projection_process import project_parts
+
+    box = difference(Box((-2.0, -1.0, 0.0), (2.0, 3.0, 9.0)), cylinder("y", (4.0, 0.0), -2.0, 4.0, 0.5))
+    views = project_parts((("box", box, ("front", "dorsal", "section")),))["box"]
+    assert views["front"].bounds() == (0.0, -1.0, 9.0, 3.0)
+    hidden = {edge for edge in views["front"].hidden if len(edge) == 2 and edge[0][0] == edge[1][0]}
+    assert hidden == {((3.5, -1.0), (3.5, 3.0)), ((4.5, -1.0), (4.5, 3.0))}
+    circle = max(views["dorsal"].visible, key=len)
+    assert all(math.dist(point, (4.0, 0.0)) == pytest.approx(0.5, abs=2e-4) for point in circle)
+    area = sum(math.dist(*hatched.points) for hatched in Hatch(views["section"].cut, 0.01).lines()) * 0.01
+    assert area == pytest.approx(9.0 * 4.0 - 4.0, rel=2e-3)
+
+
+def test_library_without_cadquery_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    from fingertip.drawing.draw import draw_files
+
+    monkeypatch.setitem(sys.modules, "cadquery", None)
+    monkeypatch.setitem(sys.modules, "reportlab", None)
+    with pytest.raises(MissingLibraryError, match=r'cadquery and reportlab.*"fingertip\[step,drawing\]"'):
+        draw_files(Design())

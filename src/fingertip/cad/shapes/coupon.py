@@ -40,12 +40,12 @@ TEXT = "AB"
 """Letters cut into the coupon, in the smallest stroke of the mold's text."""
 MIN_SIZE_MM = 42.0
 """Least length and width of the frame [mm]."""
-SLICE_MM = 3.5
+SLICE_MM = 2.4
 """Height of the slice of the bone's base [mm]."""
-RING_MM = 2.8
+RING_MM = 1.8
 """Height of the recess in which the slice is tried [mm]."""
 
-_RIB_MM, _RIB_TOP_MM = 2.0, 2.0
+_RIB_MM, _RIB_TOP_MM = 1.6, 1.2
 """Width and height of the ribs of the frame [mm]."""
 _TILE_MM = 0.8
 """Thickness of the tiles between the ribs [mm], unless pocket or letters need more."""
@@ -55,17 +55,17 @@ _AROUND_MM = 1.2
 """Wall around recess, trap, socket and cone [mm]."""
 _WINDOW_MM = 4.0
 """Room for the jaws of the calipers in a window [mm]."""
-_TAIL_MM = 4.0
+_TAIL_MM = 3.0
 """Length of the tail's slot beside the sensor's pocket [mm]."""
-_LEDGE_MM = 1.5
+_LEDGE_MM = 1.2
 """Width of the pocket's floor around the hole through which the sensor is pushed out [mm]."""
-_WALL_LENGTH_MM, _WALL_TOP_MM = 5.0, 3.2
+_WALL_LENGTH_MM, _WALL_TOP_MM = 5.0, 2.2
 """Length and top of the thin walls [mm]."""
 _WALL_GAP_MM = 2.4
 """Gap between two thin walls [mm], for the tips of the calipers."""
 _LUER_TOP_MM = NOZZLE_DEPTH_MM + 0.5
 """Mouth of the Luer cone above the bed [mm]: a nozzle sits within it, and the cone's end lies below the bed."""
-_GAP_MM = 2.0
+_GAP_MM = 1.8
 """Distance between features [mm]."""
 _PAST_MM = 1.0
 """Length by which cuts reach past a surface, so that no faces coincide [mm]."""

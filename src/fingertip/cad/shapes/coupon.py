@@ -150,7 +150,7 @@ def lay_out(design: Design) -> Layout:
     )
     middle_top = _top(first) + _GAP_MM
     walls_y = _top(second) + _GAP_MM
-    ends = max(_end(first) + _WINDOW_MM, _end(second) + _GAP_MM, _end_of_walls() + _GAP_MM)
+    ends = max(_end(first) + _WINDOW_MM, _end(second) + _WINDOW_MM, _end_of_walls() + _WINDOW_MM)
     width = max(MIN_SIZE_MM, ends + _RIB_MM)
     depth = max(MIN_SIZE_MM, walls_y + _WALL_LENGTH_MM + _RIB_MM)
     inner = width - 2 * _RIB_MM

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from fingertip.cad.shapes.coupon import WALLS_MM
@@ -59,32 +59,28 @@ class Calibration:
         return {value.path: value.value for value in self.values}
 
 
-def calibrate_printer(design: Design, measured: Sequence[Measured], keep_clearances: bool = False) -> Calibration:
+def calibrate_printer(design: Design, measured: Sequence[Measured], keep: Collection[str] = ()) -> Calibration:
     """Derive the parameters of a printer from the readings of the coupon of a design.
 
     Parameters
     ----------
     design
-        The design whose coupon was measured. Its clearances are those that the printed parts shall have.
+        The design whose coupon was measured. The gaps between its printed parts shall be as wide as it says: its
+        clearances less its printer.offset_mm. A calibrated design can so be calibrated again.
     measured
         Readings, from `calibration.readings`.
-    keep_clearances
-        True if the clearances of the design are calibrated already.
+    keep
+        Parameters that are not changed, such as "sensor.clearance_mm".
     """
     fit = fit_printer(measured)
-    values = [_scale(design, fit)]
-    kept = []
-    if keep_clearances:
-        kept.append("the clearances are kept, as --keep-clearances asks")
-    else:
-        values += _clearances(design, fit)
-    values.append(_surface_error(design, fit))
+    values = [_scale(design, fit), _offset(design, fit), *_clearances(design, fit), _surface_error(design, fit)]
+    kept = [f"{value.path} is kept, as --keep asks" for value in values if value.path in keep]
     wall = _min_wall(design, measured)
     if isinstance(wall, CalibratedValue):
         values.append(wall)
     else:
         kept.append(wall)
-    return Calibration(fit, tuple(values), tuple(kept))
+    return Calibration(fit, tuple(value for value in values if value.path not in keep), tuple(kept))
 
 
 def apply_calibration(design: Design, calibration: Calibration) -> Design:
@@ -105,11 +101,18 @@ def _scale(design: Design, fit: PrinterFit) -> CalibratedValue:
     return _value("printer.scale_percent", "%", before, before / fit.scale, before * fit.scale_uncertainty, fit)
 
 
+def _offset(design: Design, fit: PrinterFit) -> CalibratedValue:
+    """Offset of printed lengths, of which the rules and checks of gaps need to know."""
+    before = design.printer.offset_mm
+    return _value("printer.offset_mm", "mm", before, fit.offset_mm, fit.offset_uncertainty_mm, fit)
+
+
 def _clearances(design: Design, fit: PrinterFit) -> Iterator[CalibratedValue]:
     """Clearances at which the printed gap is that of the design: half the offset more for each printed surface."""
     for path, surfaces in CLEARANCES.items():
         before = float(design.value(path))
-        added, uncertainty = surfaces / 2 * fit.offset_mm, surfaces / 2 * fit.offset_uncertainty_mm
+        added = surfaces / 2 * (fit.offset_mm - design.printer.offset_mm)
+        uncertainty = surfaces / 2 * fit.offset_uncertainty_mm
         yield _value(path, "mm", before, before + added, uncertainty, fit)
 
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 from fingertip.cad.shapes.coupon import WALLS_MM
 from fingertip.calibration.least_squares import CONFIDENCE, PrinterFit, fit_printer
 from fingertip.calibration.readings import Measured
 from fingertip.calibration.student import chi_square_quantile
 from fingertip.design import Design
+from fingertip.errors import DesignError
 
 CLEARANCES = {
     "sensor.clearance_mm": 1,
@@ -24,6 +26,9 @@ CLEARANCES = {
 The sensor is bought, and its pocket is printed. Base and recess, and key and socket, are both printed. Trap and hole
 are measured from one printed surface to the other.
 """
+_SCALE, _OFFSET, _SURFACE_ERROR, _MIN_WALL = (
+    f"printer.{key}" for key in ("scale_percent", "offset_mm", "surface_error_mm", "min_wall_mm")
+)
 MIN_WALL_RATIO = 0.8
 """Least thickness of a printed wall over the nominal one. An assumption."""
 _DECIMALS = {"%": 2, "mm": 3}
@@ -95,16 +100,32 @@ def apply_calibration(design: Design, calibration: Calibration) -> Design:
     return Design.from_tables(tables, design.model_dump(), tuple(calibration.changes))
 
 
+def list_calibrated() -> tuple[str, ...]:
+    """List every parameter that a calibration may change."""
+    return (_SCALE, _OFFSET, *CLEARANCES, _SURFACE_ERROR, _MIN_WALL)
+
+
+def find_kept(design: Design, calibration: Calibration, candidates: Iterable[str]) -> str | None:
+    """Find the parameter with which, if it is kept, no rule refuses the calibrated design; None if there is none."""
+    for path in candidates:
+        fewer = replace(calibration, values=tuple(value for value in calibration.values if value.path != path))
+        with contextlib.suppress(DesignError):
+            tables = design.with_values(fewer.changes).model_dump()
+            Design.without_remedies(**tables)
+            return path
+    return None
+
+
 def _scale(design: Design, fit: PrinterFit) -> CalibratedValue:
-    """Scale of the files at which the printed length is that of the design."""
-    before = design.printer.scale_percent
-    return _value("printer.scale_percent", "%", before, before / fit.scale, before * fit.scale_uncertainty, fit)
+    """Scale of the files at which a printed length is that of the design: fitted to the lengths in the files."""
+    uncertainty = 100.0 * fit.scale_uncertainty / fit.scale**2
+    return _value(_SCALE, "%", design.printer.scale_percent, 100.0 / fit.scale, uncertainty, fit)
 
 
 def _offset(design: Design, fit: PrinterFit) -> CalibratedValue:
     """Offset of printed lengths, of which the rules and checks of gaps need to know."""
     before = design.printer.offset_mm
-    return _value("printer.offset_mm", "mm", before, fit.offset_mm, fit.offset_uncertainty_mm, fit)
+    return _value(_OFFSET, "mm", before, fit.offset_mm, fit.offset_uncertainty_mm, fit)
 
 
 def _clearances(design: Design, fit: PrinterFit) -> Iterator[CalibratedValue]:
@@ -129,7 +150,7 @@ def _surface_error(design: Design, fit: PrinterFit) -> CalibratedValue:
     )
     before, digits = design.printer.surface_error_mm, _DECIMALS["mm"]
     return CalibratedValue(
-        "printer.surface_error_mm", "mm", before, round(value, digits), value / math.sqrt(2.0 * fit.degrees), low, high
+        _SURFACE_ERROR, "mm", before, round(value, digits), value / math.sqrt(2.0 * fit.degrees), low, high
     )
 
 
@@ -153,7 +174,7 @@ def _min_wall(design: Design, measured: Sequence[Measured]) -> CalibratedValue |
     next_thinner = thicknesses[printed] if printed < len(thicknesses) else 0.0
     uncertainty = (thinnest - next_thinner) / math.sqrt(12.0)
     before = design.printer.min_wall_mm
-    return CalibratedValue("printer.min_wall_mm", "mm", before, thinnest, uncertainty, next_thinner, thinnest)
+    return CalibratedValue(_MIN_WALL, "mm", before, thinnest, uncertainty, next_thinner, thinnest)
 
 
 def _value(path: str, unit: str, before: float, value: float, uncertainty: float, fit: PrinterFit) -> CalibratedValue:

@@ -42,7 +42,12 @@ def _list_unscaled(design: Design) -> Iterator[tuple[str, float, Literal["outer"
     layout, section = lay_out(design), design.dimensions.bone_outline.section
     yield "outer_x_mm", layout.size[0], "outer", "Whole frame, along the row of thin walls."
     yield "outer_y_mm", layout.size[1], "outer", "Whole frame, across the row of thin walls, beside the slot."
-    yield "recess_block_x_mm", layout.ring.size[0], "outer", "Block around the recess of the loose piece, its long side."
+    yield (
+        "recess_block_x_mm",
+        layout.ring.size[0],
+        "outer",
+        "Block around the recess of the loose piece, its long side.",
+    )
     yield "recess_block_y_mm", layout.ring.size[1], "outer", "The same block, its short side, above the rib."
     yield "tongue_mm", layout.tongue.size[0], "outer", "Block with the hexagonal trap: its side along the rib."
     if layout.luer:

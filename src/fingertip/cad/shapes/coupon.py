@@ -36,7 +36,7 @@ WALLS_MM = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.2)
 """Thicknesses of the thin walls [mm]."""
 TONGUE_MM = 10.0
 """Width of the tongue and of the slot [mm], unless the nut needs a wider block."""
-TEXT = "AB"
+LETTERS = "AB"
 """Letters cut into the coupon, in the smallest stroke of the mold's text."""
 MIN_SIZE_MM = 42.0
 """Least length and width of the frame [mm]."""
@@ -72,8 +72,10 @@ _PAST_MM = 1.0
 _INTO_RIB_MM = 0.5
 """Length by which a feature overlaps the rib that carries it [mm]."""
 
-_UP_FROM_PALMAR, _UP_FROM_DORSAL = -1, 1
-"""Quarter turns about x that turn the palmar or the dorsal side of a part up."""
+_UP_FROM_PALMAR: Literal[-1] = -1
+"""Quarter turn about x that turns the palmar side of a part up."""
+_UP_FROM_DORSAL: Literal[1] = 1
+"""Quarter turn about x that turns the dorsal side of a part up."""
 
 
 @dataclass(frozen=True)
@@ -102,8 +104,8 @@ class Spot:
 class Layout:
     """Places of all features in the frame.
 
-    The frame has a bar at the bottom, at the top and at both sides, and two bars across. Sensor and recess stand on the
-    lower one of these, tongue, key's socket, Luer cone and letters on the upper one, and the thin walls hang on the top.
+    The frame has a rib at the bottom, at the top and at both sides, and two ribs across. Sensor and recess stand on the
+    lower one of these; tongue, key's socket, Luer cone and letters on the upper one. The thin walls hang on the top.
     """
 
     size: tuple[float, float]
@@ -144,7 +146,9 @@ def lay_out(design: Design) -> Layout:
             "tongue": (tongue, mold.nut_width_mm + 2 * _AROUND_MM),
             "socket": (2 * reach, 2 * reach) if has_key(design) else None,
             "luer": (tower, tower) if mold.filling == "syringe" else None,
-            "text": (unit * (text_width(TEXT) + 3 * STROKE_WIDTH), unit * (HEIGHT + 3 * STROKE_WIDTH)) if unit else None,
+            "text": (unit * (text_width(LETTERS) + 3 * STROKE_WIDTH), unit * (HEIGHT + 3 * STROKE_WIDTH))
+            if unit
+            else None,
         },
         _top(first) + _GAP_MM + _RIB_MM,
     )
@@ -243,7 +247,16 @@ def _frame(layout: Layout) -> Solid:
     """Build the ribs: the outline with the slot, around three windows."""
     (width, depth), slot = layout.size, layout.slot
     (left, _), (right, back) = slot.low, slot.high
-    outline = ((0.0, 0.0), (left, 0.0), (left, back), (right, back), (right, 0.0), (width, 0.0), (width, depth), (0.0, depth))
+    outline = (
+        (0.0, 0.0),
+        (left, 0.0),
+        (left, back),
+        (right, back),
+        (right, 0.0),
+        (width, 0.0),
+        (width, depth),
+        (0.0, depth),
+    )
     holes = tuple(
         (spot.low, (spot.low[0], spot.high[1]), spot.high, (spot.high[0], spot.low[1])) for spot in layout.windows
     )
@@ -325,7 +338,7 @@ def _letters(design: Design, layout: Layout) -> list[Solid]:
     # The letters stand in the middle of their tile, whose rim is as wide as a stroke.
     x, y = (low + unit * STROKE_WIDTH * 1.5 for low in layout.text.low)
     prisms: list[Solid] = []
-    for letter in letter_outlines(TEXT, STROKE_WIDTH):
+    for letter in letter_outlines(LETTERS, STROKE_WIDTH):
         outline, *holes = (tuple((x + unit * u, y + unit * v) for u, v in ring) for ring in letter)
         floor = top - design.mold.engraving_depth_mm
         prisms.append(Prism("z", outline, floor, top + _PAST_MM, tuple(holes)))

@@ -49,7 +49,10 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("mold.syringe_volume", ("mold.syringe",)),
     ("mold.bone_load", ("mold.thumb_force_n", "mold.syringe", "mold.chaplet_screw")),
     ("mold.opening_force", ("mold.thumb_force_n", "mold.syringe", "mold.bolt_diameter_mm")),
-    ("mold.leak_length", ("mold.fit_clearance_mm", "printer.offset_mm", "mold.recess_length_mm", "silicone.viscosity_pa_s")),
+    (
+        "mold.leak_length",
+        ("mold.fit_clearance_mm", "printer.offset_mm", "mold.recess_length_mm", "silicone.viscosity_pa_s"),
+    ),
     ("bone.safety_factor.*", ("bone.base_length_mm", "skin.length_mm", "skin.width_mm", "strength.print_material")),
     ("*.step.volume_difference*", _BUG),
     ("*.stl.*", _BUG),

@@ -43,7 +43,7 @@ def render_instructions(design: Design, readings_file: str) -> str:
         "the pieces cool before you measure.",
         "## Measure",
         f"Take calipers that read 0.01 mm, and set them to zero. Measure the {outer} outer and {inner} inner lengths "
-        f"of `{readings_file}`, each {MIN_READINGS} to 5 times, and turn the piece between two readings. Put the jaws on "
+        f"of `{readings_file}`, each {MIN_READINGS} to 5 times, and turn the piece between readings. Put the jaws on "
         "the upper half of an edge, above the first layers, which are often squeezed out. Measure the "
         f"{walls} thin walls too, from {min(WALLS_MM):g} to {max(WALLS_MM):g} mm, and leave those empty that did not "
         f"print whole. At least {MIN_LENGTHS} outer and {MIN_LENGTHS} inner lengths are needed. Then run:",

@@ -36,6 +36,13 @@ VARIANTS = {
     "no draft": ["mold.draft_deg=0"],
     "no text": ["mold.engraving_depth_mm=0"],
     "key wider than the slice": ["mold.filling=gravity", "mold.key_diameter_mm=8.2", "mold.land_mm=4"],
+    "small sensor": [
+        "sensor.model=custom",
+        "custom_sensor.head_diameter_mm=2.1",
+        "custom_sensor.active_diameter_mm=2",
+        "custom_sensor.tail_width_mm=3.6",
+        "custom_sensor.length_mm=30",
+    ],
     "compensated": ["printer.scale_percent=99.5"],
 }
 FINE = MeshEvaluator(0.002)

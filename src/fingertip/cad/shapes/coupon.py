@@ -229,7 +229,7 @@ def frame_with_fits(design: Design) -> Solid:
         carrier, *(wall.box(tile / 2, _WALL_TOP_MM) for wall in walls),
         layout.sensor.box(0.0, tile), layout.ring.box(0.0, RING_MM), layout.tongue.box(0.0, _tongue_top_mm(design)),
     ]  # fmt: skip
-    hollows = [_pocket(design, layout), _sensor_hole(design, layout), _recess(design, layout)]
+    hollows = [_pocket(design, layout), *_sensor_hole(design, layout), _recess(design, layout)]
     hollows += _nut_trap(design, layout)
     if layout.socket:
         features.append(layout.socket.box(0.0, _socket_top_mm(design)))
@@ -291,11 +291,13 @@ def _pocket(design: Design, layout: Layout) -> Solid:
     return _place(intersection(sensor_recess(design), near), _UP_FROM_PALMAR, (0.0, flat, dims.sensor_z), at)
 
 
-def _sensor_hole(design: Design, layout: Layout) -> Solid:
-    """Build the hole under the sensor's head, through which it is pushed out."""
+def _sensor_hole(design: Design, layout: Layout) -> tuple[Solid, ...]:
+    """Build the hole under the sensor's head, through which it is pushed out; none under a small head."""
     head, spot = design.dimensions.sensor.head_diameter_mm / 2, layout.sensor
+    if head < 2 * _LEDGE_MM:
+        return ()
     at = (spot.centre[0], spot.high[1] - _AROUND_MM - head - design.sensor.clearance_mm)
-    return cylinder("z", at, -_PAST_MM, layout.tile_mm + _PAST_MM, head - _LEDGE_MM)
+    return (cylinder("z", at, -_PAST_MM, layout.tile_mm + _PAST_MM, head - _LEDGE_MM),)
 
 
 def _recess(design: Design, layout: Layout) -> Solid:
@@ -396,7 +398,7 @@ def _tail_mm(design: Design) -> float:
 def _hole_count(design: Design) -> int:
     """Count the through holes of the frame: its windows, recess, pocket, the bolt's hole and the Luer cone."""
     layout = lay_out(design)
-    return len(layout.windows) + 3 + (layout.luer is not None)
+    return len(layout.windows) + 2 + len(_sensor_hole(design, layout)) + (layout.luer is not None)
 
 
 COUPON_PARTS: dict[str, Part] = {

@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fingertip.design import Design
+from tests.calibration.simulated import simulate, to_toml
 from tests.conftest import ROOT, run_fingertip, run_python
 from tests.tools import require_module
 
@@ -38,6 +40,7 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "params").symlink_to(ROOT / "params")
     for name, text in recordings().items():
         (folder / name).write_text(text)
+    (folder / "my_readings.toml").write_text(to_toml(simulate(Design(), 0)))
     return folder
 
 

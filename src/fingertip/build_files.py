@@ -182,8 +182,8 @@ def build(
         raise DesignError(Issue("--out", message))
     folder = Path("out") / design.name if out is None else Path(out)
     known = tuple(parts_by_name(design))
-    names = _select("--parts", known if parts is None else parts, known)
-    file_formats = _select("--formats", default_formats(progress) if formats is None else formats, FORMATS)
+    names = select_names("--parts", known if parts is None else parts, known)
+    file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, FORMATS)
     if "step" in file_formats:
         extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
     validate_tolerance(tolerance_mm)
@@ -300,7 +300,7 @@ def default_formats(progress: Callable[[str], None] = lambda message: None) -> t
     return tuple(name for name in FORMATS if name != "step")
 
 
-def _select(option: str, requested: Iterable[str], known: tuple[str, ...]) -> list[str]:
+def select_names(option: str, requested: Iterable[str], known: tuple[str, ...]) -> list[str]:
     """Return the requested names in the order of `known` and without duplicates."""
     if isinstance(requested, str):
         names = requested.split(",")

@@ -177,7 +177,7 @@ def _describe_syntax_error(error: tomllib.TOMLDecodeError, text: str) -> str:
         return f"{where} sets {name} a second time; delete one of the two lines."
     if "Cannot declare" in reason or "Cannot mutate immutable" in reason:
         return f"{where} begins a table that the file already has; move its parameters to the first one."
-    if re.search(r"=\s*[-+]?\d+,\d+\s*(#.*)?$", line):
+    if re.search(r"=\s*[-+]?\d+,\d+\s*(#.*)?$|=\s*\[[^]#]*\d,0\d", line):
         return f"{where} is not valid TOML; write the number with a decimal point, not with a comma."
     if re.search(r"=\s*[-+]?[\d.]+\s*[A-Za-z%]", line):
         return f"{where} is not valid TOML; write the number without a unit."

@@ -126,6 +126,8 @@ MORE_CASES = [  # fields that a second rule blames too
     ("bone.groove_depth_mm", ["bone.groove_distance_mm=14"]),
     ("mold.fit_clearance_mm", ["mold.fit_clearance_mm=0.3", "bone.collar_inset_mm=0.5"]),
     ("mold.fit_clearance_mm", ["mold.chaplet_diameter_mm=0"]),
+    ("mold.fit_clearance_mm", ["printer.offset_mm=0.06"]),
+    ("mold.nut_width_mm", ["printer.offset_mm=0.15", "mold.fit_clearance_mm=0.2"]),
     ("mold.nut_width_mm", ["mold.bolt_diameter_mm=4.5"]),
     ("mold.nut_width_mm", ["mold.nut_width_mm=6.4"]),
     ("mold.pry_depth_mm", ["mold.key_diameter_mm=8", "mold.key_clearance_mm=1", "mold.pry_depth_mm=2.6"]),

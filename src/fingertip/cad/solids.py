@@ -147,8 +147,19 @@ class Scaled:
     factor: float
 
 
+@dataclass(frozen=True)
+class Placed:
+    """Solid turned about the x axis by quarter turns, and then moved."""
+
+    solid: Solid
+    quarter_turns: Literal[-1, 0, 1]
+    """Quarter turns by the right-hand rule: one turns y to z."""
+    shift: Point3
+    """Displacement after the turn [mm]."""
+
+
 Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | SuperconicSolid | DraftedExtrusion
-Solid: TypeAlias = Primitive | Union | Difference | Intersection | Scaled
+Solid: TypeAlias = Primitive | Union | Difference | Intersection | Scaled | Placed
 
 
 def union(*solids: Solid) -> Solid:

@@ -145,11 +145,11 @@ def _fit_data(design: Design) -> dict[str, Any]:
             if tape
             else None
         ),
-        "sensor_clearance_mm": design.sensor.clearance_mm,
+        "sensor_clearance_mm": round(design.sensor.clearance_mm - design.printer.offset_mm / 2, 3),
         "wire_mm": design.sensor.wire_diameter_mm,
         "crimp_mm": design.sensor.crimp_height_mm,
         "end_room_mm": END_ROOM_MM,
-        "clearance_mm": design.mold.fit_clearance_mm,
+        "clearance_mm": round(design.printed_fit_mm, 3),
         "min_skin_design_mm": round(min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), 2),
         "min_skin_held_mm": round(min(loss.left_mm for loss in losses), 2),
         "surface_error_mm": design.printer.surface_error_mm,

@@ -10,8 +10,10 @@ from fingertip._version import __version__
 from fingertip.cli.bench import bench
 from fingertip.cli.board import board
 from fingertip.cli.build import build
+from fingertip.cli.calibrate import calibrate
 from fingertip.cli.check import check
 from fingertip.cli.console import Console, command
+from fingertip.cli.coupon import coupon
 from fingertip.cli.detect import detect
 from fingertip.cli.drawing import drawing
 from fingertip.cli.make import make
@@ -35,6 +37,8 @@ app.command()(make)
 app.command()(build)
 app.command()(check)
 app.command()(sheet)
+app.command()(coupon)
+app.add_typer(calibrate, name="calibrate")
 app.command()(params)
 app.command()(picture)
 app.command()(drawing)

@@ -23,6 +23,7 @@ from fingertip.cad.solids import (
     DraftedExtrusion,
     ElbowTube,
     Intersection,
+    Placed,
     Prism,
     Scaled,
     Solid,
@@ -104,6 +105,9 @@ class BrepEvaluator:
                 return self.shape(first).cut(*(self.shape(s) for s in subtracted))
             case Scaled(inner, factor):
                 return self.shape(inner).scale(factor)
+            case Placed(inner, turns, shift):
+                turned = self.shape(inner).rotate(cq.Vector(), cq.Vector(1, 0, 0), 90.0 * turns)
+                return turned.translate(cq.Vector(*shift))
             case Box(low, high):
                 size = [b - a for a, b in zip(low, high, strict=True)]
                 return cq.Solid.makeBox(*size, cq.Vector(*low))

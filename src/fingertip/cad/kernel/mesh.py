@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fingertip.arrays import Array
 from fingertip.cad.kernel.tessellate import Triangles, tessellate
-from fingertip.cad.solids import Difference, Intersection, Scaled, Solid, Union
+from fingertip.cad.solids import Difference, Intersection, Placed, Scaled, Solid, Union
 from fingertip.errors import GeometryError, Issue
 
 if TYPE_CHECKING:
@@ -90,6 +90,9 @@ class MeshEvaluator:
                 result = Manifold.batch_boolean([self.manifold(s) for s in (first, *subtracted)], OpType.Subtract)
             case Scaled(inner, factor):
                 result = self.manifold(inner).scale((factor, factor, factor))
+            case Placed(inner, turns, (x, y, z)):
+                cos, sin = 1.0 - abs(turns), float(turns)
+                result = self.manifold(inner).transform(((1.0, 0.0, 0.0, x), (0.0, cos, -sin, y), (0.0, sin, cos, z)))
             case primitive:
                 result = to_manifold(*tessellate(primitive, self.tolerance_mm))
                 if result.volume() <= 0.0:  # manifold3d accepts an inverted mesh silently

@@ -51,7 +51,7 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("mold.opening_force", ("mold.thumb_force_n", "mold.syringe", "mold.bolt_diameter_mm")),
     (
         "mold.leak_length",
-        ("mold.seat_tape_mm", "mold.fit_clearance_mm", "bone.collar_length_mm", "mold.recess_length_mm"),
+        ("mold.seat_tape_mm", "mold.fit_clearance_mm", "printer.offset_mm", "bone.collar_length_mm"),
     ),
     ("bone.safety_factor.*", ("bone.base_length_mm", "skin.length_mm", "skin.width_mm", "strength.print_material")),
     ("*.step.volume_difference*", _BUG),

@@ -90,8 +90,8 @@ def list_contacts(design: DesignTables, fit_clearance_mm: float | None = None) -
         Clearance of the recess [mm]; that of the design if None.
     """
     dims, error = design.dimensions, 2 * design.printer.surface_error_mm  # one surface of the bone, one of the mold
-    clearance = design.mold.fit_clearance_mm if fit_clearance_mm is None else fit_clearance_mm
-    gap = clearance + error
+    drawn = design.mold.fit_clearance_mm if fit_clearance_mm is None else fit_clearance_mm
+    gap = max(0.0, drawn - design.printer.offset_mm) + error
     foot = -design.bone.collar_length_mm
     low = max(-design.mold.recess_length_mm, -dims.full_base_length)
     contacts = [

@@ -54,9 +54,14 @@ class DesignTables(BaseModel):
         """Copy the tables with changes. Derived dimensions are kept only if no table they depend on changes."""
         copy = super().model_copy(update=update, deep=deep)
         if not ELECTRONIC_TABLES.issuperset(update or ()):
-            for name in ("dimensions", "mold_layout"):
+            for name in ("dimensions", "mold_layout", "printed_fit_mm"):
                 copy.__dict__.pop(name, None)
         return copy
+
+    @cached_property
+    def printed_fit_mm(self) -> float:
+        """Gap between base and recess as printed [mm]: that of the design less the growth of one surface of each."""
+        return max(0.0, self.mold.fit_clearance_mm - self.printer.offset_mm)
 
     def value(self, path: str) -> Any:
         """Return the value of a parameter, such as "mold.draft_deg"."""

@@ -143,6 +143,13 @@ class Printer(ParameterTable):
     surface_error_mm: float = quantity(
         0.05, "mm", "Error of each printed surface that locates bone or core in the mold.", minimum=0, maximum=0.5
     )
+    offset_mm: float = quantity(
+        0.0,
+        "mm",
+        "Length by which printed solids are too long and hollows too short; gaps of the design close by as much.",
+        minimum=-0.5,
+        maximum=0.5,
+    )
     bed_x_mm: float = quantity(120.0, "mm", "Width of the bed.", minimum=20, maximum=2000)
     bed_y_mm: float = quantity(68.0, "mm", "Depth of the bed.", minimum=20, maximum=2000)
     bed_z_mm: float = quantity(150.0, "mm", "Maximum height of a print.", minimum=20, maximum=2000)

@@ -162,7 +162,9 @@ def nut_trap_keeps_a_floor(design: DesignTables) -> Violation | None:
 def trap_fits_its_nut(design: DesignTables) -> Violation | None:
     """The nut traps take the nut of the bolts' thread and keep it from turning."""
     thread = select_thread(design.mold.bolt_diameter_mm)
+    closed = design.printer.offset_mm  # by so much the printed trap is narrower
     minimum, maximum = thread.nut_flats_mm + NUT_TRAP_CLEARANCE_MM, thread.nut_flats_mm * MAX_TRAP_RATIO
+    minimum, maximum = minimum + closed, maximum + closed
     width = design.mold.nut_width_mm
     if minimum - SLACK <= width <= maximum + SLACK:
         return None

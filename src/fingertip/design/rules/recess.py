@@ -18,6 +18,9 @@ _MIN_BEHIND_COLLAR = 1.0
 _EDGE_MARGIN = 0.05
 """Minimum distance of the collar's recess from the skin's edge [mm]."""
 
+_MIN_PRINTED_FIT = 0.01
+"""Minimum gap between base and recess as printed [mm]."""
+
 _SOUND_COLLAR = (bone_left_at_sides, bone_left_dorsally, collar_carries_skin)
 """Prerequisites of the rules that need the collar's outline."""
 
@@ -47,6 +50,19 @@ def fit_stays_within_skin(design: DesignTables) -> Violation | None:
         f"{design.mold.fit_clearance_mm:g} mm makes the collar's recess wider than the skin",
         at_most(maximum),
         "(limited by bone.collar_inset_mm)",
+    )
+
+
+@RULES.rule("mold.fit_clearance_mm")
+def fit_stays_open(design: DesignTables) -> Violation | None:
+    """The gap between base and recess does not close in the print."""
+    minimum = design.printer.offset_mm + _MIN_PRINTED_FIT
+    if design.printer.offset_mm <= 0.0 or design.mold.fit_clearance_mm >= minimum - SLACK:
+        return None
+    return Violation(
+        f"{design.mold.fit_clearance_mm:g} mm closes in the print, which adds {design.printer.offset_mm:g} mm "
+        "(printer.offset_mm)",
+        at_least(minimum),
     )
 
 

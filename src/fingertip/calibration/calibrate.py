@@ -1,0 +1,182 @@
+"""Parameters of a design that follow from the readings of its coupon."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from fingertip.cad.shapes.coupon import WALLS_MM
+from fingertip.calibration.least_squares import CONFIDENCE, PrinterFit, fit_printer
+from fingertip.calibration.readings import Measured
+from fingertip.calibration.student import chi_square_quantile
+from fingertip.design import Design
+from fingertip.errors import DesignError
+
+CLEARANCES = {
+    "sensor.clearance_mm": 1,
+    "mold.fit_clearance_mm": 2,
+    "mold.key_clearance_mm": 2,
+    "mold.nut_width_mm": 2,
+    "mold.bolt_diameter_mm": 2,
+}
+"""Parameters of fits that the coupon shows -> number of printed surfaces between which each is measured.
+
+The sensor is bought, and its pocket is printed. Base and recess, and key and socket, are both printed. Trap and hole
+are measured from one printed surface to the other.
+"""
+_SCALE, _OFFSET, _SURFACE_ERROR, _MIN_WALL = (
+    f"printer.{key}" for key in ("scale_percent", "offset_mm", "surface_error_mm", "min_wall_mm")
+)
+MIN_WALL_RATIO = 0.8
+"""Least thickness of a printed wall over the nominal one. An assumption."""
+_DECIMALS = {"%": 2, "mm": 3}
+
+
+@dataclass(frozen=True)
+class CalibratedValue:
+    """Parameter with its calibrated value."""
+
+    path: str
+    unit: str
+    before: float
+    value: float
+    uncertainty: float
+    """Standard uncertainty."""
+    low: float
+    high: float
+    """Ends of the 95 % interval."""
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Calibrated parameters, and the fit that they follow from."""
+
+    fit: PrinterFit
+    values: tuple[CalibratedValue, ...]
+    kept: tuple[str, ...]
+    """Sentences on parameters that the readings do not change."""
+
+    @property
+    def changes(self) -> dict[str, float]:
+        """Parameter -> calibrated value."""
+        return {value.path: value.value for value in self.values}
+
+
+def calibrate_printer(design: Design, measured: Sequence[Measured], keep: Collection[str] = ()) -> Calibration:
+    """Derive the parameters of a printer from the readings of the coupon of a design.
+
+    Parameters
+    ----------
+    design
+        The design whose coupon was measured. The gaps between its printed parts shall be as wide as it says: its
+        clearances less its printer.offset_mm. A calibrated design can so be calibrated again.
+    measured
+        Readings, from `calibration.readings`.
+    keep
+        Parameters that are not changed, such as "sensor.clearance_mm".
+    """
+    fit = fit_printer(measured)
+    values = [_scale(design, fit), _offset(design, fit), *_clearances(design, fit), _surface_error(design, fit)]
+    kept = [f"{value.path} is kept, as --keep asks" for value in values if value.path in keep]
+    wall = _min_wall(design, measured)
+    if isinstance(wall, CalibratedValue):
+        values.append(wall)
+    else:
+        kept.append(wall)
+    return Calibration(fit, tuple(value for value in values if value.path not in keep), tuple(kept))
+
+
+def apply_calibration(design: Design, calibration: Calibration) -> Design:
+    """Make the calibrated design.
+
+    Raises
+    ------
+    DesignError
+        If a rule refuses it; the message names the rule and a remedy.
+    """
+    tables = design.with_values(calibration.changes).model_dump()
+    return Design.from_tables(tables, design.model_dump(), tuple(calibration.changes))
+
+
+def list_calibrated() -> tuple[str, ...]:
+    """List every parameter that a calibration may change."""
+    return (_SCALE, _OFFSET, *CLEARANCES, _SURFACE_ERROR, _MIN_WALL)
+
+
+def find_kept(design: Design, calibration: Calibration, candidates: Iterable[str]) -> str | None:
+    """Find the parameter with which, if it is kept, no rule refuses the calibrated design; None if there is none."""
+    for path in candidates:
+        fewer = replace(calibration, values=tuple(value for value in calibration.values if value.path != path))
+        with contextlib.suppress(DesignError):
+            tables = design.with_values(fewer.changes).model_dump()
+            Design.without_remedies(**tables)
+            return path
+    return None
+
+
+def _scale(design: Design, fit: PrinterFit) -> CalibratedValue:
+    """Scale of the files at which a printed length is that of the design: fitted to the lengths in the files."""
+    uncertainty = 100.0 * fit.scale_uncertainty / fit.scale**2
+    return _value(_SCALE, "%", design.printer.scale_percent, 100.0 / fit.scale, uncertainty, fit)
+
+
+def _offset(design: Design, fit: PrinterFit) -> CalibratedValue:
+    """Offset of printed lengths, of which the rules and checks of gaps need to know."""
+    before = design.printer.offset_mm
+    return _value(_OFFSET, "mm", before, fit.offset_mm, fit.offset_uncertainty_mm, fit)
+
+
+def _clearances(design: Design, fit: PrinterFit) -> Iterator[CalibratedValue]:
+    """Clearances at which the printed gap is that of the design: half the offset more for each printed surface."""
+    for path, surfaces in CLEARANCES.items():
+        before = float(design.value(path))
+        added = surfaces / 2 * (fit.offset_mm - design.printer.offset_mm)
+        uncertainty = surfaces / 2 * fit.offset_uncertainty_mm
+        yield _value(path, "mm", before, before + added, uncertainty, fit)
+
+
+def _surface_error(design: Design, fit: PrinterFit) -> CalibratedValue:
+    """Error that 95 % of all surfaces stay below, after scale and offset are corrected.
+
+    A length lies between two surfaces of equal and independent errors: that of one is the length's over the square root
+    of two. Its interval is that of a standard deviation (chi-square).
+    """
+    value = fit.coverage_factor * fit.length_error_mm / math.sqrt(2.0)
+    tail = (1.0 - CONFIDENCE) / 2
+    low, high = (
+        value * math.sqrt(fit.degrees / chi_square_quantile(share, fit.degrees)) for share in (1.0 - tail, tail)
+    )
+    before, digits = design.printer.surface_error_mm, _DECIMALS["mm"]
+    return CalibratedValue(
+        _SURFACE_ERROR, "mm", before, round(value, digits), value / math.sqrt(2.0 * fit.degrees), low, high
+    )
+
+
+def _min_wall(design: Design, measured: Sequence[Measured]) -> CalibratedValue | str:
+    """Return the thinnest wall from which on all printed, or a sentence if no wall or not even the thickest did.
+
+    The true limit lies between it and the next thinner one; its standard uncertainty is that of a uniform distribution.
+    """
+    walls = sorted((e for e in measured if e.length.kind == "wall"), key=lambda e: -e.length.nominal_mm)
+    thicknesses = sorted(WALLS_MM, reverse=True)
+    if not any(each.readings_mm for each in walls):
+        return "printer.min_wall_mm is kept: no thin wall has a reading"
+    printed = 0
+    for each in walls:
+        if not each.readings_mm or each.mean_mm < MIN_WALL_RATIO * each.length.nominal_mm:
+            break
+        printed += 1
+    if not printed:
+        return f"printer.min_wall_mm is kept: not even the wall of {thicknesses[0]:g} mm printed; slice it anew"
+    thinnest = thicknesses[printed - 1]
+    next_thinner = thicknesses[printed] if printed < len(thicknesses) else 0.0
+    uncertainty = (thinnest - next_thinner) / math.sqrt(12.0)
+    before = design.printer.min_wall_mm
+    return CalibratedValue(_MIN_WALL, "mm", before, thinnest, uncertainty, next_thinner, thinnest)
+
+
+def _value(path: str, unit: str, before: float, value: float, uncertainty: float, fit: PrinterFit) -> CalibratedValue:
+    half = fit.coverage_factor * uncertainty
+    return CalibratedValue(path, unit, before, round(value, _DECIMALS[unit]), uncertainty, value - half, value + half)

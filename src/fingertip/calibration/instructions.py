@@ -1,0 +1,95 @@
+"""Page on the fit coupon: how to print and measure it, which fits to try by hand, and what each failure means."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from fingertip.cad.shapes.coupon import LETTERS, WALLS_MM, has_key, lay_out, text_unit_mm
+from fingertip.cad.shapes.engraving import STROKE_WIDTH
+from fingertip.calibration.lengths import list_lengths
+from fingertip.calibration.readings import MIN_LENGTHS, MIN_READINGS
+from fingertip.design import Design
+from fingertip.design.threads import select_thread
+
+COUPON_LAYER_MM = 0.2
+"""Height of the layers for which the coupon is made [mm]."""
+COUPON_MINUTES = 20
+"""Time within which both pieces print in such layers, as PrusaSlicer estimates it for each bundled design [min]."""
+
+
+def render_instructions(design: Design, readings_file: str) -> str:
+    """Render the page as Markdown.
+
+    Parameters
+    ----------
+    design
+        The design of the coupon.
+    readings_file
+        Name of the template for the readings.
+    """
+    outer, inner, walls = (
+        sum(length.kind == kind for length in list_lengths(design)) for kind in ("outer", "inner", "wall")
+    )
+    (width, depth), scale = lay_out(design).size, design.printer.scale_percent
+    sections = [
+        f"# Fit coupon of {design.name}",
+        f"Two pieces: a frame, {width:.1f} x {depth:.1f} mm, and a loose slice of the bone's base"
+        f"{' with a key on it' if has_key(design) else ''}. Their fits are cut like those of the real parts.",
+        "## Print",
+        "Print `coupon` and `coupon_slice` as they lie, without supports and without a brim, on the printer, from the "
+        "material and with the settings of the real parts. Both together take about "
+        f"{COUPON_MINUTES} minutes in layers of {COUPON_LAYER_MM:g} mm. The files hold the design at {scale:g} % "
+        "(printer.scale_percent): let the slicer scale nothing. Wash and cure resin as the real parts, and let "
+        "the pieces cool before you measure.",
+        "## Measure",
+        f"Take calipers that read 0.01 mm, and set them to zero. Measure the {outer} outer and {inner} inner lengths "
+        f"of `{readings_file}`, each {MIN_READINGS} to 5 times, and turn the piece between readings. Put the jaws on "
+        "the upper half of an edge, above the first layers, which are often squeezed out. Measure the "
+        f"{walls} thin walls too, from {min(WALLS_MM):g} to {max(WALLS_MM):g} mm, and leave those empty that did not "
+        f"print whole. At least {MIN_LENGTHS} outer and {MIN_LENGTHS} inner lengths are needed. Then run:",
+        "```console\n$ fingertip calibrate printer DESIGN.toml my_readings.toml --out calibrated.toml\n```",
+        "## Try by hand",
+        "\n".join(f"- {line}" for line in _list_fits(design)),
+        "Print the coupon once more from the calibrated design before you print the real parts, and try the same fits.",
+    ]
+    return "\n\n".join(sections) + "\n"
+
+
+def _list_fits(design: Design) -> Iterator[str]:
+    """Yield the fits to try, and what it means if one fails."""
+    layout, sensor, mold = lay_out(design), design.sensor, design.mold
+    thread = select_thread(mold.bolt_diameter_mm)
+    if has_key(design):
+        yield (
+            "Loose piece in its recess, key up: it drops in and does not rattle. If it jams, the gap is too small "
+            "(mold.fit_clearance_mm); if it rattles, the bone will lie off in the mold."
+        )
+        yield (
+            "Key in the round socket: the piece lies flat on the block. If it stands off, the socket is too narrow "
+            "(mold.key_clearance_mm) or its floor is not clean."
+        )
+    else:
+        yield "Loose piece in its recess: it drops in and does not rattle (mold.fit_clearance_mm)."
+    gap = sensor.clearance_mm - design.printer.offset_mm / 2
+    yield (
+        f"Sensor in its pocket: head and tail lie flat, with a gap of about {gap:.2f} mm all round. If the film "
+        "bulges, the pocket is too narrow (sensor.clearance_mm). Push it out through the hole."
+    )
+    yield (
+        f"{thread.label} nut in the hexagonal trap: it goes in under the thumb and does not turn. If it needs a hammer "
+        "or turns, change mold.nut_width_mm."
+    )
+    yield f"{thread.label} bolt in the hole below: it passes without cutting a thread (mold.bolt_diameter_mm)."
+    if layout.luer:
+        yield (
+            "Nozzle of the syringe in the tallest block: it sits after a quarter turn, without wobbling. If it "
+            "wobbles or touches the table, the cone is out of size: calibrate the scale, and ream it."
+        )
+    if layout.text:
+        yield (
+            f"Letters {LETTERS}: their strokes, {STROKE_WIDTH * text_unit_mm(design):.2f} mm wide, are open. If they "
+            "have closed, choose taller letters (mold.engraving_height_mm) or none (mold.engraving_depth_mm=0)."
+        )
+    yield (
+        "Thin walls: the thinnest that stands, without gaps, is the least that the printer makes (printer.min_wall_mm)."
+    )

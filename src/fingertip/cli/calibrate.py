@@ -1,0 +1,192 @@
+"""Command `fingertip calibrate printer`: turn caliper readings of a coupon into parameters of the printer."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fingertip.cli.console import (
+    BAD_INPUT,
+    CHECK_FAILED,
+    Console,
+    JsonOption,
+    QuietOption,
+    SetOption,
+    command,
+    find_suffix_issues,
+)
+
+if TYPE_CHECKING:
+    from fingertip.calibration.calibrate import Calibration
+    from fingertip.design import Design
+
+_TOLERANCE_MM = 0.01
+
+calibrate = typer.Typer(help="Turn measurements into parameters.", no_args_is_help=True)
+
+
+@calibrate.callback()
+def _calibrate() -> None:
+    """Turn measurements into parameters of a design."""
+
+
+@calibrate.command("printer")
+@command
+def printer(
+    design: Annotated[Path, typer.Argument(help="Design file, or bundled design, of which the coupon was printed.")],
+    readings: Annotated[
+        Path, typer.Argument(help="File of caliper readings, filled in from the one that `fingertip coupon` wrote.")
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", metavar="FILE", help="File for the calibrated design, a complete design file."),
+    ] = None,
+    keep: Annotated[
+        list[str] | None,
+        typer.Option("--keep", metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable."),
+    ] = None,
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Calibrate a design for a printer, from caliper readings of its fit coupon, and check the result.
+
+    Least squares over all readings gives scale and offset: measured = scale * nominal + offset for outer lengths, and
+    scale * nominal - offset for inner ones. Each value has a standard uncertainty and a 95 % interval.
+
+    Exit code 0: the calibrated design passes all rules and checks, 1: a check fails, 2: the readings are not usable, or
+    a rule refuses the calibrated design.
+    """
+    from fingertip.cad.kernel.mesh import MeshEvaluator
+    from fingertip.cad.shapes.parts import parts_by_name
+    from fingertip.cad.verification.verify import verify
+    from fingertip.calibration.calibrate import (
+        CLEARANCES,
+        apply_calibration,
+        calibrate_printer,
+        find_kept,
+        list_calibrated,
+    )
+    from fingertip.calibration.readings import read_readings
+    from fingertip.cli.check import describe_cause
+    from fingertip.cli.load import load_design
+    from fingertip.design.export import to_toml
+    from fingertip.design.issues import suggest_name
+    from fingertip.errors import DesignError, FingertipError, Issue
+    from fingertip.files import write_file
+
+    console, kept = Console(as_json, quiet), keep or []
+    issues = list(find_suffix_issues("--out", out, ".toml", "TOML"))
+    if out is not None and out.exists() and any(given.exists() and out.samefile(given) for given in (design, readings)):
+        issues.append(Issue("--out", f"{out} is an input of this command; give another name."))
+    known = list(list_calibrated())
+    issues += (
+        Issue("--keep", f"{name!r} is not calibrated; {suggest_name(name, known)}")
+        for name in kept
+        if name not in known
+    )
+    calibration = loaded = None
+    try:
+        loaded, _ = load_design(design, changes, console.progress)
+        calibration = calibrate_printer(loaded, read_readings(readings, loaded), kept)
+    except FingertipError as error:
+        issues += error.issues
+    if issues:
+        raise FingertipError(issues)
+    assert loaded
+    assert calibration
+    data, lines = _data(calibration), _format(calibration)
+    try:
+        calibrated = apply_calibration(loaded, calibration)
+    except DesignError as error:
+        found = find_kept(loaded, calibration, CLEARANCES)
+        note = (
+            f"the calibrated design is refused; --keep {found} passes, at a printed gap smaller than the design's."
+            if found
+            else "the calibrated design is refused; change the design as the other messages say, and print its coupon."
+        )
+        refused = DesignError([*error.issues, Issue("calibration", note)])
+        if not as_json:
+            console.write("\n".join(lines))
+        console.print_issues(refused, data)
+        raise typer.Exit(BAD_INPUT) from None
+    console.progress("checking the calibrated design")
+    parts = parts_by_name(calibrated)
+    checks = verify(calibrated, parts, ("stl",), MeshEvaluator(_TOLERANCE_MM)).checks
+    failed = [check for check in checks if not check.passed]
+    for check in failed:
+        lines.append(f"FAILED {check.name}: {check.value:g} {check.unit}, must be {check.relation} {check.limit:g}")
+        lines.append(describe_cause(check.name))
+    lines.append(f"{len(checks) - len(failed)} of {len(checks)} checks of the calibrated design passed")
+    data |= {"passed": not failed, "checks": [check.to_dict() for check in checks]}
+    if out is not None and not failed:
+        write_file(out, to_toml(calibrated, _heading(loaded)).encode())
+        data["file"] = out.as_posix()
+        lines.append(f"wrote {out}; next: fingertip build {shlex.quote(out.as_posix())}")
+    elif out is not None:
+        lines.append(f"{out} is not written; change the design as stated, or keep a parameter with --keep")
+    console.result(data, "\n".join(lines))
+    if failed:
+        raise typer.Exit(CHECK_FAILED)
+
+
+def _heading(design: Design) -> str:
+    return (
+        f"{design.name}, calibrated by `fingertip calibrate printer` for one printer, material and setting.\n"
+        "Its clearances hold printer.offset_mm: they are wider than the printed gaps."
+    )
+
+
+def _format(calibration: Calibration) -> list[str]:
+    """Format the fit, its outliers, the values with their intervals, and the values as --set text."""
+    fit = calibration.fit
+    lines = [
+        f"scale {fit.scale:.5f} +- {fit.coverage_factor * fit.scale_uncertainty:.5f}, offset {fit.offset_mm:.3f} +- "
+        f"{fit.coverage_factor * fit.offset_uncertainty_mm:.3f} mm (95 %, Student's t = {fit.coverage_factor:.2f} of "
+        f"{fit.degrees} degrees of freedom, {fit.readings} readings)"
+    ]
+    lines += (
+        f"outlier: reading {outlier.number} of {outlier.name}, {outlier.reading_mm:g} mm, is "
+        f"{abs(outlier.deviation_mm):.2f} mm {'more' if outlier.deviation_mm > 0 else 'less'} than the fit; measure it "
+        "again, or delete it"
+        for outlier in fit.outliers
+    )
+    width = max(len(value.path) for value in calibration.values)
+    lines += (
+        f"{value.path:{width}} {value.before:8g} -> {value.value:8g} {value.unit:2}  standard uncertainty "
+        f"{value.uncertainty:.3f}, 95 % interval {value.low:.3f} to {value.high:.3f}"
+        for value in calibration.values
+    )
+    lines += (f"note: {sentence}" for sentence in calibration.kept)
+    return [*lines, " ".join(f"--set {path}={value:g}" for path, value in calibration.changes.items())]
+
+
+def _data(calibration: Calibration) -> dict[str, Any]:
+    """Return the calibration as plain data."""
+    from fingertip.files import round_for_output as rounded
+
+    fit = calibration.fit
+    return {
+        "fit": {
+            "scale": rounded(fit.scale), "scale_uncertainty": rounded(fit.scale_uncertainty),
+            "offset_mm": rounded(fit.offset_mm), "offset_uncertainty_mm": rounded(fit.offset_uncertainty_mm),
+            "length_error_mm": rounded(fit.length_error_mm), "degrees_of_freedom": fit.degrees,
+            "coverage_factor": rounded(fit.coverage_factor), "readings": fit.readings,
+        },
+        "outliers": [
+            {"length": outlier.name, "number": outlier.number, "reading_mm": outlier.reading_mm,
+             "deviation_mm": rounded(outlier.deviation_mm)}
+            for outlier in fit.outliers
+        ],
+        "values": {
+            value.path: {"before": value.before, "value": value.value, "unit": value.unit,
+                         "standard_uncertainty": rounded(value.uncertainty),
+                         "interval_95": [rounded(value.low), rounded(value.high)]}
+            for value in calibration.values
+        },
+        "notes": list(calibration.kept),
+        "set": [f"{path}={value:g}" for path, value in calibration.changes.items()],
+    }  # fmt: skip

@@ -1,0 +1,103 @@
+"""Fit of scale and offset: exact, against numpy, and with intervals that hold the truth as often as they say."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fingertip.calibration.least_squares import fit_printer
+from fingertip.design import Design
+from tests.calibration.simulated import NOISE_MM, OFFSET_MM, SCALE, measured, simulate, true_length
+
+DRAWS = 500
+
+
+@pytest.fixture(scope="module")
+def design() -> Design:
+    return Design()
+
+
+def test_exact_readings_give_the_exact_model(design: Design) -> None:
+    tables = simulate(design, 0)
+    rows = measured(design, tables)
+    exact = [type(row)(row.length, (true_length(row.length),) * 3) for row in rows]
+    fit = fit_printer(exact)
+    assert fit.scale == pytest.approx(SCALE, abs=1e-12)
+    assert fit.offset_mm == pytest.approx(OFFSET_MM, abs=1e-11)
+    assert fit.scale_uncertainty < 1e-12
+    assert not fit.outliers
+
+
+def test_fit_is_that_of_numpy_over_all_readings(design: Design) -> None:
+    """With different numbers of readings, so that the weights matter."""
+    rows = [type(r)(r.length, r.readings_mm[: 2 + i % 3]) for i, r in enumerate(measured(design, simulate(design, 1)))]
+    fit = fit_printer(rows)
+    model = np.array(
+        [(r.length.nominal_mm, 1.0 if r.length.kind == "outer" else -1.0) for r in rows for _ in r.readings_mm]
+    )
+    readings = np.array([value for r in rows for value in r.readings_mm])
+    solution, *_ = np.linalg.lstsq(model, readings, rcond=None)
+    assert (fit.scale, fit.offset_mm) == pytest.approx(tuple(solution), rel=1e-9)
+    weights = np.array([len(r.readings_mm) for r in rows])
+    first = np.cumsum(weights) - weights
+    means = np.array([r.mean_mm for r in rows])
+    variance = (weights * (means - model[first] @ solution) ** 2).sum() / (len(rows) - 2)
+    covariance = variance * np.linalg.inv(model.T @ model)
+    assert fit.scale_uncertainty == pytest.approx(covariance[0, 0] ** 0.5, rel=1e-9)
+    assert fit.offset_uncertainty_mm == pytest.approx(covariance[1, 1] ** 0.5, rel=1e-9)
+    assert (fit.degrees, fit.readings) == (len(rows) - 2, len(readings))
+
+
+def covered(design: Design, **noise: float) -> tuple[int, int, float, float]:
+    """Numbers of draws whose intervals hold the true scale and the true offset, and mean half widths of both."""
+    scale = offset = 0
+    widths = []
+    for seed in range(DRAWS):
+        fit = fit_printer(measured(design, simulate(design, seed, **noise)))
+        half_scale = fit.coverage_factor * fit.scale_uncertainty
+        half_offset = fit.coverage_factor * fit.offset_uncertainty_mm
+        scale += abs(fit.scale - SCALE) <= half_scale
+        offset += abs(fit.offset_mm - OFFSET_MM) <= half_offset
+        widths.append((half_scale, half_offset))
+    mean_scale, mean_offset = np.mean(widths, axis=0)
+    return scale, offset, float(mean_scale), float(mean_offset)
+
+
+@pytest.mark.slow
+def test_intervals_hold_the_truth_in_95_of_100_draws(design: Design) -> None:
+    """Scale 0.5 % and offset 0.1 mm, readings with 0.02 mm: the intervals are right, and narrow enough to be used."""
+    stats = pytest.importorskip("scipy.stats")
+    low, high = stats.binom.ppf([0.0005, 0.9995], DRAWS, 0.95)
+    scale, offset, half_scale, half_offset = covered(design)
+    assert low <= scale <= high
+    assert low <= offset <= high
+    assert half_scale < 0.0004, "0.04 %, or 0.02 mm on the whole frame; the error is 0.5 %"
+    assert half_offset < 0.009, "a tenth of the offset"
+
+
+@pytest.mark.slow
+def test_intervals_hold_when_each_length_has_an_error_of_its_own(design: Design) -> None:
+    """Repeated readings do not average away an error of the surfaces, so they must not narrow the intervals."""
+    stats = pytest.importorskip("scipy.stats")
+    low, high = stats.binom.ppf([0.0005, 0.9995], DRAWS, 0.95)
+    scale, offset, *_ = covered(design, length_error_mm=0.03)
+    assert low <= scale <= high
+    assert low <= offset <= high
+    narrow = covered(design)
+    wide = covered(design, length_error_mm=0.03)
+    assert wide[3] > 2 * narrow[3]
+
+
+@pytest.mark.slow
+def test_few_sound_files_have_an_outlier(design: Design) -> None:
+    stats = pytest.importorskip("scipy.stats")
+    named = sum(bool(fit_printer(measured(design, simulate(design, seed))).outliers) for seed in range(DRAWS))
+    assert named <= stats.binom.ppf(0.9995, DRAWS, 0.01)
+
+
+def test_a_slip_of_the_calipers_is_named(design: Design) -> None:
+    tables = simulate(design, 3)
+    tables["slot_mm"][2] = round(tables["slot_mm"][2] + 0.3, 2)
+    (outlier,) = fit_printer(measured(design, tables)).outliers
+    assert (outlier.name, outlier.number, outlier.reading_mm) == ("slot_mm", 3, tables["slot_mm"][2])
+    assert outlier.deviation_mm == pytest.approx(0.3, abs=4 * NOISE_MM)

@@ -1,4 +1,4 @@
-"""3MF files: one part as one object with shared vertices, which slicers recognise as manifold.
+"""3MF files: parts as objects with shared vertices, which slicers recognise as manifold.
 
 The archive is stored without compression and with fixed dates. Compressed bytes differ between versions of zlib, and
 the same design must give the same file on every machine.
@@ -8,9 +8,13 @@ from __future__ import annotations
 
 import io
 import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from xml.sax.saxutils import escape
 
 import numpy as np
 
+from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import Mesh
 
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
@@ -29,16 +33,46 @@ _RELATIONS = (
 )
 
 
-def to_bytes(mesh: Mesh, name: str) -> bytes:
+@dataclass(frozen=True)
+class Item:
+    """Object of a 3MF file, and where it stands."""
+
+    name: str
+    """Letters, digits and underscores."""
+    mesh: str
+    """Its mesh, as `encode_mesh` writes it. Files that hold the same part share it."""
+    note: str = ""
+    """Description of the object."""
+    rotation: Array | None = None
+    """Rotation of the object, shape (3, 3); None for none."""
+    shift: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Translation after the rotation [mm]."""
+
+
+def to_bytes(mesh: Mesh, name: str, note: str = "") -> bytes:
     """Write a mesh as a 3MF archive in mm; the part's name holds letters, digits and underscores only."""
+    return write_items(name, [Item(name, encode_mesh(mesh), note)])
+
+
+def encode_mesh(mesh: Mesh) -> str:
+    """Write a mesh as an element of a 3MF model."""
     vertices = "".join(f'<vertex x="{x!r}" y="{y!r}" z="{z!r}"/>\n' for x, y, z in mesh.vertices.tolist())
     triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>\n' for a, b, c in mesh.triangles.tolist())
+    return f"<mesh>\n<vertices>\n{vertices}</vertices>\n<triangles>\n{triangles}</triangles>\n</mesh>"
+
+
+def write_items(title: str, items: Sequence[Item]) -> bytes:
+    """Write objects as a 3MF archive in mm."""
+    objects = "\n".join(
+        f'<object id="{number}" type="model" name="{item.name}">{_describe(item)}{item.mesh}</object>'
+        for number, item in enumerate(items, 1)
+    )
+    build = "".join(f'<item objectid="{number}"{_transform(item)}/>' for number, item in enumerate(items, 1))
     model = (
         f'<?xml version="1.0" encoding="UTF-8"?>\n<model unit="millimeter" xml:lang="en-US" xmlns="{_CORE}">\n'
-        f'<metadata name="Title">{name}</metadata>\n<metadata name="Application">fingertip</metadata>\n'
-        f'<resources><object id="1" type="model" name="{name}"><mesh>\n<vertices>\n{vertices}</vertices>\n'
-        f"<triangles>\n{triangles}</triangles>\n</mesh></object></resources>\n"
-        '<build><item objectid="1"/></build>\n</model>\n'
+        f'<metadata name="Title">{title}</metadata>\n<metadata name="Application">fingertip</metadata>\n'
+        f"<resources>{objects}</resources>\n"
+        f"<build>{build}</build>\n</model>\n"
     )
     archive = io.BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_STORED) as bundle:
@@ -54,12 +88,46 @@ def to_bytes(mesh: Mesh, name: str) -> bytes:
     return archive.getvalue()
 
 
+def _describe(item: Item) -> str:
+    if not item.note:
+        return ""
+    return f'<metadatagroup><metadata name="Description">{escape(item.note)}</metadata></metadatagroup>\n'
+
+
+def _transform(item: Item) -> str:
+    """Write the placement. 3MF multiplies rows by the matrix, so the rotation is transposed."""
+    if item.rotation is None and not any(item.shift):
+        return ""
+    rows = np.eye(3) if item.rotation is None else item.rotation.T
+    return f' transform="{" ".join(f"{value:.17g}" for value in (*rows.ravel().tolist(), *item.shift))}"'
+
+
 def from_bytes(data: bytes) -> Mesh:
     """Read the single object of a 3MF archive that `to_bytes` wrote."""
     from xml.etree import ElementTree
 
-    with zipfile.ZipFile(io.BytesIO(data)) as bundle:
-        root = ElementTree.fromstring(bundle.read("3D/3dmodel.model"))
-    vertices = [[float(v.attrib[axis]) for axis in "xyz"] for v in root.iter(f"{{{_CORE}}}vertex")]
-    triangles = [[int(t.attrib[corner]) for corner in ("v1", "v2", "v3")] for t in root.iter(f"{{{_CORE}}}triangle")]
+    root = ElementTree.fromstring(read_items(data)[0].mesh)
+    vertices = [[float(v.attrib[axis]) for axis in "xyz"] for v in root.iter("vertex")]
+    triangles = [[int(t.attrib[corner]) for corner in ("v1", "v2", "v3")] for t in root.iter("triangle")]
     return Mesh(np.array(vertices), np.array(triangles, dtype=np.int64))
+
+
+def read_items(data: bytes) -> list[Item]:
+    """Read the objects of a 3MF archive that `write_items` wrote; their meshes stay text."""
+    from xml.etree import ElementTree
+
+    with zipfile.ZipFile(io.BytesIO(data)) as bundle:
+        first, *others = bundle.read("3D/3dmodel.model").decode().split("<mesh>")
+    meshes, between = zip(*(other.split("</mesh>") for other in others), strict=True)
+    root = ElementTree.fromstring(first + "".join(between))
+    objects = list(root.iter(f"{{{_CORE}}}object"))
+    number = {element.attrib["id"]: i for i, element in enumerate(objects)}
+    items = []
+    for item in root.iter(f"{{{_CORE}}}item"):
+        i = number[item.attrib["objectid"]]
+        matrix = np.array([float(value) for value in item.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()])
+        x, y, z = matrix[9:].tolist()
+        note = objects[i].findtext(f".//{{{_CORE}}}metadata", "")
+        mesh = f"<mesh>{meshes[i]}</mesh>"
+        items.append(Item(objects[i].attrib["name"], mesh, note, matrix[:9].reshape(3, 3).T, (x, y, z)))
+    return items

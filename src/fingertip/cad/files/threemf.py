@@ -23,7 +23,8 @@ _CONTENT_TYPES = (
     '<?xml version="1.0" encoding="UTF-8"?>\n'
     '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
     '<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
-    f'<Default Extension="model" ContentType="{_MODEL_TYPE}"/></Types>\n'
+    f'<Default Extension="model" ContentType="{_MODEL_TYPE}"/>'
+    '<Default Extension="config" ContentType="text/xml"/></Types>\n'
 )
 _RELATIONS = (
     '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -31,6 +32,7 @@ _RELATIONS = (
     '<Relationship Target="/3D/3dmodel.model" Id="rel0" '
     'Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>\n'
 )
+_SETTINGS = "Metadata/Slic3r_PE_model.config"
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,8 @@ class Item:
     """Rotation of the object, shape (3, 3); None for none."""
     shift: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Translation after the rotation [mm]."""
+    settings: tuple[tuple[str, str], ...] = ()
+    """Settings of the object for PrusaSlicer and its relatives, which other programs ignore: names and values."""
 
 
 def to_bytes(mesh: Mesh, name: str, note: str = "") -> bytes:
@@ -80,6 +84,7 @@ def write_items(title: str, items: Sequence[Item]) -> bytes:
             ("[Content_Types].xml", _CONTENT_TYPES),
             ("_rels/.rels", _RELATIONS),
             ("3D/3dmodel.model", model),
+            *([(_SETTINGS, _write_settings(items))] if any(item.settings for item in items) else []),
         ):
             entry = zipfile.ZipInfo(path, date_time=(1980, 1, 1, 0, 0, 0))
             entry.create_system = 3  # the default differs between operating systems
@@ -94,12 +99,27 @@ def _describe(item: Item) -> str:
     return f'<metadatagroup><metadata name="Description">{escape(item.note)}</metadata></metadatagroup>\n'
 
 
+def _write_settings(items: Sequence[Item]) -> str:
+    """Write the settings of objects as PrusaSlicer does, which wants the range of each object's triangles with them."""
+    objects = "".join(
+        f'<object id="{number}" instances_count="1">\n'
+        + "".join(
+            f'<metadata type="object" key="{key}" value="{value}"/>\n'
+            for key, value in (("name", item.name), *item.settings)
+        )
+        + f'<volume firstid="0" lastid="{item.mesh.count("<triangle ") - 1}">\n'
+        f'<metadata type="volume" key="name" value="{item.name}"/>\n</volume>\n</object>\n'
+        for number, item in enumerate(items, 1)
+    )
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n<config>\n{objects}</config>\n'
+
+
 def _transform(item: Item) -> str:
     """Write the placement. 3MF multiplies rows by the matrix, so the rotation is transposed."""
     if item.rotation is None and not any(item.shift):
         return ""
     rows = np.eye(3) if item.rotation is None else item.rotation.T
-    return f' transform="{" ".join(f"{value:.17g}" for value in (*rows.ravel().tolist(), *item.shift))}"'
+    return f' transform="{" ".join(f"{value + 0.0:.17g}" for value in (*rows.ravel().tolist(), *item.shift))}"'
 
 
 def from_bytes(data: bytes) -> Mesh:

@@ -1,9 +1,9 @@
 """Overhangs of a part that lies on the printer's bed: what is printed over air, and holds on to nothing.
 
-A facet overhangs if it faces down and is steeper than 45 degrees from the vertical. Connected facets form a ceiling. Its
-edge is held where the surface beside it goes down, and free where it rises: there the part ends. The threads of a ceiling run in one
-direction, as a slicer lays them: a thread that is held at both ends is a bridge, one that is held at one end a ledge.
-Short ones of both print over air. The rest of the ceiling is unsupported.
+A facet overhangs if it faces down and is steeper than 45 degrees from the vertical. Connected facets form a ceiling.
+Its edge is held where the surface beside it goes down, and free where it rises: there the part ends. The threads of a
+ceiling run in one direction, as a slicer lays them: a thread that is held at both ends is a bridge, one that is held at
+one end a ledge. Short ones of both print over air. The rest of the ceiling is unsupported.
 """
 
 from __future__ import annotations
@@ -18,13 +18,14 @@ from numpy.typing import NDArray
 from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.kernel.tessellate import Triangles
+from fingertip.cad.printing.supports import OVERHANG_DEG
 
 MAX_BRIDGE_MM = 10.0
 """Longest bridge that prints over air [mm]. Design guides of print services state 5 to 15 mm. An assumption."""
 MAX_LEDGE_MM = 1.0
 """Longest ledge that prints over air [mm], as design guides for resin state. An assumption."""
-_STEEP = math.cos(math.radians(45.0)) + 1e-4
-"""Component of the normal downwards above which a facet overhangs; facets at 45 degrees themselves do not."""
+_STEEP = math.sin(math.radians(OVERHANG_DEG)) + 1e-4
+"""Component of the normal downwards above which a facet overhangs; facets at the angle itself do not."""
 _ON_BED_MM = 0.005
 """Height up to which a facet lies on the bed [mm]."""
 _THREAD_MM = 0.1
@@ -68,12 +69,9 @@ def find_ceilings(mesh: Mesh) -> list[Ceiling]:
 
 
 def _ceiling(mesh: Mesh, steep: NDArray[np.bool_], facets: list[int], neighbours: dict[int, list[int]]) -> Ceiling:
-    """Collect the boundary of connected facets. An edge is held if it is concave: the surface beside it is in the air."""
+    """Collect the boundary of connected facets. A concave edge is held: what is beside it lies in the air."""
     sides = [
-        (facet, side, beside)
-        for facet in facets
-        for side, beside in enumerate(neighbours[facet])
-        if not steep[beside]
+        (facet, side, beside) for facet in facets for side, beside in enumerate(neighbours[facet]) if not steep[beside]
     ]
     facet, side, beside = np.array(sides).T
     corners = mesh.vertices[mesh.triangles[facet]]

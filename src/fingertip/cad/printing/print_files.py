@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from fingertip.cad.files import stl, threemf
+from fingertip.cad.files import stl
+from fingertip.cad.files.threemf import Item, write_items
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.printing.plates import PLATE_KINDS, Placed, arrange
+from fingertip.cad.printing.plates import FDM, PLATE_KINDS, Placed, arrange
 from fingertip.cad.printing.pose import Pose, bed_pose
-from fingertip.cad.printing.supports import supports_by_part
+from fingertip.cad.printing.supports import OVERHANG_DEG, Supports, supports_by_part
 from fingertip.cad.shapes.parts import print_orientations
 from fingertip.design import Design
 
@@ -52,21 +53,32 @@ def make_print_files(
         contents = {f"{name}.stl": stl.to_bytes(pose.apply(meshes[name]), name) for name, pose in poses.items()}
     if set(orientations) <= set(encoded):
         footprints = {name: pose.size(meshes[name])[:2] for name, pose in poses.items()}
-        notes = {name: supports.note for name, supports in supports_by_part(design).items()}
+        supports = supports_by_part(design)
         for kind in PLATE_KINDS:
             arranged = arrange(footprints, (design.printer.bed_x_mm, design.printer.bed_y_mm), kind.gap_mm)
             for file, plate in zip(kind.file_names(len(arranged)), arranged, strict=True):
-                items = [
-                    _item(part, encoded[part.name], notes[part.name], _place(part, poses[part.name], meshes[part.name]))
-                    for part in plate
-                ]
-                contents[file] = threemf.write_items(f"{design.name} {file.removesuffix('.3mf')}", items)
+                items = []
+                for part in plate:
+                    stands, pose = supports[part.name], _place(part, poses[part.name], meshes[part.name])
+                    settings = slicer_settings(stands) if kind is FDM else ()
+                    items.append(Item(part.name, encoded[part.name], stands.note, pose.rotation, pose.shift, settings))
+                contents[file] = write_items(f"{design.name} {file.removesuffix('.3mf')}", items)
                 plates[file] = tuple(part.name for part in plate)
     return PrintFiles(contents, plates)
 
 
-def _item(part: Placed, encoded: str, note: str, pose: Pose) -> threemf.Item:
-    return threemf.Item(part.name, encoded, note, pose.rotation, pose.shift)
+def slicer_settings(supports: Supports) -> tuple[tuple[str, str], ...]:
+    """Set in PrusaSlicer whether a part gets supports, and that they stand on the bed.
+
+    Its automatic supports stand below most bridges too (in version 2.5), in the nut traps as anywhere.
+    """
+    if not supports.places:
+        return (("support_material", "0"),)
+    return (
+        ("support_material", "1"),
+        ("support_material_threshold", f"{OVERHANG_DEG:g}"),
+        ("support_material_buildplate_only", "1"),
+    )
 
 
 def _place(part: Placed, pose: Pose, mesh: Mesh) -> Pose:

@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fingertip.cad.shapes import bone
+from fingertip.cad.shapes.chaplet import facet_cut
 from fingertip.cad.shapes.parts import print_orientations
-from fingertip.cad.solids import Box, Solid, difference
+from fingertip.cad.solids import Box, Solid, difference, scaled
 from fingertip.design import Design
 
+OVERHANG_DEG = 45.0
+"""Angle from the vertical above which a surface overhangs."""
 _PAST_END_MM = 0.1
 """Length by which a place reaches past the face above it [mm]."""
 
@@ -21,17 +24,18 @@ class Supports:
     """Regions of air in which they may stand, in the part's own coordinates; none for a part without supports."""
     may_stand: str
     """Where they may stand, in words."""
-    never_on: str
+    none_on: str
     """Where none may touch, in words."""
 
     @property
     def note(self) -> str:
         """Both in one sentence each."""
-        return f"Supports: {self.may_stand}. Never: {self.never_on}."
+        return f"Supports: {self.may_stand}. None on: {self.none_on}."
 
 
 def supports_by_part(design: Design) -> dict[str, Supports]:
     """Return the supports of each printed part of a design."""
+    dims = design.dimensions
     every = {
         "bone": _bone(design),
         "lid": Supports(
@@ -39,10 +43,12 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
             "under its thin sides, beside which it stands on its feet",
             "the dorsal side, on which the skin lies",
         ),
-        "mold_palmar": _mold("silicone, bone, keys and nuts touch its hollows"),
-        "mold_dorsal": _mold("silicone, bone, screw and syringe touch its hollows"),
+        "mold_palmar": _mold("hollows, which silicone, bone, keys and nuts touch"),
+        "mold_dorsal": _mold("hollows, which silicone, bone, screw and syringe touch"),
         "core": Supports(
-            (_everywhere(design, top=0.0),), "under the foot of the collar, outside", "anything above the collar"
+            (_everywhere(design, top=0.0), *_facet(design, design.mold.sleeve_interference_mm, dims.shrinkage)),
+            f"under the foot of the collar, outside{_rim(design)}",
+            "anything else above the collar",
         ),
     }
     return {name: every[name] for name in print_orientations(design)}
@@ -52,12 +58,14 @@ def _bone(design: Design) -> Supports:
     """Supports of the bone: proximal to the skin on the outside, and where a lid covers them."""
     under = "under the foot of the collar and the end of the base, outside"
     if design.bone.interface == "clevis":
-        under = "under the foot of the collar and around the eyes of the joint"
-    never = "anything above the collar, the seat of the sensor, or the inside of holes"
+        under = "under the foot of the collar; around the eyes of the joint"
+    under += _rim(design)
+    none_on = "anything else above the collar; the seat of the sensor; the inside of holes"
     dims, fold = design.dimensions, design.dimensions.fold
     below = _everywhere(design, top=0.0)
     if not fold:
-        return Supports((difference(below, bone.sensor_recess(design), bone.cable_channel(design)),), under, never)
+        outside = difference(below, bone.sensor_recess(design), bone.cable_channel(design))
+        return Supports((outside, *_facet(design)), under, none_on)
     # Around the film, in the passage and on the nose, nothing may stand; the rest of its window is open on both sides.
     half, floor, end = dims.tail_half_width, dims.pocket_depth - dims.flat_depth, fold.trough_end_z
     film = Box(
@@ -66,13 +74,25 @@ def _bone(design: Design) -> Supports:
     # At its distal end the trough is open to the dorsal side, and neither the film nor the lid reaches the end.
     trough_end = Box((-half, fold.floor_y, fold.film_end_z), (half, 2 * _reach(design), end + _PAST_END_MM))
     return Supports(
-        (difference(below, film), trough_end), f"{under}, and at the distal end of the trough", f"{never}, or the nose"
+        (difference(below, film), trough_end, *_facet(design)),
+        f"{under}; at the distal end of the trough",
+        f"{none_on}; the nose",
     )
 
 
-def _mold(reason: str) -> Supports:
+def _rim(design: Design) -> str:
+    """Name the rim of the chaplet's facet, which may be a ledge; silicone covers it, and nothing else touches it."""
+    return "; at the distal rim of the facet" if design.dimensions.chaplet else ""
+
+
+def _facet(design: Design, inset_mm: float = 0.0, growth: float = 1.0) -> tuple[Solid, ...]:
+    """Build the air that the facet of the chaplet leaves; none without one."""
+    return tuple(scaled(cut, growth) for cut in facet_cut(design, inset_mm))
+
+
+def _mold(hollows: str) -> Supports:
     """Supports of a mold half: none, because all its ceilings are short bridges."""
-    return Supports((), "none; all ceilings are short bridges", f"anywhere: {reason}")
+    return Supports((), "nowhere: all ceilings are short bridges", hollows)
 
 
 def _reach(design: Design) -> float:

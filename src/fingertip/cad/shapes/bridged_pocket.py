@@ -69,7 +69,7 @@ def bridge_ceiling(
 
 
 def half_slot(hole_radius: float) -> float:
-    """Half the width of slot, square and octagon [mm]: a little more than the hole's radius, so that none touches it."""
+    """Half the width of slot, square and octagon [mm]: a little more than the hole's radius."""
     return hole_radius + TANGENT_STEP_MM
 
 

@@ -18,7 +18,7 @@ from fingertip.cad.printing.print_files import PrintFiles
 from fingertip.cad.printing.supports import supports_by_part
 from fingertip.cad.shapes.parts import PARTS, print_orientations, print_scale
 from fingertip.cad.solids import Solid
-from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, check_zero_volume
+from fingertip.cad.verification.check import Check, check_zero_volume
 from fingertip.cad.verification.part_files import count_open_edges
 from fingertip.design import Design
 
@@ -37,7 +37,8 @@ def check_overhang(design: Design, evaluator: MeshEvaluator, name: str, mesh: Me
     largest = 0.0
     for ceiling in find_ceilings(pose.apply(mesh)):
         area = ceiling.unsupported_mm2()
-        if area > largest and not _may_be_supported(ceiling, mesh, scale, evaluator, places):
+        needs_support = area > MAX_UNSUPPORTED_MM2  # smaller ones count wherever they are
+        if area > largest and not (needs_support and _may_be_supported(ceiling, mesh, scale, evaluator, places)):
             largest = area
     return Check(f"{name}.overhang", largest, MAX_UNSUPPORTED_MM2, "mm2")
 

@@ -60,12 +60,14 @@ def _bone(design: Design) -> Supports:
     if design.bone.interface == "clevis":
         under = "under the foot of the collar; around the eyes of the joint"
     under += _rim(design)
-    none_on = "anything else above the collar; the seat of the sensor; the inside of holes"
+    if design.bone.interface == "socket":
+        under += "; inside the socket"
+    none_on = "anything else above the collar; the seat of the sensor"
     dims, fold = design.dimensions, design.dimensions.fold
     below = _everywhere(design, top=0.0)
     if not fold:
         outside = difference(below, bone.sensor_recess(design), bone.cable_channel(design))
-        return Supports((outside, *_facet(design)), under, none_on)
+        return Supports((outside, *_facet(design)), under, f"{none_on}; the channel of the cables")
     # Around the film, in the passage and on the nose, nothing may stand; the rest of its window is open on both sides.
     half, floor, end = dims.tail_half_width, dims.pocket_depth - dims.flat_depth, fold.trough_end_z
     film = Box(
@@ -76,7 +78,7 @@ def _bone(design: Design) -> Supports:
     return Supports(
         (difference(below, film), trough_end, *_facet(design)),
         f"{under}; at the distal end of the trough",
-        f"{none_on}; the nose",
+        f"{none_on}; the passage of its film; the nose",
     )
 
 

@@ -59,15 +59,15 @@ def test_slicer_slices_printed_parts(slicer: Path, built: Build, name: str, tmp_
 
 
 def support_moves(gcode: str) -> np.ndarray:
-    """Ends of all moves that extrude support material, shape (n, 3) [mm]."""
-    at, kind, found = {"X": 0.0, "Y": 0.0, "Z": 0.0}, False, []
+    """Ends of all moves that extrude support material, shape (n, 3) [mm]; positions of the extruder are absolute."""
+    at, kind, found = {"X": 0.0, "Y": 0.0, "Z": 0.0, "E": 0.0}, False, []
     for line in gcode.splitlines():
         if line.startswith(";TYPE:"):
             kind = line.startswith(";TYPE:Support material")
-        elif line.startswith("G1 "):
+        elif line.startswith(("G1 ", "G92 ")):
             words = {word[0]: float(word[1:]) for word in line.split(";")[0].split()[1:]}
             before, at = at, at | {axis: value for axis, value in words.items() if axis in at}
-            if kind and words.get("E", 0.0) > 0.0:
+            if kind and at["E"] > before["E"] and words.keys() & {"X", "Y"}:
                 found += [[one[axis] for axis in "XYZ"] for one in (before, at)]
     return np.array(found).reshape(-1, 3)
 

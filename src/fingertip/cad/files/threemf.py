@@ -42,7 +42,7 @@ class Item:
     name: str
     """Letters, digits and underscores."""
     mesh: str
-    """Its mesh, as `encode_mesh` writes it. Files that hold the same part share it."""
+    """Mesh as `encode_mesh` writes it. Files that hold the same part share it."""
     note: str = ""
     """Description of the object."""
     rotation: Array | None = None

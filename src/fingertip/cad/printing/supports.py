@@ -23,9 +23,9 @@ class Supports:
     places: tuple[Solid, ...]
     """Regions of air in which they may stand, in the part's own coordinates; none for a part without supports."""
     may_stand: str
-    """Where they may stand, in words."""
+    """Places in words."""
     none_on: str
-    """Where none may touch, in words."""
+    """Surfaces that none may touch, in words."""
 
     @property
     def note(self) -> str:

@@ -70,7 +70,8 @@ def make_print_files(
 def slicer_settings(supports: Supports) -> tuple[tuple[str, str], ...]:
     """Set in PrusaSlicer whether a part gets supports, and that they stand on the bed.
 
-    Those of its usual style spread to other parts and above the collar, which snug ones do not. Its automatic supports stand below most bridges too (in version 2.5), in the nut traps as anywhere.
+    Its automatic supports stand below most bridges too (in version 2.5), in the nut traps as anywhere. Those of its
+    usual style spread to other parts and above the collar, which snug ones do not.
     """
     if not supports.places:
         return (("support_material", "0"),)

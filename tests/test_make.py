@@ -50,11 +50,11 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
 
 def test_all_sets_are_as_written(made: Path) -> None:
     count, differences = verify_sets(made)
-    assert (count, differences) == (len(files_below(made)) - 3, [])  # all but the three manifests
+    assert (count, differences) == (len(files_below(made)) - 4, [])  # all but the four manifests
 
 
 def test_own_file_in_any_set_is_found_before_anything_is_written(tmp_path: Path) -> None:
-    for name in ("bone.stl", "board/bom.csv", "signal/trace.csv"):
+    for name in ("bone.stl", "print/bone.stl", "board/bom.csv", "signal/trace.csv"):
         folder = tmp_path / name.replace("/", "_")
         (folder / name).parent.mkdir(parents=True)
         (folder / name).write_bytes(b"mine")

@@ -106,6 +106,7 @@ def test_files_the_readme_promises(clone: Path) -> None:
         "signal/slip.png",
         "signal/detection.json",
     }
+    named |= {"print/plate_fdm.3mf", "print/plate_sla.3mf", "print/bone.stl", "print/mold_dorsal.stl"}
     named |= {"board/slip_filter.net", "board/slip_filter.kicad_pcb", "board/bom.csv", "board/values.json"}
     assert {f"out/fsr400/{file}" for file in named} <= made
     assert {"out/wider/exploded.png", "out/wider/bone.stl", "myfinger.toml"} <= made

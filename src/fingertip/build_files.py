@@ -18,6 +18,8 @@ from fingertip import extras
 from fingertip._version import __version__
 from fingertip.cad.files.step_process import BrepMeasurements, StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.printing.plates import PLATE_KINDS
+from fingertip.cad.printing.print_files import PRINT_FOLDER, PrintFiles
 from fingertip.cad.shapes.hardware import hardware
 from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name, print_scale
 from fingertip.cad.strength.assess import BoneStrength, strength_data
@@ -66,6 +68,8 @@ class Build:
     parts: tuple[BuiltPart, ...]
     contents: Mapping[str, bytes]
     """File name -> bytes."""
+    prints: PrintFiles
+    """Files for the printer, in a folder of their own."""
     checks: tuple[Check, ...]
     strength: BoneStrength | None
     """Strength of the bone; None unless it was built."""
@@ -87,6 +91,7 @@ class Build:
             "tolerance_mm": self.tolerance_mm,
             "passed": self.passed,
             "parts": {built.part.name: self._part_entry(built) for built in self.parts},
+            "print": self._print_entries(),
             "checks": [check.to_dict() for check in self.checks],
         }
         if ASSEMBLY in self.contents:
@@ -120,6 +125,16 @@ class Build:
             entry["brep_volume_mm3"] = round_for_output(built.brep.volume_mm3)
         return entry
 
+    def _print_entries(self) -> dict[str, Any]:
+        """Hash of each file for the printer, and the parts on each plate."""
+        return {
+            f"{PRINT_FOLDER}/{file}": {
+                "parts": list(self.prints.plates.get(file, (file.partition(".")[0],))),
+                "sha256": hashlib.sha256(data).hexdigest(),
+            }
+            for file, data in self.prints.contents.items()
+        }
+
 
 def build(
     design: Design,
@@ -137,6 +152,9 @@ def build(
     """Build parts, check them, and write them with `design.toml`, `casting.md` and `report.json`.
 
     Only the requested parts and formats are made. cadquery is loaded for "step" only, in a separate process.
+
+    The folder `print/` in it holds each printed part as it lies on the bed (with "stl"), and plates of all printed
+    parts (with "3mf", if all are built).
 
     A folder holds the files of one design. Files that a build of other parameters wrote there, and that nobody changed
     since, are removed. The folder holds either the old files or the new ones at any moment.
@@ -190,6 +208,8 @@ def build(
     design, evaluator = replace_silicone(design, material), MeshEvaluator(tolerance_mm)
     writer = parts_writer(design, folder, force)
     writer.check(_file_names(names, file_formats, len(names) == len(known)))
+    print_writer = prints_writer(design, folder, force)
+    print_writer.check(_print_names(names, file_formats, len(names) == len(known)))
 
     with contextlib.ExitStack() as stack:
         # The B-rep kernel works in a process of its own while this process makes and checks the meshes.
@@ -230,14 +250,17 @@ def build(
     heading = "Design from which these files were built. `fingertip build` accepts this file."
     if casting:
         contents[SHEET] = render_sheet(casting, [f"{STEPS_FOLDER}/{name}" for name in steps_drawn]).encode()
-    result = Build(design, folder, tolerance_mm, built, contents, tuple(checks), strength, casting)
+    prints = verified.prints
+    result = Build(design, folder, tolerance_mm, built, contents, prints, tuple(checks), strength, casting)
     contents[REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
     contents[DESIGN] = to_toml(design, heading).encode()
+    picture_writer = steps_writer(design, folder, force)
+    print_writer.check(prints.contents)
+    picture_writer.check(steps_drawn)
     removed = writer.write(contents)
     progress(f"{len(contents)} files in {folder}")
-    if steps_drawn:
-        steps_writer(design, folder, force).write(steps_drawn)
-        progress(f"{len(steps_drawn)} pictures in {folder / STEPS_FOLDER}")
+    removed += _replace_subset(print_writer, prints.contents, ".3mf" if prints.plates else None, progress)
+    removed += _replace_subset(picture_writer, steps_drawn, ".png", progress)
     if removed:
         progress(f"removed files of another design from {folder}: {', '.join(removed)}")
     return replace(result, removed=removed)
@@ -256,6 +279,28 @@ def steps_writer(design: Design, folder: Path, force: bool = False) -> SetWriter
     return SetWriter(folder / STEPS_FOLDER, STEPS_FOLDER, design.name, parameters, force=force)
 
 
+def prints_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
+    """Writer of the files for the printer, in the folder of a design's parts."""
+    parameters = hash_parameters(design.model_dump(mode="json"))
+    return SetWriter(folder / PRINT_FOLDER, PRINT_FOLDER, design.name, parameters, force=force)
+
+
+def _replace_subset(
+    writer: SetWriter, contents: Mapping[str, bytes], obsolete: str | None, progress: Callable[[str], None]
+) -> tuple[str, ...]:
+    """Write a set below the parts, or remove that of other parameters; return what was removed.
+
+    Files of the same parameters that end with `obsolete` and are not written again are removed too.
+    """
+    old = read_manifest(writer.folder)
+    if not contents and (old is None or old.parameters == writer.parameters):
+        return ()
+    unwanted = [name for name in old.files if name.endswith(obsolete)] if old and obsolete else []
+    removed = writer.write(contents, unwanted)
+    progress(f"{len(contents)} files in {writer.folder}")
+    return tuple(f"{writer.folder.name}/{name}" for name in removed)
+
+
 def _draw_steps(design: Design, casting: Mapping[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
     """Draw the pictures of the casting steps."""
     from fingertip.casting.markdown import steps
@@ -269,6 +314,13 @@ def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) ->
     names = [f"{part}.{file_format}" for part in parts for file_format in formats]
     names += [ASSEMBLY] if "step" in formats else []
     return [*names, *([SHEET] if is_whole else []), REPORT, DESIGN]
+
+
+def _print_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
+    """Names of the files for the printer that a build writes if each process needs one plate."""
+    names = [f"{part}.stl" for part in parts if PARTS[part].is_printed] if "stl" in formats else []
+    plates = [name for kind in PLATE_KINDS for name in kind.file_names(1)]
+    return [*names, *(plates if "3mf" in formats and is_whole else [])]
 
 
 def _files_of_version_one(folder: Path) -> list[str]:

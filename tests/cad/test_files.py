@@ -43,8 +43,12 @@ def test_build_writes_exactly_the_expected_files(built: Build) -> None:
         "casting.md",
         "design.toml",
         "manifest.json",
+        "print",
         "report.json",
     }
+    printed = {f"{name}.stl" for name in names(built) if PARTS[name].is_printed}
+    plates = {"plate_fdm.3mf", "plate_sla.3mf"}
+    assert {path.name for path in (built.folder / "print").iterdir()} == printed | plates | {"manifest.json"}
 
 
 def test_trimesh_finds_a_watertight_solid_of_the_expected_genus(built: Build) -> None:
@@ -138,8 +142,8 @@ def test_two_builds_in_two_processes_are_byte_identical(built: Build, tmp_path) 
     """The hash seed differs on purpose, because no output may depend on the order of a set."""
     done = run_fingertip("build", design_file(built.design.name), "--out", tmp_path, "-q", PYTHONHASHSEED="4711")
     assert done.returncode == 0, done.stderr
-    for path in built.folder.iterdir():
-        assert path.read_bytes() == (tmp_path / path.name).read_bytes(), path.name
+    for path in (path for path in built.folder.rglob("*") if path.is_file()):
+        assert path.read_bytes() == (tmp_path / path.relative_to(built.folder)).read_bytes(), path.name
 
 
 def test_files_carry_no_date(built: Build) -> None:

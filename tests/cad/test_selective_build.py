@@ -25,7 +25,9 @@ def test_only_the_requested_parts_are_evaluated(tmp_path: Path, monkeypatch: pyt
     monkeypatch.setattr(mesh.MeshEvaluator, "manifold", spy)
     design = Design()
     result = build(design, tmp_path, parts=["bone"], formats=["stl"])
-    assert {path.name for path in tmp_path.iterdir()} == {"bone.stl", "design.toml", "manifest.json", "report.json"}
+    files = {"bone.stl", "design.toml", "manifest.json", "report.json"}
+    assert {path.name for path in tmp_path.iterdir()} == {*files, "print"}
+    assert {path.name for path in (tmp_path / "print").iterdir()} == {"bone.stl", "manifest.json"}
     assert [built.part.name for built in result.parts] == ["bone"]
     from fingertip.cad.shapes.parts import PARTS
     from fingertip.cad.solids import SuperconicSolid

@@ -2,15 +2,31 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fingertip.build_files import Build
+from fingertip.cad.files import threemf
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.printing.pose import Pose
+from fingertip.cad.shapes.bridged_pocket import CEILING_STEPS_MM
+from fingertip.cad.shapes.parts import print_orientations
+from fingertip.cad.verification.verify import verify
+from fingertip.casting.slicer import parse_gcode, slice_to_gcode
+from fingertip.design import Design
+from fingertip.design.new_design import PRESETS
+from tests.conftest import DESIGNS, design_file
 from tests.tools import require_tool
 
 pytestmark = pytest.mark.slow
+COARSE = 0.05
+"""Tolerance of the plates' meshes [mm], which slice faster than those of a build."""
+LAYER_MM = 0.2
 
 
 @pytest.fixture(scope="module")
@@ -40,3 +56,103 @@ def test_slicer_slices_printed_parts(slicer: Path, built: Build, name: str, tmp_
     text = code.read_text()
     assert text.count("\nG1 ") > 1000
     assert "filament used [mm]" in text
+
+
+def support_moves(gcode: str) -> np.ndarray:
+    """Ends of all moves that extrude support material, shape (n, 3) [mm]; positions of the extruder are absolute."""
+    at, kind, found = {"X": 0.0, "Y": 0.0, "Z": 0.0, "E": 0.0}, False, []
+    for line in gcode.splitlines():
+        if line.startswith(";TYPE:"):
+            kind = line.startswith(";TYPE:Support material")
+        elif line.startswith(("G1 ", "G92 ")):
+            words = {word[0]: float(word[1:]) for word in line.split(";")[0].split()[1:]}
+            before, at = at, at | {axis: value for axis, value in words.items() if axis in at}
+            if kind and at["E"] > before["E"] and words.keys() & {"X", "Y"}:
+                found += [[one[axis] for axis in "XYZ"] for one in (before, at)]
+    return np.array(found).reshape(-1, 3)
+
+
+def in_nut_traps(design: Design, items: list[threemf.Item], points: np.ndarray) -> int:
+    """Count the points that lie in a nut trap of the palmar half on its plate."""
+    item = next(item for item in items if item.name == "mold_palmar")
+    assert item.rotation is not None
+    layout, depth = design.mold_layout, design.mold.nut_depth_mm + CEILING_STEPS_MM
+    count = 0
+    for x, z in layout.bolts:
+        axis = item.rotation @ np.array([x, -layout.palmar_height, z]) + np.array(item.shift)
+        across = np.hypot(*(points - axis)[:, :2].T)
+        count += int(((across < layout.nut_circumradius) & (points[:, 2] <= depth + LAYER_MM)).sum())
+    return count
+
+
+@pytest.mark.parametrize("kind", ["fdm", "sla"])
+@pytest.mark.parametrize("method", ["overmold", "sleeve"])
+@pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
+def test_plate_slices_without_a_complaint_and_without_supports_in_the_mold(
+    slicer: Path, name: str, method: str, kind: str, tmp_path: Path
+) -> None:
+    """With automatic supports at 45 degrees: none stands under a mold half, and some under the bone."""
+    design = Design.load(design_file(name), changes=[f"mold.method={method}"])
+    prints = verify(design, print_orientations(design), ("3mf",), MeshEvaluator(COARSE)).prints
+    plate = prints.contents[f"plate_{kind}.3mf"]
+    (tmp_path / "plate.3mf").write_bytes(plate)
+    x, y = design.printer.bed_x_mm, design.printer.bed_y_mm
+    command = [
+        slicer, "--export-gcode", "--dont-arrange", "--bed-shape", f"0x0,{x:g}x0,{x:g}x{y:g},0x{y:g}", "--layer-height",
+        f"{LAYER_MM}", "--first-layer-height", f"{LAYER_MM}", "--support-material", "--support-material-threshold",
+        "45", "-o", tmp_path / "plate.gcode", tmp_path / "plate.3mf",
+    ]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert not re.search(r"\[(warning|error|fatal)\]|warning:|error:", done.stdout + done.stderr, re.IGNORECASE)
+    code = (tmp_path / "plate.gcode").read_text()
+    items, points = threemf.read_items(plate), support_moves(code)
+    assert parse_gcode("plate", code).minutes > 60
+    assert len(points) > 100
+    if kind == "fdm":
+        assert in_nut_traps(design, items, points) == 0
+        halves = [item for item in items if item.name.startswith("mold")]
+        meshes = {item.name: threemf.from_bytes(threemf.write_items("one", [item])) for item in halves}
+        for item in halves:
+            assert item.rotation is not None
+            placed = Pose(item.rotation, item.shift).apply(meshes[item.name]).vertices
+            inside = ((points > placed.min(axis=0)) & (points < placed.max(axis=0)))[:, :2].all(axis=1)
+            assert not inside.any(), item.name
+
+
+def test_supports_would_stand_in_the_nut_traps_without_the_settings_of_the_plate(slicer: Path, tmp_path: Path) -> None:
+    """The measure of the test above finds supports in nut traps where the plate does not switch them off."""
+    design = Design()
+    prints = verify(design, print_orientations(design), ("3mf",), MeshEvaluator(COARSE)).prints
+    items = [replace(item, settings=()) for item in threemf.read_items(prints.contents["plate_fdm.3mf"])]
+    code = slice_to_gcode(slicer, "plate", threemf.write_items("plate", items), design, LAYER_MM)
+    assert in_nut_traps(design, items, support_moves(code)) > 100
+
+
+def test_slicer_prints_bridges_over_the_nut_traps(slicer: Path) -> None:
+    """A bridge is printed in each layer of the first two steps of a trap that is wide enough for one."""
+    design = Design()
+    prints = verify(design, print_orientations(design), ("3mf",), MeshEvaluator(COARSE)).prints
+    items = [item for item in threemf.read_items(prints.contents["plate_fdm.3mf"]) if item.name == "mold_palmar"]
+    code = slice_to_gcode(slicer, "plate", threemf.write_items("plate", items), design, LAYER_MM)
+    heights, z = set(), 0.0
+    for line in code.splitlines():
+        if line.startswith(";Z:"):
+            z = float(line[3:])
+        elif line in (";TYPE:Bridge infill", ";TYPE:Overhang perimeter"):
+            heights.add(round(z, 2))
+    depth = design.mold.nut_depth_mm
+    assert {round(depth + LAYER_MM, 2), round(depth + 2 * LAYER_MM, 2)} <= heights
+
+
+@pytest.mark.parametrize("name", ["fsr400", "adult_thumb"])
+def test_resin_plate_slices_for_a_resin_printer(slicer: Path, name: str, tmp_path: Path) -> None:
+    design = Design.load(design_file(name))
+    prints = verify(design, print_orientations(design), ("3mf",), MeshEvaluator(COARSE)).prints
+    (tmp_path / "plate.3mf").write_bytes(prints.contents["plate_sla.3mf"])
+    command = [
+        slicer, "--export-sla", "--printer-technology", "SLA", "--dont-arrange", "--layer-height", "0.1", "-o",
+        tmp_path / "plate.sl1", tmp_path / "plate.3mf",
+    ]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert not re.search(r"\[(warning|error|fatal)\]", done.stdout + done.stderr, re.IGNORECASE)
+    assert (tmp_path / "plate.sl1").stat().st_size > 100_000

@@ -24,15 +24,17 @@ def failed_checks(design: Design) -> set[str]:
 def test_writer_that_loses_a_triangle_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     write = stl.to_bytes
     assert failed_checks(Design()) == set()
-    monkeypatch.setattr(stl, "to_bytes", lambda mesh, name: write(replace(mesh, triangles=mesh.triangles[1:]), name))
+    monkeypatch.setattr(
+        stl, "to_bytes", lambda mesh, *words: write(replace(mesh, triangles=mesh.triangles[1:]), *words)
+    )
     assert "skin.stl.open_edges" in failed_checks(Design())
 
 
 def test_writer_that_inverts_the_mesh_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     write = stl.to_bytes
 
-    def inverted(mesh: Mesh, name: str) -> bytes:
-        return write(replace(mesh, triangles=mesh.triangles[:, ::-1]), name)
+    def inverted(mesh: Mesh, *words: str) -> bytes:
+        return write(replace(mesh, triangles=mesh.triangles[:, ::-1]), *words)
 
     monkeypatch.setattr(stl, "to_bytes", inverted)
     assert "skin.stl.inverted" in failed_checks(Design())

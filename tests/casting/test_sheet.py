@@ -12,17 +12,19 @@ from typing import Any
 import pytest
 
 from fingertip.build_files import Build, build
+from fingertip.cad.printing.supports import supports_by_part
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_orientations
 from fingertip.casting import markdown
 from fingertip.casting.markdown import render_sheet, warnings
 from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.casting.sheet import casting_sheet_data
-from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_duration_min, parse_gcode, slice_part
+from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_duration_min, parse_gcode, slice_plate
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import find_losses
+from fingertip.design.new_design import PRESETS
 from fingertip.errors import DesignError, GeometryError
 from fingertip.silicones import SILICONES, MaterialProperty
-from tests.conftest import design_file, run_fingertip
+from tests.conftest import DESIGNS, design_file, run_fingertip
 from tests.tools import require_tool
 
 FSR400 = design_file("fsr400")
@@ -249,6 +251,28 @@ def test_parts_printed_on_end_need_supports_under_the_collar() -> None:
         assert not any(orientations[name].needs_supports for name in orientations if name.startswith("mold"))
 
 
+@pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
+@pytest.mark.parametrize("method", ["overmold", "sleeve"])
+def test_parts_with_places_for_supports_are_those_that_need_them(name: str, method: str) -> None:
+    design = Design.load(design_file(name), changes=[f"mold.method={method}"])
+    orientations, supports = print_orientations(design), supports_by_part(design)
+    assert list(supports) == list(orientations)
+    assert {part for part, one in supports.items() if one.places} == {
+        part for part, orientation in orientations.items() if orientation.needs_supports
+    }
+
+
+def test_sheet_states_where_supports_may_stand() -> None:
+    data = sheet_data()
+    rows = {
+        line.split(" | ")[0].removeprefix("| "): line for line in render_sheet(data).splitlines() if "degrees" in line
+    }
+    for part, supports in supports_by_part(fsr400()).items():
+        assert supports.may_stand in rows[part]
+        assert supports.none_on in rows[part]
+        assert supports.may_stand in supports.note
+
+
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 def test_every_printed_part_has_an_orientation(method: str) -> None:
     design = fsr400(f"mold.method={method}")
@@ -360,12 +384,14 @@ def test_prusa_slicer_gives_plausible_estimates(tmp_path: Path) -> None:
     done = run_fingertip("sheet", FSR400, "--slicer", "--out", page, "--json", "-q")
     assert done.returncode == 0, done.stderr
     printing = json.loads(done.stdout)["printing"]
-    assert all(10 < part["minutes"] < 600 and 1 < part["filament_cm3"] < 60 for part in printing["parts"])
-    assert printing["minutes"] == sum(part["minutes"] for part in printing["parts"])
+    assert [plate["plate"] for plate in printing["plates"]] == ["plate_fdm"]
+    assert all(60 < plate["minutes"] < 1200 and 10 < plate["filament_cm3"] < 100 for plate in printing["plates"])
+    assert printing["minutes"] == sum(plate["minutes"] for plate in printing["plates"])
+    assert f"| plate_fdm | {printing['minutes']} min |" in page.read_text()
     assert HOW_TO_INSTALL not in page.read_text()
 
 
-def test_part_that_cannot_be_sliced_is_reported() -> None:
+def test_plate_that_cannot_be_sliced_is_reported() -> None:
     slicer = require_tool("prusa-slicer", "apt-get install prusa-slicer")
-    with pytest.raises(GeometryError, match="bone: PrusaSlicer could not slice it"):
-        slice_part(slicer, "bone", b"no STL at all", print_orientations(fsr400())["bone"])
+    with pytest.raises(GeometryError, match="plate_fdm: PrusaSlicer could not slice it"):
+        slice_plate(slicer, "plate_fdm", b"no 3MF at all", fsr400())

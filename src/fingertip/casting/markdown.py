@@ -226,26 +226,36 @@ def _quantities(data: Data) -> str:
 
 def _printing(data: Data) -> str:
     printing = data["printing"]
-    is_sliced = "minutes" in printing
-    head = ("part", "face on the plate", "rotation about x", "supports") + (
-        ("time", "filament volume") if is_sliced else ()
-    )
     rows = [
         (
-            part["part"], part["face_on_plate"], f"{part['rotate_x_deg']:g} degrees",
-            "yes" if part["needs_supports"] else "none",
+            part["part"], part["face_on_plate"], f"{part['rotate_x_deg']:g} degrees", part["supports_may_stand"],
+            part["no_supports_on"],
         )
-        + ((f"{part['minutes']:g} min", f"{part['filament_cm3']:.1f} cm3") if is_sliced else ())
         for part in printing["parts"]
     ]  # fmt: skip
-    table = _table(head, rows)
-    if is_sliced:
+    table = _table(("part", "face on the plate", "rotation about x", "where supports may stand", "none on"), rows)
+    page = (
+        f"The folder `{printing['folder']}` holds each part as it lies on the bed, and plates of all parts for a "
+        "filament and a resin printer. The skin is cast, so it is on no plate.\n\n"
+        f"{table}\n\nCeilings of the mold halves are bridges of at most {printing['max_bridge_mm']:g} mm: the plates "
+        "tell PrusaSlicer that the halves need no supports. In other slicers, and for the single parts, switch "
+        "supports off for the halves: automatic ones would fill the nut traps."
+    )
+    if "minutes" in printing:
+        plates = _table(
+            ("plate", "time", "filament volume"),
+            (
+                (plate["plate"], f"{plate['minutes']:g} min", f"{plate['filament_cm3']:.1f} cm3")
+                for plate in printing["plates"]
+            ),
+        )
         return (
-            f"{table}\n\nTotal: {printing['minutes']:g} min and {printing['filament_cm3']:.1f} cm3, estimated by "
-            f"PrusaSlicer for a filament printer, with its default settings and layers of {printing['layer_mm']:g} mm."
+            f"{page}\n\n{plates}\n\nTotal: {printing['minutes']:g} min and {printing['filament_cm3']:.1f} cm3 with "
+            "supports, estimated by PrusaSlicer for a filament printer, with its default settings and layers of "
+            f"{printing['layer_mm']:g} mm."
         )
     return (
-        f"{table}\n\nFor a filament printer, run `fingertip sheet` with `--slicer` for print times and filament "
+        f"{page}\n\nFor a filament printer, run `fingertip sheet` with `--slicer` for print times and filament "
         f"volumes, estimated by PrusaSlicer ({HOW_TO_INSTALL}). A resin printer has a slicer of its own."
     )
 

@@ -9,6 +9,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from fingertip.cad.printing.overhang import MAX_BRIDGE_MM
+from fingertip.cad.printing.print_files import PRINT_FOLDER
+from fingertip.cad.printing.supports import OVERHANG_DEG, supports_by_part
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.shapes.parts import print_orientations
 from fingertip.cad.verification.filling import POT_LIFE_SHARE
@@ -54,7 +57,7 @@ def casting_sheet_data(
     silicone
         The silicone to cast.
     prints
-        Print estimates by part name, or None if nothing was sliced.
+        Print estimates by the name of the plate, or None if nothing was sliced.
     """
     return {
         "design": design.name,
@@ -219,20 +222,27 @@ def _name_lighter(silicone: Silicone, batch: Batch) -> str:
 
 
 def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -> dict[str, Any]:
-    parts = []
-    for name, orientation in print_orientations(design).items():
-        entry: dict[str, Any] = {
-            "part": name, "face_on_plate": orientation.face_on_plate, "rotate_x_deg": orientation.rotate_x_deg,
-            "needs_supports": orientation.needs_supports,
-        }  # fmt: skip
-        if prints and name in prints:
-            entry |= {"minutes": round(prints[name].minutes), "filament_cm3": round(prints[name].filament_cm3, 1)}
-        parts.append(entry)
-    data: dict[str, Any] = {"parts": parts}
+    supports = supports_by_part(design)
+    data: dict[str, Any] = {
+        "folder": PRINT_FOLDER,
+        "max_bridge_mm": MAX_BRIDGE_MM,
+        "overhang_deg": OVERHANG_DEG,
+        "parts": [
+            {
+                "part": name, "face_on_plate": orientation.face_on_plate, "rotate_x_deg": orientation.rotate_x_deg,
+                "needs_supports": orientation.needs_supports, "supports_may_stand": supports[name].may_stand,
+                "no_supports_on": supports[name].none_on,
+            }
+            for name, orientation in print_orientations(design).items()
+        ],
+    }  # fmt: skip
     if prints:
+        minutes = {name: round(one.minutes) for name, one in prints.items()}
+        volumes = {name: round(one.filament_cm3, 1) for name, one in prints.items()}
         data |= {
+            "plates": [{"plate": name, "minutes": minutes[name], "filament_cm3": volumes[name]} for name in prints],
             "layer_mm": LAYER_MM,
-            "minutes": sum(part.get("minutes", 0) for part in parts),
-            "filament_cm3": round(sum(part.get("filament_cm3", 0.0) for part in parts), 1),
+            "minutes": sum(minutes.values()),
+            "filament_cm3": round(sum(volumes.values()), 1),
         }
     return data

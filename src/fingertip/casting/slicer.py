@@ -1,4 +1,4 @@
-"""Print time and filament volume of a part, estimated by PrusaSlicer where it is installed.
+"""Print time and filament volume of a plate, estimated by PrusaSlicer where it is installed.
 
 PrusaSlicer exits with code 0 for many a broken part. Only the G-code it writes, and the estimates in it, count.
 """
@@ -12,13 +12,16 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.cad.shapes.parts import Orientation
+from fingertip.cad.printing.supports import OVERHANG_DEG
+from fingertip.design import Design
 from fingertip.errors import GeometryError, Issue
 
 PROGRAM = "prusa-slicer"
 HOW_TO_INSTALL = "on Debian or Ubuntu: apt-get install prusa-slicer"
 LAYER_MM = 0.1
-TIME_LIMIT_S = 120.0
+_FIRST_LAYER_MM = 0.2
+"""Least height of the first layer [mm]: thinner ones hardly stick to the bed."""
+TIME_LIMIT_S = 300.0
 _TIME = re.compile(r"^; estimated printing time \(normal mode\) = (.+)$", re.MULTILINE)
 _FILAMENT = re.compile(r"^; filament used \[cm3\] = ([\d.]+)$", re.MULTILINE)
 _UNITS_MIN = {"d": 1440.0, "h": 60.0, "m": 1.0, "s": 1.0 / 60.0}
@@ -26,7 +29,7 @@ _UNITS_MIN = {"d": 1440.0, "h": 60.0, "m": 1.0, "s": 1.0 / 60.0}
 
 @dataclass(frozen=True)
 class PrintEstimate:
-    """Estimate for one part, printed from filament with the slicer's default settings."""
+    """Estimate for one plate, printed from filament with the slicer's default settings."""
 
     minutes: float
     filament_cm3: float
@@ -39,20 +42,32 @@ def find_slicer() -> Path | None:
     return Path(path) if path else None
 
 
-def slice_part(program: Path, name: str, stl: bytes, orientation: Orientation) -> PrintEstimate:
-    """Slice a part, given as STL, in layers of `LAYER_MM`.
+def slice_plate(program: Path, name: str, plate: bytes, design: Design) -> PrintEstimate:
+    """Slice a plate, given as 3MF, in layers of `LAYER_MM` on the design's bed.
 
     Raises
     ------
     GeometryError
         If the slicer fails, takes longer than `TIME_LIMIT_S`, or writes no estimates into its G-code.
     """
+    return parse_gcode(name, slice_to_gcode(program, name, plate, design, LAYER_MM))
+
+
+def slice_to_gcode(program: Path, name: str, plate: bytes, design: Design, layer_mm: float) -> str:
+    """Slice a plate with automatic supports, unless its objects ask for none, and return the G-code.
+
+    Raises
+    ------
+    GeometryError
+        If the slicer fails, or takes longer than `TIME_LIMIT_S`.
+    """
+    x, y = design.printer.bed_x_mm, design.printer.bed_y_mm
     with tempfile.TemporaryDirectory(prefix="fingertip-slice-") as folder:
-        part, gcode = Path(folder) / f"{name}.stl", Path(folder) / f"{name}.gcode"
-        part.write_bytes(stl)
-        command = [str(program), "--export-gcode", "--layer-height", f"{LAYER_MM:g}"]
-        command += ["--rotate-x", f"{orientation.rotate_x_deg:g}"]
-        command += ["--support-material"] if orientation.needs_supports else []
+        part, gcode = Path(folder) / f"{name}.3mf", Path(folder) / f"{name}.gcode"
+        part.write_bytes(plate)
+        command = [str(program), "--export-gcode", "--dont-arrange", "--bed-shape", f"0x0,{x:g}x0,{x:g}x{y:g},0x{y:g}"]
+        command += ["--layer-height", f"{layer_mm:g}", "--first-layer-height", f"{max(layer_mm, _FIRST_LAYER_MM):g}"]
+        command += ["--support-material", "--support-material-threshold", f"{OVERHANG_DEG:g}"]
         try:
             process = subprocess.run(
                 [*command, "-o", str(gcode), str(part)],
@@ -67,7 +82,7 @@ def slice_part(program: Path, name: str, stl: bytes, orientation: Orientation) -
         if not gcode.exists():
             last_line = (process.stderr.strip() or process.stdout.strip() or "no message").splitlines()[-1]
             raise GeometryError(Issue(name, f"PrusaSlicer could not slice it ({last_line}); remove --slicer."))
-        return parse_gcode(name, gcode.read_text(encoding="utf-8", errors="replace"))
+        return gcode.read_text(encoding="utf-8", errors="replace")
 
 
 def parse_gcode(name: str, gcode: str) -> PrintEstimate:

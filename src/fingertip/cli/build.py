@@ -71,7 +71,11 @@ def format_build(result: Build) -> list[str]:
         f"{built.part.name:12} {built.mesh.volume() / 1000:8.2f} cm3   {', '.join(built.files.values())}"
         for built in result.parts
     ]
+    from fingertip.cad.printing.print_files import PRINT_FOLDER
     from fingertip.cli.check import describe_cause
+
+    if result.prints.contents:
+        lines.append(f"{f'{PRINT_FOLDER}/':28}{', '.join(result.prints.contents)}")
 
     failed = [check for check in result.checks if not check.passed]
     if result.strength:

@@ -36,11 +36,12 @@ def sheet(
     """Write the casting sheet: silicone quantities, warnings, procedure, print orientations and bill of materials."""
     from fingertip.build_files import SHEET, STEPS_FOLDER, parts_writer, steps_writer
     from fingertip.cad.kernel.mesh import MeshEvaluator
+    from fingertip.cad.printing.plates import FDM
     from fingertip.cad.shapes.parts import print_orientations
     from fingertip.casting.markdown import render_sheet, steps
     from fingertip.casting.quantities import measure_volumes
     from fingertip.casting.sheet import casting_sheet_data
-    from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_part
+    from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_plate
     from fingertip.cli.load import load_design
     from fingertip.design.silicone import replace_silicone, select_silicone
     from fingertip.errors import OutputError
@@ -59,12 +60,12 @@ def sheet(
     if program is not None:
         from fingertip.cad.verification.verify import verify
 
-        orientations = print_orientations(loaded)
-        files = verify(loaded, orientations, ("stl",), MeshEvaluator(_SLICED_MESH_TOLERANCE_MM)).contents
+        files = verify(loaded, print_orientations(loaded), ("3mf",), MeshEvaluator(_SLICED_MESH_TOLERANCE_MM)).prints
         prints = {}
-        for name, orientation in orientations.items():
+        for file in (name for name in files.plates if name.startswith(f"plate_{FDM.name}")):
+            name = file.removesuffix(".3mf")
             console.progress(f"slicing {name}")
-            prints[name] = slice_part(program, name, files[f"{name}.stl"], orientation)
+            prints[name] = slice_plate(program, name, files.contents[file], loaded)
     volumes = measure_volumes(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
     data = casting_sheet_data(loaded, volumes, silicone, prints)
     path = out or Path("out") / loaded.name / SHEET

@@ -10,15 +10,16 @@ from fingertip.errors import GeometryError, Issue
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
-def to_bytes(mesh: Mesh, name: str) -> bytes:
-    """Write a mesh as binary STL in mm; the header names the part and holds no date."""
+def to_bytes(mesh: Mesh, name: str, note: str = "") -> bytes:
+    """Write a mesh as binary STL in mm; the header names the part, with a note, and holds no date."""
     corners = mesh.vertices[mesh.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.sqrt((normal * normal).sum(axis=1, keepdims=True))
     records = np.zeros(len(corners), dtype=_RECORD)
     records["normal"] = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0) + 0.0
     records["corners"] = corners
-    header = f"fingertip {name}, unit mm".encode("ascii")[:80].ljust(80, b" ")  # must not begin with "solid"
+    text = f"fingertip {name}, unit mm" + (f", {note}" if note else "")
+    header = text.encode("ascii")[:80].ljust(80, b" ")  # must not begin with "solid"
     return header + len(records).to_bytes(4, "little") + records.tobytes()
 
 

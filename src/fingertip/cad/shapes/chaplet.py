@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fingertip.cad.shapes.bridged_pocket import CEILING_STEPS_MM, bridge_ceiling
 from fingertip.cad.solids import Cone, Solid, cylinder, scaled
 from fingertip.design import Design
 from fingertip.design.geometry.chaplet import Chaplet
@@ -67,14 +68,18 @@ def contact_y(design: Design) -> float:
 
 
 def screw_hole(design: Design) -> tuple[Solid, ...]:
-    """Build the hole of the screw through the dorsal half, and the counterbore of its head; none without a chaplet."""
+    """Build the hole of the screw through the dorsal half, and the counterbore of its head; none without a chaplet.
+
+    The half is printed on its outer face, so the bottom of the counterbore is a ceiling, which prints in bridges.
+    """
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return ()
-    z, high = axis_z(design), 2 * design.mold_layout.dorsal_height
+    centre, high, head = (axis_z(design), 0.0), 2 * design.mold_layout.dorsal_height, head_y(design)
+    counterbore = cylinder("y", centre, head - CEILING_STEPS_MM, high, chaplet.head_radius)
     return (
-        cylinder("y", (z, 0.0), contact_y(design) - _INTO_HOLLOW_MM, high, chaplet.hole_radius),
-        cylinder("y", (z, 0.0), head_y(design), high, chaplet.head_radius),
+        cylinder("y", centre, contact_y(design) - _INTO_HOLLOW_MM, high, chaplet.hole_radius),
+        bridge_ceiling(counterbore, centre, head, -1.0, chaplet.hole_radius, reach=2 * chaplet.head_radius),
     )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from fingertip.cad.shapes.bridged_pocket import CEILING_STEPS_MM, bridge_ceiling
 from fingertip.cad.shapes.chaplet import screw_hole
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, engraved_lines, letter_outlines, text_width
 from fingertip.cad.shapes.insert import above_collar_foot
@@ -105,10 +106,15 @@ def bolt_holes(design: Design) -> tuple[Solid, ...]:
 
 
 def nut_traps(design: Design) -> tuple[Solid, ...]:
-    """Build the hexagonal pockets for the nuts, in the outer face of the palmar half."""
-    m = design.mold_layout
-    low, high = -2 * m.palmar_height, -m.palmar_height + design.mold.nut_depth_mm
-    return tuple(hexagon(z, x, design.mold.nut_width_mm, low, high) for x, z in m.bolts)
+    """Build the hexagonal pockets for the nuts, in the outer face of the palmar half, with ceilings that print."""
+    m, width, hole = design.mold_layout, design.mold.nut_width_mm, design.mold.bolt_diameter_mm / 2
+    low, ceiling = -2 * m.palmar_height, -m.palmar_height + design.mold.nut_depth_mm
+    return tuple(
+        bridge_ceiling(
+            hexagon(z, x, width, low, ceiling + CEILING_STEPS_MM), (z, x), ceiling, 1.0, hole, reach=width
+        )
+        for x, z in m.bolts
+    )  # fmt: skip
 
 
 def keys(design: Design) -> tuple[Solid, ...]:

@@ -32,6 +32,11 @@ class Part:
     exists_in: Callable[[Design], bool] = lambda design: True
     """Function that tells whether a design has this part."""
 
+    @property
+    def note(self) -> str:
+        """Note in the part's files: a skin must not go to the printer."""
+        return "" if self.is_printed else "cast in silicone, not to be printed"
+
 
 @dataclass(frozen=True)
 class Orientation:

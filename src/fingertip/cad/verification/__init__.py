@@ -13,5 +13,7 @@ Limits come from the design. Where facets are measured, a limit is relaxed by th
 - `mold.land.*`: mold.land_mm less the clearance of the keys on both sides;
 - `*.draft_clearance_gain.*`: the gain at mold.draft_deg less the tolerance;
 - `*.build_volume_excess`: 0, relative to printer.bed_x_mm, bed_y_mm and bed_z_mm;
+- `*.overhang`: the corner of a ledge that prints over air (`cad.printing.overhang`), outside the places of supports;
+- `plate_*.gap`: the distance of parts on a plate, for the process;
 - `*.genus`: the number of through holes that the design has.
 """

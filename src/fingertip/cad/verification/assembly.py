@@ -14,6 +14,12 @@ from typing import TYPE_CHECKING
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold
+from fingertip.cad.shapes.bridged_pocket import (
+    ceiling_steps_volume_mm3,
+    disc_slot_area_mm2,
+    half_slot,
+    hexagon_slot_area_mm2,
+)
 from fingertip.cad.shapes.chaplet import boss, contact_y, head_y
 from fingertip.cad.shapes.insert import mold_insert
 from fingertip.cad.shapes.skin import cavity, cavity_outline
@@ -178,10 +184,11 @@ def _cutout_volume_mm3(design: Design) -> float:
     This is exact and saves the B-rep kernel forty booleans.
     """
     d, m = design.mold, design.mold_layout
-    bolt = math.pi * (d.bolt_diameter_mm / 2) ** 2
+    radius = d.bolt_diameter_mm / 2
+    bolt, slot = math.pi * radius**2, hexagon_slot_area_mm2(d.nut_width_mm, half_slot(radius))
     fastener = (
         bolt * (m.palmar_height + m.dorsal_height) + (math.sqrt(0.75) * d.nut_width_mm**2 - bolt) * d.nut_depth_mm
-    )
+    ) + ceiling_steps_volume_mm3(slot, radius)
     pry_slot = d.pry_width_mm * d.pry_depth_mm * 2.0 * d.pry_height_mm
     letters = (prism for half in ("palmar", "dorsal") for prism in mold.engraved_text(design, half))
     engraved = d.engraving_depth_mm * sum(map(_prism_area_mm2, letters))
@@ -194,8 +201,9 @@ def _screw_hole_volume_mm3(design: Design) -> float:
     if chaplet is None:
         return 0.0
     head, top = head_y(design), design.mold_layout.dorsal_height
-    hole, counterbore = head - contact_y(design), top - head
-    return math.pi * (chaplet.hole_radius**2 * hole + chaplet.head_radius**2 * counterbore)
+    hole, counterbore, radius = head - contact_y(design), top - head, chaplet.hole_radius
+    steps = ceiling_steps_volume_mm3(disc_slot_area_mm2(chaplet.head_radius, half_slot(radius)), radius)
+    return math.pi * (radius**2 * hole + chaplet.head_radius**2 * counterbore) + steps
 
 
 def _prism_area_mm2(prism: Solid) -> float:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.printing.print_files import PrintFiles, make_print_files
 from fingertip.cad.shapes.parts import PARTS, build_volume_excess, print_scale
 from fingertip.cad.solids import scaled
 from fingertip.cad.strength.assess import BoneStrength, assess_strength
@@ -20,6 +21,7 @@ from fingertip.cad.verification.filling import check_filling
 from fingertip.cad.verification.joint import check_joint
 from fingertip.cad.verification.mold import check_mold
 from fingertip.cad.verification.part_files import check_mesh_file
+from fingertip.cad.verification.printing import check_overhang, check_print_files
 from fingertip.cad.verification.seals import check_seals
 from fingertip.cad.verification.skin import check_skin, check_sleeve_stretch
 from fingertip.design import Design
@@ -36,6 +38,8 @@ class VerifiedParts:
     meshes: Mapping[str, Mesh]
     contents: Mapping[str, bytes]
     """File name -> bytes; no file has been written."""
+    prints: PrintFiles
+    """Files of the printed parts as they lie on the bed."""
     checks: tuple[Check, ...]
     strength: BoneStrength | None
     """Strength of the bone; None without a bone."""
@@ -74,17 +78,23 @@ def verify(
     for name, solid in solids.items():
         meshes[name] = evaluator.mesh(scaled(solid, print_scale(design, PARTS[name])))
         progress(f"{name}: {len(meshes[name].triangles)} triangles, {meshes[name].volume() / 1000:.2f} cm3")
-    contents = {
-        f"{name}.{file_format}": MESH_FORMATS[file_format].to_bytes(mesh, name)
-        for name, mesh in meshes.items()
-        for file_format in mesh_formats
-    }
+    # Part files and plates hold the same mesh, so its text is made once.
+    encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()} if "3mf" in mesh_formats else {}
+    contents = {}
+    for name, mesh in meshes.items():
+        note = PARTS[name].note
+        if "stl" in mesh_formats:
+            contents[f"{name}.stl"] = stl.to_bytes(mesh, name, note)
+        if name in encoded:
+            contents[f"{name}.3mf"] = threemf.write_items(name, [threemf.Item(name, encoded[name], note)])
+    prints = make_print_files(design, meshes, encoded, "stl" in mesh_formats)
     checks = [check for file, data in contents.items() for check in _check_file(design, file, data)]
+    checks += check_print_files(design, meshes, encoded, prints)
     checks += check_assembly(design, evaluator, solids)
     checks += check_parts(design, evaluator, meshes)
     strength = assess_strength(design, evaluator) if "bone" in meshes else None
     checks += check_strength(design, strength) if strength else ()
-    return VerifiedParts(meshes, contents, tuple(checks), strength)
+    return VerifiedParts(meshes, contents, prints, tuple(checks), strength)
 
 
 def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, Mesh]) -> Iterator[Check]:
@@ -92,6 +102,7 @@ def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, M
     for name, mesh in meshes.items():
         if PARTS[name].is_printed:
             yield Check(f"{name}.build_volume_excess", build_volume_excess(design, name, mesh), 0.0, "mm")
+            yield check_overhang(design, evaluator, name, mesh)
     if "skin" in meshes:
         yield from check_skin(design, evaluator, meshes["skin"])
     if "bone" in meshes:

@@ -1,0 +1,132 @@
+"""Checks of the printed parts as they lie on the bed: overhangs, and the files that go to the printer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from itertools import combinations
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.cad.files import stl, threemf
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
+from fingertip.cad.printing.overhang import MAX_LEDGE_MM, Ceiling, find_ceilings
+from fingertip.cad.printing.plates import PLATE_KINDS, Placed
+from fingertip.cad.printing.pose import Pose, bed_pose
+from fingertip.cad.printing.print_files import PrintFiles
+from fingertip.cad.printing.supports import supports_by_part
+from fingertip.cad.shapes.parts import PARTS, print_orientations, print_scale
+from fingertip.cad.solids import Solid
+from fingertip.cad.verification.check import Check, check_zero_volume
+from fingertip.cad.verification.part_files import count_open_edges
+from fingertip.design import Design
+
+MAX_UNSUPPORTED_MM2 = MAX_LEDGE_MM**2
+"""Largest unsupported part of a ceiling [mm2]: a corner of the longest ledge, as where a bore ends in a round side."""
+_INTO_AIR_MM = 0.02
+"""Distance from a facet at which it is found in a place for supports [mm]."""
+_ROUNDING_MM = 1e-5
+"""Rounding of positions on a plate [mm]."""
+
+
+def check_overhang(design: Design, evaluator: MeshEvaluator, name: str, mesh: Mesh) -> Check:
+    """Check the largest unsupported overhang of a part that lies on the bed, away from the places of supports."""
+    places = supports_by_part(design)[name].places
+    pose, scale = bed_pose(mesh, print_orientations(design)[name]), print_scale(design, PARTS[name])
+    largest = 0.0
+    for ceiling in find_ceilings(pose.apply(mesh)):
+        area = ceiling.unsupported_mm2()
+        needs_support = area > MAX_UNSUPPORTED_MM2  # smaller ones count wherever they are
+        if area > largest and not (needs_support and _may_be_supported(ceiling, mesh, scale, evaluator, places)):
+            largest = area
+    return Check(f"{name}.overhang", largest, MAX_UNSUPPORTED_MM2, "mm2")
+
+
+def _may_be_supported(
+    ceiling: Ceiling, mesh: Mesh, scale: float, evaluator: MeshEvaluator, places: tuple[Solid, ...]
+) -> bool:
+    """Return whether the air below all facets of a ceiling lies within places for supports."""
+    corners = mesh.vertices[mesh.triangles[ceiling.facets]] / scale
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    points = corners.mean(axis=1) + _INTO_AIR_MM * normal
+    found = np.zeros(len(points), dtype=bool)
+    for place in places:
+        found |= _is_inside(points, to_canonical_mesh(evaluator.manifold(place)))
+    return bool(found.all())
+
+
+def _is_inside(points: Array, mesh: Mesh) -> Array:
+    """Return for each point whether a closed mesh encloses it: then its facets fill the whole solid angle.
+
+    The solid angle of a triangle is that of A. van Oosterom and J. Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125.
+    """
+    a, b, c = (mesh.vertices[mesh.triangles[:, i]] - points[:, None] for i in range(3))
+    la, lb, lc = (np.linalg.norm(side, axis=2) for side in (a, b, c))
+    above = np.einsum("ijk,ijk->ij", a, np.cross(b, c))
+    below = la * lb * lc + sum(
+        np.einsum("ijk,ijk->ij", u, v) * length for u, v, length in ((a, b, lc), (b, c, la), (c, a, lb))
+    )
+    inside: Array = 2.0 * np.arctan2(above, below).sum(axis=1) > 2.0 * math.pi
+    return inside
+
+
+def check_print_files(
+    design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], prints: PrintFiles
+) -> Iterator[Check]:
+    """Check the files for the printer, read back from their bytes.
+
+    Parameters
+    ----------
+    design
+        The fingertip.
+    meshes
+        Meshes of the parts, with the printer's compensation.
+    encoded
+        The same meshes as text of 3MF files, whose topology is checked in the part files.
+    prints
+        The files.
+    """
+    for file, data in prints.contents.items():
+        if file in prints.plates:
+            continue
+        name, printed = file.removesuffix(".stl"), stl.from_bytes(data)
+        prefix = f"{name}.print.stl"
+        yield Check(f"{prefix}.open_edges", count_open_edges(printed), 0, "edges", "exactly")
+        yield Check(f"{prefix}.bed_distance", float(printed.vertices[:, 2].min()), 0.0, "mm", "exactly")
+        yield check_zero_volume(f"{prefix}.volume_difference", abs(printed.volume() - meshes[name].volume()))
+    if prints.plates:
+        yield from _check_plates(design, meshes, encoded, prints)
+
+
+def _check_plates(
+    design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], prints: PrintFiles
+) -> Iterator[Check]:
+    """Check for each process that its plates hold each printed part once, apart from the others and within the bed."""
+    bed = (design.printer.bed_x_mm, design.printer.bed_y_mm, design.printer.bed_z_mm)
+    for kind in PLATE_KINDS:
+        prefix = f"plate_{kind.name}"
+        plates = [threemf.read_items(prints.contents[file]) for file in prints.plates if file.startswith(prefix)]
+        held = sorted(item.name for items in plates for item in items if item.mesh == encoded.get(item.name))
+        wrong = set(print_orientations(design)).symmetric_difference(held)
+        repeated = len(held) - len(set(held))
+        yield Check(f"{prefix}.wrong_parts", len(wrong) + repeated, 0, "parts", "exactly")
+        gaps, low, excess = [math.inf], [], []
+        for items in plates:
+            boxes = [_bounds(item, meshes[item.name]) for item in items]
+            low += [float(box[0, 2]) for box in boxes]
+            excess += [max(float((-box[0]).max()), float((box[1] - bed).max())) for box in boxes]
+            rectangles = [Placed("", False, *box[0, :2].tolist(), *(box[1] - box[0])[:2].tolist()) for box in boxes]
+            gaps += [one.distance(other) for one, other in combinations(rectangles, 2)]
+        yield Check(f"{prefix}.bed_distance", max(map(abs, low)), _ROUNDING_MM, "mm")
+        yield Check(f"{prefix}.bed_excess", max(excess), _ROUNDING_MM, "mm")
+        if math.isfinite(min(gaps)):
+            yield Check(f"{prefix}.gap", min(gaps), kind.gap_mm - _ROUNDING_MM, "mm", "at least")
+
+
+def _bounds(item: threemf.Item, mesh: Mesh) -> Array:
+    """Find the lowest and highest corner of an object on its plate, shape (2, 3) [mm]."""
+    assert item.rotation is not None
+    placed = Pose(item.rotation, item.shift).apply(mesh).vertices
+    return np.stack([placed.min(axis=0), placed.max(axis=0)])

@@ -1,0 +1,198 @@
+"""Overhangs: closed forms on simple solids, ceilings of nut traps, and parts with a defect that the check must find."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from fingertip.cad.kernel import brep
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, MAX_LEDGE_MM, find_ceilings
+from fingertip.cad.shapes import chaplet, mold
+from fingertip.cad.shapes.bridged_pocket import (
+    BRIDGE_STEP_MM,
+    CEILING_STEPS_MM,
+    bridge_ceiling,
+    ceiling_steps_volume_mm3,
+    disc_slot_area_mm2,
+    half_slot,
+    hexagon_slot_area_mm2,
+)
+from fingertip.cad.shapes.parts import PARTS, print_scale
+from fingertip.cad.solids import Box, Cone, Prism, Solid, cylinder, difference, hexagon, scaled, union
+from fingertip.cad.verification.printing import MAX_UNSUPPORTED_MM2, check_overhang
+from fingertip.design import Design
+from fingertip.design.parameters.declaration import find_bounds
+from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.design.threads import MAX_TRAP_RATIO, NUT_TRAP_CLEARANCE_MM, THREADS, Thread
+from tests.conftest import DESIGNS, design_file
+
+TOLERANCE, FINE = 0.02, 0.0005
+WIDTH = 6.0
+
+
+def unsupported_mm2(solid: Solid) -> float:
+    """Largest unsupported ceiling of a solid that stands on z = 0."""
+    ceilings = find_ceilings(MeshEvaluator(TOLERANCE).mesh(solid))
+    return max((ceiling.unsupported_mm2() for ceiling in ceilings), default=0.0)
+
+
+def shelf(reach: float) -> Solid:
+    """A wall with a shelf that stands out by `reach`."""
+    return union(Box((-2.0, 0.0, 0.0), (0.0, WIDTH, 8.0)), Box((-1.0, 0.0, 5.0), (reach, WIDTH, 8.0)))
+
+
+def gate(span: float) -> Solid:
+    """Two pillars with a beam across."""
+    beam = Box((-1.0, 0.0, 5.0), (span + 1.0, WIDTH, 8.0))
+    return union(Box((-2.0, 0.0, 0.0), (0.0, WIDTH, 8.0)), Box((span, 0.0, 0.0), (span + 2.0, WIDTH, 8.0)), beam)
+
+
+def test_shelf_longer_than_a_ledge_is_unsupported_over_its_whole_area() -> None:
+    """Askew threads hold on to a little of it, at its corners."""
+    assert unsupported_mm2(shelf(MAX_LEDGE_MM - 0.01)) == 0.0
+    assert unsupported_mm2(shelf(1.5 * MAX_LEDGE_MM)) == pytest.approx(1.5 * MAX_LEDGE_MM * WIDTH, rel=0.03)
+
+
+def test_beam_longer_than_a_bridge_is_unsupported() -> None:
+    assert unsupported_mm2(gate(MAX_BRIDGE_MM - 0.01)) == 0.0
+    assert unsupported_mm2(gate(MAX_BRIDGE_MM + 1.0)) == pytest.approx((MAX_BRIDGE_MM + 1.0) * WIDTH, rel=0.03)
+
+
+@pytest.mark.parametrize("angle", [30.0, 45.0, 90.0])
+def test_bridge_is_found_in_every_direction(angle: float) -> None:
+    """A beam of 9 mm across two pillars that stand askew; its ends are parallel to them."""
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+
+    def block(low: float, high: float, bottom: float) -> Solid:
+        ring = ((low, -3.0), (high, -3.0), (high, 3.0), (low, 3.0))
+        return Prism("z", tuple((c * u - s * v, s * u + c * v) for u, v in ring), bottom, 8.0)
+
+    assert unsupported_mm2(union(block(-2.0, 0.0, 0.0), block(9.0, 11.0, 0.0), block(-1.0, 10.0, 5.0))) < 0.01
+
+
+@pytest.mark.parametrize(("run", "overhangs"), [(0.99, False), (1.01, True)])
+def test_slope_counts_above_45_degrees(run: float, overhangs: bool) -> None:
+    """A funnel upside down: its wall is its ceiling, of the area of the ring seen from above."""
+    height = 4.0
+    area = unsupported_mm2(Cone("z", (0.0, 0.0), 0.0, height, 1.0, 1.0 + run * height))
+    ring = math.pi * ((1.0 + run * height) ** 2 - 1.0)
+    assert area == pytest.approx(ring if overhangs else 0.0, rel=0.02)
+
+
+def test_ball_on_a_foot_is_held_by_the_foot_only() -> None:
+    """The cap of a ball that hangs over air is not held by what rises beside it."""
+    lamp = union(Box((-5.0, -5.0, 0.0), (-4.0, 5.0, 20.0)), Box((-5.0, -1.0, 18.0), (1.0, 1.0, 20.0)))
+    hanging = union(lamp, Cone("z", (0.0, 0.0), 12.0, 19.0, 0.2, 4.0))
+    assert unsupported_mm2(hanging) > 0.0
+
+
+def test_small_horizontal_bore_needs_no_supports() -> None:
+    block = Box((-8.0, -8.0, 0.0), (8.0, 8.0, 16.0))
+    across = MAX_BRIDGE_MM * math.sqrt(2.0)  # of a bore whose overhanging arc is as wide as the longest bridge
+    assert unsupported_mm2(difference(block, cylinder("x", (0.0, 8.0), -9.0, 9.0, 0.49 * across))) == 0.0
+    assert unsupported_mm2(difference(block, cylinder("x", (0.0, 8.0), -9.0, 9.0, 0.51 * across))) > 100.0
+
+
+def trap_in_block(diameter: float, width: float, is_bridged: bool) -> Solid:
+    """A nut trap in the lower face of a block, on the axis of a bolt's hole, with z up."""
+    depth, hole = 4.0, diameter / 2
+    pocket = hexagon(0.0, 0.0, width, -1.0, depth + (CEILING_STEPS_MM if is_bridged else 0.0))
+    trap = bridge_ceiling(pocket, (0.0, 0.0), depth, 1.0, hole, reach=width) if is_bridged else pocket
+    block = Box((-width, 0.0, -width), (width, 10.0, width))
+    return difference(block, trap, cylinder("y", (0.0, 0.0), -1.0, 11.0, hole))
+
+
+def lying(solid: Solid) -> float:
+    """Largest unsupported ceiling of a solid that stands on y = 0."""
+    mesh = MeshEvaluator(TOLERANCE).mesh(solid)
+    turned = type(mesh)(mesh.vertices[:, [2, 0, 1]], mesh.triangles)
+    return max((ceiling.unsupported_mm2() for ceiling in find_ceilings(turned)), default=0.0)
+
+
+@pytest.mark.parametrize("thread", THREADS[:-1], ids=lambda thread: thread.label)
+@pytest.mark.parametrize("clearance", [0.0, 1.0])
+def test_ceiling_of_a_nut_trap_is_bridged_for_every_thread(thread: Thread, clearance: float) -> None:
+    """From the narrowest trap with the widest hole of a thread to the widest trap with the narrowest hole."""
+    following = THREADS[THREADS.index(thread) + 1]
+    hole = thread.hole_mm + (1.0 - clearance) * (following.hole_mm - thread.hole_mm - 0.01)
+    narrow, wide = thread.nut_flats_mm + NUT_TRAP_CLEARANCE_MM, thread.nut_flats_mm * MAX_TRAP_RATIO
+    width = max(narrow, wide) if clearance else narrow
+    assert lying(trap_in_block(hole, width, is_bridged=True)) == 0.0
+    if (width - hole) / 2 > MAX_LEDGE_MM:
+        assert lying(trap_in_block(hole, width, is_bridged=False)) > MAX_UNSUPPORTED_MM2
+
+
+def test_steps_of_a_ceiling_have_their_volume_in_closed_form() -> None:
+    evaluator, hole, width = MeshEvaluator(FINE), 1.7, 5.8
+    half = half_slot(hole)
+    for pocket, plain, slot in (
+        (hexagon(3.0, -2.0, width, 0.0, 2.0 + CEILING_STEPS_MM), hexagon(3.0, -2.0, width, 0.0, 2.0),
+         hexagon_slot_area_mm2(width, half)),
+        (cylinder("y", (3.0, -2.0), 0.0, 2.0 + CEILING_STEPS_MM, 3.0), cylinder("y", (3.0, -2.0), 0.0, 2.0, 3.0),
+         disc_slot_area_mm2(3.0, half)),
+    ):  # fmt: skip
+        steps = evaluator.manifold(bridge_ceiling(pocket, (3.0, -2.0), 2.0, 1.0, hole, reach=width)).volume()
+        added = steps - evaluator.manifold(plain).volume()
+        bored = 3.0 * BRIDGE_STEP_MM * math.pi * hole**2
+        assert added - bored == pytest.approx(ceiling_steps_volume_mm3(slot, hole), rel=1e-3)
+
+
+def test_steps_are_as_high_as_a_layer_at_every_scale_of_the_print() -> None:
+    smallest = find_bounds(PARAMETERS["printer.scale_percent"]).minimum
+    assert smallest
+    assert BRIDGE_STEP_MM * smallest / 100.0 > 0.2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["overmold", "sleeve"])
+@pytest.mark.parametrize("name", DESIGNS)
+def test_both_kernels_build_the_same_steps(name: str, method: str) -> None:
+    design = Design.load(design_file(name), changes=[f"mold.method={method}"])
+    mesh, exact = MeshEvaluator(FINE), brep.BrepEvaluator()
+    for solid in (mold.nut_traps(design)[0], chaplet.screw_hole(design)[1]):
+        measured = exact.solid(solid)
+        assert brep.genus(measured) == 0
+        assert brep.volume(measured) == pytest.approx(mesh.manifold(solid).volume(), rel=1e-3)
+
+
+def overhang(part: str, *changes: str, added: Solid | None = None) -> float:
+    """Value of the check for a part of the default design, with something added to it."""
+    design, evaluator = Design.load(changes=changes), MeshEvaluator(TOLERANCE)
+    solid = PARTS[part].solid(design)
+    mesh = evaluator.mesh(scaled(union(solid, added) if added else solid, print_scale(design, PARTS[part])))
+    check = check_overhang(design, evaluator, part, mesh)
+    assert check.name == f"{part}.overhang"
+    assert check.passed == (check.value <= MAX_UNSUPPORTED_MM2)
+    return check.value
+
+
+def test_plain_nut_traps_and_counterbores_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert overhang("mold_palmar") == 0.0
+    assert overhang("mold_dorsal") == 0.0
+    for module in (mold, chaplet):
+        monkeypatch.setattr(module, "bridge_ceiling", lambda pocket, *arguments, **names: pocket)
+    assert overhang("mold_palmar") > 5.0
+    assert overhang("mold_dorsal") > 3.0
+
+
+def test_fin_above_the_collar_fails_and_below_it_does_not() -> None:
+    def fin(z: float) -> Box:
+        return Box((-12.0, -1.0, z), (12.0, 1.0, z + 2.0))
+
+    assert overhang("bone", added=fin(10.0)) > 5.0
+    assert overhang("bone", added=fin(-12.0)) <= MAX_UNSUPPORTED_MM2
+
+
+def test_shelf_in_the_recess_of_the_sensor_fails() -> None:
+    """Below the collar supports may stand outside, but not in the relief of the solder joints."""
+    dims = Design().dimensions
+    z, half, floor = dims.tail_end_z, dims.tail_half_width, dims.channel_depth - dims.flat_depth
+    assert z < -Design().bone.collar_length_mm
+    assert overhang("bone", added=Box((-half - 1.0, -dims.flat_depth, z), (0.0, floor + 2.0, z + 0.5))) > 2.0
+
+
+@pytest.mark.parametrize("scale", [98, 103])
+def test_places_of_supports_follow_the_scale_of_the_print(scale: int) -> None:
+    assert overhang("bone", f"printer.scale_percent={scale}") <= MAX_UNSUPPORTED_MM2

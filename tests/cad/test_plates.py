@@ -1,0 +1,276 @@
+"""Files for the printer: poses, plates read by another library, and checks that find broken ones."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import io
+import json
+import random
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+from zipfile import ZipFile
+
+import numpy as np
+import pytest
+import trimesh
+
+from fingertip.build_files import build
+from fingertip.cad.files import stl, threemf
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.printing.plates import FDM, PLATE_KINDS, SLA, Placed, arrange
+from fingertip.cad.printing.pose import bed_pose
+from fingertip.cad.printing.print_files import PRINT_FOLDER, PrintFiles, make_print_files
+from fingertip.cad.printing.supports import supports_by_part
+from fingertip.cad.shapes.parts import PARTS, Orientation, parts_by_name, print_orientations, print_scale
+from fingertip.cad.solids import scaled
+from fingertip.cad.verification.printing import check_print_files
+from fingertip.design import Design
+from fingertip.design.new_design import PRESETS
+from fingertip.errors import OutputError
+from fingertip.output_set import verify_sets
+from tests.conftest import DESIGNS, design_file, run_fingertip
+
+TOLERANCE = 0.1
+NOTE = "cast in silicone, not to be printed"
+
+
+@functools.cache
+def make(*changes: str, name: str = "fsr400") -> tuple[Design, dict[str, Mesh], dict[str, str], PrintFiles]:
+    """Meshes of a design, the same as text, and the files for the printer."""
+    design, evaluator = Design.load(design_file(name), changes=changes), MeshEvaluator(TOLERANCE)
+    meshes = {
+        name: evaluator.mesh(scaled(part.solid(design), print_scale(design, part)))
+        for name, part in parts_by_name(design).items()
+    }
+    encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}
+    return design, meshes, encoded, make_print_files(design, meshes, encoded, with_stl=True)
+
+
+def failed(design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], prints: PrintFiles) -> set[str]:
+    """Names of the checks that fail."""
+    return {check.name for check in check_print_files(design, meshes, encoded, prints) if not check.passed}
+
+
+def placed_on(plate: bytes) -> dict[str, trimesh.Trimesh]:
+    """Objects of a plate where they stand, as trimesh reads them."""
+    scene = trimesh.load(io.BytesIO(plate), file_type="3mf")
+    assert isinstance(scene, trimesh.Scene)
+    found = {}
+    for node in scene.graph.nodes_geometry:
+        matrix, name = scene.graph[node]
+        mesh = scene.geometry[name].copy()
+        mesh.apply_transform(matrix)
+        found[name] = mesh
+    return found
+
+
+@pytest.mark.parametrize("method", ["overmold", "sleeve"])
+@pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
+def test_plates_of_bundled_designs_hold_all_printed_parts_apart_on_the_bed(name: str, method: str) -> None:
+    design, meshes, encoded, prints = make(f"mold.method={method}", name=name)
+    assert failed(design, meshes, encoded, prints) == set()
+    bed = np.array([design.printer.bed_x_mm, design.printer.bed_y_mm, design.printer.bed_z_mm])
+    for kind in PLATE_KINDS:
+        assert f"plate_{kind.name}.3mf" in prints.plates, "one plate is enough for each bundled design"
+        placed = placed_on(prints.contents[f"plate_{kind.name}.3mf"])
+        assert set(placed) == set(print_orientations(design)) == {n for n in meshes if PARTS[n].is_printed}
+        for part, mesh in placed.items():
+            assert mesh.volume == pytest.approx(meshes[part].volume(), rel=1e-9)
+            assert mesh.bounds[0, 2] == pytest.approx(0.0, abs=1e-9)
+            assert (mesh.bounds[0] > -1e-6).all()
+            assert (mesh.bounds[1] < bed + 1e-6).all()
+        for (_, one), (_, other) in combinations(placed.items(), 2):
+            gap = np.maximum(one.bounds[0] - other.bounds[1], other.bounds[0] - one.bounds[1])[:2].max()
+            assert gap >= kind.gap_mm - 1e-6
+
+
+def test_part_on_a_plate_lies_as_its_own_file_does() -> None:
+    _, _, _, prints = make()
+    placed = placed_on(prints.contents["plate_fdm.3mf"])
+    for name, mesh in placed.items():
+        alone = stl.from_bytes(prints.contents[f"{name}.stl"])
+        assert (alone.vertices.min(axis=0) == 0.0).all()
+        shifted = mesh.vertices - mesh.bounds[0]
+        extents = alone.vertices.max(axis=0)
+        turned = not np.allclose(shifted.max(axis=0), extents, atol=1e-6)
+        assert np.allclose(sorted(shifted.max(axis=0)[:2]), sorted(extents[:2]), atol=1e-6)
+        assert turned or np.allclose(np.sort(shifted[:, 2]), np.sort(alone.vertices[:, 2]), atol=1e-6)
+
+
+def test_halves_lie_on_their_outer_faces_and_the_bone_stands_upright() -> None:
+    design, _, _, prints = make()
+    heights = {
+        name: stl.from_bytes(prints.contents[f"{name}.stl"]).vertices[:, 2].max() for name in print_orientations(design)
+    }
+    layout = design.mold_layout
+    assert heights["mold_palmar"] == pytest.approx(layout.palmar_height, abs=1e-4)
+    assert heights["mold_dorsal"] == pytest.approx(layout.dorsal_height + design.mold.key_height_mm, abs=1e-4)
+    assert heights["bone"] > 2 * design.skin.length_mm - 10.0
+
+
+def test_prints_have_the_scale_of_the_printer() -> None:
+    _, _, _, plain = make()
+    _, _, _, larger = make("printer.scale_percent=102")
+    for name in ("bone", "mold_dorsal"):
+        sizes = [np.ptp(stl.from_bytes(one.contents[f"{name}.stl"]).vertices, axis=0) for one in (plain, larger)]
+        assert sizes[1] == pytest.approx(1.02 * sizes[0], abs=0.05)
+
+
+def test_plates_name_supports_and_settings_of_each_object() -> None:
+    design, _, _, prints = make(name="adult_finger")
+    items = threemf.read_items(prints.contents["plate_fdm.3mf"])
+    supports = supports_by_part(design)
+    assert {item.name: item.note for item in items} == {name: one.note for name, one in supports.items()}
+    with ZipFile(io.BytesIO(prints.contents["plate_fdm.3mf"])) as bundle:
+        config = bundle.read("Metadata/Slic3r_PE_model.config").decode()
+    objects = {
+        re.search(r'key="name" value="(\w+)"', text)[1]: 'key="support_material" value="1"' in text  # type: ignore[index]
+        for text in config.split("<object ")[1:]
+    }
+    assert objects == {name: bool(one.places) for name, one in supports.items()}
+    assert "Metadata/Slic3r_PE_model.config" not in ZipFile(io.BytesIO(prints.contents["plate_sla.3mf"])).namelist()
+
+
+def test_small_bed_takes_several_plates() -> None:
+    design, meshes, encoded, prints = make("printer.bed_x_mm=60", "printer.bed_y_mm=60")
+    assert list(prints.plates) == [f"plate_{kind}_{number}.3mf" for kind in ("fdm", "sla") for number in (1, 2)]
+    assert failed(design, meshes, encoded, prints) == set()
+    for kind in ("fdm", "sla"):
+        held = [part for file, parts in prints.plates.items() if kind in file for part in parts]
+        assert sorted(held) == sorted(print_orientations(design))
+
+
+def test_part_larger_than_the_bed_fails_its_check() -> None:
+    found = failed(*make("printer.bed_x_mm=40", "printer.bed_y_mm=40"))
+    assert found == {"plate_fdm.bed_excess", "plate_sla.bed_excess"}
+
+
+def change_plate(prints: PrintFiles, change: object) -> PrintFiles:
+    """Write the FDM plate again, with a change of its first object."""
+    first, *others = threemf.read_items(prints.contents["plate_fdm.3mf"])
+    items = [change(first), *others]  # type: ignore[operator]
+    return replace(prints, contents={**prints.contents, "plate_fdm.3mf": threemf.write_items("plate", items)})
+
+
+@pytest.mark.parametrize(
+    ("change", "check"),
+    [
+        (lambda item: replace(item, shift=(item.shift[0] + 1.0, *item.shift[1:])), "gap"),
+        (lambda item: replace(item, shift=(*item.shift[:2], item.shift[2] + 0.1)), "bed_distance"),
+        (lambda item: replace(item, shift=(item.shift[0], item.shift[1] - 60.0, item.shift[2])), "bed_excess"),
+        (lambda item: replace(item, name="bone"), "wrong_parts"),
+        (lambda item: replace(item, mesh=item.mesh.replace('v1="', 'v1="1', 1)), "wrong_parts"),
+        (lambda item: replace(item, rotation=np.eye(3)), "bed_distance"),
+    ],
+)
+def test_broken_plate_fails(change: object, check: str) -> None:
+    design, meshes, encoded, prints = make()
+    assert f"plate_fdm.{check}" in failed(design, meshes, encoded, change_plate(prints, change))
+
+
+def test_broken_part_for_the_printer_fails() -> None:
+    design, meshes, encoded, prints = make()
+    bone = stl.from_bytes(prints.contents["bone.stl"])
+    for broken, check in (
+        (replace(bone, vertices=bone.vertices + np.array([0.0, 0.0, 0.25])), "bed_distance"),
+        (replace(bone, triangles=bone.triangles[1:]), "open_edges"),
+        (replace(bone, vertices=bone.vertices * 1.01), "volume_difference"),
+    ):
+        changed = replace(prints, contents={**prints.contents, "bone.stl": stl.to_bytes(broken, "bone")})
+        assert f"bone.print.stl.{check}" in failed(design, meshes, encoded, changed)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_random_parts_are_placed_apart_on_as_few_plates_as_their_area_needs_twice_over(seed: int) -> None:
+    rng = random.Random(seed)
+    bed, gap = (rng.uniform(60.0, 250.0), rng.uniform(60.0, 250.0)), rng.choice((FDM, SLA)).gap_mm
+    sizes = {f"part_{i}": (rng.uniform(2.0, 58.0), rng.uniform(2.0, 58.0)) for i in range(rng.randint(1, 6))}
+    plates = arrange(sizes, bed, gap)
+    assert sorted(part.name for plate in plates for part in plate) == sorted(sizes)
+    assert len(plates) <= len(sizes)
+    for plate in plates:
+        for part in plate:
+            assert -1e-3 <= part.x <= part.x + part.width <= bed[0] + 1e-3
+            assert -1e-3 <= part.y <= part.y + part.depth <= bed[1] + 1e-3
+            assert (part.depth, part.width)[:: 1 if part.is_turned else -1] == sizes[part.name]
+        for one, other in combinations(plate, 2):
+            assert one.distance(other) >= gap - 1e-6
+    assert arrange(sizes, bed, gap) == plates
+    area = sum((width + gap) * (depth + gap) for width, depth in sizes.values())
+    assert len(plates) <= 1 + 3 * area / (bed[0] * bed[1])
+
+
+def test_turn_that_is_no_quarter_is_refused() -> None:
+    mesh = make()[1]["bone"]
+    with pytest.raises(ValueError, match="30 degrees are no quarter turns"):
+        bed_pose(mesh, Orientation(30.0, "its side", needs_supports=False))
+
+
+def test_distance_of_rectangles() -> None:
+    one = Placed("a", False, 0.0, 0.0, 10.0, 10.0)
+    assert one.distance(Placed("b", False, 12.0, 5.0, 3.0, 3.0)) == 2.0
+    assert one.distance(Placed("b", False, 5.0, 13.0, 3.0, 3.0)) == 3.0
+    assert one.distance(Placed("b", False, 2.0, 2.0, 3.0, 3.0)) < 0.0
+
+
+def test_skin_says_that_it_is_not_to_be_printed(tmp_path: Path) -> None:
+    build(Design(), tmp_path, formats=["stl", "3mf"], tolerance_mm=TOLERANCE)
+    assert NOTE in (tmp_path / "skin.stl").read_bytes()[:80].decode()
+    with ZipFile(tmp_path / "skin.3mf") as bundle:
+        assert f'<metadata name="Description">{NOTE}</metadata>' in bundle.read("3D/3dmodel.model").decode()
+    assert NOTE not in (tmp_path / "bone.stl").read_bytes()[:80].decode()
+    assert not list((tmp_path / PRINT_FOLDER).glob("skin*"))
+
+
+def test_folder_for_the_printer_is_a_set_with_the_parts(tmp_path: Path) -> None:
+    result = build(Design(), tmp_path, formats=["stl", "3mf"], tolerance_mm=TOLERANCE)
+    report = json.loads((tmp_path / "report.json").read_text())["print"]
+    files = {path.name for path in (tmp_path / PRINT_FOLDER).iterdir()} - {"manifest.json"}
+    assert {name.removeprefix("print/") for name in report} == files == set(result.prints.contents)
+    for name, entry in report.items():
+        assert entry["sha256"] == hashlib.sha256((tmp_path / name).read_bytes()).hexdigest()
+    assert sorted(report["print/plate_sla.3mf"]["parts"]) == ["bone", "mold_dorsal", "mold_palmar"]
+    assert report["print/bone.stl"]["parts"] == ["bone"]
+    assert verify_sets(tmp_path)[1] == []
+    (tmp_path / PRINT_FOLDER / "bone.stl").write_bytes(b"repaired by hand")
+    assert "bone.stl: was changed" in verify_sets(tmp_path)[1][0]
+    with pytest.raises(OutputError, match=r"print/bone\.stl: was not written by fingertip, or was changed since"):
+        build(Design(), tmp_path, formats=["stl"], tolerance_mm=TOLERANCE)
+    with pytest.raises(OutputError, match=r"print/bone\.stl"):
+        build(Design.load(changes=["name=other"]), tmp_path, formats=["stl"], tolerance_mm=TOLERANCE)
+
+
+def test_files_for_the_printer_belong_to_one_design(tmp_path: Path) -> None:
+    """A build of other parameters removes them, also if it makes none itself."""
+    build(Design(), tmp_path, formats=["stl", "3mf"], tolerance_mm=TOLERANCE)
+    changed = Design.load(changes=["name=other"])
+    other = build(changed, tmp_path, parts=["skin"], formats=["stl"], tolerance_mm=TOLERANCE)
+    assert "print/plate_fdm.3mf" in other.removed
+    assert [path.name for path in (tmp_path / PRINT_FOLDER).iterdir()] == ["manifest.json"]
+    assert verify_sets(tmp_path)[1] == []
+
+
+def test_build_of_some_parts_makes_no_plate(tmp_path: Path) -> None:
+    done = run_fingertip(
+        "build", design_file("fsr400"), "--parts", "bone,skin", "--formats", "stl,3mf", "--tolerance-mm", "0.1",
+        "--out", tmp_path, "-q",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in (tmp_path / PRINT_FOLDER).iterdir()} == {"bone.stl", "manifest.json"}
+    assert "print/                      bone.stl" in done.stdout
+
+
+def test_one_plate_replaces_several_of_the_same_design(tmp_path: Path) -> None:
+    """The number of plates follows from the design alone, but an older version may have needed more."""
+    build(Design(), tmp_path, formats=["3mf"], tolerance_mm=TOLERANCE)
+    manifest = tmp_path / PRINT_FOLDER / "manifest.json"
+    data = json.loads(manifest.read_text())
+    (tmp_path / PRINT_FOLDER / "plate_fdm_2.3mf").write_bytes(b"old")
+    data["files"]["plate_fdm_2.3mf"] = hashlib.sha256(b"old").hexdigest()
+    manifest.write_text(json.dumps(data))
+    again = build(Design(), tmp_path, formats=["3mf"], tolerance_mm=TOLERANCE)
+    assert again.removed == ("print/plate_fdm_2.3mf",)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.shapes import bone, mold
 from fingertip.cad.shapes.chaplet import screw_hole
 from fingertip.cad.shapes.insert import filled_bone, mold_insert
@@ -90,8 +90,8 @@ def _undercut_area_mm2(hollow: Manifold, direction: float) -> float:
 
     An undercut is a surface that faces back towards the parting plane. It would hold the casting in the half.
     """
-    raw: Any = hollow.trim_by_plane((0.0, direction, 0.0), 0.0).to_mesh64()
-    corners = np.asarray(raw.vert_properties)[:, :3][np.asarray(raw.tri_verts, dtype=np.int64)]
+    vertices, triangles = to_arrays(hollow.trim_by_plane((0.0, direction, 0.0), 0.0))
+    corners = vertices[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
     area = np.linalg.norm(normal, axis=1)
     # Triangles in the parting plane itself come from the cut and are left out.

@@ -26,7 +26,7 @@ from fingertip.casting.quantities import (
 from fingertip.casting.retention import skin_pull_off_n
 from fingertip.casting.slicer import LAYER_MM, PrintEstimate
 from fingertip.design import Design
-from fingertip.design.geometry.bone_play import find_losses, sleeve_inset_mm, worst
+from fingertip.design.geometry.bone_play import sleeve_inset_mm, worst
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
 from fingertip.filling.mold_filling import injected_cm3, place_vents, predict_mold_filling
@@ -137,7 +137,7 @@ def _chaplet_data(design: Design) -> dict[str, Any] | None:
 
 def _fit_data(design: Design) -> dict[str, float]:
     """Fit of the sensor in its pocket and of bone or core in the mold, and the skin that they leave."""
-    losses = find_losses(design)
+    losses = design.dimensions.losses
     return {
         "sensor_clearance_mm": design.sensor.clearance_mm,
         "wire_mm": design.sensor.wire_diameter_mm,

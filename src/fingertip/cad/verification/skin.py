@@ -16,7 +16,7 @@ from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z
 from fingertip.cad.verification.enclosing_surface import EnclosingSurface
 from fingertip.cad.verification.surface_deviation import max_facet_deviation
 from fingertip.design import Design
-from fingertip.design.geometry.bone_play import Loss, Motion, find_losses, worst
+from fingertip.design.geometry.bone_play import Loss, Motion, worst
 from fingertip.design.rules.chaplet import MIN_RETAINED, MIN_RETAINED_OVER_SENSOR
 
 if TYPE_CHECKING:
@@ -32,13 +32,17 @@ _SECTIONS = 24
 
 def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator[Check]:
     """Check the thickness of the skin, with the bone in place and off it, and its mesh against the outer surface."""
-    interior = above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM)
-    outside = _outer_surface(design, evaluator)
+    interior, outside = _interior(design, evaluator), _outer_surface(design, evaluator)
     minimum = design.skin.min_thickness_mm - evaluator.tolerance_mm
     yield Check("skin.min_thickness", _thickness(interior, outside), minimum, "mm", "at least")
     yield from _check_play(design, interior, outside, minimum)
     deviation = max_facet_deviation(design.dimensions.outer, mesh.vertices, mesh.triangles)
     yield Check("skin.surface_deviation", deviation, evaluator.tolerance_mm, "mm")
+
+
+def min_thickness(design: Design, evaluator: MeshEvaluator) -> float:
+    """Measure the smallest thickness of the skin [mm]."""
+    return _thickness(_interior(design, evaluator), _outer_surface(design, evaluator))
 
 
 def check_sleeve_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
@@ -50,6 +54,11 @@ def check_sleeve_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
     widest = max(_perimeter(whole, z) for z in heights)
     stretch = widest / narrowest - 1.0
     return Check("skin.fitting_stretch", 100 * stretch, design.mold.max_stretch_percent, "%")
+
+
+def _interior(design: Design, evaluator: MeshEvaluator) -> Manifold:
+    """Evaluate what the skin encloses, above the plane where it is cut square."""
+    return above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM)
 
 
 def _outer_surface(design: Design, evaluator: MeshEvaluator) -> EnclosingSurface:
@@ -67,7 +76,7 @@ def _thickness(interior: Manifold, outside: EnclosingSurface) -> float:
 
 def _check_play(design: Design, interior: Manifold, outside: EnclosingSurface, minimum: float) -> Iterator[Check]:
     """Check the silicone that is left where bone or core lies off as far as its supports allow."""
-    losses = find_losses(design)
+    losses = design.dimensions.losses
     for name, over_sensor, limit in (
         ("over_sensor", True, MIN_RETAINED_OVER_SENSOR), ("elsewhere", False, MIN_RETAINED),
     ):  # fmt: skip

@@ -140,8 +140,8 @@ def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> 
     A sleeve and its core are enlarged by the same factor. Overmolded silicone is not: the bone keeps its size, so
     silicone also fills the space by which the cavity is enlarged around it.
     """
-    cavity_body, insert = evaluator.manifold(cavity(design)), evaluator.manifold(mold_insert(design))
-    cast = cavity_body.volume() - (cavity_body ^ insert).volume()
+    within = evaluator.manifold(intersection(cavity(design), mold_insert(design)))
+    cast = evaluator.manifold(cavity(design)).volume() - within.volume()
     growth = design.dimensions.shrinkage**3
     expected = growth * evaluator.manifold(skin).volume()
     if design.mold.method == "overmold":

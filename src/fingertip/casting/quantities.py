@@ -75,9 +75,7 @@ def measure_volumes(design: Design, evaluator: MeshEvaluator) -> SiliconeVolumes
     openings = evaluator.manifold(union(*runners(design)))
     hollow = evaluator.manifold(intersection(mold.cast_hollow(design), mold.block(design)))
     hollow_mm3 = hollow.volume() - (hollow ^ insert).volume()
-    # The check of the cavity's volume needs the same intersection.
-    within = evaluator.manifold(intersection(skin.cavity(design), mold_insert(design)))
-    skin_mm3 = cavity.volume() - within.volume()
+    skin_mm3 = cavity.volume() - (cavity ^ insert).volume()
     openings_mm3 = ((openings ^ block) - cavity).volume()
     gap_mm3 = max(0.0, hollow_mm3 - skin_mm3 - openings_mm3)
     return SiliconeVolumes(skin_mm3 / 1000.0, openings_mm3 / 1000.0, gap_mm3 / 1000.0)

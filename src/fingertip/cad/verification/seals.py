@@ -28,8 +28,8 @@ _MAX_LEAK_SHARE = 0.5
 """Share of the seat's length that silicone may creep along."""
 _IN_THE_MOLD = ("bone", "lid")
 _FLOOD_TOLERANCE_MM = 0.05
-"""Tolerance of the meshes that are flooded, unless those of the files are coarser [mm]. A flood fill asks which surfaces
-meet, and leaves gaps as wide as the clearance of the recess closed, so it needs no finer ones."""
+"""Tolerance of the meshes that are flooded, unless those of the files are coarser [mm]. A flood fill asks which
+surfaces meet, and takes gaps as wide as the clearance of the recess for closed, so it needs no finer ones."""
 _DEEPER_MM = 0.1
 """Distance below the surface of the bone from which on a hollow counts as reached [mm]."""
 

@@ -7,18 +7,21 @@ from dataclasses import replace
 
 import pytest
 
+from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone, parts
 from fingertip.cad.shapes.insert import skin_interior
 from fingertip.cad.shapes.interface import interface
 from fingertip.cad.shapes.parts import Orientation
+from fingertip.cad.shapes.skin import skin
 from fingertip.cad.solids import Box, Cone, ElbowTube, cylinder, difference, union
 from fingertip.cad.verification import bone as bone_checks
 from fingertip.cad.verification import skin as skin_checks
+from fingertip.cad.verification.skin import check_skin
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import find_losses, worst
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.errors import DesignError
-from tests.cad.part_checks import SLEEVE, SOCKET, failed_checks, run_checks
+from tests.cad.part_checks import SLEEVE, SOCKET, TOLERANCE, failed_checks, run_checks
 
 THICK = [
     "sensor.model=custom", "custom_sensor.thickness_mm=1.2", "sensor.adhesive_thickness_mm=0.5",
@@ -70,9 +73,10 @@ def test_misaligned_skin_thickness_agrees_with_the_design_rule(changes: list[str
 
 def test_loose_bone_leaves_too_thin_a_skin(monkeypatch: pytest.MonkeyPatch) -> None:
     """A play of 0.4 mm on every side moves the bone further than the rules allow."""
-    monkeypatch.setattr(skin_checks, "find_losses", lambda design: find_losses(design, 0.4))
-    failed = failed_checks()
-    assert "skin.retained_elsewhere" in failed
+    design, evaluator = Design(), MeshEvaluator(TOLERANCE)
+    monkeypatch.setitem(vars(design.dimensions), "losses", find_losses(design, 0.4))
+    checks = check_skin(design, evaluator, evaluator.mesh(skin(design)))
+    assert "skin.retained_elsewhere" in {check.name for check in checks if not check.passed}
 
 
 def test_larger_clearance_loses_thickness_and_is_refused() -> None:

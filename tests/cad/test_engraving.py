@@ -68,7 +68,7 @@ def test_all_letters_differ() -> None:
 def test_letters_follow_each_other_at_a_constant_distance() -> None:
     first, second = letter_outlines("I", STROKE_WIDTH), letter_outlines("II", STROKE_WIDTH)
     moved = [tuple(tuple((x + engraving.ADVANCE, y) for x, y in ring) for ring in rings) for rings in first]
-    assert second == [*first, *moved]
+    assert second == (*first, *moved)
     assert engraving.text_width("II") == pytest.approx(10.0)
 
 

@@ -72,7 +72,7 @@ def test_nearby_distance_equals_the_full_distance_near_the_surface() -> None:
     centres = vertices[triangles].mean(axis=1)
     centres = centres[centres[:, 2] > 1.5]  # the flat end is left out of the nearby distance
     near, whole = (
-        surface_deviation._nearby_distance(body, centres),
+        surface_deviation._nearby_distance(surface_patches(body), centres),
         surface_deviation.distance_to_surface(body, centres, steps=3),
     )
     assert 0.1 < near.max() < 0.5

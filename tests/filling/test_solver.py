@@ -8,6 +8,7 @@ import pytest
 from fingertip.arrays import Array
 from fingertip.filling.hele_shaw import Filling, fill
 from fingertip.filling.mouth import mouth_resistance, open_mouth
+from fingertip.filling.row_elimination import RowElimination
 from fingertip.filling.surface_links import Layer, hexahedron_volumes
 from tests.filling.filling_grids import disc, sleeve, slot
 
@@ -162,3 +163,20 @@ def test_volume_of_a_hexahedron_with_warped_faces() -> None:
                 )  # fmt: skip
                 total += wr * ws * wt * float(np.linalg.det(np.stack(columns)))
     assert hexahedron_volumes(inner, outer)[0, 0] == pytest.approx(-total, rel=1e-12)
+
+
+def test_rows_that_stay_wet_give_the_same_solution_as_a_fresh_elimination() -> None:
+    """To the last bit, and it solves the equations: the flow into each wet node is its load."""
+    network = slot(12, 5, 30.0, 6.0, lambda y: 1.0 + 0.1 * y).network
+    loads = np.stack((network.volume_mm3, network.volume_mm3**2), axis=1)
+    rng = np.random.default_rng(3)
+    solver, wet = RowElimination(network, loads), np.ones(len(loads), dtype=bool)
+    for first in (3, 9, 0, 5, 11, 5):
+        wet = wet & network.is_open
+        wet[5 * first : -1] = rng.random(len(wet) - 1 - 5 * first) < 0.7
+        wet[0] = wet[-1] = False
+        solved = solver.solve(wet)
+        np.testing.assert_array_equal(solved, RowElimination(network, loads).solve(wet))
+        for column in range(2):
+            np.testing.assert_allclose(-network.inflow(solved[:, column])[wet], loads[wet, column], rtol=1e-9)
+        assert not solved[~wet].any()

@@ -29,7 +29,7 @@ from fingertip.casting.quantities import (
 from fingertip.casting.retention import skin_pull_off_n
 from fingertip.casting.slicer import LAYER_MM, PrintEstimate
 from fingertip.design import Design
-from fingertip.design.geometry.bone_play import find_losses, sleeve_inset_mm, worst
+from fingertip.design.geometry.bone_play import sleeve_inset_mm, worst
 from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
@@ -141,7 +141,7 @@ def _chaplet_data(design: Design) -> dict[str, Any] | None:
 
 def _fit_data(design: Design) -> dict[str, Any]:
     """Fit of the sensor in its pocket and of bone or core in the mold, and the skin that they leave."""
-    losses, tape = find_losses(design), tape_span_mm(design)
+    losses, tape = design.dimensions.losses, tape_span_mm(design)
     return {
         "seat_tape": (
             {"thickness_mm": design.mold.seat_tape_mm, "from_mm": round(tape[0], 1), "to_mm": round(tape[1], 1)}

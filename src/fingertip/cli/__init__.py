@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 
 import typer
@@ -62,4 +63,6 @@ def main() -> None:
     """Entry point of the `fingertip` command."""
     # The linear systems here have some twenty unknowns: threads of the linear algebra library only delay the start.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # The modules loaded so far stay until the end: the garbage collector need not search them again and again.
+    gc.freeze()
     app()

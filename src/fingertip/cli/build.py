@@ -43,6 +43,9 @@ def build(
     quiet: QuietOption = False,
 ) -> None:
     """Build bone, skin and mold as STL, 3MF and STEP files, check them, and write a report and a casting sheet."""
+    import json
+
+    from fingertip.build_files import REPORT
     from fingertip.build_files import build as build_parts
     from fingertip.cli.load import load_design
 
@@ -59,7 +62,7 @@ def build(
         force=force,
         progress=console.progress,
     )
-    data = result.report() | {"folder": str(result.folder), "removed": list(result.removed)}
+    data = json.loads(result.contents[REPORT]) | {"folder": str(result.folder), "removed": list(result.removed)}
     console.result(data, "\n".join(format_build(result)))
     if not result.passed:
         raise typer.Exit(CHECK_FAILED)

@@ -26,6 +26,7 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.filling.network import FlowNetwork, Mask
+from fingertip.filling.row_elimination import RowElimination
 
 LEVELS = 12
 """Number of injected volumes at which the front is computed, the full cavity included."""
@@ -79,10 +80,11 @@ def fill(network: FlowNetwork, gate: Array, levels: int = LEVELS) -> Filling:
     levels
         Number of injected volumes.
     """
-    fronts = [_full_front(network, gate)]
+    solver = RowElimination(network, np.stack((gate, network.volume_mm3), axis=1))
+    fronts = [_full_front(network, solver)]
     for injected in _volumes(network.total_mm3, levels)[::-1]:
-        front = _solve_front(network, gate, float(injected), _guess(network, fronts[-1], float(injected)))
-        fronts.append(front)
+        guess = _guess(network, fronts[-1], float(injected))
+        fronts.append(_solve_front(network, solver, gate, float(injected), guess))
     return Filling(network, gate, tuple(fronts[::-1]), _conserve(network, _arrival(network, fronts[::-1]), levels))
 
 
@@ -112,18 +114,17 @@ def _guess(network: FlowNetwork, front: Front, injected_mm3: float) -> Mask:
     return wet
 
 
-def _full_front(network: FlowNetwork, gate: Array) -> Front:
+def _full_front(network: FlowNetwork, solver: RowElimination) -> Front:
     """Solve the full cavity: a Neumann problem with one node held at zero, then shifted to the minimum zero.
 
     The pressure is that of the moment before the last node fills.
     """
-    loads = np.stack((gate, network.volume_mm3), axis=1)
     total = network.total_mm3
     wet = network.is_open.copy()
     last = int(np.flatnonzero(wet)[0])
     for _ in range(2):  # the node held at zero is any open one first, then the last to fill
         wet[last] = False
-        solved = network.solve(wet, loads)
+        solved = solver.solve(wet)
         potential = total * solved[:, 0] - solved[:, 1]
         potential[~network.is_open] = np.inf
         wet[last] = True
@@ -133,15 +134,14 @@ def _full_front(network: FlowNetwork, gate: Array) -> Front:
     return Front(total, potential, solved[:, 0], network.is_open.astype(float), 2)
 
 
-def _solve_front(network: FlowNetwork, gate: Array, injected_mm3: float, guess: Mask) -> Front:
+def _solve_front(network: FlowNetwork, solver: RowElimination, gate: Array, injected_mm3: float, guess: Mask) -> Front:
     """Solve one injected volume with the active set, from a guess of the wet region."""
     volume, wet = network.volume_mm3, guess
-    loads = np.stack((gate, volume), axis=1)
     per_volume = np.divide(1.0, volume, out=np.zeros_like(volume), where=network.is_open)
     iterations, is_settled = 0, False
     while not is_settled and iterations < _MAX_ITERATIONS:
         iterations += 1
-        solved = network.solve(wet, loads)
+        solved = solver.solve(wet)
         potential = injected_mm3 * solved[:, 0] - solved[:, 1]
         filled = (network.inflow(potential) + injected_mm3 * gate) * per_volume
         stays = potential > -_ROUNDING * potential.max()

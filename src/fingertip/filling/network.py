@@ -1,4 +1,4 @@
-"""Network of conductances between the nodes of a structured grid, and its linear solver.
+"""Network of conductances between the nodes of a structured grid.
 
 Rows run along the finger, columns around it. A last node, the pole, closes the far end. Each node stands for the part
 of the cavity nearest to it. For unit viscosity the flow through a link is its conductance times the difference of
@@ -92,7 +92,7 @@ class FlowNetwork:
         return replace(self, volume_mm3=np.where(kept, self.volume_mm3, 0.0))
 
     @cached_property
-    def _blocks(self) -> tuple[Array, Array, float]:
+    def blocks(self) -> tuple[Array, Array, float]:
         """Dense blocks of the matrix: each row with itself, each row with the next (negated), the pole's diagonal."""
         rows, columns = self.shape
         a, b, k = self.links
@@ -108,52 +108,3 @@ class FlowNetwork:
         next_row[:, j, right] += self.rising_mm3
         next_row[:, right, j] += self.falling_mm3
         return own, next_row, float(diagonal[-1])
-
-    def solve(self, wet: Mask, loads: Array) -> Array:
-        """Solve sum_j K_ij (u_i - u_j) = load_i on the wet nodes, with u = 0 on all others.
-
-        Block elimination row by row; of each row only the wet nodes are kept. Each connected part of the wet region
-        must have a dry neighbour.
-
-        Parameters
-        ----------
-        wet
-            Nodes to solve for, a vector.
-        loads
-            Right-hand sides, shape (nodes, count).
-        """
-        rows, columns = self.shape
-        own, next_row, pole_diagonal = self._blocks
-        grid = wet[:-1].reshape(rows, columns)
-        load = loads[:-1].reshape(rows, columns, -1)
-        result = np.zeros_like(loads)
-        potential = result[:-1].reshape(rows, columns, -1)
-        inverses: list[Array] = []
-        couplings: list[Array] = []
-        reduced: list[Array] = []
-        chosen: list[NDArray[np.intp]] = []
-        for i in range(rows):
-            index = np.flatnonzero(grid[i])
-            block, right = own[i][index][:, index], load[i][index]
-            if i and len(index) and len(chosen[-1]):
-                coupling = next_row[i - 1][chosen[-1]][:, index]
-                carried = coupling.T @ inverses[-1]
-                block -= carried @ coupling
-                right = right + carried @ reduced[-1]
-            else:
-                coupling = np.zeros((len(chosen[-1]) if i else 0, len(index)))
-            couplings.append(coupling)
-            inverses.append(np.linalg.inv(block) if len(index) else block)
-            reduced.append(right)
-            chosen.append(index)
-        if wet[-1]:
-            link = self.pole_mm3[chosen[-1]]
-            carried = link @ inverses[-1]
-            result[-1] = (loads[-1] + carried @ reduced[-1]) / (pole_diagonal - carried @ link)
-            reduced[-1] = reduced[-1] + link[:, None] * result[-1]
-        value = inverses[-1] @ reduced[-1]
-        potential[-1][chosen[-1]] = value
-        for i in range(rows - 2, -1, -1):
-            value = inverses[i] @ (reduced[i] + couplings[i + 1] @ value)
-            potential[i][chosen[i]] = value
-        return result

@@ -218,9 +218,9 @@ def compute_filling(context: PointContext) -> OutputValues:
 
 def compute_play(context: PointContext) -> OutputValues:
     """Compute the skin that is left where bone or core lies off as far as its supports allow."""
-    from fingertip.design.geometry.bone_play import find_losses, worst
+    from fingertip.design.geometry.bone_play import worst
 
-    losses = find_losses(context.design)
+    losses = context.design.dimensions.losses
     return {
         "retained_over_sensor_percent": 100 * worst(losses, over_sensor=True).retained,
         "retained_elsewhere_percent": 100 * worst(losses, over_sensor=False).retained,
@@ -228,19 +228,10 @@ def compute_play(context: PointContext) -> OutputValues:
 
 
 def compute_thickness(context: PointContext) -> OutputValues:
-    """Compute the minimum thickness of the skin above the plane where it is cut square.
+    """Compute the minimum thickness of the skin above the plane where it is cut square."""
+    from fingertip.cad.verification.skin import min_thickness
 
-    The gap between its inner and its outer surface is searched for up to the maximum thickness.
-    """
-    from fingertip.cad.shapes.insert import skin_interior
-    from fingertip.cad.solids import SuperconicSolid
-    from fingertip.cad.verification.check import PLANE_OFFSET_MM, above_z, complement
-
-    evaluator, outer, skin = context.evaluator(), SuperconicSolid(context.design.dimensions.outer), context.design.skin
-    interior = above_z(evaluator.manifold(skin_interior(context.design)), PLANE_OFFSET_MM)
-    exterior = above_z(complement(evaluator, outer), PLANE_OFFSET_MM)
-    max_thickness = max(getattr(skin, f"thickness_{side}_mm") for side in ("side", "palmar", "dorsal", "tip"))
-    return {"min_skin_thickness_mm": float(interior.min_gap(exterior, max_thickness))}
+    return {"min_skin_thickness_mm": min_thickness(context.design, context.evaluator())}
 
 
 def compute_walls(context: PointContext) -> OutputValues:

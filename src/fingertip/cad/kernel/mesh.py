@@ -108,6 +108,12 @@ def to_manifold(vertices: Array, triangles: Triangles) -> Manifold:
     return Manifold(Mesh64(np.ascontiguousarray(vertices), np.ascontiguousarray(triangles, dtype=np.uint64)))
 
 
+def to_arrays(manifold: Manifold) -> tuple[Array, Triangles]:
+    """Return vertices and triangles of a `manifold3d.Manifold`, as it numbers them."""
+    raw: Any = manifold.to_mesh64()
+    return np.asarray(raw.vert_properties, dtype=np.float64)[:, :3], np.asarray(raw.tri_verts, dtype=np.int64)
+
+
 def to_canonical_mesh(manifold: Manifold) -> Mesh:
     """Convert a `manifold3d.Manifold` to a mesh on the vertex grid, in canonical order.
 
@@ -119,9 +125,8 @@ def to_canonical_mesh(manifold: Manifold) -> Mesh:
     """
     simplified = manifold.simplify(_SHORT_EDGE_MM)
     _raise_unless_valid(simplified)
-    raw: Any = simplified.to_mesh64()
-    vertices = np.round(np.asarray(raw.vert_properties, dtype=np.float64)[:, :3] / GRID_MM) * GRID_MM + 0.0
-    corners = np.asarray(raw.tri_verts, dtype=np.int64)
+    vertices, corners = to_arrays(simplified)
+    vertices = np.round(vertices / GRID_MM) * GRID_MM + 0.0
     _join_slivers(vertices, corners)
     # Sort the vertices and give equal ones the same index.
     order = np.lexsort(vertices.T[::-1])

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -57,6 +58,7 @@ def tessellate(solid: Primitive, tolerance_mm: float) -> tuple[Array, Triangles]
             return _drafted_extrusion(solid, tolerance_mm)
 
 
+@lru_cache(maxsize=1024)
 def arc_segments(a: float, b: float, weight: float, tolerance: float) -> int:
     """Count the chords needed on a conic arc so that none deviates from it by more than `tolerance`.
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -102,7 +103,8 @@ def text_width(text: str) -> float:
     return ADVANCE * len(text) - (ADVANCE - 4.0)
 
 
-def letter_outlines(text: str, stroke_width: float) -> list[Rings]:
+@lru_cache(maxsize=64)
+def letter_outlines(text: str, stroke_width: float) -> tuple[Rings, ...]:
     """Outline the letters of a line of text in grid units, with x to the right and y up.
 
     Returns
@@ -121,7 +123,7 @@ def letter_outlines(text: str, stroke_width: float) -> list[Rings]:
                 for ring in piece.to_polygons()
             ]
             outlines.append(tuple(_rotate_to_minimum(ring) for ring in sorted(rings, key=_area, reverse=True)))
-    return outlines
+    return tuple(outlines)
 
 
 def stroke_rectangles(letter: str, stroke_width: float) -> list[tuple[Point, ...]]:

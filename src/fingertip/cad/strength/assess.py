@@ -102,10 +102,10 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
         If the mesh kernel rejects the bone.
     """
     material = PRINT_MATERIALS[design.strength.print_material]
-    sections = [*_cut(design, evaluator)]
+    sections = [(z, section, _find_concentration(design, z)) for z, section in _cut(design, evaluator)]
     places = [
         [
-            *(_find_stress(design, point, z, section) for z, section in sections if z < point.position_mm[2]),
+            *(_find_stress(design, point, *cut) for cut in sections if cut[0] < point.position_mm[2]),
             *((_bend_flange(design, point),) if design.bone.interface == "flange" else ()),
             *_load_joint(design, point),
         ]
@@ -157,9 +157,8 @@ def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Sect
             yield z, section
 
 
-def _find_stress(design: Design, point: LoadPoint, z: float, section: Section) -> Weakness:
+def _find_stress(design: Design, point: LoadPoint, z: float, section: Section, factors: _Factors) -> Weakness:
     """Find the largest stress that a load at a point gives in a section, over all directions of the load."""
-    factors = _find_concentration(design, z)
     plain = stress_gradients(section, np.array(point.position_mm), z, _find_moment_share(design, z))
     # A load in x bends the section in its width, one in y in its height. One in z bends it in both.
     gradients = plain * [factors.width, factors.height, max(factors.width, factors.height)]
@@ -186,16 +185,11 @@ def stress_gradients(section: Section, point_mm: Array, z_mm: float, moment_shar
         Fraction of the bending moment that reaches the section.
     """
     x, y, z = (float(value) for value in point_mm - np.array([*section.centroid_mm, z_mm]))
-    inverse = np.linalg.inv([
-        [section.second_yy_mm4, section.second_xy_mm4],
-        [section.second_xy_mm4, section.second_xx_mm4],
-    ])  # fmt: skip
-    gradients = []
-    # Components along x and y of the moment r x F of a unit force along each axis.
-    for (mx, my), along in (((0.0, z), 0.0), ((-z, 0.0), 0.0), ((y, -x), 1.0)):
-        a, b = inverse @ np.array([-my, mx])
-        gradients.append(along / section.area_mm2 + moment_share * (section.edge_mm @ np.array([a, b])))
-    return np.stack(gradients, axis=1)
+    # Columns: the moment r x F of a unit force along each axis, turned into the bending of the section along x and y.
+    bending = np.array([[-z, 0.0, x], [0.0, -z, y]])
+    gradients: Array = section.edge_mm @ (moment_share * (section.inverse_second_per_mm4 @ bending))
+    gradients[:, 2] += 1.0 / section.area_mm2
+    return gradients
 
 
 def _find_moment_share(design: Design, z: float) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -29,6 +30,12 @@ class Section:
     """Integral of x y [mm4]; 0 for a section that is symmetric to an axis."""
     edge_mm: Array
     """Corners of the outline, (corners, 2), from the centroid [mm]. Bending stress is largest at one of them."""
+
+    @cached_property
+    def inverse_second_per_mm4(self) -> Array:
+        """Inverse of the matrix of second moments, (2, 2) [1/mm4]."""
+        xx, yy, xy = self.second_xx_mm4, self.second_yy_mm4, self.second_xy_mm4
+        return np.array([[xx, -xy], [-xy, yy]]) / (xx * yy - xy * xy)
 
 
 def measure_section(polygons: Sequence[Array]) -> Section | None:

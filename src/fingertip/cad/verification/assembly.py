@@ -144,20 +144,20 @@ def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> 
     """Compute |cavity - core - silicone that shrinks to the skin| [mm3].
 
     A sleeve and its core are enlarged by the same factor. Overmolded silicone is not: the bone keeps its size, so
-    silicone also fills the space by which the cavity is enlarged around it.
+    silicone also fills the space by which the cavity is enlarged around it. With the boss, the cavity then is the
+    enlarged outline of the skin and of what does not shrink within it.
     """
-    cavity_body, insert = evaluator.manifold(cavity(design)), evaluator.manifold(mold_insert(design))
-    cast = cavity_body.volume() - (cavity_body ^ insert).volume()
-    growth = design.dimensions.shrinkage**3
-    expected = growth * evaluator.manifold(skin).volume()
-    if design.mold.method == "overmold":
-        outline, rigid = (
-            evaluator.manifold(cavity_outline(design)),
-            evaluator.manifold(union(mold_insert(design), *boss(design))),
-        )
-        finished = outline.scale((1.0 / design.dimensions.shrinkage,) * 3)
-        expected += growth * (finished ^ rigid).volume() - (outline ^ rigid).volume()
-    return abs(float(cast - expected))
+    growth, silicone = design.dimensions.shrinkage**3, evaluator.manifold(skin).volume()
+    room = evaluator.manifold(cavity(design)).volume()
+    if design.mold.method == "sleeve":
+        core = evaluator.manifold(intersection(cavity(design), mold_insert(design))).volume()
+        return abs(float(room - core - growth * silicone))
+    bosses = boss(design)
+    if bosses:
+        room += evaluator.manifold(intersection(cavity_outline(design), union(*bosses))).volume()
+    finished = evaluator.manifold(SuperconicSolid(design.dimensions.outer))
+    rigid = (finished ^ evaluator.manifold(union(mold_insert(design), *bosses))).volume()
+    return abs(float(room - growth * (silicone + rigid)))
 
 
 def _demolding_overlap(half: Manifold, cast: Manifold, direction: float) -> float:

@@ -22,6 +22,8 @@ PLANE_OFFSET_MM = 0.02
 """Distance of a cut from a plane on which solids end [mm]. In the plane itself they would touch."""
 
 
+_REACH_GROWTH = 1.25
+"""Factor from one search for a distance to the next. The time of a search grows with about the cube of its reach."""
 _MAX_REACH_MM = 500.0
 """Reach of a search that exceeds the size of every design [mm]."""
 
@@ -86,12 +88,12 @@ def search_distance(measure: Callable[[float], float], first_reach_mm: float) ->
     measure
         Function that searches up to a reach [mm] and returns the distance, or the reach if the distance is larger.
     first_reach_mm
-        Reach of the first search [mm]. It doubles until the distance is found, or exceeds every design, as happens if a
+        Reach of the first search [mm]. It grows until the distance is found, or exceeds every design, as happens if a
         solid is empty.
     """
     reach_mm = first_reach_mm
     while (distance := measure(reach_mm)) >= reach_mm and reach_mm < _MAX_REACH_MM:
-        reach_mm *= 2.0
+        reach_mm *= _REACH_GROWTH
     return distance
 
 

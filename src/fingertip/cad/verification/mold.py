@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.shapes import bone, mold
 from fingertip.cad.shapes.chaplet import screw_hole
 from fingertip.cad.shapes.insert import filled_bone, mold_insert
@@ -20,7 +21,7 @@ from fingertip.cad.verification.check import (
     Check,
     check_min_distance,
     check_zero_volume,
-    complement,
+    search_distance,
 )
 from fingertip.design import Design
 from fingertip.filling.mold_filling import place_vents
@@ -48,8 +49,9 @@ when they are pressed together."""
 def check_mold(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     """Check both halves of the mold."""
     yield from _check_openings(design, evaluator)
-    yield from _check_recess_clearance(design, evaluator)
-    yield from _check_draft(design, evaluator)
+    clearances = _measure_recess(design, evaluator)
+    yield from _check_recess_clearance(design, evaluator, clearances)
+    yield from _check_draft(design, evaluator, clearances)
     if design.mold.method == "overmold" and not design.dimensions.window_opens_into_gap:
         yield _check_cable_channel(design, evaluator)
     if design.mold.filling == "gravity":
@@ -90,8 +92,8 @@ def _undercut_area_mm2(hollow: Manifold, direction: float) -> float:
 
     An undercut is a surface that faces back towards the parting plane. It would hold the casting in the half.
     """
-    raw: Any = hollow.trim_by_plane((0.0, direction, 0.0), 0.0).to_mesh64()
-    corners = np.asarray(raw.vert_properties)[:, :3][np.asarray(raw.tri_verts, dtype=np.int64)]
+    vertices, triangles = to_arrays(hollow.trim_by_plane((0.0, direction, 0.0), 0.0))
+    corners = vertices[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
     area = np.linalg.norm(normal, axis=1)
     # Triangles in the parting plane itself come from the cut and are left out.
@@ -99,14 +101,25 @@ def _undercut_area_mm2(hollow: Manifold, direction: float) -> float:
     return float(area[faces_back].sum())
 
 
-def _check_recess_clearance(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+def _measure_recess(design: Design, evaluator: MeshEvaluator) -> tuple[float, float]:
+    """Measure the clearances [mm] of palmar and dorsal half around the base of bone or core."""
+    base = _insert_base(design, evaluator)
+    palmar, dorsal = (
+        search_distance(partial(base.min_gap, evaluator.manifold(half(design))), design.mold.fit_clearance_mm)
+        for half in (mold.mold_palmar, mold.mold_dorsal)
+    )
+    return palmar, dorsal
+
+
+def _check_recess_clearance(
+    design: Design, evaluator: MeshEvaluator, clearances: tuple[float, float]
+) -> Iterator[Check]:
     """Check the clearance between each half and the base of bone or core in the recess."""
     minimum = _FIT_RATIO * design.mold.fit_clearance_mm - evaluator.tolerance_mm
     if minimum <= 0.0:
         return  # the mesh is too coarse to measure the clearance; the overlap checks still apply
-    base = _insert_base(design, evaluator)
-    for name, half in (("mold_palmar", mold.mold_palmar), ("mold_dorsal", mold.mold_dorsal)):
-        yield check_min_distance(f"{name}.recess_clearance", base, evaluator.manifold(half(design)), minimum)
+    for half, clearance in zip(("mold_palmar", "mold_dorsal"), clearances, strict=True):
+        yield Check(f"{half}.recess_clearance", clearance, minimum, "mm", "at least")
 
 
 def _insert_base(design: Design, evaluator: MeshEvaluator) -> Manifold:
@@ -114,7 +127,7 @@ def _insert_base(design: Design, evaluator: MeshEvaluator) -> Manifold:
     return evaluator.manifold(mold_insert(design)).trim_by_plane((0.0, 0.0, -1.0), PLANE_OFFSET_MM)
 
 
-def _check_draft(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+def _check_draft(design: Design, evaluator: MeshEvaluator, clearances: tuple[float, float]) -> Iterator[Check]:
     """Check that the distance to every rigid surface grows as soon as a half is pulled off.
 
     A wall with the draft angle d gains sin(d) times the distance pulled; a wall without draft gains nothing and rubs
@@ -126,12 +139,12 @@ def _check_draft(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     base = _insert_base(design, evaluator)
     keys = dorsal.trim_by_plane((0.0, -1.0, 0.0), PLANE_OFFSET_MM)
     search = design.mold.fit_clearance_mm + design.mold.key_clearance_mm + 2 * gain
-    for name, half, other, distance in (
-        ("mold_palmar.draft_clearance_gain.bone", palmar, base, -pull),
-        ("mold_dorsal.draft_clearance_gain.bone", dorsal, base, pull),
-        ("mold_palmar.draft_clearance_gain.keys", palmar, keys, -pull),
+    for name, half, other, closed, distance in (
+        ("mold_palmar.draft_clearance_gain.bone", palmar, base, clearances[0], -pull),
+        ("mold_dorsal.draft_clearance_gain.bone", dorsal, base, clearances[1], pull),
+        ("mold_palmar.draft_clearance_gain.keys", palmar, keys, palmar.min_gap(keys, search), -pull),
     ):
-        gained = half.translate((0.0, distance, 0.0)).min_gap(other, search) - half.min_gap(other, search)
+        gained = half.translate((0.0, distance, 0.0)).min_gap(other, search) - min(closed, search)
         yield Check(name, gained, gain - evaluator.tolerance_mm, "mm", "at least")
 
 
@@ -160,8 +173,8 @@ def _check_air_trap(design: Design, evaluator: MeshEvaluator) -> Check:
 def _check_cavity_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     """Check the walls around the cavity, and the land: the sealing surface between cavity and bolts or keys."""
     wall = design.printer.min_wall_mm - evaluator.tolerance_mm
-    cavity_body, outside = evaluator.manifold(cavity(design)), complement(evaluator, mold.block(design))
-    yield check_min_distance("mold.wall.cavity_to_outside", cavity_body, outside, wall)
+    cavity_body, block = evaluator.manifold(cavity(design)), evaluator.manifold(mold.block(design))
+    yield Check("mold.wall.cavity_to_outside", _distance_to_faces(cavity_body, block), wall, "mm", "at least")
     cutouts = evaluator.manifold(mold.outer_cutouts(design))
     yield check_min_distance("mold.wall.cavity_to_cutouts", cavity_body, cutouts, wall)
     # The sockets are wider than the keys by their clearance.
@@ -211,7 +224,7 @@ def _check_fasteners(design: Design, evaluator: MeshEvaluator) -> Iterator[Check
     bolt_holes = evaluator.manifold(union(*mold.bolt_holes(design), *mold.nut_traps(design)))
     sockets = evaluator.manifold(union(*mold.key_sockets(design)))
     yield Check("mold.wall.bolts_to_outside", _distance_to_sides(bolt_holes, block), wall, "mm", "at least")
-    yield check_min_distance("mold.wall.keys_to_outside", sockets, complement(evaluator, mold.block(design)), wall)
+    yield Check("mold.wall.keys_to_outside", _distance_to_faces(sockets, block), wall, "mm", "at least")
     yield check_min_distance("mold.wall.keys_to_bolts", sockets, bolt_holes, wall)
 
     palmar, dorsal = (evaluator.manifold(half(design)) for half in (mold.mold_palmar, mold.mold_dorsal))
@@ -222,6 +235,15 @@ def _check_fasteners(design: Design, evaluator: MeshEvaluator) -> Iterator[Check
     reversed_keys = protruding.rotate((0.0, 180.0, 0.0)).translate((low[0] + high[0], 0.0, low[2] + high[2]))
     blocking = (reversed_keys ^ palmar).volume()
     yield Check("mold.reversed_assembly_overlap", blocking, _MIN_BLOCKING_VOLUME_MM3, "mm3", "at least")
+
+
+def _distance_to_faces(inner: Manifold, block: Manifold) -> float:
+    """Compute the smallest distance [mm] from a solid within the block to its six faces; 0 if it reaches through one.
+
+    The faces are normal to the axes, so the distance follows from both bounding boxes.
+    """
+    i, b = inner.bounding_box(), block.bounding_box()
+    return float(max(0.0, min(min(i[axis] - b[axis], b[axis + 3] - i[axis + 3]) for axis in range(3))))
 
 
 def _distance_to_sides(inner: Manifold, block: Manifold) -> float:

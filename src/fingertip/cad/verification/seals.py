@@ -27,6 +27,9 @@ from fingertip.filling.predict import head_pressure_pa
 _MAX_LEAK_SHARE = 0.5
 """Share of the seat's length that silicone may creep along."""
 _IN_THE_MOLD = ("bone", "lid")
+_FLOOD_TOLERANCE_MM = 0.05
+"""Tolerance of the meshes that are flooded, unless those of the files are coarser [mm]. A flood fill asks which
+surfaces meet, and takes gaps as wide as the clearance of the recess for closed, so it needs no finer ones."""
 _DEEPER_MM = 0.1
 """Distance below the surface of the bone from which on a hollow counts as reached [mm]."""
 
@@ -40,14 +43,18 @@ def check_seals(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
 
 def flooded_mm3(design: Design, evaluator: MeshEvaluator) -> float:
     """Compute the volume that silicone in the cavity can reach outside it and in hollows of the bone [mm3]."""
-    present = parts_by_name(design)
+    if evaluator.tolerance_mm < _FLOOD_TOLERANCE_MM:
+        evaluator = MeshEvaluator(_FLOOD_TOLERANCE_MM)
+    present, recess = parts_by_name(design), base_recess(design, 0.0)
     inside = [present[name].solid(design) for name in _IN_THE_MOLD if name in present]
     solid = union(*inside, bone.sensor_body(design), *seals(design))
-    room = evaluator.manifold(difference(union(cavity(design), *base_recess(design, 0.0)), solid))
-    in_cavity = evaluator.manifold(cavity(design))
+    room = evaluator.manifold(difference(union(cavity(design), *recess), solid))
     flooded = max(room.decompose(), key=lambda body: float(body.volume()))  # the skin, or what it leaks into
+    # Above the recess all of the room lies in the cavity. Below, the two share few of the surfaces that take time.
+    top = max(evaluator.manifold(part).bounding_box()[5] for part in recess)
+    low = flooded.trim_by_plane((0.0, 0.0, -1.0), -top)
+    outside = low.volume() - (low ^ evaluator.manifold(cavity(design))).volume()
     hollows = evaluator.manifold(_hollows(design))
-    outside = flooded.volume() - (flooded ^ in_cavity).volume()
     return float(outside + (flooded ^ hollows).volume())
 
 

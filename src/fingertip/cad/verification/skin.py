@@ -9,20 +9,14 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_arrays
 from fingertip.cad.shapes.insert import filled_bone, skin_interior
 from fingertip.cad.solids import SuperconicSolid
-from fingertip.cad.verification.check import (
-    PLANE_OFFSET_MM,
-    Check,
-    above_z,
-    check_min_distance,
-    complement,
-    search_distance,
-)
+from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z
+from fingertip.cad.verification.enclosing_surface import EnclosingSurface
 from fingertip.cad.verification.surface_deviation import max_facet_deviation
 from fingertip.design import Design
-from fingertip.design.geometry.bone_play import Loss, Motion, find_losses, worst
+from fingertip.design.geometry.bone_play import Loss, Motion, worst
 from fingertip.design.rules.chaplet import MIN_RETAINED, MIN_RETAINED_OVER_SENSOR
 
 if TYPE_CHECKING:
@@ -32,21 +26,23 @@ _STEEP = 0.5
 """Component of a normal from which on it points to the dorsal or palmar side, or to the tip."""
 _PERCENT_SLACK = 1e-3
 """Rounding error of a share that the rules have accepted [%]."""
-_FIRST_REACH_RATIO = 1.1
-"""Reach of the first search for the thickness off its place, relative to the expected one. It usually suffices."""
 _SECTIONS = 24
 """Sections along the straight part of a sleeve whose perimeters are measured."""
 
 
 def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator[Check]:
     """Check the thickness of the skin, with the bone in place and off it, and its mesh against the outer surface."""
-    interior = above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM)
-    exterior = above_z(complement(evaluator, SuperconicSolid(design.dimensions.outer)), PLANE_OFFSET_MM)
+    interior, outside = _interior(design, evaluator), _outer_surface(design, evaluator)
     minimum = design.skin.min_thickness_mm - evaluator.tolerance_mm
-    yield check_min_distance("skin.min_thickness", interior, exterior, minimum)
-    yield from _check_play(design, interior, exterior, minimum)
+    yield Check("skin.min_thickness", _thickness(interior, outside), minimum, "mm", "at least")
+    yield from _check_play(design, interior, outside, minimum)
     deviation = max_facet_deviation(design.dimensions.outer, mesh.vertices, mesh.triangles)
     yield Check("skin.surface_deviation", deviation, evaluator.tolerance_mm, "mm")
+
+
+def min_thickness(design: Design, evaluator: MeshEvaluator) -> float:
+    """Measure the smallest thickness of the skin [mm]."""
+    return _thickness(_interior(design, evaluator), _outer_surface(design, evaluator))
 
 
 def check_sleeve_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
@@ -60,24 +56,33 @@ def check_sleeve_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
     return Check("skin.fitting_stretch", 100 * stretch, design.mold.max_stretch_percent, "%")
 
 
-def _check_play(design: Design, interior: Manifold, exterior: Manifold, minimum: float) -> Iterator[Check]:
+def _interior(design: Design, evaluator: MeshEvaluator) -> Manifold:
+    """Evaluate what the skin encloses, above the plane where it is cut square."""
+    return above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM)
+
+
+def _outer_surface(design: Design, evaluator: MeshEvaluator) -> EnclosingSurface:
+    """Outer surface of the skin without its flat end, where the skin is open."""
+    vertices, triangles = to_arrays(evaluator.manifold(SuperconicSolid(design.dimensions.outer)))
+    in_flat_end = (vertices[triangles][:, :, 2] == vertices[:, 2].min()).all(axis=1)
+    return EnclosingSurface(vertices, triangles[~in_flat_end])
+
+
+def _thickness(interior: Manifold, outside: EnclosingSurface) -> float:
+    """Measure the smallest thickness [mm] between a skin's interior and its outer surface; 0 where they meet."""
+    corners, _ = to_arrays(interior)
+    return max(0.0, outside.distance_to(corners))
+
+
+def _check_play(design: Design, interior: Manifold, outside: EnclosingSurface, minimum: float) -> Iterator[Check]:
     """Check the silicone that is left where bone or core lies off as far as its supports allow."""
-    losses = find_losses(design)
+    losses = design.dimensions.losses
     for name, over_sensor, limit in (
         ("over_sensor", True, MIN_RETAINED_OVER_SENSOR), ("elsewhere", False, MIN_RETAINED),
     ):  # fmt: skip
         retained = 100 * worst(losses, over_sensor).retained
         yield Check(f"skin.retained_{name}", retained, 100 * limit - _PERCENT_SLACK, "%", "at least")
-    moved = [_move(interior, loss.motion) for loss in _worst_by_direction(design, losses)]
-
-    def measure(reach_mm: float) -> float:
-        """Measure the smallest thickness in all positions, or return the reach if none is smaller."""
-        for solid in moved:
-            reach_mm = min(reach_mm, solid.min_gap(exterior, reach_mm))
-        return reach_mm
-
-    expected = min(loss.left_mm for loss in losses)
-    thickness = search_distance(measure, _FIRST_REACH_RATIO * max(expected, minimum))
+    thickness = min(_thickness(_move(interior, loss.motion), outside) for loss in _worst_by_direction(design, losses))
     yield Check("skin.min_thickness_misaligned", thickness, minimum, "mm", "at least")
 
 

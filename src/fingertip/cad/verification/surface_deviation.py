@@ -7,7 +7,8 @@ patch, which are clamped to it. The distance from the surface is the smallest di
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -21,6 +22,8 @@ STEPS = 12
 _NEARBY_STEPS = 3
 """Gauss-Newton steps that suffice for points very near the surface."""
 _REACH_MM = 1.5  # exceeds the deviation of every facet, since the tolerance is at most 1 mm
+_PARAMETERS = np.linspace(0.0, 1.0, 4001)
+"""Parameters at which curves are sampled for a first estimate of the nearest point."""
 _ON_SURFACE_MM = 1e-4  # vertices nearer than this lie on the surface; the vertex grid is ten times finer
 
 
@@ -30,14 +33,14 @@ def max_facet_deviation(body: ConicBody, vertices: Array, triangles: NDArray[np.
     Only facets whose corners lie on the surface are measured. A surface of constant curvature is farthest from a facet
     at its centre. Few Gauss-Newton steps are needed so near the surface.
     """
-    corners = vertices[triangles]
-    on_surface = (_nearby_distance(body, vertices) < _ON_SURFACE_MM)[triangles].all(axis=1)
+    corners, patches = vertices[triangles], [*surface_patches(body)]
+    on_surface = (_nearby_distance(patches, vertices) < _ON_SURFACE_MM)[triangles].all(axis=1)
     level = np.ptp(corners[:, :, 2], axis=1) == 0.0  # facets of the flat end are exact
     centres = corners[on_surface & ~level].mean(axis=1)
-    return float(_nearby_distance(body, centres).max()) if len(centres) else 0.0
+    return float(_nearby_distance(patches, centres).max()) if len(centres) else 0.0
 
 
-def _nearby_distance(body: ConicBody, points: Array) -> Array:
+def _nearby_distance(patches: Iterable[Patch], points: Array) -> Array:
     """Measure the distance [mm] of points that lie near the surface, each from the patches it lies over.
 
     For points farther away the result is an upper bound, or infinite. The flat end is left out.
@@ -45,7 +48,7 @@ def _nearby_distance(body: ConicBody, points: Array) -> Array:
     folded = points.copy()
     folded[:, 0] = np.abs(folded[:, 0])
     best = np.full(len(points), np.inf)
-    for patch in surface_patches(body):
+    for patch in patches:
         nearby = patch.in_range(folded, _REACH_MM)
         best[nearby] = np.minimum(best[nearby], patch.distance(folded[nearby], steps=_NEARBY_STEPS))
     return best
@@ -77,14 +80,13 @@ class Patch:
     """
 
     def __init__(self, a: float, b: float, weight: float, profile: tuple[tuple[float, float, float], ...]) -> None:
-        self.a, self.b, self.weight, self.profile = a, b, weight, profile
+        self.a, self.b, self.profile = a, b, profile
+        self._section = ((1.0, 0.0, 1.0), (1.0, 1.0, weight), (0.0, 1.0, 1.0))
 
     def evaluate(self, t: Array, v: Array) -> tuple[Array, Array, Array]:
         """Evaluate points of the patch and their derivatives by t and v, each of shape (n, 3)."""
-        x, dx = _rational(t, ((1.0, 1.0), (1.0, self.weight), (0.0, 1.0)))
-        y, dy = _rational(t, ((0.0, 1.0), (1.0, self.weight), (1.0, 1.0)))
-        z, dz = _rational(v, tuple((z, w) for z, _, w in self.profile))
-        s, ds = _rational(v, tuple((s, w) for _, s, w in self.profile))
+        (x, dx), (y, dy) = _rational(t, self._section)
+        (z, dz), (s, ds) = _rational(v, self.profile)
         x, dx, y, dy = self.a * x, self.a * dx, self.b * y, self.b * dy
         zero = np.zeros_like(z)
         return (
@@ -123,27 +125,36 @@ class Patch:
 
     def _start(self, points: Array) -> tuple[Array, Array]:
         """Estimate the parameters of the nearest point: same height, and about the same direction from the axis."""
-        lengthwise = np.linspace(0.0, 1.0, 4001)
-        z, _ = _rational(lengthwise, tuple((z, w) for z, _, w in self.profile))
-        s, _ = _rational(lengthwise, tuple((s, w) for _, s, w in self.profile))
-        v = np.interp(points[:, 2], z, lengthwise)
-        scale = np.maximum(np.interp(v, lengthwise, s), 1e-9)
-        across = np.linspace(0.0, 1.0, 4001)
-        x, _ = _rational(across, ((1.0, 1.0), (1.0, self.weight), (0.0, 1.0)))
-        y, _ = _rational(across, ((0.0, 1.0), (1.0, self.weight), (1.0, 1.0)))
+        heights, scales, angles = self._samples
+        v = np.interp(points[:, 2], heights, _PARAMETERS)
+        scale = np.maximum(np.interp(v, _PARAMETERS, scales), 1e-9)
         angle = np.arctan2(np.maximum(points[:, 1] / (self.b * scale), 0.0), points[:, 0] / (self.a * scale))
-        return np.interp(angle, np.arctan2(y, x), across), v
+        return np.interp(angle, angles, _PARAMETERS), v
+
+    @cached_property
+    def _samples(self) -> tuple[Array, Array, Array]:
+        """Height [mm] and scale along the profile, and angle [rad] along the section arc, at `_PARAMETERS`."""
+        (x, _), (y, _) = _rational(_PARAMETERS, self._section)
+        (z, _), (s, _) = _rational(_PARAMETERS, self.profile)
+        return z, s, np.arctan2(y, x)
 
 
-def _rational(t: Array, poles: tuple[tuple[float, float], ...]) -> tuple[Array, Array]:
-    """Evaluate a rational Bezier curve of degree 1 or 2 and its derivative; `poles` are (value, weight) pairs."""
-    u = 1.0 - t
-    basis = (u, t) if len(poles) == 2 else (u * u, 2.0 * u * t, t * t)
-    slope = (-np.ones_like(t), np.ones_like(t)) if len(poles) == 2 else (-2.0 * u, 2.0 * (u - t), 2.0 * t)
-    values, weights = (np.array(column) for column in zip(*poles, strict=True))
-    d, dd = (np.tensordot(weights, np.array(rows), 1) for rows in (basis, slope))
-    n, dn = (np.tensordot(values * weights, np.array(rows), 1) for rows in (basis, slope))
-    return n / d, (dn - n / d * dd) / d
+def _rational(t: Array, poles: Iterable[tuple[float, float, float]]) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Evaluate both coordinates of a plane rational Bezier curve of degree 1 or 2, each with its derivative.
+
+    The poles are two coordinates and a weight.
+    """
+    *coordinates, weights = (np.array(column) for column in zip(*poles, strict=True))
+    u, is_line = 1.0 - t, len(weights) == 2
+    basis = np.array((u, t) if is_line else (u * u, 2.0 * u * t, t * t))
+    slope = np.array((-np.ones_like(t), np.ones_like(t)) if is_line else (-2.0 * u, 2.0 * (u - t), 2.0 * t))
+    d, dd = weights @ basis, weights @ slope
+    first, second = ((values * weights) @ basis / d for values in coordinates)
+    by_first, by_second = (
+        ((values * weights) @ slope - value * dd) / d
+        for values, value in zip(coordinates, (first, second), strict=True)
+    )
+    return (first, by_first), (second, by_second)
 
 
 def surface_patches(body: ConicBody) -> Iterator[Patch]:

@@ -10,6 +10,7 @@ import math
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from fingertip.design.geometry.bone_play import Loss, find_losses
 from fingertip.design.geometry.chaplet import Chaplet, place_chaplet
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
 from fingertip.design.geometry.joint import NOTCH_WIDTH_MM, Joint, TendonAnchor
@@ -321,6 +322,11 @@ class Dimensions:
     def shrinkage(self) -> float:
         """Linear size of the cavity divided by that of the cured skin."""
         return 1.0 / (1.0 - self._design.mold.silicone_shrinkage_percent / 100.0)
+
+    @cached_property
+    def losses(self) -> tuple[Loss, ...]:
+        """Worst losses of silicone where bone or core lies off as far as its supports allow."""
+        return find_losses(self._design)
 
     def sensor_rim_margin(self, rim_mm: float, clearance_mm: float) -> float:
         """Compute the margin between the flat's edge and the circle that the sensor's head and its rim need.

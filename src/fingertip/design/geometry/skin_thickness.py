@@ -6,9 +6,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from fingertip.design.geometry.conic import CrossSection, arc_point
-from fingertip.design.geometry.dimensions import Dimensions
+
+if TYPE_CHECKING:
+    from fingertip.design.geometry.dimensions import Dimensions
 
 _POINTS, _CHORDS = 24, 48
 """Points and chords of a quarter of an outline. The sag of a chord is 1e-3 mm on a finger."""

@@ -51,7 +51,7 @@ def chaplet_stands_on_bone(design: DesignTables) -> Violation | None:
 @RULES.rule("mold.fit_clearance_mm", *SOUND_SECTIONS, collar_carries_skin, chaplet_stands_on_bone)
 def bone_is_held(design: DesignTables) -> Violation | None:
     """A bone or core that lies off as far as its supports allow leaves most of the skin, everywhere."""
-    losses = find_losses(design)
+    losses = design.dimensions.losses
     sensor, elsewhere = worst(losses, over_sensor=True), worst(losses, over_sensor=False)
     least = min(loss.left_mm for loss in losses)
     nominal = min(loss.point.thickness_mm for loss in losses)

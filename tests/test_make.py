@@ -36,7 +36,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> None:
     """Parts and board have the bytes that `build` and `board` write; the trace is that of `simulate`."""
     design = Design.load("fsr400")
-    build(design, tmp_path / "single", formats=["stl"])
+    build(design, tmp_path / "single", formats=["stl"], pictures=True)
     write_board(design, tmp_path / "single" / "board")
     trace = tmp_path / "trace.csv"
     assert run_fingertip("simulate", "fsr400", "--out", trace).returncode == 0
@@ -50,11 +50,11 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
 
 def test_all_sets_are_as_written(made: Path) -> None:
     count, differences = verify_sets(made)
-    assert (count, differences) == (len(files_below(made)) - 4, [])  # all but the four manifests
+    assert (count, differences) == (len(files_below(made)) - 5, [])  # all but the five manifests
 
 
 def test_own_file_in_any_set_is_found_before_anything_is_written(tmp_path: Path) -> None:
-    for name in ("bone.stl", "print/bone.stl", "board/bom.csv", "signal/trace.csv"):
+    for name in ("bone.stl", "print/bone.stl", "steps/01-cure_test.png", "board/bom.csv", "signal/trace.csv"):
         folder = tmp_path / name.replace("/", "_")
         (folder / name).parent.mkdir(parents=True)
         (folder / name).write_bytes(b"mine")

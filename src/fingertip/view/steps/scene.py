@@ -60,7 +60,7 @@ class Arrow:
 
 @dataclass(frozen=True)
 class Scene:
-    """What a picture shows."""
+    """Content of a picture: meshes, the camera that sees them, and what is written beside them."""
 
     shown: tuple[Shown, ...]
     camera: Camera

@@ -1,8 +1,8 @@
 """Everything of a design in one go: parts, board, one simulated trial and the slip detected in it.
 
-The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps in `steps/`. The
-board is in `board/`, the trial in `signal/`. Each is a set of its own. While the B-rep kernel works on the STEP files
-in a second process, this process makes the others.
+The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps in `steps/`, and
+the acceptance sheet beside them. The board is in `board/`, the trial in `signal/`. Each is a set of its own. While the
+B-rep kernel works on the STEP files in a second process, this process makes the others.
 """
 
 from __future__ import annotations
@@ -15,14 +15,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fingertip import extras
+from fingertip.acceptance.sheet import acceptance_data, render_acceptance
 from fingertip.board.output import BOARD_FILES, board_files, board_writer
-from fingertip.build_files import Build, build
+from fingertip.build_files import Build, build, parts_writer
 from fingertip.design import Design
 from fingertip.sim.trace_export import DETECTION, PLOT, SIGNAL_FOLDER, TRACE, encode_trace, signal_writer
 
 if TYPE_CHECKING:
     from fingertip.detect_trace import FileDetection
     from fingertip.output_set import SetWriter
+
+
+ACCEPTANCE = "acceptance.md"
+"""Acceptance sheet, beside the casting sheet."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +73,8 @@ def make(
     """
     folder = Path("out") / design.name if out is None else Path(out)
     board, signal = board_writer(design, folder / "board", force), signal_writer(design, folder / SIGNAL_FOLDER, force)
+    sheets = parts_writer(design, folder, force)
+    sheets.check((ACCEPTANCE,))
     board.check(BOARD_FILES)
     signal.check((TRACE, PLOT, DETECTION))
     others: list[tuple[SetWriter, Mapping[str, bytes]]] = []
@@ -76,8 +83,9 @@ def make(
     def make_the_others() -> None:
         progress("making the board")
         board_set = board_files(design)
-        signal_set, detection = _simulate_and_detect(design, progress)
-        others.extend(((board, board_set), (signal, signal_set)))
+        signal_set, detection = simulate_and_detect(design, progress)
+        page = render_acceptance(acceptance_data(design, detection.detection))
+        others.extend(((board, board_set), (signal, signal_set), (sheets, {ACCEPTANCE: page.encode()})))
         found.append(detection)
 
     parts = build(
@@ -86,11 +94,11 @@ def make(
     for writer, contents in others:
         writer.write(contents)
         progress(f"{len(contents)} files in {writer.folder}")
-    board_paths, signal_paths = (tuple(writer.folder / name for name in contents) for writer, contents in others)
+    board_paths, signal_paths, _ = (tuple(writer.folder / name for name in contents) for writer, contents in others)
     return Made(parts, board_paths, signal_paths, found[0])
 
 
-def _simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tuple[dict[str, bytes], FileDetection]:
+def simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tuple[dict[str, bytes], FileDetection]:
     """Simulate a trial, and detect slip in its trace as it is read back from a file."""
     from fingertip.detect_trace import detect_file
     from fingertip.sim import load_simulation

@@ -8,6 +8,7 @@ import os
 import typer
 
 from fingertip._version import __version__
+from fingertip.cli.acceptance import acceptance
 from fingertip.cli.bench import bench
 from fingertip.cli.board import board
 from fingertip.cli.build import build
@@ -38,6 +39,7 @@ app.command()(make)
 app.command()(build)
 app.command()(check)
 app.command()(sheet)
+app.command()(acceptance)
 app.command()(coupon)
 app.add_typer(calibrate, name="calibrate")
 app.command()(params)

@@ -47,7 +47,7 @@ def make(
         f"board: {made.board[0].parent}; bom.csv lists what to buy, README.md how to use it",
         f"simulated trial: {made.signal[0]}",
         as_text(made.detection.detection),
-        f"next: {made.parts.folder / 'casting.md'} says what to print and how to cast it",
+        f"next: {made.parts.folder / 'casting.md'} says what to print and how to cast it, acceptance.md how to test it",
     ]
     console.result(data, "\n".join(lines))
     if not made.parts.passed:

@@ -1,0 +1,161 @@
+"""Acceptance sheet: what to measure on sensor and finger, the limits, and what each failure means."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from fingertip.acceptance.expectation import SPREAD, expect_open_v, expect_readings, size_wires
+from fingertip.design import Design
+from fingertip.slip.detection import Detection
+
+IDLE_TOLERANCE_V = 0.1
+"""Largest difference of an untouched finger from its expected voltage [V]. An assumption."""
+_PRESS_OHM = 30e3
+"""Resistance below which a pressed head must fall [ohm]: some 0.2 N by the data sheet's curve."""
+_OPEN_OHM = 1e6
+_STILL_S = 60
+
+
+def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
+    """Collect the figures of the acceptance sheet.
+
+    Parameters
+    ----------
+    design
+        The fingertip.
+    detection
+        Slip that the design's detector finds in its simulated trial.
+    """
+    wires, idle = size_wires(design), expect_open_v(design)
+    return {
+        "design": design.name,
+        "sensor": design.dimensions.sensor.label,
+        "tail": design.sensor.tail,
+        "detector": detection.detector,
+        "slide": {"delay_ms": _find_delay_ms(detection), "ends_after_ms": round(1000 * detection.memory_s)},
+        "wires": {
+            "max_diameter_mm": round(wires.max_diameter_mm, 2),
+            "conductor_awg": wires.conductor_awg,
+            "slack_mm": round(wires.slack_mm),
+        },
+        "open_ohm": _OPEN_OHM,
+        "pressed_ohm": _PRESS_OHM,
+        "idle": {"tactile_v": round(idle, 2), "tolerance_v": IDLE_TOLERANCE_V},
+        "spread": SPREAD,
+        "weights": [
+            {
+                "mass_g": reading.mass_g,
+                "sensor_ohm": round(reading.sensor_ohm, -1),
+                "tactile_v": round(reading.tactile_v, 2),
+                "limits_v": [round(limit, 2) for limit in reading.limits_v],
+            }
+            for reading in expect_readings(design)
+        ],
+        "still_s": _STILL_S,
+    }
+
+
+def _find_delay_ms(detection: Detection) -> int | None:
+    """Longest delay of the detector in the simulated trial [ms]; None if it missed a slip, or none is known."""
+    delays = detection.score.delays_s if detection.score else ()
+    found = [delay for delay in delays if delay is not None]
+    return round(1000 * max(found)) if found and len(found) == len(delays) else None
+
+
+def render_acceptance(data: dict[str, Any]) -> str:
+    """Render the data as a Markdown page."""
+    idle, wires, slide = data["idle"], data["wires"], data["slide"]
+    when = "while it slides" if slide["delay_ms"] is None else f"some {slide['delay_ms']} ms after it begins to slide"
+    low, high = idle["tactile_v"] - idle["tolerance_v"], idle["tactile_v"] + idle["tolerance_v"]
+    outlet = "window of the base" if data["tail"] == "folded" else "cable channel"
+    weights = [
+        (
+            f"{entry['mass_g']:g} g", f"{entry['sensor_ohm'] / 1000:.3g} kohm", f"{entry['tactile_v']:.2f} V",
+            f"{entry['limits_v'][0]:.2f} to {entry['limits_v'][1]:.2f} V",
+        )
+        for entry in data["weights"]
+    ]  # fmt: skip
+    open_mohm, press_kohm = data["open_ohm"] / 1e6, data["pressed_ohm"] / 1e3
+    sections = [
+        f"# Acceptance sheet: {data['design']}",
+        "Tests of the sensor before and after casting, and of the finished finger on its board. The voltages follow "
+        f"from the design's bridge and from the data sheet's curve of the {data['sensor']}.",
+        "## Wires",
+        f"Two insulated wires of at most {wires['max_diameter_mm']:g} mm over the insulation: a conductor of AWG "
+        f"{wires['conductor_awg']} or thinner. Leave a loop of {wires['slack_mm']} mm between the finger and the first "
+        "place at which the wires are fixed.",
+        "## Sensor, before the skin is cast",
+        "Connect an ohmmeter to both wires. Do all three tests after mounting and once more in the closed mold.",
+        _table(
+            ("test", "must read", "if it does not"),
+            [
+                (
+                    "untouched", f"above {open_mohm:g} Mohm",
+                    "The head is bent or dented, or the pocket is not flat: lift the sensor and file the pocket. A "
+                    "steady reading of some ohm is a solder bridge.",
+                ),
+                (
+                    "head pressed with a finger", f"below {press_kohm:g} kohm, and steady",
+                    "Open circuit: a tab or a joint is broken. A jumping value: a cold joint.",
+                ),
+                (
+                    "released", f"above {open_mohm:g} Mohm within 1 s",
+                    "A slow return means that the air vent is closed: adhesive or sealant stands in the slot, or the "
+                    f"{outlet} is blocked.",
+                ),
+            ],
+        ),
+        "## Sensor, after the skin is cast",
+        f"Repeat the tests with the finger on its board. Untouched, the tactile voltage must lie between {low:.2f} and "
+        f"{high:.2f} V. Press the pad for 10 s and let go: it must return there within 1 s.",
+        _table(
+            ("reading", "meaning"),
+            [
+                (
+                    f"below {low:.2f} V, untouched",
+                    "The skin presses on the sensor: silicone has crept under the tape or into the slot, or the skin "
+                    "shrank. Wait a day and measure again. If it stays, the sensor still works from this offset on, "
+                    "with less range.",
+                ),
+                (f"above {high:.2f} V", "The sensor is not connected as the board expects, or the supply is high."),
+                ("returns slowly", f"The air vent is closed. Open the {outlet}."),
+            ],
+        ),
+        "## Finished finger",
+        "Clamp the finger with its pad up and level. Lay a disc of 8 mm, cut from cork or felt, on the pad above the "
+        "sensor, and put the weight on it without a push. Read after 5 s.",
+        _table(("weight on the pad", "sensor", "tactile voltage expected", "accept"), weights),
+        f"The limits allow a factor of {data['spread']:g} either way in the sensor's conductance, because single "
+        "sensors differ that much at the same force.",
+        _table(
+            ("test", "must happen", "if it does not"),
+            [
+                (
+                    "heavier weight", "a lower voltage than the lighter one",
+                    "The disc does not stand above the sensor, or sensor or wires are shorted.",
+                ),
+                (
+                    "strip of copy paper under the pad, pressed with some 2 N and pulled away at about 100 mm/s",
+                    f"SLIP {when} (detector `{data['detector']}`, simulated trial), and none 1 s after it stops",
+                    "No SLIP: record the trial and look at it with `fingertip detect FILE --plot slip.png`; a pad "
+                    "that is still shiny from mold release slides without vibration, so wipe it with isopropanol. "
+                    "SLIP that does not end: the wires are touched by the paper.",
+                ),
+                (
+                    f"held still with 500 g for {data['still_s']} s", "no SLIP",
+                    "Noise on the wires or the supply: shorten and twist the wires, and measure the noise with the "
+                    "weight on (the board's README says how much is normal).",
+                ),
+            ],
+        ),
+        "Write the readings on the casting sheet of this finger. A finger that passes differs from another one; only "
+        "its own readings tell later whether it has changed.",
+    ]  # fmt: skip
+    return "\n\n".join(sections) + "\n"
+
+
+def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    lines = [tuple(head), *(tuple(row) for row in rows)]
+    rule = tuple("---" for _ in lines[0])
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in (lines[0], rule, *lines[1:]))

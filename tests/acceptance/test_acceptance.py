@@ -1,0 +1,91 @@
+"""Acceptance sheet: expected voltages, limits, wires, and the page."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from fingertip import Design
+from fingertip.acceptance.expectation import SPREAD, expect_open_v, expect_readings, size_wires
+from fingertip.acceptance.sheet import acceptance_data, render_acceptance
+from fingertip.board.components.bridge import sensor_conductance_s
+from fingertip.design.new_design import PRESETS
+from fingertip.make_files import simulate_and_detect
+from tests.conftest import design_file, run_fingertip
+
+NAMES = ("fsr400", "fsr402", "fsr400_compact", *PRESETS)
+
+
+def load(name: str, *changes: str) -> Design:
+    return Design.load(design_file(name), changes=list(changes))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_more_weight_gives_less_voltage_within_the_limits(name: str) -> None:
+    design = load(name)
+    light, heavy = expect_readings(design)
+    assert expect_open_v(design) > light.tactile_v > heavy.tactile_v > 0.0
+    for reading in (light, heavy):
+        low, high = reading.limits_v
+        assert low < reading.tactile_v < high < expect_open_v(design)
+
+
+def test_resistance_is_that_of_the_data_sheet_curve() -> None:
+    """The curve of the simulation meets Interlink's at the article's forces; 500 g lie a little above them."""
+    for reading in expect_readings(load("fsr400")):
+        force = reading.mass_g / 1000 * 9.81
+        assert reading.sensor_ohm == pytest.approx(1 / sensor_conductance_s(force), rel=0.15)
+
+
+def test_voltage_is_that_of_the_loaded_bridge_by_hand() -> None:
+    """The bridge is a source with a resistance, and the sensor's current lowers the output in proportion."""
+    from fingertip import board_values
+
+    design = load("fsr400")
+    response = board_values(design).tactile_response
+    for reading in expect_readings(design):
+        current = response.sensor_v / (reading.sensor_ohm + response.source_ohm)
+        assert reading.tactile_v == pytest.approx(response.open_v - response.transfer_ohm * current, rel=1e-12)
+        current = response.sensor_v / (reading.sensor_ohm / SPREAD + response.source_ohm)
+        assert reading.limits_v[0] == pytest.approx(response.open_v - response.transfer_ohm * current, rel=1e-12)
+
+
+def test_wires_fit_and_follow_the_joint() -> None:
+    """AWG 30 has 0.255 mm (ASTM B258): it is chosen where half of the diameter is at least that."""
+    post, clevis = load("fsr400"), load("adult_finger")
+    assert size_wires(post).max_diameter_mm == post.bone.channel_diameter_mm / 2
+    assert size_wires(clevis).max_diameter_mm == clevis.sensor.wire_diameter_mm
+    for diameter, gauge in ((0.511, 30), (0.509, 31), (1.03, 24)):
+        assert size_wires(load("adult_finger", f"sensor.wire_diameter_mm={diameter}")).conductor_awg == gauge
+    joint = clevis.dimensions.joint
+    assert joint
+    radius = clevis.dimensions.bone_outline.section.dorsal - joint.axis_y
+    arc = math.radians(clevis.hand.travel_deg) * radius
+    assert size_wires(clevis).slack_mm - size_wires(post).slack_mm == pytest.approx(arc)
+
+
+def test_page_states_the_data_and_every_failure_has_a_meaning() -> None:
+    design = load("fsr400")
+    data = acceptance_data(design, simulate_and_detect(design, lambda message: None)[1].detection)
+    page = render_acceptance(data)
+    for entry in data["weights"]:
+        assert f"| {entry['mass_g']:g} g |" in page
+        assert f"{entry['tactile_v']:.2f} V" in page
+    assert f"SLIP some {data['slide']['delay_ms']} ms after" in page
+    rows = [line for line in page.splitlines() if line.startswith("| ")]
+    assert all(cell.strip() for line in rows for cell in line.strip("|").split("|"))
+    assert f"for {data['still_s']} s" in page
+
+
+def test_command_writes_the_page_that_make_writes(tmp_path: Path) -> None:
+    done = run_fingertip("acceptance", "fsr400", "--json", "--quiet", PWD=str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    data = json.loads(done.stdout)
+    assert data.pop("page") == "out/fsr400/acceptance.md"
+    assert (tmp_path / "out/fsr400/acceptance.md").read_text() == render_acceptance(data)
+    wrong = run_fingertip("acceptance", "fsr400", "--out", "page.txt", PWD=str(tmp_path))
+    assert wrong.returncode == 2
+    assert ".md" in wrong.stderr

@@ -101,6 +101,8 @@ def place_vents(design: Design) -> tuple[Vent, ...]:
                 kind = _choose_kind(design, point)
                 for _ in range(_MOVES if kind == "dorsal" else 0):
                     point = _clear_of_chaplet(design, _clear_of_vents(design, point, vents))
+                if kind == "dorsal" and not _is_apart(design, point, vents):
+                    continue  # no wall would be left to the hole beside it, which is near enough
                 # A groove is twice as wide as deep, because pockets at the side are long.
                 vents += (Vent(kind, point, diameter if kind == "dorsal" else _GROOVE_WIDTHS * diameter),)
         if len(vents) == before:
@@ -108,10 +110,21 @@ def place_vents(design: Design) -> tuple[Vent, ...]:
     return vents
 
 
+def _spacing_mm(design: Design) -> float:
+    """Return the distance of two holes from above that leaves a wall between them [mm]."""
+    return design.mold.vent_diameter_mm + design.printer.min_wall_mm + _BESIDE_HEAD_MM
+
+
+def _is_apart(design: Design, point: Point3, vents: Iterable[Vent]) -> bool:
+    """Return whether a hole from above leaves a wall to all such holes before it."""
+    between = [math.dist(point[::2], vent.point_mm[::2]) for vent in vents if vent.kind == "dorsal"]
+    return min(between, default=math.inf) >= _spacing_mm(design) - _BESIDE_HEAD_MM / 2
+
+
 def _clear_of_vents(design: Design, point: Point3, vents: Iterable[Vent]) -> Point3:
     """Move a point of a hole from above as far from such holes before it as keeps a wall between them."""
     x, y, z = point
-    needed = design.mold.vent_diameter_mm + design.printer.min_wall_mm + _BESIDE_HEAD_MM
+    needed = _spacing_mm(design)
     for vent in vents:
         other_x, _, other_z = vent.point_mm
         distance = math.hypot(x - other_x, z - other_z)

@@ -156,7 +156,8 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
         yield check_min_distance("sensor.pocket_clearance", in_pocket, solid, clearance)
     if dims.fold:
         # Beyond the nose a folded tail has a clearance of its own, which does not grow with that of the pocket.
-        beyond, gap = body.trim_by_plane((0.0, 1.0, 0.0), dims.fold.nose_y), SLIDING_MM / 2
+        beyond = body.trim_by_plane((0.0, 1.0, 0.0), dims.fold.nose_y)
+        gap = min(SLIDING_MM / 2, design.sensor.clearance_mm)  # above and below it, and at its sides
         yield check_min_distance("sensor.tail_clearance", beyond, solid, gap - evaluator.tolerance_mm)
     yield check_zero_volume("overlap.bone.sensor", (body ^ solid).volume())
     floor = -dims.flat_depth + dims.pocket_depth

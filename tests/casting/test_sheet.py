@@ -308,7 +308,7 @@ def test_build_writes_the_same_sheet_as_the_command(built: Build, tmp_path: Path
     """The report holds the sheet's data, and the page equals the one `fingertip sheet` writes."""
     done = run_fingertip("sheet", design_file(built.design.name), "--out", tmp_path / "casting.md", "--json")
     data = json.loads(done.stdout)
-    data.pop("page")
+    assert (data.pop("page"), data.pop("pictures")) == (str(tmp_path / "casting.md"), [])
     assert json.loads((built.folder / "report.json").read_text())["casting"] == data
     assert (built.folder / "casting.md").read_bytes() == (tmp_path / "casting.md").read_bytes()
 

@@ -201,7 +201,15 @@ def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
     other = run_fingertip("build", FSR400, "--out", tmp_path, *stl, "--parts", "bone", "--set", "skin.width_mm=18")
     assert other.returncode == 0, other.stderr
     left = snapshot(tmp_path)
-    assert set(left) == {"bone.stl", "design.toml", "report.json", "manifest.json", *mine}
+    assert set(left) == {
+        "bone.stl",
+        "design.toml",
+        "report.json",
+        "manifest.json",
+        "print/bone.stl",
+        "print/manifest.json",
+        *mine,
+    }
     assert {name: left[name] for name in mine} == mine
     (message,) = (line for line in other.stderr.splitlines() if line.startswith("removed"))
     assert {word.strip(",") for word in message.split()} >= set(before) - set(left)

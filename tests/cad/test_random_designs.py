@@ -83,7 +83,7 @@ def test_random_designs_that_break_a_rule_are_rejected_quickly() -> None:
             rejected.append(error)
     assert all(len(issue.message) > 20 for error in rejected for issue in error.issues)
     assert sorted(times_s)[180] < 0.2
-    assert max(times_s) < 1.0
+    assert max(times_s) < 2.0
 
 
 @pytest.mark.slow

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules import PART_RULES
-from fingertip.design.rules.chaplet import bone_is_held
 from fingertip.design.rules.remedies import find_remedies
 from fingertip.design.rules.ruleset import BrokenRule, find_violations
 from fingertip.design.rules.search import cheapest_first
@@ -97,14 +96,15 @@ def fit_design(
     DesignError
         If no combination was found. It describes the rules that the nearest one breaks.
     """
-    # The play of the bone takes longer than all other rules together, so it is solved where these pass.
-    rules = [rule for rule in cheapest_first(PART_RULES) if rule is not bone_is_held]
+    # Rules that take long, such as the play of the bone, are asked where all others pass.
+    ordered = cheapest_first(PART_RULES)
+    quick, slow = ([rule for rule in ordered if rule.takes_long is long] for long in (False, True))
     free = {name: ends for name, ends in FREE.items() if name not in given and _is_used(tables, name)}
     begin = {name: float(tables.value(name)) for name in free}
 
     def broken(values: Mapping[str, float]) -> list[BrokenRule]:
         design = tables.with_values(values)
-        return list(find_violations(rules, design)) or list(find_violations([bone_is_held], design))
+        return list(find_violations(quick, design)) or list(find_violations(slow, design))
 
     nearest, values = math.inf, dict(begin)
     for number, kind in enumerate(_ROUNDS):
@@ -198,8 +198,8 @@ def _is_used(tables: DesignTables, name: str) -> bool:
 
 def _score(found: Sequence[BrokenRule]) -> float:
     """Measure how far a design is from passing: one for each broken rule, and more if it is far from repaired."""
-    # A design that fails another rule is not asked whether the bone is held, and counts as if it were not.
-    unasked = 2.0 if found and found[0].rule is not bone_is_held else 0.0
+    # A design that fails a quick rule is not asked the slow ones, and counts as if it failed one.
+    unasked = 2.0 if found and not found[0].rule.takes_long else 0.0
     return unasked + sum(1.0 + _find_distance(rule) for rule in found)
 
 

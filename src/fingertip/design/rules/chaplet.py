@@ -48,7 +48,7 @@ def chaplet_stands_on_bone(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("mold.fit_clearance_mm", *SOUND_SECTIONS, collar_carries_skin, chaplet_stands_on_bone)
+@RULES.rule("mold.fit_clearance_mm", *SOUND_SECTIONS, collar_carries_skin, chaplet_stands_on_bone, takes_long=True)
 def bone_is_held(design: DesignTables) -> Violation | None:
     """A bone or core that lies off as far as its supports allow leaves most of the skin, everywhere."""
     losses = design.dimensions.losses

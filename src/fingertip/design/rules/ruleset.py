@@ -66,6 +66,8 @@ class Rule:
     check: RuleFunction
     prerequisites: tuple[Rule, ...] = ()
     """Rules that must pass before this one is checked."""
+    takes_long: bool = False
+    """True if the check takes longer than most others together."""
 
 
 class Ruleset:
@@ -74,11 +76,11 @@ class Ruleset:
     def __init__(self) -> None:
         self._rules: list[Rule] = []
 
-    def rule(self, field: str, *prerequisites: Rule) -> Callable[[RuleFunction], Rule]:
+    def rule(self, field: str, *prerequisites: Rule, takes_long: bool = False) -> Callable[[RuleFunction], Rule]:
         """Add the decorated function as a rule that blames `field` and is checked only if its prerequisites pass."""
 
         def add(check: RuleFunction) -> Rule:
-            self._rules.append(Rule(field, check, prerequisites))
+            self._rules.append(Rule(field, check, prerequisites, takes_long))
             return self._rules[-1]
 
         return add

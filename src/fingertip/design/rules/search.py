@@ -162,8 +162,8 @@ def join_assignments(values: Mapping[str, Any]) -> str:
 
 
 def cheapest_first(rules: Iterable[Rule]) -> tuple[Rule, ...]:
-    """Order rules so that those which measure the silicone come last: they take longest, and need most others."""
-    return tuple(sorted(rules, key=lambda rule: len(rule.prerequisites)))
+    """Order rules so that those which measure the silicone come late, and those which take longest come last."""
+    return tuple(sorted(rules, key=lambda rule: (rule.takes_long, len(rule.prerequisites))))
 
 
 def _is_electronic(name: str) -> bool:

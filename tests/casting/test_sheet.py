@@ -28,6 +28,7 @@ from tests.conftest import DESIGNS, design_file, run_fingertip
 from tests.tools import require_tool
 
 FSR400 = design_file("fsr400")
+POURED = Design.load(FSR400, changes=["mold.filling=gravity"])
 VOLUMES = SiliconeVolumes(12.625, 0.5, 0.125)
 PRINTS = {name: PrintEstimate(31.4 + i, 2.87 + i) for i, name in enumerate(PARTS)}
 
@@ -110,21 +111,26 @@ def test_sealing_steps_depend_on_the_casting_method() -> None:
     assert [i for i, step in enumerate(overmold) if "tape" in step] < [
         i for i, step in enumerate(overmold) if "Weigh" in step
     ]
-    assert not any("polyimide tape on the flat" in step for step in sleeve)
+    order = [next(i for i, step in enumerate(overmold) if text in step) for text in (
+        "Thread the tail", "Fill the passage", "Cover the slot", "polyimide tape around", "brush a primer", "Weigh"
+    )]  # fmt: skip
+    assert order == sorted(order), "sealed before it is covered, and primed last"
     assert all(sum("polyimide tape around the" in step for step in found) == 1 for found in (overmold, sleeve))
     assert any("The core has no pocket, slot or channel" in step for step in sleeve)
-    assert "channel opening on the dorsal side of the base is open" in overmold[-1], "the sensor breathes at the end"
+    assert "channel opening on the dorsal side of the base is open" in overmold[-2], "the sensor breathes at the end"
     assert not any("clay" in step for step in (*overmold, *sleeve)), "bought parts seal the bone"
-    assert [i for i, step in enumerate(sleeve) if "sensor in the bone's pocket" in step] > [
-        i for i, step in enumerate(sleeve) if "Weigh" in step
-    ], "the sensor is assembled after casting"
+    mounted, weighed = (
+        next(i for i, step in enumerate(sleeve) if text in step) for text in ("Only then stick", "Weigh")
+    )
+    assert mounted > weighed, "the sensor is assembled after casting"
 
 
 def test_consumables_are_those_of_the_procedure() -> None:
     overmold, sleeve = (render_sheet(sheet_data(f"mold.method={method}")) for method in ("overmold", "sleeve"))
     assert "silicone adhesive" in overmold
     assert "silicone adhesive" not in sleeve
-    assert "polyimide tape" not in render_sheet(sheet_data("mold.method=sleeve", "mold.seat_tape_mm=0"))
+    assert "mm thick for the seat" in overmold
+    assert "mm thick for the seat" not in render_sheet(sheet_data("mold.seat_tape_mm=0"))
     assert "soapy water" not in overmold
     assert all(tool in page for page in (overmold, sleeve) for tool in ("solder", "scale", "screwdriver", "knife"))
 
@@ -132,11 +138,22 @@ def test_consumables_are_those_of_the_procedure() -> None:
 def test_small_batch_is_stated_with_and_without_the_raise() -> None:
     """13.25 cm3 need more than 11 g, the least that can be weighed in parts of 10 to 1; 2 cm3 do not."""
     large = render_sheet(sheet_data())
-    small_data = casting_sheet_data(fsr400(), SiliconeVolumes(2.0, 0.0, 0.0), SILICONES["addition_40a"])
+    small_data = casting_sheet_data(POURED, SiliconeVolumes(2.0, 0.0, 0.0), SILICONES["addition_40a"])
     assert "17.9 g with 25 % waste" in large
     assert "raised" not in large
     assert "2.7 g with 25 % waste" in render_sheet(small_data)
     assert "raised to 11 g for at least 1 g of part B" in render_sheet(small_data)
+
+
+def test_a_syringe_is_loaded_with_more_than_the_mold_takes() -> None:
+    """What stays in the syringe is mixed too, and so are the test of the cure and the patch."""
+    small = casting_sheet_data(fsr400(), SiliconeVolumes(2.0, 0.0, 0.0), SILICONES["dragon_skin_30"])
+    load_cm3 = small["filling"]["load_cm3"]
+    assert load_cm3 > 2.0
+    assert small["batch"]["total_g"] == pytest.approx(1.25 * load_cm3 * 1.08, rel=0.02)
+    assert small["batch"]["buy_g"] >= 3 * small["batch"]["total_g"]
+    without_patch = sheet_data("mold.chaplet_diameter_mm=0", "mold.fit_clearance_mm=0.01", "printer.surface_error_mm=0")
+    assert without_patch["batch"]["mixtures"] == 2
 
 
 def test_tin_cure_silicone_is_mixed_from_base_and_catalyst() -> None:
@@ -163,7 +180,7 @@ def test_ratio_on_the_container_comes_first(material: str) -> None:
 def test_equal_parts_are_weighed_alike() -> None:
     data = sheet_data(material="dragon_skin_30")
     assert data["batch"]["a_g"] == data["batch"]["b_g"] == pytest.approx(1.25 * 13.25 * 1.08 / 2, abs=0.05)
-    tiny = casting_sheet_data(fsr400(), SiliconeVolumes(0.5, 0.0, 0.0), SILICONES["dragon_skin_30"])
+    tiny = casting_sheet_data(POURED, SiliconeVolumes(0.5, 0.0, 0.0), SILICONES["dragon_skin_30"])
     assert "raised to 2 g for at least 1 g of each component" in render_sheet(tiny)
 
 
@@ -224,7 +241,7 @@ def test_filling_step_states_the_predicted_time_and_volume() -> None:
     text = procedure_text()
     assert 5 <= data["filling"]["fill_s"] <= 30
     assert f"fills the mold in some {data['filling']['fill_s']} s" in text
-    assert f"pour {data['filling']['load_cm3']:g} cm3 into the barrel" in text
+    assert f"let {data['filling']['load_cm3']:g} cm3 of the mixture run down" in text
     assert data["filling"]["load_cm3"] > data["filling"]["injected_cm3"]
     assert f"the mold takes {data['filling']['injected_cm3']:g} cm3" in text
     thin = sheet_data(material="ecoflex_00_30")
@@ -326,7 +343,8 @@ def test_own_silicone_goes_through_sheet_and_build(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     batch = json.loads(done.stdout)["batch"]
     assert batch["a_g"] == batch["b_g"]
-    assert batch["with_waste_g"] == pytest.approx(1.25 * 1.2 * json.loads(done.stdout)["volumes_cm3"]["total"], abs=0.1)
+    loaded = json.loads(done.stdout)["filling"]["load_cm3"]
+    assert batch["with_waste_g"] == pytest.approx(1.25 * 1.2 * loaded, abs=0.1)
     assert "Silicone: Rubber 37." in page.read_text()
     result = build(fsr400(*OWN), tmp_path / "built", formats=["stl"], tolerance_mm=0.1)
     assert "Rubber 37" in (result.folder / "casting.md").read_text()

@@ -9,10 +9,12 @@ import pytest
 
 from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.skin import cavity
 from fingertip.casting.quantities import measure_volumes
 from fingertip.design import Design
 from fingertip.filling.ducts import RectangularDuct, RoundDuct
 from fingertip.filling.hele_shaw import fill
+from fingertip.filling.mold_filling import find_pose, place_vents
 from fingertip.filling.mouth import mouth_resistance, open_mouth
 from fingertip.filling.network import Mask
 from fingertip.filling.predict import (
@@ -230,3 +232,16 @@ def test_forces_are_the_largest_over_all_fronts() -> None:
     assert (found.side_force_n, found.axial_force_n, found.opening_force_n) == pytest.approx(
         (max(side), max(axial), max(opening))
     )
+
+
+@pytest.mark.parametrize("name", ["fsr400", "fsr402", "adult_finger", "child_thumb"])
+def test_first_vent_is_the_highest_point_in_the_pose_of_filling(name: str) -> None:
+    """No corner of the cavity's mesh lies above the surface at the vent, and tip up some do."""
+    design = Design.load(design_file(name))
+    up, vent = np.array(find_pose(design)), place_vents(design)[0]
+    x, _, z = vent.point_mm
+    corners = MeshEvaluator(0.01).mesh(cavity(design)).vertices
+    at_vent = np.array([x, design.dimensions.outer.dorsal_height_at(x, z), z])
+    assert np.linalg.norm(up) == pytest.approx(1.0)
+    assert (corners @ up).max() <= at_vent @ up + 0.02
+    assert corners[:, 2].max() > z + 0.5

@@ -32,6 +32,7 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
         "design": design.name,
         "sensor": design.dimensions.sensor.label,
         "tail": design.sensor.tail,
+        "method": design.mold.method,
         "detector": detection.detector,
         "slide": {"delay_ms": _find_delay_ms(detection), "ends_after_ms": round(1000 * detection.memory_s)},
         "wires": {
@@ -69,6 +70,7 @@ def render_acceptance(data: dict[str, Any]) -> str:
     when = "while it slides" if slide["delay_ms"] is None else f"some {slide['delay_ms']} ms after it begins to slide"
     low, high = idle["tactile_v"] - idle["tolerance_v"], idle["tactile_v"] + idle["tolerance_v"]
     outlet = "window of the base" if data["tail"] == "folded" else "cable channel"
+    before, after, when_to_test = _describe_stages(data["method"])
     weights = [
         (
             f"{entry['mass_g']:g} g", f"{entry['sensor_ohm'] / 1000:.3g} kohm", f"{entry['tactile_v']:.2f} V",
@@ -85,8 +87,8 @@ def render_acceptance(data: dict[str, Any]) -> str:
         f"Two insulated wires of at most {wires['max_diameter_mm']:g} mm over the insulation: a conductor of AWG "
         f"{wires['conductor_awg']} or thinner. Leave a loop of {wires['slack_mm']} mm between the finger and the first "
         "place at which the wires are fixed.",
-        "## Sensor, before the skin is cast",
-        "Connect an ohmmeter to both wires. Do all three tests after mounting and once more in the closed mold.",
+        f"## Sensor, {before}",
+        f"Connect an ohmmeter to both wires. {when_to_test}",
         _table(
             ("test", "must read", "if it does not"),
             [
@@ -106,7 +108,7 @@ def render_acceptance(data: dict[str, Any]) -> str:
                 ),
             ],
         ),
-        "## Sensor, after the skin is cast",
+        f"## Sensor, {after}",
         f"Repeat the tests with the finger on its board. Untouched, the tactile voltage must lie between {low:.2f} and "
         f"{high:.2f} V. Press the pad for 10 s and let go: it must return there within 1 s.",
         _table(
@@ -149,10 +151,28 @@ def render_acceptance(data: dict[str, Any]) -> str:
                 ),
             ],
         ),
-        "Write the readings on the casting sheet of this finger. A finger that passes differs from another one; only "
-        "its own readings tell later whether it has changed.",
+        "## Record",
+        "A finger that passes differs from another one; only its own readings tell later whether it has changed.",
+        _table(
+            ("date", "untouched", *(row[0] for row in weights), "SLIP on paper", "held still"),
+            [("&nbsp;",) * (4 + len(data["weights"]))],
+        ),
     ]  # fmt: skip
     return "\n\n".join(sections) + "\n"
+
+
+def _describe_stages(method: str) -> tuple[str, str, str]:
+    """Name the stages before and after the skin is on, and say when to test the sensor."""
+    if method == "sleeve":
+        return (
+            "before the skin is pulled on", "after the skin is pulled on",
+            "Do all three tests after mounting, and once more when the tape covers the sensor.",
+        )  # fmt: skip
+    return (
+        "before the skin is cast", "after the skin is cast",
+        "Do all three tests after mounting and once more when sensor and passage are sealed. In the closed mold the "
+        "head cannot be pressed: the untouched sensor must still read the same.",
+    )  # fmt: skip
 
 
 def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:

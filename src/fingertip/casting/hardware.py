@@ -11,6 +11,9 @@ from fingertip.design import Design
 from fingertip.design.geometry.clamp_bolts import size_clamp_bolts
 from fingertip.design.threads import select_thread
 
+_PIN_PLAY_MM = 0.2
+"""Play of the anchor pin in its printed hole [mm]."""
+
 
 def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     """Items to buy besides the silicone: name, count and sizes [mm]."""
@@ -33,7 +36,7 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
         (
             {"item": "insulated wire", "thinner_than_mm": sensor.wire_diameter_mm, "count": 2}
             if design.dimensions.fold
-            else {"item": "stranded wire", "pair_thinner_than_mm": bone.channel_diameter_mm, "count": 2}
+            else {"item": "stranded wire", "thinner_than_mm": bone.channel_diameter_mm / 2, "count": 2}
         ),
         *_strain_relief(design),
     ]  # fmt: skip
@@ -49,7 +52,7 @@ def _mold_hardware(design: Design) -> list[dict[str, Any]]:
         })  # fmt: skip
     if inlet := design.mold_layout.inlet:
         items.append({
-            "item": "syringe with Luer slip tip, as wide as stated", "volume_ml": inlet.syringe.volume_ml,
+            "item": "syringe with Luer slip tip, without rubber on its plunger", "volume_ml": inlet.syringe.volume_ml,
             "nozzle_bore_mm": design.mold.nozzle_bore_mm, "count": 1,
         })  # fmt: skip
     return [*items, {"item": "mold release for silicone", "count": 1}]
@@ -59,7 +62,7 @@ def _strain_relief(design: Design) -> list[dict[str, Any]]:
     """List what holds the wires to the bone; in a fork with a folded tail they are glued only."""
     if design.dimensions.window_opens_into_gap:
         return []
-    return [{"item": "cable tie or thread", "thinner_than_mm": design.bone.tie_hole_diameter_mm, "count": 1}]
+    return [{"item": "thread or a thin cable tie", "thinner_than_mm": design.bone.tie_hole_diameter_mm, "count": 1}]
 
 
 def _joint_hardware(design: Design) -> list[dict[str, Any]]:
@@ -75,7 +78,8 @@ def _joint_hardware(design: Design) -> list[dict[str, Any]]:
     items = [pin]
     if anchor:
         items.append({
-            "item": "anchor pin of the tendon (spring steel wire)", "thinner_than_mm": design.bone.anchor_diameter_mm,
+            "item": "anchor pin of the tendon (spring steel wire)",
+            "diameter_mm": round(design.bone.anchor_diameter_mm - _PIN_PLAY_MM, 1),
             "length_mm": round(2 * design.dimensions.collar.section.half_width_at(anchor.y), 1), "count": 1,
         })  # fmt: skip
     return items

@@ -13,7 +13,10 @@ from fingertip.casting.mold_steps import (
     list_trying_steps,
 )
 from fingertip.casting.sensor_steps import (
+    ADHESIVE,
+    list_covering_steps,
     list_joint_steps,
+    list_joint_trial_steps,
     list_mounting_steps,
     list_sealing_steps,
     open_air_vent,
@@ -128,34 +131,37 @@ def steps(data: Data) -> list[Step]:
     if data["method"] == "sleeve":
         return [
             *list_trying_steps(data),
+            *list_joint_trial_steps(data),
             Step(
                 "core_only",
                 "Leave the bone and the sensor out of the mold. Only the core lies in it. The core has no pocket, "
                 "slot or channel, so nothing needs to be sealed.",
             ),
             *list_seat_steps(data),
-            *list_filling_steps(data, _weighing_step(data["silicone"], data["batch"])),
+            *list_filling_steps(data, _weighing_step(data)),
             *list_opening_steps(data),
             Step("roll_off", "Roll the skin off the core."),
             *list_mounting_steps(data),
+            *list_covering_steps(data),
             Step(
                 "pull_on",
-                "Wet the inside of the skin with isopropanol, but keep the sensor, its tail, the slot and the "
-                "channel dry. Pull the skin over the bone until the edge of the skin sits on the collar. Let the "
-                "skin and the bone dry.",
+                "Moisten the inside of the skin with very little isopropanol, and keep it off the edges of the tape. "
+                "Pull the skin over the bone from the dorsal side, until its edge sits on the collar. Let "
+                "both dry. Measure the sensor once more: above 1 Mohm untouched.",
             ),
             *list_patching_steps(data),
             *list_joint_steps(data),
         ]
     return [
         *list_trying_steps(data),
+        *list_joint_trial_steps(data),
         *list_mounting_steps(data),
         *list_sealing_steps(data),
         *list_seat_steps(data),
-        *list_filling_steps(data, _weighing_step(data["silicone"], data["batch"])),
+        *list_filling_steps(data, _weighing_step(data)),
         *list_opening_steps(data),
-        *list_patching_steps(data),
         open_air_vent(data),
+        *list_patching_steps(data),
         *list_joint_steps(data),
     ]
 
@@ -175,8 +181,11 @@ def _ratio_warnings(silicone: Data) -> list[str]:
     ]
 
 
-def _weighing_step(silicone: Data, batch: Data) -> str:
+def _weighing_step(data: Data) -> str:
     """Write the step that weighs and mixes the components. The ratio on the container comes before the sheet's."""
+    silicone, batch = data["silicone"], data["batch"]
+    pot_life = _range(silicone["properties"]["pot_life_min"])
+    clock = f"Note the time: the mold must be full within the pot life on the container ({pot_life} min for this kind)."
     first, second = silicone["components"]
     ratio = silicone["ratio"]
     unverified = "" if ratio["verified"] else " (unverified)"
@@ -184,7 +193,7 @@ def _weighing_step(silicone: Data, batch: Data) -> str:
         f"Use the mix ratio printed on the container. This sheet mixes {first} and {second} "
         f"{_ratio(ratio['parts_by_weight'])} by weight{unverified}; if the container says otherwise, the container is "
         f"right. Weigh {batch['a_g']:g} g of {first} and add {batch['b_g']:g} g of {second}. Stir slowly, and scrape "
-        "the walls and the bottom of the cup.."
+        f"the walls and the bottom of the cup. {clock}"
     )
 
 
@@ -286,7 +295,16 @@ def _bill(data: Data) -> str:
             sizes.append(f"{entry['volume_ml']:g} ml, nozzle bore {entry['nozzle_bore_mm']:g} mm")
         rows.append((f"{entry['count']:g}", entry["item"], ", ".join(sizes)))
     batch = data["batch"]
-    rows.append((f"{batch['total_g']:g} g", data["silicone"]["label"], "both components together"))
+    mixtures = batch["mixtures"]
+    rows.append(
+        (
+            f"{batch['buy_g']} g",
+            data["silicone"]["label"],
+            f"both components together; {mixtures} mixtures of {batch['total_g']:g} g, for the test of the cure, the "
+            f"skin{' and the patch' if mixtures == 3 else ''}; pot life at least "
+            f"{data['filling']['min_pot_life_min']} min",
+        )
+    )
     printed = ", ".join(
         [
             "bone",
@@ -298,24 +316,54 @@ def _bill(data: Data) -> str:
     rows.append(("", f"rigid printing material for {printed}: resin or filament", "see Printing"))
     rows.append(("", _consumables(data), ""))
     scale = f"scale that reads {data['batch']['scale_g']:g} g or better"
-    tools = f"soldering iron, {scale}, screwdriver, knife, calipers, ohmmeter, vise or stand"
-    rows.append(("", f"tools: {tools}", ""))
+    tools = [
+        "soldering iron with a fine tip", scale, "hexagon keys or screwdriver for the bolts",
+        "thin flat screwdriver to pry",
+        "sharp knife", "file and sandpaper", "calipers", "ohmmeter", "vise or stand",
+    ]  # fmt: skip
+    if data["filling"]["syringe"]:
+        tools.append("wire of 0.3 to 0.5 mm")
+    if data["chaplet"]:
+        tools += ["pin vise for the drills", "blunt needle for the patch"]
+    if joint := data["joint"]:
+        tools.append(f"reamer of {joint['pin_mm']:g} mm")
+    rows.append(("", f"tools: {', '.join(tools)}; a vacuum chamber helps", ""))
     if chaplet := data["chaplet"]:
         rows.append(("1 each", "drill bits", f"{chaplet['hole_mm']:g} mm, {chaplet['pilot_mm']:g} mm"))
     return _table(("quantity", "item", "size"), rows)
 
 
+def _describe_tape(seat: Data | None) -> str:
+    """Name the tape, with the width and thickness that the seat needs."""
+    wide = "polyimide tape as wide as the sensor's head (no masking tape)"
+    if seat is None:
+        return wide
+    return (
+        f"{wide}, and {seat['to_mm'] - seat['from_mm']:.1f} mm wide and {seat['thickness_mm']:g} mm thick for the seat"
+    )
+
+
 def _consumables(data: Data) -> str:
     """List the consumables of the procedure."""
-    items = ["solder", "two cups", "stirrer", "vinyl gloves", "isopropanol", "office paper"]
-    if data["method"] == "overmold" or data["fit"]["seat_tape"]:
-        items.append("polyimide tape (no masking tape)")
-    if data["method"] == "overmold":
-        items.append("primer for silicone")
-        if data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
-            items.append("silicone adhesive without tin")
+    items = [
+        "solder",
+        f"{data['batch']['mixtures']} cups",
+        "stirrers",
+        "vinyl gloves",
+        "isopropanol",
+        "lint-free cloth",
+    ]
+    items += ["office paper", "primer for silicone, with a brush"]
+    items.append(_describe_tape(data["fit"]["seat_tape"]))
+    passes = data["method"] == "overmold" and data["mold"]["tail_passes_collar"]
+    if data["sensor_tail"] == "folded" or passes:
+        items.append(f"{ADHESIVE} (alkoxy; none that smells of vinegar, none with tin)")
     if data["sensor_tail"] == "folded":
-        items += ["silicone adhesive without tin", "insulating varnish", "second syringe for washing"]
+        items += ["insulating varnish", "second syringe for washing"]
+    elif passes:
+        items.append("baking paper")
+    if data["joint"]:
+        items.append("epoxy for the pins")
     return ", ".join(items)
 
 

@@ -9,33 +9,38 @@ from fingertip.casting.step import Step
 
 Data = Mapping[str, Any]
 
+_LEAST_TURN_DEG = 10.0
+"""Sideways turn of the mold that is worth a word."""
+
 
 def list_trying_steps(data: Data) -> list[Step]:
     """List the steps that try and prepare the printed mold, before anything is sealed or mixed."""
     fit, chaplet, insert = data["fit"], data["chaplet"], data["insert"]
+    plunger = " and the plunger of the syringe" if data["filling"]["syringe"] else ""
     steps = [
         Step(
             "cure_test",
-            "Test the cure: put a drop of the mixed silicone on a spare piece of each print, washed and post-cured, "
-            "and on the tape. After the full cure it must peel off dry. If it is tacky, wash and post-cure again, or "
-            "coat the prints.",
+            "Test the cure a day ahead: mix a small quantity, and put a drop on a spare piece of each print, washed "
+            "and post-cured, and on everything else that silicone will touch: tape, adhesive, varnish, "
+            f"primer{plunger}. After the full cure each must peel off dry. Replace what leaves it tacky; wash and "
+            "post-cure prints again, or coat them.",
         ),
         Step("close_empty", "Close the empty mold. It closes only one way. No light may show along the parting line."),
         Step(
             "try_fit",
             f"Lay the {insert} in the recess of the palmar half and close the mold again. If a gap stays open, scrape "
-            f"the recess where it shines, never the {insert}. Its base may have {fit['clearance_mm']:g} mm of play on "
-            f"each side, and {fit['surface_error_mm']:g} mm of error on each surface: a strip of office paper beside "
-            "the base must keep the mold from closing.",
+            f"the recess where it shines, never the {insert}. Sideways its base may have {fit['max_play_mm']:g} mm of "
+            f"play in all: {fit['papers']} strips of office paper (0.1 mm each) beside it must jam or not go in.",
         ),
     ]
     if chaplet:
+        sensor_below = ", because the sensor lies below" if insert == "bone" else ""
         steps.append(
             Step(
                 "drill",
                 f"Drill the hole in the boss of the dorsal half to {chaplet['hole_mm']:g} mm, and that in the "
                 f"{insert} to {chaplet['pilot_mm']:g} mm, no deeper than {chaplet['pilot_depth_mm']:g} mm: mark the "
-                f"drill with tape, because the sensor lies below. Drive the {chaplet['thread']} screw once into the "
+                f"drill with tape{sensor_below}. Drive the {chaplet['thread']} screw once into the "
                 f"{insert} and out again, so that it cuts its thread. It must bite after two turns.",
             )
         )
@@ -43,14 +48,8 @@ def list_trying_steps(data: Data) -> list[Step]:
         Step(
             "release",
             "Wipe a thin film of mold release for silicone on cavity and parting plane, and wipe it off until the "
-            "surface looks dry. Leave the end of the boss and the recess bare: air leaves through the gap beside the "
-            "collar. "
-            + (
-                "Treat the core alike."
-                if insert == "core"
-                else "Clean the bone with isopropanol, and brush a primer for silicone on what the skin covers, but "
-                "not on the sensor. Without primer nothing but a groove holds the skin."
-            ),
+            "surface looks dry. Leave boss and recess bare: silicone has to stick in the hole of the boss later, and "
+            "the tape on the seat." + (" Treat the core alike." if insert == "core" else ""),
         )
     )
     return steps
@@ -62,7 +61,9 @@ def list_seat_steps(data: Data) -> list[Step]:
     if tape is None:
         return []
     where = f"from {tape['from_mm']:g} to {tape['to_mm']:g} mm below the edge of the skin"
-    covered = ""
+    covered = over_tail = ""
+    if insert == "bone" and data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
+        over_tail = "Lay a scrap of baking paper on the bare film below it first, so that the tape does not lift it. "
     if insert == "bone" and data["sensor_tail"] == "folded":
         wires = "between the cheeks" if data["wires_between_cheeks"] else "in their groove"
         covered = f", over both openings of the window and over the wires {wires}"
@@ -70,9 +71,24 @@ def list_seat_steps(data: Data) -> list[Step]:
         Step(
             "seat_tape",
             f"Wind one turn of polyimide tape around the {insert}, {where}{covered}. Use tape of "
-            f"{tape['thickness_mm']:g} mm with its adhesive, and let the ends meet without overlapping. It fills the "
-            f"gap between the {insert} and its recess, and silicone stops there. Close the mold once more: if it no "
-            "longer closes by hand, the tape is creased or doubled. This tape is temporary.",
+            f"{tape['thickness_mm']:g} mm with its adhesive. Let its ends meet, without overlapping, on the side away "
+            "from the runner: the last air beside the collar leaves at the joint. The tape fills the gap between the "
+            f"{insert} and its recess, and silicone stops there. {over_tail}Close the mold once more: if it no longer "
+            "closes by hand, the tape is creased or doubled. This tape is temporary.",
+        )
+    ]
+
+
+def list_priming_steps(data: Data) -> list[Step]:
+    """List the step that makes the silicone stick to the bone, just before it is cast; none for a core."""
+    if data["insert"] == "core":
+        return []
+    return [
+        Step(
+            "prime",
+            "Degrease the bone with isopropanol, and brush a primer for silicone on what the skin will cover, but not "
+            "on the tape over the sensor. Let it dry as its maker says, touch it no more, and cast within its open "
+            "time. Without primer nothing but a groove holds the skin.",
         )
     ]
 
@@ -81,19 +97,20 @@ def list_filling_steps(data: Data, weighing: str) -> list[Step]:
     """List the steps from the open mold to the cured silicone."""
     properties = data["silicone"]["properties"]
     return [
+        *list_priming_steps(data),
         Step("hold", _describe_holding(data)),
         Step(
             "bolt",
             f"Fit the palmar half and tighten the {data['mold']['bolts']} mold bolts by hand, crosswise, until the "
-            "parting line shows no gap. Do not tighten further.",
+            "parting line shows no gap. Do not tighten further. A strip of tape keeps the nuts in their traps.",
         ),
         *_testing_steps(data),
         Step("weigh", weighing),
         *(_syringe_steps(data) if data["filling"]["syringe"] else _gravity_steps(data)),
         Step(
             "cure",
-            f"Let it cure for {properties['cure_h']['high']:g} h at room temperature, tip up. Before you open the "
-            "mold, test the leftover silicone in the cup with a fingernail: no mark may stay.",
+            f"Let it cure for {properties['cure_h']['high']:g} h at room temperature in the same pose. Before you "
+            "open the mold, test the leftover silicone in the cup with a fingernail: no mark may stay.",
         ),
     ]
 
@@ -119,20 +136,23 @@ def _describe_holding(data: Data) -> str:
 def _testing_steps(data: Data) -> list[Step]:
     """List the last tests of the closed mold, while everything can still be opened."""
     syringe, steps = data["filling"]["syringe"], list[Step]()
+    each = "the vent" if data["mold"]["vents"] == 1 else "each vent, with fingers on the others"
     if syringe:
         steps.append(
             Step(
                 "try_syringe",
                 f"Push the nozzle of the empty {syringe['volume_ml']:g} ml syringe into the cone and press. It must "
-                "sit without rocking. With fingers on the other vents, air must leave through each one. Pass a wire "
-                "through a vent that is closed.",
+                f"sit without rocking, and air must leave through {each}. Pass a wire through a vent that is closed. "
+                f"Measure the bore of its nozzle with the shanks of drills: the times below hold for "
+                f"{syringe['nozzle_bore_mm']:g} mm, and a nozzle of three quarters of that takes three times as long.",
             )
         )
     if data["insert"] == "bone":
         steps.append(
             Step(
                 "measure",
-                "Measure the sensor once more. This is the last moment at which the mold can be opened again.",
+                "Measure the untouched sensor once more: above 1 Mohm. This is the last moment at which the mold can "
+                "be opened again.",
             )
         )
     return steps
@@ -143,6 +163,7 @@ def _syringe_steps(data: Data) -> list[Step]:
     filling, vents = data["filling"], data["mold"]["vents"]
     syringe = filling["syringe"]
     openings = "the vent" if vents == 1 else f"all {vents} vents"
+    closing = "" if vents == 1 else "; close each with a finger as soon as it is full"
     return [
         Step(
             "degas",
@@ -151,25 +172,36 @@ def _syringe_steps(data: Data) -> list[Step]:
         ),
         Step(
             "load_syringe",
-            f"Pull the plunger out, close the nozzle with a finger, and pour {filling['load_cm3']:g} cm3 into the "
-            f"barrel; the mold takes {filling['injected_cm3']:g} cm3. Put the plunger back beside a thin wire, which "
-            "lets the air out. Hold the nozzle up for a minute, and press the rest of the air out.",
+            "Pull the plunger out, cap the nozzle, and let "
+            f"{filling['load_cm3']:g} cm3 of the mixture run down the wall of the tilted barrel, without folding air "
+            f"in; the mold takes {filling['injected_cm3']:g} cm3. Put the plunger back beside a wire of 0.3 to 0.5 mm, "
+            "which lets the air out. Hold the nozzle up for a minute, and press the rest of the air out.",
         ),
         Step(
             "fill",
-            "Hold the mold tip up in a vise or a stand, by the two sides with the pry slots, leaning back until the "
-            "vent near the tip is its highest point. Hold the syringe in its cone with the other hand and press with "
-            f"a steady thumb. At {syringe['thumb_n']:g} N silicone of {filling['viscosity_pa_s']:g} Pa s fills the "
-            f"mold in some {filling['fill_s']:g} s; the plunger's friction makes it longer. It may take half the pot "
-            f"life, {filling['allowed_s']:g} s, and no more, because stirring and degassing take the rest: choose a "
-            f"slow silicone. Go on until silicone stands in {openings}, then stop. Pressing on would only load the "
-            "bone.",
+            f"Hold the mold tip up in a vise or a stand, by the two sides with the pry slots. {_describe_pose(data)} "
+            "Hold the syringe in its cone with the other hand and press with a steady "
+            f"thumb. At {syringe['thumb_n']:g} N silicone of {filling['viscosity_pa_s']:g} Pa s fills the mold in some "
+            f"{filling['fill_s']:g} s; the plunger's friction makes it longer. It may take half the pot life, "
+            f"{filling['allowed_s']:g} s, and no more. Go on until silicone without bubbles stands in {openings}, and "
+            f"then stop{closing}. Pressing on would only load the {data['insert']}.",
         ),
         Step(
             "leave",
-            "Leave the syringe in its cone until the silicone has set. If it sinks in a vent, press gently once more.",
+            "Leave the syringe in its cone, propped up, until the silicone has set. If it sinks in a vent, press "
+            "gently once more.",
         ),
     ]
+
+
+def _describe_pose(data: Data) -> str:
+    """Describe how the mold leans so that its first vent is the highest point of the cavity."""
+    filling = data["filling"]
+    text = f"Lean it back by {filling['lean_deg']:g} degrees, dorsal side up"
+    if filling["turn_deg"] >= _LEAST_TURN_DEG:
+        side = "with" if filling["runner_side_up"] else "away from"
+        text += f", and turn it by {filling['turn_deg']:g} degrees, the side {side} the runner up"
+    return f"{text}: the vent near the tip is its highest point then, and bubbles rise to it."
 
 
 def _gravity_steps(data: Data) -> list[Step]:
@@ -215,8 +247,9 @@ def list_patching_steps(data: Data) -> list[Step]:
     return [
         Step(
             "patch",
-            f"A round hole of {chaplet['diameter_mm']:g} mm is left on the dorsal side, where a nail would be. Wipe "
-            "it and the facet with isopropanol, and fill it with a second small mixture, level with the skin. It "
-            "fills the hole of the screw too, which anchors it. No object is touched with it. Let it cure.",
+            f"A round hole of {chaplet['diameter_mm']:g} mm is left on the dorsal side, where a nail would be. "
+            "Degrease it twice with isopropanol, prime its floor, and fill it with a second small mixture: first the "
+            "hole of the screw, from its bottom up with a blunt needle, which anchors the patch, and then the rest, "
+            "level with the skin. No object is touched with it. Let it cure.",
         )
     ]

@@ -111,11 +111,14 @@ def split_by_mix_ratio(silicone: Silicone, total_g: float) -> tuple[float, float
     return total_g * (1.0 - fraction_b), total_g * fraction_b
 
 
-def compute_batch(silicone: Silicone, volume_cm3: float) -> Batch:
-    """Compute what to mix to fill a volume [cm3]: with waste, and never less than a scale can weigh."""
+def compute_batch(silicone: Silicone, volume_cm3: float, load_cm3: float = 0.0) -> Batch:
+    """Compute what to mix to fill a volume [cm3]: with waste, and never less than a scale can weigh.
+
+    A syringe is loaded with `load_cm3`, if that is more.
+    """
     in_mold_g = mass_g(silicone, volume_cm3)
     fraction_a, fraction_b = split_by_mix_ratio(silicone, 1.0)
-    with_waste_g = in_mold_g * (1.0 + WASTE_FRACTION)
+    with_waste_g = max(in_mold_g, mass_g(silicone, load_cm3)) * (1.0 + WASTE_FRACTION)
     total_g = max(with_waste_g, MIN_COMPONENT_G / min(fraction_a, fraction_b))
     return Batch(in_mold_g, with_waste_g, total_g, *split_by_mix_ratio(silicone, total_g))
 

@@ -7,6 +7,8 @@ from typing import Any
 
 from fingertip.casting.step import Step
 
+ADHESIVE = "neutral-cure silicone adhesive"
+"""Adhesive that touches sensor and silicone: acetic acid attacks the sensor, and tin stops the cure."""
 _MEASURE = "Measure the sensor again: above 1 Mohm untouched, some kilohm while you press its head with a finger."
 
 
@@ -14,15 +16,12 @@ def list_mounting_steps(data: Mapping[str, Any]) -> list[Step]:
     """List the steps from the sensor as bought to the wired bone."""
     if data["sensor_tail"] == "straight":
         return [
-            Step(
-                "place_sensor",
-                "Place the adhesive film and the sensor in the bone's pocket, with the tail in its slot.",
-            ),
+            Step("place_sensor", _describe_placing(data)),
             Step(
                 "wires",
-                "Solder the wires to the sensor's tabs in the solder relief. Route them through the cable channel to "
-                "its opening on the dorsal side of the base. Tie them down at the hole proximal to the channel "
-                "opening.",
+                "Tin tabs and wires, and solder them in the solder relief with a fine tip, two seconds at most each: "
+                "film and print soften. Route the wires through the cable channel to its opening on the dorsal side "
+                "of the base. Tie them down at the hole proximal to the channel opening. " + _MEASURE,
             ),
         ]
     fit = data["fit"]
@@ -62,15 +61,31 @@ def list_mounting_steps(data: Mapping[str, Any]) -> list[Step]:
                 if data["wires_between_cheeks"]
                 else "Lay them side by side through the window into the groove of the base. Fix them there with a "
             )
-            + "drop of silicone adhesive without tin. "
+            + f"drop of {ADHESIVE}, and let it cure. "
             + _MEASURE,
         ),
         Step(
             "stick_lid",
-            "Stick the lid into the trough with a thin bead of the same adhesive along its edges. It stands on its "
-            "feet beside the tabs and ends flush with bone and collar.",
+            "Stick the lid into the trough with a thin bead of the same adhesive along its edges, and wipe off what is "
+            "squeezed out. It stands on its feet beside the tabs and ends flush with bone and collar.",
         ),
     ]
+
+
+def _describe_placing(data: Mapping[str, Any]) -> str:
+    """Write the step that lays a straight tail into its slot."""
+    fit = data["fit"]
+    cut = (
+        f"Cut the sensor's tabs to {fit['tab_room_mm']:g} mm: the solder relief takes no more. "
+        if fit["tabs_too_long"]
+        else ""
+    )
+    if data["mold"]["tail_passes_collar"]:
+        return (
+            f"{cut}Thread the tail of the sensor from the pocket through the passage in the collar, until the head "
+            "lies over its pocket. Only then stick the head into the pocket with the adhesive film."
+        )
+    return f"{cut}Stick the sensor into the bone's pocket with the adhesive film, its tail in the slot."
 
 
 def list_sealing_steps(data: Mapping[str, Any]) -> list[Step]:
@@ -87,8 +102,8 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[Step]:
         return [
             Step(
                 "seal_passage",
-                "Seal the passage through the collar around the tail, flush with the face of the collar, with silicone "
-                "adhesive without tin, and let it cure. This seal is permanent. Do not fill the window: the sensor "
+                f"Seal the passage through the collar around the tail, flush with the face of the collar, with "
+                f"{ADHESIVE}, and let it cure. This seal is permanent. Do not fill the window: the sensor "
                 "breathes there.",
             ),
             Step(
@@ -100,24 +115,32 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[Step]:
     steps = [
         Step(
             "cover_sensor",
-            f"{keep_out} Cover the slot{relief} {covered} them: the sensor breathes there. This tape is permanent.",
-        ),
-        Step(
-            "channel_opening",
-            "Leave the channel opening on the dorsal side of the base open. It lies outside the mold, and the sensor "
-            "breathes there.",
+            f"{keep_out} Cover the slot{relief} {covered} them: the sensor breathes there. This tape is permanent. "
+            "Leave "
+            "the channel opening on the dorsal side of the base open; it lies outside the mold. " + _MEASURE,
         ),
     ]
     if data["mold"]["tail_passes_collar"]:
-        steps.append(
-            Step(
-                "seal_passage",
-                "Fill the passage through the collar around the tail with silicone adhesive without tin, flush with "
-                "the face of the collar, because the passage leads out of the mold, and let it cure. This seal is "
-                "permanent. Leave the end of the tail open: the sensor breathes there.",
-            )
+        seal = Step(
+            "seal_passage",
+            f"Fill the passage through the collar around the tail with {ADHESIVE}, flush with the face of the collar, "
+            "because the passage leads out of the mold, and let it cure. This seal is permanent. Leave the end of the "
+            "tail open: the sensor breathes there.",
         )
+        steps.insert(0, seal)
     return steps
+
+
+def list_covering_steps(data: Mapping[str, Any]) -> list[Step]:
+    """List the step that covers the sensor before a sleeve is pulled over it."""
+    return [
+        Step(
+            "cover_for_sleeve",
+            "Cover slot, solder joints and head with one strip of polyimide tape on the flat, its edges pressed "
+            "down, so that the skin cannot catch the film and no alcohol creeps under it. Do not fill them: the "
+            "sensor breathes there.",
+        )
+    ]
 
 
 def open_air_vent(data: Mapping[str, Any]) -> Step:
@@ -125,21 +148,22 @@ def open_air_vent(data: Mapping[str, Any]) -> Step:
     if data["sensor_tail"] == "folded":
         return Step(
             "peel_tape",
-            "Peel the tape off the seat, so that the air vent of the sensor is open at the window. Never pull the "
-            "wires. The tape under the skin and the seal in the collar stay in place. "
+            "Peel the tape off the seat, across the finger, so that the air vent of the sensor is open at the window. "
+            "Never pull the wires. The tape under the skin and the seal in the collar stay in place. "
             + ("" if data["wires_between_cheeks"] else "Tie the wires down at the hole in the base. ")
             + _MEASURE,
         )
     stays = ", and so does the seal in the collar." if data["mold"]["tail_passes_collar"] else "."
     return Step(
         "peel_tape",
-        "Peel the tape off the seat. See that the channel opening on the dorsal side of the base is open: the sensor "
-        f"breathes there. The tape under the skin stays in place{stays} {_MEASURE}",
+        "Peel the tape off the seat, across the finger: the film below is bare. See that the channel opening on the "
+        f"dorsal side of the base is open: the sensor breathes there. The tape under the skin stays in place{stays} "
+        f"{_MEASURE}",
     )
 
 
-def list_joint_steps(data: Mapping[str, Any]) -> list[Step]:
-    """List the steps that mount a finger with a clevis on its hand."""
+def list_joint_trial_steps(data: Mapping[str, Any]) -> list[Step]:
+    """List the steps that try the joint while bone and hand can still be worked on; none without a clevis."""
     joint = data["joint"]
     if joint is None:
         return []
@@ -147,30 +171,44 @@ def list_joint_steps(data: Mapping[str, Any]) -> list[Step]:
         Step(
             "pin",
             f"Ream the bore of the joint to {joint['pin_mm']:g} mm and push the pin through bone and hand. The finger "
-            "must fall by its own weight, without shaking sideways. Fix both ends of the pin with a drop of adhesive.",
+            "must fall by its own weight, without shaking sideways.",
         )
     ]
     if joint["travel_deg"]:
         steps.append(
             Step(
                 "bend",
-                f"Bend the finger. It must stop when it is straight, and again at {joint['travel_deg']:g} degrees. "
-                "File the flat that stops too early.",
+                "Bend the finger. It must stop when it is straight, and again at "
+                f"{joint['travel_deg']:g} degrees. File the flat that stops too early.",
             )
         )
     if joint["tendon_distance_mm"]:
         steps.append(
+            Step("try_anchor", "Push the anchor pin through the collar, below the joint, and take it out again.")
+        )
+    return steps
+
+
+def list_joint_steps(data: Mapping[str, Any]) -> list[Step]:
+    """List the steps that mount a finger with a clevis on its hand."""
+    joint = data["joint"]
+    if joint is None:
+        return []
+    steps = []
+    if joint["tendon_distance_mm"]:
+        steps.append(
             Step(
                 "anchor",
-                "Push the anchor pin through the collar, below the joint, and knot the tendon around it in the "
-                "middle of the finger. Fix the pin with a drop of adhesive at each end.",
+                "Push the anchor pin through the collar again, and knot the tendon around it in the middle of the "
+                "finger. Fix the pin with a drop of epoxy at each end.",
             )
         )
-    steps.append(
+    return [
+        *steps,
         Step(
             "wire_loop",
-            "Lead the wires over the dorsal side of the joint in a loop that stays loose when the finger is bent. "
-            "Tie them to the hand.",
-        )
-    )
-    return steps
+            "Mount the finger on the hand, and fix both ends of the joint's pin with a drop of epoxy. Lead the wires "
+            "over the dorsal side of the joint in a loop that stays loose when the finger is bent. Tie them to the "
+            "hand.",
+        ),
+    ]

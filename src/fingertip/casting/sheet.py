@@ -33,12 +33,18 @@ from fingertip.design.geometry.bone_play import sleeve_inset_mm, worst
 from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
-from fingertip.filling.mold_filling import injected_cm3, place_vents, predict_mold_filling
+from fingertip.filling.mold_filling import find_pose, injected_cm3, place_vents, predict_mold_filling
 from fingertip.silicones import SOURCES, Silicone
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
 _LOAD_RATIO = 1.5
 """Silicone in the syringe over what the mold takes: some stays in the nozzle, and some leaves through the vents."""
+_MIN_POT_LIFE_MIN = 20
+"""Pot life that leaves time to stir, degas, load the syringe and fill [min]. An assumption."""
+_PAPER_MM = 0.1
+"""Thickness of office paper of 80 g/m2 [mm]."""
+_TAB_ROOM_MM = 0.3
+"""Room that is left beyond soldered tabs [mm]."""
 _SMALL_SHARE = 0.25
 """Share of the mixture below which a component is weighed with one digit more, for the same relative error."""
 
@@ -68,7 +74,7 @@ def casting_sheet_data(
         "wires_between_cheeks": design.dimensions.window_opens_into_gap,
         "silicone": _silicone_data(silicone),
         "volumes_cm3": _volumes_data(volumes),
-        "batch": _batch_data(silicone, volumes),
+        "batch": _batch_data(design, silicone, volumes),
         "mold": {
             "made_for_shrinkage_percent": design.mold.silicone_shrinkage_percent,
             "made_for_this_silicone": mold_matches_silicone(design, silicone),
@@ -111,17 +117,31 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
     prediction, inlet = predict_mold_filling(design), design.mold_layout.inlet
     viscosity = silicone.viscosity_pa_s.high
     syringe = inlet.syringe if inlet else None
+    up = find_pose(design) if inlet else (0.0, 0.0, 1.0)
     return {
         "viscosity_pa_s": viscosity,
         "fill_s": round(prediction.fill_s * viscosity / prediction.viscosity_pa_s),
+        "min_pot_life_min": _MIN_POT_LIFE_MIN,
         "allowed_s": round(POT_LIFE_SHARE * silicone.pot_life_min.low * 60.0),
         "injected_cm3": round(injected_cm3(prediction), 1),
-        "load_cm3": round(min(_LOAD_RATIO * injected_cm3(prediction), syringe.volume_ml), 1) if syringe else None,
+        "up": [round(part, 4) for part in up],
+        "lean_deg": round(math.degrees(math.atan2(up[1], up[2]))),
+        "turn_deg": round(math.degrees(math.asin(abs(up[0])))),
+        "runner_side_up": up[0] > 0.0,
+        "load_cm3": round(_load_cm3(design, syringe.volume_ml), 1) if syringe else None,
         "syringe": (
-            {"volume_ml": syringe.volume_ml, "bore_mm": syringe.bore_mm, "thumb_n": design.mold.thumb_force_n}
+            {
+                "volume_ml": syringe.volume_ml, "nozzle_bore_mm": design.mold.nozzle_bore_mm,
+                "thumb_n": design.mold.thumb_force_n,
+            }
             if syringe else None
         ),
     }  # fmt: skip
+
+
+def _load_cm3(design: Design, volume_ml: float) -> float:
+    """Silicone to load into the syringe [cm3]."""
+    return min(_LOAD_RATIO * injected_cm3(predict_mold_filling(design)), volume_ml)
 
 
 def _chaplet_data(design: Design) -> dict[str, Any] | None:
@@ -141,6 +161,8 @@ def _chaplet_data(design: Design) -> dict[str, Any] | None:
 
 def _fit_data(design: Design) -> dict[str, Any]:
     """Fit of the sensor in its pocket and of bone or core in the mold, and the skin that they leave."""
+    clearance = design.mold.fit_clearance_mm - design.printer.offset_mm
+    room = design.dimensions.relief_half_length - _TAB_ROOM_MM
     losses, tape = design.dimensions.losses, tape_span_mm(design)
     return {
         "seat_tape": (
@@ -150,6 +172,10 @@ def _fit_data(design: Design) -> dict[str, Any]:
         ),
         "sensor_clearance_mm": round(design.sensor.clearance_mm - design.printer.offset_mm / 2, 3),
         "wire_mm": design.sensor.wire_diameter_mm,
+        "max_play_mm": round(2 * (clearance + 2 * design.printer.surface_error_mm), 2),
+        "papers": max(1, math.floor(2 * (clearance + 2 * design.printer.surface_error_mm) / _PAPER_MM)),
+        "tab_room_mm": round(room, 1),
+        "tabs_too_long": design.sensor.tab_length_mm > room,
         "crimp_mm": design.sensor.crimp_height_mm,
         "end_room_mm": END_ROOM_MM,
         "clearance_mm": round(design.printed_fit_mm, 3),
@@ -197,11 +223,17 @@ def _volumes_data(volumes: SiliconeVolumes) -> dict[str, float]:
     }
 
 
-def _batch_data(silicone: Silicone, volumes: SiliconeVolumes) -> dict[str, Any]:
-    batch = compute_batch(silicone, volumes.total_cm3)
+def _batch_data(design: Design, silicone: Silicone, volumes: SiliconeVolumes) -> dict[str, Any]:
+    """Quantities of one mixture, and the number of mixtures: for the test of the cure, the skin and the patch."""
+    inlet = design.mold_layout.inlet
+    load_cm3 = _load_cm3(design, inlet.syringe.volume_ml) if inlet else 0.0
+    batch = compute_batch(silicone, volumes.total_cm3, load_cm3)
     a_g, b_g = (round(mass_g, 2 if mass_g < _SMALL_SHARE * batch.total_g else 1) for mass_g in (batch.a_g, batch.b_g))
+    mixtures = 3 if design.dimensions.chaplet else 2
     return {
         "in_mold_g": round(batch.in_mold_g, 2),
+        "mixtures": mixtures,
+        "buy_g": math.ceil(mixtures * (a_g + b_g)),
         "with_waste_g": round(batch.with_waste_g, 1),
         "a_g": a_g,
         "b_g": b_g,

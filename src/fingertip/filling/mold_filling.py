@@ -48,6 +48,8 @@ _MOVES = 20
 """Moves of a vent that is pushed away from others and from the chaplet by turns."""
 _APART_DIAMETERS = 0.8
 """Least distance of two vents, in diameters."""
+_POSE_STEP_MM = 0.01
+"""Step of the slopes at a vent [mm]."""
 _BESIDE_HEAD_MM = 0.1
 """Wall between a vent and the head of the chaplet's screw, beyond the least one [mm]."""
 _GROOVE_WIDTHS = 2.0
@@ -160,6 +162,22 @@ def predict_mold_filling(design: Design) -> FillingPrediction:
     )  # fmt: skip
     trapped = tuple(pocket for pocket in prediction.air_pockets if not _is_at_collar(pocket.point_mm))
     return replace(prediction, air_pockets=trapped)
+
+
+def find_pose(design: Design) -> Point3:
+    """Find the direction that points up when the first vent is the highest point of the cavity; a unit vector.
+
+    The cavity is convex, so that a point of its surface is the highest one if the surface is level there.
+    """
+    vent = place_vents(design)[0]
+    (x, y, z), outer = vent.point_mm, design.dimensions.outer
+    if vent.kind != "dorsal" or y <= 0.0:
+        return (0.0, 0.0, 1.0)
+    step = _POSE_STEP_MM
+    along_x = (outer.dorsal_height_at(x + step, z) - outer.dorsal_height_at(x - step, z)) / (2 * step)
+    along_z = (outer.dorsal_height_at(x, z + step) - outer.dorsal_height_at(x, z - step)) / (2 * step)
+    length = math.sqrt(1.0 + along_x**2 + along_z**2)
+    return (-along_x / length, 1.0 / length, -along_z / length)
 
 
 def largest_pocket(prediction: FillingPrediction) -> AirPocket | None:

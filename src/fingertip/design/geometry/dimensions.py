@@ -14,7 +14,7 @@ from fingertip.design.geometry.bone_play import Loss, find_losses
 from fingertip.design.geometry.chaplet import Chaplet, place_chaplet
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
 from fingertip.design.geometry.joint import NOTCH_WIDTH_MM, Joint, TendonAnchor
-from fingertip.design.geometry.tail_fold import SensorTail, TailFold, fold_tail
+from fingertip.design.geometry.tail_fold import SLIDING_MM, SensorTail, TailFold, fold_tail
 from fingertip.numerics import bisect
 from fingertip.sensors import CATALOGUE, ForceSensor
 
@@ -182,9 +182,11 @@ class Dimensions:
     def passage_height(self) -> float:
         """Height, from its floor, of the tail's passage through the collar.
 
-        It never presses on film and tail. The tabs of a folded tail are threaded through it.
+        It never presses on film and tail. The crimps of the tail are threaded through it, with their wires if it is
+        folded.
         """
-        threaded = self.fold.tabs_space_mm if self.fold else 0.0
+        crimped = self.sensor.thickness_mm + self._design.sensor.crimp_height_mm + SLIDING_MM
+        threaded = self.fold.tabs_space_mm if self.fold else crimped if self.tail_passes_collar else 0.0
         return max(MIN_PASSAGE_HEIGHT_MM, self.pocket_depth + self._design.sensor.clearance_mm, threaded)
 
     @cached_property

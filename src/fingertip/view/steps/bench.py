@@ -25,7 +25,7 @@ from fingertip.view.steps.scene import Point3, Shown
 _TOLERANCE_MM = 0.05
 SENSOR, TAPE, SEAL = (0.86, 0.68, 0.24), (0.85, 0.50, 0.15), (0.80, 0.25, 0.20)
 WIRE, STEEL, GLASS, HAND_COLOUR = (0.72, 0.20, 0.16), (0.62, 0.63, 0.66), (0.80, 0.86, 0.90), (0.80, 0.80, 0.78)
-PRODUCT = PARTS["skin"].colour
+PRODUCT, PATCH = PARTS["skin"].colour, (0.78, 0.48, 0.40)
 """Colours of what lies beside the parts; PRODUCT is the silicone."""
 _TAPE_SHOWN_MM = 0.2
 """Thickness with which a tape is drawn: its own would not be seen [mm]."""
@@ -110,17 +110,18 @@ class Bench:
         m = self.design.mold_layout
         return (-m.half_width, -m.palmar_height, m.proximal_z), (m.half_width, m.dorsal_height, m.distal_z)
 
-    def seat_tape(self) -> Shown:
-        """Show the tape around the seat, on the collar or on the base below it."""
+    def seat_tape(self) -> list[Shown]:
+        """Show the tape around the seat, on the collar or on the base below it; none without one."""
         dims, span = self.design.dimensions, tape_span_mm(self.design)
-        assert span
+        if span is None:
+            return []
         on_collar = span[1] <= self.design.bone.collar_length_mm
         section = offset_section((dims.collar if on_collar else dims.bone_outline).section, _TAPE_SHOWN_MM)
         around: Solid = SuperconicSolid(ConicBody(section, ((-span[1], 1.0), (-span[0], 1.0))))
         if not on_collar:
             far, flat = 2 * section.half_width, -dims.base_flat_depth - _TAPE_SHOWN_MM
             around = difference(around, Box((-far, -2 * section.palmar, -2 * span[1]), (far, flat, 0.0)))
-        return self.solid(difference(around, filled_bone(self.design)), TAPE)
+        return [self.solid(difference(around, filled_bone(self.design)), TAPE)]
 
     def wires(self, radius_mm: float) -> list[Shown]:
         """Show the wires of a straight tail as one tube through the cable channel and out of it."""
@@ -155,6 +156,14 @@ class Bench:
         silicone = cylinder("y", centre, shoulder + _WALL_MM, level, 0.99 * bore)
         shown = [self.solid(union(nozzle, difference(barrel, viewer_side)), GLASS), self.solid(plunger, STEEL)]
         return [*shown, self.solid(silicone, PRODUCT)] if fill_share else shown
+
+    def patch(self) -> list[Shown]:
+        """Show the patch in the hole of the chaplet; none without one."""
+        chaplet, outer = self.design.dimensions.chaplet, self.design.dimensions.outer
+        if chaplet is None:
+            return []
+        height = outer.dorsal_height_at(0.9 * chaplet.radius, chaplet.z + 0.9 * chaplet.radius)
+        return [self.solid(cylinder("y", (chaplet.z, 0.0), chaplet.facet_y, height, 0.99 * chaplet.radius), PATCH)]
 
     def cup(self, x: float, radius: float, height: float, level: float) -> list[Shown]:
         """Show a cup that stands on z = 0, cut open, filled to a level [mm]."""

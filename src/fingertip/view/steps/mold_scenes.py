@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 
 from fingertip.cad.shapes.chaplet import axis_z
-from fingertip.cad.solids import Cone, cylinder, union
+from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.shapes.seals import tape
+from fingertip.cad.solids import Box, Cone, cylinder, union
 from fingertip.design import Design
 from fingertip.filling.mold_filling import place_vents
 from fingertip.view.raster import Camera
-from fingertip.view.steps.bench import GLASS, PRODUCT, STEEL, Bench
+from fingertip.view.steps.bench import GLASS, PRODUCT, STEEL, TAPE, Bench
 from fingertip.view.steps.scene import Arrow, Label, Scene, Shown
 
 Data = Mapping[str, Any]
@@ -23,30 +25,31 @@ PALMAR = Camera.from_angles(28, -26)
 SIDE = Camera.from_angles(0, 0)
 _RUNNER_SIDE = Camera.from_angles(152, 14)
 """Camera on the side on which the runner lies."""
-_LEAN_DEG = 25.0
-"""Angle by which the mold leans back while it is filled: the vent near the tip is its highest point then."""
-TIP_UP = Camera.looking_from(
-    (-1.0, 0.45, 0.25), (0.0, math.sin(math.radians(_LEAN_DEG)), math.cos(math.radians(_LEAN_DEG)))
-)
 FUNNEL_UP = Camera.looking_from((-1.0, 0.5, 0.3), (0.0, 0.0, 1.0))
-_DROP_MM = 2.5
+_SPARE_MM, _DROP_MM = 10.0, 2.5
+"""Width of a spare piece, and radius of a drop [mm]."""
+
+
+def _in_pose(data: Data) -> Camera:
+    """Look at the mold from its side in the pose of filling, in which the first vent is the highest point."""
+    x, y, z = data["filling"]["up"]
+    return Camera.looking_from((-1.0, 0.35, 0.35), (x, y, z))
 
 
 def cure_test(bench: Bench, data: Data) -> Scene:
-    """Show drops of silicone on the outer faces of the prints."""
-    m, apart = bench.design.mold_layout, bench.apart_mm
-    z = m.distal_z * 0.7
-    palmar = (0.0, -m.palmar_height - apart, z)
-    drop = Cone("y", (z, 0.0), 0.0, _DROP_MM / 2, _DROP_MM, _DROP_MM / 3)
-    on_dorsal = bench.solid(drop, PRODUCT, (0.0, m.dorsal_height, 0.0))
-    return Scene(
-        (bench.part("mold_dorsal"), bench.part(bench.insert, (0.0, -apart, 0.0)), on_dorsal),
-        DORSAL,
-        (
-            Label("drop of silicone\non a spare or\nan outer face", (0.0, m.dorsal_height + _DROP_MM / 2, z)),
-            Label(f"the same on a\nspare {bench.insert}", (0.0, palmar[1] + m.palmar_height, -m.palmar_height)),
-        ),
-    )
+    """Show drops of silicone on a spare print of each material, and on what else silicone touches."""
+    names = ["print of the mold", f"print of the {bench.insert}", "tape", "adhesive,\nvarnish, primer", "plunger"]
+    colours = (*(PARTS[name].colour for name in ("mold_palmar", bench.insert)), TAPE, GLASS, STEEL)
+    shown, labels = [], []
+    for i, (name, colour) in enumerate(zip(names, colours, strict=True)):
+        # In steps, so that no leader crosses another piece.
+        x, z = i * 1.3 * _SPARE_MM, i * 0.9 * _SPARE_MM
+        spare = Box((x, 0.0, z), (x + _SPARE_MM, 2.0, z + _SPARE_MM))
+        centre = (z + _SPARE_MM / 2, x + _SPARE_MM / 2)
+        drop = Cone("y", centre, 2.0, 2.0 + _DROP_MM / 2, _DROP_MM, _DROP_MM / 3)
+        shown += [bench.solid(spare, colour), bench.solid(drop, PRODUCT)]
+        labels.append(Label(f"drop on {name}", (centre[1], 2.0 + _DROP_MM / 2, centre[0])))
+    return Scene(tuple(shown), Camera.looking_from((0.15, 0.8, -0.6), (0.0, 0.6, 0.8)), tuple(labels))
 
 
 def close_empty(bench: Bench, data: Data) -> Scene:
@@ -131,7 +134,7 @@ def release(bench: Bench, data: Data) -> Scene:
         Label("recess: leave bare", (0.0, -2.0, -bench.design.mold.recess_length_mm / 2)),
     ]
     if data["chaplet"]:
-        marks.append(Label("end of the boss:\nleave bare", (beside, -1.0, axis_z(bench.design))))
+        marks.append(Label("boss: leave bare", (beside, -1.0, axis_z(bench.design))))
     return Scene((bench.part("mold_palmar"), Shown(turned, dorsal.colour)), camera, tuple(marks))
 
 
@@ -141,7 +144,7 @@ def seat_tape(bench: Bench, data: Data) -> Scene:
     half = bench.design.dimensions.bone_outline.section.half_width
     middle = -(tape["from_mm"] + tape["to_mm"]) / 2
     return Scene(
-        (*bench.in_mold(), bench.seat_tape()),
+        (*bench.in_mold(), *bench.seat_tape()),
         DORSAL,
         (
             Label(f"one turn of tape,\n{tape['thickness_mm']:g} mm thick", (-half, 0.0, middle)),
@@ -258,11 +261,11 @@ def fill(bench: Bench, data: Data) -> Scene:
             bench.casting(cut=True), *bench.syringe(filling["load_cm3"] / filling["syringe"]["volume_ml"]),
             *bench.chaplet_screw(),
         ),
-        TIP_UP,
+        _in_pose(data),
         (
             *_vent_labels(bench, "vent: stop when\nsilicone stands here", cut=True),
             Label(pressing, (inlet.x, m.dorsal_height + 55.0, inlet.z)),
-            Label("gate beside the collar", (0.0, m.dorsal_height / 3, inlet.gate_z)),
+            
         ),
         (Arrow((start[0], start[1], start[2] + 12.0), (start[0], start[1] - 22.0, start[2] + 12.0)),),
     )  # fmt: skip
@@ -274,7 +277,7 @@ def leave(bench: Bench, data: Data) -> Scene:
     assert inlet
     return Scene(
         (*_closed(bench), *bench.syringe(0.2)),
-        TIP_UP,
+        _in_pose(data),
         (
             *_vent_labels(bench, "full"),
             Label("the vise holds\nboth sides here", (-m.half_width, 0.0, m.pry_z)),
@@ -312,10 +315,11 @@ def pour(bench: Bench, data: Data) -> Scene:
 
 
 def cure(bench: Bench, data: Data) -> Scene:
-    """Show the mold while the silicone cures."""
-    hours = data["silicone"]["properties"]["cure_h"]["high"]
-    m = bench.design.mold_layout
-    return Scene(tuple(_closed(bench)), TIP_UP, (Label(f"{hours:g} h, tip up", (0.0, 0.0, m.distal_z)),))
+    """Show the mold while the silicone cures, with the syringe still in its cone."""
+    hours, m = data["silicone"]["properties"]["cure_h"]["high"], bench.design.mold_layout
+    syringe = bench.syringe(0.2) if m.inlet else []
+    pose = _in_pose(data) if m.inlet else FUNNEL_UP
+    return Scene((*_closed(bench), *syringe), pose, (Label(f"{hours:g} h in this pose", (0.0, 0.0, m.distal_z)),))
 
 
 def open_mold(bench: Bench, data: Data) -> Scene:
@@ -345,9 +349,8 @@ def patch(bench: Bench, data: Data) -> Scene:
     chaplet = bench.design.dimensions.chaplet
     assert chaplet
     height = bench.design.dimensions.outer.dorsal_height_at(0.0, chaplet.z)
-    filler = cylinder("y", (chaplet.z, 0.0), chaplet.facet_y, height - 0.2, 0.97 * chaplet.radius)
     return Scene(
-        (*bench.assembled_bone(), bench.part("skin"), bench.solid(filler, GLASS)),
+        (*bench.assembled_bone(), bench.part("skin"), *bench.patch()),
         DORSAL,
         (Label("fill this hole,\nlevel with the skin", (0.0, height, chaplet.z)),),
     )
@@ -390,4 +393,19 @@ def core_only(bench: Bench, data: Data) -> Scene:
         (bench.part("core"), bench.part("mold_palmar")),
         DORSAL,
         (Label("core, without sensor", (0.0, 2.0, bench.design.dimensions.base_end_z + 2.0)),),
+    )
+
+
+def prime(bench: Bench, data: Data) -> Scene:
+    """Show where the primer goes on the bone."""
+    dims = bench.design.dimensions
+    (_, y, z) = (0.0, -dims.flat_depth, dims.sensor_z)
+    return Scene(
+        (*bench.assembled_bone(), bench.solid(tape(bench.design), TAPE)),
+        PALMAR,
+        (
+            Label("primer on all that\nthe skin will cover", (0.0, 0.0, bench.design.skin.length_mm - 3.0)),
+            Label("none on the tape", (0.0, y, z / 2)),
+            Label("none below the collar", (0.0, 0.0, dims.base_end_z / 2)),
+        ),
     )

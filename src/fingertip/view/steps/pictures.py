@@ -23,7 +23,8 @@ SCENES: Mapping[str, Callable[[Bench, Mapping[str, Any]], Scene]] = {
     "place_sensor": sensor.place_sensor, "wires": sensor.wires, "try_fold": sensor.try_fold,
     "solder_tabs": sensor.solder_tabs, "thread": sensor.thread, "fold": sensor.fold, "stick_head": sensor.stick_head,
     "bend_wires": sensor.bend_wires, "stick_lid": sensor.stick_lid, "cover_sensor": sensor.cover_sensor,
-    "seal_passage": sensor.seal_passage, "channel_opening": sensor.channel_opening, "peel_tape": sensor.peel_tape,
+    "seal_passage": sensor.seal_passage, "peel_tape": sensor.peel_tape,
+    "cover_for_sleeve": sensor.cover_for_sleeve, "try_anchor": sensor.try_anchor, "prime": mold.prime,
     "pin": sensor.pin, "bend": sensor.bend, "anchor": sensor.anchor, "wire_loop": sensor.wire_loop,
 }  # fmt: skip
 """Every scene by the name of its step."""

@@ -8,6 +8,7 @@ from typing import Any
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.seals import passage_seal, tape
 from fingertip.cad.solids import Box, Solid, cylinder, union
+from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.design.geometry.tail_fold import TailFold
 from fingertip.view.joint_view import HAND, place_on_hand
 from fingertip.view.raster import Camera, Colour
@@ -34,8 +35,21 @@ def _head(bench: Bench) -> Point3:
 
 
 def place_sensor(bench: Bench, data: Data) -> Scene:
-    """Show the sensor below its pocket."""
+    """Show the sensor on its way into pocket and slot, through the collar where its tail passes it."""
     dims, (x, y, z) = bench.design.dimensions, _head(bench)
+    if dims.tail_passes_collar:
+        out = 0.6 * (dims.sensor.length_mm - dims.sensor.head_diameter_mm)
+        return Scene(
+            (bench.part("bone", cut=True), bench.solid(sensor_body(bench.design), SENSOR, (0.0, -0.1, out))),
+            _SIDE,
+            (
+                Label("head, stuck down last", (x, y, z + out)),
+                Label("pocket", (x, y, z)),
+                Label("passage through\nthe collar", (0.0, y - 0.4, -bench.design.bone.collar_length_mm / 2)),
+                Label("solder relief", (0.0, y + 1.0, dims.tail_end_z)),
+            ),
+            (Arrow((x, y - 6.0, z + out), (x, y - 6.0, z + 0.3 * out)),),
+        )
     return Scene(
         (bench.part("bone"), bench.solid(sensor_body(bench.design), SENSOR, (0.0, -_LIFT_MM, 0.0))),
         _PALMAR,
@@ -212,7 +226,7 @@ def stick_lid(bench: Bench, data: Data) -> Scene:
             Label("lid", (0.0, bench.design.dimensions.bone_outline.section.dorsal + _LIFT_MM, middle)),
             Label("bead of adhesive\nalong the edges", (0.0, course.floor_y, middle)),
         ),
-        (Arrow((0.0, _LIFT_MM, course.trough_end_z + 4.0), (0.0, 1.0, course.trough_end_z + 4.0)),),
+        (Arrow((0.0, _LIFT_MM + 3.0, middle), (0.0, course.floor_y + 4.0, middle)),),
     )
 
 
@@ -247,18 +261,18 @@ def seal_passage(bench: Bench, data: Data) -> Scene:
     )
 
 
-def channel_opening(bench: Bench, data: Data) -> Scene:
-    """Show the opening of the channel, outside the mold."""
-    dims = bench.design.dimensions
-    return Scene(
-        (
-            *bench.assembled_bone(),
-            *bench.wires(_wire_radius(bench)),
-            bench.part("mold_palmar"),
-        ),
-        _DORSAL,
-        (Label("leave open:\nair for the sensor", (0.0, dims.bone_outline.section.dorsal, dims.channel_exit_z)),),
-    )
+def _seat_label(bench: Bench) -> tuple[Label, ...]:
+    """Label the tape around the seat; nothing without one."""
+    span = tape_span_mm(bench.design)
+    if span is None:
+        return ()
+    half = bench.design.dimensions.bone_outline.section.half_width
+    return (Label("peel the tape off here,\nacross the finger", (-half, 0.0, -(span[0] + span[1]) / 2)),)
+
+
+def cover_for_sleeve(bench: Bench, data: Data) -> Scene:
+    """Show the tape over pocket, slot and solder joints."""
+    return cover_sensor(bench, data)
 
 
 def peel_tape(bench: Bench, data: Data) -> Scene:
@@ -269,9 +283,9 @@ def peel_tape(bench: Bench, data: Data) -> Scene:
     else:
         opening = (0.0, dims.bone_outline.section.dorsal, dims.channel_exit_z)
     return Scene(
-        (*bench.assembled_bone(), bench.part("skin")),
+        (*bench.assembled_bone(), bench.part("skin"), *bench.seat_tape()),
         _DORSAL,
-        (Label("must be open:\nair vent of the sensor", opening),),
+        (Label("must be open:\nair vent of the sensor", opening), *_seat_label(bench)),
     )
 
 
@@ -291,17 +305,17 @@ def _on_hand(bench: Bench) -> tuple[tuple[Shown, ...], list[Point3]]:
 
 
 def pin(bench: Bench, data: Data) -> Scene:
-    """Show the pin of the joint."""
+    """Show the pin of the joint on its way in."""
     joint, half = bench.design.dimensions.joint, bench.design.dimensions.pin_length / 2
     assert joint
     out = 2.5 * half
     shaft = cylinder("x", (joint.axis_y, joint.axis_z), -half - out, half - out, joint.pin_radius)
     return Scene(
-        (*bench.assembled_bone(), bench.part("skin"), bench.solid(shaft, STEEL)),
+        (bench.part("bone"), bench.solid(shaft, STEEL)),
         _DORSAL,
         (
             Label(f"pin of {data['joint']['pin_mm']:g} mm", (-half - out, joint.axis_y, joint.axis_z)),
-            Label("adhesive at both ends", (half, joint.axis_y, joint.axis_z)),
+            Label("ream this bore", (-half, joint.axis_y, joint.axis_z)),
         ),
         (Arrow((-half - 0.6 * out, joint.axis_y + 4.0, joint.axis_z), (-half, joint.axis_y + 4.0, joint.axis_z)),),
     )
@@ -314,8 +328,18 @@ def bend(bench: Bench, data: Data) -> Scene:
     return Scene(shown, _SIDE, tuple(Label(text, edge) for text, edge in zip(texts, edges, strict=False)))
 
 
+def try_anchor(bench: Bench, data: Data) -> Scene:
+    """Show the anchor pin in its hole."""
+    return _show_anchor(bench, "anchor pin: try it,\ntake it out again")
+
+
 def anchor(bench: Bench, data: Data) -> Scene:
     """Show the anchor pin of the tendon."""
+    return _show_anchor(bench, "anchor pin; the tendon\nis knotted here")
+
+
+def _show_anchor(bench: Bench, text: str) -> Scene:
+    """Show the anchor pin in the bone, cut open."""
     found = bench.design.dimensions.anchor
     assert found
     half = bench.design.dimensions.collar.section.half_width_at(found.y)
@@ -323,7 +347,7 @@ def anchor(bench: Bench, data: Data) -> Scene:
     return Scene(
         (bench.part("bone", cut=True), bench.solid(wire, STEEL)),
         Camera.from_angles(30, -20),
-        (Label("anchor pin; the tendon\nis knotted here", (0.0, found.y, found.z)),),
+        (Label(text, (0.0, found.y, found.z)),),
     )
 
 

@@ -243,5 +243,5 @@ def test_first_vent_is_the_highest_point_in_the_pose_of_filling(name: str) -> No
     corners = MeshEvaluator(0.01).mesh(cavity(design)).vertices
     at_vent = np.array([x, design.dimensions.outer.dorsal_height_at(x, z), z])
     assert np.linalg.norm(up) == pytest.approx(1.0)
-    assert (corners @ up).max() <= at_vent @ up + 0.02
+    assert (corners @ up).max() <= at_vent @ up + 0.05  # the cavity is larger by the shrinkage
     assert corners[:, 2].max() > z + 0.5

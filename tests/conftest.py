@@ -6,6 +6,7 @@ import contextlib
 import os
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,15 @@ from fingertip.design import Design
 
 ROOT = Path(__file__).resolve().parent.parent
 DESIGNS = ("fsr400", "fsr402", "fsr400_compact")
+
+
+FULL = bool(os.environ.get("FINGERTIP_FULL"))
+"""True in `.ci/full`, where long tests take every bundled design."""
+
+
+def some_of(names: Iterable[str], *kept: str) -> list[str]:
+    """Select the designs of a long test: those kept, or every one in `.ci/full`."""
+    return [name for name in names if FULL or name in kept]
 
 
 def run_python(*arguments: str, given: str | None = None, **environment: str) -> subprocess.CompletedProcess[str]:

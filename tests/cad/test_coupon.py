@@ -28,6 +28,7 @@ from fingertip.calibration.lengths import list_lengths
 from fingertip.casting.slicer import parse_gcode
 from fingertip.design import Design
 from fingertip.toml_files import DESIGN as DESIGN_KIND
+from tests.conftest import some_of
 from tests.tools import require_tool
 
 DESIGNS = sorted(list_bundled_files(DESIGN_KIND))
@@ -78,7 +79,7 @@ def test_variants_are_sound(changes: list[str]) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.parametrize("name", some_of(DESIGNS, "fsr402", "child_thumb"))
 def test_kernels_agree(name: str) -> None:
     """The volumes differ by what the facets leave out: the mesh at 2 um has 1 / 5 of the error of that at 10 um."""
     from fingertip.cad.kernel import brep
@@ -226,7 +227,7 @@ def test_nominal_lengths_are_those_of_the_solids(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.parametrize("name", some_of(DESIGNS, "fsr402", "child_thumb"))
 def test_both_pieces_print_in_the_stated_time(name: str, tmp_path: Path) -> None:
     """PrusaSlicer, in layers of 0.2 mm and without supports, with both pieces on the bed at once."""
     slicer = require_tool("prusa-slicer", "sh .ci/install-slicer, as root on Debian 12")

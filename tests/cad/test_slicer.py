@@ -20,7 +20,7 @@ from fingertip.cad.verification.verify import verify
 from fingertip.casting.slicer import parse_gcode, slice_to_gcode
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
-from tests.conftest import DESIGNS, design_file
+from tests.conftest import DESIGNS, design_file, some_of
 from tests.tools import require_tool
 
 pytestmark = pytest.mark.slow
@@ -87,7 +87,7 @@ def in_nut_traps(design: Design, items: list[threemf.Item], points: np.ndarray) 
 
 @pytest.mark.parametrize("kind", ["fdm", "sla"])
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
-@pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
+@pytest.mark.parametrize("name", some_of([*DESIGNS, *PRESETS], "fsr400", "adult_finger"))
 def test_plate_slices_without_a_complaint_and_without_supports_in_the_mold(
     slicer: Path, name: str, method: str, kind: str, tmp_path: Path
 ) -> None:

@@ -10,11 +10,14 @@ from fingertip.cad.shapes.insert import mold_insert
 from fingertip.cad.shapes.runners import runners
 from fingertip.cad.solids import intersection, union
 from fingertip.design import Design
+from fingertip.filling.mold_filling import injected_cm3, predict_mold_filling
 from fingertip.silicones import MaterialProperty, Silicone
 
 WASTE_FRACTION = 0.25
 """Extra silicone as a fraction of what the mold holds. It stays on cup, stirrer and syringe or funnel. A project
 choice."""
+_LOAD_RATIO = 1.5
+"""Silicone in the syringe over what the mold takes: some stays in the nozzle, and some leaves through the vents."""
 SCALE_G = 0.1
 """Step of the scale that weighs the components [g]."""
 MIN_COMPONENT_G = 1.0
@@ -109,6 +112,12 @@ def split_by_mix_ratio(silicone: Silicone, total_g: float) -> tuple[float, float
     a, b = parts_by_weight(silicone)
     fraction_b = b / (a + b)
     return total_g * (1.0 - fraction_b), total_g * fraction_b
+
+
+def load_cm3(design: Design) -> float:
+    """Compute the silicone to load into the syringe [cm3]; 0 for a mold that gravity fills."""
+    inlet = design.mold_layout.inlet
+    return min(_LOAD_RATIO * injected_cm3(predict_mold_filling(design)), inlet.syringe.volume_ml) if inlet else 0.0
 
 
 def compute_batch(silicone: Silicone, volume_cm3: float, load_cm3: float = 0.0) -> Batch:

@@ -24,6 +24,7 @@ from fingertip.casting.quantities import (
     SiliconeVolumes,
     compute_batch,
     is_ratio_assumed,
+    load_cm3,
     parts_by_weight,
 )
 from fingertip.casting.retention import skin_pull_off_n
@@ -37,8 +38,6 @@ from fingertip.filling.mold_filling import find_pose, injected_cm3, place_vents,
 from fingertip.silicones import SOURCES, Silicone
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
-_LOAD_RATIO = 1.5
-"""Silicone in the syringe over what the mold takes: some stays in the nozzle, and some leaves through the vents."""
 _MIN_POT_LIFE_MIN = 20
 """Pot life that leaves time to stir, degas, load the syringe and fill [min]. An assumption."""
 _PAPER_MM = 0.1
@@ -128,7 +127,7 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
         "lean_deg": round(math.degrees(math.atan2(up[1], up[2]))),
         "turn_deg": round(math.degrees(math.asin(abs(up[0])))),
         "runner_side_up": up[0] > 0.0,
-        "load_cm3": round(_load_cm3(design, syringe.volume_ml), 1) if syringe else None,
+        "load_cm3": round(load_cm3(design), 1) if syringe else None,
         "syringe": (
             {
                 "volume_ml": syringe.volume_ml, "nozzle_bore_mm": design.mold.nozzle_bore_mm,
@@ -137,11 +136,6 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
             if syringe else None
         ),
     }  # fmt: skip
-
-
-def _load_cm3(design: Design, volume_ml: float) -> float:
-    """Silicone to load into the syringe [cm3]."""
-    return min(_LOAD_RATIO * injected_cm3(predict_mold_filling(design)), volume_ml)
 
 
 def _chaplet_data(design: Design) -> dict[str, Any] | None:
@@ -225,9 +219,7 @@ def _volumes_data(volumes: SiliconeVolumes) -> dict[str, float]:
 
 def _batch_data(design: Design, silicone: Silicone, volumes: SiliconeVolumes) -> dict[str, Any]:
     """Quantities of one mixture, and the number of mixtures: for the test of the cure, the skin and the patch."""
-    inlet = design.mold_layout.inlet
-    load_cm3 = _load_cm3(design, inlet.syringe.volume_ml) if inlet else 0.0
-    batch = compute_batch(silicone, volumes.total_cm3, load_cm3)
+    batch = compute_batch(silicone, volumes.total_cm3, load_cm3(design))
     a_g, b_g = (round(mass_g, 2 if mass_g < _SMALL_SHARE * batch.total_g else 1) for mass_g in (batch.a_g, batch.b_g))
     mixtures = 3 if design.dimensions.chaplet else 2
     return {

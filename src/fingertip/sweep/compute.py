@@ -189,13 +189,13 @@ def compute_mold(context: PointContext) -> OutputValues:
 
 def compute_casting(context: PointContext) -> OutputValues:
     """Compute the mass of silicone to mix for the mold, and how firmly the skin sits."""
-    from fingertip.casting.quantities import compute_batch, measure_volumes
+    from fingertip.casting.quantities import compute_batch, load_cm3, measure_volumes
     from fingertip.casting.retention import skin_pull_off_n
     from fingertip.design.silicone import select_silicone
 
     volumes = measure_volumes(context.design, context.evaluator())
     silicone = select_silicone(context.design)
-    batch = compute_batch(silicone, volumes.total_cm3)
+    batch = compute_batch(silicone, volumes.total_cm3, load_cm3(context.design))
     pull = skin_pull_off_n(context.design, silicone)
     return {"silicone_in_mold_g": batch.in_mold_g, "silicone_g": batch.total_g, "skin_pull_off_n": pull}
 
@@ -203,6 +203,7 @@ def compute_casting(context: PointContext) -> OutputValues:
 def compute_filling(context: PointContext) -> OutputValues:
     """Predict how the mold fills with the silicone of the design."""
     from fingertip.cad.verification.filling import PUSH_S
+    from fingertip.cad.verification.seals import leak_mm
     from fingertip.filling.mold_filling import injected_cm3, largest_pocket, predict_mold_filling
 
     prediction, inlet = predict_mold_filling(context.design), context.design.mold_layout.inlet
@@ -213,6 +214,8 @@ def compute_filling(context: PointContext) -> OutputValues:
         "injected_cm3": injected_cm3(prediction),
         "trapped_air_mm3": pocket.volume_mm3 if pocket else 0.0,
         "gate_pressure_kpa": 1e-3 * prediction.gate_pressure_pa,
+        "opening_force_n": prediction.static_opening_force_n,
+        "leak_mm": leak_mm(context.design),
     }
 
 
@@ -242,6 +245,25 @@ def compute_walls(context: PointContext) -> OutputValues:
     checks = (*check_bone(context.design, context.evaluator()), *check_joint(context.design, context.evaluator()))
     walls = [check.value for check in checks if check.name.startswith(("bone.wall.", "lid.wall"))]
     return {"min_bone_wall_mm": min(walls)}
+
+
+def compute_printing(context: PointContext) -> OutputValues:
+    """Compute the largest overhang of the printed parts that hangs over air."""
+    from fingertip.cad.shapes.parts import parts_by_name
+    from fingertip.cad.verification.printing import check_overhang
+
+    printed = [name for name, part in parts_by_name(context.design).items() if part.is_printed]
+    meshes = {name: _mesh(context, name) for name in printed}
+    overhangs = [check_overhang(context.design, context.evaluator(), name, mesh) for name, mesh in meshes.items()]
+    return {"max_overhang_mm2": max(check.value for check in overhangs)}
+
+
+def compute_acceptance(context: PointContext) -> OutputValues:
+    """Compute the voltages that an accepted finger shows."""
+    from fingertip.acceptance.expectation import expect_open_v, expect_readings
+
+    weights = {f"tactile_{reading.mass_g:g}g_v": reading.tactile_v for reading in expect_readings(context.design)}
+    return {"tactile_open_v": expect_open_v(context.design), **weights}
 
 
 def compute_checks(context: PointContext) -> OutputValues:
@@ -283,6 +305,8 @@ GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
     "casting": compute_casting,
     "filling": compute_filling,
     "play": compute_play,
+    "printing": compute_printing,
+    "acceptance": compute_acceptance,
     "checks": compute_checks,
 }
 """Name of a group in `outputs.GROUPS` -> the function that computes its outputs."""

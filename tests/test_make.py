@@ -8,9 +8,11 @@ from pathlib import Path
 import pytest
 
 from fingertip import Design, board_values, make
+from fingertip.acceptance.sheet import acceptance_data, render_acceptance
 from fingertip.board.output import write_board
-from fingertip.build_files import build
+from fingertip.build_files import build, parts_writer
 from fingertip.errors import OutputError
+from fingertip.make_files import ACCEPTANCE, simulate_and_detect
 from fingertip.output_set import verify_sets
 from tests.conftest import run_fingertip
 
@@ -38,6 +40,8 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     design = Design.load("fsr400")
     build(design, tmp_path / "single", formats=["stl"], pictures=True)
     write_board(design, tmp_path / "single" / "board")
+    page = render_acceptance(acceptance_data(design, simulate_and_detect(design, lambda message: None)[1].detection))
+    parts_writer(design, tmp_path / "single").add({ACCEPTANCE: page.encode()})
     trace = tmp_path / "trace.csv"
     assert run_fingertip("simulate", "fsr400", "--out", trace).returncode == 0
     found = files_below(made)

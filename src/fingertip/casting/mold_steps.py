@@ -16,6 +16,7 @@ _LEAST_TURN_DEG = 10.0
 def list_trying_steps(data: Data) -> list[Step]:
     """List the steps that try and prepare the printed mold, before anything is sealed or mixed."""
     fit, chaplet, insert = data["fit"], data["chaplet"], data["insert"]
+    papers = "one strip of office paper" if fit["papers"] == 1 else f"{fit['papers']} strips of office paper"
     plunger = " and the plunger of the syringe" if data["filling"]["syringe"] else ""
     steps = [
         Step(
@@ -30,7 +31,7 @@ def list_trying_steps(data: Data) -> list[Step]:
             "try_fit",
             f"Lay the {insert} in the recess of the palmar half and close the mold again. If a gap stays open, scrape "
             f"the recess where it shines, never the {insert}. Sideways its base may have {fit['max_play_mm']:g} mm of "
-            f"play in all: {fit['papers']} strips of office paper (0.1 mm each) beside it must jam or not go in.",
+            f"play in all: {papers} (0.1 mm each) beside it must jam or not go in.",
         ),
     ]
     if chaplet:
@@ -48,8 +49,8 @@ def list_trying_steps(data: Data) -> list[Step]:
         Step(
             "release",
             "Wipe a thin film of mold release for silicone on cavity and parting plane, and wipe it off until the "
-            "surface looks dry. Leave boss and recess bare: silicone has to stick in the hole of the boss later, and "
-            "the tape on the seat." + (" Treat the core alike." if insert == "core" else ""),
+            "surface looks dry. Leave boss and recess bare: the patch has to stick where the boss stood, and no tape "
+            "holds on release." + (" Treat the core alike." if insert == "core" else ""),
         )
     )
     return steps
@@ -62,6 +63,8 @@ def list_seat_steps(data: Data) -> list[Step]:
         return []
     where = f"from {tape['from_mm']:g} to {tape['to_mm']:g} mm below the edge of the skin"
     covered = over_tail = ""
+    joint = ", on the side away from the runner: the last air beside the collar leaves there"
+    joint = joint if data["filling"]["syringe"] else ""
     if insert == "bone" and data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
         over_tail = "Lay a scrap of baking paper on the bare film below it first, so that the tape does not lift it. "
     if insert == "bone" and data["sensor_tail"] == "folded":
@@ -71,10 +74,9 @@ def list_seat_steps(data: Data) -> list[Step]:
         Step(
             "seat_tape",
             f"Wind one turn of polyimide tape around the {insert}, {where}{covered}. Use tape of "
-            f"{tape['thickness_mm']:g} mm with its adhesive. Let its ends meet, without overlapping, on the side away "
-            "from the runner: the last air beside the collar leaves at the joint. The tape fills the gap between the "
-            f"{insert} and its recess, and silicone stops there. {over_tail}Close the mold once more: if it no longer "
-            "closes by hand, the tape is creased or doubled. This tape is temporary.",
+            f"{tape['thickness_mm']:g} mm with its adhesive. Let its ends meet, without overlapping{joint}. The tape "
+            f"fills the gap between the {insert} and its recess, and silicone stops there. {over_tail}Close the mold "
+            "once more: if it no longer closes by hand, the tape is creased or doubled. This tape is temporary.",
         )
     ]
 

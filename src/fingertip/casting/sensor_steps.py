@@ -9,7 +9,8 @@ from fingertip.casting.step import Step
 
 ADHESIVE = "neutral-cure silicone adhesive"
 """Adhesive that touches sensor and silicone: acetic acid attacks the sensor, and tin stops the cure."""
-_MEASURE = "Measure the sensor again: above 1 Mohm untouched, some kilohm while you press its head with a finger."
+_READING = "above 1 Mohm untouched, some kilohm while you press its head with a finger."
+_MEASURE = f"Measure the sensor again: {_READING}"
 
 
 def list_mounting_steps(data: Mapping[str, Any]) -> list[Step]:
@@ -35,7 +36,7 @@ def list_mounting_steps(data: Mapping[str, Any]) -> list[Step]:
             "solder_tabs",
             f"Solder a wire of at most {fit['wire_mm']:g} mm to each tab, straight out beyond the tabs. Tabs, crimps "
             f"and solder may stand at most {fit['crimp_mm']:g} mm above the film. Insulate the joints with a thin "
-            "varnish. Measure the sensor: above 1 Mohm untouched, some kilohm while you press its head with a finger.",
+            f"varnish. Measure the sensor: {_READING}",
         ),
         Step(
             "thread",
@@ -116,8 +117,7 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[Step]:
         Step(
             "cover_sensor",
             f"{keep_out} Cover the slot{relief} {covered} them: the sensor breathes there. This tape is permanent. "
-            "Leave "
-            "the channel opening on the dorsal side of the base open; it lies outside the mold. " + _MEASURE,
+            "Leave the channel opening on the dorsal side of the base open; it lies outside the mold. " + _MEASURE,
         ),
     ]
     if data["mold"]["tail_passes_collar"]:
@@ -133,10 +133,11 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[Step]:
 
 def list_covering_steps(data: Mapping[str, Any]) -> list[Step]:
     """List the step that covers the sensor before a sleeve is pulled over it."""
+    joints = "" if data["sensor_tail"] == "folded" else ", solder joints"  # a lid covers those of a folded tail
     return [
         Step(
             "cover_for_sleeve",
-            "Cover slot, solder joints and head with one strip of polyimide tape on the flat, its edges pressed "
+            f"Cover slot{joints} and head with one strip of polyimide tape on the flat, its edges pressed "
             "down, so that the skin cannot catch the film and no alcohol creeps under it. Do not fill them: the "
             "sensor breathes there.",
         )
@@ -145,20 +146,20 @@ def list_covering_steps(data: Mapping[str, Any]) -> list[Step]:
 
 def open_air_vent(data: Mapping[str, Any]) -> Step:
     """Write the step that opens the sensor's air vent after casting."""
+    peel = "Peel the tape off the seat, across the finger. " if data["fit"]["seat_tape"] else ""
     if data["sensor_tail"] == "folded":
         return Step(
             "peel_tape",
-            "Peel the tape off the seat, across the finger, so that the air vent of the sensor is open at the window. "
-            "Never pull the wires. The tape under the skin and the seal in the collar stay in place. "
+            f"{peel}See that the air vent of the sensor is open at the window of the base. Never pull the wires. The "
+            "tape under the skin and the seal in the collar stay in place. "
             + ("" if data["wires_between_cheeks"] else "Tie the wires down at the hole in the base. ")
             + _MEASURE,
         )
     stays = ", and so does the seal in the collar." if data["mold"]["tail_passes_collar"] else "."
     return Step(
         "peel_tape",
-        "Peel the tape off the seat, across the finger: the film below is bare. See that the channel opening on the "
-        f"dorsal side of the base is open: the sensor breathes there. The tape under the skin stays in place{stays} "
-        f"{_MEASURE}",
+        f"{peel}See that the channel opening on the dorsal side of the base is open: the sensor breathes there. The "
+        f"tape under the skin stays in place{stays} {_MEASURE}",
     )
 
 

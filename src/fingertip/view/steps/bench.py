@@ -13,14 +13,25 @@ from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.shapes.runners import runners, vents
 from fingertip.cad.shapes.skin import cavity
-from fingertip.cad.solids import Box, Cone, ElbowTube, Solid, SuperconicSolid, cylinder, difference, intersection, union
+from fingertip.cad.solids import (
+    Box,
+    Cone,
+    ElbowTube,
+    Point3,
+    Solid,
+    SuperconicSolid,
+    cylinder,
+    difference,
+    intersection,
+    union,
+)
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody
 from fingertip.design.geometry.insert_body import offset_section
 from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 from fingertip.view.raster import Colour
-from fingertip.view.steps.scene import Point3, Shown
+from fingertip.view.steps.scene import Shown
 
 _TOLERANCE_MM = 0.05
 SENSOR, TAPE, SEAL = (0.86, 0.68, 0.24), (0.85, 0.50, 0.15), (0.80, 0.25, 0.20)

@@ -17,11 +17,16 @@ _FRONT = Camera.looking_from((0.15, -1.0, 0.22), (0.0, 0.0, 1.0))
 _CUP_RADIUS_MM, _CUP_HEIGHT_MM = 22.0, 45.0
 
 
+def _find_level_mm(data: Data) -> float:
+    """Level of the mixture in the cup [mm]."""
+    density = 0.5 * sum(data["silicone"]["properties"]["density_g_cm3"][end] for end in ("low", "high"))
+    return float(1000.0 * data["batch"]["total_g"] / density / (math.pi * _CUP_RADIUS_MM**2))
+
+
 def weigh(bench: Bench, data: Data) -> Scene:
     """Show the cup on the scale, and the level after each component."""
     batch, (first, second) = data["batch"], data["silicone"]["components"]
-    density = 0.5 * sum(data["silicone"]["properties"]["density_g_cm3"][end] for end in ("low", "high"))
-    level = 1000.0 * batch["total_g"] / density / (math.pi * _CUP_RADIUS_MM**2)
+    level = _find_level_mm(data)
     share = batch["a_g"] / batch["total_g"]
     scale = Box((-40.0, -35.0, -10.0), (40.0, 35.0, 0.0))
     return Scene(
@@ -37,8 +42,7 @@ def weigh(bench: Bench, data: Data) -> Scene:
 
 def degas(bench: Bench, data: Data) -> Scene:
     """Show the cup under vacuum, large enough for the foam."""
-    density = 0.5 * sum(data["silicone"]["properties"]["density_g_cm3"][end] for end in ("low", "high"))
-    level = 1000.0 * data["batch"]["total_g"] / density / (math.pi * _CUP_RADIUS_MM**2)
+    level = _find_level_mm(data)
     bell = difference(
         cylinder("z", (0.0, 0.0), -2.0, 75.0, 45.0), cylinder("z", (0.0, 0.0), 0.0, 72.0, 42.0),
         Box((-60.0, -60.0, 0.0), (60.0, 0.0, 90.0)),

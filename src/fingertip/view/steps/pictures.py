@@ -7,6 +7,8 @@ from typing import Any
 
 from fingertip.casting.step import Step
 from fingertip.design import Design
+from fingertip.view.steps import filling_scenes as filling
+from fingertip.view.steps import finishing_scenes as finishing
 from fingertip.view.steps import mixing_scenes as mixing
 from fingertip.view.steps import mold_scenes as mold
 from fingertip.view.steps import sensor_scenes as sensor
@@ -16,15 +18,16 @@ from fingertip.view.steps.scene import Scene, draw_scene
 SCENES: Mapping[str, Callable[[Bench, Mapping[str, Any]], Scene]] = {
     "cure_test": mold.cure_test, "close_empty": mold.close_empty, "try_fit": mold.try_fit, "drill": mold.drill,
     "release": mold.release, "seat_tape": mold.seat_tape, "hold": mold.hold, "bolt": mold.bolt,
-    "try_syringe": mold.try_syringe, "measure": mold.measure, "fill": mold.fill, "leave": mold.leave,
-    "stand": mold.stand, "pour": mold.pour, "cure": mold.cure, "open": mold.open_mold, "patch": mold.patch,
-    "core_only": mold.core_only, "roll_off": mold.roll_off, "pull_on": mold.pull_on,
+    "try_syringe": filling.try_syringe, "measure": filling.measure, "fill": filling.fill, "leave": filling.leave,
+    "stand": filling.stand, "pour": filling.pour, "cure": filling.cure,
+    "open": finishing.open_mold, "patch": finishing.patch,
+    "core_only": mold.core_only, "roll_off": finishing.roll_off, "pull_on": finishing.pull_on,
     "weigh": mixing.weigh, "degas": mixing.degas, "load_syringe": mixing.load_syringe,
     "place_sensor": sensor.place_sensor, "wires": sensor.wires, "try_fold": sensor.try_fold,
     "solder_tabs": sensor.solder_tabs, "thread": sensor.thread, "fold": sensor.fold, "stick_head": sensor.stick_head,
     "bend_wires": sensor.bend_wires, "stick_lid": sensor.stick_lid, "cover_sensor": sensor.cover_sensor,
     "seal_passage": sensor.seal_passage, "peel_tape": sensor.peel_tape,
-    "cover_for_sleeve": sensor.cover_for_sleeve, "try_anchor": sensor.try_anchor, "prime": mold.prime,
+    "cover_for_sleeve": sensor.cover_sensor, "try_anchor": sensor.try_anchor, "prime": mold.prime,
     "pin": sensor.pin, "bend": sensor.bend, "anchor": sensor.anchor, "wire_loop": sensor.wire_loop,
 }  # fmt: skip
 """Every scene by the name of its step."""

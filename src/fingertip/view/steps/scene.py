@@ -16,12 +16,12 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.solids import Point3
 from fingertip.view.raster import Camera, Canvas, Colour, bounds
 
 if TYPE_CHECKING:
     from PIL.ImageDraw import ImageDraw
 
-Point3: TypeAlias = tuple[float, float, float]
 Pixel: TypeAlias = tuple[float, float]
 
 _WIDTH_PX, _MARGIN_PX, _PADDING_PX = 900, 200, 24

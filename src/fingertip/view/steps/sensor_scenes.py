@@ -7,19 +7,17 @@ from typing import Any
 
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.seals import passage_seal, tape
-from fingertip.cad.solids import Box, Solid, cylinder, union
+from fingertip.cad.solids import Box, Point3, Solid, cylinder, union
 from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.design.geometry.tail_fold import TailFold
 from fingertip.view.joint_view import HAND, place_on_hand
 from fingertip.view.raster import Camera, Colour
 from fingertip.view.steps.bench import HAND_COLOUR, SEAL, SENSOR, STEEL, TAPE, WIRE, Bench
-from fingertip.view.steps.scene import Arrow, Label, Point3, Scene, Shown
+from fingertip.view.steps.cameras import DORSAL, PALMAR, SIDE
+from fingertip.view.steps.scene import Arrow, Label, Scene, Shown
 
 Data = Mapping[str, Any]
 
-_DORSAL = Camera.from_angles(28, 24)
-_PALMAR = Camera.from_angles(28, -38)
-_SIDE = Camera.from_angles(0, 0)
 _LIFT_MM = 10.0
 
 
@@ -41,7 +39,7 @@ def place_sensor(bench: Bench, data: Data) -> Scene:
         out = 0.6 * (dims.sensor.length_mm - dims.sensor.head_diameter_mm)
         return Scene(
             (bench.part("bone", cut=True), bench.solid(sensor_body(bench.design), SENSOR, (0.0, -0.1, out))),
-            _SIDE,
+            SIDE,
             (
                 Label("head, stuck down last", (x, y, z + out)),
                 Label("pocket", (x, y, z)),
@@ -52,7 +50,7 @@ def place_sensor(bench: Bench, data: Data) -> Scene:
         )
     return Scene(
         (bench.part("bone"), bench.solid(sensor_body(bench.design), SENSOR, (0.0, -_LIFT_MM, 0.0))),
-        _PALMAR,
+        PALMAR,
         (
             Label("head, adhesive film\non this side", (x, y - _LIFT_MM, z)),
             Label("pocket", (x, y, z + dims.sensor.head_diameter_mm / 2)),
@@ -76,7 +74,7 @@ def wires(bench: Bench, data: Data) -> Scene:
             bench.part("bone", cut=True), bench.solid(sensor_body(bench.design), SENSOR, cut=True),
             *bench.wires(_wire_radius(bench)),
         ),
-        _SIDE,
+        SIDE,
         (
             Label("solder here", (0.0, -dims.flat_depth, dims.tail_end_z)),
             Label("wires leave here", (0.0, dims.bone_outline.section.dorsal, dims.channel_exit_z)),
@@ -101,7 +99,7 @@ def try_fold(bench: Bench, data: Data) -> Scene:
     fold, y = _fold(bench), _head(bench)[1]
     return Scene(
         _section(bench, sensor=False),
-        _SIDE,
+        SIDE,
         (
             Label("trough", (0.0, fold.floor_y, (fold.nose_z + fold.trough_end_z) / 2)),
             Label("window", (0.0, fold.nose_y, (fold.window_low_z + fold.nose_z - fold.radius) / 2)),
@@ -155,7 +153,7 @@ def thread(bench: Bench, data: Data) -> Scene:
     wire = data["fit"]["wire_mm"]
     return Scene(
         (bench.part("bone", cut=True), *_straight_sensor(bench, film, wire, (0.0, y + 0.05, z + 0.35 * film))),
-        _SIDE,
+        SIDE,
         (
             Label("head comes last", (0.0, y, z + 0.35 * film)),
             Label("wires and tabs first", (0.0, y, z - 0.65 * film - 14.0)),
@@ -170,7 +168,7 @@ def fold(bench: Bench, data: Data) -> Scene:
     course = _fold(bench)
     return Scene(
         _section(bench),
-        _SIDE,
+        SIDE,
         (
             Label("around the nose,\nwithout a crease", (0.0, course.nose_y, course.nose_z - course.radius)),
             Label("end of the film\nin the trough", (0.0, course.floor_y, course.film_end_z)),
@@ -184,7 +182,7 @@ def stick_head(bench: Bench, data: Data) -> Scene:
     course, room = _fold(bench), data["fit"]["end_room_mm"] / 2
     return Scene(
         _section(bench),
-        _SIDE,
+        SIDE,
         (
             Label(f"{room:g} mm must be free", (0.0, course.floor_y, course.tabs_end_z + room)),
             Label("head: adhesive film last", _head(bench)),
@@ -206,7 +204,7 @@ def bend_wires(bench: Bench, data: Data) -> Scene:
     way = "between the cheeks" if data["wires_between_cheeks"] else "in the groove"
     return Scene(
         _section(bench, _folded_wires(bench, wire)),
-        _SIDE,
+        SIDE,
         (
             Label("loop, not pulled\nat the joints", (0.0, course.floor_y + wire, course.tabs_end_z)),
             Label(f"fix with adhesive here,\nthen {way}", (0.0, course.floor_y + wire, course.nose_z)),
@@ -221,7 +219,7 @@ def stick_lid(bench: Bench, data: Data) -> Scene:
     middle = (course.nose_z + course.trough_end_z) / 2
     return Scene(
         (*bench.assembled_bone(lid=False), lid),
-        _DORSAL,
+        DORSAL,
         (
             Label("lid", (0.0, bench.design.dimensions.bone_outline.section.dorsal + _LIFT_MM, middle)),
             Label("bead of adhesive\nalong the edges", (0.0, course.floor_y, middle)),
@@ -235,7 +233,7 @@ def cover_sensor(bench: Bench, data: Data) -> Scene:
     (_, y, z) = _head(bench)
     return Scene(
         (*bench.assembled_bone(), bench.solid(tape(bench.design), TAPE)),
-        _PALMAR,
+        PALMAR,
         (
             Label("one strip of\npolyimide tape,\nedges pressed down", (0.0, y, z / 2)),
             Label("over the head", (0.0, y, z + 1.0)),
@@ -253,7 +251,7 @@ def seal_passage(bench: Bench, data: Data) -> Scene:
     end = dims.fold.window_low_z + 1.0 if dims.fold else dims.tail_end_z
     return Scene(
         _section(bench, bench.solid(plug, SEAL, cut=True), lid=dims.fold is not None),
-        _SIDE,
+        SIDE,
         (
             Label("silicone adhesive,\nflush with the collar", (0.0, y, -0.3)),
             Label(f"leave the {beside} open", (0.0, 0.0 if dims.fold else y, end)),
@@ -270,11 +268,6 @@ def _seat_label(bench: Bench) -> tuple[Label, ...]:
     return (Label("peel the tape off here,\nacross the finger", (-half, 0.0, -(span[0] + span[1]) / 2)),)
 
 
-def cover_for_sleeve(bench: Bench, data: Data) -> Scene:
-    """Show the tape over pocket, slot and solder joints."""
-    return cover_sensor(bench, data)
-
-
 def peel_tape(bench: Bench, data: Data) -> Scene:
     """Show where the finished finger breathes."""
     dims = bench.design.dimensions
@@ -284,7 +277,7 @@ def peel_tape(bench: Bench, data: Data) -> Scene:
         opening = (0.0, dims.bone_outline.section.dorsal, dims.channel_exit_z)
     return Scene(
         (*bench.assembled_bone(), bench.part("skin"), *bench.seat_tape()),
-        _DORSAL,
+        DORSAL,
         (Label("must be open:\nair vent of the sensor", opening), *_seat_label(bench)),
     )
 
@@ -312,7 +305,7 @@ def pin(bench: Bench, data: Data) -> Scene:
     shaft = cylinder("x", (joint.axis_y, joint.axis_z), -half - out, half - out, joint.pin_radius)
     return Scene(
         (bench.part("bone"), bench.solid(shaft, STEEL)),
-        _DORSAL,
+        DORSAL,
         (
             Label(f"pin of {data['joint']['pin_mm']:g} mm", (-half - out, joint.axis_y, joint.axis_z)),
             Label("ream this bore", (-half, joint.axis_y, joint.axis_z)),
@@ -325,7 +318,7 @@ def bend(bench: Bench, data: Data) -> Scene:
     """Show the finger on the hand at both stops."""
     shown, edges = _on_hand(bench)
     texts = ("straight:\nmust stop here", f"bent by {data['joint']['travel_deg']:g} degrees:\nmust stop here")
-    return Scene(shown, _SIDE, tuple(Label(text, edge) for text, edge in zip(texts, edges, strict=False)))
+    return Scene(shown, SIDE, tuple(Label(text, edge) for text, edge in zip(texts, edges, strict=False)))
 
 
 def try_anchor(bench: Bench, data: Data) -> Scene:
@@ -356,6 +349,6 @@ def wire_loop(bench: Bench, data: Data) -> Scene:
     shown, edges = _on_hand(bench)
     return Scene(
         shown,
-        _SIDE,
+        SIDE,
         (Label("wires cross here,\nin a loose loop", edges[0]), Label("still loose\nwhen bent", edges[-1])),
     )

@@ -1,0 +1,140 @@
+"""Scenes at the closed mold: try the syringe, fill or pour, and let it cure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from fingertip.cad.solids import cylinder
+from fingertip.filling.mold_filling import place_vents
+from fingertip.view.raster import Camera
+from fingertip.view.steps.bench import PRODUCT, Bench
+from fingertip.view.steps.cameras import DORSAL, FUNNEL_UP
+from fingertip.view.steps.scene import Arrow, Label, Scene, Shown
+
+Data = Mapping[str, Any]
+
+
+def _in_pose(data: Data) -> Camera:
+    """Look at the mold from its side in the pose of filling, in which the first vent is the highest point."""
+    x, y, z = data["filling"]["up"]
+    return Camera.looking_from((-1.0, 0.35, 0.35), (x, y, z))
+
+
+def _closed(bench: Bench) -> list[Shown]:
+    """Show the closed mold with its bolts."""
+    return [
+        bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.in_mold(), *bench.bolts(), *bench.chaplet_screw()
+    ]  # fmt: skip
+
+
+def _vent_labels(bench: Bench, text: str) -> list[Label]:
+    """Label the outer ends of all vents."""
+    m, labels = bench.design.mold_layout, []
+    for vent in place_vents(bench.design):
+        (x, _, z) = vent.point_mm
+        match vent.kind:
+            case "dorsal":
+                labels.append(Label(text, (x, m.dorsal_height, z)))
+            case "tip":
+                labels.append(Label(text, (x, 0.0, m.distal_z)))
+            case "side":
+                side = math.copysign(m.half_width, x)
+                labels.append(Label(text, (side, 0.0, m.clear_side_z(z, vent.diameter_mm))))
+    return labels
+
+
+def try_syringe(bench: Bench, data: Data) -> Scene:
+    """Show the empty syringe above its cone."""
+    m, inlet, lift = bench.design.mold_layout, bench.design.mold_layout.inlet, 12.0
+    assert inlet
+    start = (inlet.x, m.dorsal_height + lift - 1.0, inlet.z + 10.0)
+    return Scene(
+        (*_closed(bench), *bench.syringe(lift_mm=lift)),
+        DORSAL,
+        (*_vent_labels(bench, "vent: air must come"), Label("Luer cone", (inlet.x, m.dorsal_height, inlet.z))),
+        (Arrow(start, (start[0], m.dorsal_height + 2.0, start[2])),),
+    )
+
+
+def measure(bench: Bench, data: Data) -> Scene:
+    """Show where to measure the sensor of the closed mold."""
+    low = bench.design.dimensions.base_end_z
+    return Scene(
+        tuple(_closed(bench)),
+        DORSAL,
+        (Label("ohmmeter at the wires:\nabove 1 Mohm", (0.0, 0.0, low)),),
+    )
+
+
+def fill(bench: Bench, data: Data) -> Scene:
+    """Show the mold in its pose, cut open, while the silicone rises from the side of the collar to the vent."""
+    m, inlet, filling = bench.design.mold_layout, bench.design.mold_layout.inlet, data["filling"]
+    assert inlet
+    start = (inlet.x, m.dorsal_height + 70.0, inlet.z)
+    pressing = f"{filling['syringe']['thumb_n']:g} N, steadily,\nsome {filling['fill_s']:g} s"
+    return Scene(
+        (
+            bench.part("mold_dorsal", cut=True), bench.part("mold_palmar", cut=True), *bench.in_mold(cut=True),
+            bench.casting(cut=True), *bench.vents(),  # without the screw, which would hide a vent
+            *bench.syringe(filling["load_cm3"] / filling["syringe"]["volume_ml"]),
+        ),
+        _in_pose(data),
+        (
+            *_vent_labels(bench, "vent: stop when\nsilicone stands here"),
+            Label(pressing, (inlet.x, m.dorsal_height + 55.0, inlet.z)),
+        ),
+        (Arrow((start[0], start[1], start[2] + 12.0), (start[0], start[1] - 22.0, start[2] + 12.0)),),
+    )  # fmt: skip
+
+
+def leave(bench: Bench, data: Data) -> Scene:
+    """Show the full mold with the syringe in its cone."""
+    m, inlet = bench.design.mold_layout, bench.design.mold_layout.inlet
+    assert inlet
+    return Scene(
+        (*_closed(bench), *bench.syringe(0.2)),
+        _in_pose(data),
+        (
+            *_vent_labels(bench, "full"),
+            Label("the vise holds\nboth sides here", (-m.half_width, 0.0, m.pry_z)),
+            Label("leave it until\nthe silicone has set", (inlet.x, m.dorsal_height + 12.0, inlet.z)),
+        ),
+    )
+
+
+def stand(bench: Bench, data: Data) -> Scene:
+    """Show the mold that gravity fills, its funnel up."""
+    m = bench.design.mold_layout
+    return Scene(
+        tuple(_closed(bench)),
+        FUNNEL_UP,
+        (
+            Label("funnel", (m.gate_x, 0.0, m.distal_z)),
+            Label(f"{bench.insert}, down", (0.0, 0.0, bench.design.dimensions.base_end_z)),
+            Label("hold here", (-m.half_width, 0.0, m.pry_z)),
+        ),
+    )
+
+
+def pour(bench: Bench, data: Data) -> Scene:
+    """Show the stream into the funnel, the mold cut open."""
+    m = bench.design.mold_layout
+    stream = cylinder("z", (m.gate_x, 0.0), m.distal_z - 2.0, m.distal_z + 25.0, 0.6)
+    return Scene(
+        (
+            bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.in_mold(), *bench.bolts(),
+            bench.solid(stream, PRODUCT),
+        ),
+        FUNNEL_UP,
+        (Label("thin stream", (m.gate_x, 0.0, m.distal_z + 20.0)), *_vent_labels(bench, "silicone must rise here")),
+    )  # fmt: skip
+
+
+def cure(bench: Bench, data: Data) -> Scene:
+    """Show the mold while the silicone cures, with the syringe still in its cone."""
+    hours, m = data["silicone"]["properties"]["cure_h"]["high"], bench.design.mold_layout
+    syringe = bench.syringe(0.2) if m.inlet else []
+    pose = _in_pose(data) if m.inlet else FUNNEL_UP
+    return Scene((*_closed(bench), *syringe), pose, (Label(f"{hours:g} h in this pose", (0.0, 0.0, m.distal_z)),))

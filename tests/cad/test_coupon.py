@@ -12,15 +12,8 @@ from fingertip.bundled import list_bundled_files
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.bone import sensor_body
-from fingertip.cad.shapes.coupon import (
-    COUPON_PARTS,
-    RING_MM,
-    WALLS_MM,
-    frame_with_fits,
-    has_key,
-    lay_out,
-    loose_slice,
-)
+from fingertip.cad.shapes.coupon import COUPON_PARTS, RING_MM, frame_with_fits, loose_slice
+from fingertip.cad.shapes.coupon_layout import WALLS_MM, has_key, lay_out
 from fingertip.cad.solids import Box, Placed, Solid, cylinder, difference, intersection, union
 from fingertip.cad.verification.part_files import check_mesh_file
 from fingertip.calibration.instructions import COUPON_LAYER_MM, COUPON_MINUTES

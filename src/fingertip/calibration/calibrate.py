@@ -7,7 +7,7 @@ import math
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from fingertip.cad.shapes.coupon import WALLS_MM
+from fingertip.cad.shapes.coupon_layout import WALLS_MM
 from fingertip.calibration.least_squares import CONFIDENCE, PrinterFit, fit_printer
 from fingertip.calibration.readings import Measured
 from fingertip.calibration.student import chi_square_quantile

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fingertip.cad.shapes.coupon import LETTERS, WALLS_MM, has_key, lay_out, text_unit_mm
+from fingertip.cad.shapes.coupon_layout import LETTERS, WALLS_MM, has_key, lay_out, text_unit_mm
 from fingertip.cad.shapes.engraving import STROKE_WIDTH
 from fingertip.calibration.lengths import list_lengths
 from fingertip.calibration.readings import MIN_LENGTHS, MIN_READINGS

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from fingertip.cad.shapes.coupon import WALLS_MM, lay_out, slice_height
+from fingertip.cad.shapes.coupon_layout import WALLS_MM, lay_out, slice_height
 from fingertip.design import Design
 
 MIN_LENGTH_MM = 5.0

@@ -275,14 +275,18 @@ def parts_writer(design: Design, folder: Path, force: bool = False) -> SetWriter
 
 def steps_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
     """Writer of the pictures of the casting steps, in the folder of the casting sheet."""
-    parameters = hash_parameters(design.model_dump(mode="json"))
-    return SetWriter(folder / STEPS_FOLDER, STEPS_FOLDER, design.name, parameters, force=force)
+    return _subset_writer(design, folder, STEPS_FOLDER, force)
 
 
 def prints_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
     """Writer of the files for the printer, in the folder of a design's parts."""
+    return _subset_writer(design, folder, PRINT_FOLDER, force)
+
+
+def _subset_writer(design: Design, folder: Path, kind: str, force: bool) -> SetWriter:
+    """Writer of a set in a folder of its own below the parts, with the same parameters."""
     parameters = hash_parameters(design.model_dump(mode="json"))
-    return SetWriter(folder / PRINT_FOLDER, PRINT_FOLDER, design.name, parameters, force=force)
+    return SetWriter(folder / kind, kind, design.name, parameters, force=force)
 
 
 def _replace_subset(

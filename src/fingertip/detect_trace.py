@@ -69,13 +69,14 @@ def detect_file(
     rate_hz: float | None = None,
     quiet_s: float | None = None,
     scale: float = 1.0,
+    time_scale: float = 1.0,
     columns: Mapping[str, str] | None = None,
     adapt_to_file: bool | None = None,
     keep_threshold: bool | None = None,
     keep_window: bool = False,
     progress: Progress | None = None,
 ) -> FileDetection:
-    """Detect slip in a recorded file (.csv, .npz, .npy or .tdms).
+    """Detect slip in a recorded file: CSV, NumPy, MATLAB, Parquet, WAV, TDMS or LVM.
 
     Parameters
     ----------
@@ -92,6 +93,8 @@ def detect_file(
         Duration at the start during which nothing happens [s]. Thresholds then follow from the noise there.
     scale
         Volts per unit of the file's voltage.
+    time_scale
+        Seconds per unit of the file's times, such as 1e-3.
     columns
         Name in the file for each column of a trace, such as ``{"voltage_v": "AI0"}``. The voltage may be the column of
         a force; its thresholds require `quiet_s`.
@@ -112,7 +115,7 @@ def detect_file(
     DesignError
         If `rate_hz` is out of bounds, or too low for the design's filters.
     MissingLibraryError
-        If npTDMS is required and not installed.
+        If the file needs a package that is not installed.
     """
     path, report = Path(path), progress or _ignore
     design = design or Design()
@@ -122,7 +125,7 @@ def detect_file(
         adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
     if rate_hz is not None:
         design = adapt(design, rate_hz)
-    column_map = ColumnMap(columns or {}, rate_hz, scale)
+    column_map = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not column_map.in_volts and quiet_s is None and detector != "analog":
         message = "is missing: the design's thresholds are in volts, but this column is a force; give the duration "
         raise TraceError(Issue("--quiet-s", message + "at the start during which nothing happens."))
@@ -130,7 +133,7 @@ def detect_file(
     if rate_hz is None and adapt_to_file:
         design = _adapt_to_file(design, raw, adapt, report)
     trace = raw.validate(design.detector)
-    warnings: list[str] = []
+    warnings = list(raw.notes)
     if column_map.in_volts:
         warnings += [*signal_warnings(trace, design.detector), *settings_warnings(design, detector)]
 
@@ -172,6 +175,7 @@ def detect_stream(
     *,
     rate_hz: float | None = None,
     scale: float = 1.0,
+    time_scale: float = 1.0,
     columns: Mapping[str, str] | None = None,
     keep_threshold: bool | None = None,
     keep_window: bool = False,
@@ -184,7 +188,7 @@ def detect_stream(
     lines
         CSV lines, as in a file. The detector `analog` takes the column `envelope_v` and, if there is none, the output
         of the design's board, simulated for the voltage.
-    design, detector, rate_hz, scale, columns, keep_threshold, keep_window, progress
+    design, detector, rate_hz, scale, time_scale, columns, keep_threshold, keep_window, progress
         As for `detect_file`, but the voltage may not be the column of a force.
 
     Raises
@@ -200,15 +204,15 @@ def detect_stream(
     if rate_hz is not None:
         adapt = _RateAdapter(detector, _keeps_threshold(design, keep_threshold), keep_window, False, report)
         design = adapt(design, rate_hz)
-    voltage = ColumnMap(columns or {}, rate_hz, scale)
+    voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not voltage.in_volts:
         message = "names a force, whose thresholds require --quiet-s and the whole recording; save the lines in a file."
         raise TraceError(Issue("--column", message))
-    envelope = ColumnMap({**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}, rate_hz)
+    envelope = ColumnMap({**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}, rate_hz, 1.0, time_scale)
     reads_envelope = find_detector_type(detector).input_column == "envelope_v"
     stream = open_stream(lines, voltage, *([envelope] if reads_envelope else []))
     instance, column_map = _select_stream_detector(stream, design, detector, voltage, envelope, report)
-    transitions = follow(stream, instance, design.detector, column_map)
+    transitions = follow(stream, instance, design.detector, column_map, report)
     return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)))
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from fingertip.design.parameters import Detector as DetectorParameters
 from fingertip.errors import Issue, TraceError
 from fingertip.slip.detectors.detector import Detector
-from fingertip.slip.traces.csv_file import Header, find_header, unquote
+from fingertip.slip.traces.cells import split_cells, unquote
+from fingertip.slip.traces.csv_header import Header, find_header
 from fingertip.slip.traces.sampling import (
     RATE_TOLERANCE,
     STEP_TOLERANCE,
@@ -68,7 +69,11 @@ def open_stream(lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnM
 
 
 def follow(
-    stream: CsvStream, detector: Detector, parameters: DetectorParameters, columns: ColumnMap
+    stream: CsvStream,
+    detector: Detector,
+    parameters: DetectorParameters,
+    columns: ColumnMap,
+    report: Callable[[str], None] = lambda message: None,
 ) -> Iterator[Transition]:
     """Process one sample per line and yield each transition as soon as it occurs.
 
@@ -82,6 +87,8 @@ def follow(
         Sampling rate and window for which the detector was made, and the ADC range.
     columns
         Names of the columns; the detector reads the column of `voltage_v`.
+    report
+        Called with a sentence for each line that is passed over.
 
     Raises
     ------
@@ -94,8 +101,12 @@ def follow(
     time_name = columns.name_in_file("time_s")
     time_index = names.index(time_name) if time_name in names else None
     clock, on, all_whole, width, sample = _SampleClock(parameters), False, True, 0, -1
-    for sample, (number, line) in enumerate(stream.rows):
-        cells = line.rstrip("\r\n").split(delimiter)
+    for number, line in stream.rows:
+        if stream.header.is_repeated(line):
+            report(f"{NAME}, line {number}: is the header again, and passed over")
+            continue
+        sample += 1
+        cells = split_cells(line, delimiter)
         width = width or stream.header.count_cells(len(cells), columns)
         if len(cells) != width:
             raise _line_error(number, f"has {len(cells)} cells, but the header has {len(names)}; give one per column.")
@@ -105,7 +116,7 @@ def follow(
             raise _line_error(number, range_message(f"{volts:g}", all_whole, parameters))
         time_s = sample / parameters.sample_rate_hz
         if time_index is not None:
-            time_s = _parse_number(cells[time_index], delimiter, number)
+            time_s = _parse_number(cells[time_index], delimiter, number) * columns.time_scale
             clock.check(time_s, number)
         if detector.step(volts) != on:
             on = not on

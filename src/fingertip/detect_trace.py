@@ -7,12 +7,14 @@ the voltage ahead of the board.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.design import Design
 from fingertip.errors import FingertipError, Issue, TraceError
+from fingertip.slip.converter_step import step_warnings
 from fingertip.slip.detection import Detection, detect
 from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.detectors.noise import NoiseLevel, measure_noise_level, settings_warnings, threshold_warnings
@@ -28,7 +30,7 @@ from fingertip.slip.noise_calibration import (
 )
 from fingertip.slip.rate_adaptation import adapt_detector
 from fingertip.slip.traces.read import read_raw_trace
-from fingertip.slip.traces.sampling import RATE_TOLERANCE, rate_bounds_message
+from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, RATE_TOLERANCE, rate_bounds_message
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, signal_warnings
 
 Progress = Callable[[str], None]
@@ -124,6 +126,7 @@ def detect_file(
     if adapt_to_file is None:
         adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
     if rate_hz is not None:
+        _check_finite(rate_hz)
         design = adapt(design, rate_hz)
     column_map = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not column_map.in_volts and quiet_s is None and detector != "analog":
@@ -136,6 +139,8 @@ def detect_file(
     warnings = list(raw.notes)
     if column_map.in_volts:
         warnings += [*signal_warnings(trace, design.detector), *settings_warnings(design, detector)]
+        if quiet_s is None:  # thresholds otherwise follow from the recording itself
+            warnings += step_warnings(trace.voltage_v, design, detector)
 
     quiet = slice(0, 0) if quiet_s is None else select_quiet_start(trace, quiet_s, path.name)
     noise_v, level = None, None
@@ -202,6 +207,7 @@ def detect_stream(
     design = design or Design()
     find_detector_type(detector)
     if rate_hz is not None:
+        _check_finite(rate_hz)
         adapt = _RateAdapter(detector, _keeps_threshold(design, keep_threshold), keep_window, False, report)
         design = adapt(design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
@@ -218,6 +224,13 @@ def detect_stream(
 
 def _ignore(message: str) -> None:
     pass
+
+
+def _check_finite(rate_hz: float) -> None:
+    """Raise TraceError for NaN and infinity, with which no design can be computed; others have its own messages."""
+    if not math.isfinite(rate_hz):
+        message = f"{rate_hz} is not a sampling rate; choose {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz."
+        raise TraceError(Issue("--rate-hz", message))
 
 
 def _keeps_threshold(design: Design, keep_threshold: bool | None) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.slip.traces.sampling import STEP_TOLERANCE, round_rate
+from fingertip.slip.traces.sampling import RATE_TOLERANCE, STEP_TOLERANCE, round_rate
 
 _MAX_SHARE = 4.0
 """Largest spacing of the float32 numbers at the last time, over the step between samples; beyond, times say little."""
@@ -30,7 +30,10 @@ def restore_even_times(times: Array) -> Array | None:
     steps = np.diff(times)
     duration = float(times[-1] - times[0])
     mean = duration / len(steps)
-    if mean <= 0.0 or (steps < 0.0).any() or bool((np.abs(steps - mean) <= STEP_TOLERANCE * mean).all()):
+    if mean <= 0.0 or (steps < 0.0).any():
+        return None
+    is_rate_clear = abs(float(np.median(steps)) - mean) <= RATE_TOLERANCE / 2 * mean
+    if is_rate_clear and bool((np.abs(steps - mean) <= STEP_TOLERANCE * mean).all()):
         return None
     rounded = times.astype(np.float32)
     spacing = float(np.spacing(np.abs(rounded).max()))
@@ -41,7 +44,7 @@ def restore_even_times(times: Array) -> Array | None:
         return None
     counted = np.arange(len(times))
     for even in (times[0] + counted / rate, times[0] + counted * mean):
-        # The first time is rounded too, by up to half a spacing.
-        if np.abs(times - even).max() <= spacing:
+        # The first time is rounded too, by up to half a spacing, and both may be rounded to decimals after that.
+        if np.abs(times - even).max() <= (1 + 2 * _MAX_DEVIATION) * spacing:
             return np.asarray(even, dtype=np.float64)
     return None

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.design import Design
+from fingertip.design.force_curve import describe_force_curve
 from fingertip.errors import FingertipError, Issue, TraceError
 from fingertip.slip.converter_step import step_warnings
 from fingertip.slip.detection import Detection, detect
@@ -277,6 +278,7 @@ def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str,
     voltage_v, circuits = trace.voltage_v, "the design's board"
     if not columns.in_volts:
         voltage_v, circuits = board_output.compute_bridge_v(design, voltage_v), "the design's bridge and board"
+        progress(describe_force_curve(design))
     progress(
         f"{name} has no column {columns.name_in_file('envelope_v')}: simulating {circuits} for the column "
         f"{columns.name_in_file('voltage_v')}"

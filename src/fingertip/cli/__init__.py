@@ -12,6 +12,7 @@ from fingertip.cli.bench import bench
 from fingertip.cli.board import board
 from fingertip.cli.build import build
 from fingertip.cli.calibrate import calibrate
+from fingertip.cli.calibrate_sensor import sensor
 from fingertip.cli.check import check
 from fingertip.cli.console import Console, command
 from fingertip.cli.coupon import coupon
@@ -39,6 +40,7 @@ app.command()(build)
 app.command()(check)
 app.command()(sheet)
 app.command()(coupon)
+calibrate.command("sensor")(sensor)
 app.add_typer(calibrate, name="calibrate")
 app.command()(params)
 app.command()(picture)

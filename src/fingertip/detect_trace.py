@@ -15,7 +15,7 @@ from pathlib import Path
 from fingertip.design import Design
 from fingertip.design.force_curve import describe_force_curve
 from fingertip.errors import FingertipError, Issue, TraceError
-from fingertip.slip.converter_step import step_warnings
+from fingertip.slip.converter_step import StepWatch, step_warnings
 from fingertip.slip.detection import Detection, detect
 from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.detectors.noise import NoiseLevel, measure_noise_level, settings_warnings, threshold_warnings
@@ -219,7 +219,7 @@ def detect_stream(
     reads_envelope = find_detector_type(detector).input_column == "envelope_v"
     stream = open_stream(lines, voltage, *([envelope] if reads_envelope else []))
     instance, column_map = _select_stream_detector(stream, design, detector, voltage, envelope, report)
-    transitions = follow(stream, instance, design.detector, column_map, report)
+    transitions = follow(stream, instance, design.detector, column_map, report, StepWatch(design, detector))
     return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)))
 
 

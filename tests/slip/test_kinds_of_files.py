@@ -573,6 +573,17 @@ def test_coarse_steps_are_warned_of_with_a_remedy_that_ends_the_false_alarms(tmp
     assert len(json.loads(run(*words, *scale, *remedy).stdout)["intervals"]) == 0
 
 
+def test_coarse_steps_of_a_stream_are_warned_of_once() -> None:
+    counts = np.round(np.tile(V, 3) / 5 * 1024)
+    times = [f"{i / 2000:.4f}" for i in range(len(counts))]
+    words = ("detect", "-", "--scale", 5 / 1024, "--json")
+    done = run(*words, lines="time_s,voltage_v\n" + rows(times, volts=counts))
+    assert done.exit_code == 0
+    assert done.stderr.count("warning: the voltages come in steps of 4.88 mV") == 1
+    fine = run("detect", "-", "--json", lines="time_s,voltage_v\n" + rows(times, volts=np.tile(V, 3)))
+    assert fine.stderr == ""
+
+
 def test_fine_steps_are_not_warned_of(tmp_path: Path) -> None:
     step = minute_of_counts(tmp_path / "t.npz", 14)
     assert run("detect", tmp_path / "t.npz", "--detector", "fast", "--scale", step).stderr == ""

@@ -22,6 +22,10 @@ _MAX_RESIDUAL = 0.05
 """Largest deviation of a difference between voltages from a whole number of steps, in steps: rounding of the file."""
 _MAX_STEPS = 1000
 """Number of steps between two neighbouring voltages above which rounding hides whether it is whole."""
+_FIRST_LOOK, _LAST_LOOK = 1000, 2**20
+"""Samples of a stream after which its steps are examined for the first and for the last time."""
+_MAX_LEVELS = 10_000
+"""Number of different voltages in a stream beyond which its steps are fine."""
 _MARGIN_STEPS = 2
 """Steps between the largest voltage and the range that is proposed: nearer voltages count as clipped."""
 
@@ -63,6 +67,34 @@ def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
         f"the voltages come in steps of {1000 * step:.3g} mV, which hide the noise of {1000 * settings.noise_v:.3g} mV "
         f"that the thresholds assume: single steps can be reported as slip. {remedy}"
     )
+
+
+class StepWatch:
+    """Voltages of a stream, examined for coarse steps ever more rarely until one warning is given.
+
+    Parameters
+    ----------
+    design, detector
+        As for `step_warnings`.
+    """
+
+    def __init__(self, design: Design, detector: str) -> None:
+        self._design, self._detector = design, detector
+        self._levels: set[float] = set()
+        self._count, self._next = 0, _FIRST_LOOK
+
+    def add(self, volts: float) -> str | None:
+        """Add one voltage [V], and return the warning if it is time for it."""
+        if not self._next:
+            return None
+        self._levels.add(volts)
+        self._count += 1
+        if self._count < self._next:
+            return None
+        warning = next(step_warnings(np.array(sorted(self._levels)), self._design, self._detector), None)
+        is_over = warning is not None or len(self._levels) > _MAX_LEVELS or self._count >= _LAST_LOOK
+        self._next = 0 if is_over else 2 * self._next
+        return warning
 
 
 def _propose(volts: Array, step: float, design: Design, detector: str) -> dict[str, float]:

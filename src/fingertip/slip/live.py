@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from fingertip.design.parameters import Detector as DetectorParameters
 from fingertip.errors import Issue, TraceError
+from fingertip.slip.converter_step import StepWatch
 from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.traces.cells import split_cells, unquote
 from fingertip.slip.traces.csv_header import Header, find_header
@@ -74,6 +75,7 @@ def follow(
     parameters: DetectorParameters,
     columns: ColumnMap,
     report: Callable[[str], None] = lambda message: None,
+    watch: StepWatch | None = None,
 ) -> Iterator[Transition]:
     """Process one sample per line and yield each transition as soon as it occurs.
 
@@ -88,7 +90,9 @@ def follow(
     columns
         Names of the columns; the detector reads the column of `voltage_v`.
     report
-        Called with a sentence for each line that is passed over.
+        Called with a sentence for each line that is passed over, and with the warning of `watch`.
+    watch
+        Watch for coarse steps of the converter.
 
     Raises
     ------
@@ -112,6 +116,8 @@ def follow(
             raise _line_error(number, f"has {len(cells)} cells, but the header has {len(names)}; give one per column.")
         volts = _parse_number(cells[voltage_index], delimiter, number) * columns.scale
         all_whole = all_whole and volts % 1 == 0
+        if watch is not None and (warning := watch.add(volts)):
+            report(f"warning: {warning}")
         if columns.in_volts and abs(volts) > parameters.adc_range_v:
             raise _line_error(number, range_message(f"{volts:g}", all_whole, parameters))
         time_s = sample / parameters.sample_rate_hz

@@ -170,7 +170,7 @@ def _normalise_case(cells: list[str], columns: ColumnMap) -> list[str]:
     that column and no other.
     """
     names = list(map(columns.name_in_file, COLUMNS))
-    for known in (name for name in names if name not in cells):
+    for known in names:
         matches = [i for i, cell in enumerate(cells) if cell.casefold() == known.casefold()]
         if len(matches) == 1 and cells[matches[0]] not in names:
             cells[matches[0]] = known

@@ -22,6 +22,7 @@ from fingertip.design.force_curve import describe_force_curve
 from fingertip.errors import DesignError, TraceError
 from fingertip.sim.signal.board_output import compute_bridge_v
 from fingertip.sim.signal.bridge import ConductanceCurve, fit_conductance_curve
+from tests.conftest import ROOT
 
 DESIGN = Design()
 RESPONSE = board_values(DESIGN).tactile_response
@@ -160,6 +161,9 @@ def test_four_weighings_with_noise_of_five_percent(in_force: bool) -> None:
     assert max(medians) <= 10.0
     assert tails[0] <= 10.0
     assert (medians, tails) == STATED[in_force]
+    cells = " | ".join(f"{median} % ({tail} %)" for median, tail in zip(medians, tails, strict=True))
+    page = (ROOT / "docs/usage.md").read_text(encoding="utf-8")
+    assert f"| on the {'force' if in_force else 'conductance'} | {cells} | {100 * coverage:.0f} % |" in page
 
 
 STATED = {True: ([1.9, 3.6], [4.9, 8.6]), False: ([3.6, 6.9], [9.3, 16.6])}

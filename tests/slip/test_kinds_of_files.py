@@ -27,11 +27,11 @@ import pytest
 
 from fingertip.errors import MissingLibraryError
 from fingertip.slip.converter_step import find_step_v
-from fingertip.slip.traces import array_files, csv_file, limits
+from fingertip.slip.traces import csv_file, limits
 from fingertip.slip.traces.even_times import restore_even_times
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.trace import ColumnMap
-from tests.conftest import run_python
+from tests.conftest import ROOT, run_python
 from tests.slip.recordings import ONSET, T, V, csv, run, single_onset
 
 START = datetime.datetime(2024, 5, 31, 23, 59, 59, 700_000)  # midnight falls into the recording
@@ -506,6 +506,12 @@ def test_an_archive_that_unpacks_to_much_is_refused_within_little_memory(tmp_pat
     assert "voltage_v: claims to hold 3e+08 values; at most" in done.stderr
 
 
+def test_the_documentation_states_the_bounds_of_size() -> None:
+    page = " ".join((ROOT / "docs/usage.md").read_text(encoding="utf-8").split())
+    bound = f"{limits.MAX_SAMPLES:,}".replace(",", " ")
+    assert f"At most {limits.MAX_FILE_BYTES // 2**30} GB and {bound} samples are read" in page
+
+
 def test_bounds_of_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "t.csv").write_text(PLAIN)
     np.save(tmp_path / "t.npy", np.column_stack((T, V)))
@@ -515,7 +521,6 @@ def test_bounds_of_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert "claims to hold 4e+03 values" in run("detect", tmp_path / "t.npy").stderr
     monkeypatch.setattr(limits, "MAX_FILE_BYTES", 1000)
     assert "has 0 MB; at most 0 MB are read; cut the recording into parts." in run("detect", tmp_path / "t.csv").stderr
-    assert array_files.RATE == "sample_rate_hz"
 
 
 @pytest.mark.parametrize("start_s", [0.0, 700.0, 3000.0, 5000.0, 10_000.0])

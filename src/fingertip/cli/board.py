@@ -152,7 +152,7 @@ def _format_tables(design: Design, values: BoardValues) -> str:
         describe_adc_range(limits),
         *_load_lines(design, values),
         "",
-        *_force_lines(values),
+        *_force_lines(design, values),
         "",
         "Errata of the article:",
     ]
@@ -248,14 +248,20 @@ def _load_lines(design: Design, values: BoardValues) -> list[str]:
     return lines
 
 
-def _force_lines(values: BoardValues) -> list[str]:
-    """Sensor resistance and tactile voltage at a few forces."""
+def _force_lines(design: Design, values: BoardValues) -> list[str]:
+    """Sensor resistance and tactile voltage at a few forces, and what they assume of the sensor."""
     from fingertip.board.components.bridge import sensor_conductance_s
+    from fingertip.design.force_curve import describe_force_curve
 
+    conductance_of = sensor_conductance_s
+    if design.force_curve.curve == "calibrated":
+        from fingertip.sim.signal.bridge import ConductanceCurve  # needs numpy
+
+        conductance_of = ConductanceCurve.of_design(design).conductance_s
     lines = [f"{'force':>8} {'sensor':>10} {'tactile voltage':>16}"]
     for force_n in _FORCES_N:
-        conductance_s = sensor_conductance_s(force_n)
+        conductance_s = conductance_of(force_n)
         resistance = f"{1 / conductance_s:.0f} ohm" if conductance_s else "open"
         tactile_v = values.tactile_response.tactile_v(conductance_s)
         lines.append(f"{force_n:6g} N {resistance:>10} {tactile_v:14.2f} V")
-    return lines
+    return [*lines, describe_force_curve(design)]

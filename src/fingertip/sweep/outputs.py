@@ -22,7 +22,7 @@ MOLD = CLOSED_MOLD | {"printer"}
 PARTS = MOLD | {"name", "strength", "silicone"}
 """Tables that the checks of the printed parts read: the mold halves carry the design's name, and the printer's scale
 and limits, the loads and the silicone decide on the checks."""
-SIMULATION = FINGER | {"board", "detector", "mold"}
+SIMULATION = FINGER | {"board", "detector", "mold", "force_curve"}
 """Tables that a simulation can depend on. It uses the pad's shape, which is derived together with the mold's
 lengths."""
 

@@ -21,13 +21,14 @@ import math
 from dataclasses import dataclass
 
 from fingertip.board.components.preferred_values import neighbouring_values, values_around
+from fingertip.design.parameters.force_curve import TURN_ON_N
 
 INTERLINK_CURVE = ((20.0, 30e3), (50.0, 10e3), (100.0, 6e3), (250.0, 3.5e3), (1000.0, 1.25e3), (10000.0, 250.0))
 """Load [gram force] and resistance [ohm], read off Interlink's typical curve (part to part 6 % at best)."""
 CURVE_DIAMETER_MM = 5.08
 """Active diameter [mm] for which the excitation is sized: the article's FSR 400, the smallest of the catalogue."""
 NEWTON_PER_GRAM = 9.80665e-3
-ARTICLE_POINTS = ((0.2, 4.3), (0.8, 4.0), (1.3, 3.85))
+ARTICLE_POINTS = ((TURN_ON_N, 4.3), (0.8, 4.0), (1.3, 3.85))
 """Force [N] and tactile voltage [V]: light contact at the sensor's turn-on, then both figures of the article's IV.A."""
 
 MAX_FORCE_N = 20.0

@@ -203,7 +203,7 @@ MIN_CUTOFF_HZ = 45.0
 III.A: contacts lie below 30 Hz)."""
 MIN_WINDOW_S = 0.02
 """Window length below which contacts are reported as slip [s] (article, section III.C)."""
-_COARSE_RATIO = 2.0
+COARSE_RATIO = 2.0
 """Ratio of the ADC's step to the noise above which the step hides the noise."""
 
 
@@ -220,7 +220,7 @@ def settings_warnings(design: Design, detector: str = WINDOWED[0]) -> Iterator[s
             f"choose at least {MIN_CUTOFF_HZ:g} Hz (article: 67 Hz)."
         )
     step = 2 * d.adc_range_v / 2**d.adc_bits
-    if step > _COARSE_RATIO * d.noise_v > 0.0:
+    if step > COARSE_RATIO * d.noise_v > 0.0:
         yield (
             f"detector.adc_bits of {d.adc_bits} over +/-{d.adc_range_v:g} V gives steps of {1000 * step:.3g} mV, which "
             f"hide the noise of {1000 * d.noise_v:.3g} mV: weak slip is not detected, and single steps resemble slip. "

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 
+from fingertip.amplifiers import OPEN_LOOP_GAIN
 from fingertip.board.circuit import Circuit, Component, parse_component_value
 from fingertip.board.components.amplifiers import (
     AD623_BANDWIDTH_HZ,
@@ -19,7 +20,6 @@ from fingertip.board.components.amplifiers import (
     AMPLIFIERS,
     BOLTZMANN_J_PER_K,
     GAIN_RESISTOR,
-    OPEN_LOOP_GAIN,
     TEMPERATURE_K,
 )
 from fingertip.board.components.anti_aliasing import CLAMP_A
@@ -191,7 +191,7 @@ def _models(circuit: Circuit, gain_bandwidth_hz: float) -> Iterator[str]:
 
 def _amplifier_model(name: str, gain_bandwidth_hz: float) -> str:
     amplifier = AMPLIFIERS[name]
-    bandwidth_hz = amplifier.bandwidth_hz or gain_bandwidth_hz
+    bandwidth_hz = gain_bandwidth_hz if amplifier.is_dual else amplifier.bandwidth_hz
     return _AMPLIFIER_MODEL.format(
         name=name.lower(),
         gain=OPEN_LOOP_GAIN,

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from fingertip.amplifiers import Amplifier
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuit import Circuit
-from fingertip.board.components.amplifiers import Amplifier
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.nets import ADC_ENVELOPE, ADC_TACTILE, GND, REFERENCE, SENSOR, TACTILE, VCC, VEE
 from fingertip.board.network import build_network

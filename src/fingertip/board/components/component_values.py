@@ -5,13 +5,13 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass
 
-from fingertip.board.components.amplifiers import select_dual_amplifier
 from fingertip.board.components.anti_aliasing import AdcInterface, size_adc_interface
 from fingertip.board.components.bridge import Bridge, size_bridge
 from fingertip.board.components.comparator import ComparatorStage, size_comparator
 from fingertip.board.components.filter import FilterSelection, FirstStageCapacitors, select_filter
 from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import choose_amplifier
 from fingertip.design.filter_components import FilterComponents
 
 
@@ -32,7 +32,7 @@ class ComponentValues:
     supply: str
     """Name of the supply: split or single."""
     amplifier: str
-    """Dual amplifier of filter and rectifier."""
+    """Dual amplifier of filter and rectifier, by its name in `fingertip.amplifiers.CATALOGUE`."""
     ideal: FilterComponents
     """Values by the formulas (article, eqs. 2, 5, 6, 7, 11)."""
     preferred: FilterComponents
@@ -74,7 +74,7 @@ def select_components(design: Design) -> ComponentValues:
     return ComponentValues(
         variant=board.variant,
         supply=supply.name,
-        amplifier=select_dual_amplifier(board.variant, board.supply),
+        amplifier=choose_amplifier(board).name,
         ideal=selection.ideal,
         preferred=selection.preferred,
         first_stage_capacitors=selection.capacitors,

@@ -16,8 +16,8 @@ from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuit import Circuit
 from fingertip.board.nets import TACTILE
 from fingertip.board.network import build_network, list_amplifiers
+from fingertip.design.amplifier_stages import BAND_CUTOFFS
 from fingertip.design.parameters import Board
-from fingertip.design.rules.board import BAND_CUTOFFS
 
 MIN_LOAD_OHM = 2e3
 """Smallest load for which the data sheets of both amplifiers state their output swing."""

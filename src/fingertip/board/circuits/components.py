@@ -33,7 +33,7 @@ def component(reference: str, value: str, symbol: Symbol, footprint: str, role: 
 
 def amplifier(reference: str, name: str, role: str) -> Component:
     """A dual amplifier by its name in `CATALOGUE`. All of them have the same pins."""
-    data, symbol = CATALOGUE[name], symbols.DUAL_CATALOGUE[name]
+    data, symbol = CATALOGUE[name], symbols.DUAL_AMPLIFIERS[name]
     rating = f"{symbol.description}, offset {1e3 * data.max_offset_v:g} mV at most"
     return Component(reference, data.order_name, symbol, symbols.SOIC_8, role, rating)
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from fingertip.amplifiers import CATALOGUE
 from fingertip.board.analysis.aliasing import AliasAttenuation, compute_alias_attenuation
+from fingertip.board.analysis.gate import GateCondition, check_gate
 from fingertip.board.analysis.limits import VoltageLimits, compute_output_swing, compute_voltage_limits
 from fingertip.board.analysis.loads import AmplifierLoad, compute_amplifier_loads, find_filter_load_ohm
 from fingertip.board.analysis.noise import NoiseLevels, compute_noise_levels
@@ -22,6 +23,7 @@ from fingertip.board.analysis.response import (
     target_response,
 )
 from fingertip.board.analysis.supply_ripple import SupplyRipple, compute_supply_ripple
+from fingertip.board.analysis.threshold_spread import ThresholdSpread, compute_threshold_spread
 from fingertip.board.analysis.thresholds import ComparatorLevels, compute_comparator_levels
 from fingertip.board.circuits.signal_paths import board_circuit
 from fingertip.board.components.component_values import ComponentValues, select_components
@@ -61,6 +63,10 @@ class BoardValues(ComponentValues):
     """Load of each amplifier between bridge and envelope in the band of the vibrations."""
     filter_load_ohm: float
     """Smallest impedance that an amplifier of the filter (U1) drives in that band, without the rectifying diode."""
+    threshold_spread: ThresholdSpread | None
+    """Mean and worst case of the comparator's threshold; None in variants without one."""
+    gate: tuple[GateCondition, ...]
+    """Conditions that the board must meet to work, each with its value and limit."""
     errata: tuple[Erratum, ...]
     """Errata of the article, with notes on those that do not apply to this board."""
 
@@ -129,6 +135,9 @@ def board_values(design: Design) -> BoardValues:
         envelope_gain,
     )
     loads = compute_amplifier_loads(circuit, bandwidth_hz, board.cutoff_hz, limits.vibration_peak_v)
+    spread = None
+    if levels:
+        spread = compute_threshold_spread(circuit, bandwidth_hz, levels, rails, board.resistor_tolerance_percent)
     return BoardValues(
         **{field.name: getattr(components, field.name) for field in fields(components)},
         tactile_response=compute_tactile_response(circuit, rails, supply.signal_ground),
@@ -142,5 +151,7 @@ def board_values(design: Design) -> BoardValues:
         voltage_limits=limits,
         amplifier_loads=loads,
         filter_load_ohm=find_filter_load_ohm(loads),
+        threshold_spread=spread,
+        gate=check_gate(circuit, design, limits, achieved.passband_gain, rails, spread),
         errata=board_errata(components.amplifier, has_diode),
     )

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from fingertip.amplifiers import ARTICLE_AMPLIFIER, CATALOGUE
 from fingertip.board.analysis.figures import format_figure
-from fingertip.board.analysis.limits import DIODE_V, describe_adc_range
+from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
 from fingertip.board.analysis.offsets import OutputOffset
@@ -22,6 +22,7 @@ from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.symbols import TEST_POINT
 from fingertip.board.variants import BoardConfiguration
 from fingertip.design import Design
+from fingertip.design.amplifier_stages import DIODE_V
 from fingertip.design.comparator_data import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
 
 HEADING = "# The slip-filter board\n"

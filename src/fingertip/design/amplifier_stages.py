@@ -20,6 +20,10 @@ BAND_CUTOFFS = 3.0
 about 3."""
 RAIL_DISTANCE_V = 0.5
 """Distance from the rails at which data sheets state the output current of rail-to-rail amplifiers [V]."""
+MID_RAIL_RATIO = 2.0
+"""Ratio of the current that an output gives at mid-supply to that near a rail, which data sheets state (assumed)."""
+DIODE_V = 0.6
+"""Forward voltage of a rectifier's diode for a large signal [V]."""
 _LOW_HZ, _HIGH_HZ = 1e3, 1e9
 _POINTS_PER_DECADE = 24
 _PEAK_DECADES = (4, 8)
@@ -63,6 +67,21 @@ def compute_phase_margin_deg(amplifier: Amplifier, feedback: Feedback) -> float:
     # All poles of the loop together lag by less than 270 degrees, so that the phase wraps once at most.
     phase = math.degrees(math.atan2(loop.imag, loop.real))
     return 180.0 + (phase if phase <= 0.0 else phase - 360.0)
+
+
+RECTIFIER_OHMS = (10e3, 4.7e3, 2.2e3)
+"""Resistances of the precision rectifier [ohm], the preferred one first."""
+GOOD_PHASE_MARGIN_DEG = 45.0
+"""Phase margin below which a loop rings [degree]."""
+
+
+def select_rectifier_ohm(amplifier: Amplifier) -> float:
+    """Select both resistors of the precision rectifier [ohm]: small ones where the input's capacitance is large."""
+
+    def margin_deg(ohm: float) -> float:
+        return compute_phase_margin_deg(amplifier, divider(ohm, 0.0, ohm, amplifier.input_f))
+
+    return next((ohm for ohm in RECTIFIER_OHMS if margin_deg(ohm) >= GOOD_PHASE_MARGIN_DEG), RECTIFIER_OHMS[-1])
 
 
 def compute_peaking_db(amplifier: Amplifier, feedback: Feedback, passband_gain: float) -> float:
@@ -118,3 +137,33 @@ def compute_filter_current_a(board: Board) -> float:
     first, second, _ = section_currents()
     scale = math.tau * board.cutoff_hz * to_farads(board.capacitor_uf) * amplitude_v
     return max(first * scale + amplitude_v / board.r5_ohm, second * scale)
+
+
+def compute_charging_current_a(peak_v: float, f_hz: float, ohm: float, farad: float) -> float:
+    """Compute the peak current of a peak detector in its steady state [A], for a sine behind a diode with a fixed drop.
+
+    The capacitor keeps the peak less the drop, V, decays through the resistor, and is charged again from the angle at
+    which the sine less the drop meets it. The current, C dv/dt + v / R, is largest there or a little later.
+    """
+    top_v = peak_v - DIODE_V
+    if top_v <= 0.0:
+        return 0.0
+    omega = math.tau * f_hz
+    low, high = math.asin(DIODE_V / peak_v), math.pi / 2.0
+    for _ in range(50):
+        angle = (low + high) / 2.0
+        elapsed_s = (1.5 * math.pi + angle) / omega
+        kept_v = top_v * math.exp(-elapsed_s / (ohm * farad))
+        if peak_v * math.sin(angle) - DIODE_V < kept_v:
+            low = angle
+        else:
+            high = angle
+    angles = (low + i / 8.0 * (math.pi / 2.0 - low) for i in range(9))
+    return max(farad * omega * peak_v * math.cos(a) + (peak_v * math.sin(a) - DIODE_V) / ohm for a in angles)
+
+
+def compute_envelope_current_a(board: Board, c_lp_f: float) -> float:
+    """Compute the peak current into variant article's envelope capacitor [A] for the largest and fastest vibration."""
+    amplitude_v = loaded_swing_v(board, choose_amplifier(board))
+    r_lp_ohm = filter_components.r_lp_ohm(board.envelope_cutoff_hz, c_lp_f)
+    return compute_charging_current_a(amplitude_v, BAND_CUTOFFS * board.cutoff_hz, r_lp_ohm, c_lp_f)

@@ -39,6 +39,8 @@ class ComponentValues:
     """Values that are fitted: resistors of the design's series; capacitors as in the design, or of their own series."""
     first_stage_capacitors: FirstStageCapacitors | None
     """Capacitors of the first stage that variant article does not have; None there."""
+    rectifier_ohm: float | None
+    """Both resistors of the precision rectifier; None in variant article."""
     tolerance: Tolerance
     bridge: Bridge
     """Preferred values of the bridge ahead of the filter."""
@@ -50,7 +52,9 @@ class ComponentValues:
     @functools.cached_property
     def by_reference(self) -> dict[str, float]:
         """Value of each component [ohm, F] by its reference designator, as the circuit fits them."""
-        values = FilterSelection(self.ideal, self.preferred, self.first_stage_capacitors).by_reference()
+        values = FilterSelection(
+            self.ideal, self.preferred, self.first_stage_capacitors, self.rectifier_ohm
+        ).by_reference()
         values |= self.bridge.by_reference() | self.adc_interface.by_reference()
         return values | (self.comparator_stage.by_reference() if self.comparator_stage else {})
 
@@ -78,6 +82,7 @@ def select_components(design: Design) -> ComponentValues:
         ideal=selection.ideal,
         preferred=selection.preferred,
         first_stage_capacitors=selection.capacitors,
+        rectifier_ohm=selection.rectifier_ohm,
         tolerance=Tolerance(board.resistor_tolerance_percent, board.capacitor_tolerance_percent),
         bridge=size_bridge(
             board.supply_v, board.series, design.dimensions.sensor.active_diameter_mm, supply.signal_ground_ratio

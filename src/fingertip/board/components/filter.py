@@ -15,6 +15,8 @@ from dataclasses import dataclass, replace
 
 from fingertip.board.components.joint_choice import choose_jointly
 from fingertip.board.components.preferred_values import nearest_value, neighbouring_values, values_in_range
+from fingertip.design.amplifier_choice import choose_amplifier
+from fingertip.design.amplifier_stages import select_rectifier_ohm
 from fingertip.design.filter_components import (
     SECTION_QUALITY,
     SELECTABLE_R1_OHM,
@@ -182,8 +184,6 @@ def select_first_stage_capacitors(components: FilterComponents, band_limit_hz: f
 
 LARGE_CAPACITOR_PERCENT = 20.0
 """Tolerance of a series capacitor above `MAX_1206_F`: nothing better is available in its size."""
-RECTIFIER_OHM = 10e3
-"""Both resistors of the precision rectifier [ohm]: gain -1."""
 
 
 @dataclass(frozen=True)
@@ -194,6 +194,8 @@ class FilterSelection:
     preferred: FilterComponents
     capacitors: FirstStageCapacitors | None
     """None in variant article."""
+    rectifier_ohm: float | None
+    """Both resistors of the precision rectifier, gain -1; None in variant article."""
 
     def by_reference(self) -> dict[str, float]:
         """Value of each fitted component [ohm, F] by its reference designator."""
@@ -202,9 +204,9 @@ class FilterSelection:
             "R1": c.r1_ohm, "R2": c.r2_ohm, "R3": c.r3_ohm, "R4": c.r4_ohm, "R5": c.r5_ohm, "R6": c.r_lp_ohm,
             "C1": c.c_f, "C2": c.c_f, "C3": c.c_f, "C4": c.c_lp_f,
         }  # fmt: skip
-        if self.capacitors is not None:
+        if self.capacitors is not None and self.rectifier_ohm is not None:
             values |= {"C14": self.capacitors.series_capacitor_f, "C20": self.capacitors.limiting_capacitor_f}
-            values |= {"R15": RECTIFIER_OHM, "R16": RECTIFIER_OHM, "R17": c.r_lp_ohm}
+            values |= {"R15": self.rectifier_ohm, "R16": self.rectifier_ohm, "R17": c.r_lp_ohm}
         return values
 
 
@@ -212,6 +214,7 @@ def select_filter(board: Board) -> FilterSelection:
     """Select the components of filter and envelope. Raises as `neighbouring_values` does."""
     ideal = ideal_components(select_capacitors(board))
     preferred = select_resistors(ideal, board.series, jointly=board.resistor_choice == "joint")
-    has_capacitors = board.variant != "article"
-    capacitors = select_first_stage_capacitors(preferred, board.band_limit_hz) if has_capacitors else None
-    return FilterSelection(ideal, preferred, capacitors)
+    if board.variant == "article":
+        return FilterSelection(ideal, preferred, None, None)
+    capacitors = select_first_stage_capacitors(preferred, board.band_limit_hz)
+    return FilterSelection(ideal, preferred, capacitors, select_rectifier_ohm(choose_amplifier(board)))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 DEVIATION_BAND = 0.5, 4.0
 """Band in which the deviation counts [cutoffs]: from 18 dB below the passband to beyond the vibrations."""
-SEARCH_RATIOS = {"E12": 1.5, "E24": 1.4, "E96": 1.15}
+SEARCH_RATIOS = {"E12": 1.8, "E24": 1.5, "E96": 1.15}
 """Largest ratio of a candidate to its ideal value by series. A wider search finds nothing better; a test shows it."""
 _DIGITS, _ROUNDING_DB = 9, 1e-8
 """Decimals of a deviation [dB]; differences below them are rounding."""

@@ -10,6 +10,7 @@ from fingertip.design import filter_components
 from fingertip.design.amplifier_choice import choose_amplifier, total_supply_v
 from fingertip.design.amplifier_stages import (
     BAND_CUTOFFS,
+    compute_envelope_current_a,
     compute_filter_current_a,
     compute_peaking_db,
     compute_phase_margin_deg,
@@ -216,6 +217,28 @@ def amplifier_drives_the_filter(design: DesignTables) -> Violation | None:
         _at_most_preferred(board.capacitor_uf * limit_a / current_a),
         "at this cutoff",
         alternatives=_other_amplifier(design, lambda other: CURRENT_MARGIN * other.output_current_a >= current_a),
+    )
+
+
+@RULES.rule("board.envelope_capacitor_uf", amplifier_withstands_the_supply, amplifier_drives_the_filter)
+def amplifier_charges_the_envelope(design: DesignTables) -> Violation | None:
+    """The amplifier can charge the envelope's capacitor through variant article's diode."""
+    board = design.board
+    if board.variant != "article" or board.capacitor_series != "given":
+        return None
+    amplifier, c_lp_f = choose_amplifier(board), to_farads(board.envelope_capacitor_uf)
+    charging_a, filter_a = compute_envelope_current_a(board, c_lp_f), compute_filter_current_a(board)
+    limit_a = CURRENT_MARGIN * amplifier.output_current_a
+    if charging_a + filter_a <= limit_a:
+        return None
+    return Violation(
+        f"{board.envelope_capacitor_uf:g} uF asks peaks of {1e3 * (charging_a + filter_a):.3g} mA of a "
+        f"{amplifier.name} at {BAND_CUTOFFS:g} cutoffs of {board.cutoff_hz:g} Hz, more than {CURRENT_MARGIN:g} of its "
+        f"{1e3 * amplifier.output_current_a:g} mA",
+        # R_LP is inverse to the capacitor, so that the current is proportional to it.
+        _at_most_preferred(board.envelope_capacitor_uf * (limit_a - filter_a) / charging_a),
+        "at this cutoff",
+        alternatives={"board.variant": "precision"},
     )
 
 

@@ -91,7 +91,7 @@ def test_command_imports_no_heavy_modules(tmp_path: Path, arguments: list[str]) 
     assert (tmp_path / "values.json").is_file()
 
 
-NOISY = ("board.variant=precision", "board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
+NOISY = ("board.variant=precision", "board.passband_gain=300", "board.amplifier=OPA2197")
 SHORT_WINDOW = ("board.variant=comparator", "detector.sample_rate_hz=10000", "detector.window_samples=60")
 
 

@@ -31,6 +31,7 @@ from fingertip.board.supplies import SUPPLIES
 from fingertip.board.transfer_function import find_stages, multiply
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.design.filter_components import FilterComponents, ideal_components
 from fingertip.design.parameters import Board
 from tests.oracles.filter_formulas import (
@@ -164,9 +165,9 @@ def test_ideal_filter_blocks_direct_current_and_passes_high_frequencies() -> Non
 # Frequency response as built, in its three forms: equations, polynomials and states
 
 CASES = [(name, ()) for name in BOARD_CONFIGURATIONS] + [
-    ("article_single", ("board.cutoff_hz=5", "board.capacitor_uf=10", "board.gain_bandwidth_hz=1e5")),
+    ("article_single", ("board.cutoff_hz=5", "board.capacitor_uf=10")),
     ("article_split", ("board.capacitor_uf=0.001", "board.cutoff_hz=5000", "board.passband_gain=3")),
-    ("precision_split", ("board.r5_ohm=1e7", "board.passband_gain=300", "board.gain_bandwidth_hz=1e9")),
+    ("precision_split", ("board.r5_ohm=1e7", "board.passband_gain=300", "board.amplifier=OPA2197")),
 ]
 
 
@@ -181,7 +182,7 @@ def case_design(case: tuple[str, tuple[str, ...]]) -> tuple[Design, Circuit]:
 def test_response_as_built_agrees_with_the_closed_form(case: tuple[str, tuple[str, ...]]) -> None:
     """Finite gain and bandwidth, input capacitance, C14 and C20, on both supplies; VMID carries no signal."""
     design, circuit = case_design(case)
-    values, gbw = board_values(design), design.board.gain_bandwidth_hz
+    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
     path = filter_path(circuit, gbw)
     found = path.response(FREQUENCIES, {"TACTILE": 1.0}, "STAGE1_OUT", "FILTERED")
     arguments = values.preferred, gbw, values.first_stage_capacitors
@@ -271,7 +272,7 @@ def test_rectifier_and_envelope_follow_with_one_pole(name: str) -> None:
 
 # Noise, ripple, offsets, thresholds and operating point
 
-NOISY = ("board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
+NOISY = ("board.passband_gain=300", "board.amplifier=OPA2197")
 
 
 @pytest.mark.parametrize("changes", [(), NOISY, ("board.passband_gain=10", "board.band_limit_hz=3000")], ids=str)
@@ -279,7 +280,7 @@ NOISY = ("board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
 def test_noise_agrees_with_the_closed_form(name: str, changes: tuple[str, ...]) -> None:
     """The formula has the bridge and its amplifier, which cause 99 % of the noise, and no VMID."""
     design, _ = load(name, *changes)
-    values, gbw = board_values(design), design.board.gain_bandwidth_hz
+    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
     tolerance = 0.004 if name.endswith("single") else 0.0005
     assert values.noise.tactile_v == pytest.approx(noise_v(values.bridge, lambda f: 1.0), rel=tolerance)
 

@@ -34,7 +34,7 @@ class Amplifier:
 
     name: str
     symbol: str
-    """Name of its symbol in KiCad's library."""
+    """Name of its symbol in KiCad's library: its own, or a dual amplifier's whose pins are drawn at the same places."""
     order_name: str
     """Name to order, with the grade."""
     bandwidth_hz: float
@@ -190,7 +190,7 @@ CATALOGUE: dict[str, Amplifier] = {
         ),
         Amplifier(
             name="OPA2197",
-            symbol="OPA2197xD",
+            symbol="LM2904",
             order_name="OPA2197ID",
             bandwidth_hz=10e6,
             phase_margin_deg=60.0,

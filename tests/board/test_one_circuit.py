@@ -126,14 +126,18 @@ def test_component_added_in_one_place_is_everywhere(tmp_path: Path, monkeypatch:
     assert_everything_has_the_gain(tmp_path, DESIGN, gain)
 
 
-@pytest.mark.parametrize(("reference", "ohm", "ratio"), [("R16", 20e3, 2.0), ("R17", 1e3, 2.0), ("R15", 20e3, 0.5)])
+@pytest.mark.parametrize(("reference", "factor", "ratio"), [("R16", 2.0, 2.0), ("R17", 0.5, 2.0), ("R15", 2.0, 0.5)])
 def test_rectifier_changed_in_one_place_scales_envelope_noise_and_ripple(
-    monkeypatch: pytest.MonkeyPatch, reference: str, ohm: float, ratio: float
+    monkeypatch: pytest.MonkeyPatch, reference: str, factor: float, ratio: float
 ) -> None:
     before, voltage = board_values(DESIGN), 4 + 1e-2 * np.sin(math.tau * TONE_HZ * np.arange(2000) / 2000)
     envelope = simulate_board(AnalogBoard.from_design(DESIGN), 5e-4, voltage, 1e-7).envelope_v
-    select = FilterSelection.by_reference
-    monkeypatch.setattr(FilterSelection, "by_reference", lambda selection: {**select(selection), reference: ohm})
+    select, ohm = FilterSelection.by_reference, factor * before.by_reference[reference]
+    monkeypatch.setattr(
+        FilterSelection,
+        "by_reference",
+        lambda selection: {**select(selection), reference: ohm},
+    )
     board_values.cache_clear()
     after = board_values(DESIGN)
     changed = simulate_board(AnalogBoard.from_design(DESIGN), 5e-4, voltage, 1e-7).envelope_v

@@ -18,6 +18,7 @@ from fingertip.board.nets import TACTILE
 from fingertip.board.network import Spectrum, build_network, list_amplifiers
 from fingertip.design.amplifier_stages import BAND_CUTOFFS
 from fingertip.design.parameters import Board
+from fingertip.design.preferred_series import find_preferred_neighbours
 
 MIN_LOAD_OHM = 2e3
 """Smallest load for which the data sheets of both amplifiers state their output swing."""
@@ -143,7 +144,8 @@ def load_warnings(board: Board, filter_load_ohm: float, capacitor_f: float) -> I
         return
     # Resistors are inverse to the capacitors. The margin covers their rounding to preferred values, so a larger
     # capacitor may pass too.
-    capacitor_uf = f"{_MARGIN * 1e6 * capacitor_f * filter_load_ohm / MIN_LOAD_OHM:.3g}"
+    passing_uf, _ = find_preferred_neighbours(_MARGIN * 1e6 * capacitor_f * filter_load_ohm / MIN_LOAD_OHM)
+    capacitor_uf = f"{passing_uf:.3g}"
     settings = f"board.capacitor_uf={capacitor_uf}"
     if board.capacitor_series != "given":
         settings = f"board.capacitor_series=given and {settings}"

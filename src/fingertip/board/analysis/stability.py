@@ -17,9 +17,9 @@ from fingertip.board.components.amplifiers import AMPLIFIERS
 from fingertip.board.nets import FILTERED, TACTILE
 from fingertip.board.network import INVERSE_BANDWIDTH, INVERSE_GAIN, Network, Spectrum
 
-LOOP_HZ = 1e4, 1e9
+LOOP_HZ = 1e3, 1e9
 """Band in which a loop's gain falls to 1 [Hz]."""
-_LOOP_POINTS = 61
+_LOOP_POINTS = 73
 PEAK_HZ = 1e4, 1e8
 """Band beyond the passband in which a resonance is searched [Hz]."""
 _PEAK_POINTS = 97

@@ -50,7 +50,7 @@ DUAL_AMPLIFIERS = {
     "TLV2372": TLV2372,
     "MCP6022": _rail_to_rail("MCP6022"),
     "OPA2376": _rail_to_rail("OPA2376xxD"),
-    "OPA2197": _rail_to_rail("OPA2197xD"),
+    "OPA2197": _rail_to_rail("LM2904"),
 }
 """Dual amplifiers for the filter and the rectifier, by name."""
 TLV2371 = Symbol(

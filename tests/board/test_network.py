@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fingertip.amplifiers import CATALOGUE
 from fingertip.arrays import Array
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.response import (
@@ -31,6 +32,7 @@ from fingertip.board.supplies import SUPPLIES
 from fingertip.board.transfer_function import find_stages, multiply
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.design.filter_components import FilterComponents, ideal_components
 from fingertip.design.parameters import Board
 from tests.oracles.filter_formulas import (
@@ -65,6 +67,9 @@ capacitors = st.floats(1e-6, 1e3)
 gains = st.floats(1.01, 1e4)
 
 
+SLOW = replace(CATALOGUE["TL082"], bandwidth_hz=1.0)
+
+
 def load(name: str, *changes: str) -> tuple[Design, Circuit]:
     """Return the design of a configuration with changes, and its circuit."""
     design = Design.load(changes=(*BOARD_CONFIGURATIONS[name].changes, *changes))
@@ -83,7 +88,7 @@ def article_model() -> FilterModel:
 
 def quantities(components: FilterComponents) -> Mapping[str, float | Array]:
     """Values of the article's network for other components, with ideal amplifiers."""
-    return filter_quantities(FilterSelection(components, components, None).by_reference(), 1.0)
+    return filter_quantities(FilterSelection(components, components, None, None).by_reference(), SLOW)
 
 
 # The article's figures and formulas
@@ -163,10 +168,11 @@ def test_ideal_filter_blocks_direct_current_and_passes_high_frequencies() -> Non
 
 # Frequency response as built, in its three forms: equations, polynomials and states
 
+FAST = ("board.r5_ohm=5100", "board.envelope_capacitor_uf=0.022")
 CASES = [(name, ()) for name in BOARD_CONFIGURATIONS] + [
-    ("article_single", ("board.cutoff_hz=5", "board.capacitor_uf=10", "board.gain_bandwidth_hz=1e5")),
-    ("article_split", ("board.capacitor_uf=0.001", "board.cutoff_hz=5000", "board.passband_gain=3")),
-    ("precision_split", ("board.r5_ohm=1e7", "board.passband_gain=300", "board.gain_bandwidth_hz=1e9")),
+    ("article_single", ("board.cutoff_hz=5", "board.capacitor_uf=10")),
+    ("article_split", ("board.capacitor_uf=0.001", "board.cutoff_hz=5000", "board.passband_gain=3", *FAST)),
+    ("precision_split", ("board.r5_ohm=1e7", "board.passband_gain=300", "board.amplifier=OPA2197")),
 ]
 
 
@@ -181,7 +187,7 @@ def case_design(case: tuple[str, tuple[str, ...]]) -> tuple[Design, Circuit]:
 def test_response_as_built_agrees_with_the_closed_form(case: tuple[str, tuple[str, ...]]) -> None:
     """Finite gain and bandwidth, input capacitance, C14 and C20, on both supplies; VMID carries no signal."""
     design, circuit = case_design(case)
-    values, gbw = board_values(design), design.board.gain_bandwidth_hz
+    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
     path = filter_path(circuit, gbw)
     found = path.response(FREQUENCIES, {"TACTILE": 1.0}, "STAGE1_OUT", "FILTERED")
     arguments = values.preferred, gbw, values.first_stage_capacitors
@@ -235,11 +241,12 @@ def test_passband_is_found_on_the_closed_form(name: str) -> None:
     """At both cutoffs the closed form has half the power of its maximum, which is nowhere exceeded."""
     design, circuit = load(name)
     values = board_values(design)
-    model, network = model_filter(circuit, name.startswith("article")), build_network(circuit, 3e6)
+    gbw = find_gain_bandwidth_hz(design.board)
+    model, network = model_filter(circuit, name.startswith("article")), build_network(circuit, gbw)
     passband = find_passband(model.transfer(network.values), search_band_hz(model, network.values))
 
     def gain(f_hz: float) -> float:
-        return abs(filter_transfer(f_hz, values.preferred, 3e6, values.first_stage_capacitors))
+        return abs(filter_transfer(f_hz, values.preferred, gbw, values.first_stage_capacitors))
 
     assert max(gain(f) for f in np.geomspace(10, 2000, 2000).tolist()) <= passband.gain * (1 + 1e-9)
     for cutoff_hz in (passband.low_hz, passband.high_hz):
@@ -271,7 +278,7 @@ def test_rectifier_and_envelope_follow_with_one_pole(name: str) -> None:
 
 # Noise, ripple, offsets, thresholds and operating point
 
-NOISY = ("board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
+NOISY = ("board.passband_gain=300", "board.amplifier=OPA2197")
 
 
 @pytest.mark.parametrize("changes", [(), NOISY, ("board.passband_gain=10", "board.band_limit_hz=3000")], ids=str)
@@ -279,7 +286,7 @@ NOISY = ("board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
 def test_noise_agrees_with_the_closed_form(name: str, changes: tuple[str, ...]) -> None:
     """The formula has the bridge and its amplifier, which cause 99 % of the noise, and no VMID."""
     design, _ = load(name, *changes)
-    values, gbw = board_values(design), design.board.gain_bandwidth_hz
+    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
     tolerance = 0.004 if name.endswith("single") else 0.0005
     assert values.noise.tactile_v == pytest.approx(noise_v(values.bridge, lambda f: 1.0), rel=tolerance)
 
@@ -297,11 +304,11 @@ def test_noise_agrees_with_the_closed_form(name: str, changes: tuple[str, ...]) 
 def test_supply_ripple_agrees_with_the_closed_form(name: str) -> None:
     """The formula has no ripple in VMID, of which C21 leaves a little."""
     design, _ = load(name)
-    values = board_values(design)
+    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
 
     def gain(f_hz: float) -> float:
         pole = 1 + 1j * f_hz * values.bridge.gain / AD623_BANDWIDTH_HZ
-        chain = filter_transfer(f_hz, values.preferred, 3e6, values.first_stage_capacitors)
+        chain = filter_transfer(f_hz, values.preferred, gbw, values.first_stage_capacitors)
         return abs(supply_transfer(values.bridge, f_hz) / pole * chain)
 
     tolerance = 0.002 if name.endswith("split") else 0.02
@@ -312,13 +319,15 @@ def test_supply_ripple_agrees_with_the_closed_form(name: str) -> None:
 
 @pytest.mark.parametrize("name", [name for name in BOARD_CONFIGURATIONS if not name.startswith("article")])
 def test_envelope_offset_agrees_with_the_closed_form(name: str) -> None:
-    """TLV2372: 4.5 mV at most, 2 mV typical. What remains is the finite gain of the amplifiers, 1e-5."""
-    offset = board_values(load(name)[0]).output_offset
-    conducting, blocked = envelope_offset_gains(2e3, 10e3)
+    """What remains is the finite gain of the amplifiers, 1e-5."""
+    values = board_values(load(name)[0])
+    offset, amplifier = values.output_offset, CATALOGUE[values.amplifier]
+    assert values.rectifier_ohm is not None
+    conducting, blocked = envelope_offset_gains(2e3, values.rectifier_ohm)
     assert offset is not None
-    assert offset.max_v == pytest.approx(4.5e-3 * math.fsum(map(abs, conducting)), rel=1e-4)
-    assert offset.min_v == pytest.approx(-4.5e-3 * math.fsum(map(abs, blocked)), rel=1e-4)
-    assert offset.typical_v == pytest.approx(2e-3 * math.hypot(*conducting), rel=1e-4)
+    assert offset.max_v == pytest.approx(amplifier.max_offset_v * math.fsum(map(abs, conducting)), rel=1e-4)
+    assert offset.min_v == pytest.approx(-amplifier.max_offset_v * math.fsum(map(abs, blocked)), rel=1e-4)
+    assert offset.typical_v == pytest.approx(amplifier.offset_v * math.hypot(*conducting), rel=1e-4)
 
 
 @pytest.mark.parametrize("threshold", [0.017, 0.1])

@@ -5,8 +5,9 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable
 
+from fingertip.amplifiers import ARTICLE_AMPLIFIER, CATALOGUE
 from fingertip.board.analysis.figures import format_figure
-from fingertip.board.analysis.limits import DIODE_V, describe_adc_range
+from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
 from fingertip.board.analysis.offsets import OutputOffset
@@ -15,13 +16,13 @@ from fingertip.board.analysis.thresholds import ComparatorLevels
 from fingertip.board.analysis.touches import describe_touches
 from fingertip.board.board_values import BoardValues
 from fingertip.board.circuit import Circuit
-from fingertip.board.components.amplifiers import AMPLIFIERS, ARTICLE_AMPLIFIER
 from fingertip.board.components.anti_aliasing import CLAMP_A, MAX_CLAMP_A
 from fingertip.board.components.comparator import PULL_UP_OHM
 from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.symbols import TEST_POINT
 from fingertip.board.variants import BoardConfiguration
 from fingertip.design import Design
+from fingertip.design.amplifier_stages import DIODE_V
 from fingertip.design.comparator_data import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
 
 HEADING = "# The slip-filter board\n"
@@ -166,7 +167,7 @@ def _connector_table(values: BoardValues, design: Design) -> str:
 def _signal_notes(values: BoardValues, design: Design) -> list[str]:
     """Signal levels, clipping and the interface to the ADC."""
     limits, supply_v = values.voltage_limits, design.board.supply_v
-    amplifier = AMPLIFIERS[values.amplifier].order_name
+    amplifier = CATALOGUE[values.amplifier].order_name
     vibration_mv = 1e3 * limits.vibration_peak_v
     if values.supply == "single":
         signal_ground = (
@@ -179,7 +180,7 @@ def _signal_notes(values: BoardValues, design: Design) -> list[str]:
     if values.amplifier == ARTICLE_AMPLIFIER:
         swing = (
             f"U1 is a {amplifier}: the article's {ARTICLE_AMPLIFIER} in a grade with at most "
-            f"{1e3 * AMPLIFIERS[values.amplifier].max_offset_v:g} mV of offset. The filtered signal can swing "
+            f"{1e3 * CATALOGUE[values.amplifier].max_offset_v:g} mV of offset. The filtered signal can swing "
             f"{limits.filter_peak_v:.1f} V up but only {limits.filter_trough_v:.1f} V down (typical, into 10 kohm; "
             f"{limits.filter_guaranteed_trough_v:.1f} V down guaranteed), where the input common-mode range of the "
             f"second stage ends. A vibration of {vibration_mv:.0f} mV (peak, where the gain is largest) in the tactile "
@@ -296,7 +297,7 @@ def _offset_section(values: BoardValues, design: Design) -> str:
 
 
 def _describe_offset(offset: OutputOffset, values: BoardValues, design: Design) -> str:
-    amplifier = AMPLIFIERS[values.amplifier]
+    amplifier = CATALOGUE[values.amplifier]
     return (
         f"The offset voltages of U1 and U3 appear in the envelope. With {1e3 * amplifier.max_offset_v:g} mV each, the "
         f"maximum of a {amplifier.order_name}, the envelope offset lies between {1e3 * offset.min_v:.1f} and "

@@ -2,7 +2,7 @@
 
 On a split supply of plus and minus 5 V, signal ground is supply ground (0 V), as in the article. On a single supply of
 5 V it is VMID (buffered mid-supply). Bridge, filters, rectifier, envelope and threshold refer to it, and the amplifiers
-need rail-to-rail inputs and outputs (`fingertip.board.components.amplifiers`).
+need rail-to-rail inputs and outputs (`fingertip.amplifiers`).
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ from fingertip.board.circuit import Circuit
 from fingertip.board.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE
 from fingertip.board.network import build_network
 from fingertip.design import Design
-from fingertip.design.rules.board import BAND_CUTOFFS
+from fingertip.design.amplifier_stages import BAND_CUTOFFS
 
 
 @dataclass(frozen=True)

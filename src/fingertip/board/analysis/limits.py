@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from fingertip.amplifiers import Amplifier
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuit import Circuit
-from fingertip.board.components.amplifiers import Amplifier
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.nets import ADC_ENVELOPE, ADC_TACTILE, GND, REFERENCE, SENSOR, TACTILE, VCC, VEE
 from fingertip.board.network import build_network
 from fingertip.board.supplies import Supply
-
-DIODE_V = 0.6
-"""Forward voltage of a rectifier's diode for a large signal [V]."""
+from fingertip.design.amplifier_stages import DIODE_V
 
 # Internal limits of the AD623 (its data sheet, "input and output voltage range"): its input followers shift their
 # inputs up by the drop of a diode and must stay clear of both rails, as must the output.

@@ -11,9 +11,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from fingertip.amplifiers import CATALOGUE, LOW_OFFSET_AMPLIFIER
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuit import Circuit
-from fingertip.board.components.amplifiers import AMPLIFIERS, LOW_OFFSET_NAME, LOW_OFFSET_V
+from fingertip.board.components.amplifiers import AMPLIFIERS
 from fingertip.board.nets import ENVELOPE
 from fingertip.board.network import build_network, list_amplifiers
 
@@ -59,8 +60,8 @@ def compute_output_offset(circuit: Circuit, gain_bandwidth_hz: float, signal_gro
         min_v=-math.fsum(map(abs, blocked)) * amplifier.max_offset_v,
         max_v=worst_gain * amplifier.max_offset_v,
         typical_v=math.hypot(*conducting) * amplifier.offset_v,
-        low_offset_amplifier=LOW_OFFSET_NAME,
-        max_low_offset_v=worst_gain * LOW_OFFSET_V,
+        low_offset_amplifier=LOW_OFFSET_AMPLIFIER,
+        max_low_offset_v=worst_gain * CATALOGUE[LOW_OFFSET_AMPLIFIER].max_offset_v,
     )
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from fingertip.amplifiers import CATALOGUE
 from fingertip.board.circuit import Component, Symbol, format_component_value
-from fingertip.board.components.amplifiers import AMPLIFIERS
 from fingertip.board.components.component_values import ComponentValues
 from fingertip.board.components.filter import LARGE_CAPACITOR_PERCENT
 from fingertip.board.kicad import symbols
@@ -32,8 +32,8 @@ def component(reference: str, value: str, symbol: Symbol, footprint: str, role: 
 
 
 def amplifier(reference: str, name: str, role: str) -> Component:
-    """A dual amplifier by its name in `AMPLIFIERS`. All of them have the same pins."""
-    data, symbol = AMPLIFIERS[name], symbols.DUAL_AMPLIFIERS[name]
+    """A dual amplifier by its name in `CATALOGUE`. All of them have the same pins."""
+    data, symbol = CATALOGUE[name], symbols.DUAL_AMPLIFIERS[name]
     rating = f"{symbol.description}, offset {1e3 * data.max_offset_v:g} mV at most"
     return Component(reference, data.order_name, symbol, symbols.SOIC_8, role, rating)
 

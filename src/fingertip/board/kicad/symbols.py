@@ -37,13 +37,21 @@ _DUAL_PINS = (
     Pin("8", "V+", "power_in"),
 )
 TL082 = Symbol("Amplifier_Operational", "TL082", "Dual JFET-input operational amplifier, SOIC-8", _DUAL_PINS)
-TLV2372 = Symbol(
-    "Amplifier_Operational",
-    "TLV2372",
-    "Dual operational amplifier, inputs and outputs to both rails, SOIC-8",
-    _DUAL_PINS,
-)
-DUAL_AMPLIFIERS = {symbol.name: symbol for symbol in (TL082, TLV2372)}
+
+
+def _rail_to_rail(name: str) -> Symbol:
+    description = "Dual operational amplifier, inputs and outputs to both rails, SOIC-8"
+    return Symbol("Amplifier_Operational", name, description, _DUAL_PINS)
+
+
+TLV2372 = _rail_to_rail("TLV2372")
+DUAL_AMPLIFIERS = {
+    "TL082": TL082,
+    "TLV2372": TLV2372,
+    "MCP6022": _rail_to_rail("MCP6022"),
+    "OPA2376": _rail_to_rail("OPA2376xxD"),
+    "OPA2197": _rail_to_rail("LM2904"),
+}
 """Dual amplifiers for the filter and the rectifier, by name."""
 TLV2371 = Symbol(
     "Amplifier_Operational",

@@ -120,8 +120,7 @@ SYMBOL_GRAPHICS: dict[str, tuple[UnitGraphic, ...]] = {
             reference_at=(0.0, 2.54), value_at=(0.0, 5.08), body=(3.81, 1.27),
         ),
     ),
-    "TL082": _DUAL_AMPLIFIER,
-    "TLV2372": _DUAL_AMPLIFIER,
+    **dict.fromkeys(("TL082", "TLV2372", "MCP6022", "OPA2376xxD", "LM2904"), _DUAL_AMPLIFIER),
     "TLV2371DBV": (
         replace(_amplifier("3", "4", "1"), pins=_amplifier("3", "4", "1").pins | {
             "5": PinGraphic(-2.54, 7.62, 270, 3.81), "2": PinGraphic(-2.54, -7.62, 90, 3.81),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from fingertip.amplifiers import AmplifierName
 from fingertip.design.parameters.declaration import ParameterTable, choice, quantity
 
 
@@ -48,13 +49,13 @@ class Board(ParameterTable):
         minimum=10,
         maximum=1e5,
     )
-    gain_bandwidth_hz: float = quantity(
-        3e6,
-        "Hz",
-        "Gain-bandwidth product of the amplifier; set 4e6 for the TL082 of variant article on a split supply "
-        "(TLV2372: 3e6).",
-        minimum=1e4,
-        maximum=1e9,
+    amplifier: AmplifierName = choice(
+        "auto",
+        "Dual amplifier of filter and rectifier; auto: TL082 (article, split), OPA2197 (comparator), else TLV2372.",
+    )
+    resistor_choice: Literal["joint", "apart"] = choice(
+        "joint",
+        "joint: R1, R2, R3 that together deviate least from a Butterworth response; apart: each nearest to its ideal.",
     )
     supply: Literal["split", "single"] = choice(
         "split",

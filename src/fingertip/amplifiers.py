@@ -74,7 +74,7 @@ class Amplifier:
 
     @property
     def is_dual(self) -> bool:
-        """Whether it has two units, as those of filter and rectifier have."""
+        """True if it has two units, as those of filter and rectifier have."""
         return len(self.units) > 1
 
     @property

@@ -43,7 +43,6 @@ from fingertip.design.amplifier_stages import (
     select_rectifier_ohm,
 )
 from fingertip.design.preferred_series import find_preferred_neighbours
-from fingertip.design.rules.board import IDLE_TACTILE_V
 from fingertip.errors import DesignError
 from tests.board.ngspice import HOW_TO_INSTALL_NGSPICE, run_ngspice
 from tests.oracles.gate_in_ngspice import check_gate_in_ngspice
@@ -93,7 +92,6 @@ ACCEPTED_IN_SILENCE = {
     ("board.passband_gain=2", "board.r5_ohm=1e7"): "leaves 1 degrees of phase margin",
     ("board.capacitor_uf=0.1234567891",): "is no value of series E12, in which capacitors are made; 0.12 or 0.15 uF",
     ("board.envelope_capacitor_uf=2.3",): "for C4 is no value of series E12, .*; 2.2 or 2.7 uF",
-    ("detector.adc_range_v=3.3",): "rests at up to 4.5 V .* at least 4.5 V",
     ("board.envelope_capacitor_uf=10",): "asks peaks of .* mA of a TL082",
     ("board.amplifier=OPA2376",): "works on 2.2 to 5.5 V, and this supply puts 10 V .*; set board.amplifier=auto",
 }
@@ -109,7 +107,7 @@ def test_boards_that_cannot_work_are_refused(changes: tuple[str, ...]) -> None:
     "changes",
     [
         ("board.passband_gain=300",), ("board.capacitor_uf=0.12",), ("board.capacitor_uf=0.15",),
-        ("board.capacitor_series=E6", "board.capacitor_uf=0.1234567891"), ("detector.adc_range_v=4.5",),
+        ("board.capacitor_series=E6", "board.capacitor_uf=0.1234567891"), ("detector.adc_range_v=4.5", "board.amplifier=TL082"),
         ("board.passband_gain=2", "board.variant=precision"), ("board.passband_gain=10",),
         ("board.passband_gain=2", "board.amplifier=OPA2197", "board.r5_ohm=2000"), ("board.envelope_capacitor_uf=3.9",),
         ("board.amplifier=OPA2376", "board.supply=single"),
@@ -146,7 +144,7 @@ def test_rule_and_circuit_agree_on_the_first_stage(name: str, gain: float, r5_oh
     assert found == pytest.approx(expected / np.abs(1 + open_loop), rel=0.3)
     peaking_db = next(c.value for c in board_values.__wrapped__(design).gate if c.name == PEAKING)
     # C20 is a preferred value up to 21 % from the ideal one, and lowers the gain there.
-    tolerance_db = 0.5 if name.startswith("article") else 4.0
+    tolerance_db = 1.0 if name.startswith("article") else 4.0
     assert peaking_db == pytest.approx(compute_peaking_db(amplifier, feedback, gain), abs=tolerance_db)
 
 
@@ -189,14 +187,11 @@ def test_charging_current_agrees_with_a_simulated_peak_detector(f_hz: float, pea
     assert compute_charging_current_a(peak_v, f_hz, ohm, farad) == pytest.approx(largest_a, rel=0.05, abs=1e-6)
 
 
-def test_idle_level_of_every_bridge_lies_below_the_rules() -> None:
-    for name in BOARD_CONFIGURATIONS:
-        for series in ("E12", "E24", "E96"):
-            for supply_v in ("5", "5.5"):
-                design = load(
-                    name, f"board.series={series}", f"board.supply_v={supply_v}", "board.envelope_capacitor_uf=1.8"
-                )
-                assert 4.3 < board_values(design).voltage_limits.max_tactile_v <= IDLE_TACTILE_V
+def test_a_converter_that_the_idle_level_saturates_is_warned_of() -> None:
+    conditions = board_values(Design.load(changes=["detector.adc_range_v=3.3"])).gate
+    warning = next(gate_warnings(conditions))
+    assert warning.startswith("tactile voltage at idle (TACTILE): 4.41 V, must be at most 3.30 V; the converter is")
+    assert find_smallest_margin(conditions) == find_smallest_margin(conditions, IDLE) < 1
 
 
 def test_margin_is_one_at_the_limit() -> None:

@@ -1,4 +1,4 @@
-"""What the filter asks of its amplifier, in closed form for ideal component values: stability, currents, offset.
+"""Demands of the filter on its amplifier, in closed form for ideal component values: stability, currents, swing.
 
 The rules refuse by these formulas. `fingertip.board.analysis.gate` computes the same conditions from the circuit with
 its preferred values, and a test compares both.

@@ -1,7 +1,8 @@
 """Gate of the board: conditions that it must meet to work, each with its value and its limit, from its circuit.
 
 A required condition that fails means that the board cannot work; `fingertip.design.rules.board` refuses such a design
-by closed forms before a circuit exists. An advised condition that fails is a warning.
+by closed forms before a circuit exists. The converter is the exception: a design may belong to recordings of another
+board, so its range is a warning, as is an advised condition that fails.
 """
 
 from __future__ import annotations
@@ -57,10 +58,10 @@ class GateCondition:
     unit: str
     bound: Literal["at least", "at most"]
     level: Level
-    """Whether the board cannot work without it, or only badly."""
+    """Need for the condition: without a required one the board cannot work, without an advised one only badly."""
     passed: bool
     remedy: str
-    """What to change where it fails; empty where a rule refuses first."""
+    """Change that helps where it fails; empty where a rule refuses first."""
 
     @property
     def margin(self) -> float:
@@ -127,7 +128,11 @@ def check_gate(
         *_check_offsets(circuit, design, amplifier),
         at_least(BANDWIDTH, "U1", amplifier.bandwidth_hz, needed_hz, "Hz"),
         *_check_stability(circuit, amplifier, passband_gain),
-        at_most(IDLE, "TACTILE", limits.max_tactile_v, limits.adc_range_v, "V"),
+        at_most(
+            IDLE, "TACTILE", limits.max_tactile_v, limits.adc_range_v, "V", "required",
+            "the converter is saturated just where contacts are light: set detector.adc_range_v to that, or divide "
+            "the signals ahead of it",
+        ),
         at_most(
             CLAMP, "D2, D3", limits.clamp_high_rail_v, limits.adc_range_v, "V", "advised",
             "the clamps do not protect a converter whose pins bear no more than its range; give it a range of the "

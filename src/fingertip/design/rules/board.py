@@ -50,8 +50,6 @@ CURRENT_MARGIN = 0.8
 """Maximum ratio of a filter amplifier's current to what its data sheet gives. Preferred values add some percent."""
 ENVELOPE_CURRENT_MARGIN = 0.95
 """Maximum ratio of the current that charges variant article's envelope, at its peak, to what the data sheet gives."""
-IDLE_TACTILE_V = 4.5
-"""Tactile voltage without a force, at most [V]. The bridge is sized for the article's 4.3 V at the lightest contact."""
 
 MAX_SPLIT_V = 5.5
 """Maximum of each half of a split supply [V]. The AD623's supply range ends at 12 V (its data sheet; unverified)."""
@@ -245,19 +243,6 @@ def amplifier_charges_the_envelope(design: DesignTables) -> Violation | None:
         _at_most_preferred(board.envelope_capacitor_uf * (limit_a - filter_a) / charging_a),
         "at this cutoff",
         alternatives={"board.variant": "precision"},
-    )
-
-
-@RULES.rule("detector.adc_range_v")
-def converter_covers_the_idle_level(design: DesignTables) -> Violation | None:
-    """The converter's range covers the tactile voltage without a force and with a light one."""
-    range_v = design.detector.adc_range_v
-    if range_v >= IDLE_TACTILE_V:
-        return None
-    return Violation(
-        f"plus and minus {range_v:g} V does not cover the tactile voltage, which rests at up to {IDLE_TACTILE_V:g} V "
-        "and falls with the force: the converter would be saturated just where contacts are light",
-        at_least(IDLE_TACTILE_V),
     )
 
 

@@ -101,3 +101,23 @@ def test_a_slip_of_the_calipers_is_named(design: Design) -> None:
     (outlier,) = fit_printer(measured(design, tables)).outliers
     assert (outlier.name, outlier.number, outlier.reading_mm) == ("slot_mm", 3, tables["slot_mm"][2])
     assert outlier.deviation_mm == pytest.approx(0.3, abs=4 * NOISE_MM)
+
+
+def test_a_length_measured_in_the_wrong_place_is_doubted(design: Design) -> None:
+    """All of its readings agree, so that none of them is an outlier by itself."""
+    tables = simulate(design, 3)
+    tables["slot_mm"] = [reading + 0.25 for reading in tables["slot_mm"]]
+    fit = fit_printer(measured(design, tables))
+    assert [each.name for each in fit.residuals if each.is_doubtful] == ["slot_mm"]
+    sound = [fit_printer(measured(design, simulate(design, seed))).residuals for seed in range(100)]
+    assert sum(any(each.is_doubtful for each in residuals) for residuals in sound) <= 5
+
+
+def test_residuals_are_those_of_the_model(design: Design) -> None:
+    fit = fit_printer(measured(design, simulate(design, 4)))
+    for each, row in zip(
+        fit.residuals, [r for r in measured(design, simulate(design, 4)) if r.length.kind != "wall"], strict=True
+    ):
+        sign = 1.0 if row.length.kind == "outer" else -1.0
+        assert each.predicted_mm == pytest.approx(fit.scale * row.length.nominal_mm + sign * fit.offset_mm)
+        assert each.difference_mm == pytest.approx(row.mean_mm - each.predicted_mm)

@@ -68,7 +68,7 @@ def test_sound_readings_are_taken() -> None:
         ([True, 10.0, 10.0], "slot_mm: reading 1, True, is not a length"),
         ([0.394, 10.0, 10.0], "slot_mm: reading 1, 0.394, looks like inches; write it in millimetres, about 10.00."),
         ([1.01, 10.0, 10.0], "slot_mm: reading 1, 1.01, looks like centimetres"),
-        ([11.2, 10.0, 10.0], "slot_mm: reading 1, 11.2 mm, is more than 10 % off the nominal 10.00 mm"),
+        ([11.2, 10.0, 10.0], "slot_mm: reading 1, 11.2 mm, is more than 0.5 mm off the nominal 10.00 mm"),
         (10.0, "slot_mm: 10.0 is no list of readings; write 3 or more in square brackets."),
         ([10.0, 10.1], "slot_mm: 2 readings cannot show a slip; at least 3, or none."),
     ],

@@ -88,8 +88,8 @@ def calibrate_printer(design: Design, measured: Sequence[Measured], keep: Collec
     return Calibration(fit, tuple(value for value in values if value.path not in keep), tuple(kept))
 
 
-def apply_calibration(design: Design, calibration: Calibration) -> Design:
-    """Make the calibrated design.
+def apply_calibration(design: Design, calibration: Calibration, name: str | None = None) -> Design:
+    """Make the calibrated design, under a name of its own if one is given: its files then stand in another folder.
 
     Raises
     ------
@@ -97,6 +97,7 @@ def apply_calibration(design: Design, calibration: Calibration) -> Design:
         If a rule refuses it; the message names the rule and a remedy.
     """
     tables = design.with_values(calibration.changes).model_dump()
+    tables["name"] = name or design.name
     return Design.from_tables(tables, design.model_dump(), tuple(calibration.changes))
 
 

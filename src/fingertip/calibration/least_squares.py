@@ -25,6 +25,8 @@ CONFIDENCE = 0.95
 """Probability with which an interval holds the true value."""
 _OUTLIER_RISK = 0.01
 """Probability that any reading of a sound file is named an outlier."""
+_LEAST_DOUBT_MM = 0.03
+"""Difference below which no length is doubted: calipers resolve little more [mm]."""
 _SIGN = {"outer": 1.0, "inner": -1.0}
 
 
@@ -38,6 +40,23 @@ class Outlier:
     reading_mm: float
     deviation_mm: float
     """Reading less the fitted value."""
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Mean reading of a length, beside what the fit predicts."""
+
+    name: str
+    nominal_mm: float
+    mean_mm: float
+    predicted_mm: float
+    is_doubtful: bool
+    """True if it differs from the fit by more than chance explains, compared with all other lengths."""
+
+    @property
+    def difference_mm(self) -> float:
+        """Mean reading less the prediction."""
+        return self.mean_mm - self.predicted_mm
 
 
 @dataclass(frozen=True)
@@ -56,6 +75,8 @@ class PrinterFit:
     """Degrees of freedom."""
     readings: int
     outliers: tuple[Outlier, ...]
+    residuals: tuple[Residual, ...]
+    """Every length that was fitted."""
 
     @property
     def coverage_factor(self) -> float:
@@ -88,7 +109,30 @@ def fit_printer(measured: Sequence[Measured]) -> PrinterFit:
         degrees,
         count,
         tuple(_find_outliers(used, scale, offset, (nn, ns, float(count)))),
+        tuple(_compare_lengths(used, scale, offset, (nn, ns, float(count)))),
     )
+
+
+def _compare_lengths(
+    used: Sequence[Measured], scale: float, offset: float, normal: tuple[float, float, float]
+) -> Iterator[Residual]:
+    """Compare the mean of each length with the fit, by its externally studentised residual (Bonferroni's bound)."""
+    nn, ns, count = normal
+    determinant = nn * count - ns * ns
+    rows = []
+    for each in used:
+        n, s, weight = each.length.nominal_mm, _SIGN[each.length.kind], len(each.readings_mm)
+        predicted = scale * n + offset * s
+        kept = 1.0 - weight * (count * n * n - 2 * ns * n * s + nn) / determinant
+        rows.append((each, predicted, weight * (each.mean_mm - predicted) ** 2, kept))
+    total, degrees = math.fsum(square for _, _, square, _ in rows), len(rows) - 3
+    limit = t_quantile(1.0 - _OUTLIER_RISK / len(rows), degrees) if degrees > 0 else math.inf
+    for each, predicted, square, kept in rows:
+        doubtful = degrees > 0 and kept > 0.0 and abs(each.mean_mm - predicted) > _LEAST_DOUBT_MM
+        if doubtful:
+            others = max(total - square / kept, 0.0) / degrees
+            doubtful = square > limit * limit * others * kept
+        yield Residual(each.length.name, each.length.nominal_mm, each.mean_mm, predicted, doubtful)
 
 
 def _find_outliers(

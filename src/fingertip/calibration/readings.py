@@ -21,8 +21,8 @@ MIN_READINGS = 3
 """Least number of readings of a length that has any, so that a slip of the calipers shows."""
 MIN_LENGTHS = 3
 """Least number of outer lengths with readings, and of inner ones."""
-MAX_DEVIATION = 0.1
-"""Largest deviation of a reading from the nominal length, relative to it."""
+MAX_SCALE_ERROR, MAX_OFFSET_MM = 0.02, 0.3
+"""Largest deviation of a reading from the nominal length: a share of it, and a length [mm]. More is a mistake."""
 MAX_WALL_DEVIATION_MM = 0.5
 """Largest deviation of a thin wall, which may be one bead wide [mm]."""
 _FACTORS = {"inches": 25.4, "centimetres": 10.0}
@@ -131,16 +131,15 @@ def _describe_problem(reading: Any, length: Length) -> str | None:
     if reading <= 0.0:
         return f"{reading:g} mm, is not positive; set the calipers to zero and measure it again."
     nominal = length.nominal_mm
-    limit = MAX_WALL_DEVIATION_MM if length.kind == "wall" else MAX_DEVIATION * nominal
+    limit = MAX_WALL_DEVIATION_MM if length.kind == "wall" else MAX_SCALE_ERROR * nominal + MAX_OFFSET_MM
     if abs(reading - nominal) <= limit:
         return None
     for unit, size in _FACTORS.items():
         if length.kind != "wall" and abs(reading * size - nominal) <= limit:
             return f"{reading:g}, looks like {unit}; write it in millimetres, about {nominal:.2f}."
-    bound = f"{limit:g} mm" if length.kind == "wall" else f"{100 * MAX_DEVIATION:g} %"
     return (
-        f"{reading:g} mm, is more than {bound} off the nominal {nominal:.2f} mm; measure where the template says, in "
-        "millimetres."
+        f"{reading:g} mm, is more than {limit:.2g} mm off the nominal {nominal:.2f} mm; measure where the template "
+        "says, in millimetres, and see that it is not swapped with another length."
     )
 
 

@@ -16,6 +16,7 @@ _LEAST_TURN_DEG = 10.0
 def list_trying_steps(data: Data) -> list[Step]:
     """List the steps that try and prepare the printed mold, before anything is sealed or mixed."""
     fit, chaplet, insert = data["fit"], data["chaplet"], data["insert"]
+    papers = "one strip of office paper" if fit["papers"] == 1 else f"{fit['papers']} strips of office paper"
     plunger = " and the plunger of the syringe" if data["filling"]["syringe"] else ""
     steps = [
         Step(
@@ -30,7 +31,7 @@ def list_trying_steps(data: Data) -> list[Step]:
             "try_fit",
             f"Lay the {insert} in the recess of the palmar half and close the mold again. If a gap stays open, scrape "
             f"the recess where it shines, never the {insert}. Sideways its base may have {fit['max_play_mm']:g} mm of "
-            f"play in all: {fit['papers']} strips of office paper (0.1 mm each) beside it must jam or not go in.",
+            f"play in all: {papers} (0.1 mm each) beside it must jam or not go in.",
         ),
     ]
     if chaplet:
@@ -48,8 +49,9 @@ def list_trying_steps(data: Data) -> list[Step]:
         Step(
             "release",
             "Wipe a thin film of mold release for silicone on cavity and parting plane, and wipe it off until the "
-            "surface looks dry. Leave boss and recess bare: silicone has to stick in the hole of the boss later, and "
-            "the tape on the seat." + (" Treat the core alike." if insert == "core" else ""),
+            "surface looks dry. Leave boss and recess bare: where the boss stood, the patch has to stick later, and "
+            "tape "
+            "does not hold on release." + (" Treat the core alike." if insert == "core" else ""),
         )
     )
     return steps

@@ -12,7 +12,7 @@ from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption,
 
 @command
 def acceptance(
-    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design: fsr400 or fsr402.")],
+    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")],
     out: Annotated[Path | None, typer.Option(help="Markdown file to write; out/NAME/acceptance.md by default.")] = None,
     force: ForceOption = False,
     changes: SetOption = None,

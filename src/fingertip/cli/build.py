@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @command
 def build(
-    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design: fsr400 or fsr402.")],
+    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")],
     out: Annotated[str | None, typer.Option(metavar="PATH", help="Output folder; out/NAME by default.")] = None,
     parts: Annotated[
         str | None, typer.Option(help="Parts (bone, skin, ...), separated by commas; all by default.")

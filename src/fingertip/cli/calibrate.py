@@ -100,7 +100,7 @@ def printer(
     assert calibration
     data, lines = _data(calibration), _format(calibration)
     try:
-        calibrated = apply_calibration(loaded, calibration)
+        calibrated = apply_calibration(loaded, calibration, out.stem if out else None)
     except DesignError as error:
         found = find_kept(loaded, calibration, CLEARANCES)
         note = (
@@ -125,7 +125,8 @@ def printer(
     if out is not None and not failed:
         write_file(out, to_toml(calibrated, _heading(loaded)).encode())
         data["file"] = out.as_posix()
-        lines.append(f"wrote {out}; next: fingertip build {shlex.quote(out.as_posix())}")
+        again = f"fingertip coupon {shlex.quote(out.as_posix())}"
+        lines.append(f"wrote {out}; next: {again}, to see that the fits are right")
     elif out is not None:
         lines.append(f"{out} is not written; change the design as stated, or keep a parameter with --keep")
     console.result(data, "\n".join(lines))
@@ -143,16 +144,35 @@ def _heading(design: Design) -> str:
 def _format(calibration: Calibration) -> list[str]:
     """Format the fit, its outliers, the values with their intervals, and the values as --set text."""
     fit = calibration.fit
+    percent, offset = 100.0 * (fit.scale - 1.0), fit.offset_mm
+    size, thickness = "large" if percent > 0 else "small", "thick" if offset > 0 else "thin"
     lines = [
+        f"Your printer prints {abs(percent):.2f} % too {size}, and solids "
+        f"{abs(offset):.2f} mm too {thickness} besides ({abs(offset) / 2:.2f} mm on each side). "
+        "The files correct both: leave the slicer as it was set for this coupon.",
         f"scale {fit.scale:.5f} +- {fit.coverage_factor * fit.scale_uncertainty:.5f}, offset {fit.offset_mm:.3f} +- "
         f"{fit.coverage_factor * fit.offset_uncertainty_mm:.3f} mm (95 %, Student's t = {fit.coverage_factor:.2f} of "
-        f"{fit.degrees} degrees of freedom, {fit.readings} readings)"
+        f"{fit.degrees} degrees of freedom, {fit.readings} readings)",
     ]
     lines += (
         f"outlier: reading {outlier.number} of {outlier.name}, {outlier.reading_mm:g} mm, is "
         f"{abs(outlier.deviation_mm):.2f} mm {'more' if outlier.deviation_mm > 0 else 'less'} than the fit; measure it "
         "again, or delete it"
         for outlier in fit.outliers
+    )
+    columns = max(len(each.name) for each in fit.residuals)
+    lines.append(f"{'length':{columns}}  nominal     mean   fitted  difference [mm]")
+    lines += (
+        f"{each.name:{columns}} {each.nominal_mm:8.3f} {each.mean_mm:8.3f} {each.predicted_mm:8.3f} "
+        f"{each.difference_mm:+11.3f}{'  doubtful' if each.is_doubtful else ''}"
+        for each in fit.residuals
+    )
+    lines += (
+        f"doubtful: {each.name} is {abs(each.difference_mm):.2f} mm {'more' if each.difference_mm > 0 else 'less'} "
+        "than the other lengths let expect; measure it again where coupon.md says, and see that it is not swapped with "
+        "another"
+        for each in fit.residuals
+        if each.is_doubtful
     )
     width = max(len(value.path) for value in calibration.values)
     lines += (
@@ -180,6 +200,11 @@ def _data(calibration: Calibration) -> dict[str, Any]:
             {"length": outlier.name, "number": outlier.number, "reading_mm": outlier.reading_mm,
              "deviation_mm": rounded(outlier.deviation_mm)}
             for outlier in fit.outliers
+        ],
+        "lengths": [
+            {"length": each.name, "nominal_mm": each.nominal_mm, "mean_mm": rounded(each.mean_mm),
+             "fitted_mm": rounded(each.predicted_mm), "is_doubtful": each.is_doubtful}
+            for each in fit.residuals
         ],
         "values": {
             value.path: {"before": value.before, "value": value.value, "unit": value.unit,

@@ -12,7 +12,7 @@ from fingertip.cli.console import CHECK_FAILED, Console, ForceOption, JsonOption
 
 @command
 def coupon(
-    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design: fsr400 or fsr402.")],
+    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")],
     out: Annotated[str | None, typer.Option(metavar="PATH", help="Output folder; out/NAME/coupon by default.")] = None,
     formats: Annotated[str, typer.Option(help="File formats (stl, 3mf, step), separated by commas.")] = "stl,3mf",
     force: ForceOption = False,

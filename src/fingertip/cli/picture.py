@@ -23,7 +23,7 @@ MAX_WIDTH_PX = 6000
 
 @command
 def picture(
-    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design: fsr400 or fsr402.")],
+    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")],
     out: Annotated[
         Path | None, typer.Option(help="Output PNG; out/NAME/exploded.png or filling.png by default.")
     ] = None,

@@ -16,7 +16,7 @@ _SLICED_MESH_TOLERANCE_MM = 0.02
 
 @command
 def sheet(
-    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design: fsr400 or fsr402.")],
+    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")],
     out: Annotated[Path | None, typer.Option(help="Markdown file to write; out/NAME/casting.md by default.")] = None,
     material: Annotated[
         str | None,

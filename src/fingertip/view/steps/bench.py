@@ -11,7 +11,7 @@ from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.hardware import hardware
 from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.shapes.runners import runners
+from fingertip.cad.shapes.runners import runners, vents
 from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.solids import Box, Cone, ElbowTube, Solid, SuperconicSolid, cylinder, difference, intersection, union
 from fingertip.design import Design
@@ -105,6 +105,11 @@ class Bench:
         block = Box(*self._block())
         cast = intersection(union(cavity(self.design), *runners(self.design)), block)
         return self.solid(difference(cast, PARTS[self.insert].solid(self.design)), PRODUCT, cut=cut)
+
+    def vents(self) -> list[Shown]:
+        """Show the silicone in the vents, whole where the casting is cut open."""
+        block = Box(*self._block())
+        return [self.solid(intersection(vent, block), PRODUCT) for vent in vents(self.design)]
 
     def _block(self) -> tuple[Point3, Point3]:
         m = self.design.mold_layout

@@ -209,14 +209,13 @@ def _closed(bench: Bench) -> list[Shown]:
     ]  # fmt: skip
 
 
-def _vent_labels(bench: Bench, text: str, *, cut: bool = False) -> list[Label]:
+def _vent_labels(bench: Bench, text: str) -> list[Label]:
     """Label the outer ends of all vents."""
     m, labels = bench.design.mold_layout, []
     for vent in place_vents(bench.design):
         (x, _, z) = vent.point_mm
         match vent.kind:
             case "dorsal":
-                x = max(x, 0.0) if cut else x  # the half at x < 0 is not drawn
                 labels.append(Label(text, (x, m.dorsal_height, z)))
             case "tip":
                 labels.append(Label(text, (x, 0.0, m.distal_z)))
@@ -258,12 +257,12 @@ def fill(bench: Bench, data: Data) -> Scene:
     return Scene(
         (
             bench.part("mold_dorsal", cut=True), bench.part("mold_palmar", cut=True), *bench.in_mold(cut=True),
-            bench.casting(cut=True), *bench.syringe(filling["load_cm3"] / filling["syringe"]["volume_ml"]),
-            *bench.chaplet_screw(),
+            bench.casting(cut=True), *bench.vents(),  # without the screw, which would hide a vent
+            *bench.syringe(filling["load_cm3"] / filling["syringe"]["volume_ml"]),
         ),
         _in_pose(data),
         (
-            *_vent_labels(bench, "vent: stop when\nsilicone stands here", cut=True),
+            *_vent_labels(bench, "vent: stop when\nsilicone stands here"),
             Label(pressing, (inlet.x, m.dorsal_height + 55.0, inlet.z)),
             
         ),

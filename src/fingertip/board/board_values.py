@@ -89,7 +89,8 @@ def compute_filter(board: Board) -> tuple[FilterSelection, FrequencyResponse]:
 @functools.cache
 def _model_configuration(variant: str, supply: str) -> tuple[FilterModel, Mapping[str, Value]]:
     """Model a filter once for all designs with a variant and a supply: they differ in values only."""
-    design = Design(board={"variant": variant, "supply": supply})
+    supply_v = SUPPLIES[supply].nominal_v
+    design = Design(board={"variant": variant, "supply": supply, "supply_v": supply_v})
     circuit = board_circuit(select_components(design))
     network = build_network(circuit, design.board.gain_bandwidth_hz)
     return model_filter(circuit, has_diode=variant == "article"), network.values

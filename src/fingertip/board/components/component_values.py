@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from fingertip.board.components.amplifiers import select_dual_amplifier
 from fingertip.board.components.anti_aliasing import AdcInterface, size_adc_interface
-from fingertip.board.components.bridge import Bridge, size_bridge
+from fingertip.board.components.bridge import CONTROLLER_TARGET, VREF_RATIO, Bridge, size_bridge
 from fingertip.board.components.comparator import ComparatorStage, size_comparator
 from fingertip.board.components.filter import FilterSelection, FirstStageCapacitors, select_filter
 from fingertip.board.supplies import SUPPLIES
@@ -30,7 +30,7 @@ class ComponentValues:
     variant: str
     """Name of the board's variant."""
     supply: str
-    """Name of the supply: split or single."""
+    """Name of the supply: split, single or single_3v3."""
     amplifier: str
     """Dual amplifier of filter and rectifier."""
     ideal: FilterComponents
@@ -52,6 +52,8 @@ class ComponentValues:
         """Value of each component [ohm, F] by its reference designator, as the circuit fits them."""
         values = FilterSelection(self.ideal, self.preferred, self.first_stage_capacitors).by_reference()
         values |= self.bridge.by_reference() | self.adc_interface.by_reference()
+        if SUPPLIES[self.supply].is_for_controller:
+            values |= self.adc_interface.filtered_by_reference()
         return values | (self.comparator_stage.by_reference() if self.comparator_stage else {})
 
 
@@ -80,8 +82,9 @@ def select_components(design: Design) -> ComponentValues:
         first_stage_capacitors=selection.capacitors,
         tolerance=Tolerance(board.resistor_tolerance_percent, board.capacitor_tolerance_percent),
         bridge=size_bridge(
-            board.supply_v, board.series, design.dimensions.sensor.active_diameter_mm, supply.signal_ground_ratio
-        ),
+            board.supply_v, board.series, design.dimensions.sensor.active_diameter_mm, supply.signal_ground_ratio,
+            *((CONTROLLER_TARGET, VREF_RATIO) if supply.is_for_controller else ()),
+        ),  # fmt: skip
         adc_interface=size_adc_interface(detector.sample_rate_hz, board.series),
         comparator_stage=comparator_stage,
     )

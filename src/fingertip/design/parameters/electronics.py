@@ -56,11 +56,18 @@ class Board(ParameterTable):
         minimum=1e4,
         maximum=1e9,
     )
-    supply: Literal["split", "single"] = choice(
+    supply: Literal["split", "single", "single_3v3"] = choice(
         "split",
-        "split: plus and minus supply_v; single: supply_v alone, with signals around a buffered half of it.",
+        "split: plus and minus supply_v; single: supply_v alone, with signals around a buffered half of it; single_3v3: "
+        "the same for 3.3 V, with all outputs within 0 to supply_v, for a controller.",
     )
-    supply_v: float = quantity(5.0, "V", "Supply voltage, or each half of a split supply.", minimum=5, maximum=6)
+    supply_v: float = quantity(
+        5.0,
+        "V",
+        "Supply voltage, or each half of a split supply: 5 to 6, or 3.1 to 3.6 with single_3v3.",
+        minimum=3.1,
+        maximum=6,
+    )
 
 
 class Detector(ParameterTable):

@@ -158,6 +158,29 @@ def band_limit_capacitor_exists(design: DesignTables) -> Violation | None:
     )
 
 
+SUPPLY_RANGES_V = {"split": (5.0, 6.0), "single": (5.0, 6.0), "single_3v3": (3.1, 3.6)}
+"""Range of the voltage of each supply [V].
+
+The bridge of the first two is sized for the article's 4.3 V. The AD623 needs 3 V (its data sheet), and the last supply
+ends where the inputs of a controller do.
+"""
+
+
+@RULES.rule("board.supply_v")
+def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
+    """The voltage lies within the range of the supply."""
+    supply, supply_v = design.board.supply, design.board.supply_v
+    minimum, maximum = SUPPLY_RANGES_V[supply]
+    if minimum <= supply_v <= maximum:
+        return None
+    others = [name for name, (low, high) in SUPPLY_RANGES_V.items() if low <= supply_v <= high]
+    return Violation(
+        f"{supply_v:g} V lies outside the range of board.supply={supply}",
+        ((minimum, maximum),),
+        alternatives={"board.supply": others[0]} if others else {},
+    )
+
+
 @RULES.rule("board.supply_v")
 def bridge_amplifier_withstands_the_split_supply(design: DesignTables) -> Violation | None:
     """Both halves of a split supply together stay below the bridge amplifier's maximum, with a margin."""

@@ -128,7 +128,7 @@ def _controller_interface(parts: SelectedComponents, slip_pin: str) -> Wiring:
     if slip_pin != GND:
         names.append("slip output")
     role = f"to the controller: {', '.join(names)}; ground between"
-    output = component("J3", "CONTROLLER", symbols.LOCKING_CONNECTOR_10, symbols.JST_SH_10, role)
+    output = component("J3", "HOST", symbols.LOCKING_CONNECTOR_10, symbols.JST_SH_10, role)
     return {
         parts.resistor("R27", "anti-aliasing filter, filtered signal"): {"1": FILTERED, "2": ADC_FILTERED},
         parts.small_capacitor("C25", "anti-aliasing filter, filtered signal"): {"1": ADC_FILTERED, "2": GND},

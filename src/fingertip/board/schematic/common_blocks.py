@@ -58,15 +58,15 @@ MOUNTING_HOLES = Sheet(
 
 _FILTERED_OUTPUT = Sheet(
     symbols=(
-        PlacedSymbol("R27", 153, 60, 90), PlacedSymbol("C25", 165, 67), PlacedSymbol("D5", 182, 68, 180),
+        PlacedSymbol("R27", 153, 60, 90), PlacedSymbol("C25", 160, 67), PlacedSymbol("D5", 182, 68, 180),
     ),
     wires=(
-        ((146, 60), (150, 60)), ((156, 60), (208, 60), (208, 64), (218, 64)), ((165, 60), (165, 64)),
+        ((146, 60), (150, 60)), ((156, 60), (208, 60), (208, 64), (218, 64)), ((160, 60), (160, 64)),
         ((182, 60), (182, 64)), ((176, 68), (176, 67)), ((188, 68), (188, 69)),
     ),
-    power_symbols=(PowerSymbol("GND", 165, 70), PowerSymbol("VCC", 176, 67), PowerSymbol("GND", 188, 69)),
+    power_symbols=(PowerSymbol("GND", 160, 70), PowerSymbol("VCC", 176, 67), PowerSymbol("GND", 188, 69)),
     labels=(Label("FILTERED", 146, 60, 180), Label("ADC_FILTERED", 190, 60)),
-    texts=(("Filtered signal to the converter", 142, 55),),
+    texts=(("Filtered signal to the converter", 150, 56),),
 )  # fmt: skip
 
 
@@ -75,14 +75,14 @@ def _controller_connector(supply: Supply, has_slip_output: bool) -> Sheet:
     grounds = (62, 66, 70, 74, 78) if has_slip_output else (62, 66, 70, 74, 76, 78)
     slip = Sheet(wires=(((218, 76), (214, 76)),), labels=(Label("SLIP", 214, 76, 180),)) if has_slip_output else Sheet()
     connector = Sheet(
-        symbols=(PlacedSymbol("J3", 222, 68), PlacedSymbol("R24", 218, 93)),
+        symbols=(PlacedSymbol("J3", 222, 68), PlacedSymbol("R24", 218, 95)),
         wires=(
             ((211, 84), (211, 68), (218, 68)), *(((218, y), (216, y)) for y in grounds), ((216, 62), (216, 82)),
-            ((218, 72), (214, 72)), ((218, 87), (218, 90)),
+            ((218, 72), (214, 72)), ((218, 89), (218, 92)),
         ),
         power_symbols=(PowerSymbol("GND", 216, 82), PowerSymbol("GND", 222, 82), PowerSymbol("GND", 16, 52)),
-        labels=(Label("M_OUT", 214, 72, 180), Label("M_OUT", 218, 87)),
-        global_labels=(GlobalLabel(supply.signal_ground, 218, 96, 270),),
+        labels=(Label("M_OUT", 214, 72, 180), Label("M_OUT", 218, 89)),
+        global_labels=(GlobalLabel(supply.signal_ground, 218, 98, 270),),
     )  # fmt: skip
     return join_blocks(connector, slip, _FILTERED_OUTPUT)
 
@@ -139,7 +139,7 @@ def supply_block(supply: Supply, positive: Sequence[str], negative: Sequence[str
         References of the dual amplifiers, whose third unit has the supply pins.
     """
     # On a board for a controller the protection stands between the connector and the capacitors.
-    first, pitch, entry, flag = (40, 8, ((32, 114),), 37) if supply.is_for_controller else (30, 9, _PLAIN_ENTRY, 79)
+    first, pitch, entry, flag = (40, 7, ((32, 114),), 37) if supply.is_for_controller else (30, 9, _PLAIN_ENTRY, 79)
     columns = [first + pitch * i for i in range(len(positive))]
     pins = [86 + 9 * i for i in range(len(amplifiers))]
     rail_ends = (79, 114), *((x, 114) for x in pins)
@@ -210,19 +210,19 @@ _PROTECTION = Sheet(
 
 _BRIDGE_SUPPLY = Sheet(
     symbols=(
-        PlacedSymbol("R25", 172, 15), PlacedSymbol("R26", 172, 23), PlacedSymbol("C23", 181, 24),
-        PlacedSymbol("U6", 198, 21), PlacedSymbol("C24", 218, 21),
+        PlacedSymbol("R25", 172, 18), PlacedSymbol("R26", 172, 26), PlacedSymbol("C23", 181, 27),
+        PlacedSymbol("U6", 198, 24), PlacedSymbol("C24", 218, 24),
     ),
     wires=(
-        ((172, 18), (172, 20)), ((172, 19), (181, 19), (181, 21)), ((181, 19), (192, 19)),
-        ((192, 23), (190, 23), (190, 31), (206, 31), (206, 21)), ((204, 21), (206, 21), (208, 21)),
+        ((172, 21), (172, 23)), ((172, 22), (181, 22), (181, 24)), ((181, 22), (192, 22)),
+        ((192, 26), (190, 26), (190, 34), (206, 34), (206, 24)), ((204, 24), (206, 24), (208, 24)),
     ),
     power_symbols=(
-        PowerSymbol("VCC", 172, 12), PowerSymbol("GND", 172, 26), PowerSymbol("GND", 181, 27),
-        PowerSymbol("VCC", 196, 15), PowerSymbol("GND", 196, 27), PowerSymbol("VCC", 218, 18),
-        PowerSymbol("GND", 218, 24),
+        PowerSymbol("VCC", 172, 15), PowerSymbol("GND", 172, 29), PowerSymbol("GND", 181, 30),
+        PowerSymbol("VCC", 196, 18), PowerSymbol("GND", 196, 30), PowerSymbol("VCC", 218, 21),
+        PowerSymbol("GND", 218, 27),
     ),
-    labels=(Label("BRIDGE_RATIO", 184, 19),),
-    texts=(("Supply of the bridge", 178, 10),),
-    global_labels=(GlobalLabel("VREF", 208, 21),),
+    labels=(Label("VREF_IN", 183, 22),),
+    texts=(("Supply of the bridge", 178, 12),),
+    global_labels=(GlobalLabel("VREF", 208, 24),),
 )  # fmt: skip

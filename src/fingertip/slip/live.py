@@ -101,7 +101,7 @@ def follow(
             raise _line_error(number, f"has {len(cells)} cells, but the header has {len(names)}; give one per column.")
         volts = _parse_number(cells[voltage_index], delimiter, number) * columns.scale
         all_whole = all_whole and volts % 1 == 0
-        if columns.in_volts and abs(volts) > parameters.adc_range_v:
+        if columns.in_volts and not parameters.adc_low_v <= volts <= parameters.adc_range_v:
             raise _line_error(number, range_message(f"{volts:g}", all_whole, parameters))
         time_s = sample / parameters.sample_rate_hz
         if time_index is not None:

@@ -197,8 +197,7 @@ def size_bridge(
         excitation_ratio,
     )  # fmt: skip
     points = [
-        (arm.sensor_v(sensor_conductance_s(f), supply_v) - signal_ground_v, v - signal_ground_v)
-        for f, v in targets
+        (arm.sensor_v(sensor_conductance_s(f), supply_v) - signal_ground_v, v - signal_ground_v) for f, v in targets
     ]
 
     # The least-squares line through the points, V = A x - A reference, gives the ideal gain and reference.

@@ -82,7 +82,10 @@ def select_components(design: Design) -> ComponentValues:
         first_stage_capacitors=selection.capacitors,
         tolerance=Tolerance(board.resistor_tolerance_percent, board.capacitor_tolerance_percent),
         bridge=size_bridge(
-            board.supply_v, board.series, design.dimensions.sensor.active_diameter_mm, supply.signal_ground_ratio,
+            board.supply_v,
+            board.series,
+            design.dimensions.sensor.active_diameter_mm,
+            supply.signal_ground_ratio,
             *((CONTROLLER_TARGET, VREF_RATIO) if supply.is_for_controller else ()),
         ),  # fmt: skip
         adc_interface=size_adc_interface(detector.sample_rate_hz, board.series),

@@ -61,7 +61,9 @@ def _with_mounting_pin(connector: UnitGraphic, y: float) -> UnitGraphic:
     """Connector with the mounting pin below it, whose open end has the height y."""
     tab = ((-1.27, y + 3.048), (1.27, y + 3.048))
     pins = connector.pins | {"MP": PinGraphic(0.0, y, 90, 3.048)}
-    return replace(connector, pins=pins, lines=(*connector.lines, tab), value_at=(0.0, connector.reference_at[1] + 2.54))
+    return replace(
+        connector, pins=pins, lines=(*connector.lines, tab), value_at=(0.0, connector.reference_at[1] + 2.54)
+    )
 
 
 def _amplifier(plus: str, minus: str, out: str) -> UnitGraphic:

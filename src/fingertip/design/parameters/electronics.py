@@ -91,4 +91,22 @@ class Detector(ParameterTable):
         verified=False,
     )
     adc_bits: int = quantity(16, "bit", "Resolution of the ADC.", minimum=8, maximum=24)
-    adc_range_v: float = quantity(10.0, "V", "Input range of the ADC, plus and minus this.", above=0, maximum=100)
+    adc_range_v: float = quantity(10.0, "V", "Upper end of the ADC's input range.", above=0, maximum=100)
+    adc_polarity: Literal["bipolar", "unipolar"] = choice(
+        "bipolar", "Input range of the ADC: plus and minus adc_range_v, or from 0 to it as in most microcontrollers."
+    )
+
+    @property
+    def adc_low_v(self) -> float:
+        """Lower end of the ADC's input range [V]."""
+        return -self.adc_range_v if self.adc_polarity == "bipolar" else 0.0
+
+    @property
+    def adc_step_v(self) -> float:
+        """Step of the ADC [V]: its least significant bit."""
+        return (self.adc_range_v - self.adc_low_v) / 2**self.adc_bits
+
+    @property
+    def adc_range_text(self) -> str:
+        """Input range of the ADC in words."""
+        return f"+/-{self.adc_range_v:g} V" if self.adc_low_v else f"0 to {self.adc_range_v:g} V"

@@ -112,7 +112,7 @@ def board_values(design: Design) -> BoardValues:
     envelope_gain = None if has_diode else float(model.envelope.gain(network.values))
     limits = compute_voltage_limits(
         circuit, supply, board.supply_v, compute_output_swing(AMPLIFIERS[components.amplifier], supply, board.supply_v),
-        achieved.passband_gain, has_diode, detector.adc_range_v,
+        achieved.passband_gain, has_diode, detector,
     )  # fmt: skip
     offset = None if has_diode else compute_output_offset(circuit, board.gain_bandwidth_hz, supply.signal_ground)
     rails, levels = {GND: 0.0, VCC: board.supply_v, VEE: -board.supply_v}, None

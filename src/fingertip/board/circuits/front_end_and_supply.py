@@ -8,8 +8,8 @@ from fingertip.board.circuit import Circuit, Component, build_circuit
 from fingertip.board.circuits.components import (
     SelectedComponents,
     Wiring,
-    component,
     clamp,
+    component,
     precision_resistor,
     supply_capacitor,
 )

@@ -87,7 +87,7 @@ def select_components(design: Design) -> ComponentValues:
             design.dimensions.sensor.active_diameter_mm,
             supply.signal_ground_ratio,
             *((CONTROLLER_TARGET, VREF_RATIO) if supply.is_for_controller else ()),
-        ),  # fmt: skip
+        ),
         adc_interface=size_adc_interface(detector.sample_rate_hz, board.series),
         comparator_stage=comparator_stage,
     )

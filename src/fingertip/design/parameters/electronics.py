@@ -58,8 +58,8 @@ class Board(ParameterTable):
     )
     supply: Literal["split", "single", "single_3v3"] = choice(
         "split",
-        "split: plus and minus supply_v; single: supply_v alone, with signals around a buffered half of it; single_3v3: "
-        "the same for 3.3 V, with all outputs within 0 to supply_v, for a controller.",
+        "split: plus and minus supply_v; single: supply_v alone, with signals around a buffered half of it; "
+        "single_3v3: the same for a controller, with all outputs from 0 to 3.3 V.",
     )
     supply_v: float = quantity(
         5.0,
@@ -104,7 +104,7 @@ class Detector(ParameterTable):
     @property
     def adc_step_v(self) -> float:
         """Step of the ADC [V]: its least significant bit."""
-        return (self.adc_range_v - self.adc_low_v) / 2**self.adc_bits
+        return float((self.adc_range_v - self.adc_low_v) / 2**self.adc_bits)
 
     @property
     def adc_range_text(self) -> str:

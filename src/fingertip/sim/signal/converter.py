@@ -1,9 +1,9 @@
 """Analog-to-digital converter (ADC): the anti-aliasing poles ahead of its pins, its jitter, noise and quantisation.
 
 The poles lie between the board's outputs and the ADC (R8, C9, R9, C19 for the tactile voltage; R7, C8 for the
-envelope; R27, C25 for the filtered signal of a board for 3.3 V). Between the points of a grid the voltage is linear, which two RC sections follow exactly
-(`fingertip.sim.signal.exact_steps`). They delay by some 1.3 samples, whatever the sampling rate, because the
-board's values are selected for it.
+envelope; R27, C25 for the filtered signal of a board for 3.3 V). Between the points of a grid the voltage is linear,
+which two RC sections follow exactly (`fingertip.sim.signal.exact_steps`). They delay by some 1.3 samples, whatever the
+sampling rate, because the board's values are selected for it.
 """
 
 from __future__ import annotations

@@ -232,7 +232,8 @@ def range_message(value: str, all_whole: bool, detector: DetectorParameters) -> 
         Source of the ADC range and resolution.
     """
     if all_whole:
-        remedy = f"the values are whole numbers, as ADC counts are: --scale {detector.adc_step_v:.8g} converts counts to volts"
+        scale = f"--scale {detector.adc_step_v:.8g}"
+        remedy = f"the values are whole numbers, as ADC counts are: {scale} converts counts to volts"
     else:
         remedy = "use --scale if the column is not in volts, or --set detector.adc_range_v"
     return f"{value} exceeds the ADC range of {detector.adc_range_text}; {remedy}."
@@ -245,8 +246,8 @@ def signal_warnings(trace: Trace, detector: DetectorParameters) -> Iterator[str]
     if clipped:
         count = f"all {clipped}" if clipped == len(volts) else f"{clipped} of {len(volts)}"
         yield (
-            f"{count} samples are at the limits of the ADC range, {detector.adc_range_text}: slip is not visible there. "
-            "Attenuate the signal before the ADC, or record with a wider range (detector.adc_range_v)."
+            f"{count} samples are at the limits of the ADC range, {detector.adc_range_text}: slip is not visible "
+            "there. Attenuate the signal before the ADC, or record with a wider range (detector.adc_range_v)."
         )
     elif np.ptp(volts) == 0.0:
         yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"

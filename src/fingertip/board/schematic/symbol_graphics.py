@@ -46,7 +46,7 @@ def _box(x0: float, y0: float, x1: float, y1: float) -> tuple[Point, ...]:
 
 
 def _connector(pins: int, top: float) -> UnitGraphic:
-    ys = [top - 2.54 * i for i in range(pins)]
+    ys = [round(top - 2.54 * i, 2) for i in range(pins)]
     body = _box(-1.27, ys[-1] - 1.27, 1.27, top + 1.27)
     return UnitGraphic(
         {str(i): PinGraphic(-5.08, y, 0, 3.81) for i, y in enumerate(ys, start=1)},

@@ -178,7 +178,9 @@ def test_ripple_hardly_moves_the_envelope_in_ngspice(tmp_path: Path) -> None:
     for peak_v in (0.0, 1e-3):
         changed = deck.replace("\nVJ2 power_in 0 3.3\n", f"\nVJ2 power_in 0 sin(3.3 {peak_v} 100)\n")
         rows = run_ngspice(
-            tmp_path, changed, "tran 20u 0.6 0.4 20u\nlet e = v(adc_envelope)-v(vmid)\nlinearize e\nwrdata out e"
+            tmp_path,
+            changed,
+            "tran 20u 0.6 0.4 20u\nlinearize v(adc_envelope) v(vmid)\nlet e = v(adc_envelope)-v(vmid)\nwrdata out e",
         )
         means.append(math.fsum(row[1] for row in rows) / len(rows))
     assert abs(means[1] - means[0]) < 0.1 * design.detector.threshold_v

@@ -63,6 +63,9 @@ CONTROLLER_TARGET = TactileTarget(0.79, 0.24)
 
 The AD623's output ends 0.5 V below the supply, and at 20 N the tactile voltage must stay above ground.
 """
+CONTROLLER_SERIES = "E96"
+"""Series of the bridge's resistors there. Coarser ones miss the target by more than the amplifier's margin; precision
+resistors are made in this series anyway."""
 
 MAX_FORCE_N = 20.0
 """Upper end of the sensor's force range (Interlink)."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from fingertip.board.components.amplifiers import select_dual_amplifier
 from fingertip.board.components.anti_aliasing import AdcInterface, size_adc_interface
-from fingertip.board.components.bridge import CONTROLLER_TARGET, VREF_RATIO, Bridge, size_bridge
+from fingertip.board.components.bridge import CONTROLLER_SERIES, CONTROLLER_TARGET, VREF_RATIO, Bridge, size_bridge
 from fingertip.board.components.comparator import ComparatorStage, size_comparator
 from fingertip.board.components.filter import FilterSelection, FirstStageCapacitors, select_filter
 from fingertip.board.supplies import SUPPLIES
@@ -83,7 +83,7 @@ def select_components(design: Design) -> ComponentValues:
         tolerance=Tolerance(board.resistor_tolerance_percent, board.capacitor_tolerance_percent),
         bridge=size_bridge(
             board.supply_v,
-            board.series,
+            CONTROLLER_SERIES if supply.is_for_controller else board.series,
             design.dimensions.sensor.active_diameter_mm,
             supply.signal_ground_ratio,
             *((CONTROLLER_TARGET, VREF_RATIO) if supply.is_for_controller else ()),

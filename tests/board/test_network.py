@@ -278,10 +278,10 @@ NOISY = ("board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
 @pytest.mark.parametrize("changes", [(), NOISY, ("board.passband_gain=10", "board.band_limit_hz=3000")], ids=str)
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_noise_agrees_with_the_closed_form(name: str, changes: tuple[str, ...]) -> None:
-    """The formula has the bridge and its amplifier, which cause 97 % of the noise or more; no VMID, no VREF."""
+    """The formula has the bridge and its amplifier, which cause 96 % of the noise or more; no VMID, no VREF."""
     design, _ = load(name, *changes)
     values, gbw = board_values(design), design.board.gain_bandwidth_hz
-    tolerance = 0.03 if "3v3" in name else 0.004 if "single" in name else 0.0005
+    tolerance = 0.035 if "3v3" in name else 0.004 if "single" in name else 0.0005
     assert values.noise.tactile_v == pytest.approx(noise_v(values.bridge, lambda f: 1.0), rel=tolerance)
 
     def formula_v(has_limit: bool) -> float:

@@ -36,7 +36,7 @@ class Supply:
 
     @property
     def is_for_controller(self) -> bool:
-        """Whether the board is made for a controller: protected, with the filtered signal at its output too."""
+        """Return whether the board is made for a controller: protected, with the filtered signal at its output too."""
         return self.bridge_supply == VREF
 
     def signal_ground_v(self, supply_v: float) -> float:

@@ -346,7 +346,7 @@ def _controller_power_notes(values: BoardValues, design: Design) -> list[str]:
     notes = [
         f"Supply {low_v:g} to {high_v:g} V at J2. Q1 blocks a reversed supply. It costs {1e3 * MAX_SWITCH_OHM:.0f} uV "
         f"per mA at most ({1e3 * MAX_SWITCH_OHM:g} mohm).",
-        "J1, J2 and J3 have different sizes and keys, so no plug fits another connector.",
+        "The plugs of J1, J2 and J3 differ in size, and each fits one way round only.",
         "A divider, C23 and U6 feed the bridge with VREF, which follows the supply below 0.7 Hz only. Ripple on the "
         f"supply reaches the rectifier multiplied by {ripple.gain:.2f} at most, at "
         f"{format_figure(ripple.worst_hz, 2)} Hz ({describe_sensor(ripple)}). Between "

@@ -25,6 +25,7 @@ from fingertip.board.analysis.response import (
 )
 from fingertip.board.circuit import Circuit, Component, Net
 from fingertip.board.components.amplifiers import AD623_BANDWIDTH_HZ
+from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.board.components.filter import FilterSelection
 from fingertip.board.kicad import symbols
 from fingertip.board.network import Network, StateSpace, build_network, filter_quantities
@@ -284,10 +285,10 @@ NOISY = ("board.passband_gain=300", "board.amplifier=OPA2197")
 @pytest.mark.parametrize("changes", [(), NOISY, ("board.passband_gain=10", "board.band_limit_hz=3000")], ids=str)
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_noise_agrees_with_the_closed_form(name: str, changes: tuple[str, ...]) -> None:
-    """The formula has the bridge and its amplifier, which cause 99 % of the noise, and no VMID."""
+    """The formula has the bridge and its amplifier, which cause 96 % of the noise or more; no VMID, no VREF."""
     design, _ = load(name, *changes)
     values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
-    tolerance = 0.004 if name.endswith("single") else 0.0005
+    tolerance = 0.035 if "3v3" in name else 0.004 if "single" in name else 0.0005
     assert values.noise.tactile_v == pytest.approx(noise_v(values.bridge, lambda f: 1.0), rel=tolerance)
 
     def formula_v(has_limit: bool) -> float:
@@ -296,20 +297,35 @@ def test_noise_agrees_with_the_closed_form(name: str, changes: tuple[str, ...]) 
             capacitors = replace(capacitors, limiting_capacitor_f=0.0)
         return noise_v(values.bridge, lambda f: filter_transfer(f, values.preferred, gbw, capacitors))
 
-    assert values.noise.filtered_v == pytest.approx(formula_v(has_limit=True), rel=0.01)
-    assert values.noise.filtered_without_limit_v == pytest.approx(formula_v(has_limit=False), rel=0.01)
+    assert values.noise.filtered_v == pytest.approx(formula_v(has_limit=True), rel=max(tolerance, 0.01))
+    assert values.noise.filtered_without_limit_v == pytest.approx(formula_v(has_limit=False), rel=max(tolerance, 0.01))
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_supply_ripple_agrees_with_the_closed_form(name: str) -> None:
-    """The formula has no ripple in VMID, of which C21 leaves a little."""
+    """The formula has no ripple in VMID, of which C21 leaves a little.
+
+    On a board for 3.3 V all ripple is what C21 and C23 leave: the bridge lies between VREF and VMID. The sensor
+    at 20 N deflects it most.
+    """
     design, _ = load(name)
     values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
+
+    def excitation(f_hz: float) -> complex:
+        if "3v3" not in name:
+            return 1.0
+        vref, vmid = (ratio / (1 + 2j * math.pi * f_hz * ohm * 10e-6) for ratio, ohm in ((0.8, 24e3), (0.5, 23.5e3)))
+        return vref - vmid
+
+    force_n = 20.0 if "3v3" in name else 0.0
+    assert values.supply_ripple.force_n == force_n
 
     def gain(f_hz: float) -> float:
         pole = 1 + 1j * f_hz * values.bridge.gain / AD623_BANDWIDTH_HZ
         chain = filter_transfer(f_hz, values.preferred, gbw, values.first_stage_capacitors)
-        return abs(supply_transfer(values.bridge, f_hz) / pole * chain)
+        return abs(
+            supply_transfer(values.bridge, f_hz, sensor_conductance_s(force_n)) * excitation(f_hz) / pole * chain
+        )
 
     tolerance = 0.002 if name.endswith("split") else 0.02
     assert values.supply_ripple.gain == pytest.approx(
@@ -338,11 +354,12 @@ def test_comparator_levels_agree_with_the_closed_form(supply: str, threshold: fl
     stage, levels = values.comparator_stage, values.comparator_levels
     assert stage is not None
     assert levels is not None
-    upper_v = 5.0 - SUPPLIES[supply].signal_ground_v(5.0)
+    supply_v = design.board.supply_v
+    upper_v = supply_v - SUPPLIES[supply].signal_ground_v(supply_v)
     arguments = stage.trimmer_top_ohm, stage.hysteresis_ohm, upper_v
     # While slip is OFF, the pull-up of 4.7 kohm holds the output at the supply.
     assert levels.on_v == pytest.approx(comparator_threshold_v(*arguments, upper_v, 4.7e3), rel=1e-9)
-    assert levels.off_v == pytest.approx(comparator_threshold_v(*arguments, upper_v - 5.0, 0.0), rel=1e-9)
+    assert levels.off_v == pytest.approx(comparator_threshold_v(*arguments, upper_v - supply_v, 0.0), rel=1e-9)
     assert levels.max_on_v == pytest.approx(comparator_threshold_v(*arguments, upper_v, 4.7e3, 1 - 1e-9), rel=1e-6)
     assert levels.averaging_tau_s == pytest.approx(stage.averaging_ohm * stage.averaging_f, rel=1e-9)
     assert (levels.bias_v, levels.max_bias_v) == pytest.approx(
@@ -356,10 +373,11 @@ def test_comparator_levels_agree_with_the_closed_form(supply: str, threshold: fl
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_tactile_voltage_agrees_with_the_closed_form(name: str) -> None:
-    values = board_values(load(name)[0])
+    design, _ = load(name)
+    values = board_values(design)
     for conductance_s in (0.0, 1e-5, 1e-4, 1e-3, 1e-2):
         found = values.tactile_response.tactile_v(conductance_s)
-        assert found == pytest.approx(values.bridge.tactile_v(conductance_s, 5.0), rel=1e-9)
+        assert found == pytest.approx(values.bridge.tactile_v(conductance_s, design.board.supply_v), rel=1e-9)
 
 
 # The equations themselves

@@ -7,7 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.amplifiers import ARTICLE_AMPLIFIER, LOW_OFFSET_AMPLIFIER, RAIL_TO_RAIL_AMPLIFIER
+from fingertip.amplifiers import (
+    ARTICLE_AMPLIFIER,
+    LOW_OFFSET_AMPLIFIER,
+    LOW_VOLTAGE_AMPLIFIER,
+    RAIL_TO_RAIL_AMPLIFIER,
+)
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.limits import (
     adc_range_warnings,
@@ -23,6 +28,7 @@ from fingertip.board.components.amplifiers import (
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
+from fingertip.design.parameters import Detector
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
 
@@ -61,7 +67,9 @@ def test_only_the_articles_board_has_an_amplifier_with_phase_reversal() -> None:
     for name, configuration in BOARD_CONFIGURATIONS.items():
         values = board_values(Design.load(changes=configuration.changes))
         limits, is_article = values.voltage_limits, name == "article_split"
-        amplifier = LOW_OFFSET_AMPLIFIER if name.startswith("comparator") else RAIL_TO_RAIL_AMPLIFIER
+        amplifier = RAIL_TO_RAIL_AMPLIFIER
+        if name.startswith("comparator"):
+            amplifier = LOW_VOLTAGE_AMPLIFIER if name.endswith("3v3") else LOW_OFFSET_AMPLIFIER
         assert values.amplifier == (ARTICLE_AMPLIFIER if is_article else amplifier)
         assert limits.has_phase_reversal == is_article == ("jumps up" in describe_filter_swing(limits))
         if is_article:
@@ -75,7 +83,17 @@ def test_only_the_articles_board_has_an_amplifier_with_phase_reversal() -> None:
 
 @pytest.mark.parametrize("series", ["E12", "E24", "E96"])
 @pytest.mark.parametrize(
-    ("supply", "supply_v"), [("split", 5.0), ("split", 5.5), ("single", 5.0), ("single", 5.5), ("single", 6.0)]
+    ("supply", "supply_v"),
+    [
+        ("split", 5.0),
+        ("split", 5.5),
+        ("single", 5.0),
+        ("single", 5.5),
+        ("single", 6.0),
+        ("single_3v3", 3.1),
+        ("single_3v3", 3.3),
+        ("single_3v3", 3.6),
+    ],
 )
 def test_bridge_amplifier_stays_within_its_limits(supply: str, supply_v: float, series: str) -> None:
     changes = [f"board.supply={supply}", f"board.supply_v={supply_v}", f"board.series={series}"]
@@ -89,7 +107,7 @@ def test_a_bridge_at_ground_violates_the_amplifiers_limits_on_a_single_supply() 
     for negative_rail, minimum, maximum in (("VEE", 0.0, 5.0), ("GND", -5.0, -1.0)):
         supply = replace(SUPPLIES["split"], negative_rail=negative_rail)
         swing = compute_output_swing(AMPLIFIERS[RAIL_TO_RAIL_AMPLIFIER], supply, 5.0)
-        limits = compute_voltage_limits(circuit, supply, 5.0, swing, 67.7, True, 10.0)
+        limits = compute_voltage_limits(circuit, supply, 5.0, swing, 67.7, True, Detector())
         assert minimum < limits.bridge_amplifier_margin_v < maximum
 
 

@@ -33,7 +33,7 @@ from fingertip.board.nets import GND, VCC, VEE
 from fingertip.board.network import Value, build_network, filter_quantities
 from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import choose_amplifier, find_gain_bandwidth_hz
+from fingertip.design.amplifier_choice import choose_amplifier, choose_low_offset_amplifier, find_gain_bandwidth_hz
 from fingertip.design.parameters import Board
 
 
@@ -96,7 +96,8 @@ def compute_filter(board: Board) -> tuple[FilterSelection, FrequencyResponse]:
 @functools.cache
 def _model_configuration(variant: str, supply: str) -> tuple[FilterModel, Mapping[str, Value]]:
     """Model a filter once for all designs with a variant and a supply: they differ in values only."""
-    design = Design(board={"variant": variant, "supply": supply})
+    supply_v = SUPPLIES[supply].nominal_v
+    design = Design(board={"variant": variant, "supply": supply, "supply_v": supply_v})
     circuit = board_circuit(select_components(design))
     network = build_network(circuit, find_gain_bandwidth_hz(design.board))
     return model_filter(circuit, has_diode=variant == "article"), network.values
@@ -120,9 +121,11 @@ def board_values(design: Design) -> BoardValues:
     envelope_gain = None if has_diode else float(model.envelope.gain(network.values))
     limits = compute_voltage_limits(
         circuit, supply, board.supply_v, compute_output_swing(amplifier, supply, board.supply_v),
-        achieved.passband_gain, has_diode, detector.adc_range_v,
+        achieved.passband_gain, has_diode, detector,
     )  # fmt: skip
-    offset = None if has_diode else compute_output_offset(circuit, bandwidth_hz, supply.signal_ground)
+    low_offset, offset = choose_low_offset_amplifier(board), None
+    if not has_diode:
+        offset = compute_output_offset(circuit, bandwidth_hz, supply.signal_ground, low_offset)
     rails, levels = {GND: 0.0, VCC: board.supply_v, VEE: -board.supply_v}, None
     if components.comparator_stage:
         levels = compute_comparator_levels(circuit, rails, supply.signal_ground)
@@ -152,6 +155,6 @@ def board_values(design: Design) -> BoardValues:
         amplifier_loads=loads,
         filter_load_ohm=find_filter_load_ohm(loads),
         threshold_spread=spread,
-        gate=check_gate(circuit, design, limits, achieved.passband_gain, rails, spread),
+        gate=check_gate(circuit, design, limits, achieved.passband_gain, rails, offset, spread),
         errata=board_errata(components.amplifier, has_diode),
     )

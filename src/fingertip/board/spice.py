@@ -22,11 +22,14 @@ from fingertip.board.components.amplifiers import (
     GAIN_RESISTOR,
     TEMPERATURE_K,
 )
-from fingertip.board.components.anti_aliasing import CLAMP_A
+from fingertip.board.components.anti_aliasing import CLAMP_A, LOW_LEAKAGE_A, LOW_LEAKAGE_CLAMP
 from fingertip.board.components.bridge import GAIN_CONSTANT_OHM, sensor_conductance_s
 
 SENSOR_FORCE_N = 0.8
 """Force on the deck's sensor: the middle of the three forces for which the article states a voltage."""
+
+MAX_SWITCH_OHM = 0.085
+"""Largest resistance of the MOSFET that protects the supply, at 2.5 V from gate to source [ohm] (its data sheet)."""
 
 Pins = dict[str, str]
 """SPICE nodes of a component by pin number."""
@@ -73,8 +76,14 @@ def _diode(component: Component, pins: Pins, _supply_v: float) -> Iterator[str]:
 
 
 def _clamp_diodes(component: Component, pins: Pins, _supply_v: float) -> Iterator[str]:
-    yield f"{component.reference}a {pins['1']} {pins['3']} DBAT54"
-    yield f"{component.reference}b {pins['3']} {pins['2']} DBAT54"
+    model = "DBAV199" if component.value == LOW_LEAKAGE_CLAMP else "DBAT54"
+    yield f"{component.reference}a {pins['1']} {pins['3']} {model}"
+    yield f"{component.reference}b {pins['3']} {pins['2']} {model}"
+
+
+def _protection(component: Component, pins: Pins, _supply_v: float) -> Iterator[str]:
+    # The channel conducts, as it does with a supply that is not reversed.
+    yield f"R{component.reference} {pins['3']} {pins['2']} {MAX_SWITCH_OHM:g}"
 
 
 def _amplifiers(component: Component, pins: Pins, _supply_v: float) -> Iterator[str]:
@@ -126,6 +135,9 @@ _ELEMENTS: dict[str, Callable[[Component, Pins, float], Iterator[str]]] = {
     "R_Potentiometer": _trimmer,
     "LMV331": _comparator,
     "Conn_01x02": _two_pin_connector,
+    "Conn_01x02_MountingPin": _two_pin_connector,
+    "Conn_01x10_MountingPin": _no_element,
+    "AO3401A": _protection,
     "Conn_01x03": _split_supply_connector,
     "Conn_01x04": _no_element,
     "Conn_01x05": _no_element,
@@ -192,6 +204,10 @@ E4 out 0 pole 0 1
 * BAT54: Schottky, forward 0.24 V at 0.1 mA, 10 pF; figures of a common model, not measured.
 .model DBAT54 D(Is={clamp_a:.10g} Rs=2 N=1.1 Cjo=12p M=0.4)"""
 
+_LOW_LEAKAGE_MODEL = """\
+* BAV199: silicon with low leakage, 2 pF; figures of its data sheet, not measured.
+.model DBAV199 D(Is={low_leakage_a:.10g} Rs=1 N=1.4 Cjo=2p M=0.3)"""
+
 
 def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Iterator[str]:
     """Yield a model for each type of amplifier in the circuit, then the other models."""
@@ -205,6 +221,8 @@ def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Ite
         pole_farad=(1.0 + GAIN_CONSTANT_OHM / gain_ohm) / (math.tau * AD623_BANDWIDTH_HZ),
         clamp_a=CLAMP_A,
     )
+    if any(component.value == LOW_LEAKAGE_CLAMP for component in circuit.components):
+        yield _LOW_LEAKAGE_MODEL.format(low_leakage_a=LOW_LEAKAGE_A)
 
 
 def _amplifier_model(name: str, gain_bandwidth_hz: float, worst_case: bool) -> str:

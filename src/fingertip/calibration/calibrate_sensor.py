@@ -83,7 +83,7 @@ def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None =
         With all weighings that the board cannot have given, or if the scatter hides the curve.
     """
     if (weighings.kind == "counts") != (scale is not None):
-        step = 2 * design.detector.adc_range_v / 2**design.detector.adc_bits
+        step = design.detector.adc_step_v
         message = (
             f"is missing: the readings are counts; give volts per count ({step:.8g} for the design's converter)."
             if scale is None

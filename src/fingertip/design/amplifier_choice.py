@@ -19,6 +19,11 @@ def total_supply_v(board: Board) -> float:
     return 2.0 * board.supply_v if board.supply == "split" else board.supply_v
 
 
+def works_on_supply(amplifier: Amplifier, board: Board) -> bool:
+    """Return whether a board's supply lies within the range of an amplifier."""
+    return amplifier.min_supply_v <= total_supply_v(board) <= amplifier.max_supply_v
+
+
 def choose_amplifier(board: Board) -> Amplifier:
     """Return the dual amplifier of a board: the one it names, or for "auto" the one that fits variant and supply.
 
@@ -32,9 +37,15 @@ def choose_automatically(board: Board) -> str:
     """Return the name of the amplifier that "auto" stands for."""
     if (board.variant, board.supply) == ("article", "split"):
         return ARTICLE_AMPLIFIER
-    if total_supply_v(board) < CATALOGUE[LOW_OFFSET_AMPLIFIER].min_supply_v:
-        return LOW_VOLTAGE_AMPLIFIER
-    return LOW_OFFSET_AMPLIFIER if board.variant == "comparator" else RAIL_TO_RAIL_AMPLIFIER
+    if board.variant == "comparator":
+        return choose_low_offset_amplifier(board).name
+    return RAIL_TO_RAIL_AMPLIFIER
+
+
+def choose_low_offset_amplifier(board: Board) -> Amplifier:
+    """Return the amplifier of low offset that works on a board's supply."""
+    preferred = CATALOGUE[LOW_OFFSET_AMPLIFIER]
+    return preferred if works_on_supply(preferred, board) else CATALOGUE[LOW_VOLTAGE_AMPLIFIER]
 
 
 def find_gain_bandwidth_hz(board: Board) -> float:

@@ -56,7 +56,7 @@ def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
         Name of the detector; only `digital` has a threshold that the step of the design does not change.
     """
     settings, step = design.detector, find_step_v(volts)
-    assumed = 2 * settings.adc_range_v / 2**settings.adc_bits
+    assumed = settings.adc_step_v
     if step is None or step <= max(COARSE_RATIO * settings.noise_v, (1 + _MAX_RESIDUAL) * assumed):
         return
     remedy = "Record with more bits or a smaller range."
@@ -101,8 +101,9 @@ def _propose(volts: Array, step: float, design: Design, detector: str) -> dict[s
     """Propose parameters with which the design has the recording's step; none if no design has it."""
     reach = float(np.abs(volts).max()) + _MARGIN_STEPS * step
     bounds = find_bounds(PARAMETERS["detector.adc_bits"])
-    bits = max(int(bounds.minimum or 1), math.ceil(math.log2(reach / step)) + 1)
-    changes: dict[str, float] = {"detector.adc_bits": bits, "detector.adc_range_v": step * 2.0 ** (bits - 1)}
+    sign_bits = 1 if design.detector.adc_low_v else 0
+    bits = max(int(bounds.minimum or 1), math.ceil(math.log2(reach / step)) + sign_bits)
+    changes: dict[str, float] = {"detector.adc_bits": bits, "detector.adc_range_v": step * 2.0 ** (bits - sign_bits)}
     try:
         changed = Design.without_remedies(**design.with_values(changes).model_dump())
         if detector == "digital":

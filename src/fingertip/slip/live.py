@@ -118,7 +118,7 @@ def follow(
         all_whole = all_whole and volts % 1 == 0
         if watch is not None and (warning := watch.add(volts)):
             report(f"warning: {warning}")
-        if columns.in_volts and abs(volts) > parameters.adc_range_v:
+        if columns.in_volts and not parameters.adc_low_v <= volts <= parameters.adc_range_v:
             raise _line_error(number, range_message(f"{volts:g}", all_whole, parameters))
         time_s = sample / parameters.sample_rate_hz
         if time_index is not None:

@@ -14,22 +14,24 @@ from typing import Literal
 
 import numpy as np
 
-from fingertip.amplifiers import LOW_OFFSET_AMPLIFIER, Amplifier
+from fingertip.amplifiers import Amplifier
 from fingertip.board.analysis.figures import format_figure
 from fingertip.board.analysis.limits import VoltageLimits
 from fingertip.board.analysis.loads import OutputCurrent, compute_output_currents, signal_band_hz
-from fingertip.board.analysis.offsets import BLOCKING_DIODE
+from fingertip.board.analysis.offsets import BLOCKING_DIODE, OutputOffset
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.analysis.stability import compute_peaking_db, compute_phase_margins_deg
 from fingertip.board.analysis.threshold_spread import ThresholdSpread
 from fingertip.board.circuit import Circuit, parse_component_value
 from fingertip.board.components.amplifiers import AMPLIFIERS
+from fingertip.board.components.anti_aliasing import CLAMP as CLAMP_DIODES
+from fingertip.board.components.anti_aliasing import LOW_LEAKAGE_CLAMP
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.nets import FILTERED, STAGE1_OUT, VMID
 from fingertip.board.network import build_network, list_amplifiers
 from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import choose_amplifier, total_supply_v
+from fingertip.design.amplifier_choice import choose_amplifier, choose_low_offset_amplifier, total_supply_v
 from fingertip.design.amplifier_stages import (
     GOOD_PHASE_MARGIN_DEG,
     MID_RAIL_RATIO,
@@ -67,7 +69,9 @@ class GateCondition:
     def margin(self) -> float:
         """Ratio of limit to value, or of value to limit for a lower bound: 1 or more where the condition holds."""
         numerator, denominator = (self.limit, self.value) if self.bound == "at most" else (self.value, self.limit)
-        return numerator / denominator if denominator > 0.0 else math.inf
+        if denominator > 0.0:
+            return numerator / denominator
+        return math.inf if self.passed else 0.0
 
 
 def at_most(
@@ -87,8 +91,9 @@ def at_least(
 CURRENT, OFFSET, BANDWIDTH, MARGIN, PEAKING = (
     "output current", "offset over swing", "gain-bandwidth product", "phase margin", "gain beyond the band",
 )  # fmt: skip
-IDLE, CLAMP, SERIES, TRIM, SUPPLY = (
-    "tactile voltage at idle", "clamp of the converter's pins", "capacitors off series E12", "shift to trim",
+IDLE, PRESSED, FLOOR, CLAMP, SERIES, TRIM, SUPPLY = (
+    "tactile voltage at idle", f"tactile voltage at {MAX_FORCE_N:g} N", "envelope's lowest offset",
+    "clamp of the converter's pins", "capacitors off series E12", "shift to trim",
     "voltage across the amplifier",
 )  # fmt: skip
 
@@ -99,6 +104,7 @@ def check_gate(
     limits: VoltageLimits,
     passband_gain: float,
     rails: Mapping[str, float],
+    offset: OutputOffset | None,
     spread: ThresholdSpread | None,
 ) -> tuple[GateCondition, ...]:
     """Check all conditions of a board.
@@ -115,6 +121,8 @@ def check_gate(
         Largest gain of its filter.
     rails
         Voltages of the rails [V].
+    offset
+        Its envelope offset; None with the bare diode of variant article.
     spread
         Mean and worst case of its comparator's threshold; None without a comparator.
     """
@@ -128,18 +136,34 @@ def check_gate(
         *_check_offsets(circuit, design, amplifier),
         at_least(BANDWIDTH, "U1", amplifier.bandwidth_hz, needed_hz, "Hz"),
         *_check_stability(circuit, amplifier, passband_gain),
-        at_most(
-            IDLE, "TACTILE", limits.max_tactile_v, limits.adc_range_v, "V", "required",
-            "the converter is saturated just where contacts are light: set detector.adc_range_v to that, or divide "
-            "the signals ahead of it",
-        ),
-        at_most(
-            CLAMP, "D2, D3", limits.clamp_high_rail_v, limits.adc_range_v, "V", "advised",
-            "the clamps do not protect a converter whose pins bear no more than its range; give it a range of the "
-            "supply or more",
-        ),
+        *_check_converter(circuit, limits, offset),
         at_most(SERIES, "C1 to C20", float(_count_odd_capacitors(circuit)), 0.0, ""),
-        *_check_trim(spread),
+        *_check_trim(design, spread),
+    )  # fmt: skip
+
+
+def _check_converter(circuit: Circuit, limits: VoltageLimits, offset: OutputOffset | None) -> Iterator[GateCondition]:
+    """Compare the levels at the converter's pins with its range."""
+    yield at_most(
+        IDLE, "TACTILE", limits.max_tactile_v, limits.adc_range_v, "V", "required",
+        "the converter is saturated just where contacts are light: set detector.adc_range_v to that, or divide the "
+        "signals ahead of it",
+    )  # fmt: skip
+    yield at_least(
+        PRESSED, "TACTILE", limits.min_tactile_v, limits.adc_low_v, "V", "required",
+        "the converter is saturated in firm contacts: set detector.adc_polarity=bipolar",
+    )  # fmt: skip
+    if offset:
+        yield at_least(
+            FLOOR, "ENVELOPE", limits.signal_ground_v + offset.min_v, limits.adc_low_v, "V", "advised",
+            "the converter cannot tell how far the envelope lies below its range: set detector.adc_polarity=bipolar, "
+            "or board.supply=single",
+        )  # fmt: skip
+    clamps = ", ".join(c.reference for c in circuit.components if c.value in (CLAMP_DIODES, LOW_LEAKAGE_CLAMP))
+    yield at_most(
+        CLAMP, clamps, limits.clamp_high_rail_v, limits.adc_range_v, "V", "advised",
+        "the clamps do not protect a converter whose pins bear no more than its range; give it a range of the supply "
+        "or more",
     )  # fmt: skip
 
 
@@ -168,6 +192,8 @@ def _check_currents(
         if current.amplifier == "U5":
             linear_a += _constant_current_a(circuit, supply.signal_ground, rails)
             limit_a *= MID_RAIL_RATIO
+        elif current.amplifier == "U6":
+            linear_a += _constant_current_a(circuit, supply.bridge_supply, rails)
         yield at_most(CURRENT, current.amplifier, linear_a, limit_a, "A")
 
 
@@ -181,8 +207,8 @@ def find_charging_current_a(
     return max(compute_charging_current_a(peak_v, f_hz, ohm, farad) for f_hz, peak_v in pairs)
 
 
-def _constant_current_a(circuit: Circuit, signal_ground: str, rails: Mapping[str, float]) -> float:
-    """Largest constant current into the buffer of the signal ground [A], over all forces on the sensor."""
+def _constant_current_a(circuit: Circuit, buffered: str, rails: Mapping[str, float]) -> float:
+    """Largest constant current of the buffer of a net [A], over all forces on the sensor."""
     largest_a = 0.0
     for force_n in (0.0, MAX_FORCE_N):
         network = build_network(circuit, sensor_s=sensor_conductance_s(force_n), conducting=[RECTIFYING_DIODE])
@@ -192,10 +218,10 @@ def _constant_current_a(circuit: Circuit, signal_ground: str, rails: Mapping[str
             if component.symbol.name != "R" and component.value != "FSR":
                 continue
             ends = [circuit.net_by_pin[component.reference, pin] for pin in "12"]
-            if signal_ground in ends:
-                other = ends[0] if ends[1] == signal_ground else ends[1]
+            if buffered in ends:
+                other = ends[0] if ends[1] == buffered else ends[1]
                 value = network.values[component.reference]
-                total_a += float(value) * (volts[other] - volts[signal_ground])
+                total_a += float(value) * (volts[other] - volts[buffered])
         largest_a = max(largest_a, abs(total_a))
     return largest_a
 
@@ -246,12 +272,12 @@ def _count_odd_capacitors(circuit: Circuit) -> int:
     return sum(below != above for below, above in map(find_preferred_neighbours, values))
 
 
-def _check_trim(spread: ThresholdSpread | None) -> Iterator[GateCondition]:
+def _check_trim(design: Design, spread: ThresholdSpread | None) -> Iterator[GateCondition]:
     """Compare what offsets and currents shift the comparator's threshold by with what its trimmer takes back."""
     if spread:
         yield at_most(
             TRIM, "RV1", spread.to_trim_v, spread.trim_v, "V", "advised",
-            f"set board.amplifier={LOW_OFFSET_AMPLIFIER}, or raise detector.threshold_v",
+            f"set board.amplifier={choose_low_offset_amplifier(design.board).name}, or raise detector.threshold_v",
         )  # fmt: skip
 
 

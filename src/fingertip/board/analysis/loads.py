@@ -2,7 +2,7 @@
 
 Data sheets state the output swing for a load of 2 kohm or more. The rectifying diode counts as conducting, without its
 drop, so the current that charges the envelope's capacitor is an upper bound: at the current's peak both ends of the
-diode rise equally fast, and the capacitor's end is at the lower voltage. The buffer of VMID is not covered.
+diode rise equally fast, and the capacitor's end is at the lower voltage. The buffers of VMID and VREF are not covered.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ _MARGIN = 0.88
 _FREQUENCIES = 30
 """Number of frequencies at which the loads are evaluated."""
 _FILTER_AMPLIFIERS = ("U1a", "U1b")
-_OTHER_BUFFERS = ("U5",)
-"""Amplifiers that drive the signal ground, whose load is not an impedance to signal ground."""
+_OTHER_BUFFERS = ("U5", "U6")
+"""Amplifiers that drive the signal ground or feed the bridge, whose load is not an impedance to signal ground."""
 
 
 @dataclass(frozen=True)

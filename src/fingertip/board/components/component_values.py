@@ -6,7 +6,7 @@ import functools
 from dataclasses import dataclass
 
 from fingertip.board.components.anti_aliasing import AdcInterface, size_adc_interface
-from fingertip.board.components.bridge import Bridge, size_bridge
+from fingertip.board.components.bridge import CONTROLLER_SERIES, CONTROLLER_TARGET, VREF_RATIO, Bridge, size_bridge
 from fingertip.board.components.comparator import ComparatorStage, size_comparator
 from fingertip.board.components.filter import FilterSelection, FirstStageCapacitors, select_filter
 from fingertip.board.supplies import SUPPLIES
@@ -30,7 +30,7 @@ class ComponentValues:
     variant: str
     """Name of the board's variant."""
     supply: str
-    """Name of the supply: split or single."""
+    """Name of the supply: split, single or single_3v3."""
     amplifier: str
     """Dual amplifier of filter and rectifier, by its name in `fingertip.amplifiers.CATALOGUE`."""
     ideal: FilterComponents
@@ -56,6 +56,8 @@ class ComponentValues:
             self.ideal, self.preferred, self.first_stage_capacitors, self.rectifier_ohm
         ).by_reference()
         values |= self.bridge.by_reference() | self.adc_interface.by_reference()
+        if SUPPLIES[self.supply].is_for_controller:
+            values |= self.adc_interface.filtered_by_reference()
         return values | (self.comparator_stage.by_reference() if self.comparator_stage else {})
 
 
@@ -85,7 +87,11 @@ def select_components(design: Design) -> ComponentValues:
         rectifier_ohm=selection.rectifier_ohm,
         tolerance=Tolerance(board.resistor_tolerance_percent, board.capacitor_tolerance_percent),
         bridge=size_bridge(
-            board.supply_v, board.series, design.dimensions.sensor.active_diameter_mm, supply.signal_ground_ratio
+            board.supply_v,
+            CONTROLLER_SERIES if supply.is_for_controller else board.series,
+            design.dimensions.sensor.active_diameter_mm,
+            supply.signal_ground_ratio,
+            *((CONTROLLER_TARGET, VREF_RATIO) if supply.is_for_controller else ()),
         ),
         adc_interface=size_adc_interface(detector.sample_rate_hz, board.series),
         comparator_stage=comparator_stage,

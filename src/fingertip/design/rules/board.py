@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from fingertip.amplifiers import Amplifier, list_dual_amplifiers
 from fingertip.design import filter_components
-from fingertip.design.amplifier_choice import choose_amplifier, total_supply_v
+from fingertip.design.amplifier_choice import choose_amplifier, total_supply_v, works_on_supply
 from fingertip.design.amplifier_stages import (
     BAND_CUTOFFS,
     compute_envelope_current_a,
@@ -51,6 +51,12 @@ CURRENT_MARGIN = 0.8
 ENVELOPE_CURRENT_MARGIN = 0.95
 """Maximum ratio of the current that charges variant article's envelope, at its peak, to what the data sheet gives."""
 
+SUPPLY_RANGES_V = {"split": (5.0, 6.0), "single": (5.0, 6.0), "single_3v3": (3.1, 3.6)}
+"""Range of the voltage of each supply [V].
+
+The bridge of the first two is sized for the article's 4.3 V. The AD623 needs 3 V (its data sheet), and the last supply
+ends where the inputs of a controller do.
+"""
 MAX_SPLIT_V = 5.5
 """Maximum of each half of a split supply [V]. The AD623's supply range ends at 12 V (its data sheet; unverified)."""
 
@@ -127,11 +133,26 @@ def envelope_capacitor_is_preferred(design: DesignTables) -> Violation | None:
     return _check_preferred("envelope_capacitor_uf", "C4", design)
 
 
-@RULES.rule("board.amplifier")
+@RULES.rule("board.supply_v")
+def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
+    """The voltage lies within the range of the supply."""
+    supply, supply_v = design.board.supply, design.board.supply_v
+    minimum, maximum = SUPPLY_RANGES_V[supply]
+    if minimum <= supply_v <= maximum:
+        return None
+    others = [name for name, (low, high) in SUPPLY_RANGES_V.items() if low <= supply_v <= high]
+    return Violation(
+        f"{supply_v:g} V lies outside the range of board.supply={supply}",
+        ((minimum, maximum),),
+        alternatives={"board.supply": others[0]} if others else {},
+    )
+
+
+@RULES.rule("board.amplifier", voltage_fits_the_supply)
 def amplifier_withstands_the_supply(design: DesignTables) -> Violation | None:
     """The supply lies within the range of the amplifier."""
     amplifier, supply_v = choose_amplifier(design.board), total_supply_v(design.board)
-    if amplifier.min_supply_v <= supply_v <= amplifier.max_supply_v:
+    if works_on_supply(amplifier, design.board):
         return None
     return Violation(
         f"{amplifier.name} works on {amplifier.min_supply_v:g} to {amplifier.max_supply_v:g} V, and this supply puts "
@@ -443,8 +464,7 @@ def _at_least_preferred(minimum_uf: float) -> tuple[Interval, ...]:
 
 def _other_amplifier(design: DesignTables, passes: Callable[[Amplifier], bool]) -> dict[str, str]:
     """Return the first amplifier of the catalogue that passes a condition and the supply, as an alternative."""
-    supply_v = total_supply_v(design.board)
-    names = (a.name for a in list_dual_amplifiers() if a.min_supply_v <= supply_v <= a.max_supply_v and passes(a))
+    names = (a.name for a in list_dual_amplifiers() if works_on_supply(a, design.board) and passes(a))
     name = next(names, None)
     return {"board.amplifier": name} if name else {}
 

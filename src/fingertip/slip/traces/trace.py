@@ -222,7 +222,7 @@ def _range_issues(
     volts: Array, detector: DetectorParameters, name: str, lines: Sequence[int] | None
 ) -> Iterator[Issue]:
     """Find voltages outside the ADC range."""
-    outside = np.flatnonzero(np.isfinite(volts) & (np.abs(volts) > detector.adc_range_v))
+    outside = np.flatnonzero(np.isfinite(volts) & ((volts > detector.adc_range_v) | (volts < detector.adc_low_v)))
     if outside.size:
         first = int(outside[0])
         all_whole = bool(np.all(volts[np.isfinite(volts)] % 1 == 0))
@@ -242,25 +242,23 @@ def range_message(value: str, all_whole: bool, detector: DetectorParameters) -> 
     detector
         Source of the ADC range and resolution.
     """
-    maximum = detector.adc_range_v
     if all_whole:
-        step = 2 * maximum / 2**detector.adc_bits
-        remedy = f"the values are whole numbers, as ADC counts are: --scale {step:.8g} converts counts to volts"
+        scale = f"--scale {detector.adc_step_v:.8g}"
+        remedy = f"the values are whole numbers, as ADC counts are: {scale} converts counts to volts"
     else:
         remedy = "use --scale if the column is not in volts, or --set detector.adc_range_v"
-    return f"{value} exceeds the ADC range of +/-{maximum:g} V; {remedy}."
+    return f"{value} exceeds the ADC range of {detector.adc_range_text}; {remedy}."
 
 
 def signal_warnings(trace: Trace, detector: DetectorParameters) -> Iterator[str]:
     """Warn of a voltage that makes detection unreliable: clipped by the ADC, or constant."""
-    volts, maximum = trace.voltage_v, detector.adc_range_v
-    step = 2 * maximum / 2**detector.adc_bits
-    clipped = int(np.sum((volts >= maximum - 1.5 * step) | (volts <= step / 2 - maximum)))
+    volts, maximum, step = trace.voltage_v, detector.adc_range_v, detector.adc_step_v
+    clipped = int(np.sum((volts >= maximum - 1.5 * step) | (volts <= step / 2 + detector.adc_low_v)))
     if clipped:
         count = f"all {clipped}" if clipped == len(volts) else f"{clipped} of {len(volts)}"
         yield (
-            f"{count} samples are at the limits of the ADC range, +/-{maximum:g} V: slip is not visible there. "
-            "Attenuate the signal before the ADC, or record with a wider range (detector.adc_range_v)."
+            f"{count} samples are at the limits of the ADC range, {detector.adc_range_text}: slip is not visible "
+            "there. Attenuate the signal before the ADC, or record with a wider range (detector.adc_range_v)."
         )
     elif np.ptp(volts) == 0.0:
         yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"

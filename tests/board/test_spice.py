@@ -14,7 +14,7 @@ from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
+from fingertip.design.amplifier_choice import choose_amplifier, find_gain_bandwidth_hz
 from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
 from tests.oracles.filter_formulas import filter_transfer
@@ -47,12 +47,10 @@ def max_deviation_db(folder: Path, design: Design, deck: str) -> float:
     rows = run_ngspice(folder, deck, "ac dec 40 1 100k\nwrdata out vr(tactile) vi(tactile) vr(filtered) vi(filtered)")
     assert len(rows) > 200
     assert (rows[0][0], round(rows[-1][0])) == (1.0, 100_000)
-    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
+    values, amplifier = board_values(design), choose_amplifier(design.board)
+    arguments = values.preferred, amplifier.bandwidth_hz, values.first_stage_capacitors, amplifier.input_f
     return max(
-        abs(
-            decibel(complex(fr, fi) / complex(tr, ti))
-            - decibel(filter_transfer(f, values.preferred, gbw, values.first_stage_capacitors))
-        )
+        abs(decibel(complex(fr, fi) / complex(tr, ti)) - decibel(filter_transfer(f, *arguments)))
         for f, tr, ti, fr, fi in rows
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
@@ -17,16 +18,20 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.gate import (
     CLAMP,
     CURRENT,
+    FLOOR,
     IDLE,
     MARGIN,
     PEAKING,
+    PRESSED,
     TRIM,
     GateCondition,
+    check_gate,
     find_smallest_margin,
     gate_warnings,
 )
 from fingertip.board.analysis.stability import compute_phase_margins_deg, compute_two_pole_gain
 from fingertip.board.analysis.threshold_spread import TOLERANCES
+from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.board.network import build_network
 from fingertip.board.spice import spice_deck
 from fingertip.board.variants import BOARD_CONFIGURATIONS
@@ -81,6 +86,27 @@ def test_every_configuration_has_an_amplifier_that_withstands_its_supply(name: s
     assert list(gate_warnings(values.gate)) == []
 
 
+@pytest.mark.parametrize("supply_v", [3.1, 3.3, 3.6])
+@pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
+def test_board_for_a_controller_meets_every_condition_over_its_range(variant: str, supply_v: float) -> None:
+    converter = ("detector.adc_bits=12", f"detector.adc_range_v={supply_v}", "detector.adc_polarity=unipolar")
+    design = load(f"{variant}_single_3v3", f"board.supply_v={supply_v}", *converter)
+    amplifier = choose_amplifier(design.board)
+    assert amplifier.name == ("OPA2376" if variant == "comparator" else "TLV2372")
+    assert amplifier.min_supply_v <= supply_v <= amplifier.max_supply_v
+    assert list(gate_warnings(board_values(design).gate)) == []
+
+
+@pytest.mark.parametrize("name", [a.name for a in list_dual_amplifiers()])
+def test_a_board_for_a_controller_has_amplifiers_that_work_on_its_supply(name: str) -> None:
+    changes = ["board.supply=single_3v3", "board.supply_v=3.3", "board.variant=precision", f"board.amplifier={name}"]
+    if CATALOGUE[name].min_supply_v <= 3.3:
+        assert board_values(Design.load(changes=changes)).amplifier == name
+        return
+    with pytest.raises(DesignError, match=r"this supply puts 3\.3 V across it; set board\.amplifier=auto"):
+        Design.load(changes=changes)
+
+
 # What was accepted in silence
 
 ACCEPTED_IN_SILENCE = {
@@ -124,7 +150,7 @@ def test_remedies_pass_and_their_boards_meet_every_required_condition(changes: t
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.sampled_from(sorted(BOARD_CONFIGURATIONS)), st.floats(2.0, 300.0), st.sampled_from([2e3, 2e4, 1e5, 1e6]))
+@given(st.sampled_from(sorted(BOARD_CONFIGURATIONS)), st.floats(2.0, 200.0), st.sampled_from([2e3, 2e4, 1e5, 1e6]))
 def test_rule_and_circuit_agree_on_the_first_stage(name: str, gain: float, r5_ohm: float) -> None:
     """The rule has ideal values, the circuit preferred ones of series E24 and a C20 of series E6."""
     tables = load(name).with_values({"board.passband_gain": gain, "board.r5_ohm": r5_ohm})
@@ -172,6 +198,19 @@ def test_rule_and_circuit_agree_on_the_filters_current(name: str, cutoff: str, c
     assert largest_a == pytest.approx(compute_filter_current_a(design.board), rel=0.2, abs=allowed)
 
 
+@pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
+def test_current_of_the_bridges_buffer_is_that_of_both_arms(variant: str) -> None:
+    """VREF is 0.8 and VMID 0.5 of 3.3 V; the sensor at 20 N lies across R11."""
+    values = board_values(load(f"{variant}_single_3v3"))
+    bridge, volts = values.bridge, (0.8 - 0.5) * 3.3
+    sensor_ohm = 1 / (1 / bridge.sensor_shunt_ohm + sensor_conductance_s(20.0))
+    expected = volts / (bridge.sensor_top_ohm + sensor_ohm)
+    expected += volts / (bridge.reference_top_ohm + bridge.reference_bottom_ohm)
+    (found,) = (c for c in values.gate if (c.name, c.subject) == (CURRENT, "U6"))
+    assert found.value == pytest.approx(expected, rel=1e-3)
+    assert found.limit == CATALOGUE["TLV2371DBV"].output_current_a
+
+
 @pytest.mark.parametrize(("f_hz", "peak_v"), [(67.0, 2.0), (201.0, 2.0), (450.0, 3.5), (201.0, 0.5)])
 def test_charging_current_agrees_with_a_simulated_peak_detector(f_hz: float, peak_v: float) -> None:
     """Oracle: steps of 1 us with an ideal diode behind a fixed drop."""
@@ -204,6 +243,34 @@ def test_a_converter_of_less_than_the_clamps_rail_is_warned_of() -> None:
     assert {c.name: c.passed for c in conditions if c.name in (IDLE, CLAMP)} == {IDLE: True, CLAMP: False}
     (warning,) = gate_warnings(conditions)
     assert "clamp of the converter's pins (D2, D3): 5.00 V, should be at most 4.60 V; the clamps do not" in warning
+
+
+def test_a_controllers_clamps_are_named_where_its_converter_bears_less_than_the_supply() -> None:
+    design = load("precision_single_3v3", "board.supply_v=3.6", "detector.adc_range_v=3.3")
+    (warning,) = gate_warnings(board_values(design).gate)
+    assert warning.startswith("clamp of the converter's pins (D2, D3, D5): 3.60 V, should be at most 3.30 V")
+
+
+def test_a_unipolar_converter_is_warned_of_where_offsets_take_the_envelope_below_ground() -> None:
+    """On a single supply the envelope lies above half of it."""
+    for supply, warned in (("split", True), ("single", False)):
+        for polarity in ("unipolar", "bipolar"):
+            values = board_values(load(f"precision_{supply}", f"detector.adc_polarity={polarity}"))
+            warnings = list(gate_warnings(values.gate))
+            assert any(w.startswith(FLOOR) for w in warnings) == (warned and polarity == "unipolar")
+
+
+def test_a_unipolar_converter_is_warned_of_where_a_press_takes_the_tactile_voltage_below_ground() -> None:
+    for polarity, passes in (("unipolar", False), ("bipolar", True)):
+        design = load("article_split", f"detector.adc_polarity={polarity}")
+        values = board_values(design)
+        assert values.voltage_limits.min_tactile_v > 0
+        limits = replace(values.voltage_limits, min_tactile_v=-0.1)
+        conditions = check_gate(
+            board_circuit(values), design, limits, 60.0, {"GND": 0, "VCC": 5, "VEE": -5}, None, None
+        )
+        (pressed,) = (c for c in conditions if c.name == PRESSED)
+        assert (pressed.passed, pressed.margin >= 1) == (passes, passes)
 
 
 @given(st.floats(1e-7, 1e4))

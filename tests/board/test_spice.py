@@ -14,7 +14,7 @@ from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import choose_amplifier, find_gain_bandwidth_hz
+from fingertip.design.amplifier_choice import choose_amplifier
 from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
 from tests.oracles.filter_formulas import filter_transfer

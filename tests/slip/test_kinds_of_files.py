@@ -25,8 +25,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fingertip.design import Design
 from fingertip.errors import MissingLibraryError
-from fingertip.slip.converter_step import find_step_v
+from fingertip.slip.converter_step import find_step_v, step_warnings
 from fingertip.slip.traces import csv_file, limits
 from fingertip.slip.traces.even_times import restore_even_times
 from fingertip.slip.traces.read import read_raw_trace
@@ -597,3 +598,17 @@ def test_fine_steps_are_not_warned_of(tmp_path: Path) -> None:
     assert find_step_v(np.array([0.0, 1.0, 2.5])) is None
     assert find_step_v(V) is None or find_step_v(V) < 1e-6
     assert find_step_v(np.round(V / 0.01) * 0.01) == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("polarity", ["bipolar", "unipolar"])
+def test_remedy_against_coarse_steps_has_their_step_and_covers_the_recording(polarity: str) -> None:
+    design = Design(detector={"adc_polarity": polarity})
+    volts = np.round(np.random.default_rng(0).normal(4.0, 0.01, 5000) / (5 / 1024)) * (5 / 1024)
+    (warning,) = step_warnings(volts, design, "fast")
+    changes = dict(re.findall(r"--set (\S+)=([\d.e-]+)", warning))
+    detector = Design.load(
+        changes=[f"{k}={v}" for k, v in changes.items()] + [f"detector.adc_polarity={polarity}"]
+    ).detector
+    assert detector.adc_step_v == pytest.approx(5 / 1024, rel=1e-8)
+    assert detector.adc_low_v <= volts.min() < volts.max() < detector.adc_range_v < 2 * 5.1
+    assert list(step_warnings(volts, Design(detector=detector.model_dump()), "fast")) == []

@@ -107,7 +107,8 @@ def test_boards_that_cannot_work_are_refused(changes: tuple[str, ...]) -> None:
     "changes",
     [
         ("board.passband_gain=300",), ("board.capacitor_uf=0.12",), ("board.capacitor_uf=0.15",),
-        ("board.capacitor_series=E6", "board.capacitor_uf=0.1234567891"), ("detector.adc_range_v=4.5", "board.amplifier=TL082"),
+        ("board.capacitor_series=E6", "board.capacitor_uf=0.1234567891"),
+        ("detector.adc_range_v=4.5", "board.amplifier=TL082"),
         ("board.passband_gain=2", "board.variant=precision"), ("board.passband_gain=10",),
         ("board.passband_gain=2", "board.amplifier=OPA2197", "board.r5_ohm=2000"), ("board.envelope_capacitor_uf=3.9",),
         ("board.amplifier=OPA2376", "board.supply=single"),

@@ -39,7 +39,14 @@ def test_readme_states_the_requirements_on_the_supply(name: str) -> None:
 def test_readme_states_the_passband_of_the_board(name: str) -> None:
     changes = (*BOARD_CONFIGURATIONS[name].changes, "board.band_limit_hz=210")
     achieved = board_values(Design.load(changes=changes)).achieved_response
-    cutoffs = "67.25 Hz and 44490 Hz" if name.startswith("article") else "63.59 Hz and 293.3 Hz"
+    cutoffs = {
+        "article_split": "67.25 Hz and 59390 Hz",
+        "article_single": "67.25 Hz and 44490 Hz",
+        "article_single_3v3": "67.25 Hz and 44490 Hz",
+        "comparator_split": "63.61 Hz and 294.1 Hz",
+        "comparator_single": "63.61 Hz and 294.1 Hz",
+        "comparator_single_3v3": "63.60 Hz and 293.8 Hz",
+    }.get(name, "63.59 Hz and 293.3 Hz")
     assert f"-3 dB at {cutoffs}" in readme(*changes)
     assert f"gain {achieved.passband_gain:.2f}" in readme(*changes)
 
@@ -51,7 +58,8 @@ def test_readme_states_the_limited_input_range_of_the_tl082_only() -> None:
         assert ("3.5 V up but only 2.0 V down (typical, into 10 kohm; 1.0 V down guaranteed)" in text) == (
             name == "article_split"
         )
-        dual = "OPA2197ID" if name.startswith("comparator") else "TLV2372"
+        low_offset = "OPA2376AID" if name.endswith("3v3") else "OPA2197ID"
+        dual = low_offset if name.startswith("comparator") else "TLV2372"
         assert (f"{dual}, with rail-to-rail inputs and outputs" in text) == (name != "article_split")
 
 
@@ -72,7 +80,9 @@ def test_readme_describes_the_envelope_offset_except_in_variant_article() -> Non
     assert "Envelope offset" not in readme()
     for variant in ("precision", "comparator"):
         text = readme(f"board.variant={variant}")
-        assert "envelope offset lies between -6.0 and +22.5 mV" in text
+        ends = "-6.0 and +22.5" if variant == "precision" else "-0.2 and +0.5"
+        assert f"envelope offset lies between {ends} mV" in text
+        assert ("With an OPA2197 (`board.amplifier`)" in text) == (variant == "precision")
         assert "design's threshold is 17 mV" in text
     single = readme("board.variant=precision", "board.supply=single")
     assert "nothing touching the sensor: the mean of E against M." in single

@@ -71,7 +71,7 @@ ERRATA: tuple[Erratum, ...] = (
         INPUT_RANGE,
         "TL082 on plus and minus 5 V; its common-mode input range is not mentioned",
         "the range ends at about -2 V (guaranteed: -1 V), and below it the output reverses its phase and jumps up; "
-        f"{describe_touches()}; variants precision and comparator have a TLV2372",
+        f"{describe_touches()}; variants precision and comparator have amplifiers with rail-to-rail inputs",
     ),
 )
 

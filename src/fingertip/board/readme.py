@@ -403,13 +403,17 @@ def _offset_section(values: BoardValues, design: Design) -> str:
 
 def _describe_offset(offset: OutputOffset, values: BoardValues, design: Design) -> str:
     amplifier = CATALOGUE[values.amplifier]
-    return (
+    text = (
         f"The offset voltages of U1 and U3 appear in the envelope. With {1e3 * amplifier.max_offset_v:g} mV each, the "
         f"maximum of a {amplifier.order_name}, the envelope offset lies between {1e3 * offset.min_v:.1f} and "
-        f"+{1e3 * offset.max_v:.1f} mV (typical offsets cause {1e3 * offset.typical_v:.0f} mV, the root of the sum of "
-        f"their squares). The design's threshold is {1e3 * design.detector.threshold_v:g} mV. With an "
-        f"{offset.low_offset_amplifier}, which has the same pins, the envelope offset stays below "
-        f"{1e3 * offset.max_low_offset_v:.1f} mV."
+        f"+{1e3 * offset.max_v:.1f} mV (typical offsets cause {format_figure(1e3 * offset.typical_v, 2)} mV, "
+        f"the root of the sum of their squares). The design's threshold is {1e3 * design.detector.threshold_v:g} mV."
+    )
+    if offset.max_v <= offset.max_low_offset_v:
+        return text
+    return (
+        f"{text} With an {offset.low_offset_amplifier} (`board.amplifier`), which has the same pins, the envelope "
+        f"offset stays below {1e3 * offset.max_low_offset_v:.1f} mV."
     )
 
 

@@ -110,7 +110,7 @@ def test_quantities_of_random_boards_agree_with_the_circuits_equations(name: str
         for reference, deviation in zip(board.names, deviations.tolist(), strict=True):
             value = parse_component_value(circuit.component(reference).value) * (1 + deviation)
             drawn = drawn.replace(reference, f"{value:.12g}")
-        path = build_network(drawn, 3e6).drive("TACTILE").restrict("FILTERED")
+        path = build_network(drawn, find_gain_bandwidth_hz(design.board)).drive("TACTILE").restrict("FILTERED")
         gain = np.abs(path.response(f, {"TACTILE": 1.0}, "FILTERED")[:, 0])
         passband = f[gain >= gain.max() / math.sqrt(2)]
         quantities = board.quantities(deviations)

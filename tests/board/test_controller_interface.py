@@ -16,6 +16,7 @@ from fingertip.board.network import build_network
 from fingertip.board.spice import MAX_SWITCH_OHM
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.errors import DesignError
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
@@ -138,14 +139,14 @@ def test_outputs_stay_within_the_supply_in_ngspice(tmp_path: Path, variant: str,
 def test_ripple_of_one_millivolt_moves_the_envelope_by_less_than_a_tenth_of_the_threshold(name: str) -> None:
     """At 100 Hz and at the worst frequency, by the circuit's equations; a half wave's mean is 1/pi of its peak."""
     design = load(name)
-    values = board_values(design)
+    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
     for force_n in (0.0, 20.0):
-        network = build_network(board_circuit(values), 3e6, sensor_s=sensor_conductance_s(force_n))
+        network = build_network(board_circuit(values), gbw, sensor_s=sensor_conductance_s(force_n))
         volts = network.restrict("FILTERED", "VMID").response(np.array([100.0]), {"VCC": 1e-3}, "FILTERED", "VMID")[0]
         assert abs(volts[0] - volts[1]) / math.pi < 0.1 * design.detector.threshold_v / 10
     assert 1e-3 * values.supply_ripple.gain / math.pi < 0.1 * design.detector.threshold_v / 10
     # Without the capacitors that filter it, the same ripple counts.
-    bare = build_network(board_circuit(values).without("C23", "C21"), 3e6).restrict("FILTERED", "VMID")
+    bare = build_network(board_circuit(values).without("C23", "C21"), gbw).restrict("FILTERED", "VMID")
     volts = bare.response(np.array([100.0]), {"VCC": 1e-3}, "FILTERED", "VMID")[0]
     assert abs(volts[0] - volts[1]) / math.pi > 0.1 * design.detector.threshold_v
 
@@ -161,7 +162,8 @@ def test_ripple_agrees_with_ngspice(tmp_path: Path, name: str, force_n: float) -
     deck = deck.replace("\nVJ2 power_in 0 3.3\n", "\nVJ2 power_in 0 3.3 ac 1\n")
     rows = run_ngspice(tmp_path, deck, "ac dec 40 30 100k\nlet g = abs(v(filtered)-v(vmid))\nwrdata out g")
     f = np.array([row[0] for row in rows])
-    network = build_network(board_circuit(values), 3e6, sensor_s=1 / ohm).restrict("FILTERED", "VMID")
+    gbw = find_gain_bandwidth_hz(design.board)
+    network = build_network(board_circuit(values), gbw, sensor_s=1 / ohm).restrict("FILTERED", "VMID")
     volts = network.response(f, {"VCC": 1.0}, "FILTERED", "VMID")
     model = np.abs(volts[:, 0] - volts[:, 1])
     spice = np.array([row[1] for row in rows])

@@ -313,8 +313,15 @@ def _load_note(values: BoardValues, design: Design) -> str:
         f"Between {low_hz:.4g} Hz and {high_hz:.4g} Hz, the band of the vibrations, the amplifiers drive at least "
         f"these loads, with these peak currents for the largest vibrations that are not clipped: {loads}. {rectifier} "
         "The output swing stated above holds for a lighter load, so the amplifiers may clip somewhat earlier."
-        f"{' The load of U5, which buffers VMID, is not included.' if _is_single(values) else ''}"
+        f"{_buffers_note(values)}"
     )
+
+
+def _buffers_note(values: BoardValues) -> str:
+    """Name the buffers whose load is not stated."""
+    if SUPPLIES[values.supply].is_for_controller:
+        return " The loads of U5 and U6, which buffer VMID and VREF, are not included."
+    return " The load of U5, which buffers VMID, is not included." if _is_single(values) else ""
 
 
 def _power_notes(values: BoardValues, design: Design) -> list[str]:

@@ -124,7 +124,8 @@ def test_readme_states_the_load_of_each_amplifier(name: str) -> None:
         assert f"{load.amplifier} {figures}" in text
     assert ("U1b also charges C4 through D1" in text) == is_article
     assert ("U3a drives R16 and R17 through D1" in text) != is_article
-    assert ("The load of U5, which buffers VMID, is not included." in text) == ("single" in name)
+    assert ("The load of U5, which buffers VMID, is not included." in text) == name.endswith("single")
+    assert ("The loads of U5 and U6, which buffer VMID and VREF, are not included." in text) == name.endswith("3v3")
     assert "2 kohm" not in text  # the output swing is that into 10 kohm
 
 

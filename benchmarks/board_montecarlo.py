@@ -22,6 +22,7 @@ from fingertip.board.analysis.tolerance import TolerancedFilter, component_toler
 from fingertip.board.components.filter import select_filter_capacitor, select_section_resistors
 from fingertip.board.network import build_network
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.design.parameters import Board
 
 
@@ -42,7 +43,7 @@ def main() -> None:
     design = Design.load(changes=["board.variant=precision"])
     values = board_values(design)
     circuit = board_circuit(values)
-    network = build_network(circuit, design.board.gain_bandwidth_hz)
+    network = build_network(circuit, find_gain_bandwidth_hz(design.board))
     toleranced = TolerancedFilter(model_filter(circuit, False), network.values)
     tolerances = component_tolerances(values)
     board = Board(capacitor_series="E12", series="E96")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 
@@ -36,7 +37,10 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> None:
-    """Parts and board have the bytes that `build` and `board` write; the trace is that of `simulate`."""
+    """Parts and board have the bytes that `build` and `board` write; the trace is that of `simulate`.
+
+    Only `make` has a detection, and so an acceptance sheet beside the parts.
+    """
     design = Design.load("fsr400")
     build(design, tmp_path / "single", formats=["stl"], pictures=True)
     write_board(design, tmp_path / "single" / "board")
@@ -46,7 +50,11 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     assert run_fingertip("simulate", "fsr400", "--out", trace).returncode == 0
     found = files_below(made)
     signal = {name: data for name, data in found.items() if name.startswith("signal/")}
-    assert {name: data for name, data in found.items() if name not in signal} == files_below(tmp_path / "single")
+    single = files_below(tmp_path / "single")
+    manifest, single_manifest = (json.loads(files.pop("manifest.json")) for files in (found, single))
+    assert manifest["files"].pop(ACCEPTANCE) == hashlib.sha256(found.pop(ACCEPTANCE)).hexdigest()
+    assert manifest == single_manifest
+    assert {name: data for name, data in found.items() if name not in signal} == single
     assert signal["signal/trace.csv"] == trace.read_bytes()
     detected = json.loads(run_fingertip("detect", trace, "--design", "fsr400", "--json").stdout)
     assert json.loads(signal["signal/detection.json"])["intervals"] == detected["intervals"]

@@ -30,6 +30,7 @@ COMMANDS = [
     for line in block.splitlines()
     for command in line.split("&&")
 ]
+(WEIGHINGS,) = (block for language, block in BLOCKS if language == "csv")
 OURS = [command for command in COMMANDS if command.startswith(".venv/bin/fingertip")]
 
 
@@ -40,6 +41,7 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "params").symlink_to(ROOT / "params")
     for name, text in recordings().items():
         (folder / name).write_text(text)
+    (folder / "my_weighings.csv").write_text(WEIGHINGS)
     (folder / "my_readings.toml").write_text(to_toml(simulate(Design(), 0)))
     return folder
 
@@ -63,6 +65,10 @@ def recordings() -> dict[str, str]:
         "stream.csv": lines("time_s,voltage_v", map(",".join, samples(2000))),
         "counts.csv": lines("voltage_v", (counts for _, counts in samples(5000, "{:.0f}", 65536 / 20))),
         "force.csv": lines("time_s;force_n", map(";".join, samples(2000))),
+        "micros.txt": lines(
+            "0 4.0",
+            (f"{round(1e6 * float(t))} {v}" for t, v in samples(2000)[1:]),
+        ),
     }
 
 

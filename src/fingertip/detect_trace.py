@@ -7,12 +7,15 @@ the voltage ahead of the board.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.design import Design
+from fingertip.design.force_curve import describe_force_curve
 from fingertip.errors import FingertipError, Issue, TraceError
+from fingertip.slip.converter_step import StepWatch, step_warnings
 from fingertip.slip.detection import Detection, detect
 from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.detectors.noise import NoiseLevel, measure_noise_level, settings_warnings, threshold_warnings
@@ -28,7 +31,7 @@ from fingertip.slip.noise_calibration import (
 )
 from fingertip.slip.rate_adaptation import adapt_detector
 from fingertip.slip.traces.read import read_raw_trace
-from fingertip.slip.traces.sampling import RATE_TOLERANCE, rate_bounds_message
+from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, RATE_TOLERANCE, rate_bounds_message
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, signal_warnings
 
 Progress = Callable[[str], None]
@@ -69,13 +72,14 @@ def detect_file(
     rate_hz: float | None = None,
     quiet_s: float | None = None,
     scale: float = 1.0,
+    time_scale: float = 1.0,
     columns: Mapping[str, str] | None = None,
     adapt_to_file: bool | None = None,
     keep_threshold: bool | None = None,
     keep_window: bool = False,
     progress: Progress | None = None,
 ) -> FileDetection:
-    """Detect slip in a recorded file (.csv, .npz, .npy or .tdms).
+    """Detect slip in a recorded file: CSV, NumPy, MATLAB, Parquet, WAV, TDMS or LVM.
 
     Parameters
     ----------
@@ -92,6 +96,8 @@ def detect_file(
         Duration at the start during which nothing happens [s]. Thresholds then follow from the noise there.
     scale
         Volts per unit of the file's voltage.
+    time_scale
+        Seconds per unit of the file's times, such as 1e-3.
     columns
         Name in the file for each column of a trace, such as ``{"voltage_v": "AI0"}``. The voltage may be the column of
         a force; its thresholds require `quiet_s`.
@@ -112,7 +118,7 @@ def detect_file(
     DesignError
         If `rate_hz` is out of bounds, or too low for the design's filters.
     MissingLibraryError
-        If npTDMS is required and not installed.
+        If the file needs a package that is not installed.
     """
     path, report = Path(path), progress or _ignore
     design = design or Design()
@@ -121,8 +127,9 @@ def detect_file(
     if adapt_to_file is None:
         adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
     if rate_hz is not None:
+        _check_finite(rate_hz)
         design = adapt(design, rate_hz)
-    column_map = ColumnMap(columns or {}, rate_hz, scale)
+    column_map = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not column_map.in_volts and quiet_s is None and detector != "analog":
         message = "is missing: the design's thresholds are in volts, but this column is a force; give the duration "
         raise TraceError(Issue("--quiet-s", message + "at the start during which nothing happens."))
@@ -130,9 +137,11 @@ def detect_file(
     if rate_hz is None and adapt_to_file:
         design = _adapt_to_file(design, raw, adapt, report)
     trace = raw.validate(design.detector)
-    warnings: list[str] = []
+    warnings = list(raw.notes)
     if column_map.in_volts:
         warnings += [*signal_warnings(trace, design.detector), *settings_warnings(design, detector)]
+        if quiet_s is None:  # thresholds otherwise follow from the recording itself
+            warnings += step_warnings(trace.voltage_v, design, detector)
 
     quiet = slice(0, 0) if quiet_s is None else select_quiet_start(trace, quiet_s, path.name)
     noise_v, level = None, None
@@ -172,6 +181,7 @@ def detect_stream(
     *,
     rate_hz: float | None = None,
     scale: float = 1.0,
+    time_scale: float = 1.0,
     columns: Mapping[str, str] | None = None,
     keep_threshold: bool | None = None,
     keep_window: bool = False,
@@ -184,7 +194,7 @@ def detect_stream(
     lines
         CSV lines, as in a file. The detector `analog` takes the column `envelope_v` and, if there is none, the output
         of the design's board, simulated for the voltage.
-    design, detector, rate_hz, scale, columns, keep_threshold, keep_window, progress
+    design, detector, rate_hz, scale, time_scale, columns, keep_threshold, keep_window, progress
         As for `detect_file`, but the voltage may not be the column of a force.
 
     Raises
@@ -198,22 +208,30 @@ def detect_stream(
     design = design or Design()
     find_detector_type(detector)
     if rate_hz is not None:
+        _check_finite(rate_hz)
         adapt = _RateAdapter(detector, _keeps_threshold(design, keep_threshold), keep_window, False, report)
         design = adapt(design, rate_hz)
-    voltage = ColumnMap(columns or {}, rate_hz, scale)
+    voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not voltage.in_volts:
         message = "names a force, whose thresholds require --quiet-s and the whole recording; save the lines in a file."
         raise TraceError(Issue("--column", message))
-    envelope = ColumnMap({**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}, rate_hz)
+    envelope = ColumnMap({**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}, rate_hz, 1.0, time_scale)
     reads_envelope = find_detector_type(detector).input_column == "envelope_v"
     stream = open_stream(lines, voltage, *([envelope] if reads_envelope else []))
     instance, column_map = _select_stream_detector(stream, design, detector, voltage, envelope, report)
-    transitions = follow(stream, instance, design.detector, column_map)
+    transitions = follow(stream, instance, design.detector, column_map, report, StepWatch(design, detector))
     return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)))
 
 
 def _ignore(message: str) -> None:
     pass
+
+
+def _check_finite(rate_hz: float) -> None:
+    """Raise TraceError for NaN and infinity, with which no design can be computed; others have its own messages."""
+    if not math.isfinite(rate_hz):
+        message = f"{rate_hz} is not a sampling rate; choose {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz."
+        raise TraceError(Issue("--rate-hz", message))
 
 
 def _keeps_threshold(design: Design, keep_threshold: bool | None) -> bool:
@@ -260,6 +278,7 @@ def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str,
     voltage_v, circuits = trace.voltage_v, "the design's board"
     if not columns.in_volts:
         voltage_v, circuits = board_output.compute_bridge_v(design, voltage_v), "the design's bridge and board"
+        progress(describe_force_curve(design))
     progress(
         f"{name} has no column {columns.name_in_file('envelope_v')}: simulating {circuits} for the column "
         f"{columns.name_in_file('voltage_v')}"

@@ -11,6 +11,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+PART_TO_PART = (2.0, 8.0)
+"""Factors by which the readings of real sensors of one model differ at the same force, from usual to bad.
+
+Source: three sensors under 2.6 N in a divider with a converter of 10 bits gave 341 to 373 counts, and 45 to 54.
+"""
+
 
 @dataclass(frozen=True)
 class ForceSensor:

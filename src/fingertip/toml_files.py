@@ -39,7 +39,7 @@ DESIGN = FileKind(
     frozenset(
         {
             "name", "sensor", "custom_sensor", "bone", "hand", "skin", "silicone", "mold", "printer", "strength",
-            "board", "detector",
+            "force_curve", "board", "detector",
         }
     ),
     "fsr400",

@@ -72,7 +72,11 @@ def test_ratings_are_purchasable_and_have_the_designs_tolerances() -> None:
 
 def test_amplifiers_are_ordered_with_a_grade_whose_offset_is_known() -> None:
     """The TL082 without a grade may have 15 mV, nearly the threshold."""
-    for name, order_name, offset in (("article_split", "TL082BC", "3 mV"), ("comparator_split", "TLV2372", "4.5 mV")):
+    for name, order_name, offset in (
+        ("article_split", "TL082BC", "3 mV"),
+        ("precision_split", "TLV2372", "4.5 mV"),
+        ("comparator_split", "OPA2197ID", "0.1 mV"),
+    ):
         circuit = board_circuit(board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes)))
         duals = [c for c in circuit.components if c.footprint == symbols.SOIC_8]
         assert len(duals) == (1 if name.startswith("article") else 2)
@@ -84,7 +88,8 @@ def test_boards_on_a_single_supply_have_rail_to_rail_amplifiers() -> None:
     for variant in BOARD_VARIANTS:
         changes = BOARD_CONFIGURATIONS[f"{variant}_single"].changes
         names = {c.symbol.name for c in board_circuit(board_values(Design.load(changes=changes))).components}
-        assert {"TLV2372", "TLV2371DBV", "Conn_01x05"} <= names
+        dual = "LM2904" if variant == "comparator" else "TLV2372"
+        assert {dual, "TLV2371DBV", "Conn_01x05"} <= names
         assert not {"TL082", "Conn_01x03"} & names
 
 

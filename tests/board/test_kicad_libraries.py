@@ -16,6 +16,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.circuit import kicad_net_name
+from fingertip.board.kicad.symbols import DUAL_AMPLIFIERS
 from fingertip.board.kicad.uuids import component_uuid
 from fingertip.board.output import NETLIST
 from fingertip.board.variants import BOARD_CONFIGURATIONS
@@ -31,7 +32,9 @@ COMPONENTS = {
     for variant in BOARD_CONFIGURATIONS.values()
     for component in board_circuit(board_values(Design.load(changes=variant.changes))).components
 }.values()
-SYMBOLS = sorted({component.symbol for component in COMPONENTS}, key=lambda s: (s.library, s.name))
+SYMBOLS = sorted(
+    {component.symbol for component in COMPONENTS} | set(DUAL_AMPLIFIERS.values()), key=lambda s: (s.library, s.name)
+)
 FOOTPRINTS = sorted({component.footprint for component in COMPONENTS})
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.circuit import Circuit
-from fingertip.board.kicad.footprints import CORNER_RATIOS, DEFAULT_CORNER_RATIO, FOOTPRINTS, PIN_1_DOT_MM
+from fingertip.board.kicad.footprints import FOOTPRINTS, PIN_1_DOT_MM, pad_corner_ratio
 from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_MM
 from fingertip.board.layout.pcb_file import EDGE_CLEARANCE_MM
 from fingertip.board.layout.placement import (
@@ -102,7 +102,8 @@ def test_design_rules_check_detects_a_corrupted_board(tmp_path: Path, original: 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_board_has_its_size_and_holes_and_no_overlapping_components(name: str) -> None:
     circuit, placement = load_board(name)
-    assert (placement.width, placement.height) == (40.0, 25.0)
+    size_mm = (52.0, 28.0) if BOARD_CONFIGURATIONS[name].supply.is_for_controller else (40.0, 25.0)
+    assert (placement.width, placement.height) == size_mm
     assert sum(component.reference[0] == "H" for component in circuit.components) == 4
     assert list(courtyard_overlaps(circuit, placement)) == []
 
@@ -198,7 +199,8 @@ def test_every_component_has_a_legible_reference_on_the_board(name: str) -> None
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_silkscreen_names_the_board(name: str) -> None:
-    assert BOARD_CONFIGURATIONS[name].placement.texts[-1][0].split()[-2:] == name.split("_")
+    words = name.split("_")
+    assert BOARD_CONFIGURATIONS[name].placement.texts[-1][0].split()[-len(words) :] == words
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
@@ -306,10 +308,9 @@ def test_pads_equal_those_of_kicads_library(footprint: str) -> None:
         paste = any("Paste" in layer for layer in next(children(pad, "layers")))
         kicad_pads.add((pad[1], pad[3], x, y, w, h, drill, ratio, paste))
     own = FOOTPRINTS[footprint]
-    ratio = CORNER_RATIOS.get(footprint, DEFAULT_CORNER_RATIO)
     own_pads = {
-        (p.number, p.shape, p.x, p.y, p.width, p.height, p.drill, ratio if p.shape == "roundrect" else 0.0,
-         own.has_paste and not p.drill)
+        (p.number, p.shape, p.x, p.y, p.width, p.height, p.drill,
+         pad_corner_ratio(footprint, p) if p.shape == "roundrect" else 0.0, own.has_paste and not p.drill)
         for p in own.pads
     }  # fmt: skip
     rounded = [

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fingertip.amplifiers import CATALOGUE
 from fingertip.arrays import Array
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.response import (
@@ -24,6 +25,7 @@ from fingertip.board.analysis.response import (
 )
 from fingertip.board.circuit import Circuit, Component, Net
 from fingertip.board.components.amplifiers import AD623_BANDWIDTH_HZ
+from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.board.components.filter import FilterSelection
 from fingertip.board.kicad import symbols
 from fingertip.board.network import Network, StateSpace, build_network, filter_quantities
@@ -31,6 +33,7 @@ from fingertip.board.supplies import SUPPLIES
 from fingertip.board.transfer_function import find_stages, multiply
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.design.filter_components import FilterComponents, ideal_components
 from fingertip.design.parameters import Board
 from tests.oracles.filter_formulas import (
@@ -65,6 +68,9 @@ capacitors = st.floats(1e-6, 1e3)
 gains = st.floats(1.01, 1e4)
 
 
+SLOW = replace(CATALOGUE["TL082"], bandwidth_hz=1.0)
+
+
 def load(name: str, *changes: str) -> tuple[Design, Circuit]:
     """Return the design of a configuration with changes, and its circuit."""
     design = Design.load(changes=(*BOARD_CONFIGURATIONS[name].changes, *changes))
@@ -83,7 +89,7 @@ def article_model() -> FilterModel:
 
 def quantities(components: FilterComponents) -> Mapping[str, float | Array]:
     """Values of the article's network for other components, with ideal amplifiers."""
-    return filter_quantities(FilterSelection(components, components, None).by_reference(), 1.0)
+    return filter_quantities(FilterSelection(components, components, None, None).by_reference(), SLOW)
 
 
 # The article's figures and formulas
@@ -163,10 +169,11 @@ def test_ideal_filter_blocks_direct_current_and_passes_high_frequencies() -> Non
 
 # Frequency response as built, in its three forms: equations, polynomials and states
 
+FAST = ("board.r5_ohm=5100", "board.envelope_capacitor_uf=0.022")
 CASES = [(name, ()) for name in BOARD_CONFIGURATIONS] + [
-    ("article_single", ("board.cutoff_hz=5", "board.capacitor_uf=10", "board.gain_bandwidth_hz=1e5")),
-    ("article_split", ("board.capacitor_uf=0.001", "board.cutoff_hz=5000", "board.passband_gain=3")),
-    ("precision_split", ("board.r5_ohm=1e7", "board.passband_gain=300", "board.gain_bandwidth_hz=1e9")),
+    ("article_single", ("board.cutoff_hz=5", "board.capacitor_uf=10")),
+    ("article_split", ("board.capacitor_uf=0.001", "board.cutoff_hz=5000", "board.passband_gain=3", *FAST)),
+    ("precision_split", ("board.r5_ohm=1e7", "board.passband_gain=300", "board.amplifier=OPA2197")),
 ]
 
 
@@ -181,10 +188,10 @@ def case_design(case: tuple[str, tuple[str, ...]]) -> tuple[Design, Circuit]:
 def test_response_as_built_agrees_with_the_closed_form(case: tuple[str, tuple[str, ...]]) -> None:
     """Finite gain and bandwidth, input capacitance, C14 and C20, on both supplies; VMID carries no signal."""
     design, circuit = case_design(case)
-    values, gbw = board_values(design), design.board.gain_bandwidth_hz
+    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
     path = filter_path(circuit, gbw)
     found = path.response(FREQUENCIES, {"TACTILE": 1.0}, "STAGE1_OUT", "FILTERED")
-    arguments = values.preferred, gbw, values.first_stage_capacitors
+    arguments = values.preferred, gbw, values.first_stage_capacitors, CATALOGUE[values.amplifier].input_f
     for column, formula in enumerate((first_stage_transfer, filter_transfer)):
         expected = np.array([formula(f, *arguments) for f in FREQUENCIES.tolist()])
         assert np.abs(found[:, column] / expected - 1).max() < 1e-9
@@ -235,11 +242,13 @@ def test_passband_is_found_on_the_closed_form(name: str) -> None:
     """At both cutoffs the closed form has half the power of its maximum, which is nowhere exceeded."""
     design, circuit = load(name)
     values = board_values(design)
-    model, network = model_filter(circuit, name.startswith("article")), build_network(circuit, 3e6)
+    gbw = find_gain_bandwidth_hz(design.board)
+    model, network = model_filter(circuit, name.startswith("article")), build_network(circuit, gbw)
     passband = find_passband(model.transfer(network.values), search_band_hz(model, network.values))
 
     def gain(f_hz: float) -> float:
-        return abs(filter_transfer(f_hz, values.preferred, 3e6, values.first_stage_capacitors))
+        input_f = CATALOGUE[values.amplifier].input_f
+        return abs(filter_transfer(f_hz, values.preferred, gbw, values.first_stage_capacitors, input_f))
 
     assert max(gain(f) for f in np.geomspace(10, 2000, 2000).tolist()) <= passband.gain * (1 + 1e-9)
     for cutoff_hz in (passband.low_hz, passband.high_hz):
@@ -271,38 +280,60 @@ def test_rectifier_and_envelope_follow_with_one_pole(name: str) -> None:
 
 # Noise, ripple, offsets, thresholds and operating point
 
-NOISY = ("board.passband_gain=300", "board.gain_bandwidth_hz=1e7")
+NOISY = ("board.passband_gain=300",)
+FAST_AMPLIFIER = {"split": "OPA2197", "single": "OPA2197", "single_3v3": "OPA2376"}
+"""Amplifier that is fast enough for such a gain, by supply."""
 
 
 @pytest.mark.parametrize("changes", [(), NOISY, ("board.passband_gain=10", "board.band_limit_hz=3000")], ids=str)
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_noise_agrees_with_the_closed_form(name: str, changes: tuple[str, ...]) -> None:
-    """The formula has the bridge and its amplifier, which cause 99 % of the noise, and no VMID."""
+    """The formula has the bridge and its amplifier, which cause 96 % of the noise or more; no VMID, no VREF."""
+    if changes == NOISY:
+        changes = (*changes, f"board.amplifier={FAST_AMPLIFIER[name.split('_', 1)[1]]}")
     design, _ = load(name, *changes)
-    values, gbw = board_values(design), design.board.gain_bandwidth_hz
-    tolerance = 0.004 if name.endswith("single") else 0.0005
+    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
+    tolerance = 0.035 if "3v3" in name else 0.004 if "single" in name else 0.0005
     assert values.noise.tactile_v == pytest.approx(noise_v(values.bridge, lambda f: 1.0), rel=tolerance)
 
     def formula_v(has_limit: bool) -> float:
         capacitors = values.first_stage_capacitors
         if capacitors and not has_limit:
             capacitors = replace(capacitors, limiting_capacitor_f=0.0)
-        return noise_v(values.bridge, lambda f: filter_transfer(f, values.preferred, gbw, capacitors))
+        input_f = CATALOGUE[values.amplifier].input_f
+        return noise_v(values.bridge, lambda f: filter_transfer(f, values.preferred, gbw, capacitors, input_f))
 
-    assert values.noise.filtered_v == pytest.approx(formula_v(has_limit=True), rel=0.01)
-    assert values.noise.filtered_without_limit_v == pytest.approx(formula_v(has_limit=False), rel=0.01)
+    assert values.noise.filtered_v == pytest.approx(formula_v(has_limit=True), rel=max(tolerance, 0.01))
+    assert values.noise.filtered_without_limit_v == pytest.approx(formula_v(has_limit=False), rel=max(tolerance, 0.01))
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_supply_ripple_agrees_with_the_closed_form(name: str) -> None:
-    """The formula has no ripple in VMID, of which C21 leaves a little."""
+    """The formula has no ripple in VMID, of which C21 leaves a little.
+
+    On a board for 3.3 V all ripple is what C21 and C23 leave: the bridge lies between VREF and VMID. The sensor
+    at 20 N deflects it most.
+    """
     design, _ = load(name)
-    values = board_values(design)
+    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
+
+    def excitation(f_hz: float) -> complex:
+        if "3v3" not in name:
+            return 1.0
+        vref, vmid = (ratio / (1 + 2j * math.pi * f_hz * ohm * 10e-6) for ratio, ohm in ((0.8, 24e3), (0.5, 23.5e3)))
+        return vref - vmid
+
+    force_n = 20.0 if "3v3" in name else 0.0
+    assert values.supply_ripple.force_n == force_n
 
     def gain(f_hz: float) -> float:
         pole = 1 + 1j * f_hz * values.bridge.gain / AD623_BANDWIDTH_HZ
-        chain = filter_transfer(f_hz, values.preferred, 3e6, values.first_stage_capacitors)
-        return abs(supply_transfer(values.bridge, f_hz) / pole * chain)
+        chain = filter_transfer(
+            f_hz, values.preferred, gbw, values.first_stage_capacitors, CATALOGUE[values.amplifier].input_f
+        )
+        return abs(
+            supply_transfer(values.bridge, f_hz, sensor_conductance_s(force_n)) * excitation(f_hz) / pole * chain
+        )
 
     tolerance = 0.002 if name.endswith("split") else 0.02
     assert values.supply_ripple.gain == pytest.approx(
@@ -312,13 +343,15 @@ def test_supply_ripple_agrees_with_the_closed_form(name: str) -> None:
 
 @pytest.mark.parametrize("name", [name for name in BOARD_CONFIGURATIONS if not name.startswith("article")])
 def test_envelope_offset_agrees_with_the_closed_form(name: str) -> None:
-    """TLV2372: 4.5 mV at most, 2 mV typical. What remains is the finite gain of the amplifiers, 1e-5."""
-    offset = board_values(load(name)[0]).output_offset
-    conducting, blocked = envelope_offset_gains(2e3, 10e3)
+    """What remains is the finite gain of the amplifiers, 1e-5."""
+    values = board_values(load(name)[0])
+    offset, amplifier = values.output_offset, CATALOGUE[values.amplifier]
+    assert values.rectifier_ohm is not None
+    conducting, blocked = envelope_offset_gains(2e3, values.rectifier_ohm)
     assert offset is not None
-    assert offset.max_v == pytest.approx(4.5e-3 * math.fsum(map(abs, conducting)), rel=1e-4)
-    assert offset.min_v == pytest.approx(-4.5e-3 * math.fsum(map(abs, blocked)), rel=1e-4)
-    assert offset.typical_v == pytest.approx(2e-3 * math.hypot(*conducting), rel=1e-4)
+    assert offset.max_v == pytest.approx(amplifier.max_offset_v * math.fsum(map(abs, conducting)), rel=1e-4)
+    assert offset.min_v == pytest.approx(-amplifier.max_offset_v * math.fsum(map(abs, blocked)), rel=1e-4)
+    assert offset.typical_v == pytest.approx(amplifier.offset_v * math.hypot(*conducting), rel=1e-4)
 
 
 @pytest.mark.parametrize("threshold", [0.017, 0.1])
@@ -329,11 +362,12 @@ def test_comparator_levels_agree_with_the_closed_form(supply: str, threshold: fl
     stage, levels = values.comparator_stage, values.comparator_levels
     assert stage is not None
     assert levels is not None
-    upper_v = 5.0 - SUPPLIES[supply].signal_ground_v(5.0)
+    supply_v = design.board.supply_v
+    upper_v = supply_v - SUPPLIES[supply].signal_ground_v(supply_v)
     arguments = stage.trimmer_top_ohm, stage.hysteresis_ohm, upper_v
     # While slip is OFF, the pull-up of 4.7 kohm holds the output at the supply.
     assert levels.on_v == pytest.approx(comparator_threshold_v(*arguments, upper_v, 4.7e3), rel=1e-9)
-    assert levels.off_v == pytest.approx(comparator_threshold_v(*arguments, upper_v - 5.0, 0.0), rel=1e-9)
+    assert levels.off_v == pytest.approx(comparator_threshold_v(*arguments, upper_v - supply_v, 0.0), rel=1e-9)
     assert levels.max_on_v == pytest.approx(comparator_threshold_v(*arguments, upper_v, 4.7e3, 1 - 1e-9), rel=1e-6)
     assert levels.averaging_tau_s == pytest.approx(stage.averaging_ohm * stage.averaging_f, rel=1e-9)
     assert (levels.bias_v, levels.max_bias_v) == pytest.approx(
@@ -347,10 +381,11 @@ def test_comparator_levels_agree_with_the_closed_form(supply: str, threshold: fl
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_tactile_voltage_agrees_with_the_closed_form(name: str) -> None:
-    values = board_values(load(name)[0])
+    design, _ = load(name)
+    values = board_values(design)
     for conductance_s in (0.0, 1e-5, 1e-4, 1e-3, 1e-2):
         found = values.tactile_response.tactile_v(conductance_s)
-        assert found == pytest.approx(values.bridge.tactile_v(conductance_s, 5.0), rel=1e-9)
+        assert found == pytest.approx(values.bridge.tactile_v(conductance_s, design.board.supply_v), rel=1e-9)
 
 
 # The equations themselves

@@ -26,6 +26,7 @@ from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.output import board_files
 from fingertip.board.spice import spice_deck
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_board
 from tests.board.ngspice import run_ngspice
@@ -47,7 +48,7 @@ def forget_boards() -> Iterator[None]:
 def simulated_gain(design: Design) -> float:
     """Gain of a tone from the tactile voltage to the filtered one, in the simulation over time."""
     time = np.arange(32_000) * STEP_S
-    board = AnalogBoard.from_design(design, design.board.gain_bandwidth_hz)
+    board = AnalogBoard.from_design(design, find_gain_bandwidth_hz(design.board))
     filtered = simulate_board(board, STEP_S, 1e-4 * np.sin(math.tau * TONE_HZ * time)).filtered_v[16_000:]
     # The input is linear between samples, which a tone of 160 samples per period hardly notices.
     chords = 2 * (1 - math.cos(math.tau * TONE_HZ * STEP_S)) / (math.tau * TONE_HZ * STEP_S) ** 2
@@ -62,7 +63,7 @@ def bode_gain(design: Design) -> float:
 
 def ngspice_gain(folder: Path, design: Design) -> float:
     """Gain of a tone in the SPICE deck."""
-    deck = spice_deck(board_circuit(board_values(design)), design.board.gain_bandwidth_hz, design.board.supply_v)
+    deck = spice_deck(board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board), design.board.supply_v)
     rows = run_ngspice(
         folder, deck.decode(), f"ac lin 1 {TONE_HZ} {TONE_HZ}\nlet h = abs(v(filtered)/v(tactile))\nwrdata out h"
     )
@@ -125,14 +126,18 @@ def test_component_added_in_one_place_is_everywhere(tmp_path: Path, monkeypatch:
     assert_everything_has_the_gain(tmp_path, DESIGN, gain)
 
 
-@pytest.mark.parametrize(("reference", "ohm", "ratio"), [("R16", 20e3, 2.0), ("R17", 1e3, 2.0), ("R15", 20e3, 0.5)])
+@pytest.mark.parametrize(("reference", "factor", "ratio"), [("R16", 2.0, 2.0), ("R17", 0.5, 2.0), ("R15", 2.0, 0.5)])
 def test_rectifier_changed_in_one_place_scales_envelope_noise_and_ripple(
-    monkeypatch: pytest.MonkeyPatch, reference: str, ohm: float, ratio: float
+    monkeypatch: pytest.MonkeyPatch, reference: str, factor: float, ratio: float
 ) -> None:
     before, voltage = board_values(DESIGN), 4 + 1e-2 * np.sin(math.tau * TONE_HZ * np.arange(2000) / 2000)
     envelope = simulate_board(AnalogBoard.from_design(DESIGN), 5e-4, voltage, 1e-7).envelope_v
-    select = FilterSelection.by_reference
-    monkeypatch.setattr(FilterSelection, "by_reference", lambda selection: {**select(selection), reference: ohm})
+    select, ohm = FilterSelection.by_reference, factor * before.by_reference[reference]
+    monkeypatch.setattr(
+        FilterSelection,
+        "by_reference",
+        lambda selection: {**select(selection), reference: ohm},
+    )
     board_values.cache_clear()
     after = board_values(DESIGN)
     changed = simulate_board(AnalogBoard.from_design(DESIGN), 5e-4, voltage, 1e-7).envelope_v

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
+from fingertip.board.kicad.symbols import DUAL_AMPLIFIERS
 from fingertip.board.output import NETLIST, SCHEMATIC
 from fingertip.board.schematic.symbol_graphics import SYMBOL_GRAPHICS
 from fingertip.board.schematic.symbols import pin_position
@@ -84,6 +85,7 @@ def test_pin_positions_equal_those_of_kicads_library(name: str) -> None:
     """Symbols can then be updated from the library without disconnecting wires."""
     folder = require_tool("/usr/share/kicad/symbols", HOW_TO_INSTALL_KICAD)
     libraries = {component.symbol.name: component.symbol.library for component in COMPONENTS}
+    libraries |= {symbol.name: symbol.library for symbol in DUAL_AMPLIFIERS.values()}
     symbols = load_symbols(folder / f"{libraries.get(name, 'power')}.kicad_sym")
     symbol = symbols[name]
     while extended := next(children(symbol, "extends"), None):

@@ -51,7 +51,7 @@ def test_change_is_a_value_or_a_factor() -> None:
 def test_thresholds_follow_the_step_of_another_converter(bits: int) -> None:
     converter = Variation("", change_converter(bits, 5.0))
     scene, design = converter.vary_scene(SLIDE).converter, converter.vary_design(Design())
-    assert 2 * design.detector.adc_range_v / 2**design.detector.adc_bits == (scene.high_v - scene.low_v) / 2**scene.bits
+    assert design.detector.adc_step_v == (scene.high_v - scene.low_v) / 2**scene.bits
     assert design.detector.noise_v == Design().detector.noise_v
     ratio = noise_level(design).threshold_v / noise_level(Design()).threshold_v
     assert design.detector.threshold_v / Design().detector.threshold_v == pytest.approx(ratio)

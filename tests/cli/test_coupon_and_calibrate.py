@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import json
 import re
@@ -112,7 +111,7 @@ def test_calibrate_writes_a_design_that_the_printed_changes_give_too(folder: Pat
     (changes,) = (line for line in done.stdout.splitlines() if line.startswith("--set "))
     calibrated = Design.load("mine.toml")
     typed = Design.load("fsr400", changes=[word for word in shlex.split(changes) if word != "--set"])
-    assert calibrated == dataclasses.replace(typed, name="mine"), "the design is named after its file"
+    assert calibrated == typed.model_copy(update={"name": "mine"}), "the design is named after its file"
     assert calibrated.printer.offset_mm == pytest.approx(0.1, abs=0.01)
     assert calibrated.printer.scale_percent == pytest.approx(99.5, abs=0.05)
     again = run_fingertip("calibrate", "printer", "fsr400", path, "--json", "-q")

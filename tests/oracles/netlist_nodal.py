@@ -21,7 +21,7 @@ import scipy.linalg
 PREFIXES = {"M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12}
 # Output, inverting and non-inverting input of each amplifier in a package, from the data sheets.
 DUAL = (("1", "2", "3"), ("7", "6", "5"))
-AMPLIFIERS = {"TL082": DUAL, "TLV2372": DUAL, "TLV2371DBV": (("1", "4", "3"),)}
+AMPLIFIERS = {"TL082": DUAL, "TLV2372": DUAL, "LM2904": DUAL, "OPA2376xxD": DUAL, "TLV2371DBV": (("1", "4", "3"),)}
 GAIN_BANDWIDTH_HZ = 3e6
 
 

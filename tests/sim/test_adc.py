@@ -5,9 +5,16 @@ import pytest
 
 from fingertip.board import board_values
 from fingertip.design import Design
-from fingertip.sim.signal.converter import AntiAliasFilter
+from fingertip.errors import TraceError
+from fingertip.sim.scene.run import run_scene
+from fingertip.sim.scene.scene_file import SceneFile
+from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter
 from tests.oracles.filter_formulas import envelope_pin_transfer, tactile_pin_transfer
 
+CONTROLLER = Design(
+    board={"variant": "precision", "supply": "single_3v3", "supply_v": 3.3},
+    detector={"adc_bits": 12, "adc_range_v": 3.3, "adc_polarity": "unipolar"},
+)
 DESIGNS = [Design(), Design(detector={"sample_rate_hz": 20_000.0, "window_samples": 600})]
 
 
@@ -51,3 +58,44 @@ def test_ramp_is_delayed_by_the_sum_of_the_time_constants():
     out = AntiAliasFilter.for_tactile(DESIGNS[0]).process(t)
     assert t[-1] - out[-1] == pytest.approx(lag_s, rel=1e-9)
     assert 1.0 < 2000 * lag_s < 1.6
+
+
+def test_converter_from_zero_has_half_the_range():
+    d = CONTROLLER.detector
+    assert (d.adc_low_v, d.adc_range_v, d.adc_step_v) == (0.0, 3.3, 3.3 / 4096)
+    assert Design().detector.adc_step_v == 20 / 65536
+    assert AdcRange.from_design(CONTROLLER) == AdcRange(12, 0.0, 3.3)
+    # Half of the supply lies in the middle of the range.
+    shifted = AdcRange.from_design(CONTROLLER).above_signal_ground(CONTROLLER)
+    assert (shifted.low_v, shifted.high_v) == pytest.approx((-1.65, 1.65))
+    assert shifted.quantise_v(np.array([-2.0, -0.0003, 0.0003, 2.0])) == pytest.approx(
+        [-1.65, 0.0, 0.0, 1.65 - 3.3 / 4096]
+    )
+
+
+def test_pole_of_the_filtered_signal_equals_that_of_the_envelope():
+    volts = np.random.default_rng(1).normal(0.0, 0.5, 300)
+    filtered, envelope = (
+        poles(CONTROLLER).process(volts) for poles in (AntiAliasFilter.for_filtered, AntiAliasFilter.for_envelope)
+    )
+    assert np.abs(filtered - envelope).max() < 1e-12
+
+
+def test_filtered_signal_is_sampled_around_half_of_the_range():
+    """Slip shows in S in many steps of 12 bits, while T has steps of 0.8 mV for some millivolts of vibration."""
+    outputs = ["voltage_v", "filtered_v", "sampled_filtered_v"]
+    scene = SceneFile(hold={"wait_s": 0.2}, slide={"distance_m": 0.02}, outputs=outputs)
+    found = run_scene(CONTROLLER, scene, 0).columns
+    step = CONTROLLER.detector.adc_step_v
+    for name, low_v in (("voltage_v", 0.0), ("sampled_filtered_v", -1.65)):
+        codes = (found[name] - low_v) / step
+        assert np.abs(codes - np.round(codes)).max() < 1e-6
+    delayed = AntiAliasFilter.for_filtered(CONTROLLER).process(found["filtered_v"])
+    assert np.abs(found["sampled_filtered_v"] - delayed).max() < 0.05 * np.ptp(delayed)
+    assert np.ptp(found["sampled_filtered_v"]) > 20 * np.ptp(found["voltage_v"][-200:])
+
+
+def test_filtered_signal_of_another_supply_is_refused():
+    scene = SceneFile(outputs=["sampled_filtered_v"])
+    with pytest.raises(TraceError, match=r"board\.supply is split; use --set board\.supply=single_3v3"):
+        run_scene(Design(), scene, 0)

@@ -11,6 +11,7 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.spice import spice_deck
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.errors import TraceError
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.signal.analog_circuit import AnalogBoard
@@ -83,7 +84,7 @@ def test_netlist_in_ngspice_switches_at_the_same_moments(supply, tmp_path):
     design = Design(board={"variant": "comparator", "supply": supply})
     values = board_values(design)
     ground = "v(vmid)" if supply == "single" else "0"
-    deck = spice_deck(board_circuit(values), design.board.gain_bandwidth_hz, 5.0).decode()
+    deck = spice_deck(board_circuit(values), find_gain_bandwidth_hz(design.board), 5.0).decode()
     ends = (" instrumentation", ".end")  # the bridge's amplifier, for the source in its place
     lines = [line for line in deck.splitlines() if not (line.startswith((".ac", ".print")) or line.endswith(ends))]
     points = "\n".join(f"+ {i * STEP_S:.9g} {v:.15g}" for i, v in enumerate(voltage.tolist()))
@@ -96,7 +97,7 @@ def test_netlist_in_ngspice_switches_at_the_same_moments(supply, tmp_path):
     time, envelope, pin = theirs[:, 0], theirs[:, 1], theirs[:, 2]
     switched = np.flatnonzero(((pin[:-1] < 2.5) != (pin[1:] < 2.5)) & (time[1:] > 0.35))
 
-    board = AnalogBoard.from_design(design, design.board.gain_bandwidth_hz)
+    board = AnalogBoard.from_design(design, find_gain_bandwidth_hz(design.board))
     out = simulate_board(board, STEP_S, voltage, 1e-6)
     ours = simulate_comparator(Comparator.from_design(design), board, STEP_S, out.filtered_v, out.envelope_v)
     assert len(ours.edges_s) >= 4

@@ -29,7 +29,7 @@ from fingertip.sim.signal.parameters import Noise
 from fingertip.sim.trace_export import encode_trace, open_trace
 from tests.conftest import ROOT
 
-DESIGN = Design(board={"variant": "comparator"})
+DESIGN = Design(board={"variant": "comparator", "supply": "single_3v3", "supply_v": 3.3})
 SCENES = [path for path in sorted((ROOT / "params/scenes").glob("*.toml")) if path.stem != "real_manipulation"]
 EVERYTHING = {
     "noise": {"pink_v": 1e-4, "hand_v": 2e-4, "hum_v": 1e-3},
@@ -59,7 +59,7 @@ def test_chunks_change_no_bit(path):
 @pytest.mark.parametrize("rate", [1000.0, 3000.0, 20_000.0])
 @pytest.mark.parametrize("refinement", [1, 3])
 def test_chunks_change_no_bit_at_any_rate_with_all_interference(rate, refinement):
-    design = Design(detector={"sample_rate_hz": rate}, board={"variant": "comparator"})
+    design = Design(detector={"sample_rate_hz": rate}, board=DESIGN.board.model_dump())
     tables = {"hold": {"wait_s": 0.05}, "slide": {"distance_m": 0.004}, "outputs": [*OUTPUTS]} | EVERYTHING
     for contact in ({}, {"feedback": True}, {"bristles": "elasto_plastic"}):
         scene, grid = SceneFile(**tables, contact=contact), Grid(refinement)

@@ -6,6 +6,7 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.noise import add_noise
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.randomness import open_stream
 from fingertip.sim.signal.board_noise import compute_input_noise_v, compute_noise_gain
@@ -29,7 +30,7 @@ def simulate_hold(design: Design, *outputs: str, **sensing) -> dict[str, np.ndar
 def test_simulated_board_is_as_noisy_as_its_noise_budget(variant, supply):
     """ngspice's noise analysis confirms the budget (tests/board/test_noise.py)."""
     design = Design(board={"variant": variant, "supply": supply})
-    budget = add_noise(board_circuit(board_values(design)), design.board.gain_bandwidth_hz).total_v("FILTERED")
+    budget = add_noise(board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board)).total_v("FILTERED")
     assert budget == pytest.approx({"article": 18.6e-3, "precision": 5.65e-3, "comparator": 5.65e-3}[variant], rel=0.1)
     filtered = simulate_hold(design, "filtered_v")["filtered_v"]
     assert np.std(filtered) == pytest.approx(budget, rel=0.03)  # 40 000 samples of a band of a kilohertz: within 1 %
@@ -40,7 +41,7 @@ def test_simulated_board_is_as_noisy_as_its_noise_budget(variant, supply):
 )
 def test_noise_budget_holds_at_every_rate_and_cutoff(rate_hz, cutoff_hz):
     design = Design(detector={"sample_rate_hz": rate_hz}, board={"variant": "precision", "cutoff_hz": cutoff_hz})
-    budget = add_noise(board_circuit(board_values(design)), design.board.gain_bandwidth_hz).total_v("FILTERED")
+    budget = add_noise(board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board)).total_v("FILTERED")
     filtered = simulate_hold(design, "filtered_v")["filtered_v"]
     assert np.std(filtered) == pytest.approx(budget, rel=0.05)
     assert compute_input_noise_v(design) * compute_noise_gain(design) == pytest.approx(budget)

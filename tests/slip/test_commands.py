@@ -183,7 +183,7 @@ def test_outputs_that_cannot_be_written_give_an_error(tmp_path, trace):
 
 
 def test_the_rule_for_the_sampling_rate_states_the_remedy():
-    done = run("simulate", "--set", "board.cutoff_hz=700")
+    done = run("simulate", "--set", "board.cutoff_hz=700", "--set", "board.envelope_capacitor_uf=0.1")
     assert done.exit_code == 2
     assert "detector.sample_rate_hz: 2000 Hz is too slow for board.cutoff_hz of 700 Hz; at least 2800 Hz" in done.stderr
 

@@ -155,6 +155,7 @@ def test_tdms_file_is_read_with_a_fake_library(tmp_path, monkeypatch):
 
 def test_tdms_without_nptdms_names_the_extra_to_install(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "nptdms", None)
+    (tmp_path / "t.tdms").write_bytes(b"TDSm")
     with pytest.raises(MissingLibraryError, match='pip install "fingertip\\[tdms\\]"'):
         read_raw_trace(tmp_path / "t.tdms", ColumnMap())
 
@@ -177,7 +178,7 @@ UNUSUAL = {
     "rate changing midway": (csv(np.where(T < 0.5, T, 0.5 + 3 * (T - 0.5)), V), "comes after a gap", 2),
     "counts": (csv(T, np.round(V / 20 * 65536)), "the values are whole numbers, as ADC counts are", 2),
     "millivolts": (csv(T, 1000 * V), "exceeds the ADC range of +/-10 V; use --scale", 2),
-    "milliseconds": (csv(1000 * T, V), "if they are in milliseconds, ignore them with --rate-hz 2000", 2),
+    "milliseconds": (csv(1000 * T, V), "if they are in milliseconds, add --time-scale ms.", 2),
     "too slow": (csv(*burst(500.0)), "is sampled at 500 Hz, too low for a detector; record at 1000 Hz or more.", 2),
     "a gap": (csv(T[OUTSIDE_GAP], V[OUTSIDE_GAP]), "0.2 s in line 302 comes after a gap", 2),
 }  # fmt: skip
@@ -297,8 +298,8 @@ def test_an_empty_cell_is_reported_as_missing(tmp_path):
     )
 
 
-@pytest.mark.parametrize(("unit", "per_s"), [("milliseconds", 1e3), ("microseconds", 1e6)])
-def test_times_in_other_units_are_ignored_with_the_options_in_the_message(tmp_path, unit, per_s):
+@pytest.mark.parametrize(("unit", "per_s"), [("milliseconds", 1e3), ("microseconds", 1e6), ("nanoseconds", 1e9)])
+def test_times_in_other_units_are_read_with_the_options_in_the_message(tmp_path, unit, per_s):
     text = csv(T * per_s, V)
     (tmp_path / "t.csv").write_text(text)
     for done in (
@@ -307,7 +308,7 @@ def test_times_in_other_units_are_ignored_with_the_options_in_the_message(tmp_pa
         run("detect", "-", lines=text),
     ):
         assert done.exit_code == 2
-        options = re.search(rf"if they are in {unit}, ignore them with (.*)\.$", done.stderr, re.MULTILINE)
+        options = re.search(rf"if they are in {unit}, add (.*)\.$", done.stderr, re.MULTILINE)
         assert options
         remedy = shlex.split(options[1])
         assert single_onset(run("detect", tmp_path / "t.csv", *remedy, "--json")) == ONSET

@@ -73,7 +73,8 @@ def _find_connections(pads: list[PlacedPad]) -> list[tuple[str, list[PlacedPad]]
     connections: dict[str, list[PlacedPad]] = {}
     for pad in pads:
         if pad.net == POURED_NET and not pad.pad.drill:
-            connections[f"{POURED_NET} {pad.reference}.{pad.pad.number}"] = [pad]
+            # Several pads may have the same number, as the mounting tabs of a connector do.
+            connections[f"{POURED_NET} {pad.reference}.{pad.pad.number} at {pad.x:g} {pad.y:g}"] = [pad]
         elif pad.net and pad.net != POURED_NET:
             connections.setdefault(pad.net, []).append(pad)
 

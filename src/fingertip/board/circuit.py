@@ -54,8 +54,8 @@ RAILS = ("GND", "VCC", "VEE")
 """Nets that power symbols name in a schematic."""
 
 
-GLOBAL_NETS = (*RAILS, "VMID")
-"""Nets that are the same on all sheets: the rails, and the net that a global label names."""
+GLOBAL_NETS = (*RAILS, "VMID", "VREF")
+"""Nets that are the same on all sheets: the rails, and the nets that global labels name."""
 
 
 def kicad_net_name(net: str) -> str:

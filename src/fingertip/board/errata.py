@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from fingertip.amplifiers import ARTICLE_AMPLIFIER, CATALOGUE
 from fingertip.board.analysis.touches import describe_touches
-from fingertip.board.components.amplifiers import AMPLIFIERS, ARTICLE_AMPLIFIER
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ ERRATA: tuple[Erratum, ...] = (
         INPUT_RANGE,
         "TL082 on plus and minus 5 V; its common-mode input range is not mentioned",
         "the range ends at about -2 V (guaranteed: -1 V), and below it the output reverses its phase and jumps up; "
-        f"{describe_touches()}; variants precision and comparator have a TLV2372",
+        f"{describe_touches()}; variants precision and comparator have amplifiers with rail-to-rail inputs",
     ),
 )
 
@@ -82,13 +82,13 @@ def board_errata(amplifier: str, has_diode: bool) -> tuple[Erratum, ...]:
     Parameters
     ----------
     amplifier
-        Dual amplifier of the board, by its name in `AMPLIFIERS`.
+        Dual amplifier of the board, by its name in `CATALOGUE`.
     has_diode
         Whether a bare diode precedes the envelope (variant article).
     """
     notes = {}
     if amplifier != ARTICLE_AMPLIFIER:
-        notes[INPUT_RANGE] = f"it has a {AMPLIFIERS[amplifier].order_name} with rail-to-rail inputs"
+        notes[INPUT_RANGE] = f"it has a {CATALOGUE[amplifier].order_name} with rail-to-rail inputs"
     if not has_diode:
         notes[OFFSET] = "C14 is such a capacitor"
         notes |= dict.fromkeys((ENVELOPE, RECTIFIER), "it has a precision rectifier and a low-pass")

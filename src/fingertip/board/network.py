@@ -24,9 +24,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.amplifiers import OPEN_LOOP_GAIN, Amplifier
 from fingertip.arrays import Array
 from fingertip.board.circuit import RAILS, Circuit, parse_component_value
-from fingertip.board.components.amplifiers import AD623_BANDWIDTH_HZ, AMPLIFIERS, GAIN_RESISTOR, OPEN_LOOP_GAIN
+from fingertip.board.components.amplifiers import AD623_BANDWIDTH_HZ, AMPLIFIERS, GAIN_RESISTOR
 from fingertip.board.components.bridge import GAIN_CONSTANT_OHM
 
 Spectrum = NDArray[np.complex128]
@@ -277,7 +278,7 @@ def build_network(
                 terms += [Term(pins[out], pins[plus], UNITY, 1.0, 0), Term(pins[out], pins[minus], UNITY, -1.0, 0)]
                 if gain_bandwidth_hz is not None:
                     # v_out / A = v_plus - v_minus with 1 / A = 1 / A0 + s / (2 pi GBW).
-                    bandwidth_hz = data.bandwidth_hz or gain_bandwidth_hz
+                    bandwidth_hz = gain_bandwidth_hz if data.is_dual else data.bandwidth_hz
                     values[f"{name} {INVERSE_GAIN}"] = 1.0 / OPEN_LOOP_GAIN
                     values[f"{name} {INVERSE_BANDWIDTH}"] = 1.0 / (math.tau * bandwidth_hz)
                     terms.append(Term(pins[out], pins[out], f"{name} {INVERSE_GAIN}", -1.0, 0))
@@ -287,10 +288,13 @@ def build_network(
     return Network(tuple(terms), values, RAILS)
 
 
-def filter_quantities(components: Mapping[str, float], gain_bandwidth_hz: float) -> dict[str, Value]:
-    """Quantities of a network for other component values [ohm, F], by reference, and another bandwidth [Hz] of U1."""
+def filter_quantities(components: Mapping[str, float], amplifier: Amplifier) -> dict[str, Value]:
+    """Quantities of a network for other component values [ohm, F], by reference, and another amplifier U1."""
     values: dict[str, Value] = {name: 1.0 / v if name.startswith("R") else v for name, v in components.items()}
-    return values | {f"U1{unit} {INVERSE_BANDWIDTH}": 1.0 / (math.tau * gain_bandwidth_hz) for unit in "ab"}
+    for unit, (plus, minus, _) in amplifier.units.items():
+        values[f"U1{unit} {INVERSE_BANDWIDTH}"] = 1.0 / (math.tau * amplifier.bandwidth_hz)
+        values |= {f"U1{unit} C{pin}": amplifier.input_f for pin in (plus, minus)}
+    return values
 
 
 def list_amplifiers(circuit: Circuit) -> Iterator[AmplifierOutput]:

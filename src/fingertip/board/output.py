@@ -20,6 +20,7 @@ from fingertip.board.schematic.schematic_file import kicad_schematic_file
 from fingertip.board.spice import spice_deck
 from fingertip.board.variants import find_configuration
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.output_set import SetWriter, hash_parameters
 
 NETLIST = "slip_filter.net"
@@ -54,7 +55,7 @@ def board_files(design: Design) -> dict[str, bytes]:
         SCHEMATIC: kicad_schematic_file(circuit, configuration.sheet, title),
         LAYOUT: kicad_pcb_file(circuit, configuration.placement, template),
         PROJECT: kicad_project_file(circuit),
-        DECK: spice_deck(circuit, design.board.gain_bandwidth_hz, design.board.supply_v),
+        DECK: spice_deck(circuit, find_gain_bandwidth_hz(design.board), design.board.supply_v),
         BOM: bill_of_materials(circuit),
         VALUES: text.encode(),
         README: folder_readme(circuit, configuration, values, design),

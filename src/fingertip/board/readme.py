@@ -5,24 +5,29 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable
 
+from fingertip.amplifiers import ARTICLE_AMPLIFIER, CATALOGUE
 from fingertip.board.analysis.figures import format_figure
-from fingertip.board.analysis.limits import DIODE_V, describe_adc_range
+from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
 from fingertip.board.analysis.offsets import OutputOffset
-from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V
+from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V, describe_sensor
 from fingertip.board.analysis.thresholds import ComparatorLevels
 from fingertip.board.analysis.touches import describe_touches
 from fingertip.board.board_values import BoardValues
 from fingertip.board.circuit import Circuit
-from fingertip.board.components.amplifiers import AMPLIFIERS, ARTICLE_AMPLIFIER
-from fingertip.board.components.anti_aliasing import CLAMP_A, MAX_CLAMP_A
+from fingertip.board.components.anti_aliasing import CLAMP_A, LOW_LEAKAGE_CLAMP, MAX_CLAMP_A, MAX_LOW_LEAKAGE_A
+from fingertip.board.components.bridge import VREF_RATIO
 from fingertip.board.components.comparator import PULL_UP_OHM
 from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.symbols import TEST_POINT
+from fingertip.board.spice import MAX_SWITCH_OHM
+from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import BoardConfiguration
 from fingertip.design import Design
+from fingertip.design.amplifier_stages import DIODE_V
 from fingertip.design.comparator_data import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
+from fingertip.design.rules.board import SUPPLY_RANGES_V
 
 HEADING = "# The slip-filter board\n"
 """First line of the README."""
@@ -89,8 +94,7 @@ and run the command again. This changes component values but neither placement n
 
 ## Known limitations
 
-- There is no filter for the bridge's supply. A filter that rejects ripple at 30 Hz does not fit on this board.
-- There is no protection against a reversed supply or an excessive supply voltage.
+{limitations}
 """
 
 _TEST_POINT_SIGNALS = {
@@ -121,6 +125,7 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
         offset=_offset_section(values, design),
         components="\n".join(f"| {c.reference} | {c.value} | {c.role} |" for c in components),
         ordering=_bullet_list(_ordering_notes(values, design)),
+        limitations=_bullet_list(_limitations(values)),
         errata=_bullet_list(
             f"{_capitalize(e.subject)}. Article: {e.statement}. Correct: {e.correction}." for e in values.errata
         ),
@@ -130,7 +135,7 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
 
 def _summary(configuration: BoardConfiguration, values: BoardValues, component_count: int) -> str:
     placement, response = configuration.placement, values.achieved_response
-    supply = "single supply with VMID (buffered mid-supply)" if values.supply == "single" else "split supply"
+    supply = configuration.supply.description.replace("buffered mid-supply", "VMID (buffered mid-supply)")
     what = (
         f"Variant `{values.variant}`, {supply}: bridge and amplifier for the force-sensing "
         f"resistor; {configuration.variant.summary}; interface to the ADC (analog-to-digital converter); supply. "
@@ -146,7 +151,9 @@ def _summary(configuration: BoardConfiguration, values: BoardValues, component_c
 
 
 def _connector_table(values: BoardValues, design: Design) -> str:
-    supply_v, is_single = design.board.supply_v, values.supply == "single"
+    supply_v, is_single = design.board.supply_v, _is_single(values)
+    if SUPPLIES[values.supply].is_for_controller:
+        return _controller_connector_table(values, supply_v)
     slip = (
         f"S: slip output, low (asserted) while slip is detected, else +{supply_v:g} V"
         if values.comparator_levels
@@ -163,12 +170,41 @@ def _connector_table(values: BoardValues, design: Design) -> str:
     return "\n".join("| " + " | ".join(row if is_single else row[:-1]) + " |" for row in rows)
 
 
+def _controller_connector_table(values: BoardValues, supply_v: float) -> str:
+    slip = (
+        f"SLIP: low (asserted) while slip is detected, else +{supply_v:g} V" if values.comparator_levels else "ground"
+    )
+    rows = [
+        ("connector", "type", "pins"),
+        ("---",) * 3,
+        ("J1, sensor", "JST SH, 2 pins", "1, 2: FSR. Pin 2 is at signal ground."),
+        ("J2, supply", "JST PH, 2 pins", f"1: +{supply_v:g} V; 2: 0 (ground)"),
+        (
+            "J3, to the controller",
+            "JST SH, 10 pins",
+            "1, T: tactile voltage; 3, S: filtered signal; 5, E: envelope; 7, M: VMID, the reference of all signals; "
+            f"9, {slip}; 2, 4, 6, 8, 10: ground",
+        ),
+    ]
+    return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+
+
+def _is_single(values: BoardValues) -> bool:
+    """Return whether the signals have a quiescent level of half the supply."""
+    return bool(SUPPLIES[values.supply].signal_ground_ratio)
+
+
+def _slip_pin(values: BoardValues) -> str:
+    """Name of the slip output. On a board for a controller S is the filtered signal."""
+    return "SLIP" if SUPPLIES[values.supply].is_for_controller else "S"
+
+
 def _signal_notes(values: BoardValues, design: Design) -> list[str]:
     """Signal levels, clipping and the interface to the ADC."""
     limits, supply_v = values.voltage_limits, design.board.supply_v
-    amplifier = AMPLIFIERS[values.amplifier].order_name
+    amplifier = CATALOGUE[values.amplifier].order_name
     vibration_mv = 1e3 * limits.vibration_peak_v
-    if values.supply == "single":
+    if _is_single(values):
         signal_ground = (
             f"Signal ground is VMID (buffered mid-supply), {limits.signal_ground_v:.2f} V above supply ground, at pin "
             "M. The envelope is the voltage between E and M. The sensor's second pin is at signal ground too: connect "
@@ -179,7 +215,7 @@ def _signal_notes(values: BoardValues, design: Design) -> list[str]:
     if values.amplifier == ARTICLE_AMPLIFIER:
         swing = (
             f"U1 is a {amplifier}: the article's {ARTICLE_AMPLIFIER} in a grade with at most "
-            f"{1e3 * AMPLIFIERS[values.amplifier].max_offset_v:g} mV of offset. The filtered signal can swing "
+            f"{1e3 * CATALOGUE[values.amplifier].max_offset_v:g} mV of offset. The filtered signal can swing "
             f"{limits.filter_peak_v:.1f} V up but only {limits.filter_trough_v:.1f} V down (typical, into 10 kohm; "
             f"{limits.filter_guaranteed_trough_v:.1f} V down guaranteed), where the input common-mode range of the "
             f"second stage ends. A vibration of {vibration_mv:.0f} mV (peak, where the gain is largest) in the tactile "
@@ -194,11 +230,7 @@ def _signal_notes(values: BoardValues, design: Design) -> list[str]:
             f"{vibration_mv:.0f} mV (peak, where the gain is largest) in the tactile voltage."
         )
     adc_range = describe_adc_range(limits)
-    leaks = [
-        [1e3 * ohm * current for ohm in (limits.envelope_pin_ohm, limits.tactile_pin_ohm)]
-        for current in (CLAMP_A, MAX_CLAMP_A)
-    ]
-    return [
+    notes = [
         signal_ground,
         f"{_capitalize(adc_range)}.",
         f"T lies between {limits.min_tactile_v:.2f} V (20 N) and {limits.max_tactile_v:.2f} V (no force) above supply "
@@ -213,17 +245,51 @@ def _signal_notes(values: BoardValues, design: Design) -> list[str]:
         f"upper end of the vibration band, by {-values.aliasing.tactile_alias_db:.0f} dB. For another sampling rate "
         "set `detector.sample_rate_hz`.",
         "Use an ADC with an input resistance of at least 10 Mohm: it forms a voltage divider with R7 to R9.",
+        _leak_note(values),
+    ]
+    return [*notes, *_controller_notes(values, design)] if SUPPLIES[values.supply].is_for_controller else notes
+
+
+def _leak_note(values: BoardValues) -> str:
+    """Describe the shifts that the reverse currents of the clamps cause."""
+    pins_ohm = values.voltage_limits.envelope_pin_ohm, values.voltage_limits.tactile_pin_ohm
+    beginning = (
         "The reverse currents of the clamps flow through the resistors ahead of them: D2 shifts E in R7"
-        f"{' and R6' if values.output_offset is None else ''}, and D3 shifts T in R8 and R9. With the "
+        f"{' and R6' if values.output_offset is None else ''}, and D3 shifts T in R8 and R9."
+    )
+    if SUPPLIES[values.supply].is_for_controller:
+        worst = [1e3 * ohm * MAX_LOW_LEAKAGE_A for ohm in pins_ohm]
+        return (
+            f"{beginning} With {1e9 * MAX_LOW_LEAKAGE_A:g} nA (maximum of a {LOW_LEAKAGE_CLAMP}; unverified) these "
+            f"shifts are {worst[0]:.2f} mV and {worst[1]:.2f} mV. {_leak_directions(values)}"
+        )
+    leaks = [[1e3 * ohm * current for ohm in pins_ohm] for current in (CLAMP_A, MAX_CLAMP_A)]
+    return (
+        f"{beginning} With the "
         f"{1e6 * CLAMP_A:g} uA of the SPICE model these shifts are at most {leaks[0][0]:.1f} mV and "
         f"{leaks[0][1]:.1f} mV, with {1e6 * MAX_CLAMP_A:g} uA (maximum of a BAT54; unverified) {leaks[1][0]:.0f} mV "
-        f"and {leaks[1][1]:.0f} mV. {_leak_directions(values)}",
+        f"and {leaks[1][1]:.0f} mV. {_leak_directions(values)}"
+    )
+
+
+def _controller_notes(values: BoardValues, design: Design) -> list[str]:
+    """Describe what a controller reads beside tactile voltage and envelope."""
+    supply_v, detector = design.board.supply_v, design.detector
+    return [
+        f"S is the filtered signal ahead of the rectifier, centred at M ({values.voltage_limits.signal_ground_v:.2f} "
+        f"V), with the pole of R27 and C25 and the clamp D5. Its gain is {values.achieved_response.passband_gain:.1f}: "
+        f"a step of the ADC ({1e3 * detector.adc_step_v:.2g} mV) is "
+        f"{1e6 * detector.adc_step_v / values.achieved_response.passband_gain:.2g} uV of the tactile voltage there.",
+        f"All amplifiers are supplied from 0 and +{supply_v:g} V, so T, S, E and M cannot leave this range, whatever "
+        "the sensor does: while the supply rises, with the sensor open or shorted, and in a hard press.",
+        f"T and M are fixed ratios of the supply (VREF, which feeds the bridge, is {VREF_RATIO:g} of it, M is half of "
+        "it). If the ADC's reference is not the supply, read M and use the ratio T / M.",
     ]
 
 
 def _leak_directions(values: BoardValues) -> str:
     """Describe where the reverse currents of both diodes of a clamp oppose each other."""
-    if values.supply == "single":
+    if _is_single(values):
         return "Both diodes of each clamp block, and their currents oppose each other."
     return (
         "E, which lies near ground, is shifted upwards. At T both diodes block, and their currents oppose each other."
@@ -247,13 +313,22 @@ def _load_note(values: BoardValues, design: Design) -> str:
         f"Between {low_hz:.4g} Hz and {high_hz:.4g} Hz, the band of the vibrations, the amplifiers drive at least "
         f"these loads, with these peak currents for the largest vibrations that are not clipped: {loads}. {rectifier} "
         "The output swing stated above holds for a lighter load, so the amplifiers may clip somewhat earlier."
-        f"{' The load of U5, which buffers VMID, is not included.' if values.supply == 'single' else ''}"
+        f"{_buffers_note(values)}"
     )
+
+
+def _buffers_note(values: BoardValues) -> str:
+    """Name the buffers whose load is not stated."""
+    if SUPPLIES[values.supply].is_for_controller:
+        return " The loads of U5 and U6, which buffer VMID and VREF, are not included."
+    return " The load of U5, which buffers VMID, is not included." if _is_single(values) else ""
 
 
 def _power_notes(values: BoardValues, design: Design) -> list[str]:
     """Requirements on the supply and, for variant comparator, on the input that S is connected to."""
     ripple, supply_v = values.supply_ripple, design.board.supply_v
+    if SUPPLIES[values.supply].is_for_controller:
+        return _controller_power_notes(values, design)
     effect = "makes the diode conduct" if values.output_offset is None else "counts as slip at the design's threshold"
     notes = [
         "The board has no reverse polarity protection: a reversed supply destroys it. Check the polarity of the plug "
@@ -271,6 +346,44 @@ def _power_notes(values: BoardValues, design: Design) -> list[str]:
     return notes
 
 
+def _controller_power_notes(values: BoardValues, design: Design) -> list[str]:
+    """Describe protection and ripple of a board for a controller, and its slip output."""
+    ripple, supply_v = values.supply_ripple, design.board.supply_v
+    low_v, high_v = SUPPLY_RANGES_V[values.supply]
+    effect = "makes the diode conduct" if values.output_offset is None else "counts as slip at the design's threshold"
+    notes = [
+        f"Supply {low_v:g} to {high_v:g} V at J2. Q1 blocks a reversed supply. It costs {1e3 * MAX_SWITCH_OHM:.0f} uV "
+        f"per mA at most ({1e3 * MAX_SWITCH_OHM:g} mohm).",
+        "The plugs of J1, J2 and J3 differ in size, and each fits one way round only.",
+        "A divider, C23 and U6 feed the bridge with VREF, which follows the supply below 0.7 Hz only. Ripple on the "
+        f"supply reaches the rectifier multiplied by {ripple.gain:.2f} at most, at "
+        f"{format_figure(ripple.worst_hz, 2)} Hz ({describe_sensor(ripple)}). Between "
+        f"{ripple.low_hz:.3g} Hz and "
+        f"{ripple.high_hz / 1e3:g} kHz its peak must stay below {format_figure(1e3 * ripple.max_v, 2)} mV: more "
+        f"{effect}. The supply rejection of the amplifiers themselves is not part of these figures.",
+        "After power-up VMID and VREF rise with a time constant of a quarter of a second: wait 2 s.",
+    ]
+    if values.comparator_levels:
+        notes.append(
+            f"SLIP is an active-low open collector with a pull-up to +{supply_v:g} V (R21, {PULL_UP_OHM / 1e3:g}k), "
+            "which the hysteresis needs. Boards may share a line; each adds its pull-up."
+        )
+    return notes
+
+
+def _limitations(values: BoardValues) -> list[str]:
+    if SUPPLIES[values.supply].is_for_controller:
+        return [
+            "There is no protection against an excessive supply voltage.",
+            "The filtered signal has less headroom than on the boards for 5 V: a fast press clips it for some "
+            "milliseconds.",
+        ]
+    return [
+        "There is no filter for the bridge's supply. A filter that rejects ripple at 30 Hz does not fit on this board.",
+        "There is no protection against a reversed supply or an excessive supply voltage.",
+    ]
+
+
 def _offset_section(values: BoardValues, design: Design) -> str:
     """Section on the envelope offset, with the trimming procedure of variant comparator. Empty for variant article."""
     if values.output_offset is None:
@@ -282,7 +395,7 @@ def _offset_section(values: BoardValues, design: Design) -> str:
             _trimming_procedure(values.comparator_levels, values, design),
         )
     else:
-        is_single = values.supply == "single"
+        is_single = _is_single(values)
         title = "Envelope offset"
         procedure = _paragraph(
             "Measure the idle level of the envelope at pin E of J3, with the ADC connected and nothing touching the "
@@ -296,41 +409,47 @@ def _offset_section(values: BoardValues, design: Design) -> str:
 
 
 def _describe_offset(offset: OutputOffset, values: BoardValues, design: Design) -> str:
-    amplifier = AMPLIFIERS[values.amplifier]
-    return (
+    amplifier = CATALOGUE[values.amplifier]
+    text = (
         f"The offset voltages of U1 and U3 appear in the envelope. With {1e3 * amplifier.max_offset_v:g} mV each, the "
         f"maximum of a {amplifier.order_name}, the envelope offset lies between {1e3 * offset.min_v:.1f} and "
-        f"+{1e3 * offset.max_v:.1f} mV (typical offsets cause {1e3 * offset.typical_v:.0f} mV, the root of the sum of "
-        f"their squares). The design's threshold is {1e3 * design.detector.threshold_v:g} mV. With an "
-        f"{offset.low_offset_amplifier}, which has the same pins, the envelope offset stays below "
-        f"{1e3 * offset.max_low_offset_v:.1f} mV."
+        f"+{1e3 * offset.max_v:.1f} mV (typical offsets cause {format_figure(1e3 * offset.typical_v, 2)} mV, "
+        f"the root of the sum of their squares). The design's threshold is {1e3 * design.detector.threshold_v:g} mV."
+    )
+    if offset.max_v <= offset.max_low_offset_v:
+        return text
+    return (
+        f"{text} With an {offset.low_offset_amplifier} (`board.amplifier`), which has the same pins, the envelope "
+        f"offset stays below {1e3 * offset.max_low_offset_v:.1f} mV."
     )
 
 
 def _trimming_procedure(levels: ComparatorLevels, values: BoardValues, design: Design) -> str:
-    reference_point = "M or TP5, not against ground" if values.supply == "single" else "ground (TP5)"
+    reference_point = "M or TP5, not against ground" if _is_single(values) else "ground (TP5)"
+    slip = _slip_pin(values)
     threshold = f"{1e3 * design.detector.threshold_v:g} mV"
     introduction = (
-        f"With RV1 at its midpoint, S goes low when the mean of E rises above {1e3 * levels.on_v:.1f} mV, and high "
-        f"again when it falls below {1e3 * levels.off_v:.1f} mV. The range of RV1 ends at {1e3 * levels.max_on_v:.0f} "
-        f"mV. The comparator adds its own errors: its input current raises the mean by {1e3 * levels.bias_v:.1f} mV in "
-        f"R18 (at most {1e3 * levels.max_bias_v:.1f} mV), of which {1e3 * levels.threshold_bias_v:.1f} mV are "
-        "compensated at the threshold if both inputs draw the same current, and its offset voltage is "
-        f"{1e3 * COMPARATOR_OFFSET_V:g} mV (at most {1e3 * MAX_COMPARATOR_OFFSET_V:g} mV). "
+        f"With RV1 at its midpoint, {slip} goes low when the mean of E rises above {1e3 * levels.on_v:.1f} mV, and "
+        f"high again when it falls below {1e3 * levels.off_v:.1f} mV. The range of RV1 ends at "
+        f"{1e3 * levels.max_on_v:.0f} mV. The comparator adds its own errors: its input current raises the mean by "
+        f"{1e3 * levels.bias_v:.1f} mV in R18 (at most {1e3 * levels.max_bias_v:.1f} mV), of which "
+        f"{1e3 * levels.threshold_bias_v:.1f} mV are compensated at the threshold if both inputs draw the same "
+        f"current, and its offset voltage is {1e3 * COMPARATOR_OFFSET_V:g} mV (at most "
+        f"{1e3 * MAX_COMPARATOR_OFFSET_V:g} mV). "
         "One procedure compensates the envelope offset and these errors:"
     )
     steps = (
         "Make sure that nothing touches the sensor. Measure the threshold with a voltmeter at RV1's wiper, the pin "
         f"alone on its side, against {reference_point}.",
-        "Turn RV1 anticlockwise, towards the pin beside R19, until S is high. The reading rises if you turn in the "
-        "right direction.",
-        "Turn RV1 back slowly until S goes low. Note the last reading before that: it is the idle level (envelope "
-        "offset and noise) as the comparator sees it. If S is still high at the end stop, this level is negative: note "
-        "the reading at the end stop, about 0. The board is then less sensitive than intended, by as much as the level "
-        "lies below that reading.",
-        f"Turn RV1 anticlockwise until S is high again, and on until the reading is the noted level + {threshold}. "
-        "Read the voltmeter only while S is high: while S is low, the hysteresis lowers the reading by about "
-        f"{1e3 * (levels.on_v - levels.off_v):.0f} mV.",
+        f"Turn RV1 anticlockwise, towards the pin beside R19, until {slip} is high. The reading rises if you turn in "
+        "the right direction.",
+        f"Turn RV1 back slowly until {slip} goes low. Note the last reading before that: it is the idle level "
+        f"(envelope offset and noise) as the comparator sees it. If {slip} is still high at the end stop, this level "
+        "is negative: note the reading at the end stop, about 0. The board is then less sensitive than intended, by as "
+        "much as the level lies below that reading.",
+        f"Turn RV1 anticlockwise until {slip} is high again, and on until the reading is the noted level + "
+        f"{threshold}. Read the voltmeter only while {slip} is high: while {slip} is low, the hysteresis lowers the "
+        f"reading by about {1e3 * (levels.on_v - levels.off_v):.0f} mV.",
         f"If the noted level + {threshold} exceeds the range of RV1, choose a higher `detector.threshold_v` for the "
         "board, or better amplifiers.",
     )

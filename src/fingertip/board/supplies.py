@@ -1,15 +1,19 @@
-"""The two supplies of a board: signal ground, negative rail of the amplifiers, and headroom of each.
+"""The supplies of a board: signal ground, negative rail of the amplifiers, supply of the bridge, and headroom of each.
 
 On a split supply of plus and minus 5 V, signal ground is supply ground (0 V), as in the article. On a single supply of
-5 V it is VMID (buffered mid-supply). Bridge, filters, rectifier, envelope and threshold refer to it, and the amplifiers
-need rail-to-rail inputs and outputs (`fingertip.board.components.amplifiers`).
+5 V or 3.3 V it is VMID (buffered mid-supply). Bridge, filters, rectifier, envelope and threshold refer to it, and the
+amplifiers need rail-to-rail inputs and outputs (`fingertip.amplifiers`).
+
+The board for 3.3 V is made for the controller of a hand: its outputs stay within the supply, its connectors are keyed
+and lock, a reversed supply does no harm, and the bridge is fed from VREF, a buffered ratio of the supply without its
+ripple.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fingertip.board.nets import GND, VEE, VMID
+from fingertip.board.nets import GND, VCC, VEE, VMID, VREF
 
 
 @dataclass(frozen=True)
@@ -25,6 +29,15 @@ class Supply:
     """Voltage of the signal ground above ground, as a ratio of the supply voltage."""
     description: str
     """Short description for titles."""
+    nominal_v: float = 5.0
+    """Nominal supply voltage [V]."""
+    bridge_supply: str = VCC
+    """Net that feeds the bridge."""
+
+    @property
+    def is_for_controller(self) -> bool:
+        """Return whether the board is made for a controller: protected, with the filtered signal at its output too."""
+        return self.bridge_supply == VREF
 
     def signal_ground_v(self, supply_v: float) -> float:
         """Voltage of the signal ground above ground [V]."""
@@ -44,6 +57,7 @@ SUPPLIES = {
     for supply in (
         Supply("split", GND, VEE, 0.0, "split supply"),
         Supply("single", VMID, GND, 0.5, "single supply with buffered mid-supply"),
+        Supply("single_3v3", VMID, GND, 0.5, "3.3 V supply with buffered mid-supply", 3.3, VREF),
     )
 }
 """Supplies by name. A test compares the names with those that the design file accepts."""

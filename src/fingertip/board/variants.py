@@ -35,9 +35,13 @@ class BoardConfiguration:
         return f"{self.variant.name}_{self.supply.name}"
 
     @property
-    def changes(self) -> tuple[str, str]:
+    def changes(self) -> tuple[str, str, str]:
         """Changes to a design that select this configuration."""
-        return f"board.variant={self.variant.name}", f"board.supply={self.supply.name}"
+        return (
+            f"board.variant={self.variant.name}",
+            f"board.supply={self.supply.name}",
+            f"board.supply_v={self.supply.nominal_v:g}",
+        )
 
     @property
     def sheet(self) -> Sheet:

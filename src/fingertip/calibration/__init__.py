@@ -1,1 +1,1 @@
-"""Calibration of a printer: lengths of the fit coupon, their readings, and the parameters that follow from them."""
+"""Calibration: of a printer from readings of the fit coupon, and of a sensor from weighings."""

@@ -13,6 +13,7 @@ from fingertip.cli.bench import bench
 from fingertip.cli.board import board
 from fingertip.cli.build import build
 from fingertip.cli.calibrate import calibrate
+from fingertip.cli.calibrate_sensor import sensor
 from fingertip.cli.check import check
 from fingertip.cli.console import Console, command
 from fingertip.cli.coupon import coupon
@@ -41,6 +42,7 @@ app.command()(check)
 app.command()(sheet)
 app.command()(acceptance)
 app.command()(coupon)
+calibrate.command("sensor")(sensor)
 app.add_typer(calibrate, name="calibrate")
 app.command()(params)
 app.command()(picture)

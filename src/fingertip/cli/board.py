@@ -123,12 +123,14 @@ def board(
 
 def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
     """Find settings that are valid but make a board that performs badly."""
+    from fingertip.board.analysis.gate import gate_warnings
     from fingertip.board.analysis.loads import load_warnings
     from fingertip.board.analysis.noise import noise_warning
 
     if warning := noise_warning(values.noise, design.detector.threshold_v):
         yield warning
     yield from load_warnings(design.board, values.filter_load_ohm, values.preferred.c_f)
+    yield from gate_warnings(values.gate)
     if values.comparator_levels:
         # The comparator is the detector here, so the warnings on detector settings apply. They need numpy.
         from fingertip.slip.detectors import noise
@@ -152,13 +154,31 @@ def _format_tables(design: Design, values: BoardValues) -> str:
         describe_adc_range(limits),
         *_load_lines(design, values),
         "",
-        *_force_lines(values),
+        *_gate_lines(values),
+        "",
+        *_force_lines(design, values),
         "",
         "Errata of the article:",
     ]
     for erratum in values.errata:
         lines += [f"  {erratum.subject}", f"    article: {erratum.statement}", f"    correct: {erratum.correction}"]
     return "\n".join(lines)
+
+
+def _gate_lines(values: BoardValues) -> list[str]:
+    """Conditions that the board must meet to work."""
+    from fingertip.amplifiers import CATALOGUE
+    from fingertip.board.analysis.gate import describe_condition
+    from fingertip.board.analysis.threshold_spread import describe_threshold_spread
+
+    amplifier = CATALOGUE[values.amplifier]
+    lines = [f"Conditions with {amplifier.order_name} (unverified: {', '.join(amplifier.unverified)}):"]
+    required = {(c.name, c.subject, c.bound) for c in values.gate if c.level == "required" and c.passed}
+    for condition in values.gate:
+        is_repeated = condition.level == "advised" and condition.passed
+        if not is_repeated or (condition.name, condition.subject, condition.bound) not in required:
+            lines.append(f"  {'' if condition.passed else 'FAILS: '}{describe_condition(condition)}")
+    return [*lines, describe_threshold_spread(values.threshold_spread)] if values.threshold_spread else lines
 
 
 def _component_lines(design: Design, values: BoardValues) -> list[str]:
@@ -248,14 +268,20 @@ def _load_lines(design: Design, values: BoardValues) -> list[str]:
     return lines
 
 
-def _force_lines(values: BoardValues) -> list[str]:
-    """Sensor resistance and tactile voltage at a few forces."""
+def _force_lines(design: Design, values: BoardValues) -> list[str]:
+    """Sensor resistance and tactile voltage at a few forces, and what they assume of the sensor."""
     from fingertip.board.components.bridge import sensor_conductance_s
+    from fingertip.design.force_curve import describe_force_curve
 
+    conductance_of = sensor_conductance_s
+    if design.force_curve.curve == "calibrated":
+        from fingertip.sim.signal.bridge import ConductanceCurve  # needs numpy
+
+        conductance_of = ConductanceCurve.of_design(design).conductance_s
     lines = [f"{'force':>8} {'sensor':>10} {'tactile voltage':>16}"]
     for force_n in _FORCES_N:
-        conductance_s = sensor_conductance_s(force_n)
+        conductance_s = conductance_of(force_n)
         resistance = f"{1 / conductance_s:.0f} ohm" if conductance_s else "open"
         tactile_v = values.tactile_response.tactile_v(conductance_s)
         lines.append(f"{force_n:6g} N {resistance:>10} {tactile_v:14.2f} V")
-    return lines
+    return [*lines, describe_force_curve(design)]

@@ -15,8 +15,8 @@ def detect(
     trace: Annotated[
         Path,
         typer.Argument(
-            help="Trace (.csv, .npz, .npy, .tdms) with the columns time_s, voltage_v and, if the filter board was "
-            "recorded, envelope_v; - reads CSV lines from standard input as they arrive."
+            help="Trace (CSV, LVM, NPZ, NPY, TDMS, MAT, Parquet, WAV) with the columns time_s, voltage_v and, if the "
+            "filter board was recorded, envelope_v; - reads CSV lines from standard input as they arrive."
         ),
     ],
     design: Annotated[
@@ -41,10 +41,20 @@ def detect(
         ),
     ] = None,
     scale: Annotated[float, typer.Option(help="Volts per unit of the file's voltage, such as 0.00030518.")] = 1.0,
+    time_scale: Annotated[
+        str,
+        typer.Option(
+            "--time-scale",
+            metavar="SECONDS",
+            help="Seconds per unit of the file's times: 1e-3 or another number, or ms, us, ns.",
+        ),
+    ] = "s",
     columns: Annotated[
         list[str] | None,
         typer.Option(
-            "--column", metavar="COLUMN=NAME", help="Name of a column in the file, such as voltage_v=AI0; repeatable."
+            "--column",
+            metavar="COLUMN=NAME",
+            help="Name of a column in the file, such as voltage_v=AI0, or its number from 1; repeatable.",
         ),
     ] = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="Plot of the detection to write (PNG).")] = None,
@@ -71,11 +81,11 @@ def detect(
     if plot is not None and str(trace) != "-":
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded, _ = load_design(design, changes)
-    names = _parse_columns(columns or [])
+    names, seconds = _parse_columns(columns or []), _parse_time_scale(time_scale)
     # A window from --set is for this recording's rate, a window from a design file for that file's rate.
     keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
     if str(trace) == "-":
-        detect_standard_input(console, loaded, detector, rate_hz, scale, names, keep_window, plot, quiet_s)
+        detect_standard_input(console, loaded, detector, rate_hz, scale, seconds, names, keep_window, plot, quiet_s)
         return
     found = detect_file(
         trace,
@@ -84,6 +94,7 @@ def detect(
         rate_hz=rate_hz,
         quiet_s=quiet_s,
         scale=scale,
+        time_scale=seconds,
         columns=names,
         adapt_to_file=False if design else None,
         keep_window=keep_window,
@@ -108,3 +119,15 @@ def _parse_columns(columns: list[str]) -> dict[str, str]:
         message = "is not of the form COLUMN=NAME; write it as voltage_v=AI0."
         raise TraceError([Issue(f"--column {text}", message) for text in invalid])
     return {column: name for column, _, name in pairs}
+
+
+def _parse_time_scale(text: str) -> float:
+    from fingertip.errors import Issue, TraceError
+    from fingertip.slip.traces.sampling import TIME_UNITS_S
+
+    try:
+        return TIME_UNITS_S[text] if text in TIME_UNITS_S else float(text)
+    except ValueError:
+        units = ", ".join(TIME_UNITS_S)
+        message = f"{text!r} is no unit of time; give seconds per unit, such as 1e-3, or one of {units}."
+        raise TraceError(Issue("--time-scale", message)) from None

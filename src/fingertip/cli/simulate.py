@@ -64,6 +64,7 @@ def simulate(
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
     from fingertip import extras
+    from fingertip.design.force_curve import describe_force_curve
     from fingertip.errors import FingertipError, Issue
     from fingertip.files import open_atomic, write_file
     from fingertip.sim import load_simulation, summary
@@ -108,6 +109,8 @@ def simulate(
             if removed:
                 console.progress(f"removed what was made from earlier traces or another design: {', '.join(removed)}")
     console.progress(f"wrote {path}")
+    if simulation.scene.sensing.bridge == "board":
+        console.progress(describe_force_curve(simulation.design))
     if plot is not None and picture is not None:
         write_file(plot, picture, "--plot")
         console.progress(f"wrote {plot}")

@@ -32,3 +32,11 @@ def max_window_s(threshold_v: float) -> float:
     """Longest window [s] that R18 and C17 can average at a threshold [V]: twice their largest time constant."""
     max_ohm = MAX_BIAS_RATIO * threshold_v / MAX_BIAS_A
     return 2.0 * max_ohm * MAX_AVERAGING_F
+
+
+HOT_BIAS_A, COMPARATOR_DRIFT_V_PER_K = 400e-9, 5e-6
+"""Maximum input bias current over temperature [A], and drift of the comparator's offset [V/K], average."""
+TRIMMER_TOLERANCE = 0.2
+"""Tolerance of the trimmer's resistance (a usual figure; unverified)."""
+MIN_TEMPERATURE_C, MAX_TEMPERATURE_C, DATA_SHEET_C = 0.0, 50.0, 25.0
+"""Range of temperatures for which worst cases are stated, and the temperature of data-sheet figures [C]."""

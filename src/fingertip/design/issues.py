@@ -12,11 +12,22 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
+from fingertip.amplifiers import AUTO, list_dual_amplifiers
 from fingertip.design.parameters.declaration import find_allowed, find_unit, format_unit, list_choices
 from fingertip.errors import Issue
 
 _MIN_SIMILARITY = 0.65
 """Ratio of `difflib.SequenceMatcher` from which a known name is suggested for an unknown one."""
+
+
+_DUALS = ", ".join(f"{a.name} ({a.bandwidth_hz / 1e6:g} MHz)" for a in list_dual_amplifiers())
+REPLACED_PARAMETERS = {
+    "board.gain_bandwidth_hz": (
+        "this parameter was replaced, because a number alone buys no amplifier; remove it, and name the amplifier with "
+        f"board.amplifier={AUTO}, or one of {_DUALS}."
+    ),
+}
+"""Parameters of earlier versions, and what to write in their place."""
 
 
 def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:
@@ -51,6 +62,8 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
     location = [str(step) for step in details["loc"]]
     field = ".".join(location)
     value, kind, context = details["input"], details["type"], details.get("ctx", {})
+    if kind == "extra_forbidden" and field in REPLACED_PARAMETERS:
+        return Issue(field, REPLACED_PARAMETERS[field])
     if kind == "extra_forbidden":
         return Issue(field, f"there is no such parameter; {_suggest_parameter(location, model)}")
     info = _find_table(location, model).model_fields.get(location[-1])

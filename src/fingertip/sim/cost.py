@@ -10,7 +10,7 @@ from dataclasses import dataclass
 STAGES = (
     "load", "hand", "object", "disturbances", "carriage", "friction", "coupled contact", "profile", "contact", "force",
     "sensor", "bridge", "interference", "ADC", "board noise", "filter board", "comparator", "ADC of the envelope",
-    "no motion", "slip", "shear",
+    "ADC of the filtered signal", "no motion", "slip", "shear",
 )  # fmt: skip
 """Names of all stages, in the order from hand to voltages. Each finger of a hand adds to the same stages."""
 

@@ -36,7 +36,7 @@ from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise,
 
 BOARD_TOLERANCE_V = 1e-4
 """Largest error of one step of the envelope on the base grid [V]."""
-OF_BOARD = frozenset({"filtered_v", "envelope_v", "slip_pin_v", "sampled_envelope_v"})
+OF_BOARD = frozenset({"filtered_v", "envelope_v", "slip_pin_v", "sampled_envelope_v", "sampled_filtered_v"})
 OF_BRIDGE = OF_BOARD | {"voltage_v", "tactile_v"}
 OF_CONTACT = OF_BRIDGE | {"force_n"}
 """Outputs that need the filter board, the bridge, and the contact force."""
@@ -97,6 +97,8 @@ class FingerSignals:
     """Output of the board's rectifier [V]."""
     sampled_envelope_v: Array | None = None
     """Output of the board's rectifier as sampled by the ADC [V]."""
+    sampled_filtered_v: Array | None = None
+    """Output of the board's filter as sampled by the ADC, above signal ground [V]."""
     slip_pin_v: Array | None = None
     """Voltage of the comparator's output, low while it reports slip [V]."""
 
@@ -302,6 +304,7 @@ class _BoardSignals:
         self._board: AnalogStream | None = None
         self._pin: SlipPin | None = None
         self._converter: Converter | None = None
+        self._filtered_converter: Converter | None = None
         if outputs & OF_BOARD:
             with meter.stage("filter board", 4):
                 board = board_with_amplifiers(setup.design, setup.sensing.amplifiers)
@@ -313,7 +316,14 @@ class _BoardSignals:
                 self._pin = SlipPin(setup.design, grid.step_s)
         if "sampled_envelope_v" in outputs:
             with meter.stage("ADC of the envelope"):
-                self._converter = _build_converter(setup, grid, "envelope noise", AntiAliasFilter.for_envelope)
+                self._converter = _build_converter(
+                    setup, grid, "envelope noise", AntiAliasFilter.for_envelope, from_signal_ground=True
+                )
+        if "sampled_filtered_v" in outputs:
+            with meter.stage("ADC of the filtered signal"):
+                self._filtered_converter = _build_converter(
+                    setup, grid, "filtered noise", AntiAliasFilter.for_filtered, from_signal_ground=True
+                )
 
     def process(self, bridge_v: Array, jumps: Array | None, at: Instants) -> dict[str, Array]:
         count, found = len(bridge_v), {}
@@ -340,14 +350,23 @@ class _BoardSignals:
         if self._converter:
             with self._meter.stage("ADC of the envelope"):
                 found["sampled_envelope_v"] = self._converter.process(envelope, at)
+        if self._filtered_converter:
+            with self._meter.stage("ADC of the filtered signal"):
+                found["sampled_filtered_v"] = self._filtered_converter.process(filtered, at)
         return found
 
 
 def _build_converter(
-    setup: FingerSetup, grid: Grid, purpose: str, anti_alias: Callable[[Design, float], AntiAliasFilter]
+    setup: FingerSetup,
+    grid: Grid,
+    purpose: str,
+    anti_alias: Callable[[Design, float], AntiAliasFilter],
+    from_signal_ground: bool = False,
 ) -> Converter:
     sensing, design = setup.sensing, setup.design
     noise = open_stream(*setup.seed, purpose) if sensing.noise else None
     jitter = (open_stream(*setup.seed, f"jitter of {purpose}"), sensing.jitter_s) if sensing.jitter_s else None
     adc = AdcRange.select(design, setup.converter)
+    if from_signal_ground:
+        adc = adc.above_signal_ground(design)
     return Converter(design, anti_alias(design, grid.step_s), adc, grid.step_s, noise, jitter)

@@ -32,6 +32,7 @@ _LABELS = {
     "filtered_v": ("filtered\nvoltage [V]", 1),
     "envelope_v": ("envelope\nvoltage [V]", 1),
     "sampled_envelope_v": ("sampled\nenvelope [V]", 1),
+    "sampled_filtered_v": ("sampled filtered\nvoltage [V]", 1),
     "closing_m": ("finger\nclosing [mm]", 1000),
     "command_m": ("commanded\nclosing [mm]", 1000),
     "object_m": ("object\nposition [mm]", 1000),

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from fingertip.design.parameters import Detector as DetectorParameters
 from fingertip.errors import Issue, TraceError
+from fingertip.slip.converter_step import StepWatch
 from fingertip.slip.detectors.detector import Detector
-from fingertip.slip.traces.csv_file import Header, find_header, unquote
+from fingertip.slip.traces.cells import split_cells, unquote
+from fingertip.slip.traces.csv_header import Header, find_header
 from fingertip.slip.traces.sampling import (
     RATE_TOLERANCE,
     STEP_TOLERANCE,
@@ -68,7 +70,12 @@ def open_stream(lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnM
 
 
 def follow(
-    stream: CsvStream, detector: Detector, parameters: DetectorParameters, columns: ColumnMap
+    stream: CsvStream,
+    detector: Detector,
+    parameters: DetectorParameters,
+    columns: ColumnMap,
+    report: Callable[[str], None] = lambda message: None,
+    watch: StepWatch | None = None,
 ) -> Iterator[Transition]:
     """Process one sample per line and yield each transition as soon as it occurs.
 
@@ -82,6 +89,10 @@ def follow(
         Sampling rate and window for which the detector was made, and the ADC range.
     columns
         Names of the columns; the detector reads the column of `voltage_v`.
+    report
+        Called with a sentence for each line that is passed over, and with the warning of `watch`.
+    watch
+        Watch for coarse steps of the converter.
 
     Raises
     ------
@@ -94,18 +105,24 @@ def follow(
     time_name = columns.name_in_file("time_s")
     time_index = names.index(time_name) if time_name in names else None
     clock, on, all_whole, width, sample = _SampleClock(parameters), False, True, 0, -1
-    for sample, (number, line) in enumerate(stream.rows):
-        cells = line.rstrip("\r\n").split(delimiter)
+    for number, line in stream.rows:
+        if stream.header.is_repeated(line):
+            report(f"{NAME}, line {number}: is the header again, and passed over")
+            continue
+        sample += 1
+        cells = split_cells(line, delimiter)
         width = width or stream.header.count_cells(len(cells), columns)
         if len(cells) != width:
             raise _line_error(number, f"has {len(cells)} cells, but the header has {len(names)}; give one per column.")
         volts = _parse_number(cells[voltage_index], delimiter, number) * columns.scale
         all_whole = all_whole and volts % 1 == 0
-        if columns.in_volts and abs(volts) > parameters.adc_range_v:
+        if watch is not None and (warning := watch.add(volts)):
+            report(f"warning: {warning}")
+        if columns.in_volts and not parameters.adc_low_v <= volts <= parameters.adc_range_v:
             raise _line_error(number, range_message(f"{volts:g}", all_whole, parameters))
         time_s = sample / parameters.sample_rate_hz
         if time_index is not None:
-            time_s = _parse_number(cells[time_index], delimiter, number)
+            time_s = _parse_number(cells[time_index], delimiter, number) * columns.time_scale
             clock.check(time_s, number)
         if detector.step(volts) != on:
             on = not on

@@ -84,8 +84,20 @@ def compute_board(context: PointContext) -> OutputValues:
 def compute_circuit(context: PointContext) -> OutputValues:
     """Compute noise, offsets and limits of the board's whole circuit."""
     from fingertip.board import board_values
+    from fingertip.board.analysis.gate import (
+        BANDWIDTH,
+        CLAMP,
+        CURRENT,
+        IDLE,
+        MARGIN,
+        OFFSET,
+        PEAKING,
+        SERIES,
+        find_smallest_margin,
+    )
 
     values = board_values(context.design)
+    spread = values.threshold_spread
     return {
         "filter_noise_v": values.noise.filtered_v,
         "max_ripple_v": values.supply_ripple.max_v,
@@ -93,6 +105,17 @@ def compute_circuit(context: PointContext) -> OutputValues:
         "vibration_peak_v": values.voltage_limits.vibration_peak_v,
         "bridge_amplifier_margin_v": values.voltage_limits.bridge_amplifier_margin_v,
         "filter_load_ohm": values.filter_load_ohm,
+        "gate_margin": find_smallest_margin(values.gate),
+        "output_current_margin": find_smallest_margin(values.gate, CURRENT),
+        "offset_margin": find_smallest_margin(values.gate, OFFSET),
+        "gain_bandwidth_margin": find_smallest_margin(values.gate, BANDWIDTH),
+        "phase_margin_deg": min(c.value for c in values.gate if c.name == MARGIN),
+        "peaking_db": max(c.value for c in values.gate if c.name == PEAKING),
+        "adc_margin": find_smallest_margin(values.gate, IDLE, CLAMP),
+        "odd_capacitors": max(c.value for c in values.gate if c.name == SERIES),
+        "mean_threshold_v": spread.mean_v if spread else math.nan,
+        "min_threshold_worst_v": spread.min_v if spread else math.nan,
+        "max_threshold_worst_v": spread.max_v if spread else math.nan,
     }
 
 

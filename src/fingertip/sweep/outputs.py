@@ -22,7 +22,7 @@ MOLD = CLOSED_MOLD | {"printer"}
 PARTS = MOLD | {"name", "strength", "silicone"}
 """Tables that the checks of the printed parts read: the mold halves carry the design's name, and the printer's scale
 and limits, the loads and the silicone decide on the checks."""
-SIMULATION = FINGER | {"board", "detector", "mold"}
+SIMULATION = FINGER | {"board", "detector", "mold", "force_curve"}
 """Tables that a simulation can depend on. It uses the pad's shape, which is derived together with the mold's
 lengths."""
 
@@ -156,6 +156,17 @@ OUTPUTS = {
             "bridge_amplifier_margin_v", "circuit", "margin of the bridge amplifier's voltages to their limits"
         ),
         SweepOutput("filter_load_ohm", "circuit", "smallest impedance that an amplifier of the filter drives"),
+        SweepOutput("gate_margin", "circuit", "smallest ratio of a required condition to its limit; 1 or more holds"),
+        SweepOutput("output_current_margin", "circuit", "current of the amplifiers' data sheets over that drawn"),
+        SweepOutput("offset_margin", "circuit", "permitted offset of the filter's outputs over their largest"),
+        SweepOutput("gain_bandwidth_margin", "circuit", "gain-bandwidth product of the amplifier over that needed"),
+        SweepOutput("phase_margin_deg", "circuit", "smallest phase margin of an amplifier"),
+        SweepOutput("peaking_db", "circuit", "largest gain beyond the band over that of the passband"),
+        SweepOutput("adc_margin", "circuit", "range of the converter over the idle level, or the clamps' rail"),
+        SweepOutput("odd_capacitors", "circuit", "number of capacitors off series E12"),
+        SweepOutput("mean_threshold_v", "circuit", "mean of the comparator's threshold; NaN in other variants"),
+        SweepOutput("min_threshold_worst_v", "circuit", "lowest threshold of a comparator, untrimmed, 0 to 50 C"),
+        SweepOutput("max_threshold_worst_v", "circuit", "highest threshold of a comparator, untrimmed, 0 to 50 C"),
         SweepOutput("noise_level_v", "noise", "mean of the averaged envelope for noise alone"),
         SweepOutput("min_threshold_v", "noise", "noise_level_v plus six standard deviations (the article's rule)"),
         SweepOutput("delay_ms", "detection", "median detection delay of all slips; inf: fewer than half detected"),

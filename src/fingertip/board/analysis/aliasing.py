@@ -16,7 +16,7 @@ from fingertip.board.circuit import Circuit
 from fingertip.board.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE
 from fingertip.board.network import build_network
 from fingertip.design import Design
-from fingertip.design.rules.board import BAND_CUTOFFS
+from fingertip.design.amplifier_stages import BAND_CUTOFFS
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float, 
     nyquist_hz = detector.sample_rate_hz / 2.0
     band_hz = min(BAND_CUTOFFS * design.board.cutoff_hz, nyquist_hz)
     alias_hz = detector.sample_rate_hz - band_hz
-    lsb_v = 2.0 * detector.adc_range_v / 2**detector.adc_bits
+    lsb_v = detector.adc_step_v
     network, source = build_network(circuit, conducting=[RECTIFYING_DIODE]), ENVELOPE if has_diode else FILTERED
 
     def gains(source: str, pin: str, *f_hz: float) -> list[complex]:

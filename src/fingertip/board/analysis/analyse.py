@@ -37,6 +37,7 @@ from fingertip.board.components.component_values import Tolerance, select_compon
 from fingertip.board.nets import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE, VCC, VEE
 from fingertip.board.network import Network, Value, build_network
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 
 BRIDGE_RESISTORS = ("R10", "R11", "R12", "R13", "R14")
 BRIDGE_TOLERANCE = 1e-3
@@ -89,15 +90,16 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
     """
     values, board = board_values(design), design.board
     circuit = board_circuit(values)
-    has_diode, network = board.variant == "article", build_network(circuit, board.gain_bandwidth_hz)
-    model, noisy = model_filter(circuit, has_diode), add_noise(circuit, board.gain_bandwidth_hz)
+    bandwidth_hz, has_diode = find_gain_bandwidth_hz(board), board.variant == "article"
+    network = build_network(circuit, bandwidth_hz)
+    model, noisy = model_filter(circuit, has_diode), add_noise(circuit, bandwidth_hz)
     toleranced = TolerancedFilter(model, network.values)
     noise, total = noise_budget(noisy)
     return Analysis(
         noise=noise,
         noise_total_v=total,
         noise_alternatives=compare_noise_alternatives(
-            circuit, board.gain_bandwidth_hz, board.band_limit_hz,
+            circuit, bandwidth_hz, board.band_limit_hz,
             None if has_diode else float(model.envelope.gain(network.values)),
         ),
         threshold_v=design.detector.threshold_v,
@@ -121,7 +123,7 @@ def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_de
     The response starts at the tactile voltage. Amplifiers have one pole, so their gain falls with their gain-bandwidth
     product. The last column is that product over the frequency [dB], the asymptote of the amplifier's open-loop gain.
     """
-    network = build_network(board_circuit(select_components(design)), design.board.gain_bandwidth_hz)
+    network = build_network(board_circuit(select_components(design)), find_gain_bandwidth_hz(design.board))
     f = np.logspace(math.log10(low_hz), math.log10(high_hz), round(per_decade * math.log10(high_hz / low_hz)) + 1)
     filter_network = network.drive(TACTILE).restrict(FILTERED)
     first, whole = filter_network.response(f, {TACTILE: 1.0}, STAGE1_OUT, FILTERED).T
@@ -130,7 +132,7 @@ def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_de
         cells = [f"{hz:.6g}"]
         for value in (first[i], whole[i] / first[i], whole[i]):
             cells += [f"{20 * math.log10(abs(value)):.4f}", f"{math.degrees(np.angle(value)):.3f}"]
-        cells.append(f"{20 * math.log10(design.board.gain_bandwidth_hz / hz):.4f}")
+        cells.append(f"{20 * math.log10(find_gain_bandwidth_hz(design.board) / hz):.4f}")
         lines.append(",".join(cells))
     return "\n".join(lines) + "\n"
 

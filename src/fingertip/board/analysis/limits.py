@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from fingertip.amplifiers import Amplifier
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuit import Circuit
-from fingertip.board.components.amplifiers import Amplifier
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.nets import ADC_ENVELOPE, ADC_TACTILE, GND, REFERENCE, SENSOR, TACTILE, VCC, VEE
 from fingertip.board.network import build_network
 from fingertip.board.supplies import Supply
-
-DIODE_V = 0.6
-"""Forward voltage of a rectifier's diode for a large signal [V]."""
+from fingertip.design.amplifier_stages import DIODE_V
+from fingertip.design.parameters import Detector
 
 # Internal limits of the AD623 (its data sheet, "input and output voltage range"): its input followers shift their
 # inputs up by the drop of a diode and must stay clear of both rails, as must the output.
@@ -87,13 +86,25 @@ class VoltageLimits:
     """Resistance through which the reverse current of the clamp at the tactile pin flows [ohm]."""
     envelope_pin_ohm: float
     """Resistance through which that at the envelope's pin flows [ohm]; in variant article with its diode blocked."""
+    has_filtered_output: bool
+    """True if the filtered signal is at the output connector too."""
+    adc_low_v: float
+    """Lower end of the ADC's input range."""
     adc_range_v: float
-    """Input range of the ADC, plus and minus."""
+    """Upper end of the ADC's input range."""
 
     @property
     def adc_overrange_v(self) -> float:
         """Voltage by which the pins exceed the range of the ADC [V]; 0 if they do not."""
-        return max(self.max_tactile_v, self.signal_ground_v + self.max_envelope_v, self.adc_range_v) - self.adc_range_v
+        pins_v = [self.max_tactile_v, self.signal_ground_v + self.max_envelope_v]
+        if self.has_filtered_output:
+            pins_v.append(self.signal_ground_v + self.filter_peak_v)
+        return max(*pins_v, self.adc_range_v) - self.adc_range_v
+
+    @property
+    def adc_range_text(self) -> str:
+        """Input range of the ADC in words."""
+        return f"{'plus and minus' if self.adc_low_v else '0 to'} {self.adc_range_v:g} V"
 
 
 def compute_voltage_limits(
@@ -103,7 +114,7 @@ def compute_voltage_limits(
     swing: OutputSwing,
     gain: float,
     has_diode: bool,
-    adc_range_v: float,
+    detector: Detector,
 ) -> VoltageLimits:
     """Compute the voltage limits of a board.
 
@@ -119,8 +130,8 @@ def compute_voltage_limits(
         Maximum gain of the filter.
     has_diode
         Whether a diode precedes the envelope (variant article).
-    adc_range_v
-        Input range of the ADC, plus and minus.
+    detector
+        Input range of the ADC.
     """
     quiescent = build_network(circuit, conducting=[] if has_diode else [RECTIFYING_DIODE])
     tactile_pin_ohm, envelope_pin_ohm = (
@@ -145,7 +156,9 @@ def compute_voltage_limits(
         clamp_high_rail_v=supply_v,
         tactile_pin_ohm=tactile_pin_ohm,
         envelope_pin_ohm=envelope_pin_ohm,
-        adc_range_v=adc_range_v,
+        has_filtered_output=supply.is_for_controller,
+        adc_low_v=detector.adc_low_v,
+        adc_range_v=detector.adc_range_v,
     )
 
 
@@ -172,9 +185,9 @@ def describe_filter_swing(limits: VoltageLimits) -> str:
 def describe_adc_range(limits: VoltageLimits) -> str:
     """Describe whether the range of the ADC covers the board's outputs."""
     if not limits.adc_overrange_v:
-        return f"an ADC with a range of plus and minus {limits.adc_range_v:g} V covers all signals"
+        return f"an ADC with a range of {limits.adc_range_text} covers all signals"
     return (
-        f"an ADC with a range of plus and minus {limits.adc_range_v:g} V clips the top {limits.adc_overrange_v:.2f} V: "
+        f"an ADC with a range of {limits.adc_range_text} clips the top {limits.adc_overrange_v:.2f} V: "
         "divide the signals ahead of it, or set detector.adc_range_v to at least "
         f"{limits.adc_range_v + limits.adc_overrange_v:.2f}"
     )

@@ -2,7 +2,7 @@
 
 Data sheets state the output swing for a load of 2 kohm or more. The rectifying diode counts as conducting, without its
 drop, so the current that charges the envelope's capacitor is an upper bound: at the current's peak both ends of the
-diode rise equally fast, and the capacitor's end is at the lower voltage. The buffer of VMID is not covered.
+diode rise equally fast, and the capacitor's end is at the lower voltage. The buffers of VMID and VREF are not covered.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ import numpy as np
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuit import Circuit
 from fingertip.board.nets import TACTILE
-from fingertip.board.network import build_network, list_amplifiers
+from fingertip.board.network import Spectrum, build_network, list_amplifiers
+from fingertip.design.amplifier_stages import BAND_CUTOFFS
 from fingertip.design.parameters import Board
-from fingertip.design.rules.board import BAND_CUTOFFS
+from fingertip.design.preferred_series import find_preferred_neighbours
 
 MIN_LOAD_OHM = 2e3
 """Smallest load for which the data sheets of both amplifiers state their output swing."""
@@ -25,8 +26,8 @@ _MARGIN = 0.88
 _FREQUENCIES = 30
 """Number of frequencies at which the loads are evaluated."""
 _FILTER_AMPLIFIERS = ("U1a", "U1b")
-_OTHER_BUFFERS = ("U5",)
-"""Amplifiers that drive the signal ground, whose load is not an impedance to signal ground."""
+_OTHER_BUFFERS = ("U5", "U6")
+"""Amplifiers that drive the signal ground or feed the bridge, whose load is not an impedance to signal ground."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,40 @@ def compute_amplifier_loads(
     vibration_v
         Peak of the tactile voltage's vibrations for which currents are computed [V].
     """
+    loads = []
+    for current in compute_output_currents(circuit, gain_bandwidth_hz, cutoff_hz):
+        if current.reference in _OTHER_BUFFERS:
+            continue
+        total_a, filter_a = np.abs(current.filter_s + current.diode_s), current.filter_s
+        loads.append(
+            AmplifierLoad(
+                current.amplifier,
+                min_ohm=float((np.abs(current.gain) / total_a).min()),
+                min_filter_ohm=float(np.abs(current.gain / filter_a).min()) if filter_a.any() else None,
+                max_current_a=vibration_v * float(total_a.max()),
+            )
+        )
+    return tuple(loads)
+
+
+@dataclass(frozen=True, eq=False)
+class OutputCurrent:
+    """Current of one amplifier's output over the band of the vibrations, for 1 V of the tactile voltage."""
+
+    amplifier: str
+    """Reference, with the letter of its unit."""
+    reference: str
+    """Reference of its component."""
+    gain: Spectrum
+    """Voltage of the output [V/V]."""
+    filter_s: Spectrum
+    """Current without the rectifying diode [A/V]."""
+    diode_s: Spectrum
+    """Current through the rectifying diode, as if it always conducted [A/V]."""
+
+
+def compute_output_currents(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float) -> tuple[OutputCurrent, ...]:
+    """Compute the current of each amplifier's output, in the order of their references."""
     network = build_network(circuit, gain_bandwidth_hz, conducting=[RECTIFYING_DIODE]).drive(TACTILE)
     f = np.geomspace(*signal_band_hz(cutoff_hz), _FREQUENCIES)
     volts = dict(zip(network.nets, network.response(f, {TACTILE: 1.0}, *network.nets).T, strict=True))
@@ -74,29 +109,18 @@ def compute_amplifier_loads(
         for c in circuit.components
         if c.symbol.name in "RC" or c.reference == RECTIFYING_DIODE
     ]
-
-    loads = []
+    currents = []
     for amplifier, component, output in sorted(list_amplifiers(circuit)):
-        if component in _OTHER_BUFFERS:
-            continue
-        filter_a, diode_a = np.zeros((2, len(f)), dtype=np.complex128)
+        filter_s, diode_s = np.zeros((2, len(f)), dtype=np.complex128)
         for reference, first, second in branches:
             if output not in (first, second):
                 continue
             admittance = network.values[reference] * (2j * np.pi * f if reference.startswith("C") else 1.0)
             # What is not among the equations, such as a rail, carries no signal.
             difference = volts[output] - volts.get(second if output == first else first, 0.0)
-            (diode_a if reference == RECTIFYING_DIODE else filter_a)[:] += admittance * difference
-        total_a = np.abs(filter_a + diode_a)
-        loads.append(
-            AmplifierLoad(
-                amplifier,
-                min_ohm=float((np.abs(volts[output]) / total_a).min()),
-                min_filter_ohm=float(np.abs(volts[output] / filter_a).min()) if filter_a.any() else None,
-                max_current_a=vibration_v * float(total_a.max()),
-            )
-        )
-    return tuple(loads)
+            (diode_s if reference == RECTIFYING_DIODE else filter_s)[:] += admittance * difference
+        currents.append(OutputCurrent(amplifier, component, volts[output], filter_s, diode_s))
+    return tuple(currents)
 
 
 def find_filter_load_ohm(loads: Iterable[AmplifierLoad]) -> float:
@@ -120,7 +144,8 @@ def load_warnings(board: Board, filter_load_ohm: float, capacitor_f: float) -> I
         return
     # Resistors are inverse to the capacitors. The margin covers their rounding to preferred values, so a larger
     # capacitor may pass too.
-    capacitor_uf = f"{_MARGIN * 1e6 * capacitor_f * filter_load_ohm / MIN_LOAD_OHM:.3g}"
+    passing_uf, _ = find_preferred_neighbours(_MARGIN * 1e6 * capacitor_f * filter_load_ohm / MIN_LOAD_OHM)
+    capacitor_uf = f"{passing_uf:.3g}"
     settings = f"board.capacitor_uf={capacitor_uf}"
     if board.capacitor_series != "given":
         settings = f"board.capacitor_series=given and {settings}"

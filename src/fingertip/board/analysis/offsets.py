@@ -11,9 +11,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from fingertip.amplifiers import Amplifier
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuit import Circuit
-from fingertip.board.components.amplifiers import AMPLIFIERS, LOW_OFFSET_NAME, LOW_OFFSET_V
+from fingertip.board.components.amplifiers import AMPLIFIERS
 from fingertip.board.nets import ENVELOPE
 from fingertip.board.network import build_network, list_amplifiers
 
@@ -39,7 +40,9 @@ class OutputOffset:
     """Maximum with that amplifier."""
 
 
-def compute_output_offset(circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str) -> OutputOffset:
+def compute_output_offset(
+    circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str, low_offset: Amplifier
+) -> OutputOffset:
     """Compute the envelope offset of a board with a precision rectifier.
 
     Parameters
@@ -50,6 +53,8 @@ def compute_output_offset(circuit: Circuit, gain_bandwidth_hz: float, signal_gro
         Gain-bandwidth product of its amplifiers [Hz].
     signal_ground
         Net to which the envelope refers.
+    low_offset
+        Amplifier of low offset that works on the board's supply.
     """
     conducting, blocked = (
         _offset_gains(circuit, gain_bandwidth_hz, signal_ground, diode) for diode in (RECTIFYING_DIODE, BLOCKING_DIODE)
@@ -59,8 +64,8 @@ def compute_output_offset(circuit: Circuit, gain_bandwidth_hz: float, signal_gro
         min_v=-math.fsum(map(abs, blocked)) * amplifier.max_offset_v,
         max_v=worst_gain * amplifier.max_offset_v,
         typical_v=math.hypot(*conducting) * amplifier.offset_v,
-        low_offset_amplifier=LOW_OFFSET_NAME,
-        max_low_offset_v=worst_gain * LOW_OFFSET_V,
+        low_offset_amplifier=low_offset.name,
+        max_low_offset_v=worst_gain * low_offset.max_offset_v,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fingertip.amplifiers import CATALOGUE
 from fingertip.board.analysis.aliasing import AliasAttenuation
 from fingertip.board.analysis.analyse import BRIDGE_TOLERANCE, Analysis
 from fingertip.board.analysis.figures import format_figure
@@ -11,7 +12,7 @@ from fingertip.board.analysis.offsets import describe_output_offset
 from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V, describe_supply_ripple
 from fingertip.board.analysis.thresholds import describe_comparator_levels
 from fingertip.board.circuit import format_component_value
-from fingertip.board.components.amplifiers import AMPLIFIERS, LOW_NOISE_NAME
+from fingertip.board.components.amplifiers import LOW_NOISE_NAME
 from fingertip.board.components.filter import LARGE_CAPACITOR_PERCENT
 from fingertip.design.filter_components import MAX_1206_F
 
@@ -55,7 +56,7 @@ def analysis_text(analysis: Analysis) -> str:
 
 def _offset_note(amplifier: str, *, has_rectifier: bool) -> str:
     """State which offsets are typical and which are maximum, and where that of the rectifier is."""
-    data = AMPLIFIERS[amplifier]
+    data = CATALOGUE[amplifier]
     is_maximum = data.offset_v == data.max_offset_v
     exception = f" ({data.order_name}: {1e3 * data.offset_v:g} mV, its maximum)" if is_maximum else ""
     rectifier = "; U3: see the envelope offset above" if has_rectifier else ""

@@ -16,6 +16,7 @@ from fingertip.board.circuit import Circuit
 from fingertip.board.nets import ENVELOPE, FILTERED, TACTILE
 from fingertip.board.network import Value, build_network
 from fingertip.board.transfer_function import Rational, Stage, find_stages, multiply
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.design.filter_components import SECTION_QUALITY
 from fingertip.design.parameters import Board
 from fingertip.numerics import bisect_arrays, find_maximum, find_maximum_arrays, find_root
@@ -291,7 +292,7 @@ def compute_response(model: FilterModel, values: Mapping[str, Value], gain_bandw
 
 def target_response(board: Board) -> FrequencyResponse:
     """Response that a design asks for: what its ideal values achieve with ideal amplifiers."""
-    bandwidth_hz = board.gain_bandwidth_hz / board.passband_gain
+    bandwidth_hz = find_gain_bandwidth_hz(board) / board.passband_gain
     return FrequencyResponse(
         passband_gain=board.passband_gain,
         passband_gain_db=decibel(board.passband_gain),

@@ -1,9 +1,10 @@
 """Effect of ripple on the supply.
 
-The bridge is connected to the supply, so its amplifier's output follows the supply: by the tactile voltage's own ratio
-to it, and by a little more where C7 delays the sensor's arm against the other one. On a single supply, what remains of
-the ripple in VMID counts too. The filter amplifies ripple in its passband like slip. Variant article has no low-pass:
-there ripple of some kilohertz, as a switching converter has it, is amplified most.
+A bridge that is connected to the supply follows it: the tactile voltage by its own ratio to the supply, and by a little
+more where C7 delays the sensor's arm against the other one. On a single supply, what remains of the ripple in VMID
+counts too, and on a board for 3.3 V only what remains in VMID and VREF. The filter amplifies ripple in its passband
+like slip. Variant article has no low-pass: there ripple of some kilohertz, as a switching converter has it, is
+amplified most.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ import numpy as np
 
 from fingertip.board.analysis.figures import format_figure
 from fingertip.board.circuit import Circuit
-from fingertip.board.nets import FILTERED, VCC
+from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
+from fingertip.board.nets import FILTERED, VCC, VREF
 from fingertip.board.network import build_network
 
 DEAD_ZONE_V = 0.45
@@ -28,7 +30,7 @@ _FREQUENCIES_PER_DECADE = 28
 
 @dataclass(frozen=True)
 class SupplyRipple:
-    """Effect of ripple on the positive supply with the sensor open, which is the worst case."""
+    """Effect of ripple on the positive supply in the worst case of the sensor."""
 
     low_hz: float
     high_hz: float
@@ -42,6 +44,8 @@ class SupplyRipple:
 
     In variant article: the peak that alone makes the diode conduct.
     """
+    force_n: float = 0.0
+    """Force on the sensor in the worst case [N]; 0: it is open, as always where the supply feeds the bridge."""
 
 
 def ripple_band_hz(cutoff_hz: float) -> tuple[float, float]:
@@ -74,9 +78,25 @@ def compute_supply_ripple(
     envelope_gain
         Constant gain of rectifier and envelope; None for the bare diode of variant article.
     """
-    network = build_network(circuit, gain_bandwidth_hz).restrict(FILTERED, signal_ground)
-    nets = [FILTERED] if signal_ground in network.inputs else [FILTERED, signal_ground]
     band_hz = ripple_band_hz(cutoff_hz)
+    # What VREF and VMID leave of the ripple counts by the bridge's deflection, of which either end may be the larger.
+    forces_n = (0.0, MAX_FORCE_N) if any(net.name == VREF for net in circuit.nets) else (0.0,)
+    gain, worst_hz, force_n = max(
+        (*_find_largest_gain(circuit, gain_bandwidth_hz, signal_ground, band_hz, force_n), force_n)
+        for force_n in forces_n
+    )
+    # The mean of a half-wave rectified sine is 1/pi of its peak.
+    peak_v = DEAD_ZONE_V if envelope_gain is None else math.pi * threshold_v / envelope_gain
+    return SupplyRipple(*band_hz, worst_hz=worst_hz, gain=gain, max_v=peak_v / gain, force_n=force_n)
+
+
+def _find_largest_gain(
+    circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str, band_hz: tuple[float, float], force_n: float
+) -> tuple[float, float]:
+    """Find the largest gain from the supply to the filtered signal at a force [N], and its frequency [Hz]."""
+    network = build_network(circuit, gain_bandwidth_hz, sensor_s=sensor_conductance_s(force_n))
+    network = network.restrict(FILTERED, signal_ground)
+    nets = [FILTERED] if signal_ground in network.inputs else [FILTERED, signal_ground]
     worst_hz, gain = 0.0, 0.0
     low_hz, high_hz = band_hz
     for _ in range(2):  # the second time around the largest gain
@@ -86,9 +106,12 @@ def compute_supply_ripple(
         worst = int(gains.argmax())
         worst_hz, gain = float(f[worst]), float(gains[worst])
         low_hz, high_hz = float(f[max(worst - 1, 0)]), float(f[min(worst + 1, len(f) - 1)])
-    # The mean of a half-wave rectified sine is 1/pi of its peak.
-    peak_v = DEAD_ZONE_V if envelope_gain is None else math.pi * threshold_v / envelope_gain
-    return SupplyRipple(*band_hz, worst_hz=worst_hz, gain=gain, max_v=peak_v / gain)
+    return gain, worst_hz
+
+
+def describe_sensor(ripple: SupplyRipple) -> str:
+    """Describe the sensor in the worst case."""
+    return f"with {ripple.force_n:g} N on the sensor" if ripple.force_n else "with the sensor open"
 
 
 def describe_supply_ripple(ripple: SupplyRipple, has_diode: bool) -> str:
@@ -97,5 +120,5 @@ def describe_supply_ripple(ripple: SupplyRipple, has_diode: bool) -> str:
     return (
         f"ripple on the positive supply reaches the rectifier amplified up to {ripple.gain:.0f} times (at "
         f"{format_figure(ripple.worst_hz, 2)} Hz; searched from {ripple.low_hz:.3g} Hz to {ripple.high_hz / 1e3:g} kHz "
-        f"with the sensor open): a peak of {1e3 * ripple.max_v:.2g} mV alone {effect}"
+        f"{describe_sensor(ripple)}): a peak of {1e3 * ripple.max_v:.2g} mV alone {effect}"
     )

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from fingertip.amplifiers import CATALOGUE
 from fingertip.board.circuit import Component, Symbol, format_component_value
-from fingertip.board.components.amplifiers import AMPLIFIERS
+from fingertip.board.components.anti_aliasing import CLAMP, LOW_LEAKAGE_CLAMP, MAX_LOW_LEAKAGE_A
 from fingertip.board.components.component_values import ComponentValues
 from fingertip.board.components.filter import LARGE_CAPACITOR_PERCENT
 from fingertip.board.kicad import symbols
@@ -17,23 +18,35 @@ Wiring = Mapping[Component, Mapping[str, str]]
 
 PRECISION_TOLERANCE = "0.1 %"
 _BRIDGE_RATING = f"{PRECISION_TOLERANCE}, 25 ppm/K, 0.1 W"
+_LOCKING_RATING = "keyed and locking, with its plug and crimped wires"
 _HEADER_RATING = "pin header 2.54 mm, one row; or solder the wires"
 _SUPPLY_RATING = "X7R 25 V 10 %"
 _LARGE_RATING = f"X5R or X7R, 6.3 V, {LARGE_CAPACITOR_PERCENT:g} %"
 """Rating of large capacitors without direct voltage across them that set no cutoff."""
+_CLAMP_RATINGS = {
+    CLAMP: symbols.BAT54S.description,
+    LOW_LEAKAGE_CLAMP: f"Dual diode in series, SOT-23, leakage {1e9 * MAX_LOW_LEAKAGE_A:g} nA at most",
+}
 _MAX_C0G_F = {symbols.C_1206: 100e-9, symbols.C_0603: 10e-9}
 """Largest capacitance that each size is made with as C0G."""
 
 
 def component(reference: str, value: str, symbol: Symbol, footprint: str, role: str) -> Component:
     """A component that is purchased by its name."""
-    rating = _HEADER_RATING if reference.startswith("J") else symbol.description
+    rating = symbol.description
+    if reference.startswith("J"):
+        rating = _LOCKING_RATING if footprint in symbols.LOCKING_CONNECTORS else _HEADER_RATING
     return Component(reference, value, symbol, footprint, role, rating)
 
 
+def clamp(reference: str, name: str, role: str) -> Component:
+    """A clamp of an output: two diodes in series by their name in `anti_aliasing`. All of them have the same pins."""
+    return Component(reference, name, symbols.BAT54S, symbols.SOT_23, role, _CLAMP_RATINGS[name])
+
+
 def amplifier(reference: str, name: str, role: str) -> Component:
-    """A dual amplifier by its name in `AMPLIFIERS`. All of them have the same pins."""
-    data, symbol = AMPLIFIERS[name], symbols.DUAL_AMPLIFIERS[name]
+    """A dual amplifier by its name in `CATALOGUE`. All of them have the same pins."""
+    data, symbol = CATALOGUE[name], symbols.DUAL_AMPLIFIERS[name]
     rating = f"{symbol.description}, offset {1e3 * data.max_offset_v:g} mV at most"
     return Component(reference, data.order_name, symbol, symbols.SOIC_8, role, rating)
 

@@ -8,15 +8,18 @@ from fingertip.board.circuit import Circuit, Component, build_circuit
 from fingertip.board.circuits.components import (
     SelectedComponents,
     Wiring,
+    clamp,
     component,
     precision_resistor,
     supply_capacitor,
 )
-from fingertip.board.components.bridge import SENSOR_FILTER_F
+from fingertip.board.components.anti_aliasing import CLAMP, LOW_LEAKAGE_CLAMP
+from fingertip.board.components.bridge import DIVIDER_F, SENSOR_FILTER_F, VREF_BOTTOM_OHM, VREF_TOP_OHM
 from fingertip.board.components.component_values import ComponentValues
 from fingertip.board.kicad import symbols
 from fingertip.board.nets import (
     ADC_ENVELOPE,
+    ADC_FILTERED,
     ADC_TACTILE,
     ALIAS_MID,
     ENVELOPE,
@@ -24,6 +27,7 @@ from fingertip.board.nets import (
     GAIN_A,
     GAIN_B,
     GND,
+    POWER_IN,
     REFERENCE,
     SENSOR,
     STAGE1_OUT,
@@ -33,6 +37,8 @@ from fingertip.board.nets import (
     VMID,
     VMID_DIVIDER,
     VMID_OUT,
+    VREF,
+    VREF_DIVIDER,
 )
 from fingertip.board.supplies import SUPPLIES, Supply
 
@@ -42,11 +48,15 @@ NAME = "slip_filter"
 DECOUPLING_F = 100e-9
 """Decoupling capacitor at each supply pin [F]."""
 BULK_F = 10e-6
-"""Capacitor where the supply enters, and across the divider that halves it [F]."""
+"""Capacitor where the supply enters [F]."""
 CABLE_OHM = 1e3
 """Resistor between an amplifier's output and a pin without a filter [ohm]."""
-DIVIDER_OHM = 10e3
-"""Both resistors of the divider [ohm]. With `BULK_F` they filter supply ripple above 3 Hz out of VMID."""
+DIVIDER_OHM = {"single": 10e3, "single_3v3": 47e3}
+"""Both resistors of the divider that halves a supply [ohm], by the supply's name.
+
+With `DIVIDER_F` they filter supply ripple above 3 Hz out of VMID, or above 0.7 Hz: VMID and VREF then follow the supply
+alike, and their ratio stays.
+"""
 
 
 def complete_circuit(values: ComponentValues, signal_path: Wiring, fourth_pin: str = GND) -> Circuit:
@@ -54,9 +64,14 @@ def complete_circuit(values: ComponentValues, signal_path: Wiring, fourth_pin: s
     supply = SUPPLIES[values.supply]
     wiring: dict[Component, Mapping[str, str]] = {}
     parts = SelectedComponents(values)
-    supply_block = _split_supply() if supply.negative_rail == VEE else _single_supply(parts)
+    supply_block = _split_supply() if supply.negative_rail == VEE else _single_supply(parts, supply)
+    if supply.is_for_controller:
+        interface = _controller_interface(parts, fourth_pin)
+        supply_block = {**supply_block, **_bridge_supply()}
+    else:
+        interface = _adc_connector(supply, fourth_pin)
     for block in (
-        _front_end(parts, supply), signal_path, _adc_interface(parts, supply, fourth_pin),
+        _front_end(parts, supply), signal_path, _adc_interface(parts, supply), interface,
         supply_block, _test_points(supply), _mounting_holes(),
     ):  # fmt: skip
         wiring.update(block)
@@ -66,13 +81,17 @@ def complete_circuit(values: ComponentValues, signal_path: Wiring, fourth_pin: s
 def _front_end(parts: SelectedComponents, supply: Supply) -> Wiring:
     """Connector of the sensor, bridge and instrumentation amplifier."""
     ground = supply.signal_ground
-    sensor = component("J1", "FSR", symbols.CONNECTOR_2, symbols.HEADER_2, "force-sensing resistor")
+    if supply.is_for_controller:
+        sensor = component("J1", "FSR", symbols.LOCKING_CONNECTOR_2, symbols.JST_SH_2, "force-sensing resistor")
+    else:
+        sensor = component("J1", "FSR", symbols.CONNECTOR_2, symbols.HEADER_2, "force-sensing resistor")
+    mounting_tabs = {"MP": GND} if supply.is_for_controller else {}
     amplifier = component("U2", "AD623ARMZ", symbols.AD623, symbols.MSOP_8, "instrumentation amplifier of the bridge")
     return {
-        sensor: {"1": SENSOR, "2": ground},
-        parts.bridge_resistor("R10", "bridge: supply to sensor"): {"1": VCC, "2": SENSOR},
+        sensor: {"1": SENSOR, "2": ground, **mounting_tabs},
+        parts.bridge_resistor("R10", "bridge: supply to sensor"): {"1": supply.bridge_supply, "2": SENSOR},
         parts.bridge_resistor("R11", "bridge: parallel to the sensor"): {"1": SENSOR, "2": ground},
-        parts.bridge_resistor("R12", "bridge: supply to reference"): {"1": VCC, "2": REFERENCE},
+        parts.bridge_resistor("R12", "bridge: supply to reference"): {"1": supply.bridge_supply, "2": REFERENCE},
         parts.bridge_resistor("R13", "bridge: reference to signal ground"): {"1": REFERENCE, "2": ground},
         parts.bridge_resistor("R14", "bridge: gain of its amplifier"): {"1": GAIN_A, "2": GAIN_B},
         supply_capacitor("C7", SENSOR_FILTER_F, "sensor's cable: radio interference"): {"1": SENSOR, "2": ground},
@@ -83,8 +102,8 @@ def _front_end(parts: SelectedComponents, supply: Supply) -> Wiring:
     }  # fmt: skip
 
 
-def _adc_interface(parts: SelectedComponents, supply: Supply, fourth_pin: str) -> Wiring:
-    """Anti-aliasing poles, and clamps to ground and VCC, for the envelope and the tactile voltage."""
+def _adc_connector(supply: Supply, fourth_pin: str) -> Wiring:
+    """Connector to the ADC: a pin header."""
     pins = {"1": ADC_TACTILE, "2": ADC_ENVELOPE, "3": GND, "4": fourth_pin}
     symbol, header = symbols.CONNECTOR_4, symbols.HEADER_4
     signals = ["tactile voltage", "envelope", "ground"]
@@ -94,11 +113,37 @@ def _adc_interface(parts: SelectedComponents, supply: Supply, fourth_pin: str) -
         pins |= {"5": VMID_OUT}
         symbol, header = symbols.CONNECTOR_5, symbols.HEADER_5
         signals.append("signal ground")
-    output = component("J3", "ADC", symbol, header, f"to the ADC: {', '.join(signals)}")
+    return {component("J3", "ADC", symbol, header, f"to the ADC: {', '.join(signals)}"): pins}
+
+
+def _controller_interface(parts: SelectedComponents, slip_pin: str) -> Wiring:
+    """Connector to the controller, with ground between the signals, and the filtered signal's pole and clamp.
+
+    The filtered signal is centred at VMID, half of the supply. VMID is the reference of all signals.
+    """
+    signals = [ADC_TACTILE, ADC_FILTERED, ADC_ENVELOPE, VMID_OUT, slip_pin]
+    pins = {str(2 * i + 1): net for i, net in enumerate(signals)}
+    pins |= {str(2 * i + 2): GND for i in range(len(signals))}
+    names = ["tactile voltage", "filtered signal", "envelope", "signal ground"]
+    if slip_pin != GND:
+        names.append("slip output")
+    role = f"to the controller: {', '.join(names)}; ground between"
+    output = component("J3", "HOST", symbols.LOCKING_CONNECTOR_10, symbols.JST_SH_10, role)
+    return {
+        parts.resistor("R27", "anti-aliasing filter, filtered signal"): {"1": FILTERED, "2": ADC_FILTERED},
+        parts.small_capacitor("C25", "anti-aliasing filter, filtered signal"): {"1": ADC_FILTERED, "2": GND},
+        clamp("D5", LOW_LEAKAGE_CLAMP, "clamp of the filtered signal"): {"1": GND, "2": VCC, "3": ADC_FILTERED},
+        output: {**pins, "MP": GND},
+    }
+
+
+def _adc_interface(parts: SelectedComponents, supply: Supply) -> Wiring:
+    """Anti-aliasing poles, and clamps to ground and VCC, for the envelope and the tactile voltage."""
+    diodes = LOW_LEAKAGE_CLAMP if supply.is_for_controller else CLAMP
     return {
         parts.resistor("R7", "anti-aliasing filter, envelope"): {"1": ENVELOPE, "2": ADC_ENVELOPE},
         parts.small_capacitor("C8", "anti-aliasing filter, envelope"): {"1": ADC_ENVELOPE, "2": GND},
-        _clamp("D2", "clamp of the envelope"): {"1": GND, "2": VCC, "3": ADC_ENVELOPE},
+        clamp("D2", diodes, "clamp of the envelope"): {"1": GND, "2": VCC, "3": ADC_ENVELOPE},
         parts.resistor("R8", "anti-aliasing filter, tactile voltage: first pole"): {
             "1": TACTILE, "2": ALIAS_MID,
         },
@@ -111,8 +156,7 @@ def _adc_interface(parts: SelectedComponents, supply: Supply, fourth_pin: str) -
         parts.small_capacitor("C19", "anti-aliasing filter, tactile voltage: second pole"): {
             "1": ADC_TACTILE, "2": GND,
         },
-        _clamp("D3", "clamp of the tactile voltage"): {"1": GND, "2": VCC, "3": ADC_TACTILE},
-        output: pins,
+        clamp("D3", diodes, "clamp of the tactile voltage"): {"1": GND, "2": VCC, "3": ADC_TACTILE},
     }  # fmt: skip
 
 
@@ -131,29 +175,58 @@ def _split_supply() -> Wiring:
     }
 
 
-def _single_supply(parts: SelectedComponents) -> Wiring:
+def _single_supply(parts: SelectedComponents, supply: Supply) -> Wiring:
     """Connector and decoupling of a single supply, and VMID (buffered mid-supply): a divider and a voltage follower.
 
     The follower's output has no capacitor, because it could not drive one, and R24 isolates it from the cable's
     capacitance. It carries the bridge's 2 mA.
     """
-    plus = {"1": VCC, "2": GND}
-    power = component("J2", "POWER", symbols.CONNECTOR_2, symbols.HEADER_2, "supply: plus, ground")
+    plus, divider_ohm = {"1": VCC, "2": GND}, DIVIDER_OHM[supply.name]
+    if supply.is_for_controller:
+        entry = _protected_entry()
+    else:
+        entry = {component("J2", "POWER", symbols.CONNECTOR_2, symbols.HEADER_2, "supply: plus, ground"): plus}
     buffer = component("U5", "TLV2371DBV", symbols.TLV2371, symbols.SOT_23_5, "mid-supply: buffer")
     return {
-        power: plus,
+        **entry,
         supply_capacitor("C10", BULK_F, "supply, at its entry", symbols.C_0805): plus,
         supply_capacitor("C5", DECOUPLING_F, "supply, at U1"): plus,
         supply_capacitor("C12", DECOUPLING_F, "supply, at U2"): plus,
-        precision_resistor("R22", DIVIDER_OHM, "mid-supply: upper half"): {"1": VCC, "2": VMID_DIVIDER},
-        precision_resistor("R23", DIVIDER_OHM, "mid-supply: lower half"): {"1": VMID_DIVIDER, "2": GND},
-        supply_capacitor("C21", BULK_F, "mid-supply: filters ripple", symbols.C_0805): {
+        precision_resistor("R22", divider_ohm, "mid-supply: upper half"): {"1": VCC, "2": VMID_DIVIDER},
+        precision_resistor("R23", divider_ohm, "mid-supply: lower half"): {"1": VMID_DIVIDER, "2": GND},
+        supply_capacitor("C21", DIVIDER_F, "mid-supply: filters ripple", symbols.C_0805): {
             "1": VMID_DIVIDER,
             "2": GND,
         },
         buffer: {"3": VMID_DIVIDER, "4": VMID, "1": VMID, "5": VCC, "2": GND},
         supply_capacitor("C22", DECOUPLING_F, "supply, at U5"): plus,
         parts.resistor("R24", "mid-supply: isolates its buffer from the cable", CABLE_OHM): {"1": VMID_OUT, "2": VMID},
+    }
+
+
+def _protected_entry() -> Wiring:
+    """Connector of the supply and the MOSFET that blocks a reversed one.
+
+    Its body diode lets the first current through; its channel then bridges the diode, because its gate is at ground.
+    With a reversed supply the gate is at the positive end, and both block.
+    """
+    power = component("J2", "POWER", symbols.CONNECTOR_2, symbols.JST_PH_2, "supply: plus, ground")
+    switch = component("Q1", "AO3401A", symbols.AO3401A, symbols.SOT_23, "protection against a reversed supply")
+    return {power: {"1": POWER_IN, "2": GND}, switch: {"3": POWER_IN, "2": VCC, "1": GND}}
+
+
+def _bridge_supply() -> Wiring:
+    """VREF, which feeds the bridge: a divider, a capacitor that filters ripple, and a voltage follower."""
+    buffer = component("U6", "TLV2371DBV", symbols.TLV2371, symbols.SOT_23_5, "bridge's supply: buffer")
+    return {
+        precision_resistor("R25", VREF_TOP_OHM, "bridge's supply: upper part"): {"1": VCC, "2": VREF_DIVIDER},
+        precision_resistor("R26", VREF_BOTTOM_OHM, "bridge's supply: lower part"): {"1": VREF_DIVIDER, "2": GND},
+        supply_capacitor("C23", DIVIDER_F, "bridge's supply: filters ripple", symbols.C_0805): {
+            "1": VREF_DIVIDER,
+            "2": GND,
+        },
+        buffer: {"3": VREF_DIVIDER, "4": VREF, "1": VREF, "5": VCC, "2": GND},
+        supply_capacitor("C24", DECOUPLING_F, "supply, at U6"): {"1": VCC, "2": GND},
     }
 
 
@@ -167,7 +240,3 @@ def _test_points(supply: Supply) -> Wiring:
 
 def _mounting_holes() -> Wiring:
     return {Component(f"H{i}", "M2", symbols.MOUNTING_HOLE, symbols.M2_HOLE, "mounting hole"): {} for i in range(1, 5)}
-
-
-def _clamp(reference: str, role: str) -> Component:
-    return component(reference, "BAT54S", symbols.BAT54S, symbols.SOT_23, role)

@@ -20,9 +20,13 @@ POLE_PER_SAMPLE_RATE = 0.25
 FIRST_OHM, SECOND_OHM = 1e3, 10e3
 """Approximate resistances. Together with the clamp they limit its current to 1 mA at 10 V beyond the rails."""
 CAPACITOR_SERIES = "E6"
+CLAMP, LOW_LEAKAGE_CLAMP = "BAT54S", "BAV199"
+"""Clamps of the ADC pins. The second serves boards for a controller, whose outputs stay within the supply anyway."""
 CLAMP_A, MAX_CLAMP_A = 0.1e-6, 2e-6
 """Reverse current of a clamp's diode [A]: the value of the SPICE deck's model, and the maximum of a BAT54 at 25 V and
 25 degrees Celsius (its data sheets; unverified)."""
+LOW_LEAKAGE_A, MAX_LOW_LEAKAGE_A = 3e-12, 5e-9
+"""The same of a BAV199: typical, and maximum at 75 V and 25 degrees Celsius (its data sheets; unverified)."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +49,10 @@ class AdcInterface:
             "R7": self.envelope_ohm, "C8": self.envelope_f, "R8": self.first_ohm, "C9": self.first_f,
             "R9": self.second_ohm, "C19": self.second_f,
         }  # fmt: skip
+
+    def filtered_by_reference(self) -> dict[str, float]:
+        """Value of each component of the filtered signal's section, which equals the envelope's."""
+        return {"R27": self.envelope_ohm, "C25": self.envelope_f}
 
 
 def size_adc_interface(sample_rate_hz: float, series: str) -> AdcInterface:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass
 
-from fingertip.board.components.amplifiers import select_dual_amplifier
 from fingertip.board.components.anti_aliasing import AdcInterface, size_adc_interface
-from fingertip.board.components.bridge import Bridge, size_bridge
+from fingertip.board.components.bridge import CONTROLLER_SERIES, CONTROLLER_TARGET, VREF_RATIO, Bridge, size_bridge
 from fingertip.board.components.comparator import ComparatorStage, size_comparator
 from fingertip.board.components.filter import FilterSelection, FirstStageCapacitors, select_filter
 from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import choose_amplifier
 from fingertip.design.filter_components import FilterComponents
 
 
@@ -30,15 +30,17 @@ class ComponentValues:
     variant: str
     """Name of the board's variant."""
     supply: str
-    """Name of the supply: split or single."""
+    """Name of the supply: split, single or single_3v3."""
     amplifier: str
-    """Dual amplifier of filter and rectifier."""
+    """Dual amplifier of filter and rectifier, by its name in `fingertip.amplifiers.CATALOGUE`."""
     ideal: FilterComponents
     """Values by the formulas (article, eqs. 2, 5, 6, 7, 11)."""
     preferred: FilterComponents
     """Values that are fitted: resistors of the design's series; capacitors as in the design, or of their own series."""
     first_stage_capacitors: FirstStageCapacitors | None
     """Capacitors of the first stage that variant article does not have; None there."""
+    rectifier_ohm: float | None
+    """Both resistors of the precision rectifier; None in variant article."""
     tolerance: Tolerance
     bridge: Bridge
     """Preferred values of the bridge ahead of the filter."""
@@ -50,8 +52,12 @@ class ComponentValues:
     @functools.cached_property
     def by_reference(self) -> dict[str, float]:
         """Value of each component [ohm, F] by its reference designator, as the circuit fits them."""
-        values = FilterSelection(self.ideal, self.preferred, self.first_stage_capacitors).by_reference()
+        values = FilterSelection(
+            self.ideal, self.preferred, self.first_stage_capacitors, self.rectifier_ohm
+        ).by_reference()
         values |= self.bridge.by_reference() | self.adc_interface.by_reference()
+        if SUPPLIES[self.supply].is_for_controller:
+            values |= self.adc_interface.filtered_by_reference()
         return values | (self.comparator_stage.by_reference() if self.comparator_stage else {})
 
 
@@ -74,13 +80,18 @@ def select_components(design: Design) -> ComponentValues:
     return ComponentValues(
         variant=board.variant,
         supply=supply.name,
-        amplifier=select_dual_amplifier(board.variant, board.supply),
+        amplifier=choose_amplifier(board).name,
         ideal=selection.ideal,
         preferred=selection.preferred,
         first_stage_capacitors=selection.capacitors,
+        rectifier_ohm=selection.rectifier_ohm,
         tolerance=Tolerance(board.resistor_tolerance_percent, board.capacitor_tolerance_percent),
         bridge=size_bridge(
-            board.supply_v, board.series, design.dimensions.sensor.active_diameter_mm, supply.signal_ground_ratio
+            board.supply_v,
+            CONTROLLER_SERIES if supply.is_for_controller else board.series,
+            design.dimensions.sensor.active_diameter_mm,
+            supply.signal_ground_ratio,
+            *((CONTROLLER_TARGET, VREF_RATIO) if supply.is_for_controller else ()),
         ),
         adc_interface=size_adc_interface(detector.sample_rate_hz, board.series),
         comparator_stage=comparator_stage,

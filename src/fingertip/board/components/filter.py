@@ -1,8 +1,9 @@
 """Components of the filter: preferred resistors and, where the design asks for it, capacitors.
 
 The formulas give what the selection needs of each section (article, eqs. 2, 8, 10). The article writes omega where
-j omega is meant (eqs. 1, 3, 4, 9, 11). For R2 and R3 the values nearest to the ideal ones are also the best pair, see
-`section_error`.
+j omega is meant (eqs. 1, 3, 4, 9, 11). With `board.resistor_choice` "joint", R1, R2 and R3 are chosen together
+(`fingertip.board.components.joint_choice`); with "apart" each for itself. For R2 and R3 the values nearest to the ideal
+ones are then also the best pair, see `section_error`.
 """
 
 from __future__ import annotations
@@ -12,7 +13,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from fingertip.board.components.joint_choice import choose_jointly
 from fingertip.board.components.preferred_values import nearest_value, neighbouring_values, values_in_range
+from fingertip.design.amplifier_choice import choose_amplifier
+from fingertip.design.amplifier_stages import select_rectifier_ohm
 from fingertip.design.filter_components import (
     SECTION_QUALITY,
     SELECTABLE_R1_OHM,
@@ -71,22 +75,31 @@ def select_section_resistors(section_hz: float, quality: float, c_f: float, seri
     return min(pairs, key=lambda pair: section_error(pair[0], pair[1], c_f, section_hz, quality))
 
 
-def select_resistors(ideal: FilterComponents, series: str) -> FilterComponents:
-    """Select preferred resistors for ideal ones; the capacitors keep the values that they have.
-
-    R5 is selected first, then R4 by the ratio R5 / R4 that the gain requires. Raises as `neighbouring_values` does.
-    """
-    nearest: Callable[[float], float] = lambda ohm: nearest_value(ohm, series)  # noqa: E731
+def select_filter_resistors(ideal: FilterComponents, series: str, *, jointly: bool) -> tuple[float, float, float]:
+    """Select preferred R1, R2 and R3 [ohm] for ideal ones, together or apart. Raises as `neighbouring_values` does."""
+    ohm = (ideal.r1_ohm, ideal.r2_ohm, ideal.r3_ohm)
+    if jointly:
+        return choose_jointly(ohm, series)[0]
     r2_ohm, r3_ohm = select_section_resistors(
         section_frequency_hz(ideal.r2_ohm, ideal.r3_ohm, ideal.c_f),
         section_quality(ideal.r2_ohm, ideal.r3_ohm),
         ideal.c_f,
         series,
     )
+    return nearest_value(ideal.r1_ohm, series), r2_ohm, r3_ohm
+
+
+def select_resistors(ideal: FilterComponents, series: str, *, jointly: bool) -> FilterComponents:
+    """Select preferred resistors for ideal ones; the capacitors keep the values that they have.
+
+    R5 is selected first, then R4 by the ratio R5 / R4 that the gain requires. Raises as `neighbouring_values` does.
+    """
+    nearest: Callable[[float], float] = lambda ohm: nearest_value(ohm, series)  # noqa: E731
+    r1_ohm, r2_ohm, r3_ohm = select_filter_resistors(ideal, series, jointly=jointly)
     r5_ohm = nearest(ideal.r5_ohm)
     return replace(
         ideal,
-        r1_ohm=nearest(ideal.r1_ohm),
+        r1_ohm=r1_ohm,
         r2_ohm=r2_ohm,
         r3_ohm=r3_ohm,
         r4_ohm=nearest(ideal.r4_ohm * r5_ohm / ideal.r5_ohm),
@@ -115,15 +128,21 @@ def filter_error(c_f: float, cutoff_hz: float, series: str) -> float:
 
 
 def select_filter_capacitor(board: Board) -> float:
-    """Select C1 = C2 = C3 [F] with the smallest `filter_error` among those that give R1 within `SELECTABLE_R1_OHM`.
+    """Select C1 = C2 = C3 [F] with the smallest error among those that give R1 within `SELECTABLE_R1_OHM`.
 
-    For each C the resistors are the best that exist (`select_section_resistors`, and the nearest R1). No combination of
-    the two series within that range is therefore better. Of equal errors the smaller capacitor is selected.
+    The error is the deviation from a Butterworth response where the resistors are chosen together, else
+    `filter_error`. For each C the resistors are the best that exist. No combination of the two series within that range
+    is therefore better. Of equal errors the smaller capacitor is selected.
     """
-    return min(
-        values_in_range(*selectable_range_f(board.cutoff_hz, SELECTABLE_R1_OHM), board.capacitor_series),
-        key=lambda c_f: (round(filter_error(c_f, board.cutoff_hz, board.series), 12), c_f),
-    )
+
+    def error(c_f: float) -> float:
+        if board.resistor_choice == "apart":
+            return filter_error(c_f, board.cutoff_hz, board.series)
+        ideal = ideal_components(board.model_copy(update={"capacitor_uf": 1e6 * c_f}))
+        return choose_jointly((ideal.r1_ohm, ideal.r2_ohm, ideal.r3_ohm), board.series)[1]
+
+    capacitors = values_in_range(*selectable_range_f(board.cutoff_hz, SELECTABLE_R1_OHM), board.capacitor_series)
+    return min(capacitors, key=lambda c_f: (round(error(c_f), 9), c_f))
 
 
 def select_envelope_capacitor(board: Board) -> float:
@@ -165,8 +184,6 @@ def select_first_stage_capacitors(components: FilterComponents, band_limit_hz: f
 
 LARGE_CAPACITOR_PERCENT = 20.0
 """Tolerance of a series capacitor above `MAX_1206_F`: nothing better is available in its size."""
-RECTIFIER_OHM = 10e3
-"""Both resistors of the precision rectifier [ohm]: gain -1."""
 
 
 @dataclass(frozen=True)
@@ -177,6 +194,8 @@ class FilterSelection:
     preferred: FilterComponents
     capacitors: FirstStageCapacitors | None
     """None in variant article."""
+    rectifier_ohm: float | None
+    """Both resistors of the precision rectifier, gain -1; None in variant article."""
 
     def by_reference(self) -> dict[str, float]:
         """Value of each fitted component [ohm, F] by its reference designator."""
@@ -185,16 +204,17 @@ class FilterSelection:
             "R1": c.r1_ohm, "R2": c.r2_ohm, "R3": c.r3_ohm, "R4": c.r4_ohm, "R5": c.r5_ohm, "R6": c.r_lp_ohm,
             "C1": c.c_f, "C2": c.c_f, "C3": c.c_f, "C4": c.c_lp_f,
         }  # fmt: skip
-        if self.capacitors is not None:
+        if self.capacitors is not None and self.rectifier_ohm is not None:
             values |= {"C14": self.capacitors.series_capacitor_f, "C20": self.capacitors.limiting_capacitor_f}
-            values |= {"R15": RECTIFIER_OHM, "R16": RECTIFIER_OHM, "R17": c.r_lp_ohm}
+            values |= {"R15": self.rectifier_ohm, "R16": self.rectifier_ohm, "R17": c.r_lp_ohm}
         return values
 
 
 def select_filter(board: Board) -> FilterSelection:
     """Select the components of filter and envelope. Raises as `neighbouring_values` does."""
     ideal = ideal_components(select_capacitors(board))
-    preferred = select_resistors(ideal, board.series)
-    has_capacitors = board.variant != "article"
-    capacitors = select_first_stage_capacitors(preferred, board.band_limit_hz) if has_capacitors else None
-    return FilterSelection(ideal, preferred, capacitors)
+    preferred = select_resistors(ideal, board.series, jointly=board.resistor_choice == "joint")
+    if board.variant == "article":
+        return FilterSelection(ideal, preferred, None, None)
+    capacitors = select_first_stage_capacitors(preferred, board.band_limit_hz)
+    return FilterSelection(ideal, preferred, capacitors, select_rectifier_ohm(choose_amplifier(board)))

@@ -10,16 +10,8 @@ from bisect import bisect_left
 from functools import lru_cache
 
 from fingertip.design.filter_components import MAX_OHM, MIN_OHM
+from fingertip.design.preferred_series import MANTISSAS
 from fingertip.errors import BoardError, Issue
-
-# Mantissas of one decade. E96 is 10^(i/96) to three digits; E12 and E24 follow no formula throughout.
-_E24 = (10, 11, 12, 13, 15, 16, 18, 20, 22, 24, 27, 30, 33, 36, 39, 43, 47, 51, 56, 62, 68, 75, 82, 91)
-_MANTISSAS: dict[str, tuple[int, ...]] = {
-    "E6": _E24[::4],
-    "E12": _E24[::2],
-    "E24": _E24,
-    "E96": tuple(round(100 * 10 ** (i / 96)) for i in range(96)),
-}
 
 
 def mantissas(series: str) -> tuple[int, ...]:
@@ -30,9 +22,9 @@ def mantissas(series: str) -> tuple[int, ...]:
     BoardError
         If the series is not known.
     """
-    if series not in _MANTISSAS:
-        raise BoardError(Issue("board.series", f"{series!r} is not known; choose {', '.join(_MANTISSAS)}."))
-    return _MANTISSAS[series]
+    if series not in MANTISSAS:
+        raise BoardError(Issue("board.series", f"{series!r} is not known; choose {', '.join(MANTISSAS)}."))
+    return MANTISSAS[series]
 
 
 def neighbouring_values(

@@ -28,10 +28,12 @@ class Pad:
     width: float
     height: float
     shape: str = "roundrect"
-    """KiCad's pad shape: roundrect, rect or circle."""
+    """KiCad's pad shape: roundrect, rect, oval or circle."""
     drill: float = 0.0
     """Diameter of the hole; 0 for a surface-mount pad on the front."""
     is_plated: bool = True
+    corner_ratio: float | None = None
+    """Corner radius of a rounded pad relative to its shorter side, where it is not that of its footprint."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,27 @@ def _header(pins: int) -> Footprint:
     return Footprint(tuple(pads), (-1.77, -1.77, 1.77, end + 1.77), body, lines, has_paste=False)
 
 
+_SMALL_CORNER_RATIO = 0.208333
+
+
+def _jst_sh(pins: int) -> Footprint:
+    """Connector JST SH for surface mounting, with its opening at the side of +y."""
+    half, mount = (pins - 1) / 2, (pins - 1) / 2 + 1.3
+    contacts = [Pad(str(i + 1), i - half, -2.0, 0.6, 1.55) for i in range(pins)]
+    tabs = [Pad("MP", x, 1.875, 1.2, 1.8, corner_ratio=_SMALL_CORNER_RATIO) for x in (-mount, mount)]
+    width = half + 1.5
+    edge = width + 0.11
+    # Outlines of the body where there are no pads.
+    lines = (
+        ((-edge, 0.7), (-edge, -1.785)), ((-edge, -1.785), (-half - 0.56, -1.785)),
+        ((edge, 0.7), (edge, -1.785)), ((edge, -1.785), (half + 0.56, -1.785)),
+        ((-mount + 0.86, 2.685), (mount - 0.86, 2.685)),
+    )  # fmt: skip
+    courtyard = (-width - 0.9, -3.28, width + 0.9, 3.28)
+    dot = (-half - 0.3 - 0.2 - PIN_1_DOT_MM, -2.4)
+    return Footprint((*contacts, *tabs), courtyard, (-width, -1.675, width, 2.575), lines, pin_1_dot=dot)
+
+
 FOOTPRINTS: dict[str, Footprint] = {
     symbols.R_0603: _chip(0.825, 0.8, 0.95, (1.48, 0.73), (0.8, 0.4125), 0.52),
     symbols.C_0603: _chip(0.775, 0.9, 0.95, (1.48, 0.73), (0.8, 0.4), 0.51),
@@ -127,6 +150,15 @@ FOOTPRINTS: dict[str, Footprint] = {
     symbols.HEADER_3: _header(3),
     symbols.HEADER_4: _header(4),
     symbols.HEADER_5: _header(5),
+    symbols.JST_SH_2: _jst_sh(2),
+    symbols.JST_SH_10: _jst_sh(10),
+    symbols.JST_PH_2: Footprint(
+        (Pad("1", 0.0, 0.0, 1.2, 1.75, drill=0.75, corner_ratio=_SMALL_CORNER_RATIO),
+         Pad("2", 2.0, 0.0, 1.2, 1.75, "oval", drill=0.75)),
+        (-2.45, -1.85, 4.45, 6.75), (-1.95, -1.35, 3.95, 6.25),
+        tuple(pairwise(((-0.86, -1.46), (-2.06, -1.46), (-2.06, 6.36), (4.06, 6.36), (4.06, -1.46), (2.86, -1.46)))),
+        has_paste=False, pin_1_dot=(-1.35, -1.0),
+    ),
     symbols.TEST_PAD: Footprint(
         (Pad("1", 0.0, 0.0, 1.0, 1.0, "circle"),), (-1.0, -1.0, 1.0, 1.0), (-0.5, -0.5, 0.5, 0.5), (), has_paste=False
     ),
@@ -140,3 +172,8 @@ FOOTPRINTS: dict[str, Footprint] = {
 DEFAULT_CORNER_RATIO = 0.25
 CORNER_RATIOS = {symbols.C_1206: 0.217391}
 """Corner radius of rounded pads relative to their shorter side, where it is not `DEFAULT_CORNER_RATIO`."""
+
+
+def pad_corner_ratio(footprint: str, pad: Pad) -> float:
+    """Corner radius of a rounded pad relative to its shorter side, by the footprint's KiCad identifier."""
+    return CORNER_RATIOS.get(footprint, DEFAULT_CORNER_RATIO) if pad.corner_ratio is None else pad.corner_ratio

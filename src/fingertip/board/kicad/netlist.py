@@ -96,10 +96,15 @@ def _nets(circuit: Circuit) -> list[Expression]:
     nets: list[Expression] = []
     for code, net in enumerate(sorted(circuit.nets, key=lambda net: kicad_net_name(net.name)), start=1):
         nodes: list[Expression] = []
-        for reference, number in sorted(net.nodes, key=lambda node: (references[node[0]], int(node[1]))):
+        for reference, number in sorted(net.nodes, key=lambda node: (references[node[0]], _pin_sort_key(node[1]))):
             pin = pins[reference, number]
             name = () if pin.name == "~" else (("pinfunction", quote(pin.name)),)
             kind = ("pintype", quote(pin.electrical_type))
             nodes.append(("node", ("ref", quote(reference)), ("pin", quote(number)), *name, kind))
         nets.append(("net", ("code", quote(str(code))), ("name", quote(kicad_net_name(net.name))), *nodes))
     return nets
+
+
+def _pin_sort_key(number: str) -> tuple[bool, int]:
+    """Sorting key of a pin: numbers first, then the mounting pin."""
+    return (False, int(number)) if number.isdigit() else (True, 0)

@@ -16,6 +16,12 @@ RESISTOR = Symbol("Device", "R", "Resistor", _passive("~", "~"))
 CAPACITOR = Symbol("Device", "C", "Unpolarized capacitor", _passive("~", "~"))
 DIODE_1N4148W = Symbol("Diode", "1N4148W", "Fast switching diode, SOD-123", _passive("K", "A"))
 BAT54S = Symbol("Diode", "BAT54S", "Dual Schottky diode in series, SOT-23", _passive("A", "K", "COM"))
+AO3401A = Symbol(
+    "Transistor_FET",
+    "AO3401A",
+    "P-channel MOSFET, SOT-23",
+    (Pin("1", "G", "input"), Pin("2", "S", "passive"), Pin("3", "D", "passive")),
+)
 TEST_POINT = Symbol("Connector", "TestPoint", "test point", _passive("1"))
 MOUNTING_HOLE = Symbol("Mechanical", "MountingHole", "Mounting Hole without connection", ())
 CONNECTOR_2 = Symbol("Connector_Generic", "Conn_01x02", "Generic connector, 1x2", _passive("Pin_1", "Pin_2"))
@@ -26,6 +32,20 @@ CONNECTOR_4 = Symbol(
 CONNECTOR_5 = Symbol(
     "Connector_Generic", "Conn_01x05", "Generic connector, 1x5", _passive("Pin_1", "Pin_2", "Pin_3", "Pin_4", "Pin_5")
 )
+
+
+def _locking_connector(pins: int) -> Symbol:
+    """Connector with a mounting pin, as the footprints of surface-mount connectors require."""
+    contacts = _passive(*(f"Pin_{i}" for i in range(1, pins + 1)))
+    return Symbol(
+        "Connector_Generic_MountingPin",
+        f"Conn_01x{pins:02}_MountingPin",
+        f"Generic connector with mounting pin, 1x{pins}",
+        (*contacts, Pin("MP", "MountPin", "passive")),
+    )
+
+
+LOCKING_CONNECTOR_2, LOCKING_CONNECTOR_10 = _locking_connector(2), _locking_connector(10)
 _DUAL_PINS = (
     Pin("1", "~", "output"),
     Pin("2", "-", "input"),
@@ -37,13 +57,21 @@ _DUAL_PINS = (
     Pin("8", "V+", "power_in"),
 )
 TL082 = Symbol("Amplifier_Operational", "TL082", "Dual JFET-input operational amplifier, SOIC-8", _DUAL_PINS)
-TLV2372 = Symbol(
-    "Amplifier_Operational",
-    "TLV2372",
-    "Dual operational amplifier, inputs and outputs to both rails, SOIC-8",
-    _DUAL_PINS,
-)
-DUAL_AMPLIFIERS = {symbol.name: symbol for symbol in (TL082, TLV2372)}
+
+
+def _rail_to_rail(name: str) -> Symbol:
+    description = "Dual operational amplifier, inputs and outputs to both rails, SOIC-8"
+    return Symbol("Amplifier_Operational", name, description, _DUAL_PINS)
+
+
+TLV2372 = _rail_to_rail("TLV2372")
+DUAL_AMPLIFIERS = {
+    "TL082": TL082,
+    "TLV2372": TLV2372,
+    "MCP6022": _rail_to_rail("MCP6022"),
+    "OPA2376": _rail_to_rail("OPA2376xxD"),
+    "OPA2197": _rail_to_rail("LM2904"),
+}
 """Dual amplifiers for the filter and the rectifier, by name."""
 TLV2371 = Symbol(
     "Amplifier_Operational",
@@ -102,5 +130,10 @@ HEADER_2 = "Connector_PinHeader_2.54mm:PinHeader_1x02_P2.54mm_Vertical"
 HEADER_4 = "Connector_PinHeader_2.54mm:PinHeader_1x04_P2.54mm_Vertical"
 HEADER_5 = "Connector_PinHeader_2.54mm:PinHeader_1x05_P2.54mm_Vertical"
 HEADER_3 = "Connector_PinHeader_2.54mm:PinHeader_1x03_P2.54mm_Vertical"
+JST_SH_2 = "Connector_JST:JST_SH_SM02B-SRSS-TB_1x02-1MP_P1.00mm_Horizontal"
+JST_SH_10 = "Connector_JST:JST_SH_SM10B-SRSS-TB_1x10-1MP_P1.00mm_Horizontal"
+JST_PH_2 = "Connector_JST:JST_PH_S2B-PH-K_1x02_P2.00mm_Horizontal"
+LOCKING_CONNECTORS = (JST_SH_2, JST_SH_10, JST_PH_2)
+"""Footprints of keyed connectors that lock."""
 TEST_PAD = "TestPoint:TestPoint_Pad_D1.0mm"
 M2_HOLE = "MountingHole:MountingHole_2.2mm_M2"

@@ -5,18 +5,18 @@ Positions are relative to the upper left corner of the board.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 
 from fingertip.board.circuit import Circuit, Component, kicad_net_name, reference_sort_key
 from fingertip.board.kicad.footprints import (
-    CORNER_RATIOS,
-    DEFAULT_CORNER_RATIO,
     FOOTPRINTS,
     PIN_1_DOT_MM,
     Box,
     Footprint,
     Pad,
     Point,
+    pad_corner_ratio,
 )
 from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_DRILL_MM, VIA_MM
 from fingertip.board.kicad.sexpr import Expression, format_expression, number, quote
@@ -168,11 +168,19 @@ def _footprint(circuit: Circuit, component: Component, placement: Placement, net
         *((("attr", *kind, *flags),) if kind or flags else ()),
         *_outlines(footprint, identifier),
         *(
-            _pad(component, footprint, pad, position.angle, nets, net_codes, identifier(f"pad {pad.number}"))
-            for pad in footprint.pads
+            _pad(component, footprint, pad, position.angle, nets, net_codes, identifier(f"pad {name}"))
+            for name, pad in zip(_distinct_pad_names(footprint), footprint.pads, strict=True)
         ),
         ("embedded_fonts", "no"),
     )
+
+
+def _distinct_pad_names(footprint: Footprint) -> Iterator[str]:
+    """Yield the number of each pad, followed by a count where several pads have the same."""
+    seen: Counter[str] = Counter()
+    for pad in footprint.pads:
+        seen[pad.number] += 1
+        yield pad.number if seen[pad.number] == 1 else f"{pad.number} {seen[pad.number]}"
 
 
 def _body_centre(footprint: Footprint) -> Point:
@@ -252,7 +260,7 @@ def _pad(
         pin_function = () if pin.name == "~" else (("pinfunction", quote(pin.name)),)
         pin_type = ("pintype", quote(pin.electrical_type))
         connection = (("net", str(net_codes[net]), quote(net)), *pin_function, pin_type)
-    corner_ratio = CORNER_RATIOS.get(component.footprint, DEFAULT_CORNER_RATIO)
+    corner_ratio = pad_corner_ratio(component.footprint, pad)
     return (
         "pad", quote(pad.number), kind, pad.shape,
         ("at", number(pad.x), number(pad.y), *((str(angle),) if angle else ())),

@@ -1,9 +1,9 @@
 """Placement of a board's components, with its outline [mm].
 
 The origin is the upper left corner and the y axis points down. The folder `placements` holds one JSON file, edited by
-hand, for each variant and supply. All boards are 40 x 25 mm with all components on the front. Sensor and supply enter
-on the left, signals leave on the right. After a change run `python -m tools.routing.reroute` in the repository, which
-routes the tracks again.
+hand, for each variant and supply. The boards are 40 x 25 mm, those for 3.3 V 52 x 28 mm, with all components on the
+front. Sensor and supply enter on the left, signals leave on the right. After a change run
+`python -m tools.routing.reroute` in the repository, which routes the tracks again.
 """
 
 from __future__ import annotations

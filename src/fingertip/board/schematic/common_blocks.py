@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from fingertip.board.schematic.sheet import (
     SGND,
+    VBRIDGE,
     VNEG,
     GlobalLabel,
     Label,
@@ -35,8 +36,8 @@ BRIDGE = Sheet(
         ((160, 40), (160, 44)), ((154, 48), (154, 47)), ((166, 48), (166, 49)),
     ),
     power_symbols=(
-        PowerSymbol(SGND, 20, 56), PowerSymbol(SGND, 28, 56), PowerSymbol(SGND, 36, 56), PowerSymbol("VCC", 36, 36),
-        PowerSymbol("VCC", 50, 20), PowerSymbol(SGND, 50, 36), PowerSymbol("VCC", 78, 34), PowerSymbol(VNEG, 78, 46),
+        PowerSymbol(SGND, 20, 56), PowerSymbol(SGND, 28, 56), PowerSymbol(SGND, 36, 56), PowerSymbol(VBRIDGE, 36, 36),
+        PowerSymbol(VBRIDGE, 50, 20), PowerSymbol(SGND, 50, 36), PowerSymbol("VCC", 78, 34), PowerSymbol(VNEG, 78, 46),
         PowerSymbol(SGND, 82, 48), PowerSymbol("GND", 122, 50), PowerSymbol("GND", 142, 50),
         PowerSymbol("VCC", 154, 47), PowerSymbol("GND", 166, 49),
     ),
@@ -55,11 +56,48 @@ MOUNTING_HOLES = Sheet(
 )
 
 
-def adc_connector(supply: Supply, has_slip_output: bool = False) -> Sheet:
-    """Connector J3 to the ADC.
+_FILTERED_OUTPUT = Sheet(
+    symbols=(
+        PlacedSymbol("R27", 153, 60, 90), PlacedSymbol("C25", 160, 67), PlacedSymbol("D5", 182, 68, 180),
+    ),
+    wires=(
+        ((146, 60), (150, 60)), ((156, 60), (208, 60), (208, 64), (218, 64)), ((160, 60), (160, 64)),
+        ((182, 60), (182, 64)), ((176, 68), (176, 67)), ((188, 68), (188, 69)),
+    ),
+    power_symbols=(PowerSymbol("GND", 160, 70), PowerSymbol("VCC", 176, 67), PowerSymbol("GND", 188, 69)),
+    labels=(Label("FILTERED", 146, 60, 180), Label("ADC_FILTERED", 190, 60)),
+    texts=(("Filtered signal to the converter", 150, 56),),
+)  # fmt: skip
 
-    Its fourth pin is the slip output or ground. On a single supply its fifth pin is the signal ground.
+
+def _controller_connector(supply: Supply, has_slip_output: bool) -> Sheet:
+    """Connector J3 to the controller: every second pin is ground, and the ninth is the slip output or ground."""
+    grounds = (62, 66, 70, 74, 78) if has_slip_output else (62, 66, 70, 74, 76, 78)
+    slip = Sheet(wires=(((218, 76), (214, 76)),), labels=(Label("SLIP", 214, 76, 180),)) if has_slip_output else Sheet()
+    connector = Sheet(
+        symbols=(PlacedSymbol("J3", 222, 68), PlacedSymbol("R24", 218, 95)),
+        wires=(
+            ((211, 84), (211, 68), (218, 68)), *(((218, y), (216, y)) for y in grounds), ((216, 62), (216, 82)),
+            ((218, 72), (214, 72)), ((218, 89), (218, 92)),
+        ),
+        power_symbols=(PowerSymbol("GND", 216, 82), PowerSymbol("GND", 222, 82), PowerSymbol("GND", 16, 52)),
+        labels=(Label("M_OUT", 214, 72, 180), Label("M_OUT", 218, 89)),
+        global_labels=(GlobalLabel(supply.signal_ground, 218, 98, 270),),
+    )  # fmt: skip
+    return join_blocks(connector, slip, _FILTERED_OUTPUT)
+
+
+def adc_connector(supply: Supply, has_slip_output: bool = False) -> Sheet:
+    """Connector J3 to the ADC or the controller, and the end of the envelope's wire.
+
+    The fourth pin of a pin header is the slip output or ground. On a single supply its fifth pin is the signal ground.
     """
+    if supply.is_for_controller:
+        return _controller_connector(supply, has_slip_output)
+    return join_blocks(_pin_header(supply, has_slip_output), Sheet(wires=(((211, 84), (211, 62), (218, 62)),)))
+
+
+def _pin_header(supply: Supply, has_slip_output: bool) -> Sheet:
     if has_slip_output:
         pin_4 = Sheet(
             wires=(((218, 66), (216, 66), (216, 76)), ((218, 64), (214, 64))),
@@ -82,6 +120,10 @@ def adc_connector(supply: Supply, has_slip_output: bool = False) -> Sheet:
     return join_blocks(with_signal_ground, pin_4)
 
 
+_PLAIN_ENTRY = ((20, 122), (24, 122), (24, 114))
+"""Wire from the supply's connector to the rail."""
+
+
 def supply_block(supply: Supply, positive: Sequence[str], negative: Sequence[str], amplifiers: Sequence[str]) -> Sheet:
     """Supply connector J2, decoupling capacitors and supply pins of the amplifiers.
 
@@ -96,7 +138,9 @@ def supply_block(supply: Supply, positive: Sequence[str], negative: Sequence[str
     amplifiers
         References of the dual amplifiers, whose third unit has the supply pins.
     """
-    columns = [30 + 9 * i for i in range(len(positive))]
+    # On a board for a controller the protection stands between the connector and the capacitors.
+    first, pitch, entry, flag = (40, 7, ((32, 114),), 37) if supply.is_for_controller else (30, 9, _PLAIN_ENTRY, 79)
+    columns = [first + pitch * i for i in range(len(positive))]
     pins = [86 + 9 * i for i in range(len(amplifiers))]
     rail_ends = (79, 114), *((x, 114) for x in pins)
     positive_row = Sheet(
@@ -105,10 +149,13 @@ def supply_block(supply: Supply, positive: Sequence[str], negative: Sequence[str
             *(PlacedSymbol(reference, 88 + 9 * i, 124, unit=3) for i, reference in enumerate(amplifiers)),
         ),
         wires=(
-            ((20, 122), (24, 122), (24, 114), *rail_ends), *(((x, 114), (x, 118)) for x in pins),
+            (*entry, *rail_ends), *(((x, 114), (x, 118)) for x in pins),
             *(((x, 114), (x, 117)) for x in columns), *(((x, 123), (x, 124)) for x in columns),
         ),
-        power_symbols=(PowerSymbol("VCC", 26, 114), PowerSymbol("PWR_FLAG", 79, 114), PowerSymbol("GND", 26, 124)),
+        power_symbols=(
+            PowerSymbol("VCC", 34 if supply.is_for_controller else 26, 114), PowerSymbol("PWR_FLAG", flag, 114),
+            PowerSymbol("GND", 26, 124),
+        ),
         texts=(("Supply and decoupling", 12, 108),),
     )  # fmt: skip
     if supply.signal_ground_ratio:
@@ -117,7 +164,8 @@ def supply_block(supply: Supply, positive: Sequence[str], negative: Sequence[str
             wires=(((20, 124), (83, 124)),),
             power_symbols=(*(PowerSymbol("GND", x, 130) for x in pins), PowerSymbol("PWR_FLAG", 83, 124)),
         )
-        return join_blocks(positive_row, ground, _SUPPLY_MIDPOINT)
+        for_controller = (_PROTECTION, _BRIDGE_SUPPLY) if supply.is_for_controller else ()
+        return join_blocks(positive_row, ground, _SUPPLY_MIDPOINT, *for_controller)
     negative_columns = columns[: len(negative)]
     negative_row = Sheet(
         symbols=(
@@ -152,4 +200,29 @@ _SUPPLY_MIDPOINT = Sheet(
     labels=(Label("HALF", 30, 140),),
     texts=(("Buffered mid-supply", 22, 129),),
     global_labels=(GlobalLabel("VMID", 56, 142),),
+)  # fmt: skip
+
+_PROTECTION = Sheet(
+    symbols=(PlacedSymbol("Q1", 28, 116, 90),),
+    wires=(((20, 122), (22, 122), (22, 114), (24, 114)), ((28, 120), (28, 124))),
+    labels=(Label("POWER_IN", 22, 114, 180),),
+)
+
+_BRIDGE_SUPPLY = Sheet(
+    symbols=(
+        PlacedSymbol("R25", 172, 18), PlacedSymbol("R26", 172, 26), PlacedSymbol("C23", 181, 27),
+        PlacedSymbol("U6", 198, 24), PlacedSymbol("C24", 218, 24),
+    ),
+    wires=(
+        ((172, 21), (172, 23)), ((172, 22), (181, 22), (181, 24)), ((181, 22), (192, 22)),
+        ((192, 26), (190, 26), (190, 34), (206, 34), (206, 24)), ((204, 24), (206, 24), (208, 24)),
+    ),
+    power_symbols=(
+        PowerSymbol("VCC", 172, 15), PowerSymbol("GND", 172, 29), PowerSymbol("GND", 181, 30),
+        PowerSymbol("VCC", 196, 18), PowerSymbol("GND", 196, 30), PowerSymbol("VCC", 218, 21),
+        PowerSymbol("GND", 218, 27),
+    ),
+    labels=(Label("VREF_IN", 183, 22),),
+    texts=(("Supply of the bridge", 178, 12),),
+    global_labels=(GlobalLabel("VREF", 208, 24),),
 )  # fmt: skip

@@ -6,14 +6,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from fingertip.board.nets import VEE, VMID
+from fingertip.board.nets import VEE, VMID, VREF
 from fingertip.board.supplies import Supply
 
 UNIT_MM = 1.27
 """Half the pitch of the grid that KiCad's pins lie on."""
 
-SGND, VNEG = "SGND", "VNEG"
-"""Placeholders for the signal ground and for the negative rail of the amplifiers; `apply_supply` replaces them."""
+SGND, VNEG, VBRIDGE = "SGND", "VNEG", "VBRIDGE"
+"""Placeholders for the signal ground, the negative rail of the amplifiers and the supply of the bridge; `apply_supply`
+replaces them."""
 
 Point = tuple[float, float]
 Segment = tuple[Point, Point]
@@ -35,7 +36,7 @@ class PlacedSymbol:
 
 @dataclass(frozen=True)
 class PowerSymbol:
-    """Power symbol (GND, VCC or VEE), PWR_FLAG, or placeholder (SGND or VNEG)."""
+    """Power symbol (GND, VCC or VEE), PWR_FLAG, or placeholder (SGND, VNEG or VBRIDGE)."""
 
     name: str
     x: int
@@ -103,15 +104,19 @@ def join_blocks(*blocks: Sheet) -> Sheet:
 
 
 def apply_supply(sheet: Sheet, supply: Supply) -> Sheet:
-    """Replace the placeholders SGND and VNEG by the symbols and global labels of a supply.
+    """Replace the placeholders SGND, VNEG and VBRIDGE by the symbols and global labels of a supply.
 
-    A global label for SGND points down, or up for a placeholder with an angle of 180, or right for one of 90.
+    A global label for SGND points down, or up for a placeholder with an angle of 180, or right for one of 90. One for
+    VBRIDGE points up.
     """
     power_symbols, global_labels = [], list(sheet.global_labels)
     for symbol in sheet.power_symbols:
-        net = {SGND: supply.signal_ground, VNEG: supply.negative_rail}.get(symbol.name, symbol.name)
+        placeholders = {SGND: supply.signal_ground, VNEG: supply.negative_rail, VBRIDGE: supply.bridge_supply}
+        net = placeholders.get(symbol.name, symbol.name)
         if net == VMID:
             global_labels.append(GlobalLabel(net, symbol.x, symbol.y, {0: 270, 90: 0, 180: 90}[symbol.angle]))
+        elif net == VREF:
+            global_labels.append(GlobalLabel(net, symbol.x, symbol.y, 90))
         elif symbol.name == VNEG:
             power_symbols.append(PowerSymbol(net, symbol.x, symbol.y, 180 if net == VEE else 0))
         else:

@@ -46,7 +46,7 @@ def _box(x0: float, y0: float, x1: float, y1: float) -> tuple[Point, ...]:
 
 
 def _connector(pins: int, top: float) -> UnitGraphic:
-    ys = [top - 2.54 * i for i in range(pins)]
+    ys = [round(top - 2.54 * i, 2) for i in range(pins)]
     body = _box(-1.27, ys[-1] - 1.27, 1.27, top + 1.27)
     return UnitGraphic(
         {str(i): PinGraphic(-5.08, y, 0, 3.81) for i, y in enumerate(ys, start=1)},
@@ -54,6 +54,15 @@ def _connector(pins: int, top: float) -> UnitGraphic:
         show_numbers=True,
         reference_at=(0.0, top + 3.81),
         value_at=(0.0, ys[-1] - 3.81),
+    )
+
+
+def _with_mounting_pin(connector: UnitGraphic, y: float) -> UnitGraphic:
+    """Connector with the mounting pin below it, whose open end has the height y."""
+    tab = ((-1.27, y + 3.048), (1.27, y + 3.048))
+    pins = connector.pins | {"MP": PinGraphic(0.0, y, 90, 3.048)}
+    return replace(
+        connector, pins=pins, lines=(*connector.lines, tab), value_at=(0.0, connector.reference_at[1] + 2.54)
     )
 
 
@@ -120,8 +129,7 @@ SYMBOL_GRAPHICS: dict[str, tuple[UnitGraphic, ...]] = {
             reference_at=(0.0, 2.54), value_at=(0.0, 5.08), body=(3.81, 1.27),
         ),
     ),
-    "TL082": _DUAL_AMPLIFIER,
-    "TLV2372": _DUAL_AMPLIFIER,
+    **dict.fromkeys(("TL082", "TLV2372", "MCP6022", "OPA2376xxD", "LM2904"), _DUAL_AMPLIFIER),
     "TLV2371DBV": (
         replace(_amplifier("3", "4", "1"), pins=_amplifier("3", "4", "1").pins | {
             "5": PinGraphic(-2.54, 7.62, 270, 3.81), "2": PinGraphic(-2.54, -7.62, 90, 3.81),
@@ -159,6 +167,20 @@ SYMBOL_GRAPHICS: dict[str, tuple[UnitGraphic, ...]] = {
         ),
     ),
     "Conn_01x02": (_connector(2, 0.0),),
+    "Conn_01x02_MountingPin": (_with_mounting_pin(_connector(2, 0.0), -7.62),),
+    "Conn_01x10_MountingPin": (_with_mounting_pin(_connector(10, 10.16), -17.78),),
+    "AO3401A": (
+        UnitGraphic(
+            {"1": PinGraphic(-5.08, 0.0, 0, 2.54), "3": PinGraphic(2.54, 5.08, 270, 2.54),
+             "2": PinGraphic(2.54, -5.08, 90, 2.54)},
+            (((-2.54, 0.0), (0.254, 0.0)), ((0.254, 1.905), (0.254, -1.905)), ((0.762, 2.286), (0.762, 1.27)),
+             ((0.762, 0.508), (0.762, -0.508)), ((0.762, -1.27), (0.762, -2.286)), ((2.54, 2.54), (2.54, 1.778),
+             (0.762, 1.778)), ((2.54, -2.54), (2.54, 0.0), (0.762, 0.0)), ((2.54, -1.778), (0.762, -1.778)),
+             ((2.286, 0.0), (1.27, 0.381), (1.27, -0.381), (2.286, 0.0))),
+            circles=((1.651, 0.0, 2.794),),
+            reference_at=(5.08, 1.905), value_at=(5.08, 0.0), body=(2.8, 2.8),
+        ),
+    ),
     "Conn_01x03": (_connector(3, 2.54),),
     "Conn_01x04": (_connector(4, 2.54),),
     "Conn_01x05": (_connector(5, 5.08),),

@@ -10,6 +10,7 @@ from fingertip.campaign.report import robustness
 from fingertip.campaign.report.tables import ASSUMPTIONS, StudyResults
 from fingertip.campaign.requirements import Requirement
 from fingertip.campaign.run import CampaignResult, surface
+from fingertip.sensors import PART_TO_PART
 
 FIGURE_ASSUMPTIONS = {
     "delays.png, surfaces.png, surfaces_digital.png": (
@@ -77,7 +78,8 @@ FIGURE_ASSUMPTIONS = {
 """Figure or table -> its assumptions."""
 NOT_TESTED = (
     "A real finger, board or hand: everything here is simulated.",
-    "Skins that wear, sweat or warm up; sensors that differ from the data sheet's curve.",
+    "Skins that wear, sweat or warm up; sensors that differ from the design's curve, as real ones do by a factor of "
+    f"{PART_TO_PART[0]:g} to {PART_TO_PART[1]:g} from the data sheet's.",
     "Levels and spectra of real noise: pink noise, mains hum and vibration of a hand are tested at assumed levels, one "
     "at a time, and not in the closed loop.",
     "Boards at the limits of their tolerances; mains hum that enters through the supply instead of the tactile "

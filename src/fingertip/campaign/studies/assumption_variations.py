@@ -66,15 +66,15 @@ def change_converter(bits: int, high_v: float) -> dict[str, Change]:
     """Parameters of a converter from 0 V to `high_v` [V], in the scene and in the design.
 
     A user of this converter states it in the design, because the thresholds follow from the design's noise and step.
-    A design's range is symmetric, so one bit more over plus and minus `high_v` gives the same step. The noise ahead of
-    the converter stays the design's.
+    The noise ahead of the converter stays the design's.
     """
     return {
         "scene.converter.bits": bits,
         "scene.converter.low_v": 0.0,
         "scene.converter.high_v": high_v,
-        "detector.adc_bits": bits + 1,
+        "detector.adc_bits": bits,
         "detector.adc_range_v": high_v,
+        "detector.adc_polarity": "unipolar",
     }
 
 

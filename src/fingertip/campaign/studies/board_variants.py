@@ -16,7 +16,7 @@ from fingertip.campaign.evaluate import TrialResult, evaluate, simulate_trace
 from fingertip.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.campaign.run import DetectorResult, surface
 from fingertip.design import Design
-from fingertip.design.rules.board import BAND_CUTOFFS
+from fingertip.design.amplifier_stages import BAND_CUTOFFS
 from fingertip.errors import DesignError
 from fingertip.jit import compiled
 from fingertip.sim.signal.board_output import simulate_quiescent_level

@@ -48,7 +48,7 @@ def compute_bounds_s(
     Each scene is changed first. The bound is infinite where the information never suffices.
     """
     detector = design.detector
-    noise_v = mean_quantised_noise_v(detector.noise_v, 2 * detector.adc_range_v / 2**detector.adc_bits)
+    noise_v = mean_quantised_noise_v(detector.noise_v, detector.adc_step_v)
     settings = FastSettings.from_design(design, max(noise_v, _MIN_NOISE_V))
     rate, width = settings.sample_rate_hz, settings.high_hz - settings.low_hz
     required = math.log(2 * width * 60 / ALARMS_PER_MINUTE)

@@ -5,6 +5,7 @@ from fingertip.design.parameters.declaration import ParameterTable, choice, quan
 from fingertip.design.parameters.design_tables import DesignTables
 from fingertip.design.parameters.electronics import Board, Detector
 from fingertip.design.parameters.finger import CustomSensor, Sensor, Skin
+from fingertip.design.parameters.force_curve import ForceCurve
 from fingertip.design.parameters.mold import Mold, Printer
 from fingertip.design.parameters.silicone import ChosenSilicone
 
@@ -15,6 +16,7 @@ __all__ = [
     "CustomSensor",
     "DesignTables",
     "Detector",
+    "ForceCurve",
     "Hand",
     "Mold",
     "ParameterTable",

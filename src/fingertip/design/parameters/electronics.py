@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from fingertip.amplifiers import AmplifierName
 from fingertip.design.parameters.declaration import ParameterTable, choice, quantity
 
 
@@ -48,19 +49,27 @@ class Board(ParameterTable):
         minimum=10,
         maximum=1e5,
     )
-    gain_bandwidth_hz: float = quantity(
-        3e6,
-        "Hz",
-        "Gain-bandwidth product of the amplifier; set 4e6 for the TL082 of variant article on a split supply "
-        "(TLV2372: 3e6).",
-        minimum=1e4,
-        maximum=1e9,
+    amplifier: AmplifierName = choice(
+        "auto",
+        "Dual amplifier of filter and rectifier; auto: TL082 (article, split), OPA2197 (comparator; OPA2376 at 3.3 V), "
+        "else TLV2372.",
     )
-    supply: Literal["split", "single"] = choice(
+    resistor_choice: Literal["joint", "apart"] = choice(
+        "joint",
+        "joint: R1, R2, R3 that together deviate least from a Butterworth response; apart: each nearest to its ideal.",
+    )
+    supply: Literal["split", "single", "single_3v3"] = choice(
         "split",
-        "split: plus and minus supply_v; single: supply_v alone, with signals around a buffered half of it.",
+        "split: plus and minus supply_v; single: supply_v alone, with signals around a buffered half of it; "
+        "single_3v3: the same for a controller, with all outputs from 0 to 3.3 V.",
     )
-    supply_v: float = quantity(5.0, "V", "Supply voltage, or each half of a split supply.", minimum=5, maximum=6)
+    supply_v: float = quantity(
+        5.0,
+        "V",
+        "Supply voltage, or each half of a split supply: 5 to 6, or 3.1 to 3.6 with single_3v3.",
+        minimum=3.1,
+        maximum=6,
+    )
 
 
 class Detector(ParameterTable):
@@ -84,4 +93,22 @@ class Detector(ParameterTable):
         verified=False,
     )
     adc_bits: int = quantity(16, "bit", "Resolution of the ADC.", minimum=8, maximum=24)
-    adc_range_v: float = quantity(10.0, "V", "Input range of the ADC, plus and minus this.", above=0, maximum=100)
+    adc_range_v: float = quantity(10.0, "V", "Upper end of the ADC's input range.", above=0, maximum=100)
+    adc_polarity: Literal["bipolar", "unipolar"] = choice(
+        "bipolar", "Input range of the ADC: plus and minus adc_range_v, or from 0 to it as in most microcontrollers."
+    )
+
+    @property
+    def adc_low_v(self) -> float:
+        """Lower end of the ADC's input range [V]."""
+        return -self.adc_range_v if self.adc_polarity == "bipolar" else 0.0
+
+    @property
+    def adc_step_v(self) -> float:
+        """Step of the ADC [V]: its least significant bit."""
+        return float((self.adc_range_v - self.adc_low_v) / 2**self.adc_bits)
+
+    @property
+    def adc_range_text(self) -> str:
+        """Input range of the ADC in words."""
+        return f"+/-{self.adc_range_v:g} V" if self.adc_low_v else f"0 to {self.adc_range_v:g} V"

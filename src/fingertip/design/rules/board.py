@@ -1,10 +1,22 @@
-"""Rules between the board's parameters: components that can be bought, and an amplifier that is fast enough."""
+"""Rules between the board's parameters: components that can be bought, and an amplifier that can drive them."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
+from fingertip.amplifiers import Amplifier, list_dual_amplifiers
 from fingertip.design import filter_components
+from fingertip.design.amplifier_choice import choose_amplifier, total_supply_v, works_on_supply
+from fingertip.design.amplifier_stages import (
+    BAND_CUTOFFS,
+    compute_envelope_current_a,
+    compute_filter_current_a,
+    compute_peaking_db,
+    compute_phase_margin_deg,
+    first_stage_feedback,
+    input_swing_v,
+)
 from fingertip.design.comparator_data import (
     MAX_AVERAGING_F,
     MAX_BIAS_A,
@@ -14,16 +26,37 @@ from fingertip.design.comparator_data import (
 )
 from fingertip.design.filter_components import MAX_1206_F, MAX_OHM, MIN_CUTOFF_RATIO, MIN_OHM, to_farads
 from fingertip.design.parameters import Board, DesignTables
+from fingertip.design.parameters.declaration import find_bounds
+from fingertip.design.preferred_series import CAPACITOR_SERIES, find_preferred_neighbours
 from fingertip.design.rules.ruleset import Interval, Ruleset, Violation, at_least, at_most
+from fingertip.numerics import bisect
 
 RULES = Ruleset()
 
+MIN_R5_OHM = find_bounds(Board.model_fields["r5_ohm"]).minimum or 0.0
+"""Minimum of the parameter r5_ohm [ohm]."""
+
 BANDWIDTH_MARGIN = 10.0
 """Minimum closed-loop bandwidth GBW / G, in cutoffs: the amplifier then costs 0.5 % of the gain at the cutoff."""
-BAND_CUTOFFS = 3.0
-"""Band of vibrations that is kept, in cutoffs: slip of the embedded finger ends at 1.5, that of the bare sensor reaches
-about 3."""
+MAX_OFFSET_RATIO = 0.5
+"""Maximum ratio of the first stage's offset to its swing: the signal keeps half of it."""
+MIN_PHASE_MARGIN_DEG = 30.0
+"""Minimum phase margin of the first stage [degree]. Below it a few picofarad more make an oscillator."""
+MAX_PEAKING_DB = 1.0
+"""Maximum gain beyond the band over that of the passband [dB]."""
+PREFERRED_SHARE = 0.1
+"""Share of a limit that the rules keep free, because preferred values differ from the ideal ones."""
+CURRENT_MARGIN = 0.8
+"""Maximum ratio of a filter amplifier's current to what its data sheet gives. Preferred values add some percent."""
+ENVELOPE_CURRENT_MARGIN = 0.95
+"""Maximum ratio of the current that charges variant article's envelope, at its peak, to what the data sheet gives."""
 
+SUPPLY_RANGES_V = {"split": (5.0, 6.0), "single": (5.0, 6.0), "single_3v3": (3.1, 3.6)}
+"""Range of the voltage of each supply [V].
+
+The bridge of the first two is sized for the article's 4.3 V. The AD623 needs 3 V (its data sheet), and the last supply
+ends where the inputs of a controller do.
+"""
 MAX_SPLIT_V = 5.5
 """Maximum of each half of a split supply [V]. The AD623's supply range ends at 12 V (its data sheet; unverified)."""
 
@@ -88,17 +121,149 @@ def gain_resistor_in_range(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("board.gain_bandwidth_hz")
-def amplifier_fast_enough(design: DesignTables) -> Violation | None:
-    """The amplifier has enough bandwidth for the gain at the cutoff."""
-    GBW, G, f_c = design.board.gain_bandwidth_hz, design.board.passband_gain, design.board.cutoff_hz
-    minimum = BANDWIDTH_MARGIN * G * f_c
-    if minimum <= GBW:
+@RULES.rule("board.capacitor_uf")
+def filter_capacitor_is_preferred(design: DesignTables) -> Violation | None:
+    """The given filter capacitor is a preferred value."""
+    return _check_preferred("capacitor_uf", "C1 to C3", design)
+
+
+@RULES.rule("board.envelope_capacitor_uf")
+def envelope_capacitor_is_preferred(design: DesignTables) -> Violation | None:
+    """The given envelope capacitor is a preferred value."""
+    return _check_preferred("envelope_capacitor_uf", "C4", design)
+
+
+@RULES.rule("board.supply_v")
+def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
+    """The voltage lies within the range of the supply."""
+    supply, supply_v = design.board.supply, design.board.supply_v
+    minimum, maximum = SUPPLY_RANGES_V[supply]
+    if minimum <= supply_v <= maximum:
+        return None
+    others = [name for name, (low, high) in SUPPLY_RANGES_V.items() if low <= supply_v <= high]
+    return Violation(
+        f"{supply_v:g} V lies outside the range of board.supply={supply}",
+        ((minimum, maximum),),
+        alternatives={"board.supply": others[0]} if others else {},
+    )
+
+
+@RULES.rule("board.amplifier", voltage_fits_the_supply)
+def amplifier_withstands_the_supply(design: DesignTables) -> Violation | None:
+    """The supply lies within the range of the amplifier."""
+    amplifier, supply_v = choose_amplifier(design.board), total_supply_v(design.board)
+    if works_on_supply(amplifier, design.board):
         return None
     return Violation(
-        f"{GBW:g} Hz leaves {GBW / G:.4g} Hz at a gain of {G:.6g}, less than {BANDWIDTH_MARGIN:g} cutoffs of "
-        f"{f_c:g} Hz",
-        at_least(minimum),
+        f"{amplifier.name} works on {amplifier.min_supply_v:g} to {amplifier.max_supply_v:g} V, and this supply puts "
+        f"{supply_v:g} V across it",
+    )
+
+
+@RULES.rule("board.passband_gain", amplifier_withstands_the_supply)
+def amplifier_fast_enough(design: DesignTables) -> Violation | None:
+    """The amplifier has enough bandwidth for the gain at the cutoff."""
+    amplifier, G, f_c = choose_amplifier(design.board), design.board.passband_gain, design.board.cutoff_hz
+    GBW = amplifier.bandwidth_hz
+    if BANDWIDTH_MARGIN * G * f_c <= GBW:
+        return None
+    return Violation(
+        f"the {GBW:g} Hz of a {amplifier.name} leave {GBW / G:.4g} Hz at a gain of {G:.6g}, less than "
+        f"{BANDWIDTH_MARGIN:g} cutoffs of {f_c:g} Hz",
+        at_most(GBW / BANDWIDTH_MARGIN / f_c),
+        alternatives=_other_amplifier(design, lambda other: other.bandwidth_hz >= BANDWIDTH_MARGIN * G * f_c),
+    )
+
+
+@RULES.rule("board.passband_gain", amplifier_withstands_the_supply)
+def offset_leaves_room(design: DesignTables) -> Violation | None:
+    """The amplified offset of the first stage leaves room for the signal. Other variants do not amplify it."""
+    if design.board.variant != "article":
+        return None
+    amplifier, G = choose_amplifier(design.board), design.board.passband_gain
+    ratio = MAX_OFFSET_RATIO * (1.0 - PREFERRED_SHARE)
+    maximum_v = ratio * input_swing_v(design.board, amplifier)
+    if G * amplifier.max_offset_v <= maximum_v:
+        return None
+    return Violation(
+        f"{G:.6g} times the {1e3 * amplifier.max_offset_v:g} mV of offset that a {amplifier.order_name} may have are "
+        f"{G * amplifier.max_offset_v:.3g} V, more than {ratio:g} of the swing of "
+        f"{input_swing_v(design.board, amplifier):.3g} V",
+        at_most(maximum_v / amplifier.max_offset_v),
+        alternatives={"board.variant": "precision"},
+    )
+
+
+@RULES.rule("board.r5_ohm", amplifier_withstands_the_supply)
+def first_stage_is_stable(design: DesignTables) -> Violation | None:
+    """The input's capacitance with R4 and R5 leaves the first stage stable, and the filter without a resonance."""
+    board, amplifier = design.board, choose_amplifier(design.board)
+    gain, min_margin_deg = board.passband_gain, MIN_PHASE_MARGIN_DEG * (1.0 + PREFERRED_SHARE)
+    max_peaking_db = MAX_PEAKING_DB * (1.0 - PREFERRED_SHARE)
+
+    def problem(r5_ohm: float) -> str:
+        feedback = first_stage_feedback(board, amplifier, r5_ohm)
+        margin_deg = compute_phase_margin_deg(amplifier, feedback)
+        if margin_deg < min_margin_deg:
+            return f"leaves {margin_deg:.0f} degrees of phase margin, less than {min_margin_deg:g}"
+        peaking_db = compute_peaking_db(amplifier, feedback, gain)
+        if peaking_db > max_peaking_db:
+            return f"makes the filter's gain peak {peaking_db:.1f} dB beyond its band, more than {max_peaking_db:g} dB"
+        return ""
+
+    found = problem(board.r5_ohm)
+    if not found:
+        return None
+    passing: tuple[Interval, ...] = ()
+    if not problem(MIN_R5_OHM):
+        stable_ohm, _ = bisect(lambda r5_ohm: not problem(r5_ohm), MIN_R5_OHM, board.r5_ohm, halvings=30)
+        passing = at_most(stable_ohm)
+    return Violation(
+        f"{board.r5_ohm:g} ohm with the {1e12 * amplifier.input_f:g} pF of a {amplifier.name}'s input {found}",
+        passing,
+        "at this gain",
+        alternatives={"board.variant": "precision"} if board.variant == "article" else {},
+    )
+
+
+@RULES.rule("board.capacitor_uf", amplifier_withstands_the_supply)
+def amplifier_drives_the_filter(design: DesignTables) -> Violation | None:
+    """The amplifier can drive the filter's capacitors and resistors."""
+    board = design.board
+    if board.capacitor_series != "given":
+        return None
+    amplifier, current_a = choose_amplifier(board), compute_filter_current_a(board)
+    limit_a = CURRENT_MARGIN * amplifier.output_current_a
+    if current_a <= limit_a:
+        return None
+    return Violation(
+        f"{board.capacitor_uf:g} uF at {board.cutoff_hz:g} Hz asks {1e3 * current_a:.3g} mA of a {amplifier.name}, "
+        f"more than {CURRENT_MARGIN:g} of its {1e3 * amplifier.output_current_a:g} mA",
+        _at_most_preferred(board.capacitor_uf * limit_a / current_a),
+        "at this cutoff",
+        alternatives=_other_amplifier(design, lambda other: CURRENT_MARGIN * other.output_current_a >= current_a),
+    )
+
+
+@RULES.rule("board.envelope_capacitor_uf", amplifier_withstands_the_supply, amplifier_drives_the_filter)
+def amplifier_charges_the_envelope(design: DesignTables) -> Violation | None:
+    """The amplifier can charge the envelope's capacitor through variant article's diode."""
+    board = design.board
+    if board.variant != "article" or board.capacitor_series != "given":
+        return None
+    amplifier, c_lp_f = choose_amplifier(board), to_farads(board.envelope_capacitor_uf)
+    charging_a, filter_a = compute_envelope_current_a(board, c_lp_f), compute_filter_current_a(board)
+    limit_a = ENVELOPE_CURRENT_MARGIN * amplifier.output_current_a
+    if charging_a + filter_a <= limit_a:
+        return None
+    return Violation(
+        f"{board.envelope_capacitor_uf:g} uF asks peaks of {1e3 * (charging_a + filter_a):.3g} mA of a "
+        f"{amplifier.name} at {BAND_CUTOFFS:g} cutoffs of {board.cutoff_hz:g} Hz, more than "
+        f"{ENVELOPE_CURRENT_MARGIN:g} of its {1e3 * amplifier.output_current_a:g} mA",
+        # R_LP is inverse to the capacitor, so that the current is proportional to it.
+        _at_most_preferred(board.envelope_capacitor_uf * (limit_a - filter_a) / charging_a),
+        "at this cutoff",
+        alternatives={"board.variant": "precision"},
     )
 
 
@@ -248,7 +413,7 @@ def _check_footprint(capacitor: str, names: str, design: DesignTables) -> Violat
         return None
     return Violation(
         f"{value:g} uF is more than the footprint of {names} holds (1206, X7R for 16 V)",
-        at_most(max_uf),
+        _at_most_preferred(max_uf),
         alternatives={"board.capacitor_series": "E6"},
     )
 
@@ -266,10 +431,42 @@ def _check_resistors(
     if math.isfinite(ohm):
         # R C f is the same for every C and f, so each bound on R is a bound on C at this f.
         rcf = ohm * value * f
-        passing = at_most(rcf / f / MIN_OHM) if too_small else at_least(rcf / f / MAX_OHM)
+        passing = _at_most_preferred(rcf / f / MIN_OHM) if too_small else _at_least_preferred(rcf / f / MAX_OHM)
     return Violation(
         f"{value:g} uF at {f:g} Hz requires {name} of {ohm:.4g} ohm, {_out_of_range(ohm)}", passing, "at this cutoff"
     )
+
+
+def _check_preferred(capacitor: str, names: str, design: DesignTables) -> Violation | None:
+    """Refuse a capacitor that nobody makes, and name its neighbours."""
+    if design.board.capacitor_series != "given":
+        return None
+    value = getattr(design.board, capacitor)
+    below, above = find_preferred_neighbours(value)
+    if below == above:
+        return None
+    return Violation(
+        f"{value:.10g} uF for {names} is no value of series {CAPACITOR_SERIES}, in which capacitors are made",
+        ((below, below), (above, above)),
+        alternatives={"board.capacitor_series": "E6"},
+    )
+
+
+def _at_most_preferred(maximum_uf: float) -> tuple[Interval, ...]:
+    """Return the capacitances up to the largest preferred one that does not exceed a maximum [uF]."""
+    return at_most(find_preferred_neighbours(maximum_uf)[0]) if maximum_uf > 0.0 else ()
+
+
+def _at_least_preferred(minimum_uf: float) -> tuple[Interval, ...]:
+    """Return the capacitances from the smallest preferred one on that is not below a minimum [uF]."""
+    return at_least(find_preferred_neighbours(minimum_uf)[1]) if minimum_uf > 0.0 else ()
+
+
+def _other_amplifier(design: DesignTables, passes: Callable[[Amplifier], bool]) -> dict[str, str]:
+    """Return the first amplifier of the catalogue that passes a condition and the supply, as an alternative."""
+    names = (a.name for a in list_dual_amplifiers() if works_on_supply(a, design.board) and passes(a))
+    name = next(names, None)
+    return {"board.amplifier": name} if name else {}
 
 
 def _out_of_range(ohm: float) -> str:

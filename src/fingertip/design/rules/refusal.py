@@ -115,7 +115,9 @@ def _format_bound(refusal: Refusal, name: str, values: Values) -> str:
         }
         texts = []
         for low, high in passing.intervals:
-            if low in ends and high in ends:
+            if low in ends and low == high:
+                texts.append(ends[low])
+            elif low in ends and high in ends:
                 texts.append(f"between {ends[low]} and {ends[high]}")
             elif low in ends or high in ends:
                 texts.append(f"at least {ends[low]}" if low in ends else f"at most {ends[high]}")

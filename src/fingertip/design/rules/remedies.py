@@ -67,7 +67,7 @@ def find_remedies(
     names = changed or [name for name in PARAMETERS if tables.value(name) != before.value(name)]
     search = Search(cheapest_first(rules), cheapest_first(one.rule for one in broken), invalid, before)
     refusal = Refusal(tables, tuple(broken), before, tuple(names), search)
-    for resolve in (_move_blamed_field, _move_one_field, _move_to_bounds, _move_step_by_step):
+    for resolve in (_move_blamed_field, _move_one_field, _return_blamed_choice, _move_to_bounds, _move_step_by_step):
         if values := resolve(refusal):
             return list(describe_refusal(refusal, values))
     return list(describe_refusal(refusal, _return_towards_before(refusal)))
@@ -117,6 +117,15 @@ def _move_one_field(refusal: Refusal) -> Values:
         if value is not None:
             return {name: value}
     return {}
+
+
+def _return_blamed_choice(refusal: Refusal) -> Values:
+    """Return the only blamed field to its value before the change, if it is a choice: choices have no nearest value."""
+    if len(refusal.blamed) > 1:
+        return {}
+    (name,) = refusal.blamed
+    value = refusal.before.value(name)
+    return {name: value} if not is_number(name) and refusal.resolves({name: value}) else {}
 
 
 def _move_to_bounds(refusal: Refusal) -> Values:

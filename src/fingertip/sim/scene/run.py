@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from fingertip import jit
 from fingertip.arrays import Array
+from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.friction import Friction
@@ -378,6 +379,13 @@ def find_scene_issues(design: Design, scene: SceneFile, seed: int) -> Iterator[I
         yield Issue("--seed", f"{seed} is negative; choose a whole number of at least 0.")
     if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
         yield Issue("outputs", describe_missing_comparator(design))
+    supply = SUPPLIES[design.board.supply]
+    if "sampled_filtered_v" in scene.outputs and not supply.is_for_controller:
+        message = (
+            "'sampled_filtered_v' exists on boards with the filtered signal at their connector, and this design's "
+            f"board.supply is {supply.name}; use --set board.supply=single_3v3 --set board.supply_v=3.3."
+        )
+        yield Issue("outputs", message)
     half = design.detector.sample_rate_hz / 2
     if scene.motor.force_n and scene.motor.frequency_hz >= half:
         message = f"{scene.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz; below {half:g} Hz."

@@ -30,6 +30,7 @@ OUTPUTS = (
     "filtered_v",
     "envelope_v",
     "sampled_envelope_v",
+    "sampled_filtered_v",
     "slip_pin_v",
 )
 """Signals that a scene can record.
@@ -39,8 +40,9 @@ the contact sticks do not count. velocity_m_s: velocity of the pad over the surf
 manipulation records the opposite, that of the object over the pad). shear_m: shear of the pad. tactile_v: voltage ahead
 of the filter board, with white noise that stands for that of its amplifiers up to 1 MHz; the ADC samples the same
 voltage without it, because `detector.noise_v` is all noise of a sample. filtered_v, envelope_v: outputs of the filter
-board, above its output offset. sampled_envelope_v: envelope_v as sampled by the ADC. slip_pin_v: voltage of the
-comparator's output, low while it reports slip.
+board, above its output offset. sampled_envelope_v, sampled_filtered_v: envelope_v and filtered_v as sampled by
+the ADC, above signal ground; the latter on boards with the supply single_3v3. slip_pin_v: voltage of the comparator's
+output, low while it reports slip.
 """
 
 

@@ -25,6 +25,7 @@ from fingertip.board.components.component_values import select_components
 from fingertip.board.nets import FILTERED, STAGE1_OUT, TACTILE, VMID
 from fingertip.board.network import Network, Value, build_network
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.errors import Issue
 from fingertip.sim.signal.envelope_loop import ABSCISSAE, BLOCK, LEVELS
 from fingertip.sim.signal.exact_steps import augment, exponentials
@@ -179,7 +180,7 @@ def board_with_amplifiers(design: Design, amplifiers: str) -> AnalogBoard:
         the capacitance of the inputs).
     """
     if amplifiers == "gain_bandwidth":
-        return AnalogBoard.from_design(design, design.board.gain_bandwidth_hz)
+        return AnalogBoard.from_design(design, find_gain_bandwidth_hz(design.board))
     board = AnalogBoard.from_design(design)
     return replace(board, rail_v=board_values(design).voltage_limits.filter_peak_v) if amplifiers == "rails" else board
 

@@ -20,6 +20,7 @@ from fingertip.board.analysis.noise import add_noise
 from fingertip.board.components.component_values import select_components
 from fingertip.board.nets import FILTERED
 from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.sim.grid import BASE_HZ
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_board
@@ -34,7 +35,7 @@ _SMALL_V = 1e-6
 def compute_input_noise_v(design: Design) -> float:
     """Compute the white RMS noise at the board's input, on the base grid, that stands for its amplifiers' noise [V]."""
     circuit = board_circuit(select_components(design))
-    return add_noise(circuit, design.board.gain_bandwidth_hz).total_v(FILTERED) / compute_noise_gain(design)
+    return add_noise(circuit, find_gain_bandwidth_hz(design.board)).total_v(FILTERED) / compute_noise_gain(design)
 
 
 def compute_noise_gain(design: Design) -> float:

@@ -111,7 +111,8 @@ def simulate_quiescent_level(design: Design) -> NoiseLevel:
     count = grid.count_points(_noise_s(design), rate)
     noise_v = draw_noise(open_stream(0, "quiescent board"), compute_input_noise_v(design), count)
     envelope_v = simulate_board(AnalogBoard.from_design(design), grid.step_s, noise_v).envelope_v
-    poles, adc = AntiAliasFilter.for_envelope(design, grid.step_s), AdcRange.from_design(design)
+    poles = AntiAliasFilter.for_envelope(design, grid.step_s)
+    adc = AdcRange.from_design(design).above_signal_ground(design)
     converter = Converter(design, poles, adc, grid.step_s, open_stream(0, "quiescent converter"))
     return _measure_level(design, converter.process(envelope_v, SampleClock(grid, rate).advance(count)))
 

@@ -32,6 +32,18 @@ class ConductanceCurve:
         """Conductance [S] at a force [N] that never decreased."""
         return self.scale * turn_on_power(force_n - self.turn_on_n, self.exponent, TURN_ON_WIDTH_N)
 
+    def force_n(self, conductance_s: float) -> float:
+        """Force [N] at a conductance [S]; where the turn-on rounds the curve, that of its unrounded power."""
+        return self.turn_on_n + math.pow(max(conductance_s, 0.0) / self.scale, 1.0 / self.exponent)
+
+    @classmethod
+    def of_design(cls, design: Design) -> ConductanceCurve:
+        """Curve of a design: calibrated, or typical."""
+        calibrated = design.force_curve
+        if calibrated.curve == "typical":
+            return fit_conductance_curve()
+        return cls(calibrated.turn_on_n, 1e-6 * calibrated.conductance_us, calibrated.exponent)
+
 
 @dataclass(frozen=True)
 class Bridge:
@@ -42,8 +54,12 @@ class Bridge:
 
     @classmethod
     def of_board(cls, design: Design) -> Bridge:
-        """Bridge and amplifier of a design, with the data sheet's sensor."""
-        return cls(fit_conductance_curve(), board_values(design).tactile_response)
+        """Bridge and amplifier of a design, with its calibrated sensor or the data sheet's.
+
+        The resistances are sized for the data sheet's curve in any case: a calibration holds for the board on which the
+        sensor was weighed.
+        """
+        return cls(ConductanceCurve.of_design(design), board_values(design).tactile_response)
 
     @classmethod
     def of_article(cls) -> Bridge:

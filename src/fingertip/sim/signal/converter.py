@@ -1,15 +1,15 @@
 """Analog-to-digital converter (ADC): the anti-aliasing poles ahead of its pins, its jitter, noise and quantisation.
 
 The poles lie between the board's outputs and the ADC (R8, C9, R9, C19 for the tactile voltage; R7, C8 for the
-envelope). Between the points of a grid the voltage is linear, which two RC sections follow exactly
-(`fingertip.sim.signal.exact_steps`). They delay by some 1.3 samples, whatever the sampling rate, because the
-board's values are selected for it.
+envelope; R27, C25 for the filtered signal of a board for 3.3 V). Between the points of a grid the voltage is linear,
+which two RC sections follow exactly (`fingertip.sim.signal.exact_steps`). They delay by some 1.3 samples, whatever the
+sampling rate, because the board's values are selected for it.
 """
 
 from __future__ import annotations
 
 from collections.abc import MutableSequence, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,8 +17,9 @@ from fingertip.arrays import Array
 from fingertip.board import board_circuit
 from fingertip.board.circuit import Circuit
 from fingertip.board.components.component_values import select_components
-from fingertip.board.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, TACTILE
+from fingertip.board.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE
 from fingertip.board.network import build_network
+from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
 from fingertip.jit import CompiledLoop
 from fingertip.sim.grid import Instants, Sampler
@@ -67,6 +68,11 @@ class AntiAliasFilter:
     def for_envelope(cls, design: Design, step_s: float | None = None) -> AntiAliasFilter:
         """Filter ahead of the envelope's pin; without a step [s], for voltages at the samples."""
         return cls(board_circuit(select_components(design)), ENVELOPE, ADC_ENVELOPE, _step_s(design, step_s))
+
+    @classmethod
+    def for_filtered(cls, design: Design, step_s: float | None = None) -> AntiAliasFilter:
+        """Filter ahead of the filtered signal's pin, on a board for a controller; step [s] as above."""
+        return cls(board_circuit(select_components(design)), FILTERED, ADC_FILTERED, _step_s(design, step_s))
 
     def process(self, voltage_v: Array, after_v: Array | None = None) -> Array:
         """Return the voltage at the pin [V] at the same instants as the voltage at the board's output [V].
@@ -118,9 +124,9 @@ class AdcRange:
 
     @classmethod
     def from_design(cls, design: Design) -> AdcRange:
-        """Range of the design's ADC, from minus to plus its ``adc_range_v``."""
+        """Range of the design's ADC against ground."""
         d = design.detector
-        return cls(d.adc_bits, -d.adc_range_v, d.adc_range_v)
+        return cls(d.adc_bits, d.adc_low_v, d.adc_range_v)
 
     @classmethod
     def select(cls, design: Design, converter: ConverterInput) -> AdcRange:
@@ -128,6 +134,14 @@ class AdcRange:
         if converter.bits:
             return cls(converter.bits, converter.low_v, converter.high_v)
         return cls.from_design(design)
+
+    def above_signal_ground(self, design: Design) -> AdcRange:
+        """The same range for voltages above the signal ground, which on a single supply lies at half of it.
+
+        Filtered signal and envelope are computed so. The controller subtracts the signal ground from its readings.
+        """
+        ground_v = SUPPLIES[design.board.supply].signal_ground_v(design.board.supply_v)
+        return replace(self, low_v=self.low_v - ground_v, high_v=self.high_v - ground_v)
 
     def quantise_v(self, voltage_v: Array) -> Array:
         """Round to the converter's steps [V]; voltages outside the range saturate."""
@@ -186,6 +200,6 @@ class Converter:
 
 
 def sample_v(design: Design, voltage_v: Array, noise: Stream | None) -> Array:
-    """Convert the voltages at the ADC's instants [V] to samples [V]; without `noise` the ADC has none."""
+    """Convert envelopes at the ADC's instants [V] to samples [V]; without `noise` the ADC has none."""
     noisy = voltage_v if noise is None else voltage_v + draw_noise(noise, design.detector.noise_v, len(voltage_v))
-    return AdcRange.from_design(design).quantise_v(noisy)
+    return AdcRange.from_design(design).above_signal_ground(design).quantise_v(noisy)

@@ -48,7 +48,7 @@ _OFFSETS = 32
 def input_noise_v(design: Design) -> float:
     """RMS noise of the sampled voltage [V]: ``detector.noise_v`` after quantisation by the ADC."""
     detector = design.detector
-    return quantised_noise_v(detector.noise_v, 2 * detector.adc_range_v / 2**detector.adc_bits)
+    return quantised_noise_v(detector.noise_v, detector.adc_step_v)
 
 
 def quantised_noise_v(noise_v: float, step_v: float) -> float:
@@ -157,7 +157,7 @@ def measure_noise_level(envelope_v: Array, design: Design, name: str) -> NoiseLe
         min_s = math.ceil(round(1000 * minimum / d.sample_rate_hz, 6)) / 1000
         raise TraceError(Issue("--quiet-s", f"covers {samples} of {name}; choose at least {min_s:g} s."))
     means = AnalogDetector.from_design(design).process(envelope_v).statistic_v[d.window_samples :]
-    step = 2 * d.adc_range_v / 2**d.adc_bits
+    step = d.adc_step_v
     return NoiseLevel(float(means.mean()), max(float(means.std()), step / DEVIATIONS))
 
 
@@ -203,7 +203,7 @@ MIN_CUTOFF_HZ = 45.0
 III.A: contacts lie below 30 Hz)."""
 MIN_WINDOW_S = 0.02
 """Window length below which contacts are reported as slip [s] (article, section III.C)."""
-_COARSE_RATIO = 2.0
+COARSE_RATIO = 2.0
 """Ratio of the ADC's step to the noise above which the step hides the noise."""
 
 
@@ -219,10 +219,10 @@ def settings_warnings(design: Design, detector: str = WINDOWED[0]) -> Iterator[s
             f"board.cutoff_hz of {cutoff:g} Hz passes contacts and changes of grip, which are then reported as slip; "
             f"choose at least {MIN_CUTOFF_HZ:g} Hz (article: 67 Hz)."
         )
-    step = 2 * d.adc_range_v / 2**d.adc_bits
-    if step > _COARSE_RATIO * d.noise_v > 0.0:
+    step = d.adc_step_v
+    if step > COARSE_RATIO * d.noise_v > 0.0:
         yield (
-            f"detector.adc_bits of {d.adc_bits} over +/-{d.adc_range_v:g} V gives steps of {1000 * step:.3g} mV, which "
+            f"detector.adc_bits of {d.adc_bits} over {d.adc_range_text} gives steps of {1000 * step:.3g} mV, which "
             f"hide the noise of {1000 * d.noise_v:.3g} mV: weak slip is not detected, and single steps resemble slip. "
             "Choose more bits or a smaller detector.adc_range_v."
         )

@@ -1,57 +1,37 @@
 """CSV files of traces: one line that names the columns, then one sample per line.
 
-The delimiter is a comma, a semicolon or a tab. Lines that a program wrote above the header are skipped.
+The delimiter is a comma, a semicolon, a tab or spaces. `csv_header` finds the header, or the first sample of a file
+without one. Lines that hold no sample are passed over, and named: a header that is repeated, comments, and a last line
+that was cut off.
 """
 
 from __future__ import annotations
 
-import re
+import array
+import codecs
+import datetime
+import itertools
 import warnings
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.design.issues import suggest_name
 from fingertip.errors import Issue, TraceError
-from fingertip.slip.traces.guess_columns import is_number, suggest_options
+from fingertip.slip.traces import lvm
+from fingertip.slip.traces.cells import count_decimals, parse_instant, split_cells, unquote
+from fingertip.slip.traces.csv_header import NOT_TEXT, Header, find_header
+from fingertip.slip.traces.limits import MAX_SAMPLES, shape_message, size_message
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace
 
-DELIMITERS = (",", ";", "\t")
-MAX_PREAMBLE = 200
-"""Maximum number of lines above the header (LabVIEW writes some 25)."""
-
-_SEPARATOR = re.compile(r'"?sep=.?"?', re.IGNORECASE)
-"""First line of a spreadsheet's export."""
-_UNIT = re.compile(r'"?[\[(]?(s|ms|us|µs|sec|seconds?|v|mv|volts?|n|newtons?|hz|counts?|-|)[\])]?"?', re.IGNORECASE)
-_NOT_TEXT = "is not a text file; a trace is a CSV file with the columns time_s,voltage_v."
-
-
-@dataclass(frozen=True)
-class Header:
-    """Line that names the columns."""
-
-    names: tuple[str, ...]
-    """Names of the columns. Those in the `ColumnMap` are spelt as there, whatever their case in the file."""
-    delimiter: str
-    line: int
-    """Line number in the file, from 1."""
-
-    def is_unit_line(self, line: str) -> bool:
-        """Return whether the line below the header contains the columns' units instead of a first sample."""
-        cells = [cell.strip() for cell in line.strip("\r\n").split(self.delimiter)]
-        return len(cells) == len(self.names) and any(cells) and all(map(_UNIT.fullmatch, cells))
-
-    def count_cells(self, first: int, columns: ColumnMap) -> int:
-        """Return how many cells each line must have, given the number in the first line.
-
-        It is the number of names, or fewer where a program omits the last cells (LabVIEW's comments) and none of those
-        belongs to the trace.
-        """
-        minimum = 1 + max(self.names.index(name) for name in map(columns.name_in_file, COLUMNS) if name in self.names)
-        return first if minimum <= first < len(self.names) else len(self.names)
+_TAIL_BYTES = 4096
+"""Length of the end of a file that is examined for a number that was cut off [bytes]."""
+_TAIL_LINES = 10
+"""Minimum number of lines with equally many decimals before a last number with fewer is taken as cut off."""
+_PROBE_BYTES = 2**20
+"""Length of the pieces in which the encoding of a file is tested [bytes]."""
 
 
 def to_csv(trace: Trace) -> bytes:
@@ -75,9 +55,10 @@ def to_csv(trace: Trace) -> bytes:
 
 
 def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
-    """Read a CSV file in UTF-8, or in UTF-16 with a byte order mark.
+    """Read a CSV file in UTF-8, in UTF-16 with a byte order mark, or in Latin-1.
 
-    With another delimiter than the comma, numbers may have a decimal comma.
+    With another delimiter than the comma, numbers may have a decimal comma. LabVIEW's measurement files (LVM) are read
+    by their own names of the columns.
 
     Raises
     ------
@@ -86,239 +67,239 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
     """
     name = str(path)
     try:
+        if message := size_message(path.stat().st_size):
+            raise TraceError(Issue(name, message))
         encoding = _detect_encoding(path)
         with path.open(encoding=encoding) as file:
-            header = find_header(name, file, columns)
+            adapted = lvm.adapt_columns(name, itertools.islice(file, lvm.MAX_LINES), columns)
+        with path.open(encoding=encoding) as file:
+            header = find_header(name, file, adapted)
             below = file.readline()
     except UnicodeError:
-        raise TraceError(Issue(name, _NOT_TEXT)) from None
+        raise TraceError(Issue(name, NOT_TEXT)) from None
     except OSError as error:
         raise TraceError(Issue(name, f"cannot be read ({error.strerror}); give the path of a trace.")) from None
-    first_line = header.line + (2 if header.is_unit_line(below) else 1)
-    fast = _read_valid(path, encoding, header, first_line, columns)
-    return fast or _read_by_line(path, encoding, header, first_line, columns)
+    header = replace(header, is_loose=adapted is not columns)
+    source = _Source(path, encoding, header, header.line + (2 if header.is_unit_line(below) else 1), adapted)
+    return _read_valid(source) or _read_by_line(source)
 
 
 def _detect_encoding(path: Path) -> str:
-    """Return UTF-16 for a file that begins with its byte order mark, otherwise UTF-8. Raises OSError."""
+    """Return UTF-16 for a file that begins with its byte order mark, UTF-8 if it decodes, otherwise Latin-1."""
     with path.open("rb") as file:
-        return "utf-16" if file.read(2) in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
+        if file.read(2) in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+            return "utf-16"
+        file.seek(0)
+        decoder = codecs.getincrementaldecoder("utf-8")()
+        try:
+            while piece := file.read(_PROBE_BYTES):
+                decoder.decode(piece)
+        except UnicodeDecodeError:
+            return "latin-1"
+    return "utf-8-sig"  # an incomplete character at the very end belongs to a line that was cut off
 
 
-def _read_valid(path: Path, encoding: str, header: Header, first_line: int, columns: ColumnMap) -> RawTrace | None:
+@dataclass(frozen=True)
+class _Source:
+    """File whose header is known."""
+
+    path: Path
+    encoding: str
+    header: Header
+    first_line: int
+    """Line number of the first sample."""
+    columns: ColumnMap
+
+    @property
+    def places(self) -> dict[str, int]:
+        """Index of each column of the trace that the file has."""
+        names = {column: self.columns.name_in_file(column) for column in COLUMNS}
+        return {column: self.header.names.index(name) for column, name in names.items() if name in self.header.names}
+
+    def is_cut_off(self) -> bool:
+        """Return whether the file ends within a number: without a line break, and with fewer decimals than before."""
+        if self.encoding == "utf-16":
+            return False
+        with self.path.open("rb") as file:
+            file.seek(max(0, self.path.stat().st_size - _TAIL_BYTES))
+            lines = file.read().decode("latin-1").splitlines(keepends=True)
+        if not lines or lines[-1].endswith(("\n", "\r")) or len(lines) < _TAIL_LINES + 2:
+            return False
+        *before, last = (split_cells(line, self.header.delimiter) for line in lines[-_TAIL_LINES - 1 :])
+        if any(len(cells) != len(last) for cells in before):
+            return False
+        decimals = {count_decimals(cells[-1]) for cells in before}
+        return len(decimals) == 1 and count_decimals(last[-1]) < decimals.pop()
+
+
+def _read_valid(source: _Source) -> RawTrace | None:
     """Read a file without any issue by numpy's reader; None if there may be one."""
-    present = [column for column in COLUMNS if columns.name_in_file(column) in header.names]
-    places = [header.names.index(columns.name_in_file(column)) for column in present]
+    header, columns, places = source.header, source.columns, source.places
+    delimiter = None if header.delimiter.isspace() and header.delimiter != "\t" else header.delimiter
     try:
-        with path.open(encoding=encoding) as file, warnings.catch_warnings():
+        with source.path.open(encoding=source.encoding) as file, warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # of no data, which is reported as an issue
-            table = np.loadtxt(file, delimiter=header.delimiter, skiprows=first_line - 1, comments=None, ndmin=2)
+            table = np.loadtxt(
+                file, delimiter=delimiter, skiprows=source.first_line - 1, comments=None, ndmin=2, max_rows=MAX_SAMPLES
+            )
     except ValueError:
         return None
     if not len(table) or table.shape[1] != header.count_cells(table.shape[1], columns):
         return None
-    if not np.isfinite(table[:, places]).all():
+    if len(table) == MAX_SAMPLES or not np.isfinite(table[:, list(places.values())]).all() or source.is_cut_off():
         return None
-    values = {column: np.ascontiguousarray(table[:, place]) for column, place in zip(present, places, strict=True)}
+    values = {column: np.ascontiguousarray(table[:, place]) for column, place in places.items()}
     slip = values.get("slip")
     if slip is not None and not np.isin(slip, (0.0, 1.0)).all():
         return None
     trace = columns.make_trace(values)
     if (np.diff(trace.time_s) <= 0.0).any():
         return None  # the message names the line, and numpy skips empty lines
-    return RawTrace(str(path), trace, first_line=first_line, in_volts=columns.in_volts)
+    lines = range(source.first_line, source.first_line + len(table))
+    return RawTrace(str(source.path), trace, lines=lines, in_volts=columns.in_volts)
 
 
-def _read_by_line(path: Path, encoding: str, header: Header, first_line: int, columns: ColumnMap) -> RawTrace:
+@dataclass
+class _Samples:
+    """Samples of a file as they are read line by line, with what is wrong."""
+
+    values: dict[str, array.array[float]]
+    lines: array.array[int] = field(default_factory=lambda: array.array("q"))
+    uneven: list[tuple[int, int]] = field(default_factory=list)
+    """Line number and number of cells of lines with another number of cells than the others."""
+    wrong: dict[str, list[tuple[int, str]]] = field(default_factory=dict)
+    """Line number and text of the cells of each column that cannot be read."""
+    passed_over: list[int] = field(default_factory=list)
+    """Line numbers of headers and comments among the samples."""
+    width: int = 0
+    """Number of cells that each line must have."""
+    has_last_break: bool = True
+    """True if the last line ends in a line break."""
+    start: datetime.datetime | None = None
+    """Time of the first sample, in a file of dates."""
+
+    def drop_last(self) -> None:
+        """Remove the last sample, with what is wrong with it."""
+        number = self.lines.pop()
+        for values in self.values.values():
+            values.pop()
+        self.uneven = [entry for entry in self.uneven if entry[0] != number]
+        self.wrong = {column: [cell for cell in cells if cell[0] != number] for column, cells in self.wrong.items()}
+
+    def is_last_cut_off(self) -> bool:
+        """Return whether the last line has fewer cells than the others, or ends within one that cannot be read."""
+        if not self.lines:
+            return False
+        number = self.lines[-1]
+        if self.uneven and self.uneven[-1][0] == number:
+            return self.uneven[-1][1] < self.width
+        return not self.has_last_break and any(cells and cells[-1][0] == number for cells in self.wrong.values())
+
+
+def _read_by_line(source: _Source) -> RawTrace:
     """Read a file line by line and collect all issues."""
-    name, issues = str(path), list[Issue]()
+    name, columns = str(source.path), source.columns
     try:
-        lines = path.read_text(encoding=encoding).rstrip().splitlines()
-    except UnicodeError:
-        raise TraceError(Issue(name, _NOT_TEXT)) from None
-    rows = [line.split(header.delimiter) for line in lines[first_line - 1 :]]
-
-    # Lines with a wrong number of cells are replaced by placeholders, so that the others are still validated.
-    width = header.count_cells(len(rows[0]), columns) if rows else 0
-    uneven = [i for i, row in enumerate(rows) if len(row) != width]
-    if uneven:
-        first = uneven[0]
-        others = f" (and {len(uneven) - 1} more such lines)" if len(uneven) > 1 else ""
-        message = f"has {len(rows[first])} cells, but the header has {len(header.names)}{others}"
-        issues.append(Issue(f"{name}, line {first_line + first}", f"{message}; each line must have one per column."))
-        for i in uneven:
-            rows[i] = ["0"] * width
-
-    has_all_times = not uneven
-    values: dict[str, Array] = {}
-    for column in COLUMNS:
-        if columns.name_in_file(column) in header.names:
-            cells = [row[header.names.index(columns.name_in_file(column))] for row in rows]
-            if header.delimiter != ",":
-                values[column], wrong = _parse_numbers([cell.replace(",", ".") for cell in cells])
-            else:
-                values[column], wrong = _parse_numbers(cells)
-            if wrong and not unquote(cells[wrong[0]]):
-                message = f"is missing in line {first_line + wrong[0]}{_count_others(wrong)}"
-                issues.append(Issue(f"{name}, {column}", f"{message}; fill it in, such as with the value before it."))
-            elif wrong:
-                value = f"{cells[wrong[0]].strip()!r} in line {first_line + wrong[0]}"
-                message = f"{value} is not a number{_count_others(wrong)}; write it with a decimal point."
-                issues.append(Issue(f"{name}, {column}", message))
-            if wrong and column == "time_s":
-                has_all_times = False
-
-    slip = values.get("slip")
-    if slip is not None:
-        wrong = np.flatnonzero((slip != 0.0) & (slip != 1.0)).tolist()
-        if wrong:
-            value = f"{slip[wrong[0]]:g} in line {first_line + wrong[0]}"
-            issues.append(Issue(f"{name}, slip", f"{value} is neither 0 nor 1{_count_others(wrong)}; write 0 or 1."))
-    return RawTrace(name, columns.make_trace(values), tuple(issues), first_line, has_all_times, columns.in_volts)
+        with source.path.open(encoding=source.encoding, errors="replace") as file:
+            samples = _collect(source, enumerate(file, 1))
+    except OSError as error:
+        raise TraceError(Issue(name, f"cannot be read ({error.strerror}); give the path of a trace.")) from None
+    notes = list[str]()
+    if len(samples.lines) > 1 and (samples.is_last_cut_off() or source.is_cut_off()):
+        notes.append(f"{name}, line {samples.lines[-1]}: is cut off, and passed over")
+        samples.drop_last()
+    if samples.passed_over:
+        first, others = samples.passed_over[0], _count_others(samples.passed_over)
+        notes.append(f"{name}, line {first}: is a header or a comment among the samples{others}, and passed over")
+    if samples.start is not None:
+        notes.append(f"{name}, time_s: dates are read as seconds since {samples.start.isoformat()}")
+    issues = list(_find_issues(name, source, samples))
+    values: dict[str, Array] = {column: np.array(cells) for column, cells in samples.values.items()}
+    has_all_times = not samples.uneven and not samples.wrong.get("time_s")
+    trace = columns.make_trace(values)
+    return RawTrace(name, trace, tuple(issues), samples.lines, has_all_times, columns.in_volts, tuple(notes))
 
 
-def _parse_numbers(cells: Sequence[str]) -> tuple[Array, list[int]]:
-    """Parse cells, quoted or not; return 0 for those that are not numbers, with their indices. NaN is accepted here."""
-    values, wrong = [], []
-    for i, cell in enumerate(cells):
-        try:
-            values.append(float(unquote(cell)))
-        except ValueError:
-            values.append(0.0)
-            wrong.append(i)
-    return np.array(values, dtype=np.float64), wrong
+def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
+    """Collect the samples of numbered lines. Cells that cannot be read become 0, so that the others are validated."""
+    header, places = source.header, source.places
+    samples = _Samples({column: array.array("d") for column in places}, wrong={column: [] for column in places})
+    after_header = False
+    below = (entry for entry in lines if entry[0] >= source.first_line and entry[1].strip())
+    for number, line in lvm.without_headers(below, samples.passed_over) if header.is_loose else below:
+        if header.is_repeated(line) or line.lstrip().startswith("#") or (after_header and header.is_unit_line(line)):
+            samples.passed_over.append(number)
+            after_header = True
+            continue
+        after_header = False
+        cells = split_cells(line, header.delimiter)
+        if header.is_loose:
+            cells = cells[: len(header.names)]
+            samples.width = len(cells) if len(cells) > max(places.values()) else len(header.names)
+        samples.width = width = samples.width or header.count_cells(len(cells), source.columns)
+        samples.has_last_break = line.endswith("\n")
+        samples.lines.append(number)
+        if len(samples.lines) > MAX_SAMPLES:
+            raise TraceError(Issue(str(source.path), shape_message([len(samples.lines)]) or ""))
+        if len(cells) != width:
+            samples.uneven.append((number, len(cells)))
+        for column, place in places.items():
+            value = 0.0
+            if len(cells) == width:
+                parsed = _parse(cells[place], column, header.delimiter, samples)
+                if parsed is None:
+                    samples.wrong[column].append((number, cells[place]))
+                else:
+                    value = parsed
+            samples.values[column].append(value)
+    return samples
 
 
-def _count_others(places: Sequence[int]) -> str:
-    return f" (and {len(places) - 1} more)" if len(places) > 1 else ""
+def _parse(cell: str, column: str, delimiter: str, samples: _Samples) -> float | None:
+    """Parse a cell, quoted or not; None if it is not a number. NaN is accepted here.
 
-
-def unquote(cell: str) -> str:
-    """Remove spaces and the quotes that some programs write around every cell."""
-    return cell.strip().strip('"')
-
-
-def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap) -> Header:
-    """Find the first line that names the columns that a trace requires.
-
-    Empty lines, a spreadsheet's `sep=;` and any other lines above are skipped, up to the first line of numbers. The
-    header may be a comment.
-
-    Parameters
-    ----------
-    name
-        Name of the trace in the messages.
-    lines
-        Lines of the file from its beginning; none beyond the header is taken.
-    columns, alternatives
-        Columns to look for; the header must match one of these maps.
-
-    Raises
-    ------
-    TraceError
-        If no line names the required columns, or one names them twice.
+    Times may be dates, if the first one is; they become seconds since then.
     """
-    skipped: list[tuple[int, str]] = []
-    for number, line in enumerate(lines, start=1):
-        text = line.lstrip("\ufeff") if number == 1 else line
-        if "\0" in text:  # UTF-16 without a byte order mark
-            raise TraceError(Issue(name, _NOT_TEXT))
-        is_comment = text.lstrip().startswith("#")
-        text = text.lstrip().lstrip("#") if is_comment else text
-        for candidate in (columns, *alternatives):
-            cells, delimiter = _split(text, candidate)
-            if all(candidate.name_in_file(column) in cells for column in candidate.required):
-                if duplicates := _duplicate_issues(f"{name}, line {number}", cells, candidate):
-                    raise TraceError(duplicates)
-                return Header(tuple(cells), delimiter, number)
-        if not is_comment and text.strip() and not _SEPARATOR.fullmatch(text.strip()):
-            skipped.append((number, text))
-            if _count_numbers(text) or len(skipped) == MAX_PREAMBLE:
-                break
-    if not skipped:
-        message = f"is empty; a trace is a CSV file with the columns {_join_required(columns)}."
-        raise TraceError(Issue(name, message))
-    raise TraceError(_header_issues(name, *_find_likely_header(skipped), columns))
+    plain = unquote(cell)
+    if column == "time_s" and ":" in plain and (instant := parse_instant(plain)) is not None:
+        if samples.start is None and len(samples.lines) == 1:
+            samples.start = instant
+        try:
+            return None if samples.start is None else (instant - samples.start).total_seconds()
+        except TypeError:  # one with a time zone, and one without
+            return None
+    try:
+        return float(plain if delimiter == "," else plain.replace(",", "."))
+    except ValueError:
+        return None
 
 
-def _join_required(columns: ColumnMap) -> str:
-    return ",".join(map(columns.name_in_file, columns.required))
-
-
-def _split(line: str, columns: ColumnMap) -> tuple[list[str], str]:
-    """Split a line at the delimiter that gives the most known names; return the cells and the delimiter."""
-    split = {d: _normalise_case(_split_at(line, d), columns) for d in DELIMITERS}
-    known = set(map(columns.name_in_file, COLUMNS))
-    delimiter = max(DELIMITERS, key=lambda d: len(known & set(split[d])))
-    return split[delimiter], delimiter
-
-
-def _split_at(line: str, delimiter: str) -> list[str]:
-    return [unquote(cell) for cell in line.strip("\r\n").split(delimiter)]
-
-
-def _split_at_each(line: str) -> list[list[str]]:
-    return [_split_at(line, delimiter) for delimiter in DELIMITERS]
-
-
-def _split_most(line: str) -> list[str]:
-    """Split a line at the delimiter that gives the most cells."""
-    return max(_split_at_each(line), key=lambda cells: len(cells))
-
-
-def _normalise_case(cells: list[str], columns: ColumnMap) -> list[str]:
-    """Replace a name that differs from a known one in its case only, if there is no other such name."""
-    for known in map(columns.name_in_file, COLUMNS):
-        matches = [i for i, cell in enumerate(cells) if cell.casefold() == known.casefold()]
-        if len(matches) == 1:
-            cells[matches[0]] = known
-    return cells
-
-
-def _count_numbers(line: str) -> int:
-    """Count the numbers in a line that contains nothing else; 0 for any other line."""
-    return max(len(cells) if all(map(is_number, cells)) else 0 for cells in _split_at_each(line))
-
-
-def _find_likely_header(skipped: Sequence[tuple[int, str]]) -> tuple[int, str]:
-    """Find the line most likely intended as header: above the first numbers, with as many cells."""
-    count = _count_numbers(skipped[-1][1])
-    if not count or len(skipped) == 1:
-        return skipped[0]
-    above = [entry for entry in skipped[:-1] if not all(map(_UNIT.fullmatch, _split_most(entry[1])))]
-    same_count = [entry for entry in above if count in map(len, _split_at_each(entry[1]))]
-    return (same_count or above or skipped)[-1]
-
-
-def _header_issues(name: str, number: int, line: str, columns: ColumnMap) -> list[Issue]:
-    """Say why a line is not a header, with the remedy."""
-    cells, _ = _split(line, columns)
-    field = f"{name}, line {number}"
-    if not set(cells) & set(map(columns.name_in_file, COLUMNS)):
-        cells = _split_most(line)
-        start = ",".join(cells)[:60]
-        if all(columns.name_in_file(column) in line for column in columns.required):
-            message = f"{start!r} does not separate its names by comma, semicolon or tab; use one of these."
+def _find_issues(name: str, source: _Source, samples: _Samples) -> Iterator[Issue]:
+    """Find lines and cells that cannot be read."""
+    if samples.uneven:
+        number, count = samples.uneven[0]
+        others = f" (and {len(samples.uneven) - 1} more such lines)" if len(samples.uneven) > 1 else ""
+        message = f"has {count} cells, but the header has {len(source.header.names)}{others}"
+        yield Issue(f"{name}, line {number}", f"{message}; each line must have one per column.")
+    for column, wrong in samples.wrong.items():
+        if not wrong:
+            continue
+        number, cell = wrong[0]
+        if not unquote(cell):
+            message = f"is missing in line {number}{_count_others(wrong)}"
+            yield Issue(f"{name}, {column}", f"{message}; fill it in, such as with the value before it.")
         else:
-            options = suggest_options(cells, columns)
-            message = f"{start!r} is not the header of a trace; it must name {_join_required(columns)}"
-            message += f"; or {options}." if options else "."
-        return [Issue(field, message)]
-    missing = [column for column in columns.required if columns.name_in_file(column) not in cells]
-    issues = []
-    for column in missing:
-        remedy = suggest_name(columns.name_in_file(column), cells)
-        if column == "time_s":
-            remedy += " Or give --rate-hz if the file has no times."
-        if column == missing[-1] and (options := suggest_options(cells, columns)):
-            remedy += f" Or {options}."
-        issues.append(Issue(field, f"there is no column {columns.name_in_file(column)}; {remedy}"))
-    return [*issues, *_duplicate_issues(field, cells, columns)]
+            value = f"{cell.strip()!r} in line {number}"
+            form = ", or a date as 2024-05-31T12:00:00.0005" if column == "time_s" else ""
+            message = f"{value} is not a number{_count_others(wrong)}; write it with a decimal point{form}."
+            yield Issue(f"{name}, {column}", message)
+    if samples.start is not None and source.columns.time_scale != 1.0:
+        yield Issue("--time-scale", f"does not apply to the dates in {name}; leave it out.")
+    slip = samples.values.get("slip", ())
+    if neither := [(number, value) for number, value in zip(samples.lines, slip, strict=False) if value not in (0, 1)]:
+        value = f"{neither[0][1]:g} in line {neither[0][0]}"
+        yield Issue(f"{name}, slip", f"{value} is neither 0 nor 1{_count_others(neither)}; write 0 or 1.")
 
 
-def _duplicate_issues(field: str, cells: Sequence[str], columns: ColumnMap) -> list[Issue]:
-    return [
-        Issue(field, f"the column {known} appears {cells.count(known)} times; keep one.")
-        for known in map(columns.name_in_file, COLUMNS)
-        if cells.count(known) > 1
-    ]
+def _count_others(places: Sequence[object]) -> str:
+    return f" (and {len(places) - 1} more)" if len(places) > 1 else ""

@@ -6,6 +6,7 @@ import re
 import shlex
 from collections.abc import Sequence
 
+from fingertip.slip.traces.cells import is_number
 from fingertip.slip.traces.trace import ColumnMap, is_force
 
 _TIME = re.compile(r"(time|zeit|timestamp|elapsed|seconds?|x_value|t)\b|.*([\[(]s[\])]|_s)$", re.IGNORECASE)
@@ -51,10 +52,9 @@ def suggest_options(names: Sequence[str], columns: ColumnMap) -> str:
     return f"name the file's column{'s' * (len(guesses) > 1)}: {' '.join(options)}"
 
 
-def is_number(cell: str) -> bool:
-    """Return whether a cell contains a number, with a decimal point or a decimal comma."""
-    try:
-        float(cell.replace(",", "."))
-    except ValueError:
-        return False
-    return True
+def suggest_numbers(count: int, columns: ColumnMap) -> str:
+    """Suggest the options that read a file without a header, whose lines have `count` cells."""
+    options = [f"--column {column}={number}" for number, column in enumerate(columns.required, 1)]
+    if count < len(options):
+        options = ["--rate-hz HZ", "--column voltage_v=1"]
+    return f"the file has no header: give its columns by number, such as {' '.join(options)}"

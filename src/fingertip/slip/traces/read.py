@@ -1,26 +1,25 @@
-"""Reading of traces from CSV, NumPy and TDMS files, selected by the file name's suffix."""
+"""Reading of traces from CSV files and files of arrays, selected by the file's first bytes and its suffix."""
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip import extras
 from fingertip.design import Design
 from fingertip.design.issues import suggest_name
 from fingertip.errors import Issue, TomlFileError, TraceError
+from fingertip.slip.traces.array_files import RATE, load_arrays
 from fingertip.slip.traces.csv_file import read_csv
+from fingertip.slip.traces.even_times import restore_even_times
+from fingertip.slip.traces.file_kinds import READABLE, identify
 from fingertip.slip.traces.guess_columns import suggest_options
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace
 from fingertip.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind
-
-RATE = "sample_rate_hz"
-"""Name of a number in an archive that replaces its times."""
 
 
 def read_trace(
@@ -29,8 +28,9 @@ def read_trace(
     columns: Mapping[str, str] | None = None,
     rate_hz: float | None = None,
     scale: float = 1.0,
+    time_scale: float = 1.0,
 ) -> Trace:
-    """Read a recorded trace from a .csv, .npz, .npy or .tdms file, and validate it for a design's detector.
+    """Read a recorded trace from a file of any kind that `read_raw_trace` reads, and validate it for a detector.
 
     Parameters
     ----------
@@ -44,6 +44,8 @@ def read_trace(
         Sampling rate of a file without times [Hz].
     scale
         Volts per unit of the file's voltage.
+    time_scale
+        Seconds per unit of the file's times.
 
     Returns
     -------
@@ -55,33 +57,47 @@ def read_trace(
     TraceError
         With all issues of the file and of its samples.
     MissingLibraryError
-        If npTDMS is required and not installed.
+        If the file needs a package that is not installed.
     """
-    raw = read_raw_trace(Path(path), ColumnMap(columns or {}, rate_hz, scale))
+    raw = read_raw_trace(Path(path), ColumnMap(columns or {}, rate_hz, scale, time_scale))
     return raw.validate((design or Design()).detector)
 
 
 def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
-    """Read a trace without validation: .npz and .npy by numpy, .tdms by npTDMS, any other file as CSV.
+    """Read a trace without validation: text as CSV, and NumPy, MATLAB, Parquet, WAV and TDMS files.
 
     Raises
     ------
     TraceError
         If the file does not contain a trace.
     MissingLibraryError
-        If npTDMS is required and not installed.
+        If the file needs a package that is not installed.
     """
-    suffix = path.suffix.lower()
-    if suffix == ".toml":
+    if path.suffix.lower() == ".toml":
         _refuse_known_toml(path)
-    if suffix not in (".npz", ".npy", ".tdms"):
-        return read_csv(path, columns)
     try:
-        arrays = _load_tdms(path, columns) if suffix == ".tdms" else _load_numpy(path, columns)
+        kind = identify(path)
+        if kind == "csv":
+            return _with_even_times(read_csv(path, columns), columns)
+        if kind not in READABLE:
+            raise TraceError(Issue(str(path), kind))
+        arrays = load_arrays(path, kind, columns)
     except OSError as error:
         reason = error.strerror or str(error)
         raise TraceError(Issue(str(path), f"cannot be read ({reason}); give the path of a trace.")) from None
-    return _from_arrays(str(path), arrays, columns)
+    return _with_even_times(_from_arrays(str(path), arrays, columns), columns)
+
+
+def _with_even_times(raw: RawTrace, columns: ColumnMap) -> RawTrace:
+    """Replace times in single precision by evenly spaced ones, with a note."""
+    if not raw.has_all_times:
+        return raw
+    even = restore_even_times(raw.trace.time_s / columns.time_scale)
+    if even is None:
+        return raw
+    trace = replace(raw.trace, time_s=even * columns.time_scale)
+    note = f"{raw.name}, time_s: is in single precision; evenly spaced times are taken instead"
+    return replace(raw, trace=trace, notes=(*raw.notes, note))
 
 
 def _refuse_known_toml(path: Path) -> None:
@@ -101,7 +117,7 @@ def _refuse_known_toml(path: Path) -> None:
 
 def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> RawTrace:
     """Make a trace of named arrays."""
-    issues, values = list[Issue](), dict[str, Any]()
+    issues, values, notes = list[Issue](), dict[str, Any](), list[str]()
     if not arrays:
         raise TraceError(Issue(name, f"contains no arrays; save {' and '.join(columns.required)}."))
     if columns.rate_hz is None and columns.name_in_file("time_s") not in arrays and RATE in arrays:
@@ -111,7 +127,7 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
             message = f"contains {_describe(stated)}; save the rate in Hz as one number, such as 2000"
             issues.append(Issue(f"{name}, {RATE}", f"{message}, or give --rate-hz."))
         # A placeholder replaces a wrong rate, so that the other arrays are still validated.
-        columns = ColumnMap(columns.names, rate_hz or 1.0, columns.scale)
+        columns = replace(columns, rate_hz=rate_hz or 1.0)
     missing = [column for column in columns.required if columns.name_in_file(column) not in arrays]
     for column in COLUMNS:
         name_in_file = columns.name_in_file(column)
@@ -124,13 +140,34 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
                 issues.append(Issue(name, f"there is no array {name_in_file}; {remedy}"))
             continue
         array = np.asarray(arrays[name_in_file])
-        is_numeric = array.dtype.kind in "bifu"
-        if not is_numeric:
+        if column == "time_s" and array.dtype.kind in "Mm":
+            array, note = _read_dates(array)
+            notes.append(f"{name}, {name_in_file}: {note}")
+            if columns.time_scale != 1.0:
+                issues.append(Issue("--time-scale", f"does not apply to the dates in {name}; leave it out."))
+        values[column] = np.zeros(0)
+        if array.dtype.kind not in "bifu":
             issues.append(Issue(f"{name}, {name_in_file}", f"has the type {array.dtype}; give an array of numbers."))
-        values[column] = array.astype(np.float64) if is_numeric else np.zeros(0)
+        elif array.ndim == 0:
+            issues.append(Issue(f"{name}, {name_in_file}", "is a single number; give one value per sample."))
+        else:
+            # MATLAB has no arrays of one dimension: a signal is a row or a column.
+            is_line = array.ndim == 2 and 1 in array.shape
+            values[column] = (array.ravel() if is_line else array).astype(np.float64)
     if issues:
         raise TraceError(issues)
-    return RawTrace(name, columns.make_trace(values), in_volts=columns.in_volts)
+    return RawTrace(name, columns.make_trace(values), in_volts=columns.in_volts, notes=tuple(notes))
+
+
+def _read_dates(array: NDArray[Any]) -> tuple[NDArray[Any], str]:
+    """Convert dates or durations to seconds; the dates' seconds count from the first one. Return a note on it too."""
+    second = np.timedelta64(1, "s")
+    if array.dtype.kind == "m":
+        return array / second, "durations are read as seconds"
+    flat = array.ravel()
+    if not flat.size:
+        return np.zeros(0), "holds no dates"
+    return (flat - flat[0]) / second, f"dates are read as seconds since {flat[0]}"
 
 
 def _parse_rate(stated: NDArray[Any]) -> float | None:
@@ -149,45 +186,3 @@ def _describe(stated: NDArray[Any]) -> str:
     if stated.size != 1:
         return f"{stated.size} values" if stated.size else "no value"
     return repr(stated.ravel()[0].item())
-
-
-def _load_numpy(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
-    try:
-        loaded = np.load(path, allow_pickle=False)
-        if not isinstance(loaded, np.ndarray):
-            with loaded:
-                return {key: loaded[key] for key in loaded.files}
-    except (ValueError, EOFError, zipfile.BadZipFile):
-        message = "is not a file that numpy can read without pickle; save numbers with numpy.savez."
-        raise TraceError(Issue(str(path), message)) from None
-    if loaded.ndim == 1:
-        return {columns.name_in_file("voltage_v"): loaded}
-    if loaded.ndim == 2 and loaded.shape[1] == 2:
-        # The columns of an array have no names: a name for the time (`--column time_s=none`) means to ignore it.
-        if columns.rate_hz is not None and "time_s" in columns.names:
-            return {columns.name_in_file("voltage_v"): loaded[:, 1]}
-        return {columns.name_in_file("time_s"): loaded[:, 0], columns.name_in_file("voltage_v"): loaded[:, 1]}
-    message = f"has shape {loaded.shape}; give (samples,) with --rate-hz, or (samples, 2) for time and voltage."
-    raise TraceError(Issue(str(path), message))
-
-
-def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
-    """Load channels by name. A single channel is the voltage, and the recording's increment gives the times."""
-    nptdms = extras.load("nptdms", str(path), alternative="save the recording as CSV")
-    with path.open("rb") as file:
-        if file.read(4) != b"TDSm":  # the tag of every segment
-            raise TraceError(Issue(str(path), "is not a TDMS file; export it again, or save it as CSV."))
-    try:
-        channels = [channel for group in nptdms.TdmsFile.read(path).groups() for channel in group.channels()]
-    except (ValueError, KeyError, IndexError) as error:
-        message = f"is not a TDMS file that npTDMS can read ({error}); export it again, or save it as CSV."
-        raise TraceError(Issue(str(path), message)) from None
-    by_name = {channel.name: channel for channel in channels}
-    if len(channels) == 1 and "voltage_v" not in columns.names:
-        by_name = {"voltage_v": channels[0]}
-    arrays: dict[str, Any] = {name: channel[:] for name, channel in by_name.items()}
-    voltage = by_name.get(columns.name_in_file("voltage_v"))
-    increment = voltage.properties.get("wf_increment") if voltage is not None else None
-    if increment:
-        arrays[RATE] = float(f"{1 / float(increment):.9g}")
-    return arrays

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +19,9 @@ STEP_TOLERANCE = 0.5
 """Maximum deviation of a time step from the usual one, as a share of it; more is a gap or a wrong time stamp."""
 MIN_RATE_HZ, MAX_RATE_HZ = 1000.0, 20000.0
 """Bounds of ``detector.sample_rate_hz`` [Hz]."""
-_TIME_UNITS = {"milliseconds": 1e3, "microseconds": 1e6}
-"""Units that recordings have besides seconds, and how many of them are one second."""
+TIME_UNITS_S = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+"""Units of times, and their length [s]."""
+_UNIT_NAMES = {"ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds"}
 _MIN_REPEATS = 0.05
 """Minimum share of repeated times in a rounded trace; fewer repetitions are reported one by one."""
 _MAX_DEVIATION_STEPS = 1.5
@@ -53,11 +54,11 @@ def find_rounding(time_s: Array) -> RoundedTimes | None:
     even = time_s[0] + duration_s * np.arange(len(time_s)) / len(steps)
     if np.abs(time_s - even).max() > _MAX_DEVIATION_STEPS * step_s:
         return None
-    rate_hz = _round_rate(len(steps) / duration_s, step_s / duration_s)
+    rate_hz = round_rate(len(steps) / duration_s, step_s / duration_s)
     return RoundedTimes(len(places), int(places[0]) + 1, step_s, rate_hz)
 
 
-def _round_rate(rate_hz: float, uncertainty: float) -> float | None:
+def round_rate(rate_hz: float, uncertainty: float) -> float | None:
     """Round a rate [Hz] to the fewest digits within its relative uncertainty."""
     if uncertainty > _MAX_RATE_UNCERTAINTY:
         return None
@@ -65,7 +66,7 @@ def _round_rate(rate_hz: float, uncertainty: float) -> float | None:
     return next((rate for rate in candidates if abs(rate / rate_hz - 1) <= uncertainty), rate_hz)
 
 
-def time_issues(time_s: Array, detector: DetectorParameters, name: str, first_line: int | None) -> Iterator[Issue]:
+def time_issues(time_s: Array, detector: DetectorParameters, name: str, lines: Sequence[int] | None) -> Iterator[Issue]:
     """Find finite times that decrease, repeat, leave gaps, or have another rate than the detector's.
 
     Parameters
@@ -76,12 +77,12 @@ def time_issues(time_s: Array, detector: DetectorParameters, name: str, first_li
         Source of the sampling rate.
     name
         Name of the trace in the messages, such as its file.
-    first_line
-        Line of the file that contains the first sample; None: the messages count samples from 0.
+    lines
+        Line of the file that contains each sample; None: the messages count samples from 0.
     """
     field = f"{name}, time_s"
     if rounding := find_rounding(time_s):
-        yield Issue(field, _rounding_message(time_s, rounding, detector, first_line))
+        yield Issue(field, _rounding_message(time_s, rounding, detector, lines))
         return
     steps = np.diff(time_s)
     # The median is the usual step, whatever single gaps do to the mean.
@@ -107,7 +108,7 @@ def time_issues(time_s: Array, detector: DetectorParameters, name: str, first_li
             i = int(places[0]) + 1
             yield Issue(
                 field,
-                f"{time_s[i]:.9g} s {sample_location(i, first_line)} {what} (previous time {time_s[i - 1]:.9g} s, "
+                f"{time_s[i]:.9g} s {sample_location(i, lines)} {what} (previous time {time_s[i - 1]:.9g} s, "
                 f"median step {usual:.4g} s){_count_others(places.size)}; {remedy}.",
             )
     rate = float(len(steps) / (time_s[-1] - time_s[0])) if is_even else 1 / usual
@@ -116,22 +117,25 @@ def time_issues(time_s: Array, detector: DetectorParameters, name: str, first_li
 
 
 def _rounding_message(
-    time_s: Array, rounding: RoundedTimes, detector: DetectorParameters, first_line: int | None
+    time_s: Array, rounding: RoundedTimes, detector: DetectorParameters, lines: Sequence[int] | None
 ) -> str:
     """Describe rounded times, with the options that ignore them.
 
     The rate in the remedy is the detector's if the mean rate agrees with it, and the mean rate otherwise.
     """
     at = rounding.first
-    rate, mean = "HZ, the rate of the recording, and", ""
+    rate, mean, condition = "HZ, the rate of the recording, and", "", ""
     if rounding.rate_hz:
-        agrees = abs(rounding.rate_hz / detector.sample_rate_hz - 1) <= RATE_TOLERANCE
-        rate = f"{detector.sample_rate_hz if agrees else rounding.rate_hz:.9g}"
         mean = f", at a mean rate of {rounding.rate_hz:.6g} Hz"
+        rate_hz = rounding.rate_hz
+        if unit := guess_time_unit(rate_hz):
+            rate_hz, condition = rate_hz / TIME_UNITS_S[unit], f"if they are in {_UNIT_NAMES[unit]}, "
+        agrees = abs(rate_hz / detector.sample_rate_hz - 1) <= RATE_TOLERANCE
+        rate = f"{detector.sample_rate_hz if agrees else rate_hz:.9g}"
     return (
-        f"{time_s[at]:.9g} s {sample_location(at, first_line)} repeats the time before it"
+        f"{time_s[at]:.9g} s {sample_location(at, lines)} repeats the time before it"
         f"{_count_others(rounding.repeats)}: the times are rounded to {rounding.step_s:.4g} s{mean}; "
-        f"ignore them with --rate-hz {rate} --column time_s=none."
+        f"{condition}ignore them with --rate-hz {rate} --column time_s=none."
     )
 
 
@@ -152,8 +156,7 @@ def rate_bounds_message(rate_hz: float) -> str | None:
         return None
     message = f"is sampled at {rate_hz:.6g} Hz"
     if unit := guess_time_unit(rate_hz):
-        remedy = f"ignore them with --rate-hz {rate_hz * _TIME_UNITS[unit]:.6g} --column time_s=none"
-        return f"{message} if its times are in seconds, as they must be; if they are in {unit}, {remedy}."
+        return f"{message} if its times are in seconds; if they are in {_UNIT_NAMES[unit]}, add --time-scale {unit}."
     if rate_hz < MIN_RATE_HZ:
         return f"{message}, too low for a detector; record at {MIN_RATE_HZ:g} Hz or more."
     return f"{message}, too high for a detector; resample it to {MAX_RATE_HZ:g} Hz or less."
@@ -161,7 +164,7 @@ def rate_bounds_message(rate_hz: float) -> str | None:
 
 def guess_time_unit(rate_hz: float) -> str | None:
     """Guess the unit of times from the rate that they give in seconds [Hz]; None if another unit explains nothing."""
-    return next((unit for unit, n in _TIME_UNITS.items() if MIN_RATE_HZ <= rate_hz * n <= MAX_RATE_HZ), None)
+    return next((unit for unit in _UNIT_NAMES if MIN_RATE_HZ <= rate_hz / TIME_UNITS_S[unit] <= MAX_RATE_HZ), None)
 
 
 def _count_others(count: int) -> str:
@@ -170,6 +173,6 @@ def _count_others(count: int) -> str:
     return ", as does 1 more sample" if count == 2 else f", as do {count - 1} more samples"
 
 
-def sample_location(sample: int, first_line: int | None) -> str:
-    """Say where a sample is: its line in the file or, without a first line, its index from 0."""
-    return f"at sample {sample}" if first_line is None else f"in line {first_line + sample}"
+def sample_location(sample: int, lines: Sequence[int] | None) -> str:
+    """Say where a sample is: its line in the file or, without lines, its index from 0."""
+    return f"at sample {sample}" if lines is None else f"in line {lines[sample]}"

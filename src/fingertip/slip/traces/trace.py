@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from fingertip.arrays import Array
 from fingertip.design.parameters import Detector as DetectorParameters
 from fingertip.errors import Issue, TraceError
-from fingertip.slip.traces.sampling import find_rounding, sample_location, time_issues
+from fingertip.slip.traces.sampling import TIME_UNITS_S, find_rounding, sample_location, time_issues
 
 COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v")
 """Names of a trace's columns."""
@@ -55,6 +55,8 @@ class ColumnMap:
     """Sampling rate of a file without times [Hz]; times in the file are kept and validated."""
     scale: float = 1.0
     """Volts per unit of the file's voltage."""
+    time_scale: float = 1.0
+    """Seconds per unit of the file's times."""
 
     def __post_init__(self) -> None:
         issues = [
@@ -68,6 +70,9 @@ class ColumnMap:
             issues.append(
                 Issue("--scale", f"{self.scale:g} is not a scale; give volts per unit of the file's voltage.")
             )
+        if not 0.0 < self.time_scale < float("inf"):
+            message = f"{self.time_scale:g} is not a unit of time; give its length in seconds, or one of "
+            issues.append(Issue("--time-scale", f"{message}{', '.join(TIME_UNITS_S)}."))
         if issues:
             raise TraceError(issues)
 
@@ -92,6 +97,8 @@ class ColumnMap:
         if time is None:
             assert self.rate_hz is not None
             time = np.arange(len(voltage)) / self.rate_hz
+        elif self.time_scale != 1.0:
+            time = time * self.time_scale
         slip = columns.get("slip")
         volts = voltage if self.scale == 1.0 else voltage * self.scale
         flags = None if slip is None else slip == 1.0
@@ -106,12 +113,14 @@ class RawTrace:
     trace: Trace
     issues: tuple[Issue, ...] = ()
     """Issues of the file's form."""
-    first_line: int | None = None
-    """Line that contains the first sample, in a file of lines."""
+    lines: Sequence[int] | None = None
+    """Line that contains each sample, in a file of lines."""
     has_all_times: bool = True
     """True if every sample's time was read, so that the times can be validated."""
     in_volts: bool = True
     """True if the signal is a voltage."""
+    notes: tuple[str, ...] = ()
+    """Sentences on what was passed over, or read in another way than it stands in the file."""
 
     @property
     def rate_hz(self) -> float | None:
@@ -130,9 +139,9 @@ class RawTrace:
         TraceError
             With all issues of the file and of its samples.
         """
-        issues = [*self.issues, *value_issues(self.trace, detector, self.name, self.first_line, self.in_volts)]
+        issues = [*self.issues, *value_issues(self.trace, detector, self.name, self.lines, self.in_volts)]
         if self._times_are_valid:
-            issues.extend(time_issues(self.trace.time_s, detector, self.name, self.first_line))
+            issues.extend(time_issues(self.trace.time_s, detector, self.name, self.lines))
         if issues:
             raise TraceError(issues)
         return self.trace
@@ -165,7 +174,7 @@ def _are_finite_times(time_s: Array) -> bool:
 
 
 def value_issues(
-    trace: Trace, detector: DetectorParameters, name: str, first_line: int | None, in_volts: bool
+    trace: Trace, detector: DetectorParameters, name: str, lines: Sequence[int] | None, in_volts: bool
 ) -> Iterator[Issue]:
     """Find issues of a trace's length, shapes and values.
 
@@ -177,8 +186,8 @@ def value_issues(
         Source of the window (the minimum length) and the ADC range.
     name
         Name of the trace in the messages, such as its file.
-    first_line
-        Line of the file that contains the first sample; None: the messages count samples from 0.
+    lines
+        Line of the file that contains each sample; None: the messages count samples from 0.
     in_volts
         Whether the signal is a voltage, to which the ADC range applies.
     """
@@ -196,11 +205,11 @@ def value_issues(
         elif (wrong := np.flatnonzero(~np.isfinite(values))).size:
             first = int(wrong[0])
             others = f" (and {wrong.size - 1} more)" if wrong.size > 1 else ""
-            location = sample_location(first, first_line)
+            location = sample_location(first, lines)
             message = f"{values[first]} {location} is not a finite number{others}; record again or remove it."
             yield Issue(column_field, message)
     if in_volts and trace.voltage_v.ndim == 1:
-        yield from _range_issues(trace.voltage_v, detector, name, first_line)
+        yield from _range_issues(trace.voltage_v, detector, name, lines)
 
 
 def length_message(count: int, minimum: int) -> str:
@@ -209,13 +218,15 @@ def length_message(count: int, minimum: int) -> str:
     return f"has {samples}; at least one window of {minimum} is required; record for longer."
 
 
-def _range_issues(volts: Array, detector: DetectorParameters, name: str, first_line: int | None) -> Iterator[Issue]:
+def _range_issues(
+    volts: Array, detector: DetectorParameters, name: str, lines: Sequence[int] | None
+) -> Iterator[Issue]:
     """Find voltages outside the ADC range."""
-    outside = np.flatnonzero(np.isfinite(volts) & (np.abs(volts) > detector.adc_range_v))
+    outside = np.flatnonzero(np.isfinite(volts) & ((volts > detector.adc_range_v) | (volts < detector.adc_low_v)))
     if outside.size:
         first = int(outside[0])
         all_whole = bool(np.all(volts[np.isfinite(volts)] % 1 == 0))
-        value = f"{volts[first]:g} {sample_location(first, first_line)}"
+        value = f"{volts[first]:g} {sample_location(first, lines)}"
         yield Issue(f"{name}, voltage_v", range_message(value, all_whole, detector))
 
 
@@ -231,25 +242,23 @@ def range_message(value: str, all_whole: bool, detector: DetectorParameters) -> 
     detector
         Source of the ADC range and resolution.
     """
-    maximum = detector.adc_range_v
     if all_whole:
-        step = 2 * maximum / 2**detector.adc_bits
-        remedy = f"the values are whole numbers, as ADC counts are: --scale {step:.8g} converts counts to volts"
+        scale = f"--scale {detector.adc_step_v:.8g}"
+        remedy = f"the values are whole numbers, as ADC counts are: {scale} converts counts to volts"
     else:
         remedy = "use --scale if the column is not in volts, or --set detector.adc_range_v"
-    return f"{value} exceeds the ADC range of +/-{maximum:g} V; {remedy}."
+    return f"{value} exceeds the ADC range of {detector.adc_range_text}; {remedy}."
 
 
 def signal_warnings(trace: Trace, detector: DetectorParameters) -> Iterator[str]:
     """Warn of a voltage that makes detection unreliable: clipped by the ADC, or constant."""
-    volts, maximum = trace.voltage_v, detector.adc_range_v
-    step = 2 * maximum / 2**detector.adc_bits
-    clipped = int(np.sum((volts >= maximum - 1.5 * step) | (volts <= step / 2 - maximum)))
+    volts, maximum, step = trace.voltage_v, detector.adc_range_v, detector.adc_step_v
+    clipped = int(np.sum((volts >= maximum - 1.5 * step) | (volts <= step / 2 + detector.adc_low_v)))
     if clipped:
         count = f"all {clipped}" if clipped == len(volts) else f"{clipped} of {len(volts)}"
         yield (
-            f"{count} samples are at the limits of the ADC range, +/-{maximum:g} V: slip is not visible there. "
-            "Attenuate the signal before the ADC, or record with a wider range (detector.adc_range_v)."
+            f"{count} samples are at the limits of the ADC range, {detector.adc_range_text}: slip is not visible "
+            "there. Attenuate the signal before the ADC, or record with a wider range (detector.adc_range_v)."
         )
     elif np.ptp(volts) == 0.0:
         yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"

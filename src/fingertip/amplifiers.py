@@ -1,0 +1,223 @@
+"""Catalogue of operational amplifiers for the board, with the source of every figure.
+
+The catalogue is separate from circuits and rules, so that a figure can be corrected without touching one. Figures
+listed in `unverified` were recalled from the data sheet, assumed, or derived; no document of the maker was read for
+them. Read the data sheet of the part you buy.
+
+The article's TL082 has a common-mode input range that ends 3 V above the negative rail (typical; the data sheet
+guarantees 4 V), and below that its output reverses its phase and jumps up. All others have rail-to-rail inputs and
+outputs and the same pins.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+AmplifierName = Literal["auto", "TL082", "TLV2372", "MCP6022", "OPA2376", "OPA2197"]
+"""Names that the parameter board.amplifier accepts. A test holds them and `CATALOGUE` together."""
+
+SOURCES = {
+    "TL082": "STMicroelectronics TL082B (bandwidth), Texas Instruments SLOS081 (the rest)",
+    "TLV2372": "Texas Instruments SLOS270F; bandwidth, supply and supply current also in SGLS244B",
+    "MCP6022": "Microchip DS21685D, industrial temperature grade",
+    "OPA2376": "Texas Instruments SBOS406G",
+    "OPA2197": "Texas Instruments SBOS737C",
+    "TLV2371DBV": "Texas Instruments SLOS270F; bandwidth, supply and supply current also in SGLS244B",
+}
+
+
+@dataclass(frozen=True)
+class Amplifier:
+    """Type of operational amplifier."""
+
+    name: str
+    symbol: str
+    """Name of its symbol in KiCad's library: its own, or a dual amplifier's whose pins are drawn at the same places."""
+    order_name: str
+    """Name to order, with the grade."""
+    bandwidth_hz: float
+    """Gain-bandwidth product, typical [Hz]."""
+    phase_margin_deg: float
+    """Phase margin of a follower, typical [degree]. It places the second pole."""
+    noise_v: float
+    """White noise density at the input [V/sqrt(Hz)]."""
+    offset_v: float
+    """Typical input offset voltage [V]."""
+    max_offset_v: float
+    """Maximum input offset voltage at 25 degrees Celsius [V], for the grade in `order_name`."""
+    drift_v_per_k: float
+    """Drift of the offset with the temperature [V/K]; the maximum where the data sheet states one."""
+    output_from_rail_v: float
+    """Distance from the rails at which the output stops [V], typical, into a light load (10 kohm)."""
+    output_current_a: float
+    """Peak output current that it may be asked for [A]; half of the short-circuit current where only that is stated."""
+    min_supply_v: float
+    max_supply_v: float
+    """Range of the voltage between both supply pins [V]."""
+    supply_current_a: float
+    """Supply current of each unit [A], typical; the maximum where only that is stated."""
+    input_f: float
+    """Capacitance of each input to ground [F]: common-mode and differential together."""
+    units: dict[str, tuple[str, str, str]]
+    """Unit letter -> pins of non-inverting input, inverting input and output."""
+    unverified: tuple[str, ...]
+    """Names of the figures that no document read confirms."""
+    input_from_lower_v: tuple[float, float] = (0.0, 0.0)
+    """Distance from the lower rail that the inputs must keep [V]: typical and guaranteed."""
+
+    @property
+    def source(self) -> str:
+        """Documents of the figures that are not `unverified`."""
+        return SOURCES[self.name]
+
+    @property
+    def is_dual(self) -> bool:
+        """True if it has two units, as those of filter and rectifier have."""
+        return len(self.units) > 1
+
+    @property
+    def second_pole_hz(self) -> float:
+        """Frequency of the second pole [Hz] that gives a follower its phase margin.
+
+        Where |GBW / f| / sqrt(1 + (f / f2)^2) = 1, the second pole lags by atan(f / f2) = 90 degrees - margin.
+        """
+        lag = math.tan(math.radians(90.0 - self.phase_margin_deg))
+        return self.bandwidth_hz / (lag * math.hypot(1.0, lag))
+
+    def open_loop_gain(self, f_hz: float) -> complex:
+        """Open-loop gain with two poles at a frequency [Hz]."""
+        return 1.0 / ((1.0 / OPEN_LOOP_GAIN + 1j * f_hz / self.bandwidth_hz) * (1.0 + 1j * f_hz / self.second_pole_hz))
+
+
+OPEN_LOOP_GAIN = 2e5
+"""Open-loop gain A0 of the TL082 (typical, its data sheet): 106 dB. More, as the others have, changes no result."""
+
+_DUAL = {"a": ("3", "2", "1"), "b": ("5", "6", "7")}
+_SINGLE = {"": ("3", "4", "1")}
+
+_TLV237X = Amplifier(
+    name="TLV2372",
+    symbol="TLV2372",
+    order_name="TLV2372",
+    bandwidth_hz=3e6,
+    phase_margin_deg=65.0,
+    noise_v=39e-9,
+    offset_v=2e-3,
+    max_offset_v=4.5e-3,
+    drift_v_per_k=2e-6,
+    output_from_rail_v=0.1,
+    output_current_a=7e-3,
+    min_supply_v=2.7,
+    max_supply_v=16.0,
+    supply_current_a=0.55e-3,
+    input_f=8e-12,
+    units=_DUAL,
+    unverified=("phase_margin_deg", "drift_v_per_k", "output_from_rail_v", "output_current_a", "input_f"),
+)
+
+CATALOGUE: dict[str, Amplifier] = {
+    amplifier.name: amplifier
+    for amplifier in (
+        # Without a grade a TL082 may have 15 mV of offset, the grade BC 3 mV. Its current is the smallest
+        # short-circuit current of STMicroelectronics' table. Its data sheets state no input capacitance.
+        Amplifier(
+            name="TL082",
+            symbol="TL082",
+            order_name="TL082BC",
+            bandwidth_hz=4e6,
+            phase_margin_deg=45.0,
+            noise_v=18e-9,
+            offset_v=3e-3,
+            max_offset_v=3e-3,
+            drift_v_per_k=18e-6,
+            output_from_rail_v=1.5,
+            output_current_a=10e-3,
+            min_supply_v=7.0,
+            max_supply_v=36.0,
+            supply_current_a=1.4e-3,
+            input_f=8e-12,
+            units=_DUAL,
+            unverified=("phase_margin_deg", "output_current_a", "min_supply_v", "input_f"),
+            input_from_lower_v=(3.0, 4.0),
+        ),
+        _TLV237X,
+        Amplifier(
+            name="MCP6022",
+            symbol="MCP6022",
+            order_name="MCP6022-I/SN",
+            bandwidth_hz=10e6,
+            phase_margin_deg=65.0,
+            noise_v=8.7e-9,
+            offset_v=0.25e-3,
+            max_offset_v=0.5e-3,
+            drift_v_per_k=3.5e-6,
+            output_from_rail_v=0.05,
+            output_current_a=15e-3,
+            min_supply_v=2.5,
+            max_supply_v=5.5,
+            supply_current_a=1e-3,
+            input_f=9e-12,
+            units=_DUAL,
+            unverified=("phase_margin_deg", "offset_v", "output_from_rail_v", "output_current_a", "input_f"),
+        ),
+        Amplifier(
+            name="OPA2376",
+            symbol="OPA2376xxD",
+            order_name="OPA2376AID",
+            bandwidth_hz=5.5e6,
+            phase_margin_deg=60.0,
+            noise_v=7.5e-9,
+            offset_v=5e-6,
+            max_offset_v=25e-6,
+            drift_v_per_k=1e-6,
+            output_from_rail_v=0.05,
+            output_current_a=15e-3,
+            min_supply_v=2.2,
+            max_supply_v=5.5,
+            supply_current_a=0.95e-3,
+            input_f=19.5e-12,
+            units=_DUAL,
+            unverified=(
+                "phase_margin_deg",
+                "offset_v",
+                "drift_v_per_k",
+                "output_from_rail_v",
+                "output_current_a",
+                "input_f",
+            ),
+        ),
+        Amplifier(
+            name="OPA2197",
+            symbol="LM2904",
+            order_name="OPA2197ID",
+            bandwidth_hz=10e6,
+            phase_margin_deg=60.0,
+            noise_v=5.5e-9,
+            offset_v=25e-6,
+            max_offset_v=100e-6,
+            drift_v_per_k=2.5e-6,
+            output_from_rail_v=0.1,
+            output_current_a=32e-3,
+            min_supply_v=4.5,
+            max_supply_v=36.0,
+            supply_current_a=1e-3,
+            input_f=8e-12,
+            units=_DUAL,
+            unverified=("phase_margin_deg", "output_from_rail_v", "input_f"),
+        ),
+        replace(_TLV237X, name="TLV2371DBV", symbol="TLV2371DBV", order_name="TLV2371DBV", units=_SINGLE),
+    )
+}
+"""Amplifiers by name: the duals that `board.amplifier` names, and the single one that buffers VMID."""
+
+AUTO: AmplifierName = "auto"
+ARTICLE_AMPLIFIER, RAIL_TO_RAIL_AMPLIFIER, LOW_OFFSET_AMPLIFIER = "TL082", "TLV2372", "OPA2197"
+LOW_VOLTAGE_AMPLIFIER = "OPA2376"
+
+
+def list_dual_amplifiers() -> tuple[Amplifier, ...]:
+    """List the amplifiers that board.amplifier can name, the preferred ones first."""
+    names = (RAIL_TO_RAIL_AMPLIFIER, LOW_OFFSET_AMPLIFIER, LOW_VOLTAGE_AMPLIFIER, "MCP6022", ARTICLE_AMPLIFIER)
+    return tuple(CATALOGUE[name] for name in names)

@@ -1,0 +1,307 @@
+"""Gate of the board: conditions that it must meet to work, each with its value and its limit, from its circuit.
+
+A required condition that fails means that the board cannot work; `fingertip.design.rules.board` refuses such a design
+by closed forms before a circuit exists. The converter is the exception: a design may belong to recordings of another
+board, so its range is a warning, as is an advised condition that fails.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from fingertip.amplifiers import Amplifier
+from fingertip.board.analysis.figures import format_figure
+from fingertip.board.analysis.limits import VoltageLimits
+from fingertip.board.analysis.loads import OutputCurrent, compute_output_currents, signal_band_hz
+from fingertip.board.analysis.offsets import BLOCKING_DIODE, OutputOffset
+from fingertip.board.analysis.response import RECTIFYING_DIODE
+from fingertip.board.analysis.stability import compute_peaking_db, compute_phase_margins_deg
+from fingertip.board.analysis.threshold_spread import ThresholdSpread
+from fingertip.board.circuit import Circuit, parse_component_value
+from fingertip.board.components.amplifiers import AMPLIFIERS
+from fingertip.board.components.anti_aliasing import CLAMP as CLAMP_DIODES
+from fingertip.board.components.anti_aliasing import LOW_LEAKAGE_CLAMP
+from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
+from fingertip.board.nets import FILTERED, STAGE1_OUT, VMID
+from fingertip.board.network import build_network, list_amplifiers
+from fingertip.board.supplies import SUPPLIES
+from fingertip.design import Design
+from fingertip.design.amplifier_choice import choose_amplifier, choose_low_offset_amplifier, total_supply_v
+from fingertip.design.amplifier_stages import (
+    GOOD_PHASE_MARGIN_DEG,
+    MID_RAIL_RATIO,
+    compute_charging_current_a,
+    input_swing_v,
+    loaded_swing_v,
+)
+from fingertip.design.preferred_series import find_preferred_neighbours
+from fingertip.design.rules.board import BANDWIDTH_MARGIN, MAX_OFFSET_RATIO, MAX_PEAKING_DB, MIN_PHASE_MARGIN_DEG
+
+GOOD_OFFSET_RATIO = 0.25
+"""Ratio of an output's offset to its swing above which a warning is due."""
+
+Level = Literal["required", "advised"]
+
+
+@dataclass(frozen=True)
+class GateCondition:
+    """One condition: a value that stays on one side of its limit."""
+
+    name: str
+    subject: str
+    """Amplifier, net or component that the condition is about."""
+    value: float
+    limit: float
+    unit: str
+    bound: Literal["at least", "at most"]
+    level: Level
+    """Need for the condition: without a required one the board cannot work, without an advised one only badly."""
+    passed: bool
+    remedy: str
+    """Change that helps where it fails; empty where a rule refuses first."""
+
+    @property
+    def margin(self) -> float:
+        """Ratio of limit to value, or of value to limit for a lower bound: 1 or more where the condition holds."""
+        numerator, denominator = (self.limit, self.value) if self.bound == "at most" else (self.value, self.limit)
+        if denominator > 0.0:
+            return numerator / denominator
+        return math.inf if self.passed else 0.0
+
+
+def at_most(
+    name: str, subject: str, value: float, limit: float, unit: str, level: Level = "required", remedy: str = ""
+) -> GateCondition:
+    """Condition that a value does not exceed its limit."""
+    return GateCondition(name, subject, value, limit, unit, "at most", level, value <= limit, remedy)
+
+
+def at_least(
+    name: str, subject: str, value: float, limit: float, unit: str, level: Level = "required", remedy: str = ""
+) -> GateCondition:
+    """Condition that a value does not fall below its limit."""
+    return GateCondition(name, subject, value, limit, unit, "at least", level, value >= limit, remedy)
+
+
+CURRENT, OFFSET, BANDWIDTH, MARGIN, PEAKING = (
+    "output current", "offset over swing", "gain-bandwidth product", "phase margin", "gain beyond the band",
+)  # fmt: skip
+IDLE, PRESSED, FLOOR, CLAMP, SERIES, TRIM, SUPPLY = (
+    "tactile voltage at idle", f"tactile voltage at {MAX_FORCE_N:g} N", "envelope's lowest offset",
+    "clamp of the converter's pins", "capacitors off series E12", "shift to trim",
+    "voltage across the amplifier",
+)  # fmt: skip
+
+
+def check_gate(
+    circuit: Circuit,
+    design: Design,
+    limits: VoltageLimits,
+    passband_gain: float,
+    rails: Mapping[str, float],
+    offset: OutputOffset | None,
+    spread: ThresholdSpread | None,
+) -> tuple[GateCondition, ...]:
+    """Check all conditions of a board.
+
+    Parameters
+    ----------
+    circuit
+        Circuit of the board.
+    design
+        Its design.
+    limits
+        Its voltage limits.
+    passband_gain
+        Largest gain of its filter.
+    rails
+        Voltages of the rails [V].
+    offset
+        Its envelope offset; None with the bare diode of variant article.
+    spread
+        Mean and worst case of its comparator's threshold; None without a comparator.
+    """
+    board, amplifier = design.board, choose_amplifier(design.board)
+    needed_hz = BANDWIDTH_MARGIN * board.passband_gain * board.cutoff_hz
+    supply_v = total_supply_v(board)
+    return (
+        at_most(SUPPLY, "U1", supply_v, amplifier.max_supply_v, "V"),
+        at_least(SUPPLY, "U1", supply_v, amplifier.min_supply_v, "V"),
+        *_check_currents(circuit, design, limits, rails),
+        *_check_offsets(circuit, design, amplifier),
+        at_least(BANDWIDTH, "U1", amplifier.bandwidth_hz, needed_hz, "Hz"),
+        *_check_stability(circuit, amplifier, passband_gain),
+        *_check_converter(circuit, limits, offset),
+        at_most(SERIES, "C1 to C20", float(_count_odd_capacitors(circuit)), 0.0, ""),
+        *_check_trim(design, spread),
+    )  # fmt: skip
+
+
+def _check_converter(circuit: Circuit, limits: VoltageLimits, offset: OutputOffset | None) -> Iterator[GateCondition]:
+    """Compare the levels at the converter's pins with its range."""
+    yield at_most(
+        IDLE, "TACTILE", limits.max_tactile_v, limits.adc_range_v, "V", "required",
+        "the converter is saturated just where contacts are light: set detector.adc_range_v to that, or divide the "
+        "signals ahead of it",
+    )  # fmt: skip
+    yield at_least(
+        PRESSED, "TACTILE", limits.min_tactile_v, limits.adc_low_v, "V", "required",
+        "the converter is saturated in firm contacts: set detector.adc_polarity=bipolar",
+    )  # fmt: skip
+    if offset:
+        yield at_least(
+            FLOOR, "ENVELOPE", limits.signal_ground_v + offset.min_v, limits.adc_low_v, "V", "advised",
+            "the converter cannot tell how far the envelope lies below its range: set detector.adc_polarity=bipolar, "
+            "or board.supply=single",
+        )  # fmt: skip
+    clamps = ", ".join(c.reference for c in circuit.components if c.value in (CLAMP_DIODES, LOW_LEAKAGE_CLAMP))
+    yield at_most(
+        CLAMP, clamps, limits.clamp_high_rail_v, limits.adc_range_v, "V", "advised",
+        "the clamps do not protect a converter whose pins bear no more than its range; give it a range of the supply "
+        "or more",
+    )  # fmt: skip
+
+
+def _check_currents(
+    circuit: Circuit, design: Design, limits: VoltageLimits, rails: Mapping[str, float]
+) -> Iterator[GateCondition]:
+    """Compare the peak output current of each amplifier of the catalogue with what its data sheet gives."""
+    board, supply = design.board, SUPPLIES[design.board.supply]
+    amplifier = choose_amplifier(board)
+    # The largest vibration is that which reaches the swing, no nearer to a rail than the current is stated for.
+    scale = loaded_swing_v(board, amplifier) / input_swing_v(board, amplifier)
+    vibration_v, peak_a = scale * limits.vibration_peak_v, 0.0
+    currents = compute_output_currents(circuit, amplifier.bandwidth_hz, board.cutoff_hz)
+    if board.variant == "article":
+        envelope = (parse_component_value(circuit.component(name).value) for name in ("R6", "C4"))
+        peak_a = find_charging_current_a(vibration_v, currents, board.cutoff_hz, *envelope)
+    for current in currents:
+        data = AMPLIFIERS.get(circuit.component(current.reference).symbol.name)
+        if data is None:
+            continue
+        linear_a, limit_a = vibration_v * float(np.abs(current.filter_s).max()), data.output_current_a
+        if board.variant != "article":
+            linear_a = vibration_v * float(np.abs(current.filter_s + current.diode_s).max())
+        elif current.diode_s.any():
+            linear_a += peak_a
+        if current.amplifier == "U5":
+            linear_a += _constant_current_a(circuit, supply.signal_ground, rails)
+            limit_a *= MID_RAIL_RATIO
+        elif current.amplifier == "U6":
+            linear_a += _constant_current_a(circuit, supply.bridge_supply, rails)
+        yield at_most(CURRENT, current.amplifier, linear_a, limit_a, "A")
+
+
+def find_charging_current_a(
+    vibration_v: float, currents: Iterable[OutputCurrent], cutoff_hz: float, ohm: float, farad: float
+) -> float:
+    """Find the largest peak of the current through the rectifying diode over the band of the vibrations [A]."""
+    gain = next(np.abs(current.gain) for current in currents if current.amplifier == "U1b")
+    frequencies = np.geomspace(*signal_band_hz(cutoff_hz), len(gain)).tolist()
+    pairs = zip(frequencies, (vibration_v * gain).tolist(), strict=True)
+    return max(compute_charging_current_a(peak_v, f_hz, ohm, farad) for f_hz, peak_v in pairs)
+
+
+def _constant_current_a(circuit: Circuit, buffered: str, rails: Mapping[str, float]) -> float:
+    """Largest constant current of the buffer of a net [A], over all forces on the sensor."""
+    largest_a = 0.0
+    for force_n in (0.0, MAX_FORCE_N):
+        network = build_network(circuit, sensor_s=sensor_conductance_s(force_n), conducting=[RECTIFYING_DIODE])
+        volts = network.operating_point(rails)
+        total_a = 0.0
+        for component in circuit.components:
+            if component.symbol.name != "R" and component.value != "FSR":
+                continue
+            ends = [circuit.net_by_pin[component.reference, pin] for pin in "12"]
+            if buffered in ends:
+                other = ends[0] if ends[1] == buffered else ends[1]
+                value = network.values[component.reference]
+                total_a += float(value) * (volts[other] - volts[buffered])
+        largest_a = max(largest_a, abs(total_a))
+    return largest_a
+
+
+def _check_offsets(circuit: Circuit, design: Design, amplifier: Amplifier) -> Iterator[GateCondition]:
+    """Compare the offset of each filter output with its swing: the part of the swing that the signal loses."""
+    ground = SUPPLIES[design.board.supply].signal_ground
+    network = build_network(circuit, amplifier.bandwidth_hz)
+    swing_v = input_swing_v(design.board, amplifier)
+    for net in (STAGE1_OUT, FILTERED):
+        transfers = network.restrict(net).constant_transfers(net)
+        grounds = network.restrict(ground).constant_transfers(ground) if ground == VMID else {}
+        offset_v = 0.0
+        for _, reference, out in list_amplifiers(circuit):
+            data = AMPLIFIERS.get(circuit.component(reference).symbol.name)
+            if data:
+                offset_v += abs(transfers.get(out, 0.0) - grounds.get(out, 0.0)) * data.max_offset_v
+        yield at_most(OFFSET, net, offset_v / swing_v, MAX_OFFSET_RATIO, "")
+        yield at_most(
+            OFFSET, net, offset_v / swing_v, GOOD_OFFSET_RATIO, "", "advised",
+            "set board.variant=precision, which does not amplify the offset, or lower board.passband_gain",
+        )  # fmt: skip
+
+
+def _check_stability(circuit: Circuit, amplifier: Amplifier, passband_gain: float) -> Iterator[GateCondition]:
+    """Check the phase margin of each loop, whichever diode conducts, and the filter's gain beyond its band."""
+    margins: dict[str, float] = {}
+    diodes = (
+        [RECTIFYING_DIODE, BLOCKING_DIODE] if any(c.reference == BLOCKING_DIODE for c in circuit.components) else []
+    )
+    networks = [build_network(circuit, amplifier.bandwidth_hz, conducting=[diode]) for diode in diodes or [""]]
+    for network in networks:
+        for name, margin_deg in compute_phase_margins_deg(circuit, network).items():
+            margins[name] = min(margin_deg, margins.get(name, math.inf))
+    for name, margin_deg in margins.items():
+        yield at_least(MARGIN, name, margin_deg, MIN_PHASE_MARGIN_DEG, "degree")
+        yield at_least(
+            MARGIN, name, margin_deg, GOOD_PHASE_MARGIN_DEG - 1e-6, "degree", "advised",
+            "lower board.r5_ohm, or choose another board.amplifier",
+        )  # fmt: skip
+    peaking_db = compute_peaking_db(circuit, networks[0], passband_gain)
+    yield at_most(PEAKING, "FILTERED", peaking_db, MAX_PEAKING_DB, "dB")
+
+
+def _count_odd_capacitors(circuit: Circuit) -> int:
+    """Count the capacitors whose value nobody makes."""
+    values = (parse_component_value(c.value) for c in circuit.components if c.symbol.name == "C")
+    return sum(below != above for below, above in map(find_preferred_neighbours, values))
+
+
+def _check_trim(design: Design, spread: ThresholdSpread | None) -> Iterator[GateCondition]:
+    """Compare what offsets and currents shift the comparator's threshold by with what its trimmer takes back."""
+    if spread:
+        yield at_most(
+            TRIM, "RV1", spread.to_trim_v, spread.trim_v, "V", "advised",
+            f"set board.amplifier={choose_low_offset_amplifier(design.board).name}, or raise detector.threshold_v",
+        )  # fmt: skip
+
+
+def find_smallest_margin(conditions: Iterable[GateCondition], *names: str) -> float:
+    """Find the smallest margin of the required conditions, or of those with certain names."""
+    return min(
+        (c.margin for c in conditions if (c.name in names if names else c.level == "required" and c.limit > 0.0)),
+        default=math.nan,
+    )
+
+
+def gate_warnings(conditions: Iterable[GateCondition]) -> Iterator[str]:
+    """Describe the conditions that fail, those that are required rather than advised ones about the same."""
+    failed = [c for c in conditions if not c.passed]
+    required = {(c.name, c.subject) for c in failed if c.level == "required"}
+    for condition in failed:
+        if condition.level == "required" or (condition.name, condition.subject) not in required:
+            remedy = f"; {condition.remedy}" if condition.remedy else ""
+            yield f"{describe_condition(condition)}{remedy}."
+
+
+def describe_condition(condition: GateCondition) -> str:
+    """Describe a condition: its subject, value and limit."""
+    unit = f" {condition.unit}" if condition.unit else ""
+    value, limit = (format_figure(number, 3) for number in (condition.value, condition.limit))
+    verb = "is" if condition.passed else "must be" if condition.level == "required" else "should be"
+    return f"{condition.name} ({condition.subject}): {value}{unit}, {verb} {condition.bound} {limit}{unit}"

@@ -1,0 +1,230 @@
+"""Trace files that hold arrays: NumPy, MATLAB, Parquet, WAV and TDMS.
+
+Every array is measured by its header before it is read, and only those are read that a trace takes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import wave
+import zipfile
+from collections.abc import Callable, Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip import extras
+from fingertip.errors import FingertipError, Issue, TraceError
+from fingertip.slip.traces.limits import shape_message, size_message
+from fingertip.slip.traces.trace import COLUMNS, ColumnMap
+
+RATE = "sample_rate_hz"
+"""Name of a number in a file that replaces its times."""
+AS_CSV = "save the recording as CSV"
+_WAV_FULL_SCALE = {1: 128.0, 2: 2.0**15, 3: 2.0**23, 4: 2.0**31}
+"""Bytes of a sample -> its full scale."""
+
+
+def load_arrays(path: Path, kind: str, columns: ColumnMap) -> Mapping[str, Any]:
+    """Load the arrays of a file by name.
+
+    Arrays that no column of the trace names are left out, but their names are keys: messages suggest them.
+
+    Parameters
+    ----------
+    path
+        The file.
+    kind
+        Kind of the file, one of `file_kinds.READABLE`.
+    columns
+        Columns to look for.
+
+    Raises
+    ------
+    TraceError
+        If the file is damaged, larger than the bounds in `limits`, or of a form that is not read.
+    MissingLibraryError
+        If it needs a package that is not installed.
+    OSError
+        If it cannot be opened.
+    """
+    if message := size_message(path.stat().st_size):
+        raise TraceError(Issue(str(path), message))
+    return _LOADERS[kind](path, columns)
+
+
+@contextlib.contextmanager
+def _damage_reported(path: Path, kind: str, remedy: str) -> Iterator[None]:
+    """Turn any exception of a library that reads a file into one sentence: a damaged file may raise any."""
+    try:
+        yield
+    except (FingertipError, FileNotFoundError, PermissionError):
+        raise
+    except Exception as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        message = f"is not {kind} that can be read ({reason[:200]}); {remedy}."
+        raise TraceError(Issue(str(path), message)) from None
+
+
+def _wanted(columns: ColumnMap) -> set[str]:
+    """Return the names in the file of everything that a trace takes."""
+    return {*map(columns.name_in_file, COLUMNS), RATE}
+
+
+def _skip_others(names: Collection[str], load: Callable[[str], Any], columns: ColumnMap) -> dict[str, Any]:
+    """Load the arrays that a trace takes; the others are None."""
+    wanted = _wanted(columns)
+    return {name: load(name) if name in wanted else None for name in names}
+
+
+def _check_shape(path: Path, name: str, shape: tuple[int, ...], item_bytes: int = 8) -> None:
+    if message := shape_message(shape, item_bytes):
+        raise TraceError(Issue(f"{path}, {name}" if name else str(path), message))
+
+
+def _load_npy(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
+    with _damage_reported(path, "a NumPy file", "save numbers with numpy.savez"), path.open("rb") as file:
+        shape, dtype = _read_npy_header(file)
+        _check_shape(path, "", shape, dtype.itemsize)
+        array = np.load(path, allow_pickle=False)
+    if array.dtype.names:
+        return {name: array[name] for name in array.dtype.names}
+    return _name_columns(path, array, columns)
+
+
+def _name_columns(path: Path, array: NDArray[Any], columns: ColumnMap) -> Mapping[str, Any]:
+    """Name the columns of an array without names: the voltage alone, time and voltage, or all by number."""
+    voltage, time = columns.name_in_file("voltage_v"), columns.name_in_file("time_s")
+    if array.ndim == 2 and 1 in array.shape:
+        array = array.ravel()
+    if array.ndim == 1:
+        return {voltage: array}
+    if array.ndim == 2 and (voltage.isdecimal() or time.isdecimal()):
+        return {str(number): column for number, column in enumerate(array.T, 1)}
+    if array.ndim == 2 and array.shape[1] == 2:
+        # The columns of an array have no names: a name for the time (`--column time_s=none`) means to ignore it.
+        if columns.rate_hz is not None and "time_s" in columns.names:
+            return {voltage: array[:, 1]}
+        return {time: array[:, 0], voltage: array[:, 1]}
+    message = (
+        f"has shape {array.shape}; give (samples,) with --rate-hz, (samples, 2) for time and voltage, or choose "
+        "columns by number, such as --column time_s=1 --column voltage_v=2."
+    )
+    raise TraceError(Issue(str(path), message))
+
+
+def _load_npz(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
+    def load(name: str) -> Any:
+        with archive.open(members[name]) as member:
+            shape, dtype = _read_npy_header(member)
+        _check_shape(path, name, shape, dtype.itemsize)
+        with archive.open(members[name]) as member:
+            return np.lib.format.read_array(member, allow_pickle=False)
+
+    with (
+        _damage_reported(path, "a NumPy archive", "save numbers with numpy.savez, without a password"),
+        zipfile.ZipFile(path) as archive,
+    ):
+        members = {name.removesuffix(".npy"): name for name in archive.namelist()}
+        return _skip_others(members, load, columns)
+
+
+def _read_npy_header(file: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Read shape and type of the array in a file or a member of an archive."""
+    version = np.lib.format.read_magic(file)
+    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read(file)
+    if dtype.hasobject:
+        raise ValueError("it holds objects, which only pickle reads")
+    return shape, dtype
+
+
+def _load_mat(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
+    """Load variables of a MATLAB file (up to -v7) by scipy."""
+    scipy_io = extras.load("scipy.io", str(path), alternative=AS_CSV)
+    with _damage_reported(path, "a MATLAB file", "save it with -v7, or as CSV"):
+        shapes = {name: shape for name, shape, _ in scipy_io.whosmat(path)}
+        needed = [name for name in shapes if name in _wanted(columns)]
+        for name in needed:
+            _check_shape(path, name, shapes[name])
+        loaded = scipy_io.loadmat(path, variable_names=needed) if needed else {}
+        return {name: loaded[name] if name in needed else None for name in shapes}
+
+
+def _load_parquet(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
+    """Load columns of a Parquet file, batch by batch so that false counts in its header cannot fill the memory."""
+    parquet = extras.load("pyarrow.parquet", str(path), alternative=AS_CSV)
+    with _damage_reported(path, "a Parquet file", "save it again, or as CSV"), parquet.ParquetFile(path) as file:
+        _check_shape(path, "", (file.metadata.num_rows,))
+        names = list(file.schema_arrow.names)
+        needed = [name for name in names if name in _wanted(columns)]
+        parts: dict[str, list[Any]] = {name: [] for name in needed}
+        count = 0
+        for batch in file.iter_batches(columns=needed) if needed else ():
+            count += len(batch)
+            _check_shape(path, "", (count,))
+            for name in needed:
+                parts[name].append(batch.column(name).to_numpy(zero_copy_only=False))
+        return {name: (np.concatenate(parts[name]) if parts.get(name) else None) for name in names}
+
+
+def _load_wav(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
+    """Load the channels of a WAV file by number, full scale as 1; a single one is the voltage."""
+    with (
+        _damage_reported(path, "a WAV file", "save it as PCM of 16 or 24 bits, or as CSV"),
+        path.open("rb") as file,
+        wave.open(file) as recording,
+    ):
+        channels, width = recording.getnchannels(), recording.getsampwidth()
+        frames = min(recording.getnframes(), path.stat().st_size // max(1, channels * width))
+        _check_shape(path, "", (frames, channels))
+        data = recording.readframes(frames)
+        samples = _decode_pcm(data[: len(data) // (channels * width) * channels * width], width)
+        rate = recording.getframerate()
+    columns_of = samples.reshape(-1, channels).T / _WAV_FULL_SCALE[width]
+    if channels == 1:
+        return {columns.name_in_file("voltage_v"): columns_of[0], RATE: rate}
+    return {**{str(number): column for number, column in enumerate(columns_of, 1)}, RATE: rate}
+
+
+def _decode_pcm(data: bytes, width: int) -> NDArray[Any]:
+    """Decode samples of 1 (unsigned), 2, 3 or 4 bytes."""
+    if width == 1:
+        return np.frombuffer(data, np.uint8).astype(np.int16) - 128
+    if width == 3:
+        padded = np.zeros((len(data) // 3, 4), np.uint8)
+        padded[:, 1:] = np.frombuffer(data, np.uint8).reshape(-1, 3)
+        return padded.view("<i4").ravel() >> 8
+    return np.frombuffer(data, f"<i{width}")
+
+
+def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
+    """Load channels by name. A single channel is the voltage, and the recording's increment gives the times."""
+    nptdms = extras.load("nptdms", str(path), alternative=AS_CSV)
+    with path.open("rb") as file:
+        if not _is_tdms(file):
+            raise TraceError(Issue(str(path), "is not a TDMS file; export it again, or save it as CSV."))
+    with _damage_reported(path, "a TDMS file", "export it again, or save it as CSV"):
+        channels = [channel for group in nptdms.TdmsFile.read(path).groups() for channel in group.channels()]
+        by_name = {channel.name: channel for channel in channels}
+        if len(channels) == 1 and "voltage_v" not in columns.names:
+            by_name = {"voltage_v": channels[0]}
+        arrays = _skip_others(by_name, lambda name: by_name[name][:], columns)
+        voltage = by_name.get(columns.name_in_file("voltage_v"))
+        increment = voltage.properties.get("wf_increment") if voltage is not None else None
+        if increment is not None:
+            with np.errstate(divide="ignore"):
+                arrays[RATE] = float(f"{1 / np.float64(increment):.9g}")
+        return arrays
+
+
+def _is_tdms(file: BinaryIO) -> bool:
+    return file.read(4) == b"TDSm"  # the tag of every segment
+
+
+_LOADERS: Mapping[str, Callable[[Path, ColumnMap], Mapping[str, Any]]] = {
+    "npy": _load_npy, "npz": _load_npz, "mat": _load_mat, "parquet": _load_parquet, "wav": _load_wav,
+    "tdms": _load_tdms,
+}  # fmt: skip

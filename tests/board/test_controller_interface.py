@@ -1,0 +1,231 @@
+"""Board for a controller of 3.3 V: its outputs stay within the supply, ripple does not count, no plug does harm."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.board import board_circuit, board_values
+from fingertip.board.circuit import Circuit
+from fingertip.board.components.amplifiers import AMPLIFIERS
+from fingertip.board.components.bridge import VREF_RATIO, sensor_conductance_s
+from fingertip.board.network import build_network
+from fingertip.board.spice import MAX_SWITCH_OHM
+from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
+from fingertip.errors import DesignError
+from tests.board.ngspice import run_ngspice
+from tests.board.test_spice import write_deck
+
+NAMES = [name for name, configuration in BOARD_CONFIGURATIONS.items() if configuration.supply.is_for_controller]
+PINS = {"1": "ADC_TACTILE", "3": "ADC_FILTERED", "5": "ADC_ENVELOPE", "7": "M_OUT"}
+
+
+def load(name: str, *changes: str) -> Design:
+    return Design.load(changes=(*BOARD_CONFIGURATIONS[name].changes, *changes))
+
+
+def circuit_of(name: str) -> Circuit:
+    return board_circuit(board_values(load(name)))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_output_connector_has_ground_between_the_signals(name: str) -> None:
+    circuit = circuit_of(name)
+    nets = {pin: net for (reference, pin), net in circuit.net_by_pin.items() if reference == "J3"}
+    slip = "SLIP" if name.startswith("comparator") else "GND"
+    assert nets == PINS | {"9": slip, "MP": "GND"} | dict.fromkeys(("2", "4", "6", "8", "10"), "GND")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_output_comes_from_an_amplifier_between_ground_and_the_supply(name: str) -> None:
+    """Going back from each pin through resistors and diodes, only such outputs and their signal ground are met."""
+    circuit = circuit_of(name)
+    nets, driver = circuit.net_by_pin, {}
+    for component in circuit.components:
+        if component.symbol.name in AMPLIFIERS:
+            rails = {
+                pin.name: nets[component.reference, pin.number] for pin in component.symbol.pins if "V" in pin.name
+            }
+            assert rails == {"V+": "VCC", "V-": "GND"}
+            driver |= {
+                nets[component.reference, out]: component
+                for _, _, out in AMPLIFIERS[component.symbol.name].units.values()
+            }
+        elif component.symbol.name == "AD623ARMZ":
+            assert (nets[component.reference, "7"], nets[component.reference, "4"]) == ("VCC", "GND")
+            driver[nets[component.reference, "6"]] = component
+    assert not any(net == "VEE" for net in nets.values())
+    for pin in PINS.values():
+        reached, todo = set[str](), {pin}
+        while todo:
+            net = todo.pop()
+            reached.add(net)
+            if net in driver or net == "GND":
+                continue
+            for component in circuit.components:
+                ends = [nets.get((component.reference, p)) for p in "12"]
+                if component.symbol.name in ("R", "1N4148W") and net in ends:
+                    todo |= {end for end in ends if end} - reached
+        assert any(net in driver for net in reached)
+        assert "VCC" not in reached or pin == "SLIP"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_connectors_are_keyed_and_differ_in_size(name: str) -> None:
+    footprints = [circuit_of(name).component(reference).footprint for reference in ("J1", "J2", "J3")]
+    assert len(set(footprints)) == 3
+    assert all(footprint.startswith("Connector_JST:JST_") for footprint in footprints)
+
+
+RANGE_SWEEP = {
+    "article": ["board.series=E12"],
+    "precision": ["board.cutoff_hz=40", "board.capacitor_series=E12"],
+    "comparator": [],
+}
+
+
+def limit_to_the_rails(deck: str) -> str:
+    """Deck whose amplifiers' outputs end at the rails; their poles saturate there too."""
+    limited = deck.replace("E1 out 0 pole 0 1\n", "B1 out 0 V=min(max(v(pole),0),v(vcc))\n")
+    limited = limited.replace("E4 out 0 pole 0 1\n", "B4 out 0 V=min(max(v(pole),0),v(vcc))\n")
+    limited = limited.replace("G1 0 pole p minus ", "B0 0 pole I=max(min(v(p,minus),1e-3),-1e-3)*")
+    assert limited.count("B1 out") >= 2
+    return limited.replace("\n.subckt", "\n.global vcc\n.subckt", 1)
+
+
+CONDITIONS = {
+    "open": "RJ1 sensor vmid 1e9",
+    "shorted": "RJ1 sensor vmid 1e-2",
+    "press": "SJ1 sensor vmid hit 0 closes\nRJ1 sensor vmid 1e9\nVhit hit 0 pulse(0 1 1.2 1m)\n"
+    ".model closes SW(Vt=0.5 Vh=0.1 Ron=250 Roff=1G)",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("condition", CONDITIONS)
+@pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
+def test_outputs_stay_within_the_supply_in_ngspice(tmp_path: Path, variant: str, condition: str) -> None:
+    """The supply rises within 1 ms, and in the last condition the sensor is pressed as hard as it can be."""
+    _, deck = write_deck(tmp_path, [*BOARD_CONFIGURATIONS[f"{variant}_single_3v3"].changes, *RANGE_SWEEP[variant]])
+    lines = limit_to_the_rails(deck).splitlines()
+    lines = [line for line in lines if not line.startswith("IJ1")]
+    i = next(i for i, line in enumerate(lines) if line.startswith("RJ1 "))
+    lines[i] = CONDITIONS[condition]
+    i = next(i for i, line in enumerate(lines) if line.startswith("VJ2 "))
+    lines[i] = "VJ2 power_in 0 pwl(0 0 1m 3.3)"
+    pins = [net.lower() for net in PINS.values()] + (["slip"] if variant == "comparator" else [])
+    vectors = " ".join(f"v({pin})" for pin in pins)
+    rows = run_ngspice(tmp_path, "\n".join(lines) + "\n", f"tran 0.2m 1.5 0 0.2m uic\nwrdata out {vectors}")
+    volts = np.array([row[1:] for row in rows if row[0] > 1.1e-3])
+    assert rows[-1][0] == pytest.approx(1.5, rel=1e-3)
+    assert volts.min() > -1e-3
+    assert volts.max() < 3.3 + 1e-3
+    settled = dict(zip(pins, volts[-1], strict=True))
+    assert settled["m_out"] == pytest.approx(1.65, abs=0.02)
+    if condition == "open":
+        assert settled["adc_tactile"] == pytest.approx(2.7, abs=0.1)
+    if condition == "shorted":
+        assert settled["adc_tactile"] < 0.1
+    if condition == "press":
+        assert np.ptp(volts[:, pins.index("adc_filtered")]) > 1.5  # the press shows
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_ripple_of_one_millivolt_moves_the_envelope_by_less_than_a_tenth_of_the_threshold(name: str) -> None:
+    """At 100 Hz and at the worst frequency, by the circuit's equations; a half wave's mean is 1/pi of its peak."""
+    design = load(name)
+    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
+    for force_n in (0.0, 20.0):
+        network = build_network(board_circuit(values), gbw, sensor_s=sensor_conductance_s(force_n))
+        volts = network.restrict("FILTERED", "VMID").response(np.array([100.0]), {"VCC": 1e-3}, "FILTERED", "VMID")[0]
+        assert abs(volts[0] - volts[1]) / math.pi < 0.1 * design.detector.threshold_v / 10
+    assert 1e-3 * values.supply_ripple.gain / math.pi < 0.1 * design.detector.threshold_v / 10
+    # Without the capacitors that filter it, the same ripple counts.
+    bare = build_network(board_circuit(values).without("C23", "C21"), gbw).restrict("FILTERED", "VMID")
+    volts = bare.response(np.array([100.0]), {"VCC": 1e-3}, "FILTERED", "VMID")[0]
+    assert abs(volts[0] - volts[1]) / math.pi > 0.1 * design.detector.threshold_v
+
+
+@pytest.mark.parametrize("force_n", [0.0, 20.0])
+@pytest.mark.parametrize("name", NAMES)
+def test_ripple_agrees_with_ngspice(tmp_path: Path, name: str, force_n: float) -> None:
+    design, deck = write_deck(tmp_path, [*BOARD_CONFIGURATIONS[name].changes])
+    values = board_values(design)
+    sensor = deck[deck.index("RJ1 ") :].splitlines()[0]
+    ohm = 1 / sensor_conductance_s(force_n) if force_n else 1e12
+    deck = deck.replace(sensor, f"{sensor.rsplit(' ', 1)[0]} {ohm:.10g}").replace("dc 0 ac 1u", "dc 0")
+    deck = deck.replace("\nVJ2 power_in 0 3.3\n", "\nVJ2 power_in 0 3.3 ac 1\n")
+    rows = run_ngspice(tmp_path, deck, "ac dec 40 30 100k\nlet g = abs(v(filtered)-v(vmid))\nwrdata out g")
+    f = np.array([row[0] for row in rows])
+    gbw = find_gain_bandwidth_hz(design.board)
+    network = build_network(board_circuit(values), gbw, sensor_s=1 / ohm).restrict("FILTERED", "VMID")
+    volts = network.response(f, {"VCC": 1.0}, "FILTERED", "VMID")
+    model = np.abs(volts[:, 0] - volts[:, 1])
+    spice = np.array([row[1] for row in rows])
+    relevant = f < 2000
+    assert spice[relevant] == pytest.approx(model[relevant], rel=0.01, abs=1e-5)
+    assert spice.max() <= values.supply_ripple.gain * 1.01
+
+
+@pytest.mark.slow
+def test_ripple_hardly_moves_the_envelope_in_ngspice(tmp_path: Path) -> None:
+    """1 mV at 100 Hz on the supply of the whole netlist, with its diodes."""
+    design, deck = write_deck(tmp_path, [*BOARD_CONFIGURATIONS["precision_single_3v3"].changes])
+    means = []
+    for peak_v in (0.0, 1e-3):
+        changed = deck.replace("\nVJ2 power_in 0 3.3\n", f"\nVJ2 power_in 0 sin(3.3 {peak_v} 100)\n")
+        rows = run_ngspice(
+            tmp_path,
+            changed,
+            "tran 20u 0.6 0.4 20u\nlet above = v(adc_envelope)-v(vmid)\nwrdata out above",
+        )
+        means.append(math.fsum(row[1] for row in rows) / len(rows))
+    assert abs(means[1] - means[0]) < 0.1 * design.detector.threshold_v
+    assert abs(means[1] - means[0]) < 0.1e-3
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_tactile_voltage_and_signal_ground_are_ratiometric(name: str) -> None:
+    """The ratio of T and M tells the sensor's conductance whatever the supply."""
+    circuit = circuit_of(name)
+    ratios = []
+    for supply_v in (3.1, 3.3, 3.6):
+        network = build_network(circuit, sensor_s=1e-3).restrict("TACTILE", "VMID")
+        volts = network.operating_point({"VCC": supply_v, "GND": 0.0, "VEE": 0.0})
+        ratios.append(volts["TACTILE"] / volts["VMID"])
+    assert ratios == pytest.approx([ratios[0]] * 3, rel=1e-12)
+    assert VREF_RATIO == 0.8
+
+
+def test_tactile_voltage_falls_with_force_within_the_range() -> None:
+    response = board_values(load("precision_single_3v3")).tactile_response
+    volts = [response.tactile_v(sensor_conductance_s(f)) for f in (0.0, 0.2, 0.8, 1.3, 20.0)]
+    assert volts == sorted(volts, reverse=True)
+    assert 0.3 < volts[-1] < volts[0] < 3.3 - 0.5
+    # Four fifths of the article's 0.3 V and 0.45 V.
+    assert volts[1] - volts[2] == pytest.approx(0.8 * 0.3, abs=0.01)
+    assert volts[1] - volts[3] == pytest.approx(0.8 * 0.45, abs=0.015)
+
+
+def test_protection_costs_less_than_a_millivolt() -> None:
+    """TLV2372 and TLV2371 draw 0.8 mA for each amplifier at most, the AD623 0.6 mA, the bridge 2 mA."""
+    assert (6 * 0.8e-3 + 0.6e-3 + 2e-3 + 1e-3) * MAX_SWITCH_OHM < 1e-3
+    switch = {pin: net for (ref, pin), net in circuit_of("precision_single_3v3").net_by_pin.items() if ref == "Q1"}
+    assert switch == {"1": "GND", "2": "VCC", "3": "POWER_IN"}  # gate, source, drain
+
+
+@pytest.mark.parametrize(
+    ("supply", "supply_v", "remedy"),
+    [("single_3v3", 5.0, "3.6"), ("single_3v3", 3.0, ""), ("split", 3.3, "5"), ("single", 3.3, "5")],
+)
+def test_voltage_outside_the_range_of_the_supply_is_refused(supply: str, supply_v: float, remedy: str) -> None:
+    with pytest.raises(DesignError) as caught:
+        Design.load(changes=[f"board.supply={supply}", f"board.supply_v={supply_v}"])
+    (issue,) = caught.value.issues
+    assert issue.field == "board.supply_v"
+    assert remedy in issue.message

@@ -1,0 +1,614 @@
+"""Kinds of files as people have them: each is read with the right numbers, or answered in one sentence that says how.
+
+Every file is generated here. The recording is the same in all of them, so that one onset of slip is expected.
+"""
+
+from __future__ import annotations
+
+import datetime
+import gzip
+import io
+import itertools
+import json
+import pickle
+import re
+import resource
+import shlex
+import sqlite3
+import struct
+import wave
+import zipfile
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.design import Design
+from fingertip.errors import MissingLibraryError
+from fingertip.slip.converter_step import find_step_v, step_warnings
+from fingertip.slip.traces import csv_file, limits
+from fingertip.slip.traces.even_times import restore_even_times
+from fingertip.slip.traces.read import read_raw_trace
+from fingertip.slip.traces.trace import ColumnMap
+from tests.conftest import ROOT, run_python
+from tests.slip.recordings import ONSET, T, V, csv, run, single_onset
+
+START = datetime.datetime(2024, 5, 31, 23, 59, 59, 700_000)  # midnight falls into the recording
+BY_NUMBER = ("--column", "time_s=1", "--column", "voltage_v=2")
+VOLTS = np.round(V, 6)
+
+
+def rows(times, delimiter=",", volts=V) -> str:
+    """Lines of samples without a header."""
+    return "".join(f"{a}{delimiter}{b:.6f}\n" for a, b in zip(times, volts, strict=True))
+
+
+def iso(form: str) -> list[str]:
+    moments = [START + datetime.timedelta(seconds=float(t)) for t in T]
+    return [form.format(moment.isoformat(timespec="microseconds"), moment) for moment in moments]
+
+
+def lvm(x_columns: str, segments: int = 1, comment: str = "") -> str:
+    """Text of a LabVIEW measurement file with tabs and one channel."""
+    text = (
+        "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
+        f"Multi_Headings\t{'Yes' if segments > 1 else 'No'}\nX_Columns\t{x_columns}\nTime_Pref\tRelative\n"
+        "Date\t2024/05/31\nTime\t12:00:00.5\n***End_of_Header***\t\n\n"
+    )
+    step = len(T) // segments
+    for first in range(0, len(T), step):
+        part = slice(first, first + step)
+        text += (
+            f"Channels\t1\t\nSamples\t{step}\t\nDate\t2024/05/31\t\nTime\t12:00:00.5\t\nY_Unit_Label\tVolts\t\n"
+            f"X_Dimension\tTime\t\nX0\t{T[first]:E}\t\nDelta_X\t0.000500\t\n***End_of_Header***\t\t\n"
+            "X_Value\tVoltage\tComment\n"
+        )
+        lines = [f"{'' if x_columns == 'No' else f'{t:.6f}'}\t{v:.6f}" for t, v in zip(T[part], V[part], strict=True)]
+        lines[0] += f"\t{comment}"
+        text += "\n".join(lines) + "\n"
+    return text
+
+
+PLAIN = csv(T, V)
+LINES = PLAIN.splitlines(keepends=True)
+
+# Name -> content of the file, options, part of the warning ("" for none).
+TEXTS: dict[str, tuple[str | bytes, tuple[object, ...], str]] = {
+    "exact name in another case": (
+        csv(T, V, header=("time_s", "force_N")), ("--column", "voltage_v=force_N", "--quiet-s", 0.4), "",
+    ),
+    "names of numpy.savetxt": ("# time_s voltage_v\n" + rows(T, " "), (), ""),
+    "numpy.savetxt": (rows((f"{t:.18e}" for t in T), " "), BY_NUMBER, ""),
+    "columns of fixed width": (rows((f"  {t:8.4f}" for t in T), "   "), BY_NUMBER, ""),
+    "no header": (rows(T), BY_NUMBER, ""),
+    "no header, decimal commas": (csv(T, V, ";", comma=True).split("\n", 1)[1], BY_NUMBER, ""),
+    "no header, third column": (rows(T, ",7,"), ("--column", "time_s=1", "--column", "voltage_v=3"), ""),
+    "one column": ("".join(f"{v:.6f}\n" for v in V), ("--rate-hz", 2000, "--column", "voltage_v=1"), ""),
+    "by number below a header": ("Zeit,Spannung\n" + rows(T), BY_NUMBER, ""),
+    "by name and by number": ("Zeit,voltage_v\n" + rows(T), ("--column", "time_s=1"), ""),
+    "milliseconds": ("time_s,voltage_v\n" + rows(f"{1e3 * t:.1f}" for t in T), ("--time-scale", "ms"), ""),
+    "microseconds of micros()": (
+        "t_us,voltage_v\n" + rows(f"{1e6 * t + 81234567:.0f}" for t in T),
+        ("--time-scale", "us", "--column", "time_s=t_us"), "",
+    ),
+    "nanoseconds since 1970": (
+        "time_s,voltage_v\n" + rows(str(1717199999700000000 + 500000 * i) for i in range(len(T))),
+        ("--time-scale", "1e-9"), "",
+    ),
+    "ISO 8601": ("time_s,voltage_v\n" + rows(iso("{0}")), (), "dates are read as seconds since 2024-05-31T23:59:59.7"),
+    "ISO 8601, UTC": ("time_s,voltage_v\n" + rows(iso("{0}Z")), (), "since 2024-05-31T23:59:59.700000+00:00"),
+    "ISO 8601 as pandas writes it": (
+        "time_s,voltage_v\n" + rows(iso("{1}")), (), "dates are read as seconds",  # whole seconds have no decimals
+    ),
+    "ISO 8601 without a header": (rows(iso("{0}000")), BY_NUMBER, "dates are read as seconds"),
+    "time of day": ("time_s,voltage_v\n" + rows(f"12:00:{t:09.6f}" for t in T), (), "dates are read as seconds"),
+    "Latin-1": ("Zeit [s];Spannung [µV] größer\n".encode("latin-1") + rows(T, ";").encode(), BY_NUMBER, ""),
+    "Latin-1 by name": (
+        "Zeit [s];Größe [V]\n".encode("latin-1") + rows(T, ";").encode(),
+        ("--column", "time_s=Zeit [s]", "--column", "voltage_v=Größe [V]"), "",
+    ),
+    "cut off after the time": (PLAIN + "1.0000", (), "line 2002: is cut off, and passed over"),
+    "cut off within the voltage": (PLAIN + "1.000000,4.0", (), "line 2002: is cut off, and passed over"),
+    "cut off after the comma": (PLAIN + "1.000000,", (), "line 2002: is cut off, and passed over"),
+    "cut off within a character": (PLAIN.encode() + b"1.0,4.0 \xc2", (), "line 2002: is cut off"),
+    "repeated header": (
+        "".join([*LINES[:701], LINES[0], *LINES[701:1201], LINES[0], *LINES[1201:]]), (),
+        "line 702: is a header or a comment among the samples (and 1 more), and passed over",
+    ),
+    "comments among the samples": ("".join([*LINES[:701], "# pressed\n", *LINES[701:]]), (), "line 702: is a header"),
+    "empty lines": (PLAIN.replace("\n", "\n\n"), (), ""),
+    "PicoScope": (
+        "Time,Channel A\n(ms),(V)\n\n" + rows(f"{1e3 * t:.1f}" for t in T),
+        ("--column", "time_s=Time", "--column", "voltage_v=Channel A", "--time-scale", "ms"), "",
+    ),
+    "LVM": (lvm("One"), (), ""),
+    "LVM with a comment": (lvm("One", comment="pressed"), (), ""),
+    "LVM without times": (lvm("No"), (), ""),
+    "LVM of four segments": (lvm("One", 4), (), "among the samples (and 5 more), and passed over"),
+    "LVM as it is named": (lvm("One"), ("--column", "time_s=X_Value", "--column", "voltage_v=Voltage"), ""),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_text_files_are_read(tmp_path: Path, name: str) -> None:
+    content, options, warning = TEXTS[name]
+    (tmp_path / "t.txt").write_bytes(content if isinstance(content, bytes) else content.encode())
+    done = run("detect", tmp_path / "t.txt", *options, "--json")
+    tolerance = 0.003 if "--quiet-s" in options else 1e-4
+    start = 81.234567 if "micros" in name else 1717199999.7 if "since 1970" in name else 0.0
+    assert single_onset(done) - start == pytest.approx(ONSET, abs=tolerance)
+    assert warning in done.stderr
+    assert ("warning" in done.stderr) == bool(warning)
+    raw = read_raw_trace(tmp_path / "t.txt", _column_map(options))
+    assert np.array_equal(raw.trace.voltage_v[: len(V)], VOLTS)
+
+
+def _column_map(options: tuple[object, ...]) -> ColumnMap:
+    pairs = [str(value).partition("=") for name, value in itertools.pairwise(options) if name == "--column"]
+    rate = 2000.0 if "--rate-hz" in options else None
+    scales = {"ms": 1e-3, "us": 1e-6, "1e-9": 1e-9}
+    scale = next((scales[str(value)] for value in options if value in scales), 1.0)
+    return ColumnMap({column: name for column, _, name in pairs}, rate, time_scale=scale)
+
+
+def test_a_line_number_in_a_message_counts_lines_that_were_passed_over(tmp_path: Path) -> None:
+    lines = [*LINES[:701], LINES[0], "\n", *LINES[701:]]
+    lines[1000] = "nan,4.0\n"
+    (tmp_path / "t.csv").write_text("".join(lines))
+    assert "time_s: nan in line 1001 is not a finite number" in run("detect", tmp_path / "t.csv").stderr
+    lines[1000] = "word,4.0\n"
+    (tmp_path / "t.csv").write_text("".join(lines))
+    assert "'word' in line 1001 is not a number" in run("detect", tmp_path / "t.csv").stderr
+
+
+def test_only_the_last_line_is_passed_over(tmp_path: Path) -> None:
+    for change, message in (("0.5000", "line 1001: has 1 cells"), ("0.5000,x", "'x' in line 1001 is not a number")):
+        lines = [*LINES]
+        lines[1000] = change + "\n"
+        (tmp_path / "t.csv").write_text("".join(lines))
+        done = run("detect", tmp_path / "t.csv")
+        assert done.exit_code == 2
+        assert message in done.stderr
+    # A last line with a line break was written whole; what is wrong with it is said.
+    (tmp_path / "t.csv").write_text(PLAIN + "1.000000,NA\n")
+    assert "'NA' in line 2002 is not a number" in run("detect", tmp_path / "t.csv").stderr
+
+
+def test_a_last_line_without_a_line_break_is_kept(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text(PLAIN.rstrip("\n"))
+    assert len(read_raw_trace(tmp_path / "t.csv", ColumnMap()).trace.time_s) == len(T)
+
+
+def test_a_repeated_header_in_a_stream_is_passed_over() -> None:
+    done = run("detect", "-", "--json", lines="".join([*LINES[:701], LINES[0], *LINES[701:]]))
+    assert json.loads(done.stdout)["transitions"][0] == {"on": True, "time_s": ONSET}
+    assert "standard input, line 702: is the header again, and passed over" in done.stderr
+
+
+def test_a_stream_in_other_units_and_by_number() -> None:
+    words = ("--time-scale", "us", *BY_NUMBER, "--json")
+    done = run("detect", "-", *words, lines=rows(f"{1e6 * t:.0f}" for t in T))
+    assert json.loads(done.stdout)["transitions"][0] == {"on": True, "time_s": ONSET}
+
+
+def test_a_file_without_a_header_is_answered_with_the_options_that_read_it(tmp_path: Path) -> None:
+    for text in (rows(T), rows(T, " "), rows(iso("{0}"))):
+        (tmp_path / "t.csv").write_text(text)
+        done = run("detect", tmp_path / "t.csv")
+        assert done.exit_code == 2
+        options = shlex.split(re.search(r"by number, such as (.*)\.$", done.stderr, re.MULTILINE)[1])
+        assert single_onset(run("detect", tmp_path / "t.csv", *options, "--json")) == ONSET
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (
+            ("--time-scale", "minutes"),
+            "'minutes' is no unit of time; give seconds per unit, such as 1e-3, or one of s,",
+        ),
+        (("--time-scale", "0"), "--time-scale: 0 is not a unit of time"),
+        (("--time-scale", "nan"), "--time-scale: nan is not a unit of time"),
+        (("--column", "voltage_v=0", "--column", "time_s=1"), "by number"),
+        (("--column", "voltage_v=99999999999999", "--column", "time_s=1"), "by number"),
+        (("--rate-hz", "nan"), "--rate-hz: nan is not a sampling rate; choose 1000 to 20000 Hz."),
+    ],
+)
+def test_options_that_cannot_be_used(tmp_path: Path, words: tuple[str, ...], message: str) -> None:
+    (tmp_path / "t.csv").write_text(rows(T))
+    done = run("detect", tmp_path / "t.csv", *words)
+    assert done.exit_code == 2
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_time_scale_of_dates_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("time_s,voltage_v\n" + rows(iso("{0}")))
+    np.savez(tmp_path / "t.npz", time_s=np.array(iso("{0}"), dtype="datetime64[us]"), voltage_v=V)
+    for name in ("t.csv", "t.npz"):
+        done = run("detect", tmp_path / name, "--time-scale", "ms")
+        assert done.exit_code == 2
+        assert "--time-scale: does not apply to the dates in" in done.stderr
+
+
+def test_lvm_of_several_channels_asks_for_one(tmp_path: Path) -> None:
+    text = lvm("One").replace("X_Value\tVoltage\tComment", "X_Value\tVoltage\tLoad cell").replace("\n", "\t1.5\n")
+    (tmp_path / "t.lvm").write_text(text)
+    done = run("detect", tmp_path / "t.lvm")
+    assert done.exit_code == 2
+    assert "holds 3 channels; choose one with --column voltage_v='Voltage' or" in done.stderr
+    (tmp_path / "t.lvm").write_text(lvm("No").replace("Delta_X\t0.000500", "Delta_X\tnan"))
+    assert "states the step 'nan' between samples; give --rate-hz." in run("detect", tmp_path / "t.lvm").stderr
+
+
+def save_mat(path: Path, **arrays: object) -> None:
+    pytest.importorskip("scipy.io").savemat(path, arrays, do_compression=True)
+
+
+def save_parquet(path: Path, **arrays: object) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    parquet.write_table(pyarrow.table(arrays), path)
+
+
+def save_wav(path: Path, width: int = 2, channels: int = 1, rate: int = 2000) -> None:
+    full = 2 ** (8 * width - 1)
+    counts = np.round(V / 10 * full).astype("<i4")
+    data = counts.view(np.uint8).reshape(-1, 4)[:, :width]
+    frames = np.hstack([np.zeros((len(V), width * (channels - 1)), np.uint8), data])
+    with wave.open(str(path), "wb") as file:
+        file.setparams((channels, width, rate, len(V), "NONE", ""))
+        file.writeframes(frames.tobytes())
+
+
+# Name of the file -> how to save it, options, tolerance of the voltage [V].
+ARRAYS: dict[str, tuple[Callable[[Path], None], tuple[object, ...], float]] = {
+    "column vectors.mat": (lambda p: save_mat(p, time_s=T[:, None], voltage_v=V[:, None], other=np.eye(3)), (), 0.0),
+    "rate.mat": (lambda p: save_mat(p, AI0=V, sample_rate_hz=2000.0), ("--column", "voltage_v=AI0"), 0.0),
+    "plain.parquet": (lambda p: save_parquet(p, time_s=T, voltage_v=V, name=["x"] * len(T)), (), 0.0),
+    "dates.parquet": (
+        lambda p: save_parquet(p, time_s=np.array(iso("{0}"), dtype="datetime64[ns]"), voltage_v=V), (), 0.0,
+    ),
+    "16 bits.wav": (save_wav, ("--scale", 10), 2e-4),
+    "24 bits.wav": (lambda p: save_wav(p, 3), ("--scale", 10), 1e-6),
+    "stereo.wav": (lambda p: save_wav(p, 3, 2), ("--scale", 10, "--column", "voltage_v=2"), 1e-6),
+    "dates.npz": (
+        lambda p: np.savez(p, time_s=np.array(iso("{0}"), dtype="datetime64[us]"), voltage_v=V), (), 0.0,
+    ),
+    "named columns.npy": (
+        lambda p: np.save(p, np.array(list(zip(T, V, strict=True)), dtype=[("time_s", "f8"), ("voltage_v", "f8")])),
+        (), 0.0,
+    ),
+    "three columns.npy": (
+        lambda p: np.save(p, np.column_stack((0 * T, T, V))), ("--column", "time_s=2", "--column", "voltage_v=3"), 0.0,
+    ),
+    "numpy without suffix": (lambda p: np.save(p.open("wb"), np.column_stack((T, V))), (), 0.0),
+    "half precision of nothing else.npz": (
+        lambda p: np.savez(p, time_s=T.astype("f4"), voltage_v=V.astype("f4")), (), 1e-6,
+    ),
+    "whole nanoseconds.npz": (
+        lambda p: np.savez(p, time_s=np.arange(len(T), dtype="i8") * 500_000, voltage_v=V), ("--time-scale", "ns"), 0.0,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ARRAYS)
+def test_files_of_arrays_are_read(tmp_path: Path, name: str) -> None:
+    save, options, tolerance = ARRAYS[name]
+    save(tmp_path / name)
+    done = run("detect", tmp_path / name, *options, "--json")
+    assert single_onset(done) == pytest.approx(ONSET, abs=0.001)
+    columns = {"AI0": {"voltage_v": "AI0"}, "2": {"voltage_v": "2"}}.get(
+        str(options[-1:]).strip("(),'").partition("=")[2], {}
+    )
+    if "three" in name:
+        columns = {"time_s": "2", "voltage_v": "3"}
+    trace = read_raw_trace(tmp_path / name, ColumnMap(columns, scale=10 if "wav" in name else 1)).trace
+    assert np.abs(trace.voltage_v - V).max() <= tolerance
+    assert ("dates are read as seconds since" in done.stderr) == ("dates" in name)
+
+
+@pytest.mark.parametrize("module", ["scipy", "pyarrow"])
+def test_a_missing_package_is_named_with_its_extra(
+    tmp_path: Path, module: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, module, None)
+    name, extra = {"scipy": ("t.mat", "sweep"), "pyarrow": ("t.parquet", "parquet")}[module]
+    (tmp_path / name).write_bytes(b"x")
+    with pytest.raises(MissingLibraryError, match=rf'pip install "fingertip\[{extra}\]", or save the recording as CSV'):
+        read_raw_trace(tmp_path / name, ColumnMap())
+
+
+def zip_of(*names: str) -> bytes:
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w") as archive:
+        for name in names:
+            archive.writestr(name, "x")
+    return data.getvalue()
+
+
+def sqlite(path: Path) -> bytes:
+    connection = sqlite3.connect(path / "s")
+    connection.execute("create table messages (data blob)")
+    connection.commit()
+    connection.close()
+    return (path / "s").read_bytes()
+
+
+FLOAT_WAV = b"RIFF" + struct.pack("<I", 44) + b"WAVEfmt " + struct.pack("<IHHIIHH", 16, 3, 1, 2000, 8000, 4, 32)
+
+# Name of the file -> content, and the sentence that says how to convert it.
+CONVERT: dict[str, tuple[bytes, str]] = {
+    "t.xlsx": (
+        zip_of("[Content_Types].xml", "xl/workbook.xml"),
+        "is a workbook of a spreadsheet; save its sheet as CSV.",
+    ),
+    "named as text.csv": (zip_of("xl/workbook.xml"), "is a workbook of a spreadsheet"),
+    "t.ods": (zip_of("mimetype", "content.xml"), "is a workbook of a spreadsheet"),
+    "t.xls": (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(504), "is a workbook of a spreadsheet"),
+    "v7.3.mat": (b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512) + b"\x89HDF\r\n\x1a\n", "save it with -v7,"),
+    "t.h5": (b"\x89HDF\r\n\x1a\n" + bytes(100), "is an HDF5 file"),
+    "t.bag": (b"#ROSBAG V2.0\n" + bytes(100), "`rostopic echo -b FILE -p /topic > trace.csv`"),
+    "t.mcap": (b"\x89MCAP0\r\n" + bytes(100), "`ros2 topic echo --csv /topic > trace.csv`"),
+    "t.db3": (b"", "`ros2 topic echo --csv /topic > trace.csv`"),
+    "t.csv.gz": (gzip.compress(PLAIN.encode()), "is compressed; unpack it first"),
+    "t.zip": (zip_of("t.csv"), "is compressed; unpack it first"),
+    "t.pkl": (pickle.dumps([1, 2]), "is a pickle, which may run programs when it is read"),
+    "t.json": (json.dumps({"t": [1, 2]}).encode(), "is a JSON file; convert it to CSV"),
+    "t.feather": (b"ARROW1\0\0" + bytes(20), "save it as Parquet or CSV"),
+    "float.wav": (FLOAT_WAV + b"data" + struct.pack("<I", 8) + bytes(8), "save it as PCM of 16 or 24 bits"),
+    "t.pdf": (b"%PDF-1.4\n", "is a PDF; export the recording as CSV."),
+}
+
+
+@pytest.mark.parametrize("name", CONVERT)
+def test_other_files_are_answered_in_one_sentence(tmp_path: Path, name: str) -> None:
+    content, sentence = CONVERT[name]
+    (tmp_path / name).write_bytes(content or sqlite(tmp_path))
+    done = run("detect", tmp_path / name)
+    assert done.exit_code == 2
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("error: ")
+    assert sentence in line
+
+
+def npy_header(shape: str, dtype: str = "<f8") -> bytes:
+    text = f"{{'descr': '{dtype}', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(text)) + text.encode()
+
+
+def npz_of(**members: bytes) -> bytes:
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in members.items():
+            archive.writestr(f"{name}.npy", content)
+    return data.getvalue()
+
+
+def npz(**arrays: object) -> bytes:
+    data = io.BytesIO()
+    np.savez_compressed(data, **arrays)
+    return data.getvalue()
+
+
+def flip(content: bytes, place: int, count: int = 40) -> bytes:
+    """Invert bytes in the middle of a file."""
+    return content[:place] + bytes(255 - b for b in content[place : place + count]) + content[place + count :]
+
+
+def encrypted(content: bytes) -> bytes:
+    """Set the flag of encryption in both headers of every member."""
+    changed = bytearray(content)
+    for signature, offset in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        for match in re.finditer(re.escape(signature), content):
+            changed[match.start() + offset] |= 1
+    return bytes(changed)
+
+
+SOUND = npz(time_s=T, voltage_v=V)
+HUGE = "(10000000000000,)"
+
+DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
+    "deflate.npz": (lambda: flip(SOUND, len(SOUND) // 2), "is not a NumPy archive that can be read"),
+    "short.npz": (lambda: SOUND[: len(SOUND) // 2], "is not a NumPy archive that can be read"),
+    "encrypted.npz": (lambda: encrypted(SOUND), "password required"),
+    "huge.npz": (
+        lambda: npz_of(time_s=npy_header(HUGE), voltage_v=npy_header(HUGE)),
+        "claims to hold 1e+13 values; at most 33554432 are read",
+    ),
+    "huge.npy": (lambda: npy_header(HUGE), "claims to hold 1e+13 values"),
+    "negative.npy": (lambda: npy_header("(-5,)"), "claims to hold -5 values"),
+    "wide.npy": (lambda: npy_header("(2,)", "|V2000000000"), "claims to hold 2 values"),
+    "short.npy": (lambda: npy_header("(2000,)") + bytes(16), "is not a NumPy file that can be read"),
+    "objects.npy": (lambda: npy_header("(2,)", "|O") + bytes(16), "it holds objects, which only pickle reads"),
+    "header.npy": (lambda: b"\x93NUMPY\x01\x00\x10\x00{[(((((((((((((", "is not a NumPy file that can be read"),
+    "0-d.npz": (lambda: npz(time_s=np.array(0.0), voltage_v=np.array(4.0)), "voltage_v: is a single number; give one"),
+    "0-d.npy": (lambda: npy_header("()") + bytes(8), "has shape ()"),
+    "nan rate.npz": (lambda: npz(voltage_v=V, sample_rate_hz=np.nan), "sample_rate_hz: contains nan"),
+    "date rate.npz": (lambda: npz(voltage_v=V, sample_rate_hz=np.datetime64("NaT")), "sample_rate_hz: contains"),
+    "no dates.npz": (lambda: npz(time_s=np.zeros(0, "M8[s]"), voltage_v=V), "has 0 samples"),
+    "not a time.npz": (lambda: npz(time_s=np.full(2000, "NaT", "M8[s]"), voltage_v=V), "nan at sample 0"),
+    "damaged.mat": (
+        lambda: b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM\x0f\0\0\0\xff\xff\xff\x7f" + bytes(50),
+        "is not a MATLAB file that can be read",
+    ),
+    "text.mat": (lambda: b"time_s,voltage_v\n0,4\n", "is not a MATLAB file that can be read"),
+    "text.parquet": (lambda: PLAIN.encode(), "is not a Parquet file that can be read"),
+    "short.parquet": (lambda: b"PAR1" + bytes(40) + b"\xff\xff\xff\x7fPAR1", "is not a Parquet file that can be read"),
+    "short.wav": (lambda: b"RIFF\xff\xff\xff\xffWAVEfmt ", "is not a WAV file that can be read"),
+    "no rate.wav": (
+        lambda: b"RIFF" + struct.pack("<I", 100) + b"WAVEfmt " + struct.pack("<IHHIIHH", 16, 1, 1, 0, 0, 2, 16)
+        + b"data" + struct.pack("<I", 8) + bytes(8),
+        "sample_rate_hz: contains 0",
+    ),
+    "damaged.tdms": (lambda: b"TDSm" + b"\xff" * 60, "contains no arrays; save time_s and voltage_v."),
+    "text.npz": (lambda: PLAIN.encode(), "is not a NumPy archive that can be read"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DAMAGED)
+def test_damaged_files_are_refused_in_sentences(tmp_path: Path, name: str) -> None:
+    make, message = DAMAGED[name]
+    for module, suffix in (("scipy", ".mat"), ("pyarrow", ".parquet"), ("nptdms", ".tdms")):
+        if name.endswith(suffix):
+            pytest.importorskip(module)
+    (tmp_path / name).write_bytes(make())
+    done = run("detect", tmp_path / name)
+    assert done.exit_code == 2, done.output
+    assert message in done.stderr
+    assert all(line.startswith("error: ") for line in done.stderr.splitlines())
+    assert type(done.exception) is SystemExit
+
+
+@pytest.mark.slow
+def test_damage_at_any_place_is_refused_or_does_no_harm(tmp_path: Path) -> None:
+    save_mat(tmp_path / "t.mat", time_s=T, voltage_v=V)
+    save_parquet(tmp_path / "t.parquet", time_s=T, voltage_v=V)
+    save_wav(tmp_path / "t.wav")
+    np.save(tmp_path / "t.npy", np.column_stack((T, V)))
+    (tmp_path / "t.npz").write_bytes(SOUND)
+    (tmp_path / "t.csv").write_text(PLAIN)
+    rng = np.random.default_rng(0)
+    for path in sorted(tmp_path.iterdir()):
+        sound = path.read_bytes()
+        for place in [*range(0, 200, 20), *rng.integers(0, len(sound), 15).tolist()]:
+            for content in (flip(sound, place, 4), sound[:place]):
+                path.write_bytes(content)
+                done = run("detect", path, "--scale", 0.5)
+                assert done.exit_code in (0, 2), (path.name, place)
+                assert type(done.exception) in (SystemExit, type(None)), (path.name, place, done.exception)
+
+
+BOMB = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
+from fingertip.cli import app
+app(["detect", *sys.argv[1:]])
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(resource, "RLIMIT_AS"), reason="the system does not bound the memory of a process")
+def test_an_archive_that_unpacks_to_much_is_refused_within_little_memory(tmp_path: Path) -> None:
+    """Sixteen gigabytes of zeros are a few megabytes in an archive; this one has the header of two."""
+    packer = zlib.compressobj(9, zlib.DEFLATED, -15)
+    data = packer.compress(npy_header("(300000000,)")) + packer.compress(bytes(2**24)) + packer.flush()
+    name = b"voltage_v.npy"
+    local = struct.pack("<4s5H3I2H", b"PK\3\4", 20, 0, 8, 0, 0, 0, len(data), 2**31, len(name), 0) + name
+    central = struct.pack(
+        "<4s6H3I5H2I", b"PK\1\2", 20, 20, 0, 8, 0, 0, 0, len(data), 2**31, len(name), 0, 0, 0, 0, 0, 0
+    ) + name  # fmt: skip
+    end = struct.pack("<4s4H2IH", b"PK\5\6", 0, 0, 1, 1, len(central), len(local) + len(data), 0)
+    (tmp_path / "t.npz").write_bytes(local + data + central + end)
+    done = run_python("-c", BOMB.replace("BYTES", str(2 * 2**30)), tmp_path / "t.npz", "--rate-hz", "2000")
+    assert done.returncode == 2, done.stderr
+    assert "voltage_v: claims to hold 3e+08 values; at most" in done.stderr
+
+
+def test_the_documentation_states_the_bounds_of_size() -> None:
+    page = " ".join((ROOT / "docs/usage.md").read_text(encoding="utf-8").split())
+    bound = f"{limits.MAX_SAMPLES:,}".replace(",", " ")
+    assert f"At most {limits.MAX_FILE_BYTES // 2**30} GB and {bound} samples are read" in page
+
+
+def test_bounds_of_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "t.csv").write_text(PLAIN)
+    np.save(tmp_path / "t.npy", np.column_stack((T, V)))
+    for module in (csv_file, limits):
+        monkeypatch.setattr(module, "MAX_SAMPLES", 1500)
+    assert "claims to hold 1.5e+03 values; at most 1500 are read" in run("detect", tmp_path / "t.csv").stderr
+    assert "claims to hold 4e+03 values" in run("detect", tmp_path / "t.npy").stderr
+    monkeypatch.setattr(limits, "MAX_FILE_BYTES", 1000)
+    assert "has 0 MB; at most 0 MB are read; cut the recording into parts." in run("detect", tmp_path / "t.csv").stderr
+
+
+@pytest.mark.parametrize("start_s", [0.0, 700.0, 3000.0, 5000.0, 10_000.0])
+@pytest.mark.parametrize("rate", [1000, 2000, 5000])
+def test_times_in_single_precision_are_restored(start_s: float, rate: int) -> None:
+    true = start_s + np.arange(20 * rate) / rate
+    rounded = true.astype(np.float32)
+    printed = np.array([float(f"{t:.6f}") for t in rounded])
+    for times in (rounded.astype(np.float64), printed):
+        even = restore_even_times(times)
+        if even is None:  # the steps are even enough as they are, or too coarse to tell
+            steps = np.diff(times) * rate
+            is_even = (np.abs(steps - 1) <= 0.5 + 1e-6).all() and abs(np.median(steps) - 1) < 0.005
+            assert is_even or np.spacing(rounded[-1]) * rate > 4
+        else:
+            assert np.abs(even - true).max() < 0.6 * np.spacing(rounded[-1])
+            assert np.diff(even) == pytest.approx(1 / rate, rel=1e-4)
+
+
+def test_times_with_gaps_are_not_restored() -> None:
+    late = 6000 + np.delete(np.arange(40_000) / 2000, 30_000)
+    assert restore_even_times(late) is None, "in double precision a missing sample shows"
+    single = (3000 + np.delete(np.arange(40_000) / 2000, slice(30_000, 30_010))).astype(np.float32)
+    assert restore_even_times(single.astype(np.float64)) is None
+    assert restore_even_times(np.array([0.0, 1.0])) is None
+    assert restore_even_times(np.zeros(10)) is None
+
+
+def test_a_late_recording_in_single_precision_is_detected_with_a_note(tmp_path: Path) -> None:
+    np.savez(tmp_path / "t.npz", time_s=(3000 + T).astype("f4"), voltage_v=V)
+    done = run("detect", tmp_path / "t.npz", "--json")
+    assert single_onset(done) == pytest.approx(3000 + ONSET, abs=0.001)
+    assert "time_s: is in single precision; evenly spaced times are taken instead" in done.stderr
+
+
+def minute_of_counts(path: Path, bits: int) -> float:
+    """Save a minute without slip under a slow press, as a converter over 5 V sees it; return volts per count."""
+    t = np.arange(60 * 2000) / 2000
+    volts = 4.0 + 0.05 * np.sin(2 * np.pi * 0.3 * t) + np.random.default_rng(0).normal(0, 4e-4, len(t))
+    step = 5 / 2**bits
+    np.savez(path, time_s=t, voltage_v=np.round(volts / step))
+    return step
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("detector", ["digital", "fast", "fft"])
+def test_coarse_steps_are_warned_of_with_a_remedy_that_ends_the_false_alarms(tmp_path: Path, detector: str) -> None:
+    words = ("detect", tmp_path / "t.npz", "--detector", detector, "--json")
+    scale = ("--scale", minute_of_counts(tmp_path / "t.npz", 10))
+    done = run(*words, *scale)
+    assert len(json.loads(done.stdout)["intervals"]) > 500
+    (warning,) = done.stderr.splitlines()
+    assert warning.startswith("warning: the voltages come in steps of 4.88 mV, which hide the noise of 0.4 mV that")
+    remedy = shlex.split(re.search(r"Or add (.*?): thresholds", warning)[1])
+    assert len(json.loads(run(*words, *scale, *remedy).stdout)["intervals"]) == 0
+
+
+def test_coarse_steps_of_a_stream_are_warned_of_once() -> None:
+    counts = np.round(np.tile(V, 3) / 5 * 1024)
+    times = [f"{i / 2000:.4f}" for i in range(len(counts))]
+    words = ("detect", "-", "--scale", 5 / 1024, "--json")
+    done = run(*words, lines="time_s,voltage_v\n" + rows(times, volts=counts))
+    assert done.exit_code == 0
+    assert done.stderr.count("warning: the voltages come in steps of 4.88 mV") == 1
+    fine = run("detect", "-", "--json", lines="time_s,voltage_v\n" + rows(times, volts=np.tile(V, 3)))
+    assert fine.stderr == ""
+
+
+def test_fine_steps_are_not_warned_of(tmp_path: Path) -> None:
+    step = minute_of_counts(tmp_path / "t.npz", 14)
+    assert run("detect", tmp_path / "t.npz", "--detector", "fast", "--scale", step).stderr == ""
+    assert find_step_v(np.load(tmp_path / "t.npz")["voltage_v"] * step) == pytest.approx(step)
+    assert find_step_v(np.full(9, 4.0)) is None
+    assert find_step_v(np.array([0.0, 1.0, 2.5])) is None
+    assert find_step_v(V) is None or find_step_v(V) < 1e-6
+    assert find_step_v(np.round(V / 0.01) * 0.01) == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("polarity", ["bipolar", "unipolar"])
+def test_remedy_against_coarse_steps_has_their_step_and_covers_the_recording(polarity: str) -> None:
+    design = Design(detector={"adc_polarity": polarity})
+    volts = np.round(np.random.default_rng(0).normal(4.0, 0.01, 5000) / (5 / 1024)) * (5 / 1024)
+    (warning,) = step_warnings(volts, design, "fast")
+    changes = dict(re.findall(r"--set (\S+)=([\d.e-]+)", warning))
+    detector = Design.load(
+        changes=[f"{k}={v}" for k, v in changes.items()] + [f"detector.adc_polarity={polarity}"]
+    ).detector
+    assert detector.adc_step_v == pytest.approx(5 / 1024, rel=1e-8)
+    assert detector.adc_low_v <= volts.min() < volts.max() < detector.adc_range_v < 2 * 5.1
+    assert list(step_warnings(volts, Design(detector=detector.model_dump()), "fast")) == []

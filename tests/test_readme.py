@@ -74,14 +74,14 @@ def recordings() -> dict[str, str]:
 
 def test_only_install_pytest_and_fingertip_are_shown() -> None:
     others = {command for command in COMMANDS if command not in OURS}
-    assert others == {"sh install.sh", "sh install.sh test", ".venv/bin/pytest"}
+    assert others == {"sh install.sh", "sh install.sh test", ".venv/bin/pytest -n auto --dist loadfile"}
     assert len(OURS) >= 10
 
 
 def test_the_first_two_blocks_set_up_build_and_test() -> None:
     shell = [block for language, block in BLOCKS if language == "sh"]
     assert shell[0].startswith("sh install.sh && .venv/bin/fingertip make params/fsr400.toml")
-    assert shell[1] == "sh install.sh test && .venv/bin/pytest\n"
+    assert shell[1] == "sh install.sh test && .venv/bin/pytest -n auto --dist loadfile\n"
     assert all(block.count("\n") == 1 for block in shell[:2]), "one pasteable line each"
 
 

@@ -217,10 +217,10 @@ def test_rules_of_the_parts_read_no_electronic_table() -> None:
 
 
 ELECTRONIC_AXES: dict[str, Any] = {
-    "board.cutoff_hz": {"low": 1.0, "high": 9000.0, "spacing": "logarithmic"},
-    "board.capacitor_uf": {"low": 1e-5, "high": 900.0, "spacing": "logarithmic"},
-    "board.envelope_cutoff_hz": {"low": 1.0, "high": 9000.0, "spacing": "logarithmic"},
-    "board.passband_gain": {"low": 1.01, "high": 9000.0, "spacing": "logarithmic"},
+    "board.cutoff_hz": {"low": 10.0, "high": 300.0, "spacing": "logarithmic"},
+    "board.capacitor_uf": [0.1, 0.22, 0.47, 1.0, 2.2],
+    "board.envelope_cutoff_hz": {"low": 5.0, "high": 900.0, "spacing": "logarithmic"},
+    "board.passband_gain": {"low": 10.0, "high": 200.0, "spacing": "logarithmic"},
     "board.supply_v": {"low": 5.0, "high": 6.0},
     "board.variant": ["article", "precision", "comparator"],
     "detector.sample_rate_hz": {"low": 1000.0, "high": 20000.0},
@@ -258,9 +258,9 @@ def test_board_outputs_equal_those_of_board_values() -> None:
         seed=5,
         outputs=[*names, "board.c_uf", "q", "gain", "cutoff_3db_hz", "envelope_decay_ms"],
         axes={
-            "board.cutoff_hz": {"low": 20.0, "high": 400.0, "spacing": "logarithmic"},
-            "board.passband_gain": {"low": 5.0, "high": 300.0, "spacing": "logarithmic"},
-            "board.capacitor_uf": {"low": 0.1, "high": 2.0, "spacing": "logarithmic"},
+            "board.cutoff_hz": {"low": 30.0, "high": 150.0, "spacing": "logarithmic"},
+            "board.passband_gain": {"low": 20.0, "high": 100.0, "spacing": "logarithmic"},
+            "board.capacitor_uf": [0.22, 0.47, 1.0, 2.2],
             "board.capacitor_series": ["given", "E12"],
             "board.series": ["E12", "E24", "E96"],
         },

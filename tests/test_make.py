@@ -42,7 +42,7 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     """
     design = Design.load("fsr400")
     build(design, tmp_path / "single", formats=["stl"], pictures=True)
-    write_board(design, tmp_path / "single" / "board")
+    write_board(design, tmp_path / "single" / "board", bring_up=True)
     page = render_acceptance(acceptance_data(design, simulate_and_detect(design, lambda message: None)[1].detection))
     parts_writer(design, tmp_path / "single").add({ACCEPTANCE: page.encode()})
     trace = tmp_path / "trace.csv"

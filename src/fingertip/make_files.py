@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING
 
 from fingertip import extras
 from fingertip.acceptance.sheet import acceptance_data, render_acceptance
-from fingertip.board.output import BOARD_FILES, board_files, board_writer
+from fingertip.board.bringup.files import bring_up_files
+from fingertip.board.output import BOARD_FILES, BRING_UP_FILES, board_files, board_writer
 from fingertip.build_files import Build, build, parts_writer
 from fingertip.design import Design
 from fingertip.sim.trace_export import DETECTION, PLOT, SIGNAL_FOLDER, TRACE, encode_trace, signal_writer
@@ -75,14 +76,14 @@ def make(
     board, signal = board_writer(design, folder / "board", force), signal_writer(design, folder / SIGNAL_FOLDER, force)
     sheets = parts_writer(design, folder, force)
     sheets.check((ACCEPTANCE,))
-    board.check(BOARD_FILES)
+    board.check((*BOARD_FILES, *BRING_UP_FILES))
     signal.check((TRACE, PLOT, DETECTION))
     others: list[tuple[SetWriter, Mapping[str, bytes]]] = []
     found: list[FileDetection] = []
 
     def make_the_others() -> None:
         progress("making the board")
-        board_set = board_files(design)
+        board_set = board_files(design) | bring_up_files(design)
         signal_set, detection = simulate_and_detect(design, progress)
         page = render_acceptance(acceptance_data(design, detection.detection))
         others.extend(((board, board_set), (signal, signal_set), (sheets, {ACCEPTANCE: page.encode()})))

@@ -31,9 +31,12 @@ SCHEMATIC = "slip_filter.kicad_sch"
 LAYOUT = "slip_filter.kicad_pcb"
 PROJECT = "slip_filter.kicad_pro"
 README = "README.md"
+BRING_UP, BRING_UP_READINGS = "bringup.md", "bringup_readings.toml"
 
 BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README)
 """Names of the files of a board."""
+BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS)
+"""Names of the files for bringing a board up, which are written where they are asked for."""
 FAB_FOLDER = "fab"
 PROVENANCE = "made_from.sha256"
 _MAX_DIFF_LINES = 12
@@ -67,10 +70,13 @@ def board_folder(design: Design) -> Path:
     return Path("out") / design.name / "board"
 
 
-def write_board(design: Design, out: str | Path | None = None, *, force: bool = False) -> tuple[Path, ...]:
+def write_board(
+    design: Design, out: str | Path | None = None, *, force: bool = False, bring_up: bool = False
+) -> tuple[Path, ...]:
     """Write the board's files to a folder, `out/NAME/board` by default, all or none, and return their paths.
 
-    With `force`, files of the same names that are somebody's own are overwritten.
+    With `force`, files of the same names that are somebody's own are overwritten. With `bring_up`, the sheet for
+    bringing the board up is written too; otherwise that of another design is removed.
 
     Raises
     ------
@@ -82,7 +88,11 @@ def write_board(design: Design, out: str | Path | None = None, *, force: bool = 
     """
     folder = board_folder(design) if out is None else Path(out)
     files = board_files(design)
-    board_writer(design, folder, force).write(files)  # with the same names always, so that nothing is removed
+    if bring_up:
+        from fingertip.board.bringup.files import bring_up_files
+
+        files |= bring_up_files(design)
+    board_writer(design, folder, force).write(files)
     return tuple(folder / name for name in files)
 
 
@@ -129,7 +139,12 @@ def write_fabrication(
 def board_differences(design: Design, folder: str | Path) -> list[str]:
     """Describe how a folder's files differ from those of a design, with the first differing lines; empty if equal."""
     found: list[str] = []
-    for name, data in board_files(design).items():
+    expected = board_files(design)
+    if (Path(folder) / BRING_UP).exists():
+        from fingertip.board.bringup.files import bring_up_files
+
+        expected |= bring_up_files(design)
+    for name, data in expected.items():
         path = Path(folder) / name
         try:
             existing = path.read_bytes()

@@ -53,6 +53,19 @@ def board(
     bode: Annotated[
         Path | None, typer.Option("--bode", metavar="FILE", help="Write the Bode table of each stage as CSV.")
     ] = None,
+    bring_up: Annotated[
+        bool,
+        typer.Option("--bringup", help="Also write bringup.md, how to test a soldered board, and a file for readings."),
+    ] = False,
+    readings: Annotated[
+        Path | None,
+        typer.Option(
+            "--readings",
+            metavar="FILE",
+            help="Write nothing; compare the readings of a soldered board with their limits; name the likely fault and "
+            "exit 1 if one fails.",
+        ),
+    ] = None,
     force: ForceOption = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
@@ -75,6 +88,15 @@ def board(
         raise OutputError(issues)
     loaded, _ = load_design(design, changes, console.progress)
     out = out or board_folder(loaded)
+    if readings:
+        from fingertip.board.bringup.files import assess_board
+        from fingertip.board.bringup.report import format_assessment
+
+        assessment = assess_board(loaded, readings)
+        console.result(assessment, format_assessment(assessment))
+        if not assessment["passed"]:
+            raise typer.Exit(CHECK_FAILED)
+        return
     if check:
         found = board_differences(loaded, out) + fabrication_differences(loaded, out, expected=fab)
         up_to_date = f"{out} is up to date with this design"
@@ -83,7 +105,7 @@ def board(
             raise typer.Exit(CHECK_FAILED)
         return
     values = board_values(loaded)
-    paths = write_board(loaded, out, force=force)
+    paths = write_board(loaded, out, force=force, bring_up=bring_up)
     for path in paths:
         console.progress(f"wrote {path}")
     if fab:

@@ -1,0 +1,96 @@
+"""Diagnosis of a board: which single fault explains the readings best.
+
+Every fault is simulated, and its readings are compared with those that were taken, each difference in units of what
+good boards and meters differ by. Faults that explain the readings alike cannot be told apart and are all named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from fingertip.board.bringup.faults import Fault, list_faults
+from fingertip.board.bringup.limits import METER_AC, Limits
+from fingertip.board.bringup.prediction import Board, is_tone, predict
+
+MIN_READINGS = 3
+"""Least number of readings for a diagnosis."""
+_MODEL_RATIO = 0.03
+"""Error of a predicted reading beyond that of a good board, as a ratio of it."""
+_ALIKE = 4.0
+"""Difference of two faults' misfits below which they cannot be told apart."""
+_EXPLAINED = 6.0
+"""Mean squared difference per reading up to which a fault explains the readings."""
+_MOST = 6
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Fault with how well it explains the readings."""
+
+    fault: Fault
+    misfit: float
+    """Mean squared difference per reading, in units of the expected spread."""
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Result of comparing readings with a board's limits."""
+
+    failed: tuple[str, ...]
+    """Readings beyond their limits."""
+    likely: tuple[Explanation, ...]
+    """Faults that explain the readings best and cannot be told apart; empty if no reading failed."""
+
+    @property
+    def is_explained(self) -> bool:
+        """Return whether a single fault explains all readings."""
+        return any(each.misfit <= _EXPLAINED for each in self.likely)
+
+
+def diagnose(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, float], tone_v: float) -> Diagnosis:
+    """Compare readings with their limits and, if any lies beyond them, find the faults that explain them best.
+
+    Parameters
+    ----------
+    board
+        Board without a fault.
+    limits
+        Limits for that tone, as `compute_limits` returns them.
+    readings
+        Readings [V] by name; any part of those in `limits`.
+    tone_v
+        RMS of the tone with which they were taken [V].
+    """
+    failed = tuple(name for name, v in readings.items() if not limits[name].low_v <= v <= limits[name].high_v)
+    if not failed or len(readings) < MIN_READINGS:
+        return Diagnosis(failed, ())
+    faults = list(list_faults(board.circuit, board.ends_v))
+    predicted = zip(faults, predict(board, faults, tone_v), strict=True)
+    return Diagnosis(failed, explain(predicted, limits, readings))
+
+
+def explain(
+    predicted: Iterable[tuple[Fault, Mapping[str, float]]],
+    limits: Mapping[str, Limits],
+    readings: Mapping[str, float],
+) -> tuple[Explanation, ...]:
+    """Find the faults whose predicted readings are nearest, with all that are as near."""
+    found = [Explanation(fault, _misfit(values, readings, limits)) for fault, values in predicted]
+    found.sort(key=lambda each: each.misfit)
+    close = [each for each in found if (each.misfit - found[0].misfit) * len(readings) < _ALIKE]
+    # The readings do not tell these apart; the more common ones come first.
+    close.sort(key=lambda each: (each.fault.rarity, each.misfit))
+    return tuple(close[:_MOST])
+
+
+def _misfit(predicted: Mapping[str, float], readings: Mapping[str, float], limits: Mapping[str, Limits]) -> float:
+    total = 0.0
+    for name, measured in readings.items():
+        spread = (limits[name].high_v - limits[name].low_v) / 4.0
+        if is_tone(name) and limits[name].low_v > 0.0:
+            # What is left of a tone has the same relative spread, and the meter's own error.
+            spread = spread / limits[name].expected_v * abs(predicted[name]) + METER_AC[1]
+        spread += _MODEL_RATIO * abs(predicted[name])
+        total += ((measured - predicted[name]) / spread) ** 2
+    return total / len(readings)

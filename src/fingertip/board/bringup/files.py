@@ -1,0 +1,42 @@
+"""Files of a bring-up, and the assessment of readings, for a design."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from fingertip.board.board_values import board_values
+from fingertip.board.bringup.plan import BringUp, plan_bring_up
+from fingertip.board.bringup.prediction import Board
+from fingertip.board.bringup.readings import read_readings, readings_template
+from fingertip.board.bringup.report import assess_readings
+from fingertip.board.bringup.sheet import render_sheet
+from fingertip.board.circuits.signal_paths import board_circuit
+from fingertip.board.output import BRING_UP, BRING_UP_READINGS
+from fingertip.design import Design
+
+
+def bring_up_files(design: Design) -> dict[str, bytes]:
+    """Content of the bring-up sheet and of the file of readings, by name."""
+    plan = _plan(design)
+    return {
+        BRING_UP: render_sheet(plan, design.name).encode(),
+        BRING_UP_READINGS: readings_template(plan, design.name).encode(),
+    }
+
+
+def assess_board(design: Design, path: Path) -> dict[str, Any]:
+    """Assess the readings in a file, as plain data.
+
+    Raises
+    ------
+    TomlFileError, BoardError
+        If the file cannot be read, or holds what are no readings of this design's board.
+    """
+    readings = read_readings(path, _plan(design))
+    return assess_readings(_plan(design, readings.tone_v), readings)
+
+
+def _plan(design: Design, *tone_v: float) -> BringUp:
+    values = board_values(design)
+    return plan_bring_up(Board.of_design(design, board_circuit(values)), values, *tone_v)

@@ -1,0 +1,158 @@
+"""Limits of each reading: what thousands of good boards would read, with the errors of the meter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.board.board_values import BoardValues
+from fingertip.board.bringup.bench import COUPLING_F, COUPLING_OHM, TONE, TONE_V, connect_tone
+from fingertip.board.bringup.faults import Fault
+from fingertip.board.bringup.prediction import (
+    Board,
+    batch_constant,
+    batch_level,
+    list_levels,
+    name_tone,
+    name_voltage,
+    predict,
+)
+from fingertip.board.circuit import parse_component_value
+from fingertip.board.circuits.components import PRECISION_TOLERANCE
+from fingertip.board.circuits.signal_paths import RECT_OUT
+from fingertip.board.components.amplifiers import AD623_OFFSET_V, AMPLIFIERS, GAIN_RESISTOR
+from fingertip.board.components.bridge import GAIN_CONSTANT_OHM
+from fingertip.board.nets import ENVELOPE, FILTERED, GND, TACTILE
+from fingertip.board.network import Network, Value, build_network, list_amplifiers
+
+RECTIFIER_V = 0.15
+"""Deviation of the mean of a precision rectifier's amplifier: the drops of two diodes differ by less [V]."""
+BOARDS, SEED = 400, 1
+METER_DC, METER_AC = (0.005, 0.003), (0.02, 0.005)
+"""Error of a simple multimeter: ratio of the reading, and a constant [V]; direct voltage, and alternating voltage from
+40 to 400 Hz. An assumption; a better meter has less."""
+_TEST_PART_RATIO = {COUPLING_OHM: 0.01, COUPLING_F: 0.1}
+"""Tolerances of the parts that connect the generator. Measure the resistor to know it better."""
+_DUMMY_RATIO = 0.01
+SUPPLY_PERCENT = 2.0
+"""Tolerance of the supply during the tests: all levels of a bridge scale with it."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Expected reading of a board without a fault [V]."""
+
+    expected_v: float
+    low_v: float
+    high_v: float
+
+
+def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) -> dict[str, Limits]:
+    """Compute the limits of all readings, by the reading's name.
+
+    Resistors and capacitors are drawn within their tolerances, offsets within their maximum, both uniformly. `tone_v`
+    is the RMS of the generator's tone [V].
+    """
+    random = np.random.default_rng(SEED)
+    drawn: dict[str, Array] = {}
+    light, firm = board.bench.dummy_ohm
+
+    def constants(net: str, ohm: float | None) -> Array:
+        network = build_network(board.circuit, board.gain_bandwidth_hz, sensor_s=1.0 / ohm if ohm else 0.0)
+        path = network.restrict(net, *({board.signal_ground} - {GND}))
+        sensor = {"J1": 1.0 / ohm / (1.0 + _DUMMY_RATIO * random.uniform(-1, 1, BOARDS))} if ohm else {}
+        parts = _draw(path, board, values, random) | sensor
+        supply = 1.0 + 0.01 * SUPPLY_PERCENT * random.uniform(-1.0, 1.0, BOARDS)
+        volts = batch_constant(path.with_values(parts), board.rails_v, net, board.signal_ground)
+        return volts * supply + _draw_offset(path, board, net, random)
+
+    for net in board.nets:
+        if net != ENVELOPE:
+            drawn[name_voltage(net)] = constants(net, None)
+    for ohm in (light, firm):
+        drawn[name_voltage(TACTILE, ohm)] = constants(TACTILE, ohm)
+    toned = build_network(connect_tone(board.circuit, board.bench), board.gain_bandwidth_hz, sensor_s=1.0 / light)
+    path = toned.drive(TONE).restrict(FILTERED)
+    parts = path.with_values(_draw(path, board, values, random))
+    levels = {name_tone(net, hz): tone_v * batch_level(parts, hz, net) for net, hz in list_levels(board.bench)}
+
+    # The envelope follows the filtered tone: between the weakest and the strongest of the boards.
+    filtered = levels[name_tone(FILTERED, board.bench.tones_hz[-1])]
+    middle = tone_v * float(batch_level(path, board.bench.tones_hz[-1], FILTERED))
+    tones_v = [tone_v * float(level) / middle for level in (middle, filtered.min(), filtered.max())]
+    nominal, *ends = predict(board, [Fault("", "", board.circuit)] * 3, *tones_v)
+    limits = {name: _widen(nominal[name], volts, METER_DC) for name, volts in drawn.items()}
+    limits |= {name: _widen(nominal[name], volts, METER_AC) for name, volts in levels.items()}
+    return limits | _limit_envelope(board, values, nominal, ends)
+
+
+def _widen(expected_v: float, drawn_v: Array, meter: tuple[float, float]) -> Limits:
+    """Limits of a reading: the extremes of the boards, and the meter's error."""
+    ratio, constant_v = meter
+    low, high = min(expected_v, float(drawn_v.min())), max(expected_v, float(drawn_v.max()))
+    error_v = ratio * max(abs(low), abs(high)) + constant_v
+    return Limits(expected_v, low - error_v, high + error_v)
+
+
+def _limit_envelope(
+    board: Board,
+    values: BoardValues,
+    nominal: Mapping[str, float],
+    ends: Sequence[Mapping[str, float]],
+) -> dict[str, Limits]:
+    """Limits of the envelope at rest and with the tone: the rectifier adds offsets."""
+    offset, constant_v = values.output_offset, METER_DC[1]
+    low_v, high_v = (offset.min_v - constant_v, offset.max_v + constant_v) if offset else (-constant_v, constant_v)
+    quiet, loud = name_voltage(ENVELOPE), name_tone(ENVELOPE, board.bench.tones_hz[-1])
+    part_v = 2e-2 * values.tolerance.resistor_percent * abs(nominal[loud])
+    found = {
+        quiet: Limits(nominal[quiet], nominal[quiet] + low_v, nominal[quiet] + high_v),
+        loud: Limits(nominal[loud], ends[0][loud] - part_v + low_v, ends[1][loud] + part_v + high_v),
+    }
+    output = name_tone(RECT_OUT, board.bench.tones_hz[-1])
+    if output in nominal:
+        # The drops of the two diodes alternate there, so the mean is small, and a diode that is missing shows.
+        found[output] = Limits(nominal[output], nominal[output] - RECTIFIER_V, nominal[output] + RECTIFIER_V)
+    return found
+
+
+def _draw(path: Network, board: Board, values: BoardValues, random: np.random.Generator) -> dict[str, Value]:
+    """Draw the values of a network's parts within their tolerances."""
+    drawn: dict[str, Value] = {}
+    for name in sorted({term.quantity for term in path.terms}):
+        ratio = _TEST_PART_RATIO.get(name) or _find_tolerance(name, board, values)
+        if ratio:
+            factor = 1.0 + ratio * random.uniform(-1.0, 1.0, BOARDS)
+            value = path.values[name]
+            drawn[name] = value / factor if name.startswith("R") else value * factor  # conductance of a resistor
+    return drawn
+
+
+def _find_tolerance(reference: str, board: Board, values: BoardValues) -> float:
+    """Relative tolerance of a part; 0 of what is none."""
+    try:
+        part = board.circuit.component(reference)
+    except KeyError:
+        return 0.0
+    if part.symbol.name == "R":
+        is_precise = part.rating.startswith(PRECISION_TOLERANCE)
+        return float(PRECISION_TOLERANCE.split()[0]) / 100 if is_precise else values.tolerance.resistor_percent / 100
+    return values.tolerance.capacitor_percent / 100 if part.symbol.name == "C" else 0.0
+
+
+def _draw_offset(path: Network, board: Board, net: str, random: np.random.Generator) -> Array:
+    """Draw the offsets of the amplifiers before a net, as they appear between it and the signal ground [V]."""
+    transfers, total = path.constant_transfers(net), np.zeros(BOARDS)
+    if board.signal_ground not in (net, GND):
+        ground = path.constant_transfers(board.signal_ground)
+        transfers = {name: transfer - ground[name] for name, transfer in transfers.items()}
+    gain = 1.0 + GAIN_CONSTANT_OHM / parse_component_value(board.circuit.component(GAIN_RESISTOR).value)
+    for output in list_amplifiers(board.circuit):
+        if output.net in transfers:
+            symbol = board.circuit.component(output.reference).symbol.name
+            limit_v = AMPLIFIERS[symbol].max_offset_v if symbol in AMPLIFIERS else AD623_OFFSET_V * gain
+            total += transfers[output.net] * limit_v * random.uniform(-1.0, 1.0, BOARDS)
+    return total

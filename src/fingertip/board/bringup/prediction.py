@@ -1,0 +1,247 @@
+"""Readings of a board with or without a fault: constant voltages, levels of the tone, and the envelope.
+
+All voltages are above the signal ground (TP5), so that its own error does not hide others; it is measured too.
+
+Up to FILTERED the circuit is linear, and the network gives the readings. An amplifier whose output would leave its
+swing holds the end of it, and no tone passes. Behind FILTERED `rectifier` steps through time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.arrays import Array
+from fingertip.board.bringup.bench import TONE, TONE_V, Bench, connect_tone, set_up_bench
+from fingertip.board.bringup.faults import Fault
+from fingertip.board.bringup.rectifier import Drive, mean_voltages
+from fingertip.board.circuit import Circuit
+from fingertip.board.circuits.signal_paths import RECT_OUT
+from fingertip.board.components.amplifiers import AMPLIFIERS
+from fingertip.board.nets import (
+    ENVELOPE,
+    FILTERED,
+    GND,
+    REFERENCE,
+    SENSOR,
+    STAGE1_OUT,
+    STAGE2_MID,
+    TACTILE,
+    VCC,
+    VEE,
+    VMID,
+    VREF,
+)
+from fingertip.board.network import Network, build_network, list_amplifiers
+from fingertip.board.supplies import SUPPLIES
+from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
+
+# Limits of the bridge amplifier's output from the rails [V], from its data sheet (`analysis.limits`).
+_BRIDGE_LOW_V, _BRIDGE_HIGH_V = 0.01, 0.5
+_MAX_SATURATED = 8
+_TONE_END = "hz_v"
+_PATH = (VREF, VMID, TACTILE, STAGE1_OUT, FILTERED)
+POINTS = {
+    TACTILE: "TP1",
+    STAGE1_OUT: "TP2",
+    FILTERED: "TP3",
+    ENVELOPE: "TP4",
+    VMID: "TP5",
+    SENSOR: "J1",
+    REFERENCE: "R13",
+    STAGE2_MID: "R2",
+    RECT_OUT: "U3",
+}
+"""Where each net is measured: at a test point, or at a part's end (`sheet` says which). A test compares them with the
+circuits."""
+_SINE = np.sin(2.0 * math.pi * (np.arange(256) + 0.5) / 256)
+
+
+@dataclass(frozen=True)
+class Board:
+    """What the readings of a board depend on besides its circuit."""
+
+    circuit: Circuit
+    bench: Bench
+    rails_v: Mapping[str, float]
+    """Voltages of the rails against ground [V]."""
+    signal_ground: str
+    swing_v: tuple[float, float]
+    """Ends of the swing of an amplifier's output above ground [V]."""
+    gain_bandwidth_hz: float
+
+    @property
+    def nets(self) -> tuple[str, ...]:
+        """Nets whose constant voltage is measured."""
+        return tuple(n for n in POINTS if n not in (STAGE2_MID, RECT_OUT) and (n != VMID or self.signal_ground == VMID))
+
+    @classmethod
+    def of_design(cls, design: Design, circuit: Circuit) -> Board:
+        """Board of a design with its circuit."""
+        supply, supply_v = SUPPLIES[design.board.supply], design.board.supply_v
+        rails = {GND: 0.0, VCC: supply_v, VEE: -supply_v}
+        margin_v = max(
+            AMPLIFIERS[c.symbol.name].output_from_rail_v for c in circuit.components if c.symbol.name in AMPLIFIERS
+        )
+        low, high = rails[supply.negative_rail] + margin_v, supply_v - margin_v
+        ground_v = supply.signal_ground_v(supply_v)
+        bandwidth = find_gain_bandwidth_hz(design.board)
+        bench = set_up_bench(circuit, bandwidth, design.board.cutoff_hz, min(high - ground_v, ground_v - low))
+        return cls(circuit, bench, rails, supply.signal_ground, (low, high), bandwidth)
+
+    @property
+    def ends_v(self) -> dict[str, tuple[float, float]]:
+        """Ends of the swing of each measured output of an amplifier [V], by its net."""
+        return {
+            a.net: self.swing_of(a.amplifier)
+            for a in list_amplifiers(self.circuit)
+            if a.net in POINTS and a.net != RECT_OUT
+        }
+
+    def swing_of(self, amplifier: str) -> tuple[float, float]:
+        """Ends of the swing of one amplifier's output above ground [V]."""
+        if amplifier != "U2":
+            return self.swing_v
+        low_rail = 0.0 if self.signal_ground == VMID else self.rails_v[VEE]
+        return low_rail + _BRIDGE_LOW_V, self.rails_v[VCC] - _BRIDGE_HIGH_V
+
+
+def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict[str, float]]:
+    """Predict the readings of boards that each have one fault, by the reading's name.
+
+    Parameters
+    ----------
+    board
+        Board without a fault.
+    faults
+        Faults; one without a reference is the board as it should be.
+    tones_v
+        RMS of the generator's tone [V]: `TONE_V`, one for all, or one for each fault.
+    """
+    readings: list[dict[str, float]] = []
+    drives: list[Drive] = []
+    tones = tones_v if len(tones_v) > 1 else (tones_v or (TONE_V,)) * len(faults)
+    for fault, tone_v in zip(faults, tones, strict=True):
+        values, levels = _predict_linear(board, fault, tone_v)
+        readings.append(values)
+        drives += levels
+    hz = board.bench.tones_hz[-1]
+    means = mean_voltages(drives, board.swing_v, board.gain_bandwidth_hz, hz)
+    for i, values in enumerate(readings):
+        ground_v = drives[2 * i].given_v[board.signal_ground]
+        stuck = faults[i].stuck_v.get(ENVELOPE)
+        quiet, loud = means[ENVELOPE][2 * i : 2 * i + 2] if stuck is None else (stuck, stuck)
+        values[name_voltage(ENVELOPE)], values[name_tone(ENVELOPE, hz)] = (
+            float(quiet) - ground_v,
+            float(loud) - ground_v,
+        )
+        if RECT_OUT in means:
+            values[name_tone(RECT_OUT, hz)] = float(means[RECT_OUT][2 * i + 1]) - ground_v
+    return readings
+
+
+def name_voltage(net: str, ohm: float | None = None) -> str:
+    """Name of the reading of a constant voltage, with the sensor open or a resistor in its place."""
+    return f"{POINTS[net].lower()}_{'open' if ohm is None else f'{ohm:.0f}ohm'}_v"
+
+
+def name_tone(net: str, hz: float) -> str:
+    """Name of a reading while the tone sounds: RMS of the alternating part, or the envelope's mean."""
+    return f"{POINTS[net].lower()}_{hz:.0f}{_TONE_END}"
+
+
+def is_tone(name: str) -> bool:
+    """Return whether a reading is taken while the tone sounds."""
+    return name.endswith(_TONE_END)
+
+
+def list_levels(bench: Bench) -> tuple[tuple[str, float], ...]:
+    """Nets and frequencies [Hz] at which the tone is measured."""
+    low, middle, high = bench.tones_hz
+    return (FILTERED, low), (FILTERED, middle), (FILTERED, high), (STAGE1_OUT, middle), (STAGE2_MID, middle)
+
+
+def _predict_linear(board: Board, fault: Fault, tone_v: float) -> tuple[dict[str, float], tuple[Drive, Drive]]:
+    """Readings up to the filter's output, and what drives the rectifier: nothing but a level, and the tone."""
+    nets = tuple(net for net in board.nets if net != ENVELOPE)
+    values: dict[str, float] = {}
+    light, firm = board.bench.dummy_ohm
+    volts, _ = solve_constant(board, fault, 0.0, nets)
+    ground = board.signal_ground
+    values |= {name_voltage(net): volts[net] - (volts[ground] if net != ground else 0.0) for net in nets}
+    for ohm in (firm, light):
+        volts, held = solve_constant(board, fault, 1.0 / ohm, nets)
+        values[name_voltage(TACTILE, ohm)] = volts[TACTILE] - volts[ground]
+    network = build_network(connect_tone(fault.circuit, board.bench), board.gain_bandwidth_hz, sensor_s=1.0 / light)
+    network = network.drive(TONE)
+    path = network.ground(*held).restrict(*(net for net, _ in list_levels(board.bench) if net not in held))
+    peaks: dict[tuple[str, float], float] = {}
+    for net, hz in list_levels(board.bench):
+        gain = abs(path.response(np.array([hz]), {TONE: 1.0}, net)[0, 0]) if net in path.nets else 0.0
+        peaks[net, hz] = math.sqrt(2.0) * tone_v * float(gain)
+        values[name_tone(net, hz)] = _clipped_rms(volts.get(net, 0.0), peaks[net, hz], board.swing_v)
+    level = volts[FILTERED]
+    given = {name: v for name, v in board.rails_v.items() if name != VEE or board.signal_ground == GND}
+    if board.signal_ground == VMID:
+        given[VMID] = volts[VMID]
+    low, high = board.swing_v
+    peak = min(peaks[FILTERED, board.bench.tones_hz[-1]], high - low)
+    return values, (Drive(fault.circuit, level, 0.0, given), Drive(fault.circuit, level, peak, given))
+
+
+def solve_constant(
+    board: Board, fault: Fault, sensor_s: float, nets: Sequence[str]
+) -> tuple[dict[str, float], Mapping[str, float]]:
+    """Constant voltages [V], and the outputs among them that are held at an end of their swing."""
+    network = build_network(fault.circuit, board.gain_bandwidth_hz, sensor_s=sensor_s)
+    outputs = tuple(list_amplifiers(fault.circuit))
+    held = dict(fault.stuck_v)
+    while True:
+        wanted = [net for net in nets if net not in held]
+        path = network.drive(*(net for net in held if net not in network.inputs)).restrict(*wanted)
+        volts = path.operating_point({**board.rails_v, **held}) | held
+        beyond: dict[str, float] = {}
+        for output in outputs:
+            low, high = board.swing_of(output.amplifier)
+            if output.net in volts and output.net not in held and not low <= volts[output.net] <= high:
+                beyond[output.net] = min(max(volts[output.net], low), high)
+        if not beyond or len(held) > _MAX_SATURATED:
+            return volts, held
+        # The first amplifier along the path saturates; those behind it may be within their swing then.
+        first = min(beyond, key=_rank)
+        held[first] = beyond[first]
+
+
+def _rank(net: str) -> int:
+    """Place of an output along the signal path."""
+    return _PATH.index(net) if net in _PATH else len(_PATH)
+
+
+def _clipped_rms(level: float, peak: float, swing_v: tuple[float, float]) -> float:
+    """RMS of a tone's alternating part [V], clipped at the ends of the output's swing."""
+    wave = np.clip(level + peak * _SINE, *swing_v)
+    return float(np.std(wave))
+
+
+def batch_constant(network: Network, rails_v: Mapping[str, float], net: str, ground: str) -> Array:
+    """Constant voltage of a net above the signal ground, or of that above ground, for many boards at once [V]."""
+    volts = _solve(network, 0.0, rails_v, net)
+    return volts if ground in (net, GND) else volts - _solve(network, 0.0, rails_v, ground)
+
+
+def batch_level(network: Network, hz: float, net: str) -> Array:
+    """Magnitude of a net's voltage for 1 V of the tone, for many boards at once."""
+    return np.abs(_solve(network, 2.0 * math.pi * hz, {TONE: 1.0}, net))
+
+
+def _solve(network: Network, omega: float, given: Mapping[str, float], net: str) -> Array:
+    n = len(network.nets)
+    G, C = network.matrices()
+    equations = G + 1j * omega * C if omega else G
+    right = -equations[..., n:] @ np.array([given.get(name, 0.0) for name in network.inputs])
+    solution: Array = np.linalg.solve(equations[..., :n], right[..., None])[..., 0]
+    return solution[..., network.nets.index(net)]

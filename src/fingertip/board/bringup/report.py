@@ -1,0 +1,90 @@
+"""Readings of a board against their limits, and the likely fault, as data and as text."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
+from fingertip.board.bringup.plan import SENSOR_OHM, SUPPLY_MA, BringUp
+from fingertip.board.bringup.readings import Readings, unit_of
+
+_HINTS = {
+    "supply_ohm": "the supply is shorted: look for a bridge at the connector, the capacitors and the amplifiers",
+    "negative_supply_ohm": "the negative supply is shorted: look for a bridge at the connector and the amplifiers",
+    SENSOR_OHM: "the bridge is wrong: R10 to R13, C7 or the sensor's connector",
+    SUPPLY_MA: "too much: an amplifier is turned or bridged; too little: an amplifier is not soldered",
+    "tp3_quiet_v": "hum or oscillation: shorten and twist the wires, and use a battery for the supply",
+    "slip_tone_v": "turn RV1 until SLIP falls at the expected tone; if it does not reach it, check R19 to R21 and U4",
+}
+"""What a reading says that is not part of the diagnosis."""
+
+
+def assess_readings(plan: BringUp, readings: Readings) -> dict[str, Any]:
+    """Compare readings with their limits and name the likely fault, as plain data."""
+    limits = plan.all
+    rows = [
+        {
+            "name": name,
+            "unit": unit_of(name),
+            "measured": value if math.isfinite(value) else None,
+            "expected": _round(limits[name].expected_v),
+            "limits": [_round(limits[name].low_v), _round(limits[name].high_v)],
+            "passed": limits[name].low_v <= value <= limits[name].high_v,
+        }
+        for name, value in readings.values.items()
+    ]
+    levels = {name: value for name, value in readings.values.items() if name in plan.levels}
+    diagnosis = diagnose(plan.board, plan.levels, levels, readings.tone_v)
+    hints = [f"{row['name']}: {_HINTS[row['name']]}." for row in rows if row["name"] in _HINTS and not row["passed"]]
+    return {
+        "passed": all(row["passed"] for row in rows),
+        "readings": rows,
+        "missing": [name for name in limits if name not in readings.values],
+        "hints": hints,
+        "likely": [each.fault.sentence for each in diagnosis.likely],
+        "explained": diagnosis.is_explained,
+        "verdict": _verdict(diagnosis, len(levels), all(row["passed"] for row in rows)),
+    }
+
+
+def format_assessment(data: dict[str, Any]) -> str:
+    """Format an assessment as text, the verdict first."""
+    lines = [data["verdict"], *data["hints"], ""]
+    lines.append(f"{'reading':20} {'measured':>10} {'expected':>10}   {'limits':20}")
+    for row in data["readings"]:
+        measured = "infinite" if row["measured"] is None else f"{row['measured']:.4g}"
+        low, high = row["limits"]
+        bounds = f"above {low:.4g}" if high is None else f"{low:.4g} to {high:.4g}"
+        mark = "" if row["passed"] else "  FAILS"
+        lines.append(f"{row['name']:20} {measured:>10} {_text(row['expected']):>10}   {bounds:20}{row['unit']:4}{mark}")
+    if data["missing"]:
+        lines.append(f"not measured: {', '.join(data['missing'])}")
+    return "\n".join(lines)
+
+
+def _verdict(diagnosis: Diagnosis, count: int, all_passed: bool) -> str:
+    names = [each.fault.sentence for each in diagnosis.likely]
+    if all_passed:
+        return "All readings are within their limits."
+    if not diagnosis.failed:
+        return "The voltages are within their limits; see the readings that fail."
+    if not names:
+        needed = f"take at least {MIN_READINGS} voltages for a diagnosis ({count} so far)"
+        return f"Readings fail: {', '.join(diagnosis.failed)}; {needed}."
+    if not diagnosis.is_explained:
+        return f"No single fault explains all readings. Nearest: {names[0]}. Look for two faults, or measure again."
+    if len(names) == 1:
+        return f"Likely fault: {names[0]}."
+    return (
+        f"Likely fault, one of these, which the readings do not tell apart, the more common first: {'; '.join(names)}."
+    )
+
+
+def _round(value: float) -> float | None:
+    """Round to five significant digits; None for infinity."""
+    return float(f"{value:.5g}") if math.isfinite(value) else None
+
+
+def _text(value: float | None) -> str:
+    return "infinite" if value is None else f"{value:.4g}"

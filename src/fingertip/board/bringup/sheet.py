@@ -1,0 +1,232 @@
+"""Bring-up sheet: what to look at, to measure and to feed in, in this order, with limits and what a failure means."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from fingertip.board.bringup.bench import COUPLING_FARAD, TONE_V
+from fingertip.board.bringup.limits import METER_AC, METER_DC, SUPPLY_PERCENT, Limits
+from fingertip.board.bringup.plan import NEGATIVE_OHM, QUIET, SENSOR_OHM, SLIP_TONE, SUPPLY_MA, SUPPLY_OHM, BringUp
+from fingertip.board.bringup.prediction import list_levels, name_tone, name_voltage
+from fingertip.board.circuit import format_component_value
+from fingertip.board.circuits.signal_paths import RECT_OUT
+from fingertip.board.kicad.symbols import LOCKING_CONNECTORS
+from fingertip.board.nets import (
+    ENVELOPE,
+    FILTERED,
+    GND,
+    REFERENCE,
+    SENSOR,
+    STAGE1_OUT,
+    STAGE2_MID,
+    TACTILE,
+    VMID,
+)
+
+_PROBES = {
+    TACTILE: "TP1, tactile voltage",
+    STAGE1_OUT: "TP2, first stage",
+    FILTERED: "TP3, filtered signal",
+    ENVELOPE: "TP4, envelope",
+    VMID: "TP5, signal ground; black probe at supply ground",
+    SENSOR: "J1 pin 1, sensor",
+    REFERENCE: "end of R13 that is not at TP5, reference",
+    STAGE2_MID: "end of R2 that is not at TP3, second stage",
+    RECT_OUT: "U3 pin 1, rectifier",
+}
+"""Where the red probe goes."""
+_MEANINGS = {
+    TACTILE: "bridge R10 to R13, its amplifier U2 with R14",
+    STAGE1_OUT: "U1, R4, R5",
+    FILTERED: "U1, R2, R3",
+    ENVELOPE: "rectifier and envelope",
+    VMID: "R22, R23, U5",
+    SENSOR: "R10, R11, C7",
+    REFERENCE: "R12, R13",
+}
+"""Parts that a constant voltage depends on."""
+
+
+def render_sheet(plan: BringUp, name: str) -> str:
+    """Render the bring-up sheet of a design's board as Markdown."""
+    bench, board = plan.board.bench, plan.board
+    light, firm = bench.dummy_ohm
+    low, middle, high = bench.tones_hz
+    ground = "TP5 (signal ground)" if board.signal_ground == VMID else "TP5 (ground)"
+    sections = [
+        f"# Bring-up of the board of {name}",
+        "Ten minutes with a multimeter, from the first look to a board that can be trusted. Each limit is what good "
+        f"boards read, with resistors, capacitors and offsets anywhere within their tolerances, plus the error of a "
+        f"simple meter ({100 * METER_DC[0]:g} % and {1e3 * METER_DC[1]:g} mV; alternating {100 * METER_AC[0]:g} % and "
+        f"{1e3 * METER_AC[1]:g} mV).",
+        "Write every reading into a copy of `bringup_readings.toml`. If one fails, `fingertip board DESIGN --readings "
+        "FILE` says which part is the likely fault.",
+        "## What you need",
+        _bullets(
+            [
+                "A multimeter with a range of millivolts that reads alternating voltage up to 400 Hz.",
+                f"A supply of {_describe_supply(plan)} within {SUPPLY_PERCENT:g} %, with a current limit of "
+                f"{_limit_ma(plan):.0f} mA if it has one.",
+                f"Resistors of {_ohm(light)} and {_ohm(firm)} (1 %) in place of the sensor.",
+                "A tone generator, or a phone with an app for tones and a headphone cable; "
+                f"{_ohm(bench.coupling_ohm)} (1 %) and {format_component_value(COUPLING_FARAD)}F in series from its "
+                "signal to J1 pin 1. Its ground goes to supply ground.",
+            ]
+        ),
+        "## 1. Look",
+        _bullets(_list_looks(plan)),
+        "## 2. Ohmmeter, without power",
+        _table(("reading", "where", "expected", "accept", "else"), _list_resistances(plan)),
+        "The amplifiers lie in parallel with the resistors: a meter may read less than the resistors alone would "
+        "give, and something else with its probes exchanged.",
+        "## 3. First power",
+        f"Nothing at J1 and J3. {_describe_reversal(plan)}",
+        _table(
+            ("reading", "where", "expected", "accept", "else"),
+            [
+                _row(
+                    plan,
+                    SUPPLY_MA,
+                    "mA, into the positive supply",
+                    "more: switch off, an amplifier is turned or bridged",
+                )
+            ],
+        ),
+        "## 4. Voltages",
+        f"Black probe at {ground}. First with J1 open, then with each resistor in the sensor's place.",
+        _table(("reading", "red probe", "expected", "accept", "depends on"), _list_voltages(plan)),
+        "## 5. Tone",
+        f"{_ohm(light)} at J1. Set the tone to {TONE_V:g} V RMS, measured at the generator while it is connected; the "
+        "file takes another value too. Meter at alternating voltage, but where direct voltage is stated.",
+        _table(("reading", "tone", "red probe", "expected", "accept"), _list_tones(plan)),
+        f"The filter passes {high:g} Hz and stops what is well below {middle:g} Hz, so the readings must rise from "
+        f"{low:g} Hz to {high:g} Hz. {_warn_of_range(low)}",
+        "## 6. Quiet",
+        "The tone off, the resistor still at J1, wires as in the hand.",
+        _table(
+            ("reading", "where", "expected", "accept", "else"),
+            [_row(plan, QUIET, "TP3, alternating", "hum or oscillation: shorten and twist the wires, try a battery")],
+        ),
+        "## 7. Threshold",
+        _describe_threshold(plan),
+        "## When a reading fails",
+        "Fill in what you have: three voltages are enough for a diagnosis, more tell more faults apart.",
+        "    fingertip board DESIGN --readings FILE",
+    ]
+    return "\n\n".join(sections) + "\n"
+
+
+def _describe_supply(plan: BringUp) -> str:
+    volts = plan.board.rails_v["VCC"]
+    return f"plus and minus {volts:g} V" if plan.board.signal_ground == GND else f"{volts:g} V"
+
+
+def _limit_ma(plan: BringUp) -> float:
+    """Current limit of the supply [mA]: three times what the board should draw, in tens."""
+    return 10.0 * math.ceil(0.3 * plan.current[SUPPLY_MA].expected_v)
+
+
+def _describe_reversal(plan: BringUp) -> str:
+    if any(part.symbol.name == "AO3401A" for part in plan.board.circuit.components):
+        return "A reversed supply does no harm: Q1 blocks it, and the current stays 0."
+    return "Nothing protects against a reversed supply: check its polarity at J2 with the meter before you plug it in."
+
+
+def _list_looks(plan: BringUp) -> list[str]:
+    parts = {part.reference: part for part in plan.board.circuit.components}
+    diodes = [r for r, part in parts.items() if part.symbol.name == "1N4148W"]
+    amplifiers = [r for r, part in parts.items() if r.startswith("U")]
+    looks = [
+        "No bridge of solder between the pins of the amplifiers, no part beside its pads or on its edge.",
+        f"The mark of {_join(amplifiers)} at pin 1, which the silkscreen shows.",
+        f"The bar of {_join(diodes)} at the cathode, pin 1.",
+    ]
+    if parts["J1"].footprint in LOCKING_CONNECTORS:
+        looks.append("The tabs of the connectors soldered too: they take the pull of the cables.")
+    return looks
+
+
+def _list_resistances(plan: BringUp) -> list[tuple[str, ...]]:
+    rows = [_row(plan, SUPPLY_OHM, "J2: plus to ground", "a short: do not apply power")]
+    if NEGATIVE_OHM in plan.before_power:
+        rows.append(_row(plan, NEGATIVE_OHM, "J2: ground to minus", "a short: do not apply power"))
+    return [*rows, _row(plan, SENSOR_OHM, "J1: between its pins", "R10 to R13, C7")]
+
+
+def _list_voltages(plan: BringUp) -> list[tuple[str, ...]]:
+    rows = []
+    for net in plan.board.nets:
+        rows.append(_row(plan, name_voltage(net), _PROBES[net], _MEANINGS[net]))
+    for ohm in plan.board.bench.dummy_ohm:
+        rows.append(_row(plan, name_voltage(TACTILE, ohm), f"TP1, with {_ohm(ohm)} at J1", "the same"))
+    return rows
+
+
+def _list_tones(plan: BringUp) -> list[tuple[str, ...]]:
+    high = plan.board.bench.tones_hz[-1]
+    found = [*list_levels(plan.board.bench), (ENVELOPE, high)]
+    if name_tone(RECT_OUT, high) in plan.levels:
+        found.append((RECT_OUT, high))
+    return [
+        (
+            f"`{name_tone(net, hz)}`", f"{hz:g} Hz",
+            _PROBES[net] + (", direct voltage" if net in (ENVELOPE, RECT_OUT) else ""),
+            *_figures(plan.all[name_tone(net, hz)], "V"),
+        )
+        for net, hz in found
+    ]  # fmt: skip
+
+
+def _warn_of_range(low_hz: float) -> str:
+    if low_hz >= 40.0:
+        return ""
+    return f"Simple meters read too little below 40 Hz: take {low_hz:g} Hz with an oscilloscope, or leave it out."
+
+
+def _describe_threshold(plan: BringUp) -> str:
+    if SLIP_TONE not in plan.others:
+        return (
+            "The threshold of this board lies in the detector's software: `fingertip detect` states it. Press the "
+            "sensor, stroke it, and look at the recorded signal."
+        )
+    hz = plan.board.bench.tones_hz[-1]
+    row = _row(plan, SLIP_TONE, f"tone of {hz:g} Hz, at the generator", "turn RV1 until it does; else R19 to R21, U4")
+    table = _table(("reading", "where", "expected", "accept", "else"), [row])
+    return f"RV1 at its midpoint. Raise the tone from 0 until SLIP at J3 falls.\n\n{table}"
+
+
+def _row(plan: BringUp, name: str, where: str, last: str) -> tuple[str, ...]:
+    unit = {"v": "V", "ohm": "ohm", "ma": "mA"}[name.rpartition("_")[2]]
+    return (f"`{name}`", where, *_figures(plan.all[name], unit), last)
+
+
+def _figures(limits: Limits, unit: str) -> tuple[str, str]:
+    """Expected reading and limits as text."""
+    if unit == "ohm":
+        expected = "open" if math.isinf(limits.expected_v) else f"below {_ohm(limits.expected_v)}"
+        if math.isinf(limits.high_v):
+            return expected, f"above {_ohm(limits.low_v)}"
+        return _ohm(limits.expected_v), f"{limits.low_v:.0f} to {limits.high_v:.0f} ohm"
+    digits = 3 if unit == "V" else 1
+    values = (f"{value + 0.0:.{digits}f}" for value in (limits.expected_v, limits.low_v, limits.high_v))
+    expected, low, high = (value.replace("-0.000", "0.000") for value in values)
+    return f"{expected} {unit}", f"{low} to {high} {unit}"
+
+
+def _ohm(value: float) -> str:
+    scaled, prefix = (value / 1e3, "k") if value >= 1e3 else (value, "")
+    return f"{scaled:.3g} {prefix}ohm"
+
+
+def _join(words: list[str]) -> str:
+    return f"{', '.join(words[:-1])} and {words[-1]}" if len(words) > 1 else words[0]
+
+
+def _bullets(items: Iterable[str]) -> str:
+    return "\n".join(f"- {item}" for item in items)
+
+
+def _table(heading: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    lines = [heading, ("---",) * len(heading), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)

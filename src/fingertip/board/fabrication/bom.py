@@ -57,14 +57,9 @@ def bill_of_materials(circuit: Circuit) -> bytes:
     rows = []
     for line in list_bom(circuit):
         fields, selection = line.selection.fields, line.selection
-        source = load_sources()[selection.part.source].title if selection.part else ""
-        rows.append(
-            (
-                str(len(line.components)), " ".join(line.references), line.value, line.footprint, line.rating,
-                fields["Manufacturer"], fields["MPN"], _format_part(selection.alternate), fields["LCSC"], source,
-                selection.reason,
-            )
-        )  # fmt: skip
+        what = (str(len(line.components)), " ".join(line.references), line.value, line.footprint, line.rating)
+        alternate, source = _format_part(selection.alternate), _format_source(selection)
+        rows.append((*what, fields["Manufacturer"], fields["MPN"], alternate, fields["LCSC"], source, selection.reason))
     return format_csv(COLUMNS, rows)
 
 
@@ -88,6 +83,13 @@ def format_csv(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> byt
     writer.writerow(columns)
     writer.writerows(rows)
     return text.getvalue().encode()
+
+
+def _format_source(selection: Selection) -> str:
+    """Titles of the documents from which the numbers of part and alternate were copied."""
+    parts = (selection.part, selection.alternate)
+    titles = [load_sources()[part.source].title for part in parts if part]
+    return "; alternate: ".join(dict.fromkeys(titles))
 
 
 def _format_part(part: Part | None) -> str:

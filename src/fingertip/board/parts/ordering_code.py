@@ -9,8 +9,8 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass
 
-from fingertip.board.circuit import format_component_value, parse_component_value
-from fingertip.board.parts.table import ChipResistor, Part, read_rows
+from fingertip.board.circuit import format_component_value
+from fingertip.board.parts.table import ChipResistor, Part, parse_value, read_rows
 from fingertip.design.preferred_series import find_preferred_neighbours
 
 
@@ -57,8 +57,8 @@ def load_ordering_codes() -> tuple[OrderingCode, ...]:
             float(row["drift_ppm_per_k"] or "inf"),
             float(row["power_w"]),
             row["package"],
-            parse_component_value(row["min_ohm"]),
-            parse_component_value(row["max_ohm"]),
+            parse_value(row["min_ohm"]),
+            parse_value(row["max_ohm"]),
             tuple(row["series"].split()),
             row["source"],
         )

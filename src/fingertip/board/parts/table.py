@@ -11,9 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.board.circuit import parse_component_value
-
 FOLDER = Path(__file__).parent
+_EXPONENTS = {"M": 6, "k": 3, "u": -6, "n": -9, "p": -12}
 
 
 @dataclass(frozen=True)
@@ -90,7 +89,7 @@ def load_resistors() -> tuple[ChipResistor, ...]:
     """Load the chip resistors. Of several that fit, the first is to be preferred."""
     return tuple(
         ChipResistor(
-            parse_component_value(row["resistance_ohm"]),
+            parse_value(row["resistance_ohm"]),
             float(row["tolerance_percent"]),
             float(row["drift_ppm_per_k"]),
             float(row["power_w"]),
@@ -106,7 +105,7 @@ def load_capacitors() -> tuple[ChipCapacitor, ...]:
     """Load the chip capacitors. Of several that fit, the first is to be preferred."""
     return tuple(
         ChipCapacitor(
-            parse_component_value(row["capacitance"]),
+            parse_value(row["capacitance"]),
             row["dielectric"],
             float(row["voltage_v"]),
             float(row["tolerance_percent"]),
@@ -124,6 +123,12 @@ def load_named_parts() -> tuple[NamedPart, ...]:
         NamedPart(row["value"], row["footprint"], _part(row) if row["number"] else None, row["reason"])
         for row in read_rows("named_parts.csv")
     )
+
+
+def parse_value(text: str) -> float:
+    """Parse a value of the table [ohm or F], correctly rounded: "100n" is the float nearest to 1e-7."""
+    exponent = _EXPONENTS.get(text[-1])
+    return float(text) if exponent is None else float(f"{text[:-1]}e{exponent}")
 
 
 def read_rows(name: str) -> Iterator[dict[str, str]]:

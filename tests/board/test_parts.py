@@ -13,6 +13,7 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.circuit import Component, parse_component_value
 from fingertip.board.components.capacitor_choice import SOLD, capacitances_in_range, nearest_capacitance
 from fingertip.board.fabrication.bom import COLUMNS, bill_of_materials, list_bom, purchased_components
+from fingertip.board.output import README, board_files
 from fingertip.board.parts.capacitors import SOLD_PERCENT, list_capacitances, require_capacitor
 from fingertip.board.parts.ordering_code import load_ordering_codes, resistance_code
 from fingertip.board.parts.requirement import CapacitorRequirement, ResistorRequirement
@@ -192,6 +193,15 @@ def test_default_board_lacks_few_numbers() -> None:
     """The lines of the default design without a part are its pin headers and the amplifier of a certain grade."""
     lines = list_bom(board_circuit(board_values(Design())))
     assert [line.references for line in lines if not line.selection.part] == [["J1"], ["J2"], ["J3"], ["U1"]]
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_readme_states_what_was_not_checked(name: str) -> None:
+    design = Design.load(changes=BOARD_CONFIGURATIONS[name].changes)
+    text = " ".join(board_files(design)[README].decode().split())
+    assert "nobody checked what is in stock" in text
+    turned = [c.reference for c in board_circuit(board_values(design)).components if "SOD-123" in c.footprint]
+    assert re.search(rf"Packages that it lacks keep KiCad's rotation: {', '.join(sorted(turned))}[,.]", text)
 
 
 def test_capacitors_have_the_tolerance_that_is_sold() -> None:

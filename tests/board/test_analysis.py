@@ -14,11 +14,13 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.analyse import analyse, bode_table
+from fingertip.board.analysis.report import analysis_text
 from fingertip.board.analysis.response import decibel, model_filter
 from fingertip.board.analysis.tolerance import (
     COMPONENTS,
     QUANTITIES,
     TolerancedFilter,
+    component_tolerances,
     compute_sensitivities,
     monte_carlo,
 )
@@ -81,7 +83,7 @@ def toleranced_filter(design: Design, bandwidth_hz: float | None = None) -> Tole
 
 
 ARTICLE = toleranced_filter(Design())
-TOLERANCE = (0.01,) * 5 + (0.05,) * 3
+TOLERANCE = {name: 1.0 if name.startswith("R") else 5.0 for name in COMPONENTS[:8]}
 
 
 def test_quantities_with_a_fast_amplifier_agree_with_the_formulas() -> None:
@@ -158,7 +160,7 @@ def test_monte_carlo_is_reproducible_and_exact_without_tolerances() -> None:
     first = monte_carlo(ARTICLE, TOLERANCE)
     assert first == monte_carlo(ARTICLE, TOLERANCE)
     assert first != monte_carlo(ARTICLE, TOLERANCE, seed=2)
-    exact = monte_carlo(ARTICLE, (0.0,) * 8, boards=10)["cutoff_hz"]
+    exact = monte_carlo(ARTICLE, dict.fromkeys(COMPONENTS, 0.0), boards=10)["cutoff_hz"]
     assert exact.deviation < 1e-9
     assert exact.low_95 == exact.worst_high == exact.nominal
 
@@ -201,7 +203,8 @@ def test_analysis_command_prints_tables_and_writes_the_bode_table(tmp_path: Path
 def test_cutoffs_of_random_boards_agree_with_ngspice(tmp_path: Path) -> None:
     """ngspice sweeps each of forty random boards. The cutoffs agree one by one, and so does their spread."""
     rng = np.random.default_rng(3)
-    deviations = np.array(TOLERANCE) * rng.uniform(-1, 1, (40, len(ARTICLE.names)))
+    limits = np.array([TOLERANCE[name] / 100 for name in ARTICLE.names])
+    deviations = limits * rng.uniform(-1, 1, (40, len(ARTICLE.names)))
     boards = np.array([VALUES.by_reference[name] for name in ARTICLE.names]) * (1 + deviations)
     _, deck = write_deck(tmp_path, [])
     commands = []
@@ -219,3 +222,26 @@ def test_cutoffs_of_random_boards_agree_with_ngspice(tmp_path: Path) -> None:
     assert np.max(np.abs(computed / np.array(simulated) - 1)) < 1e-3
     assert float(computed.std()) == pytest.approx(float(np.std(simulated)), rel=0.01)
     assert float(computed.std()) > 0.8
+
+
+def test_tolerances_are_those_of_the_parts_and_their_cost_is_stated() -> None:
+    """With C1 to C3 of twice the article's tolerance the cutoff spreads almost twice as much."""
+    analysis = analyse(Design(), boards=2000)
+    assert analysis.component_percent == {name: 1.0 if name[0] == "R" else 10.0 for name in COMPONENTS[:8]}
+    own, article = (spread["cutoff_hz"] for spread in (analysis.spread, analysis.article_spread))
+    assert 1.7 < own.deviation / article.deviation < 2.0
+    assert own.worst_low < article.worst_low < article.worst_high < own.worst_high
+    text = analysis_text(analysis)
+    assert "tolerances: filter resistors 1 %, capacitors 10 %, as in the bill of materials" in text
+    assert f"from {own.low_95:.1f} to {own.high_95:.1f} Hz with C1 to C3 of 10 %" in text
+    assert f"the article's 5 % it would be {article.low_95:.1f} to {article.high_95:.1f} Hz" in text
+    stated = analyse(Design.load(changes=["board.capacitor_tolerance_percent=5"]), boards=2000)
+    assert stated.spread == stated.article_spread == analysis.article_spread
+    assert "the article's" not in analysis_text(stated)
+
+
+def test_each_capacitor_has_its_own_tolerance() -> None:
+    design = Design.load(changes=["board.variant=precision", "board.capacitor_uf=0.1", "board.r5_ohm=20000"])
+    percent = component_tolerances(board_circuit(board_values(design)))
+    assert (percent["C1"], percent["C14"], percent["C20"]) == (5.0, 20.0, 5.0)  # C0G, 100 uF, C0G
+    assert "C1 C2 C3 C20 5 %, C14 20 %" in analysis_text(analyse(design, boards=100))

@@ -182,10 +182,9 @@ def test_good_boards_pass(changes: tuple[str, ...]) -> None:
     for _ in range(30):
         drawn = circuit
         for part in circuit.components:
-            if part.symbol.name in ("R", "C") and part.reference[1:].isdigit():
-                ratio = 0.001 if part.rating.startswith("0.1 %") else 0.01 if part.symbol.name == "R" else 0.05
-                value = parse_component_value(part.value) * (1 + ratio * random.uniform(-1, 1))
-                drawn = drawn.replace(part.reference, f"{value:.10g}")
+            if part.requirement:
+                ratio = part.requirement.tolerance_percent / 100 * random.uniform(-1, 1)
+                drawn = drawn.replace(part.reference, f"{parse_component_value(part.value) * (1 + ratio):.10g}")
         boards.append(Fault("", "", drawn))
     for readings in predict(plan.board, boards):
         assert not diagnose(plan.board, plan.levels, readings, TONE_V).failed

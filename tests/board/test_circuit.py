@@ -63,7 +63,7 @@ def test_ratings_are_purchasable_and_have_the_designs_tolerances() -> None:
         "C1": "C0G 25 V, 10 % or better",
         "C4": "X7R 16 V, 10 % or better",
         "C8": "X7R 16 V, 10 % or better",
-        "C14": "X5R or X7R, 6.3 V, 20 %",  # 100 uF without direct voltage across it
+        "C14": "X5R or X7R 6.3 V, 20 % or better",  # 100 uF without direct voltage across it
         "R1": "0.5 % or better, 0.1 W",
         "R10": "0.1 %, 25 ppm/K, 0.1 W",
     }

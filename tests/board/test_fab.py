@@ -11,15 +11,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit, board_differences, board_files, board_values, write_board
-from fingertip.board.fabrication.bom import bill_of_materials
-from fingertip.board.fabrication.fabrication_files import (
-    PARTS_COLUMNS,
-    PLACEMENT_COLUMNS,
-    export_gerbers,
-    kicad_session,
-    parts_file,
-    placement_file,
-)
+from fingertip.board.fabrication.fabrication_files import export_gerbers, kicad_session, placement_file
 from fingertip.board.fabrication.provenance import find_outdated_files, provenance_record
 from fingertip.board.layout.placement import load_placement
 from fingertip.board.output import LAYOUT, PROVENANCE, README
@@ -79,31 +71,6 @@ def parse_csv(data: bytes) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(data.decode())))
 
 
-def test_parts_and_placement_files_have_the_columns_of_assembly_houses() -> None:
-    parts, placements = parse_csv(parts_file(CIRCUIT)), parse_csv(placement_file(CIRCUIT, ARTICLE_PLACEMENT))
-    assert tuple(parts[0]) == PARTS_COLUMNS == ("Comment", "Designator", "Footprint", "Part Number")
-    assert tuple(placements[0]) == PLACEMENT_COLUMNS == ("Designator", "Mid X", "Mid Y", "Layer", "Rotation")
-    references = [reference for row in parts for reference in row["Designator"].split(",")]
-    assert len(references) == len(set(references))
-    assert set(references) == {p.reference for p in CIRCUIT.components if p.reference[0] in "RCDUJ"}
-    comments = {r: row["Comment"] for row in parts for r in row["Designator"].split(",")}
-    assert [r for r, comment in comments.items() if ", 0.1 %, " in comment] == ["R10", "R11", "R12", "R13", "R14"]
-    assert comments["R1"] == "2.4k, 1 % or better, 0.1 W"
-    assert comments["C1"] == "1u, X7R 16 V, 5 % or better"
-    assert comments["U1"] == "TL082BC"
-    # The lines are those of the bill of materials, so components of different ratings are never merged.
-    assert [row["Designator"].replace(",", " ") for row in parts] == [
-        row["References"] for row in parse_csv(bill_of_materials(CIRCUIT))
-    ]
-    comparator_board = board_circuit(
-        board_values(Design.load(changes=["board.variant=comparator", "detector.window_samples=6"]))
-    )
-    assert comparator_board.component("C17").value == comparator_board.component("C18").value == "100n"
-    for row in parse_csv(parts_file(comparator_board)):
-        assert len({comparator_board.component(r).rating for r in row["Designator"].split(",")}) == 1
-    assert {row["Designator"] for row in placements} == {r for r in references if r[0] != "J"}
-
-
 @pytest.mark.slow
 def test_placement_file_equals_kicads(tmp_path: Path) -> None:
     write_board(Design(), tmp_path / "pcb")
@@ -154,7 +121,7 @@ BOARD_FILES = {
 
 
 def test_provenance_record_reveals_outdated_and_changed_files(tmp_path: Path) -> None:
-    made = {"slip_filter_gerbers.zip": b"zip", "slip_filter_parts.csv": b"parts"}
+    made = {"slip_filter_gerbers.zip": b"zip", "bom_assembly.csv": b"parts"}
     for name, data in (made | {"record": provenance_record(BOARD_FILES, made)}).items():
         (tmp_path / name).write_bytes(data)
     assert find_outdated_files(tmp_path, "record", BOARD_FILES) == []
@@ -163,10 +130,10 @@ def test_provenance_record_reveals_outdated_and_changed_files(tmp_path: Path) ->
         (difference,) = find_outdated_files(tmp_path, "record", BOARD_FILES | {name: b"other"})
         assert f"was made from another {name} than this design gives; write it again with --fab" in difference
     (tmp_path / "slip_filter_gerbers.zip").write_bytes(b"older")
-    (tmp_path / "slip_filter_parts.csv").unlink()
+    (tmp_path / "bom_assembly.csv").unlink()
     changed, missing = find_outdated_files(tmp_path, "record", BOARD_FILES)
     assert "slip_filter_gerbers.zip: was changed after it was made" in changed
-    assert "slip_filter_parts.csv: cannot be read" in missing
+    assert "bom_assembly.csv: cannot be read" in missing
     for record in (b"hello", b"\xff\xfe"):
         (tmp_path / "record").write_bytes(record)
         assert "has no valid record that names the board" in find_outdated_files(tmp_path, "record", BOARD_FILES)[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.kicad.symbols import DUAL_AMPLIFIERS
-from fingertip.board.output import NETLIST, SCHEMATIC
+from fingertip.board.output import BOM, NETLIST, SCHEMATIC
 from fingertip.board.schematic.symbol_graphics import SYMBOL_GRAPHICS
 from fingertip.board.schematic.symbols import pin_position
 from fingertip.board.variants import BOARD_CONFIGURATIONS, BoardConfiguration
@@ -38,6 +39,20 @@ def export_netlist(folder: Path) -> tuple[object, object]:
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
 def test_kicads_netlist_of_the_drawing_equals_ours(board_folder: BoardFolder, changes: tuple[str, ...]) -> None:
     assert export_netlist(board_folder(*changes)) == read_netlist(board_folder(*changes) / NETLIST)
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_kicads_bill_of_materials_has_our_numbers(board_folder: BoardFolder, name: str) -> None:
+    folder, fields = board_folder(*BOARD_CONFIGURATIONS[name].changes), "Reference,Manufacturer,MPN,LCSC"
+    run = kicad_cli(folder, "sch", "export", "bom", SCHEMATIC, "--fields", fields, "-o", "kicad_bom.csv")
+    assert run.returncode == 0, run.stderr
+    ours = {
+        reference: (row["Manufacturer"], row["MPN"], row["LCSC"])
+        for row in csv.DictReader((folder / BOM).read_text("utf-8").splitlines())
+        for reference in row["References"].split()
+    }
+    rows = csv.reader((folder / "kicad_bom.csv").read_text("utf-8").splitlines()[1:])
+    assert {reference: tuple(numbers) for reference, *numbers in rows} == ours
 
 
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
+from fingertip.board.parts.requirement import Requirement
 from fingertip.errors import BoardError, Issue
 
 _REFERENCE = re.compile(r"[A-Za-z]+[1-9][0-9]*")
@@ -48,6 +49,8 @@ class Component:
     """Function on this board, in words. It includes the article's name where that differs from the reference."""
     rating: str = ""
     """Requirements for purchase, without a manufacturer's name. Empty for what is not purchased."""
+    requirement: Requirement | None = None
+    """The same as data, of a resistor or a capacitor; None for what is bought by its name."""
 
 
 RAILS = ("GND", "VCC", "VEE")

@@ -19,8 +19,10 @@ from fingertip.board.circuit import Circuit
 from fingertip.board.components.anti_aliasing import CLAMP_A, LOW_LEAKAGE_CLAMP, MAX_CLAMP_A, MAX_LOW_LEAKAGE_A
 from fingertip.board.components.bridge import VREF_RATIO
 from fingertip.board.components.comparator import PULL_UP_OHM
+from fingertip.board.fabrication.assembly import find_rotation, is_assembled, load_rotations
 from fingertip.board.fabrication.bom import purchased_components
-from fingertip.board.kicad.symbols import TEST_POINT
+from fingertip.board.kicad.symbols import CAPACITOR, RESISTOR, TEST_POINT
+from fingertip.board.parts.table import load_sources
 from fingertip.board.spice import MAX_SWITCH_OHM
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import BoardConfiguration
@@ -29,6 +31,8 @@ from fingertip.design.amplifier_stages import DIODE_V
 from fingertip.design.comparator_data import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
 from fingertip.design.rules.board import SUPPLY_RANGES_V
 
+_NO_DIRECTION = (RESISTOR, CAPACITOR)
+"""Symbols of components that may be turned by 180 degrees."""
 HEADING = "# The slip-filter board\n"
 """First line of the README."""
 
@@ -44,7 +48,7 @@ _TEMPLATE = """
 | `{name}.kicad_pcb` | layout, routed, with ground pour |
 | `{name}.net` | netlist of the same circuit, for other PCB tools |
 | `{name}.cir` | SPICE deck, see below |
-| `bom.csv` | bill of materials: quantities, values, ratings |
+| `bom.csv` | bill of materials: quantities, values, ratings, part numbers with their sources, or why one is missing |
 | `values.json` | component values: ideal and preferred; target and achieved response; voltage limits; errata |
 
 `ngspice -b {name}.cir` prints the levels at TACTILE, STAGE1_OUT and FILTERED [dBV] over frequency, for an AC
@@ -54,11 +58,13 @@ current of 1 uA into the sensor. The difference of two levels is the gain betwee
 gain or the resistor series, edit the design file or set a parameter on the command line (`--set board.cutoff_hz=80`),
 and run the command again. This changes component values but neither placement nor tracks.
 
-- `--set board.capacitor_series=E6` selects the capacitors too, together with the resistors.
+- `--set board.capacitor_series=E6` selects the capacitors too, together with the resistors; `preferred` selects only
+  values that the parts table has.
 - `--set board.variant=...` and `--set board.supply=...` write the other boards.
 - `--check` tells whether a folder is up to date.
-- `--fab` adds the fabrication files: gerbers and drill file in one zip, parts and placement files for the assembly, and
-  renderings. It needs KiCad 9.
+- `--fab` adds the fabrication files: gerbers and drill file in one zip, renderings, and parts and placement for the
+  assembly: `bom_assembly.csv` and `placement_assembly.csv` in the columns and with the rotations of JLCPCB,
+  `{name}_placement.csv` with KiCad's rotations for any other house. It needs KiCad 9.
 
 ## Connectors
 
@@ -124,7 +130,7 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
         power=_bullet_list(_power_notes(values, design)),
         offset=_offset_section(values, design),
         components="\n".join(f"| {c.reference} | {c.value} | {c.role} |" for c in components),
-        ordering=_bullet_list(_ordering_notes(values, design)),
+        ordering=_bullet_list(_ordering_notes(circuit, values, design)),
         limitations=_bullet_list(_limitations(values)),
         errata=_bullet_list(
             f"{_capitalize(e.subject)}. Article: {e.statement}. Correct: {e.correction}." for e in values.errata
@@ -457,21 +463,36 @@ def _trimming_procedure(levels: ComparatorLevels, values: BoardValues, design: D
     return f"{_paragraph(introduction)}\n\n{numbered}"
 
 
-def _ordering_notes(values: BoardValues, design: Design) -> list[str]:
+def _ordering_notes(circuit: Circuit, values: BoardValues, design: Design) -> list[str]:
     return [
         "Use 0.1 % resistors in the bridge (R10 to R13): an error of 1 % in one of them shifts the tactile voltage by "
         "about 0.1 V.",
         "C1 to C4 are in the signal path, and their capacitances set the cutoffs. `bom.csv` specifies C0G up to 100 nF "
-        "and X7R above, because C0G capacitors of size 1206 end there, and the tolerance that the design assumes "
-        "(`board.capacitor_tolerance_percent`). X7R capacitors of 5 % are rarely in stock: if necessary, select "
-        "them from 10 % ones by measurement. X7R also loses capacitance with direct voltage, which raises the cutoff. "
+        "and X7R above, because C0G capacitors of size 1206 end there, and the tolerance that is sold or that "
+        "`board.capacitor_tolerance_percent` states. X7R capacitors of 5 %, as the article's, are rarely in stock; "
+        "`--analysis` reports what 10 % cost. X7R also loses capacitance with direct voltage, which raises the cutoff. "
         "A film capacitor of the same value does not, if it fits the pads of size 1206.",
         "R6 and C4 are the article's R_LP and C_LP. KiCad requires references that end in a digit.",
         _noise_note(values, design),
-        "Assembly houses rotate some components differently from KiCad. Compare their preview with the rendering.",
+        "Part numbers are copied from the sources that `bom.csv` names, and nobody checked what is in stock. Those of "
+        "resistors without an LCSC number follow the maker's ordering code; whether every value is made was not "
+        "checked. Compare the assembly house's preview of each part with its rating in `bom.csv`.",
+        _rotation_note(circuit),
         "Nobody has built this board yet. It passes KiCad's electrical and design rules checks, and ngspice "
         "simulations agree with the formulas.",
     ]
+
+
+def _rotation_note(circuit: Circuit) -> str:
+    """State which packages the assembly house turns, and which its table of rotations does not have."""
+    has_direction = [c for c in purchased_components(circuit) if is_assembled(c) and c.symbol not in _NO_DIRECTION]
+    unknown = [c.reference for c in has_direction if find_rotation(c.footprint) is None]
+    source = load_sources()[load_rotations()[0].source]
+    return (
+        f"Assembly houses rotate some components differently from KiCad. `placement_assembly.csv` has the offsets of "
+        f"{source.title} ({source.address}). Packages that it lacks keep KiCad's rotation: {', '.join(unknown)}. "
+        "Compare the house's preview with the rendering, above all the cathodes and pins 1."
+    )
 
 
 def _noise_note(values: BoardValues, design: Design) -> str:

@@ -25,11 +25,13 @@ from fingertip.board.analysis.response import model_filter
 from fingertip.board.analysis.supply_ripple import SupplyRipple
 from fingertip.board.analysis.thresholds import ComparatorLevels
 from fingertip.board.analysis.tolerance import (
+    ARTICLE_CAPACITOR_PERCENT,
     Spread,
     TolerancedFilter,
     component_tolerances,
     compute_sensitivities,
     monte_carlo,
+    state_capacitors,
 )
 from fingertip.board.board_values import board_values
 from fingertip.board.circuits.signal_paths import board_circuit
@@ -64,13 +66,17 @@ class Analysis:
     supply_ripple: SupplyRipple
     comparator_levels: ComparatorLevels | None
     tolerance: Tolerance
-    """Tolerances for which `spread` is computed."""
+    """Tolerances that the design states."""
     offset: tuple[Contribution, ...]
     """Contribution of each amplifier's typical offset (TL082BC: its maximum) with `NOISE_FORCE_N` on the sensor, and of
     the bridge with the worst-case resistors of 0.1 % and no force. U3 is part of `output_offset`."""
+    component_percent: dict[str, float]
+    """Tolerance of each component [%], as it is bought."""
     boards: int
     """Number of boards for which `spread` is computed."""
     spread: dict[str, Spread]
+    article_spread: dict[str, Spread]
+    """Spread with C1 to C3 of the article's tolerance, for comparison."""
     sensitivity: dict[str, dict[str, float]]
 
     def as_data(self) -> dict[str, Any]:
@@ -95,6 +101,7 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
     model, noisy = model_filter(circuit, has_diode), add_noise(circuit, bandwidth_hz)
     toleranced = TolerancedFilter(model, network.values)
     noise, total = noise_budget(noisy)
+    percent = component_tolerances(circuit)
     return Analysis(
         noise=noise,
         noise_total_v=total,
@@ -111,8 +118,10 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         comparator_levels=values.comparator_levels,
         tolerance=values.tolerance,
         offset=(*_offsets(noisy), _bridge_offset(network, board.supply_v)),
+        component_percent=percent,
         boards=boards,
-        spread=monte_carlo(toleranced, component_tolerances(values), boards, seed),
+        spread=monte_carlo(toleranced, percent, boards, seed),
+        article_spread=monte_carlo(toleranced, state_capacitors(percent, ARTICLE_CAPACITOR_PERCENT), boards, seed),
         sensitivity=compute_sensitivities(toleranced),
     )  # fmt: skip
 

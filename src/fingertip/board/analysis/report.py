@@ -11,10 +11,8 @@ from fingertip.board.analysis.noise import NETS, NOISE_BAND_HZ, NOISE_FORCE_N, C
 from fingertip.board.analysis.offsets import describe_output_offset
 from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V, describe_supply_ripple
 from fingertip.board.analysis.thresholds import describe_comparator_levels
-from fingertip.board.circuit import format_component_value
+from fingertip.board.analysis.tolerance import ARTICLE_CAPACITOR_PERCENT, CUTOFF_CAPACITORS
 from fingertip.board.components.amplifiers import LOW_NOISE_NAME
-from fingertip.board.components.filter import LARGE_CAPACITOR_PERCENT
-from fingertip.design.filter_components import MAX_1206_F
 
 _LABELS = {
     "cutoff_hz": "lower -3 dB [Hz]",
@@ -67,13 +65,8 @@ def _offset_note(amplifier: str, *, has_rectifier: bool) -> str:
 
 
 def _spread_lines(analysis: Analysis) -> list[str]:
-    percent = analysis.tolerance
-    resistors, capacitors = (
-        f"filter resistors {percent.resistor_percent:g} %",
-        f"capacitors {percent.capacitor_percent:g} %",
-    )
     headings = ("nominal", "mean", "std. dev.", "2.5 %", "97.5 %", "corner min", "corner max")
-    lines = [f"tolerances: {resistors}, {capacitors}{_large_capacitor(analysis)}, as in the bill of materials"]
+    lines = [f"tolerances: {_tolerance_list(analysis)}, as in the bill of materials"]
     lines.append(
         f"percentiles of {analysis.boards} boards with uniformly and independently distributed values; minimum and "
         "maximum over all corners of the tolerances"
@@ -93,7 +86,20 @@ def _spread_lines(analysis: Analysis) -> list[str]:
             spread.worst_high,
         )
         lines.append(f"{_LABELS[name]:20}" + "".join(f"{cell:11.4g}" for cell in cells))
-    return lines
+    return [*lines, *_cost_lines(analysis)]
+
+
+def _cost_lines(analysis: Analysis) -> list[str]:
+    """State what the tolerance of C1 to C3 costs, compared with the article's."""
+    bought = max(analysis.component_percent[name] for name in CUTOFF_CAPACITORS)
+    if bought == ARTICLE_CAPACITOR_PERCENT:
+        return []
+    own, article = (spread["cutoff_hz"] for spread in (analysis.spread, analysis.article_spread))
+    return [
+        f"95 % of the boards have their lower -3 dB from {own.low_95:.1f} to {own.high_95:.1f} Hz with C1 to C3 of "
+        f"{bought:g} %; with the article's {ARTICLE_CAPACITOR_PERCENT:g} % it would be {article.low_95:.1f} to "
+        f"{article.high_95:.1f} Hz"
+    ]
 
 
 def _sensitivity_lines(analysis: Analysis) -> list[str]:
@@ -105,10 +111,16 @@ def _sensitivity_lines(analysis: Analysis) -> list[str]:
     return lines
 
 
-def _large_capacitor(analysis: Analysis) -> str:
-    has_series_capacitor = "C14" in analysis.sensitivity["cutoff_hz"]
-    limit = format_component_value(MAX_1206_F)
-    return f" (C14 above {limit}: {LARGE_CAPACITOR_PERCENT:g} %)" if has_series_capacitor else ""
+def _tolerance_list(analysis: Analysis) -> str:
+    """List the tolerances: the resistors' in one, the capacitors' one by one where they differ."""
+    percent = analysis.component_percent
+    groups: dict[tuple[str, float], list[str]] = {}
+    for name, value in percent.items():
+        groups.setdefault(("filter resistors" if name.startswith("R") else "capacitors", value), []).append(name)
+    kinds = [kind for kind, _ in groups]
+    return ", ".join(
+        f"{kind if kinds.count(kind) == 1 else ' '.join(names)} {value:g} %" for (kind, value), names in groups.items()
+    )
 
 
 def _net_headings() -> str:

@@ -7,7 +7,7 @@ function of the circuit, evaluated for thousands of boards at once.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 
@@ -15,13 +15,15 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.board.analysis.response import FilterModel, find_passband, find_passbands, search_band_hz
-from fingertip.board.components.component_values import ComponentValues
-from fingertip.board.components.filter import LARGE_CAPACITOR_PERCENT
+from fingertip.board.circuit import Circuit
 from fingertip.board.network import Value
-from fingertip.design.filter_components import MAX_1206_F
 
 COMPONENTS = ("R1", "R2", "R3", "R4", "R5", "C1", "C2", "C3", "C14", "C20")
 """Components of the filter that have a tolerance. Variant article has neither C14 nor C20."""
+CUTOFF_CAPACITORS = ("C1", "C2", "C3")
+"""Capacitors that set the cutoff."""
+ARTICLE_CAPACITOR_PERCENT = 5.0
+"""Tolerance [%] of the article's capacitors, with which others are compared."""
 QUANTITIES = ("cutoff_hz", "section_quality", "passband_gain", "first_pole_hz", "section_hz")
 """Quantities of the filter whose tolerance is computed."""
 
@@ -76,7 +78,7 @@ class Spread:
 
 
 def monte_carlo(
-    board: TolerancedFilter, tolerance: Sequence[float], boards: int = 10_000, seed: int = 1
+    board: TolerancedFilter, tolerances: Mapping[str, float], boards: int = 10_000, seed: int = 1
 ) -> dict[str, Spread]:
     """Compute the spread of each quantity over boards with independent, uniformly distributed component values.
 
@@ -84,14 +86,14 @@ def monte_carlo(
     ----------
     board
         Filter with its nominal values. The bandwidth of its amplifiers is assumed to be exact.
-    tolerance
-        Relative tolerance of each component in the order of its names.
+    tolerances
+        Tolerance [%] of each component by its name.
     boards
         Number of boards.
     seed
         Seed of the random numbers; the same seed gives the same boards.
     """
-    limits, count = np.array(tolerance), len(board.names)
+    limits, count = np.array([tolerances[name] / 100.0 for name in board.names]), len(board.names)
     drawn = board.quantities(limits * np.random.default_rng(seed).uniform(-1.0, 1.0, (boards, count)))
     corners = board.quantities(limits * np.array(list(product((-1.0, 1.0), repeat=count))))
     exact = board.quantities(np.zeros(count))
@@ -111,15 +113,15 @@ def monte_carlo(
     return result
 
 
-def component_tolerances(values: ComponentValues) -> list[float]:
-    """Relative tolerance of each of `COMPONENTS` that a board has. A C14 too large for it has 20 %."""
-    percent, limits = values.tolerance, []
-    for name in COMPONENTS:
-        if name in values.by_reference:
-            is_large = name == "C14" and values.by_reference[name] > MAX_1206_F * (1 + 1e-9)
-            capacitor_percent = LARGE_CAPACITOR_PERCENT if is_large else percent.capacitor_percent
-            limits.append((percent.resistor_percent if name.startswith("R") else capacitor_percent) / 100.0)
-    return limits
+def component_tolerances(circuit: Circuit) -> dict[str, float]:
+    """Tolerance [%] of each of `COMPONENTS` that a circuit has, as its parts are bought."""
+    requirements = {component.reference: component.requirement for component in circuit.components}
+    return {name: found.tolerance_percent for name in COMPONENTS if (found := requirements.get(name))}
+
+
+def state_capacitors(tolerances: Mapping[str, float], percent: float) -> dict[str, float]:
+    """Tolerances [%] with another one for C1 to C3, which set the cutoff."""
+    return {name: percent if name in CUTOFF_CAPACITORS else own for name, own in tolerances.items()}
 
 
 def compute_sensitivities(board: TolerancedFilter) -> dict[str, dict[str, float]]:

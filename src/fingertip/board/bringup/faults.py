@@ -23,7 +23,7 @@ class Fault:
     description: str
     circuit: Circuit
     rarity: int = 0
-    """How rare the fault is: 0 not soldered or reversed, 1 bridged, 2 a wrong value, 3 a whole amplifier. An
+    """Rank by how rare the fault is: 0 not soldered or reversed, 1 bridged, 2 a wrong value, 3 a whole amplifier. An
     assumption, which only orders what the readings do not tell apart."""
     stuck_v: dict[str, float] = field(default_factory=dict)
     """Nets that an amplifier's output holds at a voltage [V]."""

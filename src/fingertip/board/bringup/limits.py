@@ -21,7 +21,6 @@ from fingertip.board.bringup.prediction import (
     predict,
 )
 from fingertip.board.circuit import parse_component_value
-from fingertip.board.circuits.components import PRECISION_TOLERANCE
 from fingertip.board.circuits.signal_paths import RECT_OUT
 from fingertip.board.components.amplifiers import AD623_OFFSET_V, AMPLIFIERS, GAIN_RESISTOR
 from fingertip.board.components.bridge import GAIN_CONSTANT_OHM
@@ -64,7 +63,7 @@ def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) ->
         network = build_network(board.circuit, board.gain_bandwidth_hz, sensor_s=1.0 / ohm if ohm else 0.0)
         path = network.restrict(net, *({board.signal_ground} - {GND}))
         sensor = {"J1": 1.0 / ohm / (1.0 + _DUMMY_RATIO * random.uniform(-1, 1, BOARDS))} if ohm else {}
-        parts = _draw(path, board, values, random) | sensor
+        parts = _draw(path, board, random) | sensor
         supply = 1.0 + 0.01 * SUPPLY_PERCENT * random.uniform(-1.0, 1.0, BOARDS)
         volts = batch_constant(path.with_values(parts), board.rails_v, net, board.signal_ground)
         return volts * supply + _draw_offset(path, board, net, random)
@@ -76,7 +75,7 @@ def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) ->
         drawn[name_voltage(TACTILE, ohm)] = constants(TACTILE, ohm)
     toned = build_network(connect_tone(board.circuit, board.bench), board.gain_bandwidth_hz, sensor_s=1.0 / light)
     path = toned.drive(TONE).restrict(FILTERED)
-    parts = path.with_values(_draw(path, board, values, random))
+    parts = path.with_values(_draw(path, board, random))
     levels = {name_tone(net, hz): tone_v * batch_level(parts, hz, net) for net, hz in list_levels(board.bench)}
 
     # The envelope follows the filtered tone: between the weakest and the strongest of the boards.
@@ -107,7 +106,7 @@ def _limit_envelope(
     offset, constant_v = values.output_offset, METER_DC[1]
     low_v, high_v = (offset.min_v - constant_v, offset.max_v + constant_v) if offset else (-constant_v, constant_v)
     quiet, loud = name_voltage(ENVELOPE), name_tone(ENVELOPE, board.bench.tones_hz[-1])
-    part_v = 2e-2 * values.tolerance.resistor_percent * abs(nominal[loud])
+    part_v = 2.0 * _find_tolerance("R6", board) * abs(nominal[loud])
     found = {
         quiet: Limits(nominal[quiet], nominal[quiet] + low_v, nominal[quiet] + high_v),
         loud: Limits(nominal[loud], ends[0][loud] - part_v + low_v, ends[1][loud] + part_v + high_v),
@@ -119,11 +118,11 @@ def _limit_envelope(
     return found
 
 
-def _draw(path: Network, board: Board, values: BoardValues, random: np.random.Generator) -> dict[str, Value]:
+def _draw(path: Network, board: Board, random: np.random.Generator) -> dict[str, Value]:
     """Draw the values of a network's parts within their tolerances."""
     drawn: dict[str, Value] = {}
     for name in sorted({term.quantity for term in path.terms}):
-        ratio = _TEST_PART_RATIO.get(name) or _find_tolerance(name, board, values)
+        ratio = _TEST_PART_RATIO.get(name) or _find_tolerance(name, board)
         if ratio:
             factor = 1.0 + ratio * random.uniform(-1.0, 1.0, BOARDS)
             value = path.values[name]
@@ -131,16 +130,11 @@ def _draw(path: Network, board: Board, values: BoardValues, random: np.random.Ge
     return drawn
 
 
-def _find_tolerance(reference: str, board: Board, values: BoardValues) -> float:
+def _find_tolerance(reference: str, board: Board) -> float:
     """Relative tolerance of a part; 0 of what is none."""
-    try:
-        part = board.circuit.component(reference)
-    except KeyError:
-        return 0.0
-    if part.symbol.name == "R":
-        is_precise = part.rating.startswith(PRECISION_TOLERANCE)
-        return float(PRECISION_TOLERANCE.split()[0]) / 100 if is_precise else values.tolerance.resistor_percent / 100
-    return values.tolerance.capacitor_percent / 100 if part.symbol.name == "C" else 0.0
+    parts = {part.reference: part for part in board.circuit.components}
+    requirement = parts[reference].requirement if reference in parts else None
+    return requirement.tolerance_percent / 100.0 if requirement else 0.0
 
 
 def _draw_offset(path: Network, board: Board, net: str, random: np.random.Generator) -> Array:

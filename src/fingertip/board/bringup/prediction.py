@@ -56,14 +56,14 @@ POINTS = {
     STAGE2_MID: "R2",
     RECT_OUT: "U3",
 }
-"""Where each net is measured: at a test point, or at a part's end (`sheet` says which). A test compares them with the
+"""Place where each net is measured: a test point, or a part's end (`sheet` says which). A test compares them with the
 circuits."""
 _SINE = np.sin(2.0 * math.pi * (np.arange(256) + 0.5) / 256)
 
 
 @dataclass(frozen=True)
 class Board:
-    """What the readings of a board depend on besides its circuit."""
+    """Board with its bench: all that its readings depend on."""
 
     circuit: Circuit
     bench: Bench

@@ -17,7 +17,7 @@ _HINTS = {
     "tp3_quiet_v": "hum or oscillation: shorten and twist the wires, and use a battery for the supply",
     "slip_tone_v": "turn RV1 until SLIP falls at the expected tone; if it does not reach it, check R19 to R21 and U4",
 }
-"""What a reading says that is not part of the diagnosis."""
+"""Meanings of the readings that are not part of the diagnosis."""
 
 
 def assess_readings(plan: BringUp, readings: Readings) -> dict[str, Any]:

@@ -35,7 +35,7 @@ _PROBES = {
     STAGE2_MID: "end of R2 that is not at TP3, second stage",
     RECT_OUT: "U3 pin 1, rectifier",
 }
-"""Where the red probe goes."""
+"""Place of the red probe for each net."""
 _MEANINGS = {
     TACTILE: "bridge R10 to R13, its amplifier U2 with R14",
     STAGE1_OUT: "U1, R4, R5",

@@ -1,4 +1,4 @@
-"""What an ohmmeter and an ammeter read: resistances without power, and the supply current."""
+"""Readings of an ohmmeter and an ammeter: resistances without power, and the supply current."""
 
 from __future__ import annotations
 

@@ -9,26 +9,22 @@ from fingertip.amplifiers import CATALOGUE
 from fingertip.board.circuit import Component, Symbol, format_component_value
 from fingertip.board.components.anti_aliasing import CLAMP, LOW_LEAKAGE_CLAMP, MAX_LOW_LEAKAGE_A
 from fingertip.board.components.component_values import ComponentValues
-from fingertip.board.components.filter import LARGE_CAPACITOR_PERCENT
 from fingertip.board.kicad import symbols
-from fingertip.design.filter_components import MAX_1206_F
+from fingertip.board.parts.capacitors import BULK_CAPACITOR, SUPPLY_CAPACITOR, require_capacitor
+from fingertip.board.parts.requirement import CapacitorRequirement, ResistorRequirement
+from fingertip.board.parts.select_part import find_package
 
 Wiring = Mapping[Component, Mapping[str, str]]
 """Component -> pin number -> net name."""
 
-PRECISION_TOLERANCE = "0.1 %"
-_BRIDGE_RATING = f"{PRECISION_TOLERANCE}, 25 ppm/K, 0.1 W"
+_PRECISION = ResistorRequirement(0.1, 0.1, 25.0)
+_POWER_W = 0.1
 _LOCKING_RATING = "keyed and locking, with its plug and crimped wires"
 _HEADER_RATING = "pin header 2.54 mm, one row; or solder the wires"
-_SUPPLY_RATING = "X7R 25 V 10 %"
-_LARGE_RATING = f"X5R or X7R, 6.3 V, {LARGE_CAPACITOR_PERCENT:g} %"
-"""Rating of large capacitors without direct voltage across them that set no cutoff."""
 _CLAMP_RATINGS = {
     CLAMP: symbols.BAT54S.description,
     LOW_LEAKAGE_CLAMP: f"Dual diode in series, SOT-23, leakage {1e9 * MAX_LOW_LEAKAGE_A:g} nA at most",
 }
-_MAX_C0G_F = {symbols.C_1206: 100e-9, symbols.C_0603: 10e-9}
-"""Largest capacitance that each size is made with as C0G."""
 
 
 def component(reference: str, value: str, symbol: Symbol, footprint: str, role: str) -> Component:
@@ -53,7 +49,7 @@ def amplifier(reference: str, name: str, role: str) -> Component:
 
 def precision_resistor(reference: str, ohm: float, role: str) -> Component:
     """A precision resistor, whose value determines a voltage."""
-    return _resistor(reference, ohm, role, _BRIDGE_RATING)
+    return _resistor(reference, ohm, role, _PRECISION)
 
 
 @dataclass(frozen=True)
@@ -68,16 +64,11 @@ class SelectedComponents:
 
     def resistor(self, reference: str, role: str, ohm: float | None = None) -> Component:
         """A resistor of the signal path; a value is given where none is selected."""
-        rating = f"{_format_tolerance(self.values.tolerance.resistor_percent)}, 0.1 W"
-        return _resistor(reference, self.values.by_reference[reference] if ohm is None else ohm, role, rating)
+        requirement = ResistorRequirement(self.values.tolerance.resistor_percent, _POWER_W)
+        return _resistor(reference, self.values.by_reference[reference] if ohm is None else ohm, role, requirement)
 
     def capacitor(self, reference: str, role: str) -> Component:
         """A capacitor in size 1206; above what the size offers for 16 V, one that has no direct voltage across it."""
-        farad = self.values.by_reference[reference]
-        if farad > MAX_1206_F * (1 + 1e-9):
-            return Component(
-                reference, format_component_value(farad), symbols.CAPACITOR, symbols.C_1206, role, _LARGE_RATING
-            )
         return self._capacitor(reference, role, symbols.C_1206)
 
     def small_capacitor(self, reference: str, role: str) -> Component:
@@ -85,20 +76,24 @@ class SelectedComponents:
         return self._capacitor(reference, role, symbols.C_0603)
 
     def _capacitor(self, reference: str, role: str, footprint: str) -> Component:
-        farad = self.values.by_reference[reference]
-        dielectric = "C0G 25 V" if farad <= _MAX_C0G_F[footprint] * (1 + 1e-9) else "X7R 16 V"
-        rating = f"{dielectric}, {_format_tolerance(self.values.tolerance.capacitor_percent)}"
-        return Component(reference, format_component_value(farad), symbols.CAPACITOR, footprint, role, rating)
-
-
-def _format_tolerance(percent: float) -> str:
-    return f"{percent:g} % or better" if percent else "tightest available"
+        farad, stated_percent = self.values.by_reference[reference], self.values.tolerance.capacitor_percent
+        requirement = require_capacitor(farad, find_package(footprint), stated_percent)
+        return _chip_capacitor(reference, farad, role, footprint, requirement)
 
 
 def supply_capacitor(reference: str, farad: float, role: str, footprint: str = symbols.C_0603) -> Component:
-    """A decoupling capacitor between the rails."""
-    return Component(reference, format_component_value(farad), symbols.CAPACITOR, footprint, role, _SUPPLY_RATING)
+    """A decoupling capacitor between the rails, or in a larger size one that stores charge."""
+    requirement = SUPPLY_CAPACITOR if footprint == symbols.C_0603 else BULK_CAPACITOR
+    return _chip_capacitor(reference, farad, role, footprint, requirement)
 
 
-def _resistor(reference: str, ohm: float, role: str, rating: str) -> Component:
-    return Component(reference, format_component_value(ohm), symbols.RESISTOR, symbols.R_0603, role, rating)
+def _resistor(reference: str, ohm: float, role: str, requirement: ResistorRequirement) -> Component:
+    value = format_component_value(ohm)
+    return Component(reference, value, symbols.RESISTOR, symbols.R_0603, role, requirement.rating, requirement)
+
+
+def _chip_capacitor(
+    reference: str, farad: float, role: str, footprint: str, requirement: CapacitorRequirement
+) -> Component:
+    value = format_component_value(farad)
+    return Component(reference, value, symbols.CAPACITOR, footprint, role, requirement.rating, requirement)

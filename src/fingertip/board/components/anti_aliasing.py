@@ -13,13 +13,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fingertip.board.components.capacitor_choice import nearest_capacitance
 from fingertip.board.components.filter import pole_hz
 from fingertip.board.components.preferred_values import nearest_value
 
 POLE_PER_SAMPLE_RATE = 0.25
 FIRST_OHM, SECOND_OHM = 1e3, 10e3
 """Approximate resistances. Together with the clamp they limit its current to 1 mA at 10 V beyond the rails."""
-CAPACITOR_SERIES = "E6"
 CLAMP, LOW_LEAKAGE_CLAMP = "BAT54S", "BAV199"
 """Clamps of the ADC pins. The second serves boards for a controller, whose outputs stay within the supply anyway."""
 CLAMP_A, MAX_CLAMP_A = 0.1e-6, 2e-6
@@ -55,12 +55,12 @@ class AdcInterface:
         return {"R27": self.envelope_ohm, "C25": self.envelope_f}
 
 
-def size_adc_interface(sample_rate_hz: float, series: str) -> AdcInterface:
-    """Size the anti-aliasing poles for a sampling rate [Hz], with resistors of a series."""
+def size_adc_interface(sample_rate_hz: float, series: str, capacitor_series: str = "given") -> AdcInterface:
+    """Size the anti-aliasing poles for a sampling rate [Hz], with resistors and capacitors of these series."""
     target_hz = POLE_PER_SAMPLE_RATE * sample_rate_hz
 
     def size_section(approximate_ohm: float) -> tuple[float, float]:
-        c_f = nearest_value(pole_hz(approximate_ohm, target_hz), CAPACITOR_SERIES, 1e-12, 1e-3)  # 1 / (2 pi R f) is C
+        c_f = nearest_capacitance(pole_hz(approximate_ohm, target_hz), capacitor_series)  # 1 / (2 pi R f) is C
         return nearest_value(pole_hz(target_hz, c_f), series), c_f
 
     return AdcInterface(*size_section(FIRST_OHM), *size_section(SECOND_OHM), *size_section(SECOND_OHM))

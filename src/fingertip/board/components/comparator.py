@@ -11,6 +11,7 @@ import itertools
 import math
 from dataclasses import dataclass
 
+from fingertip.board.components.capacitor_choice import nearest_capacitance
 from fingertip.board.components.preferred_values import nearest_value, neighbouring_values
 from fingertip.design.comparator_data import AVERAGING_OHM, MAX_AVERAGING_F
 
@@ -55,7 +56,12 @@ def compute_threshold_v(
 
 
 def size_comparator(
-    threshold_v: float, window_s: float, supply_v: float, series: str, signal_ground_ratio: float = 0.0
+    threshold_v: float,
+    window_s: float,
+    supply_v: float,
+    series: str,
+    signal_ground_ratio: float = 0.0,
+    capacitor_series: str = "given",
 ) -> ComparatorStage:
     """Size the comparator stage for a threshold [V], a window [s] and a supply [V].
 
@@ -71,6 +77,8 @@ def size_comparator(
         Series of the resistors.
     signal_ground_ratio
         Voltage of the signal ground as a ratio of the supply.
+    capacitor_series
+        Series of the averaging capacitor.
     """
     upper_v, low_ohm = (1.0 - signal_ground_ratio) * supply_v, TRIMMER_OHM / 2.0
     # Supply and output together pull the threshold up by x = 1 / high and y = 1 / (hysteresis + pull-up), where
@@ -87,7 +95,7 @@ def size_comparator(
     feedbacks = neighbouring_values(1.0 / feedback, series)
     trimmer_top_ohm, hysteresis_ohm = min(itertools.product(tops, feedbacks), key=error)
     averaging_f = min(
-        max(nearest_value(window_s / 2.0 / AVERAGING_OHM, "E6", 1e-12, 1e-3), _MIN_AVERAGING_F), MAX_AVERAGING_F
+        max(nearest_capacitance(window_s / 2.0 / AVERAGING_OHM, capacitor_series), _MIN_AVERAGING_F), MAX_AVERAGING_F
     )
     averaging_ohm = nearest_value(window_s / 2.0 / averaging_f, series)
     return ComparatorStage(averaging_ohm, averaging_f, trimmer_top_ohm, hysteresis_ohm)

@@ -17,10 +17,11 @@ from fingertip.design.filter_components import FilterComponents
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Tolerances of the filter's components, for the bill of materials and the analysis."""
+    """Tolerances that the design states for the signal path."""
 
     resistor_percent: float
     capacitor_percent: float
+    """Tolerance of the capacitors [%]; 0 is that of the parts sold."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,12 @@ def select_components(design: Design) -> ComponentValues:
     if board.variant == "comparator":
         window_s = detector.window_samples / detector.sample_rate_hz
         comparator_stage = size_comparator(
-            detector.threshold_v, window_s, board.supply_v, board.series, supply.signal_ground_ratio
+            detector.threshold_v,
+            window_s,
+            board.supply_v,
+            board.series,
+            supply.signal_ground_ratio,
+            board.capacitor_series,
         )
     return ComponentValues(
         variant=board.variant,
@@ -93,6 +99,6 @@ def select_components(design: Design) -> ComponentValues:
             supply.signal_ground_ratio,
             *((CONTROLLER_TARGET, VREF_RATIO) if supply.is_for_controller else ()),
         ),
-        adc_interface=size_adc_interface(detector.sample_rate_hz, board.series),
+        adc_interface=size_adc_interface(detector.sample_rate_hz, board.series, board.capacitor_series),
         comparator_stage=comparator_stage,
     )

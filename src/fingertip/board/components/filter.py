@@ -13,8 +13,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from fingertip.board.components.capacitor_choice import FILTER_PACKAGE, capacitances_in_range, nearest_capacitance
 from fingertip.board.components.joint_choice import choose_jointly
-from fingertip.board.components.preferred_values import nearest_value, neighbouring_values, values_in_range
+from fingertip.board.components.preferred_values import nearest_value, neighbouring_values
 from fingertip.design.amplifier_choice import choose_amplifier
 from fingertip.design.amplifier_stages import select_rectifier_ohm
 from fingertip.design.filter_components import (
@@ -141,7 +142,8 @@ def select_filter_capacitor(board: Board) -> float:
         ideal = ideal_components(board.model_copy(update={"capacitor_uf": 1e6 * c_f}))
         return choose_jointly((ideal.r1_ohm, ideal.r2_ohm, ideal.r3_ohm), board.series)[1]
 
-    capacitors = values_in_range(*selectable_range_f(board.cutoff_hz, SELECTABLE_R1_OHM), board.capacitor_series)
+    range_f = selectable_range_f(board.cutoff_hz, SELECTABLE_R1_OHM)
+    capacitors = capacitances_in_range(*range_f, board.capacitor_series, FILTER_PACKAGE)
     return min(capacitors, key=lambda c_f: (round(error(c_f), 9), c_f))
 
 
@@ -152,8 +154,9 @@ def select_envelope_capacitor(board: Board) -> float:
     def error(c_f: float) -> float:
         return abs(math.log(pole_hz(nearest_value(r_lp_ohm(target_hz, c_f), board.series), c_f) / target_hz))
 
+    range_f = selectable_range_f(target_hz, SELECTABLE_R_LP_OHM)
     return min(
-        values_in_range(*selectable_range_f(target_hz, SELECTABLE_R_LP_OHM), board.capacitor_series),
+        capacitances_in_range(*range_f, board.capacitor_series, FILTER_PACKAGE),
         key=lambda c_f: (round(error(c_f), 12), c_f),
     )
 
@@ -175,15 +178,13 @@ class FirstStageCapacitors:
     """Frequency at which C20 has reduced the gain by 3 dB: 1 / (2 pi R5 C20)."""
 
 
-def select_first_stage_capacitors(components: FilterComponents, band_limit_hz: float) -> FirstStageCapacitors:
+def select_first_stage_capacitors(
+    components: FilterComponents, band_limit_hz: float, capacitor_series: str = "given"
+) -> FirstStageCapacitors:
     """Select preferred capacitors of the first stage for preferred resistors and a band limit [Hz]."""
-    c20_f = nearest_value(compute_limiting_capacitor_f(components.r5_ohm, band_limit_hz), "E6", 1e-12, 1e-3)
+    c20_f = nearest_capacitance(compute_limiting_capacitor_f(components.r5_ohm, band_limit_hz), capacitor_series)
     c14_f = select_series_capacitor_f(components.r4_ohm, pole_hz(components.r1_ohm, components.c_f))
     return FirstStageCapacitors(c14_f, c20_f, pole_hz(components.r5_ohm, c20_f))
-
-
-LARGE_CAPACITOR_PERCENT = 20.0
-"""Tolerance of a series capacitor above `MAX_1206_F`: nothing better is available in its size."""
 
 
 @dataclass(frozen=True)
@@ -216,5 +217,5 @@ def select_filter(board: Board) -> FilterSelection:
     preferred = select_resistors(ideal, board.series, jointly=board.resistor_choice == "joint")
     if board.variant == "article":
         return FilterSelection(ideal, preferred, None, None)
-    capacitors = select_first_stage_capacitors(preferred, board.band_limit_hz)
+    capacitors = select_first_stage_capacitors(preferred, board.band_limit_hz, board.capacitor_series)
     return FilterSelection(ideal, preferred, capacitors, select_rectifier_ohm(choose_amplifier(board)))

@@ -1,12 +1,12 @@
-"""Fabrication files: gerbers and drill file in one zip, placement and parts files for the assembly, and renderings.
+"""Fabrication files: gerbers and drill file in one zip, parts and placement for the assembly, and renderings.
 
-KiCad's command-line program kicad-cli exports gerbers, drill file and renderings. The placement and parts files are
-written from the circuit itself. A board that fails KiCad's own checks is not exported.
+KiCad's command-line program kicad-cli exports gerbers, drill file and renderings. Parts and placement are written from
+the circuit itself: in the columns of one assembly house, and a placement file with KiCad's rotations for any other. A
+board that fails KiCad's own checks is not exported.
 """
 
 from __future__ import annotations
 
-import csv
 import io
 import re
 import shutil
@@ -18,12 +18,17 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from fingertip.board.circuit import Circuit
-from fingertip.board.fabrication.bom import group_purchased, purchased_components
+from fingertip.board.fabrication.assembly import (
+    ASSEMBLY_BOM,
+    ASSEMBLY_PLACEMENT,
+    PLACEMENT_COLUMNS,
+    assembly_bom_file,
+    assembly_placement_file,
+    is_assembled,
+)
+from fingertip.board.fabrication.bom import format_csv, purchased_components
 from fingertip.board.layout.placement import Placement
 from fingertip.errors import BoardError, MissingLibraryError
-
-PARTS_COLUMNS = ("Comment", "Designator", "Footprint", "Part Number")
-PLACEMENT_COLUMNS = ("Designator", "Mid X", "Mid Y", "Layer", "Rotation")
 
 _LAYERS = "F.Cu,B.Cu,F.Paste,F.SilkS,B.SilkS,F.Mask,B.Mask,Edge.Cuts"
 _DATE = re.compile(rb"^(%TF\.CreationDate.*|G04 Created by KiCad.*|; DRILL file.*|; #@! TF\.CreationDate.*)\r?\n", re.M)
@@ -104,7 +109,8 @@ def fabrication_files(
         exported = (f"{name}_front.png", f"{name}_back.png", f"{name}_schematic.pdf")
         return {
             f"{name}_gerbers.zip": gerbers,
-            f"{name}_parts.csv": parts_file(circuit),
+            ASSEMBLY_BOM: assembly_bom_file(circuit),
+            ASSEMBLY_PLACEMENT: assembly_placement_file(circuit, placement),
             f"{name}_placement.csv": placement_file(circuit, placement),
             **{file: (folder / file).read_bytes() for file in exported},
         }
@@ -139,40 +145,17 @@ def export_gerbers(folder: Path, run: RunKicad, name: str) -> bytes:
     return _zip_files((path.name, _DATE.sub(b"", path.read_bytes())) for path in exported)
 
 
-def parts_file(circuit: Circuit) -> bytes:
-    """Bill of materials in the columns of assembly houses. The part numbers are left blank for whoever orders.
-
-    The comment of a resistor, a capacitor or a trimmer includes the rating, because its value alone does not determine
-    what to buy. The lines are those of `bom.csv`.
-    """
-    rows = []
-    for (value, footprint, rating), references in group_purchased(circuit).items():
-        has_type_name = references[0].rstrip("0123456789") not in ("R", "C", "RV")
-        rows.append((value if has_type_name else f"{value}, {rating}", ",".join(references), footprint, ""))
-    return _format_csv(PARTS_COLUMNS, rows)
-
-
 def placement_file(circuit: Circuit, placement: Placement) -> bytes:
-    """Positions [mm] and rotations [degree] of the surface-mount components.
+    """Positions [mm] and rotations [degree] of the components that are not soldered by hand, as KiCad states them.
 
     The origin is the lower left corner of the board, as in the gerbers.
     """
     rows = []
-    for component in purchased_components(circuit):
-        if "PinHeader" in component.footprint:
-            continue  # pin headers are soldered by hand
+    for component in filter(is_assembled, purchased_components(circuit)):
         position = placement.positions[component.reference]
         y = placement.height - position.y
         rows.append((component.reference, f"{position.x:.4f}mm", f"{y:.4f}mm", "Top", str(position.angle)))
-    return _format_csv(PLACEMENT_COLUMNS, rows)
-
-
-def _format_csv(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> bytes:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(rows)
-    return text.getvalue().encode()
+    return format_csv(PLACEMENT_COLUMNS, rows)
 
 
 def _zip_files(files: Iterable[tuple[str, bytes]]) -> bytes:

@@ -19,6 +19,7 @@ from __future__ import annotations
 from fingertip.board.circuit import Circuit, Component, Symbol, kicad_net_name, reference_sort_key
 from fingertip.board.kicad.sexpr import Expression, format_expression, quote
 from fingertip.board.kicad.uuids import component_uuid
+from fingertip.board.parts.select_part import symbol_fields
 
 
 def kicad_netlist_file(circuit: Circuit) -> bytes:
@@ -62,7 +63,7 @@ def _component(circuit: Circuit, component: Component) -> Expression:
         ("ref", quote(component.reference)),
         ("value", quote(component.value)),
         ("footprint", quote(component.footprint)),
-        ("fields", ("field", ("name", quote("Role")), quote(component.role))),
+        ("fields", *(("field", ("name", quote(name)), quote(text)) for name, text in symbol_fields(component).items())),
         (
             "libsource",
             ("lib", quote(symbol.library)),

@@ -24,6 +24,7 @@ from fingertip.board.kicad.uuids import component_uuid, named_uuid
 from fingertip.board.layout.placement import Placement, rotate_offset
 from fingertip.board.layout.silkscreen import TEXT_HEIGHT_MM
 from fingertip.board.layout.template import Template
+from fingertip.board.parts.select_part import symbol_fields
 
 PAGE_OFFSET_MM = (100.0, 80.0)
 """Position of the board's upper left corner on KiCad's page."""
@@ -146,9 +147,9 @@ def _footprint(circuit: Circuit, component: Component, placement: Placement, net
     def identifier(item: str) -> str:
         return quote(named_uuid(circuit, f"board {component.reference} {item}"))
 
-    hidden_fields = (
-        ("Datasheet", ""), ("Description", component.symbol.description), ("Role", component.role)
-    )  # fmt: skip
+    hidden_fields = {
+        "Datasheet": "", "Description": component.symbol.description, **symbol_fields(component)
+    }  # fmt: skip
     return (
         "footprint",
         quote(component.footprint),
@@ -160,7 +161,7 @@ def _footprint(circuit: Circuit, component: Component, placement: Placement, net
         _property("Value", component.value, centre, "F.Fab", identifier("value"), 0.4, hidden=True),
         *(
             _property(field, text, (0.0, 0.0), "F.Fab", identifier(field), 0.4, hidden=True)
-            for field, text in hidden_fields
+            for field, text in hidden_fields.items()
         ),
         ("path", quote(f"/{component_uuid(circuit, component.reference)}")),
         ("sheetname", quote("/")),

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from fingertip.board.circuit import Circuit
 from fingertip.board.kicad.sexpr import Expression, number, quote
 from fingertip.board.kicad.uuids import component_uuid, named_uuid
+from fingertip.board.parts.select_part import symbol_fields
 from fingertip.board.schematic.sheet import UNIT_MM, PlacedSymbol, Point, PowerSymbol, Sheet
 from fingertip.board.schematic.symbol_graphics import SYMBOL_GRAPHICS, PinGraphic, UnitGraphic
 
@@ -147,7 +148,7 @@ def component_symbol(circuit: Circuit, symbol: PlacedSymbol, root: str) -> Expre
         format_property("Footprint", component.footprint, x, y, hidden=True),
         format_property("Datasheet", "", x, y, hidden=True),
         format_property("Description", component.symbol.description, x, y, hidden=True),
-        format_property("Role", component.role, x, y, hidden=True),
+        *(format_property(name, text, x, y, hidden=True) for name, text in symbol_fields(component).items()),
         *(
             ("pin", quote(pin), ("uuid", quote(named_uuid(circuit, f"pin {component.reference}.{pin}"))))
             for pin in unit.pins

@@ -31,16 +31,21 @@ class Board(ParameterTable):
         36.17, "Hz", "Cutoff frequency of the envelope, 1 / (2 pi R_LP C_LP).", above=0, maximum=10000
     )
     envelope_capacitor_uf: float = quantity(2.2, "uF", "Envelope capacitor C_LP.", minimum=1e-6, maximum=1000)
-    capacitor_series: Literal["given", "E6", "E12"] = choice(
+    capacitor_series: Literal["given", "E6", "E12", "preferred"] = choice(
         "given",
-        "given: the capacitors above; E6, E12: selected from this series by cutoff, together with the resistors.",
+        "given: the capacitors above; E6, E12: selected from this series by cutoff, together with the resistors; "
+        "preferred: only values that are sold.",
     )
     series: Literal["E12", "E24", "E96"] = choice("E24", "Series of preferred values for resistors (IEC 60063).")
     resistor_tolerance_percent: float = quantity(
         1.0, "%", "Tolerance of the filter's resistors, for the tolerance analysis.", minimum=0, maximum=20
     )
     capacitor_tolerance_percent: float = quantity(
-        5.0, "%", "Tolerance of the filter's capacitors, for the tolerance analysis.", minimum=0, maximum=20
+        0.0,
+        "%",
+        "Tolerance of the signal path's capacitors; 0: that of the parts sold (X7R 10 %, C0G 5 %). Article: 5 %.",
+        minimum=0,
+        maximum=20,
     )
     band_limit_hz: float = quantity(
         1000.0,

@@ -1,0 +1,171 @@
+"""Files for the assembly house: read by a parser of their published columns, rotations against the table."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from dataclasses import dataclass
+
+import pytest
+
+from fingertip.board import board_circuit, board_values
+from fingertip.board.fabrication.assembly import (
+    assembly_bom_file,
+    assembly_placement_file,
+    find_pad_centre,
+    find_rotation_deg,
+    is_assembled,
+    load_rotations,
+)
+from fingertip.board.fabrication.bom import bill_of_materials, purchased_components
+from fingertip.board.fabrication.fabrication_files import placement_file
+from fingertip.board.kicad import symbols
+from fingertip.board.kicad.footprints import FOOTPRINTS
+from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.design import Design
+
+MAX_ROW_CHARACTERS = 2048
+"""Longest row of a bill of materials that the house accepts."""
+TABLE = {"JST_PH_S": 180, "MSOP-": 270, "SOIC-": 270, "SOT-23": 180}
+"""Rotations of the packages used here, read from the source a second time."""
+
+
+@dataclass(frozen=True)
+class BomRow:
+    comment: str
+    designators: tuple[str, ...]
+    footprint: str
+    number: str
+
+
+def parse_bom(data: bytes) -> list[BomRow]:
+    """Parse a bill of materials by the house's column rules; AssertionError if it breaks one."""
+    lines = data.decode("utf-8").splitlines()
+    assert all(0 < len(line) <= MAX_ROW_CHARACTERS for line in lines)
+    header, *rows = csv.reader(lines, strict=True)
+    assert header == ["Comment", "Designator", "Footprint", "JLCPCB Part #"]
+    parsed = []
+    for row in rows:
+        assert len(row) == 4
+        comment, designators, footprint, number = row
+        assert "" not in (comment, footprint), "a line without comment or footprint cannot be matched"
+        names = designators.split(",")
+        assert all(re.fullmatch(r"[A-Z]+[1-9]\d*", name) for name in names), designators
+        assert re.fullmatch(r"(C[1-9]\d*)?", number), number
+        parsed.append(BomRow(comment, tuple(names), footprint, number))
+    every = [name for row in parsed for name in row.designators]
+    assert len(set(every)) == len(every), "a designator stands in one line only"
+    return parsed
+
+
+@dataclass(frozen=True)
+class Placed:
+    x_mm: float
+    y_mm: float
+    layer: str
+    rotation_deg: float
+
+
+def parse_placement(data: bytes) -> dict[str, Placed]:
+    """Parse a placement file by the house's column rules; AssertionError if it breaks one."""
+    header, *rows = csv.reader(io.StringIO(data.decode("utf-8")), strict=True)
+    assert header == ["Designator", "Mid X", "Mid Y", "Layer", "Rotation"]
+    placed: dict[str, Placed] = {}
+    for designator, x, y, layer, rotation in rows:
+        assert designator not in placed
+        assert layer in ("Top", "Bottom")
+        assert 0 <= float(rotation) < 360
+        for value in (x, y):
+            assert re.fullmatch(r"-?\d+\.\d+mm", value), value
+        placed[designator] = Placed(float(x[:-2]), float(y[:-2]), layer, float(rotation))
+    return placed
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_independent_parser_accepts_both_files(name: str) -> None:
+    configuration = BOARD_CONFIGURATIONS[name]
+    circuit = board_circuit(board_values(Design.load(changes=configuration.changes)))
+    bom, placed = (
+        parse_bom(assembly_bom_file(circuit)),
+        parse_placement(assembly_placement_file(circuit, configuration.placement)),
+    )
+    assert {d for row in bom for d in row.designators} == set(placed), "each fitted part stands in both files"
+    assert set(placed) == {c.reference for c in purchased_components(circuit) if is_assembled(c)}
+    numbers = {
+        reference: row["LCSC"]
+        for row in csv.DictReader(io.StringIO(bill_of_materials(circuit).decode()))
+        for reference in row["References"].split()
+    }
+    for row in bom:
+        assert {numbers[d] for d in row.designators} == {row.number}
+        assert {circuit.component(d).footprint.split(":")[1] for d in row.designators} == {row.footprint}
+    width, height = configuration.placement.width, configuration.placement.height
+    assert all(0 < p.x_mm < width and 0 < p.y_mm < height and p.layer == "Top" for p in placed.values())
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"Comment,Designator,Footprint,LCSC\n1k,R1,R_0603,C21190\n",
+        b"Comment,Designator,Footprint,JLCPCB Part #\n1k,R1,R_0603,21190\n",
+        b"Comment,Designator,Footprint,JLCPCB Part #\n1k,R1 R2,R_0603,C21190\n",
+        b"Comment,Designator,Footprint,JLCPCB Part #\n1k,R1,R_0603,C21190\n2k,R1,R_0603,\n",
+    ],
+    ids=["column", "number", "separator", "twice"],
+)
+def test_parser_refuses_a_broken_bill_of_materials(data: bytes) -> None:
+    with pytest.raises(AssertionError):
+        parse_bom(data)
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_rotations_differ_from_kicads_by_the_table(name: str) -> None:
+    configuration = BOARD_CONFIGURATIONS[name]
+    circuit = board_circuit(board_values(Design.load(changes=configuration.changes)))
+    house = parse_placement(assembly_placement_file(circuit, configuration.placement))
+    kicad = parse_placement(placement_file(circuit, configuration.placement))
+    assert set(house) == set(kicad)
+    for reference, placed in house.items():
+        package = circuit.component(reference).footprint.split(":")[1]
+        expected = sum(angle for prefix, angle in TABLE.items() if package.startswith(prefix))
+        assert (placed.rotation_deg - kicad[reference].rotation_deg) % 360 == expected, reference
+        # Only a footprint whose origin is not at its middle is moved.
+        is_centred = find_pad_centre(circuit.component(reference).footprint) == (0.0, 0.0)
+        assert is_centred == ((placed.x_mm, placed.y_mm) == (kicad[reference].x_mm, kicad[reference].y_mm))
+
+
+def test_table_of_rotations_has_the_packages_that_need_it() -> None:
+    assert {r.pattern.removeprefix("^"): r.rotation_deg for r in load_rotations()} == TABLE
+    found = {name.split(":")[1]: find_rotation_deg(name) for name in FOOTPRINTS}
+    assert found["SOT-23-5"] == found["SOT-23"] == 180
+    assert found["D_SOD-123"] == found["R_0603_1608Metric"] == 0
+
+
+def test_through_hole_connector_is_placed_by_its_middle() -> None:
+    """The origin of KiCad's footprint is pin 1; both pins are 2 mm apart."""
+    assert find_pad_centre(symbols.JST_PH_2) == (1.0, 0.0)
+    configuration = BOARD_CONFIGURATIONS["precision_single_3v3"]
+    circuit = board_circuit(board_values(Design.load(changes=configuration.changes)))
+    house = parse_placement(assembly_placement_file(circuit, configuration.placement))["J2"]
+    kicad = parse_placement(placement_file(circuit, configuration.placement))["J2"]
+    turned = {0: (1, 0), 90: (0, 1), 180: (-1, 0), 270: (0, -1)}[int(kicad.rotation_deg)]  # y points up in both files
+    assert (house.x_mm - kicad.x_mm, house.y_mm - kicad.y_mm) == pytest.approx(turned)
+
+
+def test_comments_state_ratings_and_values() -> None:
+    rows = {
+        d: row.comment
+        for row in parse_bom(assembly_bom_file(board_circuit(board_values(Design()))))
+        for d in row.designators
+    }
+    assert [r for r, comment in rows.items() if ", 0.1 %, " in comment] == ["R10", "R11", "R12", "R13", "R14"]
+    assert rows["R1"] == "2.4k, 1 % or better, 0.1 W"
+    assert rows["C1"] == "1u, X7R 16 V, 10 % or better"
+    assert rows["U1"] == "TL082BC"
+    # Components of different ratings are never merged.
+    changes = ["board.variant=comparator", "detector.window_samples=6"]
+    board = board_circuit(board_values(Design.load(changes=changes)))
+    assert board.component("C17").value == board.component("C18").value == "100n"
+    for row in parse_bom(assembly_bom_file(board)):
+        assert len({board.component(r).rating for r in row.designators}) == 1

@@ -1,0 +1,283 @@
+"""Parts table: its shape, numbers against their makers' codes, and a number or a reason on every line of every BOM."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+
+import pytest
+
+from fingertip.board import board_circuit, board_values
+from fingertip.board.circuit import Component, parse_component_value
+from fingertip.board.components.capacitor_choice import SOLD, capacitances_in_range, nearest_capacitance
+from fingertip.board.fabrication.bom import COLUMNS, bill_of_materials, list_bom, purchased_components
+from fingertip.board.output import README, board_files
+from fingertip.board.parts.capacitors import SOLD_PERCENT, list_capacitances, require_capacitor
+from fingertip.board.parts.ordering_code import load_ordering_codes, resistance_code
+from fingertip.board.parts.requirement import CapacitorRequirement, ResistorRequirement
+from fingertip.board.parts.select_part import find_capacitors, find_package, find_resistors, select_part
+from fingertip.board.parts.table import (
+    Part,
+    load_capacitors,
+    load_named_parts,
+    load_resistors,
+    load_sources,
+    read_rows,
+)
+from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.design import Design
+from tests.board.conftest import BOARDS
+
+CHANGES = {
+    "as given": (),
+    "selected": ("board.capacitor_series=E12",),
+    "sold": ("board.capacitor_series=preferred",),
+    "article's tolerance": ("board.capacitor_tolerance_percent=5",),
+    "precise": ("board.resistor_tolerance_percent=0.1",),
+    "tightest": ("board.resistor_tolerance_percent=0",),
+    "E96": ("board.series=E96", "board.cutoff_hz=71"),
+}
+LINKS = re.compile(r"https?://\S+")
+
+
+def listed_parts() -> list[Part]:
+    """Every part of the table."""
+    chips = [item.part for item in (*load_resistors(), *load_capacitors())]
+    return chips + [item.part for item in load_named_parts() if item.part]
+
+
+def test_every_number_has_a_source_and_every_source_is_used() -> None:
+    sources = load_sources()
+    codes = {code.source for code in load_ordering_codes()}
+    rotations = {row["source"] for row in read_rows("rotations.csv")}
+    assert {part.source for part in listed_parts()} | codes | rotations == set(sources)
+    for source in sources.values():
+        assert len(source.title) > 10
+        assert source.address == "" or LINKS.fullmatch(source.address)
+    assert len(list(read_rows("sources.csv"))) == len(sources)
+
+
+def test_numbers_are_unique_and_have_their_form() -> None:
+    parts = listed_parts()
+    assert len({(part.manufacturer, part.number) for part in parts}) == len(parts)
+    numbers = [part.lcsc for part in parts if part.lcsc]
+    assert len(set(numbers)) == len(numbers)
+    assert all(re.fullmatch(r"C[1-9]\d{3,8}", number) for number in numbers)
+    for part in parts:
+        assert part.number == part.number.strip() != ""
+    for item in load_named_parts():
+        assert bool(item.part) != bool(item.reason), f"{item.value}: either a part or the reason why there is none"
+
+
+def test_resistors_and_capacitors_are_unique_and_sensible() -> None:
+    resistors = [(r.ohm, r.tolerance_percent, r.package) for r in load_resistors()]
+    assert len(set(resistors)) == len(resistors)
+    assert all(1 <= r.ohm <= 10e6 and r.power_w == 0.1 and r.drift_ppm_per_k <= 400 for r in load_resistors())
+    for c in load_capacitors():
+        assert 1e-12 < c.farad < 1e-3
+        assert c.voltage_v >= 6.3
+        assert c.dielectric in SOLD_PERCENT
+        assert c.tolerance_percent <= SOLD_PERCENT[c.dielectric]
+
+
+def decode_resistor(number: str) -> tuple[float, float]:
+    """Resistance [ohm] and tolerance [%] in a maker's number."""
+    if match := re.fullmatch(r"0603WAF(\d{3})([J0-6])T5E", number):
+        return int(match[1]) * (0.1 if match[2] == "J" else 10.0 ** int(match[2])), 1.0
+    match = re.fullmatch(r"(RT0603B|RC0603[FD])R[D-]07(\d+)([RKM])(\d*)L", number)
+    assert match, number
+    scale = {"R": 1.0, "K": 1e3, "M": 1e6}[match[3]]
+    return float(f"{match[2]}.{match[4] or 0}") * scale, {"B": 0.1, "F": 1.0, "D": 0.5}[match[1][-1]]
+
+
+def test_numbers_of_resistors_state_their_value_and_tolerance() -> None:
+    for resistor in load_resistors():
+        ohm, percent = decode_resistor(resistor.part.number)
+        assert (ohm, percent) == (pytest.approx(resistor.ohm, rel=1e-12), resistor.tolerance_percent)
+
+
+def decode_capacitor(number: str) -> tuple[float, str, float]:
+    """Capacitance [F], dielectric class and tolerance [%] in a maker's number, by the EIA codes all of them use."""
+    patterns = {
+        "Samsung": r"CL\d\d(?P<kind>[ABC])(?P<code>\d{3})(?P<tol>[JKM])\w+",
+        "Fenghua": r"\d{4}(?P<kind>B|CG)(?P<code>\d{3})(?P<tol>[JKM])\d{3}NT",
+        "Yageo": r"CC\d{4}(?P<tol>[JKM])R(?P<kind>X7R|NPO)\dBB?N?(?P<code>\d{3})",
+        "Murata": r"GRM\w{3}(?P<kind>5C|R6)1H(?P<code>\d{3})(?P<tol>[JKM])\w+",
+    }
+    match = next(m for pattern in patterns.values() if (m := re.fullmatch(pattern, number)))
+    kinds = {"A": "X5R", "B": "X7R", "C": "C0G", "CG": "C0G", "X7R": "X7R", "NPO": "C0G", "5C": "C0G", "R6": "X5R"}
+    code = match["code"]
+    farad = int(code[:2]) * 10.0 ** int(code[2]) * 1e-12
+    return farad, kinds[match["kind"]], {"J": 5.0, "K": 10.0, "M": 20.0}[match["tol"]]
+
+
+@pytest.mark.parametrize("capacitor", load_capacitors(), ids=lambda c: c.part.number)
+def test_numbers_of_capacitors_state_their_value(capacitor) -> None:  # type: ignore[no-untyped-def]
+    farad, dielectric, percent = decode_capacitor(capacitor.part.number)
+    assert farad == pytest.approx(capacitor.farad, rel=1e-9)
+    assert (dielectric, percent) == (capacitor.dielectric, capacitor.tolerance_percent)
+
+
+@pytest.mark.parametrize(
+    ("ohm", "code"),
+    [(56, "56R"), (120, "120R"), (976, "976R"), (1e3, "1K"), (1.2e3, "1K2"), (9.76e3, "9K76"), (97.6, "97R6"),
+     (4.7, "4R7"), (100e3, "100K"), (1e6, "1M"), (9.76e6, "9M76")],
+)  # fmt: skip
+def test_ordering_code_has_the_data_sheets_examples(ohm: float, code: str) -> None:
+    assert resistance_code(ohm) == code
+
+
+def test_ordering_code_gives_the_numbers_that_were_found() -> None:
+    """Numbers of the series in the table were copied, so the composed ones must equal them."""
+    codes = {code.prefix: code for code in load_ordering_codes()}
+    copied = [r for r in load_resistors() if r.part.manufacturer == "Yageo"]
+    assert len(copied) >= 8
+    for resistor in copied:
+        assert codes["RT0603BRD07"].is_made(resistor.ohm)
+        assert codes["RT0603BRD07"].compose(resistor.ohm).part.number == resistor.part.number
+    assert codes["RC0603FR-07"].compose(56).part.number == "RC0603FR-0756RL"  # the data sheet's ordering example
+
+
+def test_ordering_code_holds_for_values_that_are_made() -> None:
+    code = load_ordering_codes()[0]
+    assert code.is_made(4.7e3)
+    assert code.is_made(4.99e3)
+    assert not code.is_made(4.75e3 + 1)
+    assert not code.is_made(4.7)
+    assert not code.is_made(22e6)
+
+
+def meets(component: Component, part: Part) -> bool:
+    """Return whether a part has the value, package and requirement of a component, by its own number."""
+    value, requirement = parse_component_value(component.value), component.requirement
+    if isinstance(requirement, ResistorRequirement):
+        ohm, percent = decode_resistor(part.number)
+        return math.isclose(ohm, value, rel_tol=1e-9) and percent <= requirement.tolerance_percent
+    assert isinstance(requirement, CapacitorRequirement)
+    farad, dielectric, percent = decode_capacitor(part.number)
+    listed = next(c for c in load_capacitors() if c.part == part)
+    return (
+        math.isclose(farad, value, rel_tol=1e-9)
+        and dielectric in requirement.dielectrics
+        and percent <= requirement.tolerance_percent
+        and listed.voltage_v >= requirement.voltage_v
+        and listed.package == find_package(component.footprint)
+    )
+
+
+@pytest.mark.parametrize("extra", CHANGES.values(), ids=CHANGES)
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_every_line_has_a_number_or_an_empty_field_and_the_reason(name: str, extra: tuple[str, ...]) -> None:
+    circuit = board_circuit(board_values(Design.load(changes=(*BOARD_CONFIGURATIONS[name].changes, *extra))))
+    rows = list(csv.DictReader(io.StringIO(bill_of_materials(circuit).decode())))
+    assert tuple(rows[0]) == COLUMNS
+    references = [reference for row in rows for reference in row["References"].split()]
+    assert sorted(references) == sorted(c.reference for c in purchased_components(circuit))
+    for row in rows:
+        assert row["Quantity"] == str(len(row["References"].split()))
+        is_complete = all(row[field] for field in ("Manufacturer", "MPN", "LCSC"))
+        assert bool(row["Note"]) != is_complete, row
+        assert bool(row["MPN"]) == bool(row["Source"])
+        assert not row["Alternate"] or row["MPN"]
+        for reference in row["References"].split():
+            component = circuit.component(reference)
+            fields = select_part(component).fields
+            assert fields == {field: row[field] for field in ("Manufacturer", "MPN", "LCSC")}
+            for part in (select_part(component).part, select_part(component).alternate):
+                assert part is None or component.requirement is None or meets(component, part)
+
+
+def test_default_board_lacks_few_numbers() -> None:
+    """The lines of the default design without a part are its pin headers and the amplifier of a certain grade."""
+    lines = list_bom(board_circuit(board_values(Design())))
+    assert [line.references for line in lines if not line.selection.part] == [["J1"], ["J2"], ["J3"], ["U1"]]
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_readme_states_what_was_not_checked(name: str) -> None:
+    design = Design.load(changes=BOARD_CONFIGURATIONS[name].changes)
+    text = " ".join(board_files(design)[README].decode().split())
+    assert "nobody checked what is in stock" in text
+    turned = [c.reference for c in board_circuit(board_values(design)).components if "SOD-123" in c.footprint]
+    assert re.search(rf"Packages that it lacks keep KiCad's rotation: {', '.join(sorted(turned))}[,.]", text)
+
+
+def test_capacitors_have_the_tolerance_that_is_sold() -> None:
+    circuit = board_circuit(board_values(Design.load(changes=["board.variant=precision"])))
+    percent = {c.reference: c.requirement.tolerance_percent for c in circuit.components if c.requirement}
+    assert [percent[name] for name in ("C1", "C4", "C8", "C14", "C20", "R1", "R10")] == [10, 10, 10, 10, 5, 1, 0.1]
+    stated = board_circuit(
+        board_values(Design.load(changes=["board.variant=precision", "board.capacitor_tolerance_percent=5"]))
+    )
+    assert stated.component("C1").rating == "X7R 16 V, 5 % or better"
+    selection = select_part(stated.component("C1"))
+    assert selection.part is None
+    assert selection.reason == (
+        "the parts table has 1u X7R 16 V in 1206 with 10 %, not 5 %; board.capacitor_tolerance_percent=0 accepts the "
+        "tolerance that is sold"
+    )
+    remedied = Design.load(changes=["board.variant=precision", selection.reason.split("; ")[1].split()[0]])
+    assert select_part(board_circuit(board_values(remedied)).component("C1")).part
+
+
+def test_value_that_is_not_in_the_table_still_makes_a_board() -> None:
+    circuit = board_circuit(board_values(Design.load(changes=["board.capacitor_uf=0.82"])))
+    selection = select_part(circuit.component("C1"))
+    assert (selection.part, selection.fields["MPN"]) == (None, "")
+    assert selection.reason == (
+        "the parts table has no 820n X7R 16 V in 1206; board.capacitor_series=preferred selects values that it has"
+    )
+    assert circuit.component("C1").rating == "X7R 16 V, 10 % or better"
+
+
+@pytest.mark.parametrize("cutoff", [15, 20, 67, 90, 120, 300, 1000])
+def test_preferred_capacitors_are_sold_without_exception(cutoff: float) -> None:
+    changes = [f"board.cutoff_hz={cutoff}", "board.capacitor_series=preferred", "detector.sample_rate_hz=4000",
+               "board.band_limit_hz=4000"]  # fmt: skip
+    for name in ("article_split", "comparator_single"):
+        design = Design.load(changes=[*BOARD_CONFIGURATIONS[name].changes, *changes])
+        for component in board_circuit(board_values(design)).components:
+            if isinstance(component.requirement, CapacitorRequirement):
+                assert select_part(component).part, f"{component.reference} {component.value}"
+
+
+def test_preferred_capacitors_of_the_article_are_its_own() -> None:
+    article = board_values(Design()).preferred
+    assert board_values(Design.load(changes=["board.capacitor_series=preferred"])).preferred == article
+
+
+def test_choice_of_sold_capacitors_is_the_nearest() -> None:
+    small = list_capacitances("0603")
+    for target in (1e-12, 1.4e-9, 6e-9, 150e-9, 9e-6):
+        found = nearest_capacitance(target, SOLD)
+        assert all(abs(math.log(found / target)) <= abs(math.log(f / target)) + 1e-12 for f in small)
+    assert capacitances_in_range(1e-7, 3e-6, SOLD, "1206") == (100e-9, 1e-6, 2.2e-6)
+    assert capacitances_in_range(1.2e-6, 1.3e-6, SOLD, "1206") == (1e-6,)
+    assert capacitances_in_range(1e-7, 3e-7, "E6", "1206") == (100e-9, 150e-9, 220e-9)
+
+
+def test_requirements_select_the_dielectric() -> None:
+    assert require_capacitor(10e-9, "0603").dielectrics == ("C0G",)
+    assert require_capacitor(15e-9, "0603").dielectrics == ("X7R",)
+    assert require_capacitor(100e-9, "1206").dielectrics == ("C0G",)
+    assert require_capacitor(1e-6, "1206", 5.0).tolerance_percent == 5.0
+    assert require_capacitor(22e-6, "1206").dielectrics == ("X5R", "X7R")
+    assert [item.part.number for item in find_capacitors(100e-9, "1206", require_capacitor(100e-9, "1206"))] == [
+        "GRM31C5C1H104JA01L"
+    ]
+    assert [item.part.number for item in find_resistors(10e3, ResistorRequirement(1.0, 0.1))] == [
+        "0603WAF1002T5E", "RT0603BRD0710KL", "RC0603FR-0710KL", "RC0603DR-0710KL",
+    ]  # fmt: skip
+    assert [item.part.number for item in find_resistors(10e3, ResistorRequirement(0.1, 0.1, 25.0))] == [
+        "RT0603BRD0710KL"
+    ]
+    assert not list(find_resistors(10e3, ResistorRequirement(1.0, 0.25)))
+
+
+@pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
+def test_equal_lines_have_equal_parts(changes: tuple[str, ...]) -> None:
+    for line in list_bom(board_circuit(board_values(Design.load(changes=changes)))):
+        assert len({select_part(component) for component in line.components}) == 1
+        assert len({component.requirement for component in line.components}) == 1

@@ -12,8 +12,9 @@ from typing import Any
 import pytest
 
 from fingertip.build_files import Build, build
+from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.supports import supports_by_part
-from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_orientations
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.casting import markdown
 from fingertip.casting.markdown import render_sheet, warnings
 from fingertip.casting.quantities import SiliconeVolumes

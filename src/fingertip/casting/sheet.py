@@ -9,11 +9,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from fingertip.cad.printing.overhang import MAX_BRIDGE_MM
+from fingertip.cad.printing.orientations import print_orientations
+from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, OVERHANG_DEG
 from fingertip.cad.printing.print_files import PRINT_FOLDER
-from fingertip.cad.printing.supports import OVERHANG_DEG, supports_by_part
+from fingertip.cad.printing.supports import supports_by_part
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
-from fingertip.cad.shapes.parts import print_orientations
 from fingertip.cad.verification.filling import POT_LIFE_SHARE
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.quantities import (

@@ -12,7 +12,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.cad.printing.supports import OVERHANG_DEG
+from fingertip.cad.printing.overhang import OVERHANG_DEG
 from fingertip.design import Design
 from fingertip.errors import GeometryError, Issue
 

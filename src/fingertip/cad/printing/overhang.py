@@ -18,12 +18,15 @@ from numpy.typing import NDArray
 from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.kernel.tessellate import Triangles
-from fingertip.cad.printing.supports import OVERHANG_DEG
 
+OVERHANG_DEG = 45.0
+"""Angle from the vertical above which a surface overhangs."""
 MAX_BRIDGE_MM = 10.0
 """Longest bridge that prints over air [mm]. Design guides of print services state 5 to 15 mm. An assumption."""
 MAX_LEDGE_MM = 1.0
 """Longest ledge that prints over air [mm], as design guides for resin state. An assumption."""
+MAX_UNSUPPORTED_MM2 = MAX_LEDGE_MM**2
+"""Largest unsupported part of a ceiling [mm2]: a corner of the longest ledge, as where a bore ends in a round side."""
 _STEEP = math.sin(math.radians(OVERHANG_DEG)) + 1e-4
 """Component of the normal downwards above which a facet overhangs; facets at the angle itself do not."""
 _ON_BED_MM = 0.005

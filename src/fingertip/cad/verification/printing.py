@@ -11,19 +11,18 @@ import numpy as np
 from fingertip.arrays import Array
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
-from fingertip.cad.printing.overhang import MAX_LEDGE_MM, Ceiling, find_ceilings
+from fingertip.cad.printing.orientations import print_orientations
+from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, Ceiling, find_ceilings
 from fingertip.cad.printing.plates import PLATE_KINDS, Placed
 from fingertip.cad.printing.pose import Pose, bed_pose
 from fingertip.cad.printing.print_files import PrintFiles
 from fingertip.cad.printing.supports import supports_by_part
-from fingertip.cad.shapes.parts import PARTS, print_orientations, print_scale
+from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.solids import Solid
 from fingertip.cad.verification.check import Check, check_zero_volume
 from fingertip.cad.verification.part_files import count_open_edges
 from fingertip.design import Design
 
-MAX_UNSUPPORTED_MM2 = MAX_LEDGE_MM**2
-"""Largest unsupported part of a ceiling [mm2]: a corner of the longest ledge, as where a bore ends in a round side."""
 _INTO_AIR_MM = 0.02
 """Distance from a facet at which it is found in a place for supports [mm]."""
 _ROUNDING_MM = 1e-5
@@ -33,7 +32,7 @@ _ROUNDING_MM = 1e-5
 def check_overhang(design: Design, evaluator: MeshEvaluator, name: str, mesh: Mesh) -> Check:
     """Check the largest unsupported overhang of a part that lies on the bed, away from the places of supports."""
     places = supports_by_part(design)[name].places
-    pose, scale = bed_pose(mesh, print_orientations(design)[name]), print_scale(design, PARTS[name])
+    pose, scale = bed_pose(mesh, print_orientations(design)[name].rotate_x_deg), print_scale(design, PARTS[name])
     largest = 0.0
     for ceiling in find_ceilings(pose.apply(mesh)):
         area = ceiling.unsupported_mm2()

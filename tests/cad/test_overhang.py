@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from fingertip.cad.kernel import brep
-from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, MAX_LEDGE_MM, MAX_UNSUPPORTED_MM2, find_ceilings
 from fingertip.cad.printing.pose import bed_pose
@@ -24,7 +25,7 @@ from fingertip.cad.shapes.bridged_pocket import (
 )
 from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.solids import Box, Cone, Prism, Solid, cylinder, difference, hexagon, scaled, union
-from fingertip.cad.verification.printing import check_overhang
+from fingertip.cad.verification.printing import _is_inside, check_overhang
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.parameters.design_tables import PARAMETERS
@@ -228,3 +229,18 @@ def test_fin_on_the_lid_fails() -> None:
     fin = Box((-1.0, top - 1.0, 5.0), (1.0, top + 4.0, 7.0))
     mesh = evaluator.mesh(union(PARTS["lid"].solid(design), fin))
     assert check_overhang(design, evaluator, "lid", mesh).value > 2.0
+
+
+def test_points_are_inside_a_hollow_block_as_its_sizes_say() -> None:
+    """The ray may pass the hollow, so that it enters and leaves twice."""
+    block = difference(Box((-3.0, -2.0, 0.0), (3.0, 2.0, 5.0)), Box((-1.0, -1.0, 1.0), (2.0, 1.0, 4.0)))
+    rng = np.random.default_rng(18)
+    points = rng.uniform((-4.0, -3.0, -1.0), (4.0, 3.0, 6.0), (4000, 3))
+
+    def within(low: tuple[float, ...], high: tuple[float, ...]) -> np.ndarray:  # type: ignore[type-arg]
+        return np.asarray(((points > low) & (points < high)).all(axis=1))
+
+    expected = within((-3.0, -2.0, 0.0), (3.0, 2.0, 5.0)) & ~within((-1.0, -1.0, 1.0), (2.0, 1.0, 4.0))
+    found = _is_inside(points, *to_arrays(MeshEvaluator(TOLERANCE).manifold(block)))
+    assert (found == expected).all()
+    assert 0.1 < expected.mean() < 0.9

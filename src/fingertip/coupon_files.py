@@ -1,4 +1,4 @@
-"""Files of the fit coupon: both pieces, a template for the readings, and a page that says how to use them."""
+"""Files of the fit coupon: both pieces, a template for the readings, a page that says how to use them, and a plan."""
 
 from __future__ import annotations
 
@@ -20,11 +20,12 @@ from fingertip.cad.verification.part_files import check_brep_solid, check_mesh_f
 from fingertip.cad.verification.verify import MESH_FORMATS, validate_tolerance
 from fingertip.calibration.instructions import render_instructions
 from fingertip.calibration.lengths import list_lengths
-from fingertip.calibration.readings import identify_coupon, write_template
+from fingertip.calibration.readings import PLAN, identify_coupon, write_template
 from fingertip.design import Design
 from fingertip.errors import DesignError, Issue
 from fingertip.files import round_for_output
 from fingertip.output_set import SetWriter, hash_parameters
+from fingertip.view.coupon_plan import draw_plan
 
 DEFAULT_FORMATS = ("stl", "3mf")
 READINGS, PAGE = "coupon_readings.toml", "coupon.md"
@@ -107,7 +108,7 @@ def write_coupon(
     validate_tolerance(tolerance_mm)
     writer = SetWriter(folder, "coupon", design.name, hash_parameters(design.model_dump(mode="json")), force=force)
     names = [f"{part}.{file_format}" for part in COUPON_PARTS for file_format in file_formats]
-    writer.check([*names, READINGS, PAGE])
+    writer.check([*names, READINGS, PAGE, PLAN])
     coupon = make_coupon(design, folder, file_formats, tolerance_mm, progress)
     writer.write(coupon.contents)
     return coupon
@@ -146,6 +147,8 @@ def make_coupon(
         contents[f"{name}.step"] = step.contents[f"{name}.step"]
     contents[READINGS] = write_template(design).encode()
     contents[PAGE] = render_instructions(design, READINGS).encode()
+    progress("drawing the plan view")
+    contents[PLAN] = draw_plan(design, meshes)
     return Coupon(design, folder, meshes, contents, tuple(checks))
 
 

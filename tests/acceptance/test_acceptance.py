@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 
 from fingertip import Design
-from fingertip.acceptance.expectation import SPREAD, expect_open_v, expect_readings, size_wires
+from fingertip.acceptance.expectation import SPREAD, expect_open_v, expect_readings
 from fingertip.acceptance.sheet import acceptance_data, render_acceptance
 from fingertip.board.components.bridge import sensor_conductance_s
+from fingertip.casting.wires import size_wires
 from fingertip.design.new_design import PRESETS
 from fingertip.make_files import simulate_and_detect
 from tests.conftest import design_file, run_fingertip

@@ -8,10 +8,11 @@ from dataclasses import replace
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.printing import orientations
+from fingertip.cad.printing.orientations import Orientation
 from fingertip.cad.shapes import bone, parts
 from fingertip.cad.shapes.insert import skin_interior
 from fingertip.cad.shapes.interface import interface
-from fingertip.cad.shapes.parts import Orientation
 from fingertip.cad.shapes.skin import skin
 from fingertip.cad.solids import Box, Cone, ElbowTube, cylinder, difference, union
 from fingertip.cad.verification import bone as bone_checks
@@ -219,8 +220,8 @@ def test_parts_larger_than_the_build_volume_fail() -> None:
 
 def test_build_volume_is_checked_in_the_print_orientation(monkeypatch: pytest.MonkeyPatch) -> None:
     upright = Orientation(0.0, "its end", needs_supports=False)
-    original = parts.print_orientations
-    monkeypatch.setattr(parts, "print_orientations", lambda design: original(design) | {"mold_palmar": upright})
+    original = orientations.print_orientations
+    monkeypatch.setattr(orientations, "print_orientations", lambda design: original(design) | {"mold_palmar": upright})
     assert failed_checks("printer.bed_x_mm=40") == {"mold_dorsal.build_volume_excess"}
 
 

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from fingertip.cad.kernel import brep
-from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, MAX_LEDGE_MM, find_ceilings
+from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
+from fingertip.cad.printing.orientations import print_orientations
+from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, MAX_LEDGE_MM, MAX_UNSUPPORTED_MM2, find_ceilings
+from fingertip.cad.printing.pose import bed_pose
+from fingertip.cad.printing.supports import supports_by_part
 from fingertip.cad.shapes import chaplet, mold
 from fingertip.cad.shapes.bridged_pocket import (
     BRIDGE_STEP_MM,
@@ -21,12 +25,12 @@ from fingertip.cad.shapes.bridged_pocket import (
 )
 from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.solids import Box, Cone, Prism, Solid, cylinder, difference, hexagon, scaled, union
-from fingertip.cad.verification.printing import MAX_UNSUPPORTED_MM2, check_overhang
+from fingertip.cad.verification.printing import _is_inside, check_overhang
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.parameters.design_tables import PARAMETERS
 from fingertip.design.threads import MAX_TRAP_RATIO, NUT_TRAP_CLEARANCE_MM, THREADS, Thread
-from tests.conftest import DESIGNS, design_file
+from tests.conftest import DESIGNS, design_file, some_of
 
 TOLERANCE, FINE = 0.02, 0.0005
 WIDTH = 6.0
@@ -196,3 +200,47 @@ def test_shelf_in_the_recess_of_the_sensor_fails() -> None:
 @pytest.mark.parametrize("scale", [98, 103])
 def test_places_of_supports_follow_the_scale_of_the_print(scale: int) -> None:
     assert overhang("bone", f"printer.scale_percent={scale}") <= MAX_UNSUPPORTED_MM2
+
+
+LIDS = ("fsr400_compact", "adult_finger", "adult_thumb", "child_finger", "child_thumb", "youth_finger", "youth_thumb")
+
+
+@pytest.mark.parametrize("name", some_of(LIDS, "fsr400_compact", "adult_finger"))
+def test_lid_lies_as_it_overhangs_least(name: str) -> None:
+    """No other quarter turn leaves less. Only the lid whose collar hangs above its nose needs supports, below it."""
+    design, evaluator = Design.load(design_file(name)), MeshEvaluator(TOLERANCE)
+    mesh = evaluator.mesh(PARTS["lid"].solid(design))
+    areas = {
+        turn: [each.unsupported_mm2() for each in find_ceilings(bed_pose(mesh, turn).apply(mesh))]
+        for turn in (0.0, 90.0, 180.0, 270.0)
+    }
+    lies = print_orientations(design)["lid"]
+    assert sum(areas[lies.rotate_x_deg]) <= min(map(sum, areas.values())) + 0.01
+    assert sum(areas[90.0]) > 8.0, "the feet leave long ledges"
+    needs = max(areas[lies.rotate_x_deg], default=0.0) > MAX_UNSUPPORTED_MM2
+    assert lies.needs_supports == needs == (name == "fsr400_compact")
+    assert bool(supports_by_part(design)["lid"].places) == lies.needs_supports
+    assert check_overhang(design, evaluator, "lid", mesh).value == 0.0
+
+
+def test_fin_on_the_lid_fails() -> None:
+    design, evaluator = Design.load(design_file("adult_finger")), MeshEvaluator(TOLERANCE)
+    top = design.dimensions.bone_outline.section.dorsal
+    fin = Box((-1.0, top - 1.0, 5.0), (1.0, top + 4.0, 7.0))
+    mesh = evaluator.mesh(union(PARTS["lid"].solid(design), fin))
+    assert check_overhang(design, evaluator, "lid", mesh).value > 2.0
+
+
+def test_points_are_inside_a_hollow_block_as_its_sizes_say() -> None:
+    """The ray may pass the hollow, so that it enters and leaves twice."""
+    block = difference(Box((-3.0, -2.0, 0.0), (3.0, 2.0, 5.0)), Box((-1.0, -1.0, 1.0), (2.0, 1.0, 4.0)))
+    rng = np.random.default_rng(18)
+    points = rng.uniform((-4.0, -3.0, -1.0), (4.0, 3.0, 6.0), (4000, 3))
+
+    def within(low: tuple[float, ...], high: tuple[float, ...]) -> np.ndarray:  # type: ignore[type-arg]
+        return np.asarray(((points > low) & (points < high)).all(axis=1))
+
+    expected = within((-3.0, -2.0, 0.0), (3.0, 2.0, 5.0)) & ~within((-1.0, -1.0, 1.0), (2.0, 1.0, 4.0))
+    found = _is_inside(points, *to_arrays(MeshEvaluator(TOLERANCE).manifold(block)))
+    assert (found == expected).all()
+    assert 0.1 < expected.mean() < 0.9

@@ -21,11 +21,12 @@ import trimesh
 from fingertip.build_files import build
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.plates import FDM, PLATE_KINDS, SLA, Placed, arrange
 from fingertip.cad.printing.pose import bed_pose
 from fingertip.cad.printing.print_files import PRINT_FOLDER, PrintFiles, make_print_files
 from fingertip.cad.printing.supports import supports_by_part
-from fingertip.cad.shapes.parts import PARTS, Orientation, parts_by_name, print_orientations, print_scale
+from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.solids import scaled
 from fingertip.cad.verification.printing import check_print_files
 from fingertip.design import Design
@@ -207,7 +208,7 @@ def test_random_parts_are_placed_apart_on_as_few_plates_as_their_area_needs_twic
 def test_turn_that_is_no_quarter_is_refused() -> None:
     mesh = make()[1]["bone"]
     with pytest.raises(ValueError, match="30 degrees are no quarter turns"):
-        bed_pose(mesh, Orientation(30.0, "its side", needs_supports=False))
+        bed_pose(mesh, 30.0)
 
 
 def test_distance_of_rectangles() -> None:

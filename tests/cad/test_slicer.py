@@ -13,9 +13,9 @@ import pytest
 from fingertip.build_files import Build
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.pose import Pose
 from fingertip.cad.shapes.bridged_pocket import CEILING_STEPS_MM
-from fingertip.cad.shapes.parts import print_orientations
 from fingertip.cad.verification.verify import verify
 from fingertip.casting.slicer import parse_gcode, slice_to_gcode
 from fingertip.design import Design

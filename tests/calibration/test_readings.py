@@ -34,7 +34,7 @@ def test_template_has_every_length_with_its_nominal_value_and_place() -> None:
     assert all(tables[name] == [] for name in lengths)
     for line in text.splitlines():
         if (name := line.partition(" = ")[0]) in lengths:
-            assert f"# nominal {lengths[name].nominal_mm:.3f}. {lengths[name].where}" in line
+            assert f": nominal {lengths[name].nominal_mm:.3f}. {lengths[name].where}" in line
     assert {length.kind for length in lengths.values()} == {"outer", "inner", "wall"}
     assert min(length.nominal_mm for length in lengths.values() if length.kind != "wall") >= MIN_LENGTH_MM
 

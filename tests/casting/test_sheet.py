@@ -11,14 +11,18 @@ from typing import Any
 
 import pytest
 
+from fingertip.acceptance.expectation import expect_readings
 from fingertip.build_files import Build, build
+from fingertip.cad.printing.orientations import print_orientations
+from fingertip.cad.printing.plates import FDM
 from fingertip.cad.printing.supports import supports_by_part
-from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_orientations
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.casting import markdown
 from fingertip.casting.markdown import render_sheet, warnings
 from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.casting.sheet import casting_sheet_data
 from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_duration_min, parse_gcode, slice_plate
+from fingertip.casting.wires import size_wires
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import find_losses
 from fingertip.design.new_design import PRESETS
@@ -288,6 +292,37 @@ def test_sheet_states_where_supports_may_stand() -> None:
         assert supports.may_stand in rows[part]
         assert supports.none_on in rows[part]
         assert supports.may_stand in supports.note
+
+
+@pytest.mark.parametrize("name", ["fsr400", "fsr400_compact", "adult_finger"])
+def test_print_settings_cover_every_part_for_both_processes(name: str) -> None:
+    data = casting_sheet_data(Design.load(design_file(name)), VOLUMES, SILICONES["addition_40a"])
+    settings, parts = data["printing"]["settings"], {part["part"]: part for part in data["printing"]["parts"]}
+    assert {*settings["supports_on"], *settings["no_supports_on"]} == set(parts)
+    assert settings["supports_on"] == [part for part in parts if parts[part]["needs_supports"]]
+    fdm = settings["fdm"]
+    assert {*fdm["brim_on"], *fdm["no_brim_on"]} == set(parts) == set(fdm["infill_percent"])
+    assert "bone" in fdm["brim_on"]
+    assert fdm["infill_percent"]["bone"] == 100, "its strength is computed for a solid"
+    assert 2 * fdm["brim_mm"] < FDM.gap_mm
+    rows = [row.split(" | ") for row in render_sheet(data).splitlines() if row.startswith("| ")]
+    table = {row[0].removeprefix("| "): row for row in rows if len(row) == 3}
+    for setting in ("layer height", "walls", "infill", "orientation", "brim", "supports"):
+        assert all(cell.strip(" |") for cell in table[setting]), setting
+    assert table["supports"][1].startswith("yes for bone")
+    assert ("no for mold_palmar, mold_dorsal and lid" in table["supports"][1]) == (name == "adult_finger")
+    assert table["brim"][2].startswith("no;")
+
+
+@pytest.mark.parametrize("name", ["fsr400", "adult_finger"])
+def test_bill_has_what_the_acceptance_tests_need(name: str) -> None:
+    design = Design.load(design_file(name))
+    page = render_sheet(casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])).split("## Printing")[0]
+    for reading in expect_readings(design):
+        assert f"| 1 | calibration weight | {reading.mass_g:g} g |" in page
+    assert f"conductor of AWG {size_wires(design).conductor_awg} or thinner" in page
+    assert "office paper (to try the fit, and for the slide test)" in page
+    assert ("| 1 | tendon (braided line, as long as the hand needs) | 0.8 mm |" in page) == (name == "adult_finger")
 
 
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])

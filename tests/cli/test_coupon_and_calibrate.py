@@ -16,7 +16,7 @@ from tests.conftest import run_fingertip
 
 FILES = {
     "coupon.stl", "coupon.3mf", "coupon_slice.stl", "coupon_slice.3mf", "coupon_readings.toml", "coupon.md",
-    "manifest.json",
+    "coupon.png", "manifest.json",
 }  # fmt: skip
 
 

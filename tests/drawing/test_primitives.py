@@ -25,7 +25,7 @@ from fingertip.drawing.primitives import (
     rectangle,
     text_width,
 )
-from fingertip.drawing.sizes import Circle, Length
+from fingertip.drawing.sizes import INNER, OUTER, Circle, Length
 from fingertip.drawing.svg import render_svg
 from fingertip.drawing.tolerances import Tolerance, general, nut_trap, size_text, symmetric
 from fingertip.drawing.views import PROJECTIONS
@@ -135,7 +135,7 @@ def test_views_are_in_first_angle_projection() -> None:
 
 
 def make_length(span: float, name: str, balloon: int = 0, side: str = "above") -> PlacedLength:
-    size = Length(name, "front", side, "z", (0.0, 0.0, 0.0), (0.0, 0.0, span), symmetric(0.1))  # type: ignore[arg-type]
+    size = Length(name, OUTER, "front", side, "z", (0.0, 0.0, 0.0), (0.0, 0.0, span), symmetric(0.1))  # type: ignore[arg-type]
     ends = ((60.0, 70.0), (60.0 + span, 70.0)) if side in ("above", "below") else ((60.0, 40.0), (60.0, 40.0 + span))
     edge = {"above": 80.0, "below": 60.0, "left": 55.0, "right": 120.0}[side]
     return PlacedLength(size, *ends, edge, balloon)
@@ -176,14 +176,14 @@ def test_size_without_room_is_refused() -> None:
     with pytest.raises(NoRoomError, match="size"):
         list(place_lengths([make_length(40.0, "size")], occupancy))
     with pytest.raises(NoRoomError, match="bore"):
-        place_circle(Circle("bore", "front", "x", (0.0, 0.0, 0.0), 2.0), (50.0, 50.0), 4.0, 0, occupancy)
+        place_circle(Circle("bore", INNER, "front", "x", (0.0, 0.0, 0.0), 2.0), (50.0, 50.0), 4.0, 0, occupancy)
 
 
 def test_leader_ends_on_its_circle_and_keeps_off_edges() -> None:
     occupancy = Occupancy(200.0, 150.0)
     grid: list[Primitive] = [line((60.0, y), (100.0, y), EDGE) for y in range(0, 150, 3)]
     occupancy.add(grid, is_view=True)
-    size = Circle("bore", "front", "x", (0.0, 0.0, 0.0), 2.0, count=4)
+    size = Circle("bore", INNER, "front", "x", (0.0, 0.0, 0.0), 2.0, count=4)
     drawn = place_circle(size, (50.0, 75.0), 4.0, 3, occupancy)
     tip = next(primitive.tip for primitive in drawn if isinstance(primitive, Arrow))
     assert math.dist(tip, (50.0, 75.0)) == pytest.approx(4.0)

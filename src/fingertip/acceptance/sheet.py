@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from fingertip.acceptance.expectation import SPREAD, expect_open_v, expect_readings, size_wires
+from fingertip.acceptance.expectation import SPREAD, expect_open_v, expect_readings
+from fingertip.casting.wires import size_wires
 from fingertip.design import Design
 from fingertip.slip.detection import Detection
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
+from fingertip.cad.shapes.coupon import list_heights
 from fingertip.cad.shapes.coupon_layout import LETTERS, WALLS_MM, has_key, lay_out, text_unit_mm
 from fingertip.cad.shapes.engraving import STROKE_WIDTH
 from fingertip.calibration.lengths import list_lengths
-from fingertip.calibration.readings import MIN_LENGTHS, MIN_READINGS
+from fingertip.calibration.readings import MIN_LENGTHS, MIN_READINGS, PLAN
 from fingertip.design import Design
 from fingertip.design.threads import select_thread
 
@@ -48,11 +49,32 @@ def render_instructions(design: Design, readings_file: str) -> str:
         f"{walls} thin walls too, from {min(WALLS_MM):g} to {max(WALLS_MM):g} mm, and leave those empty that did not "
         f"print whole. At least {MIN_LENGTHS} outer and {MIN_LENGTHS} inner lengths are needed. Then run:",
         "```console\n$ fingertip calibrate printer DESIGN.toml my_readings.toml --out calibrated.toml\n```",
+        f"![Plan view of both pieces, with the numbers of the lengths and the heights]({PLAN})",
+        "The numbers are those of the lengths. All lengths lie in the plane of the bed, along x or y, as the file is "
+        "printed; none is in Z.",
+        _table(
+            ("place", "length", "along", "nominal [mm]", "where"),
+            [
+                (str(i), f"`{each.name}`", each.axis, f"{each.nominal_mm:.2f}", each.where)
+                for i, each in enumerate(list_lengths(design), 1)
+            ],
+        ),
+        f"Heights, along Z, are marked Z in the picture. Layers of {COUPON_LAYER_MM:g} mm round them, and the "
+        "calibration does not use them. One that is off by more than a layer says that the printer's Z axis or its "
+        "first layer is set wrong.",
+        _table(
+            ("height along Z", "nominal [mm]"),
+            [(each.feature, f"{each.height_mm * scale / 100.0:.2f}") for each in list_heights(design)],
+        ),
         "## Try by hand",
         "\n".join(f"- {line}" for line in _list_fits(design)),
         "Print the coupon once more from the calibrated design before you print the real parts, and try the same fits.",
     ]
     return "\n\n".join(sections) + "\n"
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    return "\n".join("| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows))
 
 
 def _list_fits(design: Design) -> Iterator[str]:

@@ -17,6 +17,8 @@ from fingertip.toml_files import read_toml
 
 IDENTITY = "coupon"
 """Key that says which coupon the readings belong to."""
+PLAN = "coupon.png"
+"""Name of the plan view with the numbers of the lengths."""
 MIN_READINGS = 3
 """Least number of readings of a length that has any, so that a slip of the calipers shows."""
 MIN_LENGTHS = 3
@@ -53,16 +55,17 @@ def write_template(design: Design) -> str:
         f"# Caliper readings of the fit coupon of {design.name}, in millimetres. Save this file under another name.",
         f"# Write at least {MIN_READINGS} readings of each length, with a decimal point: [12.30, 12.32, 12.31].",
         "# Turn the piece and set the calipers anew for each one. Leave a length empty that you cannot measure.",
+        f"# The numbers are those of {PLAN}. All lengths lie in the plane of the bed; none is a height.",
         "",
         f'{IDENTITY} = "{identify_coupon(design)}"  # do not change: it names the coupon that these lengths belong to',
     ]
     titles = {"outer": "Outer lengths", "inner": "Inner lengths", "wall": "Thin walls"}
     before = ""
-    for length in list_lengths(design):
+    for number, length in enumerate(list_lengths(design), 1):
         if length.kind != before:
             lines += ["", f"# {titles[length.kind]}"]
             before = length.kind
-        lines.append(f"{length.name} = []  # nominal {length.nominal_mm:.3f}. {length.where}")
+        lines.append(f"{length.name} = []  # {number}: nominal {length.nominal_mm:.3f}. {length.where}")
     return "\n".join(lines) + "\n"
 
 

@@ -7,10 +7,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from fingertip.casting.wires import size_wires
 from fingertip.design import Design
 from fingertip.design.geometry.clamp_bolts import size_clamp_bolts
 from fingertip.design.threads import select_thread
 
+WEIGHTS_G = (100.0, 500.0)
+"""Weights laid on the pad of the finished finger [g]."""
 _PIN_PLAY_MM = 0.2
 """Play of the anchor pin in its printed hole [mm]."""
 
@@ -19,7 +22,7 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     """Items to buy besides the silicone: name, count and sizes [mm]."""
     bolts = size_clamp_bolts(design)
     thread = bolts.thread
-    bone, sensor = design.bone, design.sensor
+    sensor, wires = design.sensor, size_wires(design)
     return [
         {"item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1},
         {"item": "adhesive film for the sensor", "thickness_mm": sensor.adhesive_thickness_mm, "count": 1},
@@ -33,12 +36,12 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
         },
         *_mold_hardware(design),
         *_interface_bolts(design),
-        (
-            {"item": "insulated wire", "thinner_than_mm": sensor.wire_diameter_mm, "count": 2}
-            if design.dimensions.fold
-            else {"item": "stranded wire", "thinner_than_mm": bone.channel_diameter_mm / 2, "count": 2}
-        ),
+        {
+            "item": "insulated wire" if design.dimensions.fold else "stranded wire",
+            "thinner_than_mm": wires.max_diameter_mm, "conductor_awg": wires.conductor_awg, "count": 2,
+        },
         *_strain_relief(design),
+        *({"item": "calibration weight", "mass_g": mass, "count": 1} for mass in WEIGHTS_G),
     ]  # fmt: skip
 
 
@@ -81,6 +84,11 @@ def _joint_hardware(design: Design) -> list[dict[str, Any]]:
             "item": "anchor pin of the tendon (spring steel wire)",
             "diameter_mm": round(design.bone.anchor_diameter_mm - _PIN_PLAY_MM, 1),
             "length_mm": round(2 * design.dimensions.collar.section.half_width_at(anchor.y), 1), "count": 1,
+        })  # fmt: skip
+        items.append({
+            "item": "tendon (braided line, as long as the hand needs)",
+            "diameter_mm": design.hand.tendon_diameter_mm,
+            "count": 1,
         })  # fmt: skip
     return items
 

@@ -12,6 +12,7 @@ from fingertip.casting.mold_steps import (
     list_seat_steps,
     list_trying_steps,
 )
+from fingertip.casting.print_settings import describe_settings
 from fingertip.casting.sensor_steps import (
     ADHESIVE,
     list_covering_steps,
@@ -242,11 +243,13 @@ def _printing(data: Data) -> str:
         )
         for part in printing["parts"]
     ]  # fmt: skip
+    settings = _table(("setting", "filament (FDM)", "resin (SLA)"), describe_settings(printing["settings"]))
     table = _table(("part", "face on the plate", "rotation about x", "where supports may stand", "none on"), rows)
     page = (
         f"The folder `{printing['folder']}` holds each part as it lies on the bed, and plates of all parts for a "
         "filament and a resin printer. The skin is cast, so it is on no plate.\n\n"
-        f"{table}\n\nCeilings of the mold halves are bridges of at most {printing['max_bridge_mm']:g} mm: the plates "
+        f"{settings}\n\n{table}\n\n"
+        f"Ceilings of the mold halves are bridges of at most {printing['max_bridge_mm']:g} mm: the plates "
         "tell PrusaSlicer that the halves need no supports. In other slicers, and for the single parts, switch "
         "supports off for the halves: automatic ones would fill the nut traps."
     )
@@ -291,6 +294,10 @@ def _bill(data: Data) -> str:
             sizes.append(f"both together thinner than {entry['pair_thinner_than_mm']:g} mm")
         if "thinner_than_mm" in entry:
             sizes.append(f"thinner than {entry['thinner_than_mm']:g} mm")
+        if "conductor_awg" in entry:
+            sizes.append(f"conductor of AWG {entry['conductor_awg']} or thinner")
+        if "mass_g" in entry:
+            sizes.append(f"{entry['mass_g']:g} g")
         if "volume_ml" in entry:
             sizes.append(f"{entry['volume_ml']:g} ml, nozzle bore {entry['nozzle_bore_mm']:g} mm")
         rows.append((f"{entry['count']:g}", entry["item"], ", ".join(sizes)))
@@ -353,7 +360,8 @@ def _consumables(data: Data) -> str:
         "isopropanol",
         "lint-free cloth",
     ]
-    items += ["office paper", "primer for silicone, with a brush"]
+    items += ["office paper (to try the fit, and for the slide test)", "cork or felt (a disc under the weights)"]
+    items.append("primer for silicone, with a brush")
     items.append(_describe_tape(data["fit"]["seat_tape"]))
     passes = data["method"] == "overmold" and data["mold"]["tail_passes_collar"]
     if data["sensor_tail"] == "folded" or passes:

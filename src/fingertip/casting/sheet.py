@@ -9,13 +9,14 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from fingertip.cad.printing.overhang import MAX_BRIDGE_MM
+from fingertip.cad.printing.orientations import print_orientations
+from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, OVERHANG_DEG
 from fingertip.cad.printing.print_files import PRINT_FOLDER
-from fingertip.cad.printing.supports import OVERHANG_DEG, supports_by_part
+from fingertip.cad.printing.supports import supports_by_part
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
-from fingertip.cad.shapes.parts import print_orientations
 from fingertip.cad.verification.filling import POT_LIFE_SHARE
 from fingertip.casting.hardware import bill_of_materials
+from fingertip.casting.print_settings import print_settings
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
     SCALE_G,
@@ -246,7 +247,7 @@ def _name_lighter(silicone: Silicone, batch: Batch) -> str:
 
 
 def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -> dict[str, Any]:
-    supports = supports_by_part(design)
+    supports, orientations = supports_by_part(design), print_orientations(design)
     data: dict[str, Any] = {
         "folder": PRINT_FOLDER,
         "max_bridge_mm": MAX_BRIDGE_MM,
@@ -257,8 +258,9 @@ def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -
                 "needs_supports": orientation.needs_supports, "supports_may_stand": supports[name].may_stand,
                 "no_supports_on": supports[name].none_on,
             }
-            for name, orientation in print_orientations(design).items()
+            for name, orientation in orientations.items()
         ],
+        "settings": print_settings(orientations),
     }  # fmt: skip
     if prints:
         minutes = {name: round(one.minutes) for name, one in prints.items()}

@@ -12,14 +12,14 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.cad.printing.supports import OVERHANG_DEG
+from fingertip.cad.printing.overhang import OVERHANG_DEG
 from fingertip.design import Design
 from fingertip.errors import GeometryError, Issue
 
 PROGRAM = "prusa-slicer"
 HOW_TO_INSTALL = "on Debian or Ubuntu: apt-get install prusa-slicer"
 LAYER_MM = 0.1
-_FIRST_LAYER_MM = 0.2
+FIRST_LAYER_MM = 0.2
 """Least height of the first layer [mm]: thinner ones hardly stick to the bed."""
 TIME_LIMIT_S = 300.0
 _TIME = re.compile(r"^; estimated printing time \(normal mode\) = (.+)$", re.MULTILINE)
@@ -66,7 +66,7 @@ def slice_to_gcode(program: Path, name: str, plate: bytes, design: Design, layer
         part, gcode = Path(folder) / f"{name}.3mf", Path(folder) / f"{name}.gcode"
         part.write_bytes(plate)
         command = [str(program), "--export-gcode", "--dont-arrange", "--bed-shape", f"0x0,{x:g}x0,{x:g}x{y:g},0x{y:g}"]
-        command += ["--layer-height", f"{layer_mm:g}", "--first-layer-height", f"{max(layer_mm, _FIRST_LAYER_MM):g}"]
+        command += ["--layer-height", f"{layer_mm:g}", "--first-layer-height", f"{max(layer_mm, FIRST_LAYER_MM):g}"]
         command += ["--support-material", "--support-material-threshold", f"{OVERHANG_DEG:g}"]
         try:
             process = subprocess.run(

@@ -36,8 +36,8 @@ def sheet(
     """Write the casting sheet: silicone quantities, warnings, procedure, print orientations and bill of materials."""
     from fingertip.build_files import SHEET, STEPS_FOLDER, parts_writer, steps_writer
     from fingertip.cad.kernel.mesh import MeshEvaluator
+    from fingertip.cad.printing.orientations import print_orientations
     from fingertip.cad.printing.plates import FDM
-    from fingertip.cad.shapes.parts import print_orientations
     from fingertip.casting.markdown import render_sheet, steps
     from fingertip.casting.quantities import measure_volumes
     from fingertip.casting.sheet import casting_sheet_data

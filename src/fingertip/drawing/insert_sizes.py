@@ -11,8 +11,20 @@ from fingertip.cad.solids import Point3
 from fingertip.design import Design
 from fingertip.design.geometry.joint import Joint
 from fingertip.design.threads import select_thread
-from fingertip.drawing.sizes import AxisLine, Circle, Length, PartDrawing, Size
-from fingertip.drawing.tolerances import bore, clearance, located, symmetric
+from fingertip.drawing.sizes import (
+    BEFORE_FACE,
+    BEHIND_FACE,
+    FINISHED,
+    INNER,
+    OUTER,
+    STEP,
+    AxisLine,
+    Circle,
+    Length,
+    PartDrawing,
+    Size,
+)
+from fingertip.drawing.tolerances import Tolerance, bore, clearance, located, symmetric
 from fingertip.print_materials import PRINT_MATERIALS
 
 _SCALE = "correct printer.scale_percent"
@@ -27,15 +39,15 @@ def bone_drawing(design: Design) -> PartDrawing:
     tip = dims.bone_outline.tip
     assert tip
     sizes = [
-        Length("overall length", "front", "below", "z", (0.0, 0.0, _low_z(design)), (0.0, 0.0, tip.z)),
+        Length("overall length", OUTER, "front", "below", "z", (0.0, 0.0, _low_z(design)), (0.0, 0.0, tip.z)),
         *_base_sizes(design),
         *_pocket_sizes(design),
-        *_chaplet_sizes(design, pilot, "bone"),
+        *_chaplet_sizes(design, pilot, "bone", _distal_end_of_pocket(design)),
         *_interface_sizes(design),
     ]
     if not dims.window_opens_into_gap:
         tie = (section.half_width, dims.tie_hole_y, dims.tie_hole_z)
-        sizes.append(Circle("hole of the cable tie", "front", "x", tie, design.bone.tie_hole_diameter_mm / 2))
+        sizes.append(Circle("hole of the cable tie", INNER, "front", "x", tie, design.bone.tie_hole_diameter_mm / 2))
     return PartDrawing("bone", "Bone", "palmar", _material(design), tuple(sizes), _axes(pilot))
 
 
@@ -48,13 +60,13 @@ def core_drawing(design: Design) -> PartDrawing:
     apex, flat = (tip.z - inset) * scale, -(dims.flat_depth - inset) * scale
     low = dims.base_end_z
     sizes = [
-        Length("overall length", "front", "below", "z", (0.0, 0.0, low), (0.0, 0.0, apex), symmetric(0.2),
+        Length("overall length", OUTER, "front", "below", "z", (0.0, 0.0, low), (0.0, 0.0, apex), symmetric(0.2),
                f"{_SCALE}: the skin is thin or thick at the tip"),
         *_base_sizes(design),
-        Length("length of the base", "front", "below", "z", (0.0, 0.0, low), (0.0, 0.0, 0.0)),
-        Length("depth of the palmar flat", "section", "right", "y", (0.0, 0.0, apex), (0.0, flat, dims.sensor_z),
-               located(design, -flat), "high: sand the flat; low: print again, the skin grows thin over the sensor"),
-        *_chaplet_sizes(design, pilot, "core"),
+        Length("length of the base", OUTER, "front", "below", "z", (0.0, 0.0, low), (0.0, 0.0, 0.0)),
+        Length("depth of the palmar flat", STEP, "section", "right", "y", (0.0, 0.0, apex), (0.0, flat, dims.sensor_z),
+               is_reference=True),
+        *_chaplet_sizes(design, pilot, "core", (0.0, flat, dims.sensor_z)),
     ]  # fmt: skip
     return PartDrawing("core", "Core", "palmar", _material(design), tuple(sizes), _axes(pilot))
 
@@ -62,23 +74,25 @@ def core_drawing(design: Design) -> PartDrawing:
 def lid_drawing(design: Design) -> PartDrawing:
     """List what the sheet of the lid shows."""
     dims, fold, gap = design.dimensions, design.dimensions.fold, design.sensor.clearance_mm
+    closing = 2 * design.printer.offset_mm  # lid and trough both grow
     assert fold
     half = dims.sensor.tail_width_mm / 2
     foot, end, top = fold.floor_y + FOOT_GAP_MM, fold.trough_end_z - gap, dims.collar.section.dorsal
     tabs, film = fold.floor_y + fold.tabs_space_mm, fold.floor_y + fold.film_space_mm
     low = fold.nose_z
     sizes = (
-        Length("length", "front", "below", "z", (0.0, foot, low), (0.0, foot, end), clearance(gap),
+        Length("length", OUTER, "front", "below", "z", (0.0, foot, low), (0.0, foot, end), clearance(gap - closing),
                "sand the distal end until the lid drops into the trough"),
-        Length("width", "palmar", "left", "x", (half, foot, low), (-half, foot, low), clearance(2 * gap),
+        Length("width", OUTER, "palmar", "left", "x", (half, foot, low), (-half, foot, low),
+               clearance(2 * gap - closing),
                "sand the sides until the lid drops into the trough"),
-        Length("height", "front", "left", "y", (half, foot, low), (half, top, low), located(design, top - foot),
+        Length("height", OUTER, "front", "right", "y", (half, foot, end), (half, top, low), located(design, top - foot),
                "sand the feet: a high lid presses the skin thin, a low one leaves a step"),
-        Length("width of the space for the tabs", "end", "above", "x", (fold.tabs_half_width, tabs, low),
+        Length("width of the space for the tabs", INNER, "end", "above", "x", (fold.tabs_half_width, tabs, low),
                (-fold.tabs_half_width, tabs, low), None, "file it until the crimps pass"),
-        Length("height of the space for the tabs", "section", "left", "y", (0.0, foot, low), (0.0, tabs, low),
+        Length("height of the space for the tabs", STEP, "section", "left", "y", (half, foot, end), (0.0, tabs, low),
                None, "file it until crimps and wires pass: the lid must not press on them"),
-        Length("height of the space for the film", "end", "right", "y", (half, foot, low), (half, film, low)),
+        Length("height of the space for the film", STEP, "end", "right", "y", (half, foot, end), (half, film, low)),
     )  # fmt: skip
     return PartDrawing("lid", "Lid", "palmar", _material(design), sizes)
 
@@ -101,18 +115,19 @@ def _base_sizes(design: Design) -> list[Size]:
     dims, section, collar = design.dimensions, design.dimensions.bone_outline.section, design.dimensions.collar.section
     base, foot = -design.mold.recess_length_mm, -design.bone.collar_length_mm
     sizes: list[Size] = [
-        Length("width of the base", "palmar", "left", "x", (section.half_width, 0.0, base),
+        Length("width of the base", OUTER, "palmar", "left", "x", (section.half_width, 0.0, base),
                (-section.half_width, 0.0, base), located(design, 2 * section.half_width),
                f"wide: sand the sides until it drops into the recess; narrow: {_SCALE}"),
-        Length("width of the collar", "palmar", "right", "x", (collar.half_width, 0.0, 0.0),
+        Length("width of the collar", OUTER, "palmar", "right", "x", (collar.half_width, 0.0, 0.0),
                (-collar.half_width, 0.0, 0.0), located(design, 2 * collar.half_width),
                f"wide: sand the collar until the mold closes; narrow: {_SCALE}"),
-        Length("length of the collar, at the parting plane", "front", "above", "z", (0.0, 0.0, foot), (0.0, 0.0, 0.0),
+        Length("length of the collar, at the parting plane", OUTER, "front", "above", "z", (0.0, 0.0, foot),
+               (0.0, 0.0, 0.0),
                located(design, -foot), "long: sand the foot; short: silicone creeps out, print again"),
     ]  # fmt: skip
     if dims.fold is None:
         sizes.append(
-            Length("height of the base", "end", "right", "y", (0.0, -dims.base_flat_depth, base),
+            Length("height of the base", OUTER, "end", "right", "y", (0.0, -dims.base_flat_depth, base),
                    (0.0, section.dorsal, base), located(design, dims.base_flat_depth + section.dorsal),
                    f"high: sand the palmar flat until the mold closes; low: {_SCALE}")
         )  # fmt: skip
@@ -127,15 +142,17 @@ def _pocket_sizes(design: Design) -> list[Size]:
     begin = 0.0 if dims.tail_passes_collar else dims.tail_end_z
     opening = math.degrees(math.asin(min(1.0, half / head))) + _ARROW_DEG  # in which the slot meets the pocket
     return [
-        Length("centre of the sensor", "palmar", "above", "z", (0.0, flat, 0.0), (0.0, flat, z)),
-        Circle("pocket of the sensor", "palmar", "y", (0.0, floor, z), head, clearance(2 * gap),
+        Length("centre of the sensor", BEFORE_FACE, "palmar", "above", "z",
+               (-dims.collar.section.half_width, 0.0, 0.0), (0.0, flat, z)),
+        Circle("pocket of the sensor", INNER, "palmar", "y", (0.0, floor, z), head,
+               clearance(2 * gap - design.printer.offset_mm),
                "small: file the wall until the sensor lies flat; large: centre the sensor by eye",
                hidden_deg=((180.0 - opening, 180.0 + opening),)),
-        Length("width of the slot", "palmar", "left", "x", (half, flat, begin), (-half, flat, begin),
-               clearance(2 * gap)),
-        Length("depth of the palmar flat", "section", "right", "y", (0.0, 0.0, z), (0.0, flat, z + head),
-               located(design, -flat), "high: sand the flat; low: the skin grows thick over the sensor, print again"),
-        Length("depth of the pocket", "section", "right", "y", (0.0, flat, z + head), (0.0, floor, z + head),
+        Length("width of the slot", INNER, "palmar", "left", "x", (half, flat, begin), (-half, flat, begin),
+               clearance(2 * gap - design.printer.offset_mm)),
+        Length("depth of the palmar flat", STEP, "section", "right", "y", (0.0, 0.0, z), (0.0, flat, z + head),
+               is_reference=True),
+        Length("depth of the pocket", STEP, "section", "right", "y", (0.0, flat, z + head), (0.0, floor, z + head),
                located(design, dims.pocket_depth)),
     ]  # fmt: skip
 
@@ -164,20 +181,29 @@ def _pilot_of_core(design: Design) -> _Pilot | None:
     return _Pilot(axis_z(design), facet, chaplet.pilot_radius * scale, facet - low)
 
 
-def _chaplet_sizes(design: Design, pilot: _Pilot | None, insert: str) -> list[Size]:
-    """List the sizes of facet and pilot hole."""
+def _distal_end_of_pocket(design: Design) -> Point3:
+    """Point of the palmar flat at which the pocket of the sensor ends."""
+    dims = design.dimensions
+    return 0.0, -dims.flat_depth, dims.sensor_z + dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
+
+
+def _chaplet_sizes(design: Design, pilot: _Pilot | None, insert: str, on_flat: Point3) -> list[Size]:
+    """List the sizes of facet and pilot hole; `on_flat` is a point of the palmar flat."""
     chaplet = design.dimensions.chaplet
     if pilot is None or chaplet is None:
         return []
     facet, z, low, radius = pilot.facet_y, pilot.z, pilot.facet_y - pilot.depth, pilot.radius
     bite = (chaplet.thread.diameter_mm - 2 * chaplet.pilot_radius) / 4.0
     return [
-        Length("axis of the screw", "section", "above", "z", (0.0, facet, 0.0), (0.0, facet, z)),
-        Length("height of the facet", "section", "left", "y", (0.0, 0.0, z), (0.0, facet, z), located(design, facet),
-               f"high: sand the facet; low: lay film between {insert} and boss"),
-        Length("pilot hole of the screw", "section", "above", "z", (0.0, facet, z - radius), (0.0, facet, z + radius),
-               symmetric(bite), "" if design.dimensions.joint else _PILOT, is_diameter=True),
-        Length("depth of the pilot hole", "section", "right", "y", (0.0, facet, z), (0.0, low, z)),
+        Length("axis of the screw", BEFORE_FACE, "section", "above", "z",
+               (0.0, design.dimensions.collar.section.dorsal, 0.0), (0.0, facet, z)),
+        Length("height of the facet", STEP, "section", "left", "y", (0.0, 0.0, z), (0.0, facet, z), is_reference=True),
+        Length("palmar flat to facet", OUTER, "section", "right", "y", on_flat, (0.0, facet, z),
+               located(design, facet - on_flat[1]), f"thick: sand the facet; thin: lay film between {insert} and boss"),
+        Length("pilot hole of the screw", FINISHED, "section", "above", "z", (0.0, facet, z - radius),
+               (0.0, facet, z + radius),
+               symmetric(bite), _PILOT, is_diameter=True),
+        Length("depth of the pilot hole", STEP, "section", "right", "y", (0.0, facet, z), (0.0, low, z)),
     ]  # fmt: skip
 
 
@@ -188,27 +214,30 @@ def _interface_sizes(design: Design) -> list[Size]:
     y, end = (section.dorsal - dims.base_flat_depth) / 2, -bone.base_length_mm
     if dims.joint:
         return _joint_sizes(design, dims.joint)
-    base = Length("length of the base", "front", "below", "z", (0.0, y, end), (0.0, y, 0.0))
+    base = Length("length of the base", OUTER, "front", "below", "z", (0.0, y, end), (0.0, y, 0.0))
     cross = Circle(
-        "hole of the cross bolt", "front", "x", (section.half_width, y, dims.cross_bolt_z),
-        bone.cross_bolt_diameter_mm / 2, clearance(bone.cross_bolt_diameter_mm - _bolt_mm(bone.cross_bolt_diameter_mm)),
+        "hole of the cross bolt", INNER, "front", "x", (section.half_width, y, dims.cross_bolt_z),
+        bone.cross_bolt_diameter_mm / 2, _bolt_clearance(design, bone.cross_bolt_diameter_mm),
     )  # fmt: skip
     if bone.interface == "post":
         half, foot = bone.post_height_mm / 2, end - bone.post_length_mm
         return [
             base,
-            Circle("post", "end", "z", (0.0, y, foot), bone.post_width_mm / 2, hidden_deg=_flats_deg(design)),
-            Length("height of the post over its flats", "end", "left", "y", (0.0, y - half, foot),
+            Circle("post", OUTER, "end", "z", (0.0, y, foot), bone.post_width_mm / 2, hidden_deg=_flats_deg(design)),
+            Length("height of the post over its flats", OUTER, "end", "left", "y", (0.0, y - half, foot),
                    (0.0, y + half, foot)),
-            Length("axis of the cross bolt", "front", "above", "z", (0.0, y, foot), (0.0, y, dims.cross_bolt_z)),
+            Length("axis of the cross bolt", BEHIND_FACE, "front", "above", "z", (0.0, y, foot),
+                   (0.0, y, dims.cross_bolt_z)),
             cross,
         ]  # fmt: skip
     if bone.interface == "socket":
         return [
             base,
-            Circle("socket", "end", "z", (0.0, y, end), bone.socket_diameter_mm / 2),
-            Length("depth of the socket", "section", "below", "z", (0.0, y, end), (0.0, y, end + bone.socket_depth_mm)),
-            Length("axis of the cross bolt", "front", "above", "z", (0.0, y, end), (0.0, y, dims.cross_bolt_z)),
+            Circle("socket", INNER, "end", "z", (0.0, y, end), bone.socket_diameter_mm / 2),
+            Length("depth of the socket", STEP, "section", "below", "z", (0.0, y, end),
+                   (0.0, y, end + bone.socket_depth_mm)),
+            Length("axis of the cross bolt", BEHIND_FACE, "front", "above", "z", (0.0, y, end),
+                   (0.0, y, dims.cross_bolt_z)),
             cross,
         ]  # fmt: skip
     return [base, *_flange_sizes(design, y, end)]
@@ -228,24 +257,25 @@ def _flange_sizes(design: Design, y: float, end: float) -> list[Size]:
     x, half, rows = bone.flange_width_mm / 2, bone.flange_height_mm / 2, bone.flange_spacing_y_mm / 2
     hole_x, top = bone.flange_spacing_x_mm / 2, end + bone.flange_thickness_mm
     sizes: list[Size] = [
-        Length("width of the flange", "end", "below", "x", (x, y - half, end), (-x, y - half, end)),
-        Length("height of the flange", "end", "left", "y", (x, y - half, end), (x, y + half, end)),
-        Length("thickness of the flange", "front", "above", "z", (0.0, y + half, end), (0.0, y + half, top)),
-        Length("spacing of the bolt holes", "end", "above", "x", (hole_x, y + rows, end), (-hole_x, y + rows, end)),
-        Circle("bolt holes of the flange", "end", "z", (hole_x, y + rows, end), bone.flange_hole_diameter_mm / 2,
-               clearance(bone.flange_hole_diameter_mm - _bolt_mm(bone.flange_hole_diameter_mm)),
+        Length("width of the flange", OUTER, "end", "below", "x", (x, y - half, end), (-x, y - half, end)),
+        Length("height of the flange", OUTER, "end", "left", "y", (x, y - half, end), (x, y + half, end)),
+        Length("thickness of the flange", OUTER, "front", "above", "z", (0.0, y + half, end), (0.0, y + half, top)),
+        Length("spacing of the bolt holes", STEP, "end", "above", "x", (hole_x, y + rows, end),
+               (-hole_x, y + rows, end)),
+        Circle("bolt holes of the flange", INNER, "end", "z", (hole_x, y + rows, end), bone.flange_hole_diameter_mm / 2,
+               _bolt_clearance(design, bone.flange_hole_diameter_mm),
                count=4 if rows else 2),
     ]  # fmt: skip
     if rows:
         sizes.append(
-            Length("spacing of the rows", "end", "right", "y", (-hole_x, y - rows, end), (-hole_x, y + rows, end))
+            Length("spacing of the rows", STEP, "end", "right", "y", (-hole_x, y - rows, end), (-hole_x, y + rows, end))
         )
     return sizes
 
 
-def _bolt_mm(hole_mm: float) -> float:
-    """Diameter of the bolt that passes a hole [mm]."""
-    return select_thread(hole_mm).diameter_mm
+def _bolt_clearance(design: Design, hole_mm: float) -> Tolerance:
+    """Tolerance of a printed hole that a bolt passes."""
+    return clearance(hole_mm - design.printer.offset_mm - select_thread(hole_mm).diameter_mm)
 
 
 def _joint_sizes(design: Design, joint: Joint) -> list[Size]:
@@ -256,20 +286,23 @@ def _joint_sizes(design: Design, joint: Joint) -> list[Size]:
     remedy = "narrow: file it until the hand's tongue turns" if joint.is_fork else "wide: sand it until it turns"
     pin: Point3 = (across, y, z)
     sizes: list[Size] = [
-        Length("joint axis to the skin", "front", "below", "z", pin, (across, 0.0, 0.0)),
-        Circle("bore of the joint's pin", "front", "x", pin, joint.pin_radius, bore(design),
+        Length("skin's end to the joint axis", BEHIND_FACE, "front", "below", "z", (across, 0.0, 0.0), pin),
+        Circle("bore of the joint's pin", FINISHED, "front", "x", pin, joint.pin_radius, bore(design),
                "narrow: ream it to the pin; wide: take a thicker pin, or a bush"),
-        Circle("eyes of the joint", "front", "x", pin, joint.eye_radius, is_radius=True,
+        Circle("eyes of the joint", BEHIND_FACE, "front", "x", pin, joint.eye_radius, is_radius=True,
                hidden_deg=_beside_stops_deg(joint)),
-        Length(place, "end", "below", "x", (half, y, z), (-half, y, z), clearance(2 * joint.clearance), remedy),
+        Length(place, INNER if joint.is_fork else OUTER, "end", "below", "x", (half, y, z), (-half, y, z),
+               clearance(2 * joint.clearance - design.printer.offset_mm), remedy),
     ]  # fmt: skip
     if abs(y) > 1e-6:
-        sizes.append(Length("height of the joint axis", "front", "left", "y", (across, 0.0, z), pin))
+        sizes.append(
+            Length("height of the joint axis", STEP, "front", "left", "y", (across, 0.0, z), pin, is_reference=True)
+        )
     if anchor := design.dimensions.anchor:
         at = (across, anchor.y, anchor.z)
         sizes += [
-            Circle("hole of the tendon's anchor", "front", "x", at, anchor.radius),
-            Length("anchor to joint axis", "front", "right", "y", at, pin),
+            Circle("hole of the tendon's anchor", INNER, "front", "x", at, anchor.radius),
+            Length("anchor to joint axis", STEP, "front", "right", "y", at, pin, is_reference=True),
         ]
     return sizes
 

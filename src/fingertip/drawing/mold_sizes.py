@@ -9,7 +9,18 @@ from fingertip.cad.shapes.mold import recess_half_width
 from fingertip.design import Design
 from fingertip.design.geometry.chaplet import Chaplet
 from fingertip.design.threads import select_thread
-from fingertip.drawing.sizes import AxisLine, Circle, Length, PartDrawing, Size
+from fingertip.drawing.sizes import (
+    BEHIND_FACE,
+    FINISHED,
+    INNER,
+    OUTER,
+    STEP,
+    AxisLine,
+    Circle,
+    Length,
+    PartDrawing,
+    Size,
+)
 from fingertip.drawing.tolerances import clearance, located, nut_trap, shared_clearance, symmetric
 from fingertip.drawing.views import ViewName
 from fingertip.syringes import LUER_MOUTH_MM
@@ -29,12 +40,15 @@ def palmar_drawing(design: Design) -> PartDrawing:
     sizes = [
         *_common_sizes(design, "dorsal", low),
         *_key_sizes(design, "dorsal", mold.key_clearance_mm, "socket"),
-        Length("depth of the recess", "end", "left", "y", (recess, 0.0, m.proximal_z), (recess, floor, m.proximal_z),
+        Length("depth of the recess", STEP, "end", "left", "y", (recess, 0.0, m.proximal_z),
+               (recess, floor, m.proximal_z),
                located(design, -floor), "shallow: sand the floor until the bone lies level; deep: print again"),
-        Length("depth of the cavity", "section", "left", "y", (0.0, 0.0, 0.0), (0.0, -deep, 0.0)),
-        Length("width of the nut traps across flats", "dorsal", "above", "z", (x, low, z - half), (x, low, z + half),
-               nut_trap(thread, mold.nut_width_mm), "narrow: file it until the nut drops in; wide: glue the nut in"),
-        Length("depth of the nut traps", "front", "right", "y", (x, low, z), (x, top, z)),
+        Length("depth of the cavity", STEP, "section", "left", "y", (0.0, 0.0, 0.0), (0.0, -deep, 0.0)),
+        Length("width of the nut traps across flats", INNER, "dorsal", "above", "z", (x, low, z - half),
+               (x, low, z + half),
+               nut_trap(thread, mold.nut_width_mm - design.printer.offset_mm),
+               "narrow: file it until the nut drops in; wide: glue the nut in"),
+        Length("depth of the nut traps", STEP, "front", "right", "y", (x, low, z), (x, top, z)),
     ]  # fmt: skip
     return PartDrawing("mold_palmar", "Mold, palmar half", "dorsal", _MATERIAL, tuple(sizes), _axes(design, low))
 
@@ -47,19 +61,19 @@ def dorsal_drawing(design: Design) -> PartDrawing:
     dims, recess = design.dimensions, recess_half_width(design)
     top, deep = dims.bone_outline.section.dorsal + mold.fit_clearance_mm, dims.outer.section.dorsal * dims.shrinkage
     sizes += [
-        Length("depth of the recess", "end", "left", "y", (recess, 0.0, m.proximal_z), (0.0, top, m.proximal_z),
+        Length("depth of the recess", STEP, "end", "left", "y", (recess, 0.0, m.proximal_z), (0.0, top, m.proximal_z),
                located(design, top)),
-        Length("depth of the cavity", "section", "left", "y", (0.0, 0.0, 0.0), (0.0, deep, 0.0)),
+        Length("depth of the cavity", STEP, "section", "left", "y", (0.0, 0.0, 0.0), (0.0, deep, 0.0)),
     ]  # fmt: skip
     key_x, key_z, root = m.keys[0]
     tip = key_z + root / 2 - design.dimensions.draft_slope * mold.key_height_mm
     sizes.append(
-        Length("height of the keys", "front", "right", "y", (key_x, 0.0, tip), (key_x, -mold.key_height_mm, tip))
+        Length("height of the keys", STEP, "front", "right", "y", (key_x, 0.0, tip), (key_x, -mold.key_height_mm, tip))
     )
     if inlet := m.inlet:
         mouth = LUER_MOUTH_MM / 2
         sizes.append(
-            Length("mouth of the Luer cone", "front", "above", "z", (inlet.x, high, inlet.z - mouth),
+            Length("mouth of the Luer cone", INNER, "front", "above", "z", (inlet.x, high, inlet.z - mouth),
                    (inlet.x, high, inlet.z + mouth), is_diameter=True)
         )  # fmt: skip
     if chaplet:
@@ -73,24 +87,27 @@ def _common_sizes(design: Design, plan: ViewName, outer: float) -> list[Size]:
     x, (low, high) = max(m.bolts)[0], sorted({z for _, z in m.bolts})
     recess, skin = recess_half_width(design), dims.outer.section.half_width * dims.shrinkage
     bolt = mold.bolt_diameter_mm
+    bolt_tolerance = clearance(bolt - design.printer.offset_mm - select_thread(bolt).diameter_mm)
     return [
-        Length("length of the block", plan, "below", "z", (x, 0.0, m.proximal_z), (x, 0.0, m.distal_z)),
-        Length("width of the block", plan, "right", "x", (m.half_width, 0.0, m.distal_z),
+        Length("length of the block", OUTER, plan, "below", "z", (x, 0.0, m.proximal_z), (x, 0.0, m.distal_z)),
+        Length("width of the block", OUTER, plan, "right", "x", (m.half_width, 0.0, m.distal_z),
                (-m.half_width, 0.0, m.distal_z)),
-        Length("height of the block", "end", "right", "y", (m.half_width, 0.0, m.proximal_z),
+        Length("height of the block", OUTER, "end", "right", "y", (m.half_width, 0.0, m.proximal_z),
                (m.half_width, outer, m.proximal_z)),
-        Length("width of the recess", plan, "left", "x", (recess, 0.0, m.proximal_z), (-recess, 0.0, m.proximal_z),
+        Length("width of the recess", INNER, plan, "left", "x", (recess, 0.0, m.proximal_z),
+               (-recess, 0.0, m.proximal_z),
                located(design, 2 * recess), f"narrow: sand until the bone's base drops in; wide: {_SCALE}"),
-        Length("proximal face to the skin's end", plan, "above", "z", (skin, 0.0, m.proximal_z), (skin, 0.0, 0.0)),
-        Length("width of the cavity", plan, "right", "x", (skin, 0.0, 0.0), (-skin, 0.0, 0.0), None,
+        Length("proximal face to the skin's end", OUTER, plan, "above", "z", (skin, 0.0, m.proximal_z),
+               (skin, 0.0, 0.0)),
+        Length("width of the cavity", INNER, plan, "right", "x", (skin, 0.0, 0.0), (-skin, 0.0, 0.0), None,
                f"{_SCALE}: skin and play in the mold follow from it"),
-        Length("spacing of the bolts, across", plan, "right", "x", (x, 0.0, high), (-x, 0.0, high),
-               clearance(bolt - select_thread(bolt).diameter_mm), f"{_SCALE}, until the bolts pass both halves"),
-        Length("spacing of the bolts, along", plan, "below", "z", (x, 0.0, low), (x, 0.0, high),
-               clearance(bolt - select_thread(bolt).diameter_mm), f"{_SCALE}, until the bolts pass both halves"),
-        Length("first bolt", plan, "below", "z", (x, 0.0, m.proximal_z), (x, 0.0, low)),
-        Circle("bolt holes", plan, "y", (x, 0.0, low), bolt / 2,
-               clearance(bolt - select_thread(bolt).diameter_mm), "narrow: drill them to size", count=len(m.bolts)),
+        Length("spacing of the bolts, across", STEP, plan, "right", "x", (x, 0.0, high), (-x, 0.0, high),
+               bolt_tolerance, f"{_SCALE}, until the bolts pass both halves"),
+        Length("spacing of the bolts, along", STEP, plan, "below", "z", (x, 0.0, low), (x, 0.0, high),
+               bolt_tolerance, f"{_SCALE}, until the bolts pass both halves"),
+        Length("first bolt", BEHIND_FACE, plan, "below", "z", (x, 0.0, m.proximal_z), (x, 0.0, low)),
+        Circle("bolt holes", INNER, plan, "y", (x, 0.0, low), bolt / 2,
+               bolt_tolerance, "narrow: drill them to size", count=len(m.bolts)),
     ]  # fmt: skip
 
 
@@ -98,16 +115,23 @@ def _key_sizes(design: Design, plan: ViewName, gap: float, kind: str) -> list[Si
     """List the sizes of the keys, or of their sockets, at the parting plane."""
     m, mold = design.mold_layout, design.mold
     offset = gap * math.hypot(1.0, design.dimensions.draft_slope)
-    tolerance = shared_clearance(2 * mold.key_clearance_mm)
+    tolerance = shared_clearance(2 * (mold.key_clearance_mm - design.printer.offset_mm))
     remedy = "wide: sand it until the halves close" if kind == "key" else "narrow: scrape it until the halves close"
     sizes: list[Size] = []
     for (x, z, root), label in zip(m.keys, ("larger", "smaller"), strict=True):
         action = f"{remedy}; loose: {_SCALE}" if label == "larger" else ""
         sizes += [
             Circle(
-                f"{label} {kind}, at the parting plane", plan, "y", (x, 0.0, z), root / 2 + offset, tolerance, action
+                f"{label} {kind}, at the parting plane",
+                OUTER if kind == "key" else INNER,
+                plan,
+                "y",
+                (x, 0.0, z),
+                root / 2 + offset,
+                tolerance,
+                action,
             ),
-            Length(f"axis of the {label} {kind}", plan, "above", "z", (x, 0.0, m.proximal_z), (x, 0.0, z)),
+            Length(f"axis of the {label} {kind}", BEHIND_FACE, plan, "above", "z", (x, 0.0, m.proximal_z), (x, 0.0, z)),
         ]
     return sizes
 
@@ -117,18 +141,20 @@ def _screw_sizes(design: Design, chaplet: Chaplet, high: float) -> list[Size]:
     z, contact, floor = axis_z(design), contact_y(design), head_y(design)
     hole, head = chaplet.hole_radius, chaplet.head_radius
     sizes: list[Size] = [
-        Length("height of the boss", "section", "right", "y", (0.0, 0.0, z), (0.0, contact, z),
+        Length("height of the boss", STEP, "section", "right", "y", (0.0, 0.0, z), (0.0, contact, z),
                located(design, contact), "low: sand the boss; high: lay film between bone and boss"),
-        Length("hole of the screw", "section", "below", "z", (0.0, contact, z - hole), (0.0, contact, z + hole),
+        Length("hole of the screw", FINISHED, "section", "below", "z", (0.0, contact, z - hole),
+               (0.0, contact, z + hole),
                symmetric(chaplet.play), f"drill it to {2 * hole:g} mm: a print closes it", is_diameter=True),
-        Length("axis of the screw", "section", "below", "z", (0.0, contact, design.mold_layout.proximal_z),
+        Length("axis of the screw", BEHIND_FACE, "section", "below", "z", (0.0, contact, design.mold_layout.proximal_z),
                (0.0, contact, z)),
     ]  # fmt: skip
     if floor < high:
         sizes += [
-            Length("counterbore of the screw", "section", "above", "z", (0.0, high, z - head), (0.0, high, z + head),
+            Length("counterbore of the screw", INNER, "section", "above", "z", (0.0, high, z - head),
+                   (0.0, high, z + head),
                    is_diameter=True),
-            Length("depth of the counterbore", "section", "left", "y", (0.0, high, z), (0.0, floor, z)),
+            Length("depth of the counterbore", STEP, "section", "left", "y", (0.0, high, z), (0.0, floor, z)),
         ]  # fmt: skip
     return sizes
 

@@ -1,7 +1,7 @@
 """Sizes on a drawing: what is dimensioned, in which view, with which tolerance, and what to do if it is out.
 
 Both ends of a length are points in the frame of the part, taken from the dimensions of the design. The number on the
-sheet is the distance between them.
+sheet is what calipers read on the print: the distance between them, and what the printer adds to it.
 """
 
 from __future__ import annotations
@@ -15,6 +15,12 @@ from fingertip.drawing.views import ViewName
 
 Side = Literal["above", "below", "left", "right"]
 AXES: dict[Axis, int] = {"x": 0, "y": 1, "z": 2}
+OUTER, INNER, STEP = 1.0, -1.0, 0.0
+"""Growth of a length between two faces that look outwards, inwards, or the same way; of one between two axes, 0."""
+BEHIND_FACE, BEFORE_FACE = 0.5, -0.5
+"""Growth of a length between a face and an axis that lies in the material behind it, or in the air before it."""
+FINISHED = 0.0
+"""Growth of a hole that is drilled or reamed to its size."""
 
 
 @dataclass(frozen=True)
@@ -22,6 +28,8 @@ class Length:
     """Distance along an axis between two points; the diameter of a hole if it is seen from its side."""
 
     name: str
+    growth: float
+    """Share of printer.offset_mm that the print is longer than the model."""
     view: ViewName
     side: Side
     """Side of the view on which the dimension line lies."""
@@ -33,15 +41,25 @@ class Length:
     action: str = ""
     """Remedy if the size is out of tolerance. Sizes with one are those to check."""
     is_diameter: bool = False
+    is_reference: bool = False
+    """True if no surface lies at one of its ends, so that calipers cannot measure it: it stands in parentheses."""
+    added_mm: float = 0.0
+    """Length that the printer adds [mm]."""
 
     @property
     def value(self) -> float:
-        """Nominal size [mm]."""
+        """Size in the model [mm]."""
         return abs(self.end[AXES[self.axis]] - self.start[AXES[self.axis]])
+
+    @property
+    def printed(self) -> float:
+        """Size that calipers read on the print [mm]."""
+        return self.value + self.added_mm
 
     def text(self) -> str:
         """Write the size as on the drawing."""
-        return _with_tolerance(("Ø" if self.is_diameter else "") + size_text(self.value), self.tolerance)
+        text = _with_tolerance(("Ø" if self.is_diameter else "") + size_text(self.printed), self.tolerance)
+        return f"({text})" if self.is_reference else text
 
 
 @dataclass(frozen=True)
@@ -49,6 +67,8 @@ class Circle:
     """Diameter of circles, or radius of an arc, seen along their axis; one of them is dimensioned."""
 
     name: str
+    growth: float
+    """Share of printer.offset_mm that the print's diameter, or radius, is larger than the model's."""
     view: ViewName
     axis: Axis
     centre: Point3
@@ -59,11 +79,18 @@ class Circle:
     is_radius: bool = False
     hidden_deg: tuple[tuple[float, float], ...] = ()
     """Ranges of directions in the view in which the part has no such edge, of an arc that is no circle."""
+    added_mm: float = 0.0
+    """Length that the printer adds [mm]."""
 
     @property
     def value(self) -> float:
-        """Nominal diameter, or radius [mm]."""
+        """Diameter, or radius, in the model [mm]."""
         return self.radius if self.is_radius else 2.0 * self.radius
+
+    @property
+    def printed(self) -> float:
+        """Size that calipers read on the print [mm]."""
+        return self.value + self.added_mm
 
     def has_edge_at(self, direction_deg: float) -> bool:
         """Tell whether an arrow from a direction in the view meets the arc."""
@@ -72,7 +99,7 @@ class Circle:
     def text(self) -> str:
         """Write the size as on the drawing."""
         count = f"{self.count}× " if self.count > 1 else ""
-        return _with_tolerance(count + ("R" if self.is_radius else "Ø") + size_text(self.value), self.tolerance)
+        return _with_tolerance(count + ("R" if self.is_radius else "Ø") + size_text(self.printed), self.tolerance)
 
 
 Size: TypeAlias = Length | Circle

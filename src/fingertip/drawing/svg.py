@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from xml.sax.saxutils import escape
+from html import escape
 
 from fingertip.drawing.primitives import Arc, Arrow, Hatch, Point, Polyline, Primitive, Sheet, Style, Text
 
@@ -14,7 +14,7 @@ def render_svg(sheet: Sheet) -> bytes:
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" '
         f'viewBox="0 0 {width} {height}">',
-        f"<title>{escape(sheet.name)}</title>",
+        f"<title>{escape(sheet.name, quote=False)}</title>",
         f'<rect width="{width}" height="{height}" fill="white"/>',
         '<g fill="none" stroke="black" stroke-linecap="round" stroke-linejoin="round" '
         'font-family="Helvetica, Arial, sans-serif">',
@@ -39,7 +39,7 @@ def _render(primitive: Primitive, height: float) -> Iterable[str]:
             yield (
                 f'<text x="{_number(x)}" y="{_number(height - y)}" font-size="{_number(primitive.size)}" '
                 f'textLength="{_number(primitive.width)}" lengthAdjust="spacingAndGlyphs" fill="black" stroke="none"'
-                f"{turn}>{escape(text)}</text>"
+                f"{turn}>{escape(text, quote=False)}</text>"
             )
         case Hatch():
             for hatched in primitive.lines():

@@ -148,7 +148,7 @@ def _table(part: PartDrawing, left: float, right: float, bottom: float) -> tuple
         size, name, action = wrapped[i]
         y += heights[i]
         first = y - 3.8
-        tolerance = size.tolerance or general(size.value)
+        tolerance = size.tolerance or general(size.printed)
         symbol = size.text().removesuffix(f" {tolerance.text()}")
         drawn += [Text(str(i + 1), ((columns[0] + columns[1]) / 2, first), TEXT_MM, "middle")]
         drawn += [Text(text, (columns[1] + _PAD_MM, first - k * _LINE_MM), TEXT_MM) for k, text in enumerate(name)]
@@ -159,7 +159,7 @@ def _table(part: PartDrawing, left: float, right: float, bottom: float) -> tuple
         drawn += [Text(text, (columns[4] + _PAD_MM, first - k * _LINE_MM), TEXT_MM) for k, text in enumerate(action)]
         drawn.append(line((left, y), (right, y), GRID))
     top = y + _ROW_MM
-    titles = ("check", "size, measured with calipers", "nominal", "tolerance", "if it is out of tolerance")
+    titles = ("check", "size, measured with calipers", "print reads", "tolerance", "if it is out of tolerance")
     drawn += [Text(title, (x + 0.8, y + 1.4), 2.0) for x, title in zip(columns, titles, strict=True)]
     drawn += [line((x, bottom), (x, top), GRID) for x in columns[1:]]
     return [rectangle(left, bottom, right, top, EDGE), *drawn], top

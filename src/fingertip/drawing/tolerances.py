@@ -14,6 +14,10 @@ _GENERAL_MM = ((6.0, 0.1), (30.0, 0.2), (120.0, 0.3), (400.0, 0.5))
 """Largest nominal size and its permissible deviation, class m of ISO 2768-1. Its first class begins at 0.5 mm."""
 _SHARE = 0.5
 """Share of a clearance that a tolerance may take. An assumption."""
+MIN_TOLERANCE_MM = 0.05
+"""Least deviation that calipers tell apart on a print [mm]. An assumption: they are accurate to some 0.03 mm."""
+FIT = "fit, try"
+"""Text in place of a tolerance that calipers cannot check."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +28,9 @@ class Tolerance:
     high: float
 
     def text(self) -> str:
-        """Write the deviations as on a drawing."""
+        """Write the deviations as on a drawing; a fit is tried where calipers cannot check them."""
+        if self.high - self.low < 2.0 * MIN_TOLERANCE_MM - 1e-9:
+            return FIT
         if round(self.high + self.low, 2) == 0.0:
             return f"±{_deviation_text(self.high)}"
         upper, lower = (_deviation_text(d, "+" if d > 0.0 else "-") for d in (self.high, self.low))
@@ -55,17 +61,17 @@ def general(size: float) -> Tolerance:
 def located(design: Design, size: float) -> Tolerance:
     """Tolerance of a size between two surfaces that locate bone or core: the play in the mold counts on it."""
     error = 2.0 * design.printer.surface_error_mm
-    return symmetric(error) if error else general(size)
+    return symmetric(max(error, MIN_TOLERANCE_MM)) if error else general(size)
 
 
 def clearance(gap: float) -> Tolerance:
-    """Tolerance of a size that leaves a `gap` [mm] to its counterpart, of which half must be left."""
-    return symmetric(_SHARE * gap)
+    """Tolerance of a size that leaves a `gap` [mm] in the print to its counterpart, of which half must be left."""
+    return symmetric(_SHARE * max(gap, 0.0))
 
 
 def shared_clearance(gap: float) -> Tolerance:
-    """Tolerance of a size if its counterpart is printed too and takes as much of the `gap` [mm]."""
-    return symmetric(_SHARE * gap / 2.0)
+    """Tolerance of a size if its counterpart is printed too and takes as much of the `gap` [mm] in the print."""
+    return clearance(gap / 2.0)
 
 
 def bore(design: Design) -> Tolerance:

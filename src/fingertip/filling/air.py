@@ -113,7 +113,7 @@ def _build_tree(field: _Field, a: NDArray[np.intp], b: NDArray[np.intp]) -> _Par
     """Join basins from the highest saddle down; parts too small to count are joined without a split."""
     arrival, basin = field.arrival, field.basin
     is_open = np.isfinite(arrival)
-    part_of = {int(k): _Part(frozenset((int(k),)), int(k)) for k in np.unique(basin[is_open])}
+    part_of = {int(k): _Part(frozenset((int(k),)), int(k)) for k in sorted(set(basin[is_open].tolist()))}
     across = np.flatnonzero((basin[a] != basin[b]) & is_open[a] & is_open[b])
     saddle = np.minimum(arrival[a[across]], arrival[b[across]])
     for link in np.argsort(-saddle, kind="stable"):

@@ -10,7 +10,7 @@ import io
 import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
-from xml.sax.saxutils import escape
+from html import escape
 
 import numpy as np
 
@@ -96,7 +96,7 @@ def write_items(title: str, items: Sequence[Item]) -> bytes:
 def _describe(item: Item) -> str:
     if not item.note:
         return ""
-    return f'<metadatagroup><metadata name="Description">{escape(item.note)}</metadata></metadatagroup>\n'
+    return f'<metadatagroup><metadata name="Description">{escape(item.note, quote=False)}</metadata></metadatagroup>\n'
 
 
 def _write_settings(items: Sequence[Item]) -> str:

@@ -70,9 +70,10 @@ class MeshEvaluator:
         GeometryError
             If manifold3d rejects a primitive or the result of a boolean.
         """
-        if solid not in self._evaluated:
-            self._evaluated[solid] = self._evaluate(solid)
-        return self._evaluated[solid]
+        found = self._evaluated.get(solid)
+        if found is None:
+            found = self._evaluated[solid] = self._evaluate(solid)
+        return found
 
     def mesh(self, solid: Solid) -> Mesh:
         """Evaluate a solid as a mesh on the vertex grid, in canonical order."""
@@ -141,15 +142,19 @@ def to_canonical_mesh(manifold: Manifold) -> Mesh:
     smallest = triangles.argmin(axis=1)
     triangles = np.take_along_axis(triangles, (smallest[:, None] + np.arange(3)) % 3, axis=1)
     triangles = triangles[~_find_flaps(triangles)]
-    return Mesh(vertices[distinct], triangles[np.lexsort(triangles.T[::-1])])
+    return Mesh(vertices[distinct], triangles[np.argsort(_number_triples(triangles))])
 
 
 def _find_flaps(triangles: Triangles) -> NDArray[np.bool_]:
     """Find pairs of triangles on the same vertices, one the reverse of the other: sheets without volume."""
+    return np.isin(_number_triples(triangles), _number_triples(triangles[:, [0, 2, 1]]))
+
+
+def _number_triples(triangles: Triangles) -> NDArray[np.int64]:
+    """Number triples of indices, such that numbers are in the order of the triples."""
     size = int(triangles.max(initial=0)) + 1
-    keys = (triangles[:, 0] * size + triangles[:, 1]) * size + triangles[:, 2]
-    reverse = (triangles[:, 0] * size + triangles[:, 2]) * size + triangles[:, 1]
-    return np.isin(keys, reverse)
+    numbers: NDArray[np.int64] = (triangles[:, 0] * size + triangles[:, 1]) * size + triangles[:, 2]
+    return numbers
 
 
 def find_degenerate_triangles(vertices: Array, triangles: Triangles) -> Triangles:

@@ -207,16 +207,17 @@ def _connect_rings(rings: Sequence[Sequence[Point3]], apex: Point3 | None = None
     vertices = np.array([point for ring in rings for point in ring] + poles, dtype=np.float64)
     i = np.arange(m)
     j = (i + 1) % m
-    faces = [np.column_stack((np.full(m, m * k), j, i))]
-    for row in range(k - 1):
-        a, b = row * m, (row + 1) * m
-        faces += [np.column_stack((a + i, a + j, b + j)), np.column_stack((a + i, b + j, b + i))]
+    faces = np.empty((2 * k, m, 3), dtype=np.int64)
+    faces[0] = np.stack((np.full(m, m * k), j, i), axis=1)
+    # Two triangles of a square between the first two rings, repeated from ring to ring.
+    square = np.stack((np.stack((i, j, m + j), axis=1), np.stack((i, m + j, m + i), axis=1)))
+    faces[1:-1] = (square + m * np.arange(k - 1)[:, None, None, None]).reshape(-1, m, 3)
     last = (k - 1) * m
-    faces.append(np.column_stack((last + i, last + j, np.full(m, m * k + 1))))
-    return vertices, np.concatenate(faces).astype(np.int64)
+    faces[-1] = np.stack((last + i, last + j, np.full(m, m * k + 1)), axis=1)
+    return vertices, faces.reshape(-1, 3)
 
 
 def _bounding_box_centre(ring: Sequence[Point3]) -> Point3:
     """Compute the centre of a ring's bounding box; it must lie inside the ring."""
-    low, high = (tuple(pick(p[axis] for p in ring) for axis in range(3)) for pick in (min, max))
-    return (low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2
+    x, y, z = ((min(along) + max(along)) / 2 for along in zip(*ring, strict=True))
+    return x, y, z

@@ -9,7 +9,6 @@ one end a ledge. Short ones of both print over air. The rest of the ceiling is u
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,12 +17,15 @@ from numpy.typing import NDArray
 from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.kernel.tessellate import Triangles
-from fingertip.cad.printing.supports import OVERHANG_DEG
 
+OVERHANG_DEG = 45.0
+"""Angle from the vertical above which a surface overhangs."""
 MAX_BRIDGE_MM = 10.0
 """Longest bridge that prints over air [mm]. Design guides of print services state 5 to 15 mm. An assumption."""
 MAX_LEDGE_MM = 1.0
 """Longest ledge that prints over air [mm], as design guides for resin state. An assumption."""
+MAX_UNSUPPORTED_MM2 = MAX_LEDGE_MM**2
+"""Largest unsupported part of a ceiling [mm2]: a corner of the longest ledge, as where a bore ends in a round side."""
 _STEEP = math.sin(math.radians(OVERHANG_DEG)) + 1e-4
 """Component of the normal downwards above which a facet overhangs; facets at the angle itself do not."""
 _ON_BED_MM = 0.005
@@ -64,53 +66,60 @@ def find_ceilings(mesh: Mesh) -> list[Ceiling]:
     numbers = np.flatnonzero(steep)
     if not len(numbers):
         return []
-    neighbours = _neighbours(mesh.triangles, numbers)
-    return [_ceiling(mesh, steep, group, neighbours) for group in _connected(numbers, steep, neighbours)]
-
-
-def _ceiling(mesh: Mesh, steep: NDArray[np.bool_], facets: list[int], neighbours: dict[int, list[int]]) -> Ceiling:
-    """Collect the boundary of connected facets. A concave edge is held: what is beside it lies in the air."""
-    sides = [
-        (facet, side, beside) for facet in facets for side, beside in enumerate(neighbours[facet]) if not steep[beside]
+    beside = _neighbours(mesh.triangles, numbers)
+    group = _connected(numbers, beside)
+    row, side = np.nonzero(~steep[beside])
+    edges, is_held = _boundary(corners, normal, numbers[row], side, beside[row, side])
+    members, sides = _split(group), _split(group[row])
+    return [
+        Ceiling(numbers[facets], edges[found][:, :, :2], is_held[found])
+        for facets, found in zip(members, sides, strict=True)
     ]
-    facet, side, beside = np.array(sides).T
-    corners = mesh.vertices[mesh.triangles[facet]]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    rows = np.arange(len(sides))
-    edges = np.stack([corners[rows, side], corners[rows, (side + 1) % 3]], axis=1)
+
+
+def _boundary(
+    corners: Array, normal: Array, facet: NDArray[np.int64], side: NDArray[np.int64], beside: NDArray[np.int64]
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Collect sides of facets, and tell whether they are held: concave ones are, because air lies beside them."""
+    edges = np.stack([corners[facet, side], corners[facet, (side + 1) % 3]], axis=1)
     # Of the facet beside, only the corner off the common edge leaves the plane of the ceiling's facet.
-    away = (mesh.vertices[mesh.triangles[beside]] - edges[:, :1]) @ normal[:, :, None]
-    return Ceiling(np.array(facets), edges[:, :, :2], away[:, :, 0].sum(axis=1) > 0.0)
+    away = (corners[beside] - edges[:, :1]) @ normal[facet, :, None]
+    return edges, away[:, :, 0].sum(axis=1) > 0.0
 
 
-def _neighbours(triangles: Triangles, numbers: NDArray[np.int64]) -> dict[int, list[int]]:
-    """Find the three facets beside each of some facets of a closed mesh, in the order of their sides."""
+def _split(group: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """List for each group the positions at which its number stands."""
+    order = np.argsort(group, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(group[order])) + 1)
+
+
+def _neighbours(triangles: Triangles, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Find the three facets beside each of some facets of a closed mesh, in the order of their sides, shape (n, 3)."""
     size = int(triangles.max()) + 1
-    first, second = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
-    keys = first * size + second
+    keys = (triangles * size + np.roll(triangles, -1, axis=1)).ravel()
     order = np.argsort(keys)
     wanted = triangles[numbers]
     opposite = np.roll(wanted, -1, axis=1) * size + wanted
-    beside = order[np.searchsorted(keys[order], opposite)] // 3
-    return dict(zip(numbers.tolist(), beside.tolist(), strict=True))
+    beside: NDArray[np.int64] = order[np.searchsorted(keys[order], opposite)] // 3
+    return beside
 
 
-def _connected(
-    numbers: NDArray[np.int64], steep: NDArray[np.bool_], neighbours: dict[int, list[int]]
-) -> Iterator[list[int]]:
-    """Group facets that overhang and share an edge."""
-    left = dict.fromkeys(numbers.tolist())
-    while left:
-        group, waiting = [], [next(iter(left))]
-        del left[waiting[0]]
+def _connected(numbers: NDArray[np.int64], beside: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Number the groups of facets that overhang and share an edge, in the order of their first facets."""
+    row_of = {number: row for row, number in enumerate(numbers.tolist())}
+    links = [[row_of[other] for other in others if other in row_of] for others in beside.tolist()]
+    group, count = [-1] * len(links), 0
+    for first in range(len(links)):
+        if group[first] >= 0:
+            continue
+        waiting, group[first] = [first], count
         while waiting:
-            facet = waiting.pop()
-            group.append(facet)
-            for beside in neighbours[facet]:
-                if steep[beside] and beside in left:
-                    del left[beside]
-                    waiting.append(beside)
-        yield sorted(group)
+            for other in links[waiting.pop()]:
+                if group[other] < 0:
+                    group[other] = count
+                    waiting.append(other)
+        count += 1
+    return np.array(group)
 
 
 def _unsupported_along(edges: Array, is_held: NDArray[np.bool_], angle: float) -> float:

@@ -9,7 +9,6 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.shapes.parts import Orientation
 
 
 @dataclass(frozen=True)
@@ -41,17 +40,17 @@ class Pose:
         return Pose(self.rotation, (x - low[0], y - low[1], -low[2]))
 
 
-def bed_pose(mesh: Mesh, orientation: Orientation) -> Pose:
-    """Find the pose of a part with its lowest corner at the origin.
+def bed_pose(mesh: Mesh, rotate_x_deg: float) -> Pose:
+    """Find the pose of a part that is turned about x, with its lowest corner at the origin.
 
     Raises
     ------
     ValueError
-        If the orientation is no quarter turn: other angles would round the vertices.
+        If the angle is no quarter turn: other angles would round the vertices.
     """
-    quarters = orientation.rotate_x_deg / 90.0
+    quarters = rotate_x_deg / 90.0
     if quarters != round(quarters):
-        raise ValueError(f"{orientation.rotate_x_deg:g} degrees are no quarter turns")
-    angle = math.radians(orientation.rotate_x_deg)
+        raise ValueError(f"{rotate_x_deg:g} degrees are no quarter turns")
+    angle = math.radians(rotate_x_deg)
     c, s = float(round(math.cos(angle))), float(round(math.sin(angle)))
     return Pose(np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]), (0.0, 0.0, 0.0)).on_bed(mesh)

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from fingertip.cad.files import stl
 from fingertip.cad.files.threemf import Item, write_items
 from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.printing.orientations import print_orientations
+from fingertip.cad.printing.overhang import OVERHANG_DEG
 from fingertip.cad.printing.plates import FDM, PLATE_KINDS, Placed, arrange
 from fingertip.cad.printing.pose import Pose, bed_pose
-from fingertip.cad.printing.supports import OVERHANG_DEG, Supports, supports_by_part
-from fingertip.cad.shapes.parts import print_orientations
+from fingertip.cad.printing.supports import Supports, supports_by_part
 from fingertip.design import Design
 
 PRINT_FOLDER = "print"
@@ -47,7 +48,7 @@ def make_print_files(
         Whether to make STL files.
     """
     orientations = print_orientations(design)
-    poses = {name: bed_pose(meshes[name], lies) for name, lies in orientations.items() if name in meshes}
+    poses = {name: bed_pose(meshes[name], lies.rotate_x_deg) for name, lies in orientations.items() if name in meshes}
     contents, plates = {}, {}
     if with_stl:
         contents = {f"{name}.stl": stl.to_bytes(pose.apply(meshes[name]), name) for name, pose in poses.items()}

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fingertip.cad.printing.orientations import LID_ON_FEET_DEG, Orientation, print_orientations
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.chaplet import facet_cut
-from fingertip.cad.shapes.parts import print_orientations
 from fingertip.cad.solids import Box, Solid, difference, scaled
 from fingertip.design import Design
 
-OVERHANG_DEG = 45.0
-"""Angle from the vertical above which a surface overhangs."""
 _PAST_END_MM = 0.1
 """Length by which a place reaches past the face above it [mm]."""
 
@@ -35,14 +33,9 @@ class Supports:
 
 def supports_by_part(design: Design) -> dict[str, Supports]:
     """Return the supports of each printed part of a design."""
-    dims = design.dimensions
+    dims, orientations = design.dimensions, print_orientations(design)
     every = {
         "bone": _bone(design),
-        "lid": Supports(
-            (_everywhere(design, top=_reach(design)),),
-            "under its thin sides, beside which it stands on its feet",
-            "the dorsal side, on which the skin lies",
-        ),
         "mold_palmar": _mold("hollows, which silicone, bone, keys and nuts touch"),
         "mold_dorsal": _mold("hollows, which silicone, bone, screw and syringe touch"),
         "core": Supports(
@@ -51,7 +44,9 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
             "anything else above the collar",
         ),
     }
-    return {name: every[name] for name in print_orientations(design)}
+    if lies := orientations.get("lid"):
+        every["lid"] = _lid(design, lies)
+    return {name: every[name] for name in orientations}
 
 
 def _bone(design: Design) -> Supports:
@@ -79,6 +74,19 @@ def _bone(design: Design) -> Supports:
         (difference(below, film), trough_end, *_facet(design)),
         f"{under}; at the distal end of the trough",
         f"{none_on}; the passage of its film; the nose",
+    )
+
+
+def _lid(design: Design, lies: Orientation) -> Supports:
+    """Supports of the lid of a folded tail."""
+    none_on = "the dorsal side, on which the skin lies"
+    if not lies.needs_supports:
+        return Supports((), "nowhere", f"{none_on}; the space for tabs and film")
+    if lies.rotate_x_deg == LID_ON_FEET_DEG:
+        where = "under its thin sides, beside which it stands on its feet"
+        return Supports((_everywhere(design, top=_reach(design)),), where, none_on)
+    return Supports(
+        (_everywhere(design, top=0.0),), "under the foot of the collar", f"{none_on}; the space for tabs and film"
     )
 
 

@@ -9,6 +9,7 @@ Coordinates of the coupon: x and y on the printer's bed, z up [mm].
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
 
 from fingertip.cad.shapes.bone import sensor_recess
@@ -115,6 +116,37 @@ def loose_slice(design: Design) -> Solid:
     key = intersection(keys(design)[0], Box((x - reach, -reach, z - reach), (x + reach, SLICE_MM / 2, z + reach)))
     centre = (0.0, (section.dorsal - design.dimensions.base_flat_depth) / 2)
     return union(piece, _place(key, _UP_FROM_PALMAR, (x, 0.0, z), (*centre, SLICE_MM)))
+
+
+@dataclass(frozen=True)
+class Height:
+    """Height of a feature above the bed, and a point of its top in the plan of its piece [mm]."""
+
+    feature: str
+    height_mm: float
+    at: tuple[float, float]
+    piece: str = "coupon"
+
+
+def list_heights(design: Design) -> tuple[Height, ...]:
+    """List the heights of the coupon. Layers make them, so the calibration does not use them."""
+    layout, inside = lay_out(design), AROUND_MM / 2
+    ring, tongue, wall = layout.ring, layout.tongue, layout.walls[-1]
+    heights = [
+        Height("ribs of the frame", _RIB_TOP_MM, (RIB_MM / 2, layout.windows[0].centre[1])),
+        Height("block around the recess", RING_MM, (ring.low[0] + inside, ring.centre[1])),
+        Height("block with the trap", _tongue_top_mm(design), (tongue.low[0] + inside, tongue.low[1] + 2 * inside)),
+    ]
+    if spot := layout.socket:
+        heights.append(
+            Height("block with the round socket", _socket_top_mm(design), (spot.centre[0], spot.high[1] - inside))
+        )
+    if spot := layout.luer:
+        heights.append(Height("tallest block, with the cone", _LUER_TOP_MM, (spot.high[0] - inside, spot.centre[1])))
+    heights.append(Height("thin walls", _WALL_TOP_MM, wall.centre))
+    section = design.dimensions.bone_outline.section
+    side = (-0.8 * section.half_width, 0.0)
+    return (*heights, Height("loose piece, beside its key", SLICE_MM, side, "coupon_slice"))
 
 
 def _pocket(design: Design, layout: Layout) -> Solid:

@@ -15,9 +15,9 @@ Not included: shear and torsion, the skin (too soft to carry anything), creep, f
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -105,7 +105,7 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
     sections = [(z, section, _find_concentration(design, z)) for z, section in _cut(design, evaluator)]
     places = [
         [
-            *(_find_stress(design, point, *cut) for cut in sections if cut[0] < point.position_mm[2]),
+            *_find_weakest_section(design, point, [cut for cut in sections if cut[0] < point.position_mm[2]]),
             *((_bend_flange(design, point),) if design.bone.interface == "flange" else ()),
             *_load_joint(design, point),
         ]
@@ -157,17 +157,34 @@ def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Sect
             yield z, section
 
 
+def _find_weakest_section(design: Design, point: LoadPoint, cuts: Sequence[_CutPlane]) -> Iterator[Weakness]:
+    """Find the section with the largest stress that a load at a point gives; none without sections."""
+
+    def largest(cut: _CutPlane) -> float:
+        return math.sqrt((_raise_gradients(design, point, *cut)[1] ** 2).sum(axis=1).max())
+
+    if cuts:
+        yield _find_stress(design, point, *max(cuts, key=largest))
+
+
 def _find_stress(design: Design, point: LoadPoint, z: float, section: Section, factors: _Factors) -> Weakness:
     """Find the largest stress that a load at a point gives in a section, over all directions of the load."""
-    plain = stress_gradients(section, np.array(point.position_mm), z, _find_moment_share(design, z))
-    # A load in x bends the section in its width, one in y in its height. One in z bends it in both.
-    gradients = plain * [factors.width, factors.height, max(factors.width, factors.height)]
+    plain, gradients = _raise_gradients(design, point, z, section, factors)
     sizes = np.linalg.norm(gradients, axis=1)
     worst = int(sizes.argmax())
     direction = gradients[worst] / sizes[worst]
     x, y, along = (round(float(value), 6) + 0.0 for value in direction)
     factor = float(sizes[worst] / np.linalg.norm(plain[worst]))
     return Weakness(point.name, z, "cross-section", float(sizes[worst]), factor, (x, y, along))
+
+
+def _raise_gradients(
+    design: Design, point: LoadPoint, z: float, section: Section, factors: _Factors
+) -> tuple[Array, Array]:
+    """Stress at each corner of a section per newton in x, y and z, without and with stress concentration [MPa/N]."""
+    plain = stress_gradients(section, np.array(point.position_mm), z, _find_moment_share(design, z))
+    # A load in x bends the section in its width, one in y in its height. One in z bends it in both.
+    return plain, plain * [factors.width, factors.height, max(factors.width, factors.height)]
 
 
 def stress_gradients(section: Section, point_mm: Array, z_mm: float, moment_share: float = 1.0) -> Array:
@@ -212,6 +229,10 @@ class _Factors:
 
     def combined_with(self, other: _Factors) -> _Factors:
         return _Factors(max(self.width, other.width), max(self.height, other.height))
+
+
+_CutPlane: TypeAlias = tuple[float, Section, _Factors]
+"""Height of a section [mm], the section, and the stress concentration there."""
 
 
 def _find_concentration(design: Design, z: float) -> _Factors:

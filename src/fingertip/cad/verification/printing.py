@@ -7,25 +7,28 @@ from collections.abc import Iterator, Mapping
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.arrays import Array
 from fingertip.cad.files import stl, threemf
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
-from fingertip.cad.printing.overhang import MAX_LEDGE_MM, Ceiling, find_ceilings
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_arrays
+from fingertip.cad.kernel.tessellate import Triangles
+from fingertip.cad.printing.orientations import print_orientations
+from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, Ceiling, find_ceilings
 from fingertip.cad.printing.plates import PLATE_KINDS, Placed
 from fingertip.cad.printing.pose import Pose, bed_pose
 from fingertip.cad.printing.print_files import PrintFiles
 from fingertip.cad.printing.supports import supports_by_part
-from fingertip.cad.shapes.parts import PARTS, print_orientations, print_scale
+from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.solids import Solid
 from fingertip.cad.verification.check import Check, check_zero_volume
 from fingertip.cad.verification.part_files import count_open_edges
 from fingertip.design import Design
 
-MAX_UNSUPPORTED_MM2 = MAX_LEDGE_MM**2
-"""Largest unsupported part of a ceiling [mm2]: a corner of the longest ledge, as where a bore ends in a round side."""
 _INTO_AIR_MM = 0.02
 """Distance from a facet at which it is found in a place for supports [mm]."""
+_RAY_AXES = np.array([[0.0, -0.6, 0.8], [-0.8, 0.48, 0.36], [0.6, 0.64, 0.48]])
+"""Orthonormal axes, the last one along a ray that no plane, edge or axis of a part is parallel to."""
 _ROUNDING_MM = 1e-5
 """Rounding of positions on a plate [mm]."""
 
@@ -33,7 +36,7 @@ _ROUNDING_MM = 1e-5
 def check_overhang(design: Design, evaluator: MeshEvaluator, name: str, mesh: Mesh) -> Check:
     """Check the largest unsupported overhang of a part that lies on the bed, away from the places of supports."""
     places = supports_by_part(design)[name].places
-    pose, scale = bed_pose(mesh, print_orientations(design)[name]), print_scale(design, PARTS[name])
+    pose, scale = bed_pose(mesh, print_orientations(design)[name].rotate_x_deg), print_scale(design, PARTS[name])
     largest = 0.0
     for ceiling in find_ceilings(pose.apply(mesh)):
         area = ceiling.unsupported_mm2()
@@ -51,24 +54,38 @@ def _may_be_supported(
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     points = corners.mean(axis=1) + _INTO_AIR_MM * normal
-    found = np.zeros(len(points), dtype=bool)
     for place in places:
-        found |= _is_inside(points, to_canonical_mesh(evaluator.manifold(place)))
-    return bool(found.all())
+        region = evaluator.manifold(place)
+        found = _is_within(points, region.bounding_box())
+        found[found.nonzero()] = _is_inside(points[found], *to_arrays(region))
+        points = points[~found]
+    return not len(points)
 
 
-def _is_inside(points: Array, mesh: Mesh) -> Array:
-    """Return for each point whether a closed mesh encloses it: then its facets fill the whole solid angle.
+def _is_within(points: Array, box: tuple[float, ...]) -> NDArray[np.bool_]:
+    """Return for each point whether it lies within a bounding box."""
+    low, high = np.array(box[:3]), np.array(box[3:])
+    return np.asarray(((points >= low) & (points <= high)).all(axis=1))
 
-    The solid angle of a triangle is that of A. van Oosterom and J. Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125.
+
+def _is_inside(points: Array, vertices: Array, triangles: Triangles) -> NDArray[np.bool_]:
+    """Return for each point whether a closed mesh encloses it: a ray from it leaves once more than it enters.
+
+    The ray meets no edge, because it is parallel to none of them.
     """
-    a, b, c = (mesh.vertices[mesh.triangles[:, i]] - points[:, None] for i in range(3))
-    la, lb, lc = (np.linalg.norm(side, axis=2) for side in (a, b, c))
-    above = np.einsum("ijk,ijk->ij", a, np.cross(b, c))
-    below = la * lb * lc + sum(
-        np.einsum("ijk,ijk->ij", u, v) * length for u, v, length in ((a, b, lc), (b, c, la), (c, a, lb))
-    )
-    inside: Array = 2.0 * np.arctan2(above, below).sum(axis=1) > 2.0 * math.pi
+    seen, at = vertices @ _RAY_AXES.T, points @ _RAY_AXES.T
+    corners = seen[triangles]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    near = (low[:, 0] <= at[:, :1]) & (at[:, :1] <= high[:, 0]) & (low[:, 1] <= at[:, 1:2]) & (at[:, 1:2] <= high[:, 1])
+    point, facet = np.nonzero(near & (at[:, 2:] <= high[:, 2]))
+    away = corners[facet] - at[point, None]
+    (ax, ay), (bx, by), (cx, cy) = (away[:, i, :2].T for i in range(3))
+    u, v, w = bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx
+    total = u + v + w
+    is_met = ((u > 0.0) == (v > 0.0)) & ((v > 0.0) == (w > 0.0))
+    height = u * away[:, 0, 2] + v * away[:, 1, 2] + w * away[:, 2, 2]
+    passed = np.bincount(point[is_met & (height * total > 0.0)], minlength=len(points))
+    inside: NDArray[np.bool_] = passed % 2 == 1
     return inside
 
 

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.printing.orientations import build_volume_excess
 from fingertip.cad.printing.print_files import PrintFiles, make_print_files
-from fingertip.cad.shapes.parts import PARTS, build_volume_excess, print_scale
+from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.solids import scaled
 from fingertip.cad.strength.assess import BoneStrength, assess_strength
 from fingertip.cad.verification.assembly import check_assembly

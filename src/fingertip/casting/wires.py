@@ -1,0 +1,38 @@
+"""Wires of the sensor: how thick they may be, and how long a loop they need."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from fingertip.design import Design
+
+_SLACK_MM = 10.0
+"""Slack of the wires besides what a joint takes up [mm]. An assumption."""
+_AWG_36_MM = 0.127
+"""Diameter of AWG 36, from which all others follow [mm] (ASTM B258)."""
+
+
+@dataclass(frozen=True)
+class Wires:
+    """Wires of a sensor."""
+
+    max_diameter_mm: float
+    """Largest diameter of one wire over its insulation."""
+    conductor_awg: int
+    """Thickest usual conductor that leaves half of the diameter to the insulation."""
+    slack_mm: float
+    """Length of the loop between the finger and the first place at which the wires are fixed."""
+
+
+def size_wires(design: Design) -> Wires:
+    """Size the wires: they fit through channel or fold, and cross the joint in a loop that stays loose.
+
+    The gauge number of a diameter d is 36 - 39 log(d / 0.127 mm) / log 92 (ASTM B258).
+    """
+    dims, joint = design.dimensions, design.dimensions.joint
+    # Two equal circles side by side span the channel.
+    diameter = design.sensor.wire_diameter_mm if dims.fold else design.bone.channel_diameter_mm / 2
+    gauge = math.ceil(36.0 - 39.0 * math.log(diameter / 2 / _AWG_36_MM) / math.log(92.0))
+    bend = math.radians(design.hand.travel_deg) * (dims.bone_outline.section.dorsal - joint.axis_y) if joint else 0.0
+    return Wires(diameter, gauge, bend + _SLACK_MM)

@@ -1,0 +1,112 @@
+"""Plan view of the coupon, and the places of its lengths and heights, found again on the mesh."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.shapes.coupon import COUPON_PARTS, list_heights
+from fingertip.calibration.instructions import render_instructions
+from fingertip.calibration.lengths import Length, list_lengths
+from fingertip.calibration.readings import PLAN, write_template
+from fingertip.design import Design
+from fingertip.view.coupon_plan import draw_plan
+from tests.conftest import ROOT, design_file, some_of
+
+FILES = sorted(path.stem for path in (ROOT / "params").glob("*.toml"))
+STEP_MM = 0.1
+"""Distance from the end of a length at which material begins or ends; half the thinnest wall is more."""
+
+
+def meshes_of(design: Design) -> dict[str, Mesh]:
+    evaluator = MeshEvaluator(0.01)
+    return {name: evaluator.mesh(part.solid(design)) for name, part in COUPON_PARTS.items()}
+
+
+def has_material(mesh: Mesh, x: float, y: float, z: float) -> bool:
+    """Whether a point lies in a mesh: a vertical ray from it leaves once more than it enters."""
+    a, b, c = (mesh.vertices[mesh.triangles[:, i]] for i in range(3))
+    point = np.array([x + 1e-7, y + 2e-7])
+
+    def side(p: np.ndarray, q: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
+        along, to = q[:, :2] - p[:, :2], point - p[:, :2]
+        found: np.ndarray = along[:, 0] * to[:, 1] - along[:, 1] * to[:, 0]  # type: ignore[type-arg]
+        return found
+
+    u, v, w = side(b, c), side(c, a), side(a, b)
+    total = u + v + w
+    crossed = ((u > 0) & (v > 0) & (w > 0)) | ((u < 0) & (v < 0) & (w < 0))
+    heights = (u * a[:, 2] + v * b[:, 2] + w * c[:, 2])[crossed] / total[crossed]
+    return bool((heights > z).sum() % 2)
+
+
+def is_at_its_place(meshes: Mapping[str, Mesh], length: Length) -> bool:
+    """Whether the material ends, or begins, at both ends of a length at some height."""
+    (x0, y0), (x1, y1) = length.ends
+    dx, dy = (STEP_MM, 0.0) if length.axis == "x" else (0.0, STEP_MM)
+    within, beyond = ((x0 + dx, y0 + dy), (x1 - dx, y1 - dy)), ((x0 - dx, y0 - dy), (x1 + dx, y1 + dy))
+    mesh, is_inner = meshes[length.piece], length.kind == "inner"
+    for z in (0.2, 1.0, 1.5, 2.0, 3.0, 5.0):
+        inside = [has_material(mesh, *point, z) for point in within]
+        outside = [has_material(mesh, *point, z) for point in beyond]
+        if inside == [not is_inner] * 2 and outside == [is_inner] * 2:
+            return True
+    return False
+
+
+@pytest.mark.parametrize("name", some_of(FILES, "fsr400", "adult_thumb"))
+def test_lengths_and_heights_are_where_the_plan_draws_them(name: str) -> None:
+    design = Design.load(design_file(name))
+    meshes = meshes_of(design)
+    lengths = list_lengths(design)
+    assert [each.name for each in lengths if not is_at_its_place(meshes, each)] == []
+    for height in list_heights(design):
+        below, above = height.height_mm - 0.02, height.height_mm + 0.02
+        found = [has_material(meshes[height.piece], *height.at, z) for z in (below, above)]
+        assert found == [True, False], height.feature
+    for each in lengths:  # the place states the same length
+        (x0, y0), (x1, y1) = each.ends
+        assert each.nominal_mm == pytest.approx(abs(x1 - x0) + abs(y1 - y0), abs=1e-6), each.name
+
+
+def test_place_that_is_off_is_found() -> None:
+    design = Design.load(design_file("fsr400"))
+    meshes = meshes_of(design)
+    for each in list_lengths(design):
+        (x0, y0), (x1, y1) = each.ends
+        shift = (0.25, 0.0) if each.axis == "x" else (0.0, 0.25)
+        moved = tuple((x + shift[0], y + shift[1]) for x, y in ((x0, y0), (x1, y1)))
+        wrong = Length(each.name, each.nominal_mm, each.kind, each.where, (moved[0], moved[1]), each.piece)
+        assert not is_at_its_place(meshes, wrong), each.name
+
+
+def test_page_and_template_number_the_lengths_as_the_plan_does() -> None:
+    design = Design.load(design_file("fsr400"))
+    page, template = render_instructions(design, "coupon_readings.toml"), write_template(design)
+    assert f"]({PLAN})" in page
+    assert "none is in Z" in page
+    for number, length in enumerate(list_lengths(design), 1):
+        assert f"| {number} | `{length.name}` | {length.axis} | {length.nominal_mm:.2f} |" in page
+        assert f"{length.name} = []  # {number}: nominal" in template
+    for height in list_heights(design):
+        assert f"| {height.feature} | {height.height_mm:.2f} |" in page
+
+
+def test_plan_is_the_same_every_time_and_shows_the_scale() -> None:
+    design = Design.load(design_file("fsr400"))
+    meshes = meshes_of(design)
+    first = draw_plan(design, meshes)
+    assert first == draw_plan(design, meshes)
+    picture = np.asarray(Image.open(io.BytesIO(first)).convert("RGB")).astype(int)
+    assert picture.shape[1] == 1600
+    red = (picture == (150, 30, 20)).all(axis=2)
+    blue = (picture == (20, 60, 150)).all(axis=2)
+    assert red.sum() > 5000
+    assert blue.sum() > 500
+    fewer = draw_plan(design.with_values({"mold.filling": "gravity"}), meshes)  # no tower to measure
+    assert (np.asarray(Image.open(io.BytesIO(fewer)).convert("RGB")) == (150, 30, 20)).all(axis=2).sum() < red.sum()

@@ -200,9 +200,9 @@ def test_rule_and_circuit_agree_on_the_filters_current(name: str, cutoff: str, c
 
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
 def test_current_of_the_bridges_buffer_is_that_of_both_arms(variant: str) -> None:
-    """VREF is 0.8 and VMID 0.5 of 3.3 V; the sensor at 20 N lies across R11."""
+    """VREF is 0.8 and VMID 44.2 / 99.1 of 3.3 V; the sensor at 20 N lies across R11."""
     values = board_values(load(f"{variant}_single_3v3"))
-    bridge, volts = values.bridge, (0.8 - 0.5) * 3.3
+    bridge, volts = values.bridge, (0.8 - 44.2 / 99.1) * 3.3
     sensor_ohm = 1 / (1 / bridge.sensor_shunt_ohm + sensor_conductance_s(20.0))
     expected = volts / (bridge.sensor_top_ohm + sensor_ohm)
     expected += volts / (bridge.reference_top_ohm + bridge.reference_bottom_ohm)

@@ -75,7 +75,10 @@ def test_only_the_articles_board_has_an_amplifier_with_phase_reversal() -> None:
         if is_article:
             assert (limits.filter_trough_v, limits.filter_guaranteed_trough_v) == (2.0, 1.0)
         else:
-            assert limits.filter_trough_v == limits.filter_guaranteed_trough_v == limits.filter_peak_v
+            below_v = limits.signal_ground_v if "single" in name else 5.0
+            above_v = configuration.supply.nominal_v - limits.signal_ground_v
+            assert limits.filter_trough_v == limits.filter_guaranteed_trough_v
+            assert above_v - limits.filter_peak_v == pytest.approx(below_v - limits.filter_trough_v, rel=1e-3)
         assert f"{limits.filter_trough_v:.1f} V down" in describe_filter_swing(limits)
     higher_supply = board_values(Design.load(changes=["board.supply_v=5.5"])).voltage_limits
     assert (higher_supply.filter_peak_v, higher_supply.filter_trough_v) == (4.0, 2.5)
@@ -131,6 +134,8 @@ def test_amplifier_loads_agree_with_the_currents_in_ngspice(tmp_path: Path, name
     """A small signal around no bias, with 1 ohm in place of the diode D1, which then conducts all the time."""
     design, deck = write_deck(tmp_path, list(BOARD_CONFIGURATIONS[name].changes))
     values = board_values(design)
+    # The comparator's switch, which drives none of these outputs, keeps ngspice from finding the operating point.
+    deck = "\n".join(line for line in deck.splitlines() if not line.startswith("SU4 ")) + "\n"
     assert values.amplifier_loads[0].amplifier == "U1a"
     (diode,) = (line for line in deck.splitlines() if line.startswith("D1 "))
     blocked, conducting = (deck.replace(diode, f"RD1 {' '.join(diode.split()[1:3])} {ohm}") for ohm in ("1e12", "1"))

@@ -16,6 +16,8 @@ CONTROLLER = Design(
     detector={"adc_bits": 12, "adc_range_v": 3.3, "adc_polarity": "unipolar"},
 )
 DESIGNS = [Design(), Design(detector={"sample_rate_hz": 20_000.0, "window_samples": 600})]
+GROUND_V = 3.3 * 44.2 / 99.1
+"""Signal ground of that board, by its divider."""
 
 
 @pytest.mark.parametrize("design", DESIGNS, ids=["2 kHz", "20 kHz"])
@@ -60,17 +62,15 @@ def test_ramp_is_delayed_by_the_sum_of_the_time_constants():
     assert 1.0 < 2000 * lag_s < 1.6
 
 
-def test_converter_from_zero_has_half_the_range():
+def test_converter_from_zero_has_one_sided_range():
     d = CONTROLLER.detector
     assert (d.adc_low_v, d.adc_range_v, d.adc_step_v) == (0.0, 3.3, 3.3 / 4096)
     assert Design().detector.adc_step_v == 20 / 65536
     assert AdcRange.from_design(CONTROLLER) == AdcRange(12, 0.0, 3.3)
-    # Half of the supply lies in the middle of the range.
     shifted = AdcRange.from_design(CONTROLLER).above_signal_ground(CONTROLLER)
-    assert (shifted.low_v, shifted.high_v) == pytest.approx((-1.65, 1.65))
-    assert shifted.quantise_v(np.array([-2.0, -0.0003, 0.0003, 2.0])) == pytest.approx(
-        [-1.65, 0.0, 0.0, 1.65 - 3.3 / 4096]
-    )
+    assert (shifted.low_v, shifted.high_v) == pytest.approx((-GROUND_V, 3.3 - GROUND_V))
+    ends = -GROUND_V, 3.3 - GROUND_V - 3.3 / 4096
+    assert shifted.quantise_v(np.array([-2.0, 2.0])) == pytest.approx(ends)
 
 
 def test_pole_of_the_filtered_signal_equals_that_of_the_envelope():
@@ -81,13 +81,13 @@ def test_pole_of_the_filtered_signal_equals_that_of_the_envelope():
     assert np.abs(filtered - envelope).max() < 1e-12
 
 
-def test_filtered_signal_is_sampled_around_half_of_the_range():
+def test_filtered_signal_is_sampled_around_the_signal_ground():
     """Slip shows in S in many steps of 12 bits, while T has steps of 0.8 mV for some millivolts of vibration."""
     outputs = ["voltage_v", "filtered_v", "sampled_filtered_v"]
     scene = SceneFile(hold={"wait_s": 0.2}, slide={"distance_m": 0.02}, outputs=outputs)
     found = run_scene(CONTROLLER, scene, 0).columns
     step = CONTROLLER.detector.adc_step_v
-    for name, low_v in (("voltage_v", 0.0), ("sampled_filtered_v", -1.65)):
+    for name, low_v in (("voltage_v", 0.0), ("sampled_filtered_v", -GROUND_V)):
         codes = (found[name] - low_v) / step
         assert np.abs(codes - np.round(codes)).max() < 1e-6
     delayed = AntiAliasFilter.for_filtered(CONTROLLER).process(found["filtered_v"])

@@ -49,6 +49,7 @@ _TEMPLATE = """
 | `{name}.net` | netlist of the same circuit, for other PCB tools |
 | `{name}.cir` | SPICE deck, see below |
 | `bom.csv` | bill of materials: quantities, values, ratings, part numbers with their sources, or why one is missing |
+| `bringup.md`, `bringup_readings.toml` | with `--bringup`: how to test a soldered board, and a file for the readings |
 | `values.json` | component values: ideal and preferred; target and achieved response; voltage limits; errata |
 
 `ngspice -b {name}.cir` prints the levels at TACTILE, STAGE1_OUT and FILTERED [dBV] over frequency, for an AC
@@ -288,8 +289,9 @@ def _controller_notes(values: BoardValues, design: Design) -> list[str]:
         f"{1e6 * detector.adc_step_v / values.achieved_response.passband_gain:.2g} uV of the tactile voltage there.",
         f"All amplifiers are supplied from 0 and +{supply_v:g} V, so T, S, E and M cannot leave this range, whatever "
         "the sensor does: while the supply rises, with the sensor open or shorted, and in a hard press.",
-        f"T and M are fixed ratios of the supply (VREF, which feeds the bridge, is {VREF_RATIO:g} of it, M is half of "
-        "it). If the ADC's reference is not the supply, read M and use the ratio T / M.",
+        f"T and M are fixed ratios of the supply (VREF, which feeds the bridge, is {VREF_RATIO:g} of it, M is "
+        f"{SUPPLIES[values.supply].signal_ground_ratio:.3g} of it). If the ADC's reference is not the supply, read M "
+        "and use the ratio T / M.",
     ]
 
 
@@ -368,11 +370,14 @@ def _controller_power_notes(values: BoardValues, design: Design) -> list[str]:
         f"{ripple.high_hz / 1e3:g} kHz its peak must stay below {format_figure(1e3 * ripple.max_v, 2)} mV: more "
         f"{effect}. The supply rejection of the amplifiers themselves is not part of these figures.",
         "After power-up VMID and VREF rise with a time constant of a quarter of a second: wait 2 s.",
+        "Feed the controller from the same 3.3 V. Then no signal exceeds its supply, and both go on and off together. "
+        "The clamps lead to the supply of this board: they do not protect a controller that is off, or on less.",
     ]
     if values.comparator_levels:
         notes.append(
             f"SLIP is an active-low open collector with a pull-up to +{supply_v:g} V (R21, {PULL_UP_OHM / 1e3:g}k), "
-            "which the hysteresis needs. Boards may share a line; each adds its pull-up."
+            "which the hysteresis needs. Do not join the SLIP lines of two boards: each would change the threshold of "
+            "the other."
         )
     return notes
 
@@ -398,7 +403,7 @@ def _offset_section(values: BoardValues, design: Design) -> str:
     if values.comparator_levels:
         title, procedure = (
             "Envelope offset and threshold",
-            _trimming_procedure(values.comparator_levels, values, design),
+            trimming_procedure(values.comparator_levels, values, design),
         )
     else:
         is_single = _is_single(values)
@@ -430,7 +435,8 @@ def _describe_offset(offset: OutputOffset, values: BoardValues, design: Design) 
     )
 
 
-def _trimming_procedure(levels: ComparatorLevels, values: BoardValues, design: Design) -> str:
+def trimming_procedure(levels: ComparatorLevels, values: BoardValues, design: Design) -> str:
+    """Describe how to trim the threshold of variant comparator, as a Markdown paragraph and numbered steps."""
     reference_point = "M or TP5, not against ground" if _is_single(values) else "ground (TP5)"
     slip = _slip_pin(values)
     threshold = f"{1e3 * design.detector.threshold_v:g} mV"

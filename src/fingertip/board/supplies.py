@@ -1,8 +1,8 @@
 """The supplies of a board: signal ground, negative rail of the amplifiers, supply of the bridge, and headroom of each.
 
 On a split supply of plus and minus 5 V, signal ground is supply ground (0 V), as in the article. On a single supply of
-5 V or 3.3 V it is VMID (buffered mid-supply). Bridge, filters, rectifier, envelope and threshold refer to it, and the
-amplifiers need rail-to-rail inputs and outputs (`fingertip.amplifiers`).
+5 V or 3.3 V it is VMID (buffered mid-supply, `fingertip.design.signal_ground`). Bridge, filters, rectifier, envelope
+and threshold refer to it, and the amplifiers need rail-to-rail inputs and outputs (`fingertip.amplifiers`).
 
 The board for 3.3 V is made for the controller of a hand: its outputs stay within the supply, its connectors are keyed
 and lock, a reversed supply does no harm, and the bridge is fed from VREF, a buffered ratio of the supply without its
@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fingertip.board.nets import GND, VCC, VEE, VMID, VREF
+from fingertip.design.signal_ground import signal_ground_ratio
 
 
 @dataclass(frozen=True)
@@ -25,14 +26,17 @@ class Supply:
     """Net to which the signals refer."""
     negative_rail: str
     """Net of the amplifiers' negative supply pins."""
-    signal_ground_ratio: float
-    """Voltage of the signal ground above ground, as a ratio of the supply voltage."""
     description: str
     """Short description for titles."""
     nominal_v: float = 5.0
     """Nominal supply voltage [V]."""
     bridge_supply: str = VCC
     """Net that feeds the bridge."""
+
+    @property
+    def signal_ground_ratio(self) -> float:
+        """Voltage of the signal ground above ground, as a ratio of the supply voltage."""
+        return signal_ground_ratio(self.name)
 
     @property
     def is_for_controller(self) -> bool:
@@ -55,9 +59,9 @@ class Supply:
 SUPPLIES = {
     supply.name: supply
     for supply in (
-        Supply("split", GND, VEE, 0.0, "split supply"),
-        Supply("single", VMID, GND, 0.5, "single supply with buffered mid-supply"),
-        Supply("single_3v3", VMID, GND, 0.5, "3.3 V supply with buffered mid-supply", 3.3, VREF),
+        Supply("split", GND, VEE, "split supply"),
+        Supply("single", VMID, GND, "single supply with buffered mid-supply"),
+        Supply("single_3v3", VMID, GND, "3.3 V supply with buffered mid-supply", 3.3, VREF),
     )
 }
 """Supplies by name. A test compares the names with those that the design file accepts."""

@@ -14,6 +14,7 @@ from fingertip.design import filter_components
 from fingertip.design.amplifier_choice import choose_amplifier
 from fingertip.design.filter_components import to_farads
 from fingertip.design.parameters import Board
+from fingertip.design.signal_ground import smaller_headroom_v
 
 BAND_CUTOFFS = 3.0
 """Band of vibrations that is kept, in cutoffs: slip of the embedded finger ends at 1.5, that of the bare sensor reaches
@@ -100,17 +101,13 @@ def compute_peaking_db(amplifier: Amplifier, feedback: Feedback, passband_gain: 
 
 def input_swing_v(board: Board, amplifier: Amplifier) -> float:
     """Smaller swing of a follower around the signal ground [V], typical: of its output or its input."""
-    headroom_v = _headroom_v(board)
+    headroom_v = smaller_headroom_v(board)
     return headroom_v - max(amplifier.output_from_rail_v, amplifier.input_from_lower_v[0])
 
 
 def loaded_swing_v(board: Board, amplifier: Amplifier) -> float:
     """Amplitude for which output currents are compared [V]: no nearer to a rail than data sheets state them."""
-    return min(input_swing_v(board, amplifier), _headroom_v(board) - RAIL_DISTANCE_V)
-
-
-def _headroom_v(board: Board) -> float:
-    return board.supply_v if board.supply == "split" else board.supply_v / 2.0
+    return min(input_swing_v(board, amplifier), smaller_headroom_v(board) - RAIL_DISTANCE_V)
 
 
 def section_currents() -> tuple[float, float, float]:

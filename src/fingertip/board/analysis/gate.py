@@ -91,8 +91,9 @@ def at_least(
 CURRENT, OFFSET, BANDWIDTH, MARGIN, PEAKING = (
     "output current", "offset over swing", "gain-bandwidth product", "phase margin", "gain beyond the band",
 )  # fmt: skip
-IDLE, PRESSED, FLOOR, CLAMP, SERIES, TRIM, SUPPLY = (
-    "tactile voltage at idle", f"tactile voltage at {MAX_FORCE_N:g} N", "envelope's lowest offset",
+INPUT, IDLE, PRESSED, FLOOR, CLAMP, SERIES, TRIM, SUPPLY = (
+    "input of the bridge's amplifier", "tactile voltage at idle", f"tactile voltage at {MAX_FORCE_N:g} N",
+    "envelope's lowest offset",
     "clamp of the converter's pins", "capacitors off series E12", "shift to trim",
     "voltage across the amplifier",
 )  # fmt: skip
@@ -136,6 +137,7 @@ def check_gate(
         *_check_offsets(circuit, design, amplifier),
         at_least(BANDWIDTH, "U1", amplifier.bandwidth_hz, needed_hz, "Hz"),
         *_check_stability(circuit, amplifier, passband_gain),
+        at_most(INPUT, "SENSOR, REFERENCE", limits.max_bridge_input_v, limits.bridge_input_limit_v, "V"),
         *_check_converter(circuit, limits, offset),
         at_most(SERIES, "C1 to C20", float(_count_odd_capacitors(circuit)), 0.0, ""),
         *_check_trim(design, spread),

@@ -21,6 +21,9 @@ _INPUT_SHIFT_V = 0.59
 _INTERNAL_MARGIN_V = 0.11
 _OUTPUT_UPPER_MARGIN_V = 0.5
 _OUTPUT_LOWER_MARGIN_V = 0.01
+_INPUT_UPPER_MARGIN_V = 1.5
+"""Distance of the AD623's inputs from its positive supply for which it is specified [V] (its data sheet, input voltage
+range; recalled, unverified)."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ def compute_output_swing(amplifier: Amplifier, supply: Supply, supply_v: float) 
         supply.lower_headroom_v(supply_v) - max(input_margin_v, amplifier.output_from_rail_v)
         for input_margin_v in amplifier.input_from_lower_v
     )
-    return OutputSwing(up_v, typical, guaranteed, typical < up_v)
+    return OutputSwing(up_v, typical, guaranteed, amplifier.input_from_lower_v[0] > amplifier.output_from_rail_v)
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,10 @@ class VoltageLimits:
     """Tactile voltage with the sensor open."""
     bridge_amplifier_margin_v: float
     """Smallest margin of the bridge amplifier's internal and output voltages to their limits, over all forces."""
+    max_bridge_input_v: float
+    """Highest voltage at an input of the bridge's amplifier, over all forces."""
+    bridge_input_limit_v: float
+    """Voltage up to which its inputs are specified."""
     filter_peak_v: float
     """Largest peak of the filtered signal above the signal ground."""
     filter_trough_v: float
@@ -146,6 +153,8 @@ def compute_voltage_limits(
         bridge_amplifier_margin_v=min(
             _bridge_amplifier_margin_v(volts, supply, supply_v) for volts in (open_sensor, pressed)
         ),
+        max_bridge_input_v=max(volts[net] for volts in (open_sensor, pressed) for net in (SENSOR, REFERENCE)),
+        bridge_input_limit_v=supply_v - _INPUT_UPPER_MARGIN_V,
         filter_peak_v=swing.up_v,
         filter_trough_v=swing.down_v,
         filter_guaranteed_trough_v=swing.guaranteed_down_v,

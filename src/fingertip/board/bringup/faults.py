@@ -52,7 +52,7 @@ def list_faults(circuit: Circuit, ends_v: Mapping[str, tuple[float, float]]) -> 
     for output in list_amplifiers(circuit):
         if output.net in ends_v:
             for volts, end in zip(ends_v[output.net], ("lowest", "highest"), strict=True):
-                what = f"holds {output.net} at its {end} voltage: turned, not soldered, or with bridged pins"
+                what = f"holds {output.net} at its {end} voltage: rotated, not soldered, or with bridged pins"
                 yield Fault(output.reference, what, circuit, 3, {output.net: volts})
 
 

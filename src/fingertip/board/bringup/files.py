@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from fingertip.board.board_values import board_values
+from fingertip.board.board_values import BoardValues, board_values
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board
 from fingertip.board.bringup.readings import read_readings, readings_template
@@ -18,9 +18,10 @@ from fingertip.design import Design
 
 def bring_up_files(design: Design) -> dict[str, bytes]:
     """Content of the bring-up sheet and of the file of readings, by name."""
-    plan = _plan(design)
+    values = board_values(design)
+    plan = _plan(design, values)
     return {
-        BRING_UP: render_sheet(plan, design.name).encode(),
+        BRING_UP: render_sheet(plan, values, design).encode(),
         BRING_UP_READINGS: readings_template(plan, design.name).encode(),
     }
 
@@ -33,10 +34,10 @@ def assess_board(design: Design, path: Path) -> dict[str, Any]:
     TomlFileError, BoardError
         If the file cannot be read, or holds what are no readings of this design's board.
     """
-    readings = read_readings(path, _plan(design))
-    return assess_readings(_plan(design, readings.tone_v), readings)
-
-
-def _plan(design: Design, *tone_v: float) -> BringUp:
     values = board_values(design)
+    readings = read_readings(path, _plan(design, values))
+    return assess_readings(_plan(design, values, readings.tone_v), readings)
+
+
+def _plan(design: Design, values: BoardValues, *tone_v: float) -> BringUp:
     return plan_bring_up(Board.of_design(design, board_circuit(values)), values, *tone_v)

@@ -103,12 +103,13 @@ def _limit_envelope(
     ends: Sequence[Mapping[str, float]],
 ) -> dict[str, Limits]:
     """Limits of the envelope at rest and with the tone: the rectifier adds offsets."""
-    offset, constant_v = values.output_offset, METER_DC[1]
+    offset, constant_v, noise_v = values.output_offset, METER_DC[1], values.noise.mean_envelope_v or 0.0
     low_v, high_v = (offset.min_v - constant_v, offset.max_v + constant_v) if offset else (-constant_v, constant_v)
     quiet, loud = name_voltage(ENVELOPE), name_tone(ENVELOPE, board.bench.tones_hz[-1])
     part_v = 2.0 * _find_tolerance("R6", board) * abs(nominal[loud])
     found = {
-        quiet: Limits(nominal[quiet], nominal[quiet] + low_v, nominal[quiet] + high_v),
+        # Noise is rectified as a tone is: its mean is there at rest, and hardly adds to a tone.
+        quiet: Limits(nominal[quiet] + noise_v, nominal[quiet] + low_v, nominal[quiet] + 2.0 * noise_v + high_v),
         loud: Limits(nominal[loud], ends[0][loud] - part_v + low_v, ends[1][loud] + part_v + high_v),
     }
     output = name_tone(RECT_OUT, board.bench.tones_hz[-1])

@@ -20,6 +20,9 @@ NEGATIVE_OHM = "negative_supply_ohm"
 _SENSOR_RATIO = 0.1
 """Tolerance of the resistance at the sensor's connector: the amplifier's input draws little without power."""
 _NOISE_FACTOR = 4.0
+"""Largest noise that is accepted, in units of the expected one: the meter's bandwidth and hum are not known."""
+_LEAST_THRESHOLD_V = 2e-3
+"""Smallest threshold at which the comparator can be told from one that is stuck [V]."""
 
 
 @dataclass(frozen=True)
@@ -77,12 +80,16 @@ def _resistances(board: Board) -> dict[str, Limits]:
 def _others(board: Board, values: BoardValues, levels: Mapping[str, Limits], tone_v: float) -> dict[str, Limits]:
     noise_v = values.noise.filtered_v
     found = {QUIET: Limits(noise_v, 0.0, _NOISE_FACTOR * noise_v + METER_AC[1])}
+    if values.comparator_levels:
+        # Hum whose mean is half of the threshold at which slip ends; a rectified tone has a mean of RMS sqrt(2) / pi.
+        hum_v = 0.5 * values.comparator_levels.off_v * math.pi / math.sqrt(2.0)
+        found[QUIET] = Limits(noise_v, 0.0, min(found[QUIET].high_v, max(hum_v, 2.0 * noise_v)))
     if values.comparator_levels and values.threshold_spread:
         # The mean of the envelope is proportional to the tone, so the threshold is reached at this share of it.
         loud, quiet = (levels[name_tone(ENVELOPE, board.bench.tones_hz[-1])], levels[name_voltage(ENVELOPE)])
         per_volt = (loud.expected_v - quiet.expected_v) / tone_v
         spread, ratio = values.threshold_spread, METER_AC[0]
-        low, high = (max(v, 0.0) / per_volt for v in (spread.min_v, spread.max_v))
+        low, high = (max(v, _LEAST_THRESHOLD_V) / per_volt for v in (spread.min_v, spread.max_v))
         expected = values.comparator_levels.on_v / per_volt
         found[SLIP_TONE] = Limits(expected, low * (1.0 - ratio), high * (1.0 + ratio) + METER_AC[1])
     return found

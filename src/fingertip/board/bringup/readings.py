@@ -46,7 +46,10 @@ def readings_template(plan: BringUp, name: str) -> str:
         "",
     ]
     for key, limits in plan.all.items():
-        lines.append(f"{key} = nan  # {unit_of(key)}, expected {round(limits.expected_v, 4) + 0.0:.4g}")
+        expected = f"expected {round(limits.expected_v, 4) + 0.0:.4g}"
+        if math.isinf(limits.high_v):
+            expected = f"above {limits.low_v:.0f}"
+        lines.append(f"{key} = nan  # {unit_of(key)}, {expected}")
     return "\n".join(lines) + "\n"
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+from fingertip.board.board_values import BoardValues
 from fingertip.board.bringup.bench import COUPLING_FARAD, TONE_V
-from fingertip.board.bringup.limits import METER_AC, METER_DC, SUPPLY_PERCENT, Limits
+from fingertip.board.bringup.limits import BOARDS, METER_AC, METER_DC, SUPPLY_PERCENT, Limits
 from fingertip.board.bringup.plan import NEGATIVE_OHM, QUIET, SENSOR_OHM, SLIP_TONE, SUPPLY_MA, SUPPLY_OHM, BringUp
 from fingertip.board.bringup.prediction import list_levels, name_tone, name_voltage
 from fingertip.board.circuit import format_component_value
@@ -23,6 +24,8 @@ from fingertip.board.nets import (
     TACTILE,
     VMID,
 )
+from fingertip.board.readme import trimming_procedure
+from fingertip.design import Design
 
 _PROBES = {
     TACTILE: "TP1, tactile voltage",
@@ -48,17 +51,18 @@ _MEANINGS = {
 """Parts that a constant voltage depends on."""
 
 
-def render_sheet(plan: BringUp, name: str) -> str:
+def render_sheet(plan: BringUp, values: BoardValues, design: Design) -> str:
     """Render the bring-up sheet of a design's board as Markdown."""
     bench, board = plan.board.bench, plan.board
     light, firm = bench.dummy_ohm
     low, middle, high = bench.tones_hz
     ground = "TP5 (signal ground)" if board.signal_ground == VMID else "TP5 (ground)"
     sections = [
-        f"# Bring-up of the board of {name}",
-        "Ten minutes with a multimeter, from the first look to a board that can be trusted. Each limit is what good "
-        f"boards read, with resistors, capacitors and offsets anywhere within their tolerances, plus the error of a "
-        f"simple meter ({100 * METER_DC[0]:g} % and {1e3 * METER_DC[1]:g} mV; alternating {100 * METER_AC[0]:g} % and "
+        f"# Bring-up of board `{design.name}`",
+        "This sheet tests a soldered board with a multimeter and the tone of a phone, from the first look on. The "
+        f"limits of a reading are the extremes of {BOARDS} simulated boards, whose resistors, capacitors and offsets "
+        f"lie anywhere within their tolerances, on a supply within {SUPPLY_PERCENT:g} %, and the error of a simple "
+        f"meter ({100 * METER_DC[0]:g} % and {1e3 * METER_DC[1]:g} mV; alternating {100 * METER_AC[0]:g} % and "
         f"{1e3 * METER_AC[1]:g} mV).",
         "Write every reading into a copy of `bringup_readings.toml`. If one fails, `fingertip board DESIGN --readings "
         "FILE` says which part is the likely fault.",
@@ -68,6 +72,7 @@ def render_sheet(plan: BringUp, name: str) -> str:
                 "A multimeter with a range of millivolts that reads alternating voltage up to 400 Hz.",
                 f"A supply of {_describe_supply(plan)} within {SUPPLY_PERCENT:g} %, with a current limit of "
                 f"{_limit_ma(plan):.0f} mA if it has one.",
+                *(["Plugs with wires for J1 and J2."] if _is_protected(plan) else []),
                 f"Resistors of {_ohm(light)} and {_ohm(firm)} (1 %) in place of the sensor.",
                 "A tone generator, or a phone with an app for tones and a headphone cable; "
                 f"{_ohm(bench.coupling_ohm)} (1 %) and {format_component_value(COUPLING_FARAD)}F in series from its "
@@ -78,8 +83,9 @@ def render_sheet(plan: BringUp, name: str) -> str:
         _bullets(_list_looks(plan)),
         "## 2. Ohmmeter, without power",
         _table(("reading", "where", "expected", "accept", "else"), _list_resistances(plan)),
-        "The amplifiers lie in parallel with the resistors: a meter may read less than the resistors alone would "
-        "give, and something else with its probes exchanged.",
+        "Wait until the reading stands still: it charges the capacitors. The amplifiers lie in parallel with the "
+        "resistors: a meter may read less than the resistors alone would give, and something else with its probes "
+        "exchanged.",
         "## 3. First power",
         f"Nothing at J1 and J3. {_describe_reversal(plan)}",
         _table(
@@ -89,7 +95,7 @@ def render_sheet(plan: BringUp, name: str) -> str:
                     plan,
                     SUPPLY_MA,
                     "mA, into the positive supply",
-                    "more: switch off, an amplifier is turned or bridged",
+                    "more: switch off, an amplifier is rotated or bridged",
                 )
             ],
         ),
@@ -98,18 +104,18 @@ def render_sheet(plan: BringUp, name: str) -> str:
         _table(("reading", "red probe", "expected", "accept", "depends on"), _list_voltages(plan)),
         "## 5. Tone",
         f"{_ohm(light)} at J1. Set the tone to {TONE_V:g} V RMS, measured at the generator while it is connected; the "
-        "file takes another value too. Meter at alternating voltage, but where direct voltage is stated.",
+        "file takes another value too. Meter at alternating voltage, except where direct voltage is stated.",
         _table(("reading", "tone", "red probe", "expected", "accept"), _list_tones(plan)),
         f"The filter passes {high:g} Hz and stops what is well below {middle:g} Hz, so the readings must rise from "
         f"{low:g} Hz to {high:g} Hz. {_warn_of_range(low)}",
         "## 6. Quiet",
-        "The tone off, the resistor still at J1, wires as in the hand.",
+        "The tone off, the resistor still at J1, with the cables as long as in the hand.",
         _table(
             ("reading", "where", "expected", "accept", "else"),
             [_row(plan, QUIET, "TP3, alternating", "hum or oscillation: shorten and twist the wires, try a battery")],
         ),
         "## 7. Threshold",
-        _describe_threshold(plan),
+        _describe_threshold(plan, values, design),
         "## When a reading fails",
         "Fill in what you have: three voltages are enough for a diagnosis, more tell more faults apart.",
         "    fingertip board DESIGN --readings FILE",
@@ -128,27 +134,36 @@ def _limit_ma(plan: BringUp) -> float:
 
 
 def _describe_reversal(plan: BringUp) -> str:
-    if any(part.symbol.name == "AO3401A" for part in plan.board.circuit.components):
+    if _is_protected(plan):
         return "A reversed supply does no harm: Q1 blocks it, and the current stays 0."
     return "Nothing protects against a reversed supply: check its polarity at J2 with the meter before you plug it in."
+
+
+def _is_protected(plan: BringUp) -> bool:
+    return any(part.symbol.name == "AO3401A" for part in plan.board.circuit.components)
 
 
 def _list_looks(plan: BringUp) -> list[str]:
     parts = {part.reference: part for part in plan.board.circuit.components}
     diodes = [r for r, part in parts.items() if part.symbol.name == "1N4148W"]
     amplifiers = [r for r, part in parts.items() if r.startswith("U")]
+    small = [r for r, part in parts.items() if "SOT-23" in part.footprint]
     looks = [
         "No bridge of solder between the pins of the amplifiers, no part beside its pads or on its edge.",
-        f"The mark of {_join(amplifiers)} at pin 1, which the silkscreen shows.",
+        f"The dot of {_join([r for r in amplifiers if r not in small])} at pin 1, which the silkscreen shows.",
         f"The bar of {_join(diodes)} at the cathode, pin 1.",
     ]
+    if small:
+        looks.append(f"The side of {_join(small)} with two or three legs where the board has two or three pads.")
     if parts["J1"].footprint in LOCKING_CONNECTORS:
         looks.append("The tabs of the connectors soldered too: they take the pull of the cables.")
     return looks
 
 
 def _list_resistances(plan: BringUp) -> list[tuple[str, ...]]:
-    rows = [_row(plan, SUPPLY_OHM, "J2: plus to ground", "a short: do not apply power")]
+    # Behind the MOSFET that blocks a reversed supply, because without power it blocks the meter too.
+    where = "C10: between its ends" if _is_protected(plan) else "J2: plus to ground"
+    rows = [_row(plan, SUPPLY_OHM, where, "a short: do not apply power")]
     if NEGATIVE_OHM in plan.before_power:
         rows.append(_row(plan, NEGATIVE_OHM, "J2: ground to minus", "a short: do not apply power"))
     return [*rows, _row(plan, SENSOR_OHM, "J1: between its pins", "R10 to R13, C7")]
@@ -184,16 +199,23 @@ def _warn_of_range(low_hz: float) -> str:
     return f"Simple meters read too little below 40 Hz: take {low_hz:g} Hz with an oscilloscope, or leave it out."
 
 
-def _describe_threshold(plan: BringUp) -> str:
-    if SLIP_TONE not in plan.others:
+def _describe_threshold(plan: BringUp, values: BoardValues, design: Design) -> str:
+    levels = values.comparator_levels
+    if SLIP_TONE not in plan.others or levels is None:
         return (
             "The threshold of this board lies in the detector's software: `fingertip detect` states it. Press the "
             "sensor, stroke it, and look at the recorded signal."
         )
-    hz = plan.board.bench.tones_hz[-1]
-    row = _row(plan, SLIP_TONE, f"tone of {hz:g} Hz, at the generator", "turn RV1 until it does; else R19 to R21, U4")
+    hz, high_v = plan.board.bench.tones_hz[-1], 0.8 * design.board.supply_v
+    row = _row(plan, SLIP_TONE, f"tone of {hz:g} Hz, at the generator", "trim as below; else R19 to R21, U4")
     table = _table(("reading", "where", "expected", "accept", "else"), [row])
-    return f"RV1 at its midpoint. Raise the tone from 0 until SLIP at J3 falls.\n\n{table}"
+    return (
+        "RV1 at its midpoint, the tone off. SLIP, at the end of R21 that is not at the supply, must be above "
+        f"{high_v:.1f} V. If it is not, turn RV1 anticlockwise until it is. Raise the tone from 0 until SLIP falls, "
+        f"and note the tone. Lower the tone: SLIP must rise again at about {100 * levels.off_v / levels.on_v:.0f} % of "
+        f"it. If SLIP never falls, or never rises, check R18 to R21 and U4.\n\n{table}\n\n## 8. "
+        f"Trim\n\n{trimming_procedure(levels, values, design)}"
+    )
 
 
 def _row(plan: BringUp, name: str, where: str, last: str) -> tuple[str, ...]:
@@ -204,9 +226,8 @@ def _row(plan: BringUp, name: str, where: str, last: str) -> tuple[str, ...]:
 def _figures(limits: Limits, unit: str) -> tuple[str, str]:
     """Expected reading and limits as text."""
     if unit == "ohm":
-        expected = "open" if math.isinf(limits.expected_v) else f"below {_ohm(limits.expected_v)}"
         if math.isinf(limits.high_v):
-            return expected, f"above {_ohm(limits.low_v)}"
+            return "-", f"above {_ohm(limits.low_v)}"
         return _ohm(limits.expected_v), f"{limits.low_v:.0f} to {limits.high_v:.0f} ohm"
     digits = 3 if unit == "V" else 1
     values = (f"{value + 0.0:.{digits}f}" for value in (limits.expected_v, limits.low_v, limits.high_v))

@@ -41,6 +41,7 @@ from fingertip.board.nets import (
     VREF_DIVIDER,
 )
 from fingertip.board.supplies import SUPPLIES, Supply
+from fingertip.design.signal_ground import DIVIDERS_OHM
 
 NAME = "slip_filter"
 
@@ -51,12 +52,6 @@ BULK_F = 10e-6
 """Capacitor where the supply enters [F]."""
 CABLE_OHM = 1e3
 """Resistor between an amplifier's output and a pin without a filter [ohm]."""
-DIVIDER_OHM = {"single": 10e3, "single_3v3": 47e3}
-"""Both resistors of the divider that halves a supply [ohm], by the supply's name.
-
-With `DIVIDER_F` they filter supply ripple above 3 Hz out of VMID, or above 0.7 Hz: VMID and VREF then follow the supply
-alike, and their ratio stays.
-"""
 
 
 def complete_circuit(values: ComponentValues, signal_path: Wiring, fourth_pin: str = GND) -> Circuit:
@@ -119,7 +114,7 @@ def _adc_connector(supply: Supply, fourth_pin: str) -> Wiring:
 def _controller_interface(parts: SelectedComponents, slip_pin: str) -> Wiring:
     """Connector to the controller, with ground between the signals, and the filtered signal's pole and clamp.
 
-    The filtered signal is centred at VMID, half of the supply. VMID is the reference of all signals.
+    The filtered signal is centred at VMID. VMID is the reference of all signals.
     """
     signals = [ADC_TACTILE, ADC_FILTERED, ADC_ENVELOPE, VMID_OUT, slip_pin]
     pins = {str(2 * i + 1): net for i, net in enumerate(signals)}
@@ -181,7 +176,8 @@ def _single_supply(parts: SelectedComponents, supply: Supply) -> Wiring:
     The follower's output has no capacitor, because it could not drive one, and R24 isolates it from the cable's
     capacitance. It carries the bridge's 2 mA.
     """
-    plus, divider_ohm = {"1": VCC, "2": GND}, DIVIDER_OHM[supply.name]
+    plus, divider = {"1": VCC, "2": GND}, DIVIDERS_OHM[supply.name]
+    assert divider
     if supply.is_for_controller:
         entry = _protected_entry()
     else:
@@ -192,8 +188,8 @@ def _single_supply(parts: SelectedComponents, supply: Supply) -> Wiring:
         supply_capacitor("C10", BULK_F, "supply, at its entry", symbols.C_0805): plus,
         supply_capacitor("C5", DECOUPLING_F, "supply, at U1"): plus,
         supply_capacitor("C12", DECOUPLING_F, "supply, at U2"): plus,
-        precision_resistor("R22", divider_ohm, "mid-supply: upper half"): {"1": VCC, "2": VMID_DIVIDER},
-        precision_resistor("R23", divider_ohm, "mid-supply: lower half"): {"1": VMID_DIVIDER, "2": GND},
+        precision_resistor("R22", divider[0], "mid-supply: upper part"): {"1": VCC, "2": VMID_DIVIDER},
+        precision_resistor("R23", divider[1], "mid-supply: lower part"): {"1": VMID_DIVIDER, "2": GND},
         supply_capacitor("C21", DIVIDER_F, "mid-supply: filters ripple", symbols.C_0805): {
             "1": VMID_DIVIDER,
             "2": GND,

@@ -6,9 +6,9 @@ the reference:
 
     V = V0 + A (Vs - V0) [1 / (1 + R_top (1 / R_shunt + G)) - R_low / (R_high + R_low)],  A = 1 + 100 kohm / R_gain
 
-with V0 = 0 on a split supply. On a single supply V0 is VMID, half of Vs: the internal nodes of the amplifier (AD623)
-must stay above its lower rail, and with inputs a few tenths of a volt above ground they would allow at most 1.5 V, not
-the article's 4.3 V.
+with V0 = 0 on a split supply. On a single supply V0 is VMID, near half of Vs: the internal nodes of the amplifier
+(AD623) must stay above its lower rail, and with inputs a few tenths of a volt above ground they would allow at most
+1.5 V, not the article's 4.3 V.
 
 On a board for 3.3 V the bridge is fed from VREF, `VREF_RATIO` of the supply, which takes the place of Vs. The article's
 4.3 V do not exist there: the tactile voltage is shifted and scaled (`CONTROLLER_TARGET`), so that it stays within the

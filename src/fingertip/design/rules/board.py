@@ -29,6 +29,7 @@ from fingertip.design.parameters import Board, DesignTables
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.preferred_series import CAPACITOR_SERIES, find_preferred_neighbours
 from fingertip.design.rules.ruleset import Interval, Ruleset, Violation, at_least, at_most
+from fingertip.design.signal_ground import upper_headroom_v
 from fingertip.numerics import bisect
 
 RULES = Ruleset()
@@ -352,7 +353,7 @@ def threshold_can_be_trimmed(design: DesignTables) -> Violation | None:
     """The threshold lies within the range of the comparator's trimmer."""
     if design.board.variant != "comparator":
         return None
-    maximum = reach_v(design.board) / 4.0
+    maximum = upper_headroom_v(design.board) / 4.0
     if MIN_COMPARATOR_V <= design.detector.threshold_v <= maximum:
         return None
     return Violation(
@@ -378,14 +379,6 @@ def mean_tolerates_the_bias_current(design: DesignTables) -> Violation | None:
         f"{1e3 * averaging_ohm * MAX_BIAS_A:.3g} mV, more than half of the threshold of {1e3 * threshold:g} mV",
         at_most(maximum),
     )
-
-
-def reach_v(board: Board) -> float:
-    """Return how far above their quiescent level the supply lets signals go [V].
-
-    That is all of a split supply, and half of a single one, at whose middle the signals have their quiescent level.
-    """
-    return board.supply_v if board.supply == "split" else board.supply_v / 2.0
 
 
 def _check_selected_capacitor(name: str, factor: float, cutoff: str, design: DesignTables) -> Violation | None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from fingertip.design.parameters import DesignTables
-from fingertip.design.rules.board import reach_v
 from fingertip.design.rules.ruleset import Ruleset, Violation, at_least, at_most
+from fingertip.design.signal_ground import upper_headroom_v
 
 RULES = Ruleset()
 
@@ -51,7 +51,7 @@ def window_not_too_long(design: DesignTables) -> Violation | None:
 @RULES.rule("detector.threshold_v")
 def threshold_within_supply(design: DesignTables) -> Violation | None:
     """The signal can reach the threshold."""
-    reach = reach_v(design.board)
+    reach = upper_headroom_v(design.board)
     if design.detector.threshold_v < reach:
         return None
     signals = "" if reach == design.board.supply_v else f", whose signals have a quiescent level of {reach:g} V"

@@ -136,7 +136,7 @@ class AdcRange:
         return cls.from_design(design)
 
     def above_signal_ground(self, design: Design) -> AdcRange:
-        """The same range for voltages above the signal ground, which on a single supply lies at half of it.
+        """The same range for voltages above the signal ground, which on a single supply lies near half of it.
 
         Filtered signal and envelope are computed so. The controller subtracts the signal ground from its readings.
         """

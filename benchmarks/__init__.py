@@ -1,0 +1,1 @@
+"""Measurements of error beside run time. Run one with `python benchmarks/NAME.py`."""

@@ -183,7 +183,7 @@ def test_analysis_and_values_contain_these_effects(tmp_path: Path) -> None:
     for phrase in (
         "envelope offset between -0.2 and 0.5 mV", "measure the envelope offset",
         "ON above 16.9 mV and OFF below 12.4 mV",
-        "raises the mean by 0.38 mV (at most 3.75 mV)", "amplified up to 59 times", "a peak of 0.91 mV",
+        "raises the mean by 0.38 mV (at most 3.75 mV)", "multiplied by 59 at most", "a peak of 0.91 mV",
         "would raise the threshold by 0.12 mV", "INA821 for U2 is a comparison, not a drop-in replacement",
         "10000 boards with uniformly and independently distributed values", "not included: R_LP and C_LP",
         "U3: see the envelope offset above", "(4.9 V peak) needs 84 dB",

@@ -16,6 +16,7 @@ from fingertip.board.analysis.thresholds import ComparatorLevels
 from fingertip.board.analysis.touches import describe_touches
 from fingertip.board.board_values import BoardValues
 from fingertip.board.circuit import Circuit
+from fingertip.board.circuits.front_end_and_supply import CABLE_OHM
 from fingertip.board.components.anti_aliasing import CLAMP_A, LOW_LEAKAGE_CLAMP, MAX_CLAMP_A, MAX_LOW_LEAKAGE_A
 from fingertip.board.components.bridge import VREF_RATIO
 from fingertip.board.components.comparator import PULL_UP_OHM
@@ -104,6 +105,8 @@ and run the command again. This changes component values but neither placement n
 {limitations}
 """
 
+MAX_PIN_LEAK_V = 1e-3
+"""Shift by an ADC's leakage current for which that current is stated [V]."""
 _TEST_POINT_SIGNALS = {
     "TACTILE": "tactile voltage: output of the bridge's amplifier",
     "STAGE1_OUT": "output of the first filter stage",
@@ -251,10 +254,25 @@ def _signal_notes(values: BoardValues, design: Design) -> list[str]:
         f"samples per second. In T they attenuate frequencies that alias to {values.aliasing.band_hz:.0f} Hz, the "
         f"upper end of the vibration band, by {-values.aliasing.tactile_alias_db:.0f} dB. For another sampling rate "
         "set `detector.sample_rate_hz`.",
-        "Use an ADC with an input resistance of at least 10 Mohm: it forms a voltage divider with R7 to R9.",
+        _source_note(values),
         _leak_note(values),
     ]
     return [*notes, *_controller_notes(values, design)] if SUPPLIES[values.supply].is_for_controller else notes
+
+
+def _source_note(values: BoardValues) -> str:
+    """State the source resistances of the pins, and what an ADC may draw from them."""
+    limits, part = values.voltage_limits, values.by_reference
+    pins = f"T {limits.tactile_pin_ohm / 1e3:.3g}k, E {limits.envelope_pin_ohm / 1e3:.3g}k"
+    if SUPPLIES[values.supply].is_for_controller:
+        pins += f", S {part['R27'] / 1e3:.3g}k, M {CABLE_OHM / 1e3:g}k"
+    largest_ohm = max(limits.tactile_pin_ohm, limits.envelope_pin_ohm)
+    return (
+        f"Source resistances at the pins: {pins}. C8 and C19 lie at the pins and feed the sampling capacitor of an "
+        f"ADC; it may be some pF. A leakage current of {1e9 * MAX_PIN_LEAK_V / largest_ohm:.0f} nA into a pin shifts "
+        f"it by {1e3 * MAX_PIN_LEAK_V:g} mV, and an input resistance of 10 Mohm by {100 * largest_ohm / 1e7:.1f} %: "
+        "look up both in the ADC's data sheet."
+    )
 
 
 def _leak_note(values: BoardValues) -> str:
@@ -281,12 +299,14 @@ def _leak_note(values: BoardValues) -> str:
 
 def _controller_notes(values: BoardValues, design: Design) -> list[str]:
     """Describe what a controller reads beside tactile voltage and envelope."""
-    supply_v, detector = design.board.supply_v, design.detector
+    supply_v, detector, aliasing = design.board.supply_v, design.detector, values.aliasing
+    filtered_gain = aliasing.filtered_gain or 1.0
     return [
         f"S is the filtered signal ahead of the rectifier, centred at M ({values.voltage_limits.signal_ground_v:.2f} "
-        f"V), with the pole of R27 and C25 and the clamp D5. Its gain is {values.achieved_response.passband_gain:.1f}: "
-        f"a step of the ADC ({1e3 * detector.adc_step_v:.2g} mV) is "
-        f"{1e6 * detector.adc_step_v / values.achieved_response.passband_gain:.2g} uV of the tactile voltage there.",
+        f"V), with the pole of R27 and C25 and the clamp D5. From T to S the gain is {filtered_gain:.1f} at most: a "
+        f"step of the ADC ({1e3 * detector.adc_step_v:.2g} mV) is {1e6 * detector.adc_step_v / filtered_gain:.2g} uV "
+        f"of the tactile voltage there. What aliases to {aliasing.band_hz:.0f} Hz is "
+        f"{-(aliasing.filtered_alias_db or 0.0):.0f} dB below what is there itself.",
         f"All amplifiers are supplied from 0 and +{supply_v:g} V, so T, S, E and M cannot leave this range, whatever "
         "the sensor does: while the supply rises, with the sensor open or shorted, and in a hard press.",
         f"T and M are fixed ratios of the supply (VREF, which feeds the bridge, is {VREF_RATIO:g} of it, M is "
@@ -423,7 +443,8 @@ def _describe_offset(offset: OutputOffset, values: BoardValues, design: Design) 
     amplifier = CATALOGUE[values.amplifier]
     text = (
         f"The offset voltages of U1 and U3 appear in the envelope. With {1e3 * amplifier.max_offset_v:g} mV each, the "
-        f"maximum of a {amplifier.order_name}, the envelope offset lies between {1e3 * offset.min_v:.1f} and "
+        f"maximum of a {amplifier.order_name}, the envelope offset lies between "
+        f"{round(1e3 * offset.min_v, 1) + 0.0:.1f} and "
         f"+{1e3 * offset.max_v:.1f} mV (typical offsets cause {format_figure(1e3 * offset.typical_v, 2)} mV, "
         f"the root of the sum of their squares). The design's threshold is {1e3 * design.detector.threshold_v:g} mV."
     )

@@ -13,10 +13,12 @@ import numpy as np
 
 from fingertip.board.analysis.response import RECTIFYING_DIODE, decibel
 from fingertip.board.circuit import Circuit
-from fingertip.board.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE
+from fingertip.board.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE
 from fingertip.board.network import build_network
 from fingertip.design import Design
 from fingertip.design.amplifier_stages import BAND_CUTOFFS
+
+_POINTS = 40
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,10 @@ class AliasAttenuation:
     envelope_nyquist_db: float
     """Gain from the rectifier (in variant article from the envelope) to the pin at `nyquist_hz`."""
     envelope_alias_db: float
+    filtered_gain: float | None
+    """Largest gain from the tactile voltage to the pin of the filtered signal, in the band; None without such a pin."""
+    filtered_alias_db: float | None
+    """Level at `alias_hz` over the one at `band_hz`, from the tactile voltage to that pin: both appear at `band_hz`."""
     required_db: float
     """Attenuation that would reduce a tone with the peak `swing_v` to 1 LSB of the ADC."""
     swing_v: float
@@ -75,6 +81,12 @@ def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float, 
 
     tactile = gains(TACTILE, ADC_TACTILE, band_hz, nyquist_hz, alias_hz)
     envelope = gains(source, ADC_ENVELOPE, nyquist_hz, alias_hz)
+    filtered_gain = filtered_alias_db = None
+    if ADC_FILTERED in circuit.net_by_pin.values():
+        f_hz = np.array([*np.geomspace(design.board.cutoff_hz, band_hz, _POINTS), alias_hz])
+        path = network.drive(TACTILE).restrict(ADC_FILTERED)
+        levels = np.abs(path.response(f_hz, {TACTILE: 1.0}, ADC_FILTERED)[:, 0])
+        filtered_gain, filtered_alias_db = float(levels[:-1].max()), decibel(float(levels[-1] / levels[-2]))
     return AliasAttenuation(
         band_hz=band_hz,
         nyquist_hz=nyquist_hz,
@@ -84,6 +96,8 @@ def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float, 
         tactile_alias_db=decibel(tactile[2]),
         envelope_nyquist_db=decibel(envelope[0]),
         envelope_alias_db=decibel(envelope[1]),
+        filtered_gain=filtered_gain,
+        filtered_alias_db=filtered_alias_db,
         required_db=decibel(swing_v / lsb_v),
         swing_v=swing_v,
         one_lsb_tone_v=lsb_v / abs(tactile[2]),

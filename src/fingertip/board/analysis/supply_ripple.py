@@ -118,7 +118,7 @@ def describe_supply_ripple(ripple: SupplyRipple, has_diode: bool) -> str:
     """Describe the requirement on the supply's ripple."""
     effect = "makes the diode conduct" if has_diode else "brings the envelope to the threshold"
     return (
-        f"ripple on the positive supply reaches the rectifier amplified up to {ripple.gain:.0f} times (at "
-        f"{format_figure(ripple.worst_hz, 2)} Hz; searched from {ripple.low_hz:.3g} Hz to {ripple.high_hz / 1e3:g} kHz "
-        f"{describe_sensor(ripple)}): a peak of {1e3 * ripple.max_v:.2g} mV alone {effect}"
+        f"ripple on the positive supply reaches the rectifier multiplied by {format_figure(ripple.gain, 2)} at most "
+        f"(at {format_figure(ripple.worst_hz, 2)} Hz; searched from {ripple.low_hz:.3g} Hz to "
+        f"{ripple.high_hz / 1e3:g} kHz {describe_sensor(ripple)}): a peak of {format_figure(1e3 * ripple.max_v, 2)} mV alone {effect}"
     )

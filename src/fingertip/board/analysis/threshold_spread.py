@@ -130,7 +130,7 @@ def describe_threshold_spread(spread: ThresholdSpread) -> str:
     largest = max(spread.shifts, key=lambda shift: shift.worst_v)
     return (
         f"with the trimmer at its midpoint the threshold of a board is {1e3 * spread.mean_v:.1f} mV on average and "
-        f"between {1e3 * spread.min_v:.1f} and {1e3 * spread.max_v:.1f} mV in the worst case from "
+        f"between {round(1e3 * spread.min_v, 1) + 0.0:.1f} and {1e3 * spread.max_v:.1f} mV in the worst case from "
         f"{MIN_TEMPERATURE_C:g} to {MAX_TEMPERATURE_C:g} C (largest part: {largest.cause}, "
         f"{1e3 * largest.worst_v:.1f} mV); the trimmer can shift it by {1e3 * spread.trim_v:.1f} mV, and offsets "
         f"and currents need {1e3 * spread.to_trim_v:.1f} mV"

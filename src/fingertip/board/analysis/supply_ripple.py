@@ -120,5 +120,6 @@ def describe_supply_ripple(ripple: SupplyRipple, has_diode: bool) -> str:
     return (
         f"ripple on the positive supply reaches the rectifier multiplied by {format_figure(ripple.gain, 2)} at most "
         f"(at {format_figure(ripple.worst_hz, 2)} Hz; searched from {ripple.low_hz:.3g} Hz to "
-        f"{ripple.high_hz / 1e3:g} kHz {describe_sensor(ripple)}): a peak of {format_figure(1e3 * ripple.max_v, 2)} mV alone {effect}"
+        f"{ripple.high_hz / 1e3:g} kHz {describe_sensor(ripple)}): a peak of "
+        f"{format_figure(1e3 * ripple.max_v, 2)} mV alone {effect}"
     )

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from fingertip.campaign.grip import GripController, GripSettings
-from fingertip.campaign.wider_mix.bursts import draw_band_noise
+from fingertip.campaign.wider_mix.bursts import draw_band_noise, sample
 from fingertip.campaign.wider_mix.labelled_signal import LabelledSignal, Slide
 from fingertip.design import Design
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.scene.timeline import build_timeline
+from fingertip.sim.signal.interference import HAND_BAND_HZ
 from fingertip.slip.intervals import STICK_S, Interval, intervals, merge
 
 _OUTPUTS = ["voltage_v", "slip"]
@@ -142,7 +144,13 @@ finger touches or not [V]. Pink noise of 0.25 mV per decade is 0.2 mV between 40
 
 def in_noise(design: Design, scene: SceneFile, seed: int, name: str) -> LabelledSignal:
     """Simulate a scene in one of the conditions of `NOISES`; alarms count after the first second."""
-    condition = NOISES[name]
+    return in_condition(design, scene, seed, name, NOISES[name])
+
+
+def in_condition(
+    design: Design, scene: SceneFile, seed: int, kind: str, condition: Mapping[str, Any]
+) -> LabelledSignal:
+    """Simulate a scene in a condition like those of `NOISES`; alarms count after the first second."""
     tables = scene.model_dump()
     tables["noise"] |= condition.get("noise", {})
     tables["converter"] |= condition.get("converter", {})
@@ -151,10 +159,9 @@ def in_noise(design: Design, scene: SceneFile, seed: int, name: str) -> Labelled
     background_v = condition.get("background_v", 0.0)
     if background_v:  # is added ahead of the noise and the converter's steps
         simulated["detector"] |= {"noise_v": 0.0, "adc_bits": 24}
-    signal = simulate_scene(Design(**simulated), SceneFile(**tables), seed, name, alarms_from_s=1.0)
+    signal = simulate_scene(Design(**simulated), SceneFile(**tables), seed, kind, alarms_from_s=1.0)
     if not background_v:
         return signal
-    rng, d, volts = np.random.default_rng(seed), design.detector, signal.volts
-    volts = volts + background_v * draw_band_noise(rng, len(volts), signal.rate_hz, 30.0, 90.0)
-    volts = np.round((volts + rng.normal(0.0, d.noise_v, len(volts))) / d.adc_step_v) * d.adc_step_v
-    return LabelledSignal(signal.kind, signal.rate_hz, volts, signal.slides, signal.events, signal.alarms_from_s)
+    rng = np.random.default_rng(seed)
+    background = background_v * draw_band_noise(rng, len(signal.volts), signal.rate_hz, *HAND_BAND_HZ)
+    return replace(signal, volts=sample(design, rng, signal.volts + background))

@@ -22,6 +22,8 @@ from fingertip.slip.traces.trace import Trace
 
 _DISTURBANCE_RATIO = 6.0
 """Ratio of the energy statistic to its median that indicates a disturbance; noise alone reaches half of it."""
+_ENERGY_S = 0.015
+"""Window of that energy [s]."""
 MIN_S = 0.3
 """Minimum duration [s]. A shorter part does not determine the deviation in a band of 40 Hz to 10 %."""
 
@@ -97,7 +99,11 @@ def equivalent_noise_v(detector: str, design: Design, quiet_v: Array, name: str)
 def first_disturbance(design: Design, quiet_v: Array) -> int | None:
     """Find the first sample of a quiet start whose energy is far above the median; None if there is none."""
     settling = round(0.1 * design.detector.sample_rate_hz)
-    statistic = FastDetector(FastSettings.from_design(design, 1.0)).process(quiet_v).statistic_v[settling:]
+    filtered = FastDetector(FastSettings.from_design(design, 1.0)).process(quiet_v).filtered_v
+    window = max(1, round(_ENERGY_S * design.detector.sample_rate_hz))
+    # RMS value over the window that ends with each sample.
+    total = np.concatenate((np.zeros(window), np.cumsum(filtered * filtered)))
+    statistic = np.sqrt(np.maximum(total[window:] - total[:-window], 0.0) / window)[settling:]
     if not len(statistic):
         return None
     loud = np.flatnonzero(statistic > _DISTURBANCE_RATIO * float(np.median(statistic)))

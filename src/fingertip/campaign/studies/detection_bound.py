@@ -50,9 +50,10 @@ def compute_bounds_s(
     detector = design.detector
     noise_v = mean_quantised_noise_v(detector.noise_v, detector.adc_step_v)
     settings = FastSettings.from_design(design, max(noise_v, _MIN_NOISE_V))
-    rate, width = settings.sample_rate_hz, settings.high_hz - settings.low_hz
+    reference = FastDetector(settings)
+    low_hz, high_hz = reference.band_hz
+    rate, width, noise = settings.sample_rate_hz, high_hz - low_hz, reference.noise_energy_v2
     required = math.log(2 * width * 60 / ALARMS_PER_MINUTE)
-    noise = FastDetector(settings).noise_energy_v2
     tables = design.model_dump()
     tables["detector"]["adc_bits"] = 24
     noiseless = Design(**tables)

@@ -43,9 +43,7 @@ def sample(design: Design, rng: np.random.Generator, volts: Array) -> Array:
     return np.asarray(np.round((volts + rng.normal(0.0, d.noise_v, len(volts))) / d.adc_step_v) * d.adc_step_v)
 
 
-def abrupt_burst(
-    design: Design, seed: int, low_v: float, high_v: float, duration_s: float = 0.5
-) -> LabelledSignal:
+def abrupt_burst(design: Design, seed: int, low_v: float, high_v: float, duration_s: float = 0.5) -> LabelledSignal:
     """Draw a held force with one abrupt burst in a random band; its kind says where most of its energy lies.
 
     Parameters

@@ -23,7 +23,9 @@ _EVENT_S = 0.3
 """Time from the start of a grip step in which its alarms are its own [s]: the motors' delay, lag and travel."""
 
 
-def simulate_scene(design: Design, scene: SceneFile, seed: int, kind: str, alarms_from_s: float = 0.0) -> LabelledSignal:
+def simulate_scene(
+    design: Design, scene: SceneFile, seed: int, kind: str, alarms_from_s: float = 0.0
+) -> LabelledSignal:
     """Simulate a scene through the ADC; its slips and events follow from its timeline."""
     result = run_scene(design, scene.model_copy(update={"outputs": _OUTPUTS}), seed)
     timeline = build_timeline(scene, Pad.from_design(design, scene.contact.resonance_hz), result.force_n)
@@ -43,9 +45,7 @@ def simulate_scene(design: Design, scene: SceneFile, seed: int, kind: str, alarm
         events += [Interval(start, start + 2 * tap.rise_s) for start in starts]
     if kind == "fast closing":
         events.append(Interval(held - scene.hold.close_s, held))
-    return LabelledSignal(
-        kind, design.detector.sample_rate_hz, trace.voltage_v, slides, tuple(events), alarms_from_s
-    )
+    return LabelledSignal(kind, design.detector.sample_rate_hz, trace.voltage_v, slides, tuple(events), alarms_from_s)
 
 
 def grip_change(design: Design, seed: int, min_rise_s: float = 0.02, max_rise_s: float = 0.15) -> LabelledSignal:

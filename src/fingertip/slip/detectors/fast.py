@@ -135,8 +135,8 @@ class FastDetector:
 
     @property
     def memory_s(self) -> float:
-        """Time in which an energy decays from a hundred times the floor to the end of ON [s]."""
-        return math.log(100 / STAY_RATIO) * LONG_S
+        """Time until an abrupt end is recognised: by the ratio of the energies or, for a weaker slip, by the floor [s]."""
+        return math.log(1 / (fast_loop.DECAY_RATIO * STAY_RATIO)) * LONG_S
 
     @property
     def noise_v(self) -> float:
@@ -173,9 +173,7 @@ class FastDetector:
         ticks = len(voltage_v) // int(self._coefficients.tick_samples)
         rows = np.zeros((ticks + 1) * COUNT)
         filtered, confidence, level, on = self._run(voltage_v, rows, COUNT)
-        output = FastOutput(
-            confidence * level, level, on > 0.0, filtered, confidence, confidence > self._incipient
-        )
+        output = FastOutput(confidence * level, level, on > 0.0, filtered, confidence, confidence > self._incipient)
         return output, rows[: ticks * COUNT].reshape(ticks, COUNT)
 
     def step(self, voltage_v: float) -> bool:
@@ -201,8 +199,14 @@ class FastDetector:
             return
         self._started = True
         c, state = self._coefficients, self._state
-        state[fast_loop.EDGE_1], state[fast_loop.EDGE_2] = (1 - c.edge_b0) * voltage_v, (c.edge_b2 - c.edge_a2) * voltage_v
-        state[fast_loop.SLOW_1], state[fast_loop.SLOW_2] = (1 - c.slow_b0) * voltage_v, (c.slow_b2 - c.slow_a2) * voltage_v
+        state[fast_loop.EDGE_1], state[fast_loop.EDGE_2] = (
+            (1 - c.edge_b0) * voltage_v,
+            (c.edge_b2 - c.edge_a2) * voltage_v,
+        )
+        state[fast_loop.SLOW_1], state[fast_loop.SLOW_2] = (
+            (1 - c.slow_b0) * voltage_v,
+            (c.slow_b2 - c.slow_a2) * voltage_v,
+        )
         state[fast_loop.UPPER_1], state[fast_loop.UPPER_2] = -c.upper_b0 * voltage_v, c.upper_b2 * voltage_v
         state[fast_loop.WIDE_1], state[fast_loop.WIDE_2] = -c.wide_b0 * voltage_v, c.wide_b2 * voltage_v
         for index in (fast_loop.EDGE, fast_loop.SLOW, fast_loop.INPUT):

@@ -29,6 +29,9 @@ HELD_TICKS = 15.0
 UNLEARNED_RATIO = 0.03
 """Squared coefficient of variation of the wide energy below which a long ON is a tone. Noise in a band of 100 Hz has
 0.25 behind 20 ms."""
+DECAY_RATIO = 0.02
+"""Ratio of the wide energies of 6 and 20 ms below which the vibration has ended. After an abrupt end the ratio falls to
+it within 34 ms, however strong the vibration was."""
 TINY = 1e-30
 
 
@@ -267,7 +270,9 @@ def _fast_loop(
             confidence = (score - lowest_score) / (on_score - lowest_score)
             if confidence < 0.0:
                 confidence = 0.0
-            is_strong = rows[at + 1] > stay_ratio or rows[at + 3] > stay_ratio
+            is_strong = (
+                rows[at + 1] > stay_ratio or rows[at + 3] > stay_ratio
+            ) and wide_short > DECAY_RATIO * wide_long
             at += stride
 
             # Decision: OFF until the floors are learned; ON stays while the energy does.

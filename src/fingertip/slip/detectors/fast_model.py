@@ -20,7 +20,7 @@ TABLE = "fast_model.json"
 """Name of the table, beside this module."""
 DEPTH = 4
 """Comparisons of one tree."""
-NODES = 2**DEPTH - 1
+NODES = (1 << DEPTH) - 1
 """Comparisons that a tree stores."""
 FEATURES = (
     "upper energy, 6 ms",
@@ -29,7 +29,7 @@ FEATURES = (
     "wide energy, 20 ms",
     "greatest slope",
     "change over 100 ms",
-    "signed change over 50 ms",
+    "signed change over 48 ms",
     "net over total movement, 6 ms",
     "upper energy over its peak",
     "wide energy over greatest slope",

@@ -48,7 +48,8 @@ def describe(kind: str, summary: MixSummary) -> str:
     parts = []
     if summary.slides:
         parts.append(
-            f"found {100 * summary.found_share:5.1f} % of {summary.slides:4}; median {1000 * summary.delay_s(0.5):.1f}, "
+            f"found {100 * summary.found_share:5.1f} % of {summary.slides:4}; "
+            f"median {1000 * summary.delay_s(0.5):.1f}, "
             f"p90 {1000 * summary.delay_s(0.9):.1f} / {1000 * summary.motion_delay_s(0.9):.1f}, "
             f"worst {1000 * summary.worst_s:.1f} ms"
         )

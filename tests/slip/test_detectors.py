@@ -145,7 +145,7 @@ def test_tail_probability_of_a_sum_of_squares():
 
 @pytest.mark.parametrize("detector", ["digital", "fast", "fft"])
 @pytest.mark.parametrize("kind", ["white", "low-passed", "hum"])
-def test_a_quiet_start_sets_the_threshold_whatever_its_spectrum(detector, kind):
+def test_a_quiet_part_sets_the_threshold_whatever_its_spectrum(detector, kind):
     rng = np.random.default_rng(9)
     t = np.arange(40_000) / 2000
     signal_v = rng.normal(0, 3e-4, len(t))

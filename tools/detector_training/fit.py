@@ -23,7 +23,7 @@ from fingertip.slip.detectors.fast_model import DEPTH, NODES, FastModel
 from tools.detector_training.rows import Rows, collect
 from tools.detector_training.signals import generate
 
-TREES = 100
+TREES = 120
 ROUNDS = 3
 THRESHOLD, INCIPIENT_THRESHOLD = 1.6, 0.8
 """Scores above which slip is ON and may begin. They were chosen on tuning seeds by `benchmarks/slip_robustness.py`."""

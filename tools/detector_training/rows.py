@@ -19,7 +19,7 @@ EARLY_S = 0.004
 """Time before gross slip from which a tick is labelled as slip [s]."""
 ONSET_S = 0.08
 """Time after the onset in which rows count most [s]: there the delay is decided."""
-AFTER_S = 0.06
+AFTER_S = 0.1
 """Time after a slip in which rows do not count [s]: the energy decays."""
 ONSET_WEIGHT, SLIP_WEIGHT, EVENT_WEIGHT, QUIET_WEIGHT = 3.0, 0.3, 2.0, 0.25
 ALARM_WEIGHTS = ((-3.0, 3.0), (-1.0, 8.0))

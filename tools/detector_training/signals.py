@@ -29,7 +29,7 @@ UNDECIDABLE = ("motor", "cable")
 def draw_condition(rng: np.random.Generator) -> dict[str, Any]:
     """Draw noise and converter: what the design states in almost half of the cases."""
     kind = rng.random()
-    if kind < 0.45:
+    if kind < 0.42:
         return {}
     if kind < 0.65:
         return {"factor": math.exp(rng.uniform(math.log(0.5), math.log(5)))}

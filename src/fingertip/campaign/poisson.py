@@ -11,7 +11,9 @@ CONFIDENCE = 0.95
 
 
 def poisson_interval(count: int, confidence: float = CONFIDENCE) -> tuple[float, float]:
-    """Compute the exact interval of the mean of a Poisson variable that was drawn once (F. Garwood, Biometrika 28, 1936).
+    """Compute the exact interval of the mean of a Poisson variable that was drawn once.
+
+    Reference: F. Garwood, Biometrika 28, 1936, 437.
 
     Parameters
     ----------

@@ -176,7 +176,7 @@ class MixSummary:
 
 
 def summarise(outcomes: Iterable[Outcome]) -> dict[str, MixSummary]:
-    """Pool outcomes by kind; the trials and the campaign's scenes whose alarms are limited are also under "campaign"."""
+    """Pool outcomes by kind, all trials and scenes whose alarms are limited also under "campaign"."""
     groups: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
         groups.setdefault(outcome.kind, []).append(outcome)

@@ -12,8 +12,8 @@ after each change of force, because a hand that holds vibrates more than one tha
 afterwards. They stand still while the detector is ON or the force changes. They are never below the noise of a
 converter halfway between two codes.
 
-ON stays while the energy of 20 ms is above the floors, however long the slip lasts. Only a tone, whose energy hardly
-varies, is unlearned.
+ON stays while the energy of 20 ms is above the floors and the trees agree on average, however long the slip lasts.
+Only a tone, whose energy hardly varies, is unlearned.
 """
 
 from __future__ import annotations
@@ -55,7 +55,10 @@ LOWEST_SCORE = -4.0
 STAY_SCORE = -1.0
 """Score above which slip stays ON."""
 STAY_RATIO = 2.0
-"""Ratio of an energy of 20 ms to its floor above which slip stays ON."""
+"""Ratio of an energy of 20 ms to its floor above which slip stays ON, while its smoothed score exceeds `STAY_SCORE`.
+Without the score, vibration that begins with the grasp would keep the detector ON."""
+SCORE_S = 0.1
+"""Time constant with which the score is smoothed while ON [s]."""
 MIN_NOISE_SHARE = 0.1
 """Smallest noise that is learned, as a share of the stated noise."""
 STATISTIC_RATIO = 2.5
@@ -135,7 +138,7 @@ class FastDetector:
 
     @property
     def memory_s(self) -> float:
-        """Time until an abrupt end is recognised: by the ratio of the energies or, for a weaker slip, by the floor [s]."""
+        """Time until an abrupt end is recognised [s]: by the ratio of the energies or, after a weak slip, the floor."""
         return math.log(1 / (fast_loop.DECAY_RATIO * STAY_RATIO)) * LONG_S
 
     @property
@@ -244,5 +247,6 @@ def _compute_coefficients(settings: FastSettings, model: FastModel) -> FastCoeff
         threshold=threshold,
         stay_threshold=min(STAY_SCORE, threshold),
         stay_ratio=STAY_RATIO,
+        score_smoothing=1 / (1 + SCORE_S * ticks_per_s),
         statistic_gain=STATISTIC_RATIO,
     )

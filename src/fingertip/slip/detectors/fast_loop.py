@@ -90,6 +90,8 @@ class FastCoefficients(NamedTuple):
     """Score above which slip stays ON."""
     stay_ratio: float
     """Ratio of an energy of 20 ms to its floor above which slip stays ON."""
+    score_smoothing: float
+    """Smoothing factor of the score while ON, per tick."""
     statistic_gain: float
     """Threshold in volts, divided by the root of the wide floor."""
 
@@ -100,7 +102,7 @@ UPPER_SHORT, UPPER_LONG, WIDE_SHORT, WIDE_LONG = range(8, 12)
 EDGE, SLOW, INPUT, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = range(12, 19)
 SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(19, 26)
 STEP, FLOOR, UPPER_FLOOR, FLOOR_TICKS, SETTLING = range(26, 31)
-ON, ON_TICKS, MEAN, MEAN_SQUARE, SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(31, 40)
+ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(31, 40)
 RING_START = 40
 STATES = RING_START + RING
 
@@ -144,7 +146,7 @@ def _fast_loop(
         e_b0, e_b1, e_b2, e_a1, e_a2, u_b0, u_b1, u_b2, u_a1, u_a2, w_b0, w_b1, w_b2, w_a1, w_a2,
         s_b0, s_b1, s_b2, s_a1, s_a2, rate, short, long, tick_samples, slot_ticks, max_floor_ticks, tone_ticks,
         unlearning, wide_share, upper_share, min_floor, min_upper_floor, offset, lowest_score, on_score, stay_score,
-        stay_ratio, statistic_gain,
+        stay_ratio, score_smoothing, statistic_gain,
     ) = coefficients  # fmt: skip
     e1, e2, u1, u2 = state[EDGE_1], state[EDGE_2], state[UPPER_1], state[UPPER_2]
     w1, w2, s1, s2 = state[WIDE_1], state[WIDE_2], state[SLOW_1], state[SLOW_2]
@@ -158,7 +160,7 @@ def _fast_loop(
     step, floor, upper_floor = state[STEP], state[FLOOR], state[UPPER_FLOOR]
     floor_ticks, settling = state[FLOOR_TICKS], state[SETTLING]
     on, on_ticks, mean, mean_square = state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE]
-    score, confidence = state[SCORE], state[CONFIDENCE]
+    smooth_score, confidence = state[SMOOTH_SCORE], state[CONFIDENCE]
     phase, ring_phase, ring_at = state[PHASE], state[RING_PHASE], int(state[RING_AT])
     slope_gain = SLOPE_S * SLOPE_S * rate * rate
     at = 0
@@ -280,9 +282,11 @@ def _fast_loop(
                 settling -= 1.0
                 on = 0.0
             elif on > 0.0:
-                on = 1.0 if score > stay_score or is_strong else 0.0
+                smooth_score += score_smoothing * (score - smooth_score)
+                on = 1.0 if score > stay_score or (is_strong and smooth_score > stay_score) else 0.0
             else:
                 on = 1.0 if score > on_score else 0.0
+                smooth_score = on_score
 
             if on > 0.0:
                 # A tone's energy is constant and that of slip is not: floors follow a tone.
@@ -330,7 +334,7 @@ def _fast_loop(
     state[STEP], state[FLOOR], state[UPPER_FLOOR] = step, floor, upper_floor
     state[FLOOR_TICKS], state[SETTLING] = floor_ticks, settling
     state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE] = on, on_ticks, mean, mean_square
-    state[SCORE], state[CONFIDENCE] = score, confidence
+    state[SMOOTH_SCORE], state[CONFIDENCE] = smooth_score, confidence
     state[PHASE], state[RING_PHASE], state[RING_AT] = phase, ring_phase, float(ring_at)
 
 

@@ -54,7 +54,7 @@ def select_quiet_part(trace: Trace, between_s: tuple[float, float], name: str) -
     # Rounding of times must not move a sample across a limit.
     since_s, slack_s = trace.time_s - trace.time_s[0], 1e-9 * max(1.0, duration_s)
     part = slice(int((since_s < begin_s - slack_s).sum()), int((since_s < end_s - slack_s).sum()))
-    if not (math.isfinite(begin_s) and math.isfinite(end_s)) or part.stop <= part.start:
+    if part.stop <= part.start:
         message = f"{text} covers no sample of {name}, which lasts {duration_s:.4g} s; choose an end after the start"
         raise TraceError(Issue("--calibrate", f"{message}, such as 0:0.5."))
     if part.stop - part.start == len(trace.time_s):

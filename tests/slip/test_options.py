@@ -50,7 +50,10 @@ def test_a_quiet_part_in_which_something_happens(tmp_path):
         assert done.exit_code == 2
         assert "s covers all 0.9995 s of t.csv; choose a shorter part during which" in done.stderr
     for words in (("--calibrate", "0:-1"), ("--calibrate", "0:nan", "--detector", "analog")):
-        assert "s covers no sample of t.csv, which lasts 0.9995 s; choose an end after the start" in run("detect", tmp_path / "t.csv", *words).stderr
+        assert (
+            "s covers no sample of t.csv, which lasts 0.9995 s; choose an end after the start"
+            in run("detect", tmp_path / "t.csv", *words).stderr
+        )
     done = run("detect", tmp_path / "t.csv", "--calibrate", "0:0.9")
     assert "the signal is disturbed at 0.50" in done.stderr
     assert "within 0:0.9 s of --calibrate" in done.stderr

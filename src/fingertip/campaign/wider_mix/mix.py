@@ -43,6 +43,11 @@ class MixSize:
     noisy: int = 48
     """Trials in each condition of `fingertip.campaign.wider_mix.scenes.NOISES`."""
 
+    @classmethod
+    def for_trials(cls, trials: int) -> MixSize:
+        """Size beside a campaign of so many trials, which holds the trials and the scenes without slip itself."""
+        return cls(0, 0.0, max(4, trials), max(4, 2 * trials // 5))
+
 
 def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[LabelledSignal]:
     """Generate the signals one after the other."""
@@ -151,7 +156,7 @@ class MixSummary:
     @property
     def alarms_per_minute(self) -> float:
         """Rate of alarms [1/min]."""
-        return self.alarms / self.minutes
+        return self.alarms / self.minutes if self.minutes else 0.0
 
     @property
     def most_alarms_per_minute(self) -> float:

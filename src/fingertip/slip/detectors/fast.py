@@ -59,8 +59,11 @@ STAY_RATIO = 2.0
 Without the score, vibration that begins with the grasp would keep the detector ON."""
 SCORE_S = 0.1
 """Time constant with which the score is smoothed while ON [s]."""
-MIN_NOISE_SHARE = 0.1
-"""Smallest noise that is learned, as a share of the stated noise."""
+MIN_NOISE_SHARE = 0.5
+"""Smallest noise that is learned, as a share of the stated noise: half of it was trained on."""
+MIN_NOISE_V_RTHZ = 1.26e-5
+"""Smallest noise density that is taken for stated [V/sqrt(Hz)]: 0.4 mV at 2 kHz, as in training. In less noise, features would exceed
+what was trained on: a slip would look like a contact."""
 STATISTIC_RATIO = 2.5
 """Threshold in volts over the RMS noise in the wide band. It only gives the statistic a scale in volts."""
 
@@ -86,7 +89,7 @@ class FastSettings:
         noise_v
             White RMS noise of the input; by default the design's [V]. The input may then have another unit than volts.
         """
-        noise = input_noise_v(design) if noise_v is None else noise_v
+        noise = max(input_noise_v(design), least_noise_v(design)) if noise_v is None else noise_v
         return cls(design.detector.sample_rate_hz, noise)
 
 
@@ -216,6 +219,11 @@ class FastDetector:
             state[index] = voltage_v
         state[fast_loop.RING_START :] = [voltage_v] * fast_loop.RING
         state[fast_loop.STEP] = math.inf
+
+
+def least_noise_v(design: Design) -> float:
+    """Smallest noise that is taken for stated, where the input is in volts [V]."""
+    return MIN_NOISE_V_RTHZ * math.sqrt(design.detector.sample_rate_hz / 2)
 
 
 def _compute_coefficients(settings: FastSettings, model: FastModel) -> FastCoefficients:

@@ -18,6 +18,8 @@ RING = 26
 """Values of the slow voltage in the ring, every second tick: 100 ms and the present one."""
 SLOPE_S = 0.01
 """Time by which slopes are multiplied, so that they compare with voltages [s]."""
+MOVE_S = 0.0005
+"""Time in which the total movement is expressed [s]."""
 UPPER_LOUD, UPPER_LOUD_20 = 2.0, 1.6
 """Ratios of the energies of 6 and 20 ms to the floors below which a signal is quiet, and no tree is evaluated."""
 MOVING_RATIO = 60.0
@@ -163,6 +165,7 @@ def _fast_loop(
     smooth_score, confidence = state[SMOOTH_SCORE], state[CONFIDENCE]
     phase, ring_phase, ring_at = state[PHASE], state[RING_PHASE], int(state[RING_AT])
     slope_gain = SLOPE_S * SLOPE_S * rate * rate
+    move_gain = MOVE_S * MOVE_S * rate * rate
     at = 0
     level = statistic_gain * math.sqrt(floor)
     for i in range(len(samples)):
@@ -259,7 +262,7 @@ def _fast_loop(
             rows[at + 9] = wide_long / (greatest + TINY)
             rows[at + 10] = upper_long / (greatest + TINY)
             rows[at + 11] = upper_long / (wide_long + TINY)
-            rows[at + 12] = total_short * total_short / wide_floor
+            rows[at + 12] = move_gain * total_short * total_short / wide_floor
             rows[at + 13] = slope / (greatest + TINY)
             rows[at + 14] = net_long * net_long / (total_long * total_long + TINY)
             is_loud = (

@@ -25,7 +25,7 @@ from tools.detector_training.signals import generate
 
 TREES = 120
 ROUNDS = 3
-THRESHOLD, INCIPIENT_THRESHOLD = 1.4, 0.8
+THRESHOLD, INCIPIENT_THRESHOLD = 1.5, 0.9
 """Scores above which slip is ON and may begin. They were chosen on tuning seeds by `benchmarks/slip_robustness.py`."""
 NEVER = -50.0
 """Score of a model without trees."""

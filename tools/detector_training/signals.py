@@ -22,6 +22,8 @@ from fingertip.sim.article import article_trials
 
 FIRST_SEED = 200_000
 """First seed of training."""
+MANIPULATIONS_FROM = 400_000
+"""First seed of the manipulations."""
 UNDECIDABLE = ("motor", "cable")
 """Causes that are not trained on: within 20 ms one force axis does not distinguish them from slip."""
 
@@ -75,6 +77,16 @@ def generate(trials: int, events: int) -> Iterator[LabelledSignal]:
         for _ in range(events // 20):
             yield bursts.long_slide(design, seed, float(rng.uniform(0.002, 0.02)))
             seed += 1
+        yield from generate_manipulations(events)
+
+
+def generate_manipulations(events: int) -> Iterator[LabelledSignal]:
+    """Simulate hands that take over a weight; every third object is hit by a pin."""
+    design, seed = Design(), MANIPULATIONS_FROM
+    with compiled():
+        for i in range(events // 6):
+            speed_m_s, max_margin = (0.08, 1.3) if i % 3 == 2 else (0.0, 2.0)
+            yield from scenes.manipulation(design, seed + i, speed_m_s, max_margin)
 
 
 def _plan(rng: np.random.Generator, trials: int, events: int) -> Iterator[tuple[str, SceneFile]]:

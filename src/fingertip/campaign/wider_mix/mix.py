@@ -73,6 +73,8 @@ def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[Lab
             yield scenes.taps(design, next_seed())
         for _ in range(math.ceil(size.events / 7)):
             yield from scenes.grip_steps(design, next_seed())
+        for _ in range(math.ceil(size.events / 7)):
+            yield from scenes.manipulation(design, next_seed())
         for _ in range(size.events):
             yield bursts.abrupt_burst(design, next_seed(), *BURSTS_V)
         for _ in range(math.ceil(size.events / 2)):

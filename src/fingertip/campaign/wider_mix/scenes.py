@@ -10,15 +10,18 @@ import numpy as np
 
 from fingertip.campaign.grip import GripController, GripSettings
 from fingertip.campaign.wider_mix.bursts import draw_band_noise, sample
-from fingertip.campaign.wider_mix.labelled_signal import LabelledSignal, Slide
+from fingertip.campaign.wider_mix.labelled_signal import REACTION_S, LabelledSignal, Slide
 from fingertip.design import Design
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
+from fingertip.sim.article import MANIPULATED_OBJECTS
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.scene.timeline import build_timeline
 from fingertip.sim.signal.interference import HAND_BAND_HZ
 from fingertip.slip.intervals import STICK_S, Interval, intervals, merge
 
 _OUTPUTS = ["voltage_v", "slip"]
+_SHEAR_S = 0.1
+"""Time before gross slip in which a hand's pads may creep [s]."""
 _EVENT_S = 0.3
 """Time from the start of a grip step in which its alarms are its own [s]: the motors' delay, lag and travel."""
 
@@ -125,6 +128,52 @@ def grip_steps(design: Design, seed: int) -> list[LabelledSignal]:
         for row, slips in zip(volts, slip, strict=True)
         if not slips[round(settled_s * rate) :].any()
     ]
+
+
+def manipulation(design: Design, seed: int, speed_m_s: float = 0.0, max_margin: float = 2.0) -> list[LabelledSignal]:
+    """Simulate a hand that takes over an object's weight, which a pin may hit: one signal for each finger.
+
+    The weight shears the pads, which is not slip, until it is: true slips are labelled as such.
+
+    Parameters
+    ----------
+    design
+        Its sensor, bridge and ADC.
+    seed
+        Seed of everything random.
+    speed_m_s
+        Velocity of the pin [m/s]; 0: none hits the object.
+    max_margin
+        Upper limit of the planned force, as a multiple of what just holds the weight.
+    """
+    rng = np.random.default_rng(seed)
+    names = list(MANIPULATED_OBJECTS)
+    mass_kg, surface, kind = MANIPULATED_OBJECTS[names[int(rng.integers(len(names)))]]
+    scene = ManipulationFile(
+        scene="manipulation",
+        outputs=_OUTPUTS,
+        object={"mass_kg": mass_kg, "surface": surface},
+        grasp={
+            "kind": kind,
+            "after_s": 1.0,
+            "min_margin": 1.1,
+            "max_margin": max_margin,
+            "let_go_s": float(rng.uniform(0.1, 0.6)),
+        },
+        knock={"speed_m_s": speed_m_s},
+    )
+    result = run_manipulation(design, scene, None, seed)
+    rate, held_s = design.detector.sample_rate_hz, result.plan.released_s
+    weight = Interval(held_s - scene.grasp.let_go_s, held_s)
+    signals = []
+    for row, slips in zip(result.output("voltage_v"), result.output("slip"), strict=True):
+        found = merge(intervals(result.time_s, slips), STICK_S)
+        slides = tuple(Slide(max(0.0, slip.onset_s - _SHEAR_S), slip.onset_s, slip.end_s) for slip in found)
+        events = () if any(slide.motion_s < weight.end_s + REACTION_S for slide in slides) else (weight,)
+        lost_s = result.lost_s or np.inf
+        kept = row[: int(min(len(row), lost_s * rate))]
+        signals.append(LabelledSignal("weight taken over", rate, kept, slides, events, weight.onset_s - _EVENT_S))
+    return signals
 
 
 NOISES: Mapping[str, dict[str, Any]] = {

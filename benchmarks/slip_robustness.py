@@ -64,7 +64,7 @@ def describe(kind: str, summary: MixSummary) -> str:
     if summary.alarms:
         alarms += f", {summary.alarms_per_minute:.2f}"
     parts.append(f"{alarms}, at most {summary.most_alarms_per_minute:.3f} / min")
-    if kind in NOISES:
+    if kind in NOISES or kind == "vibration with the grasp":
         silent = sum(outcome.false_on_share for outcome in summary.outcomes) / len(summary.outcomes)
         parts.append(f"ON without slip {100 * silent:.2f} %")
     return "; ".join(parts)

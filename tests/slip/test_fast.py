@@ -157,13 +157,14 @@ def band_noise(seconds: float, rms_v: float, low_hz: float = 60.0, high_hz: floa
 
 def test_noise_is_learned_again_in_the_held_grasp():
     """Vibration that begins with the contact raises the floor within 0.6 s after it."""
-    t = np.arange(8000) / 2000
-    held = smoothstep((t - 1.0) / 0.3)
-    volts = 4.4 - 0.4 * held + noise(4.0) + held * band_noise(4.0, 4e-4, 45.0, 90.0)
-    detector = FastDetector(SETTINGS)
-    detector.process(volts[:3900])
-    assert detector.noise_v > 1.7 * NOISE_V
-    assert not detector.process(volts[3900:]).on.any()
+    for seed in range(4):
+        t = np.arange(8000) / 2000
+        held = smoothstep((t - 1.0) / 0.4)
+        volts = 4.4 - 0.4 * held + noise(4.0, seed=seed) + held * band_noise(4.0, 3e-4, 30.0, 90.0, seed + 9)
+        detector = FastDetector(SETTINGS)
+        detector.process(volts[:4000])
+        assert detector.noise_v > 1.5 * NOISE_V
+        assert not detector.process(volts[4000:]).on.any()
 
 
 def test_a_strong_burst_is_found_no_later_than_a_weak_one():

@@ -18,7 +18,7 @@ from fingertip.errors import FingertipError, Issue, TraceError
 from fingertip.slip.converter_step import StepWatch, step_warnings
 from fingertip.slip.detection import Detection, detect
 from fingertip.slip.detectors.detector import Detector
-from fingertip.slip.detectors.fast import least_noise_v
+from fingertip.slip.detectors.fast import min_noise_v
 from fingertip.slip.detectors.noise import NoiseLevel, measure_noise_level, settings_warnings, threshold_warnings
 from fingertip.slip.detectors.registry import find_detector_type, make_detector
 from fingertip.slip.live import NAME as STREAM_NAME
@@ -161,7 +161,7 @@ def detect_file(
     elif calibrate_s is not None:
         noise_v = equivalent_noise_v(detector, design, trace.voltage_v[quiet], path.name)
         if detector == "fast" and column_map.in_volts:
-            noise_v = max(noise_v, least_noise_v(design))
+            noise_v = max(noise_v, min_noise_v(design))
 
     detection = detect(trace, design, detector, noise_v)
     level = level or detection.noise

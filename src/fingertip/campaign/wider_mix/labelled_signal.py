@@ -54,7 +54,7 @@ class LabelledSignal:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a detector made of one signal."""
+    """Result of a detector on one signal."""
 
     kind: str
     strength_v: float
@@ -69,7 +69,7 @@ class Outcome:
     alarms: int
     """Number of alarms without slip."""
     alarms_s: tuple[float, ...]
-    """Their moments [s]."""
+    """Moments of these alarms [s]."""
     events: int
     disturbed: int
     """Number of events that caused an alarm."""

@@ -46,7 +46,7 @@ SETTLING_S = 0.2
 """Initial OFF, in which the floors are learned [s]."""
 FLOOR_S = 2.0
 """Time over which the floors average in the end [s]."""
-TONE_S = 2.0
+TONE_S = 3.0
 """Time of ON after which a tone is unlearned [s]."""
 UNLEARNING_S = 0.5
 """Time constant with which it is unlearned [s]."""
@@ -62,8 +62,8 @@ SCORE_S = 0.1
 MIN_NOISE_SHARE = 0.5
 """Smallest noise that is learned, as a share of the stated noise: half of it was trained on."""
 MIN_NOISE_V_RTHZ = 1.26e-5
-"""Smallest noise density that is taken for stated [V/sqrt(Hz)]: 0.4 mV at 2 kHz, as in training. In less noise, features would exceed
-what was trained on: a slip would look like a contact."""
+"""Smallest noise density that is taken for stated [V/sqrt(Hz)]: 0.4 mV at 2 kHz, as in training. In less noise,
+features would exceed what was trained on: a slip would look like a contact."""
 STATISTIC_RATIO = 2.5
 """Threshold in volts over the RMS noise in the wide band. It only gives the statistic a scale in volts."""
 
@@ -89,7 +89,7 @@ class FastSettings:
         noise_v
             White RMS noise of the input; by default the design's [V]. The input may then have another unit than volts.
         """
-        noise = max(input_noise_v(design), least_noise_v(design)) if noise_v is None else noise_v
+        noise = max(input_noise_v(design), min_noise_v(design)) if noise_v is None else noise_v
         return cls(design.detector.sample_rate_hz, noise)
 
 
@@ -221,7 +221,7 @@ class FastDetector:
         state[fast_loop.STEP] = math.inf
 
 
-def least_noise_v(design: Design) -> float:
+def min_noise_v(design: Design) -> float:
     """Smallest noise that is taken for stated, where the input is in volts [V]."""
     return MIN_NOISE_V_RTHZ * math.sqrt(design.detector.sample_rate_hz / 2)
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import pickle
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,8 @@ TREES = 120
 ROUNDS = 3
 THRESHOLD, INCIPIENT_THRESHOLD = 1.5, 0.9
 """Scores above which slip is ON and may begin. They were chosen on tuning seeds by `benchmarks/slip_robustness.py`."""
+ROUND_THRESHOLD = 1.4
+"""Score above which a row without slip counts as a false alarm of the round before."""
 NEVER = -50.0
 """Score of a model without trees."""
 _ALWAYS_LEFT = 3e38
@@ -46,7 +49,7 @@ def main() -> None:
     signals = load_signals(arguments.cache, arguments.trials, arguments.events)
     model = FastModel(np.zeros(0), np.zeros(0), np.zeros(0), NEVER, THRESHOLD, INCIPIENT_THRESHOLD)
     for number in range(arguments.rounds):
-        rows = collect(signals, model, number)
+        rows = collect(signals, replace(model, threshold=ROUND_THRESHOLD), number)
         print(f"round {number + 1}: {len(rows.labels)} rows, {100 * rows.labels.mean():.1f} % slip", flush=True)
         model = fit(rows, arguments.trees)
         arguments.out.write_text(as_json(model), encoding="utf-8")

@@ -1,7 +1,7 @@
 """Detection on recorded files and on streams of lines, from reading the recording to warnings about the result.
 
 `fingertip detect` prints what these functions return. They adapt the design to the recording's sampling rate, derive
-thresholds from a quiet start, and simulate the analog board for the detector `analog` where a recording contains only
+thresholds from a quiet part, and simulate the analog board for the detector `analog` where a recording contains only
 the voltage ahead of the board.
 """
 
@@ -18,6 +18,7 @@ from fingertip.errors import FingertipError, Issue, TraceError
 from fingertip.slip.converter_step import StepWatch, step_warnings
 from fingertip.slip.detection import Detection, detect
 from fingertip.slip.detectors.detector import Detector
+from fingertip.slip.detectors.fast import min_noise_v
 from fingertip.slip.detectors.noise import NoiseLevel, measure_noise_level, settings_warnings, threshold_warnings
 from fingertip.slip.detectors.registry import find_detector_type, make_detector
 from fingertip.slip.live import NAME as STREAM_NAME
@@ -27,7 +28,7 @@ from fingertip.slip.noise_calibration import (
     count_constant_samples,
     equivalent_noise_v,
     first_disturbance,
-    select_quiet_start,
+    select_quiet_part,
 )
 from fingertip.slip.rate_adaptation import adapt_detector
 from fingertip.slip.traces.read import read_raw_trace
@@ -45,7 +46,7 @@ class FileDetection:
     trace: Trace
     """Validated trace, with the board's output if that was simulated."""
     design: Design
-    """Design used: at the recording's sampling rate, and for `analog` with the threshold from the quiet start."""
+    """Design used: at the recording's sampling rate, and for `analog` with the threshold from the quiet part."""
     noise: NoiseLevel | None
     """Noise level of the quantity that the threshold applies to; None for the detectors `fft` and `fast`."""
     warnings: tuple[str, ...]
@@ -70,7 +71,7 @@ def detect_file(
     detector: str = "digital",
     *,
     rate_hz: float | None = None,
-    quiet_s: float | None = None,
+    calibrate_s: tuple[float, float] | None = None,
     scale: float = 1.0,
     time_scale: float = 1.0,
     columns: Mapping[str, str] | None = None,
@@ -92,15 +93,16 @@ def detect_file(
         Name of a detector: `digital`, `analog`, `fft` or `fast`.
     rate_hz
         Sampling rate to which the design is adapted [Hz]. Times in the file must agree with it.
-    quiet_s
-        Duration at the start during which nothing happens [s]. Thresholds then follow from the noise there.
+    calibrate_s
+        Start and end of an interval during which nothing happens, after the first sample [s]. Thresholds then follow
+        from the noise there.
     scale
         Volts per unit of the file's voltage.
     time_scale
         Seconds per unit of the file's times, such as 1e-3.
     columns
         Name in the file for each column of a trace, such as ``{"voltage_v": "AI0"}``. The voltage may be the column of
-        a force; its thresholds require `quiet_s`.
+        a force; its thresholds require `calibrate_s`.
     adapt_to_file
         Whether the design is adapted to the file's sampling rate; another rate is otherwise an error. By default it is
         adapted unless `rate_hz` or the design states a rate.
@@ -123,16 +125,18 @@ def detect_file(
     path, report = Path(path), progress or _ignore
     design = design or Design()
     find_detector_type(detector)
-    adapt = _RateAdapter(detector, _keeps_threshold(design, keep_threshold), keep_window, quiet_s is not None, report)
+    adapt = _RateAdapter(
+        detector, _keeps_threshold(design, keep_threshold), keep_window, calibrate_s is not None, report
+    )
     if adapt_to_file is None:
         adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
     if rate_hz is not None:
         _check_finite(rate_hz)
         design = adapt(design, rate_hz)
     column_map = ColumnMap(columns or {}, rate_hz, scale, time_scale)
-    if not column_map.in_volts and quiet_s is None and detector != "analog":
-        message = "is missing: the design's thresholds are in volts, but this column is a force; give the duration "
-        raise TraceError(Issue("--quiet-s", message + "at the start during which nothing happens."))
+    if not column_map.in_volts and calibrate_s is None and detector != "analog":
+        message = "is missing: the design's thresholds are in volts, but this column is a force; give the interval "
+        raise TraceError(Issue("--calibrate", message + "during which nothing happens."))
     raw = read_raw_trace(path, column_map)
     if rate_hz is None and adapt_to_file:
         design = _adapt_to_file(design, raw, adapt, report)
@@ -140,37 +144,40 @@ def detect_file(
     warnings = list(raw.notes)
     if column_map.in_volts:
         warnings += [*signal_warnings(trace, design.detector), *settings_warnings(design, detector)]
-        if quiet_s is None:  # thresholds otherwise follow from the recording itself
+        if calibrate_s is None:  # thresholds otherwise follow from the recording itself
             warnings += step_warnings(trace.voltage_v, design, detector)
 
-    quiet = slice(0, 0) if quiet_s is None else select_quiet_start(trace, quiet_s, path.name)
+    quiet = slice(0, 0) if calibrate_s is None else select_quiet_part(trace, calibrate_s, path.name)
     noise_v, level = None, None
     if detector == "analog":
         is_replayed = trace.envelope_v is None
         if is_replayed:
             trace = _simulate_board(trace, design, column_map, path.name, report)
         level = _board_noise(trace, design, is_replayed, quiet, path.name)
-        if quiet_s is not None:
+        if calibrate_s is not None:
             tables = design.model_dump()
             tables["detector"]["threshold_v"] = level.rounded_threshold_v
             design = Design(**tables)
-    elif quiet_s is not None:
+    elif calibrate_s is not None:
         noise_v = equivalent_noise_v(detector, design, trace.voltage_v[quiet], path.name)
+        if detector == "fast" and column_map.in_volts:
+            noise_v = max(noise_v, min_noise_v(design))
 
     detection = detect(trace, design, detector, noise_v)
     level = level or detection.noise
     if level:
-        may_be_lower = detector != "analog" or quiet_s is not None
+        may_be_lower = detector != "analog" or calibrate_s is not None
         warnings += threshold_warnings(detection.threshold_v, level, may_be_lower)
-    if quiet.stop and (sample := first_disturbance(design, trace.voltage_v[quiet])) is not None:
-        within = f"within the {quiet_s:g} s of --quiet-s"
+    if calibrate_s and (sample := first_disturbance(design, trace.voltage_v[quiet])) is not None:
+        within = f"within {calibrate_s[0]:g}:{calibrate_s[1]:g} s of --calibrate"
         constant = count_constant_samples(trace.voltage_v[quiet])
         if constant > sample / 2:
-            message = f"the signal is constant up to {trace.time_s[constant - 1]:.4f} s, {within}"
+            last_s = trace.time_s[quiet.start + constant - 1]
+            message = f"the signal is constant up to {last_s:.4f} s, {within}"
             warnings.append(f"{message}: a signal without noise gives no threshold; {NOISELESS_REMEDY}.")
         else:
-            message = f"the signal is disturbed at {trace.time_s[sample]:.4f} s, {within}"
-            warnings.append(f"{message}: thresholds may be too high; choose a shorter part.")
+            message = f"the signal is disturbed at {trace.time_s[quiet.start + sample]:.4f} s, {within}"
+            warnings.append(f"{message}: thresholds may be too high; choose another part.")
     return FileDetection(detection, trace, design, level, tuple(warnings))
 
 
@@ -213,7 +220,9 @@ def detect_stream(
         design = adapt(design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not voltage.in_volts:
-        message = "names a force, whose thresholds require --quiet-s and the whole recording; save the lines in a file."
+        message = (
+            "names a force, whose thresholds require --calibrate and the whole recording; save the lines in a file."
+        )
         raise TraceError(Issue("--column", message))
     envelope = ColumnMap({**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}, rate_hz, 1.0, time_scale)
     reads_envelope = find_detector_type(detector).input_column == "envelope_v"
@@ -287,7 +296,7 @@ def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str,
 
 
 def _board_noise(trace: Trace, design: Design, is_replayed: bool, quiet: slice, name: str) -> NoiseLevel:
-    """Find the noise level of the board's output: measured in the quiet start if there is one, otherwise simulated."""
+    """Find the noise level of the board's output: measured in the quiet part if there is one, otherwise simulated."""
     if quiet.stop:
         assert trace.envelope_v is not None
         return measure_noise_level(trace.envelope_v[quiet], design, name)

@@ -37,9 +37,11 @@ def test_a_recorded_envelope_is_used(tmp_path):
     done = run("detect", tmp_path / "t.npz", "--detector", "analog", "--json")
     assert "simulating" not in done.stderr
     assert single_onset(done) == 0.5 + 4 / 2000  # five of sixty samples of 0.2 V: 17.6 mV
-    quiet = run("detect", tmp_path / "t.npz", "--detector", "analog", "--quiet-s", 0.4, "--json")
+    quiet = run("detect", tmp_path / "t.npz", "--detector", "analog", "--calibrate", "0:0.4", "--json")
     assert json.loads(quiet.stdout)["threshold_v"] == pytest.approx(0.001 + 20 / 65536, abs=1e-4)
-    assert "covers 600 samples" in run("detect", tmp_path / "t.npz", "--detector", "analog", "--quiet-s", 0.3).stderr
+    assert (
+        "covers 600 samples" in run("detect", tmp_path / "t.npz", "--detector", "analog", "--calibrate", "0:0.3").stderr
+    )
     # A recording that contains only the board's output.
     (tmp_path / "e.csv").write_text(csv(T, envelope, header=("time_s", "AI1")))
     both = ("--column", "voltage_v=AI1", "--column", "envelope_v=AI1")
@@ -60,7 +62,7 @@ def test_a_stream_on_a_simulated_board_gives_the_same_transitions_as_the_file(tm
     transitions = json.loads(done.stdout)["transitions"]
     assert [change["time_s"] for change in transitions] == [time for i in whole for time in (i["onset_s"], i["end_s"])]
     force = run("detect", "-", *words, "--column", "voltage_v=force_n", lines=csv(T, V, header=("time_s", "force_n")))
-    assert "names a force, whose thresholds require --quiet-s and the whole recording" in force.stderr + force.stdout
+    assert "names a force, whose thresholds require --calibrate and the whole recording" in force.stderr + force.stdout
 
 
 @pytest.mark.slow

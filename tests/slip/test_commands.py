@@ -53,7 +53,9 @@ def test_slip_of_a_simulated_trace_is_detected(tmp_path, surface):
     assert len(data["delays_s"]) == 1
     # On the smoothest surface the signal barely exceeds the noise of a 16-bit ADC ahead of the gain.
     assert 0.0 < data["delays_s"][0] < (0.2 if surface == "smooth" else 0.05)
-    assert set(data["intervals"][0]) == {"onset_s", "end_s"}
+    assert set(data["intervals"][0]) == {"onset_s", "end_s", "confidence"}
+    assert data["intervals"][0]["confidence"] > 1.0
+    assert data["incipient"] is data["learned_noise_v"] is None
     assert data["missed_slips"] == []
 
 

@@ -73,8 +73,8 @@ SUGGESTIONS = {
     "Time [s],AI0 (V)": "; or name the file's columns: --column time_s='Time [s]' --column voltage_v='AI0 (V)'.",
     "AI0,Time": "--column time_s=Time --column voltage_v=AI0.",
     "date,temp,elapsed_s,ch1": "--column time_s=elapsed_s --column voltage_v=ch1.",
-    "time_s,force_n": "Or name the file's column: --column voltage_v=force_n --quiet-s 0.5",
-    "t,Load [N]": "--column time_s=t --column voltage_v='Load [N]' --quiet-s 0.5",
+    "time_s,force_n": "Or name the file's column: --column voltage_v=force_n --calibrate 0:0.5",
+    "t,Load [N]": "--column time_s=t --column voltage_v='Load [N]' --calibrate 0:0.5",
     "time_s,Time_S,Voltage_V,VOLTAGE_V": "--column voltage_v=Voltage_V.",
     "time_s,level": "--column voltage_v=level.",
 }
@@ -93,8 +93,8 @@ def test_columns_are_suggested_as_options_that_work(tmp_path, header):
     assert "t.csv, line 2: " in done.stderr
     assert SUGGESTIONS[header] in done.stderr
     options = shlex.split(re.search(r"(--column.*?)(?: \(a force|\.$)", done.stderr, re.MULTILINE)[1])
-    if "--quiet-s" in options:
-        options[-1] = "0.4"
+    if "--calibrate" in options:
+        options[-1] = "0:0.4"
     assert single_onset(run("detect", tmp_path / "t.csv", *options, "--json")) == pytest.approx(ONSET, abs=0.003)
 
 

@@ -77,7 +77,7 @@ LINES = PLAIN.splitlines(keepends=True)
 # Name -> content of the file, options, part of the warning ("" for none).
 TEXTS: dict[str, tuple[str | bytes, tuple[object, ...], str]] = {
     "exact name in another case": (
-        csv(T, V, header=("time_s", "force_N")), ("--column", "voltage_v=force_N", "--quiet-s", 0.4), "",
+        csv(T, V, header=("time_s", "force_N")), ("--column", "voltage_v=force_N", "--calibrate", "0:0.4"), "",
     ),
     "names of numpy.savetxt": ("# time_s voltage_v\n" + rows(T, " "), (), ""),
     "numpy.savetxt": (rows((f"{t:.18e}" for t in T), " "), BY_NUMBER, ""),
@@ -136,7 +136,7 @@ def test_text_files_are_read(tmp_path: Path, name: str) -> None:
     content, options, warning = TEXTS[name]
     (tmp_path / "t.txt").write_bytes(content if isinstance(content, bytes) else content.encode())
     done = run("detect", tmp_path / "t.txt", *options, "--json")
-    tolerance = 0.003 if "--quiet-s" in options else 1e-4
+    tolerance = 0.003 if "--calibrate" in options else 1e-4
     start = 81.234567 if "micros" in name else 1717199999.7 if "since 1970" in name else 0.0
     assert single_onset(done) - start == pytest.approx(ONSET, abs=tolerance)
     assert warning in done.stderr

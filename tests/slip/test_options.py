@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -18,19 +20,19 @@ def test_invalid_options_give_an_error(tmp_path):
         (("--scale", "0"), "is not a scale"),
         (("--rate-hz", "0"), "detector.sample_rate_hz"),
         (("--detector", "fats"), "did you mean fast"),
-        (("--quiet-s", "0.01"), "covers 20 samples of t.csv; choose at least 0.3 s"),
+        (("--calibrate", "0:0.01"), "covers 20 samples of t.csv; choose at least 0.3 s"),
     ):
         done = run("detect", tmp_path / "t.csv", *words)
         assert done.exit_code == 2, words
         assert message in done.stderr, words
 
 
-def test_a_force_is_detected_with_thresholds_from_a_quiet_start(tmp_path):
+def test_a_force_is_detected_with_thresholds_from_a_quiet_part(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, 50 * (V - 3.9), header=("time_s", "force_n")))
     words = ("detect", tmp_path / "t.csv", "--column", "voltage_v=force_n")
     assert "thresholds are in volts, but this column is a force" in run(*words).stderr
     for detector in ("digital", "fft", "fast"):
-        onset = single_onset(run(*words, "--quiet-s", 0.4, "--detector", detector, "--json"))
+        onset = single_onset(run(*words, "--calibrate", "0:0.4", "--detector", detector, "--json"))
         assert 0.5 < onset < 0.535
 
 
@@ -41,20 +43,25 @@ def test_adc_counts_are_converted_by_the_suggested_scale(tmp_path):
     assert single_onset(run(*words, "--scale", 0.00030517578)) == pytest.approx(ONSET, abs=0.003)
 
 
-def test_a_quiet_start_in_which_something_happens(tmp_path):
+def test_a_quiet_part_in_which_something_happens(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
     for seconds in ("5", "1", "inf"):
-        done = run("detect", tmp_path / "t.csv", "--quiet-s", seconds)
+        done = run("detect", tmp_path / "t.csv", "--calibrate", f"0:{seconds}")
         assert done.exit_code == 2
-        assert "s covers all 0.9995 s of t.csv; choose a shorter part at the start" in done.stderr
-    for words in (("--quiet-s", "-1"), ("--quiet-s", "nan", "--detector", "analog")):
-        assert "s covers no sample; choose a value above 0 s" in run("detect", tmp_path / "t.csv", *words).stderr
-    done = run("detect", tmp_path / "t.csv", "--quiet-s", "0.9")
+        assert "s covers all 0.9995 s of t.csv; choose a shorter part during which" in done.stderr
+    for words in (("--calibrate", "0:-1"), ("--calibrate", "0:nan", "--detector", "analog")):
+        assert (
+            "s covers no sample of t.csv, which lasts 0.9995 s; choose an end after the start"
+            in run("detect", tmp_path / "t.csv", *words).stderr
+        )
+    done = run("detect", tmp_path / "t.csv", "--calibrate", "0:0.9")
     assert "the signal is disturbed at 0.50" in done.stderr
-    assert "within the 0.9 s of --quiet-s" in done.stderr
-    assert "--quiet-s" not in run("detect", tmp_path / "t.csv", "--quiet-s", "0.4").stderr
+    assert "within 0:0.9 s of --calibrate" in done.stderr
+    assert "--calibrate" not in run("detect", tmp_path / "t.csv", "--calibrate", "0:0.4").stderr
     np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, slip=(T >= 0.5) & (T < 0.7))
-    assert "0.9 s covers slip, which begins at 0.5 s" in run("detect", tmp_path / "t.npz", "--quiet-s", "0.9").stderr
+    assert (
+        "0:0.9 s covers slip, which begins at 0.5 s" in run("detect", tmp_path / "t.npz", "--calibrate", "0:0.9").stderr
+    )
 
 
 @pytest.mark.slow
@@ -79,8 +86,8 @@ def test_detect_file_in_python_gives_the_result_of_the_command(tmp_path):
     (tmp_path / "t.csv").write_text(csv(t, v, header=("t", "AI0")))
     progress: list[str] = []
     columns = {"time_s": "t", "voltage_v": "AI0"}
-    found = fingertip.detect_file(tmp_path / "t.csv", columns=columns, quiet_s=0.4, progress=progress.append)
-    words = ("--column", "time_s=t", "--column", "voltage_v=AI0", "--quiet-s", 0.4, "--json")
+    found = fingertip.detect_file(tmp_path / "t.csv", columns=columns, calibrate_s=(0.0, 0.4), progress=progress.append)
+    words = ("--column", "time_s=t", "--column", "voltage_v=AI0", "--calibrate", "0:0.4", "--json")
     done = run("detect", tmp_path / "t.csv", *words)
     assert found.detection.intervals[0].onset_s == pytest.approx(single_onset(done))
     assert found.design.detector.sample_rate_hz == 5000
@@ -108,21 +115,46 @@ def test_detect_file_in_python_adapts_a_design_that_states_no_rate(tmp_path):
             fingertip.detect_file(tmp_path / "t.csv", **arguments)
 
 
-def test_the_shortest_quiet_start_in_the_message_is_long_enough(tmp_path):
+def test_the_shortest_quiet_part_in_the_message_is_long_enough(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
     for detector, seconds in (("fast", "0.3"), ("analog", "0.33")):
-        words = ("detect", tmp_path / "t.csv", "--detector", detector, "--quiet-s")
-        assert f"covers 1 sample of t.csv; choose at least {seconds} s." in run(*words, "0.0001").stderr
-        assert run(*words, seconds).exit_code == 0
+        words = ("detect", tmp_path / "t.csv", "--detector", detector, "--calibrate")
+        assert f"covers 1 sample of t.csv; choose at least {seconds} s." in run(*words, "0:0.0001").stderr
+        assert run(*words, f"0:{seconds}").exit_code == 0
 
 
-def test_a_quiet_start_without_noise_gives_no_threshold(tmp_path):
+def test_a_quiet_part_without_noise_gives_no_threshold(tmp_path):
     """The force of a simulated trace is constant until contact."""
     force = np.where(T < 0.3, 0.0, np.abs(V - 3.9))
     (tmp_path / "t.csv").write_text(csv(T, force, header=("time_s", "force_n")))
-    words = ("detect", tmp_path / "t.csv", "--column", "voltage_v=force_n", "--detector", "fast", "--quiet-s")
+    words = ("detect", tmp_path / "t.csv", "--column", "voltage_v=force_n", "--detector", "fast", "--calibrate")
     message = "a signal without noise gives no threshold; use a measured signal"
-    constant = run(*words, 0.3)
+    constant = run(*words, "0:0.3")
     assert constant.exit_code == 2
     assert f"covers a constant part of t.csv: {message}" in constant.stderr
-    assert f"constant up to 0.2995 s, within the 0.4 s of --quiet-s: {message}" in run(*words, 0.4).stderr
+    assert f"constant up to 0.2995 s, within 0:0.4 s of --calibrate: {message}" in run(*words, "0:0.4").stderr
+
+
+def test_calibration_on_any_interval(tmp_path):
+    """Noise that begins with the grasp is calibrated there: an interval in the air gives a lower threshold."""
+    rng = np.random.default_rng(8)
+    t = np.arange(12_000) / 2000
+    volts = 4.3 + rng.normal(0, 4e-4, len(t)) + (t > 3.0) * (rng.normal(0, 1.2e-3, len(t)) - 0.3)
+    (tmp_path / "t.csv").write_text(csv(t, volts))
+
+    def threshold_v(interval: str) -> float:
+        return json.loads(run("detect", tmp_path / "t.csv", "--calibrate", interval, "--json").stdout)["threshold_v"]
+
+    assert threshold_v("4.0:4.5") == pytest.approx(threshold_v("5:5.9"), rel=0.25)
+    assert threshold_v("4.0:4.5") > 2 * threshold_v("0.5:2.5")
+    found = run("detect", tmp_path / "t.csv", "--calibrate", "2.5:3.5")
+    assert "the signal is disturbed at 3.0" in found.stderr
+    for words, message in (
+        ("4.0", "'4.0' is not of the form START:END in seconds; write it as 4.0:4.5."),
+        ("9:9.5", "9:9.5 s covers no sample of t.csv, which lasts 6 s"),
+        ("4:4.1", "covers 200 samples of t.csv; choose at least 0.3 s"),
+        ("0:9", "0:9 s covers all 6 s of t.csv; choose a shorter part"),
+    ):
+        refused = run("detect", tmp_path / "t.csv", "--calibrate", words)
+        assert refused.exit_code == 2
+        assert message in " ".join(refused.stderr.split())

@@ -20,6 +20,27 @@ TUNING_SEEDS = range(1000, 1400)
 HELD_OUT_FROM = 5_000_000
 """First seed of a validation."""
 
+LAST_SEED = 2**31 - 1 - 20_000_000
+"""Last first seed of a validation, which uses some millions of them."""
+SEED_RANGES = 4
+"""Number of ranges of held-out seeds over which the alarms of a validation are counted."""
+RANGE_SEEDS = 1_000_000
+"""Distance between these ranges."""
+
+
+def check_first_seed(seed: int) -> None:
+    """Refuse seeds on which a detector may have been trained or tuned.
+
+    Raises
+    ------
+    TraceError
+        If the seed is out of bounds.
+    """
+    if not HELD_OUT_FROM <= seed <= LAST_SEED:
+        reason = "seeds below were used to train and tune detectors" if seed < HELD_OUT_FROM else "it is too large"
+        raise TraceError(Issue("--seed", f"{seed} is refused, {reason}; choose {HELD_OUT_FROM} to {LAST_SEED}."))
+
+
 _GRASP = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0}
 NEGATIVE_SCENES: dict[str, tuple[SceneFile, float]] = {
     "contact": (SceneFile(scene="contact", hold={"min_s": 1.0, "release": False}), 0.25),

@@ -10,6 +10,7 @@ import numpy as np
 
 from fingertip.campaign.evaluate import TrialResult, evaluate, needs_board, simulate_trace
 from fingertip.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, generate_cases
+from fingertip.campaign.poisson import poisson_interval
 from fingertip.design import Design
 from fingertip.jit import compiled
 from fingertip.sim import SceneFile
@@ -60,6 +61,15 @@ class DetectorResult:
         """Delay by which a fraction of all slips was found [s]; infinite if fewer were found."""
         return quantile_s(self.delays_s, self.slips, fraction)
 
+    def motion_delay_s(self, fraction: float) -> float:
+        """The same delay since the robot moved [s]."""
+        return quantile_s([d for t in self.trials for d in t.motion_delays_s], self.slips, fraction)
+
+    @property
+    def worst_s(self) -> float:
+        """Longest delay of a slip that was found [s]; infinite if none was."""
+        return max(self.delays_s, default=math.inf)
+
     @property
     def on_share(self) -> float:
         """Mean fraction of the slip that is ON after its detection."""
@@ -79,11 +89,26 @@ class DetectorResult:
         return total
 
     @property
+    def limited_minutes(self) -> float:
+        """Duration of all scenes but those that are reported separately [min]."""
+        return sum(m for cause, m in self.minutes().items() if cause not in REPORTED_SEPARATELY)
+
+    @property
+    def limited_alarms(self) -> int:
+        """Number of false alarms in them."""
+        return sum(n for cause, n in self.alarms().items() if cause not in REPORTED_SEPARATELY)
+
+    @property
     def alarms_per_minute(self) -> float:
         """False alarms per minute, in all scenes but those that are reported separately."""
-        minutes = sum(m for cause, m in self.minutes().items() if cause not in REPORTED_SEPARATELY)
-        alarms = sum(n for cause, n in self.alarms().items() if cause not in REPORTED_SEPARATELY)
-        return alarms / minutes if minutes else 0.0
+        return self.limited_alarms / self.limited_minutes if self.limited_minutes else 0.0
+
+    @property
+    def alarm_interval(self) -> tuple[float, float]:
+        """Interval that contains the rate of false alarms with 95 % probability [1/min]."""
+        low, high = poisson_interval(self.limited_alarms)
+        minutes = self.limited_minutes
+        return (low / minutes, high / minutes) if minutes else (0.0, math.inf)
 
     def group_delays(self, key: Callable[[TrialResult], object]) -> dict[object, tuple[float, float, int]]:
         """Mean and standard deviation of the delay [s], and number of slips found, by group of trials."""

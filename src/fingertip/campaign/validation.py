@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fingertip.campaign.closed_loop import ClosedLoopTrial, run_closed_loop, summarise
-from fingertip.campaign.plan import CampaignPlan
+from fingertip.campaign.plan import HELD_OUT_FROM, RANGE_SEEDS, SEED_RANGES, CampaignPlan, check_first_seed
 from fingertip.campaign.report import omissions, tables
 from fingertip.campaign.report.tables import StudyResults
 from fingertip.campaign.requirements import Requirement, RequirementLimits, check_closed_loop, check_detection
@@ -22,6 +22,8 @@ from fingertip.campaign.studies.knock_rejection import study_knock_rejection
 from fingertip.campaign.studies.motor_discrimination import study_motor_discrimination
 from fingertip.campaign.studies.sampling_rates import study_sampling_rates
 from fingertip.campaign.studies.step_sensitivity import study_steps
+from fingertip.campaign.wider_mix.mix import MixSize, generate_mix, run_detector
+from fingertip.campaign.wider_mix.mix import summarise as summarise_mix
 from fingertip.design import Design
 from fingertip.sim.contact.pad import Pad
 from fingertip.slip.detectors.registry import find_detector_type
@@ -31,6 +33,9 @@ STUDY_TRIALS = 24
 MAX_STEP_TRIALS = 60
 """Largest number of trials that are repeated with a finer time step: half of the default plan's, as each takes the
 time of ten."""
+
+MIX_SEED_OFFSET = 500_000
+"""Distance of the wider mix's first seed from the campaign's."""
 
 FILES = (
     "validation.json", "omissions.md", "delays.png", "surfaces.png", "surfaces_digital.png", "spectra.png",
@@ -103,6 +108,7 @@ def validate(
     detector: str = "fast",
     limits: RequirementLimits | None = None,
     progress: Callable[[str], None] = lambda _: None,
+    first_seed: int = HELD_OUT_FROM,
 ) -> Validation:
     """Test a design's detectors on simulated slips and on scenes without slip.
 
@@ -118,15 +124,26 @@ def validate(
         Limits of the requirements. None: the default limits.
     progress
         Called with progress text.
+    first_seed
+        Seed of the first case of the campaign, of the wider mix, and of the further ranges of seeds.
 
     Raises
     ------
     TraceError
-        If there is no such detector.
+        If there is no such detector, or a detector may have been tuned on the seed.
     """
     find_detector_type(detector)
+    check_first_seed(first_seed)
     plan, limits = plan or CampaignPlan(), limits or RequirementLimits()
-    result = run_campaign(design, plan, progress=progress)
+    result = run_campaign(design, plan, progress=progress, first_seed=first_seed)
+    progress("alarms: further ranges of seeds")
+    ranges = [result.at_nominal_threshold(detector)]
+    for i in range(1, SEED_RANGES):
+        seed = first_seed + i * RANGE_SEEDS
+        ranges.append(run_campaign(design, plan, (detector,), (1.0,), first_seed=seed).at_nominal_threshold(detector))
+    progress("wider mix: grip changes, controller's steps, noise that is not stated, bursts")
+    mix_size = MixSize.for_trials(plan.trials)
+    mix = summarise_mix(run_detector(detector, design, generate_mix(design, mix_size, first_seed + MIX_SEED_OFFSET)))
     progress("closed loop: simulating four objects, each hit by a robot's pin")
     loop_detectors = tuple(dict.fromkeys(("analog", "fast", detector)))
     manipulations = run_closed_loop(design, loop_detectors, 3 if plan.trials >= 12 else 1)
@@ -136,7 +153,7 @@ def validate(
     progress("studies: bound, assumptions, time step, windows, spectra, accelerations, sampling rates, boards, knocks")
     trials = min(STUDY_TRIALS, plan.trials)
     studies = StudyResults(
-        bounds_s=compute_bounds_s(design, plan),
+        bounds_s=compute_bounds_s(design, plan, first_seed),
         variations=study_assumptions(design, detector, trials),
         steps=study_steps(design, min(MAX_STEP_TRIALS, (plan.trials + 1) // 2)),
         patch_radius_m=Pad.from_design(design).patch_radius_m(1.0),
@@ -148,5 +165,7 @@ def validate(
         motor=study_motor_discrimination(design, trials),
         knocks=study_knock_rejection(design),
         closed_loop=summaries,
+        seed_ranges=ranges,
+        wider_mix=mix,
     )
     return Validation(design, detector, result, tuple(manipulations), requirements, studies)

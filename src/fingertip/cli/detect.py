@@ -34,10 +34,13 @@ def detect(
         float | None,
         typer.Option("--rate-hz", help="Sampling rate of the trace; if the file holds times, they must agree with it."),
     ] = None,
-    quiet_s: Annotated[
-        float | None,
+    calibrate: Annotated[
+        str | None,
         typer.Option(
-            "--quiet-s", help="Time at the start in which nothing happens; thresholds follow from the noise there."
+            "--calibrate",
+            metavar="START:END",
+            help="Interval in which nothing happens, in seconds after the first sample, such as 4.0:4.5; thresholds "
+            "follow from the noise there. Best in the held grasp.",
         ),
     ] = None,
     scale: Annotated[float, typer.Option(help="Volts per unit of the file's voltage, such as 0.00030518.")] = 1.0,
@@ -85,14 +88,14 @@ def detect(
     # A window from --set is for this recording's rate, a window from a design file for that file's rate.
     keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
     if str(trace) == "-":
-        detect_standard_input(console, loaded, detector, rate_hz, scale, seconds, names, keep_window, plot, quiet_s)
+        detect_standard_input(console, loaded, detector, rate_hz, scale, seconds, names, keep_window, plot, calibrate)
         return
     found = detect_file(
         trace,
         loaded,
         detector,
         rate_hz=rate_hz,
-        quiet_s=quiet_s,
+        calibrate_s=None if calibrate is None else _parse_interval(calibrate),
         scale=scale,
         time_scale=seconds,
         columns=names,
@@ -119,6 +122,17 @@ def _parse_columns(columns: list[str]) -> dict[str, str]:
         message = "is not of the form COLUMN=NAME; write it as voltage_v=AI0."
         raise TraceError([Issue(f"--column {text}", message) for text in invalid])
     return {column: name for column, _, name in pairs}
+
+
+def _parse_interval(text: str) -> tuple[float, float]:
+    from fingertip.errors import Issue, TraceError
+
+    begin, _, end = text.partition(":")
+    try:
+        return float(begin), float(end)
+    except ValueError:
+        message = f"{text!r} is not of the form START:END in seconds; write it as 4.0:4.5."
+        raise TraceError(Issue("--calibrate", message)) from None
 
 
 def _parse_time_scale(text: str) -> float:

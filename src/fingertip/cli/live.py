@@ -25,7 +25,7 @@ def detect_standard_input(
     columns: Mapping[str, str],
     keep_window: bool,
     plot: Path | None,
-    quiet_s: float | None,
+    calibrate: str | None,
 ) -> None:
     """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
     from fingertip.detect_trace import detect_stream
@@ -34,7 +34,7 @@ def detect_standard_input(
 
     if not sys.stdin or sys.stdin.closed:
         raise TraceError(Issue("-", "standard input is closed; pipe lines into it."))
-    if unavailable := [name for name, value in (("--plot", plot), ("--quiet-s", quiet_s)) if value is not None]:
+    if unavailable := [name for name, value in (("--plot", plot), ("--calibrate", calibrate)) if value is not None]:
         message = "requires the whole recording; save the lines in a file first."
         raise TraceError([Issue(name, message) for name in unavailable])
     transitions: list[dict[str, Any]] = []

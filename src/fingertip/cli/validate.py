@@ -20,6 +20,7 @@ def validate(
     detector: Annotated[
         str, typer.Option("--detector", help="Detector that the requirements apply to; all are compared.")
     ] = "fast",
+    seed: Annotated[int, typer.Option("--seed", help="First seed; every one from 5000000 on is held out.")] = 5_000_000,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Folder; default: out/NAME/validation.")] = None,
     force: ForceOption = False,
     changes: SetOption = None,
@@ -30,6 +31,7 @@ def validate(
     from fingertip import campaign, extras, jit
     from fingertip.board.analysis.limits import adc_range_warnings
     from fingertip.board.board_values import board_values
+    from fingertip.campaign.plan import check_first_seed
     from fingertip.cli.load import load_design
     from fingertip.output_set import SetWriter, hash_parameters
     from fingertip.slip.detectors import noise, registry
@@ -38,6 +40,7 @@ def validate(
     loaded, _ = load_design(design, changes)
     registry.find_detector_type(detector)
     plan = campaign.CampaignPlan(trials, minutes)
+    check_first_seed(seed)
     if not jit.available():
         console.progress(
             f"numba is not installed ({extras.install_command('numba')}): this takes some twenty times longer"
@@ -52,7 +55,7 @@ def validate(
     parameters = hash_parameters(loaded.model_dump(mode="json"))
     writer = SetWriter(folder, "validation", loaded.name, parameters, force=force)
     writer.check(campaign.FILES)
-    validation = campaign.validate(loaded, plan, detector, progress=console.progress)
+    validation = campaign.validate(loaded, plan, detector, progress=console.progress, first_seed=seed)
     if with_plots:
         console.progress("drawing plots")
     files = validation.files(with_plots)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
 from fingertip.slip.detectors.detector import DetectorOutput
+from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel, noise_level
 from fingertip.slip.detectors.registry import find_detector_type, make_detector
 from fingertip.slip.intervals import Interval, Score, intervals, score
@@ -28,6 +31,12 @@ class Detection:
     intervals: tuple[Interval, ...]
     score: Score | None
     """Score against the true slips; None if the trace does not contain them."""
+    confidences: tuple[float, ...]
+    """Greatest ratio of statistic to threshold in each interval: by how much a controller may trust it."""
+    incipient: tuple[Interval, ...] | None
+    """Intervals in which slip may begin, at more false alarms than slip; None for other detectors than `fast`."""
+    learned_noise_v: float | None
+    """White RMS noise that the detector has learned at the end [V]; None for detectors that learn none."""
 
 
 def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: float | None = None) -> Detection:
@@ -67,4 +76,18 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
     if trace.slip is not None:
         scored = score(detected, intervals(trace.time_s, trace.slip), instance.memory_s)
     level = noise_level(design, noise_v) if detector == "digital" else None
-    return Detection(detector, threshold_v, instance.memory_s, level, output, detected, scored)
+    incipient = intervals(trace.time_s, output.incipient) if isinstance(output, FastOutput) else None
+    learned_v = instance.noise_v if isinstance(instance, FastDetector) else None
+    confidences = _confidences(output, trace, detected)
+    return Detection(
+        detector, threshold_v, instance.memory_s, level, output, detected, scored, confidences, incipient, learned_v
+    )
+
+
+def _confidences(output: DetectorOutput, trace: Trace, detected: tuple[Interval, ...]) -> tuple[float, ...]:
+    ratio = np.divide(
+        output.statistic_v, output.threshold_v, where=output.threshold_v > 0.0, out=np.zeros(len(output.on))
+    )
+    first = np.searchsorted(trace.time_s, [i.onset_s for i in detected])
+    last = np.searchsorted(trace.time_s, [i.end_s for i in detected])
+    return tuple(float(ratio[a : max(b, a + 1)].max()) for a, b in zip(first.tolist(), last.tolist(), strict=True))

@@ -52,13 +52,18 @@ def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
     """
     score = detection.score
     return {
-        "intervals": [_interval_data(i) for i in detection.intervals],
+        "intervals": [
+            _interval_data(i) | {"confidence": round(c, 4)}
+            for i, c in zip(detection.intervals, detection.confidences, strict=True)
+        ],
+        "incipient": None if detection.incipient is None else [_interval_data(i) for i in detection.incipient],
         "slips": None if score is None else [_interval_data(i) for i in score.slips],
         "delays_s": None if score is None else [None if d is None else round(d, 7) for d in score.delays_s],
         "missed_slips": None if score is None else [_interval_data(i) for i in score.missed],
         "false_intervals": None if score is None else [_interval_data(i) for i in score.false_intervals],
         "detector": detection.detector,
         "threshold_v": round(detection.threshold_v, 6),
+        "learned_noise_v": None if detection.learned_noise_v is None else round(detection.learned_noise_v, 7),
         "noise_threshold_v": round(noise.threshold_v, 6) if noise else None,
     }
 

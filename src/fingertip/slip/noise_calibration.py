@@ -1,6 +1,6 @@
-"""Noise of a recording's quiet start, expressed as the white noise for which a detector has the threshold it needs.
+"""Noise of a quiet part of a recording, expressed as the white noise for which a detector has the threshold it needs.
 
-The quiet start is the part at the beginning of a recording during which nothing happens. Its spectrum may have any
+The quiet part is an interval during which nothing happens, in the air or in a held grasp. Its spectrum may have any
 shape: hum, drift, noise behind a low-pass filter.
 """
 
@@ -22,42 +22,49 @@ from fingertip.slip.traces.trace import Trace
 
 _DISTURBANCE_RATIO = 6.0
 """Ratio of the energy statistic to its median that indicates a disturbance; noise alone reaches half of it."""
+_ENERGY_S = 0.015
+"""Window of that energy [s]."""
 MIN_S = 0.3
 """Minimum duration [s]. A shorter part does not determine the deviation in a band of 40 Hz to 10 %."""
 
 
 NOISELESS_REMEDY = "use a measured signal, or the voltage of a simulated trace instead of its force"
-"""Remedy for a quiet start without noise, such as that of a simulated force before contact."""
+"""Remedy for a quiet part without noise, such as that of a simulated force before contact."""
 
 
-def select_quiet_start(trace: Trace, quiet_s: float, name: str) -> slice:
-    """Select the samples of a trace's quiet start.
+def select_quiet_part(trace: Trace, between_s: tuple[float, float], name: str) -> slice:
+    """Select the samples of a trace's quiet part.
 
     Parameters
     ----------
     trace
         The trace.
-    quiet_s
-        Duration of the quiet start [s].
+    between_s
+        Start and end of the quiet part, after the first sample [s].
     name
         Name of the trace for error messages.
 
     Raises
     ------
     TraceError
-        If the part is empty or the whole trace, or if the trace's true slip lies within it.
+        If the part contains no sample or all of them, or if the trace's true slip lies within it.
     """
-    part = slice(0, int((trace.time_s < trace.time_s[0] + quiet_s).sum()))
-    if not part.stop:
-        raise TraceError(Issue("--quiet-s", f"{quiet_s:g} s covers no sample; choose a value above 0 s."))
-    if part.stop == len(trace.time_s):
-        duration_s = trace.time_s[-1] - trace.time_s[0]
-        message = f"{quiet_s:g} s covers all {duration_s:.4g} s of {name}; choose a shorter part at the start"
-        raise TraceError(Issue("--quiet-s", f"{message} during which nothing happens."))
+    begin_s, end_s = between_s
+    text, duration_s = f"{begin_s:g}:{end_s:g} s", trace.time_s[-1] - trace.time_s[0]
+    # Rounding of times must not move a sample across a limit.
+    since_s, slack_s = trace.time_s - trace.time_s[0], 1e-9 * max(1.0, duration_s)
+    part = slice(int((since_s < begin_s - slack_s).sum()), int((since_s < end_s - slack_s).sum()))
+    if part.stop <= part.start:
+        message = f"{text} covers no sample of {name}, which lasts {duration_s:.4g} s; choose an end after the start"
+        raise TraceError(Issue("--calibrate", f"{message}, such as 0:0.5."))
+    if part.stop - part.start == len(trace.time_s):
+        message = f"{text} covers all {duration_s:.4g} s of {name}; choose a shorter part"
+        raise TraceError(Issue("--calibrate", f"{message} during which nothing happens."))
     if trace.slip is not None and trace.slip[part].any():
         onset_s = trace.time_s[part][trace.slip[part]][0] - trace.time_s[0]
-        message = f"{quiet_s:g} s covers slip, which begins at {onset_s:.4g} s; choose a shorter part."
-        raise TraceError(Issue("--quiet-s", message))
+        raise TraceError(
+            Issue("--calibrate", f"{text} covers slip, which begins at {onset_s:.4g} s; choose another part.")
+        )
     return part
 
 
@@ -86,18 +93,22 @@ def equivalent_noise_v(detector: str, design: Design, quiet_v: Array, name: str)
     minimum = math.ceil(MIN_S * design.detector.sample_rate_hz)
     if len(quiet_v) < minimum:
         samples = f"{len(quiet_v)} sample{'s' * (len(quiet_v) != 1)}"
-        raise TraceError(Issue("--quiet-s", f"covers {samples} of {name}; choose at least {MIN_S:g} s."))
+        raise TraceError(Issue("--calibrate", f"covers {samples} of {name}; choose at least {MIN_S:g} s."))
     white_v = math.sqrt(float(np.mean(np.diff(quiet_v, 2) ** 2)) / 6)
     if not white_v > 0.0:
         message = f"covers a constant part of {name}: a signal without noise gives no threshold"
-        raise TraceError(Issue("--quiet-s", f"{message}; {NOISELESS_REMEDY}."))
+        raise TraceError(Issue("--calibrate", f"{message}; {NOISELESS_REMEDY}."))
     return max(white_v, _EQUIVALENT_NOISE[detector](design, quiet_v))
 
 
 def first_disturbance(design: Design, quiet_v: Array) -> int | None:
-    """Find the first sample of a quiet start whose energy is far above the median; None if there is none."""
+    """Find the first sample of a quiet part whose energy is far above the median; None if there is none."""
     settling = round(0.1 * design.detector.sample_rate_hz)
-    statistic = FastDetector(FastSettings.from_design(design, 1.0)).process(quiet_v).statistic_v[settling:]
+    filtered = FastDetector(FastSettings.from_design(design, 1.0)).process(quiet_v).filtered_v
+    window = max(1, round(_ENERGY_S * design.detector.sample_rate_hz))
+    # RMS value over the window that ends with each sample.
+    total = np.concatenate((np.zeros(window), np.cumsum(filtered * filtered)))
+    statistic = np.sqrt(np.maximum(total[window:] - total[:-window], 0.0) / window)[settling:]
     if not len(statistic):
         return None
     loud = np.flatnonzero(statistic > _DISTURBANCE_RATIO * float(np.median(statistic)))

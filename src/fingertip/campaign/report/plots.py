@@ -105,7 +105,7 @@ def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
         if math.isfinite(nominal.delay_s(0.5)):
             at = (max(nominal.alarms_per_minute, no_alarms), 1000 * nominal.delay_s(0.5))
             axes.plot(*at, "o", markersize=11, markerfacecolor="none", color=colour)
-    axes.axhline(1000 * bound_s, color="#2e7d5b", linewidth=1, label="estimated bound (Lorden, asymptotic), median")
+    axes.axhline(1000 * bound_s, color="#2e7d5b", linewidth=1, label="estimate for one band's energy alone, median")
     axes.axvline(0.1, color=TEXT_COLOUR, linewidth=1, linestyle=":")
     axes.set_xscale("log")
     axes.set_ylim(0, 160)

@@ -146,7 +146,7 @@ def realism_remarks(variations: Sequence[VariationResult], detector: str, patch_
         "A detector that is ON already when slip begins has not found it. The trials hold for 1 s before slip, in "
         f"which the noise floor of the detector fast has not adapted yet; the rows that are {HELD_LONGER} show it "
         "adapted. Their recordings are longer, which alone lowers the false alarms per minute. Thresholds follow from "
-        "white noise; with other noise, `fingertip detect --quiet-s` sets them from a quiet start of the recording."
+        "white noise; with other noise, `fingertip detect --calibrate` sets them from a quiet part of the recording."
     )
     yield LEVELS_ARE_ASSUMED
 

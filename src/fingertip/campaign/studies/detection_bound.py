@@ -1,16 +1,17 @@
-"""Estimated lower bound on the mean delay of any detector for the same spectrum and noise: Lorden's bound.
+"""Estimated lower bound on the mean delay of a detector that sees the energy of one band only: Lorden's bound.
 
 A change that increases the information by I per second is found, on average and for a mean time between false alarms of
 gamma independent decisions, no sooner than ``ln(gamma) / I`` (G. Lorden, Ann. Math. Stat. 42(6), 1971,
 doi:10.1214/aoms/1177693055). CUSUM reaches this bound. Here slip grows, so the information is integrated from the onset
 until it reaches ln(gamma).
 
-Gaussian noise of power n in a band of width B that becomes n + s gives ``B (r - 1 - ln r)`` nats per second, with
-r = 1 + s / n. The band is the wide one of the detector `fast`, seen through its own causal filters, whose delay is part
-of the bound. s is the power that the same trial shows there without noise. The bound covers noise and slip only: it
-does not have to distinguish slip from a load change, and it knows in advance how strong this slip will be. It is
-therefore not a goal. The bound is asymptotic, for rare false alarms, and limits the mean over the noise: the same slip
-is found a little sooner with some noise, and later with other noise. Percentiles of few slips may lie below it.
+Gaussian noise of power n in a band of width B that becomes n + s gives ``B (r - 1 - ln r)`` nats per second, with r = 1
++ s / n. The band is the wide one of the detector `fast`, seen through its own causal filters, whose delay is part of
+the bound. s is the power that the same trial shows there without noise. The bound covers noise and slip only: it does
+not have to distinguish slip from a load change, and it knows in advance how strong this slip will be. It is therefore
+not a goal. A detector that also sees the slow force, as `fast` does, may be sooner. The bound is asymptotic, for rare
+false alarms, and limits the mean over the noise: the same slip is found a little sooner with some noise, and later with
+other noise. Percentiles of few slips may lie below it.
 """
 
 from __future__ import annotations
@@ -50,9 +51,10 @@ def compute_bounds_s(
     detector = design.detector
     noise_v = mean_quantised_noise_v(detector.noise_v, detector.adc_step_v)
     settings = FastSettings.from_design(design, max(noise_v, _MIN_NOISE_V))
-    rate, width = settings.sample_rate_hz, settings.high_hz - settings.low_hz
+    reference = FastDetector(settings)
+    low_hz, high_hz = reference.band_hz
+    rate, width, noise = settings.sample_rate_hz, high_hz - low_hz, reference.noise_energy_v2
     required = math.log(2 * width * 60 / ALARMS_PER_MINUTE)
-    noise = FastDetector(settings).noise_energy_v2
     tables = design.model_dump()
     tables["detector"]["adc_bits"] = 24
     noiseless = Design(**tables)

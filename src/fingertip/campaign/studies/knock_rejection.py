@@ -2,7 +2,7 @@
 
 A knock excites the pad's own resonance, in the band in which slip shows, and lasts as long as the energy window of a
 few milliseconds: on one force axis a weak knock looks like a short slip. A hard knock differs only in its rate of
-change, which no slip reaches. `fast` rejects a steeper change as a knock, and its threshold grows with the slope.
+change, which no slip reaches. The trees of `fast` weigh slope, decay and one-way movement.
 """
 
 from __future__ import annotations

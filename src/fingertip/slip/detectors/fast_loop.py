@@ -1,4 +1,8 @@
-"""Sample loop of the detector `fast`: two bands, their energies, the slew rate, the thresholds, and ON or OFF."""
+"""Sample loop of the detector `fast`: filters and energies at every sample; features, floors, decision at every tick.
+
+A tick follows every few samples, 2 ms apart. The loop needs no buffer of samples: energies are exponential means, peaks
+are kept in three slots of 40 ms, and the slow voltage in a ring of one value for every second tick.
+"""
 
 from __future__ import annotations
 
@@ -7,208 +11,334 @@ from collections.abc import MutableSequence, Sequence
 from typing import NamedTuple
 
 from fingertip.jit import CompiledLoop
+from fingertip.slip.detectors.fast_model import DEPTH, FEATURES, NODES
 
-NEW_KNOCK_RATIO = 2.0
-"""A slew rate above this multiple of the decayed peak of the last knock is another knock."""
+COUNT = len(FEATURES)
+RING = 26
+"""Values of the slow voltage in the ring, every second tick: 100 ms and the present one."""
+SLOPE_S = 0.01
+"""Time by which slopes are multiplied, so that they compare with voltages [s]."""
+MOVE_S = 0.0005
+"""Time in which the total movement is expressed [s]."""
+UPPER_LOUD, UPPER_LOUD_20 = 2.0, 1.6
+"""Ratios of the energies of 6 and 20 ms to the floors below which a signal is quiet, and no tree is evaluated."""
+MOVING_RATIO = 60.0
+"""Ratio of the squared slope to the wide floor above which the force changes, so that floors do not adapt."""
+CLIP_RATIO = 4.0
+"""Ratio of an energy to its floor above which the floor takes it for no more: slip that is not found yet."""
+HELD_TICKS = 15.0
+"""Ticks of averaging for which a floor stands after the force has changed: it is learned again within 0.5 s."""
+UNLEARNED_RATIO = 0.03
+"""Squared coefficient of variation of the wide energy below which a long ON is a tone. Noise in a band of 100 Hz has
+0.25 behind 20 ms."""
+DECAY_RATIO = 0.02
+"""Ratio of the wide energies of 6 and 20 ms below which the vibration has ended. After an abrupt end the ratio falls to
+it within 34 ms, however strong the vibration was."""
+TINY = 1e-30
 
 
 class FastCoefficients(NamedTuple):
-    """Constants of the loop.
+    """Constants of the loop. Each filter is a second-order section."""
 
-    The numerators of the low-pass filter and of the upper band's high-pass filter follow from their ``b0``: ``b1`` is
-    2 b0 for the low-pass and -2 b0 for the high-pass, ``b2`` is b0.
-    """
-
-    first_b0: float
-    first_b1: float
-    first_a1: float
-    second_b0: float
-    second_b1: float
-    second_b2: float
-    second_a1: float
-    second_a2: float
-    low_pass_b0: float
-    low_pass_a1: float
-    low_pass_a2: float
+    edge_b0: float
+    edge_b1: float
+    edge_b2: float
+    edge_a1: float
+    edge_a2: float
     upper_b0: float
+    upper_b1: float
+    upper_b2: float
     upper_a1: float
     upper_a2: float
-    energy_smoothing: float
-    """Smoothing factor of the energies, per sample."""
-    slew_smoothing: float
-    """Smoothing factor of the slew rate's two poles, per sample."""
-    knock_smoothing: float
-    """Smoothing factor of the less smoothed slew rate that identifies knocks, per sample."""
-    floor_smoothing: float
-    """Smoothing factor of the noise floors, per sample."""
-    peak_decay: float
-    """Factor by which peak slew rates decay, per sample."""
+    wide_b0: float
+    wide_b1: float
+    wide_b2: float
+    wide_a1: float
+    wide_a2: float
+    slow_b0: float
+    slow_b1: float
+    slow_b2: float
+    slow_a1: float
+    slow_a2: float
     sample_rate_hz: float
-    noise_ratio: float
-    """Wide band's noise threshold, divided by its noise floor."""
-    upper_noise_ratio: float
-    """Upper band's noise threshold, divided by its noise floor."""
-    hysteresis: float
-    """Factor of the noise thresholds while ON, as an energy ratio."""
-    slew_gain: float
-    """Increase of the wide band's threshold per squared slew rate [s^2]."""
-    upper_slew_gain: float
-    """Increase of the upper band's threshold per squared slew rate [s^2]."""
-    slew_noise: float
-    """Squared slew rate that noise sustains, divided by the wide band's noise floor [1/s^2]."""
-    max_slew_rate: float
-    """Slew rate above which a signal is a knock [V/s]."""
-    blanking_samples: float
-    """Duration of the blanking after a knock [samples]."""
-    max_on_samples: float
-    """Duration of ON after which the noise floors adapt nevertheless [samples]."""
+    short_smoothing: float
+    """Smoothing factor of 6 ms, per sample."""
+    long_smoothing: float
+    """Smoothing factor of 20 ms, per sample."""
+    tick_samples: float
+    slot_ticks: float
+    """Duration of a slot of the peaks [ticks]."""
+    max_floor_ticks: float
+    """Ticks over which the floors average in the end."""
+    tone_ticks: float
+    """Ticks of ON after which a tone is unlearned."""
+    unlearning: float
+    """Smoothing factor of the floors while a tone is unlearned, per tick."""
+    wide_share: float
+    """Energy of white noise of unit variance in the wide band."""
+    upper_share: float
+    """The same in the upper band."""
     min_floor: float
-    """Lower bound of the wide band's noise floor [V^2]."""
-    upper_min_floor: float
-    """Lower bound of the upper band's noise floor [V^2]."""
+    """Lower bound of the wide band's floor [V^2]."""
+    min_upper_floor: float
+    """Lower bound of the upper band's floor [V^2]."""
+    offset: float
+    """Score before the first tree."""
+    lowest_score: float
+    """Score of confidence 0."""
+    threshold: float
+    """Score above which slip is ON."""
+    stay_threshold: float
+    """Score above which slip stays ON."""
+    stay_ratio: float
+    """Ratio of an energy of 20 ms to its floor above which slip stays ON."""
+    score_smoothing: float
+    """Smoothing factor of the score while ON, per tick."""
+    statistic_gain: float
+    """Threshold in volts, divided by the root of the wide floor."""
 
 
 # Indices into the loop's state.
-FIRST = 0
-SECOND_1 = 1
-SECOND_2 = 2
-LOW_PASS_1 = 3
-LOW_PASS_2 = 4
-UPPER_1 = 5
-UPPER_2 = 6
-ENERGY = 7
-UPPER_ENERGY = 8
-SMOOTHED_1 = 9
-SMOOTHED_2 = 10
-PEAK_SLEW = 11
-KNOCK_SMOOTHED = 12
-KNOCK_PEAK_SLEW = 13
-FLOOR = 14
-UPPER_FLOOR = 15
-ON = 16
-KNOCK_SAMPLES = 17
-ON_SAMPLES = 18
-SETTLING_SAMPLES = 19
-STATES = 20
+EDGE_1, EDGE_2, UPPER_1, UPPER_2, WIDE_1, WIDE_2, SLOW_1, SLOW_2 = range(8)
+UPPER_SHORT, UPPER_LONG, WIDE_SHORT, WIDE_LONG = range(8, 12)
+EDGE, SLOW, INPUT, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = range(12, 19)
+SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(19, 26)
+STEP, FLOOR, UPPER_FLOOR, FLOOR_TICKS, SETTLING = range(26, 31)
+ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(31, 40)
+RING_START = 40
+STATES = RING_START + RING
 
-SMOOTHED_VOLTAGES = (SMOOTHED_1, SMOOTHED_2, KNOCK_SMOOTHED)
-"""States that equal the input while it is constant."""
+
+def evaluate_trees(
+    row: Sequence[float],
+    at: int,
+    features: Sequence[float],
+    thresholds: Sequence[float],
+    leaves: Sequence[float],
+    offset: float,
+) -> float:
+    """Sum the leaves of all trees for the features that begin at an index of a sequence."""
+    score = offset
+    for tree in range(len(leaves) // (NODES + 1)):
+        node = 0
+        base = tree * NODES
+        for _ in range(DEPTH):
+            above = row[at + int(features[base + node])] > thresholds[base + node]
+            node = 2 * node + (2 if above else 1)
+        score += leaves[base + tree + node - NODES]
+    return score
 
 
 def _fast_loop(
     coefficients: FastCoefficients,
+    features: Sequence[float],
+    thresholds: Sequence[float],
+    leaves: Sequence[float],
+    stride: int,
     samples: Sequence[float],
     state: MutableSequence[float],
+    rows: MutableSequence[float],
     filtered: MutableSequence[float],
-    statistics: MutableSequence[float],
-    thresholds: MutableSequence[float],
+    confidences: MutableSequence[float],
+    levels: MutableSequence[float],
     flags: MutableSequence[float],
 ) -> None:
     # In the order of the fields of FastCoefficients.
     (
-        g0, g1, g_a1, b0, b1, b2, a1, a2, l0, l_a1, l_a2, u0, u_a1, u_a2,
-        energy_smoothing, slew_smoothing, knock_smoothing, floor_smoothing, peak_decay, sample_rate_hz,
-        noise_ratio, upper_noise_ratio, hysteresis, slew_gain, upper_slew_gain, slew_noise,
-        max_slew_rate, blanking_samples, max_on_samples, min_floor, upper_min_floor,
+        e_b0, e_b1, e_b2, e_a1, e_a2, u_b0, u_b1, u_b2, u_a1, u_a2, w_b0, w_b1, w_b2, w_a1, w_a2,
+        s_b0, s_b1, s_b2, s_a1, s_a2, rate, short, long, tick_samples, slot_ticks, max_floor_ticks, tone_ticks,
+        unlearning, wide_share, upper_share, min_floor, min_upper_floor, offset, lowest_score, on_score, stay_score,
+        stay_ratio, score_smoothing, statistic_gain,
     ) = coefficients  # fmt: skip
-    s, s1, s2 = state[FIRST], state[SECOND_1], state[SECOND_2]
-    l1, l2, u1, u2 = state[LOW_PASS_1], state[LOW_PASS_2], state[UPPER_1], state[UPPER_2]
-    energy, upper_energy, floor, upper_floor = state[ENERGY], state[UPPER_ENERGY], state[FLOOR], state[UPPER_FLOOR]
-    smoothed_1, smoothed_2, peak_slew = state[SMOOTHED_1], state[SMOOTHED_2], state[PEAK_SLEW]
-    knock_smoothed, knock_peak_slew = state[KNOCK_SMOOTHED], state[KNOCK_PEAK_SLEW]
-    on, on_samples = state[ON], state[ON_SAMPLES]
-    knock_samples, settling_samples = state[KNOCK_SAMPLES], state[SETTLING_SAMPLES]
+    e1, e2, u1, u2 = state[EDGE_1], state[EDGE_2], state[UPPER_1], state[UPPER_2]
+    w1, w2, s1, s2 = state[WIDE_1], state[WIDE_2], state[SLOW_1], state[SLOW_2]
+    upper_short, upper_long = state[UPPER_SHORT], state[UPPER_LONG]
+    wide_short, wide_long = state[WIDE_SHORT], state[WIDE_LONG]
+    last_edge, last_slow, last_input = state[EDGE], state[SLOW], state[INPUT]
+    net_short, total_short = state[NET_SHORT], state[TOTAL_SHORT]
+    net_long, total_long = state[NET_LONG], state[TOTAL_LONG]
+    slope_0, slope_1, slope_2 = state[SLOPE], state[SLOPE_1], state[SLOPE_2]
+    peak_0, peak_1, peak_2, slot = state[PEAK], state[PEAK_1], state[PEAK_2], state[SLOT]
+    step, floor, upper_floor = state[STEP], state[FLOOR], state[UPPER_FLOOR]
+    floor_ticks, settling = state[FLOOR_TICKS], state[SETTLING]
+    on, on_ticks, mean, mean_square = state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE]
+    smooth_score, confidence = state[SMOOTH_SCORE], state[CONFIDENCE]
+    phase, ring_phase, ring_at = state[PHASE], state[RING_PHASE], int(state[RING_AT])
+    slope_gain = SLOPE_S * SLOPE_S * rate * rate
+    move_gain = MOVE_S * MOVE_S * rate * rate
+    at = 0
+    level = statistic_gain * math.sqrt(floor)
     for i in range(len(samples)):
-        # Band filters, each section in transposed direct form II: y is the wide band, z the upper band.
+        # Filters, each in transposed direct form II: e below the upper edge, u upper band, w wide band, s slow.
         x = samples[i]
-        w = g0 * x + s
-        s = g1 * x - g_a1 * w
-        v = b0 * w + s1
-        s1 = b1 * w - a1 * v + s2
-        s2 = b2 * w - a2 * v
-        y = l0 * v + l1
-        l1 = 2 * l0 * v - l_a1 * y + l2
-        l2 = l0 * v - l_a2 * y
-        z = u0 * y + u1
-        u1 = -2 * u0 * y - u_a1 * z + u2
-        u2 = u0 * y - u_a2 * z
+        e = e_b0 * x + e1
+        e1 = e_b1 * x - e_a1 * e + e2
+        e2 = e_b2 * x - e_a2 * e
+        u = u_b0 * e + u1
+        u1 = u_b1 * e - u_a1 * u + u2
+        u2 = u_b2 * e - u_a2 * u
+        w = w_b0 * e + w1
+        w1 = w_b1 * e - w_a1 * w + w2
+        w2 = w_b2 * e - w_a2 * w
+        s = s_b0 * x + s1
+        s1 = s_b1 * x - s_a1 * s + s2
+        s2 = s_b2 * x - s_a2 * s
 
-        # Energies: exponentially weighted means of the squares.
-        energy += energy_smoothing * (y * y - energy)
-        upper_energy += energy_smoothing * (z * z - upper_energy)
+        # Energies: exponential means of the squares.
+        upper_short += short * (u * u - upper_short)
+        upper_long += long * (u * u - upper_long)
+        wide_short += short * (w * w - wide_short)
+        wide_long += long * (w * w - wide_long)
 
-        # Slew rate of the input behind two poles, and its decaying peak.
-        smoothed_1 += slew_smoothing * (x - smoothed_1)
-        change = slew_smoothing * (smoothed_1 - smoothed_2)
-        smoothed_2 += change
-        slew_rate = sample_rate_hz * abs(change)
-        peak_slew *= peak_decay
-        if slew_rate > peak_slew:
-            peak_slew = slew_rate
+        # Net and total movement, which are equal while the force goes one way.
+        move = e - last_edge
+        last_edge = e
+        net_short += short * (move - net_short)
+        net_long += long * (move - net_long)
+        if move < 0.0:
+            move = -move
+        total_short += short * (move - total_short)
+        total_long += long * (move - total_long)
 
-        # Slew rate behind one faster pole, which identifies a knock before its energy has risen. `knock_samples` counts
-        # the time since the knock began. It restarts at a new knock, and is 0 when there is none.
-        change = knock_smoothing * (x - knock_smoothed)
-        knock_smoothed += change
-        slew_rate = sample_rate_hz * abs(change)
-        knock_peak_slew *= peak_decay
-        if slew_rate > knock_peak_slew:
-            if slew_rate > NEW_KNOCK_RATIO * knock_peak_slew:
-                knock_samples = 0.0
-            knock_peak_slew = slew_rate
-        knock_samples = knock_samples + 1.0 if knock_peak_slew >= max_slew_rate else 0.0
+        # Smallest step of the converter: the smallest difference between two samples.
+        move = x - last_input
+        last_input = x
+        if move < 0.0:
+            move = -move
+        if 0.0 < move < step:
+            step = move
 
-        # Thresholds as energies. The energies of noise and of a change of force add, because they are independent.
-        # While ON, the slew rate does not count and the hysteresis applies.
-        excess_slew = peak_slew * peak_slew - slew_noise * floor
-        if excess_slew < 0.0:
-            excess_slew = 0.0
-        noise_threshold, upper_noise_threshold = noise_ratio * floor, upper_noise_ratio * upper_floor
-        if on > 0.0:
-            threshold, upper_threshold = hysteresis * noise_threshold, hysteresis * upper_noise_threshold
-        else:
-            threshold = noise_threshold + slew_gain * excess_slew
-            upper_threshold = upper_noise_threshold + upper_slew_gain * excess_slew
+        # Squared slope and upper energy, the greatest of each slot.
+        slope = s - last_slow
+        last_slow = s
+        slope *= slope
+        if slope > slope_0:
+            slope_0 = slope
+        if upper_short > peak_0:
+            peak_0 = upper_short
 
-        # Either band is sufficient. An upper energy above its threshold lowers the wide band's threshold so far that
-        # the wide energy exceeds it by the same ratio. Not after a knock: the upper band rings longer than its
-        # threshold allows for.
-        if upper_energy > upper_threshold and knock_samples == 0.0:
-            equivalent = energy * upper_threshold / upper_energy
-            if equivalent < threshold:
-                threshold = equivalent
+        phase += 1.0
+        if phase >= tick_samples:
+            phase = 0.0
+            greatest = slope_0 if slope_0 > slope_1 else slope_1
+            if slope_2 > greatest:
+                greatest = slope_2
+            peak = peak_0 if peak_0 > peak_1 else peak_1
+            if peak_2 > peak:
+                peak = peak_2
+            slot += 1.0
+            if slot >= slot_ticks:
+                slot = 0.0
+                slope_2, slope_1, slope_0 = slope_1, slope_0, 0.0
+                peak_2, peak_1, peak_0 = peak_1, peak_0, 0.0
+            ring_phase += 1.0
+            if ring_phase >= 2.0:
+                ring_phase = 0.0
+                state[RING_START + ring_at] = s
+                ring_at += 1
+                if ring_at == RING:
+                    ring_at = 0
+            change = s - state[RING_START + ring_at]
+            middle = ring_at + RING // 2
+            half_change = s - state[RING_START + (middle if middle < RING else middle - RING)]
 
-        # Decision. OFF until the filters have settled; a knock inhibits the transition to ON during the blanking.
-        if settling_samples > 0.0:
-            settling_samples -= 1.0
-            on = 0.0
-        else:
-            enabled = on > 0.0 or knock_samples == 0.0 or knock_samples > blanking_samples
-            on = 1.0 if energy > threshold and enabled else 0.0
-        on_samples = on_samples + 1.0 if on > 0.0 else 0.0
+            # Floors are at least the noise of a converter halfway between two codes.
+            step_noise = 0.25 * step * step
+            lowest = step_noise * wide_share
+            wide_floor = floor if floor > lowest else lowest
+            lowest = step_noise * upper_share
+            high_floor = upper_floor if upper_floor > lowest else lowest
+            greatest *= slope_gain
+            slope *= slope_gain
+            rows[at] = upper_short / high_floor
+            rows[at + 1] = upper_long / high_floor
+            rows[at + 2] = wide_short / wide_floor
+            rows[at + 3] = wide_long / wide_floor
+            rows[at + 4] = greatest / wide_floor
+            rows[at + 5] = change * change / wide_floor
+            rows[at + 6] = half_change * (half_change if half_change > 0.0 else -half_change) / wide_floor
+            rows[at + 7] = net_short * net_short / (total_short * total_short + TINY)
+            rows[at + 8] = upper_short / (peak + TINY)
+            rows[at + 9] = wide_long / (greatest + TINY)
+            rows[at + 10] = upper_long / (greatest + TINY)
+            rows[at + 11] = upper_long / (wide_long + TINY)
+            rows[at + 12] = move_gain * total_short * total_short / wide_floor
+            rows[at + 13] = slope / (greatest + TINY)
+            rows[at + 14] = net_long * net_long / (total_long * total_long + TINY)
+            is_loud = (
+                rows[at] > UPPER_LOUD
+                or rows[at + 2] > UPPER_LOUD
+                or rows[at + 1] > UPPER_LOUD_20
+                or rows[at + 3] > UPPER_LOUD_20
+            )
+            score = evaluate_trees(rows, at, features, thresholds, leaves, offset) if is_loud else lowest_score
+            confidence = (score - lowest_score) / (on_score - lowest_score)
+            if confidence < 0.0:
+                confidence = 0.0
+            is_strong = (
+                rows[at + 1] > stay_ratio or rows[at + 3] > stay_ratio
+            ) and wide_short > DECAY_RATIO * wide_long
+            at += stride
 
-        # Noise floors adapt only to noise: OFF, constant force, and energies below the noise thresholds. ON for longer
-        # than any slip lasts is treated as noise too.
-        only_noise = excess_slew == 0.0 and energy < noise_threshold and upper_energy < upper_noise_threshold
-        if on_samples > max_on_samples or (on == 0.0 and only_noise):
-            floor += floor_smoothing * (energy - floor)
-            upper_floor += floor_smoothing * (upper_energy - upper_floor)
-            if floor < min_floor:
-                floor = min_floor
-            if upper_floor < upper_min_floor:
-                upper_floor = upper_min_floor
+            # Decision: OFF until the floors are learned; ON stays while the energy does.
+            if settling > 0.0:
+                settling -= 1.0
+                on = 0.0
+            elif on > 0.0:
+                smooth_score += score_smoothing * (score - smooth_score)
+                on = 1.0 if score > stay_score or (is_strong and smooth_score > stay_score) else 0.0
+            else:
+                on = 1.0 if score > on_score else 0.0
+                smooth_score = on_score
 
-        filtered[i] = y
-        statistics[i] = math.sqrt(energy)
-        thresholds[i] = math.sqrt(threshold)
+            if on > 0.0:
+                # A tone's energy is constant and that of slip is not: floors follow a tone.
+                on_ticks += 1.0
+                share = 1.0 / (on_ticks if on_ticks < tone_ticks else tone_ticks)
+                mean += share * (wide_long - mean)
+                mean_square += share * (wide_long * wide_long - mean_square)
+                if on_ticks > tone_ticks and mean_square - mean * mean < UNLEARNED_RATIO * mean * mean:
+                    floor += unlearning * (wide_long - floor)
+                    upper_floor += unlearning * (upper_long - upper_floor)
+            else:
+                on_ticks = mean = mean_square = 0.0
+                if greatest > MOVING_RATIO * wide_floor and settling == 0.0:
+                    floor_ticks = HELD_TICKS
+                elif floor_ticks < 0.0:
+                    # Until the filters have settled, floors are what they show.
+                    floor_ticks += 1.0
+                    floor, upper_floor = wide_long, upper_long
+                else:
+                    floor_ticks += 1.0
+                    share = 1.0 / (floor_ticks if floor_ticks < max_floor_ticks else max_floor_ticks)
+                    clipped = CLIP_RATIO * floor
+                    floor += share * ((wide_long if wide_long < clipped else clipped) - floor)
+                    clipped = CLIP_RATIO * upper_floor
+                    upper_floor += share * ((upper_long if upper_long < clipped else clipped) - upper_floor)
+                if floor < min_floor:
+                    floor = min_floor
+                if upper_floor < min_upper_floor:
+                    upper_floor = min_upper_floor
+            level = statistic_gain * math.sqrt(floor)
+
+        filtered[i] = w
+        confidences[i] = confidence
+        levels[i] = level
         flags[i] = on
-    state[FIRST], state[SECOND_1], state[SECOND_2] = s, s1, s2
-    state[LOW_PASS_1], state[LOW_PASS_2], state[UPPER_1], state[UPPER_2] = l1, l2, u1, u2
-    state[ENERGY], state[UPPER_ENERGY], state[FLOOR], state[UPPER_FLOOR] = energy, upper_energy, floor, upper_floor
-    state[SMOOTHED_1], state[SMOOTHED_2], state[PEAK_SLEW] = smoothed_1, smoothed_2, peak_slew
-    state[KNOCK_SMOOTHED], state[KNOCK_PEAK_SLEW] = knock_smoothed, knock_peak_slew
-    state[ON], state[ON_SAMPLES] = on, on_samples
-    state[KNOCK_SAMPLES], state[SETTLING_SAMPLES] = knock_samples, settling_samples
+    state[EDGE_1], state[EDGE_2], state[UPPER_1], state[UPPER_2] = e1, e2, u1, u2
+    state[WIDE_1], state[WIDE_2], state[SLOW_1], state[SLOW_2] = w1, w2, s1, s2
+    state[UPPER_SHORT], state[UPPER_LONG] = upper_short, upper_long
+    state[WIDE_SHORT], state[WIDE_LONG] = wide_short, wide_long
+    state[EDGE], state[SLOW], state[INPUT] = last_edge, last_slow, last_input
+    state[NET_SHORT], state[TOTAL_SHORT] = net_short, total_short
+    state[NET_LONG], state[TOTAL_LONG] = net_long, total_long
+    state[SLOPE], state[SLOPE_1], state[SLOPE_2] = slope_0, slope_1, slope_2
+    state[PEAK], state[PEAK_1], state[PEAK_2], state[SLOT] = peak_0, peak_1, peak_2, slot
+    state[STEP], state[FLOOR], state[UPPER_FLOOR] = step, floor, upper_floor
+    state[FLOOR_TICKS], state[SETTLING] = floor_ticks, settling
+    state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE] = on, on_ticks, mean, mean_square
+    state[SMOOTH_SCORE], state[CONFIDENCE] = smooth_score, confidence
+    state[PHASE], state[RING_PHASE], state[RING_AT] = phase, ring_phase, float(ring_at)
 
 
-LOOP = CompiledLoop(_fast_loop, outputs=5, samples="samples", plain_us=1.2)
+LOOP = CompiledLoop(_fast_loop, evaluate_trees, outputs=6, samples="samples", plain_us=4.0)

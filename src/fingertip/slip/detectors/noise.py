@@ -155,7 +155,7 @@ def measure_noise_level(envelope_v: Array, design: Design, name: str) -> NoiseLe
     if len(envelope_v) < minimum:
         samples = f"{len(envelope_v)} sample{'s' * (len(envelope_v) != 1)}"
         min_s = math.ceil(round(1000 * minimum / d.sample_rate_hz, 6)) / 1000
-        raise TraceError(Issue("--quiet-s", f"covers {samples} of {name}; choose at least {min_s:g} s."))
+        raise TraceError(Issue("--calibrate", f"covers {samples} of {name}; choose at least {min_s:g} s."))
     means = AnalogDetector.from_design(design).process(envelope_v).statistic_v[d.window_samples :]
     step = d.adc_step_v
     return NoiseLevel(float(means.mean()), max(float(means.std()), step / DEVIATIONS))

@@ -57,7 +57,11 @@ DETECTORS: dict[str, DetectorType] = {
     "analog": DetectorType("window mean of the analog board's envelope output", "envelope_v", _make_analog),
     "digital": DetectorType("the article's chain in digital filters", "voltage_v", _make_digital),
     "fft": DetectorType("spectrum of 64 ms", "voltage_v", _make_fft),
-    "fast": DetectorType("energy of 5 ms in two bands, relative to the force's slew rate", "voltage_v", _make_fast),
+    "fast": DetectorType(
+        "energies of 6 and 20 ms over the learned noise, beside the slow force, judged by trees",
+        "voltage_v",
+        _make_fast,
+    ),
 }
 """Types of detector by name."""
 

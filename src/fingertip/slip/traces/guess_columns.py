@@ -47,7 +47,7 @@ def suggest_options(names: Sequence[str], columns: ColumnMap) -> str:
     options = [f"--column {column}={shlex.quote(name)}" for column, name in guesses.items()]
     if is_force(guesses.get("voltage_v", "")):
         options.append(
-            "--quiet-s 0.5 (a force has no threshold in volts: give the duration at the start in which nothing happens)"
+            "--calibrate 0:0.5 (a force has no threshold in volts: give the interval in which nothing happens)"
         )
     return f"name the file's column{'s' * (len(guesses) > 1)}: {' '.join(options)}"
 

@@ -1,0 +1,346 @@
+"""Detector `fast`: its filters, floors and trees, and what it does with signals that nobody simulated."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import pickle
+
+import numpy as np
+import pytest
+from scipy import signal as scipy_signal
+
+from fingertip import jit
+from fingertip.design import Design
+from fingertip.slip import make_detector
+from fingertip.slip.detectors import fast_loop
+from fingertip.slip.detectors.fast import FastDetector, FastSettings
+from fingertip.slip.detectors.fast_filters import HIGH_HZ, LOW_HZ, SLOW_HZ, UPPER_HZ, design_filters, noise_energies
+from fingertip.slip.detectors.fast_model import DEPTH, FEATURES, NODES, FastModel, load_model
+from fingertip.slip.detectors.noise import input_noise_v
+from fingertip.slip.noise_calibration import equivalent_noise_v
+
+DESIGN = Design()
+NOISE_V = 4e-4
+SETTINGS = FastSettings(2000.0, NOISE_V)
+LOUD = 3  # index of the wide energy of 20 ms
+NO_TREES = FastModel(np.zeros(0), np.zeros(0), np.zeros(0), -50.0, 1.0, 0.0)
+
+
+def noise(seconds: float, deviation_v: float = NOISE_V, seed: int = 1, rate: float = 2000.0) -> np.ndarray:
+    return np.random.default_rng(seed).normal(0.0, deviation_v, round(seconds * rate))
+
+
+def times(volts: np.ndarray, rate: float = 2000.0) -> np.ndarray:
+    return np.arange(len(volts)) / rate
+
+
+def smoothstep(x: np.ndarray) -> np.ndarray:
+    x = np.clip(x, 0.0, 1.0)
+    return x * x * (3 - 2 * x)
+
+
+@pytest.mark.parametrize("rate", [1000.0, 2000.0, 20000.0])
+def test_filters_are_butterworth_filters(rate):
+    """Impulse responses, and the loop's output, agree with scipy's filters."""
+    filters = design_filters(rate)
+    impulse = np.zeros(1000)
+    impulse[0] = 1.0
+    edge = scipy_signal.sosfilt(scipy_signal.butter(2, HIGH_HZ, fs=rate, output="sos"), impulse)
+    wide = scipy_signal.sosfilt(scipy_signal.butter(2, LOW_HZ, "high", fs=rate, output="sos"), edge)
+    upper = scipy_signal.sosfilt(scipy_signal.butter(2, UPPER_HZ, "high", fs=rate, output="sos"), edge)
+    found = filters.impulse_responses(1000)
+    assert found[0] == pytest.approx(wide, abs=1e-12)
+    assert found[1] == pytest.approx(upper, abs=1e-12)
+    b, a = scipy_signal.butter(2, SLOW_HZ, fs=rate)
+    assert (*filters.slow,) == pytest.approx((*b, *a[1:]), abs=1e-12)
+    output = FastDetector(FastSettings(rate, NOISE_V)).process(np.concatenate(([0.0], impulse)))
+    assert output.filtered_v[1:] == pytest.approx(wide, abs=1e-12)
+
+
+def test_the_bands_pass_the_stated_energy_of_noise():
+    white = noise(100.0, 1.0)
+    for hz, energy in zip((LOW_HZ, UPPER_HZ), noise_energies(2000.0), strict=True):
+        edge = scipy_signal.sosfilt(scipy_signal.butter(2, HIGH_HZ, fs=2000.0, output="sos"), white)
+        band = scipy_signal.sosfilt(scipy_signal.butter(2, hz, "high", fs=2000.0, output="sos"), edge)
+        assert energy == pytest.approx(float(np.mean(band**2)), rel=0.02)
+
+
+@pytest.mark.parametrize("rate", [1000.0, 2000.0, 5000.0, 20000.0])
+@pytest.mark.parametrize("volts", [0.0, 4.3, -10.0])
+def test_a_constant_voltage_leaves_nothing_in_the_bands(rate, volts):
+    output, rows = FastDetector(FastSettings(rate, NOISE_V)).compute_features(np.full(round(rate), volts))
+    assert np.abs(output.filtered_v).max() < 1e-9
+    assert rows[:, 4:7].max() < 1e-9  # slope and changes
+    assert not output.on.any()
+
+
+def test_features_are_what_their_names_say():
+    """Compare each feature of one tick with its definition, from the signal and scipy's filters."""
+    volts = 4.0 + noise(1.2)
+    volts += 0.01 * np.sin(2 * math.pi * 100 * times(volts)) * (times(volts) > 1.0) - 0.05 * smoothstep(
+        (times(volts) - 1.05) / 0.1
+    )
+    detector = FastDetector(SETTINGS, NO_TREES)
+    _, rows = detector.compute_features(volts)
+    at = len(rows) * 4 - 1  # sample of the last tick
+    edge = scipy_signal.sosfilt(scipy_signal.butter(2, HIGH_HZ, fs=2000.0, output="sos"), volts - volts[0])
+    wide = scipy_signal.sosfilt(scipy_signal.butter(2, LOW_HZ, "high", fs=2000.0, output="sos"), edge)
+    upper = scipy_signal.sosfilt(scipy_signal.butter(2, UPPER_HZ, "high", fs=2000.0, output="sos"), edge)
+    slow = scipy_signal.sosfilt(scipy_signal.butter(2, SLOW_HZ, fs=2000.0, output="sos"), volts - volts[0])
+
+    def mean(x: np.ndarray, seconds: float) -> np.ndarray:
+        share = 1 / (1 + 2000.0 * seconds)
+        return np.asarray(scipy_signal.lfilter([share], [1, share - 1], x))
+
+    found = dict(zip(FEATURES, rows[-1], strict=True))
+    moves = np.diff(edge, prepend=0.0)
+    slopes = (0.01 * 2000.0 * np.diff(slow, prepend=0.0)) ** 2
+    greatest = slopes[at + 1 - 200 : at + 1].max()
+    energies = {"wide": mean(wide**2, 0.02)[at], "upper": mean(upper**2, 0.02)[at]}
+    floor = energies["wide"] / found["wide energy, 20 ms"]
+    assert found["upper over wide energy"] == pytest.approx(energies["upper"] / energies["wide"], rel=1e-3)
+    assert found["wide energy, 6 ms"] == pytest.approx(mean(wide**2, 0.006)[at] / floor, rel=1e-6)
+    assert found["greatest slope"] == pytest.approx(greatest / floor, rel=1e-3)
+    assert found["slope over greatest slope"] == pytest.approx(slopes[at] / greatest, rel=1e-3)
+    assert found["change over 100 ms"] == pytest.approx((slow[at] - slow[at - 200]) ** 2 / floor, rel=1e-3)
+    change = slow[at] - slow[at - 96]  # 12 entries of the ring, each of 4 ms
+    assert found["signed change over 48 ms"] == pytest.approx(change * abs(change) / floor, rel=1e-3)
+    assert found["wide energy over greatest slope"] == pytest.approx(energies["wide"] / greatest, rel=1e-3)
+    for seconds, name in ((0.006, "6 ms"), (0.02, "20 ms")):
+        ratio = (mean(moves, seconds)[at] / mean(np.abs(moves), seconds)[at]) ** 2
+        assert found[f"net over total movement, {name}"] == pytest.approx(ratio, rel=1e-3)
+
+
+def test_the_unit_of_the_input_does_not_matter():
+    """A signal and its noise times a power of two give the same flags, bit by bit."""
+    volts = 4.0 + noise(2.0)
+    volts += 0.01 * np.sin(2 * math.pi * 90 * times(volts)) * (times(volts) > 1.0)
+    one = FastDetector(SETTINGS).process(volts)
+    other = FastDetector(FastSettings(2000.0, NOISE_V * 1024)).process(volts * 1024)
+    assert one.on.any()
+    assert np.array_equal(one.on, other.on)
+    assert np.array_equal(one.confidence, other.confidence)
+    assert np.array_equal(one.statistic_v * 1024, other.statistic_v)
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.0, 2.0, 5.0])
+def test_noise_is_learned_within_half_a_second_whatever_is_stated(factor):
+    detector = FastDetector(SETTINGS)
+    output = detector.process(4.0 + noise(0.5, factor * NOISE_V))
+    assert detector.noise_v == pytest.approx(factor * NOISE_V, rel=0.35)
+    detector.process(4.0 + noise(30.0, factor * NOISE_V, 2))
+    assert detector.noise_v == pytest.approx(factor * NOISE_V, rel=0.12)
+    assert not output.on.any()
+
+
+def test_floors_stand_still_while_on_and_while_the_force_changes():
+    detector = FastDetector(SETTINGS)
+    detector.process(4.0 + noise(5.0))
+    before = detector.noise_v
+    burst = 4.0 + noise(8.0, seed=2) + band_noise(8.0, 0.003)
+    output = detector.process(burst)
+    assert output.on[200:].mean() > 0.98
+    assert detector.noise_v == pytest.approx(before, rel=0.1)
+    # A force that changes for long leaves energy in the band that is not noise.
+    swing = 4.0 + 0.3 * np.sin(2 * math.pi * 2 * times(noise(5.0)))
+    detector.process(swing + noise(5.0, seed=3))
+    assert detector.noise_v == pytest.approx(before, rel=0.2)
+
+
+def band_noise(seconds: float, rms_v: float, low_hz: float = 60.0, high_hz: float = 140.0, seed: int = 5) -> np.ndarray:
+    sos = scipy_signal.butter(4, [low_hz, high_hz], "band", fs=2000.0, output="sos")
+    raw = scipy_signal.sosfilt(sos, noise(seconds + 1.0, 1.0, seed))[2000:]
+    return np.asarray(rms_v * raw / raw.std())
+
+
+def test_noise_is_learned_again_in_the_held_grasp():
+    """Vibration that begins with the contact raises the floor within 0.6 s after it."""
+    for seed in range(4):
+        t = np.arange(8000) / 2000
+        held = smoothstep((t - 1.0) / 0.4)
+        volts = 4.4 - 0.4 * held + noise(4.0, seed=seed) + held * band_noise(4.0, 3e-4, 30.0, 90.0, seed + 9)
+        detector = FastDetector(SETTINGS)
+        detector.process(volts[:4000])
+        assert detector.noise_v > 1.5 * NOISE_V
+        assert not detector.process(volts[4000:]).on.any()
+
+
+def test_a_strong_burst_is_found_no_later_than_a_weak_one():
+    delays = []
+    for rms_v in (0.006, 0.012, 0.025):
+        found = []
+        for seed in range(8):
+            volts = 4.0 + noise(2.0, seed=seed)
+            volts[2000:] += band_noise(1.0, rms_v, 70.0, 180.0, seed)
+            on = np.flatnonzero(FastDetector(SETTINGS).process(volts).on)
+            assert on.size
+            assert on[0] >= 2000
+            found.append((on[0] - 2000) / 2000)
+        delays.append(float(np.median(found)))
+    assert delays[0] <= 0.01
+    tick_s = 0.002
+    assert all(later <= earlier + tick_s + 1e-9 for earlier, later in itertools.pairwise(delays))
+
+
+@pytest.mark.parametrize("rise_s", [0.02, 0.03, 0.05, 0.1, 0.15])
+@pytest.mark.parametrize("change_v", [-0.25, 0.2])
+def test_a_change_of_grip_is_not_slip(rise_s, change_v):
+    volts = 4.0 + noise(2.5)
+    volts += change_v * smoothstep((times(volts) - 1.5) / rise_s)
+    assert not FastDetector(SETTINGS).process(volts).on.any()
+
+
+def test_a_knock_is_not_slip_and_slip_after_it_is_found():
+    t = np.arange(4000) / 2000
+    since = np.clip(t - 1.0, 0, None)
+    ring = 0.3 * np.sin(2 * math.pi * 90 * since) * np.exp(-since / 0.01)
+    volts = 4.0 + ring + noise(2.0)
+    assert not FastDetector(SETTINGS).process(volts).on.any()
+    volts[2600:] += band_noise(0.7, 0.01)
+    assert 2600 < np.flatnonzero(FastDetector(SETTINGS).process(volts).on)[0] < 2640
+
+
+def test_a_tone_is_unlearned_and_slip_is_not():
+    t = np.arange(40_000) / 2000
+    tone = 4.0 + 0.003 * np.sin(2 * math.pi * 110 * t) * (t > 1.0) + noise(20.0)
+    tone[36_000:] += band_noise(2.0, 0.02)
+    on = FastDetector(SETTINGS).process(tone).on
+    assert on[2100:5000].mean() > 0.95
+    assert not on[(t > 9.0) & (t < 17.9)].any()
+    assert on[36_100:39_900].mean() > 0.95
+    slide = 4.0 + noise(20.0)
+    slide[2000:38_000] += band_noise(18.0, 0.003)
+    assert FastDetector(SETTINGS).process(slide).on[2100:38_000].mean() > 0.98
+
+
+def test_coarse_steps_are_not_slip():
+    """A converter whose steps are ten times the noise toggles between two codes."""
+    step = 5 / 1023
+    t = np.arange(20_000) / 2000
+    for offset in (0.0, 0.25, 0.5):
+        drift = 4.0 + (offset + 0.3 * np.sin(2 * math.pi * 0.1 * t)) * step
+        assert not FastDetector(SETTINGS).process(np.round((drift + noise(10.0)) / step) * step).on.any()
+
+
+def test_outputs_for_a_controller():
+    """ON begins where the confidence reaches 1, and the incipient output is never later."""
+    volts = 4.0 + noise(3.0)
+    volts[4000:] += band_noise(1.0, 0.02) * np.minimum(1.0, np.arange(2000) / 200)
+    detector = FastDetector(SETTINGS)
+    output = detector.process(volts)
+    first = int(np.flatnonzero(output.on)[0])
+    assert output.confidence[first] > 1.0
+    assert (output.confidence[first - 4 : first] <= 1.0).all()
+    assert output.incipient[first]
+    assert np.flatnonzero(output.incipient)[0] <= first
+    assert output.statistic_v == pytest.approx(output.confidence * output.threshold_v)
+    assert detector.noise_v == pytest.approx(NOISE_V, rel=0.3)
+
+
+def test_a_higher_threshold_never_detects_earlier():
+    volts = 4.0 + noise(2.0)
+    volts[2000:] += band_noise(1.0, 0.004) * np.minimum(1.0, np.arange(2000) / 400)
+    firsts = [
+        int(np.flatnonzero(FastDetector(FastSettings(2000.0, NOISE_V, scale)).process(volts).on)[0])
+        for scale in (0.8, 1.0, 1.2)
+    ]
+    assert firsts == sorted(firsts)
+    assert not FastDetector(FastSettings(2000.0, NOISE_V, 10.0)).process(volts).on.any()
+
+
+@pytest.mark.parametrize("rate", [1000.0, 1250.0, 5000.0, 20000.0])
+def test_any_sampling_rate_is_quiet_in_noise_and_finds_a_burst(rate):
+    design = Design(detector={"sample_rate_hz": rate, "window_samples": int(0.03 * rate)})
+    t = np.arange(round(8 * rate)) / rate
+    volts = 4.0 + noise(8.0, input_noise_v(design), 3, rate)
+    volts += 0.01 * np.sin(2 * math.pi * 90 * t) * (t >= 7.0)
+    on = make_detector("fast", design).process(volts).on
+    assert not on[t < 7.0].any()
+    assert 7.0 < t[np.flatnonzero(on)[0]] < 7.015
+
+
+def test_features_hardly_depend_on_the_sampling_rate():
+    """A burst well above the noise has the same features at every rate, but for what the filters add."""
+    found = []
+    for rate in (2000.0, 4000.0, 20000.0):
+        t = np.arange(round(1.5 * rate)) / rate
+        volts = 4.0 + 0.02 * np.sin(2 * math.pi * 70 * t) * (t > 1.0) - 0.1 * smoothstep((t - 1.2) / 0.2)
+        volts += noise(1.5, NOISE_V * math.sqrt(rate / 2000), 1, rate)
+        _, rows = FastDetector(FastSettings(rate, NOISE_V * math.sqrt(rate / 2000)), NO_TREES).compute_features(volts)
+        found.append(np.log(np.abs(rows[550:700])).mean(axis=0))
+    assert len(found[0]) == len(FEATURES)
+    for other in found[1:]:
+        assert np.abs(other - found[0]).max() < 0.1
+
+
+def test_trees_are_evaluated_as_they_are_stored():
+    """Walk the trees of the table with another implementation."""
+    model = load_model()
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        row = np.exp(rng.normal(0.0, 2.0, len(FEATURES)))
+        score = model.offset
+        for tree in range(model.trees):
+            path = ""
+            for _ in range(DEPTH):
+                node = tree * NODES + (1 << len(path)) - 1 + (int(path, 2) if path else 0)
+                path += "1" if row[int(model.features[node])] > model.thresholds[node] else "0"
+            score += model.leaves[tree * (NODES + 1) + int(path, 2)]
+        arguments = (model.features, model.thresholds, model.leaves, model.offset)
+        assert fast_loop.evaluate_trees(row, 0, *arguments) == pytest.approx(score)
+
+
+def test_model_and_state_fit_a_microcontroller():
+    """One byte for a feature, four for a threshold or a leaf; four for a state."""
+    model = load_model()
+    assert model.features.max() < len(FEATURES)
+    assert len(model.features) == len(model.thresholds) == model.trees * NODES
+    assert 5 * model.trees * NODES + 4 * model.trees * (NODES + 1) < 24 * 1024
+    assert 4 * fast_loop.STATES <= 512
+    in_single = model.thresholds.astype(np.float32)
+    assert np.isfinite(in_single).all()
+    assert in_single.astype(float) == pytest.approx(model.thresholds, rel=1e-6)
+
+
+def test_single_precision_gives_the_same_flags():
+    """Inputs and states rounded to single precision after every sample change at most a tick."""
+    volts = (4.0 + noise(1.6)).astype(np.float32).astype(float)
+    volts[2400:] += band_noise(0.4, 0.01).astype(np.float32)
+    exact, rounded = FastDetector(SETTINGS), FastDetector(SETTINGS)
+    flags = []
+    for x in volts.tolist():
+        flags.append(rounded.step(x))
+        rounded._state = [float(np.float32(value)) for value in rounded._state]
+    on = exact.process(volts).on
+    assert on.any()
+    assert abs(int(np.flatnonzero(on)[0]) - flags.index(True)) <= 8
+    assert np.mean(on == np.array(flags)) > 0.98
+
+
+def test_pickled_state_is_small():
+    detector = FastDetector(SETTINGS)
+    detector.process(4.0 + noise(1.0))
+    assert json.dumps(detector._state)
+    assert np.array_equal(
+        pickle.loads(pickle.dumps(detector)).process(4.0 + noise(0.5)).on, detector.process(4.0 + noise(0.5)).on
+    )
+
+
+def test_a_quiet_part_with_hum_gives_its_noise():
+    t = np.arange(4000) / 2000
+    volts = 4.0 + 1e-3 * np.sin(2 * math.pi * 50 * t) + noise(2.0)
+    assert equivalent_noise_v("fast", DESIGN, volts, "t") > 2 * NOISE_V
+
+
+@pytest.mark.skipif(not jit.available(), reason="numba is not installed")
+def test_features_have_the_same_bits_in_both_forms(monkeypatch):
+    volts = 4.0 + noise(1.0)
+    volts[1000:] += band_noise(0.5, 0.01)
+    with jit.compiled():
+        _, compiled = FastDetector(SETTINGS).compute_features(volts)
+    monkeypatch.setattr(jit, "available", lambda: False)
+    _, plain = FastDetector(SETTINGS).compute_features(volts)
+    assert compiled.tobytes() == plain.tobytes()
+    assert compiled[:, LOUD].max() > 10

@@ -1,0 +1,1 @@
+"""Training of the detector `fast`: simulated signals, labels, and the fit of its trees. A developer's tool."""

@@ -1,0 +1,137 @@
+"""Fit the trees of the detector `fast` and write their table. Needs scikit-learn, which the package does not.
+
+    python -m tools.detector_training.fit [--trials 1300] [--events 900] [--out table.json]
+
+The first round labels features that were computed without trees. Each further round computes them with the trees of the
+round before, and gives more weight to its false alarms. The same versions of Python, numpy and scikit-learn give the
+same table; thresholds and leaves are rounded to six digits.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import pickle
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fingertip.campaign.wider_mix.labelled_signal import LabelledSignal
+from fingertip.slip.detectors import fast_model
+from fingertip.slip.detectors.fast_model import DEPTH, NODES, FastModel
+from tools.detector_training.rows import Rows, collect
+from tools.detector_training.signals import generate
+
+TREES = 120
+ROUNDS = 3
+THRESHOLD, INCIPIENT_THRESHOLD = 1.5, 0.9
+"""Scores above which slip is ON and may begin. They were chosen on tuning seeds by `benchmarks/slip_robustness.py`."""
+ROUND_THRESHOLD = 1.4
+"""Score above which a row without slip counts as a false alarm of the round before."""
+NEVER = -50.0
+"""Score of a model without trees."""
+_ALWAYS_LEFT = 3e38
+"""Threshold of a node below which a tree does not branch: representable in single precision."""
+
+
+def main() -> None:
+    """Fit and write the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--trials", type=int, default=1300)
+    parser.add_argument("--events", type=int, default=900)
+    parser.add_argument("--trees", type=int, default=TREES)
+    parser.add_argument("--rounds", type=int, default=ROUNDS)
+    parser.add_argument("--cache", type=Path, help="file that keeps the signals from one fit to the next")
+    parser.add_argument("--out", type=Path, default=Path(fast_model.__file__).with_name(fast_model.TABLE))
+    arguments = parser.parse_args()
+    signals = load_signals(arguments.cache, arguments.trials, arguments.events)
+    model = FastModel(np.zeros(0), np.zeros(0), np.zeros(0), NEVER, THRESHOLD, INCIPIENT_THRESHOLD)
+    for number in range(arguments.rounds):
+        rows = collect(signals, replace(model, threshold=ROUND_THRESHOLD), number)
+        print(f"round {number + 1}: {len(rows.labels)} rows, {100 * rows.labels.mean():.1f} % slip", flush=True)
+        model = fit(rows, arguments.trees)
+        arguments.out.write_text(as_json(model), encoding="utf-8")
+
+
+def load_signals(cache: Path | None, trials: int, events: int) -> list[LabelledSignal]:
+    """Load the signals from the cache, or generate them."""
+    if cache and cache.exists():
+        loaded: list[LabelledSignal] = pickle.loads(cache.read_bytes())
+        return loaded
+    signals = list(generate(trials, events))
+    if cache:
+        cache.write_bytes(pickle.dumps(signals))
+    return signals
+
+
+def fit(rows: Rows, trees: int) -> FastModel:
+    """Fit boosted trees to rows, and round them."""
+    from sklearn.ensemble import HistGradientBoostingClassifier
+
+    boosted = HistGradientBoostingClassifier(
+        max_iter=trees,
+        max_depth=DEPTH,
+        max_leaf_nodes=NODES + 1,
+        learning_rate=0.12,
+        l2_regularization=5.0,
+        min_samples_leaf=60,
+        early_stopping=False,
+        random_state=0,
+    )
+    boosted.fit(rows.features, rows.labels, sample_weight=rows.weights)
+    parts = [_complete(predictor.nodes) for (predictor,) in boosted._predictors]
+    features, thresholds, leaves = (np.concatenate(column) for column in zip(*parts, strict=True))
+    offset = float(boosted._baseline_prediction.ravel()[0])
+    return FastModel(features, _round(thresholds), _round(leaves), _round(offset), THRESHOLD, INCIPIENT_THRESHOLD)
+
+
+def _complete(nodes: Any) -> tuple[list[float], list[float], list[float]]:
+    """Complete a tree to `DEPTH` levels: a leaf further up fills the whole branch below it."""
+    features, thresholds, leaves = [0.0] * NODES, [_ALWAYS_LEFT] * NODES, [0.0] * (NODES + 1)
+
+    def place(source: int, node: int) -> None:
+        record = nodes[source]
+        if record["is_leaf"]:
+            first = last = node
+            while first < NODES:
+                first, last = 2 * first + 1, 2 * last + 2
+            for leaf in range(first, last + 1):
+                leaves[leaf - NODES] = float(record["value"])
+            return
+        features[node], thresholds[node] = float(record["feature_idx"]), float(record["num_threshold"])
+        place(int(record["left"]), 2 * node + 1)
+        place(int(record["right"]), 2 * node + 2)
+
+    place(0, 0)
+    return features, thresholds, leaves
+
+
+def _round(values: Any) -> Any:
+    return np.vectorize(lambda value: float(f"{value:.6g}"))(values) if np.ndim(values) else float(f"{values:.6g}")
+
+
+def as_json(model: FastModel) -> str:
+    """Write a model as text, one tree to a line."""
+    table = {
+        "offset": model.offset,
+        "threshold": model.threshold,
+        "incipient_threshold": model.incipient_threshold,
+        "features": [int(number) for number in model.features],
+        "thresholds": model.thresholds.tolist(),
+        "leaves": model.leaves.tolist(),
+    }
+    lines = []
+    for name, value in table.items():
+        if not isinstance(value, list):
+            lines.append(f"{json.dumps(name)}: {json.dumps(value)}")
+            continue
+        size = NODES + 1 if name == "leaves" else NODES
+        rows = [json.dumps(value[i : i + size])[1:-1] for i in range(0, len(value), size)]
+        lines.append(f"{json.dumps(name)}: [\n" + ",\n".join(rows) + "\n]")
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+if __name__ == "__main__":
+    main()

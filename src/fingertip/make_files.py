@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from fingertip import extras
 from fingertip.acceptance.sheet import acceptance_data, render_acceptance
 from fingertip.board.bringup.files import bring_up_files
-from fingertip.board.output import BOARD_FILES, BRING_UP_FILES, board_files, board_writer
+from fingertip.board.output import BOARD_FILES, BRING_UP_FILES, board_files, board_writer, model_sets
 from fingertip.build_files import Build, build, parts_writer
 from fingertip.design import Design
 from fingertip.sim.trace_export import DETECTION, PLOT, SIGNAL_FOLDER, TRACE, encode_trace, signal_writer
@@ -77,6 +77,9 @@ def make(
     sheets = parts_writer(design, folder, force)
     sheets.check((ACCEPTANCE,))
     board.check((*BOARD_FILES, *BRING_UP_FILES))
+    models = model_sets(folder / "board", force)
+    for model_writer, model_set in models:
+        model_writer.check(model_set)
     signal.check((TRACE, PLOT, DETECTION))
     others: list[tuple[SetWriter, Mapping[str, bytes]]] = []
     found: list[FileDetection] = []
@@ -95,6 +98,8 @@ def make(
     for writer, contents in others:
         writer.write(contents)
         progress(f"{len(contents)} files in {writer.folder}")
+    for model_writer, model_set in models:
+        model_writer.write(model_set)
     board_paths, signal_paths, _ = (tuple(writer.folder / name for name in contents) for writer, contents in others)
     return Made(parts, board_paths, signal_paths, found[0])
 

@@ -11,6 +11,7 @@ from fingertip.board.board_values import board_values
 from fingertip.board.circuits.signal_paths import board_circuit
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.provenance import find_outdated_files, provenance_record
+from fingertip.board.kicad.models import MODEL_FOLDER, model_files
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.kicad.project import kicad_project_file
 from fingertip.board.layout.pcb_file import kicad_pcb_file
@@ -65,6 +66,21 @@ def board_files(design: Design) -> dict[str, bytes]:
     }
 
 
+def model_sets(folder: Path, force: bool = False) -> list[tuple[SetWriter, dict[str, bytes]]]:
+    """List the sets of 3D models beside a board, one for each folder, with writer and content.
+
+    They hold the packages of all boards and follow from no parameter, so they are the same for every design.
+    """
+    sets: dict[str, dict[str, bytes]] = {}
+    for path, data in model_files().items():
+        library, name = path.split("/")
+        sets.setdefault(library, {})[name] = data
+    return [
+        (SetWriter(folder / MODEL_FOLDER / library, "models", "all boards", hash_parameters({}), force=force), files)
+        for library, files in sets.items()
+    ]
+
+
 def board_folder(design: Design) -> Path:
     """Folder that a design's board is written to unless another is named."""
     return Path("out") / design.name / "board"
@@ -92,7 +108,13 @@ def write_board(
         from fingertip.board.bringup.files import bring_up_files
 
         files |= bring_up_files(design)
-    board_writer(design, folder, force).write(files)
+    writer, models = board_writer(design, folder, force), model_sets(folder, force)
+    writer.check(files)
+    for model_writer, contents in models:
+        model_writer.check(contents)
+    writer.write(files)
+    for model_writer, contents in models:
+        model_writer.write(contents)
     return tuple(folder / name for name in files)
 
 
@@ -129,7 +151,8 @@ def write_fabrication(
 
     values = board_values(design)
     placement, sources = find_configuration(values).placement, board_files(design)
-    files = fabrication_files(sources, board_circuit(values), placement, progress)
+    models = {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
+    files = fabrication_files(sources | models, board_circuit(values), placement, progress)
     files[PROVENANCE] = provenance_record(sources, files)
     folder = (board_folder(design) if out is None else Path(out)) / FAB_FOLDER
     _writer(design, folder, "fabrication", force).write(files)
@@ -144,6 +167,7 @@ def board_differences(design: Design, folder: str | Path) -> list[str]:
         from fingertip.board.bringup.files import bring_up_files
 
         expected |= bring_up_files(design)
+    expected |= {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
     for name, data in expected.items():
         path = Path(folder) / name
         try:

@@ -21,6 +21,7 @@ from fingertip.board.components.bridge import VREF_RATIO
 from fingertip.board.components.comparator import PULL_UP_OHM
 from fingertip.board.fabrication.assembly import find_rotation, is_assembled, load_rotations
 from fingertip.board.fabrication.bom import purchased_components
+from fingertip.board.kicad.models import MODEL_FOLDER, MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE
 from fingertip.board.kicad.symbols import CAPACITOR, RESISTOR, TEST_POINT
 from fingertip.board.parts.table import load_sources
 from fingertip.board.spice import MAX_SWITCH_OHM
@@ -50,6 +51,7 @@ _TEMPLATE = """
 | `{name}.cir` | SPICE deck, see below |
 | `bom.csv` | bill of materials: quantities, values, ratings, part numbers with their sources, or why one is missing |
 | `values.json` | component values: ideal and preferred; target and achieved response; voltage limits; errata |
+| `{models}/` | 3D models of the packages: boxes with the outline and the height of each |
 
 `ngspice -b {name}.cir` prints the levels at TACTILE, STAGE1_OUT and FILTERED [dBV] over frequency, for an AC
 current of 1 uA into the sensor. The difference of two levels is the gain between their nets [dB].
@@ -65,6 +67,16 @@ and run the command again. This changes component values but neither placement n
 - `--fab` adds the fabrication files: gerbers and drill file in one zip, renderings, and parts and placement for the
   assembly: `bom_assembly.csv` and `placement_assembly.csv` in the columns and with the rotations of JLCPCB,
   `{name}_placement.csv` with KiCad's rotations for any other house. It needs KiCad 9.
+
+## 3D models
+
+KiCad shows the parts, and `kicad-cli pcb export step` exports them, as the boxes in `{models}`. The text variable
+`{model_variable}` of the project names this folder. Where KiCad's own models are installed, set it to
+`{kicad_models}` in Schematic Setup or Board Setup, Text Variables, or for one command:
+
+```sh
+kicad-cli pcb export step -D '{model_variable}={kicad_models}' {name}.kicad_pcb -o board.step
+```
 
 ## Connectors
 
@@ -119,6 +131,9 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
     components = purchased_components(circuit)
     text = _TEMPLATE.format(
         name=circuit.name,
+        models=MODEL_FOLDER,
+        model_variable=MODEL_VARIABLE,
+        kicad_models=MODEL_FOLDER_OF_KICAD,
         summary=_summary(configuration, values, len(components)),
         connectors=_connector_table(values, design),
         test_points="\n".join(

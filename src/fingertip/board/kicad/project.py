@@ -1,10 +1,11 @@
-"""KiCad project file: design rules of the board, and the checks that do not apply."""
+"""KiCad project file: design rules of the board, the checks that do not apply, and the folder of the 3D models."""
 
 from __future__ import annotations
 
 import json
 
 from fingertip.board.circuit import Circuit
+from fingertip.board.kicad.models import MODEL_FOLDER_OF_PROJECT, MODEL_VARIABLE
 
 CLEARANCE_MM = 0.15
 TRACK_MM = 0.2
@@ -41,5 +42,6 @@ def kicad_project_file(circuit: Circuit) -> bytes:
         "erc": {"meta": {"version": 0}, "rule_severities": dict.fromkeys(_IGNORED_IN_SCHEMATIC, "ignore")},
         "meta": {"filename": f"{circuit.name}.kicad_pro", "version": 3},
         "net_settings": {"classes": [netclass], "meta": {"version": 4}},
+        "text_variables": {MODEL_VARIABLE: MODEL_FOLDER_OF_PROJECT},
     }
     return (json.dumps(data, indent=2) + "\n").encode()

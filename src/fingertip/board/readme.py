@@ -22,6 +22,7 @@ from fingertip.board.components.comparator import PULL_UP_OHM
 from fingertip.board.fabrication.assembly import find_rotation, is_assembled, load_rotations
 from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.models import MODEL_FOLDER, MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE
+from fingertip.board.kicad.project import IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD
 from fingertip.board.kicad.symbols import CAPACITOR, RESISTOR, TEST_POINT
 from fingertip.board.parts.table import load_sources
 from fingertip.board.spice import MAX_SWITCH_OHM
@@ -58,7 +59,9 @@ current of 1 uA into the sensor. The difference of two levels is the gain betwee
 
 `fingertip board DESIGN --out FOLDER` wrote these files. The same design gives the same bytes. To change the cutoff, the
 gain or the resistor series, edit the design file or set a parameter on the command line (`--set board.cutoff_hz=80`),
-and run the command again. This changes component values but neither placement nor tracks.
+and run the command again. This changes component values but neither placement nor tracks. A schematic or layout that
+you edited in KiCad keeps your edits: values and part numbers that the design changes are entered into it, and nothing
+else. If parts, footprints or nets change, nothing is written; `--force` overwrites your edits.
 
 - `--set board.capacitor_series=E6` selects the capacitors too, together with the resistors; `preferred` selects only
   values that the parts table has.
@@ -77,6 +80,16 @@ KiCad shows the parts, and `kicad-cli pcb export step` exports them, as the boxe
 ```sh
 kicad-cli pcb export step -D '{model_variable}={kicad_models}' {name}.kicad_pcb -o board.step
 ```
+
+## Checks that are off
+
+The project switches off five comparisons with KiCad's libraries. All other rules of ERC and DRC are on, and the board
+as written passes them.
+
+{ignored}
+
+With KiCad's libraries installed, the two mismatches report every symbol and footprint, and the other three report
+nothing. To switch a check on, set its severity in Schematic Setup or Board Setup, Violation Severity.
 
 ## Connectors
 
@@ -134,6 +147,11 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
         models=MODEL_FOLDER,
         model_variable=MODEL_VARIABLE,
         kicad_models=MODEL_FOLDER_OF_KICAD,
+        ignored=_bullet_list(
+            f"{rules}, `{name}`: {reason}."
+            for rules, checks in (("ERC", IGNORED_IN_SCHEMATIC), ("DRC", IGNORED_ON_BOARD))
+            for name, reason in checks.items()
+        ),
         summary=_summary(configuration, values, len(components)),
         connectors=_connector_table(values, design),
         test_points="\n".join(

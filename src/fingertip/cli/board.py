@@ -79,7 +79,7 @@ def board(
         write_board,
         write_fabrication,
     )
-    from fingertip.board.output import board_folder
+    from fingertip.board.output import board_folder, refuse_edited
     from fingertip.cli.load import load_design
     from fingertip.errors import OutputError
 
@@ -105,9 +105,14 @@ def board(
             raise typer.Exit(CHECK_FAILED)
         return
     values = board_values(loaded)
-    paths = write_board(loaded, out, force=force, bring_up=bring_up)
+    if fab and not force:
+        refuse_edited(out)
+    edits: list[str] = []
+    paths = write_board(loaded, out, force=force, bring_up=bring_up, progress=edits.append)
     for path in paths:
         console.progress(f"wrote {path}")
+    for note in edits:
+        console.progress(note)
     if fab:
         fabrication_paths = write_fabrication(loaded, out, console.progress, force=force)
         for path in fabrication_paths:
@@ -137,6 +142,7 @@ def board(
         text += "\n\n" + analysis_text(analysis_result)
     data |= {
         "files": [path.as_posix() for path in paths],
+        "edited": edits,
         "fabrication_differences": fab_differences,
         "warnings": warnings,
     }

@@ -44,7 +44,7 @@ class CircuitRecord:
 
 @dataclass(frozen=True)
 class EditedFiles:
-    """What becomes of the files that somebody edited."""
+    """Files that somebody edited, and their new content."""
 
     revisions: Mapping[str, Revision]
     """Present and new content by name."""

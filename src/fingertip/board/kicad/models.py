@@ -58,7 +58,7 @@ class Leaded:
     gap: float = 0.1
     """Height of the body's lower face above the board."""
     has_mark: bool = False
-    """Whether a mark on the body's top shows pin 1."""
+    """True if a mark on the body's top shows pin 1."""
     pin_below: float = 0.0
     """Length of the pins below the board's upper face."""
     pin_top: float = 0.0

@@ -35,11 +35,11 @@ SCHEMATIC = "slip_filter.kicad_sch"
 LAYOUT = "slip_filter.kicad_pcb"
 PROJECT = "slip_filter.kicad_pro"
 README = "README.md"
-BRING_UP, BRING_UP_READINGS = "bringup.md", "bringup_readings.toml"
+BRING_UP, BRING_UP_READINGS, WIRING = "bringup.md", "bringup_readings.toml", "wiring.svg"
 
 BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README)
 """Names of the files of a board."""
-BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS)
+BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS, WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
 FAB_FOLDER = "fab"
 PROVENANCE = "made_from.sha256"

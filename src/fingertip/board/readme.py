@@ -66,6 +66,7 @@ else. If parts, footprints or nets change, nothing is written; `--force` overwri
 - `--set board.capacitor_series=E6` selects the capacitors too, together with the resistors; `preferred` selects only
   values that the parts table has.
 - `--set board.variant=...` and `--set board.supply=...` write the other boards.
+- `--bringup` adds `bringup.md`, how to test a soldered board, and `wiring.svg`, how to connect it.
 - `--check` tells whether a folder is up to date.
 - `--fab` adds the fabrication files: gerbers and drill file in one zip, renderings, and parts and placement for the
   assembly: `bom_assembly.csv` and `placement_assembly.csv` in the columns and with the rotations of JLCPCB,

@@ -12,8 +12,11 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import write_board, write_fabrication
+from fingertip.board.circuit import Circuit
+from fingertip.board.edited_files import enter_texts
 from fingertip.board.kicad.sexpr_editor import Node, Word, read_expression, replace_words
 from fingertip.board.output import LAYOUT, NETLIST, PROJECT, SCHEMATIC
+from fingertip.board.variants import BoardConfiguration
 from fingertip.design import Design
 from fingertip.errors import OutputError
 from fingertip.output_set import read_manifest
@@ -280,6 +283,42 @@ def test_layout_saved_by_kicad_keeps_its_positions_and_passes_the_checks(folder:
     assert run_drc(folder) == NO_VIOLATIONS
     erc = kicad_cli(folder, "sch", "erc", SCHEMATIC, "--severity-all", "--exit-code-violations", "-o", "erc.rpt")
     assert erc.returncode == 0, (folder / "erc.rpt").read_text()
+
+
+def layout_with_texts(**texts: str) -> bytes:
+    """Layout with texts by UUID."""
+    return "\n".join(
+        ["(kicad_pcb", *(f'  (gr_text "{t}" (at 1 2) (uuid "{u}"))' for u, t in texts.items()), ")"]
+    ).encode()
+
+
+def test_printed_values_follow_and_other_texts_stay() -> None:
+    old = layout_with_texts(a="R1 2.4k", b="R2 1k", c="board")
+    new = layout_with_texts(a="R1 2k", b="R2 2k", c="board")
+    edited = layout_with_texts(c="board of mine", b="R2 by hand", a="R1 2.4k", d="R1 2.4k").replace(b"at 1", b"at 7")
+    after, is_complete = enter_texts(edited, old, new)
+    assert after == edited.replace(b'"R1 2.4k" (at 7 2) (uuid "a")', b'"R1 2k" (at 7 2) (uuid "a")') != edited
+    assert is_complete
+    assert enter_texts(edited, old, layout_with_texts(a="R1 2k")) == (after, False)
+
+
+def test_values_printed_on_the_board_follow_in_an_edited_layout(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a board that prints the value of R1."""
+    from fingertip.board import output
+
+    make_layout = output._make_layout
+
+    def print_value(circuit: Circuit, configuration: BoardConfiguration) -> bytes:
+        text = f'  (gr_text "R1 {circuit.component("R1").value}" (uuid "printed"))\n)\n'
+        return make_layout(circuit, configuration).removesuffix(b")\n") + text.encode()
+
+    monkeypatch.setattr(output, "_make_layout", print_value)
+    write_board(Design(), folder)
+    move_r1(folder)
+    write_board(Design.load(changes=OTHER_VALUES), folder)
+    layout = (folder / LAYOUT).read_bytes()
+    assert b'(gr_text "R1 2k" (uuid "printed"))' in layout
+    assert b"(at 105 95 45)" in layout
 
 
 TEXTS = (

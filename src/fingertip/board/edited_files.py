@@ -8,7 +8,7 @@ the edited file cannot follow, and nothing is written.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -74,10 +74,24 @@ def find_edited(folder: Path, names: EditableNames) -> list[str]:
     ]
 
 
-def revise_edited(folder: Path, contents: Mapping[str, bytes], names: EditableNames) -> EditedFiles:
+def revise_edited(
+    folder: Path, contents: Mapping[str, bytes], names: EditableNames, make_layout: Callable[[Mapping[str, str]], bytes]
+) -> EditedFiles:
     """Revise the edited files of a folder for new contents of the board.
 
     A project that KiCad or somebody changed is kept: it holds nothing of a design.
+
+    Parameters
+    ----------
+    folder
+        Folder of the board.
+    contents
+        New content of its files by name.
+    names
+        Names of the files that KiCad edits.
+    make_layout
+        Function that makes the layout of the new board with other component values, by reference: with the old values,
+        it tells which printed texts state values.
 
     Raises
     ------
@@ -103,9 +117,12 @@ def revise_edited(folder: Path, contents: Mapping[str, bytes], names: EditableNa
             message = f"was edited, and this design changes more than values ({'; '.join(found)}); {_REMEDY}"
             raise OutputError([Issue(str(folder / name), message) for name in present])
         for name, data in present.items():
-            kind = "footprint" if name == names.layout else "symbol"
+            is_layout = name == names.layout
             try:
-                after, changed, problems = enter_values(data, kind, old, new)
+                after, changed, problems = enter_values(data, "footprint" if is_layout else "symbol", old, new)
+                if is_layout and changed:
+                    old_values = {reference: part.fields["Value"] for reference, part in old.parts.items()}
+                    after, is_complete = enter_texts(after, make_layout(old_values), contents[name])
             except ValueError as error:  # a UnicodeDecodeError is one too
                 issues.append(Issue(str(folder / name), f"was edited and cannot be read ({error}); {_REMEDY}"))
                 continue
@@ -113,6 +130,8 @@ def revise_edited(folder: Path, contents: Mapping[str, bytes], names: EditableNa
             revisions[name] = Revision(data, after)
             what = f"the values of {_join(changed)} are updated" if changed else "it has the values of this design"
             notes.append(f"{folder / name}: was edited; {what}, and nothing else changes.")
+            if is_layout and changed and not is_complete:
+                notes[-1] += " This design prints more or fewer lines of values than it shows: compare them."
     if issues:
         raise OutputError(issues)
     return EditedFiles(revisions, tuple(notes))
@@ -202,6 +221,36 @@ def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord)
             elif word.text != wanted[field]:
                 changes[word] = wanted[field]
     return replace_words(text, changes).encode(), changed, problems
+
+
+def enter_texts(data: bytes, old_layout: bytes, new_layout: bytes) -> tuple[bytes, bool]:
+    """Enter printed texts that differ between two layouts, such as values, into an edited one.
+
+    Returns
+    -------
+    data
+        New content. A text that the user changed or removed stays so.
+    is_complete
+        False if one of both layouts has texts that the other lacks.
+    """
+    text = data.decode()
+    old, new = (_printed_texts(read_expression(layout.decode())) for layout in (old_layout, new_layout))
+    changes = {
+        word: new[identifier].text
+        for identifier, word in _printed_texts(read_expression(text)).items()
+        if identifier in old and identifier in new and word.text == old[identifier].text != new[identifier].text
+    }
+    return replace_words(text, changes).encode(), old.keys() == new.keys()
+
+
+def _printed_texts(root: Node) -> dict[str, Word]:
+    """Texts of a layout apart from those of its footprints, by UUID."""
+    found = {}
+    for item in root.children("gr_text"):
+        words = [word for word in item.items if isinstance(word, Word)]
+        if len(words) > 1:
+            found[item.word("uuid")] = words[1]
+    return found
 
 
 def _identifier(item: Node) -> str:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.board.board_values import board_values
+from fingertip.board.circuit import Circuit
 from fingertip.board.circuits.signal_paths import board_circuit
 from fingertip.board.edited_files import EditableNames, EditedFiles, find_edited, revise_edited
 from fingertip.board.fabrication.bom import bill_of_materials
@@ -21,7 +22,7 @@ from fingertip.board.layout.template import load_template
 from fingertip.board.readme import folder_readme
 from fingertip.board.schematic.schematic_file import kicad_schematic_file
 from fingertip.board.spice import spice_deck
-from fingertip.board.variants import find_configuration
+from fingertip.board.variants import BoardConfiguration, find_configuration
 from fingertip.design import Design
 from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.errors import Issue, OutputError
@@ -57,17 +58,21 @@ def board_files(design: Design) -> dict[str, bytes]:
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     circuit, configuration = board_circuit(values), find_configuration(values)
     title = f"Slip filter: variant {values.variant}, {configuration.supply.description}"
-    template = load_template(configuration.name, circuit, configuration.placement)
     return {
         NETLIST: kicad_netlist_file(circuit),
         SCHEMATIC: kicad_schematic_file(circuit, configuration.sheet, title),
-        LAYOUT: kicad_pcb_file(circuit, configuration.placement, template),
+        LAYOUT: _make_layout(circuit, configuration),
         PROJECT: kicad_project_file(circuit),
         DECK: spice_deck(circuit, find_gain_bandwidth_hz(design.board), design.board.supply_v),
         BOM: bill_of_materials(circuit),
         VALUES: text.encode(),
         README: folder_readme(circuit, configuration, values, design),
     }
+
+
+def _make_layout(circuit: Circuit, configuration: BoardConfiguration) -> bytes:
+    template = load_template(configuration.name, circuit, configuration.placement)
+    return kicad_pcb_file(circuit, configuration.placement, template)
 
 
 def model_sets(folder: Path, force: bool = False) -> list[tuple[SetWriter, dict[str, bytes]]]:
@@ -120,7 +125,15 @@ def plan_board(design: Design, folder: Path, *, force: bool = False, bring_up: b
     The parameters and exceptions are those of `write_board`.
     """
     files = board_files(design)
-    edited = EditedFiles({}, ()) if force else revise_edited(folder, files, _EDITABLE)
+
+    def make_layout(component_values: Mapping[str, str]) -> bytes:
+        values = board_values(design)
+        circuit = board_circuit(values)
+        for reference, value in component_values.items():
+            circuit = circuit.replace(reference, value)
+        return _make_layout(circuit, find_configuration(values))
+
+    edited = EditedFiles({}, ()) if force else revise_edited(folder, files, _EDITABLE, make_layout)
     if bring_up:
         from fingertip.board.bringup.files import bring_up_files
 

@@ -6,14 +6,15 @@ import json
 import os
 import re
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from fingertip.board import write_board, write_fabrication
 from fingertip.board.circuit import Circuit
-from fingertip.board.edited_files import enter_texts
+from fingertip.board.edited_files import CircuitRecord, Part, describe_structure_changes, enter_texts
 from fingertip.board.kicad.sexpr_editor import Node, Word, read_expression, replace_words
 from fingertip.board.output import LAYOUT, NETLIST, PROJECT, SCHEMATIC
 from fingertip.board.variants import BoardConfiguration
@@ -159,6 +160,25 @@ def test_change_of_parts_or_nets_writes_nothing(folder: Path, changes: tuple[str
     assert (
         run_fingertip("board", "--out", folder, "--check", *(w for c in changes for w in ("--set", c))).returncode == 0
     )
+
+
+def test_every_change_of_structure_is_described() -> None:
+    """Values alone are none."""
+    parts = {name: Part(f"id {name}", ("Lib:Footprint", "Lib:R"), {"Value": "1k"}) for name in ("R1", "R2", "R3")}
+    nets = {"A": frozenset({("R1", "1"), ("R2", "1")}), "B": frozenset({("R1", "2"), ("R3", "1")})}
+    old = CircuitRecord(parts, nets)
+
+    def describe(parts: Mapping[str, Part] = parts, nets: Mapping[str, frozenset[tuple[str, str]]] = nets) -> str:
+        return "; ".join(describe_structure_changes(old, CircuitRecord(parts, nets)))
+
+    assert describe() == describe({**parts, "R1": replace(parts["R1"], fields={"Value": "2k"})}) == ""
+    assert describe({**parts, "R4": parts["R1"]}) == "it adds R4"
+    assert describe({"R1": parts["R1"]}) == "it removes R2 and R3"
+    for kind in (("Lib:Other", "Lib:R"), ("Lib:Footprint", "Lib:Other")):
+        other = {**parts, "R2": replace(parts["R2"], kind=kind)}
+        assert describe(other) == "it changes the symbol or the footprint of R2"
+    swapped = {"A": nets["B"], "B": nets["A"], "C": frozenset({("R3", "2")})}
+    assert describe(nets=swapped) == "it changes the nets A, B and C"
 
 
 def test_value_changed_by_hand_stays_where_the_design_does_not_change_it(folder: Path) -> None:

@@ -17,7 +17,16 @@ import pytest
 
 from fingertip.errors import OutputError
 from fingertip.files import open_atomic, write_file
-from fingertip.output_set import MANIFEST, SetWriter, add_to_set, lock, read_manifest, replacement, verify_sets
+from fingertip.output_set import (
+    MANIFEST,
+    Revision,
+    SetWriter,
+    add_to_set,
+    lock,
+    read_manifest,
+    replacement,
+    verify_sets,
+)
 from fingertip.output_set.replacement import recover
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are killed with signals, NOT TESTED HERE")
@@ -456,3 +465,27 @@ def test_unfinished_file_of_a_running_process_is_left_alone(tmp_path: Path) -> N
         write_file(tmp_path / "short.csv", b"short")
         file.write(b" and half")
     assert (tmp_path / "long.csv").read_bytes() == b"half and half"
+
+
+def test_revised_file_gets_its_own_content_and_stays_somebodys_own(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    writer(folder, "old").write(OLD)
+    (folder / "bom.csv").write_bytes(b"edited parts")
+    revisions = {"bom.csv": Revision(b"edited parts", b"edited new parts")}
+    writer(folder, "new").check(NEW, revisions)
+    writer(folder, "new").write(NEW, revisions=revisions)
+    assert files_in(folder) == NEW | {"bom.csv": b"edited new parts"}
+    manifest = read_manifest(folder)
+    assert manifest is not None
+    assert manifest.files["bom.csv"] == hashlib.sha256(NEW["bom.csv"]).hexdigest()
+    with pytest.raises(OutputError, match=r"bom\.csv: was not written by fingertip, or was changed since"):
+        writer(folder, "old").write(OLD)
+
+
+def test_file_that_changed_since_its_revision_is_not_overwritten(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    writer(folder, "old").write(OLD)
+    (folder / "bom.csv").write_bytes(b"edited again")
+    with pytest.raises(OutputError, match=r"bom\.csv: was changed while this command was running; run it again"):
+        writer(folder, "new").write(NEW, revisions={"bom.csv": Revision(b"edited parts", b"edited new parts")})
+    assert files_in(folder) == OLD | {"bom.csv": b"edited again"}

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING
 
 from fingertip import extras
 from fingertip.acceptance.sheet import acceptance_data, render_acceptance
-from fingertip.board.bringup.files import bring_up_files
-from fingertip.board.output import BOARD_FILES, BRING_UP_FILES, board_files, board_writer
+from fingertip.board.output import BRING_UP_FILES, BoardPlan, board_writer, plan_board
 from fingertip.build_files import Build, build, parts_writer
 from fingertip.design import Design
 from fingertip.sim.trace_export import DETECTION, PLOT, SIGNAL_FOLDER, TRACE, encode_trace, signal_writer
@@ -73,29 +72,35 @@ def make(
         As `build`, `write_board`, `simulate` and `detect_file` do. Nothing has been written then.
     """
     folder = Path("out") / design.name if out is None else Path(out)
-    board, signal = board_writer(design, folder / "board", force), signal_writer(design, folder / SIGNAL_FOLDER, force)
+    board_folder, signal = folder / "board", signal_writer(design, folder / SIGNAL_FOLDER, force)
     sheets = parts_writer(design, folder, force)
     sheets.check((ACCEPTANCE,))
-    board.check((*BOARD_FILES, *BRING_UP_FILES))
+    board_writer(design, board_folder, force).check(BRING_UP_FILES)
+    plan_board(design, board_folder, force=force)
     signal.check((TRACE, PLOT, DETECTION))
+    boards: list[BoardPlan] = []
     others: list[tuple[SetWriter, Mapping[str, bytes]]] = []
     found: list[FileDetection] = []
 
     def make_the_others() -> None:
         progress("making the board")
-        board_set = board_files(design) | bring_up_files(design)
+        boards.append(plan_board(design, board_folder, force=force, bring_up=True))
         signal_set, detection = simulate_and_detect(design, progress)
         page = render_acceptance(acceptance_data(design, detection.detection))
-        others.extend(((board, board_set), (signal, signal_set), (sheets, {ACCEPTANCE: page.encode()})))
+        others.extend(((signal, signal_set), (sheets, {ACCEPTANCE: page.encode()})))
         found.append(detection)
 
     parts = build(
         design, folder, formats=formats, pictures=True, force=force, progress=progress, meanwhile=make_the_others
     )
+    (board,) = boards
+    board_paths = board.write()
+    for message in (f"{len(board_paths)} files in {board_folder}", *board.edited.notes):
+        progress(message)
     for writer, contents in others:
         writer.write(contents)
         progress(f"{len(contents)} files in {writer.folder}")
-    board_paths, signal_paths, _ = (tuple(writer.folder / name for name in contents) for writer, contents in others)
+    signal_paths, _ = (tuple(writer.folder / name for name in contents) for writer, contents in others)
     return Made(parts, board_paths, signal_paths, found[0])
 
 

@@ -1,4 +1,4 @@
-"""Style shared by all plots: figure size, colours, axes and PNG output.
+"""Style shared by all plots: figure size, colours, axes, and output as PNG or SVG.
 
 Every plot begins with `new_figure`, which raises an error if matplotlib is not installed. Modules that draw import
 matplotlib only where they use it, so that the plots can be listed without it.
@@ -62,4 +62,18 @@ def to_png(figure: Figure) -> bytes:
 
     out = io.BytesIO()
     FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
+    return out.getvalue()
+
+
+def to_svg(figure: Figure) -> bytes:
+    """Render a figure as SVG, with its text as outlines.
+
+    The file holds no date, version or random identifier, so the same data gives the same bytes.
+    """
+    import matplotlib
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    out = io.BytesIO()
+    with matplotlib.rc_context({"svg.hashsalt": "fingertip", "svg.fonttype": "path"}):
+        FigureCanvasSVG(figure).print_svg(out, metadata={"Creator": None, "Date": None})
     return out.getvalue()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from fingertip.board.kicad.models import MODEL_FOLDER
 from fingertip.output_set import MANIFEST
 from tests.board.test_netlist import FILES
 from tests.conftest import run_fingertip, run_python
@@ -19,7 +20,7 @@ def test_command_prints_tables_and_writes_files(tmp_path: Path) -> None:
     assert run.returncode == 0
     for text in ("2375.4", "1187.7", "4750.9", "2.4k", "1.2k", "4.7k", "67.25", "0.9895", "67.67 (36.61 dB)"):
         assert text in run.stdout
-    assert run.stderr.count("wrote ") == len(FILES) - 1  # the manifest is not announced
+    assert run.stderr.count("wrote ") == len(FILES) - 2  # manifest and models are not announced
     assert sorted(p.name for p in (tmp_path / "deep" / "pcb").iterdir()) == FILES
 
 
@@ -33,7 +34,7 @@ def test_json_output_equals_the_values_file_and_quiet_prints_no_messages(tmp_pat
     assert data["preferred"]["r1_ohm"] == 2370.0
     assert round(data["achieved_response"]["cutoff_hz"], 2) == 67.07
     assert all({"subject", "statement", "correction"} == set(erratum) for erratum in data["errata"])
-    assert sorted([*(Path(name).name for name in data["files"]), MANIFEST]) == FILES
+    assert sorted([*(Path(name).name for name in data["files"]), MANIFEST, MODEL_FOLDER]) == FILES
     assert all(Path(name).is_file() for name in data["files"])
     values = json.loads((tmp_path / "values.json").read_text())
     assert values["parameters"]["series"] == "E96"

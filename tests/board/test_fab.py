@@ -37,7 +37,7 @@ def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
     write_board(Design(), tmp_path)
     (tmp_path / "slip_filter.net").write_bytes((tmp_path / "slip_filter.net").read_bytes().replace(b'"4.7k"', b'"47k"'))
     (tmp_path / "bom.csv").unlink()
-    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     run = run_fingertip("board", "--check", "--json", "--out", tmp_path)
     assert run.returncode == 1
     data = json.loads(run.stdout)
@@ -48,7 +48,7 @@ def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
     assert '(value "4.7k")' in text
     assert "bom.csv: cannot be read" in text
     assert "kicad_pcb" not in text
-    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 
 def test_check_detects_files_of_another_design(tmp_path: Path) -> None:

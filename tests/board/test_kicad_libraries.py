@@ -16,12 +16,13 @@ import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.circuit import kicad_net_name
+from fingertip.board.kicad.project import IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD
 from fingertip.board.kicad.symbols import DUAL_AMPLIFIERS
 from fingertip.board.kicad.uuids import component_uuid
-from fingertip.board.output import NETLIST
+from fingertip.board.output import LAYOUT, NETLIST, PROJECT, README, SCHEMATIC
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
-from tests.board.kicad import HOW_TO_INSTALL_KICAD
+from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.oracles.sexpressions import Expression, children, descendants, parse
 from tests.tools import require_tool
 
@@ -187,3 +188,32 @@ def test_pcb_editor_detects_a_corrupted_netlist(
     is_clean = "Total warnings: 0, errors: 0." in record["tested"]
     connected = sum(bool(net) for component in record["board"].values() for net in component["nets"].values())
     assert not is_clean or connected < sum(len(net.nodes) for net in CIRCUIT.nets)
+
+
+@pytest.mark.slow
+def test_checks_that_are_off_find_what_the_readme_says(tmp_path: Path) -> None:
+    """With KiCad's libraries, the mismatches report every symbol and footprint, and the others nothing."""
+    require_tool("kicad-cli", HOW_TO_INSTALL_KICAD)
+    templates = require_tool("/usr/share/kicad/template", HOW_TO_INSTALL_KICAD)
+    folder = tmp_path / "pcb"
+    write_board(Design(), folder)
+    project = json.loads((folder / PROJECT).read_text("utf-8"))
+    off = project["board"]["design_settings"]["rule_severities"], project["erc"]["rule_severities"]
+    assert [set(checks) for checks in off] == [set(IGNORED_ON_BOARD), set(IGNORED_IN_SCHEMATIC)]
+    text = " ".join((folder / README).read_text("utf-8").split())
+    for severities in off:
+        for name in severities:
+            assert f"`{name}`: {(IGNORED_ON_BOARD | IGNORED_IN_SCHEMATIC)[name]}." in text
+            severities[name] = "error"
+    (folder / PROJECT).write_text(json.dumps(project))
+    settings = tmp_path / "kicad-home" / ".".join(kicad_cli(folder, "version").stdout.split(".")[:2])
+    settings.mkdir(parents=True, exist_ok=True)
+    for table in ("fp-lib-table", "sym-lib-table"):
+        shutil.copy(templates / table, settings)
+    kicad_cli(folder, "pcb", "drc", LAYOUT, "--severity-all", "--format", "json", "-o", "drc.json")
+    kicad_cli(folder, "sch", "erc", SCHEMATIC, "--severity-all", "--format", "json", "-o", "erc.json")
+    drc, erc = (json.loads((folder / name).read_text("utf-8")) for name in ("drc.json", "erc.json"))
+    on_board = [violation["type"] for violation in drc["violations"]]
+    assert on_board == ["lib_footprint_mismatch"] * len(CIRCUIT.components)
+    in_schematic = {violation["type"] for sheet in erc["sheets"] for violation in sheet["violations"]}
+    assert in_schematic == {"lib_symbol_mismatch"}

@@ -21,6 +21,7 @@ from tests.oracles.ideal_filter import ideal_filter_transfer
 from tests.oracles.netlist_nodal import NetlistCircuit, parse
 
 FILES = [
+    "3d",
     "README.md",
     "bom.csv",
     "manifest.json",
@@ -202,23 +203,24 @@ def test_two_processes_write_the_same_bytes(tmp_path: Path) -> None:
         out = tmp_path / seed / "pcb"
         run = run_fingertip("board", "--out", out, "--quiet", PYTHONHASHSEED=seed)
         assert run.returncode == 0, run.stderr
-        digests.append({p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in sorted(out.iterdir())})
+        files = sorted(path for path in out.rglob("*") if path.is_file())
+        digests.append({p.relative_to(out): hashlib.sha256(p.read_bytes()).hexdigest() for p in files})
     assert digests[0] == digests[1]
-    assert list(digests[0]) == FILES
+    assert sorted({path.parts[0] for path in digests[0]}) == FILES
 
 
 def test_bundled_board_files_are_up_to_date(tmp_path: Path) -> None:
-    """The folder pcb/ holds the files of the default design."""
-    _, path = write_netlist(tmp_path, [])
-    for file in path.parent.iterdir():
-        if file.name == "manifest.json":  # names the bring-up files too, which CI compares
-            continue
-        assert (ROOT / "pcb" / file.name).read_bytes() == file.read_bytes(), f"run: fingertip board ({file.name})"
+    """The folder pcb/ holds the files of the default design, with its bring-up sheet."""
+    write_board(Design(), tmp_path, bring_up=True)
+    for name in (file.relative_to(tmp_path) for file in tmp_path.rglob("*") if file.is_file()):
+        assert (ROOT / "pcb" / name).read_bytes() == (tmp_path / name).read_bytes(), (
+            f"run: fingertip board --out pcb --bringup ({name})"
+        )
 
 
 def test_files_contain_no_date_and_no_path(tmp_path: Path) -> None:
     write_netlist(tmp_path, [])
-    for file in tmp_path.iterdir():
+    for file in (path for path in tmp_path.rglob("*") if path.is_file()):
         text = file.read_text(encoding="utf-8")
         assert str(tmp_path) not in text
         without_identifiers = re.sub(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}", "", text)

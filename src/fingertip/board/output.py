@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.board.board_values import board_values
+from fingertip.board.circuit import Circuit
 from fingertip.board.circuits.signal_paths import board_circuit
+from fingertip.board.edited_files import EditableNames, EditedFiles, find_edited, revise_edited
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.provenance import find_outdated_files, provenance_record
+from fingertip.board.kicad.models import MODEL_FOLDER, model_files
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.kicad.project import kicad_project_file
 from fingertip.board.layout.pcb_file import kicad_pcb_file
@@ -18,9 +22,10 @@ from fingertip.board.layout.template import load_template
 from fingertip.board.readme import folder_readme
 from fingertip.board.schematic.schematic_file import kicad_schematic_file
 from fingertip.board.spice import spice_deck
-from fingertip.board.variants import find_configuration
+from fingertip.board.variants import BoardConfiguration, find_configuration
 from fingertip.design import Design
 from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
+from fingertip.errors import Issue, OutputError
 from fingertip.output_set import SetWriter, hash_parameters
 
 NETLIST = "slip_filter.net"
@@ -31,14 +36,15 @@ SCHEMATIC = "slip_filter.kicad_sch"
 LAYOUT = "slip_filter.kicad_pcb"
 PROJECT = "slip_filter.kicad_pro"
 README = "README.md"
-BRING_UP, BRING_UP_READINGS = "bringup.md", "bringup_readings.toml"
+BRING_UP, BRING_UP_READINGS, WIRING = "bringup.md", "bringup_readings.toml", "wiring.svg"
 
 BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README)
 """Names of the files of a board."""
-BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS)
+BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS, WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
 FAB_FOLDER = "fab"
 PROVENANCE = "made_from.sha256"
+_EDITABLE = EditableNames(LAYOUT, SCHEMATIC, PROJECT, NETLIST)
 _MAX_DIFF_LINES = 12
 
 
@@ -52,11 +58,10 @@ def board_files(design: Design) -> dict[str, bytes]:
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     circuit, configuration = board_circuit(values), find_configuration(values)
     title = f"Slip filter: variant {values.variant}, {configuration.supply.description}"
-    template = load_template(configuration.name, circuit, configuration.placement)
     return {
         NETLIST: kicad_netlist_file(circuit),
         SCHEMATIC: kicad_schematic_file(circuit, configuration.sheet, title),
-        LAYOUT: kicad_pcb_file(circuit, configuration.placement, template),
+        LAYOUT: _make_layout(circuit, configuration),
         PROJECT: kicad_project_file(circuit),
         DECK: spice_deck(circuit, find_gain_bandwidth_hz(design.board), design.board.supply_v),
         BOM: bill_of_materials(circuit),
@@ -65,35 +70,110 @@ def board_files(design: Design) -> dict[str, bytes]:
     }
 
 
+def _make_layout(circuit: Circuit, configuration: BoardConfiguration) -> bytes:
+    template = load_template(configuration.name, circuit, configuration.placement)
+    return kicad_pcb_file(circuit, configuration.placement, template)
+
+
+def model_sets(folder: Path, force: bool = False) -> list[tuple[SetWriter, dict[str, bytes]]]:
+    """List the sets of 3D models beside a board, one for each folder, with writer and content.
+
+    They hold the packages of all boards and follow from no parameter, so they are the same for every design.
+    """
+    sets: dict[str, dict[str, bytes]] = {}
+    for path, data in model_files().items():
+        library, name = path.split("/")
+        sets.setdefault(library, {})[name] = data
+    return [
+        (SetWriter(folder / MODEL_FOLDER / library, "models", "all boards", hash_parameters({}), force=force), files)
+        for library, files in sets.items()
+    ]
+
+
 def board_folder(design: Design) -> Path:
     """Folder that a design's board is written to unless another is named."""
     return Path("out") / design.name / "board"
 
 
+@dataclass(frozen=True)
+class BoardPlan:
+    """Files that are ready to be written to a folder, which can take them."""
+
+    writer: SetWriter
+    files: Mapping[str, bytes]
+    edited: EditedFiles
+    """Files among them that somebody edited in KiCad."""
+    models: Sequence[tuple[SetWriter, Mapping[str, bytes]]]
+
+    def write(self) -> tuple[Path, ...]:
+        """Write the files, all or none, then the models, and return the paths of the files.
+
+        Raises
+        ------
+        OutputError
+            If the folder cannot be written, or has changed since.
+        """
+        self.writer.write(self.files, revisions=self.edited.revisions)
+        for writer, contents in self.models:
+            writer.write(contents)
+        return tuple(self.writer.folder / name for name in self.files)
+
+
+def plan_board(design: Design, folder: Path, *, force: bool = False, bring_up: bool = False) -> BoardPlan:
+    """Plan the board's files in a folder, and refuse what it cannot take, before anything is written.
+
+    The parameters and exceptions are those of `write_board`.
+    """
+    files = board_files(design)
+
+    def make_layout(component_values: Mapping[str, str]) -> bytes:
+        values = board_values(design)
+        circuit = board_circuit(values)
+        for reference, value in component_values.items():
+            circuit = circuit.replace(reference, value)
+        return _make_layout(circuit, find_configuration(values))
+
+    edited = EditedFiles({}, ()) if force else revise_edited(folder, files, _EDITABLE, make_layout)
+    if bring_up:
+        from fingertip.board.bringup.files import bring_up_files
+
+        files |= bring_up_files(design)
+    writer, models = board_writer(design, folder, force), model_sets(folder, force)
+    writer.check(files, edited.revisions)
+    for model_writer, contents in models:
+        model_writer.check(contents)
+    return BoardPlan(writer, files, edited, models)
+
+
 def write_board(
-    design: Design, out: str | Path | None = None, *, force: bool = False, bring_up: bool = False
+    design: Design,
+    out: str | Path | None = None,
+    *,
+    force: bool = False,
+    bring_up: bool = False,
+    progress: Callable[[str], None] = lambda message: None,
 ) -> tuple[Path, ...]:
     """Write the board's files to a folder, `out/NAME/board` by default, all or none, and return their paths.
 
-    With `force`, files of the same names that are somebody's own are overwritten. With `bring_up`, the sheet for
-    bringing the board up is written too; otherwise that of another design is removed.
+    A schematic or layout that somebody edited in KiCad keeps these edits: only values and part numbers that differ are
+    entered into it, and `progress` is called with a sentence. With `force`, files of the same names that are
+    somebody's own are overwritten. With `bring_up`, the sheet for bringing the board up is written too; otherwise that
+    of another design is removed.
 
     Raises
     ------
     BoardError
         If the values cannot be computed.
     OutputError
-        If the folder cannot be written, or holds a file of these names that is somebody's own. Its files are then
+        If the folder cannot be written, or holds a file of these names that is somebody's own and cannot be kept: a
+        schematic or layout if parts, footprints or nets change, any other file in any case. Its files are then
         unchanged.
     """
-    folder = board_folder(design) if out is None else Path(out)
-    files = board_files(design)
-    if bring_up:
-        from fingertip.board.bringup.files import bring_up_files
-
-        files |= bring_up_files(design)
-    board_writer(design, folder, force).write(files)
-    return tuple(folder / name for name in files)
+    plan = plan_board(design, board_folder(design) if out is None else Path(out), force=force, bring_up=bring_up)
+    paths = plan.write()
+    for note in plan.edited.notes:
+        progress(note)
+    return paths
 
 
 def board_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
@@ -123,17 +203,44 @@ def write_fabrication(
     BoardError
         If KiCad's checks find an error.
     OutputError
-        If the folder cannot be written, or holds a file of these names that is somebody's own.
+        If the folder cannot be written, or holds a file of these names that is somebody's own, or if the board was
+        edited in KiCad.
     """
     from fingertip.board.fabrication.fabrication_files import fabrication_files
 
+    if not force:
+        refuse_edited(board_folder(design) if out is None else Path(out))
     values = board_values(design)
     placement, sources = find_configuration(values).placement, board_files(design)
-    files = fabrication_files(sources, board_circuit(values), placement, progress)
+    models = {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
+    files = fabrication_files(sources | models, board_circuit(values), placement, progress)
     files[PROVENANCE] = provenance_record(sources, files)
     folder = (board_folder(design) if out is None else Path(out)) / FAB_FOLDER
     _writer(design, folder, "fabrication", force).write(files)
     return tuple(folder / name for name in files)
+
+
+def refuse_edited(folder: Path) -> None:
+    """Refuse to make fabrication files beside a schematic or layout that was edited in KiCad.
+
+    They follow from the design, so they would be those of another board.
+
+    Raises
+    ------
+    OutputError
+        If one was edited.
+    """
+    issues = [
+        Issue(
+            str(folder / name),
+            "was edited, and --fab would export the board without your edits; export it from KiCad (File, Fabrication "
+            "Outputs) and leave --fab out, or add --force to overwrite your edits.",
+        )
+        for name in find_edited(folder, _EDITABLE)
+        if name != PROJECT
+    ]
+    if issues:
+        raise OutputError(issues)
 
 
 def board_differences(design: Design, folder: str | Path) -> list[str]:
@@ -144,6 +251,7 @@ def board_differences(design: Design, folder: str | Path) -> list[str]:
         from fingertip.board.bringup.files import bring_up_files
 
         expected |= bring_up_files(design)
+    expected |= {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
     for name, data in expected.items():
         path = Path(folder) / name
         try:

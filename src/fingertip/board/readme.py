@@ -22,6 +22,8 @@ from fingertip.board.components.bridge import VREF_RATIO
 from fingertip.board.components.comparator import PULL_UP_OHM
 from fingertip.board.fabrication.assembly import find_rotation, is_assembled, load_rotations
 from fingertip.board.fabrication.bom import purchased_components
+from fingertip.board.kicad.models import MODEL_FOLDER, MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE
+from fingertip.board.kicad.project import IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD
 from fingertip.board.kicad.symbols import CAPACITOR, RESISTOR, TEST_POINT
 from fingertip.board.parts.table import load_sources
 from fingertip.board.spice import MAX_SWITCH_OHM
@@ -52,21 +54,45 @@ _TEMPLATE = """
 | `bom.csv` | bill of materials: quantities, values, ratings, part numbers with their sources, or why one is missing |
 | `bringup.md`, `bringup_readings.toml` | with `--bringup`: how to test a soldered board, and a file for the readings |
 | `values.json` | component values: ideal and preferred; target and achieved response; voltage limits; errata |
+| `{models}/` | 3D models of the packages: boxes with the outline and the height of each |
 
 `ngspice -b {name}.cir` prints the levels at TACTILE, STAGE1_OUT and FILTERED [dBV] over frequency, for an AC
 current of 1 uA into the sensor. The difference of two levels is the gain between their nets [dB].
 
 `fingertip board DESIGN --out FOLDER` wrote these files. The same design gives the same bytes. To change the cutoff, the
 gain or the resistor series, edit the design file or set a parameter on the command line (`--set board.cutoff_hz=80`),
-and run the command again. This changes component values but neither placement nor tracks.
+and run the command again. This changes component values but neither placement nor tracks. A schematic or layout that
+you edited in KiCad keeps your edits: values and part numbers that the design changes are entered into it, and nothing
+else. If parts, footprints or nets change, nothing is written; `--force` overwrites your edits.
 
 - `--set board.capacitor_series=E6` selects the capacitors too, together with the resistors; `preferred` selects only
   values that the parts table has.
 - `--set board.variant=...` and `--set board.supply=...` write the other boards.
+- `--bringup` adds `bringup.md`, how to test a soldered board, and `wiring.svg`, how to connect it.
 - `--check` tells whether a folder is up to date.
 - `--fab` adds the fabrication files: gerbers and drill file in one zip, renderings, and parts and placement for the
   assembly: `bom_assembly.csv` and `placement_assembly.csv` in the columns and with the rotations of JLCPCB,
   `{name}_placement.csv` with KiCad's rotations for any other house. It needs KiCad 9.
+
+## 3D models
+
+KiCad shows the parts, and `kicad-cli pcb export step` exports them, as the boxes in `{models}`. The text variable
+`{model_variable}` of the project names this folder. Where KiCad's own models are installed, set it to
+`{kicad_models}` in Schematic Setup or Board Setup, Text Variables, or for one command:
+
+```sh
+kicad-cli pcb export step -D '{model_variable}={kicad_models}' {name}.kicad_pcb -o board.step
+```
+
+## Checks that are off
+
+The project switches off five comparisons with KiCad's libraries. All other rules of ERC and DRC are on, and the board
+as written passes them.
+
+{ignored}
+
+With KiCad's libraries installed, the two mismatches report every symbol and footprint, and the other three report
+nothing. To switch a check on, set its severity in Schematic Setup or Board Setup, Violation Severity.
 
 ## Connectors
 
@@ -123,6 +149,14 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
     components = purchased_components(circuit)
     text = _TEMPLATE.format(
         name=circuit.name,
+        models=MODEL_FOLDER,
+        model_variable=MODEL_VARIABLE,
+        kicad_models=MODEL_FOLDER_OF_KICAD,
+        ignored=_bullet_list(
+            f"{rules}, `{name}`: {reason}."
+            for rules, checks in (("ERC", IGNORED_IN_SCHEMATIC), ("DRC", IGNORED_ON_BOARD))
+            for name, reason in checks.items()
+        ),
         summary=_summary(configuration, values, len(components)),
         connectors=_connector_table(values, design),
         test_points="\n".join(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fingertip import extras
 from fingertip.cli.console import (
     CHECK_FAILED,
     Console,
@@ -18,6 +19,7 @@ from fingertip.cli.console import (
     command,
     find_suffix_issues,
 )
+from fingertip.errors import Issue
 
 if TYPE_CHECKING:
     from fingertip.board.board_values import BoardValues
@@ -53,6 +55,10 @@ def board(
     bode: Annotated[
         Path | None, typer.Option("--bode", metavar="FILE", help="Write the Bode table of each stage as CSV.")
     ] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option("--plot", metavar="FILE", help="Plot the response with the band of 95 % of boards (PNG or SVG)."),
+    ] = None,
     bring_up: Annotated[
         bool,
         typer.Option("--bringup", help="Also write bringup.md, how to test a soldered board, and a file for readings."),
@@ -79,13 +85,15 @@ def board(
         write_board,
         write_fabrication,
     )
-    from fingertip.board.output import board_folder
+    from fingertip.board.output import board_folder, refuse_edited
     from fingertip.cli.load import load_design
     from fingertip.errors import OutputError
 
     console = Console(as_json, quiet)
-    if issues := list(find_suffix_issues("--bode", bode, ".csv", "CSV")):
+    if issues := [*find_suffix_issues("--bode", bode, ".csv", "CSV"), *_find_plot_issues(plot)]:
         raise OutputError(issues)
+    if plot:
+        extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded, _ = load_design(design, changes, console.progress)
     out = out or board_folder(loaded)
     if readings:
@@ -105,9 +113,14 @@ def board(
             raise typer.Exit(CHECK_FAILED)
         return
     values = board_values(loaded)
-    paths = write_board(loaded, out, force=force, bring_up=bring_up)
+    if fab and not force:
+        refuse_edited(out)
+    edits: list[str] = []
+    paths = write_board(loaded, out, force=force, bring_up=bring_up, progress=edits.append)
     for path in paths:
         console.progress(f"wrote {path}")
+    for note in edits:
+        console.progress(note)
     if fab:
         fabrication_paths = write_fabrication(loaded, out, console.progress, force=force)
         for path in fabrication_paths:
@@ -128,6 +141,16 @@ def board(
         write_file(bode, bode_table(loaded).encode(), "--bode")
         console.progress(f"wrote {bode}")
         paths += (bode,)
+    if plot:
+        from fingertip.board.analysis.response_band import compute_response_band
+        from fingertip.board.analysis.response_plot import draw_response
+        from fingertip.files import write_file
+
+        band = compute_response_band(loaded)
+        title = f"{loaded.name}: response of the board, variant {values.variant}, {loaded.board.supply} supply"
+        write_file(plot, draw_response(band, title, plot.suffix.lower()), "--plot")
+        console.progress(f"wrote {plot}")
+        paths += (plot,)
     if analysis:
         from fingertip.board.analysis.analyse import analyse
         from fingertip.board.analysis.report import analysis_text
@@ -137,10 +160,18 @@ def board(
         text += "\n\n" + analysis_text(analysis_result)
     data |= {
         "files": [path.as_posix() for path in paths],
+        "edited": edits,
         "fabrication_differences": fab_differences,
         "warnings": warnings,
     }
     console.result(data, text)
+
+
+def _find_plot_issues(path: Path | None) -> Iterator[Issue]:
+    """Find a plot whose name does not end in the suffix of a format that is written."""
+    if path is not None and path.suffix.lower() not in (".png", ".svg") and not path.is_dir():
+        problem = f"{path.name!r} is not the name of a PNG or SVG file, the only formats written"
+        yield Issue("--plot", f"{problem}; end it in .png or .svg.")
 
 
 def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:

@@ -8,6 +8,15 @@ removed unless that is asked for.
 
 from fingertip.output_set.manifest import MANIFEST, Manifest, hash_parameters, read_manifest
 from fingertip.output_set.verification import verify_sets
-from fingertip.output_set.writer import SetWriter, add_to_set
+from fingertip.output_set.writer import Revision, SetWriter, add_to_set
 
-__all__ = ["MANIFEST", "Manifest", "SetWriter", "add_to_set", "hash_parameters", "read_manifest", "verify_sets"]
+__all__ = [
+    "MANIFEST",
+    "Manifest",
+    "Revision",
+    "SetWriter",
+    "add_to_set",
+    "hash_parameters",
+    "read_manifest",
+    "verify_sets",
+]

@@ -18,6 +18,17 @@ from fingertip.output_set.replacement import recover, replace_files
 
 
 @dataclass(frozen=True)
+class Revision:
+    """Content of a file that somebody edited, and the content that it gets with these edits kept.
+
+    The manifest keeps the hash of the file without the edits, so that the file stays somebody's own.
+    """
+
+    before: bytes
+    after: bytes
+
+
+@dataclass(frozen=True)
 class SetWriter:
     """Writer of one set: its place, what it is made from, and how it treats other files there."""
 
@@ -32,13 +43,15 @@ class SetWriter:
     in_place: bool = False
     """True if the folder must not be swapped, because a file in it is open."""
 
-    def check(self, names: Collection[str]) -> None:
+    def check(self, names: Collection[str], revisions: Mapping[str, Revision] | None = None) -> None:
         """Refuse to write these names if the folder cannot take them, before work starts.
 
         Parameters
         ----------
         names
             Names of the files; with their contents, files that are equal already do not count.
+        revisions
+            Files that somebody edited and that may be written all the same, unless they have changed since.
 
         Raises
         ------
@@ -47,21 +60,21 @@ class SetWriter:
             folder or of a file that is somebody's own.
         """
         try:
-            self._refuse(names)
+            self._refuse(names, revisions)
         except OutputError:
             parent = self.folder.resolve().parent
             if not parent.is_dir():
                 raise
             # Another command may just have swapped the folder between two looks at it.
             with output_errors(self.folder), lock(parent):
-                self._refuse(names)
+                self._refuse(names, revisions)
 
-    def _refuse(self, names: Collection[str]) -> None:
+    def _refuse(self, names: Collection[str], revisions: Mapping[str, Revision] | None = None) -> None:
         with output_errors(self.folder):
-            if issues := list(self._find_issues(names)):
+            if issues := list(self._find_issues(names, revisions or {})):
                 raise OutputError(issues)
 
-    def _find_issues(self, names: Collection[str]) -> Iterator[Issue]:
+    def _find_issues(self, names: Collection[str], revisions: Mapping[str, Revision]) -> Iterator[Issue]:
         place = next((path for path in (self.folder, *self.folder.parents) if path.exists()), self.folder)
         if not place.is_dir():
             yield Issue(str(place), "is a file; choose another folder with --out.")
@@ -78,7 +91,11 @@ class SetWriter:
             for name in names
             if (self.folder / name).is_dir()
         )
-        foreign = [] if self.force else sorted(self._foreign(names))
+        foreign = [] if self.force else sorted(self._foreign(names) - set(revisions))
+        for name, revision in revisions.items():
+            path = self.folder / name
+            if not path.is_file() or path.read_bytes() != revision.before:
+                yield Issue(str(path), "was changed while this command was running; run it again.")
         remedy = "move it away, choose another place with --out, or add --force to overwrite it."
         if len(foreign) > 1 and manifest is None:
             yield Issue(
@@ -90,7 +107,12 @@ class SetWriter:
             for name in foreign:
                 yield Issue(str(self.folder / name), f"was not written by fingertip, or was changed since; {remedy}")
 
-    def write(self, contents: Mapping[str, Content], obsolete: Collection[str] = ()) -> tuple[str, ...]:
+    def write(
+        self,
+        contents: Mapping[str, Content],
+        obsolete: Collection[str] = (),
+        revisions: Mapping[str, Revision] | None = None,
+    ) -> tuple[str, ...]:
         """Write the set: the folder holds either the old set or the new one at any moment.
 
         Files of the old set stay if they were made from the same parameters. Otherwise those that nobody changed are
@@ -102,6 +124,8 @@ class SetWriter:
             Name -> content of each file.
         obsolete
             Files of the old set that are to be removed in any case, unless somebody changed them.
+        revisions
+            Files among `contents` that somebody edited, with the contents that they get instead.
 
         Returns
         -------
@@ -121,8 +145,8 @@ class SetWriter:
                 folder.parent.mkdir(parents=True, exist_ok=True)
                 with lock(folder.parent):
                     recover(folder)
-                    self._refuse({**contents, MANIFEST: b""})
-                    return self._write(folder, contents, obsolete)
+                    self._refuse({**contents, MANIFEST: b""}, revisions)
+                    return self._write(folder, contents, obsolete, revisions or {})
         except BaseException:
             for path in created:
                 with contextlib.suppress(OSError):
@@ -156,7 +180,13 @@ class SetWriter:
             )
             raise OutputError(Issue(str(self.folder), message))
 
-    def _write(self, folder: Path, contents: Mapping[str, Content], obsolete: Collection[str]) -> tuple[str, ...]:
+    def _write(
+        self,
+        folder: Path,
+        contents: Mapping[str, Content],
+        obsolete: Collection[str],
+        revisions: Mapping[str, Revision],
+    ) -> tuple[str, ...]:
         old = read_manifest(folder)
         known = dict(old.files) if old else dict.fromkeys(self.adopted, "")
         same = old is not None and (old.kind, old.parameters) == (self.kind, self.parameters)
@@ -166,7 +196,10 @@ class SetWriter:
         kept = {name: known[name] for name in others if name not in removed} if same else {}
         hashes = {name: hash_content(data) for name, data in contents.items()}
         manifest = Manifest(__version__, self.kind, self.design, self.parameters, kept | hashes)
-        files = {**contents, MANIFEST: manifest.to_bytes()}
+        files = {**contents, **{name: revision.after for name, revision in revisions.items()}}
+        # A file that keeps its content stays as it is, with its date.
+        files = {name: data for name, data in files.items() if name not in revisions or data != revisions[name].before}
+        files[MANIFEST] = manifest.to_bytes()
         replace_files(folder, files, removed, in_place=self.in_place)
         return removed
 

@@ -41,12 +41,17 @@ class TolerancedFilter:
         """References of its components, in the order of every array of deviations."""
         return tuple(name for name in COMPONENTS if name in self.values)
 
-    def quantities(self, deviations: Array) -> dict[str, Array]:
-        """Compute `QUANTITIES` for relative deviations of the components, (..., components)."""
+    def deviate(self, deviations: Array) -> dict[str, Value]:
+        """Values of the network for relative deviations of the components, (..., components)."""
         values = dict(self.values)
         for name, ratio in zip(self.names, np.moveaxis(1.0 + deviations, -1, 0), strict=True):
             # A network's quantity is the conductance of a resistor.
             values[name] = self.values[name] / ratio if name.startswith("R") else self.values[name] * ratio
+        return values
+
+    def quantities(self, deviations: Array) -> dict[str, Array]:
+        """Compute `QUANTITIES` for relative deviations of the components, (..., components)."""
+        values = self.deviate(deviations)
         nominal = find_passband(self.model.transfer(self.values), search_band_hz(self.model, self.values))
         gain, cutoff_hz = find_passbands(self.model.transfer(values), nominal)
         section_hz, quality = self.model.section(values)
@@ -93,8 +98,8 @@ def monte_carlo(
     seed
         Seed of the random numbers; the same seed gives the same boards.
     """
-    limits, count = np.array([tolerances[name] / 100.0 for name in board.names]), len(board.names)
-    drawn = board.quantities(limits * np.random.default_rng(seed).uniform(-1.0, 1.0, (boards, count)))
+    limits, count = _limits(board, tolerances), len(board.names)
+    drawn = board.quantities(draw_deviations(board, tolerances, boards, seed))
     corners = board.quantities(limits * np.array(list(product((-1.0, 1.0), repeat=count))))
     exact = board.quantities(np.zeros(count))
     result = {}
@@ -111,6 +116,18 @@ def monte_carlo(
             worst_high=float(corners[name].max()),
         )
     return result
+
+
+def draw_deviations(board: TolerancedFilter, tolerances: Mapping[str, float], boards: int, seed: int) -> Array:
+    """Draw relative deviations, (boards, components), independent and uniform within these tolerances [%]."""
+    uniform = np.random.default_rng(seed).uniform(-1.0, 1.0, (boards, len(board.names)))
+    deviations: Array = _limits(board, tolerances) * uniform
+    return deviations
+
+
+def _limits(board: TolerancedFilter, tolerances: Mapping[str, float]) -> Array:
+    """Largest relative deviation of each component."""
+    return np.array([tolerances[name] / 100.0 for name in board.names])
 
 
 def component_tolerances(circuit: Circuit) -> dict[str, float]:

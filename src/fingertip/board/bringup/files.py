@@ -11,17 +11,19 @@ from fingertip.board.bringup.prediction import Board
 from fingertip.board.bringup.readings import read_readings, readings_template
 from fingertip.board.bringup.report import assess_readings
 from fingertip.board.bringup.sheet import render_sheet
+from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.circuits.signal_paths import board_circuit
-from fingertip.board.output import BRING_UP, BRING_UP_READINGS
+from fingertip.board.output import BRING_UP, BRING_UP_READINGS, WIRING
 from fingertip.design import Design
 
 
 def bring_up_files(design: Design) -> dict[str, bytes]:
-    """Content of the bring-up sheet and of the file of readings, by name."""
+    """Content of the bring-up sheet, of its wiring diagram and of the file of readings, by name."""
     values = board_values(design)
     plan = _plan(design, values)
     return {
-        BRING_UP: render_sheet(plan, values, design).encode(),
+        BRING_UP: render_sheet(plan, values, design, WIRING).encode(),
+        WIRING: wiring_diagram(plan.board.circuit, design.board.supply_v, design.name),
         BRING_UP_READINGS: readings_template(plan, design.name).encode(),
     }
 

@@ -51,8 +51,8 @@ _MEANINGS = {
 """Parts that a constant voltage depends on."""
 
 
-def render_sheet(plan: BringUp, values: BoardValues, design: Design) -> str:
-    """Render the bring-up sheet of a design's board as Markdown."""
+def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str) -> str:
+    """Render the bring-up sheet of a design's board as Markdown, with the file of its wiring diagram."""
     bench, board = plan.board.bench, plan.board
     light, firm = bench.dummy_ohm
     low, middle, high = bench.tones_hz
@@ -79,6 +79,10 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design) -> str:
                 "signal to J1 pin 1. Its ground goes to supply ground.",
             ]
         ),
+        "## Wiring",
+        f"![Wiring of sensor, supply and controller]({wiring})",
+        "The supply alone is connected for these tests. Connect the controller, and the sensor in place of the "
+        "resistors, when the board has passed.",
         "## 1. Look",
         _bullets(_list_looks(plan)),
         "## 2. Ohmmeter, without power",

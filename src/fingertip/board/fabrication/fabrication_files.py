@@ -67,7 +67,7 @@ def fabrication_files(
     Parameters
     ----------
     board_files
-        Content of the board's files by name.
+        Content of the board's files by name, and of its 3D models by their paths below its folder.
     circuit
         Circuit of the board.
     placement
@@ -123,6 +123,7 @@ def kicad_session(board_files: dict[str, bytes], progress: Progress) -> Iterator
     with tempfile.TemporaryDirectory(prefix="fingertip-") as name:
         folder = Path(name)
         for file, data in board_files.items():
+            (folder / file).parent.mkdir(parents=True, exist_ok=True)
             (folder / file).write_bytes(data)
 
         def run(step: str, *arguments: str) -> None:

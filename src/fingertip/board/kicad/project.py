@@ -1,20 +1,28 @@
-"""KiCad project file: design rules of the board, and the checks that do not apply."""
+"""KiCad project file: design rules of the board, the checks that do not apply, and the folder of the 3D models."""
 
 from __future__ import annotations
 
 import json
 
 from fingertip.board.circuit import Circuit
+from fingertip.board.kicad.models import MODEL_FOLDER_OF_PROJECT, MODEL_VARIABLE
 
 CLEARANCE_MM = 0.15
 TRACK_MM = 0.2
 VIA_MM = 0.6
 VIA_DRILL_MM = 0.3
 
-# This package draws its symbols and footprints with the libraries' pins and pads, but with lines of its own. Besides,
-# the libraries may not be installed. So comparisons with the libraries are turned off.
-_IGNORED_IN_SCHEMATIC = ("lib_symbol_mismatch", "lib_symbol_issues", "footprint_link_issues")
-_IGNORED_ON_BOARD = ("lib_footprint_mismatch", "lib_footprint_issues")
+IGNORED_IN_SCHEMATIC = {
+    "lib_symbol_mismatch": "symbols have the pins of KiCad's libraries, but lines of their own",
+    "lib_symbol_issues": "the libraries of the symbols need not be installed: the schematic holds its symbols",
+    "footprint_link_issues": "nor need those of the footprints: the layout holds its footprints",
+}
+"""Electrical rules that are switched off, by KiCad's name, with the reason."""
+IGNORED_ON_BOARD = {
+    "lib_footprint_mismatch": "footprints have the pads of KiCad's libraries, but outlines and silkscreen of their own",
+    "lib_footprint_issues": "the libraries of the footprints need not be installed",
+}
+"""Design rules that are switched off, by KiCad's name, with the reason."""
 
 
 def kicad_project_file(circuit: Circuit) -> bytes:
@@ -35,11 +43,12 @@ def kicad_project_file(circuit: Circuit) -> bytes:
         "board": {
             "design_settings": {
                 "rules": rules,
-                "rule_severities": dict.fromkeys(_IGNORED_ON_BOARD, "ignore"),
+                "rule_severities": dict.fromkeys(IGNORED_ON_BOARD, "ignore"),
             }
         },
-        "erc": {"meta": {"version": 0}, "rule_severities": dict.fromkeys(_IGNORED_IN_SCHEMATIC, "ignore")},
+        "erc": {"meta": {"version": 0}, "rule_severities": dict.fromkeys(IGNORED_IN_SCHEMATIC, "ignore")},
         "meta": {"filename": f"{circuit.name}.kicad_pro", "version": 3},
         "net_settings": {"classes": [netclass], "meta": {"version": 4}},
+        "text_variables": {MODEL_VARIABLE: MODEL_FOLDER_OF_PROJECT},
     }
     return (json.dumps(data, indent=2) + "\n").encode()

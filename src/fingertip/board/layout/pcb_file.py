@@ -18,6 +18,7 @@ from fingertip.board.kicad.footprints import (
     Point,
     pad_corner_ratio,
 )
+from fingertip.board.kicad.models import MODEL_VARIABLE, has_model, model_path
 from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_DRILL_MM, VIA_MM
 from fingertip.board.kicad.sexpr import Expression, format_expression, number, quote
 from fingertip.board.kicad.uuids import component_uuid, named_uuid
@@ -173,7 +174,16 @@ def _footprint(circuit: Circuit, component: Component, placement: Placement, net
             for name, pad in zip(_distinct_pad_names(footprint), footprint.pads, strict=True)
         ),
         ("embedded_fonts", "no"),
+        *_model(component),
     )
+
+
+def _model(component: Component) -> Iterator[Expression]:
+    """Yield the reference to a component's 3D model, in the folder that a variable of the project names."""
+    if has_model(component.footprint):
+        origin, unit = ("xyz", "0", "0", "0"), ("xyz", "1", "1", "1")
+        path = f"${{{MODEL_VARIABLE}}}/{model_path(component.footprint)}"
+        yield ("model", quote(path), ("offset", origin), ("scale", unit), ("rotate", origin))
 
 
 def _distinct_pad_names(footprint: Footprint) -> Iterator[str]:

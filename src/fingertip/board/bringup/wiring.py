@@ -1,0 +1,198 @@
+"""Wiring diagram (SVG): sensor and supply on the left, the board, and the controller on the right.
+
+Pins and nets are those of the circuit's connectors. Each pin has one row, and each row one wire.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from xml.sax.saxutils import escape
+
+from fingertip.board.circuit import Circuit, Component
+from fingertip.board.circuits.signal_paths import SLIP
+from fingertip.board.kicad.symbols import AO3401A, LOCKING_CONNECTORS
+from fingertip.board.nets import (
+    ADC_ENVELOPE,
+    ADC_FILTERED,
+    ADC_TACTILE,
+    GND,
+    POWER_IN,
+    VCC,
+    VEE,
+    VMID,
+    VMID_OUT,
+)
+
+SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR = "J1", "J2", "J3"
+MOUNTING_PIN = "MP"
+
+_RED, _BLACK, _BLUE, _GREEN, _GREY = "#b03a2e", "#1c1f22", "#1f4e79", "#2e7d5b", "#4a5157"
+_WIDTH, _MARGIN = 960, 20
+_ROW, _HEAD, _FOOT, _GAP = 24, 34, 4, 26
+"""Height of a pin's row, of the heading above the rows, of the space below them, and gap between connectors."""
+_BOARD_LEFT, _BOARD_RIGHT = 370, 590
+_PLUG = 96
+"""Width of a connector."""
+_DEVICE = 190
+"""Width of what a connector leads to on the left."""
+_HOST_LEFT = 700
+_SIZE = 13
+_LINE = 19
+"""Distance of the lines of the notes."""
+_STROKE = 'stroke-width="2" fill="none"'
+
+
+@dataclass(frozen=True)
+class Signal:
+    """Net at a connector: what the board prints beside it, what it is for the other side, and colour of its wire."""
+
+    print: str
+    far_end: str
+    colour: str
+
+
+_SENSOR = Signal("FSR", "either wire", _GREEN)
+
+
+def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
+    """Name the nets at the connectors of supply and controller, of a board with this supply [V]."""
+    is_for_controller = ADC_FILTERED in {net.name for net in circuit.nets}
+    plus = Signal("+", f"+{supply_v:g} V", _RED)
+    return {
+        VCC: plus,
+        POWER_IN: plus,
+        GND: Signal("0", "ground", _BLACK),
+        VEE: Signal("-", f"-{supply_v:g} V", _BLUE),
+        ADC_TACTILE: Signal("T", "analog in: tactile voltage", _BLUE),
+        ADC_FILTERED: Signal("S", "analog in: filtered signal", _BLUE),
+        ADC_ENVELOPE: Signal("E", "analog in: envelope", _BLUE),
+        VMID_OUT: Signal("M", "analog in: signal ground", _GREEN),
+        SLIP: Signal("SLIP" if is_for_controller else "S", "digital in: slip, active low", _RED),
+    }
+
+
+def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
+    """Draw the wiring of a board.
+
+    Parameters
+    ----------
+    circuit
+        Circuit of the board.
+    supply_v
+        Its supply [V].
+    name
+        Name of the design.
+    """
+    sensor, supply, host = (circuit.component(r) for r in (SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR))
+    signals = name_signals(circuit, supply_v)
+    top = 2 * _MARGIN + _SIZE
+    left_heights = [_height(circuit, part) for part in (sensor, supply)]
+    host_height = _height(circuit, host)
+    left_height = sum(left_heights) + _GAP
+    inner = max(left_height, host_height)
+    board_height = inner + 2 * _GAP + _HEAD
+    connectors_top = top + _HEAD + _GAP
+    left_top = connectors_top + (inner - left_height) / 2
+    host_top = connectors_top + (inner - host_height) / 2
+    notes = list(list_notes(circuit, supply_v))
+    height = top + board_height + _GAP + _LINE * len(notes) + _MARGIN
+    body = [
+        _text(_MARGIN, _MARGIN + _SIZE, f"Wiring of the board of {name}", weight="bold"),
+        _box(_BOARD_LEFT, top, _BOARD_RIGHT - _BOARD_LEFT, board_height, "#eef4ee", _GREEN),
+        _text((_BOARD_LEFT + _BOARD_RIGHT) / 2, top + 26, "slip-filter board", anchor="middle", weight="bold"),
+        *_connector(circuit, sensor, {}, left_top, "sensor", is_left=True),
+        *_connector(circuit, supply, signals, left_top + left_heights[0] + _GAP, "supply", is_left=True),
+        *_connector(circuit, host, signals, host_top, _name_host(circuit), is_left=False),
+        *(
+            _text(_MARGIN, top + board_height + _GAP + _LINE * i + _SIZE, note, colour=_GREY)
+            for i, note in enumerate(notes)
+        ),
+    ]
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{_WIDTH}" height="{_number(height)}" '
+        f'viewBox="0 0 {_WIDTH} {_number(height)}" font-family="Helvetica, Arial, sans-serif" font-size="{_SIZE}">',
+        f"<title>{escape(f'Wiring of the board of {name}')}</title>",
+        f'<rect width="{_WIDTH}" height="{_number(height)}" fill="white"/>',
+        *body,
+        "</svg>",
+    ]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def list_pins(circuit: Circuit, connector: Component) -> list[tuple[str, str]]:
+    """List number and net of each pin that a wire leads to, in order."""
+    pins = [pin.number for pin in connector.symbol.pins if pin.number != MOUNTING_PIN]
+    return [(number, circuit.net_by_pin[connector.reference, number]) for number in pins]
+
+
+def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
+    """Yield what to observe when the cables are made."""
+    locking = circuit.component(HOST_CONNECTOR).footprint in LOCKING_CONNECTORS
+    yield "Pin 1 has a dot beside it." if locking else "Pin 1 is the square one."
+    nets = dict(list_pins(circuit, circuit.component(SENSOR_CONNECTOR)))
+    yield "The sensor's wires may be exchanged."
+    if nets["2"] == VMID:
+        yield "Pin 2 of J1 is at signal ground, half of the supply: keep it off supply ground and grounded metal."
+    if any(component.symbol == AO3401A for component in circuit.components):
+        yield "A reversed supply does no harm: Q1 blocks it. Nothing protects against a voltage that is too high."
+    else:
+        yield "A reversed supply destroys the board: check its polarity at the plug before you connect it."
+    yield f"The outputs lie between 0 and {supply_v:g} V: the inputs of the controller must take that."
+    if VMID_OUT in {net for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}:
+        yield "Signals refer to M: sample M too, and subtract it."
+    if locking:
+        yield "Twist each signal's wire with the ground beside it."
+    else:
+        yield "Keep the wires of J1 and J3 short, and twist each signal with a ground wire."
+
+
+def _name_host(circuit: Circuit) -> str:
+    return "controller" if ADC_FILTERED in {net.name for net in circuit.nets} else "ADC or controller"
+
+
+def _height(circuit: Circuit, connector: Component) -> int:
+    return _HEAD + _ROW * len(list_pins(circuit, connector)) + _FOOT
+
+
+def _connector(
+    circuit: Circuit, connector: Component, signals: dict[str, Signal], top: float, device: str, *, is_left: bool
+) -> Iterator[str]:
+    """Yield a connector at an edge of the board, what it leads to, and the wires between them."""
+    pins, height = list_pins(circuit, connector), _height(circuit, connector)
+    plug_left = _BOARD_LEFT if is_left else _BOARD_RIGHT - _PLUG
+    device_left, device_width = (_MARGIN, _DEVICE) if is_left else (_HOST_LEFT, _WIDTH - _MARGIN - _HOST_LEFT)
+    ends = (device_left + device_width, plug_left) if is_left else (plug_left + _PLUG, device_left)
+    yield _box(device_left, top, device_width, height, "#f4f5f6", _GREY)
+    yield _text(device_left + device_width / 2, top + 21, device, anchor="middle", weight="bold")
+    yield _box(plug_left, top, _PLUG, height, "white", _GREEN)
+    yield _text(plug_left + _PLUG / 2, top + 21, connector.reference, anchor="middle", weight="bold")
+    for i, (number, net) in enumerate(pins):
+        signal, y = signals.get(net, _SENSOR), top + _HEAD + _ROW * (i + 0.5)
+        yield f'<path d="M{_number(ends[0])} {_number(y)}H{_number(ends[1])}" stroke="{signal.colour}" {_STROKE}/>'
+        for x in ends:
+            yield f'<circle cx="{_number(x)}" cy="{_number(y)}" r="3" fill="{signal.colour}"/>'
+        base = y + 0.35 * _SIZE
+        near, far = (plug_left + 12, plug_left + _PLUG - 12) if is_left else (plug_left + _PLUG - 12, plug_left + 12)
+        sides = ("start", "end") if is_left else ("end", "start")
+        yield _text(near, base, number, anchor=sides[0])
+        yield _text(far, base, signal.print, anchor=sides[1], colour=_GREY)
+        if is_left:
+            yield _text(device_left + device_width - 12, base, signal.far_end, anchor="end")
+        else:
+            yield _text(device_left + 12, base, signal.far_end)
+
+
+def _box(x: float, y: float, width: float, height: float, fill: str, colour: str) -> str:
+    place = f'x="{_number(x)}" y="{_number(y)}" width="{_number(width)}" height="{_number(height)}"'
+    return f'<rect {place} rx="6" fill="{fill}" stroke="{colour}" stroke-width="1.5"/>'
+
+
+def _text(x: float, y: float, text: str, *, anchor: str = "start", colour: str = _BLACK, weight: str = "normal") -> str:
+    style = "" if weight == "normal" else f' font-weight="{weight}"'
+    side = "" if anchor == "start" else f' text-anchor="{anchor}"'
+    return f'<text x="{_number(x)}" y="{_number(y)}" fill="{colour}"{side}{style}>{escape(text)}</text>'
+
+
+def _number(value: float) -> str:
+    return f"{value:.2f}".rstrip("0").rstrip(".")

@@ -1,0 +1,374 @@
+"""A layout or schematic that somebody edited: values follow the design, everything else stays as it was edited."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from fingertip.board import write_board, write_fabrication
+from fingertip.board.circuit import Circuit
+from fingertip.board.edited_files import CircuitRecord, Part, describe_structure_changes, enter_texts
+from fingertip.board.kicad.sexpr_editor import Node, Word, read_expression, replace_words
+from fingertip.board.output import LAYOUT, NETLIST, PROJECT, SCHEMATIC
+from fingertip.board.variants import BoardConfiguration
+from fingertip.design import Design
+from fingertip.errors import OutputError
+from fingertip.output_set import read_manifest
+from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
+from tests.board.test_layout import NO_VIOLATIONS, run_drc
+from tests.conftest import run_fingertip
+from tests.oracles.sexpressions import Expression, children, parse
+from tests.tools import require_tool
+
+OTHER_VALUES = ("board.cutoff_hz=80",)
+"""Changes of a design that change values of R1, R2 and R3 alone."""
+OTHER_PARTS = ("board.variant=precision",)
+
+
+def files_in(folder: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def edit(path: Path, pattern: str, new: str) -> bytes:
+    """Replace the first match in a file and return its new content."""
+    text, count = re.subn(pattern, new, path.read_bytes().decode(), count=1, flags=re.DOTALL)
+    assert count == 1
+    path.write_bytes(text.encode())
+    return path.read_bytes()
+
+
+def move_r1(folder: Path) -> bytes:
+    """Move R1 on the layout, as the text that KiCad would write."""
+    return edit(folder / LAYOUT, r'(\(footprint "Resistor_SMD.*?\(at )[^)]*\)', r"\g<1>105 95 45)")
+
+
+def move_label(path: Path) -> bytes:
+    """Move the reference of R1."""
+    return edit(path, r'("Reference" "R1"\s*\(at )\S+', r"\g<1>3")
+
+
+def reindent(path: Path) -> None:
+    """Indent a file in another way, with the line ends of Windows and a list that this program does not write."""
+    text = path.read_bytes().decode().replace("\n  ", "\r\n\t").replace(")(", ") (")
+    path.write_bytes(text.replace("(embedded_fonts no))", '(embedded_fonts no)(mine "a \\"b\\" (c" 1e3))').encode())
+
+
+def fields(tree: Expression, kind: str) -> dict[str, dict[str, str]]:
+    """Fields of the parts by reference; of a part with several units, those of the last."""
+    found = {}
+    for item in children(tree, kind):
+        texts = {entry[1]: entry[2] for entry in children(item, "property")}
+        found[texts["Reference"]] = texts
+    return found
+
+
+def without_fields(tree: Expression) -> Expression:
+    """A file without the texts of its parts' fields."""
+    return [
+        (["property", item[1], *item[3:]] if item and item[0] == "property" else without_fields(item))
+        if isinstance(item, list)
+        else item
+        for item in tree
+    ]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Folder with the board of the default design."""
+    write_board(Design(), tmp_path / "pcb")
+    return tmp_path / "pcb"
+
+
+@pytest.mark.parametrize(("name", "kind"), [(LAYOUT, "footprint"), (SCHEMATIC, "symbol")])
+@pytest.mark.parametrize("change", [lambda path: None, reindent], ids=["as written", "indented"])
+def test_values_are_entered_and_every_other_byte_stays(
+    folder: Path, tmp_path: Path, name: str, kind: str, change: Callable[[Path], None]
+) -> None:
+    move_label(folder / name)
+    change(folder / name)
+    before = (folder / name).read_bytes().decode()
+    notes: list[str] = []
+    write_board(Design.load(changes=OTHER_VALUES), folder, progress=notes.append)
+    after = (folder / name).read_bytes().decode()
+    assert [note.partition("was edited; ")[2] for note in notes] == [
+        "the values of R1, R2 and R3 are updated, and nothing else changes."
+    ]
+    write_board(Design.load(changes=OTHER_VALUES), tmp_path / "new")
+    wanted = fields(parse((tmp_path / "new" / name).read_text("utf-8")), kind)
+    assert fields(parse(after), kind) == wanted != fields(parse(before), kind)
+    assert without_fields(parse(after)) == without_fields(parse(before))
+    # Line by line, only lines with a field differ.
+    lines = list(zip(before.split("\n"), after.split("\n"), strict=True))
+    changed = [(old, new) for old, new in lines if old != new]
+    assert 3 <= len(changed) <= 12
+    for old, new in changed:
+        assert re.sub(r'(\(property "[^"]*") "[^"]*"', r"\1", old) == re.sub(
+            r'(\(property "[^"]*") "[^"]*"', r"\1", new
+        )
+
+
+def test_all_other_files_follow_the_design(folder: Path, tmp_path: Path) -> None:
+    edited = move_r1(folder)
+    write_board(Design.load(changes=OTHER_VALUES), folder)
+    write_board(Design.load(changes=OTHER_VALUES), tmp_path / "new")
+    found, wanted = (
+        {path.relative_to(top): data for path, data in files_in(top).items()} for top in (folder, tmp_path / "new")
+    )
+    assert found.pop(Path(LAYOUT)) not in (edited, wanted.pop(Path(LAYOUT)))
+    assert found == wanted  # the manifest too: the layout stays the user's own
+
+
+def test_edits_survive_several_designs_and_the_same_one_again(folder: Path) -> None:
+    edited = move_r1(folder)
+    for changes in (OTHER_VALUES, ("board.series=E96",), ()):
+        write_board(Design.load(changes=changes), folder)
+        assert b"(at 105 95 45)" in (folder / LAYOUT).read_bytes()
+    assert (folder / LAYOUT).read_bytes() == edited  # back at the first design
+    date = (folder / LAYOUT).stat().st_mtime_ns
+    notes: list[str] = []
+    write_board(Design(), folder, progress=notes.append)
+    assert "it has the values of this design" in notes[0]
+    assert (folder / LAYOUT).stat().st_mtime_ns == date
+
+
+@pytest.mark.parametrize("changes", [OTHER_PARTS, ("board.supply=single",), ("board.amplifier=OPA2197",)])
+def test_change_of_parts_or_nets_writes_nothing(folder: Path, changes: tuple[str, ...]) -> None:
+    if "amplifier" in changes[0]:
+        write_board(Design.load(changes=OTHER_PARTS), folder)
+        changes = (*OTHER_PARTS, *changes)
+    move_label(folder / SCHEMATIC)
+    move_r1(folder)
+    before = files_in(folder)
+    run = run_fingertip("board", "--out", folder, *(word for change in changes for word in ("--set", change)))
+    assert run.returncode == 2
+    assert files_in(folder) == before
+    lines = run.stderr.splitlines()
+    assert len(lines) == 2
+    for name, line in zip((LAYOUT, SCHEMATIC), lines, strict=True):
+        assert f"{name}: was edited, and this design changes more than values (it " in line
+        assert "add --force to overwrite your edits" in line
+    run = run_fingertip("board", "--out", folder, "--force", *(w for c in changes for w in ("--set", c)))
+    assert run.returncode == 0
+    assert b"(at 105 95 45)" not in (folder / LAYOUT).read_bytes()
+    assert (
+        run_fingertip("board", "--out", folder, "--check", *(w for c in changes for w in ("--set", c))).returncode == 0
+    )
+
+
+def test_every_change_of_structure_is_described() -> None:
+    """Values alone are none."""
+    parts = {name: Part(f"id {name}", ("Lib:Footprint", "Lib:R"), {"Value": "1k"}) for name in ("R1", "R2", "R3")}
+    nets = {"A": frozenset({("R1", "1"), ("R2", "1")}), "B": frozenset({("R1", "2"), ("R3", "1")})}
+    old = CircuitRecord(parts, nets)
+
+    def describe(parts: Mapping[str, Part] = parts, nets: Mapping[str, frozenset[tuple[str, str]]] = nets) -> str:
+        return "; ".join(describe_structure_changes(old, CircuitRecord(parts, nets)))
+
+    assert describe() == describe({**parts, "R1": replace(parts["R1"], fields={"Value": "2k"})}) == ""
+    assert describe({**parts, "R4": parts["R1"]}) == "it adds R4"
+    assert describe({"R1": parts["R1"]}) == "it removes R2 and R3"
+    for kind in (("Lib:Other", "Lib:R"), ("Lib:Footprint", "Lib:Other")):
+        other = {**parts, "R2": replace(parts["R2"], kind=kind)}
+        assert describe(other) == "it changes the symbol or the footprint of R2"
+    swapped = {"A": nets["B"], "B": nets["A"], "C": frozenset({("R3", "2")})}
+    assert describe(nets=swapped) == "it changes the nets A, B and C"
+
+
+def test_value_changed_by_hand_stays_where_the_design_does_not_change_it(folder: Path) -> None:
+    edit(folder / LAYOUT, r'"Value" "82"', '"Value" "81.6"')
+    write_board(Design.load(changes=OTHER_VALUES), folder)
+    found = fields(parse((folder / LAYOUT).read_text("utf-8")), "footprint")
+    assert found["R13"]["Value"] == "81.6"
+    assert found["R1"]["Value"] == "2k"
+
+
+def test_value_changed_by_hand_and_by_the_design_is_refused(folder: Path) -> None:
+    edit(folder / LAYOUT, r'"Value" "2\.4k"', '"Value" "2.37k"')
+    before = files_in(folder)
+    with pytest.raises(OutputError, match=r"R1 has Value '2\.37k' by hand, and this design changes it from '2\.4k' to"):
+        write_board(Design.load(changes=OTHER_VALUES), folder)
+    assert files_in(folder) == before
+
+
+def test_renumbered_part_keeps_its_value(folder: Path) -> None:
+    """R1 is called R6 and R6 R1: the identifiers tell which is which."""
+    for name in (LAYOUT, SCHEMATIC):
+        text = (folder / name).read_bytes().decode()
+        swapped = re.sub(r'"R([16])"', lambda match: f'"R{7 - int(match[1])}"', text)
+        (folder / name).write_bytes(swapped.encode())
+    write_board(Design.load(changes=OTHER_VALUES), folder)
+    for name, kind in ((LAYOUT, "footprint"), (SCHEMATIC, "symbol")):
+        found = fields(parse((folder / name).read_text("utf-8")), kind)
+        assert found["R6"]["Value"] == found["R1"]["Value"] == "2k"
+        assert found["R6"]["Role"].startswith("first stage")
+
+
+def test_removed_part_whose_value_changes_is_refused(folder: Path) -> None:
+    edit(folder / LAYOUT, r'\n  \(footprint "Resistor_SMD.*?(?=\n  \(footprint)', "")
+    assert "R1" not in fields(parse((folder / LAYOUT).read_text("utf-8")), "footprint")
+    write_board(Design(), folder)  # nothing changes, so nothing is missed
+    before = files_in(folder)
+    with pytest.raises(OutputError, match="lacks R1, whose LCSC, MPN and Value"):
+        write_board(Design.load(changes=OTHER_VALUES), folder)
+    assert files_in(folder) == before
+
+
+def test_without_the_netlist_it_cannot_be_told_what_changes(folder: Path) -> None:
+    move_r1(folder)
+    edit(folder / NETLIST, '"2k"', '"2.1k"')
+    before = files_in(folder)
+    with pytest.raises(OutputError, match=r"slip_filter\.net, which states its circuit, is missing or was changed"):
+        write_board(Design.load(changes=OTHER_VALUES), folder)
+    assert files_in(folder) == before
+
+
+def test_damaged_layout_is_refused(folder: Path) -> None:
+    (folder / LAYOUT).write_bytes((folder / LAYOUT).read_bytes()[:5000])
+    with pytest.raises(OutputError, match=r"kicad_pcb: was edited and cannot be read \(it has no complete list\)"):
+        write_board(Design.load(changes=OTHER_VALUES), folder)
+
+
+def test_project_that_kicad_changed_is_kept(folder: Path) -> None:
+    changed = edit(folder / PROJECT, r'"bus_width": 12', '"bus_width": 13')
+    notes: list[str] = []
+    write_board(Design.load(changes=OTHER_PARTS), folder, progress=notes.append)
+    assert notes == [f"{folder / PROJECT}: was changed in KiCad, and is kept as it is."]
+    assert (folder / PROJECT).read_bytes() == changed
+
+
+def test_fabrication_files_of_an_edited_board_are_refused(folder: Path) -> None:
+    move_r1(folder)
+    before = files_in(folder)
+    run = run_fingertip("board", "--out", folder, "--fab", "--set", OTHER_VALUES[0])
+    assert run.returncode == 2
+    assert "kicad_pcb: was edited, and --fab would export the board without your edits" in run.stderr
+    assert files_in(folder) == before
+    write_board(Design.load(changes=OTHER_VALUES), folder)
+    with pytest.raises(OutputError, match="without your edits"):
+        write_fabrication(Design.load(changes=OTHER_VALUES), folder)
+
+
+def test_command_states_what_happened_to_the_edits(folder: Path) -> None:
+    move_r1(folder)
+    run = run_fingertip("board", "--out", folder, "--set", OTHER_VALUES[0], "--json")
+    assert run.returncode == 0
+    (note,) = json.loads(run.stdout)["edited"]
+    assert note in run.stderr.splitlines()
+    assert note.startswith(f"{folder / LAYOUT}: was edited; the values of R1, R2 and R3 are updated")
+    manifest = read_manifest(folder)
+    assert manifest is not None
+    assert LAYOUT in manifest.files
+
+
+MOVE_WITH_KICAD = """
+import sys, pcbnew
+board = pcbnew.LoadBoard(sys.argv[1])
+part = board.FindFootprintByReference("C11")
+part.Move(pcbnew.VECTOR2I(0, pcbnew.FromMM(0.05)))
+text = pcbnew.PCB_TEXT(board)
+text.SetText("mine")
+text.SetLayer(pcbnew.Cmts_User)
+text.SetPosition(part.GetPosition())
+board.Add(text)
+pcbnew.ZONE_FILLER(board).Fill(board.Zones())
+board.Save(sys.argv[1])
+"""
+
+
+@pytest.mark.slow
+def test_layout_saved_by_kicad_keeps_its_positions_and_passes_the_checks(folder: Path) -> None:
+    require_tool("kicad-cli", HOW_TO_INSTALL_KICAD)
+    require_tool("/usr/lib/python3/dist-packages/pcbnew.py", HOW_TO_INSTALL_KICAD)
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    home = folder.parent / "home"
+    home.mkdir()
+    subprocess.run(
+        ["/usr/bin/python3", "-c", MOVE_WITH_KICAD, folder / LAYOUT], check=True, capture_output=True,
+        env=environment | {"HOME": str(home), "KICAD_CONFIG_HOME": str(home)},
+    )  # fmt: skip
+    move_label(folder / SCHEMATIC)
+    saved = parse((folder / LAYOUT).read_text("utf-8"))
+    assert run_drc(folder) == NO_VIOLATIONS
+    write_board(Design.load(changes=OTHER_VALUES), folder)
+    now = parse((folder / LAYOUT).read_text("utf-8"))
+    assert without_fields(now) == without_fields(saved)
+    assert fields(now, "footprint")["R1"]["Value"] == "2k" != fields(saved, "footprint")["R1"]["Value"]
+    assert run_drc(folder) == NO_VIOLATIONS
+    erc = kicad_cli(folder, "sch", "erc", SCHEMATIC, "--severity-all", "--exit-code-violations", "-o", "erc.rpt")
+    assert erc.returncode == 0, (folder / "erc.rpt").read_text()
+
+
+def layout_with_texts(**texts: str) -> bytes:
+    """Layout with texts by UUID."""
+    return "\n".join(
+        ["(kicad_pcb", *(f'  (gr_text "{t}" (at 1 2) (uuid "{u}"))' for u, t in texts.items()), ")"]
+    ).encode()
+
+
+def test_printed_values_follow_and_other_texts_stay() -> None:
+    old = layout_with_texts(a="R1 2.4k", b="R2 1k", c="board")
+    new = layout_with_texts(a="R1 2k", b="R2 2k", c="board")
+    edited = layout_with_texts(c="board of mine", b="R2 by hand", a="R1 2.4k", d="R1 2.4k").replace(b"at 1", b"at 7")
+    after, is_complete = enter_texts(edited, old, new)
+    assert after == edited.replace(b'"R1 2.4k" (at 7 2) (uuid "a")', b'"R1 2k" (at 7 2) (uuid "a")') != edited
+    assert is_complete
+    assert enter_texts(edited, old, layout_with_texts(a="R1 2k")) == (after, False)
+
+
+def test_values_printed_on_the_board_follow_in_an_edited_layout(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a board that prints the value of R1."""
+    from fingertip.board import output
+
+    make_layout = output._make_layout
+
+    def print_value(circuit: Circuit, configuration: BoardConfiguration) -> bytes:
+        text = f'  (gr_text "R1 {circuit.component("R1").value}" (uuid "printed"))\n)\n'
+        return make_layout(circuit, configuration).removesuffix(b")\n") + text.encode()
+
+    monkeypatch.setattr(output, "_make_layout", print_value)
+    write_board(Design(), folder)
+    move_r1(folder)
+    write_board(Design.load(changes=OTHER_VALUES), folder)
+    layout = (folder / LAYOUT).read_bytes()
+    assert b'(gr_text "R1 2k" (uuid "printed"))' in layout
+    assert b"(at 105 95 45)" in layout
+
+
+TEXTS = (
+    "(a)",
+    '(a "b" (c 1 "") d)',
+    ' \r\n(kicad_pcb\t(x "say \\"(no)\\" \\\\")\n(y -1.5e3 ä "ü\\n") )\n',
+)
+
+
+def words_of(node: Node) -> list[Word]:
+    return [word for item in node.items for word in ([item] if isinstance(item, Word) else words_of(item))]
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_words_know_their_place(text: str) -> None:
+    words = words_of(read_expression(text))
+    assert replace_words(text, {}) == text
+    for word in words:
+        assert text[word.start : word.end].strip('"').replace("\\n", "\n").replace('\\"', '"').replace(
+            "\\\\", "\\"
+        ) == (word.text)
+        changed = replace_words(text, {word: 'new "word"'})
+        assert changed == text[: word.start] + '"new \\"word\\""' + text[word.end :]
+        assert 'new "word"' in [w.text for w in words_of(read_expression(changed))]
+
+
+@pytest.mark.parametrize("text", ["", "(a", "a b", "(a))(", '(a "b)', ")"])
+def test_incomplete_lists_are_refused(text: str) -> None:
+    if text == "(a))(":
+        assert read_expression(text).head == "a"  # what follows the first list does not count
+        return
+    with pytest.raises(ValueError, match=r"list|bracket"):
+        read_expression(text)

@@ -1,0 +1,162 @@
+"""3D models of the packages: boxes, STEP files as a B-rep kernel reads them, and the board as KiCad exports it."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from pathlib import Path
+
+import pytest
+
+from fingertip.board import board_circuit, board_values, write_board
+from fingertip.board.circuit import Circuit
+from fingertip.board.kicad.footprints import FOOTPRINTS
+from fingertip.board.kicad.models import (
+    MODEL_FOLDER,
+    MODEL_FOLDER_OF_KICAD,
+    MODEL_VARIABLE,
+    has_model,
+    model_blocks,
+    model_files,
+    model_path,
+)
+from fingertip.board.kicad.step_boxes import Block
+from fingertip.board.layout.placement import Placement, rotate_offset
+from fingertip.board.output import LAYOUT
+from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.design import Design
+from fingertip.errors import OutputError
+from tests.board.conftest import BoardFolder
+from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
+from tests.oracles.sexpressions import children, parse
+from tests.tools import require_module, require_tool
+
+MODELLED = sorted(footprint for footprint in FOOTPRINTS if has_model(footprint))
+EXPORTED = ("article_split", "precision_single_3v3", "comparator_single")
+"""Boards that together have every package."""
+Centre = tuple[float, float, float]
+
+
+def load_board(name: str) -> tuple[Circuit, Placement]:
+    configuration = BOARD_CONFIGURATIONS[name]
+    return board_circuit(board_values(Design.load(changes=configuration.changes))), configuration.placement
+
+
+def volume(block: Block) -> float:
+    return math.prod(high - low for low, high in zip(block.low, block.high, strict=True))
+
+
+def read_solids(path: Path) -> list[tuple[float, Centre]]:
+    """Volume and centre of each valid solid of a STEP file."""
+    cadquery = require_module("cadquery")
+    solids = cadquery.importers.importStep(str(path)).solids().vals()
+    assert all(solid.isValid() for solid in solids)
+    return [(solid.Volume(), solid.Center().toTuple()) for solid in solids]
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_every_part_to_buy_has_a_model_and_nothing_else(name: str) -> None:
+    circuit, _ = load_board(name)
+    for component in circuit.components:
+        assert has_model(component.footprint) == bool(component.rating), component.reference
+
+
+@pytest.mark.parametrize("footprint", MODELLED)
+def test_boxes_lie_within_the_courtyard_and_leads_on_their_pads(footprint: str) -> None:
+    blocks, pads = list(model_blocks(footprint)), FOOTPRINTS[footprint].pads
+    left, top, right, bottom = FOOTPRINTS[footprint].courtyard
+    assert all(low < high for block in blocks for low, high in zip(block.low, block.high, strict=True))
+    assert all(left <= b.low[0] and b.high[0] <= right and -bottom <= b.low[1] and b.high[1] <= -top for b in blocks)
+    body = FOOTPRINTS[footprint].body
+    on_pads = [
+        block
+        for block in blocks
+        if block.low[0] >= body[2] or block.high[0] <= body[0] or -block.low[1] <= body[1] or -block.high[1] >= body[3]
+    ]
+    for lead in on_pads:
+        centre = [(a + b) / 2 for a, b in zip(lead.low, lead.high, strict=True)]
+        assert any(
+            abs(centre[0] - pad.x) <= pad.width / 2 and abs(-centre[1] - pad.y) <= pad.height / 2 for pad in pads
+        )
+    if "SOIC" in footprint or "MSOP" in footprint or "SOT" in footprint or "JST_SH" in footprint:
+        assert len(on_pads) == len([pad for pad in pads if pad.number != "MP"])
+    if "PinHeader" in footprint:
+        assert len([b for b in blocks if b.low[2] < -1.6]) == len(pads)  # through the board
+
+
+@pytest.mark.slow
+def test_a_kernel_reads_every_model_as_solids_of_these_volumes(tmp_path: Path) -> None:
+    for footprint in MODELLED:
+        path = tmp_path / "model.step"
+        path.write_bytes(model_files()[model_path(footprint)])
+        expected = sorted(map(volume, model_blocks(footprint)))
+        assert sorted(found for found, _ in read_solids(path)) == pytest.approx(expected, rel=1e-6), footprint
+
+
+@pytest.mark.parametrize("footprint", MODELLED)
+def test_kicads_library_has_a_model_of_this_path_in_the_same_pose(footprint: str) -> None:
+    folder = require_tool("/usr/share/kicad/footprints", HOW_TO_INSTALL_KICAD)
+    library, name = footprint.split(":")
+    module = parse((folder / f"{library}.pretty" / f"{name}.kicad_mod").read_text("utf-8"))
+    (model,) = children(module, "model")
+    assert model[1] == f"{MODEL_FOLDER_OF_KICAD}/{model_path(footprint)}"
+    for key, expected in (("offset", 0.0), ("scale", 1.0), ("rotate", 0.0)):
+        assert [float(word) for word in next(children(next(children(model, key)), "xyz"))[1:]] == [expected] * 3
+
+
+def expected_solids(circuit: Circuit, placement: Placement) -> list[tuple[float, Centre]]:
+    """Volume and centre of each box on a board, relative to its lower left corner and its upper face."""
+    found = []
+    for component in circuit.components:
+        position = placement.positions[component.reference]
+        for block in model_blocks(component.footprint) if has_model(component.footprint) else ():
+            x, y, z = ((a + b) / 2 for a, b in zip(block.low, block.high, strict=True))
+            dx, dy = rotate_offset(position.angle, x, -y)
+            found.append((volume(block), (position.x + dx, placement.height - position.y - dy, z)))
+    return found
+
+
+def export_step(folder: Path, target: Path, *options: str) -> list[tuple[float, Centre]]:
+    run = kicad_cli(folder, "pcb", "export", "step", LAYOUT, "--drill-origin", "-f", *options, "-o", str(target))
+    assert run.returncode == 0, run.stderr
+    return read_solids(target)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", EXPORTED)
+def test_kicad_exports_every_part_in_its_place(board_folder: BoardFolder, tmp_path: Path, name: str) -> None:
+    circuit, placement = load_board(name)
+    require_module("cadquery")
+    board, *parts = sorted(
+        export_step(board_folder(*BOARD_CONFIGURATIONS[name].changes), tmp_path / "b.step"), reverse=True
+    )
+    expected = sorted(expected_solids(circuit, placement), reverse=True)
+    assert len(parts) == len(expected) > 2 * len(placement.positions)
+    assert board[0] > 0.8 * placement.width * placement.height
+    board_top = max(centre[2] for _, centre in parts) - max(centre[2] for _, centre in expected)
+    for found_volume, (x, y, z) in parts:
+        assert any(
+            math.dist((x, y, z - board_top), centre) < 0.01 and abs(found_volume - size) < 1e-4
+            for size, centre in expected
+        ), (x, y, z)
+
+
+@pytest.mark.slow
+def test_variable_selects_another_folder_of_models(board_folder: BoardFolder, tmp_path: Path) -> None:
+    require_module("cadquery")
+    folder = board_folder(*BOARD_CONFIGURATIONS["article_split"].changes)
+    own = export_step(folder, tmp_path / "own.step")
+    assert len(export_step(folder, tmp_path / "none.step", "-D", f"{MODEL_VARIABLE}={tmp_path}")) == 1
+    shutil.copytree(folder / MODEL_FOLDER, tmp_path / "other")
+    other = export_step(folder, tmp_path / "other.step", "-D", f"{MODEL_VARIABLE}={tmp_path / 'other'}")
+    assert sorted(other) == sorted(own)
+
+
+def test_changed_model_is_kept_and_reported(tmp_path: Path) -> None:
+    write_board(Design(), tmp_path)
+    model = tmp_path / MODEL_FOLDER / model_path(MODELLED[0])
+    model.write_bytes(b"mine")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    with pytest.raises(OutputError, match="was changed since"):
+        write_board(Design.load(changes=["board.cutoff_hz=80"]), tmp_path)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before

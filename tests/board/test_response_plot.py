@@ -1,0 +1,149 @@
+"""Band of the response: nominal board and random ones against the network, cutoffs, and the plot."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.analyse import analyse
+from fingertip.board.analysis.response import find_passband, model_filter, search_band_hz
+from fingertip.board.analysis.response_band import BAND_QUANTILES, ResponseBand, compute_response_band
+from fingertip.board.analysis.tolerance import TolerancedFilter, draw_deviations
+from fingertip.board.nets import FILTERED, TACTILE
+from fingertip.board.network import build_network
+from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.design import Design
+from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
+from tests.conftest import run_fingertip
+from tests.tools import require_module
+
+NAMES = ("article_split", "precision_single_3v3")
+
+
+@pytest.fixture(scope="module", params=NAMES)
+def design(request: pytest.FixtureRequest) -> Design:
+    return Design.load(changes=BOARD_CONFIGURATIONS[request.param].changes)
+
+
+@pytest.fixture(scope="module")
+def band(design: Design) -> ResponseBand:
+    return compute_response_band(design)
+
+
+def solve(design: Design, f_hz: list[float], ratios: dict[str, float]) -> np.ndarray:
+    """Magnitudes of one board, by the network itself and not by its polynomials."""
+    network = build_network(board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board))
+    values = {
+        name: network.values[name] * (1 / ratio if name[0] == "R" else ratio)  # conductances of resistors
+        for name, ratio in ratios.items()
+    }
+    path = network.with_values(values).drive(TACTILE).restrict(FILTERED)
+    return np.abs(path.response(np.array(f_hz), {TACTILE: 1.0}, FILTERED)[:, 0])
+
+
+def test_nominal_board_is_that_of_the_network(design: Design, band: ResponseBand) -> None:
+    every = slice(None, None, 20)
+    assert band.nominal[every] == pytest.approx(solve(design, list(band.f_hz[every]), {}), rel=1e-9)
+    assert np.all(band.low < band.nominal)
+    assert np.all(band.nominal < band.high)
+
+
+def test_target_is_a_butterworth_of_third_order(design: Design, band: ResponseBand) -> None:
+    gain, cutoff_hz = design.board.passband_gain, design.board.cutoff_hz
+    assert band.target_cutoff_hz == cutoff_hz
+    s = 1j * band.f_hz / cutoff_hz
+    expected = gain * np.abs(s**3 / ((s + 1) * (s**2 + s + 1)))  # its poles, not its magnitude
+    assert band.target == pytest.approx(expected, rel=1e-12)
+    assert np.interp(cutoff_hz, band.f_hz, band.target) == pytest.approx(gain / np.sqrt(2), rel=1e-3)
+
+
+def test_band_holds_95_percent_of_other_boards(design: Design, band: ResponseBand) -> None:
+    """Solved by the network: 400 boards lie within 95 +- 3.3 % in 99.7 % of cases."""
+    f_hz = [design.board.cutoff_hz * ratio for ratio in (0.5, 1.0, 4.0)]
+    random = np.random.default_rng(7)
+    magnitudes = np.array(
+        [
+            solve(
+                design,
+                f_hz,
+                {name: 1 + random.uniform(-1, 1) * percent / 100 for name, percent in band.percent.items()},
+            )
+            for _ in range(400)
+        ]
+    )
+    for i, hz in enumerate(f_hz):
+        low, high = (np.exp(np.interp(np.log(hz), np.log(band.f_hz), np.log(end))) for end in (band.low, band.high))
+        assert np.mean((low < magnitudes[:, i]) & (magnitudes[:, i] < high)) == pytest.approx(0.95, abs=0.033)
+
+
+def test_cutoffs_are_those_of_the_analysis(design: Design, band: ResponseBand) -> None:
+    spread = analyse(design).spread["cutoff_hz"]
+    assert band.lower_ends_hz == (spread.low_95, spread.high_95)
+    achieved = board_values(design).achieved_response
+    assert band.lower_hz == pytest.approx(achieved.cutoff_hz, rel=1e-9)
+    assert band.upper_hz == pytest.approx(achieved.upper_cutoff_hz, rel=1e-9)
+
+
+def test_upper_cutoffs_are_those_of_single_boards(design: Design) -> None:
+    boards = 40
+    band = compute_response_band(design, boards, seed=3)
+    circuit = board_circuit(board_values(design))
+    network = build_network(circuit, find_gain_bandwidth_hz(design.board))
+    toleranced = TolerancedFilter(model_filter(circuit, design.board.variant == "article"), network.values)
+    deviations = draw_deviations(toleranced, band.percent, boards, 3)
+    found = []
+    for board in deviations:
+        values = toleranced.deviate(board)
+        found.append(find_passband(toleranced.model.transfer(values), search_band_hz(toleranced.model, values)).high_hz)
+    assert band.upper_ends_hz == pytest.approx(tuple(np.quantile(found, BAND_QUANTILES)), rel=1e-6)
+
+
+@pytest.mark.parametrize(("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml")])
+def test_command_writes_the_same_plot_twice(tmp_path: Path, suffix: str, start: bytes) -> None:
+    require_module("matplotlib")
+    plots = [tmp_path / f"{name}{suffix}" for name in "ab"]
+    for plot in plots:
+        run = run_fingertip("board", "--out", tmp_path / "pcb", "--plot", plot, "--json")
+        assert run.returncode == 0, run.stderr
+        assert plot.as_posix() in json.loads(run.stdout)["files"]
+    data = plots[0].read_bytes()
+    assert data.startswith(start)
+    assert data == plots[1].read_bytes()
+    assert b"<dc:date>" not in data
+
+
+def test_plot_of_another_format_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    run = run_fingertip(
+        "board", "--out", tmp_path / "pcb", "--plot", tmp_path / "plot.pdf", "--bode", tmp_path / "b.txt"
+    )
+    assert run.returncode == 2
+    assert "--plot: 'plot.pdf' is not the name of a PNG or SVG file" in run.stderr
+    assert "--bode: 'b.txt' is not the name of a CSV file" in run.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_figures_stand_in_the_plot(band: ResponseBand, monkeypatch: pytest.MonkeyPatch) -> None:
+    require_module("matplotlib")
+    from fingertip.board.analysis import response_plot
+
+    texts: list[str] = []
+    monkeypatch.setitem(
+        response_plot.FORMATS,
+        ".svg",
+        lambda figure: (
+            texts.extend([text.get_text() for text in figure.axes[0].texts])
+            or texts.extend(text.get_text() for text in figure.axes[0].get_legend().get_texts())
+            or b""
+        ),
+    )
+    response_plot.draw_response(band, "title", ".svg")
+    text = "; ".join(texts)
+    assert (
+        f"−3 dB at {band.lower_hz:.2f} Hz\n95 %: {band.lower_ends_hz[0]:.3g} to {band.lower_ends_hz[1]:.3g} Hz" in text
+    )
+    assert "C1, C2, C3" in text
+    assert "95 % of boards" in text

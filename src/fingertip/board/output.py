@@ -56,7 +56,7 @@ def board_files(design: Design) -> dict[str, bytes]:
     return {
         NETLIST: kicad_netlist_file(circuit),
         SCHEMATIC: kicad_schematic_file(circuit, configuration.sheet, title),
-        LAYOUT: kicad_pcb_file(circuit, configuration.placement, template),
+        LAYOUT: kicad_pcb_file(circuit, configuration.placement, template, configuration.heading),
         PROJECT: kicad_project_file(circuit),
         DECK: spice_deck(circuit, find_gain_bandwidth_hz(design.board), design.board.supply_v),
         BOM: bill_of_materials(circuit),

@@ -268,18 +268,19 @@ def test_router_connects_crossing_nets_without_vias_in_blocked_boxes(
 
 
 DECOUPLING_MM = 7.0
-"""Greatest way from a decoupling capacitor to the supply pin of its amplifier."""
+"""Greatest way from a decoupling capacitor to the supply pin of its amplifier, or to where the supply enters."""
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_decoupling_capacitors_are_at_the_supply_pins_of_their_amplifiers(name: str) -> None:
+def test_decoupling_capacitors_are_at_the_supply_pins_and_at_the_entry(name: str) -> None:
     circuit, placement = load_board(name)
     pads = list(place_pads(circuit, placement))
-    found = [(c, match[1]) for c in circuit.components if (match := re.search(r"at (U\d+)$", c.role))]
-    assert len(found) >= 2
-    for component, amplifier in found:
+    found = [(c, match[1]) for c in circuit.components if (match := re.search(r"at (U\d+|its entry)$", c.role))]
+    assert len(found) >= 3
+    for component, place in found:
         own = [p for p in pads if p.reference == component.reference and p.net != "GND"]
-        pins = [p for p in pads if p.reference == amplifier and p.net == own[0].net]
+        owners = ("J2", "Q1") if place == "its entry" else (place,)
+        pins = [p for p in pads if p.reference in owners and p.net == own[0].net]
         assert min(math.dist((a.x, a.y), (b.x, b.y)) for a in own for b in pins) < DECOUPLING_MM, component.reference
 
 

@@ -59,7 +59,7 @@ def anneal(
         dy = min(a[3] + ay, b[3] + by) - max(a[1] + ay, b[1] + by) + am
         if dx <= 1e-6 or dy <= 1e-6:
             return 0.0
-        return dx * dy + 0.5 * min(dx, dy)
+        return float(dx * dy + 0.5 * min(dx, dy))
 
     def overlap(i: int) -> float:
         x, y, r, s = state[i, 0], state[i, 1], int(state[i, 2]), int(state[i, 3])

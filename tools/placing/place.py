@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.circuit import Circuit, Component
+from fingertip.board.circuit import Circuit, Component, Node
 from fingertip.board.kicad.footprints import (
     FIDUCIAL,
     FOOTPRINTS,
@@ -198,7 +198,7 @@ def _courtyard(footprint: Footprint) -> Box:
         for dy in (-half, half)
     ]
     if footprint.pin_1_dot:
-        (x, y), half = footprint.pin_1_dot, (PIN_1_DOT_MM + SILK_CLEARANCE_MM) / 2
+        (x, y), half = footprint.pin_1_dot, PIN_1_DOT_MM / 2
         points += [(x - half, y - half), (x + half, y + half)]
     xs, ys = [left, right, *(x for x, _ in points)], [top, bottom, *(y for _, y in points)]
     return (min(xs), min(ys), max(xs), max(ys))
@@ -239,16 +239,8 @@ def _list_nets(circuit: Circuit, items: Sequence[Item]) -> tuple[Any, ...]:
         first_pin.append(len(offsets))
     nets = [(_WEIGHTS.get(net.name, 1.0), list(net.nodes)) for net in circuit.nets if net.name != "GND"]
     for component in circuit.components:
-        if match := re.search(r"at (U\d+)$", component.role):
-            rail = next(
-                net
-                for net in circuit.nets
-                if (net.name != "GND" and (component.reference, "1") in net.nodes)
-                or (net.name == "VEE" and (component.reference, "2") in net.nodes)
-            )
-            node = next(node for node in rail.nodes if node[0] == component.reference)
-            pin = next(node for node in rail.nodes if node[0] == match[1])
-            nets.append((_DECOUPLING_WEIGHT, [node, pin]))
+        for pair in _decoupled(circuit, component):
+            nets.append((_DECOUPLING_WEIGHT, pair))
     net_pins, first_net_pin = [], [0]
     of_item: list[list[int]] = [[] for _ in items]
     for k, (_, nodes) in enumerate(nets):
@@ -262,6 +254,19 @@ def _list_nets(circuit: Circuit, items: Sequence[Item]) -> tuple[Any, ...]:
         np.array(offsets), np.array(first_pin), np.array(net_pins), np.array(first_net_pin),
         np.array([weight for weight, _ in nets]), np.array([k for own in of_item for k in own]), first_own,
     )  # fmt: skip
+
+
+def _decoupled(circuit: Circuit, component: Component) -> Iterator[list[Node]]:
+    """Yield the pin of a decoupling capacitor with the pin of the same rail that it belongs to, if it has one."""
+    match = re.search(r"at (U\d+|its entry)$", component.role)
+    if not match:
+        return
+    entries = ("J2", "Q1") if match[1] == "its entry" else (match[1],)
+    for net in circuit.nets:
+        own = [node for node in net.nodes if node[0] == component.reference]
+        others = [node for node in net.nodes if node[0] in entries]
+        if net.name != "GND" and own and others:
+            yield [own[0], others[0]]
 
 
 def format_placement(placement: Placement) -> str:

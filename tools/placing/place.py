@@ -89,18 +89,21 @@ def main() -> None:
         circuit = board_circuit(board_values(Design.load(changes=configuration.changes)))
         schedule = int(arguments.moves), arguments.hot, arguments.cold
         # The front shows all references if they fit, else those that it must show.
+        best: tuple[int, Placement] | None = None
         for i, (gap, seed) in enumerate(itertools.product(arguments.gaps, arguments.seeds)):
             labels_all = i < len(arguments.seeds) and not arguments.few_labels
             placed, wire, rest = place(circuit, configuration.placement, *schedule, gap, seed, labels_all=labels_all)
             problems = list_problems(circuit, placed)
             which = "all labels" if labels_all else "required labels"
             print(f"{name}: {which}, gap {gap:g} mm, seed {seed}, wire length {wire:.1f} mm, overlap {rest:.2f}")
-            print(*(f"    {problem}" for problem in problems), sep="\n", flush=True)
-            if not problems:
+            print("".join(f"    {problem}\n" for problem in problems), end="", flush=True)
+            if best is None or len(problems) < best[0]:
+                best = len(problems), placed
                 (PLACEMENTS / f"{name}.json").write_text(format_placement(placed), encoding="utf-8")
+            if not problems:
                 break
         else:
-            raise SystemExit(f"{name}: no placement without problems; try other seeds, or a smaller gap")
+            raise SystemExit(f"{name}: stored the best placement, which has problems; go on from it with --hot 0.3")
 
 
 def place(
@@ -130,7 +133,7 @@ def place(
             areas[i, q] = place_box(origin, item.area) if item.area != _EMPTY else _EMPTY
             for s, (x, y, angle) in enumerate(_turned_labels(item, turn)):
                 labels[i, q, s] = text_box(item.name, x, y, angle)
-        if label and item.component:
+        if label and item.labels:
             offsets = _turned_labels(item, item.position.angle)
             x, y = label.x - item.position.x, label.y - item.position.y
             distances = [abs(a - x) + abs(b - y) + abs(c - label.angle) for a, b, c in offsets]

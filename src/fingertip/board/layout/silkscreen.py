@@ -69,7 +69,8 @@ _CENTRING_RATIO = 0.045
 
 def label_places(reference: str, area: Box) -> list[tuple[float, float, int]]:
     """List places of a label around the area of its component: centre, and angle of text that lies or stands."""
-    left, top, right, bottom = area
+    m = _PLACE_GAP_MM
+    left, top, right, bottom = area[0] - m, area[1] - m, area[2] + m, area[3] + m
     places = set()
     for angle in (0, 90):
         w, h = text_size(reference, angle)
@@ -87,6 +88,8 @@ def _slide(first: float, last: float) -> list[float]:
 
 
 _SLIDE_MM = 1.5
+_PLACE_GAP_MM = 0.01
+"""Distance of a label from the area of its component, for the rounding of KiCad's polygons."""
 
 
 def label_box(reference: str, label: Label) -> Box:

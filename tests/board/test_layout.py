@@ -90,7 +90,7 @@ CORRUPTIONS = {
     "layer": (r'\(layer "B.Cu"\)', '(layer "F.Cu")', "violations"),
     "text height": (r"\(size 1 1\)", "(size 0.9 0.9)", "violations"),
     "text line": (r"\(thickness 0.15\)", "(thickness 0.14)", "violations"),
-    "mark": (r'\(layer "F.Cu"\)(.{1,400}fiducial mark)', r'(layer "B.Cu")\1', "violations"),
+    "mark": (r"\(clearance 0.6\)", "(clearance 9)", "violations"),
     "no tracks": (r'\n  \(segment.*?\(uuid "[^"]*"\)\)', "", "unconnected_items"),
 }
 

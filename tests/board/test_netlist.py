@@ -208,10 +208,11 @@ def test_two_processes_write_the_same_bytes(tmp_path: Path) -> None:
 
 
 def test_bundled_board_files_are_up_to_date(tmp_path: Path) -> None:
-    """The folder pcb/ holds the files of the default design."""
-    _, path = write_netlist(tmp_path, [])
-    for file in path.parent.iterdir():
-        assert (ROOT / "pcb" / file.name).read_bytes() == file.read_bytes(), f"run: fingertip board ({file.name})"
+    """The folder pcb/ holds the files of the default design, and the sheet for bringing the board up."""
+    write_board(Design(), tmp_path, bring_up=True)
+    for file in tmp_path.iterdir():
+        found = (ROOT / "pcb" / file.name).read_bytes()
+        assert found == file.read_bytes(), f"run: fingertip board --bringup ({file.name})"
 
 
 def test_files_contain_no_date_and_no_path(tmp_path: Path) -> None:

@@ -52,8 +52,9 @@ class BoardConfiguration:
     @property
     def heading(self) -> tuple[str, ...]:
         """Lines that name the board on its back, with the only supply voltage that it bears."""
-        warning = f", {self.supply.nominal_v:g} V only" if self.supply.is_for_controller else ""
-        return (f"fingertip {self.name.replace('_', ' ')}", f"rev {REVISION}{warning}")
+        name = f"fingertip {self.name.replace('_', ' ')}"
+        warning = (f"{self.supply.nominal_v:g} V only",) if self.supply.is_for_controller else ()
+        return (name, f"rev {REVISION}", *warning)
 
     @property
     def placement(self) -> Placement:

@@ -37,6 +37,8 @@ EDGE_CLEARANCE_MM = 0.3
 """Clearance of references from the edge."""
 _TEXT_EDGE_CLEARANCE_MM = 0.15
 """Clearance of texts from the edge. It is smaller because single letters must fit beside J3."""
+_NEARER_MM = 0.03
+"""Least difference between the distances of a label from its own component and from any other."""
 _UNLABELLED = ("R", "C")
 """Letters of the references that may be missing on the front."""
 
@@ -158,7 +160,7 @@ def silkscreen_conflicts(
             own = box_distance(box, obstacles[name])
             for component in circuit.components:
                 other = component.reference
-                if other != name and component.symbol.pins and box_distance(box, obstacles[other]) <= own + 1e-6:
+                if other != name and component.symbol.pins and box_distance(box, obstacles[other]) < own + _NEARER_MM:
                     yield f"{name} is not nearer to its component than to {other}"
     for (one, a), (two, b) in combinations(labels.items(), 2):
         if _overlap((a[0] - LABEL_CLEARANCE_MM, a[1], a[2] + LABEL_CLEARANCE_MM, a[3]), b):

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from itertools import pairwise
 
 from fingertip.board.kicad.footprints import Point
+from fingertip.board.kicad.project import TRACK_MM
 from fingertip.board.layout.template import Segment, Tracks
 
 GRID_MM = 0.2
@@ -50,10 +51,10 @@ def split_at_junctions(segments: Iterable[Segment]) -> list[Segment]:
     """
     unsplit = list(segments)
     split: list[Segment] = []
-    for layer, a, b in unsplit:
-        junctions = {end for other, *ends in unsplit for end in ends if other == layer and _lies_between(a, end, b)}
+    for layer, a, b, width in unsplit:
+        junctions = {end for s in unsplit for end in s[1:3] if s[0] == layer and _lies_between(a, end, b)}
         chain = [a, *sorted(junctions, key=lambda end: math.dist(a, end)), b]
-        split += [(layer, start, end) for start, end in pairwise(chain)]
+        split += [(layer, start, end, width) for start, end in pairwise(chain)]
     return list(dict.fromkeys(split))
 
 
@@ -75,7 +76,8 @@ def _straight_runs(path: Path) -> list[Segment]:
         if run_ends:
             # A change of layers is a via and not a segment.
             if a[0] == b[0] and path[start] != b:
-                runs.append((b[0], (_to_mm(path[start][1]), _to_mm(path[start][2])), (_to_mm(b[1]), _to_mm(b[2]))))
+                ends = ((_to_mm(path[start][1]), _to_mm(path[start][2])), (_to_mm(b[1]), _to_mm(b[2])))
+                runs.append((b[0], *ends, TRACK_MM))
             start = i
     return runs
 

@@ -13,11 +13,15 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
 
 from fingertip.board.kicad.footprints import Box
 from fingertip.board.layout.placement import PlacedPad
 from fingertip.board.layout.template import Tracks
-from tools.routing.grid import DesignRules, Grid
+from fingertip.jit import compile_for_process
+from tools.routing.grid import ANY_NET, DesignRules, Grid
 from tools.routing.paths import BACK, VIA, Node, Path, merge_paths, net_name
 
 POURED_NET = "GND"
@@ -28,7 +32,6 @@ _BACK_COST = 2.5
 _FIRST_CONFLICT_COST = 0.6
 _CONFLICT_COST_GROWTH = 1.5
 """Growth of the conflict cost from round to round."""
-_STEPS = [(dx, dy, math.hypot(dx, dy)) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if dx or dy]
 
 
 def route(
@@ -106,44 +109,76 @@ def _find_path(
     grid: Grid, connection: str, sources: Iterable[Node], targets: set[Node] | None, conflict_cost: float
 ) -> Path:
     """Find the cheapest path from any source to any target (Dijkstra); without targets, to any node on the back."""
-    net = net_name(connection)
-    columns, rows, history, occupancy = grid.columns, grid.rows, grid.history_cost, grid.occupancy
-    best: dict[Node, float] = dict.fromkeys(sources, 0.0)
-    previous: dict[Node, Node] = {}
-    queue = [(0.0, node) for node in best]
-    heapq.heapify(queue)
-    done: set[Node] = set()
+    is_target = np.zeros(2 * grid.size, dtype=np.bool_)
+    if targets is None:
+        is_target[grid.size :] = True
+    else:
+        is_target[[_number(grid, node) for node in targets]] = True
+    best = np.full(2 * grid.size, math.inf)
+    previous = np.full(2 * grid.size, -1, dtype=np.int64)
+    end = _search(
+        np.array([_number(grid, node) for node in sources]), is_target, grid.owner, grid.occupancy, grid.history_cost,
+        grid.columns, grid.rows, grid.nets[net_name(connection)], conflict_cost, best, previous,
+    )  # fmt: skip
+    if end < 0:
+        raise RuntimeError(f"there is no path for {connection}; move the components further apart")
+    path: Path = []
+    while end >= 0:
+        layer, i = divmod(int(end), grid.size)
+        path.append((layer, i % grid.columns, i // grid.columns))
+        end = previous[end]
+    return path[::-1]
+
+
+def _number(grid: Grid, node: Node) -> int:
+    """Number of a node among those of both layers."""
+    layer, column, row = node
+    return layer * grid.size + row * grid.columns + column
+
+
+def _search_plain(
+    sources: Any, is_target: Any, owner: Any, occupancy: Any, history: Any, columns: int, rows: int, net: int,
+    conflict_cost: float, best: Any, previous: Any,
+) -> int:  # fmt: skip
+    """Search the cheapest path and note the way back in `previous`; returns the node at its end, -1 if none."""
+    size = columns * rows
+    queue = [(0.0, int(sources[0]))]
+    for node in sources:
+        best[node] = 0.0
+        heapq.heappush(queue, (0.0, int(node)))
     while queue:
         cost, node = heapq.heappop(queue)
-        if node in done:
+        if cost > best[node]:
             continue
-        done.add(node)
-        layer, column, row = node
-        if node in targets if targets is not None else layer == BACK:
-            path = [node]
-            while path[-1] in previous:
-                path.append(previous[path[-1]])
-            return path[::-1]
+        if is_target[node]:
+            return node
+        layer, i = node // size, node % size
+        column, row = i % columns, i // columns
         # Steps to the eight neighbours on the same layer.
-        for dx, dy, length in _STEPS:
-            x, y = column + dx, row + dy
-            if not (0 <= x < columns and 0 <= y < rows):
-                continue
-            i = y * columns + x
-            if not grid.is_allowed(layer, i, net):
-                continue
-            weight = length * (_BACK_COST if layer == BACK else 1.0)
-            total = cost + weight * (1.0 + history[layer][i]) + conflict_cost * occupancy[layer][i] * length
-            if total < best.get((layer, x, y), math.inf):
-                best[layer, x, y] = total
-                previous[layer, x, y] = node
-                heapq.heappush(queue, (total, (layer, x, y)))
+        for dy in range(-1, 2):
+            for dx in range(-1, 2):
+                x, y = column + dx, row + dy
+                if (dx == 0 and dy == 0) or x < 0 or y < 0 or x >= columns or y >= rows:
+                    continue
+                k = y * columns + x
+                if owner[layer, k] not in (ANY_NET, net):
+                    continue
+                length = math.sqrt(dx * dx + dy * dy)
+                weight = length * (_BACK_COST if layer == BACK else 1.0)
+                total = cost + weight * (1.0 + history[layer, k]) + conflict_cost * occupancy[layer, k] * length
+                if total < best[layer * size + k]:
+                    best[layer * size + k] = total
+                    previous[layer * size + k] = node
+                    heapq.heappush(queue, (total, layer * size + k))
         # A via to the other layer.
-        i, other = row * columns + column, 1 - layer
-        if grid.is_allowed(VIA, i, net) and grid.is_allowed(other, i, net):
-            total = cost + _VIA_COST * (1.0 + history[VIA][i]) + conflict_cost * 3.0 * occupancy[VIA][i]
-            if total < best.get((other, column, row), math.inf):
-                best[other, column, row] = total
-                previous[other, column, row] = node
-                heapq.heappush(queue, (total, (other, column, row)))
-    raise RuntimeError(f"there is no path for {connection}; move the components further apart")
+        other = 1 - layer
+        if owner[VIA, i] in (ANY_NET, net) and owner[other, i] in (ANY_NET, net):
+            total = cost + _VIA_COST * (1.0 + history[VIA, i]) + conflict_cost * 3.0 * occupancy[VIA, i]
+            if total < best[other * size + i]:
+                best[other * size + i] = total
+                previous[other * size + i] = node
+                heapq.heappush(queue, (total, other * size + i))
+    return -1
+
+
+_search = compile_for_process(_search_plain)

@@ -72,7 +72,7 @@ def board_files(design: Design) -> dict[str, bytes]:
 
 def _make_layout(circuit: Circuit, configuration: BoardConfiguration) -> bytes:
     template = load_template(configuration.name, circuit, configuration.placement)
-    return kicad_pcb_file(circuit, configuration.placement, template)
+    return kicad_pcb_file(circuit, configuration.placement, template, configuration.heading)
 
 
 def model_sets(folder: Path, force: bool = False) -> list[tuple[SetWriter, dict[str, bytes]]]:

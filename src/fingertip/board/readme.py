@@ -70,7 +70,7 @@ else. If parts, footprints or nets change, nothing is written; `--force` overwri
 - `--set board.variant=...` and `--set board.supply=...` write the other boards.
 - `--bringup` adds `bringup.md`, how to test a soldered board, and `wiring.svg`, how to connect it.
 - `--check` tells whether a folder is up to date.
-- `--fab` adds the fabrication files: gerbers and drill file in one zip, renderings, and parts and placement for the
+- `--fab` adds the fabrication files: gerbers and drill files in one zip, renderings, and parts and placement for the
   assembly: `bom_assembly.csv` and `placement_assembly.csv` in the columns and with the rotations of JLCPCB,
   `{name}_placement.csv` with KiCad's rotations for any other house. It needs KiCad 9.
 
@@ -183,7 +183,14 @@ def _summary(configuration: BoardConfiguration, values: BoardValues, component_c
     what = (
         f"Variant `{values.variant}`, {supply}: bridge and amplifier for the force-sensing "
         f"resistor; {configuration.variant.summary}; interface to the ADC (analog-to-digital converter); supply. "
-        f"{placement.width:g} x {placement.height:g} mm, two layers, all {component_count} components on the front."
+        f"{placement.width:g} x {placement.height:g} mm, two layers, all {component_count} components on the front. "
+        "The back lists the values of resistors and capacitors"
+    )
+    unlabelled = [ref for ref in placement.positions if ref[0] in "RC" and ref not in placement.reference_labels]
+    what += (
+        f"; {len(unlabelled)} of them have no reference on the front, so look them up in the layout."
+        if unlabelled
+        else "."
     )
     upper = format_figure(response.upper_cutoff_hz)
     achieved = (

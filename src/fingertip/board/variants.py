@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from fingertip.board.components.component_values import ComponentValues
+from fingertip.board.layout.pcb_file import REVISION
 from fingertip.board.layout.placement import Placement, load_placement
 from fingertip.board.schematic.sheet import Sheet
 from fingertip.board.schematic.variant_sheets import article_sheet, comparator_sheet, precision_sheet
@@ -47,6 +48,13 @@ class BoardConfiguration:
     def sheet(self) -> Sheet:
         """Schematic sheet."""
         return self.variant.sheet(self.supply)
+
+    @property
+    def heading(self) -> tuple[str, ...]:
+        """Lines that name the board on its back, with the only supply voltage that it bears."""
+        name = f"fingertip {self.name.replace('_', ' ')}"
+        warning = (f"{self.supply.nominal_v:g} V only",) if self.supply.is_for_controller else ()
+        return (name, f"rev {REVISION}", *warning)
 
     @property
     def placement(self) -> Placement:

@@ -46,7 +46,7 @@ def board(
         bool,
         typer.Option(
             "--fab",
-            help="Also write gerbers, drill file, placement, parts and renderings to OUT/fab; requires KiCad 9.",
+            help="Also write gerbers, drill files, placement, parts and renderings to OUT/fab; requires KiCad 9.",
         ),
     ] = False,
     analysis: Annotated[

@@ -235,4 +235,4 @@ def _test_points(supply: Supply) -> Wiring:
 
 
 def _mounting_holes() -> Wiring:
-    return {Component(f"H{i}", "M2", symbols.MOUNTING_HOLE, symbols.M2_HOLE, "mounting hole"): {} for i in range(1, 5)}
+    return {Component(f"H{i}", "M2", symbols.MOUNTING_HOLE, symbols.M2_HOLE, "mounting hole"): {} for i in range(1, 3)}

@@ -1,6 +1,6 @@
-"""Fabrication files: gerbers and drill file in one zip, parts and placement for the assembly, and renderings.
+"""Fabrication files: gerbers and drill files in one zip, parts and placement for the assembly, and renderings.
 
-KiCad's command-line program kicad-cli exports gerbers, drill file and renderings. Parts and placement are written from
+KiCad's command-line program kicad-cli exports gerbers, drill files and renderings. Parts and placement are written from
 the circuit itself: in the columns of one assembly house, and a placement file with KiCad's rotations for any other. A
 board that fails KiCad's own checks is not exported.
 """
@@ -137,10 +137,16 @@ def kicad_session(board_files: dict[str, bytes], progress: Progress) -> Iterator
 
 
 def export_gerbers(folder: Path, run: RunKicad, name: str) -> bytes:
-    """Export the gerbers and the drill file of the board in a folder as one zip, without dates."""
+    """Export the gerbers and the drill files of the board in a folder as one zip, without dates.
+
+    Plated and unplated holes have drill files of their own: a board house plates all holes of one file.
+    """
     board = f"{name}.kicad_pcb"
     run("gerber export", "pcb", "export", "gerbers", board, "-l", _LAYERS, "--use-drill-file-origin", "-o", "gerbers/")
-    run("drill file export", "pcb", "export", "drill", board, "--drill-origin", "plot", "-o", "gerbers/")
+    run(
+        "drill file export",
+        "pcb", "export", "drill", board, "--drill-origin", "plot", "--excellon-separate-th", "-o", "gerbers/",
+    )  # fmt: skip
     # The job file is left out: board houses do not need it, and it contains the date.
     exported = sorted(path for path in (folder / "gerbers").iterdir() if path.suffix != ".gbrjob")
     return _zip_files((path.name, _DATE.sub(b"", path.read_bytes())) for path in exported)

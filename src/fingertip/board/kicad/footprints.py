@@ -16,6 +16,14 @@ Box = tuple[float, float, float, float]
 
 PIN_1_DOT_MM = 0.5
 """Diameter of the dot beside pin 1."""
+SILK_LINE_MM = 0.15
+"""Width of the silkscreen lines: the usual minimum of board houses."""
+TEXT_HEIGHT_MM = 1.0
+"""Height of a printed capital letter: the usual minimum of board houses. Its line is as wide as `SILK_LINE_MM`."""
+SILK_CLEARANCE_MM = 0.15
+"""Least distance of silkscreen from pads: the usual minimum of board houses."""
+_SILK_TO_PAD_MM = SILK_CLEARANCE_MM + SILK_LINE_MM / 2 + 0.025
+"""Distance of the end of a silkscreen line from the pad beside it."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +42,8 @@ class Pad:
     is_plated: bool = True
     corner_ratio: float | None = None
     """Corner radius of a rounded pad relative to its shorter side, where it is not that of its footprint."""
+    mask_margin: float = 0.0
+    """Distance by which the opening of the solder mask surpasses the pad."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +65,7 @@ class Footprint:
 def _chip(x: float, width: float, height: float, courtyard: Point, body: Point, silkscreen_y: float) -> Footprint:
     """Chip resistor or capacitor: two pads at -x and x, with silkscreen lines between them where there is room."""
     half_width, half_height = body
-    gap = x - width / 2 - 0.2
+    gap = x - width / 2 - _SILK_TO_PAD_MM
     lines = tuple(((-gap, y), (gap, y)) for y in (-silkscreen_y, silkscreen_y)) if gap > 0.15 else ()
     return Footprint(
         (Pad("1", -x, 0.0, width, height), Pad("2", x, 0.0, width, height)),
@@ -115,6 +125,11 @@ def _jst_sh(pins: int) -> Footprint:
     return Footprint((*contacts, *tabs), courtyard, (-width, -1.675, width, 2.575), lines, pin_1_dot=dot)
 
 
+FIDUCIAL = "Fiducial:Fiducial_1mm_Mask2mm"
+"""Footprint of a fiducial mark, which is on the board but not in the circuit."""
+FIDUCIAL_CLEARANCE_MM = 0.6
+"""Clearance of copper from a fiducial mark: its mask opening and KiCad's margin beside that."""
+
 FOOTPRINTS: dict[str, Footprint] = {
     symbols.R_0603: _chip(0.825, 0.8, 0.95, (1.48, 0.73), (0.8, 0.4125), 0.52),
     symbols.C_0603: _chip(0.775, 0.9, 0.95, (1.48, 0.73), (0.8, 0.4), 0.51),
@@ -124,7 +139,7 @@ FOOTPRINTS: dict[str, Footprint] = {
         (Pad("1", -1.65, 0.0, 0.9, 1.2), Pad("2", 1.65, 0.0, 0.9, 1.2)),
         (-2.35, -1.15, 2.35, 1.15), (-1.4, -0.9, 1.4, 0.9),
         # The line on the left marks the cathode.
-        (((-2.3, -1.0), (-2.3, 1.0)), ((-2.3, -1.0), (1.65, -1.0)), ((-2.3, 1.0), (1.65, 1.0))),
+        (((-2.35, -1.0), (-2.35, 1.0)), ((-2.35, -1.0), (1.65, -1.0)), ((-2.35, 1.0), (1.65, 1.0))),
     ),
     symbols.SOT_23: Footprint(
         (Pad("1", -0.9375, -0.95, 1.475, 0.6), Pad("2", -0.9375, 0.95, 1.475, 0.6),
@@ -142,7 +157,7 @@ FOOTPRINTS: dict[str, Footprint] = {
         (Pad("1", -1.8, -1.0, 1.2, 1.2, "rect"), Pad("2", 1.45, 0.0, 1.5, 1.6, "rect"),
          Pad("3", -1.8, 1.0, 1.2, 1.2, "rect")),
         (-2.65, -1.85, 2.45, 1.85), (-1.5, -1.5, 1.5, 1.5),
-        (((-1.0, -1.61), (1.61, -1.61)), ((-1.0, 1.61), (1.61, 1.61))),
+        (((-0.95, -1.61), (1.61, -1.61)), ((-0.95, 1.61), (1.61, 1.61))),
     ),
     symbols.SOIC_8: _dual_row(2.475, 1.27, 1.95, 0.6, (3.7, 2.7), (1.95, 2.45)),
     symbols.MSOP_8: _dual_row(2.1125, 0.65, 1.625, 0.4, (3.18, 1.75), (1.5, 1.5)),
@@ -161,6 +176,10 @@ FOOTPRINTS: dict[str, Footprint] = {
     ),
     symbols.TEST_PAD: Footprint(
         (Pad("1", 0.0, 0.0, 1.0, 1.0, "circle"),), (-1.0, -1.0, 1.0, 1.0), (-0.5, -0.5, 0.5, 0.5), (), has_paste=False
+    ),
+    FIDUCIAL: Footprint(
+        (Pad("", 0.0, 0.0, 1.0, 1.0, "circle", mask_margin=0.5),),
+        (-1.25, -1.25, 1.25, 1.25), (-1.0, -1.0, 1.0, 1.0), (), has_paste=False,
     ),
     symbols.M2_HOLE: Footprint(
         (Pad("", 0.0, 0.0, 2.2, 2.2, "circle", drill=2.2, is_plated=False),),

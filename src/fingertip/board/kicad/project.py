@@ -5,9 +5,12 @@ from __future__ import annotations
 import json
 
 from fingertip.board.circuit import Circuit
+from fingertip.board.kicad.footprints import SILK_CLEARANCE_MM, SILK_LINE_MM, TEXT_HEIGHT_MM
 from fingertip.board.kicad.models import MODEL_FOLDER_OF_PROJECT, MODEL_VARIABLE
 
 CLEARANCE_MM = 0.15
+POUR_CLEARANCE_MM = 0.2
+"""Clearance of the ground pour from other copper."""
 TRACK_MM = 0.2
 VIA_MM = 0.6
 VIA_DRILL_MM = 0.3
@@ -36,8 +39,8 @@ def kicad_project_file(circuit: Circuit) -> bytes:
     rules = {
         "min_clearance": CLEARANCE_MM, "min_track_width": 0.15, "min_via_diameter": 0.5, "min_via_annular_width": 0.1,
         "min_through_hole_diameter": 0.3, "min_hole_clearance": 0.2, "min_hole_to_hole": 0.25,
-        "min_copper_edge_clearance": 0.3, "min_silk_clearance": 0.0, "min_text_height": 0.5,
-        "min_text_thickness": 0.08, "solder_mask_to_copper_clearance": 0.0,
+        "min_copper_edge_clearance": 0.3, "min_silk_clearance": SILK_CLEARANCE_MM,
+        "min_text_height": TEXT_HEIGHT_MM, "min_text_thickness": SILK_LINE_MM, "solder_mask_to_copper_clearance": 0.0,
     }  # fmt: skip
     data = {
         "board": {

@@ -1,9 +1,9 @@
 """Placement of a board's components, with its outline [mm].
 
-The origin is the upper left corner and the y axis points down. The folder `placements` holds one JSON file, edited by
-hand, for each variant and supply. The boards are 40 x 25 mm, those for 3.3 V 52 x 28 mm, with all components on the
-front. Sensor and supply enter on the left, signals leave on the right. After a change run
-`python -m tools.routing.reroute` in the repository, which routes the tracks again.
+The origin is the upper left corner and the y axis points down. The folder `placements` holds one JSON file for each
+variant and supply. The boards are 40 x 25 mm, with all components on the front. Sensor and supply enter on the left,
+signals leave on the right. `python -m tools.placing.place` in the repository moves the components apart and places the
+labels. After a change run `python -m tools.routing.reroute`, which routes the tracks again.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.board.circuit import Circuit
-from fingertip.board.kicad.footprints import FOOTPRINTS, Box, Pad
+from fingertip.board.kicad.footprints import FIDUCIAL, FOOTPRINTS, Box, Pad, Point
 
 PLACEMENTS = Path(__file__).parent / "placements"
 
@@ -31,6 +31,15 @@ class Position:
 
 
 @dataclass(frozen=True)
+class Label:
+    """Printed reference of a component: its centre, and 90 where it reads upwards, else 0 [degree]."""
+
+    x: float
+    y: float
+    angle: int = 0
+
+
+@dataclass(frozen=True)
 class Placement:
     """Outline of a board, positions of its components, and positions of its silkscreen text."""
 
@@ -38,10 +47,12 @@ class Placement:
     height: float
     positions: dict[str, Position]
     """Positions of the components by reference."""
-    reference_labels: dict[str, tuple[float, float]]
-    """Centres of the printed references, by reference."""
+    reference_labels: dict[str, Label]
+    """Printed references on the front, by reference."""
     texts: tuple[tuple[str, float, float], ...] = ()
-    """Other printed texts with their centres; beside the connectors they name the pins. The last names the board."""
+    """Other printed texts on the front with their centres; beside the connectors they name the pins."""
+    fiducials: tuple[Point, ...] = ()
+    """Centres of the fiducial marks, by which a pick-and-place machine finds the board's position."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +77,9 @@ def load_placement(name: str) -> Placement:
         data["width"],
         data["height"],
         {reference: Position(x, y, angle) for reference, (x, y, angle) in data["positions"].items()},
-        {reference: (x, y) for reference, (x, y) in data["reference_labels"].items()},
+        {reference: Label(*label) for reference, label in data["reference_labels"].items()},
         tuple((text, x, y) for text, x, y in data["texts"]),
+        tuple((x, y) for x, y in data["fiducials"]),
     )
 
 
@@ -94,22 +106,35 @@ def place_pads(circuit: Circuit, placement: Placement) -> Iterator[PlacedPad]:
             )
 
 
+def list_fiducials(placement: Placement) -> dict[str, Position]:
+    """List the fiducial marks of a board by name, FID1 and so on."""
+    return {f"FID{i}": Position(x, y) for i, (x, y) in enumerate(placement.fiducials, start=1)}
+
+
+def place_box(position: Position, box: Box) -> Box:
+    """Place a box of a footprint on the board."""
+    left, top, right, bottom = box
+    xs, ys = zip(*(rotate_offset(position.angle, x, y) for x, y in ((left, top), (right, bottom))), strict=True)
+    return (position.x + min(xs), position.y + min(ys), position.x + max(xs), position.y + max(ys))
+
+
 def courtyard_overlaps(circuit: Circuit, placement: Placement) -> Iterator[tuple[str, str]]:
-    """Yield pairs of components whose courtyards overlap.
+    """Yield pairs of components or fiducial marks whose courtyards overlap.
 
     A component that sticks out beyond the edge of the board is paired with "edge".
     """
-    boxes: dict[str, Box] = {}
-    for component in circuit.components:
-        position = placement.positions[component.reference]
-        left, top, right, bottom = FOOTPRINTS[component.footprint].courtyard
-        corners = [rotate_offset(position.angle, x, y) for x in (left, right) for y in (top, bottom)]
-        xs, ys = [position.x + x for x, _ in corners], [position.y + y for _, y in corners]
-        boxes[component.reference] = (min(xs), min(ys), max(xs), max(ys))
+    boxes = {
+        component.reference: place_box(
+            placement.positions[component.reference], FOOTPRINTS[component.footprint].courtyard
+        )
+        for component in circuit.components
+    }
+    for name, position in list_fiducials(placement).items():
+        boxes[name] = place_box(position, FOOTPRINTS[FIDUCIAL].courtyard)
     references = list(boxes)
     for i, one in enumerate(references):
         a = boxes[one]
-        if a[0] < 0 or a[1] < 0 or a[2] > placement.width or a[3] > placement.height:
+        if min(a[0], a[1], placement.width - a[2], placement.height - a[3]) < -1e-9:
             yield one, "edge"
         for other in references[:i]:
             if _overlap(one, a, other, boxes[other]):

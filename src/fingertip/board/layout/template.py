@@ -15,8 +15,8 @@ from fingertip.board.kicad.footprints import Point
 from fingertip.board.layout.placement import Placement, place_pads
 from fingertip.errors import BoardError
 
-Segment = tuple[int, Point, Point]
-"""Layer (0 is the front, 1 the back) and both ends [mm]."""
+Segment = tuple[int, Point, Point, float]
+"""Layer (0 is the front, 1 the back), both ends and width [mm]."""
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -37,15 +37,17 @@ class Template:
     """Tracks by net."""
     fills: dict[str, tuple[tuple[Point, ...], ...]]
     """Outlines of the filled ground pour, by layer."""
+    stitching: tuple[Point, ...] = ()
+    """Vias that join both ground pours, apart from those of the pads [mm]."""
 
 
 def fingerprint(circuit: Circuit, placement: Placement) -> str:
-    """Hash of everything a template depends on: outline, pads and nets."""
+    """Hash of everything a template depends on: outline, fiducial marks, pads and nets."""
     pads = sorted(
         (p.reference, p.pad.number, *(round(v, 4) for v in (p.x, p.y, p.half_width, p.half_height)), p.net)
         for p in place_pads(circuit, placement)
     )
-    text = json.dumps([placement.width, placement.height, pads])
+    text = json.dumps([placement.width, placement.height, placement.fiducials, pads])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -65,7 +67,8 @@ def load_template(name: str, circuit: Circuit, placement: Placement) -> Template
         )
     tracks = {
         net: Tracks(
-            tuple((s[0], (s[1], s[2]), (s[3], s[4])) for s in item["segments"]), tuple((x, y) for x, y in item["vias"])
+            tuple((s[0], (s[1], s[2]), (s[3], s[4]), s[5]) for s in item["segments"]),
+            tuple((x, y) for x, y in item["vias"]),
         )
         for net, item in data["tracks"].items()
     }
@@ -73,7 +76,7 @@ def load_template(name: str, circuit: Circuit, placement: Placement) -> Template
         layer: tuple(tuple((x, y) for x, y in outline) for outline in outlines)
         for layer, outlines in data["fills"].items()
     }
-    return Template(tracks, fills)
+    return Template(tracks, fills, tuple((x, y) for x, y in data["stitching"]))
 
 
 def format_template(template: Template, circuit: Circuit, placement: Placement) -> str:
@@ -81,9 +84,10 @@ def format_template(template: Template, circuit: Circuit, placement: Placement) 
     data = {
         "fingerprint": fingerprint(circuit, placement),
         "tracks": {
-            net: {"segments": [[layer, *a, *b] for layer, a, b in t.segments], "vias": t.vias}
+            net: {"segments": [[layer, *a, *b, width] for layer, a, b, width in t.segments], "vias": t.vias}
             for net, t in template.tracks.items()
         },
+        "stitching": template.stitching,
         "fills": template.fills,
     }
     return json.dumps(data, separators=(",", ":")) + "\n"

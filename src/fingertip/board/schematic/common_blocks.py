@@ -52,7 +52,7 @@ BRIDGE = Sheet(
 )  # fmt: skip
 
 MOUNTING_HOLES = Sheet(
-    symbols=tuple(PlacedSymbol(f"H{i}", 197 + 6 * i, 123) for i in range(1, 5)), texts=(("Mounting", 201, 116),)
+    symbols=tuple(PlacedSymbol(f"H{i}", 197 + 6 * i, 123) for i in range(1, 3)), texts=(("Mounting", 201, 116),)
 )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 
 from fingertip.build_files import SHEET, STEPS_FOLDER
-from fingertip.page.html import Markup, element, join
+from fingertip.page.html import Markup, element, figure, join
 from fingertip.page.markdown import list_steps, render, split_sections
 from fingertip.page.sources import Sources
 
@@ -62,9 +62,5 @@ def render_drawing(sources: Sources) -> Markup:
 def _render_sheet(name: str, data: bytes) -> Markup:
     part = name.removeprefix("drawing_").removesuffix(".svg").replace("_", " ")
     source = f"data:image/svg+xml;base64,{base64.b64encode(data).decode('ascii')}"
-    picture = element("img", src=source, alt=f"Dimensioned drawing of the {part}", loading="lazy")
-    # A figure that scrolls by itself is reached with the keyboard.
-    return element(
-        "figure", picture, element("figcaption", f"{part}, from {name}"), class_="wide paper", tabindex="0",
-        role="region", aria_label=f"drawing of the {part}",
-    )  # fmt: skip
+    picture = element("img", src=source, alt=f"Dimensioned drawing of the {part}", decoding="async")
+    return figure(picture, f"{part}, from {name}", f"drawing of the {part}", "wide paper")

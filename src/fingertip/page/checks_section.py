@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from fingertip.cad.strength.assess import WANTED_AT_GRIP, WANTED_AT_SHOCK
 from fingertip.cad.verification.causes import list_causes
-from fingertip.page.html import Markup, element, join, table
+from fingertip.page.html import Markup, code, element, join, table
 
 Check = Mapping[str, Any]
 
@@ -34,6 +35,8 @@ def render_checks(report: Mapping[str, Any]) -> Markup:
         element("p", "Every file was read back and measured. A check that fails names the parameters to change."),
         *([element("h3", "Failed"), _tabulate(failed, "failed checks")] if failed else []),
     ]
+    if "strength" in report:
+        parts.append(_warn_of_strength(report["strength"]))
     if closest := _find_closest(checks):
         parts += [element("h3", "Closest to their limits"), _tabulate(closest, "checks closest to their limits")]
     groups: dict[str, list[Check]] = {}
@@ -45,6 +48,19 @@ def render_checks(report: Mapping[str, Any]) -> Markup:
         summary = f"{subject.replace('_', ' ')}: {passed} of {len(group)} passed"
         parts.append(element("details", element("summary", summary), _tabulate(group, f"checks of {subject}")))
     return join(parts)
+
+
+def _warn_of_strength(strength: Mapping[str, Any]) -> Markup:
+    """Warn of a bone that passes the limits but is weaker than wanted."""
+    grip, shock = strength["grip_safety_factor"], strength["shock_safety_factor"]
+    if grip >= WANTED_AT_GRIP and shock >= WANTED_AT_SHOCK:
+        return Markup("")
+    text = (
+        f"The bone is weaker than wanted: its safety factor is {grip:.2f} at the grip force and {shock:.2f} at the "
+        f"shock, where {WANTED_AT_GRIP:g} and {WANTED_AT_SHOCK:g} are wanted. It breaks first at the "
+        f"{strength['weakest']['place']} at z = {strength['weakest']['z_mm']:.1f} mm."
+    )
+    return element("p", text, class_="note")
 
 
 def _find_closest(checks: Sequence[Check]) -> list[Check]:
@@ -61,7 +77,7 @@ def _find_closest(checks: Sequence[Check]) -> list[Check]:
 def _tabulate(checks: Sequence[Check], caption: str) -> Markup:
     rows = [
         (
-            element("span", check["name"], class_="code"),
+            element("span", code(check["name"]), class_="code"),
             element("span", _with_unit(check["value"], check["unit"]), class_="num"),
             element("span", f"{_SIGNS[check['relation']]} {_with_unit(check['limit'], check['unit'])}", class_="num"),
             _say(check["passed"]),
@@ -69,11 +85,16 @@ def _tabulate(checks: Sequence[Check], caption: str) -> Markup:
         )
         for check in checks
     ]
-    return table(("check", "value", "must be", "", "set by"), rows, caption)
+    return table(("check", "value", "must be", "passed", "set by"), rows, caption, "broad")
 
 
 def _say(passed: bool) -> Markup:
-    return element("span", "✓ passed" if passed else "✗ FAILED", class_="passed" if passed else "failed")
+    return element(
+        "span",
+        "✓" if passed else "✗ FAILED",
+        class_="passed" if passed else "failed",
+        title="passed" if passed else None,
+    )
 
 
 def _list_parameters(name: str) -> list[str]:
@@ -81,7 +102,7 @@ def _list_parameters(name: str) -> list[str]:
     found: list[str] = []
     for path in list_causes(name):
         found += [", "] if found else []
-        found.append(element("a", path, href=f"#p-{path}", class_="code"))
+        found.append(element("a", code(path), href=f"#p-{path}", class_="code"))
     return found
 
 

@@ -75,7 +75,9 @@ def _render_block(lines: list[str], pictures: Mapping[str, str]) -> Markup:
         hashes, _, title = first.partition(" ")
         return element(f"h{min(len(hashes) + 1, 6)}", _render_spans(title, pictures))
     if first.startswith("|"):
-        cells = [[_render_spans(cell.strip(), pictures) for cell in line.strip().strip("|").split(" | ")] for line in lines]
+        cells = [
+            [_render_spans(cell.strip(), pictures) for cell in line.strip().strip("|").split(" | ")] for line in lines
+        ]
         return table(cells[0], cells[2:])
     if _is_item(first):
         return element("ol" if _NUMBERED.match(first) else "ul", *_render_items(lines, pictures))
@@ -104,6 +106,6 @@ def _render_spans(text: str, pictures: Mapping[str, str]) -> Markup:
         elif code := match["code"]:
             pieces.append(element("code", code))
         elif source := pictures.get(match["picture"]):
-            pieces.append(element("img", src=source, alt=match["alt"], loading="lazy"))
+            pieces.append(element("img", src=source, alt=match["alt"], decoding="async"))
     pieces.append(text[end:])
     return join(piece if isinstance(piece, Markup) else piece.replace("&nbsp;", "") for piece in pieces)

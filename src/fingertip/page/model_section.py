@@ -59,9 +59,7 @@ def _rows(items: Sequence[Item]) -> list[Markup]:
     labels = list(dict.fromkeys(item.label for item in items))
     boxes = [_box(i, label, next(item for item in items if item.label == label)) for i, label in enumerate(labels)]
     stl = [
-        element("button", f"{item.name}.stl", type="button", data_stl=item.name)
-        for item in items
-        if not item.is_bought
+        element("button", f"{item.name}.stl", type="button", data_stl=item.name) for item in items if not item.is_bought
     ]
     return [
         element("div", *presets, class_="row", role="group", aria_label="state of the mold"),

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from fingertip.design import Design
 from fingertip.design.export import Parameter, format_value, list_parameters
-from fingertip.page.html import Markup, element, join, table
+from fingertip.page.html import Markup, code, element, join, table
 from fingertip.page.moves import shapes_of_parameters
 from fingertip.page.scene import label_item
 
@@ -27,8 +27,8 @@ def render_parameters(design: Design) -> Markup:
     parts = [
         element(
             "p",
-            "Press the name of a parameter to see in the 3D view what it shapes: every part whose shape reads it. Change "
-            "one in the design file, or with ", element("code", "--set TABLE.KEY=VALUE"), ".",
+            "Press the name of a parameter to see in the 3D view what it shapes: every part whose shape reads it. "
+            "Change one in the design file, or with ", element("code", "--set TABLE.KEY=VALUE"), ".",
         )
     ]  # fmt: skip
     for name, parameters in tables.items():
@@ -53,11 +53,11 @@ def _render_row(design: Design, parameter: Parameter, moved: Mapping[str, tuple[
     items = moved.get(path, ())
     if items:
         name = element(
-            "button", path, type="button", class_="code", data_moves=" ".join(items), aria_pressed="false",
+            "button", code(path), type="button", class_="code", data_moves=" ".join(items), aria_pressed="false",
             id=f"p-{path}",
         )  # fmt: skip
     else:
-        name = element("span", path, class_="code", id=f"p-{path}", tabindex="-1")
+        name = element("span", code(path), class_="code", id=f"p-{path}", tabindex="-1")
     shown = element("span", f"{format_value(value)} {parameter.unit}".rstrip(), class_="num")
     if value != parameter.default:
         shown = join((shown, element("br"), element("small", f"default {format_value(parameter.default)}")))
@@ -73,5 +73,5 @@ def _describe_effect(path: str, items: tuple[str, ...]) -> Markup:
     elif effect:
         said = ("Decides ", element("a", effect[0], href=f"#{effect[1]}"), ".")
     else:
-        said = ("Shapes nothing in this design.",)
+        said = ("Shapes no part of this design: a limit, or a choice that it does not use.",)
     return element("small", *said)

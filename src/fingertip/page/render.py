@@ -27,6 +27,7 @@ PAGE = "index.html"
 MAX_BYTES = 5_000_000
 """Size that a page stays below [byte], so that it can be sent by mail."""
 ARTICLE_DOI = "10.1109/TMRB.2021.3060032"
+_LEAD = "A sensorised prosthetic fingertip: printed bone and mold, silicone skin, filter board, slip detector."
 _SECTIONS = (
     ("model", "Model"), ("checks", "Checks"), ("parameters", "Parameters"), ("casting", "Casting guide"),
     ("drawing", "Drawing"), ("board", "Board"), ("response", "Response"), ("trial", "Trial"), ("basis", "Basis"),
@@ -70,7 +71,7 @@ def render_page(sources: Sources) -> bytes:
 def _render_sections(sources: Sources, items: tuple[Item, ...]) -> list[Markup]:
     design = sources.design
     model = element("div", element("h2", "Model", id="model"), render_no_view(), render_model(items), class_="model")
-    checks = element("div", element("h2", "Checks", id="checks"), render_checks(sources.report))
+    checks = element("div", element("h2", "Checks", id="checks"), render_checks(sources.report), class_="checks")
     parameters = element("div", element("h2", "Parameters", id="parameters"), render_parameters(design))
     beside = element("section", element("div", model, element("div", checks, parameters), class_="beside"))
     rest = (
@@ -105,10 +106,7 @@ def _render_header(sources: Sources) -> Markup:
     return element(
         "header",
         element("h1", f"Fingertip {design.name}"),
-        element(
-            "p", "A sensorised prosthetic fingertip: printed bone and mold, silicone skin, filter board, slip detector.",
-            class_="lead",
-        ),
+        element("p", _LEAD, class_="lead"),
         render_verdict(report),
         element("dl", *terms, class_="facts"),
     )  # fmt: skip
@@ -128,8 +126,8 @@ def _render_footer() -> Markup:
             "Bionics 3(2), 485-497, 2021. ", element("a", f"doi:{ARTICLE_DOI}", href=f"https://doi.org/{ARTICLE_DOI}"),
         ),
         element(
-            "p", f"Made by fingertip {__version__}. The 3D view uses three.js, under the MIT License that stands in this "
-            "file. This page needs no network.",
+            "p", f"Made by fingertip {__version__}. The 3D view uses three.js, under the MIT License that stands in "
+            "this file. This page needs no network.",
         ),
     )  # fmt: skip
 

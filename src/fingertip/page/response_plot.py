@@ -14,7 +14,7 @@ from fingertip.board.circuits.signal_paths import board_circuit
 from fingertip.board.network import build_network
 from fingertip.design import Design
 from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
-from fingertip.page.html import Markup, element
+from fingertip.page.html import Markup, figure
 from fingertip.page.svg_plot import Axis, Frame, figure_svg, legend
 
 BOARDS = 1000
@@ -22,8 +22,6 @@ BOARDS = 1000
 _SEED = 1
 _LOW_HZ, _HIGH_HZ, _PER_DECADE = 10.0, 1e5, 40
 _WIDTH, _HEIGHT = 760.0, 380.0
-_RANGE_DB = 50.0
-"""Range of the gain that is drawn, below the maximum [dB]."""
 
 
 def draw_response(design: Design) -> Markup:
@@ -36,9 +34,10 @@ def draw_response(design: Design) -> Markup:
     steps = round(_PER_DECADE * math.log10(_HIGH_HZ / _LOW_HZ))
     f_hz = [_LOW_HZ * 10.0 ** (i / _PER_DECADE) for i in range(steps + 1)]
     nominal, low, high = _compute_gains(board, tolerances, f_hz)
+    bottom = 10.0 * math.floor(min(low) / 10.0)
     top = 10.0 * math.ceil((max(high) + 3.0) / 10.0)
     frame = Frame(
-        Axis(_LOW_HZ, _HIGH_HZ, "frequency [Hz]", True), Axis(top - _RANGE_DB, top, "gain [dB]"), 58.0, 46.0,
+        Axis(_LOW_HZ, _HIGH_HZ, "frequency [Hz]", True), Axis(bottom, top, "gain [dB]"), 58.0, 46.0,
         _WIDTH - 80.0, _HEIGHT - 100.0,
     )  # fmt: skip
     cutoff, gain = spread["cutoff_hz"], spread["passband_gain"]
@@ -58,7 +57,7 @@ def draw_response(design: Design) -> Markup:
         f"Of {BOARDS} boards with components anywhere within the tolerances that are bought, 95 % have "
         f"{_range(cutoff, 1)} Hz and a gain of {_range(gain, 1)}."
     )
-    return element("figure", svg, element("figcaption", caption), class_="wide")
+    return figure(svg, caption, "response of the filter", "wide")
 
 
 def _range(spread: Spread, decimals: int) -> str:

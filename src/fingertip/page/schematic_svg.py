@@ -52,7 +52,7 @@ class _Ink:
         anchor = "start" if "left" in justify else "end" if "right" in justify else "middle"
         width = _CHARACTER * size * len(content)
         begin = {"start": 0.0, "end": -width, "middle": -width / 2}[anchor]
-        drop = 0.0 if "bottom" in justify else 0.36 * size
+        drop = -0.3 * size if "bottom" in justify else 0.36 * size
         if upright:
             self.reach((x - size / 2, y - begin), (x + size / 2, y - begin - width))
             x, y = x + drop, y

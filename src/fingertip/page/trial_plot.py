@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.page.html import Markup, element, join
+from fingertip.page.html import Markup, element, figure, join
 from fingertip.page.svg_plot import Axis, Frame, figure_svg, legend, line, text
 from fingertip.slip.detection import Detection
 from fingertip.slip.format import format_delay
@@ -25,7 +25,7 @@ def draw_trial(trace: Trace, detection: Detection) -> Markup:
     """Draw voltage, statistic and intervals of a whole trial, as a figure with a caption."""
     begin, end = float(trace.time_s[0]), float(trace.time_s[-1])
     svg = _draw(trace, detection, begin, end, "Simulated trial: tactile voltage, detector and slip over time")
-    return element("figure", svg, element("figcaption", _describe(detection)), class_="wide")
+    return figure(svg, _describe(detection), "whole trial", "wide")
 
 
 def draw_onset(trace: Trace, detection: Detection) -> Markup | None:
@@ -40,7 +40,7 @@ def draw_onset(trace: Trace, detection: Detection) -> Markup | None:
     end = min(float(trace.time_s[-1]), onset_s + max(_AFTER_S, 2 * delay_s))
     svg = _draw(trace, detection, begin, end, "Onset of the slip and its detection", onset=(onset_s, onset_s + delay_s))
     caption = f"The onset at {onset_s:.4f} s, {format_delay(delay_s)}. Time on the axis is that of the trial."
-    return element("figure", svg, element("figcaption", caption), class_="wide")
+    return figure(svg, caption, "onset of the slip", "wide")
 
 
 def _draw(
@@ -74,7 +74,10 @@ def _draw(
     parts.append(
         legend(
             280.0, 182.0,
-            (("var(--series-2)", "", "statistic"), ("var(--series-3)", "6 4", "threshold"), ("var(--slip)", "band", "true slip")),
+            (
+                ("var(--series-2)", "", "statistic"), ("var(--series-3)", "6 4", "threshold"),
+                ("var(--slip)", "band", "true slip"),
+            ),
         )
     )  # fmt: skip
     return figure_svg(_WIDTH, _HEIGHT, title, *parts)

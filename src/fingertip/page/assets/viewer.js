@@ -4,6 +4,7 @@
 
   const CREASE_COSINE = Math.cos((35 * Math.PI) / 180);
   const TURN = Math.PI / 24; // angle of one press of an arrow key
+  const HIGHLIGHT = 0xffb02e;
   const STEP = 1.15; // zoom of one press of a key
   const DIRECTIONS = {
     slanted: [-0.8, 0.42, 0.43],
@@ -26,6 +27,15 @@
   addEventListener('afterprint', () => {
     for (const details of unfolded) details.open = false;
   });
+
+  // What scrolls by itself is reached with the keyboard, and nothing else.
+  const watcher = new ResizeObserver((entries) => {
+    for (const { target } of entries) {
+      if (target.scrollWidth > target.clientWidth) target.tabIndex = 0;
+      else target.removeAttribute('tabindex');
+    }
+  });
+  for (const box of document.querySelectorAll('.scroll')) watcher.observe(box);
 
   const canvas = byId('canvas');
   if (!canvas) return;
@@ -271,8 +281,8 @@
       item.material.transparent = isDimmed || isSeenThrough;
       item.material.opacity = isDimmed ? 0.12 : isSeenThrough ? 0.35 : 1;
       item.material.depthWrite = !(isDimmed || isSeenThrough);
-      item.material.color.copy(item.colour);
-      item.material.emissive.setHex(highlighted.includes(item.name) ? 0x5a2a00 : 0);
+      if (highlighted.includes(item.name)) item.material.color.setHex(HIGHLIGHT);
+      else item.material.color.copy(item.colour);
       item.material.needsUpdate = true;
       item.creases.visible = !isDimmed;
     }

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from fingertip.build_files import parts_writer
 from fingertip.design import Design
-from fingertip.page.render import PAGE, render_page
+from fingertip.page import PAGE
+from fingertip.page.render import render_page
 from fingertip.page.sources import read_sources
 
 

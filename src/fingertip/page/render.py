@@ -22,10 +22,6 @@ from fingertip.page.scene import Item, list_items
 from fingertip.page.sources import Sources
 from fingertip.page.trial_section import render_trial
 
-PAGE = "index.html"
-"""Name of the page, beside the files that it shows."""
-MAX_BYTES = 5_000_000
-"""Size that a page stays below [byte], so that it can be sent by mail."""
 ARTICLE_DOI = "10.1109/TMRB.2021.3060032"
 _LEAD = "A sensorised prosthetic fingertip: printed bone and mold, silicone skin, filter board, slip detector."
 _SECTIONS = (

@@ -99,21 +99,31 @@ def _draw_text(ink: _Ink, content: str, owner: Expression, turned_deg: float = 0
         ink.text(row, (x, y + 1.6 * size * number), size, upright=upright, justify=justify)
 
 
-def _draw_symbol(ink: _Ink, symbol: Expression, drawing: Expression) -> None:
+def find_place(symbol: Expression) -> Place:
+    """Return the function that places points of the library's drawing, whose y points up, on the sheet."""
     x, y, angle = numbers(first(symbol, "at"))
     mirror = word(symbol, "mirror")
 
     def place(px: float, py: float) -> tuple[float, float]:
-        """Place of a point of the library's drawing, whose y points up."""
         dx, dy = turn(px, -py, angle)
         return x + (-dx if mirror == "y" else dx), y + (-dy if mirror == "x" else dy)
 
-    unit, show_numbers = word(symbol, "unit", "1"), word(first(drawing, "pin_numbers"), "hide", "no") != "yes"
-    show_numbers = show_numbers and not is_hidden(first(drawing, "pin_numbers"))
-    show_names = not is_hidden(first(drawing, "pin_names"))
+    return place
+
+
+def list_bodies(symbol: Expression, drawing: Expression) -> Iterator[Expression]:
+    """Yield the bodies of the library's drawing that a symbol's unit shows."""
     for body in lists(drawing, "symbol"):
-        if words(body)[0].split("_")[-2] in ("0", unit):
-            _draw_body(ink, body, place, show_numbers, show_names)
+        if words(body)[0].split("_")[-2] in ("0", word(symbol, "unit", "1")):
+            yield body
+
+
+def _draw_symbol(ink: _Ink, symbol: Expression, drawing: Expression) -> None:
+    place, angle = find_place(symbol), numbers(first(symbol, "at"))[2]
+    show_numbers = not is_hidden(first(drawing, "pin_numbers"))
+    show_names = not is_hidden(first(drawing, "pin_names"))
+    for body in list_bodies(symbol, drawing):
+        _draw_body(ink, body, place, show_numbers, show_names)
     for text in lists(symbol, "property"):
         name, content = words(text)[:2]
         if name in ("Reference", "Value") and not is_hidden(text) and not content.startswith("#"):

@@ -94,6 +94,7 @@ def _find_offsets(sizes: Mapping[str, Any]) -> dict[str, tuple[Offset, Offset]]:
     thickness = float(sizes["bone"][1])
     up = round(thickness + _GAP_MM, 3)
     pull = round(float(sizes["skin"][2]) + _GAP_MM, 3)
+    beyond = round(float(sizes["bone"][2]) + _GAP_MM, 3)
     out = round(float(sizes["mold_dorsal"][1]) + _GAP_MM, 3)
     return {
         "mold_dorsal": ((0.0, up, 0.0), (0.0, up / 2, 0.0)),
@@ -103,7 +104,7 @@ def _find_offsets(sizes: Mapping[str, Any]) -> dict[str, tuple[Offset, Offset]]:
         "chaplet_screw": ((0.0, up, 0.0), (0.0, up / 2 + out, 0.0)),
         "skin": ((0.0, 0.0, 0.0), (0.0, 0.0, pull / 2)),
         "bone": ((0.0, 0.0, 0.0), (0.0, 0.0, -pull / 2)),
-        "core": ((0.0, 0.0, 0.0), (0.0, 0.0, -1.5 * pull)),
+        "core": ((0.0, 0.0, 0.0), (0.0, 0.0, -pull / 2 - beyond)),
         "lid": ((0.0, 0.0, 0.0), (0.0, _GAP_MM, -pull / 2)),
         "joint_pin": ((0.0, 0.0, 0.0), (pull / 2, 0.0, -pull / 2)),
         "sensor": ((0.0, 0.0, 0.0), (0.0, -_GAP_MM, -pull / 2)),

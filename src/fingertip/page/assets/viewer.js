@@ -49,45 +49,56 @@
 
   // Normals at the corners, smoothed over facets that meet at less than the crease angle, and the creases as lines.
   function shade(vertices, triangles) {
-    const count = triangles.length / 3;
-    const points = new Float32Array(triangles.length * 3);
-    const facets = new Float32Array(triangles.length);
-    const around = Array.from({ length: vertices.length / 3 }, () => []);
-    for (let t = 0; t < count; t += 1) {
-      const p = [0, 1, 2].map((k) => {
-        const v = triangles[3 * t + k];
-        around[v].push(t);
-        points.set(vertices.subarray(3 * v, 3 * v + 3), 9 * t + 3 * k);
-        return 9 * t + 3 * k;
-      });
-      const u = [0, 1, 2].map((i) => points[p[1] + i] - points[p[0] + i]);
-      const w = [0, 1, 2].map((i) => points[p[2] + i] - points[p[0] + i]);
-      const n = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
-      const length = Math.hypot(...n) || 1;
-      facets.set(n.map((x) => x / length), 3 * t);
+    const corners = triangles.length;
+    const points = new Float32Array(3 * corners);
+    const facets = new Float32Array(corners);
+    const begin = new Uint32Array(vertices.length / 3 + 1); // where the corners at each vertex begin in `around`
+    for (let c = 0; c < corners; c += 1) {
+      const v = 3 * triangles[c];
+      points[3 * c] = vertices[v];
+      points[3 * c + 1] = vertices[v + 1];
+      points[3 * c + 2] = vertices[v + 2];
+      begin[triangles[c] + 1] += 1;
     }
-    const cosine = (a, b) =>
-      facets[3 * a] * facets[3 * b] + facets[3 * a + 1] * facets[3 * b + 1] + facets[3 * a + 2] * facets[3 * b + 2];
-    const normals = new Float32Array(points.length);
-    for (let c = 0; c < triangles.length; c += 1) {
-      const t = Math.floor(c / 3);
-      for (const other of around[triangles[c]]) {
-        if (other === t || cosine(t, other) > CREASE_COSINE) {
-          for (let i = 0; i < 3; i += 1) normals[3 * c + i] += facets[3 * other + i];
-        }
-      }
+    for (let v = 1; v < begin.length; v += 1) begin[v] += begin[v - 1];
+    const around = new Uint32Array(corners);
+    const next = begin.slice();
+    for (let c = 0; c < corners; c += 1) {
+      around[next[triangles[c]]] = c;
+      next[triangles[c]] += 1;
     }
-    const edges = new Map();
+    for (let t = 0; t < corners; t += 3) {
+      const p = 3 * t;
+      const ux = points[p + 3] - points[p];
+      const uy = points[p + 4] - points[p + 1];
+      const uz = points[p + 5] - points[p + 2];
+      const wx = points[p + 6] - points[p];
+      const wy = points[p + 7] - points[p + 1];
+      const wz = points[p + 8] - points[p + 2];
+      const x = uy * wz - uz * wy;
+      const y = uz * wx - ux * wz;
+      const z = ux * wy - uy * wx;
+      const length = Math.sqrt(x * x + y * y + z * z) || 1;
+      facets[t] = x / length;
+      facets[t + 1] = y / length;
+      facets[t + 2] = z / length;
+    }
+    const normals = new Float32Array(3 * corners);
     const lines = [];
-    for (let c = 0; c < triangles.length; c += 1) {
-      const t = Math.floor(c / 3);
-      const a = triangles[c];
-      const b = triangles[3 * t + ((c + 1) % 3)];
-      const key = Math.min(a, b) * (vertices.length / 3) + Math.max(a, b);
-      const other = edges.get(key);
-      if (other === undefined) edges.set(key, t);
-      else if (cosine(t, other) < CREASE_COSINE) {
-        lines.push(...vertices.subarray(3 * a, 3 * a + 3), ...vertices.subarray(3 * b, 3 * b + 3));
+    for (let c = 0; c < corners; c += 1) {
+      const t = c - (c % 3);
+      const end = t + ((c + 1) % 3); // the edge from corner c to this one
+      for (let k = begin[triangles[c]]; k < begin[triangles[c] + 1]; k += 1) {
+        const o = around[k] - (around[k] % 3);
+        const cosine = facets[t] * facets[o] + facets[t + 1] * facets[o + 1] + facets[t + 2] * facets[o + 2];
+        if (o === t || cosine > CREASE_COSINE) {
+          normals[3 * c] += facets[o];
+          normals[3 * c + 1] += facets[o + 1];
+          normals[3 * c + 2] += facets[o + 2];
+        } else if (t < o && triangles[o + ((around[k] + 2) % 3)] === triangles[end]) {
+          // The other facet at this edge runs along it the other way.
+          for (const corner of [c, end]) lines.push(points[3 * corner], points[3 * corner + 1], points[3 * corner + 2]);
+        }
       }
     }
     return { points, normals, lines: new Float32Array(lines) };
@@ -170,7 +181,8 @@
   const labels = [...new Set(items.map((item) => item.label))];
   const hasCore = items.some((item) => item.name === 'core');
   const OF_FINGER = ['bone', 'lid', 'skin', 'sensor', 'joint_pin'];
-  const isInMold = (item) => !hasCore || !OF_FINGER.includes(item.name) || item.name === 'skin';
+  const isInMold = ({ name }) =>
+    name !== 'joint_pin' && (!hasCore || !OF_FINGER.includes(name) || name === 'skin');
   const PRESETS = {
     finger: { apart: 0, has: (item) => OF_FINGER.includes(item.name) },
     closed: { apart: 0, has: isInMold },

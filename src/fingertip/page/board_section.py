@@ -27,9 +27,10 @@ _BOUNDS = {"at most": "≤", "at least": "≥"}
 
 
 def render_board(sources: Sources) -> Markup:
-    """Render the board, or say how to make it."""
+    """Render the board, or say how to make it. The response follows from the design alone."""
+    response = join((element("h3", "Response", id="response"), draw_response(sources.design)))
     if BOARD_FOLDER in sources.remarks:
-        return element("p", sources.remarks[BOARD_FOLDER], class_="note")
+        return join((element("p", sources.remarks[BOARD_FOLDER], class_="note"), response))
     files = {
         name: sources.text(f"{BOARD_FOLDER}/{name}") for name in (LAYOUT, SCHEMATIC, BOM, VALUES, README, BRING_UP)
     }
@@ -46,7 +47,7 @@ def render_board(sources: Sources) -> Markup:
         ]
     if values := files[VALUES]:
         parts.append(_render_gate(json.loads(values).get("gate", [])))
-    parts += [element("h3", "Response", id="response"), draw_response(sources.design)]
+    parts.append(response)
     if bom := files[BOM]:
         parts += [element("h3", "What to buy for the board"), _render_bom(bom)]
     for heading, text in split_sections(files[README] or "").items():

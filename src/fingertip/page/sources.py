@@ -28,7 +28,7 @@ _COMMANDS = {
     SIGNAL_FOLDER: _MAKE,
 }
 """Folder of a set below the parts -> command that makes it."""
-_TEXTS = (".md", ".json", ".svg", ".csv", ".png", ".stl", ".kicad_sch", ".kicad_pcb")
+_SHOWN = (".md", ".json", ".svg", ".csv", ".png", ".stl", ".kicad_sch", ".kicad_pcb")
 """Ends of the names of files that a page may show."""
 
 
@@ -104,5 +104,5 @@ def _read_current_set(folder: Path, parameters: str) -> dict[str, bytes] | str:
 def _read_set(folder: Path, manifest: Manifest) -> Iterator[tuple[str, bytes]]:
     """Yield the files of a set that a page may show and that are there."""
     for name in sorted(manifest.files):
-        if name.endswith(_TEXTS) and (folder / name).is_file():
+        if name.endswith(_SHOWN) and (folder / name).is_file():
             yield name, (folder / name).read_bytes()

@@ -62,10 +62,10 @@ class Frame:
         right, bottom = self.left + self.width, self.top + self.height
         parts = []
         for value in self.x.ticks(8):
-            px = number(self.point(value, self.y.low)[0])
-            parts.append(line((float(px), self.top), (float(px), bottom), "var(--line)", 1))
+            px = self.point(value, self.y.low)[0]
+            parts.append(line((px, self.top), (px, bottom), "var(--line)", 1))
             if label_x:
-                parts.append(text(float(px), bottom + 17, format_tick(value), "middle"))
+                parts.append(text(px, bottom + 17, format_tick(value), "middle"))
         for value in self.y.ticks(wanted_y):
             py = self.point(self.x.low, value)[1]
             parts.append(line((self.left, py), (right, py), "var(--line)", 1))

@@ -48,9 +48,11 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     trace = tmp_path / "trace.csv"
     assert run_fingertip("simulate", "fsr400", "--out", trace).returncode == 0
     found = files_below(made)
+    assert found.pop("index.html")  # tests/page compares it
     signal = {name: data for name, data in found.items() if name.startswith("signal/")}
     single = files_below(tmp_path / "single")
     manifest, single_manifest = (json.loads(files.pop("manifest.json")) for files in (found, single))
+    assert manifest["files"].pop("index.html")
     assert manifest == single_manifest
     assert {name: data for name, data in found.items() if name not in signal} == single
     assert signal["signal/trace.csv"] == trace.read_bytes()

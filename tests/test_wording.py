@@ -108,7 +108,11 @@ def test_spelling_is_british(folder: str) -> None:
     """One spelling in all texts; "mold" and "analog" are names of parameters and files."""
     american = re.compile(AMERICAN.replace("\n", ""), re.IGNORECASE)
     top = ROOT / folder
-    files = [top] if top.is_file() else [p for p in top.rglob("*") if p.suffix in (".py", ".toml", ".md")]
+    files = (
+        [top]
+        if top.is_file()
+        else [p for p in top.rglob("*") if p.suffix in (".py", ".toml", ".md") and "node_modules" not in p.parts]
+    )
     wrong = [
         f"{path.relative_to(ROOT)}: {match[0]}"
         for path in files

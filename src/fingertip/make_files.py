@@ -2,7 +2,8 @@
 
 The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps in `steps/`, and
 the acceptance sheet beside them. The board is in `board/`, the trial in `signal/`. Each is a set of its own. While the
-B-rep kernel works on the STEP files in a second process, this process makes the others.
+B-rep kernel works on the STEP files in a second process, this process makes the others. The page that shows them all is
+made last, from what was written.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from fingertip.acceptance.sheet import acceptance_data, render_acceptance
 from fingertip.board.output import BRING_UP_FILES, BoardPlan, board_writer, plan_board
 from fingertip.build_files import Build, build, parts_writer
 from fingertip.design import Design
+from fingertip.page import PAGE
 from fingertip.sim.trace_export import DETECTION, PLOT, SIGNAL_FOLDER, TRACE, encode_trace, signal_writer
 
 if TYPE_CHECKING:
@@ -41,6 +43,8 @@ class Made:
     """Files of the simulated trial."""
     detection: FileDetection
     """Slip that was detected in the trial."""
+    page: Path | None
+    """Page that shows all of it; None if the parts have no STL files."""
 
 
 def make(
@@ -74,7 +78,7 @@ def make(
     folder = Path("out") / design.name if out is None else Path(out)
     board_folder, signal = folder / "board", signal_writer(design, folder / SIGNAL_FOLDER, force)
     sheets = parts_writer(design, folder, force)
-    sheets.check((ACCEPTANCE,))
+    sheets.check((ACCEPTANCE, PAGE))
     board_writer(design, board_folder, force).check(BRING_UP_FILES)
     plan_board(design, board_folder, force=force)
     signal.check((TRACE, PLOT, DETECTION))
@@ -101,7 +105,19 @@ def make(
         writer.write(contents)
         progress(f"{len(contents)} files in {writer.folder}")
     signal_paths, _ = (tuple(writer.folder / name for name in contents) for writer, contents in others)
-    return Made(parts, board_paths, signal_paths, found[0])
+    return Made(parts, board_paths, signal_paths, found[0], _make_page(design, parts, force, progress))
+
+
+def _make_page(design: Design, parts: Build, force: bool, progress: Callable[[str], None]) -> Path | None:
+    """Make the page from the files that were written."""
+    if not all("stl" in part.files for part in parts.parts):
+        progress(f"{PAGE} is left out: it shows the STL files; add stl to the formats")
+        return None
+    from fingertip.page_files import write_page
+
+    progress("making the page")
+    path, _, _ = write_page(design, parts.folder, force=force)
+    return path
 
 
 def simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tuple[dict[str, bytes], FileDetection]:

@@ -21,6 +21,7 @@ from fingertip.cli.detect import detect
 from fingertip.cli.drawing import drawing
 from fingertip.cli.make import make
 from fingertip.cli.new import new
+from fingertip.cli.page import page
 from fingertip.cli.params import params
 from fingertip.cli.picture import picture
 from fingertip.cli.sheet import sheet
@@ -47,6 +48,7 @@ app.add_typer(calibrate, name="calibrate")
 app.command()(params)
 app.command()(picture)
 app.command()(drawing)
+app.command()(page)
 app.command()(board)
 app.command()(simulate)
 app.command()(detect)

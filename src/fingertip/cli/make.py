@@ -40,6 +40,7 @@ def make(
         "parts": made.parts.report(),
         "board": [path.as_posix() for path in made.board],
         "signal": [path.as_posix() for path in made.signal],
+        "page": None if made.page is None else str(made.page),
         "detection": as_data(made.detection.detection, made.detection.noise),
     }
     lines = [
@@ -49,6 +50,8 @@ def make(
         as_text(made.detection.detection),
         f"next: {made.parts.folder / 'casting.md'} says what to print and how to cast it, acceptance.md how to test it",
     ]
+    if made.page:
+        lines.append(f"see: {made.page}, all of it in a browser, without a network")
     console.result(data, "\n".join(lines))
     if not made.parts.passed:
         raise typer.Exit(CHECK_FAILED)

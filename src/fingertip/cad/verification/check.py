@@ -61,6 +61,7 @@ class Check:
             "value": round_for_output(self.value),
             "limit": round_for_output(self.limit),
             "unit": self.unit,
+            "relation": self.relation,
             "passed": self.passed,
             **({} if self.passed else {"change": [*list_causes(self.name)]}),
         }

@@ -1,0 +1,98 @@
+"""Board of a page: layout, schematic, what to buy, connections, gate, response and bring-up."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from fingertip.board.output import BOM, BRING_UP, LAYOUT, README, SCHEMATIC, VALUES
+from fingertip.page.html import Markup, element, figure, join, table
+from fingertip.page.layout_svg import render_copper, render_placement
+from fingertip.page.markdown import render, split_sections
+from fingertip.page.response_plot import draw_response
+from fingertip.page.schematic_svg import render_schematic
+from fingertip.page.sources import BOARD_FOLDER, Sources
+
+_NOTES = ("Connectors", "Test points", "Before you apply power")
+"""Sections of the board's README that a page shows."""
+_BOM_COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", "Note")
+_PLACEMENT = "Placement, seen from the front. Pin 1 of a connector is its square pad."
+_COPPER = (
+    "Copper, seen through the board from the front: front layer in orange, back layer in blue, pale where it is poured."
+)
+_BOUNDS = {"at most": "≤", "at least": "≥"}
+
+
+def render_board(sources: Sources) -> Markup:
+    """Render the board, or say how to make it. The response follows from the design alone."""
+    response = join((element("h3", "Response", id="response"), draw_response(sources.design)))
+    if BOARD_FOLDER in sources.remarks:
+        return join((element("p", sources.remarks[BOARD_FOLDER], class_="note"), response))
+    files = {
+        name: sources.text(f"{BOARD_FOLDER}/{name}") for name in (LAYOUT, SCHEMATIC, BOM, VALUES, README, BRING_UP)
+    }
+    parts = []
+    if layout := files[LAYOUT]:
+        placement = render_placement(layout, "Placement of the components")
+        copper = render_copper(layout, "Copper of the board")
+        pair = (figure(placement, _PLACEMENT, "placement"), figure(copper, _COPPER, "copper"))
+        parts += [element("h3", "Layout"), element("div", *pair, class_="pair")]
+    if schematic := files[SCHEMATIC]:
+        parts += [
+            element("h3", "Schematic"),
+            figure(render_schematic(schematic, "Schematic of the board"), "", "schematic", "wide"),
+        ]
+    if values := files[VALUES]:
+        parts.append(_render_gate(json.loads(values).get("gate", [])))
+    parts.append(response)
+    if bom := files[BOM]:
+        parts += [element("h3", "What to buy for the board"), _render_bom(bom)]
+    for heading, text in split_sections(files[README] or "").items():
+        if heading in _NOTES:
+            parts += [element("h3", heading), render(text)]
+    if sheet := files[BRING_UP]:
+        body = render(sheet.partition("\n")[2])
+        parts += [element("h3", "Bring-up"), element("details", element("summary", "Bring-up with a multimeter"), body)]
+    else:
+        said = ("There is no bring-up sheet: ", element("code", "fingertip board DESIGN --bringup"), " makes it.")
+        parts.append(element("p", *said, class_="note"))
+    return join(parts)
+
+
+def _render_gate(gate: list[Mapping[str, Any]]) -> Markup:
+    """Render what makes the board work, each with value and limit."""
+    if not gate:
+        return Markup("")
+    passed = sum(entry["passed"] for entry in gate)
+    rows = [
+        (
+            entry["name"],
+            entry["subject"],
+            element("span", _with_unit(entry["value"], entry), class_="num"),
+            element("span", f"{_BOUNDS[entry['bound']]} {_with_unit(entry['limit'], entry)}", class_="num"),
+            element("span", "✓" if entry["passed"] else f"✗ {entry['remedy']}", class_=_tell(entry["passed"])),
+        )
+        for entry in gate
+    ]
+    body = table(("requirement", "of", "value", "must be", "met"), rows, "what makes the board work")
+    summary = element("summary", f"Requirements of the board: {passed} of {len(gate)} met")
+    return element("details", summary, body, open=passed < len(gate))
+
+
+def _with_unit(value: float, entry: Mapping[str, Any]) -> str:
+    return f"{value:.4g} {entry['unit']}".rstrip()
+
+
+def _tell(passed: bool) -> str:
+    return "passed" if passed else "failed"
+
+
+def _render_bom(text: str) -> Markup:
+    lines = list(csv.DictReader(io.StringIO(text)))
+    columns = [name for name in _BOM_COLUMNS if any(line.get(name) for line in lines)]
+    rows = [tuple(line[name] for name in columns) for line in lines]
+    return table([name.lower() if name.isalpha() and name not in ("MPN", "LCSC") else name for name in columns], rows,
+                 "bill of materials; board/bom.csv names the source of each number", "broad")  # fmt: skip

@@ -1,0 +1,75 @@
+"""HTML elements from Python calls: whatever is not marked as HTML already is escaped."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from html import escape, unescape
+
+_VOID = frozenset({"br", "col", "hr", "img", "input", "link", "meta"})
+"""Elements without content."""
+
+
+class Markup(str):
+    """Text that is HTML already."""
+
+    __slots__ = ()
+
+
+def element(name: str, /, *children: str, **attributes: str | float | bool | None) -> Markup:
+    """Build an element.
+
+    Parameters
+    ----------
+    name
+        Name of the element.
+    children
+        Content: markup as it is, other text escaped.
+    attributes
+        Attributes. An underscore at the end of a name is dropped, others become hyphens. True gives a bare attribute,
+        None and False none.
+    """
+    pairs = "".join(_attribute(key, value) for key, value in attributes.items())
+    if name in _VOID:
+        return Markup(f"<{name}{pairs}>")
+    return Markup(f"<{name}{pairs}>{join(children)}</{name}>")
+
+
+def code(name: str) -> Markup:
+    """Build a name of parameters, checks or files, which may break after a dot or an underscore."""
+    pieces = re.split(r"(?<=[._])", name)
+    return Markup("<wbr>".join(escape(piece, quote=False) for piece in pieces))
+
+
+def join(children: Iterable[str]) -> Markup:
+    """Join pieces of content; text that is not markup is escaped."""
+    return Markup("".join(child if isinstance(child, Markup) else escape(child, quote=False) for child in children))
+
+
+def figure(picture: Markup, caption: str, label: str = "", class_: str = "") -> Markup:
+    """Build a picture with its caption. It scrolls by itself where it is wider than the page."""
+    said = [element("figcaption", caption)] if caption else []
+    inner = element("figure", picture, *said, class_=class_ or None)
+    return element("div", inner, class_="scroll", role="group", aria_label=label or caption)
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", class_: str = "") -> Markup:
+    """Build a table. It scrolls by itself where it is wider than the page."""
+    title = [element("caption", caption)] if caption else []
+    header = element("thead", element("tr", *(element("th", cell, scope="col") for cell in head)))
+    body = element("tbody", *(element("tr", *(element("td", cell) for cell in row)) for row in rows))
+    inner = element("table", *title, header, body, class_=class_ or None)
+    label = caption or ", ".join(str(cell) for cell in head)
+    return element("div", inner, class_="scroll", role="group", aria_label=_plain(label))
+
+
+def _plain(text: str) -> str:
+    """Drop the elements of a markup, for an attribute."""
+    return unescape(re.sub(r"<[^>]*>", "", text)) if isinstance(text, Markup) else text
+
+
+def _attribute(key: str, value: str | float | bool | None) -> str:
+    if value is None or value is False:
+        return ""
+    name = key.rstrip("_").replace("_", "-")
+    return f" {name}" if value is True else f' {name}="{escape(str(value))}"'

@@ -1,0 +1,77 @@
+"""Parameters of a page: value, unit, bounds, what each means, and what of the design it shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from fingertip.design import Design
+from fingertip.design.export import Parameter, format_value, list_parameters
+from fingertip.page.html import Markup, code, element, join, table
+from fingertip.page.moves import shapes_of_parameters
+from fingertip.page.scene import label_item
+
+_EFFECTS = {
+    "silicone": ("quantities and times of casting", "casting"),
+    "printer": ("compensation and checks of the printed parts", "checks"),
+    "strength": ("safety factors of the bone", "checks"),
+    "force_curve": ("forces and voltages", "trial"),
+    "board": ("component values of the board", "board"),
+    "detector": ("detection of slip", "trial"),
+}
+"""Table of parameters -> what it decides beside shapes, and the section that shows it."""
+
+
+def render_parameters(design: Design) -> Markup:
+    """Render all parameters by their tables. The name of one that shapes parts is a button that highlights them."""
+    moved, tables = shapes_of_parameters(design), _group_parameters()
+    parts = [
+        element(
+            "p",
+            "Press the name of a parameter to see in the 3D view what it shapes: every part whose shape reads it. "
+            "Change one in the design file, or with ", element("code", "--set TABLE.KEY=VALUE"), ".",
+        )
+    ]  # fmt: skip
+    for name, parameters in tables.items():
+        changed = sum(design.value(p.path) != p.default for p in parameters)
+        note = f", {changed} changed" if changed else ""
+        title = f"{name or 'design'}: {len(parameters)} parameter{'s' if len(parameters) > 1 else ''}{note}"
+        rows = [_render_row(design, parameter, moved) for parameter in parameters]
+        body = table(("parameter", "value", "bounds"), rows, f"parameters of [{name}]" if name else "name")
+        parts.append(element("details", element("summary", title), body, open=name == "skin"))
+    return join(parts)
+
+
+def _group_parameters() -> dict[str, list[Parameter]]:
+    tables: dict[str, list[Parameter]] = {}
+    for parameter in list_parameters():
+        tables.setdefault(parameter.path.rpartition(".")[0], []).append(parameter)
+    return tables
+
+
+def _render_row(design: Design, parameter: Parameter, moved: Mapping[str, tuple[str, ...]]) -> tuple[str, str, str]:
+    path, value = parameter.path, design.value(parameter.path)
+    items = moved.get(path, ())
+    if items:
+        name = element(
+            "button", code(path), type="button", class_="code", data_moves=" ".join(items), aria_pressed="false",
+            id=f"p-{path}",
+        )  # fmt: skip
+    else:
+        name = element("span", code(path), class_="code", id=f"p-{path}", tabindex="-1")
+    shown = element("span", f"{format_value(value)} {parameter.unit}".rstrip(), class_="num")
+    if value != parameter.default:
+        shown = join((shown, element("br"), element("small", f"default {format_value(parameter.default)}")))
+    description = element("div", parameter.description)
+    return join((name, description, _describe_effect(path, items))), shown, parameter.bounds
+
+
+def _describe_effect(path: str, items: tuple[str, ...]) -> Markup:
+    """Say what a parameter decides."""
+    effect = _EFFECTS.get(path.partition(".")[0])
+    if items:
+        said: tuple[str, ...] = ("Shapes ", ", ".join(dict.fromkeys(label_item(item) for item in items)), ".")
+    elif effect:
+        said = ("Decides ", element("a", effect[0], href=f"#{effect[1]}"), ".")
+    else:
+        said = ("Shapes no part of this design: a limit, or a choice that it does not use.",)
+    return element("small", *said)

@@ -1,0 +1,144 @@
+"""Page of a design as one HTML file: every style, script, mesh and picture is within it, and it asks no network.
+
+The content security policy at its top allows nothing else: the browser itself refuses every request, and every script
+but the two whose hashes it states.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from importlib.resources import files
+
+from fingertip._version import __version__
+from fingertip.page.basis_section import render_basis
+from fingertip.page.board_section import render_board
+from fingertip.page.casting_section import render_casting, render_drawing
+from fingertip.page.checks_section import render_checks, render_verdict
+from fingertip.page.html import Markup, element
+from fingertip.page.model_section import render_model, render_no_view, scene_json
+from fingertip.page.parameters_section import render_parameters
+from fingertip.page.scene import Item, list_items
+from fingertip.page.sources import Sources
+from fingertip.page.trial_section import render_trial
+
+ARTICLE_DOI = "10.1109/TMRB.2021.3060032"
+_LEAD = "A sensorised prosthetic fingertip: printed bone and mold, silicone skin, filter board, slip detector."
+_SECTIONS = (
+    ("model", "Model"), ("checks", "Checks"), ("parameters", "Parameters"), ("casting", "Casting guide"),
+    ("drawing", "Drawing"), ("board", "Board"), ("response", "Response"), ("trial", "Trial"), ("basis", "Basis"),
+)  # fmt: skip
+
+
+def render_page(sources: Sources) -> bytes:
+    """Render the page of a design. The same files give the same bytes.
+
+    Parameters
+    ----------
+    sources
+        Files of the design, from `sources.read_sources`.
+    """
+    name, items = sources.design.name, list_items(sources.design, sources.files)
+    style = _read_asset("page.css")
+    library = f"/*\n{_read_asset('three.LICENSE')}*/\n{_read_asset('three.bundle.js')}"
+    scripts = (library, _read_asset("viewer.js"))
+    head = element(
+        "head",
+        element("meta", charset="utf-8"),
+        element("meta", http_equiv="Content-Security-Policy", content=_policy(style, scripts)),
+        element("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        element("title", f"{name}: fingertip"),
+        element("style", Markup(style)),
+    )
+    body = element(
+        "body",
+        element("a", "Skip to the content", href="#content", class_="skip"),
+        _render_header(sources),
+        _render_navigation(),
+        element("main", *_render_sections(sources, items), id="content"),
+        _render_footer(),
+        element("script", scene_json(items), type="application/json", id="scene"),
+        *(element("script", Markup(script)) for script in scripts),
+    )
+    page = element("html", head, body, lang="en", data_design=name)
+    return f"<!DOCTYPE html>\n{page}\n".encode()
+
+
+def _render_sections(sources: Sources, items: tuple[Item, ...]) -> list[Markup]:
+    design = sources.design
+    model = element("div", element("h2", "Model", id="model"), render_no_view(), render_model(items), class_="model")
+    checks = element("div", element("h2", "Checks", id="checks"), render_checks(sources.report), class_="checks")
+    parameters = element("div", element("h2", "Parameters", id="parameters"), render_parameters(design))
+    beside = element("section", element("div", model, element("div", checks, parameters), class_="beside"))
+    rest = (
+        ("casting", "Casting guide", render_casting(sources)),
+        ("drawing", "Dimensioned drawing", render_drawing(sources)),
+        ("board", "Board", render_board(sources)),
+        ("trial", "Trial and detection", render_trial(sources)),
+        ("basis", "What is simulated and what is measured", render_basis(design)),
+    )
+    return [
+        beside,
+        *(
+            element("section", element("h2", title, id=name), content, aria_labelledby=name)
+            for name, title, content in rest
+        ),
+    ]
+
+
+def _render_header(sources: Sources) -> Markup:
+    design, report = sources.design, sources.report
+    skin, strength = design.skin, report.get("strength")
+    facts = [
+        ("sensor", design.dimensions.sensor.label),
+        ("skin", f"{skin.width_mm:g} mm wide, {skin.length_mm:g} mm long"),
+        ("made by", "overmolding" if design.mold.method == "overmold" else "a sleeve, pulled over"),
+        ("board", f"{design.board.variant}, {design.board.supply} supply"),
+        ("detector threshold", f"{1000 * design.detector.threshold_v:g} mV"),
+    ]
+    if strength:
+        facts.append(("bone's safety factor", f"{strength['grip_safety_factor']:.1f} at the grip force"))
+    terms = (element("div", element("dt", term), element("dd", value)) for term, value in facts)
+    return element(
+        "header",
+        element("h1", f"Fingertip {design.name}"),
+        element("p", _LEAD, class_="lead"),
+        render_verdict(report),
+        element("dl", *terms, class_="facts"),
+    )  # fmt: skip
+
+
+def _render_navigation() -> Markup:
+    links = (element("li", element("a", label, href=f"#{name}")) for name, label in _SECTIONS)
+    return element("nav", element("ul", *links), aria_label="sections")
+
+
+def _render_footer() -> Markup:
+    return element(
+        "footer",
+        element(
+            "p", "After R. A. Romeo, C. Lauretti, C. Gentile, E. Guglielmelli, L. Zollo: Method for Automatic Slippage "
+            "Detection With Tactile Sensors Embedded in Prosthetic Hands. IEEE Transactions on Medical Robotics and "
+            "Bionics 3(2), 485-497, 2021. ", element("a", f"doi:{ARTICLE_DOI}", href=f"https://doi.org/{ARTICLE_DOI}"),
+        ),
+        element(
+            "p", f"Made by fingertip {__version__}. The 3D view uses three.js, under the MIT License that stands in "
+            "this file. This page needs no network.",
+        ),
+    )  # fmt: skip
+
+
+def _policy(style: str, scripts: tuple[str, ...]) -> str:
+    hashes = " ".join(_hash(script) for script in scripts)
+    return (
+        f"default-src 'none'; script-src {hashes}; style-src {_hash(style)}; img-src data: blob:; base-uri 'none'; "
+        "form-action 'none'"
+    )
+
+
+def _hash(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode('ascii')}'"
+
+
+def _read_asset(name: str) -> str:
+    return (files("fingertip.page") / "assets" / name).read_text(encoding="utf-8")

@@ -1,0 +1,108 @@
+"""Files that a page shows: those in the folder of a design, if they are whole and made from its parameters.
+
+Parts and casting sheet must be there. Whatever else is missing or old leaves a remark with the command that makes it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fingertip.build_files import REPORT, SHEET, STEPS_FOLDER
+from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.design import Design
+from fingertip.errors import Issue, OutputError
+from fingertip.output_set import Manifest, hash_parameters, read_manifest
+from fingertip.output_set.content import hash_content
+from fingertip.sim.trace_export import SIGNAL_FOLDER
+
+BOARD_FOLDER = "board"
+"""Folder of the board within the output folder of a design."""
+_MAKE = "fingertip make DESIGN"
+_COMMANDS = {
+    STEPS_FOLDER: "fingertip build DESIGN --pictures",
+    BOARD_FOLDER: "fingertip board DESIGN --bringup",
+    SIGNAL_FOLDER: _MAKE,
+}
+"""Folder of a set below the parts -> command that makes it."""
+_SHOWN = (".md", ".json", ".svg", ".csv", ".png", ".stl", ".kicad_sch", ".kicad_pcb")
+"""Ends of the names of files that a page may show."""
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Files of a design, by their path in its folder."""
+
+    design: Design
+    report: Mapping[str, Any]
+    """Content of report.json."""
+    files: Mapping[str, bytes]
+    """Path, such as "bone.stl" or "board/bom.csv" -> content."""
+    remarks: Mapping[str, str]
+    """Folder of a set that is missing, old or changed -> sentence that says so and names the command."""
+
+    def text(self, name: str) -> str | None:
+        """Return a file as text; None if it is not there."""
+        data = self.files.get(name)
+        return None if data is None else data.decode("utf-8")
+
+
+def read_sources(design: Design, folder: Path) -> Sources:
+    """Read the files of a design from its folder.
+
+    Raises
+    ------
+    OutputError
+        If parts are missing, were changed or were made from other parameters. All faults are reported at once.
+    """
+    wanted = hash_parameters(design.model_dump(mode="json"))
+    manifest = read_manifest(folder)
+    if manifest is None or manifest.kind != "parts":
+        raise OutputError(Issue(str(folder), f"holds no parts of {design.name!r}; {_MAKE} makes them."))
+    if manifest.parameters != wanted:
+        message = f"holds parts of {manifest.design!r} that were made from other parameters; {_MAKE} makes them again."
+        raise OutputError(Issue(str(folder), message))
+    files = dict(_read_set(folder, manifest))
+    required = (*(f"{part}.stl" for part in parts_by_name(design)), REPORT, SHEET)
+    if issues := [
+        *(Issue(str(folder / name), f"is missing; {_MAKE} makes it.") for name in required if name not in files),
+        *(
+            Issue(str(folder / name), f"was changed after it was written; {_MAKE} makes it again.")
+            for name in required
+            if name in files and hash_content(files[name]) != manifest.files[name]
+        ),
+    ]:
+        raise OutputError(issues)
+    remarks = {}
+    for kind, command in _COMMANDS.items():
+        found = _read_current_set(folder / kind, wanted)
+        if isinstance(found, str):
+            remarks[kind] = f"{found}; {command} makes them."
+        else:
+            files |= {f"{kind}/{name}": data for name, data in found.items()}
+    report = json.loads(files[REPORT])
+    return Sources(design, report, files, remarks)
+
+
+def _read_current_set(folder: Path, parameters: str) -> dict[str, bytes] | str:
+    """Read a set below the parts; a string says why it cannot be shown."""
+    manifest = read_manifest(folder)
+    name = f"The files in {folder.name}/"
+    if manifest is None:
+        return f"{name} are missing"
+    if manifest.parameters != parameters:
+        return f"{name} were made from other parameters"
+    files = dict(_read_set(folder, manifest))
+    if any(hash_content(data) != manifest.files[name] for name, data in files.items()):
+        return f"{name} were changed after they were written"
+    return files
+
+
+def _read_set(folder: Path, manifest: Manifest) -> Iterator[tuple[str, bytes]]:
+    """Yield the files of a set that a page may show and that are there."""
+    for name in sorted(manifest.files):
+        if name.endswith(_SHOWN) and (folder / name).is_file():
+            yield name, (folder / name).read_bytes()

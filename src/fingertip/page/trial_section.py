@@ -1,0 +1,31 @@
+"""Trial of a page: the simulated trace, read back from its file, and the slip that the detector finds in it."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from fingertip.detect_trace import detect_file
+from fingertip.page.html import Markup, element, join
+from fingertip.page.sources import Sources
+from fingertip.page.trial_plot import draw_onset, draw_trial
+from fingertip.sim.trace_export import SIGNAL_FOLDER, TRACE
+
+
+def render_trial(sources: Sources) -> Markup:
+    """Render trial and detection, or say how to make them."""
+    if SIGNAL_FOLDER in sources.remarks:
+        return element("p", sources.remarks[SIGNAL_FOLDER], class_="note")
+    data = sources.files.get(f"{SIGNAL_FOLDER}/{TRACE}")
+    if data is None:
+        remedy = (f"{SIGNAL_FOLDER}/{TRACE} is missing; ", element("code", "fingertip make DESIGN"), " makes it.")
+        return element("p", *remedy, class_="note")
+    with tempfile.TemporaryDirectory() as temporary:
+        path = Path(temporary) / TRACE
+        path.write_bytes(data)
+        found = detect_file(path, sources.design)
+    onset = draw_onset(found.trace, found.detection)
+    parts = [element("h3", "The onset of the slip"), onset] if onset else []
+    warnings = [element("p", warning, class_="note") for warning in found.warnings]
+    whole = draw_trial(found.trace, found.detection)
+    return join((*parts, element("h3", "The whole trial"), whole, *warnings))

@@ -1,0 +1,229 @@
+"""Pieces of a page, each against what it must not do or what something else says."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip import Design
+from fingertip.board.analysis.analyse import bode_table
+from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.page import markdown
+from fingertip.page.html import Markup, code, element, figure, table
+from fingertip.page.kicad_text import first, lists, numbers, parse, points, turn, word, words
+from fingertip.page.layout_svg import render_copper, render_placement
+from fingertip.page.model_section import scene_json
+from fingertip.page.moves import shapes_of_parameters
+from fingertip.page.response_plot import draw_response
+from fingertip.page.scene import Item, label_item
+from fingertip.page.schematic_svg import find_place, list_bodies, render_schematic
+from fingertip.page.svg_plot import Axis, Frame, number
+from fingertip.page.trial_plot import _reduce
+from tests.page.conftest import Page, strip_elements
+
+EVIL = "<script>alert(1)</script>\"'&"
+
+
+def test_text_is_never_markup() -> None:
+    for built in (
+        element("p", EVIL),
+        element("p", element("b", EVIL), title=EVIL),
+        element("p", code(EVIL)),
+        table([EVIL], [[EVIL]], EVIL),
+        figure(element("img", alt=EVIL), EVIL),
+        markdown.render(f"# {EVIL}\n\n{EVIL}\n\n- {EVIL}\n\n| a |\n| --- |\n| {EVIL} |\n\n**{EVIL}** `{EVIL}`"),
+        markdown.list_steps(f"1. {EVIL}\n\n   ![{EVIL}](x.png)", {"x.png": EVIL}),
+    ):
+        page = Page(built)
+        assert not page.faults, built
+        assert "script" not in {tag for tag, _ in page.elements}
+        assert not [key for _, attributes in page.elements for key in attributes if key == "alert(1)"]
+
+
+def test_markup_stays_markup() -> None:
+    """The same test would fail for text that is wrongly taken as markup."""
+    assert "script" in {tag for tag, _ in Page(element("p", Markup("<script></script>"))).elements}
+    assert element("p", element("b", "x"), class_="a", hidden=True, id=None) == '<p class="a" hidden><b>x</b></p>'
+
+
+def test_no_name_ends_the_script_that_holds_the_scene() -> None:
+    mesh = Mesh(np.eye(3), np.array([[0, 1, 2]]))
+    item = Item("</script>", EVIL, mesh, 1.0, (0, 0, 0), False, (0, 0, 0), (0, 0, 0))
+    text = scene_json([item])
+    assert "<" not in text
+    assert json.loads(text)[0]["name"] == "</script>"
+
+
+def test_pictures_that_nobody_embedded_are_left_out() -> None:
+    assert "img" not in markdown.render("![x](http://example.org/x.png)")
+
+
+def test_markdown_keeps_every_cell_and_item() -> None:
+    text = "Intro\nof two lines\n\n| a | b |\n| --- | --- |\n| 1 | **2** |\n\n- x\n  goes on\n- y `z`\n\nEnd"
+    html = markdown.render(text)
+    assert strip_elements(html) == "Intro of two linesab12x goes ony zEnd"
+    assert [html.count(f"<{tag}") for tag in ("td", "th ", "li", "p>", "strong", "code")] == [2, 2, 2, 2, 1, 1]
+
+
+def test_sections_are_split_at_their_headings() -> None:
+    assert markdown.split_sections("# T\nx\n## A\na\n### B\nb\n## C\n") == {
+        "": "# T\nx\n",
+        "A": "a\n### B\nb\n",
+        "C": "",
+    }
+
+
+def test_ticks_are_round_and_within() -> None:
+    assert Axis(1.79, 1.96, "").ticks(8) == [1.8, 1.85, 1.9, 1.95]
+    assert Axis(10, 1e5, "", True).ticks(8) == [10, 100, 1000, 10_000, 100_000]
+    assert Axis(-20, 40, "").ticks(5) == [-20, 0, 20, 40]
+
+
+def test_points_are_placed_by_their_axes() -> None:
+    frame = Frame(Axis(1, 100, "", True), Axis(0, 2, ""), 10, 20, 200, 100)
+    assert frame.point(10, 1) == pytest.approx((110, 70))
+    assert frame.point(1000, -1) == pytest.approx((210, 120))  # beyond the axes: on the border
+    assert number(-0.04) == "0"
+
+
+def test_reduced_lines_keep_their_extremes() -> None:
+    rng = np.random.default_rng(3)
+    x, y = np.arange(50_000) / 2000, rng.normal(size=50_000)
+    reduced = _reduce(x, y)
+    assert len(reduced) < 1400
+    assert (min(b for _, b in reduced), max(b for _, b in reduced)) == (y.min(), y.max())
+    assert [a for a, _ in reduced] == sorted(a for a, _ in reduced)
+
+
+def test_response_agrees_with_the_bode_table(design: Design) -> None:
+    """The line on the page, read back from its pixels, is the gain that the network's equations give."""
+    svg = Page(draw_response(design))
+    lines = [a for tag, a in svg.elements if tag == "path" and a.get("stroke") == "var(--series-1)"]
+    (data,) = (a["d"] or "" for a in lines)
+    spots = [tuple(map(float, pair.split())) for pair in data[1:].split("L")]
+    rows = [row.split(",") for row in bode_table(design, 10.0, 1e5).splitlines()[1:]]
+    assert len(rows) == len(spots)
+    labels = [(float(a["y"] or 0) - 4, word) for (tag, a), word in _texts(svg) if a.get("text-anchor") == "end"]
+    (y0, low), (y1, high) = ((y, float(word)) for y, word in (labels[0], labels[-1]))
+    for (_, y), row in zip(spots, rows, strict=True):
+        assert low + (y - y0) / (y1 - y0) * (high - low) == pytest.approx(float(row[5]), abs=0.03)
+
+
+def _texts(page: Page) -> list[tuple[tuple[str, dict[str, str | None]], str]]:
+    """Text elements with their words."""
+    words_of = [word for word in page.words if word.strip()]
+    elements = [entry for entry in page.elements if entry[0] in ("title", "text", "figcaption")]
+    assert len(words_of) == len(elements)
+    return [(entry, word) for entry, word in zip(elements, words_of, strict=True) if entry[0] == "text"]
+
+
+def test_expressions_of_kicad_are_read_back() -> None:
+    assert parse('(a "b \\"c\\" (d)" (e 1.5 -2) f)') == ("a", 'b "c" (d)', ("e", "1.5", "-2"), "f")
+    assert turn(1, 0, 90) == pytest.approx((0, -1))  # up, as y points down
+
+
+def test_pins_of_the_schematic_meet_its_wires(folder: Path) -> None:
+    """A symbol that is turned or mirrored wrongly has pins beside its wires."""
+    sheet = parse((folder / "board" / "slip_filter.kicad_sch").read_text())
+    library = {words(symbol)[0]: symbol for symbol in lists(first(sheet, "lib_symbols"), "symbol")}
+    wires = [points(wire) for wire in lists(sheet, "wire")]
+    pins = [
+        find_place(symbol)(*numbers(first(pin, "at"))[:2])
+        for symbol in lists(sheet, "symbol")
+        for body in list_bodies(symbol, library[word(symbol, "lib_id")])
+        for pin in lists(body, "pin")
+    ]
+    assert len(pins) > 80
+
+    def on_wire(x: float, y: float) -> bool:
+        return any(
+            min(x0, x1) - 1e-6 <= x <= max(x0, x1) + 1e-6 and min(y0, y1) - 1e-6 <= y <= max(y0, y1) + 1e-6
+            for (x0, y0), (x1, y1) in wires
+        )
+
+    alone = [(x, y) for x, y in pins if not on_wire(x, y)]
+    assert [spot for spot in alone if sum(math.dist(spot, other) < 1e-6 for other in pins) < 2] == []
+
+
+def test_pictures_of_the_board_name_every_component(folder: Path) -> None:
+    board = folder / "board"
+    schematic = Page(render_schematic((board / "slip_filter.kicad_sch").read_text(), "s"))
+    layout_text = (board / "slip_filter.kicad_pcb").read_text()
+    placement, copper = Page(render_placement(layout_text, "p")), Page(render_copper(layout_text, "c"))
+    assert not [*schematic.faults, *placement.faults, *copper.faults]
+    for line in (board / "bom.csv").read_text().splitlines()[1:]:
+        for reference in line.split(",")[1].split():
+            assert reference in schematic.words
+            assert reference in placement.words
+    layout = parse(layout_text)
+    segments = [a for tag, a in copper.elements if tag == "path" and a.get("stroke-linecap")]
+    assert len(segments) == len([*lists(layout, "segment")])
+    pads = [p for f in lists(layout, "footprint") for p in lists(f, "pad") if words(p)[2] != "circle"]
+    for page in (placement, copper):
+        assert len([a for tag, a in page.elements if tag == "rect"]) == len(pads)
+
+
+def test_tracks_end_in_pads_as_they_are_drawn(folder: Path) -> None:
+    """A footprint that is turned wrongly has pads beside the tracks of their net."""
+    text = (folder / "board" / "slip_filter.kicad_pcb").read_text()
+    layout, page = parse(text), Page(render_copper(text, "c"))
+    ends: dict[str, list[tuple[float, float]]] = {}
+    for track in lists(layout, "segment"):
+        for end in ("start", "end"):
+            x, y = numbers(first(track, end))[:2]
+            ends.setdefault(word(track, "net"), []).append((x, y))
+    pads = [p for f in lists(layout, "footprint") for p in lists(f, "pad") if words(p)[2] != "circle"]
+    drawn = [a for tag, a in page.elements if tag == "rect"]
+    routed = 0
+    for pad, rect in zip(pads, drawn, strict=True):
+        net, name = words(first(pad, "net"))
+        if name == "GND":  # lies in the poured copper
+            continue
+        width, height = float(rect["width"] or 0), float(rect["height"] or 0)
+        x, y = float(rect["x"] or 0) + width / 2, float(rect["y"] or 0) + height / 2
+        angle = float((rect.get("transform") or "rotate(0 ").removeprefix("rotate(").split()[0])
+        inside = [
+            abs(dx) <= width / 2 and abs(dy) <= height / 2
+            for dx, dy in (turn(ex - x, ey - y, angle) for ex, ey in ends[net])
+        ]
+        assert any(inside), (name, x, y)
+        routed += 1
+    assert routed > 50
+
+
+def test_labels_of_items_are_for_people() -> None:
+    assert [label_item(name) for name in ("mold_bolt_3", "mold_palmar", "bone")] == [
+        "mold bolts",
+        "mold palmar",
+        "bone",
+    ]
+
+
+CHANGED = (
+    "skin.width_mm", "bone.channel_diameter_mm", "mold.fit_clearance_mm", "mold.nut_depth_mm", "mold.wall_mm",
+    "sensor.clearance_mm", "bone.post_width_mm", "mold.chaplet_from_tip_mm", "board.cutoff_hz", "mold.runner_depth_mm",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("path", CHANGED)
+def test_whatever_a_parameter_changes_is_highlighted(path: str, design: Design) -> None:
+    """Shapes that differ after a small change, against the parameters that they were recorded to read."""
+    moved = set(shapes_of_parameters(design).get(path, ()))
+    other = design.with_values({path: design.value(path) * 1.02})
+    changed = {name for name, part in parts_by_name(design).items() if part.solid(other) != part.solid(design)}
+    assert changed <= moved
+    assert bool(changed) == (path.partition(".")[0] not in ("board", "detector"))
+
+
+def test_electronics_move_nothing(design: Design) -> None:
+    tables = {path.partition(".")[0] for path in shapes_of_parameters(design)}
+    assert not tables & {"board", "detector", "force_curve", "silicone"}
+    assert {path for path in shapes_of_parameters(design)} <= set(PARAMETERS)
+    assert "mold_bolt_1" in shapes_of_parameters(design)["mold.bolt_diameter_mm"]
+    assert shapes_of_parameters(design)["bone.channel_diameter_mm"] == ("bone",)

@@ -162,7 +162,10 @@ def is_tone(name: str) -> bool:
 def list_levels(bench: Bench) -> tuple[tuple[str, float], ...]:
     """Nets and frequencies [Hz] at which the tone is measured."""
     low, middle, high = bench.tones_hz
-    return (FILTERED, low), (FILTERED, middle), (FILTERED, high), (STAGE1_OUT, middle), (STAGE2_MID, middle)
+    return (
+        (FILTERED, low), (FILTERED, middle), (FILTERED, high), (STAGE1_OUT, middle),
+        (STAGE2_MID, low), (STAGE2_MID, middle), (STAGE2_MID, high),
+    )  # fmt: skip
 
 
 def _predict_linear(board: Board, fault: Fault, tone_v: float) -> tuple[dict[str, float], tuple[Drive, Drive]]:

@@ -214,6 +214,8 @@ def test_checks_that_are_off_find_what_the_readme_says(tmp_path: Path) -> None:
     kicad_cli(folder, "sch", "erc", SCHEMATIC, "--severity-all", "--format", "json", "-o", "erc.json")
     drc, erc = (json.loads((folder / name).read_text("utf-8")) for name in ("drc.json", "erc.json"))
     on_board = [violation["type"] for violation in drc["violations"]]
-    assert on_board == ["lib_footprint_mismatch"] * len(CIRCUIT.components)
+    footprints = (folder / LAYOUT).read_text("utf-8").count("\n  (footprint ")
+    assert footprints == len(CIRCUIT.components) + 3  # fiducials
+    assert on_board == ["lib_footprint_mismatch"] * footprints
     in_schematic = {violation["type"] for sheet in erc["sheets"] for violation in sheet["violations"]}
     assert in_schematic == {"lib_symbol_mismatch"}

@@ -126,7 +126,7 @@ def test_outputs_stay_within_the_supply_in_ngspice(tmp_path: Path, variant: str,
     assert volts.min() > -1e-3
     assert volts.max() < 3.3 + 1e-3
     settled = dict(zip(pins, volts[-1], strict=True))
-    assert settled["m_out"] == pytest.approx(1.65, abs=0.02)
+    assert settled["m_out"] == pytest.approx(3.3 * 44.2 / 99.1, abs=0.02)
     if condition == "open":
         assert settled["adc_tactile"] == pytest.approx(2.7, abs=0.1)
     if condition == "shorted":

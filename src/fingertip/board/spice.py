@@ -24,6 +24,7 @@ from fingertip.board.components.amplifiers import (
 )
 from fingertip.board.components.anti_aliasing import CLAMP_A, LOW_LEAKAGE_A, LOW_LEAKAGE_CLAMP
 from fingertip.board.components.bridge import GAIN_CONSTANT_OHM, sensor_conductance_s
+from fingertip.board.components.diodes import EMISSION, SATURATION_A, SERIES_OHM
 
 SENSOR_FORCE_N = 0.8
 """Force on the deck's sensor: the middle of the three forces for which the article states a voltage."""
@@ -200,7 +201,7 @@ E4 out 0 pole 0 1
 * LMV331: no offset, no delay; 10 uV of its own hysteresis for the solver's sake.
 .model open_collector SW(Vt=0 Vh=5u Ron=50 Roff=1G)
 * 1N4148: forward 0.62 V at 1 mA, 4 pF; figures of a common model, not measured.
-.model D1N4148 D(Is=2.52n Rs=0.568 N=1.752 Cjo=4p M=0.4 tt=20n)
+.model D1N4148 D(Is={diode_na:g}n Rs={diode_ohm:g} N={emission:g} Cjo=4p M=0.4 tt=20n)
 * BAT54: Schottky, forward 0.24 V at 0.1 mA, 10 pF; figures of a common model, not measured.
 .model DBAT54 D(Is={clamp_a:.10g} Rs=2 N=1.1 Cjo=12p M=0.4)"""
 
@@ -220,6 +221,9 @@ def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Ite
         output_ohm=_equivalent_noise_ohm(AD623_OUTPUT_NOISE_V),
         pole_farad=(1.0 + GAIN_CONSTANT_OHM / gain_ohm) / (math.tau * AD623_BANDWIDTH_HZ),
         clamp_a=CLAMP_A,
+        diode_na=1e9 * SATURATION_A,
+        diode_ohm=SERIES_OHM,
+        emission=EMISSION,
     )
     if any(component.value == LOW_LEAKAGE_CLAMP for component in circuit.components):
         yield _LOW_LEAKAGE_MODEL.format(low_leakage_a=LOW_LEAKAGE_A)

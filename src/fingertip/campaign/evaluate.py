@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -127,14 +127,14 @@ def _score_trial(
         slip, delay = next((s, d) for s, d in zip(scored.slips, counted, strict=True) if d in delays)
         since = (trace.time_s >= slip.onset_s + (delay or 0.0)) & (trace.time_s < slip.end_s)
         on_share = float(np.mean(on[since])) if since.any() else 0.0
-    alarms = [_find_cause(case, alarm, scored.slips) for alarm in _separate_events(scored.false_intervals)]
+    alarms = [_find_cause(case, alarm, scored.slips) for alarm in separate_events(scored.false_intervals)]
     alarms += ["before slip"] * len(early)
     duration = float(trace.time_s[-1] - trace.time_s[0])
     creep = max(0.0, scored.slips[0].onset_s - motion_s) if scored.slips and motion_s is not None else 0.0
     return TrialResult(case, duration, force_n, len(scored.slips), delays, on_share, tuple(alarms), creep)
 
 
-def _separate_events(alarms: Sequence[Interval]) -> list[Interval]:
+def separate_events(alarms: Iterable[Interval]) -> list[Interval]:
     """Keep the first alarm of each event."""
     kept: list[Interval] = []
     end = -np.inf

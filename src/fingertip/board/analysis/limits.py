@@ -19,8 +19,8 @@ from fingertip.design.parameters import Detector
 # inputs up by the drop of a diode and must stay clear of both rails, as must the output.
 _INPUT_SHIFT_V = 0.59
 _INTERNAL_MARGIN_V = 0.11
-_OUTPUT_UPPER_MARGIN_V = 0.5
-_OUTPUT_LOWER_MARGIN_V = 0.01
+OUTPUT_UPPER_MARGIN_V = 0.5
+OUTPUT_LOWER_MARGIN_V = 0.01
 _INPUT_UPPER_MARGIN_V = 1.5
 """Distance of the AD623's inputs from its positive supply for which it is specified [V] (its data sheet, input voltage
 range; recalled, unverified)."""
@@ -216,6 +216,6 @@ def _bridge_amplifier_margin_v(volts: dict[str, float], supply: Supply, supply_v
     return min(
         supply_v - _INTERNAL_MARGIN_V - (common_v + _INPUT_SHIFT_V + half_v),
         common_v + _INPUT_SHIFT_V - half_v - lower_v,
-        supply_v - _OUTPUT_UPPER_MARGIN_V - output_v,
-        output_v - lower_v - _OUTPUT_LOWER_MARGIN_V,
+        supply_v - OUTPUT_UPPER_MARGIN_V - output_v,
+        output_v - lower_v - OUTPUT_LOWER_MARGIN_V,
     )

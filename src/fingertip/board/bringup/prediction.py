@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.arrays import Array
+from fingertip.board.analysis.limits import OUTPUT_LOWER_MARGIN_V, OUTPUT_UPPER_MARGIN_V
 from fingertip.board.bringup.bench import TONE, TONE_V, Bench, connect_tone, set_up_bench
 from fingertip.board.bringup.faults import Fault
 from fingertip.board.bringup.rectifier import Drive, mean_voltages
@@ -40,8 +41,6 @@ from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
 from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 
-# Limits of the bridge amplifier's output from the rails [V], from its data sheet (`analysis.limits`).
-_BRIDGE_LOW_V, _BRIDGE_HIGH_V = 0.01, 0.5
 _MAX_SATURATED = 8
 _TONE_END = "hz_v"
 _PATH = (VREF, VMID, TACTILE, STAGE1_OUT, FILTERED)
@@ -107,7 +106,7 @@ class Board:
         if amplifier != "U2":
             return self.swing_v
         low_rail = 0.0 if self.signal_ground == VMID else self.rails_v[VEE]
-        return low_rail + _BRIDGE_LOW_V, self.rails_v[VCC] - _BRIDGE_HIGH_V
+        return low_rail + OUTPUT_LOWER_MARGIN_V, self.rails_v[VCC] - OUTPUT_UPPER_MARGIN_V
 
 
 def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict[str, float]]:

@@ -18,14 +18,12 @@ from numpy.typing import NDArray
 from fingertip.arrays import Array
 from fingertip.board.circuit import RAILS, Circuit
 from fingertip.board.circuits.signal_paths import RECT_OUT
+from fingertip.board.components.diodes import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
 from fingertip.board.nets import ENVELOPE, FILTERED
 from fingertip.board.network import Network, build_network, list_amplifiers
 
 Indices = NDArray[np.int_]
 
-SATURATION_A, EMISSION, SERIES_OHM = 2.52e-9, 1.752, 0.568
-"""1N4148: the common model that the SPICE deck contains too."""
-_THERMAL_V = 0.02585
 _LIMIT_GAIN = 1e3
 """Gain with which an output is held at the end of its swing: the smaller, the softer the limit."""
 _NEWTON_STEPS, _TOLERANCE_V = 30, 1e-7
@@ -145,7 +143,7 @@ class _Batch:
 
     def _add_diodes(self, active: Indices, v: Array, given: Array, residual: Array, jacobian: Array) -> None:
         volts, rows = np.concatenate((v, given), axis=1), np.arange(len(active))
-        slope = EMISSION * _THERMAL_V
+        slope = EMISSION * THERMAL_V
         # Above this voltage the exponential continues as its tangent, so that no Newton step overflows.
         top = slope * math.log(slope / (SATURATION_A * SERIES_OHM))
         for k in range(self._diodes.shape[1]):

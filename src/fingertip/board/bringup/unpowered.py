@@ -7,11 +7,9 @@ import numpy as np
 from fingertip.board.bringup.faults import Fault
 from fingertip.board.bringup.prediction import Board, solve_constant
 from fingertip.board.circuit import Circuit, parse_component_value
-from fingertip.board.components.amplifiers import AMPLIFIERS
+from fingertip.board.components.amplifiers import AD623_SUPPLY_A, AMPLIFIERS, COMPARATOR_SUPPLY_A
 from fingertip.board.nets import VCC, VREF
 
-AD623_SUPPLY_A, COMPARATOR_SUPPLY_A = 375e-6, 60e-6
-"""Typical supply currents of AD623 and LMV331 [A], recalled from their data sheets (unverified)."""
 CURRENT_RATIOS = (0.4, 1.7)
 """Limits of the supply current as ratios of the typical one: data sheets allow amplifiers about half as much more."""
 SHORT_RATIO = 0.05

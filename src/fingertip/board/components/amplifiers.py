@@ -22,6 +22,8 @@ AD623_OFFSET_V = 200e-6
 """Typical input offset voltage [V]."""
 AD623_BANDWIDTH_HZ = 800e3
 """Bandwidth for a gain of 1 [Hz]. It falls with the gain; the data sheet has 10 kHz for 100, slightly above that."""
+AD623_SUPPLY_A, COMPARATOR_SUPPLY_A = 375e-6, 60e-6
+"""Typical supply currents of AD623 and LMV331 [A] (recalled, unverified)."""
 
 GAIN_RESISTOR = "R14"
 """Resistor between the gain pins of the bridge's amplifier."""

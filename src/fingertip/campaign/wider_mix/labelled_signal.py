@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.arrays import Array
-from fingertip.campaign.evaluate import SAME_EVENT_S
+from fingertip.campaign.evaluate import separate_events
 from fingertip.slip.intervals import Interval, intervals
 
 EARLY_S = 0.005
@@ -105,7 +104,7 @@ def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Ou
         during = (time_s >= slide.onset_s) & (time_s < slide.end_s)
         shares.append(float(np.mean(on[during])) if during.any() else 0.0)
         is_slip |= (time_s >= slide.motion_s) & (time_s < slide.end_s + memory_s)
-    alarms = _separate(
+    alarms = separate_events(
         i
         for i in found
         if i.onset_s >= signal.alarms_from_s
@@ -129,13 +128,3 @@ def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Ou
         disturbed,
         float(np.mean(on[counted])) if counted.any() else 0.0,
     )
-
-
-def _separate(alarms: Iterable[Interval]) -> Sequence[Interval]:
-    kept: list[Interval] = []
-    end_s = -np.inf
-    for alarm in alarms:
-        if alarm.onset_s - end_s > SAME_EVENT_S:
-            kept.append(alarm)
-        end_s = alarm.end_s
-    return kept

@@ -22,6 +22,7 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.response import EnvelopeModel, model_envelope
 from fingertip.board.circuit import Circuit
 from fingertip.board.components.component_values import select_components
+from fingertip.board.components.diodes import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
 from fingertip.board.nets import FILTERED, STAGE1_OUT, TACTILE, VMID
 from fingertip.board.network import Network, Value, build_network
 from fingertip.design import Design
@@ -44,10 +45,10 @@ class Diode:
     The defaults are the 1N4148 of common SPICE libraries at SPICE's nominal 27 degrees Celsius.
     """
 
-    saturation_a: Value = 2.52e-9
-    emission: Value = 1.752
-    series_ohm: Value = 0.568
-    thermal_v: Value = 0.025864951
+    saturation_a: Value = SATURATION_A
+    emission: Value = EMISSION
+    series_ohm: Value = SERIES_OHM
+    thermal_v: Value = THERMAL_V
 
 
 @dataclass(frozen=True)
@@ -76,8 +77,8 @@ class AnalogBoard:
             unit, example = ("ohm", "1000") if name.startswith("R") else ("F", "1e-6")
             issues.extend(find_values_not_positive(f"board.{name}", value, unit, example))
         d = self.diode
-        issues.extend(find_values_not_positive("diode.saturation_a", d.saturation_a, "A", "2.52e-9"))
-        issues.extend(find_values_not_positive("diode.emission", d.emission, "", "1.752"))
+        issues.extend(find_values_not_positive("diode.saturation_a", d.saturation_a, "A", f"{SATURATION_A:g}"))
+        issues.extend(find_values_not_positive("diode.emission", d.emission, "", f"{EMISSION:g}"))
         issues.extend(find_negative_values("diode.series_ohm", d.series_ohm, "ohm"))
         issues.extend(find_values_not_positive("diode.thermal_v", d.thermal_v, "V", "0.0259"))
         if self.rail_v is not None:

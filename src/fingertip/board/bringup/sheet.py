@@ -24,7 +24,7 @@ from fingertip.board.nets import (
     TACTILE,
     VMID,
 )
-from fingertip.board.readme import trimming_procedure
+from fingertip.board.readme_parts.offset import trimming_procedure
 from fingertip.design import Design
 
 _PROBES = {

@@ -1,0 +1,1 @@
+"""Sections of the README of a board."""

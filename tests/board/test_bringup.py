@@ -174,6 +174,18 @@ def test_every_fault_that_shows_is_among_the_likely_ones(changes: tuple[str, ...
 
 
 @TWO
+def test_twice_the_time_steps_move_the_envelope_by_little(
+    monkeypatch: pytest.MonkeyPatch, changes: tuple[str, ...]
+) -> None:
+    plan = plan_of(changes)[1]
+    name = name_tone(ENVELOPE, plan.board.bench.tones_hz[-1])
+    for constant in ("STEPS_PER_PERIOD", "PERIODS"):
+        monkeypatch.setattr(rectifier, constant, 2 * getattr(rectifier, constant))
+    fine = predict(plan.board, [Fault("", "", plan.board.circuit)])[0][name]
+    assert plan.levels[name].expected_v == pytest.approx(fine, rel=4e-3)
+
+
+@TWO
 def test_good_boards_pass(changes: tuple[str, ...]) -> None:
     """Boards of components within their tolerances read within the limits."""
     plan, random = plan_of(changes)[1], np.random.default_rng(7)

@@ -7,7 +7,7 @@ import numpy as np
 from fingertip.board.bringup.faults import Fault
 from fingertip.board.bringup.prediction import Board, solve_constant
 from fingertip.board.circuit import Circuit, parse_component_value
-from fingertip.board.components.amplifiers import AD623_SUPPLY_A, AMPLIFIERS, COMPARATOR_SUPPLY_A
+from fingertip.board.components.amplifiers import AD623_SUPPLY_A, AMPLIFIERS, COMPARATOR_SUPPLY_A, GAIN_RESISTOR
 from fingertip.board.nets import VCC, VREF
 
 CURRENT_RATIOS = (0.4, 1.7)
@@ -20,7 +20,7 @@ def resistance_between(circuit: Circuit, first: str, second: str) -> float:
     """Resistance between two nets through the resistors alone [ohm]; infinite if they do not join them."""
     edges = []
     for part in circuit.components:
-        if part.symbol.name == "R" and part.reference != "R14":
+        if part.symbol.name == "R" and part.reference != GAIN_RESISTOR:
             ends = circuit.net_by_pin[part.reference, "1"], circuit.net_by_pin[part.reference, "2"]
             edges.append((*ends, 1.0 / parse_component_value(part.value)))
         elif part.symbol.name == "R_Potentiometer":
@@ -60,7 +60,7 @@ def supply_current_a(board: Board) -> float:
     resistors = [
         (part, circuit.net_by_pin[part.reference, "1"], circuit.net_by_pin[part.reference, "2"])
         for part in circuit.components
-        if part.symbol.name == "R" and part.reference != "R14"
+        if part.symbol.name == "R" and part.reference != GAIN_RESISTOR
     ]
     ends = {other for _, a, b in resistors for one, other in ((a, b), (b, a)) if one in fed and other not in fed}
     wanted = sorted((ends | set(fed)) - set(board.rails_v))

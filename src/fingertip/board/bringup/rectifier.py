@@ -30,7 +30,8 @@ _NEWTON_STEPS, _TOLERANCE_V = 30, 1e-7
 _MAX_STEP_V = 0.5
 """Largest change of a net's voltage in one Newton step."""
 PERIODS, STEPS_PER_PERIOD = 16, 48
-"""Periods until the envelope has settled, and time steps in each; twice as many of both move the envelope by 0.4 % at most."""
+"""Periods until the envelope has settled, and time steps in each; twice as many of both move the envelope by at most
+0.4 %."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.design.filter_components import MAX_OHM, MIN_OHM, FilterComponents
 from fingertip.design.preferred_series import find_preferred_neighbours
-from fingertip.design.rules.board import SUPPLY_RANGES_V
+from fingertip.design.rules.amplifiers import SUPPLY_RANGES_V
 from fingertip.errors import DesignError
 from tests.oracles.filter_formulas import (
     ideal_cutoff_hz,

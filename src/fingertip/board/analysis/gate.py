@@ -40,7 +40,7 @@ from fingertip.design.amplifier_stages import (
     loaded_swing_v,
 )
 from fingertip.design.preferred_series import find_preferred_neighbours
-from fingertip.design.rules.board import BANDWIDTH_MARGIN, MAX_OFFSET_RATIO, MAX_PEAKING_DB, MIN_PHASE_MARGIN_DEG
+from fingertip.design.rules.amplifiers import BANDWIDTH_MARGIN, MAX_OFFSET_RATIO, MAX_PEAKING_DB, MIN_PHASE_MARGIN_DEG
 
 GOOD_OFFSET_RATIO = 0.25
 """Ratio of an output's offset to its swing above which a warning is due."""

@@ -9,7 +9,7 @@ from fingertip.board.components.comparator import PULL_UP_OHM
 from fingertip.board.spice import MAX_SWITCH_OHM
 from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
-from fingertip.design.rules.board import SUPPLY_RANGES_V
+from fingertip.design.rules.amplifiers import SUPPLY_RANGES_V
 
 
 def power_notes(values: BoardValues, design: Design) -> list[str]:

@@ -7,7 +7,20 @@ still checked.
 
 from __future__ import annotations
 
-from fingertip.design.rules import board, bone, chaplet, fold, force_curve, joint, mold, recess, sensor, signal, skin
+from fingertip.design.rules import (
+    amplifiers,
+    board,
+    bone,
+    chaplet,
+    fold,
+    force_curve,
+    joint,
+    mold,
+    recess,
+    sensor,
+    signal,
+    skin,
+)
 
 PART_RULES = (
     *sensor.RULES,
@@ -20,7 +33,7 @@ PART_RULES = (
     *chaplet.RULES,
 )
 """Rules of the printed parts and the skin. They read no electronic table."""
-ELECTRONIC_RULES = (*board.RULES, *signal.RULES, *force_curve.RULES)
+ELECTRONIC_RULES = (*board.RULES, *amplifiers.RULES, *signal.RULES, *force_curve.RULES)
 """Rules of the board and of slip detection. They read only the electronic tables."""
 RULES = (*PART_RULES, *ELECTRONIC_RULES)
 """All rules, in the order in which they are checked."""

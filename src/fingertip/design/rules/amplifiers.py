@@ -1,0 +1,256 @@
+"""Rules between supply, amplifiers and comparator: what each withstands and drives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from fingertip.amplifiers import Amplifier, list_dual_amplifiers
+from fingertip.design.amplifier_choice import choose_amplifier, total_supply_v, works_on_supply
+from fingertip.design.amplifier_stages import (
+    BAND_CUTOFFS,
+    compute_envelope_current_a,
+    compute_filter_current_a,
+    compute_peaking_db,
+    compute_phase_margin_deg,
+    first_stage_feedback,
+    input_swing_v,
+)
+from fingertip.design.comparator_data import (
+    MAX_AVERAGING_F,
+    MAX_BIAS_A,
+    MAX_COMPARATOR_V,
+    MIN_COMPARATOR_V,
+    max_window_s,
+)
+from fingertip.design.filter_components import to_farads
+from fingertip.design.parameters import Board, DesignTables
+from fingertip.design.parameters.declaration import find_bounds
+from fingertip.design.rules.board import PREFERRED_SHARE, at_most_preferred
+from fingertip.design.rules.ruleset import Interval, Ruleset, Violation, at_most
+from fingertip.design.signal_ground import upper_headroom_v
+from fingertip.numerics import bisect
+
+RULES = Ruleset()
+
+MIN_R5_OHM = find_bounds(Board.model_fields["r5_ohm"]).minimum or 0.0
+"""Minimum of the parameter r5_ohm [ohm]."""
+
+BANDWIDTH_MARGIN = 10.0
+"""Minimum closed-loop bandwidth GBW / G, in cutoffs: the amplifier then costs 0.5 % of the gain at the cutoff."""
+MAX_OFFSET_RATIO = 0.5
+"""Maximum ratio of the first stage's offset to its swing: the signal keeps half of it."""
+MIN_PHASE_MARGIN_DEG = 30.0
+"""Minimum phase margin of the first stage [degree]. Below it a few picofarad more make an oscillator."""
+MAX_PEAKING_DB = 1.0
+"""Maximum gain beyond the band over that of the passband [dB]."""
+CURRENT_MARGIN = 0.8
+"""Maximum ratio of a filter amplifier's current to what its data sheet gives. Preferred values add some percent."""
+ENVELOPE_CURRENT_MARGIN = 0.95
+"""Maximum ratio of the current that charges variant article's envelope, at its peak, to what the data sheet gives."""
+SUPPLY_RANGES_V = {"split": (5.0, 6.0), "single": (5.0, 6.0), "single_3v3": (3.1, 3.6)}
+"""Range of the voltage of each supply [V].
+
+The bridge of the first two is sized for the article's 4.3 V. The AD623 needs 3 V (its data sheet), and the last supply
+ends where the inputs of a controller do.
+"""
+MAX_SPLIT_V = 5.5
+"""Maximum of each half of a split supply [V]. The AD623's supply range ends at 12 V (its data sheet; unverified)."""
+
+
+@RULES.rule("board.supply_v")
+def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
+    """The voltage lies within the range of the supply."""
+    supply, supply_v = design.board.supply, design.board.supply_v
+    minimum, maximum = SUPPLY_RANGES_V[supply]
+    if minimum <= supply_v <= maximum:
+        return None
+    others = [name for name, (low, high) in SUPPLY_RANGES_V.items() if low <= supply_v <= high]
+    return Violation(
+        f"{supply_v:g} V lies outside the range of board.supply={supply}",
+        ((minimum, maximum),),
+        alternatives={"board.supply": others[0]} if others else {},
+    )
+
+
+@RULES.rule("board.amplifier", voltage_fits_the_supply)
+def amplifier_withstands_the_supply(design: DesignTables) -> Violation | None:
+    """The supply lies within the range of the amplifier."""
+    amplifier, supply_v = choose_amplifier(design.board), total_supply_v(design.board)
+    if works_on_supply(amplifier, design.board):
+        return None
+    return Violation(
+        f"{amplifier.name} works on {amplifier.min_supply_v:g} to {amplifier.max_supply_v:g} V, and this supply puts "
+        f"{supply_v:g} V across it",
+    )
+
+
+@RULES.rule("board.passband_gain", amplifier_withstands_the_supply)
+def amplifier_fast_enough(design: DesignTables) -> Violation | None:
+    """The amplifier has enough bandwidth for the gain at the cutoff."""
+    amplifier, G, f_c = choose_amplifier(design.board), design.board.passband_gain, design.board.cutoff_hz
+    GBW = amplifier.bandwidth_hz
+    if BANDWIDTH_MARGIN * G * f_c <= GBW:
+        return None
+    return Violation(
+        f"the {GBW:g} Hz of a {amplifier.name} leave {GBW / G:.4g} Hz at a gain of {G:.6g}, less than "
+        f"{BANDWIDTH_MARGIN:g} cutoffs of {f_c:g} Hz",
+        at_most(GBW / BANDWIDTH_MARGIN / f_c),
+        alternatives=_other_amplifier(design, lambda other: other.bandwidth_hz >= BANDWIDTH_MARGIN * G * f_c),
+    )
+
+
+@RULES.rule("board.passband_gain", amplifier_withstands_the_supply)
+def offset_leaves_room(design: DesignTables) -> Violation | None:
+    """The amplified offset of the first stage leaves room for the signal. Other variants do not amplify it."""
+    if design.board.variant != "article":
+        return None
+    amplifier, G = choose_amplifier(design.board), design.board.passband_gain
+    ratio = MAX_OFFSET_RATIO * (1.0 - PREFERRED_SHARE)
+    maximum_v = ratio * input_swing_v(design.board, amplifier)
+    if G * amplifier.max_offset_v <= maximum_v:
+        return None
+    return Violation(
+        f"{G:.6g} times the {1e3 * amplifier.max_offset_v:g} mV of offset that a {amplifier.order_name} may have are "
+        f"{G * amplifier.max_offset_v:.3g} V, more than {ratio:g} of the swing of "
+        f"{input_swing_v(design.board, amplifier):.3g} V",
+        at_most(maximum_v / amplifier.max_offset_v),
+        alternatives={"board.variant": "precision"},
+    )
+
+
+@RULES.rule("board.r5_ohm", amplifier_withstands_the_supply)
+def first_stage_is_stable(design: DesignTables) -> Violation | None:
+    """The input's capacitance with R4 and R5 leaves the first stage stable, and the filter without a resonance."""
+    board, amplifier = design.board, choose_amplifier(design.board)
+    gain, min_margin_deg = board.passband_gain, MIN_PHASE_MARGIN_DEG * (1.0 + PREFERRED_SHARE)
+    max_peaking_db = MAX_PEAKING_DB * (1.0 - PREFERRED_SHARE)
+
+    def problem(r5_ohm: float) -> str:
+        feedback = first_stage_feedback(board, amplifier, r5_ohm)
+        margin_deg = compute_phase_margin_deg(amplifier, feedback)
+        if margin_deg < min_margin_deg:
+            return f"leaves {margin_deg:.0f} degrees of phase margin, less than {min_margin_deg:g}"
+        peaking_db = compute_peaking_db(amplifier, feedback, gain)
+        if peaking_db > max_peaking_db:
+            return f"makes the filter's gain peak {peaking_db:.1f} dB beyond its band, more than {max_peaking_db:g} dB"
+        return ""
+
+    found = problem(board.r5_ohm)
+    if not found:
+        return None
+    passing: tuple[Interval, ...] = ()
+    if not problem(MIN_R5_OHM):
+        stable_ohm, _ = bisect(lambda r5_ohm: not problem(r5_ohm), MIN_R5_OHM, board.r5_ohm, halvings=30)
+        passing = at_most(stable_ohm)
+    return Violation(
+        f"{board.r5_ohm:g} ohm with the {1e12 * amplifier.input_f:g} pF of a {amplifier.name}'s input {found}",
+        passing,
+        "at this gain",
+        alternatives={"board.variant": "precision"} if board.variant == "article" else {},
+    )
+
+
+@RULES.rule("board.capacitor_uf", amplifier_withstands_the_supply)
+def amplifier_drives_the_filter(design: DesignTables) -> Violation | None:
+    """The amplifier can drive the filter's capacitors and resistors."""
+    board = design.board
+    if board.capacitor_series != "given":
+        return None
+    amplifier, current_a = choose_amplifier(board), compute_filter_current_a(board)
+    limit_a = CURRENT_MARGIN * amplifier.output_current_a
+    if current_a <= limit_a:
+        return None
+    return Violation(
+        f"{board.capacitor_uf:g} uF at {board.cutoff_hz:g} Hz asks {1e3 * current_a:.3g} mA of a {amplifier.name}, "
+        f"more than {CURRENT_MARGIN:g} of its {1e3 * amplifier.output_current_a:g} mA",
+        at_most_preferred(board.capacitor_uf * limit_a / current_a),
+        "at this cutoff",
+        alternatives=_other_amplifier(design, lambda other: CURRENT_MARGIN * other.output_current_a >= current_a),
+    )
+
+
+@RULES.rule("board.envelope_capacitor_uf", amplifier_withstands_the_supply, amplifier_drives_the_filter)
+def amplifier_charges_the_envelope(design: DesignTables) -> Violation | None:
+    """The amplifier can charge the envelope's capacitor through variant article's diode."""
+    board = design.board
+    if board.variant != "article" or board.capacitor_series != "given":
+        return None
+    amplifier, c_lp_f = choose_amplifier(board), to_farads(board.envelope_capacitor_uf)
+    charging_a, filter_a = compute_envelope_current_a(board, c_lp_f), compute_filter_current_a(board)
+    limit_a = ENVELOPE_CURRENT_MARGIN * amplifier.output_current_a
+    if charging_a + filter_a <= limit_a:
+        return None
+    return Violation(
+        f"{board.envelope_capacitor_uf:g} uF asks peaks of {1e3 * (charging_a + filter_a):.3g} mA of a "
+        f"{amplifier.name} at {BAND_CUTOFFS:g} cutoffs of {board.cutoff_hz:g} Hz, more than "
+        f"{ENVELOPE_CURRENT_MARGIN:g} of its {1e3 * amplifier.output_current_a:g} mA",
+        # R_LP is inverse to the capacitor, so that the current is proportional to it.
+        at_most_preferred(board.envelope_capacitor_uf * (limit_a - filter_a) / charging_a),
+        "at this cutoff",
+        alternatives={"board.variant": "precision"},
+    )
+
+
+@RULES.rule("board.supply_v")
+def bridge_amplifier_withstands_the_split_supply(design: DesignTables) -> Violation | None:
+    """Both halves of a split supply together stay below the bridge amplifier's maximum, with a margin."""
+    supply_v = design.board.supply_v
+    if design.board.supply != "split" or supply_v <= MAX_SPLIT_V:
+        return None
+    return Violation(
+        f"plus and minus {supply_v:g} V put {2 * supply_v:g} V across the bridge's AD623, too close to the end of its "
+        "supply range",
+        at_most(MAX_SPLIT_V),
+        alternatives={"board.supply": "single"},
+    )
+
+
+@RULES.rule("board.supply_v")
+def comparator_withstands_the_supply(design: DesignTables) -> Violation | None:
+    """The supply does not exceed the comparator's maximum."""
+    if design.board.variant != "comparator" or design.board.supply_v <= MAX_COMPARATOR_V:
+        return None
+    return Violation(
+        f"{design.board.supply_v:g} V is too much for variant comparator's LMV331", at_most(MAX_COMPARATOR_V)
+    )
+
+
+@RULES.rule("detector.threshold_v")
+def threshold_can_be_trimmed(design: DesignTables) -> Violation | None:
+    """The threshold lies within the range of the comparator's trimmer."""
+    if design.board.variant != "comparator":
+        return None
+    maximum = upper_headroom_v(design.board) / 4.0
+    if MIN_COMPARATOR_V <= design.detector.threshold_v <= maximum:
+        return None
+    return Violation(
+        f"{design.detector.threshold_v:g} V lies outside the range of variant comparator's trimmer",
+        ((MIN_COMPARATOR_V, maximum),),
+        "with this supply",
+    )
+
+
+@RULES.rule("detector.window_samples")
+def mean_tolerates_the_bias_current(design: DesignTables) -> Violation | None:
+    """The comparator's bias current shifts the averaged signal by at most half of the threshold."""
+    if design.board.variant != "comparator" or design.detector.threshold_v < MIN_COMPARATOR_V:
+        return None
+    n, rate, threshold = design.detector.window_samples, design.detector.sample_rate_hz, design.detector.threshold_v
+    maximum = math.floor(max_window_s(threshold) * rate)
+    if n <= maximum:
+        return None
+    averaging_ohm = n / rate / 2.0 / MAX_AVERAGING_F
+    return Violation(
+        f"{n} samples at {rate:g} Hz require an averaging resistor of {averaging_ohm:.4g} ohm, in which the input "
+        f"current of variant comparator's LMV331 (at most {1e9 * MAX_BIAS_A:g} nA) drops "
+        f"{1e3 * averaging_ohm * MAX_BIAS_A:.3g} mV, more than half of the threshold of {1e3 * threshold:g} mV",
+        at_most(maximum),
+    )
+
+
+def _other_amplifier(design: DesignTables, passes: Callable[[Amplifier], bool]) -> dict[str, str]:
+    """Return the first amplifier of the catalogue that passes a condition and the supply, as an alternative."""
+    names = (a.name for a in list_dual_amplifiers() if works_on_supply(a, design.board) and passes(a))
+    name = next(names, None)
+    return {"board.amplifier": name} if name else {}

@@ -177,7 +177,7 @@ def test_validation_leaves_its_plots_out(folder: Path, monkeypatch: pytest.Monke
         asked.append(with_plots)
         return {"validation.json": b"{}"}
 
-    result = SimpleNamespace(files=files, as_data=dict, as_text=lambda: "", passed=True)
+    result = SimpleNamespace(files=files, as_data=dict, as_text=lambda: "", as_verdict=lambda: "", passed=True)
     monkeypatch.setattr(campaign, "validate", lambda *_, **__: result)
     done = run_fingertip("validate", DESIGN, "--out", folder / "out")
     assert done.returncode == 0, done.stderr

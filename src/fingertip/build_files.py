@@ -37,6 +37,7 @@ from fingertip.design.silicone import replace_silicone, select_silicone
 from fingertip.errors import DesignError, Issue
 from fingertip.files import round_for_output
 from fingertip.output_set import SetWriter, hash_parameters, read_manifest
+from fingertip.progress import Work
 
 FORMATS = ("stl", "3mf", "step")
 DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
@@ -230,8 +231,9 @@ def build(
         meanwhile()
         step = StepFiles({}, {}, {})
         if process:
-            progress("waiting for the B-rep kernel")
-            step = process.result()
+            work = Work("", {"waiting for the B-rep kernel": 1.0}, progress)
+            work.begin("waiting for the B-rep kernel")
+            step = process.result(advance=work.advance)
             for name, measured in step.measurements.items():
                 scale = print_scale(design, PARTS[name])
                 checks += check_brep_solid(design, PARTS[name], meshes[name], measured, scale, tolerance_mm)

@@ -32,8 +32,12 @@ def test_valid_designs_exit_0(tmp_path: Path) -> None:
 
 
 def test_table_shows_value_limit_unit_and_result() -> None:
-    done = run_fingertip("check", FSR400, *COARSE)
+    brief = run_fingertip("check", FSR400, *COARSE)
+    assert re.fullmatch(r"fsr400: (\d+) of \1 checks passed\n", brief.stdout), "the verdict alone"
+    done = run_fingertip("check", FSR400, *COARSE, "--verbose")
     assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(brief.stdout)
+    assert max(map(len, done.stdout.splitlines())) <= 80
     (line,) = (line for line in done.stdout.splitlines() if "bone.stl.open_edges" in line)
     assert line.split() == ["bone.stl.open_edges", "0", "=", "0", "edges", "ok"]
     assert not re.search(r"\de-\d", done.stdout), "rounding errors are shown as 0"

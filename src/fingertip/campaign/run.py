@@ -161,6 +161,7 @@ def run_campaign(
     scales: Sequence[float] = SCALES,
     progress: Callable[[str], None] = lambda _: None,
     first_seed: int = HELD_OUT_FROM,
+    advance: Callable[[float], None] = lambda _: None,
 ) -> CampaignResult:
     """Simulate every case once and evaluate every detector on it.
 
@@ -176,16 +177,16 @@ def run_campaign(
         Called with progress text.
     first_seed
         Seed of the first case.
+    advance
+        Called with the share of the cases that are done.
     """
     scales = sorted({1.0, *scales})
     factors = {name: sorted({*(LOW_SCALES if needs_board(name) else ()), *scales}) for name in detectors}
     trials: dict[str, list[list[TrialResult]]] = {name: [[] for _ in factors[name]] for name in detectors}
     with compiled(progress):
-        last = ""
-        for case in generate_cases(plan, first_seed):
-            if case.cause != last:
-                progress(f"{case.cause}: simulating scenes and evaluating detectors")
-                last = case.cause
+        cases = list(generate_cases(plan, first_seed))
+        for i, case in enumerate(cases):
+            advance(i / len(cases))
             trace, force_n = simulate_trace(design, case, needs_board(*detectors))
             for name in detectors:
                 results = evaluate(case, trace, force_n, name, design, factors[name])

@@ -25,6 +25,7 @@ from fingertip.campaign.studies.step_sensitivity import study_steps
 from fingertip.campaign.wider_mix.mix import MixSize, generate_mix, run_detector
 from fingertip.campaign.wider_mix.mix import summarise as summarise_mix
 from fingertip.design import Design
+from fingertip.progress import Work
 from fingertip.sim.contact.pad import Pad
 from fingertip.slip.detectors.registry import find_detector_type
 
@@ -38,9 +39,9 @@ MIX_SEED_OFFSET = 500_000
 """Distance of the wider mix's first seed from the campaign's."""
 
 FILES = (
-    "validation.json", "omissions.md", "delays.png", "surfaces.png", "surfaces_digital.png", "spectra.png",
-    "windows.png", "comparison.png", "trial.png", "trials_surfaces.png", "trials_objects.png", "window_trial.png",
-    "closed_loop_power.png", "closed_loop_pinch.png",
+    "validation.txt", "validation.json", "omissions.md", "delays.png", "surfaces.png", "surfaces_digital.png",
+    "spectra.png", "windows.png", "comparison.png", "trial.png", "trials_surfaces.png", "trials_objects.png",
+    "window_trial.png", "closed_loop_power.png", "closed_loop_pinch.png",
 )  # fmt: skip
 """Names of all files of a validation."""
 
@@ -67,8 +68,17 @@ class Validation:
         return tables.as_data(self.campaign, self.detector, self.requirements, self.studies)
 
     def as_text(self) -> str:
-        """Return the results as text."""
-        return tables.as_text(self.campaign, self.detector, self.requirements, self.studies)
+        """Return the details of the results as text."""
+        return tables.as_text(self.campaign, self.detector, self.studies)
+
+    def as_verdict(self) -> str:
+        """Return whether the requirements are met, and each of them with its value, as text."""
+        missed = sum(not requirement.passed for requirement in self.requirements)
+        count = len(self.requirements)
+        verdict = f"{missed} of {count} requirements are MISSED" if missed else f"all {count} requirements are met"
+        lines = [f"{self.design.name}, detector {self.detector}: {verdict}"]
+        lines += [f"  {'met   ' if one.passed else 'MISSED'}  {one.message}" for one in self.requirements]
+        return "\n".join(lines)
 
     def files(self, with_plots: bool = True) -> dict[str, bytes]:
         """Return file name -> content: the results, the plots, and the page of omissions.
@@ -79,6 +89,7 @@ class Validation:
             If the plots are asked for and matplotlib is not installed.
         """
         return {
+            "validation.txt": f"{self.as_verdict()}\n\n{self.as_text()}\n".encode(),
             "validation.json": (json.dumps(self.as_data(), indent=2, allow_nan=False) + "\n").encode(),
             **(self._draw_plots() if with_plots else {}),
             "omissions.md": self._write_omissions().encode(),
@@ -100,6 +111,25 @@ class Validation:
             **trial_plots.plot_trials(self.design),
             **trial_plots.plot_closed_loop(self.closed_loop, self.detector),
         }
+
+
+def estimate_stages_s(plan: CampaignPlan) -> dict[str, float]:
+    """Estimate the duration of each stage [s] for its share of the progress; measured on one core."""
+    cases = plan.trials + 15 * plan.negative_minutes  # a scene takes some four seconds
+    return {
+        "trials": 0.2 * cases,
+        "further ranges of seeds": 0.12 * cases,
+        "wider mix": 0.4 * plan.trials,
+        "closed loop": 17.0,
+        "bound": 0.02 * plan.trials,
+        "assumptions": 15.0,
+        "time step": 0.3 * min(MAX_STEP_TRIALS, plan.trials / 2),
+        "windows and spectra": 1.0,
+        "accelerations": 8.0,
+        "sampling rates": 0.2 * min(2 * STUDY_TRIALS, plan.trials),
+        "boards": 5.0,
+        "motors and knocks": 5.0,
+    }
 
 
 def validate(
@@ -135,35 +165,53 @@ def validate(
     find_detector_type(detector)
     check_first_seed(first_seed)
     plan, limits = plan or CampaignPlan(), limits or RequirementLimits()
-    result = run_campaign(design, plan, progress=progress, first_seed=first_seed)
-    progress("alarms: further ranges of seeds")
+    work = Work("validate", estimate_stages_s(plan), progress)
+    work.begin("trials")
+    result = run_campaign(design, plan, progress=progress, first_seed=first_seed, advance=work.advance)
     ranges = [result.at_nominal_threshold(detector)]
+    work.begin("further ranges of seeds")
     for i in range(1, SEED_RANGES):
         seed = first_seed + i * RANGE_SEEDS
         ranges.append(run_campaign(design, plan, (detector,), (1.0,), first_seed=seed).at_nominal_threshold(detector))
-    progress("wider mix: grip changes, controller's steps, noise that is not stated, bursts")
+        work.advance(i / SEED_RANGES)
+    work.begin("wider mix")
     mix_size = MixSize.for_trials(plan.trials)
     mix = summarise_mix(run_detector(detector, design, generate_mix(design, mix_size, first_seed + MIX_SEED_OFFSET)))
-    progress("closed loop: simulating four objects, each hit by a robot's pin")
+    work.begin("closed loop")
     loop_detectors = tuple(dict.fromkeys(("analog", "fast", detector)))
     manipulations = run_closed_loop(design, loop_detectors, 3 if plan.trials >= 12 else 1)
     summaries = summarise(manipulations)
     required = next(summary for summary in summaries if summary.detector == detector)
     requirements = (*check_detection(result, detector, limits), *check_closed_loop(required, limits))
-    progress("studies: bound, assumptions, time step, windows, spectra, accelerations, sampling rates, boards, knocks")
     trials = min(STUDY_TRIALS, plan.trials)
+    work.begin("bound")
+    bounds_s = compute_bounds_s(design, plan, first_seed)
+    work.begin("assumptions")
+    variations = study_assumptions(design, detector, trials)
+    work.begin("time step")
+    steps = study_steps(design, min(MAX_STEP_TRIALS, (plan.trials + 1) // 2))
+    work.begin("windows and spectra")
+    windows, spectra = study_windows(design, trials), compute_spectra(design)
+    work.begin("accelerations")
+    accelerations = study_accelerations(design, trials)
+    work.begin("sampling rates")
+    rates = study_sampling_rates(design, min(2 * STUDY_TRIALS, plan.trials))
+    work.begin("boards")
+    boards = study_board_variants(design, trials)
+    work.begin("motors and knocks")
+    motor, knocks = study_motor_discrimination(design, trials), study_knock_rejection(design)
     studies = StudyResults(
-        bounds_s=compute_bounds_s(design, plan, first_seed),
-        variations=study_assumptions(design, detector, trials),
-        steps=study_steps(design, min(MAX_STEP_TRIALS, (plan.trials + 1) // 2)),
+        bounds_s=bounds_s,
+        variations=variations,
+        steps=steps,
         patch_radius_m=Pad.from_design(design).patch_radius_m(1.0),
-        windows=study_windows(design, trials),
-        spectra=compute_spectra(design),
-        accelerations=study_accelerations(design, trials),
-        rates=study_sampling_rates(design, min(2 * STUDY_TRIALS, plan.trials)),
-        boards=study_board_variants(design, trials),
-        motor=study_motor_discrimination(design, trials),
-        knocks=study_knock_rejection(design),
+        windows=windows,
+        spectra=spectra,
+        accelerations=accelerations,
+        rates=rates,
+        boards=boards,
+        motor=motor,
+        knocks=knocks,
         closed_loop=summaries,
         seed_ranges=ranges,
         wider_mix=mix,

@@ -16,6 +16,7 @@ from fingertip.cli.console import (
     JsonOption,
     QuietOption,
     SetOption,
+    VerboseOption,
     command,
     find_suffix_issues,
 )
@@ -72,6 +73,10 @@ def board(
             "exit 1 if one fails.",
         ),
     ] = None,
+    article: Annotated[
+        bool, typer.Option("--article", help="Also print what the article states about its own board, and what is so.")
+    ] = False,
+    verbose: VerboseOption = False,
     force: ForceOption = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
@@ -133,7 +138,11 @@ def board(
     warnings = list(_find_warnings(loaded, values))
     for warning in warnings:
         console.progress(f"warning: {warning}")
-    data, text = values.as_data(), _format_tables(loaded, values)
+    data, text = values.as_data(), _format_verdict(loaded, values, out) + "\n\n" + _format_tables(loaded, values)
+    if verbose:
+        text += "\n\n" + "\n".join([*_load_lines(loaded, values), "", *_gate_lines(values)])
+    if article:
+        text += "\n\n" + "\n".join(_errata_lines(values))
     if bode:
         from fingertip.board.analysis.analyse import bode_table
         from fingertip.files import write_file
@@ -205,17 +214,34 @@ def _format_tables(design: Design, values: BoardValues) -> str:
         f"at {aliasing.nyquist_hz:g} Hz, half the ADC's sampling rate, the tactile voltage is attenuated by "
         f"{-aliasing.tactile_nyquist_db:.1f} dB and the envelope by {-aliasing.envelope_nyquist_db:.1f} dB",
         describe_adc_range(limits),
-        *_load_lines(design, values),
-        "",
-        *_gate_lines(values),
         "",
         *_force_lines(design, values),
-        "",
-        "Errata of the article:",
     ]
+    return "\n".join(lines)
+
+
+def _format_verdict(design: Design, values: BoardValues, folder: Path) -> str:
+    """Verdict on the board, its response and the folder of its files."""
+    failed = sum(not condition.passed for condition in values.gate)
+    verdict = (
+        f"{failed} of its {len(values.gate)} conditions FAIL, see the warnings"
+        if failed
+        else f"all {len(values.gate)} conditions of a working board are met"
+    )
+    achieved, target = values.achieved_response, values.target_response
+    return (
+        f"{design.name}, variant {values.variant}, {design.board.supply} supply: {verdict}\n"
+        f"-3 dB at {achieved.cutoff_hz:.4g} Hz (target {target.cutoff_hz:.4g} Hz), "
+        f"gain {achieved.passband_gain:.4g}; files in {folder}, --verbose for the conditions"
+    )
+
+
+def _errata_lines(values: BoardValues) -> list[str]:
+    """Statements of the article about its own board, and what is correct."""
+    lines = ["Errata of the article:"]
     for erratum in values.errata:
         lines += [f"  {erratum.subject}", f"    article: {erratum.statement}", f"    correct: {erratum.correction}"]
-    return "\n".join(lines)
+    return lines
 
 
 def _gate_lines(values: BoardValues) -> list[str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, VerboseOption, command
 
 if TYPE_CHECKING:
     from fingertip.cad.verification.check import Check
@@ -28,6 +28,7 @@ def check(
         float, typer.Option(help="Largest distance of a facet from the exact surface, in mm.")
     ] = 0.01,
     junit: Annotated[Path | None, typer.Option(metavar="FILE.xml", help="JUnit report, for CI servers.")] = None,
+    verbose: VerboseOption = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -46,7 +47,7 @@ def check(
     data: dict[str, Any] = {"passed": True}
     texts: list[str] = []
     if files:
-        data, texts = _check_designs(files, tolerance_mm, junit, changes or (), console)
+        data, texts = _check_designs(files, tolerance_mm, junit, changes or (), console, verbose)
     if folders:
         data["folders"], folder_texts = _check_folders(folders)
         texts += folder_texts
@@ -72,7 +73,12 @@ def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[
 
 
 def _check_designs(
-    files: Sequence[Path], tolerance_mm: float, junit: Path | None, changes: Sequence[str], console: Console
+    files: Sequence[Path],
+    tolerance_mm: float,
+    junit: Path | None,
+    changes: Sequence[str],
+    console: Console,
+    verbose: bool,
 ) -> tuple[dict[str, Any], list[str]]:
     """Check designs and write the JUnit report: data of all, and text of each."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -101,7 +107,7 @@ def _check_designs(
             for label, checks in checks_by_design.items()
         ],
     }
-    return data, [_format_table(label, checks) for label, checks in checks_by_design.items()]
+    return data, [_format_table(label, checks, verbose) for label, checks in checks_by_design.items()]
 
 
 def _load(files: Sequence[Path], changes: Sequence[str], progress: Progress) -> dict[str, Design]:
@@ -129,18 +135,27 @@ def _load(files: Sequence[Path], changes: Sequence[str], progress: Progress) -> 
     }
 
 
-def _format_table(label: str, checks: Sequence[Check]) -> str:
+def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
+    """Verdict on a design, then the checks that failed, or all of them."""
     from fingertip.files import round_for_output
 
-    width, unit = max(len(c.name) for c in checks), max(4, *(len(c.unit) for c in checks))
     failed = sum(not c.passed for c in checks)
-    lines = [label, f"  {'check':{width}} {'value':>12} {'limit':>12} {'unit':{unit}} result"]
-    lines += [
-        f"  {c.name:{width}} {round_for_output(c.value):12.6g} {c.sign:2} {c.limit:>9.6g} {c.unit:{unit}} {result}"
-        for c, result in zip(checks, ("ok" if c.passed else "FAILED" for c in checks), strict=True)
+    verdict = f"{label}: {len(checks) - failed} of {len(checks)} checks passed"
+    shown = [c for c in checks if verbose or not c.passed]
+    if not shown:
+        return verdict
+    rows = [("check", "value", "", "limit", "unit", "")]
+    rows += [
+        (c.name, f"{round_for_output(c.value):.5g}", c.sign, f"{c.limit:.5g}", c.unit, "ok" if c.passed else "FAILED")
+        for c in shown
     ]
-    lines += [describe_cause(c.name) for c in checks if not c.passed]
-    return "\n".join([*lines, f"  {len(checks) - failed} of {len(checks)} checks passed"])
+    name, value, sign, limit, unit, _ = (max(len(row[i]) for row in rows) for i in range(6))
+    lines = [
+        f"{row[0]:{name}} {row[1]:>{value}} {row[2]:{sign}} {row[3]:>{limit}} {row[4]:{unit}} {row[5]}".rstrip()
+        for row in rows
+    ]
+    lines.insert(0, verdict)
+    return "\n".join([*lines, *(describe_cause(c.name) for c in shown if not c.passed)])
 
 
 def describe_cause(check: str) -> str:

@@ -10,13 +10,17 @@ import functools
 import inspect
 import json
 import os
+import re
+import shutil
 import sys
+import textwrap
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, ParamSpec
 
 import typer
 
+from fingertip.cli.progress import ProgressDisplay
 from fingertip.errors import FingertipError, Issue, OutputError
 
 P = ParamSpec("P")
@@ -25,16 +29,23 @@ CHECK_FAILED = 1
 BAD_INPUT = 2
 INTERRUPTED = 130
 
+COMMON = "Options of all commands"
+"""Heading of these options on the help pages."""
+
 # An option of the same name means the same in every command, so it is declared once.
-JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object to stdout and nothing else.")]
+JsonOption = Annotated[
+    bool, typer.Option("--json", rich_help_panel=COMMON, help="Print one JSON object to stdout and nothing else.")
+]
 QuietOption = Annotated[
     bool,
     typer.Option(
         "--quiet",
         "-q",
+        rich_help_panel=COMMON,
         help="Print no progress and no messages on stderr, only errors; the result still goes to stdout.",
     ),
 ]
+VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="Print the details too, not only the verdict.")]
 ForceOption = Annotated[
     bool, typer.Option("--force", help="Overwrite files that fingertip did not write, or that were changed since.")
 ]
@@ -58,18 +69,28 @@ class Console:
     def __init__(self, as_json: bool, quiet: bool) -> None:
         self.as_json = as_json
         self.quiet = quiet
+        self._display = ProgressDisplay()
 
     def progress(self, message: str) -> None:
-        """Print a message or a step of progress to stderr."""
+        """Print a message or a step of progress to stderr; on a terminal a share of long work is a bar."""
         if not self.quiet:
-            print(message, file=sys.stderr, flush=True)
+            self._display.show(message)
+
+    def end_progress(self) -> None:
+        """Remove the bar of a terminal."""
+        self._display.clear()
 
     def result(self, data: Mapping[str, Any], text: str) -> None:
-        """Print the result of the command to stdout: `data` as one JSON object, else `text` for people."""
+        """Print the result of the command to stdout: `data` as one JSON object, else `text` for people.
+
+        On a terminal, lines of the text that are too long for it are broken between words. A file or another program
+        gets them whole.
+        """
+        self._display.clear()
         if self.as_json:
             self.write(json.dumps(data, indent=2, allow_nan=False))
         elif text:
-            self.write(text)
+            self.write(fit_width(text, shutil.get_terminal_size().columns) if sys.stdout.isatty() else text)
 
     def write(self, text: str) -> None:
         """Write a line of the result, or all of it, to stdout and flush it.
@@ -97,6 +118,7 @@ class Console:
 
         With --json also print them to stdout as one object, together with the result found before the error.
         """
+        self._display.clear()
         for issue in error.issues:
             print(f"error: {issue}", file=sys.stderr)
         if self.as_json:
@@ -115,6 +137,35 @@ def find_suffix_issues(option: str, path: Path | None, suffix: str, file_format:
     if path is not None and path.suffix.lower() != suffix and not path.is_dir():
         problem = f"{path.name!r} is not the name of a {file_format} file, the only format written"
         yield Issue(option, f"{problem}; end it in {suffix}.")
+
+
+MIN_WIDTH = 40
+"""Smallest width to which lines are broken."""
+_LAST_COLUMN = re.compile(r"^(.*\S {2,})\S")
+
+
+def fit_width(text: str, width: int) -> str:
+    """Break the lines of a text that are longer than a width between words.
+
+    The rest of a table's row stands below its last column if that leaves room for words, else two columns further in.
+    """
+    lines = []
+    for line in text.split("\n"):
+        if len(line) <= width or width < MIN_WIDTH:
+            lines.append(line)
+            continue
+        begin = _LAST_COLUMN.match(line[: width // 2])
+        start = len(begin[1]) if begin else len(line) - len(line.lstrip()) + 2
+        lines += textwrap.wrap(
+            line,
+            width,
+            subsequent_indent=" " * start,
+            break_long_words=False,
+            break_on_hyphens=False,
+            drop_whitespace=True,
+            replace_whitespace=False,
+        )
+    return "\n".join(lines)
 
 
 def _discard_stdout() -> None:

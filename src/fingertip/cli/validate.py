@@ -7,7 +7,16 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import CHECK_FAILED, Console, ForceOption, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.console import (
+    CHECK_FAILED,
+    Console,
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    SetOption,
+    VerboseOption,
+    command,
+)
 
 
 @command
@@ -23,6 +32,7 @@ def validate(
     seed: Annotated[int, typer.Option("--seed", help="First seed; every one from 5000000 on is held out.")] = 5_000_000,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Folder; default: out/NAME/validation.")] = None,
     force: ForceOption = False,
+    verbose: VerboseOption = False,
     changes: SetOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -61,6 +71,8 @@ def validate(
     files = validation.files(with_plots)
     writer.write(files)
     console.progress(f"wrote {', '.join(files)} to {folder}")
-    console.result(validation.as_data(), validation.as_text())
+    text = validation.as_verdict()
+    details = f"details: {folder / 'validation.txt'}, or --verbose"
+    console.result(validation.as_data(), f"{text}\n\n{validation.as_text()}" if verbose else f"{text}\n{details}")
     if not validation.passed:
         raise typer.Exit(CHECK_FAILED)

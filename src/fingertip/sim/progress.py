@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+
+from fingertip.progress import ReportProgress, ShareText, describe_share
 
 LONG_S = 15.0
 """Duration above which a simulation reports its progress [s]."""
 _EVERY_S = 1.0
 """Time between two reports [s]."""
-
-ReportProgress = Callable[[str], None]
 
 
 class ShareDone:
@@ -40,5 +39,4 @@ class ShareDone:
             return
         self._reported = now
         share = simulated_s / self._duration_s
-        left_s = max(0.0, (now - self._begun) * (1 / share - 1)) if share > 0.0 else 0.0
-        self._progress(f"simulating: {100 * share:.0f} % done, {left_s:.0f} s left")
+        self._progress(ShareText(describe_share("simulating", share, now - self._begun), share))

@@ -29,6 +29,7 @@ from fingertip.board.fabrication.assembly import (
 from fingertip.board.fabrication.bom import format_csv, purchased_components
 from fingertip.board.layout.placement import Placement
 from fingertip.errors import BoardError, MissingLibraryError
+from fingertip.progress import Work
 
 _LAYERS = "F.Cu,B.Cu,F.Paste,F.SilkS,B.SilkS,F.Mask,B.Mask,Edge.Cuts"
 _DATE = re.compile(rb"^(%TF\.CreationDate.*|G04 Created by KiCad.*|; DRILL file.*|; #@! TF\.CreationDate.*)\r?\n", re.M)
@@ -56,6 +57,18 @@ def find_kicad() -> str:
     )
 
 
+STEPS = {
+    "electrical rules check": 2.0,
+    "design rules check": 3.0,
+    "gerber export": 2.0,
+    "drill file export": 1.5,
+    "rendering of the front": 15.0,
+    "rendering of the back": 15.0,
+    "schematic as PDF": 2.0,
+}
+"""Steps of the export with their durations relative to each other."""
+
+
 def fabrication_files(
     board_files: dict[str, bytes],
     circuit: Circuit,
@@ -73,7 +86,7 @@ def fabrication_files(
     placement
         Placement of its components.
     progress
-        Called with the name of each step.
+        Called with the share that is done at each step.
 
     Returns
     -------
@@ -89,7 +102,8 @@ def fabrication_files(
     """
     name = circuit.name
     board, schematic = f"{name}.kicad_pcb", f"{name}.kicad_sch"
-    with kicad_session(board_files, progress) as (folder, run):
+    work = Work("KiCad", STEPS, progress)
+    with kicad_session(board_files, work.begin) as (folder, run):
         run(
             "electrical rules check",
             "sch", "erc", schematic, "--severity-error", "--exit-code-violations", "-o", "erc.rpt",

@@ -13,6 +13,8 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -23,6 +25,8 @@ from fingertip.errors import GeometryError, Issue
 
 TIME_LIMIT_S = 180.0
 """Time after which the process is stopped [s]."""
+POLL_S = 0.5
+"""Time between two looks at the files of the process [s]."""
 STATUS_FILE = "status.txt"
 """File in which the process states its current step, for the message if it is stopped."""
 
@@ -88,6 +92,10 @@ class StepProcess:
         self._process.communicate()
         self._folder.cleanup()
 
+    def _share_written(self) -> float:
+        """Share of the files that are written; the assembly counts as one part."""
+        return len(list(Path(self._folder.name).glob("*.step"))) / (len(self._job.parts) + 1)
+
     def _kill(self) -> None:
         """Kill the process and its child process, if they still run."""
         if sys.platform == "win32":
@@ -96,8 +104,17 @@ class StepProcess:
         with contextlib.suppress(ProcessLookupError, PermissionError):  # both have ended
             os.killpg(self._process.pid, signal.SIGKILL)
 
-    def result(self, time_limit_s: float = TIME_LIMIT_S) -> StepFiles:
+    def result(
+        self, time_limit_s: float = TIME_LIMIT_S, advance: Callable[[float], None] = lambda _: None
+    ) -> StepFiles:
         """Wait for the files.
+
+        Parameters
+        ----------
+        time_limit_s
+            Time after which the process is stopped [s].
+        advance
+            Called every moment with the share of the files that are written.
 
         Raises
         ------
@@ -106,13 +123,16 @@ class StepProcess:
         MissingLibraryError
             If cadquery cannot be loaded. The message names the packages to install.
         """
-        try:
-            _, stderr = self._process.communicate(timeout=time_limit_s)
-        except subprocess.TimeoutExpired:
+        begun, stderr = time.monotonic(), None
+        while stderr is None and (left_s := time_limit_s - (time.monotonic() - begun)) > 0:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                _, stderr = self._process.communicate(timeout=min(POLL_S, left_s))
+            advance(self._share_written())
+        if stderr is None:
             status_file = Path(self._folder.name) / STATUS_FILE
             status = status_file.read_text(encoding="utf-8") if status_file.exists() else "starting"
             message = f"the B-rep kernel was still {status} after {time_limit_s:g} s; use --formats stl,3mf."
-            raise GeometryError(Issue("STEP", message)) from None
+            raise GeometryError(Issue("STEP", message))
         folder = Path(self._folder.name)
         answer_file = folder / "answer.json"
         if not answer_file.exists():

@@ -13,7 +13,7 @@ lines change in the response is stated beside.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -143,7 +143,12 @@ class BoardProblem:
         return Outcome(envelope, cpu_s, self.run_exact_sine(system, "LSODA", 1e-11, t))
 
 
-def measure_board(seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary | str) -> WorkPrecision:
+def measure_board(
+    seconds: float,
+    peers: tuple[str, ...],
+    cvode: CvodeLibrary | str,
+    advance: Callable[[float], None] = lambda _: None,
+) -> WorkPrecision:
     """Measure fingertip and its peers on the same problem.
 
     Parameters
@@ -154,6 +159,8 @@ def measure_board(seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary | 
         Names of the peers (`peers.PEERS`).
     cvode
         CVODE, or why it is missing.
+    advance
+        Called with the share of the runs that are done.
     """
     seconds = max(seconds, MIN_SECONDS)
     problem = BoardProblem(AnalogBoard.from_design(Design()), seconds)
@@ -181,7 +188,7 @@ def measure_board(seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary | 
         )
         jobs += _cvode_jobs(diagram, problem, peers, cvode, sine)
         jobs += _spice_jobs(diagram, problem, system, peers)
-    diagram.measure(jobs, reference)
+    diagram.measure(jobs, reference, advance)
     return diagram
 
 

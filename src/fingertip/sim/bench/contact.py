@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
@@ -147,7 +147,12 @@ class ContactProblem:
         return Outcome(self.forces_n(x, np.maximum(y, 0.0)), cpu_s)
 
 
-def measure_contact(seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary | str) -> WorkPrecision:
+def measure_contact(
+    seconds: float,
+    peers: tuple[str, ...],
+    cvode: CvodeLibrary | str,
+    advance: Callable[[float], None] = lambda _: None,
+) -> WorkPrecision:
     """Measure fingertip and its peers on the same problem.
 
     Parameters
@@ -158,6 +163,8 @@ def measure_contact(seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary 
         Names of the peers (`peers.PEERS`).
     cvode
         CVODE, or why it is missing.
+    advance
+        Called with the share of the runs that are done.
     """
     problem = ContactProblem.over(seconds)
     system = _scipy_equations(problem.mount, problem.normal)
@@ -178,7 +185,7 @@ def measure_contact(seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary 
         for n in (2, 5, 10, 20, 40, 80, 160)
     ]
     jobs += _peer_jobs(diagram, problem, system, peers, cvode)
-    diagram.measure(jobs, reference)
+    diagram.measure(jobs, reference, advance)
     if "ngspice" in peers:
         diagram.omissions.append("ngspice: has no model of friction")
     return diagram

@@ -92,17 +92,20 @@ class WorkPrecision:
     omissions: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
-    def measure(self, jobs: Sequence[Job], reference: Array) -> None:
+    def measure(self, jobs: Sequence[Job], reference: Array, advance: Callable[[float], None] = lambda _: None) -> None:
         """Measure jobs in rounds, so that a change of the machine's speed meets all solvers.
 
         The CPU time of a job is the median of five rounds; jobs that take more than a second run once. A job that
-        fails, or whose error is not known, is listed among the omissions.
+        fails, or whose error is not known, is listed among the omissions. `advance` is called with the share done.
         """
         times: dict[Job, list[float]] = {job: [] for job in jobs}
         results: dict[Job, Outcome] = {}
         remaining = list(jobs)
-        for _ in range(_ROUNDS):
-            for job in tuple(remaining):
+        for number in range(_ROUNDS):
+            for i, job in enumerate(tuple(remaining)):
+                # The first round takes as long as all others: it runs the slow jobs too.
+                share = i / len(jobs)
+                advance(share / 2 if number == 0 else (1 + (number - 1 + share) / (_ROUNDS - 1)) / 2)
                 try:
                     outcome = job.run()
                 except Exception as error:  # another solver may fail in any way; the failure is reported

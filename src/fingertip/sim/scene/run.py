@@ -21,6 +21,7 @@ from fingertip.arrays import Array
 from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
+from fingertip.progress import ReportProgress
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surface_profile import SurfaceProfile
@@ -29,7 +30,7 @@ from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.cost import CostMeter, StageCost
 from fingertip.sim.finger import OF_BOARD, OF_BRIDGE, Finger, FingerDrive, FingerSetup, FingerSignals, needs_contact
 from fingertip.sim.grid import Grid, count_samples
-from fingertip.sim.progress import ReportProgress, ShareDone
+from fingertip.sim.progress import ShareDone
 from fingertip.sim.scene import disturbances
 from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.scene.sliding import (

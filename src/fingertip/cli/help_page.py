@@ -1,0 +1,194 @@
+"""Help pages: plain text of at most 80 columns, options in groups, flags without a type, and examples to copy.
+
+typer draws help pages in boxes, with a type beside each flag. These classes write the text themselves, from the
+attributes of the parameters that all versions of typer share.
+"""
+
+from __future__ import annotations
+
+import shutil
+import textwrap
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from typer.core import TyperCommand, TyperGroup
+
+from fingertip.cli.console import COMMON
+from fingertip.cli.examples import list_examples
+
+MAX_WIDTH = 80
+"""Largest width of a help page, in columns: longer lines are hard to read."""
+MIN_WIDTH = 40
+MAX_TERM = 26
+"""Largest width of the column of options; a longer one has a line of its own."""
+
+ARGUMENTS, OPTIONS = "Arguments", "Options"
+
+_METAVARS = {"int": "NUMBER", "integer": "NUMBER", "float": "NUMBER", "path": "PATH"}
+"""Name of a type in typer -> what stands for a value on a help page."""
+
+
+class HelpCommand(TyperCommand):
+    """Command whose help page this module writes."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Write the help page."""
+        formatter.write(format_command(self, ctx))
+
+
+class HelpGroup(TyperGroup):
+    """Group of commands whose help page this module writes."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Write the help page."""
+        formatter.write(format_group(self, ctx))
+
+
+def format_command(command: Any, ctx: Any, width: int | None = None) -> str:
+    """Format the help page of a command: usage, description, arguments, options and examples."""
+    width = width or _terminal_width()
+    groups: dict[str, list[tuple[str, str]]] = {ARGUMENTS: [], OPTIONS: []}
+    common: list[tuple[str, str]] = []
+    for parameter in command.get_params(ctx):
+        if getattr(parameter, "hidden", False):
+            continue
+        row = (_term(parameter), _describe(parameter))
+        if parameter.param_type_name == "argument":
+            groups[ARGUMENTS].append(row)
+            continue
+        panel = getattr(parameter, "rich_help_panel", None)
+        if panel == COMMON or parameter.name == "help":
+            common.append(row)
+        else:
+            groups.setdefault(panel or OPTIONS, []).append(row)
+    sections = [(title, rows) for title, rows in [*groups.items(), (COMMON, common)] if rows]
+    path = ctx.command_path
+    lines = [_wrap(f"Usage: {path} {_usage(command, ctx)}", width, "       "), "", *_paragraphs(command.help, width)]
+    for title, rows in sections:
+        lines += ["", f"{title}:", *_two_columns(rows, width)]
+    if examples := list_examples(_command_name(ctx)):
+        lines += ["", "Examples:", *(_wrap(f"  $ {example}", width, "      ") for example in examples)]
+    return "\n".join(lines) + "\n"
+
+
+def format_group(group: Any, ctx: Any, width: int | None = None) -> str:
+    """Format the help page of a group: usage, description and its commands, by subject."""
+    width = width or _terminal_width()
+    subjects: dict[str, list[tuple[str, str]]] = {}
+    for name in group.list_commands(ctx):
+        command = group.get_command(ctx, name)
+        if command is None or command.hidden:
+            continue
+        subject = getattr(command, "rich_help_panel", None) or "Commands"
+        subjects.setdefault(subject, []).append((name, _first_sentence(command.help or "")))
+    longest = max((len(name) for rows in subjects.values() for name, _ in rows), default=0)
+    lines = [f"Usage: {ctx.command_path} COMMAND [OPTIONS]", "", *_paragraphs(group.help, width)]
+    for subject, rows in subjects.items():
+        lines += ["", f"{subject}:", *_two_columns(rows, width, longest)]
+    options = [(_term(p), _describe(p)) for p in group.get_params(ctx) if p.param_type_name == "option"]
+    lines += ["", f"{OPTIONS}:", *_two_columns(options, width)]
+    if examples := list_examples(_command_name(ctx)):
+        lines += ["", "Examples:", *(_wrap(f"  $ {example}", width, "      ") for example in examples)]
+    lines += ["", _wrap(f"`{ctx.command_path} COMMAND --help` describes a command.", width, "")]
+    return "\n".join(lines) + "\n"
+
+
+def _command_name(ctx: Any) -> str:
+    """Words of a command behind the name of the program."""
+    return "" if ctx.parent is None else f"{_command_name(ctx.parent)} {ctx.info_name}".strip()
+
+
+def metavar(parameter: Any) -> str:
+    """Word that stands for the value of a parameter; empty for a flag, which has none."""
+    if parameter.param_type_name == "option" and parameter.is_flag:
+        return ""
+    if parameter.metavar:
+        return str(parameter.metavar)
+    if parameter.param_type_name == "argument":
+        return str(parameter.name).upper()
+    return _METAVARS.get(_type_name(parameter), "TEXT")
+
+
+def _type_name(parameter: Any) -> str:
+    """Name of the type of a parameter's value, in lower case."""
+    described = getattr(parameter, "type_descriptor", None)  # typer with its own parser
+    if described is not None:
+        if described.is_path:
+            return "path"
+        return str(getattr(described.annotation, "__name__", described.annotation)).lower()
+    name = str(getattr(parameter.type, "name", "text")).lower()
+    return "path" if name in ("path", "file", "directory") else name
+
+
+def _term(parameter: Any) -> str:
+    """Option or argument as it is typed."""
+    word = metavar(parameter)
+    if parameter.param_type_name == "argument":
+        return f"{word}..." if parameter.nargs != 1 else word
+    names = sorted([*parameter.opts, *parameter.secondary_opts], key=lambda name: name.startswith("--"))
+    return ", ".join(names) + (f" {word}" if word else "")
+
+
+def _describe(parameter: Any) -> str:
+    """Meaning of a parameter, with its default."""
+    text = parameter.help or ""
+    default = parameter.default
+    shown = isinstance(default, int | float | str) and not isinstance(default, bool)
+    if type(default).__name__ == "PosixPath" or type(default).__name__ == "WindowsPath":
+        default, shown = default.as_posix(), True
+    if shown and default != "":
+        text = f"{text} Default: {default}."
+    return text
+
+
+def _usage(command: Any, ctx: Any) -> str:
+    """Arguments of a command, in brackets where they may be left out."""
+    words = []
+    for parameter in command.get_params(ctx):
+        if parameter.param_type_name == "argument":
+            word = _term(parameter)
+            words.append(word if parameter.required else f"[{word}]")
+    return " ".join([*words, "[OPTIONS]"])
+
+
+def _first_sentence(text: str) -> str:
+    """First sentence of a description."""
+    first = text.split("\n\n")[0]
+    end = first.find(". ")
+    return first if end < 0 else first[: end + 1]
+
+
+def _paragraphs(text: str | None, width: int) -> list[str]:
+    """Lines of a description, with an empty line between paragraphs."""
+    wrapped = [_wrap(" ".join(paragraph.split()), width, "") for paragraph in (text or "").split("\n\n")]
+    return "\n\n".join(wrapped).split("\n")
+
+
+def _two_columns(rows: Sequence[tuple[str, str]], width: int, longest: int = 0) -> Iterable[str]:
+    """Lines of a list of terms with their meanings."""
+    column = longest or max((len(term) for term, _ in rows if len(term) <= MAX_TERM), default=MAX_TERM)
+    indent = " " * (column + 4)
+    for term, meaning in rows:
+        if len(term) > column:
+            yield f"  {term}"
+            yield _wrap(indent + meaning, width, indent)
+        else:
+            yield _wrap(f"  {term:{column}}  {meaning}", width, indent)
+
+
+def _wrap(text: str, width: int, indent: str) -> str:
+    """Break a text into lines between words; a longer word stays whole."""
+    return textwrap.fill(
+        text,
+        width,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+        replace_whitespace=False,
+        drop_whitespace=True,
+    )
+
+
+def _terminal_width() -> int:
+    """Width of a help page on this terminal."""
+    return max(MIN_WIDTH, min(MAX_WIDTH, shutil.get_terminal_size((MAX_WIDTH, 24)).columns))

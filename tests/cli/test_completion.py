@@ -1,0 +1,133 @@
+"""`fingertip completion`: the scripts in the shells themselves."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import run_fingertip
+from tests.tools import require_tool
+
+SHELLS = ("bash", "zsh", "fish")
+
+
+@pytest.fixture(scope="module")
+def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("completion")
+    for shell in SHELLS:
+        done = run_fingertip("completion", shell)
+        assert done.returncode == 0, done.stderr
+        (folder / shell).write_text(done.stdout)
+    (folder / "work").mkdir()
+    (folder / "work" / "mine.toml").touch()
+    return folder
+
+
+def complete_in_bash(scripts: Path, line: str) -> list[str]:
+    """What bash offers for the word at the end of a line: the words are split as readline splits them."""
+    bash = require_tool("bash", "apt-get install bash")
+    program = """
+        source "$1"
+        COMP_LINE=$2 COMP_POINT=${#2}
+        breaks=' =:'
+        COMP_WORDS=() word=''
+        for ((i = 0; i < ${#COMP_LINE}; i++)); do
+            letter=${COMP_LINE:i:1}
+            if [[ $letter == ' ' ]]; then [[ -n $word ]] && COMP_WORDS+=("$word"); word=''
+            elif [[ $breaks == *"$letter"* ]]; then COMP_WORDS+=("$word" "$letter"); word=''
+            else word+=$letter; fi
+        done
+        COMP_WORDS+=("$word") COMP_CWORD=$((${#COMP_WORDS[@]} - 1))
+        _fingertip
+        printf '%s\\n' "${COMPREPLY[@]}"
+    """
+    done = subprocess.run(
+        [bash, "--norc", "-c", program, "bash", scripts / "bash", line],
+        capture_output=True, text=True, check=True, cwd=scripts / "work",
+    )  # fmt: skip
+    assert done.stderr == ""
+    return done.stdout.split()
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("fingertip bo", ["board"]),
+        ("fingertip calibrate ", ["printer", "sensor"]),
+        ("fingertip calibrate sensor --sc", ["--scale"]),
+        ("fingertip build fsr402", ["fsr402"]),
+        ("fingertip build mi", ["mine.toml"]),
+        ("fingertip build fsr400 --pi", ["--pictures"]),
+        ("fingertip build fsr400 --set skin.wid", ["skin.width_mm="]),
+        ("fingertip build fsr400 --set board.variant=pre", ["precision"]),
+        ("fingertip detect a.csv --detector f", ["fft", "fast"]),
+        ("fingertip simulate hard", ["hard_tap"]),
+        ("fingertip sweep ma", ["map"]),
+        ("fingertip new tip --preset child", ["child_finger", "child_thumb"]),
+        ("fingertip new tip --hand f", ["flexible_flyer"]),
+        ("fingertip schema s", ["scene", "sweep"]),
+        ("fingertip completion z", ["zsh"]),
+        ("fingertip build fsr400 --out mi", ["mine.toml"]),
+        ("fingertip board --check --ver", ["--verbose"]),
+    ],
+)
+def test_bash_completes(scripts: Path, line: str, expected: list[str]) -> None:
+    assert complete_in_bash(scripts, line) == expected
+
+
+def test_every_command_is_completed(scripts: Path) -> None:
+    names = complete_in_bash(scripts, "fingertip ")
+    assert {"make", "build", "calibrate", "--help", "--version"} <= set(names)
+    assert len(names) > 20
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_scripts_are_valid(scripts: Path, shell: str) -> None:
+    program = require_tool(shell, f"apt-get install {shell}")
+    done = subprocess.run([program, "-n", scripts / shell], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("fingertip bo", {"board"}),
+        ("fingertip calibrate ", {"printer", "sensor"}),
+        ("fingertip build --set skin.wid", {"skin.width_mm="}),
+        ("fingertip detect a.csv --detector f", {"fft", "fast"}),
+        ("fingertip board --che", {"--check"}),
+    ],
+)
+def test_fish_completes(scripts: Path, line: str, expected: set[str]) -> None:
+    fish = require_tool("fish", "apt-get install fish")
+    program = f"source {scripts / 'fish'}; complete -C '{line}'"
+    done = subprocess.run([fish, "--no-config", "-c", program], capture_output=True, text=True, check=True)
+    assert {offered.partition("\t")[0] for offered in done.stdout.splitlines()} == expected
+
+
+@pytest.mark.parametrize(("keys", "expected"), [("fingertip boa\t", "board"), ("fingertip build fsr402_s\t", "fsr402")])
+def test_zsh_completes(scripts: Path, keys: str, expected: str) -> None:
+    """An interactive zsh in a pseudo-terminal, which zsh itself provides."""
+    zsh = require_tool("zsh", "apt-get install zsh")
+    program = f"""
+        zmodload zsh/zpty
+        zpty shell {zsh} -f -i
+        zpty -w shell 'PS1=; autoload -Uz compinit; compinit -u -D; source {scripts / "zsh"}; print READY'
+        zpty -r -m shell answer '*READY*READY*'
+        zpty -w -n shell $'{keys}'
+        sleep 0.5
+        zpty -w shell ''
+        zpty -r -m shell answer '*{expected}*' && print FOUND
+    """
+    done = subprocess.run(
+        [zsh, "-f", "-c", program], capture_output=True, text=True, check=False, timeout=30, cwd=scripts / "work"
+    )
+    assert "FOUND" in done.stdout
+
+
+def test_another_shell_is_refused() -> None:
+    done = run_fingertip("completion", "tcsh")
+    assert done.returncode == 2
+    assert "SHELL: 'tcsh' has no completion" in done.stderr

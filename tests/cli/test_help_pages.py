@@ -1,0 +1,100 @@
+"""Help pages: width, groups, examples that run, flags without a type; and lines that a terminal can hold."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+import typer.main
+
+from fingertip.cli import app
+from fingertip.cli.console import fit_width
+from fingertip.cli.examples import EXAMPLES
+from fingertip.cli.help_page import MAX_WIDTH, format_command
+from tests.conftest import run_fingertip
+
+ROOT_COMMAND: Any = typer.main.get_command(app)
+
+
+def commands(group: Any = ROOT_COMMAND, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for name, command in group.commands.items():
+        yield f"{prefix}{name}", command
+        if hasattr(command, "commands"):
+            yield from commands(command, f"{prefix}{name} ")
+
+
+COMMANDS = dict(commands())
+
+
+@pytest.mark.parametrize("name", ["", *COMMANDS])
+def test_help_page_fits_and_shows_every_option(name: str) -> None:
+    done = run_fingertip(*name.split(), "--help")
+    assert done.returncode == 0, done.stderr
+    assert max(map(len, done.stdout.splitlines())) <= MAX_WIDTH
+    assert not re.search(r"<\w+>", done.stdout), "a type of Python"
+    command = COMMANDS.get(name, ROOT_COMMAND)
+    for parameter in command.params:
+        for option in parameter.opts if parameter.param_type_name == "option" else ():
+            assert re.search(rf"(^|[ ,]){option}([ ,]|$)", done.stdout, re.MULTILINE)
+    assert "Examples:\n  $ fingertip " in done.stdout
+
+
+def test_flags_have_no_value_and_values_have_a_name() -> None:
+    page = run_fingertip("board", "--help").stdout
+    assert re.search(r"^  --check  +Write nothing", page, re.MULTILINE)
+    assert re.search(r"^  -o, --out PATH  +Output folder", page, re.MULTILINE)
+    assert "--set TABLE.KEY=VALUE" in page
+    assert page.index("Options:") < page.index("Options of all commands:") < page.index("Examples:")
+
+
+def test_defaults_are_stated() -> None:
+    assert "Default: 0.01." in run_fingertip("build", "--help").stdout
+
+
+def test_every_command_has_a_subject_and_examples() -> None:
+    assert set(EXAMPLES) == {"", *COMMANDS}
+    page = run_fingertip("--help").stdout
+    for name in ROOT_COMMAND.commands:
+        assert re.search(rf"^  {name} ", page, re.MULTILINE)
+    assert "Commands:" not in page, "a command without subject"
+
+
+@pytest.mark.parametrize("example", [example for group in EXAMPLES.values() for example in group])
+def test_examples_are_understood(example: str) -> None:
+    """Every word of an example is a command, an option or a value; tests/test_readme.py runs most of them."""
+    program, *words = shlex.split(example)
+    assert program == "fingertip"
+    group: Any = ROOT_COMMAND
+    name = ""
+    while words and hasattr(group, "commands"):
+        name, *words = words
+        group = group.commands[name]
+    group.make_context(name, words)
+
+
+def test_a_narrow_terminal_gets_a_narrow_page() -> None:
+    command = COMMANDS["build"]
+    page = format_command(command, command.make_context("build", ["fsr400"]), 60)
+    assert max(map(len, page.splitlines())) <= 60
+
+
+def test_lines_break_between_words_below_the_last_column() -> None:
+    table = (
+        "R1         2375.4 ohm  first stage\nR8 C9      1k 330n     anti-aliasing filter, tactile voltage: first pole"
+    )
+    assert fit_width(table, 200) == table
+    assert fit_width(table, 60).splitlines() == [
+        "R1         2375.4 ohm  first stage",
+        "R8 C9      1k 330n     anti-aliasing filter, tactile",
+        "                       voltage: first pole",
+    ]
+
+
+def test_words_stay_whole() -> None:
+    text = "  error " + "word " * 30 + "averylongword" * 10
+    lines = fit_width(text, 50).splitlines()
+    assert all(len(line) <= 50 for line in lines[:-1])
+    assert " ".join(" ".join(lines).split()) == " ".join(text.split())

@@ -1,0 +1,98 @@
+"""Progress of long work: shares, the time left, the bar of a terminal and the lines of a log."""
+
+from __future__ import annotations
+
+import io
+import sys
+
+import pytest
+
+from fingertip import progress as progress_module
+from fingertip.cli import progress as display_module
+from fingertip.cli.progress import BAR_WIDTH, CLEAR_LINE, ProgressDisplay, format_bar
+from fingertip.progress import ShareText, Work, describe_share
+
+
+class Clock:
+    """Clock that a test sets."""
+
+    now_s = 0.0
+
+    def monotonic(self) -> float:
+        return self.now_s
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    clock = Clock()
+    monkeypatch.setattr(progress_module, "time", clock)
+    monkeypatch.setattr(display_module, "time", clock)
+    return clock
+
+
+def test_shares_follow_from_the_durations_of_the_stages(clock: Clock) -> None:
+    messages: list[str] = []
+    work = Work("bench", {"contact": 30.0, "board": 60.0, "trial": 10.0}, messages.append)
+    work.begin("contact")
+    clock.now_s = 30.0
+    work.begin("board")
+    clock.now_s = 60.0
+    work.advance(0.5)
+    work.advance(0.6)  # a moment later: not reported
+    clock.now_s = 90.0
+    work.begin("trial")
+    assert messages == [
+        "bench: contact: 0 % done",
+        "bench: board: 30 % done, 70 s left",
+        "bench: board: 60 % done, 40 s left",
+        "bench: trial: 90 % done, 10 s left",
+    ]
+    assert [message.share for message in messages if isinstance(message, ShareText)] == [0.0, 0.3, 0.6, 0.9]
+
+
+def test_work_without_anybody_to_report_to() -> None:
+    work = Work("", {"only": 1.0}, None)
+    work.begin("only")
+    work.advance(1.0)
+
+
+def test_long_durations_have_larger_units() -> None:
+    assert describe_share("x", 0.5, 90.0) == "x: 50 % done, 90 s left"
+    assert describe_share("x", 0.5, 600.0) == "x: 50 % done, 10 min left"
+    assert describe_share("x", 0.1, 3600.0) == "x: 10 % done, 9.0 h left"
+    assert describe_share("x", 0.01, 3600.0) == "x: 1 % done", "too early for an estimate"
+
+
+def test_a_bar_fits_its_line() -> None:
+    message = ShareText("a long stage: " + "x" * 100, 0.25)
+    assert format_bar(message, 80).startswith(f"[{'#' * (BAR_WIDTH // 4)}{'.' * (BAR_WIDTH - BAR_WIDTH // 4)}] a long")
+    assert len(format_bar(message, 80)) == 79
+
+
+class Terminal(io.StringIO):
+    """Text stream that says it is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_terminal_shows_one_bar_that_messages_replace(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    display = ProgressDisplay()
+    display.show(ShareText("half", 0.5))
+    display.show(ShareText("most", 0.9))
+    display.show("a message")
+    shown = sys.stderr.getvalue()  # type: ignore[attr-defined]
+    assert shown.count("\n") == 1
+    assert shown.endswith(f"{CLEAR_LINE}a message\n")
+    assert shown.count(CLEAR_LINE) == 3
+
+
+def test_a_log_has_a_line_now_and_then(monkeypatch: pytest.MonkeyPatch, clock: Clock) -> None:
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
+    display = ProgressDisplay()
+    for second in range(31):
+        clock.now_s = second
+        display.show(ShareText(f"{second} s", second / 30))
+        display.show("message") if second == 5 else None
+    assert sys.stderr.getvalue().split("\n") == ["0 s", "message", "10 s", "20 s", "30 s", ""]  # type: ignore[attr-defined]

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from fingertip.extras import install_command
+from fingertip.extras import EXTRAS, install_command
 
 
 def require_tool(name: str, how_to_install: str) -> Path:
@@ -32,7 +32,9 @@ def require_module(name: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError:
-        message = f"{name} IS MISSING, THIS IS NOT TESTED: {install_command(name.partition('.')[0])}"
+        package = name.partition(".")[0]
+        how_to_install = install_command(package) if package in EXTRAS else "sh install.sh test"
+        message = f"{name} IS MISSING, THIS IS NOT TESTED: {how_to_install}"
     if os.environ.get("FINGERTIP_REQUIRE_TOOLS") == "1":
         pytest.fail(message, pytrace=False)
     pytest.skip(message)

@@ -20,13 +20,15 @@ from fingertip._version import __version__
 if TYPE_CHECKING:
     from fingertip.board import BoardValues, board_values, write_board
     from fingertip.build_files import Build, build
-    from fingertip.cad.convert import part_mesh, part_solid, part_trimesh
+    from fingertip.cad.convert import assembly, part_mesh, part_solid, part_trimesh
     from fingertip.design import Design
     from fingertip.detect_trace import FileDetection, StreamDetection, detect_file, detect_stream
+    from fingertip.display import Picture
     from fingertip.errors import FingertipError
     from fingertip.make_files import Made, make
     from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene, simulate
     from fingertip.slip import Detection, SlipChain, Trace, detect, read_trace
+    from fingertip.view.show import picture
 
 _MODULES = {
     "BoardValues": "fingertip.board",
@@ -37,11 +39,13 @@ _MODULES = {
     "FingertipError": "fingertip.errors",
     "Made": "fingertip.make_files",
     "ManipulationFile": "fingertip.sim",
+    "Picture": "fingertip.display",
     "SceneFile": "fingertip.sim",
     "SlipChain": "fingertip.slip",
     "StreamDetection": "fingertip.detect_trace",
     "Trace": "fingertip.slip",
     "Trial": "fingertip.sim",
+    "assembly": "fingertip.cad.convert",
     "board_values": "fingertip.board",
     "build": "fingertip.build_files",
     "detect": "fingertip.slip",
@@ -51,6 +55,7 @@ _MODULES = {
     "part_mesh": "fingertip.cad.convert",
     "part_solid": "fingertip.cad.convert",
     "part_trimesh": "fingertip.cad.convert",
+    "picture": "fingertip.view.show",
     "read_trace": "fingertip.slip",
     "run_manipulation": "fingertip.sim",
     "run_scene": "fingertip.sim",
@@ -68,12 +73,14 @@ __all__ = [
     "FingertipError",
     "Made",
     "ManipulationFile",
+    "Picture",
     "SceneFile",
     "SlipChain",
     "StreamDetection",
     "Trace",
     "Trial",
     "__version__",
+    "assembly",
     "board_values",
     "build",
     "detect",
@@ -83,6 +90,7 @@ __all__ = [
     "part_mesh",
     "part_solid",
     "part_trimesh",
+    "picture",
     "read_trace",
     "run_manipulation",
     "run_scene",

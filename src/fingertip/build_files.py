@@ -12,7 +12,7 @@ import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fingertip import extras
 from fingertip._version import __version__
@@ -34,10 +34,14 @@ from fingertip.design import Design
 from fingertip.design.export import to_toml
 from fingertip.design.issues import suggest_name
 from fingertip.design.silicone import replace_silicone, select_silicone
+from fingertip.display import Picture, html_table, to_dataframe
 from fingertip.errors import DesignError, Issue
 from fingertip.files import round_for_output
 from fingertip.output_set import SetWriter, hash_parameters, read_manifest
 from fingertip.progress import Work
+
+if TYPE_CHECKING:
+    import pandas
 
 FORMATS = ("stl", "3mf", "step")
 DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
@@ -83,6 +87,53 @@ class Build:
     def passed(self) -> bool:
         """True if every check passed."""
         return all(check.passed for check in self.checks)
+
+    def __repr__(self) -> str:
+        passed = sum(check.passed for check in self.checks)
+        names = ", ".join(built.part.name for built in self.parts)
+        return f"Build({self.design.name} in {self.folder}: {names}; {passed} of {len(self.checks)} checks passed)"
+
+    def _repr_html_(self) -> str:
+        """Table of the parts, and of the checks that failed, for Jupyter."""
+        parts = [
+            (built.part.name, f"{built.mesh.volume() / 1000:.2f}", ", ".join(built.files.values()))
+            for built in self.parts
+        ]
+        text = html_table(repr(self), ("part", "volume [cm3]", "files"), parts)
+        failed = [
+            (check.name, f"{check.value:g}", f"{check.sign} {check.limit:g}", check.unit)
+            for check in self.checks
+            if not check.passed
+        ]
+        return text + (html_table("FAILED", ("check", "value", "limit", "unit"), failed) if failed else "")
+
+    def plot(self, width_px: int = 1600) -> Picture:
+        """Draw the design that was built.
+
+        Parameters
+        ----------
+        width_px
+            Width of the picture [pixels].
+        """
+        return self.design.plot(width_px)
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return every check with value and limit as a data frame.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        columns = {
+            "check": [check.name for check in self.checks],
+            "value": [check.value for check in self.checks],
+            "sign": [check.sign for check in self.checks],
+            "limit": [check.limit for check in self.checks],
+            "unit": [check.unit for check in self.checks],
+            "passed": [check.passed for check in self.checks],
+        }
+        return to_dataframe(columns, "Build.to_dataframe")
 
     def report(self) -> dict[str, Any]:
         """Return the content of report.json, which depends on the design alone, not on time or machine."""

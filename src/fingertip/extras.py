@@ -24,6 +24,7 @@ EXTRAS = {
     "nptdms": "tdms",
     "distributed": "cluster",
     "dask": "cluster",
+    "pandas": "frames",
 }
 """Module of an optional package -> extra that installs it."""
 _PACKAGES = {"nptdms": "npTDMS"}

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from fingertip import extras
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.shapes.hardware import hardware
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.solids import Solid
 from fingertip.design import Design
@@ -61,6 +62,23 @@ def part_trimesh(design: Design, name: str, tolerance_mm: float = 0.01) -> trime
     trimesh_module = extras.load("trimesh", "part_trimesh", alternative="use part_mesh")
     mesh = part_mesh(design, name, tolerance_mm)
     return trimesh_module.Trimesh(mesh.vertices, mesh.triangles, process=False)
+
+
+def assembly(design: Design) -> cadquery.Assembly:
+    """Build all parts of a design with the hardware in their places, as a `cadquery.Assembly` that Jupyter shows.
+
+    Raises
+    ------
+    MissingLibraryError
+        If cadquery, or a system library it needs, is missing.
+    """
+    extras.require("assembly", "cadquery")
+    from fingertip.cad.kernel import brep
+
+    evaluator, parts = brep.BrepEvaluator(), parts_by_name(design)
+    placed = [(name, part.solid(design), part.colour) for name, part in parts.items()]
+    placed += [(item.name, item.solid, item.colour) for item in hardware(design, list(parts))]
+    return brep.assemble(design.name, [(name, evaluator.solid(solid), colour) for name, solid, colour in placed])
 
 
 def _find_solid(design: Design, name: str) -> Solid:

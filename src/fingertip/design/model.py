@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import ValidationError
 
@@ -13,7 +13,14 @@ from fingertip.design.parameters import DesignTables
 from fingertip.design.rules import RULES
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.validation import describe_violations, explain_invalid, explain_violations
+from fingertip.display import Picture, html_table, plot, to_dataframe
 from fingertip.errors import DesignError
+
+if TYPE_CHECKING:
+    import pandas
+
+MAX_SHOWN = 4
+"""Largest number of parameters in the short form of a design."""
 
 
 class Design(DesignTables):
@@ -85,6 +92,63 @@ class Design(DesignTables):
         if issues := list(describe_violations(valid)):
             raise DesignError(issues)
         return cls.model_construct(None, **{name: getattr(valid, name) for name in cls.model_fields})
+
+    def changes(self) -> dict[str, Any]:
+        """Return the parameters that differ from the default design, by dotted name."""
+        from fingertip.design.parameters.design_tables import PARAMETERS
+
+        values = {path: self.value(path) for path in PARAMETERS if path != "name"}
+        return {path: value for path, value in values.items() if value != PARAMETERS[path].default}
+
+    def __repr__(self) -> str:
+        changed = [f"{path}={value!r}" for path, value in self.changes().items()]
+        more = f", {len(changed) - MAX_SHOWN} more" if len(changed) > MAX_SHOWN else ""
+        return f"Design({', '.join([repr(self.name), *changed[:MAX_SHOWN]])}{more})"
+
+    def __str__(self) -> str:
+        return repr(self)
+
+    def _repr_html_(self) -> str:
+        """Table of the parameters that differ from the default design, for Jupyter."""
+        from fingertip.design.export import list_parameters
+
+        changed = self.changes()
+        rows = [
+            (p.path, changed[p.path], p.default, p.unit, p.description) for p in list_parameters() if p.path in changed
+        ]
+        caption = f"Design {self.name}: {len(rows) or 'no'} parameters differ from the default design"
+        return html_table(caption, ("parameter", "value", "default", "unit", "meaning"), rows)
+
+    def plot(self, width_px: int = 1600) -> Picture:
+        """Draw the design: exploded views, and a section through the closed mold.
+
+        Parameters
+        ----------
+        width_px
+            Width of the picture [pixels].
+        """
+        return plot("design", self, width_px)
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return every parameter with value, default, unit, bounds and description as a data frame.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        from fingertip.design.export import list_parameters
+
+        listed = list(list_parameters())
+        columns = {
+            "name": [p.path for p in listed],
+            "value": [self.value(p.path) for p in listed],
+            "default": [p.default for p in listed],
+            "unit": [p.unit for p in listed],
+            "bounds": [p.bounds for p in listed],
+            "description": [p.description for p in listed],
+        }
+        return to_dataframe(columns, "Design.to_dataframe")
 
     def _validate(
         self, tables: Mapping[str, Any], before: Mapping[str, Any] | None = None, changed: Sequence[str] = ()

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fingertip.design import Design
+from fingertip.display import Picture, html_table, to_dataframe
 from fingertip.errors import Issue, TraceError
 from fingertip.slip.detectors.detector import DetectorOutput
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
@@ -14,6 +16,9 @@ from fingertip.slip.detectors.noise import NoiseLevel, noise_level
 from fingertip.slip.detectors.registry import find_detector_type, make_detector
 from fingertip.slip.intervals import Interval, Score, intervals, score
 from fingertip.slip.traces.trace import Trace, find_issues
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +42,61 @@ class Detection:
     """Intervals in which slip may begin, at more false alarms than slip; None for other detectors than `fast`."""
     learned_noise_v: float | None
     """White RMS noise that the detector has learned at the end [V]; None for detectors that learn none."""
+    trace: Trace
+    """Trace that the detector was run on."""
+
+    def __repr__(self) -> str:
+        found = f"{len(self.intervals)} interval{'' if len(self.intervals) == 1 else 's'} ON"
+        if self.score is None:
+            return f"Detection({self.detector}: {found})"
+        delays_s = [delay_s for delay_s in self.score.delays_s if delay_s is not None]
+        text = f"{len(delays_s)} of {len(self.score.delays_s)} slips found"
+        if delays_s:
+            text += f", delay {1000 * float(np.median(delays_s)):.1f} ms"
+        return f"Detection({self.detector}: {found}, {text}, {len(self.score.false_intervals)} false)"
+
+    def _repr_html_(self) -> str:
+        """Table of the intervals, for Jupyter."""
+        rows = [
+            (f"{interval.onset_s:.4f}", f"{interval.end_s:.4f}", f"{confidence:.3g}", self._describe(interval))
+            for interval, confidence in zip(self.intervals, self.confidences, strict=True)
+        ]
+        return html_table(repr(self), ("ON from [s]", "to [s]", "confidence", "slip"), rows)
+
+    def _describe(self, interval: Interval) -> str:
+        """Describe whether an interval is a true slip; empty where that is not known."""
+        if self.score is None:
+            return ""
+        return "false" if interval in self.score.false_intervals else "true"
+
+    def plot(self, title: str = "") -> Picture:
+        """Draw voltage, statistic with threshold, and ON/OFF over time.
+
+        Raises
+        ------
+        MissingLibraryError
+            If matplotlib is not installed.
+        """
+        from fingertip.slip.plot import draw
+
+        return Picture(draw(self.trace, self, title or f"detector {self.detector}"))
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the intervals as a data frame; `is_true` is missing where the true slip is not known.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        columns: dict[str, list[object]] = {
+            "onset_s": [interval.onset_s for interval in self.intervals],
+            "end_s": [interval.end_s for interval in self.intervals],
+            "confidence": [*self.confidences],
+        }
+        if self.score is not None:
+            columns["is_true"] = [interval not in self.score.false_intervals for interval in self.intervals]
+        return to_dataframe(columns, "Detection.to_dataframe")
 
 
 def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: float | None = None) -> Detection:
@@ -80,7 +140,17 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
     learned_v = instance.noise_v if isinstance(instance, FastDetector) else None
     confidences = _confidences(output, trace, detected)
     return Detection(
-        detector, threshold_v, instance.memory_s, level, output, detected, scored, confidences, incipient, learned_v
+        detector,
+        threshold_v,
+        instance.memory_s,
+        level,
+        output,
+        detected,
+        scored,
+        confidences,
+        incipient,
+        learned_v,
+        trace,
     )
 
 

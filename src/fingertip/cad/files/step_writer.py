@@ -14,6 +14,7 @@ from OCP.TDataStd import TDataStd_Name
 from OCP.TDocStd import TDocStd_Document
 from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
 
+from fingertip.cad.kernel.brep import assemble
 from fingertip.errors import GeometryError, Issue
 
 ColouredSolid = tuple[str, cq.Solid, tuple[float, float, float]]
@@ -50,10 +51,7 @@ def write_part(path: Path, part: ColouredSolid) -> None:
 
 def write_assembly(path: Path, title: str, parts: Iterable[ColouredSolid]) -> None:
     """Write several named, coloured solids as one assembly called `title` (AP214, mm)."""
-    assembly = cq.Assembly(name=title)
-    for name, solid, colour in parts:
-        assembly.add(solid, name=name, color=cq.Color(*colour))
-    assembly.export(str(path), "STEP")
+    assemble(title, parts).export(str(path), "STEP")
     _make_reproducible(path)
 
 

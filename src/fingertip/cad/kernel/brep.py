@@ -12,6 +12,7 @@ exact solids are needed.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -121,6 +122,14 @@ class BrepEvaluator:
                 return _superconic(body)
             case DraftedExtrusion():
                 return _drafted_extrusion(solid)
+
+
+def assemble(title: str, parts: Iterable[tuple[str, cq.Solid, tuple[float, float, float]]]) -> cq.Assembly:
+    """Join named, coloured solids in an assembly."""
+    assembly = cq.Assembly(name=title)
+    for name, solid, colour in parts:
+        assembly.add(solid, name=name, color=cq.Color(*colour))
+    return assembly
 
 
 def volume(shape: Any) -> float:

@@ -5,14 +5,19 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.arrays import Array
 from fingertip.design.parameters import Detector as DetectorParameters
+from fingertip.display import Picture, html_table, to_dataframe
 from fingertip.errors import Issue, TraceError
 from fingertip.slip.traces.sampling import TIME_UNITS_S, find_rounding, sample_location, time_issues
+
+if TYPE_CHECKING:
+    import pandas
 
 COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v")
 """Names of a trace's columns."""
@@ -32,6 +37,50 @@ class Trace:
     """True gross slip."""
     envelope_v: Array | None = None
     """Output of the filter board [V], which the detector `analog` takes."""
+
+    def __repr__(self) -> str:
+        count = len(self.time_s)
+        if count < 2:
+            return f"Trace({count} samples)"
+        duration_s = float(self.time_s[-1] - self.time_s[0])
+        others = [name for name in COLUMNS[2:] if getattr(self, name) is not None]
+        rate_hz = (count - 1) / duration_s if duration_s > 0.0 else float("nan")
+        return f"Trace({', '.join([f'{count} samples', f'{duration_s:.4g} s at {rate_hz:.6g} Hz', *others])})"
+
+    def _repr_html_(self) -> str:
+        """Table of the columns with their ranges, for Jupyter."""
+        rows = [
+            (name, f"{np.min(values):.6g}", f"{np.max(values):.6g}") for name, values in self._columns() if len(values)
+        ]
+        return html_table(repr(self), ("column", "smallest", "largest"), rows)
+
+    def plot(self) -> Picture:
+        """Draw the columns over time, with the true slips shaded.
+
+        Raises
+        ------
+        MissingLibraryError
+            If matplotlib is not installed.
+        """
+        from fingertip.slip.trace_plot import draw_trace
+
+        return Picture(draw_trace(self))
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the columns as a data frame.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return to_dataframe(dict(self._columns()), "Trace.to_dataframe")
+
+    def _columns(self) -> Iterator[tuple[str, NDArray[Any]]]:
+        """Name and values of each column that the trace has."""
+        for name in COLUMNS:
+            if (values := getattr(self, name)) is not None:
+                yield name, values
 
 
 def is_force(name: str) -> bool:

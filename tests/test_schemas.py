@@ -1,0 +1,71 @@
+"""JSON schemas of the TOML files: current, named in every bundled file, and in agreement with what is accepted."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fingertip.cli.schema import KINDS, format_schema
+from tests.conftest import ROOT, run_fingertip
+from tests.tools import require_module
+
+SCHEMAS = ROOT / "params" / "schemas"
+FILES = sorted((ROOT / "params").rglob("*.toml"))
+KIND_OF_FOLDER = {"scenes": "scene", "sweeps": "sweep", "hands": "design", "params": "design"}
+
+
+def schema_of(path: Path) -> Path:
+    first = path.read_text(encoding="utf-8").split("\n", 1)[0]
+    assert first.startswith("#:schema "), "editors read the first line"
+    return (path.parent / first.removeprefix("#:schema ")).resolve()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_schema_is_current(kind: str) -> None:
+    renew = f"fingertip schema {kind} > params/schemas/{kind}.json"
+    assert (SCHEMAS / f"{kind}.json").read_text() == format_schema(kind) + "\n", f"renew it: {renew}"
+
+
+def test_command_prints_what_is_bundled() -> None:
+    done = run_fingertip("schema", "sweep")
+    assert (done.returncode, done.stdout) == (0, (SCHEMAS / "sweep.json").read_text())
+
+
+def test_no_other_schema_is_bundled() -> None:
+    assert {path.stem for path in SCHEMAS.iterdir()} == set(KINDS)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_bundled_file_names_the_schema_of_its_kind(path: Path) -> None:
+    kind = "manipulation" if path.stem == "real_manipulation" else KIND_OF_FOLDER[path.parent.name]
+    assert schema_of(path) == SCHEMAS / f"{kind}.json"
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_bundled_file_agrees_with_its_schema(path: Path) -> None:
+    jsonschema = require_module("jsonschema")
+    tables: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+    validator = jsonschema.Draft202012Validator(json.loads(schema_of(path).read_text()))
+    assert list(validator.iter_errors(tables)) == []
+    assert list(validator.iter_errors({**tables, "no_such_table": {}})), "the schema refuses unknown names"
+
+
+@pytest.mark.parametrize(("kind", "tables"), [
+    ("design", {"skin": {"width_mm": 1000}}),
+    ("design", {"board": {"variant": "none"}}),
+    ("scene", {"scene": "x", "tap": {"force_n": "much"}}),
+    ("sweep", {"outputs": [], "axes": {}, "sampling": "none"}),
+])  # fmt: skip
+def test_schema_refuses_what_the_program_refuses(kind: str, tables: dict[str, Any]) -> None:
+    jsonschema = require_module("jsonschema")
+    assert not jsonschema.Draft202012Validator(json.loads(format_schema(kind))).is_valid(tables)
+
+
+def test_an_unknown_kind_is_refused() -> None:
+    done = run_fingertip("schema", "desing")
+    assert done.returncode == 2
+    assert "KIND: 'desing' is no kind of file; did you mean design?" in done.stderr

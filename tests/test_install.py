@@ -64,11 +64,11 @@ def test_messages_name_the_extra_that_installs_each_package() -> None:
     for module, extra in EXTRAS.items():
         package = {"dask": "distributed"}.get(module, module)  # distributed brings dask
         assert names_of(extras[extra]) == [package]
-    users = set(extras) - {"all", "test"}
+    users = set(extras) - {"all", "docs", "test"}
     assert set(EXTRAS.values()) == users
     assert len(extras["all"]) == 1
     assert set(re.findall(r"\w+", extras["all"][0])) == {"fingertip", *users}
-    assert extras["test"][0] == "fingertip[all]"
+    assert extras["test"][0] == "fingertip[all,docs]"
 
 
 def test_constraints_are_plain_pins() -> None:

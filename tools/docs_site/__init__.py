@@ -1,0 +1,1 @@
+"""Site of the documentation: configuration of mkdocs, generated pages and pictures."""

@@ -1,0 +1,66 @@
+"""Generated pictures of the site: bundled designs, and the casting steps of the default one."""
+
+from __future__ import annotations
+
+import functools
+import re
+
+from fingertip.bundled import list_bundled_files
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.casting.markdown import steps
+from fingertip.casting.quantities import measure_volumes
+from fingertip.casting.sheet import casting_sheet_data
+from fingertip.design import Design
+from fingertip.design.silicone import select_silicone
+from fingertip.toml_files import DESIGN
+from fingertip.view.picture import draw
+from fingertip.view.steps.pictures import draw_steps
+
+WIDTH_PX = 1200
+"""Width of a design's picture in the gallery [pixels]."""
+_TOLERANCE_MM = 0.02
+_STEPS, _GALLERY = "steps", "gallery"
+
+
+@functools.cache
+def draw_all() -> dict[str, bytes]:
+    """Draw all pictures: path on the site -> PNG."""
+    designs = {f"{_GALLERY}/{name}.png": draw(Design.load(name), WIDTH_PX) for name in list_bundled_files(DESIGN)}
+    return {**{f"{_STEPS}/{name}": png for name, (_, png) in _draw_steps().items()}, **designs}
+
+
+@functools.cache
+def markers() -> dict[str, str]:
+    """Text that takes the place of each marker in the pages."""
+    step_texts = [
+        f"### {number}. {name.partition('-')[2].removesuffix('.png').replace('_', ' ').capitalize()}\n\n"
+        f"{text}\n\n![{_escape(text)}]({_STEPS}/{name})"
+        for number, (name, (text, _)) in enumerate(_draw_steps().items(), 1)
+    ]
+    designs = [
+        f"## {name}\n\n{_describe(name)}\n\n![{name}: exploded views and section]({_GALLERY}/{name}.png)"
+        for name in list_bundled_files(DESIGN)
+    ]
+    return {_STEPS: "\n\n".join(step_texts), _GALLERY: "\n\n".join(designs)}
+
+
+@functools.cache
+def _draw_steps() -> dict[str, tuple[str, bytes]]:
+    """File name -> text and picture of each casting step of the default design."""
+    design = Design()
+    data = casting_sheet_data(design, measure_volumes(design, MeshEvaluator(_TOLERANCE_MM)), select_silicone(design))
+    listed = steps(data)
+    drawn = draw_steps(design, data, listed)
+    return {name: (" ".join(step.text.split()), png) for (name, png), step in zip(drawn.items(), listed, strict=True)}
+
+
+def _escape(text: str) -> str:
+    """Leave out of a text what would end the description of a picture."""
+    return re.sub(r"[\[\]()!*`]", "", text)
+
+
+def _describe(name: str) -> str:
+    """First sentence of the comment at the top of a bundled design."""
+    lines = list_bundled_files(DESIGN)[name].read_text(encoding="utf-8").splitlines()
+    words = " ".join(line.removeprefix("#").strip() for line in lines if line.startswith("# "))
+    return words.partition(". ")[0].removesuffix(".") + "."

@@ -5,9 +5,7 @@ Run from a clone of the repository: .venv/bin/python examples/tour_in_jupyter.py
 """
 
 # %% [markdown]
-# # Notebook: from a design to a detected slip
-#
-# Each cell ran when this page was built. The same notebook [to download](tour_in_jupyter.ipynb).
+# The same cells [as a notebook to download](tour_in_jupyter.ipynb).
 
 # %% [markdown]
 # ## A design

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 PLOTS = {
     "design": ("fingertip.view.picture", "draw"),
 }
-"""What is drawn -> module and function that draw it as PNG."""
+"""Subject of a picture -> module and function that draw it as PNG."""
 
 
 @dataclass(frozen=True)

@@ -162,7 +162,7 @@ def test_four_weighings_with_noise_of_five_percent(in_force: bool) -> None:
     assert tails[0] <= 10.0
     assert (medians, tails) == STATED[in_force]
     cells = " | ".join(f"{median} % ({tail} %)" for median, tail in zip(medians, tails, strict=True))
-    page = (ROOT / "docs/usage.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/sensor.md").read_text(encoding="utf-8")
     assert f"| on the {'force' if in_force else 'conductance'} | {cells} | {100 * coverage:.0f} % |" in page
 
 

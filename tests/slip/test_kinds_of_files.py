@@ -508,7 +508,7 @@ def test_an_archive_that_unpacks_to_much_is_refused_within_little_memory(tmp_pat
 
 
 def test_the_documentation_states_the_bounds_of_size() -> None:
-    page = " ".join((ROOT / "docs/usage.md").read_text(encoding="utf-8").split())
+    page = " ".join((ROOT / "docs/recordings.md").read_text(encoding="utf-8").split())
     bound = f"{limits.MAX_SAMPLES:,}".replace(",", " ")
     assert f"At most {limits.MAX_FILE_BYTES // 2**30} GB and {bound} samples are read" in page
 

@@ -1,13 +1,14 @@
 """Hooks of mkdocs: pages and pictures that are generated when the site is built.
 
-A comment such as `<!-- steps -->` in a page is replaced by pictures of the bundled designs. The parameter reference,
-the help pages of all commands and the executed notebook are pages without a file in `docs/`.
+A comment such as `<!-- steps -->` in a page is replaced by pictures of the bundled designs, by the parameter reference,
+by the help pages of all commands or by the executed notebook.
 """
 
 from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -23,28 +24,44 @@ POLICY = (
 )
 """Content security policy of every page: the browser asks no other server."""
 
+STYLE_SHEET = "site.css"
+STYLE = """\
+.md-typeset td code { word-break: normal; white-space: nowrap; }
+.md-typeset table:not([class]) { display: table; font-size: .64rem; }
+.md-typeset table:not([class]) td, .md-typeset table:not([class]) th { padding: .4em .8em; min-width: 0; }
+.md-typeset table caption { text-align: left; font-weight: bold; padding: .4em .8em; }
+.md-typeset pre.output > code, .md-typeset pre { white-space: pre-wrap; }
+"""
+"""Style sheet of the site: names of parameters stay whole, and long lines of output wrap."""
+
+_GENERATED: dict[str, Callable[[], str]] = {
+    "parameters": reference.list_all_parameters,
+    "commands": reference.list_all_commands,
+    "notebook": notebook.execute,
+    "steps": pictures.list_steps,
+    "gallery": pictures.list_designs,
+}
+"""Name in a comment of a page -> function that writes the Markdown in its place."""
+
 _OUTSIDE = re.compile(r"(?<!!)\[([^\]]+)\]\((\.\./[^)#]*)(?:#[^)]*)?\)")
 """Link out of `docs/`, which the site does not hold."""
 
 
 def on_files(files: Files, config: Any) -> Files:
-    """Add the generated pages and pictures."""
-    generated: dict[str, str | bytes] = {
-        "parameters.md": reference.parameter_page(),
-        "commands.md": reference.command_page(),
-        "notebook.md": notebook.execute(),
-        "tour_in_jupyter.ipynb": notebook.to_ipynb(),
-        **pictures.draw_all(),
-    }
-    for name, content in generated.items():
+    """Add the generated pictures, and the notebook to download."""
+    files.append(File.generated(config, STYLE_SHEET, content=STYLE))
+    files.append(File.generated(config, notebook.SCRIPT.with_suffix(".ipynb").name, content=notebook.to_ipynb()))
+    for name, content in pictures.draw_all().items():
         files.append(File.generated(config, name, content=content))
     return files
 
 
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Files) -> str:
-    """Insert generated pictures, and turn links out of `docs/` into the names of the files."""
-    for marker, text in pictures.markers().items():
-        markdown = markdown.replace(f"<!-- {marker} -->", text)
+    """Insert what is generated, and turn links out of `docs/` into the names of the files."""
+    for marker, text in _GENERATED.items():
+        comment = f"<!-- {marker} -->"
+        if comment in markdown:
+            markdown = markdown.replace(comment, text())
     return _OUTSIDE.sub(_name_file, markdown)
 
 

@@ -29,19 +29,21 @@ def draw_all() -> dict[str, bytes]:
     return {**{f"{_STEPS}/{name}": png for name, (_, png) in _draw_steps().items()}, **designs}
 
 
-@functools.cache
-def markers() -> dict[str, str]:
-    """Text that takes the place of each marker in the pages."""
-    step_texts = [
+def list_steps() -> str:
+    """List the casting steps of the default design with their pictures."""
+    return "\n\n".join(
         f"### {number}. {name.partition('-')[2].removesuffix('.png').replace('_', ' ').capitalize()}\n\n"
         f"{text}\n\n![{_escape(text)}]({_STEPS}/{name})"
         for number, (name, (text, _)) in enumerate(_draw_steps().items(), 1)
-    ]
-    designs = [
+    )
+
+
+def list_designs() -> str:
+    """List the bundled designs with their pictures."""
+    return "\n\n".join(
         f"## {name}\n\n{_describe(name)}\n\n![{name}: exploded views and section]({_GALLERY}/{name}.png)"
         for name in list_bundled_files(DESIGN)
-    ]
-    return {_STEPS: "\n\n".join(step_texts), _GALLERY: "\n\n".join(designs)}
+    )
 
 
 @functools.cache

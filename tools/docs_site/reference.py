@@ -16,14 +16,9 @@ WIDTH = 80
 """Width of the help pages [columns]."""
 
 
-def parameter_page() -> str:
-    """Write the page of all parameters: one table for each table of a design file."""
-    lines = [
-        "# Parameters",
-        "",
-        "Everything that may stand in a design file. `fingertip params DESIGN` prints the same with the values of your "
-        "design, and `fingertip schema design` as a JSON schema for editors. The defaults are those of `fsr400`.",
-    ]
+def list_all_parameters() -> str:
+    """List all parameters: one table for each table of a design file."""
+    lines: list[str] = []
     table = None
     for parameter in list_parameters():
         name, _, _ = parameter.path.rpartition(".")
@@ -35,16 +30,11 @@ def parameter_page() -> str:
     return "\n".join([*lines, ""])
 
 
-def command_page() -> str:
-    """Write the page of all commands with their help pages."""
+def list_all_commands() -> str:
+    """List all commands with their help pages."""
     root: Any = typer.main.get_command(app)
     context = root.make_context("fingertip", [], resilient_parsing=True)
-    lines = [
-        "# Commands",
-        "",
-        "What `--help` prints. Every command takes `--quiet`.",
-        "",
-    ]
+    lines: list[str] = []
     lines += ["```text", format_group(root, context, WIDTH).rstrip(), "```"]
     for name, text in _pages(root, context):
         lines += ["", f"## {name}", "", "```text", text.rstrip(), "```"]
@@ -75,7 +65,7 @@ def _heading(table: str) -> list[str]:
 def _row(parameter: Parameter) -> str:
     """Row of one parameter."""
     cells = (
-        f"`{parameter.path}`",
+        f"`{parameter.path.rpartition('.')[2]}`",
         f"`{format_value(parameter.default)}`",
         parameter.unit,
         parameter.bounds,

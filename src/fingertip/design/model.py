@@ -116,7 +116,8 @@ class Design(DesignTables):
         rows = [
             (p.path, changed[p.path], p.default, p.unit, p.description) for p in list_parameters() if p.path in changed
         ]
-        caption = f"Design {self.name}: {len(rows) or 'no'} parameters differ from the default design"
+        count = f"{len(rows) or 'no'} parameter{' differs' if len(rows) == 1 else 's differ'}"
+        caption = f"Design {self.name}: {count} from the default design"
         return html_table(caption, ("parameter", "value", "default", "unit", "meaning"), rows)
 
     def plot(self, width_px: int = 1600) -> Picture:

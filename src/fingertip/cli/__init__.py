@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import os
-from collections.abc import Callable
 
 import typer
 
@@ -21,7 +20,7 @@ from fingertip.cli.console import Console, command
 from fingertip.cli.coupon import coupon
 from fingertip.cli.detect import detect
 from fingertip.cli.drawing import drawing
-from fingertip.cli.help_page import HelpCommand, HelpGroup
+from fingertip.cli.help_page import HelpGroup, group_commands
 from fingertip.cli.make import make
 from fingertip.cli.new import new
 from fingertip.cli.page import page
@@ -41,24 +40,28 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-calibrate.command("sensor", cls=HelpCommand)(sensor)
-
-SUBJECTS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
-    "Everything of a design": (new, params, make, page, check),
-    "Parts and mold": (build, picture, drawing, sheet, acceptance, coupon, calibrate),
-    "Board": (board,),
-    "Signal and slip": (simulate, detect, validate),
-    "Many designs, and measurements of the program": (sweep, bench),
-    "Editors and shells": (schema, completion),
-}
-"""Subject on the help page -> its commands."""
-
-for _subject, _commands in SUBJECTS.items():
-    for _command in _commands:
-        if isinstance(_command, typer.Typer):
-            app.add_typer(_command, name="calibrate", cls=HelpGroup, rich_help_panel=_subject)
-        else:
-            app.command(cls=HelpCommand, rich_help_panel=_subject)(_command)
+app.command()(new)
+app.command()(make)
+app.command()(build)
+app.command()(check)
+app.command()(sheet)
+app.command()(acceptance)
+app.command()(coupon)
+calibrate.command("sensor")(sensor)
+app.add_typer(calibrate, name="calibrate")
+app.command()(params)
+app.command()(picture)
+app.command()(drawing)
+app.command()(page)
+app.command()(board)
+app.command()(simulate)
+app.command()(detect)
+app.command()(validate)
+app.command()(sweep)
+app.command()(bench)
+app.command()(schema)
+app.command()(completion)
+group_commands(app)
 
 
 @app.callback(invoke_without_command=True)

@@ -18,7 +18,6 @@ from fingertip.cli.console import (
     command,
     find_suffix_issues,
 )
-from fingertip.cli.help_page import HelpCommand
 
 if TYPE_CHECKING:
     from fingertip.calibration.calibrate import Calibration
@@ -34,7 +33,7 @@ def _calibrate() -> None:
     """Turn measurements into parameters of a design."""
 
 
-@calibrate.command("printer", cls=HelpCommand)
+@calibrate.command("printer")
 @command
 def printer(
     design: Annotated[Path, typer.Argument(help="Design file, or bundled design, of which the coupon was printed.")],

@@ -11,6 +11,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import typer
 from typer.core import TyperCommand, TyperGroup
 
 from fingertip.cli.console import COMMON
@@ -28,6 +29,17 @@ _METAVARS = {"int": "NUMBER", "integer": "NUMBER", "float": "NUMBER", "path": "P
 """Name of a type in typer -> what stands for a value on a help page."""
 
 
+SUBJECTS = {
+    "Everything of a design": ("new", "make", "page", "studio", "check", "params"),
+    "Parts and mold": ("build", "sheet", "acceptance", "coupon", "calibrate", "picture", "drawing"),
+    "Board and controller": ("board", "firmware"),
+    "Signal and slip": ("simulate", "detect", "validate"),
+    "Many designs, and measurements of the program": ("sweep", "bench"),
+    "Editors and shells": ("schema", "completion"),
+}
+"""Subject on the help page of the program -> its commands."""
+
+
 class HelpCommand(TyperCommand):
     """Command whose help page this module writes."""
 
@@ -42,6 +54,20 @@ class HelpGroup(TyperGroup):
     def format_help(self, ctx: Any, formatter: Any) -> None:
         """Write the help page."""
         formatter.write(format_group(self, ctx))
+
+
+def group_commands(app: typer.Typer) -> None:
+    """Give the commands of a program the help pages of this module, each under its subject."""
+    subject_of = {name: subject for subject, names in SUBJECTS.items() for name in names}
+    for command in app.registered_commands:
+        command.cls = HelpCommand
+        name = command.name or (command.callback.__name__ if command.callback else "")
+        command.rich_help_panel = subject_of.get(name)
+    for group in app.registered_groups:
+        group.cls = HelpGroup
+        group.rich_help_panel = subject_of.get(group.name or "")
+        if group.typer_instance:
+            group_commands(group.typer_instance)
 
 
 def format_command(command: Any, ctx: Any, width: int | None = None) -> str:
@@ -74,13 +100,14 @@ def format_command(command: Any, ctx: Any, width: int | None = None) -> str:
 def format_group(group: Any, ctx: Any, width: int | None = None) -> str:
     """Format the help page of a group: usage, description and its commands, by subject."""
     width = width or _terminal_width()
-    subjects: dict[str, list[tuple[str, str]]] = {}
+    subjects: dict[str, list[tuple[str, str]]] = {subject: [] for subject in SUBJECTS}
     for name in group.list_commands(ctx):
         command = group.get_command(ctx, name)
         if command is None or command.hidden:
             continue
         subject = getattr(command, "rich_help_panel", None) or "Commands"
         subjects.setdefault(subject, []).append((name, _first_sentence(command.help or "")))
+    subjects = {subject: rows for subject, rows in subjects.items() if rows}
     longest = max((len(name) for rows in subjects.values() for name, _ in rows), default=0)
     lines = [f"Usage: {ctx.command_path} COMMAND [OPTIONS]", "", *_paragraphs(group.help, width)]
     for subject, rows in subjects.items():

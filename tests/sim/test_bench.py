@@ -257,7 +257,10 @@ def test_command_writes_diagrams_and_times(tmp_path):
             assert None not in diagram["comparisons"][name]["ratios"]
             assert diagram["comparisons"][name]["mean"] > 2
         assert isinstance(diagram["omissions"], list)
-    assert "running every solver" in done.stderr
+    assert "bench: contact: 0 % done" in done.stderr
+    text = (tmp_path / "work_precision.txt").read_text()
+    assert text.startswith("a target is MISSED\n" if missed else "all targets are met\n")
+    assert text.count("MISSED  ") + text.count("met     ") == 6
 
 
 @pytest.mark.parametrize(

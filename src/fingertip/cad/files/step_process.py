@@ -28,7 +28,7 @@ TIME_LIMIT_S = 180.0
 POLL_S = 0.5
 """Time between two looks at the files of the process [s]."""
 STATUS_FILE = "status.txt"
-"""File in which the process states its current step, for the message if it is stopped."""
+"""File in which the process lists its steps: for the progress, and for the message if it is stopped."""
 
 
 @dataclass(frozen=True)
@@ -92,9 +92,16 @@ class StepProcess:
         self._process.communicate()
         self._folder.cleanup()
 
-    def _share_written(self) -> float:
-        """Share of the files that are written; the assembly counts as one part."""
-        return len(list(Path(self._folder.name).glob("*.step"))) / (len(self._job.parts) + 1)
+    def _steps(self) -> list[str]:
+        """Steps that the process has begun."""
+        status_file = Path(self._folder.name) / STATUS_FILE
+        return ["starting", *(status_file.read_text(encoding="utf-8").splitlines() if status_file.exists() else ())]
+
+    def _share_begun(self) -> float:
+        """Share of the steps that have begun: each part is made and written, each measured solid is measured."""
+        steps = len(("starting", "loading", "hardware", "assembly"))
+        steps += 2 * len(self._job.parts) + len(self._job.measured_solids)
+        return (len(self._steps()) - 1) / steps
 
     def _kill(self) -> None:
         """Kill the process and its child process, if they still run."""
@@ -105,7 +112,7 @@ class StepProcess:
             os.killpg(self._process.pid, signal.SIGKILL)
 
     def result(
-        self, time_limit_s: float = TIME_LIMIT_S, advance: Callable[[float], None] = lambda _: None
+        self, time_limit_s: float = TIME_LIMIT_S, *, advance: Callable[[float], None] = lambda _: None
     ) -> StepFiles:
         """Wait for the files.
 
@@ -114,7 +121,7 @@ class StepProcess:
         time_limit_s
             Time after which the process is stopped [s].
         advance
-            Called every moment with the share of the files that are written.
+            Called every moment with the share of the steps that are done.
 
         Raises
         ------
@@ -127,10 +134,9 @@ class StepProcess:
         while stderr is None and (left_s := time_limit_s - (time.monotonic() - begun)) > 0:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 _, stderr = self._process.communicate(timeout=min(POLL_S, left_s))
-            advance(self._share_written())
+            advance(self._share_begun())
         if stderr is None:
-            status_file = Path(self._folder.name) / STATUS_FILE
-            status = status_file.read_text(encoding="utf-8") if status_file.exists() else "starting"
+            status = self._steps()[-1]
             message = f"the B-rep kernel was still {status} after {time_limit_s:g} s; use --formats stl,3mf."
             raise GeometryError(Issue("STEP", message))
         folder = Path(self._folder.name)

@@ -171,8 +171,9 @@ def _run_forked_job(job: StepJob, folder: Path, answer: Any) -> None:
 
 
 def write_status(folder: Path, status: str) -> None:
-    """State the current step in the status file, for the calling process."""
-    (folder / STATUS_FILE).write_text(status, encoding="utf-8")
+    """Add the current step to the status file, for the calling process. Both processes write to it."""
+    with (folder / STATUS_FILE).open("a", encoding="utf-8") as file:
+        file.write(f"{status}\n")
 
 
 def main() -> None:

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
 from fingertip.campaign.plan import Case
 from fingertip.design import Design
+from fingertip.design.signal_ground import CONTROLLER_SUPPLIES
 from fingertip.sim import run_scene
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.scene.timeline import build_timeline
 from fingertip.slip import DETECTORS, Trace, make_detector
+from fingertip.slip.detectors.registry import select_inputs
 from fingertip.slip.intervals import INCIPIENT_S, Interval, intervals, score
 
 SAME_EVENT_S = 0.1
@@ -68,6 +69,8 @@ def simulate_trace(design: Design, case: Case, board: bool = True) -> tuple[Trac
         Holding force [N].
     """
     outputs = ["voltage_v", "force_n", "slip", *(["sampled_envelope_v"] if board else [])]
+    if design.board.supply in CONTROLLER_SUPPLIES:
+        outputs.append("sampled_filtered_v")
     result = run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed)
     return result.trace, result.force_n
 
@@ -77,13 +80,6 @@ def needs_board(*detectors: str) -> bool:
     return any(DETECTORS[name].input_column == "envelope_v" for name in detectors)
 
 
-def select_input(trace: Trace, detector: str) -> Array:
-    """Select the column that a detector reads."""
-    column: Array | None = getattr(trace, DETECTORS[detector].input_column)
-    assert column is not None
-    return column
-
-
 def evaluate(
     case: Case, trace: Trace, force_n: float, detector: str, design: Design, scales: Sequence[float]
 ) -> list[TrialResult]:
@@ -91,8 +87,8 @@ def evaluate(
 
     Where the threshold is constant, the test statistic is the same for every factor and is computed once.
     """
-    nominal, signal = make_detector(detector, design), select_input(trace, detector)
-    output = nominal.process(signal)
+    nominal, inputs = make_detector(detector, design), select_inputs(trace, detector)
+    output = nominal.process(*inputs)
     constant = float(np.ptp(output.threshold_v)) == 0.0
     results = []
     for scale in scales:
@@ -101,7 +97,7 @@ def evaluate(
         elif constant:
             on = output.statistic_v > scale * output.threshold_v
         else:
-            on = make_detector(detector, design, threshold_scale=scale).process(signal).on
+            on = make_detector(detector, design, threshold_scale=scale).process(*inputs).on
         results.append(_score_trial(case, trace, force_n, on, nominal.memory_s, _find_motion_s(design, case, force_n)))
     return results
 

@@ -18,6 +18,7 @@ from fingertip.jit import compiled
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 from fingertip.slip import make_detector
+from fingertip.slip.detectors.registry import select_inputs
 
 SLIP = "slip"
 """Kind of the article's trials."""
@@ -107,7 +108,7 @@ def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -
     with compiled():
         for signal in signals:
             detector = make_detector(name, design)
-            outcomes.append(assess(signal, detector.process(signal.volts).on, detector.memory_s))
+            outcomes.append(assess(signal, detector.process(*select_inputs(signal, name)).on, detector.memory_s))
     return outcomes
 
 

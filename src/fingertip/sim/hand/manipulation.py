@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.design.issues import suggest_name
+from fingertip.design.signal_ground import CONTROLLER_SUPPLIES
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.cost import StageCost
@@ -127,7 +128,9 @@ class ManipulationResult:
         signals = self.signals.fingers[self.fingers.index(finger)]
         if signals.voltage_v is None:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
-        return Trace(self.time_s, signals.voltage_v, signals.force_n, signals.slip)
+        return Trace(
+            self.time_s, signals.voltage_v, signals.force_n, signals.slip, filtered_v=signals.sampled_filtered_v
+        )
 
 
 def run_manipulation(
@@ -173,6 +176,8 @@ def run_manipulation(
     outputs = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
     if controller and "envelope_v" in outputs:
         outputs |= {"sampled_envelope_v"}
+    if controller and design.board.supply in CONTROLLER_SUPPLIES:
+        outputs |= {"sampled_filtered_v"}
     stepper = ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid())
     rate_hz = stepper.grid.rate_hz
     count = stepper.grid.count_points(plan.duration_s, design.detector.sample_rate_hz) - 1
@@ -199,12 +204,14 @@ def _observe(stepper: ManipulationStepper, time_s: float, planned_m: Array) -> O
     fingers = stepper.chunks[-1].fingers
     voltages = [finger.voltage_v for finger in fingers if finger.voltage_v is not None]
     envelopes = [finger.sampled_envelope_v for finger in fingers if finger.sampled_envelope_v is not None]
+    filtered = [finger.sampled_filtered_v for finger in fingers if finger.sampled_filtered_v is not None]
     return Observation(
         time_s,
         np.stack(voltages),
         stepper.motors.closing_m.copy(),
         planned_m,
         np.stack(envelopes) if envelopes else None,
+        np.stack(filtered) if filtered else None,
     )
 
 

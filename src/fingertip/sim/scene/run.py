@@ -133,7 +133,9 @@ class SceneResult:
         found = self.signals
         if found.voltage_v is None:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
-        return Trace(found.time_s, found.voltage_v, found.force_n, found.slip, found.sampled_envelope_v)
+        return Trace(
+            found.time_s, found.voltage_v, found.force_n, found.slip, found.sampled_envelope_v, found.sampled_filtered_v
+        )
 
 
 def select_columns(signals: FingerSignals, scene: SceneFile) -> dict[str, NDArray[Any]]:

@@ -23,7 +23,7 @@ MOVE_S = 0.0005
 UPPER_LOUD, UPPER_LOUD_20 = 2.0, 1.6
 """Ratios of the energies of 6 and 20 ms to the floors below which a signal is quiet, and no tree is evaluated."""
 MOVING_RATIO = 60.0
-"""Ratio of the squared slope to the wide floor above which the force changes, so that floors do not adapt."""
+"""Ratio of the squared slope to the slow force's floor above which the force changes, so that floors do not adapt."""
 CLIP_RATIO = 4.0
 """Ratio of an energy to its floor above which the floor takes it for no more: slip that is not found yet."""
 HELD_TICKS = 15.0
@@ -38,8 +38,27 @@ TINY = 1e-30
 
 
 class FastCoefficients(NamedTuple):
-    """Constants of the loop. Each filter is a second-order section."""
+    """Constants of the loop. Sections without an order in their name are of second order.
 
+    `board` is the board's high-pass filter as a digital filter. `restore` moves its cutoff down to that of the bands.
+    """
+
+    board_1_b0: float
+    board_1_b1: float
+    board_1_a1: float
+    board_b0: float
+    board_b1: float
+    board_b2: float
+    board_a1: float
+    board_a2: float
+    restore_1_b0: float
+    restore_1_b1: float
+    restore_1_a1: float
+    restore_b0: float
+    restore_b1: float
+    restore_b2: float
+    restore_a1: float
+    restore_a2: float
     edge_b0: float
     edge_b1: float
     edge_b2: float
@@ -61,6 +80,12 @@ class FastCoefficients(NamedTuple):
     slow_a1: float
     slow_a2: float
     sample_rate_hz: float
+    filtered_gain: float
+    """Factor from the filtered signal to a voltage at the filter's input; 0 if the board gives no filtered signal."""
+    filtered_limit: float
+    """Voltage at the filter's input from which on a stage of the board may be at its limit [V]."""
+    limited_samples: float
+    """Samples for which the filtered signal is not used after that."""
     short_smoothing: float
     """Smoothing factor of 6 ms, per sample."""
     long_smoothing: float
@@ -82,6 +107,8 @@ class FastCoefficients(NamedTuple):
     """Lower bound of the wide band's floor [V^2]."""
     min_upper_floor: float
     """Lower bound of the upper band's floor [V^2]."""
+    min_input_floor: float
+    """Lower bound of the floor of the tactile voltage [V^2]."""
     offset: float
     """Score before the first tree."""
     lowest_score: float
@@ -99,13 +126,14 @@ class FastCoefficients(NamedTuple):
 
 
 # Indices into the loop's state.
-EDGE_1, EDGE_2, UPPER_1, UPPER_2, WIDE_1, WIDE_2, SLOW_1, SLOW_2 = range(8)
-UPPER_SHORT, UPPER_LONG, WIDE_SHORT, WIDE_LONG = range(8, 12)
-EDGE, SLOW, INPUT, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = range(12, 19)
-SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(19, 26)
-STEP, FLOOR, UPPER_FLOOR, FLOOR_TICKS, SETTLING = range(26, 31)
-ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(31, 40)
-RING_START = 40
+BOARD_1_1, BOARD_1, BOARD_2, RESTORE_1_1, RESTORE_1, RESTORE_2 = range(6)
+EDGE_1, EDGE_2, UPPER_1, UPPER_2, WIDE_1, WIDE_2, SLOW_1, SLOW_2 = range(6, 14)
+UPPER_SHORT, UPPER_LONG, WIDE_SHORT, WIDE_LONG, INPUT_LONG = range(14, 19)
+EDGE, SLOW, INPUT, FILTERED, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = range(19, 27)
+SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(27, 34)
+STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS, SETTLING = range(34, 43)
+ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
+RING_START = 52
 STATES = RING_START + RING
 
 
@@ -136,6 +164,7 @@ def _fast_loop(
     leaves: Sequence[float],
     stride: int,
     samples: Sequence[float],
+    filtered_samples: Sequence[float],
     state: MutableSequence[float],
     rows: MutableSequence[float],
     filtered: MutableSequence[float],
@@ -145,21 +174,27 @@ def _fast_loop(
 ) -> None:
     # In the order of the fields of FastCoefficients.
     (
-        e_b0, e_b1, e_b2, e_a1, e_a2, u_b0, u_b1, u_b2, u_a1, u_a2, w_b0, w_b1, w_b2, w_a1, w_a2,
-        s_b0, s_b1, s_b2, s_a1, s_a2, rate, short, long, tick_samples, slot_ticks, max_floor_ticks, tone_ticks,
-        unlearning, wide_share, upper_share, min_floor, min_upper_floor, offset, lowest_score, on_score, stay_score,
-        stay_ratio, score_smoothing, statistic_gain,
+        p_b0, p_b1, p_a1, h_b0, h_b1, h_b2, h_a1, h_a2, q_b0, q_b1, q_a1, r_b0, r_b1, r_b2, r_a1, r_a2, e_b0,
+        e_b1, e_b2, e_a1, e_a2, u_b0, u_b1, u_b2, u_a1, u_a2, w_b0, w_b1, w_b2, w_a1, w_a2, s_b0, s_b1, s_b2,
+        s_a1, s_a2, rate, filtered_gain, filtered_limit, limited_samples, short, long, tick_samples,
+        slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share, min_floor,
+        min_upper_floor, min_input_floor, offset, lowest_score, on_score, stay_score, stay_ratio,
+        score_smoothing, statistic_gain,
     ) = coefficients  # fmt: skip
+    p1, h1, h2 = state[BOARD_1_1], state[BOARD_1], state[BOARD_2]
+    q1, r1, r2 = state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2]
     e1, e2, u1, u2 = state[EDGE_1], state[EDGE_2], state[UPPER_1], state[UPPER_2]
     w1, w2, s1, s2 = state[WIDE_1], state[WIDE_2], state[SLOW_1], state[SLOW_2]
     upper_short, upper_long = state[UPPER_SHORT], state[UPPER_LONG]
     wide_short, wide_long = state[WIDE_SHORT], state[WIDE_LONG]
-    last_edge, last_slow, last_input = state[EDGE], state[SLOW], state[INPUT]
+    input_long = state[INPUT_LONG]
+    last_edge, last_slow, last_input, last_filtered = state[EDGE], state[SLOW], state[INPUT], state[FILTERED]
     net_short, total_short = state[NET_SHORT], state[TOTAL_SHORT]
     net_long, total_long = state[NET_LONG], state[TOTAL_LONG]
     slope_0, slope_1, slope_2 = state[SLOPE], state[SLOPE_1], state[SLOPE_2]
     peak_0, peak_1, peak_2, slot = state[PEAK], state[PEAK_1], state[PEAK_2], state[SLOT]
-    step, floor, upper_floor = state[STEP], state[FLOOR], state[UPPER_FLOOR]
+    step, filtered_step, rest, limited = state[STEP], state[FILTERED_STEP], state[REST], state[LIMITED]
+    floor, upper_floor, input_floor = state[FLOOR], state[UPPER_FLOOR], state[INPUT_FLOOR]
     floor_ticks, settling = state[FLOOR_TICKS], state[SETTLING]
     on, on_ticks, mean, mean_square = state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE]
     smooth_score, confidence = state[SMOOTH_SCORE], state[CONFIDENCE]
@@ -169,11 +204,39 @@ def _fast_loop(
     at = 0
     level = statistic_gain * math.sqrt(floor)
     for i in range(len(samples)):
-        # Filters, each in transposed direct form II: e below the upper edge, u upper band, w wide band, s slow.
+        # Filters, in transposed direct form II. p and h are the stages of the board's filter, driven by the voltage.
         x = samples[i]
-        e = e_b0 * x + e1
-        e1 = e_b1 * x - e_a1 * e + e2
-        e2 = e_b2 * x - e_a2 * e
+        p = p_b0 * x + p1
+        p1 = p_b1 * x - p_a1 * p
+        h = h_b0 * p + h1
+        h1 = h_b1 * p - h_a1 * h + h2
+        h2 = h_b2 * p - h_a2 * h
+
+        # The board's own filtered signal has finer steps and less noise, unless one of its stages is at its limit.
+        if filtered_gain > 0.0:
+            y = filtered_gain * (filtered_samples[i] - rest)
+            if p > filtered_limit or -p > filtered_limit or y > filtered_limit or -y > filtered_limit:
+                limited = limited_samples
+            if limited > 0.0:
+                limited -= 1.0
+            else:
+                h = y
+            move = y - last_filtered
+            last_filtered = y
+            if move < 0.0:
+                move = -move
+            if 0.0 < move < filtered_step:
+                filtered_step = move
+
+        # r has the cutoff of the bands, e lies below their upper edge; u upper band, w wide band, s slow.
+        q = q_b0 * h + q1
+        q1 = q_b1 * h - q_a1 * q
+        r = r_b0 * q + r1
+        r1 = r_b1 * q - r_a1 * r + r2
+        r2 = r_b2 * q - r_a2 * r
+        e = e_b0 * r + e1
+        e1 = e_b1 * r - e_a1 * e + e2
+        e2 = e_b2 * r - e_a2 * e
         u = u_b0 * e + u1
         u1 = u_b1 * e - u_a1 * u + u2
         u2 = u_b2 * e - u_a2 * u
@@ -189,6 +252,8 @@ def _fast_loop(
         upper_long += long * (u * u - upper_long)
         wide_short += short * (w * w - wide_short)
         wide_long += long * (w * w - wide_long)
+        rough = x - s
+        input_long += long * (rough * rough - input_long)
 
         # Net and total movement, which are equal while the force goes one way.
         move = e - last_edge
@@ -243,20 +308,22 @@ def _fast_loop(
             half_change = s - state[RING_START + (middle if middle < RING else middle - RING)]
 
             # Floors are at least the noise of a converter halfway between two codes.
-            step_noise = 0.25 * step * step
+            input_noise = 0.25 * step * step
+            step_noise = 0.25 * filtered_step * filtered_step if filtered_gain > 0.0 else input_noise
             lowest = step_noise * wide_share
             wide_floor = floor if floor > lowest else lowest
             lowest = step_noise * upper_share
             high_floor = upper_floor if upper_floor > lowest else lowest
+            slow_floor = wide_share * (input_floor if input_floor > input_noise else input_noise)
             greatest *= slope_gain
             slope *= slope_gain
             rows[at] = upper_short / high_floor
             rows[at + 1] = upper_long / high_floor
             rows[at + 2] = wide_short / wide_floor
             rows[at + 3] = wide_long / wide_floor
-            rows[at + 4] = greatest / wide_floor
-            rows[at + 5] = change * change / wide_floor
-            rows[at + 6] = half_change * (half_change if half_change > 0.0 else -half_change) / wide_floor
+            rows[at + 4] = greatest / slow_floor
+            rows[at + 5] = change * change / slow_floor
+            rows[at + 6] = half_change * (half_change if half_change > 0.0 else -half_change) / slow_floor
             rows[at + 7] = net_short * net_short / (total_short * total_short + TINY)
             rows[at + 8] = upper_short / (peak + TINY)
             rows[at + 9] = wide_long / (greatest + TINY)
@@ -302,12 +369,12 @@ def _fast_loop(
                     upper_floor += unlearning * (upper_long - upper_floor)
             else:
                 on_ticks = mean = mean_square = 0.0
-                if greatest > MOVING_RATIO * wide_floor and settling == 0.0:
+                if greatest > MOVING_RATIO * slow_floor and settling == 0.0:
                     floor_ticks = HELD_TICKS
                 elif floor_ticks < 0.0:
                     # Until the filters have settled, floors are what they show.
                     floor_ticks += 1.0
-                    floor, upper_floor = wide_long, upper_long
+                    floor, upper_floor, input_floor = wide_long, upper_long, input_long
                 else:
                     floor_ticks += 1.0
                     share = 1.0 / (floor_ticks if floor_ticks < max_floor_ticks else max_floor_ticks)
@@ -315,26 +382,34 @@ def _fast_loop(
                     floor += share * ((wide_long if wide_long < clipped else clipped) - floor)
                     clipped = CLIP_RATIO * upper_floor
                     upper_floor += share * ((upper_long if upper_long < clipped else clipped) - upper_floor)
+                    clipped = CLIP_RATIO * input_floor
+                    input_floor += share * ((input_long if input_long < clipped else clipped) - input_floor)
                 if floor < min_floor:
                     floor = min_floor
                 if upper_floor < min_upper_floor:
                     upper_floor = min_upper_floor
+                if input_floor < min_input_floor:
+                    input_floor = min_input_floor
             level = statistic_gain * math.sqrt(floor)
 
         filtered[i] = w
         confidences[i] = confidence
         levels[i] = level
         flags[i] = on
+    state[BOARD_1_1], state[BOARD_1], state[BOARD_2] = p1, h1, h2
+    state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2] = q1, r1, r2
     state[EDGE_1], state[EDGE_2], state[UPPER_1], state[UPPER_2] = e1, e2, u1, u2
     state[WIDE_1], state[WIDE_2], state[SLOW_1], state[SLOW_2] = w1, w2, s1, s2
     state[UPPER_SHORT], state[UPPER_LONG] = upper_short, upper_long
     state[WIDE_SHORT], state[WIDE_LONG] = wide_short, wide_long
-    state[EDGE], state[SLOW], state[INPUT] = last_edge, last_slow, last_input
+    state[INPUT_LONG] = input_long
+    state[EDGE], state[SLOW], state[INPUT], state[FILTERED] = last_edge, last_slow, last_input, last_filtered
     state[NET_SHORT], state[TOTAL_SHORT] = net_short, total_short
     state[NET_LONG], state[TOTAL_LONG] = net_long, total_long
     state[SLOPE], state[SLOPE_1], state[SLOPE_2] = slope_0, slope_1, slope_2
     state[PEAK], state[PEAK_1], state[PEAK_2], state[SLOT] = peak_0, peak_1, peak_2, slot
-    state[STEP], state[FLOOR], state[UPPER_FLOOR] = step, floor, upper_floor
+    state[STEP], state[FILTERED_STEP], state[REST], state[LIMITED] = step, filtered_step, rest, limited
+    state[FLOOR], state[UPPER_FLOOR], state[INPUT_FLOOR] = floor, upper_floor, input_floor
     state[FLOOR_TICKS], state[SETTLING] = floor_ticks, settling
     state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE] = on, on_ticks, mean, mean_square
     state[SMOOTH_SCORE], state[CONFIDENCE] = smooth_score, confidence

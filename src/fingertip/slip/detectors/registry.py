@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.design.issues import suggest_name
+from fingertip.design.signal_ground import filtered_range_v
 from fingertip.errors import Issue, TraceError
 from fingertip.slip.detectors.analog import AnalogDetector
 from fingertip.slip.detectors.detector import Detector
@@ -106,6 +107,12 @@ def select_inputs(source: object, name: str) -> tuple[Array, ...]:
     if first is None:
         return ()
     return (first,) if second is None else (first, second)
+
+
+def find_second_column(design: Design, name: str) -> str | None:
+    """Find the column that a detector takes beside its first for the board of a design; None if there is none."""
+    second = find_detector_type(name).second_column
+    return second if filtered_range_v(design.board, design.detector.adc_range_v) is not None else None
 
 
 def find_detector_type(name: str) -> DetectorType:

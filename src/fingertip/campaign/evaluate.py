@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 
 from fingertip.campaign.plan import Case
 from fingertip.design import Design
-from fingertip.design.signal_ground import CONTROLLER_SUPPLIES
 from fingertip.sim import run_scene
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.scene.timeline import build_timeline
 from fingertip.slip import DETECTORS, Trace, make_detector
-from fingertip.slip.detectors.registry import select_inputs
+from fingertip.slip.detectors.registry import find_second_column, select_inputs
 from fingertip.slip.intervals import INCIPIENT_S, Interval, intervals, score
 
 SAME_EVENT_S = 0.1
@@ -49,7 +48,7 @@ class TrialResult:
         return tuple(delay + self.creep_s for delay in self.delays_s)
 
 
-def simulate_trace(design: Design, case: Case, board: bool = True) -> tuple[Trace, float]:
+def simulate_trace(design: Design, case: Case, detectors: Sequence[str]) -> tuple[Trace, float]:
     """Simulate the recording of a case, through the ADC.
 
     Parameters
@@ -58,8 +57,8 @@ def simulate_trace(design: Design, case: Case, board: bool = True) -> tuple[Trac
         Its sensor, bridge, board and ADC.
     case
         Scene and seed.
-    board
-        Whether the trace contains the board's envelope.
+    detectors
+        Detectors that will read the recording. Signals that none of them reads are not simulated.
 
     Returns
     -------
@@ -68,11 +67,16 @@ def simulate_trace(design: Design, case: Case, board: bool = True) -> tuple[Trac
     force_n
         Holding force [N].
     """
-    outputs = ["voltage_v", "force_n", "slip", *(["sampled_envelope_v"] if board else [])]
-    if design.board.supply in CONTROLLER_SUPPLIES:
-        outputs.append("sampled_filtered_v")
+    outputs = ["voltage_v", "force_n", "slip", *select_board_outputs(design, detectors)]
     result = run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed)
     return result.trace, result.force_n
+
+
+def select_board_outputs(design: Design, detectors: Sequence[str]) -> list[str]:
+    """Select the sampled outputs of the board that detectors read, beside the tactile voltage."""
+    columns = {DETECTORS[name].input_column for name in detectors}
+    columns |= {find_second_column(design, name) or "voltage_v" for name in detectors}
+    return [f"sampled_{name}" for name in sorted(columns - {"voltage_v"})]
 
 
 def needs_board(*detectors: str) -> bool:

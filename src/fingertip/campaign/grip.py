@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.arrays import Array
+from fingertip.campaign.evaluate import select_board_outputs
 from fingertip.design import Design
 from fingertip.errors import FingertipError, Issue
 from fingertip.sim import ManipulationFile, ManipulationResult, Observation, Simulation, run_manipulation
@@ -148,8 +149,8 @@ def run_with_grip(
     Parameters
     ----------
     simulation
-        Simulation of a manipulation, such as `fingertip.sim.load_simulation` returns. The signal that the detector
-        reads is added to its outputs.
+        Simulation of a manipulation, such as `fingertip.sim.load_simulation` returns. The signals that the detector
+        reads are added to its outputs.
     detector
         Name of the detector.
     progress
@@ -164,9 +165,9 @@ def run_with_grip(
     if issues := find_grip_issues(detector, simulation):
         raise FingertipError(issues)
     assert isinstance(scene, ManipulationFile)
-    column = DETECTORS[detector].input_column
-    if column not in scene.outputs:
-        scene = scene.model_copy(update={"outputs": [*scene.outputs, column]})
+    needed = ["voltage_v", *select_board_outputs(design, [detector])]
+    missing = [name for name in needed if name not in scene.outputs]
+    scene = scene.model_copy(update={"outputs": [*scene.outputs, *missing]})
     controller = GripController(design, GripSettings(detector), len(scene.fingers))
     result = run_manipulation(design, scene, controller, simulation.seed, progress)
     return GrippedResult(result, tuple(decision.time_s for decision in controller.decisions if decision.tightened))

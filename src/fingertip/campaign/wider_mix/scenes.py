@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from fingertip.arrays import Array
+from fingertip.campaign.evaluate import select_board_outputs
 from fingertip.campaign.grip import GripController, GripSettings
 from fingertip.campaign.wider_mix.bursts import draw_band_noise, filter_as_board, sample
 from fingertip.campaign.wider_mix.labelled_signal import REACTION_S, LabelledSignal, Slide
 from fingertip.design import Design
-from fingertip.design.signal_ground import CONTROLLER_SUPPLIES
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.article import MANIPULATED_OBJECTS
 from fingertip.sim.contact.pad import Pad
@@ -27,17 +27,11 @@ _EVENT_S = 0.3
 """Time from the start of a grip step in which its alarms are its own [s]: the motors' delay, lag and travel."""
 
 
-def select_outputs(design: Design) -> list[str]:
-    """Select the outputs that a labelled signal needs: the board's filtered signal where it gives one."""
-    gives_filtered = design.board.supply in CONTROLLER_SUPPLIES
-    return ["voltage_v", "slip", *(["sampled_filtered_v"] if gives_filtered else [])]
-
-
 def simulate_scene(
     design: Design, scene: SceneFile, seed: int, kind: str, alarms_from_s: float = 0.0
 ) -> LabelledSignal:
     """Simulate a scene through the ADC; its slips and events follow from its timeline."""
-    result = run_scene(design, scene.model_copy(update={"outputs": select_outputs(design)}), seed)
+    result = run_scene(design, scene.model_copy(update={"outputs": _select_outputs(design)}), seed)
     timeline = build_timeline(scene, Pad.from_design(design, scene.contact.resonance_hz), result.force_n)
     trace = result.trace
     assert trace.slip is not None
@@ -122,7 +116,7 @@ def grip_steps(design: Design, seed: int) -> list[LabelledSignal]:
     force_n = float(rng.uniform(0.6, 1.6)) * (1 if kind == "pinch" else 2)
     scene = ManipulationFile(
         scene="grip_steps",
-        outputs=select_outputs(design),
+        outputs=_select_outputs(design),
         object={"mass_kg": 0.02},
         grasp={"kind": kind, "force_n": force_n, "after_s": 1.0},
         knock={"speed_m_s": 0.0},
@@ -160,7 +154,7 @@ def manipulation(design: Design, seed: int, speed_m_s: float = 0.0, max_margin: 
     mass_kg, surface, kind = MANIPULATED_OBJECTS[names[int(rng.integers(len(names)))]]
     scene = ManipulationFile(
         scene="manipulation",
-        outputs=select_outputs(design),
+        outputs=_select_outputs(design),
         object={"mass_kg": mass_kg, "surface": surface},
         grasp={
             "kind": kind,
@@ -210,6 +204,10 @@ NOISES: Mapping[str, dict[str, Any]] = {
 
 Factor of the design's noise; tables ``noise`` and ``converter`` of a scene; RMS vibration from 30 to 90 Hz whether the
 finger touches or not [V]. Pink noise of 0.25 mV per decade is 0.2 mV between 40 and 170 Hz."""
+
+
+def _select_outputs(design: Design) -> list[str]:
+    return ["voltage_v", "slip", *select_board_outputs(design, ["fast"])]
 
 
 def in_noise(design: Design, scene: SceneFile, seed: int, name: str) -> LabelledSignal:

@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.design.issues import suggest_name
-from fingertip.design.signal_ground import CONTROLLER_SUPPLIES
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.cost import StageCost
@@ -33,6 +32,7 @@ from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.hand.motion_plan import MotionPlan, plan_motion, thumb_force_n
 from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.progress import ShareDone
+from fingertip.sim.scene.run import find_filtered_issues
 from fingertip.sim.signal.comparator import describe_missing_comparator
 from fingertip.sim.validation import check_type, raise_issues
 from fingertip.slip.intervals import Interval, intervals
@@ -176,8 +176,6 @@ def run_manipulation(
     outputs = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
     if controller and "envelope_v" in outputs:
         outputs |= {"sampled_envelope_v"}
-    if controller and design.board.supply in CONTROLLER_SUPPLIES:
-        outputs |= {"sampled_filtered_v"}
     stepper = ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid())
     rate_hz = stepper.grid.rate_hz
     count = stepper.grid.count_points(plan.duration_s, design.detector.sample_rate_hz) - 1
@@ -257,4 +255,5 @@ def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Iss
         issues.append(Issue("hand.max_force_n", message))
     if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
         issues.append(Issue("outputs", describe_missing_comparator(design)))
+    issues.extend(find_filtered_issues(design, scene.outputs))
     return issues

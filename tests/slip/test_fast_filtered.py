@@ -20,7 +20,7 @@ GAIN = 67.0
 STEP_V = 3.3 / 4096
 CONTROLLER = Design(
     board={"variant": "precision", "supply": "single_3v3", "supply_v": 3.3},
-    detector={"noise_v": 4e-4, "adc_bits": 12, "adc_range_v": 3.3, "adc_polarity": "unipolar"},
+    detector={"noise_v": 5e-4, "adc_bits": 12, "adc_range_v": 3.3, "adc_polarity": "unipolar"},
 )
 SETTINGS = FastSettings(RATE, 4e-4, filtered=FilteredSignal(GAIN, 1.4))
 

@@ -25,7 +25,7 @@ from tools.detector_training.signals import TrainingSignal, generate
 
 TREES = 120
 ROUNDS = 3
-THRESHOLD, INCIPIENT_THRESHOLD = 1.5, 0.9
+THRESHOLD, INCIPIENT_THRESHOLD = 1.7, 0.9
 """Scores above which slip is ON and may begin. They were chosen on tuning seeds by `benchmarks/slip_robustness.py`."""
 ROUND_THRESHOLD = 1.4
 """Score above which a row without slip counts as a false alarm of the round before."""

@@ -28,6 +28,13 @@ CLIP_RATIO = 4.0
 """Ratio of an energy to its floor above which the floor takes it for no more: slip that is not found yet."""
 HELD_TICKS = 15.0
 """Ticks of averaging for which a floor stands after the force has changed: it is learned again within 0.5 s."""
+MOVED_TICKS = 25.0
+"""Ticks for which the force must have changed for an ON to count as begun with the change: 50 ms, later than slip of
+any strength is found."""
+MOVED_WITHIN_TICKS = 50.0
+"""Ticks after a change of force within which an ON counts as begun with it: 100 ms."""
+DOUBTED_TICKS = 150.0
+"""Ticks after which such an ON no longer holds the floors: 0.3 s. A hand vibrates more from the grasp on."""
 UNLEARNED_RATIO = 0.03
 """Squared coefficient of variation of the wide energy below which a long ON is a tone. Noise in a band of 100 Hz has
 0.25 behind 20 ms."""
@@ -133,7 +140,8 @@ EDGE, SLOW, INPUT, FILTERED, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = rang
 SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(27, 34)
 STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS, SETTLING = range(34, 43)
 ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
-RING_START = 52
+MOVED, IS_DOUBTED = range(52, 54)
+RING_START = 54
 STATES = RING_START + RING
 
 
@@ -198,6 +206,7 @@ def _fast_loop(
     floor_ticks, settling = state[FLOOR_TICKS], state[SETTLING]
     on, on_ticks, mean, mean_square = state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE]
     smooth_score, confidence = state[SMOOTH_SCORE], state[CONFIDENCE]
+    moved, is_doubted = state[MOVED], state[IS_DOUBTED]
     phase, ring_phase, ring_at = state[PHASE], state[RING_PHASE], int(state[RING_AT])
     slope_gain = SLOPE_S * SLOPE_S * rate * rate
     move_gain = MOVE_S * MOVE_S * rate * rate
@@ -357,6 +366,10 @@ def _fast_loop(
             else:
                 on = 1.0 if score > on_score else 0.0
                 smooth_score = on_score
+                is_doubted = 1.0 if moved >= MOVED_TICKS else 0.0
+
+            is_moving = greatest > MOVING_RATIO * slow_floor and settling == 0.0
+            is_held = on > 0.0 and (is_doubted == 0.0 or on_ticks < DOUBTED_TICKS)
 
             if on > 0.0:
                 # A tone's energy is constant and that of slip is not: floors follow a tone.
@@ -369,7 +382,13 @@ def _fast_loop(
                     upper_floor += unlearning * (upper_long - upper_floor)
             else:
                 on_ticks = mean = mean_square = 0.0
-                if greatest > MOVING_RATIO * slow_floor and settling == 0.0:
+                if is_moving:
+                    moved += 1.0
+                elif floor_ticks > HELD_TICKS + MOVED_WITHIN_TICKS:
+                    moved = 0.0
+
+            if not is_held:
+                if is_moving:
                     floor_ticks = HELD_TICKS
                 elif floor_ticks < 0.0:
                     # Until the filters have settled, floors are what they show.
@@ -413,6 +432,7 @@ def _fast_loop(
     state[FLOOR_TICKS], state[SETTLING] = floor_ticks, settling
     state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE] = on, on_ticks, mean, mean_square
     state[SMOOTH_SCORE], state[CONFIDENCE] = smooth_score, confidence
+    state[MOVED], state[IS_DOUBTED] = moved, is_doubted
     state[PHASE], state[RING_PHASE], state[RING_AT] = phase, ring_phase, float(ring_at)
 
 

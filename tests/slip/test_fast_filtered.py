@@ -80,7 +80,8 @@ def test_a_real_board_s_tolerances_do_not_matter(cutoff_hz, gain):
         rng = np.random.default_rng(seed)
         volts = slip_from(2.0, 0.006, 1.2, seed)
         t = np.arange(len(volts)) / RATE
-        volts -= 0.2 * np.clip((t - 0.6) / 0.1, 0.0, 1.0)  # a change of grip
+        x = np.clip((t - 0.6) / 0.1, 0.0, 1.0)
+        volts -= 0.2 * x * x * (3 - 2 * x)  # a change of grip
         filtered = quantise(np.clip(board(volts, cutoff_hz, gain), 0.0, 3.3), rng)
         on = make_detector("fast", CONTROLLER).process(quantise(volts, rng), filtered).on
         assert not on[:2400].any()

@@ -23,9 +23,9 @@ from fingertip.slip.detectors.fast_model import DEPTH, NODES, FastModel
 from tools.detector_training.rows import Rows, collect
 from tools.detector_training.signals import TrainingSignal, generate
 
-TREES = 120
+TREES = 160
 ROUNDS = 3
-THRESHOLD, INCIPIENT_THRESHOLD = 1.7, 0.9
+THRESHOLD, INCIPIENT_THRESHOLD = 1.6, 0.9
 """Scores above which slip is ON and may begin. They were chosen on tuning seeds by `benchmarks/slip_robustness.py`."""
 ROUND_THRESHOLD = 1.4
 """Score above which a row without slip counts as a false alarm of the round before."""

@@ -114,6 +114,9 @@ def generate_for(design: Design, seed: int, trials: int, events: int) -> Iterato
         for _ in range(events // 20):
             yield bursts.long_slide(design, seed, float(rng.uniform(0.002, 0.02)))
             seed += 1
+        for _ in range(events // 2):
+            yield bursts.ringing_knock(design, seed)
+            seed += 1
         yield from generate_manipulations(design, MANIPULATIONS_FROM + first_seed - FIRST_SEED, events)
 
 

@@ -15,6 +15,7 @@ from fingertip.design import Design
 from fingertip.design.signal_ground import filtered_range_v
 from fingertip.sim.signal.board_output import compute_bridge_v
 from fingertip.slip.detectors.digital import ChainSettings, SlipChain
+from fingertip.slip.intervals import Interval
 
 HIGH_HZ = 67.0
 """Frequency above which the energy of a burst counts as high [Hz]: the article's cutoff."""
@@ -107,6 +108,32 @@ def _burst(
     slide = Slide(first / rate, first / rate, (first + length) / rate)
     sampled_v, filtered_v = sample(design, rng, volts), sample_filtered(design, rng, volts)
     return LabelledSignal(kind, rate, sampled_v, (slide,), strength_v=strength_v, filtered_v=filtered_v)
+
+
+def ringing_knock(design: Design, seed: int, low_v: float = 0.05, high_v: float = 0.5) -> LabelledSignal:
+    """Draw a held force with three knocks that ring and decay, as hand and object do: no slip.
+
+    Parameters
+    ----------
+    design
+        Source of the sampling rate, the noise and the ADC.
+    seed
+        Seed of everything random.
+    low_v, high_v
+        Range of the first swing's height [V], drawn logarithmically.
+    """
+    rng, rate = np.random.default_rng(seed), design.detector.sample_rate_hz
+    times_s = np.arange(round(4.0 * rate)) / rate
+    volts = np.full(len(times_s), draw_rest_v(design, rng))
+    height_v = math.exp(rng.uniform(math.log(low_v), math.log(high_v)))
+    ring_hz, decay_s = rng.uniform(50.0, 150.0), math.exp(rng.uniform(math.log(0.004), math.log(0.02)))
+    events = []
+    for start_s in (1.5, 2.2, 2.9):
+        since_s = np.clip(times_s - start_s, 0.0, None)
+        volts -= height_v * np.sin(2 * math.pi * ring_hz * since_s) * np.exp(-since_s / decay_s)
+        events.append(Interval(start_s, start_s + 5 * decay_s))
+    sampled_v, filtered_v = sample(design, rng, volts), sample_filtered(design, rng, volts)
+    return LabelledSignal("ringing knock", rate, sampled_v, (), tuple(events), filtered_v=filtered_v)
 
 
 def long_slide(design: Design, seed: int, strength_v: float, duration_s: float = 8.0) -> LabelledSignal:

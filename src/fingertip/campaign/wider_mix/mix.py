@@ -82,6 +82,8 @@ def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[Lab
             yield bursts.low_burst(design, next_seed(), *BURSTS_V)
         for i in range(math.ceil(size.events / 2)):
             yield bursts.long_slide(design, next_seed(), SLIDE_STRENGTHS_V[i % len(SLIDE_STRENGTHS_V)])
+        for _ in range(math.ceil(size.events / 3)):
+            yield bursts.ringing_knock(design, next_seed())
         yield from _noisy(design, size, trials, next_seed)
 
 

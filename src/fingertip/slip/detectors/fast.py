@@ -135,6 +135,21 @@ class FastDetector:
         self._started = False
 
     @property
+    def coefficients(self) -> FastCoefficients:
+        """Constants of the loop at this sampling rate and noise."""
+        return self._coefficients
+
+    @property
+    def state(self) -> tuple[float, ...]:
+        """Present state, by the indices of `fingertip.slip.detectors.fast_loop`."""
+        return tuple(self._state)
+
+    @property
+    def incipient_confidence(self) -> float:
+        """Confidence above which slip may begin."""
+        return self._incipient
+
+    @property
     def threshold_v(self) -> float:
         """Threshold above the present noise floor, as a voltage in the wide band [V]."""
         return self._coefficients.statistic_gain * math.sqrt(self._state[fast_loop.FLOOR])

@@ -1,0 +1,271 @@
+#include "slip_detector.h"
+
+#include <math.h> /* INFINITY alone */
+
+/* A product and a sum must not be contracted into one rounding: numbers are then those of fingertip's Python. GCC knows
+ * no such pragma and takes -ffp-contract=off instead, which is its default with -std=c99. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC optimize("fp-contract=off")
+#endif
+
+#define R(number) ((slip_real)(number))
+
+enum { NODES = (1 << SLIP_DEPTH) - 1 };
+
+#include "slip_trees.h"
+
+/* Sum the leaves of all trees. Node k of a tree has the branches 2 k + 1 and 2 k + 2. */
+static slip_real evaluate_trees(const slip_real *row) {
+    const uint8_t *feature = slip_features;
+    const slip_real *threshold = slip_thresholds;
+    const slip_real *leaf = slip_leaves;
+    slip_real score = SLIP_OFFSET;
+    unsigned tree, level;
+    for (tree = 0; tree < SLIP_TREES; tree++) {
+        unsigned node = 0;
+        for (level = 0; level < SLIP_DEPTH; level++) {
+            node = 2 * node + (row[feature[node]] > threshold[node] ? 2 : 1);
+        }
+        score += leaf[node - NODES];
+        feature += NODES;
+        threshold += NODES;
+        leaf += NODES + 1;
+    }
+    return score;
+}
+
+/* Decide at a tick: features, trees, ON or OFF, floors. `slow` [V] and its `slope` [V^2] are those of this sample. */
+static void tick(slip_state *state, slip_real slow, slip_real slope) {
+    slip_real row[SLIP_COUNT];
+    slip_real wide_floor, upper_floor, greatest, peak, change, half_change, step_noise, lowest, score, share, clipped;
+    unsigned middle;
+    bool is_strong;
+
+    greatest = state->slopes[0] > state->slopes[1] ? state->slopes[0] : state->slopes[1];
+    if (state->slopes[2] > greatest) {
+        greatest = state->slopes[2];
+    }
+    peak = state->peaks[0] > state->peaks[1] ? state->peaks[0] : state->peaks[1];
+    if (state->peaks[2] > peak) {
+        peak = state->peaks[2];
+    }
+    state->slot++;
+    if (state->slot >= SLIP_SLOT_TICKS) {
+        state->slot = 0;
+        state->slopes[2] = state->slopes[1];
+        state->slopes[1] = state->slopes[0];
+        state->slopes[0] = R(0.0);
+        state->peaks[2] = state->peaks[1];
+        state->peaks[1] = state->peaks[0];
+        state->peaks[0] = R(0.0);
+    }
+    state->ring_phase++;
+    if (state->ring_phase >= 2) {
+        state->ring_phase = 0;
+        state->ring[state->ring_at] = slow;
+        state->ring_at++;
+        if (state->ring_at == SLIP_RING) {
+            state->ring_at = 0;
+        }
+    }
+    change = slow - state->ring[state->ring_at];
+    middle = state->ring_at + SLIP_RING / 2u;
+    half_change = slow - state->ring[middle < SLIP_RING ? middle : middle - SLIP_RING];
+
+    /* Floors are at least the noise of a converter halfway between two codes. */
+    step_noise = R(0.25) * state->step * state->step;
+    lowest = step_noise * SLIP_WIDE_SHARE;
+    wide_floor = state->floor > lowest ? state->floor : lowest;
+    lowest = step_noise * SLIP_UPPER_SHARE;
+    upper_floor = state->upper_floor > lowest ? state->upper_floor : lowest;
+    greatest *= SLIP_SLOPE_GAIN;
+    slope *= SLIP_SLOPE_GAIN;
+    row[0] = state->upper_short / upper_floor;
+    row[1] = state->upper_long / upper_floor;
+    row[2] = state->wide_short / wide_floor;
+    row[3] = state->wide_long / wide_floor;
+    is_strong = (row[1] > SLIP_STAY_RATIO || row[3] > SLIP_STAY_RATIO)
+        && state->wide_short > SLIP_DECAY_RATIO * state->wide_long;
+    if (row[0] > SLIP_LOUD || row[2] > SLIP_LOUD || row[1] > SLIP_LOUD_20 || row[3] > SLIP_LOUD_20) {
+        row[4] = greatest / wide_floor;
+        row[5] = change * change / wide_floor;
+        row[6] = half_change * (half_change > R(0.0) ? half_change : -half_change) / wide_floor;
+        row[7] = state->net_short * state->net_short / (state->total_short * state->total_short + SLIP_TINY);
+        row[8] = state->upper_short / (peak + SLIP_TINY);
+        row[9] = state->wide_long / (greatest + SLIP_TINY);
+        row[10] = state->upper_long / (greatest + SLIP_TINY);
+        row[11] = state->upper_long / (state->wide_long + SLIP_TINY);
+        row[12] = SLIP_MOVE_GAIN * state->total_short * state->total_short / wide_floor;
+        row[13] = slope / (greatest + SLIP_TINY);
+        row[14] = state->net_long * state->net_long / (state->total_long * state->total_long + SLIP_TINY);
+        score = evaluate_trees(row);
+    } else {
+        score = SLIP_LOWEST_SCORE;
+    }
+    state->confidence = (score - SLIP_LOWEST_SCORE) / (SLIP_ON_SCORE - SLIP_LOWEST_SCORE);
+    if (state->confidence < R(0.0)) {
+        state->confidence = R(0.0);
+    }
+
+    /* Decision: OFF until the floors are learned; ON stays while the energy does. */
+    if (state->settling > 0) {
+        state->settling--;
+        state->on = false;
+    } else if (state->on) {
+        state->smooth_score += SLIP_SCORE_SMOOTHING * (score - state->smooth_score);
+        state->on = score > SLIP_STAY_SCORE || (is_strong && state->smooth_score > SLIP_STAY_SCORE);
+    } else {
+        state->on = score > SLIP_ON_SCORE;
+        state->smooth_score = SLIP_ON_SCORE;
+    }
+
+    if (state->on) {
+        /* A tone's energy is constant and that of slip is not: floors follow a tone. */
+        state->on_ticks += R(1.0);
+        share = R(1.0) / (state->on_ticks < SLIP_TONE_TICKS ? state->on_ticks : SLIP_TONE_TICKS);
+        state->mean += share * (state->wide_long - state->mean);
+        state->mean_square += share * (state->wide_long * state->wide_long - state->mean_square);
+        if (state->on_ticks > SLIP_TONE_TICKS
+            && state->mean_square - state->mean * state->mean < SLIP_UNLEARNED_RATIO * state->mean * state->mean) {
+            state->floor += SLIP_UNLEARNING * (state->wide_long - state->floor);
+            state->upper_floor += SLIP_UNLEARNING * (state->upper_long - state->upper_floor);
+        }
+        return;
+    }
+    state->on_ticks = R(0.0);
+    state->mean = R(0.0);
+    state->mean_square = R(0.0);
+    if (greatest > SLIP_MOVING_RATIO * wide_floor && state->settling == 0) {
+        state->floor_ticks = SLIP_HELD_TICKS;
+    } else if (state->floor_ticks < R(0.0)) {
+        /* Until the filters have settled, floors are what they show. */
+        state->floor_ticks += R(1.0);
+        state->floor = state->wide_long;
+        state->upper_floor = state->upper_long;
+    } else {
+        state->floor_ticks += R(1.0);
+        share = R(1.0) / (state->floor_ticks < SLIP_MAX_FLOOR_TICKS ? state->floor_ticks : SLIP_MAX_FLOOR_TICKS);
+        clipped = SLIP_CLIP_RATIO * state->floor;
+        state->floor += share * ((state->wide_long < clipped ? state->wide_long : clipped) - state->floor);
+        clipped = SLIP_CLIP_RATIO * state->upper_floor;
+        state->upper_floor += share * ((state->upper_long < clipped ? state->upper_long : clipped) - state->upper_floor);
+    }
+    if (state->floor < SLIP_MIN_FLOOR) {
+        state->floor = SLIP_MIN_FLOOR;
+    }
+    if (state->upper_floor < SLIP_MIN_UPPER_FLOOR) {
+        state->upper_floor = SLIP_MIN_UPPER_FLOOR;
+    }
+}
+
+/* Set the steady state of a constant input before the first sample: both bands are 0 then. */
+static void start(slip_state *state, slip_real voltage_v) {
+    unsigned i;
+    state->started = true;
+    state->edge_1 = (R(1.0) - SLIP_EDGE_B0) * voltage_v;
+    state->edge_2 = (SLIP_EDGE_B2 - SLIP_EDGE_A2) * voltage_v;
+    state->slow_1 = (R(1.0) - SLIP_SLOW_B0) * voltage_v;
+    state->slow_2 = (SLIP_SLOW_B2 - SLIP_SLOW_A2) * voltage_v;
+    state->upper_1 = -SLIP_UPPER_B0 * voltage_v;
+    state->upper_2 = SLIP_UPPER_B2 * voltage_v;
+    state->wide_1 = -SLIP_WIDE_B0 * voltage_v;
+    state->wide_2 = SLIP_WIDE_B2 * voltage_v;
+    state->last_edge = voltage_v;
+    state->last_slow = voltage_v;
+    state->last_input = voltage_v;
+    for (i = 0; i < SLIP_RING; i++) {
+        state->ring[i] = voltage_v;
+    }
+}
+
+void slip_init(slip_state *state) {
+    static const slip_state zero;
+    *state = zero;
+    /* Energies and floors start at those of the stated noise. */
+    state->wide_short = state->wide_long = state->floor = SLIP_STATED_WIDE;
+    state->upper_short = state->upper_long = state->upper_floor = SLIP_STATED_UPPER;
+    state->step = R(INFINITY);
+    state->settling = SLIP_SETTLING_TICKS;
+    state->floor_ticks = -SLIP_SETTLE_TICKS;
+}
+
+bool slip_step_voltage(slip_state *state, slip_real voltage_v) {
+    slip_real x = voltage_v, edge, upper, wide, slow, move, slope;
+    if (!state->started) {
+        start(state, x);
+    }
+
+    /* Filters: below the upper edge, upper band, wide band, slow voltage. */
+    edge = SLIP_EDGE_B0 * x + state->edge_1;
+    state->edge_1 = SLIP_EDGE_B1 * x - SLIP_EDGE_A1 * edge + state->edge_2;
+    state->edge_2 = SLIP_EDGE_B2 * x - SLIP_EDGE_A2 * edge;
+    upper = SLIP_UPPER_B0 * edge + state->upper_1;
+    state->upper_1 = SLIP_UPPER_B1 * edge - SLIP_UPPER_A1 * upper + state->upper_2;
+    state->upper_2 = SLIP_UPPER_B2 * edge - SLIP_UPPER_A2 * upper;
+    wide = SLIP_WIDE_B0 * edge + state->wide_1;
+    state->wide_1 = SLIP_WIDE_B1 * edge - SLIP_WIDE_A1 * wide + state->wide_2;
+    state->wide_2 = SLIP_WIDE_B2 * edge - SLIP_WIDE_A2 * wide;
+    slow = SLIP_SLOW_B0 * x + state->slow_1;
+    state->slow_1 = SLIP_SLOW_B1 * x - SLIP_SLOW_A1 * slow + state->slow_2;
+    state->slow_2 = SLIP_SLOW_B2 * x - SLIP_SLOW_A2 * slow;
+    state->wide = wide;
+
+    /* Energies: exponential means of the squares. */
+    state->upper_short += SLIP_SHORT * (upper * upper - state->upper_short);
+    state->upper_long += SLIP_LONG * (upper * upper - state->upper_long);
+    state->wide_short += SLIP_SHORT * (wide * wide - state->wide_short);
+    state->wide_long += SLIP_LONG * (wide * wide - state->wide_long);
+
+    /* Net and total movement, which are equal while the force goes one way. */
+    move = edge - state->last_edge;
+    state->last_edge = edge;
+    state->net_short += SLIP_SHORT * (move - state->net_short);
+    state->net_long += SLIP_LONG * (move - state->net_long);
+    if (move < R(0.0)) {
+        move = -move;
+    }
+    state->total_short += SLIP_SHORT * (move - state->total_short);
+    state->total_long += SLIP_LONG * (move - state->total_long);
+
+    /* Smallest step of the converter: the smallest difference between two samples. */
+    move = x - state->last_input;
+    state->last_input = x;
+    if (move < R(0.0)) {
+        move = -move;
+    }
+    if (R(0.0) < move && move < state->step) {
+        state->step = move;
+    }
+
+    /* Squared slope and upper energy, the greatest of each slot. */
+    slope = slow - state->last_slow;
+    state->last_slow = slow;
+    slope *= slope;
+    if (slope > state->slopes[0]) {
+        state->slopes[0] = slope;
+    }
+    if (state->upper_short > state->peaks[0]) {
+        state->peaks[0] = state->upper_short;
+    }
+
+    state->phase++;
+    if (state->phase >= SLIP_TICK_SAMPLES) {
+        state->phase = 0;
+        tick(state, slow, slope);
+    }
+    return state->on;
+}
+
+bool slip_step(slip_state *state, slip_real tactile_v) {
+    /* The tactile voltage is what the detector judges. Whatever joins other signals to it belongs here. */
+    return slip_step_voltage(state, tactile_v);
+}
+
+void slip_process(slip_state *state, const slip_real *tactile_v, size_t count, uint8_t *on) {
+    size_t i;
+    for (i = 0; i < count; i++) {
+        on[i] = slip_step(state, tactile_v[i]) ? 1u : 0u;
+    }
+}

@@ -36,13 +36,14 @@ def _detector_groups(design: Design) -> Iterator[Group]:
     detector = FastDetector(FastSettings.from_design(design))
     model, c, state = load_model(), detector.coefficients, detector.state
     rate = c.sample_rate_hz
-    for name, text in (
-        ("edge", "Low-pass filter at the upper edge of both bands."),
-        ("upper", "High-pass filter at the lower edge of the upper band, behind it."),
-        ("wide", "High-pass filter at the lower edge of the wide band, behind it."),
-        ("slow", "Low-pass filter of the slow voltage, from the input."),
+    low_pass, high_pass = ("b0", "b1", "b2", "a1", "a2"), ("b", "a1", "a2")
+    for name, keys, text in (
+        ("edge", low_pass, "Low-pass filter at the upper edge of both bands."),
+        ("upper", high_pass, "High-pass filter at the lower edge of the upper band, behind it."),
+        ("wide", high_pass, "High-pass filter at the lower edge of the wide band, behind it."),
+        ("slow", low_pass, "Low-pass filter of the slow voltage, from the input."),
     ):
-        terms = {key: getattr(c, f"{name}_{key}") for key in ("b0", "b1", "b2", "a1", "a2")}
+        terms = {key: getattr(c, f"{name}_{key}") for key in keys}
         yield text, {f"{name}_{key}".upper(): real(value) for key, value in terms.items()}
     yield "Smoothing factors of 6 and 20 ms, per sample.", {
         "SHORT": real(c.short_smoothing),

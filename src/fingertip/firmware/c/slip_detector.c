@@ -36,11 +36,11 @@ static slip_real evaluate_trees(const slip_real *row) {
     return score;
 }
 
-/* Decide at a tick: features, trees, ON or OFF, floors. `slow` [V] and its `slope` [V^2] are those of this sample. */
-static void tick(slip_state *state, slip_real slow, slip_real slope) {
+/* Decide at a tick: features, trees, ON or OFF, floors. `slope` is the squared slope of this sample [V^2]. */
+static void tick(slip_state *state, slip_real slope) {
     slip_real row[SLIP_COUNT];
     slip_real wide_floor, upper_floor, greatest, peak, change, half_change, step_noise, lowest, score, share, clipped;
-    unsigned middle;
+    unsigned middle, i;
     bool is_strong;
 
     greatest = state->slopes[0] > state->slopes[1] ? state->slopes[0] : state->slopes[1];
@@ -64,15 +64,20 @@ static void tick(slip_state *state, slip_real slow, slip_real slope) {
     state->ring_phase++;
     if (state->ring_phase >= 2) {
         state->ring_phase = 0;
-        state->ring[state->ring_at] = slow;
+        state->ring[state->ring_at] = state->slow;
         state->ring_at++;
         if (state->ring_at == SLIP_RING) {
+            /* Only differences count. The sum begins again, so that it never grows beyond the last movements. */
             state->ring_at = 0;
+            for (i = 0; i < SLIP_RING; i++) {
+                state->ring[i] -= state->slow;
+            }
+            state->slow = R(0.0);
         }
     }
-    change = slow - state->ring[state->ring_at];
+    change = state->slow - state->ring[state->ring_at];
     middle = state->ring_at + SLIP_RING / 2u;
-    half_change = slow - state->ring[middle < SLIP_RING ? middle : middle - SLIP_RING];
+    half_change = state->slow - state->ring[middle < SLIP_RING ? middle : middle - SLIP_RING];
 
     /* Floors are at least the noise of a converter halfway between two codes. */
     step_noise = R(0.25) * state->step * state->step;
@@ -160,26 +165,6 @@ static void tick(slip_state *state, slip_real slow, slip_real slope) {
     }
 }
 
-/* Set the steady state of a constant input before the first sample: both bands are 0 then. */
-static void start(slip_state *state, slip_real voltage_v) {
-    unsigned i;
-    state->started = true;
-    state->edge_1 = (R(1.0) - SLIP_EDGE_B0) * voltage_v;
-    state->edge_2 = (SLIP_EDGE_B2 - SLIP_EDGE_A2) * voltage_v;
-    state->slow_1 = (R(1.0) - SLIP_SLOW_B0) * voltage_v;
-    state->slow_2 = (SLIP_SLOW_B2 - SLIP_SLOW_A2) * voltage_v;
-    state->upper_1 = -SLIP_UPPER_B0 * voltage_v;
-    state->upper_2 = SLIP_UPPER_B2 * voltage_v;
-    state->wide_1 = -SLIP_WIDE_B0 * voltage_v;
-    state->wide_2 = SLIP_WIDE_B2 * voltage_v;
-    state->last_edge = voltage_v;
-    state->last_slow = voltage_v;
-    state->last_input = voltage_v;
-    for (i = 0; i < SLIP_RING; i++) {
-        state->ring[i] = voltage_v;
-    }
-}
-
 void slip_init(slip_state *state) {
     static const slip_state zero;
     *state = zero;
@@ -192,24 +177,37 @@ void slip_init(slip_state *state) {
 }
 
 bool slip_step_voltage(slip_state *state, slip_real voltage_v) {
-    slip_real x = voltage_v, edge, upper, wide, slow, move, slope;
+    slip_real change, move, edge, driven, upper, wide, slope;
     if (!state->started) {
-        start(state, x);
+        /* The input was constant until now: there is no difference, and nothing in the bands. */
+        state->started = true;
+        state->last_input = voltage_v;
     }
 
-    /* Filters: below the upper edge, upper band, wide band, slow voltage. */
-    edge = SLIP_EDGE_B0 * x + state->edge_1;
-    state->edge_1 = SLIP_EDGE_B1 * x - SLIP_EDGE_A1 * edge + state->edge_2;
-    state->edge_2 = SLIP_EDGE_B2 * x - SLIP_EDGE_A2 * edge;
-    upper = SLIP_UPPER_B0 * edge + state->upper_1;
-    state->upper_1 = SLIP_UPPER_B1 * edge - SLIP_UPPER_A1 * upper + state->upper_2;
-    state->upper_2 = SLIP_UPPER_B2 * edge - SLIP_UPPER_A2 * upper;
-    wide = SLIP_WIDE_B0 * edge + state->wide_1;
-    state->wide_1 = SLIP_WIDE_B1 * edge - SLIP_WIDE_A1 * wide + state->wide_2;
-    state->wide_2 = SLIP_WIDE_B2 * edge - SLIP_WIDE_A2 * wide;
-    slow = SLIP_SLOW_B0 * x + state->slow_1;
-    state->slow_1 = SLIP_SLOW_B1 * x - SLIP_SLOW_A1 * slow + state->slow_2;
-    state->slow_2 = SLIP_SLOW_B2 * x - SLIP_SLOW_A2 * slow;
+    /* Smallest step of the converter: the smallest difference between two samples. */
+    change = voltage_v - state->last_input;
+    state->last_input = voltage_v;
+    move = change < R(0.0) ? -change : change;
+    if (R(0.0) < move && move < state->step) {
+        state->step = move;
+    }
+
+    /* Filters of the difference: difference below the upper edge, upper band, wide band, slope of the slow voltage. */
+    edge = SLIP_EDGE_B0 * change + state->edge_1;
+    state->edge_1 = SLIP_EDGE_B1 * change - SLIP_EDGE_A1 * edge + state->edge_2;
+    state->edge_2 = SLIP_EDGE_B2 * change - SLIP_EDGE_A2 * edge;
+    driven = SLIP_UPPER_B * edge;
+    upper = driven + state->upper_1;
+    state->upper_1 = state->upper_2 - driven - SLIP_UPPER_A1 * upper;
+    state->upper_2 = -SLIP_UPPER_A2 * upper;
+    driven = SLIP_WIDE_B * edge;
+    wide = driven + state->wide_1;
+    state->wide_1 = state->wide_2 - driven - SLIP_WIDE_A1 * wide;
+    state->wide_2 = -SLIP_WIDE_A2 * wide;
+    slope = SLIP_SLOW_B0 * change + state->slow_1;
+    state->slow_1 = SLIP_SLOW_B1 * change - SLIP_SLOW_A1 * slope + state->slow_2;
+    state->slow_2 = SLIP_SLOW_B2 * change - SLIP_SLOW_A2 * slope;
+    state->slow += slope;
     state->wide = wide;
 
     /* Energies: exponential means of the squares. */
@@ -219,29 +217,13 @@ bool slip_step_voltage(slip_state *state, slip_real voltage_v) {
     state->wide_long += SLIP_LONG * (wide * wide - state->wide_long);
 
     /* Net and total movement, which are equal while the force goes one way. */
-    move = edge - state->last_edge;
-    state->last_edge = edge;
-    state->net_short += SLIP_SHORT * (move - state->net_short);
-    state->net_long += SLIP_LONG * (move - state->net_long);
-    if (move < R(0.0)) {
-        move = -move;
-    }
+    state->net_short += SLIP_SHORT * (edge - state->net_short);
+    state->net_long += SLIP_LONG * (edge - state->net_long);
+    move = edge < R(0.0) ? -edge : edge;
     state->total_short += SLIP_SHORT * (move - state->total_short);
     state->total_long += SLIP_LONG * (move - state->total_long);
 
-    /* Smallest step of the converter: the smallest difference between two samples. */
-    move = x - state->last_input;
-    state->last_input = x;
-    if (move < R(0.0)) {
-        move = -move;
-    }
-    if (R(0.0) < move && move < state->step) {
-        state->step = move;
-    }
-
     /* Squared slope and upper energy, the greatest of each slot. */
-    slope = slow - state->last_slow;
-    state->last_slow = slow;
     slope *= slope;
     if (slope > state->slopes[0]) {
         state->slopes[0] = slope;
@@ -253,7 +235,7 @@ bool slip_step_voltage(slip_state *state, slip_real voltage_v) {
     state->phase++;
     if (state->phase >= SLIP_TICK_SAMPLES) {
         state->phase = 0;
-        tick(state, slow, slope);
+        tick(state, slope);
     }
     return state->on;
 }

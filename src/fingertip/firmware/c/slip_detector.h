@@ -30,11 +30,11 @@ typedef SLIP_REAL slip_real;
 
 /* State of a detector. It is read after a step: `on`, `confidence`, `wide`, `floor`. */
 typedef struct slip_state {
-    /* Filters, each a second-order section in transposed direct form II. */
+    /* Filters of the differences between samples, each a second-order section in transposed direct form II. */
     slip_real edge_1, edge_2, upper_1, upper_2, wide_1, wide_2, slow_1, slow_2;
     slip_real wide;                                          /* present output of the wide band [V] */
     slip_real upper_short, upper_long, wide_short, wide_long; /* energies of 6 and 20 ms [V^2] */
-    slip_real last_edge, last_slow, last_input;              /* outputs and input at the last sample [V] */
+    slip_real slow, last_input;                              /* sum of slopes since the ring's revolution, input [V] */
     slip_real net_short, total_short, net_long, total_long;  /* net and total movement of 6 and 20 ms [V] */
     slip_real slopes[3], peaks[3];                           /* greatest squared slope and upper energy of each slot */
     slip_real step;                                          /* smallest step of the converter [V] */
@@ -42,7 +42,7 @@ typedef struct slip_state {
     slip_real floor_ticks, on_ticks;                         /* time of learning, and of ON [ticks] */
     slip_real mean, mean_square;                             /* of the wide energy while ON */
     slip_real smooth_score, confidence;                      /* confidence: from 1 on, slip turns ON */
-    slip_real ring[SLIP_RING];                               /* slow voltage at every second tick [V] */
+    slip_real ring[SLIP_RING];                               /* `slow` at every second tick [V] */
     uint16_t settling;                                       /* ticks for which the detector stays OFF at the start */
     uint16_t phase, slot;                                    /* samples since the last tick, ticks of the slot */
     uint8_t ring_phase, ring_at;

@@ -215,25 +215,11 @@ class FastDetector:
         return out
 
     def _start(self, voltage_v: float) -> None:
-        """Set the steady state of a constant input before the first sample: both bands are 0 then."""
-        if self._started:
-            return
-        self._started = True
-        c, state = self._coefficients, self._state
-        state[fast_loop.EDGE_1], state[fast_loop.EDGE_2] = (
-            (1 - c.edge_b0) * voltage_v,
-            (c.edge_b2 - c.edge_a2) * voltage_v,
-        )
-        state[fast_loop.SLOW_1], state[fast_loop.SLOW_2] = (
-            (1 - c.slow_b0) * voltage_v,
-            (c.slow_b2 - c.slow_a2) * voltage_v,
-        )
-        state[fast_loop.UPPER_1], state[fast_loop.UPPER_2] = -c.upper_b0 * voltage_v, c.upper_b2 * voltage_v
-        state[fast_loop.WIDE_1], state[fast_loop.WIDE_2] = -c.wide_b0 * voltage_v, c.wide_b2 * voltage_v
-        for index in (fast_loop.EDGE, fast_loop.SLOW, fast_loop.INPUT):
-            state[index] = voltage_v
-        state[fast_loop.RING_START :] = [voltage_v] * fast_loop.RING
-        state[fast_loop.STEP] = math.inf
+        """Take the first sample for a constant input until then: there is no difference, and nothing in the bands."""
+        if not self._started:
+            self._started = True
+            self._state[fast_loop.INPUT] = voltage_v
+            self._state[fast_loop.STEP] = math.inf
 
 
 def min_noise_v(design: Design) -> float:
@@ -250,8 +236,8 @@ def _compute_coefficients(settings: FastSettings, model: FastModel) -> FastCoeff
     threshold = LOWEST_SCORE + settings.threshold_scale * (model.threshold - LOWEST_SCORE)
     return FastCoefficients(
         *filters.high_edge,
-        *filters.upper,
-        *filters.wide,
+        *(filters.upper.b0, *filters.upper[3:]),
+        *(filters.wide.b0, *filters.wide[3:]),
         *filters.slow,
         sample_rate_hz=rate,
         short_smoothing=1 / (1 + rate * SHORT_S),

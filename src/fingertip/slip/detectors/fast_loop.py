@@ -2,6 +2,11 @@
 
 A tick follows every few samples, 2 ms apart. The loop needs no buffer of samples: energies are exponential means, peaks
 are kept in three slots of 40 ms, and the slow voltage in a ring of one value for every second tick.
+
+The filters take the differences between samples, so they hold no voltage but its changes. The high-pass filters have two
+zeros at 0 Hz, of which the difference is one. The slow voltage is the sum of its filtered differences since the last
+revolution of the ring. The constant part of the input thus costs no digits, and single precision suffices
+(`fingertip.firmware`).
 """
 
 from __future__ import annotations
@@ -38,21 +43,20 @@ TINY = 1e-30
 
 
 class FastCoefficients(NamedTuple):
-    """Constants of the loop. Each filter is a second-order section."""
+    """Constants of the loop. Each filter is a second-order section.
+
+    A high-pass section has the numerator ``b (1 - 1/z)^2``, and a difference ahead of it leaves ``b (1 - 1/z)``.
+    """
 
     edge_b0: float
     edge_b1: float
     edge_b2: float
     edge_a1: float
     edge_a2: float
-    upper_b0: float
-    upper_b1: float
-    upper_b2: float
+    upper_b: float
     upper_a1: float
     upper_a2: float
-    wide_b0: float
-    wide_b1: float
-    wide_b2: float
+    wide_b: float
     wide_a1: float
     wide_a2: float
     slow_b0: float
@@ -101,11 +105,11 @@ class FastCoefficients(NamedTuple):
 # Indices into the loop's state.
 EDGE_1, EDGE_2, UPPER_1, UPPER_2, WIDE_1, WIDE_2, SLOW_1, SLOW_2 = range(8)
 UPPER_SHORT, UPPER_LONG, WIDE_SHORT, WIDE_LONG = range(8, 12)
-EDGE, SLOW, INPUT, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = range(12, 19)
-SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(19, 26)
-STEP, FLOOR, UPPER_FLOOR, FLOOR_TICKS, SETTLING = range(26, 31)
-ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(31, 40)
-RING_START = 40
+SLOW, INPUT, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = range(12, 18)
+SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(18, 25)
+STEP, FLOOR, UPPER_FLOOR, FLOOR_TICKS, SETTLING = range(25, 30)
+ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(30, 39)
+RING_START = 39
 STATES = RING_START + RING
 
 
@@ -145,7 +149,7 @@ def _fast_loop(
 ) -> None:
     # In the order of the fields of FastCoefficients.
     (
-        e_b0, e_b1, e_b2, e_a1, e_a2, u_b0, u_b1, u_b2, u_a1, u_a2, w_b0, w_b1, w_b2, w_a1, w_a2,
+        e_b0, e_b1, e_b2, e_a1, e_a2, u_b, u_a1, u_a2, w_b, w_a1, w_a2,
         s_b0, s_b1, s_b2, s_a1, s_a2, rate, short, long, tick_samples, slot_ticks, max_floor_ticks, tone_ticks,
         unlearning, wide_share, upper_share, min_floor, min_upper_floor, offset, lowest_score, on_score, stay_score,
         stay_ratio, score_smoothing, statistic_gain,
@@ -154,7 +158,7 @@ def _fast_loop(
     w1, w2, s1, s2 = state[WIDE_1], state[WIDE_2], state[SLOW_1], state[SLOW_2]
     upper_short, upper_long = state[UPPER_SHORT], state[UPPER_LONG]
     wide_short, wide_long = state[WIDE_SHORT], state[WIDE_LONG]
-    last_edge, last_slow, last_input = state[EDGE], state[SLOW], state[INPUT]
+    slow, last_input = state[SLOW], state[INPUT]
     net_short, total_short = state[NET_SHORT], state[TOTAL_SHORT]
     net_long, total_long = state[NET_LONG], state[TOTAL_LONG]
     slope_0, slope_1, slope_2 = state[SLOPE], state[SLOPE_1], state[SLOPE_2]
@@ -169,20 +173,31 @@ def _fast_loop(
     at = 0
     level = statistic_gain * math.sqrt(floor)
     for i in range(len(samples)):
-        # Filters, each in transposed direct form II: e below the upper edge, u upper band, w wide band, s slow.
+        # Smallest step of the converter: the smallest difference between two samples.
         x = samples[i]
-        e = e_b0 * x + e1
-        e1 = e_b1 * x - e_a1 * e + e2
-        e2 = e_b2 * x - e_a2 * e
-        u = u_b0 * e + u1
-        u1 = u_b1 * e - u_a1 * u + u2
-        u2 = u_b2 * e - u_a2 * u
-        w = w_b0 * e + w1
-        w1 = w_b1 * e - w_a1 * w + w2
-        w2 = w_b2 * e - w_a2 * w
-        s = s_b0 * x + s1
-        s1 = s_b1 * x - s_a1 * s + s2
-        s2 = s_b2 * x - s_a2 * s
+        change = x - last_input
+        last_input = x
+        move = -change if change < 0.0 else change
+        if 0.0 < move < step:
+            step = move
+
+        # Filters of the difference, each in transposed direct form II: e, difference below the upper edge; u, upper
+        # band; w, wide band; slope, difference of the slow voltage.
+        e = e_b0 * change + e1
+        e1 = e_b1 * change - e_a1 * e + e2
+        e2 = e_b2 * change - e_a2 * e
+        driven = u_b * e
+        u = driven + u1
+        u1 = u2 - driven - u_a1 * u
+        u2 = -u_a2 * u
+        driven = w_b * e
+        w = driven + w1
+        w1 = w2 - driven - w_a1 * w
+        w2 = -w_a2 * w
+        slope = s_b0 * change + s1
+        s1 = s_b1 * change - s_a1 * slope + s2
+        s2 = s_b2 * change - s_a2 * slope
+        slow += slope
 
         # Energies: exponential means of the squares.
         upper_short += short * (u * u - upper_short)
@@ -191,26 +206,13 @@ def _fast_loop(
         wide_long += long * (w * w - wide_long)
 
         # Net and total movement, which are equal while the force goes one way.
-        move = e - last_edge
-        last_edge = e
-        net_short += short * (move - net_short)
-        net_long += long * (move - net_long)
-        if move < 0.0:
-            move = -move
+        net_short += short * (e - net_short)
+        net_long += long * (e - net_long)
+        move = -e if e < 0.0 else e
         total_short += short * (move - total_short)
         total_long += long * (move - total_long)
 
-        # Smallest step of the converter: the smallest difference between two samples.
-        move = x - last_input
-        last_input = x
-        if move < 0.0:
-            move = -move
-        if 0.0 < move < step:
-            step = move
-
         # Squared slope and upper energy, the greatest of each slot.
-        slope = s - last_slow
-        last_slow = s
         slope *= slope
         if slope > slope_0:
             slope_0 = slope
@@ -234,13 +236,17 @@ def _fast_loop(
             ring_phase += 1.0
             if ring_phase >= 2.0:
                 ring_phase = 0.0
-                state[RING_START + ring_at] = s
+                state[RING_START + ring_at] = slow
                 ring_at += 1
                 if ring_at == RING:
+                    # Only differences count. The sum begins again, so that it never grows beyond the last movements.
                     ring_at = 0
-            change = s - state[RING_START + ring_at]
+                    for j in range(RING):
+                        state[RING_START + j] -= slow
+                    slow = 0.0
+            change = slow - state[RING_START + ring_at]
             middle = ring_at + RING // 2
-            half_change = s - state[RING_START + (middle if middle < RING else middle - RING)]
+            half_change = slow - state[RING_START + (middle if middle < RING else middle - RING)]
 
             # Floors are at least the noise of a converter halfway between two codes.
             step_noise = 0.25 * step * step
@@ -329,7 +335,7 @@ def _fast_loop(
     state[WIDE_1], state[WIDE_2], state[SLOW_1], state[SLOW_2] = w1, w2, s1, s2
     state[UPPER_SHORT], state[UPPER_LONG] = upper_short, upper_long
     state[WIDE_SHORT], state[WIDE_LONG] = wide_short, wide_long
-    state[EDGE], state[SLOW], state[INPUT] = last_edge, last_slow, last_input
+    state[SLOW], state[INPUT] = slow, last_input
     state[NET_SHORT], state[TOTAL_SHORT] = net_short, total_short
     state[NET_LONG], state[TOTAL_LONG] = net_long, total_long
     state[SLOPE], state[SLOPE_1], state[SLOPE_2] = slope_0, slope_1, slope_2

@@ -12,26 +12,68 @@
 
 #define R(number) ((slip_real)(number))
 
-enum { NODES = (1 << SLIP_DEPTH) - 1 };
+/* Trees compare keys: integers in the order of the floats whose bits they hold, which a controller compares faster. A
+ * double is its own key. */
+#define IS_DOUBLE_float 0
+#define IS_DOUBLE_double 1
+#define PASTE(left, right) left##right
+#define IS_DOUBLE(type) PASTE(IS_DOUBLE_, type)
+
+#if IS_DOUBLE(SLIP_REAL)
+
+typedef double slip_key;
+#define KEY(number, bits) (number)
+
+static slip_key key_of(slip_real value) {
+    return value;
+}
+
+#else
+
+typedef uint32_t slip_key;
+#define KEY(number, bits) (bits)
+
+/* Key of a feature. Every threshold is less than infinity; NaN is above none of them. */
+static slip_key key_of(slip_real value) {
+    const union {
+        slip_real real;
+        uint32_t bits;
+    } both = {value};
+    if (value != value) {
+        return 0;
+    }
+    return both.bits & 0x80000000u ? ~both.bits : both.bits | 0x80000000u;
+}
+
+#endif
+
+enum { LEAVES = 1 << SLIP_DEPTH };
 
 #include "slip_trees.h"
 
-/* Sum the leaves of all trees. Node k of a tree has the branches 2 k + 1 and 2 k + 2. */
+/* Sum the leaves of all trees. Nodes count from 1: node k has the branches 2 k and 2 k + 1, and entry 0 is not used. */
 static slip_real evaluate_trees(const slip_real *row) {
+    slip_key keys[SLIP_COUNT];
     const uint8_t *feature = slip_features;
-    const slip_real *threshold = slip_thresholds;
+    const slip_key *threshold = slip_thresholds;
     const slip_real *leaf = slip_leaves;
     slip_real score = SLIP_OFFSET;
-    unsigned tree, level;
+    unsigned i, tree, node, level;
+    for (i = 0; i < SLIP_COUNT; i++) {
+        keys[i] = key_of(row[i]);
+    }
     for (tree = 0; tree < SLIP_TREES; tree++) {
-        unsigned node = 0;
+        node = 1;
+#if defined(__GNUC__)
+#pragma GCC unroll 4
+#endif
         for (level = 0; level < SLIP_DEPTH; level++) {
-            node = 2 * node + (row[feature[node]] > threshold[node] ? 2 : 1);
+            node = 2 * node + (keys[feature[node]] > threshold[node] ? 1 : 0);
         }
-        score += leaf[node - NODES];
-        feature += NODES;
-        threshold += NODES;
-        leaf += NODES + 1;
+        score += leaf[node - LEAVES];
+        feature += LEAVES;
+        threshold += LEAVES;
+        leaf += LEAVES;
     }
     return score;
 }

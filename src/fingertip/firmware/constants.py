@@ -22,11 +22,6 @@ def render_constants(design: Design) -> str:
     return "\n\n".join(blocks)
 
 
-def sample_period_us(design: Design) -> float:
-    """Time between two samples [us]."""
-    return 1e6 / design.detector.sample_rate_hz
-
-
 def real(value: float) -> str:
     """Write a number with all its digits as a constant of the library's type."""
     return f"((slip_real){value!r})"
@@ -101,7 +96,10 @@ def _tree_sizes(model: FastModel) -> dict[str, str]:
 
 def _converter_groups(design: Design) -> Iterator[Group]:
     d = design.detector
-    yield "Sampling for which all this was computed [Hz].", {"SAMPLE_RATE_HZ": real(d.sample_rate_hz)}
+    yield "Sampling rate for which all this was computed [Hz, mHz].", {
+        "SAMPLE_RATE_HZ": real(d.sample_rate_hz),
+        "SAMPLE_RATE_MILLIHZ": f"{1000 * d.sample_rate_hz:.0f}u",
+    }
     yield "Converter of the design: bits, lower end of its range [V], step [V].", {
         "ADC_BITS": str(d.adc_bits),
         "ADC_LOW_V": real(d.adc_low_v),

@@ -103,6 +103,10 @@ static void fault(void) {
     quit(0);
 }
 
-__attribute__((section(".vectors"), used)) static void *const vectors[16] = {
-    stack_top, (void *)reset, (void *)fault, (void *)fault,
+struct vector_table {
+    uint32_t *stack;
+    void (*handlers[15])(void);
 };
+
+extern const struct vector_table vectors;
+__attribute__((section(".vectors"), used)) const struct vector_table vectors = {stack_top, {reset, fault, fault}};

@@ -59,7 +59,9 @@ def measure(design: Design, stride: int = STRIDE, seconds: float = SECONDS) -> d
 def _measure_target(folder: Path, target: Target, signals: dict[str, Any]) -> dict[str, Any]:
     image = compile_target(folder, target)
     runs = {name: run_target(image, target, volts) for name, volts in signals.items()}
-    settled = {name: run.instructions[-len(run.instructions) // 2 :] for name, run in runs.items() if name != "campaign"}
+    settled = {
+        name: run.instructions[-len(run.instructions) // 2 :] for name, run in runs.items() if name != "campaign"
+    }
     means = {"campaign": runs["campaign"].instructions} | settled
     return {
         "emulated": target.emulated,

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.arrays import Array
 from fingertip.design import Design
@@ -54,7 +55,7 @@ TARGETS = (
 class TargetRun:
     """Results of a run on an emulated controller, one value per sample."""
 
-    on: Array
+    on: NDArray[np.bool_]
     confidence: Array
     instructions: Array
     stack_bytes: int
@@ -156,7 +157,7 @@ class HostDetector:
         """Size of the state [byte]."""
         return int(self._library.probe_state_bytes())
 
-    def process(self, samples: Array) -> tuple[Array, Array, Array, Array]:
+    def process(self, samples: Array) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
         """Process samples [V]; wide band [V], confidence, wide floor [V^2] and ON of each."""
         given = np.ascontiguousarray(samples, self._type)
         numbers = [np.zeros(len(given), self._type) for _ in range(3)]

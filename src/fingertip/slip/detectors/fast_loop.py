@@ -3,9 +3,9 @@
 A tick follows every few samples, 2 ms apart. The loop needs no buffer of samples: energies are exponential means, peaks
 are kept in three slots of 40 ms, and the slow voltage in a ring of one value for every second tick.
 
-The filters take the differences between samples, so they hold no voltage but its changes. The high-pass filters have two
-zeros at 0 Hz, of which the difference is one. The slow voltage is the sum of its filtered differences since the last
-revolution of the ring. The constant part of the input thus costs no digits, and single precision suffices
+The filters take the differences between samples, so they hold no voltage but its changes. The high-pass filters have
+two zeros at 0 Hz, of which the difference is one. The slow voltage is the sum of its filtered differences since the
+last revolution of the ring. The constant part of the input thus costs no digits, and single precision suffices
 (`fingertip.firmware`).
 """
 

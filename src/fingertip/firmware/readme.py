@@ -7,6 +7,7 @@ from fingertip.design import Design
 from fingertip.firmware import costs
 from fingertip.firmware.packaging import NAME
 from fingertip.firmware.wiring import find_warnings, wiring_notes, wiring_table
+from fingertip.slip.detectors.fast import TICK_S
 from fingertip.slip.detectors.fast_model import load_model
 
 
@@ -95,10 +96,10 @@ def _cost(design: Design) -> list[str]:
             f"Measured on the library of {measured['design']} at {measured['sample_rate_hz']:g} Hz, by "
             f"{measured['compiler']} with {measured['options']}, on the {emulated} of {measured['emulator']}. Flash "
             "holds code, trees and the floating-point routines; stack is what the deepest step left behind. "
-            f"Instructions are means per sample: at a constant force, over {samples} samples of simulated trials and scenes without "
-            "slip, and while slip lasts. Most steps take few; every 2 ms one evaluates the "
-            f"{load_model().trees} trees if anything vibrates, the longest step. A controller without a floating-point "
-            "unit spends its time in the compiler's routines."
+            f"Instructions are means per sample: at a constant force, over {samples} samples of simulated trials and "
+            f"scenes without slip, and while slip lasts. Most steps take few; each tick of {1e3 * TICK_S:g} ms one evaluates the "
+            f"{load_model().trees} trees if anything vibrates, the longest step. A controller without a "
+            "floating-point unit spends its time in the compiler's routines."
         ),
     ]
 

@@ -208,8 +208,7 @@ static void tick(slip_state *state, slip_real slope) {
 }
 
 void slip_init(slip_state *state) {
-    static const slip_state zero;
-    *state = zero;
+    *state = (slip_state){0};
     /* Energies and floors start at those of the stated noise. */
     state->wide_short = state->wide_long = state->floor = SLIP_STATED_WIDE;
     state->upper_short = state->upper_long = state->upper_floor = SLIP_STATED_UPPER;

@@ -97,9 +97,9 @@ def _cost(design: Design) -> list[str]:
             f"{measured['compiler']} with {measured['options']}, on the {emulated} of {measured['emulator']}. Flash "
             "holds code, trees and the floating-point routines; stack is what the deepest step left behind. "
             f"Instructions are means per sample: at a constant force, over {samples} samples of simulated trials and "
-            f"scenes without slip, and while slip lasts. Most steps take few; each tick of {1e3 * TICK_S:g} ms one evaluates the "
-            f"{load_model().trees} trees if anything vibrates, the longest step. A controller without a "
-            "floating-point unit spends its time in the compiler's routines."
+            "scenes without slip, and while slip lasts. Most steps take few. The longest ones, one each "
+            f"{1e3 * TICK_S:g} ms, evaluate the {load_model().trees} trees, if anything vibrates. A controller without "
+            "a floating-point unit spends its time in the compiler's routines."
         ),
     ]
 

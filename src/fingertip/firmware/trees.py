@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import struct
-import textwrap
 from collections.abc import Iterator
 
 from fingertip.slip.detectors.fast_model import NODES, FastModel
 
-_WIDTH, _INDENT = 120, "    "
+_WIDTH, _INDENT = 119, "    "
 
 
 def render_trees(model: FastModel) -> str:
@@ -44,7 +43,12 @@ def _pad(values: list[str], unused: str) -> list[str]:
 
 
 def _rows(values: list[str]) -> Iterator[str]:
-    """Yield the lines of a table; each tree begins a new one."""
+    """Yield the lines of a table; each tree begins a new one, and none ends within an entry."""
     for i in range(0, len(values), NODES + 1):
-        text = ", ".join(values[i : i + NODES + 1]) + ","
-        yield from textwrap.wrap(text, _WIDTH, initial_indent=_INDENT, subsequent_indent=_INDENT)
+        line = _INDENT
+        for value in values[i : i + NODES + 1]:
+            if len(line) + len(value) > _WIDTH:
+                yield line.rstrip()
+                line = _INDENT
+            line += f"{value}, "
+        yield line.rstrip()

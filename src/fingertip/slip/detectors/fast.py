@@ -80,6 +80,8 @@ LIMIT_SHARE = 0.9
 """Share of the filtered signal's range that is used: a stage may be at its limit beyond it."""
 LIMITED_S = 0.03
 """Time in which the board's filter recovers from a limit [s]."""
+ROUGH_S = 1.0
+"""Time in which rounding errors of the rough voltage, which is a sum, are forgotten [s]."""
 STATISTIC_RATIO = 2.5
 """Threshold in volts over the RMS noise in the wide band. It only gives the statistic a scale in volts."""
 
@@ -164,6 +166,21 @@ class FastDetector:
         self._started = False
 
     @property
+    def coefficients(self) -> FastCoefficients:
+        """Constants of the loop at this sampling rate and noise."""
+        return self._coefficients
+
+    @property
+    def state(self) -> tuple[float, ...]:
+        """Present state, by the indices of `fingertip.slip.detectors.fast_loop`."""
+        return tuple(self._state)
+
+    @property
+    def incipient_confidence(self) -> float:
+        """Confidence above which slip may begin."""
+        return self._incipient
+
+    @property
     def threshold_v(self) -> float:
         """Threshold above the present noise floor, as a voltage in the wide band [V]."""
         return self._coefficients.statistic_gain * math.sqrt(self._state[fast_loop.FLOOR])
@@ -239,21 +256,14 @@ class FastDetector:
         return out
 
     def _start(self, voltage_v: float, filtered_v: float | None) -> None:
-        """Set the steady state of constant inputs before the first sample: all bands are 0 then."""
+        """Take the first sample for constant inputs until then: there is no difference, and nothing in the bands."""
         if self._started:
             return
         self._started = True
         settings, state = self.settings, self._state
         with_filtered = filtered_v is not None and settings.filtered is not None
         self._coefficients = c = _compute_coefficients(settings, self._model, with_filtered)
-        state[fast_loop.BOARD_1_1] = -c.board_1_b0 * voltage_v
-        state[fast_loop.SLOW_1], state[fast_loop.SLOW_2] = (
-            (1 - c.slow_b0) * voltage_v,
-            (c.slow_b2 - c.slow_a2) * voltage_v,
-        )
-        for index in (fast_loop.SLOW, fast_loop.INPUT):
-            state[index] = voltage_v
-        state[fast_loop.RING_START :] = [voltage_v] * fast_loop.RING
+        state[fast_loop.INPUT] = voltage_v
         state[fast_loop.STEP] = state[fast_loop.FILTERED_STEP] = math.inf
         state[fast_loop.REST] = 0.0 if filtered_v is None else filtered_v
         # Energies and floors start at those of the stated noise.
@@ -297,7 +307,7 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
         filtered_limit = LIMIT_SHARE * settings.filtered.range_v * filtered_gain
     threshold = LOWEST_SCORE + settings.threshold_scale * (model.threshold - LOWEST_SCORE)
     return FastCoefficients(
-        *board[0],
+        *(board[0].b0, board[0].a1),
         *board[1],
         *restore[0],
         *restore[1],
@@ -309,6 +319,7 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
         filtered_gain=filtered_gain,
         filtered_limit=filtered_limit,
         limited_samples=float(round(LIMITED_S * rate)),
+        rough_leak=1 / (ROUGH_S * rate),
         short_smoothing=1 / (1 + rate * SHORT_S),
         long_smoothing=1 / (1 + rate * LONG_S),
         tick_samples=float(tick),

@@ -2,6 +2,11 @@
 
 A tick follows every few samples, 2 ms apart. The loop needs no buffer of samples: energies are exponential means, peaks
 are kept in three slots of 40 ms, and the slow voltage in a ring of one value for every second tick.
+
+The filters of the tactile voltage take the differences between samples, so they hold no voltage but its changes. A
+high-pass filter has a zero at 0 Hz, which the difference is. The slow voltage is the sum of its filtered differences
+since the last revolution of the ring, the rough voltage the sum of what the slow one lacks. The constant part of the
+input thus costs no digits, and single precision suffices (`fingertip.firmware`).
 """
 
 from __future__ import annotations
@@ -47,11 +52,11 @@ TINY = 1e-30
 class FastCoefficients(NamedTuple):
     """Constants of the loop. Sections without an order in their name are of second order.
 
-    `board` is the board's high-pass filter as a digital filter. `restore` moves its cutoff down to that of the bands.
+    `board` is the board's high-pass filter as a digital filter; its first section has the numerator ``b (1 - 1/z)``.
+    `restore` moves its cutoff down to that of the bands.
     """
 
-    board_1_b0: float
-    board_1_b1: float
+    board_1_b: float
     board_1_a1: float
     board_b0: float
     board_b1: float
@@ -93,6 +98,8 @@ class FastCoefficients(NamedTuple):
     """Voltage at the filter's input from which on a stage of the board may be at its limit [V]."""
     limited_samples: float
     """Samples for which the filtered signal is not used after that."""
+    rough_leak: float
+    """Share of the rough voltage that is forgotten at each sample."""
     short_smoothing: float
     """Smoothing factor of 6 ms, per sample."""
     long_smoothing: float
@@ -133,15 +140,15 @@ class FastCoefficients(NamedTuple):
 
 
 # Indices into the loop's state.
-BOARD_1_1, BOARD_1, BOARD_2, RESTORE_1_1, RESTORE_1, RESTORE_2 = range(6)
+BOARD_STAGE, BOARD_1, BOARD_2, RESTORE_1_1, RESTORE_1, RESTORE_2 = range(6)
 EDGE_1, EDGE_2, UPPER_1, UPPER_2, WIDE_1, WIDE_2, SLOW_1, SLOW_2 = range(6, 14)
 UPPER_SHORT, UPPER_LONG, WIDE_SHORT, WIDE_LONG, INPUT_LONG = range(14, 19)
 EDGE, SLOW, INPUT, FILTERED, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = range(19, 27)
 SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(27, 34)
 STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS, SETTLING = range(34, 43)
 ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
-MOVED, IS_DOUBTED = range(52, 54)
-RING_START = 54
+MOVED, IS_DOUBTED, ROUGH = range(52, 55)
+RING_START = 55
 STATES = RING_START + RING
 
 
@@ -182,21 +189,22 @@ def _fast_loop(
 ) -> None:
     # In the order of the fields of FastCoefficients.
     (
-        p_b0, p_b1, p_a1, h_b0, h_b1, h_b2, h_a1, h_a2, q_b0, q_b1, q_a1, r_b0, r_b1, r_b2, r_a1, r_a2, e_b0,
+        p_b, p_a1, h_b0, h_b1, h_b2, h_a1, h_a2, q_b0, q_b1, q_a1, r_b0, r_b1, r_b2, r_a1, r_a2, e_b0,
         e_b1, e_b2, e_a1, e_a2, u_b0, u_b1, u_b2, u_a1, u_a2, w_b0, w_b1, w_b2, w_a1, w_a2, s_b0, s_b1, s_b2,
-        s_a1, s_a2, rate, filtered_gain, filtered_limit, limited_samples, short, long, tick_samples,
+        s_a1, s_a2, rate, filtered_gain, filtered_limit, limited_samples, rough_leak, short, long, tick_samples,
         slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share, min_floor,
         min_upper_floor, min_input_floor, offset, lowest_score, on_score, stay_score, stay_ratio,
         score_smoothing, statistic_gain,
     ) = coefficients  # fmt: skip
-    p1, h1, h2 = state[BOARD_1_1], state[BOARD_1], state[BOARD_2]
+    p, h1, h2 = state[BOARD_STAGE], state[BOARD_1], state[BOARD_2]
     q1, r1, r2 = state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2]
     e1, e2, u1, u2 = state[EDGE_1], state[EDGE_2], state[UPPER_1], state[UPPER_2]
     w1, w2, s1, s2 = state[WIDE_1], state[WIDE_2], state[SLOW_1], state[SLOW_2]
     upper_short, upper_long = state[UPPER_SHORT], state[UPPER_LONG]
     wide_short, wide_long = state[WIDE_SHORT], state[WIDE_LONG]
     input_long = state[INPUT_LONG]
-    last_edge, last_slow, last_input, last_filtered = state[EDGE], state[SLOW], state[INPUT], state[FILTERED]
+    last_edge, last_input, last_filtered = state[EDGE], state[INPUT], state[FILTERED]
+    slow, rough = state[SLOW], state[ROUGH]
     net_short, total_short = state[NET_SHORT], state[TOTAL_SHORT]
     net_long, total_long = state[NET_LONG], state[TOTAL_LONG]
     slope_0, slope_1, slope_2 = state[SLOPE], state[SLOPE_1], state[SLOPE_2]
@@ -213,10 +221,16 @@ def _fast_loop(
     at = 0
     level = statistic_gain * math.sqrt(floor)
     for i in range(len(samples)):
-        # Filters, in transposed direct form II. p and h are the stages of the board's filter, driven by the voltage.
+        # Smallest step of the converter: the smallest difference between two samples.
         x = samples[i]
-        p = p_b0 * x + p1
-        p1 = p_b1 * x - p_a1 * p
+        change = x - last_input
+        last_input = x
+        move = -change if change < 0.0 else change
+        if 0.0 < move < step:
+            step = move
+
+        # Filters, in transposed direct form II. p and h are the stages of the board's filter, driven by the voltage.
+        p = p_b * change - p_a1 * p
         h = h_b0 * p + h1
         h1 = h_b1 * p - h_a1 * h + h2
         h2 = h_b2 * p - h_a2 * h
@@ -237,7 +251,8 @@ def _fast_loop(
             if 0.0 < move < filtered_step:
                 filtered_step = move
 
-        # r has the cutoff of the bands, e lies below their upper edge; u upper band, w wide band, s slow.
+        # r has the cutoff of the bands, e lies below their upper edge; u upper band, w wide band; slope is the
+        # difference of the slow voltage.
         q = q_b0 * h + q1
         q1 = q_b1 * h - q_a1 * q
         r = r_b0 * q + r1
@@ -252,16 +267,17 @@ def _fast_loop(
         w = w_b0 * e + w1
         w1 = w_b1 * e - w_a1 * w + w2
         w2 = w_b2 * e - w_a2 * w
-        s = s_b0 * x + s1
-        s1 = s_b1 * x - s_a1 * s + s2
-        s2 = s_b2 * x - s_a2 * s
+        slope = s_b0 * change + s1
+        s1 = s_b1 * change - s_a1 * slope + s2
+        s2 = s_b2 * change - s_a2 * slope
+        slow += slope
 
         # Energies: exponential means of the squares.
         upper_short += short * (u * u - upper_short)
         upper_long += long * (u * u - upper_long)
         wide_short += short * (w * w - wide_short)
         wide_long += long * (w * w - wide_long)
-        rough = x - s
+        rough += change - slope - rough_leak * rough
         input_long += long * (rough * rough - input_long)
 
         # Net and total movement, which are equal while the force goes one way.
@@ -274,17 +290,7 @@ def _fast_loop(
         total_short += short * (move - total_short)
         total_long += long * (move - total_long)
 
-        # Smallest step of the converter: the smallest difference between two samples.
-        move = x - last_input
-        last_input = x
-        if move < 0.0:
-            move = -move
-        if 0.0 < move < step:
-            step = move
-
         # Squared slope and upper energy, the greatest of each slot.
-        slope = s - last_slow
-        last_slow = s
         slope *= slope
         if slope > slope_0:
             slope_0 = slope
@@ -308,13 +314,17 @@ def _fast_loop(
             ring_phase += 1.0
             if ring_phase >= 2.0:
                 ring_phase = 0.0
-                state[RING_START + ring_at] = s
+                state[RING_START + ring_at] = slow
                 ring_at += 1
                 if ring_at == RING:
+                    # Only differences count. The sum begins again, so that it never grows beyond the last movements.
                     ring_at = 0
-            change = s - state[RING_START + ring_at]
+                    for j in range(RING):
+                        state[RING_START + j] -= slow
+                    slow = 0.0
+            change = slow - state[RING_START + ring_at]
             middle = ring_at + RING // 2
-            half_change = s - state[RING_START + (middle if middle < RING else middle - RING)]
+            half_change = slow - state[RING_START + (middle if middle < RING else middle - RING)]
 
             # Floors are at least the noise of a converter halfway between two codes.
             input_noise = 0.25 * step * step
@@ -415,14 +425,15 @@ def _fast_loop(
         confidences[i] = confidence
         levels[i] = level
         flags[i] = on
-    state[BOARD_1_1], state[BOARD_1], state[BOARD_2] = p1, h1, h2
+    state[BOARD_STAGE], state[BOARD_1], state[BOARD_2] = p, h1, h2
     state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2] = q1, r1, r2
     state[EDGE_1], state[EDGE_2], state[UPPER_1], state[UPPER_2] = e1, e2, u1, u2
     state[WIDE_1], state[WIDE_2], state[SLOW_1], state[SLOW_2] = w1, w2, s1, s2
     state[UPPER_SHORT], state[UPPER_LONG] = upper_short, upper_long
     state[WIDE_SHORT], state[WIDE_LONG] = wide_short, wide_long
     state[INPUT_LONG] = input_long
-    state[EDGE], state[SLOW], state[INPUT], state[FILTERED] = last_edge, last_slow, last_input, last_filtered
+    state[EDGE], state[INPUT], state[FILTERED] = last_edge, last_input, last_filtered
+    state[SLOW], state[ROUGH] = slow, rough
     state[NET_SHORT], state[TOTAL_SHORT] = net_short, total_short
     state[NET_LONG], state[TOTAL_LONG] = net_long, total_long
     state[SLOPE], state[SLOPE_1], state[SLOPE_2] = slope_0, slope_1, slope_2

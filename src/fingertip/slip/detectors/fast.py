@@ -80,8 +80,6 @@ LIMIT_SHARE = 0.9
 """Share of the filtered signal's range that is used: a stage may be at its limit beyond it."""
 LIMITED_S = 0.03
 """Time in which the board's filter recovers from a limit [s]."""
-ROUGH_S = 1.0
-"""Time in which rounding errors of the rough voltage, which is a sum, are forgotten [s]."""
 STATISTIC_RATIO = 2.5
 """Threshold in volts over the RMS noise in the wide band. It only gives the statistic a scale in volts."""
 
@@ -319,7 +317,6 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
         filtered_gain=filtered_gain,
         filtered_limit=filtered_limit,
         limited_samples=float(round(LIMITED_S * rate)),
-        rough_leak=1 / (ROUGH_S * rate),
         short_smoothing=1 / (1 + rate * SHORT_S),
         long_smoothing=1 / (1 + rate * LONG_S),
         tick_samples=float(tick),

@@ -187,7 +187,7 @@ def run_campaign(
         cases = list(generate_cases(plan, first_seed))
         for i, case in enumerate(cases):
             advance(i / len(cases))
-            trace, force_n = simulate_trace(design, case, needs_board(*detectors))
+            trace, force_n = simulate_trace(design, case, detectors)
             for name in detectors:
                 results = evaluate(case, trace, force_n, name, design, factors[name])
                 for collected, result in zip(trials[name], results, strict=True):

@@ -20,6 +20,7 @@ from fingertip.cli.console import Console, command
 from fingertip.cli.coupon import coupon
 from fingertip.cli.detect import detect
 from fingertip.cli.drawing import drawing
+from fingertip.cli.firmware import firmware
 from fingertip.cli.help_page import HelpGroup, group_commands
 from fingertip.cli.make import make
 from fingertip.cli.new import new
@@ -54,6 +55,7 @@ app.command()(picture)
 app.command()(drawing)
 app.command()(page)
 app.command()(board)
+app.command()(firmware)
 app.command()(simulate)
 app.command()(detect)
 app.command()(validate)

@@ -43,6 +43,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "--out out/board3v3",
         "fingertip board fsr400 --check",
     ),
+    "firmware": ("fingertip firmware fsr400",),
     "simulate": (
         "fingertip simulate fsr400 --surface smooth --seed 7 --out smooth.csv",
         "fingertip simulate hard_tap --design fsr400 --set tap.force_n=3 --out tap.csv",

@@ -9,7 +9,7 @@ from fingertip.output_set.lock import lock, output_errors
 from fingertip.output_set.manifest import MANIFEST, hash_file, read_manifest
 from fingertip.output_set.replacement import find_unfinished, recover
 
-_OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal")
+_OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal", "firmware")
 """Kinds of sets in the folder of a design, which belong together if they were made from the same parameters."""
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fingertip.plot_style import BLUE, GREEN, ORANGE, new_figure, style_axes, to_png
+from fingertip.plot_style import BLUE, GREEN, ORANGE, RED, new_figure, style_axes, to_png
 from fingertip.slip.intervals import intervals
 from fingertip.slip.traces.trace import Trace
 
@@ -21,6 +21,7 @@ def draw_trace(trace: Trace) -> bytes:
             ("tactile voltage [V]", trace.voltage_v, BLUE),
             ("normal force [N]", trace.force_n, GREEN),
             ("envelope [V]", trace.envelope_v, ORANGE),
+            ("filtered signal [V]", trace.filtered_v, RED),
         )
         if values is not None
     ]

@@ -1,0 +1,51 @@
+// Streams samples over USB as lines of CSV, for `fingertip detect -` on the computer:
+//
+//   fingertip detect - --detector fast --design DESIGN < /dev/ttyACM0
+//
+// A timer interrupt takes the samples and stores them; loop() writes them. The pin is ON while slip is detected here.
+#include <slip_detector.h>
+#include <slip_timer.h>
+
+#include "slip_line.h"
+
+static const int TACTILE_PIN = A0;
+static const int SLIP_PIN = LED_BUILTIN;
+static const unsigned STORED = 1024;  // samples that wait for the computer, a power of two
+
+static slip_state slip;
+static volatile slip_real stored_v[STORED];
+static volatile uint32_t taken;  // samples so far; the interrupt alone writes it
+
+static void take_sample() {
+  const slip_real tactile_v = slip_read_volts(TACTILE_PIN);
+  stored_v[taken % STORED] = tactile_v;
+  taken = taken + 1;
+  digitalWrite(SLIP_PIN, slip_step(&slip, tactile_v) ? HIGH : LOW);
+}
+
+void setup() {
+  pinMode(SLIP_PIN, OUTPUT);
+  analogReadResolution(SLIP_ADC_BITS);
+  slip_init(&slip);
+  Serial.begin(2000000);  // over USB the rate does not matter
+  while (!Serial) {
+  }
+  Serial.write(SLIP_LINE_HEADER, sizeof SLIP_LINE_HEADER - 1);
+  if (!slip_start_timer(take_sample)) {
+    Serial.write("no timer is free\n", 17);
+  }
+}
+
+void loop() {
+  static uint32_t written = 0;
+  char line[SLIP_LINE_BYTES];
+  if (taken - written >= STORED) {
+    // The computer did not read in time. A gap in the times ends `fingertip detect -` with a message.
+    written = taken;
+  }
+  if (written != taken) {
+    const size_t length = slip_format_line(line, written, stored_v[written % STORED]);
+    Serial.write(line, length);
+    written++;
+  }
+}

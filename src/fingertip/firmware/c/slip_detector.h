@@ -1,0 +1,73 @@
+/* Slip detector `fast` of fingertip, in C99, for a microcontroller.
+ *
+ * One sample in, one decision out. All of the detector's state is in one struct, nothing is allocated, and a step calls
+ * no function but what the compiler itself needs for floating point. The operations and their order are those of
+ * fingertip's Python: with SLIP_REAL defined as double, and without contraction (-ffp-contract=off), every decision and
+ * every number has the same bits. The default, float, is made for controllers.
+ *
+ *     slip_state slip;
+ *     slip_init(&slip);
+ *     for (;;) { bool on = slip_step(&slip, next_voltage()); ... }
+ */
+#ifndef SLIP_DETECTOR_H
+#define SLIP_DETECTOR_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Type of all voltages and features: float or double. Define it for the whole program, not for one file. */
+#ifndef SLIP_REAL
+#define SLIP_REAL float
+#endif
+typedef SLIP_REAL slip_real;
+
+#include "slip_constants.h"
+
+/* State of a detector. It is read after a step: `on`, `confidence`, `wide`, `floor`. */
+typedef struct slip_state {
+    /* Filters of the differences between samples, each a second-order section in transposed direct form II. */
+    slip_real edge_1, edge_2, upper_1, upper_2, wide_1, wide_2, slow_1, slow_2;
+    slip_real wide;                                          /* present output of the wide band [V] */
+    slip_real upper_short, upper_long, wide_short, wide_long; /* energies of 6 and 20 ms [V^2] */
+    slip_real slow, last_input;                              /* sum of slopes since the ring's revolution, input [V] */
+    slip_real net_short, total_short, net_long, total_long;  /* net and total movement of 6 and 20 ms [V] */
+    slip_real slopes[3], peaks[3];                           /* greatest squared slope and upper energy of each slot */
+    slip_real step;                                          /* smallest step of the converter [V] */
+    slip_real floor, upper_floor;                            /* learned noise of both bands [V^2] */
+    slip_real floor_ticks, on_ticks;                         /* time of learning, and of ON [ticks] */
+    slip_real mean, mean_square;                             /* of the wide energy while ON */
+    slip_real smooth_score, confidence;                      /* confidence: from 1 on, slip turns ON */
+    slip_real ring[SLIP_RING];                               /* `slow` at every second tick [V] */
+    uint16_t settling;                                       /* ticks for which the detector stays OFF at the start */
+    uint16_t phase, slot;                                    /* samples since the last tick, ticks of the slot */
+    uint8_t ring_phase, ring_at;
+    bool on, started;
+} slip_state;
+
+/* Prepare a detector for its first sample. */
+void slip_init(slip_state *state);
+
+/* Process one sample of the tactile voltage T [V] and return whether slip is ON. */
+bool slip_step(slip_state *state, slip_real tactile_v);
+
+/* Process samples, any number of them, and write 1 for each at which slip is ON, else 0. */
+void slip_process(slip_state *state, const slip_real *tactile_v, size_t count, uint8_t *on);
+
+/* Process one sample of the voltage that the detector judges [V]. `slip_step` makes it of what the connector offers. */
+bool slip_step_voltage(slip_state *state, slip_real voltage_v);
+
+/* Return whether slip may begin: the confidence exceeds a lower threshold, at some ten times the false alarms. */
+static inline bool slip_is_incipient(const slip_state *state) {
+    return state->confidence > SLIP_INCIPIENT_CONFIDENCE;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,134 @@
+"""Constants of the detector `fast` for a design, as the preprocessor definitions of the C library."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from fingertip.design import Design
+from fingertip.slip.detectors import fast_loop
+from fingertip.slip.detectors.fast import FastDetector, FastSettings
+from fingertip.slip.detectors.fast_model import DEPTH, FastModel, load_model
+
+Group = tuple[str, dict[str, str]]
+"""Comment, and definitions that stand below it: name -> value in C."""
+
+
+def render_constants(design: Design) -> str:
+    """Render all definitions as lines of C."""
+    blocks = []
+    for comment, definitions in (*_detector_groups(design), *_converter_groups(design)):
+        lines = [f"#define SLIP_{name} {value}" for name, value in definitions.items()]
+        blocks.append("\n".join([f"/* {comment} */", *lines]))
+    return "\n\n".join(blocks)
+
+
+def real(value: float) -> str:
+    """Write a number with all its digits as a constant of the library's type."""
+    return f"((slip_real){value!r})"
+
+
+def _detector_groups(design: Design) -> Iterator[Group]:
+    detector = FastDetector(FastSettings.from_design(design))
+    model, c, state = load_model(), detector.coefficients, detector.state
+    rate = c.sample_rate_hz
+    low_pass, high_pass = ("b0", "b1", "b2", "a1", "a2"), ("b", "a1", "a2")
+    for name, keys, text in (
+        ("edge", low_pass, "Low-pass filter at the upper edge of both bands."),
+        ("upper", high_pass, "High-pass filter at the lower edge of the upper band, behind it."),
+        ("wide", high_pass, "High-pass filter at the lower edge of the wide band, behind it."),
+        ("slow", low_pass, "Low-pass filter of the slow voltage, from the input."),
+    ):
+        terms = {key: getattr(c, f"{name}_{key}") for key in keys}
+        yield text, {f"{name}_{key}".upper(): real(value) for key, value in terms.items()}
+    yield (
+        "Smoothing factors of 6 and 20 ms, per sample.",
+        {
+            "SHORT": real(c.short_smoothing),
+            "LONG": real(c.long_smoothing),
+        },
+    )
+    yield (
+        "Samples of a tick; ticks of a slot of the peaks; entries of the ring of slow voltages.",
+        {
+            "TICK_SAMPLES": f"{c.tick_samples:.0f}",
+            "SLOT_TICKS": f"{c.slot_ticks:.0f}",
+            "RING": str(fast_loop.RING),
+        },
+    )
+    yield (
+        "Ticks: OFF at the start; settling of the filters; averaging of the floors, at most and after a change; ON.",
+        {
+            "SETTLING_TICKS": f"{state[fast_loop.SETTLING]:.0f}",
+            "SETTLE_TICKS": real(-state[fast_loop.FLOOR_TICKS]),
+            "MAX_FLOOR_TICKS": real(c.max_floor_ticks),
+            "HELD_TICKS": real(fast_loop.HELD_TICKS),
+            "TONE_TICKS": real(c.tone_ticks),
+        },
+    )
+    yield (
+        "Energies of the stated noise in both bands, those of unit noise, and the lowest floors [V^2].",
+        {
+            "STATED_WIDE": real(state[fast_loop.FLOOR]),
+            "STATED_UPPER": real(state[fast_loop.UPPER_FLOOR]),
+            "WIDE_SHARE": real(c.wide_share),
+            "UPPER_SHARE": real(c.upper_share),
+            "MIN_FLOOR": real(c.min_floor),
+            "MIN_UPPER_FLOOR": real(c.min_upper_floor),
+        },
+    )
+    yield (
+        "Factors of slopes and movements, which make them compare with voltages, and the least denominator.",
+        {
+            "SLOPE_GAIN": real(fast_loop.SLOPE_S * fast_loop.SLOPE_S * rate * rate),
+            "MOVE_GAIN": real(fast_loop.MOVE_S * fast_loop.MOVE_S * rate * rate),
+            "TINY": real(fast_loop.TINY),
+        },
+    )
+    yield (
+        "Ratios that decide when trees are evaluated, floors adapt, a tone is unlearned, and vibration has ended.",
+        {
+            "LOUD": real(fast_loop.UPPER_LOUD),
+            "LOUD_20": real(fast_loop.UPPER_LOUD_20),
+            "MOVING_RATIO": real(fast_loop.MOVING_RATIO),
+            "CLIP_RATIO": real(fast_loop.CLIP_RATIO),
+            "UNLEARNED_RATIO": real(fast_loop.UNLEARNED_RATIO),
+            "UNLEARNING": real(c.unlearning),
+            "STAY_RATIO": real(c.stay_ratio),
+            "DECAY_RATIO": real(fast_loop.DECAY_RATIO),
+        },
+    )
+    yield (
+        "Scores: before the first tree; of confidence 0; above which slip is ON, and stays ON; their smoothing.",
+        {
+            "OFFSET": real(c.offset),
+            "LOWEST_SCORE": real(c.lowest_score),
+            "ON_SCORE": real(c.threshold),
+            "STAY_SCORE": real(c.stay_threshold),
+            "SCORE_SMOOTHING": real(c.score_smoothing),
+            "INCIPIENT_CONFIDENCE": real(detector.incipient_confidence),
+        },
+    )
+    yield "Features, trees, and comparisons of a tree from its root to a leaf.", _tree_sizes(model)
+
+
+def _tree_sizes(model: FastModel) -> dict[str, str]:
+    return {"COUNT": str(fast_loop.COUNT), "TREES": str(model.trees), "DEPTH": str(DEPTH)}
+
+
+def _converter_groups(design: Design) -> Iterator[Group]:
+    d = design.detector
+    yield (
+        "Sampling rate for which all this was computed [Hz, mHz].",
+        {
+            "SAMPLE_RATE_HZ": real(d.sample_rate_hz),
+            "SAMPLE_RATE_MILLIHZ": f"{1000 * d.sample_rate_hz:.0f}u",
+        },
+    )
+    yield (
+        "Converter of the design: bits, lower end of its range [V], step [V].",
+        {
+            "ADC_BITS": str(d.adc_bits),
+            "ADC_LOW_V": real(d.adc_low_v),
+            "ADC_STEP_V": real(d.adc_step_v),
+        },
+    )

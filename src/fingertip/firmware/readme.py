@@ -1,0 +1,116 @@
+"""README of the library: use, wiring, accuracy and costs."""
+
+from __future__ import annotations
+
+from fingertip.board.readme_parts.text import bullet_list, paragraph
+from fingertip.design import Design
+from fingertip.firmware import costs
+from fingertip.firmware.packaging import NAME
+from fingertip.firmware.wiring import find_warnings, wiring_notes, wiring_table
+from fingertip.slip.detectors.fast import TICK_S
+from fingertip.slip.detectors.fast_model import load_model
+
+
+def render_readme(design: Design) -> str:
+    """Render the README of a design's library, in Markdown."""
+    return "\n\n".join(
+        [
+            f"# Slip detector of {design.name} for a controller",
+            *_introduction(design),
+            "## Use",
+            *_use(design),
+            "## Wiring",
+            *_wiring(design),
+            "## Cost",
+            *_cost(design),
+            "## Accuracy",
+            *_accuracy(),
+        ]
+    ) + "\n"  # fmt: skip
+
+
+def _introduction(design: Design) -> list[str]:
+    d = design.detector
+    return [
+        paragraph(
+            f"`src/slip_detector.c` and `src/slip_detector.h` are the detector `fast` of fingertip in C99, with the "
+            f"constants of this design: {d.sample_rate_hz:g} samples per second, a converter of {d.adc_bits} bits over "
+            f"{d.adc_range_text}. They allocate nothing, keep all state in one struct, and call no function in a step "
+            "but the compiler's own routines for floating point. Made by `fingertip firmware`; make it again after a "
+            "change of the design rather than edit it."
+        ),
+        *(paragraph(f"**Note:** {warning}") for warning in find_warnings(design)),
+    ]
+
+
+def _use(design: Design) -> list[str]:
+    rate = f"{design.detector.sample_rate_hz:g}"
+    return [
+        "\n".join(
+            [
+                "```c",
+                "slip_state slip;",
+                "slip_init(&slip);",
+                f"bool on = slip_step(&slip, tactile_v); /* {rate} times a second, with the voltage of T */",
+                "```",
+            ]
+        ),
+        bullet_list(
+            [
+                "`slip_process` takes many samples at once. `slip_is_incipient` tells where slip may begin.",
+                "After a step, `slip.confidence` tells how sure the detector is: from 1 on, slip turns ON.",
+                "The detector is OFF for its first 0.2 s, in which it learns the noise: begin with a steady force.",
+                "One detector per finger: a `slip_state` each, all of them in the same interrupt.",
+            ]
+        ),
+        paragraph(
+            f"Arduino: copy this folder to `libraries/{NAME}` of the sketchbook. The examples take samples in a timer "
+            "interrupt: `slip_pin` switches a pin on while slip is detected; `slip_stream` writes time and voltage "
+            "over USB, for"
+        ),
+        "```sh\nfingertip detect - --detector fast --design DESIGN < /dev/ttyACM0\n```",
+        paragraph(
+            "`slip_timer.h` has the timers of Teensy, STM32, UNO R4 and RP2040. The examples were compiled against a "
+            "stand-in for Arduino's headers, not run on these boards. `analogRead` must take a small part of the "
+            f"{1e3 / design.detector.sample_rate_hz:g} ms between two samples; where it is slow, read the converter's "
+            "registers instead."
+        ),
+        paragraph(
+            "PlatformIO: copy it to `lib/` of the project. Elsewhere: compile the source with `-std=c99 -O2 "
+            "-ffp-contract=off`."
+        ),
+    ]
+
+
+def _wiring(design: Design) -> list[str]:
+    return [wiring_table(design), bullet_list(wiring_notes(design))]
+
+
+def _cost(design: Design) -> list[str]:
+    measured = costs.read_costs()
+    emulated = " and ".join(target["emulated"] for target in measured["targets"].values())
+    samples = measured["samples"]["campaign"]
+    return [
+        costs.cost_table(),
+        paragraph(
+            f"Measured on the library of {measured['design']} at {measured['sample_rate_hz']:g} Hz, by "
+            f"{measured['compiler']} with {measured['options']}, on the {emulated} of {measured['emulator']}. Flash "
+            "holds code, trees and the floating-point routines; stack is what the deepest step left behind. "
+            f"Instructions are means per sample: at a constant force, over {samples} samples of simulated trials and "
+            "scenes without slip, and while slip lasts. Most steps take few. The longest ones, one each "
+            f"{1e3 * TICK_S:g} ms, evaluate the {load_model().trees} trees, if anything vibrates. A controller without "
+            "a floating-point unit spends its time in the compiler's routines."
+        ),
+    ]
+
+
+def _accuracy() -> list[str]:
+    return [
+        paragraph(
+            "The operations and their order are those of the Python detector. With `-DSLIP_REAL=double` every number "
+            "has the same bits. With float, the default, the filters take differences between samples, so that a "
+            "constant force costs no digits, and the intervals of slip are those of the Python detector within one "
+            "sample. For the same bits on every compiler, forbid it to contract a product and a sum "
+            "(`-ffp-contract=off`); the source asks GCC and Clang for it."
+        ),
+    ]

@@ -1,0 +1,41 @@
+/* Stand-in for Arduino's header: enough to compile the examples, and to run them on this machine. */
+#ifndef ARDUINO_STAND_IN_H
+#define ARDUINO_STAND_IN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum { LOW = 0, HIGH = 1, INPUT = 0, OUTPUT = 1, A0 = 14, LED_BUILTIN = 13 };
+
+void pinMode(int pin, int mode);
+void digitalWrite(int pin, int level);
+int analogRead(int pin);
+void analogReadResolution(int bits);
+unsigned long millis();
+
+struct SerialPort {
+  void begin(unsigned long baud);
+  operator bool() const { return true; }
+  size_t write(const char *bytes, size_t count);
+};
+extern SerialPort Serial;
+
+/* Timer of the Teensy. */
+class IntervalTimer {
+ public:
+  bool begin(void (*callback)(), float period_us);
+};
+
+/* Timer of the STM32. */
+enum TimerFormat { HERTZ_FORMAT };
+extern int stand_in_timer;
+#define TIM2 (&stand_in_timer)
+class HardwareTimer {
+ public:
+  explicit HardwareTimer(int *instance);
+  void setOverflow(uint32_t rate, TimerFormat format);
+  void attachInterrupt(void (*callback)());
+  void resume();
+};
+
+#endif

@@ -1,0 +1,55 @@
+// Board without hardware: standard input holds the converter's codes, one per line; every sample calls the timer's
+// callback and then loop(). What the sketch writes goes to standard output, and each change of the pin to standard
+// error, with the number of the sample.
+#include "Arduino.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+void setup();
+void loop();
+
+static void (*timer_callback)();
+static int code, pin_level = -1;
+static unsigned long sample;
+static float timer_period_us;
+SerialPort Serial;
+int stand_in_timer;
+
+void pinMode(int, int) {}
+void analogReadResolution(int) {}
+unsigned long millis() { return sample / 2; }
+
+void digitalWrite(int, int level) {
+  if (level != pin_level) {
+    fprintf(stderr, "%lu %d\n", sample, level);
+    pin_level = level;
+  }
+}
+
+int analogRead(int) { return code; }
+
+void SerialPort::begin(unsigned long) {}
+
+size_t SerialPort::write(const char *bytes, size_t count) {
+  const size_t written = fwrite(bytes, 1, count, stdout);
+  fflush(stdout);
+  return written;
+}
+
+bool IntervalTimer::begin(void (*callback)(), float period_us) {
+  timer_callback = callback;
+  timer_period_us = period_us;
+  return true;
+}
+
+int main() {
+  setup();
+  fprintf(stderr, "period %g\n", static_cast<double>(timer_period_us));
+  while (scanf("%d", &code) == 1) {
+    timer_callback();
+    loop();
+    sample++;
+  }
+  return EXIT_SUCCESS;
+}

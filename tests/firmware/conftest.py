@@ -1,0 +1,65 @@
+"""Libraries of two designs, compiled for this machine once a session."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from fingertip.design import Design
+from fingertip.design.load import load_tables
+from fingertip.firmware.wiring import controller_changes
+from tests.tools import require_tool
+from tools.firmware.toolchain import HostDetector, compile_host, write_sources
+
+INSTALL = "as root, sh .ci/install-firmware"
+
+
+def require_gcc() -> None:
+    require_tool("gcc", INSTALL)
+
+
+def require_arm() -> None:
+    for tool in ("gcc", "arm-none-eabi-gcc", "qemu-system-arm"):
+        require_tool(tool, INSTALL)
+
+
+def controller_design() -> Design:
+    """A board and a converter that a controller can read."""
+    loaded = load_tables([], controller_changes())
+    return Design.from_tables(loaded.tables, loaded.before, loaded.changed)
+
+
+@dataclass(frozen=True)
+class Library:
+    """Library of a design, compiled for this machine."""
+
+    design: Design
+    folder: Path
+
+    def detector(self, real: str) -> HostDetector:
+        """New detector, with float or double as its type."""
+        return HostDetector(self.folder / f"slip_{real}.so", real)
+
+
+def make_library(design: Design, folder: Path) -> Library:
+    """Write and compile the library of a design."""
+    require_gcc()
+    folder.mkdir(exist_ok=True)
+    write_sources(design, folder)
+    for real in ("float", "double"):
+        compile_host(folder, real)
+    return Library(design, folder)
+
+
+@pytest.fixture(scope="session")
+def library(tmp_path_factory: pytest.TempPathFactory) -> Library:
+    """Library of the default design."""
+    return make_library(Design(), tmp_path_factory.mktemp("library"))
+
+
+@pytest.fixture(scope="session")
+def controller_library(tmp_path_factory: pytest.TempPathFactory) -> Library:
+    """Library of a design for a controller with a converter of 12 bits."""
+    return make_library(controller_design(), tmp_path_factory.mktemp("controller"))

@@ -1,0 +1,244 @@
+"""The C detector against the Python one: the same bits in double precision, the same intervals in single precision."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip import jit
+from fingertip.design import Design
+from fingertip.firmware.sources import SOURCE, library_sources
+from fingertip.firmware.trees import float_key
+from fingertip.slip.detectors import fast_loop
+from fingertip.slip.detectors.fast import FastDetector, FastOutput, FastSettings
+from fingertip.slip.detectors.fast_model import load_model
+from tests.firmware.conftest import Library, make_library, require_gcc
+from tools.firmware.signals import (
+    campaign_voltages,
+    count_differences,
+    find_intervals,
+    quiet_voltage,
+    slip_voltage,
+)
+from tools.firmware.toolchain import compile_host, write_sources
+
+MIN_EQUAL_SHARE = 0.999
+"""Share of the intervals that must agree within one sample in single precision."""
+
+
+def python_detector(design: Design) -> FastDetector:
+    return FastDetector(FastSettings.from_design(design))
+
+
+def assert_same_bits(library: Library, volts: np.ndarray) -> FastOutput:
+    """The double build gives the bits of Python's numbers, the floor of every sample included."""
+    detector = python_detector(library.design)
+    with jit.compiled():
+        output = detector.process(volts)
+    wide, confidence, floor, on = library.detector("double").process(volts)
+    assert np.array_equal(output.filtered_v, wide, equal_nan=True)
+    assert np.array_equal(output.confidence, confidence, equal_nan=True)
+    assert np.array_equal(output.on, on)
+    gain = detector.coefficients.statistic_gain
+    assert np.array_equal(output.threshold_v, gain * np.sqrt(floor), equal_nan=True)
+    return output
+
+
+def random_signals(design: Design, count: int, seed: int = 1) -> dict[str, np.ndarray]:
+    """Signals of every kind: noise, bursts, steps, codes, numbers of any size, and constants."""
+    random = np.random.default_rng(seed)
+    noise_v = 4e-4
+    base = random.normal(2.0, noise_v, count)
+    blocks = -(-count // 1000)
+    loudness = np.repeat(random.choice([1.0, 5.0, 30.0], blocks), 1000)[:count]
+    forces = np.repeat(random.uniform(0.0, 3.0, blocks), 1000)[:count]
+    step = design.detector.adc_step_v
+    with np.errstate(over="ignore"):
+        any_size = random.normal(size=count) * 10.0 ** random.uniform(-320, 308, count)
+    return {
+        "noise": base,
+        "bursts": 2.0 + (base - 2.0) * loudness,
+        "steps": base + forces,
+        "slip": slip_voltage(design, count / design.detector.sample_rate_hz),
+        "codes": np.round(random.normal(2.0, 2.0 * step, count) / step) * step,
+        "any size": any_size,
+        "constant": np.full(count, 3.3),
+        "zero": np.zeros(count),
+    }
+
+
+@pytest.mark.parametrize("name", random_signals(Design(), 10))
+def test_double_build_has_the_bits_of_python(library: Library, name: str) -> None:
+    output = assert_same_bits(library, random_signals(library.design, 40_000)[name])
+    assert output.on.any() == (name in ("bursts", "slip", "steps"))
+
+
+def test_double_build_has_the_bits_of_the_plain_loop(library: Library) -> None:
+    """Also of the loop that numba has not compiled, one sample at a time."""
+    volts = slip_voltage(library.design, 1.0)
+    detector = python_detector(library.design)
+    on = [detector.step(value) for value in volts.tolist()]
+    *_, found = library.detector("double").process(volts)
+    assert found.tolist() == on
+    assert any(on)
+
+
+def test_infinite_and_missing_samples_do_the_same_in_both(library: Library) -> None:
+    random = np.random.default_rng(3)
+    for wrong in (np.inf, -np.inf, np.nan):
+        volts = np.concatenate((random.normal(size=1000), [wrong], random.normal(size=3000)))
+        assert_same_bits(library, volts)
+        assert not library.detector("float").process(volts)[3][1100:].any()
+
+
+@pytest.mark.parametrize("rate_hz", [1000.0, 1234.5, 5000.0, 20000.0])
+def test_other_sampling_rates_give_the_same_bits(rate_hz: float, tmp_path: Path) -> None:
+    design = Design(detector={"sample_rate_hz": rate_hz})
+    library = make_library(design, tmp_path)
+    output = assert_same_bits(library, slip_voltage(design, 3.0))
+    assert output.on.any()
+
+
+def test_simulated_trials_give_the_same_bits_and_float_the_same_intervals(library: Library) -> None:
+    intervals = 0
+    for volts in campaign_voltages(library.design, stride=60):
+        output = assert_same_bits(library, volts)
+        *_, on = library.detector("float").process(volts)
+        different, found = count_differences(output.on, on)
+        intervals += found
+        assert not different
+    assert intervals >= 4
+
+
+@pytest.mark.slow
+def test_double_build_has_the_bits_of_python_over_ten_million_samples(library: Library) -> None:
+    signals = random_signals(library.design, 1_500_000, seed=5)
+    total = sum(len(assert_same_bits(library, volts).on) for volts in signals.values())
+    assert total >= 10_000_000
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["library", "controller_library"])
+def test_float_finds_the_intervals_of_the_whole_campaign(kind: str, request: pytest.FixtureRequest) -> None:
+    """The campaign's traces, and a hundred slips in noise, so that one difference is less than the limit."""
+    library: Library = request.getfixturevalue(kind)
+    design, different, total = library.design, 0, 0
+    seconds = [slip_voltage(design, 4.0, seed) for seed in range(0, 2000, 2)]
+    with jit.compiled():
+        for volts in itertools.chain(campaign_voltages(design), seconds):
+            output = python_detector(design).process(volts)
+            *_, on = library.detector("float").process(volts)
+            wrong, found = count_differences(output.on, on)
+            different, total = different + wrong, total + found
+    print(f"{kind}: {different} of {total} intervals differ")
+    assert total > 2 / (1 - MIN_EQUAL_SHARE)
+    assert different <= (1 - MIN_EQUAL_SHARE) * total
+
+
+def test_the_comparison_of_intervals_can_fail() -> None:
+    first = np.zeros(100, bool)
+    first[10:20] = first[50:60] = True
+    near, far = first.copy(), first.copy()
+    near[[9, 59]] = True, False
+    far[[8, 9]] = True
+    assert count_differences(first, near) == (0, 4)
+    assert count_differences(first, far) == (2, 4)
+    assert count_differences(first, np.zeros(100, bool)) == (2, 2)
+    assert find_intervals(np.array([True, True, False, True])) == [(0, 2), (3, 4)]
+
+
+def test_chunks_do_not_matter(library: Library) -> None:
+    volts = slip_voltage(library.design, 2.0)
+    whole = library.detector("float").process(volts)
+    detector = library.detector("float")
+    pieces = [detector.process(piece) for piece in np.split(volts, [1, 7, 8, 1000, 2500])]
+    for values, parts in zip(whole, zip(*pieces, strict=True), strict=True):
+        assert np.array_equal(values, np.concatenate(parts))
+
+
+def test_float_does_not_depend_on_the_force_at_which_it_begins(library: Library) -> None:
+    """A constant voltage costs no digits, as filters take differences: 16 V away, decisions stay the same."""
+    step = 2.0**-14  # voltages that single precision holds exactly, here and there
+    volts = np.round(slip_voltage(library.design, 4.0) / step) * step
+    near, far = (library.detector("float").process(volts + offset) for offset in (0.0, 16.0))
+    assert near[3].any()
+    for values, others in zip(near, far, strict=True):
+        assert np.array_equal(values, others)
+
+
+@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("level", ["-O0", "-Os", "-O3"])
+def test_compiles_without_warnings_whatever_the_optimisation(library: Library, real: str, level: str, tmp_path: Path):
+    """No number is converted silently, and no float is promoted to double."""
+    write_sources(library.design, tmp_path)
+    compile_host(tmp_path, real, level, "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wstrict-prototypes")
+
+
+def test_sanitizers_find_no_undefined_behaviour(library: Library, tmp_path: Path) -> None:
+    """A whole program: the sanitizers must be the first library of a process."""
+    import subprocess
+
+    require_gcc()
+    write_sources(library.design, tmp_path)
+    program = tmp_path / "main.c"
+    program.write_text(
+        '#include "slip_detector.h"\n#include <stdio.h>\nint main(void) { static slip_state s; float v; '
+        "slip_init(&s); while (fread(&v, sizeof v, 1, stdin) == 1) putchar(slip_step(&s, v)); return 0; }\n"
+    )
+    flags = ["-std=c99", "-g", "-fsanitize=undefined,address", "-fno-sanitize-recover=all", f"-I{tmp_path}"]
+    binary = tmp_path / "main"
+    subprocess.run(["gcc", *flags, str(program), str(tmp_path / SOURCE), "-o", str(binary)], check=True)
+    volts = slip_voltage(library.design, 3.0).astype("<f4")
+    done = subprocess.run([str(binary)], input=volts.tobytes(), capture_output=True, check=True)
+    assert not done.stderr
+    assert np.array_equal(np.frombuffer(done.stdout, np.uint8) > 0, library.detector("float").process(volts)[3])
+
+
+def test_another_order_of_operations_is_noticed(library: Library, tmp_path: Path) -> None:
+    """The comparison of bits can fail: the same sum in another order."""
+    write_sources(library.design, tmp_path)
+    source = (tmp_path / SOURCE).read_text()
+    first, second = "SLIP_EDGE_B1 * change - SLIP_EDGE_A1 * edge + state->edge_2", "SLIP_EDGE_B1 * change"
+    changed = source.replace(first, f"state->edge_2 - SLIP_EDGE_A1 * edge + {second}")
+    assert changed != source
+    (tmp_path / SOURCE).write_text(changed)
+    compile_host(tmp_path, "double")
+    volts = slip_voltage(library.design, 2.0)
+    assert_same_bits(library, volts)
+    with pytest.raises(AssertionError):
+        assert_same_bits(Library(library.design, tmp_path), volts)
+
+
+def test_state_is_small(library: Library) -> None:
+    assert library.detector("float").state_bytes <= 4 * fast_loop.STATES
+
+
+def test_incipient_slip_is_that_of_python(library: Library) -> None:
+    """The threshold of the header, on the confidences of both."""
+    output = python_detector(library.design).process(slip_voltage(library.design, 3.0))
+    confidence = library.detector("double").process(slip_voltage(library.design, 3.0))[1]
+    header = library_sources(library.design)["slip_detector.h"].decode()
+    text = header.partition("#define SLIP_INCIPIENT_CONFIDENCE ((slip_real)")[2].partition(")")[0]
+    assert np.array_equal(confidence > float(text), output.incipient)
+    assert 0 < output.incipient.sum() < len(output.incipient)
+
+
+def test_keys_are_in_the_order_of_the_floats() -> None:
+    random = np.random.default_rng(4)
+    numbers = np.concatenate((random.normal(size=500) * 10.0 ** random.uniform(-44, 38, 500), [0.0, np.inf, -np.inf]))
+    numbers = np.sort(numbers.astype(np.float32))
+    keys = np.array([float_key(float(number)) for number in numbers])
+    assert (np.diff(keys)[np.diff(numbers) > 0] > 0).all()
+    assert float_key(-0.0) == float_key(0.0) - 1
+    assert min(float_key(t) for t in load_model().thresholds.tolist()) > 0  # the key of NaN
+
+
+def test_a_quiet_signal_is_off_and_learned(library: Library) -> None:
+    _, _, floor, on = library.detector("float").process(quiet_voltage(library.design, 10.0))
+    assert not on.any()
+    detector = python_detector(library.design)
+    detector.process(quiet_voltage(library.design, 10.0))
+    assert floor[-1] == pytest.approx(detector.state[fast_loop.FLOOR], rel=1e-5)

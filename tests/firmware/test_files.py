@@ -1,0 +1,186 @@
+"""Files of `fingertip firmware`: what they say, and how they are written and compared."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from fingertip.board import board_circuit
+from fingertip.board.components.component_values import select_components
+from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.design import Design
+from fingertip.design.load import load_tables
+from fingertip.firmware import costs, firmware_differences, firmware_files, write_firmware
+from fingertip.firmware.sources import HEADER, SOURCE, library_sources
+from fingertip.firmware.wiring import controller_changes, find_warnings, wiring_notes, wiring_table
+from fingertip.output_set import verify_sets
+from fingertip.slip.detectors.fast import FastDetector, FastSettings
+from fingertip.slip.detectors.fast_model import NODES, load_model
+from tests.conftest import run_fingertip
+from tests.firmware.conftest import controller_design
+
+PLACES = {".", "src", "examples/slip_pin", "examples/slip_stream"}
+
+
+def defined(header: str) -> dict[str, float]:
+    """Constants of the header."""
+    found = re.findall(r"^#define (SLIP_\w+) \(\(slip_real\)(\S+)\)$", header, re.MULTILINE)
+    whole = re.findall(r"^#define (SLIP_\w+) (\d+)u?$", header, re.MULTILINE)
+    return {name: float(value) for name, value in [*found, *whole]}
+
+
+def test_constants_are_those_of_the_detector() -> None:
+    design = Design(detector={"sample_rate_hz": 3000.0})
+    values = defined(library_sources(design)[HEADER].decode())
+    coefficients = FastDetector(FastSettings.from_design(design)).coefficients._asdict()
+    names = {"sample_rate_hz", "short_smoothing", "long_smoothing", "threshold", "stay_threshold", "statistic_gain"}
+    for name, value in coefficients.items():
+        if name not in names:
+            assert values[f"SLIP_{name.upper()}"] == value, name
+    assert values["SLIP_SHORT"] == coefficients["short_smoothing"]
+    assert values["SLIP_LONG"] == coefficients["long_smoothing"]
+    assert values["SLIP_ON_SCORE"] == coefficients["threshold"]
+    assert values["SLIP_STAY_SCORE"] == coefficients["stay_threshold"]
+    assert values["SLIP_SAMPLE_RATE_HZ"] == 3000.0
+    assert values["SLIP_SAMPLE_RATE_MILLIHZ"] == 3_000_000
+    assert values["SLIP_ADC_STEP_V"] == design.detector.adc_step_v
+
+
+def test_every_constant_that_is_used_is_defined_and_every_defined_one_used() -> None:
+    files = firmware_files(Design())
+    texts = [data.decode() for place in files.values() for name, data in place.items() if name.endswith((".h", ".c"))]
+    texts += [data.decode() for place in files.values() for name, data in place.items() if name.endswith(".ino")]
+    known = set(re.findall(r"#define (SLIP_\w+)|\b(SLIP_LINE_BYTES|SLIP_PERIOD_US|SLIP_PIN)\b", "\n".join(texts)))
+    names = {name for pair in known for name in pair if name}
+    count = {name: sum(len(re.findall(rf"\b{name}\b", text)) for text in texts) for name in names}
+    assert not [name for name, uses in count.items() if uses < 2]
+    used = set(re.findall(r"\bSLIP_[A-Z0-9_]+\b", "\n".join(texts)))
+    assert not used - names
+
+
+def test_tables_hold_the_trees() -> None:
+    source = library_sources(Design())[SOURCE].decode()
+    model = load_model()
+    tables = re.findall(r"static const \w+ (\w+)\[[^\]]*\] = \{(.*?)\n\};", source, re.DOTALL)
+    forms = {"slip_features": r"(\d+),", "slip_thresholds": r"KEY\(([^,]+), \w+\),", "slip_leaves": r"R\((.+?)\),"}
+    found = {name: re.findall(forms[name], text) for name, text in tables}
+    nodes = [i for i in range(model.trees * (NODES + 1)) if i % (NODES + 1)]
+    features, thresholds = found["slip_features"], found["slip_thresholds"]
+    assert [float(features[i]) for i in nodes] == model.features.tolist()
+    assert [float(thresholds[i]) for i in nodes] == model.thresholds.tolist()
+    assert [float(leaf) for leaf in found["slip_leaves"]] == model.leaves.tolist()
+
+
+def test_library_is_one_header_and_one_source() -> None:
+    files = firmware_files(Design())
+    assert set(files) == PLACES
+    assert set(files["src"]) == {HEADER, SOURCE, "slip_timer.h"}
+    included = re.findall(rb'#include "(.*)"', files["src"][HEADER] + files["src"][SOURCE])
+    assert included == [HEADER.encode()]
+
+
+def test_arduino_and_platformio_know_the_library() -> None:
+    design = controller_design()
+    top = firmware_files(design)["."]
+    fields = dict(line.split("=", 1) for line in top["library.properties"].decode().splitlines())
+    required = {"name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url", "architectures"}
+    assert required <= set(fields)
+    assert re.fullmatch(r"\d+\.\d+\.\d+", fields["version"])
+    assert re.fullmatch(r"[A-Za-z0-9 _.-]+", fields["name"])
+    manifest = json.loads(top["library.json"])
+    assert (manifest["name"], manifest["version"]) == (fields["name"], fields["version"])
+    assert manifest["headers"] == fields["includes"] == HEADER
+    assert "12 bits" in fields["paragraph"]
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_wiring_is_that_of_the_board(name: str) -> None:
+    """Every pin of the output connector is listed with the net of the circuit, for each board."""
+    loaded = load_tables([], BOARD_CONFIGURATIONS[name].changes)
+    design = Design.from_tables(loaded.tables, loaded.before, loaded.changed)
+    circuit = board_circuit(select_components(design))
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in wiring_table(design).splitlines()[2:]]
+    pins = {pin: net for (reference, pin), net in circuit.net_by_pin.items() if reference == "J3" and pin.isdigit()}
+    assert {row[0] for row in rows} == set(pins)
+    for number, print_, _, use in rows:
+        assert (print_ == "T") == (pins[number] == "ADC_TACTILE") == ("reads" in use)
+        assert (use == "ground") == (pins[number] == "GND")
+    assert len([row for row in rows if row[1] == "T"]) == 1
+    assert wiring_notes(design)
+
+
+def test_warnings_name_changes_that_end_them() -> None:
+    (warning,) = find_warnings(Design(board={"supply": "split"}, detector={"adc_polarity": "bipolar"}))
+    assert "board.supply=split" in warning
+    assert "detector.adc_polarity=bipolar" in warning
+    typed = re.findall(r"--set (\S+)", warning)
+    assert typed == list(controller_changes())
+    loaded = load_tables([], typed)
+    assert not list(find_warnings(Design.from_tables(loaded.tables, loaded.before, loaded.changed)))
+
+
+def test_readme_holds_wiring_costs_and_warnings() -> None:
+    design = controller_design()
+    readme = firmware_files(design)["."]["README.md"].decode()
+    assert wiring_table(design) in readme
+    assert costs.cost_table() in readme
+    assert "Note:" not in readme
+    assert max(len(line) for line in readme.splitlines() if not line.startswith("|")) <= 120
+    for target in costs.read_costs()["targets"].values():
+        assert f"{target['flash_bytes']} B" in readme
+    assert "**Note:**" in firmware_files(Design(board={"supply": "split"}))["."]["README.md"].decode()
+
+
+def test_the_same_design_gives_the_same_bytes_without_paths_or_dates(tmp_path: Path) -> None:
+    first, second = (firmware_files(Design()) for _ in range(2))
+    assert first == second
+    text = b"\n".join(data for place in first.values() for data in place.values()).decode()
+    assert not re.search(r"/(home|root|tmp|work)/|20\d\d-\d\d", text)
+
+
+def test_folder_is_a_set_that_can_be_checked(tmp_path: Path) -> None:
+    design = Design()
+    paths = write_firmware(design, tmp_path / "firmware")
+    assert {path.relative_to(tmp_path / "firmware").parent.as_posix() for path in paths} == PLACES
+    count, differences = verify_sets(tmp_path)
+    assert (count, differences) == (len(paths), [])
+    assert not firmware_differences(design, tmp_path / "firmware")
+    other = Design(detector={"noise_v": 1e-3})
+    (difference,) = firmware_differences(other, tmp_path / "firmware")
+    assert difference.endswith("slip_detector.h: differs from what this design gives.")
+    write_firmware(other, tmp_path / "firmware")
+    assert not firmware_differences(other, tmp_path / "firmware")
+
+
+def test_command_writes_checks_and_keeps_what_is_somebodys_own(tmp_path: Path) -> None:
+    out = tmp_path / "firmware"
+    done = run_fingertip("firmware", "fsr400", "--out", out, "--json")
+    assert done.returncode == 0, done.stderr
+    data = json.loads(done.stdout)
+    assert {Path(name).relative_to(out).as_posix() for name in data["files"]} >= {"README.md", "src/slip_detector.c"}
+    assert data["costs"] == costs.read_costs()
+    assert run_fingertip("firmware", "fsr400", "--out", out, "--check").returncode == 0
+    source = out / "src" / SOURCE
+    source.write_text(source.read_text() + "/* mine */\n")
+    done = run_fingertip("firmware", "fsr400", "--out", out, "--check")
+    assert done.returncode == 1
+    assert "slip_detector.c: differs" in done.stdout
+    refused = run_fingertip("firmware", "fsr400", "--out", out, "--set", "detector.noise_v=0.001")
+    assert refused.returncode == 2
+    assert "was changed since" in refused.stderr
+    assert "/* mine */" in source.read_text()
+    assert run_fingertip("firmware", "fsr400", "--out", out, "--force").returncode == 0
+    assert "/* mine */" not in source.read_text()
+    missing = run_fingertip("firmware", "fsr400", "--out", tmp_path / "none", "--check")
+    assert missing.returncode == 1
+    assert "cannot be read" in missing.stdout
+    assert not (tmp_path / "none").exists()
+
+
+def test_default_folder_is_beside_the_design(tmp_path: Path) -> None:
+    done = run_fingertip("firmware", "adult_finger", PWD=str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out/adult_finger/firmware/library.properties").is_file()

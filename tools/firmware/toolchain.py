@@ -1,0 +1,178 @@
+"""Builds of the C library: for this machine, and for controllers that QEMU emulates.
+
+Time is counted in instructions: under ``-icount shift=10`` QEMU's clock advances by 1.024 us for each, and the
+controller's timer SysTick reads that clock. A step is timed alone, less an empty call.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.arrays import Array
+from fingertip.design import Design
+from fingertip.firmware.sources import SOURCE, library_sources
+
+PROGRAMS = Path(__file__).parent / "programs"
+"""Sources of the programs that run the library, and the linker script."""
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-ffp-contract=off")
+"""Options with which the library must compile without a warning."""
+INSTRUCTION_S = 1.024e-6
+"""Emulated time of one instruction [s]."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """Controller that QEMU emulates."""
+
+    name: str
+    """Processor for which the library is compiled."""
+    options: tuple[str, ...]
+    """Options of the compiler that select the processor."""
+    machine: str
+    """Board of QEMU."""
+    emulated: str
+    """Processor of that board, which executes the same instructions."""
+    clock_hz: float
+    """Frequency at which its timer counts [Hz]."""
+
+
+TARGETS = (
+    Target(
+        "Cortex-M4F", ("-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"), "mps2-an386", "Cortex-M4F", 25e6
+    ),
+    Target("Cortex-M0+", ("-mcpu=cortex-m0plus",), "microbit", "Cortex-M0", 16e6),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class TargetRun:
+    """Results of a run on an emulated controller, one value per sample."""
+
+    on: NDArray[np.bool_]
+    confidence: Array
+    instructions: Array
+    stack_bytes: int
+    """Bytes of stack that the deepest step used, by the pattern that it left."""
+
+
+def write_sources(design: Design, folder: Path) -> None:
+    """Write header and source of a design's library into a folder."""
+    for name, data in library_sources(design).items():
+        (folder / name).write_bytes(data)
+
+
+def compile_host(folder: Path, real: str, *options: str) -> Path:
+    """Compile the library in a folder as a shared library for this machine, with float or double as its type."""
+    library = folder / f"slip_{real}.so"
+    program = [str(folder / SOURCE), str(PROGRAMS / "probe.c")]
+    flags = [*STRICT, "-O2", "-shared", "-fPIC", f"-DSLIP_REAL={real}", f"-I{folder}", *options]
+    _run("gcc", *flags, *program, "-o", str(library))
+    return library
+
+
+def compile_target(folder: Path, target: Target, level: str = "-O2") -> Path:
+    """Compile the program for a controller with the library in a folder."""
+    image = folder / f"{target.name}{level}.elf"
+    link = ["-nostartfiles", "--specs=nano.specs", "-Wl,--gc-sections", f"-T{PROGRAMS / 'target.ld'}"]
+    flags = [*target.options, "-mthumb", level, *STRICT, "-ffunction-sections", "-fdata-sections", f"-I{folder}"]
+    _run("arm-none-eabi-gcc", *flags, *link, str(folder / SOURCE), str(PROGRAMS / "on_target.c"), "-o", str(image))
+    return image
+
+
+def compile_object(folder: Path, target: Target, level: str = "-O2") -> tuple[Path, dict[str, int]]:
+    """Compile the library alone for a controller; the object, and the stack of each function [byte]."""
+    image = folder / f"{target.name}{level}.o"
+    flags = [*target.options, "-mthumb", level, *STRICT, "-fstack-usage", f"-I{folder}"]
+    _run("arm-none-eabi-gcc", *flags, "-c", str(folder / SOURCE), "-o", str(image))
+    rows = (line.split("\t") for line in image.with_suffix(".su").read_text().splitlines())
+    return image, {row[0].rpartition(":")[2]: int(row[1]) for row in rows}
+
+
+def measure_flash(folder: Path, target: Target, level: str = "-O2") -> int:
+    """Measure code and tables of the library, with the floating-point routines that it needs [byte]."""
+    image, _ = compile_object(folder, target, level)
+    linked = image.with_suffix(".linked")
+    needed = ["-Wl,--gc-sections", "-Wl,-eslip_process", "-Wl,-uslip_init"]
+    _run(
+        "arm-none-eabi-gcc", *target.options, "-mthumb", "-nostartfiles", "--specs=nano.specs", *needed, str(image),
+        "-o", str(linked),
+    )  # fmt: skip
+    sizes = _run("arm-none-eabi-size", str(linked)).splitlines()[1].split()
+    return int(sizes[0]) + int(sizes[1])
+
+
+def run_target(image: Path, target: Target, samples: Array) -> TargetRun:
+    """Run the program of `compile_target` on samples [V]."""
+    folder = image.parent
+    samples.astype("<f4").tofile(folder / "samples.bin")
+    for name in ("results.bin", "stack.bin"):
+        (folder / name).unlink(missing_ok=True)
+    _run(
+        "qemu-system-arm", "-M", target.machine, "-nographic", "-monitor", "none", "-serial", "none",
+        "-semihosting-config", "enable=on,target=native", "-icount", "shift=10,sleep=off", "-kernel", image.name,
+        folder=folder,
+    )  # fmt: skip
+    kinds = np.dtype([("confidence", "<f4"), ("ticks", "<u4"), ("on", "<u4")])
+    results = np.fromfile(folder / "results.bin", kinds)
+    (stack,) = np.fromfile(folder / "stack.bin", "<u4").tolist()
+    instructions = np.round(results["ticks"] / (target.clock_hz * INSTRUCTION_S))
+    return TargetRun(results["on"] > 0, results["confidence"], instructions, stack)
+
+
+def tool_version(tool: str) -> str:
+    """Version that a compiler or emulator reports."""
+    found = re.search(r"\d+\.\d+(\.\d+)?", _run(tool, "--version").splitlines()[0].rpartition(")")[2])
+    found = found or re.search(r"\d+\.\d+(\.\d+)?", _run(tool, "--version").splitlines()[0])
+    assert found
+    return found[0]
+
+
+class HostDetector:
+    """Detector of a library that `compile_host` made, with its state.
+
+    Parameters
+    ----------
+    library
+        The shared library.
+    real
+        Its type, float or double.
+    """
+
+    def __init__(self, library: Path, real: str) -> None:
+        self._library = ctypes.CDLL(str(library))
+        self._type = {"float": np.float32, "double": np.float64}[real]
+        self._library.probe_state_bytes.restype = ctypes.c_size_t
+        self._state = ctypes.create_string_buffer(self.state_bytes)
+        self._library.slip_init(self._state)
+
+    @property
+    def state_bytes(self) -> int:
+        """Size of the state [byte]."""
+        return int(self._library.probe_state_bytes())
+
+    def process(self, samples: Array) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+        """Process samples [V]; wide band [V], confidence, wide floor [V^2] and ON of each."""
+        given = np.ascontiguousarray(samples, self._type)
+        numbers = [np.zeros(len(given), self._type) for _ in range(3)]
+        on = np.zeros(len(given), np.uint8)
+        pointers = [ctypes.c_void_p(array.ctypes.data) for array in (*numbers, on)]
+        self._library.probe_process(
+            self._state, ctypes.c_void_p(given.ctypes.data), ctypes.c_size_t(len(given)), *pointers
+        )
+        wide, confidence, floor = numbers
+        return wide, confidence, floor, on > 0
+
+
+def _run(*command: str, folder: Path | None = None) -> str:
+    """Run a program and return its output; raise with its messages if it fails."""
+    done = subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=600, check=False)
+    if done.returncode:
+        raise RuntimeError(f"{command[0]} failed:\n{done.stdout}{done.stderr}")
+    return done.stdout

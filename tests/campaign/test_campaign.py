@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -261,6 +262,9 @@ def test_validate_writes_results_and_assumptions(validated):
         REPORTED_SEPARATELY
     )
     assert any(str(TUNING_SEEDS.start) in line for line in data["assumptions"])
+    text = (out / "validation.txt").read_text()
+    assert re.match(r"fsr400, detector fast: all \d+ requirements are met\n  met     ", text), "the verdict comes first"
+    assert "on the wider mix" in text
     plot_names = {path.name for path in out.iterdir() if path.name.endswith(".png")}
     assert plot_names >= {"delays.png", "surfaces.png", "spectra.png", "windows.png", "comparison.png", "trial.png"}
     for name in plot_names:
@@ -274,6 +278,12 @@ def test_missed_requirement_gives_exit_code_1(tmp_path, monkeypatch):
     arguments = ["validate", "--trials", "1", "--minutes", "0.5", "--json", "--out", str(tmp_path)]
     done = CliRunner().invoke(app, [*arguments, "--detector", "analog"])
     assert done.exit_code == 1
+    assert "validate: trials: 0 % done" in done.stderr
+    assert re.search(
+        r"^fsr400, detector analog: \d of \d+ requirements are MISSED$",
+        (tmp_path / "validation.txt").read_text(),
+        re.MULTILINE,
+    )
     assert not json.loads(done.stdout)["passed"]
     assert (tmp_path / "validation.json").exists()
 

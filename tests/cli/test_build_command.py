@@ -143,6 +143,20 @@ def test_crashed_step_process_leaves_no_files(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_step_files_report_the_share_that_is_done(tmp_path: Path) -> None:
+    from fingertip.build_files import build
+    from fingertip.design import Design
+    from fingertip.progress import ShareText
+
+    messages: list[str] = []
+    build(Design(), tmp_path, parts=["bone", "skin"], formats=["step"], progress=messages.append)
+    shares = [message.share for message in messages if isinstance(message, ShareText)]
+    assert shares == sorted(shares)
+    assert shares[0] == 0.0
+    assert 0.2 < shares[-1] <= 1.0
+
+
+@pytest.mark.slow
 def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip import build_files as module
     from fingertip.cad.files.step_process import StepProcess

@@ -26,11 +26,11 @@ POLICY = (
 
 STYLE_SHEET = "site.css"
 STYLE = """\
-.md-typeset td code { word-break: normal; white-space: nowrap; }
+.md-typeset td code, .md-typeset th code { word-break: normal; white-space: nowrap; }
 .md-typeset table:not([class]) { display: table; font-size: .64rem; }
 .md-typeset table:not([class]) td, .md-typeset table:not([class]) th { padding: .4em .8em; min-width: 0; }
 .md-typeset table caption { text-align: left; font-weight: bold; padding: .4em .8em; }
-.md-typeset pre.output > code, .md-typeset pre { white-space: pre-wrap; }
+.md-typeset .language-text pre, .md-typeset .language-text code { white-space: pre-wrap; }
 """
 """Style sheet of the site: names of parameters stay whole, and long lines of output wrap."""
 

@@ -55,7 +55,7 @@ def named_dependencies() -> list[str]:
 
 
 def test_core_is_what_every_command_needs() -> None:
-    core = ["manifold3d", "numpy", "pillow", "pydantic", "rich", "tomlkit", "typer"]
+    core = ["manifold3d", "numpy", "pillow", "pydantic", "tomlkit", "typer"]
     assert sorted(names_of(project()["dependencies"])) == core
 
 

@@ -9,7 +9,9 @@ import pytest
 
 from fingertip import progress as progress_module
 from fingertip.cli import progress as display_module
+from fingertip.cli.console import Console
 from fingertip.cli.progress import BAR_WIDTH, CLEAR_LINE, ProgressDisplay, format_bar
+from fingertip.errors import FingertipError, Issue
 from fingertip.progress import ShareText, Work, describe_share
 
 
@@ -78,6 +80,7 @@ class Terminal(io.StringIO):
 
 def test_a_terminal_shows_one_bar_that_messages_replace(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stderr", Terminal())
+    monkeypatch.setenv("TERM", "xterm")
     display = ProgressDisplay()
     display.show(ShareText("half", 0.5))
     display.show(ShareText("most", 0.9))
@@ -86,6 +89,14 @@ def test_a_terminal_shows_one_bar_that_messages_replace(monkeypatch: pytest.Monk
     assert shown.count("\n") == 1
     assert shown.endswith(f"{CLEAR_LINE}a message\n")
     assert shown.count(CLEAR_LINE) == 3
+
+
+def test_an_error_after_a_bar_begins_in_an_empty_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    monkeypatch.setenv("TERM", "xterm")
+    Console(False, False).progress(ShareText("half", 0.5))
+    Console(False, False).print_issues(FingertipError(Issue("field", "is wrong.")))  # as the decorator does
+    assert sys.stderr.getvalue().endswith(f"{CLEAR_LINE}error: field: is wrong.\n")  # type: ignore[attr-defined]
 
 
 def test_a_log_has_a_line_now_and_then(monkeypatch: pytest.MonkeyPatch, clock: Clock) -> None:

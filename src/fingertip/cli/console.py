@@ -191,6 +191,7 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
             Console(bool(kwargs.get("as_json")), False).print_issues(error)
             raise typer.Exit(BAD_INPUT) from None
         except KeyboardInterrupt:
+            ProgressDisplay().clear()
             # Sets of files are swapped in whole, so an interrupted command leaves the former set or the new one.
             print("interrupted; no file is half-written", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None

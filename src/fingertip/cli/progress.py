@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
 import shutil
 import sys
 import time
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from fingertip.progress import ShareText, format_duration
 
@@ -27,9 +28,11 @@ CLEAR_LINE = "\r\x1b[2K"
 class ProgressDisplay:
     """Messages on stderr. The share of long work is a bar in the last line of a terminal, and a few lines of a log."""
 
+    has_bar: ClassVar[bool] = False
+    """Whether the terminal, of which there is one, shows a bar: whoever prints next removes it."""
+
     def __init__(self) -> None:
-        self._is_terminal = sys.stderr.isatty()
-        self._has_bar = False
+        self._is_terminal = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
         self._last_s = -math.inf
 
     def show(self, message: str) -> None:
@@ -40,16 +43,16 @@ class ProgressDisplay:
         elif self._is_terminal:
             line = format_bar(message, shutil.get_terminal_size().columns)
             print(f"{CLEAR_LINE}{line}", end="", file=sys.stderr, flush=True)
-            self._has_bar = True
+            ProgressDisplay.has_bar = True
         elif time.monotonic() - self._last_s >= LINE_INTERVAL_S:
             self._last_s = time.monotonic()
             print(message, file=sys.stderr, flush=True)
 
     def clear(self) -> None:
         """Remove the bar."""
-        if self._has_bar:
+        if ProgressDisplay.has_bar:
             print(CLEAR_LINE, end="", file=sys.stderr, flush=True)
-            self._has_bar = False
+            ProgressDisplay.has_bar = False
 
 
 def format_bar(message: ShareText, columns: int) -> str:

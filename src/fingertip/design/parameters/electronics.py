@@ -87,17 +87,16 @@ class Detector(ParameterTable):
     sample_rate_hz: float = quantity(2000.0, "Hz", "Sampling rate of the traces.", minimum=1000, maximum=20000)
     window_samples: int = quantity(60, "samples", "Length L of the averaging window.", minimum=1, maximum=10000)
     threshold_v: float = quantity(
-        0.017,
+        0.023,
         "V",
         "Threshold of the mean envelope above which slip is ON; default: its mean plus 6 standard deviations in noise.",
         above=0,
         maximum=10,
     )
     noise_v: float = quantity(
-        0.4e-3,
+        0.5e-3,
         "V",
-        "RMS noise of the sampled voltages without ADC quantisation; default: half a step of 12 bits, as of the NI 6002 "
-        "in the article.",
+        "RMS noise of the sampled voltages without ADC quantisation; default: 0.6 steps of 12 bits over 3.3 V.",
         minimum=0,
         maximum=1,
         verified=False,

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from fingertip.cli import app
 
-GOOD = [f"{i / 2000:.4f},4.0,0.8,0" for i in range(200)]
+GOOD = [f"{i / 2000:.4f},2.3,0.8,0" for i in range(200)]
 HEADER = "time_s,voltage_v,force_n,slip"
 
 

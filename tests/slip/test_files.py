@@ -99,7 +99,7 @@ def test_columns_are_suggested_as_options_that_work(tmp_path, header):
 
 
 def test_two_names_that_differ_in_case_are_ambiguous(tmp_path):
-    (tmp_path / "t.csv").write_text("time_s,Voltage_V,VOLTAGE_V\n" + "0.0,4.0,4.0\n" * 100)
+    (tmp_path / "t.csv").write_text("time_s,Voltage_V,VOLTAGE_V\n" + "0.0,2.3,2.3\n" * 100)
     assert "there is no column voltage_v" in run("detect", tmp_path / "t.csv").stderr
 
 
@@ -165,7 +165,7 @@ OUTSIDE_GAP = (np.arange(2000) < 300) | (np.arange(2000) >= 400)
 
 # Name -> text of the file, part of the message, exit code.
 UNUSUAL = {
-    "constant": (csv(T, np.full(2000, 4.0)), "the voltage is constant at 4 V; is a sensor connected?", 0),
+    "constant": (csv(T, np.full(2000, 2.3)), "the voltage is constant at 2.3 V; is a sensor connected?", 0),
     "saturated": (csv(T, np.minimum(V + 6.0, 10.0)), "samples are at the limits of the ADC range", 0),
     "all nan": (csv(T, np.full(2000, np.nan)), "nan in line 2 is not a finite number (and 1999 more)", 2),
     "ten samples": (csv(T[SHORT], V[SHORT]), "has 10 samples; at least one window of 60 is required", 2),

@@ -23,8 +23,9 @@ from fingertip.errors import DesignError, TraceError
 from fingertip.sim.signal.board_output import compute_bridge_v
 from fingertip.sim.signal.bridge import ConductanceCurve, fit_conductance_curve
 from tests.conftest import ROOT
+from tests.designs import ARTICLE
 
-DESIGN = Design()
+DESIGN = ARTICLE
 RESPONSE = board_values(DESIGN).tactile_response
 TURN_ON_N = DESIGN.force_curve.turn_on_n
 WEIGHTS_G = (50.0, 100.0, 200.0, 500.0, 1000.0)

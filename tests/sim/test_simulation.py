@@ -22,6 +22,7 @@ from fingertip.sim import (
 from fingertip.sim.scene.run import SceneRecord
 from fingertip.slip.intervals import SlipCollector, intervals
 from tests.conftest import ROOT, design_file
+from tests.designs import ARTICLE
 
 SCENES = ROOT / "params" / "scenes"
 
@@ -36,7 +37,7 @@ def test_design_alone_gives_a_trial_of_the_article():
 
 def test_nothing_given_means_default_design_and_trial():
     simulation = load_simulation()
-    assert (simulation.design, simulation.scene, simulation.seed) == (Design(), Trial().scene, 0)
+    assert (simulation.design, simulation.scene, simulation.seed) == (ARTICLE, Trial().scene, 0)
 
 
 def test_changes_go_to_the_file_that_has_the_parameter():
@@ -172,7 +173,7 @@ def test_list_of_words_needs_no_quotes():
 
 
 def test_values_of_a_wrong_type_are_refused_with_an_example():
-    design, scene, hand = Design(), SceneFile(), ManipulationFile()
+    design, scene, hand = ARTICLE, SceneFile(), ManipulationFile()
     with pytest.raises(TraceError, match=r"scene: is .*ManipulationFile; give a SceneFile, such as SceneFile\.load"):
         run_scene(design, hand)
     with pytest.raises(TraceError, match=r"scene: is .*SceneFile; give a ManipulationFile"):
@@ -191,4 +192,4 @@ def test_controller_that_commands_millimetres_is_refused():
             return observation.planned_m * 1000
 
     with pytest.raises(TraceError, match=r"return closings in metres, at most 0\.5 m"):
-        run_manipulation(Design(), ManipulationFile(grasp={"kind": "pinch"}), InMillimetres())
+        run_manipulation(ARTICLE, ManipulationFile(grasp={"kind": "pinch"}), InMillimetres())

@@ -45,10 +45,19 @@ def test_a_recorded_envelope_is_used(tmp_path):
     # A recording that contains only the board's output.
     (tmp_path / "e.csv").write_text(csv(T, envelope, header=("time_s", "AI1")))
     both = ("--column", "voltage_v=AI1", "--column", "envelope_v=AI1")
-    assert single_onset(run("detect", tmp_path / "e.csv", "--detector", "analog", *both, *ARTICLE_DESIGN, "--json")) == 0.502
+    assert (
+        single_onset(run("detect", tmp_path / "e.csv", "--detector", "analog", *both, *ARTICLE_DESIGN, "--json"))
+        == 0.502
+    )
     # The same recording as a stream.
     lines = run(
-        "detect", "-", "--detector", "analog", "--json", *ARTICLE_DESIGN, lines=csv(T, envelope, header=("time_s", "envelope_v"))
+        "detect",
+        "-",
+        "--detector",
+        "analog",
+        "--json",
+        *ARTICLE_DESIGN,
+        lines=csv(T, envelope, header=("time_s", "envelope_v")),
     )
     assert json.loads(lines.stdout)["transitions"][0] == {"on": True, "time_s": 0.502}
 

@@ -17,8 +17,8 @@ ARTICLE_CHANGES = (
     "detector.adc_range_v=10",
     "detector.adc_polarity=bipolar",
 )
-"""Changes to the default design that give the article's circuit, supply and converter, with capacitors as they are sold.
-The bundled design `article` has the article's capacitors of 5 % too."""
+"""Changes to the default design that give the article's circuit, supply and converter, with capacitors as are sold. The
+bundled design `article` has the article's capacitors of 5 % too."""
 ARTICLE_OPTIONS = [word for change in ARTICLE_CHANGES for word in ("--set", change)]
 """The same as words of a command line."""
 

@@ -83,7 +83,7 @@ def toleranced_filter(design: Design, bandwidth_hz: float | None = None) -> Tole
     return TolerancedFilter(model_filter(circuit, board.variant == "article"), network.values)
 
 
-ARTICLE = toleranced_filter(ARTICLE)
+FILTER = toleranced_filter(ARTICLE)
 TOLERANCE = {name: 1.0 if name.startswith("R") else 5.0 for name in COMPONENTS[:8]}
 
 
@@ -134,13 +134,13 @@ def test_cutoff_with_unequal_capacitors_agrees_with_ngspice(tmp_path: Path) -> N
     level = max(g for _, g in gain) / math.sqrt(2)
     crossing = next(f for f, g in gain if g >= level)
     deviations = np.array([0, 0, 0, 0, 0, 0.05, -0.07, 0.08])
-    assert float(ARTICLE.quantities(deviations)["cutoff_hz"]) == pytest.approx(crossing, rel=1e-3)
+    assert float(FILTER.quantities(deviations)["cutoff_hz"]) == pytest.approx(crossing, rel=1e-3)
 
 
 def test_monte_carlo_agrees_with_scalar_formulas_board_by_board() -> None:
     """Both are estimates of the same spread, within their statistical errors."""
     rng = random.Random(5)
-    base = [VALUES.by_reference[name] for name in ARTICLE.names]
+    base = [VALUES.by_reference[name] for name in FILTER.names]
     cutoffs = []
     for _ in range(4000):
         r1, r2, r3, _, _, c1, c2, c3 = (
@@ -151,17 +151,17 @@ def test_monte_carlo_agrees_with_scalar_formulas_board_by_board() -> None:
         cutoffs.append(overall_cutoff_hz(1 / (2 * math.pi * r1 * c1), f0, q))
     mean = math.fsum(cutoffs) / len(cutoffs)
     deviation = math.sqrt(math.fsum((f - mean) ** 2 for f in cutoffs) / (len(cutoffs) - 1))
-    spread = monte_carlo(ARTICLE, TOLERANCE)["cutoff_hz"]
+    spread = monte_carlo(FILTER, TOLERANCE)["cutoff_hz"]
     assert spread.mean == pytest.approx(mean, abs=5 * deviation / math.sqrt(4000))
     assert spread.deviation == pytest.approx(deviation, rel=0.06)
     assert spread.worst_low < min(cutoffs) < spread.low_95 < spread.high_95 < max(cutoffs) < spread.worst_high
 
 
 def test_monte_carlo_is_reproducible_and_exact_without_tolerances() -> None:
-    first = monte_carlo(ARTICLE, TOLERANCE)
-    assert first == monte_carlo(ARTICLE, TOLERANCE)
-    assert first != monte_carlo(ARTICLE, TOLERANCE, seed=2)
-    exact = monte_carlo(ARTICLE, dict.fromkeys(COMPONENTS, 0.0), boards=10)["cutoff_hz"]
+    first = monte_carlo(FILTER, TOLERANCE)
+    assert first == monte_carlo(FILTER, TOLERANCE)
+    assert first != monte_carlo(FILTER, TOLERANCE, seed=2)
+    exact = monte_carlo(FILTER, dict.fromkeys(COMPONENTS, 0.0), boards=10)["cutoff_hz"]
     assert exact.deviation < 1e-9
     assert exact.low_95 == exact.worst_high == exact.nominal
 
@@ -204,13 +204,13 @@ def test_analysis_command_prints_tables_and_writes_the_bode_table(tmp_path: Path
 def test_cutoffs_of_random_boards_agree_with_ngspice(tmp_path: Path) -> None:
     """ngspice sweeps each of forty random boards. The cutoffs agree one by one, and so does their spread."""
     rng = np.random.default_rng(3)
-    limits = np.array([TOLERANCE[name] / 100 for name in ARTICLE.names])
-    deviations = limits * rng.uniform(-1, 1, (40, len(ARTICLE.names)))
-    boards = np.array([VALUES.by_reference[name] for name in ARTICLE.names]) * (1 + deviations)
+    limits = np.array([TOLERANCE[name] / 100 for name in FILTER.names])
+    deviations = limits * rng.uniform(-1, 1, (40, len(FILTER.names)))
+    boards = np.array([VALUES.by_reference[name] for name in FILTER.names]) * (1 + deviations)
     _, deck = write_deck(tmp_path, [])
     commands = []
     for i, board in enumerate(boards):
-        commands += [f"alter {name} = {value:.12g}" for name, value in zip(ARTICLE.names, board, strict=True)]
+        commands += [f"alter {name} = {value:.12g}" for name, value in zip(FILTER.names, board, strict=True)]
         commands += ["ac dec 4000 60 3000", f"wrdata out{i} vr(tactile) vi(tactile) vr(filtered) vi(filtered)"]
     run_ngspice(tmp_path, deck, "\n".join([*commands, "wrdata out v(filtered)"]))
     simulated = []
@@ -218,7 +218,7 @@ def test_cutoffs_of_random_boards_agree_with_ngspice(tmp_path: Path) -> None:
         rows = [[float(word) for word in line.split()] for line in (tmp_path / f"out{i}").read_text().splitlines()]
         gain = [abs(complex(fr, fi) / complex(tr, ti)) for _, tr, ti, fr, fi in rows]
         simulated.append(next(row[0] for row, g in zip(rows, gain, strict=True) if g >= max(gain) / math.sqrt(2)))
-    computed = ARTICLE.quantities(deviations)["cutoff_hz"]
+    computed = FILTER.quantities(deviations)["cutoff_hz"]
     assert len(simulated) == len(computed)
     assert np.max(np.abs(computed / np.array(simulated) - 1)) < 1e-3
     assert float(computed.std()) == pytest.approx(float(np.std(simulated)), rel=0.01)

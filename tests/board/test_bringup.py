@@ -36,7 +36,7 @@ from fingertip.design import Design
 from fingertip.errors import BoardError
 from tests.board.ngspice import run_ngspice
 from tests.conftest import run_fingertip
-from tests.designs import ARTICLE, load_article
+from tests.designs import load_article
 
 CONTROLLER = BOARD_CONFIGURATIONS["precision_single_3v3"].changes
 ARTICLE = BOARD_CONFIGURATIONS["article_split"].changes

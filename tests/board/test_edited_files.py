@@ -23,7 +23,7 @@ from fingertip.output_set import read_manifest
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.board.test_layout import NO_VIOLATIONS, run_drc
 from tests.conftest import run_fingertip
-from tests.designs import ARTICLE, load_article
+from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
 from tests.oracles.sexpressions import Expression, children, parse
 from tests.tools import require_tool
 
@@ -151,7 +151,9 @@ def test_change_of_parts_or_nets_writes_nothing(folder: Path, changes: tuple[str
     move_label(folder / SCHEMATIC)
     move_r1(folder)
     before = files_in(folder)
-    run = run_fingertip("board", "--out", folder, *(word for change in changes for word in ("--set", change)))
+    run = run_fingertip(
+        "board", *ARTICLE_OPTIONS, "--out", folder, *(word for change in changes for word in ("--set", change))
+    )
     assert run.returncode == 2
     assert files_in(folder) == before
     lines = run.stderr.splitlines()
@@ -159,11 +161,16 @@ def test_change_of_parts_or_nets_writes_nothing(folder: Path, changes: tuple[str
     for name, line in zip((LAYOUT, SCHEMATIC), lines, strict=True):
         assert f"{name}: was edited, and this design changes more than values (it " in line
         assert "add --force to overwrite your edits" in line
-    run = run_fingertip("board", "--out", folder, "--force", *(w for c in changes for w in ("--set", c)))
+    run = run_fingertip(
+        "board", *ARTICLE_OPTIONS, "--out", folder, "--force", *(w for c in changes for w in ("--set", c))
+    )
     assert run.returncode == 0
     assert b"(at 105 95 45)" not in (folder / LAYOUT).read_bytes()
     assert (
-        run_fingertip("board", "--out", folder, "--check", *(w for c in changes for w in ("--set", c))).returncode == 0
+        run_fingertip(
+            "board", *ARTICLE_OPTIONS, "--out", folder, "--check", *(w for c in changes for w in ("--set", c))
+        ).returncode
+        == 0
     )
 
 
@@ -251,7 +258,7 @@ def test_project_that_kicad_changed_is_kept(folder: Path) -> None:
 def test_fabrication_files_of_an_edited_board_are_refused(folder: Path) -> None:
     move_r1(folder)
     before = files_in(folder)
-    run = run_fingertip("board", "--out", folder, "--fab", "--set", OTHER_VALUES[0])
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", folder, "--fab", "--set", OTHER_VALUES[0])
     assert run.returncode == 2
     assert "kicad_pcb: was edited, and --fab would export the board without your edits" in run.stderr
     assert files_in(folder) == before
@@ -262,7 +269,7 @@ def test_fabrication_files_of_an_edited_board_are_refused(folder: Path) -> None:
 
 def test_command_states_what_happened_to_the_edits(folder: Path) -> None:
     move_r1(folder)
-    run = run_fingertip("board", "--out", folder, "--set", OTHER_VALUES[0], "--json")
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", folder, "--set", OTHER_VALUES[0], "--json")
     assert run.returncode == 0
     (note,) = json.loads(run.stdout)["edited"]
     assert note in run.stderr.splitlines()

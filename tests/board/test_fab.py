@@ -20,7 +20,7 @@ from fingertip.errors import OutputError
 from fingertip.output_set import MANIFEST
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.conftest import run_fingertip
-from tests.designs import ARTICLE, load_article
+from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
 from tests.tools import require_tool
 
 CIRCUIT = board_circuit(board_values(ARTICLE))
@@ -29,7 +29,7 @@ ARTICLE_PLACEMENT = load_placement("article_split")
 
 def test_check_passes_for_an_up_to_date_folder(tmp_path: Path) -> None:
     write_board(ARTICLE, tmp_path)
-    run = run_fingertip("board", "--check", "--out", tmp_path)
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--check", "--out", tmp_path)
     assert (run.returncode, run.stderr) == (0, "")
     assert "is up to date with this design" in run.stdout
 
@@ -39,7 +39,7 @@ def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
     (tmp_path / "slip_filter.net").write_bytes((tmp_path / "slip_filter.net").read_bytes().replace(b'"4.7k"', b'"47k"'))
     (tmp_path / "bom.csv").unlink()
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-    run = run_fingertip("board", "--check", "--json", "--out", tmp_path)
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--check", "--json", "--out", tmp_path)
     assert run.returncode == 1
     data = json.loads(run.stdout)
     assert data["current"] is False
@@ -113,7 +113,7 @@ def test_fabrication_files_are_complete_and_reproducible(tmp_path: Path) -> None
     recorded = [line.split("  ")[1] for line in (fab / PROVENANCE).read_text().splitlines()]
     own = {PROVENANCE, MANIFEST}
     assert {path.name for path in fab.iterdir()} == {name for name in recorded if "/" not in name} | own
-    assert run_fingertip("board", "--check", "--fab", "--out", tmp_path).returncode == 0
+    assert run_fingertip("board", *ARTICLE_OPTIONS, "--check", "--fab", "--out", tmp_path).returncode == 0
 
 
 BOARD_FILES = {

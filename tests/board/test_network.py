@@ -36,7 +36,7 @@ from fingertip.design import Design
 from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.design.filter_components import FilterComponents, ideal_components
 from fingertip.design.parameters import Board
-from tests.designs import ARTICLE, load_article
+from tests.designs import load_article
 from tests.oracles.filter_formulas import (
     comparator_threshold_v,
     envelope_offset_gains,

@@ -37,7 +37,7 @@ def test_design_alone_gives_a_trial_of_the_article():
 
 def test_nothing_given_means_default_design_and_trial():
     simulation = load_simulation()
-    assert (simulation.design, simulation.scene, simulation.seed) == (ARTICLE, Trial().scene, 0)
+    assert (simulation.design, simulation.scene, simulation.seed) == (Design(), Trial().scene, 0)
 
 
 def test_changes_go_to_the_file_that_has_the_parameter():
@@ -144,16 +144,16 @@ def test_load_change_that_ends_the_contact_names_a_remedy_that_works():
     ],
 )
 def test_converter_that_clips_the_voltage_is_reported(changes, warning):
-    found = [*load_simulation("sliding_finger", "fsr400", changes=changes).find_warnings()]
+    found = [*load_simulation("sliding_finger", "article", changes=changes).find_warnings()]
     assert len(found) == (warning is not None)
     assert warning is None or warning in found[0]
 
 
 def test_range_up_to_the_named_voltage_does_not_clip():
-    simulation = load_simulation("sliding_finger", changes=["converter.bits=12", "converter.high_v=3.3"])
+    simulation = load_simulation("sliding_finger", "article", changes=["converter.bits=12", "converter.high_v=3.3"])
     (warning,) = simulation.find_warnings()
     named = re.search(r"converter\.high_v=([0-9.]+)\.$", warning).group(1)
-    wide = load_simulation("sliding_finger", changes=["converter.bits=12", f"converter.high_v={named}"])
+    wide = load_simulation("sliding_finger", "article", changes=["converter.bits=12", f"converter.high_v={named}"])
     assert not [*wide.find_warnings()]
     volts = wide.run().columns["voltage_v"]
     assert volts.max() < float(named) - 5 / 2**12

@@ -187,7 +187,8 @@ def _draw_names(footprint: Expression) -> list[Markup]:
 
 def _is_taller(footprint: Expression, angle: float) -> bool:
     """Return whether the pads of a footprint, as it is turned, stand above each other rather than side by side."""
-    spots = [turn(*numbers(first(pad, "at"))[:2], angle) for pad in lists(footprint, "pad")]
+    centres = [numbers(first(pad, "at")) for pad in lists(footprint, "pad")]
+    spots = [turn(x, y, angle) for x, y, *_ in centres]
     xs, ys = [x for x, _ in spots], [y for _, y in spots]
     return bool(spots) and max(ys) - min(ys) > max(xs) - min(xs)
 

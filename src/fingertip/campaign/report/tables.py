@@ -192,7 +192,12 @@ def _group(values: tuple[float, float, int]) -> dict[str, Any]:
 
 
 def _fields(
-    row: AccelerationResult | SamplingRateResult | BoardResult | DiscriminationResult | KnockResult,
+    row: AccelerationResult
+    | ArticleBoardResult
+    | BoardResult
+    | DiscriminationResult
+    | KnockResult
+    | SamplingRateResult,
 ) -> dict[str, Any]:
     """Fields of a row by name, rounded; an infinite delay is null."""
     return {k: _number(v) if isinstance(v, float) else v for k, v in asdict(row).items()}

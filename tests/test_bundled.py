@@ -83,8 +83,8 @@ def test_only_a_single_word_is_a_name(given: str, folder: Path) -> None:
         (
             "wheel",
             "wheel: is neither a file nor the name of a bundled design; known names: adult_finger, adult_thumb, "
-            "article, child_finger, child_thumb, fsr400, fsr400_compact, fsr402, youth_finger, youth_thumb; or give the "
-            "path of a file.",
+            "article, child_finger, child_thumb, fsr400, fsr400_compact, fsr402, youth_finger, youth_thumb; or give "
+            "the path of a file.",
         ),
         ("mine", "mine: is neither a file nor the name of a bundled design; did you mean mine.toml?"),
         (

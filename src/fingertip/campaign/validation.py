@@ -14,6 +14,7 @@ from fingertip.campaign.report.tables import StudyResults
 from fingertip.campaign.requirements import Requirement, RequirementLimits, check_closed_loop, check_detection
 from fingertip.campaign.run import CampaignResult, run_campaign
 from fingertip.campaign.studies.acceleration_sensitivity import study_accelerations
+from fingertip.campaign.studies.article_board import study_article_board
 from fingertip.campaign.studies.article_figures import compute_spectra, study_windows
 from fingertip.campaign.studies.assumption_sensitivity import study_assumptions
 from fingertip.campaign.studies.board_variants import study_board_variants
@@ -128,6 +129,7 @@ def estimate_stages_s(plan: CampaignPlan) -> dict[str, float]:
         "accelerations": 8.0,
         "sampling rates": 0.2 * min(2 * STUDY_TRIALS, plan.trials),
         "boards": 5.0,
+        "the article's board": 0.1 * cases,
         "motors and knocks": 5.0,
     }
 
@@ -198,6 +200,8 @@ def validate(
     rates = study_sampling_rates(design, min(2 * STUDY_TRIALS, plan.trials))
     work.begin("boards")
     boards = study_board_variants(design, trials)
+    work.begin("the article's board")
+    article = study_article_board(design, plan, first_seed)
     work.begin("motors and knocks")
     motor, knocks = study_motor_discrimination(design, trials), study_knock_rejection(design)
     studies = StudyResults(
@@ -210,6 +214,7 @@ def validate(
         accelerations=accelerations,
         rates=rates,
         boards=boards,
+        article=article,
         motor=motor,
         knocks=knocks,
         closed_loop=summaries,

@@ -14,7 +14,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "params": ("fingertip params fsr402", "fingertip params fsr400 --set skin.width_mm=18 --toml"),
     "schema": ("fingertip schema design", "fingertip schema sweep"),
-    "make": ("fingertip make fsr400", "fingertip make fsr400 --set board.variant=precision --out out/precision"),
+    "make": ("fingertip make fsr400", "fingertip make fsr400 --set skin.width_mm=18 --out out/wider"),
     "build": (
         "fingertip build fsr400 --formats stl",
         "fingertip build fsr400 --set skin.width_mm=18 --set name=wider --formats stl,3mf",
@@ -28,19 +28,18 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "drawing": ("fingertip drawing adult_finger --out out/adult_drawing",),
     "page": ("fingertip page fsr400",),
     "sheet": ("fingertip sheet fsr400", "fingertip sheet fsr400 --material smooth_sil_940 --out casting.md"),
-    "acceptance": ("fingertip acceptance fsr400 --set board.variant=precision --out acceptance.md",),
+    "acceptance": ("fingertip acceptance fsr400 --out acceptance.md",),
     "coupon": ("fingertip coupon fsr400",),
     "calibrate": (
         "fingertip calibrate printer fsr400 my_readings.toml --out calibrated.toml",
-        "fingertip calibrate sensor my_weighings.csv fsr400 --out weighed.toml",
+        "fingertip calibrate sensor my_weighings.csv article --out weighed.toml",
     ),
     "calibrate printer": ("fingertip calibrate printer fsr400 my_readings.toml --out calibrated.toml",),
-    "calibrate sensor": ("fingertip calibrate sensor my_weighings.csv fsr400 --out weighed.toml",),
+    "calibrate sensor": ("fingertip calibrate sensor my_weighings.csv article --out weighed.toml",),
     "board": (
         "fingertip board fsr400",
-        "fingertip board fsr400 --set board.variant=precision --analysis --out out/precision",
-        "fingertip board fsr400 --set board.supply=single_3v3 --set board.supply_v=3.3 --set board.variant=precision "
-        "--out out/board3v3",
+        "fingertip board fsr400 --analysis --plot response.svg --out out/board",
+        "fingertip board article --article --out out/article_board",
         "fingertip board fsr400 --check",
     ),
     "firmware": ("fingertip firmware fsr400",),

@@ -23,7 +23,7 @@ from fingertip.errors import Issue, TraceError
 from fingertip.slip.traces import lvm
 from fingertip.slip.traces.cells import count_decimals, parse_instant, split_cells, unquote
 from fingertip.slip.traces.csv_header import NOT_TEXT, Header, find_header
-from fingertip.slip.traces.limits import MAX_SAMPLES, shape_message, size_message
+from fingertip.slip.traces.limits import bounded_lines, check_trace_file, max_rows, max_samples, shape_message
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace
 
 _TAIL_BYTES = 4096
@@ -67,14 +67,14 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
     """
     name = str(path)
     try:
-        if message := size_message(path.stat().st_size):
-            raise TraceError(Issue(name, message))
+        check_trace_file(path)
         encoding = _detect_encoding(path)
         with path.open(encoding=encoding) as file:
-            adapted = lvm.adapt_columns(name, itertools.islice(file, lvm.MAX_LINES), columns)
+            adapted = lvm.adapt_columns(name, itertools.islice(bounded_lines(file, name), lvm.MAX_LINES), columns)
         with path.open(encoding=encoding) as file:
-            header = find_header(name, file, adapted)
-            below = file.readline()
+            lines = bounded_lines(file, name)
+            header = find_header(name, lines, adapted)
+            below = next(lines, "")
     except UnicodeError:
         raise TraceError(Issue(name, NOT_TEXT)) from None
     except OSError as error:
@@ -139,14 +139,14 @@ def _read_valid(source: _Source) -> RawTrace | None:
     try:
         with source.path.open(encoding=source.encoding) as file, warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # of no data, which is reported as an issue
-            table = np.loadtxt(
-                file, delimiter=delimiter, skiprows=source.first_line - 1, comments=None, ndmin=2, max_rows=MAX_SAMPLES
-            )
+            rows = itertools.islice(bounded_lines(file, str(source.path)), source.first_line - 1, None)
+            most = max_rows(len(header.names))
+            table = np.loadtxt(rows, delimiter=delimiter, comments=None, ndmin=2, max_rows=most)
     except ValueError:
         return None
     if not len(table) or table.shape[1] != header.count_cells(table.shape[1], columns):
         return None
-    if len(table) == MAX_SAMPLES or not np.isfinite(table[:, list(places.values())]).all() or source.is_cut_off():
+    if len(table) == most or not np.isfinite(table[:, list(places.values())]).all() or source.is_cut_off():
         return None
     values = {column: np.ascontiguousarray(table[:, place]) for column, place in places.items()}
     slip = values.get("slip")
@@ -201,7 +201,7 @@ def _read_by_line(source: _Source) -> RawTrace:
     name, columns = str(source.path), source.columns
     try:
         with source.path.open(encoding=source.encoding, errors="replace") as file:
-            samples = _collect(source, enumerate(file, 1))
+            samples = _collect(source, enumerate(bounded_lines(file, name), 1))
     except OSError as error:
         raise TraceError(Issue(name, f"cannot be read ({error.strerror}); give the path of a trace.")) from None
     notes = list[str]()
@@ -224,7 +224,7 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
     """Collect the samples of numbered lines. Cells that cannot be read become 0, so that the others are validated."""
     header, places = source.header, source.places
     samples = _Samples({column: array.array("d") for column in places}, wrong={column: [] for column in places})
-    after_header = False
+    after_header, most = False, max_samples()
     below = (entry for entry in lines if entry[0] >= source.first_line and entry[1].strip())
     for number, line in lvm.without_headers(below, samples.passed_over) if header.is_loose else below:
         if header.is_repeated(line) or line.lstrip().startswith("#") or (after_header and header.is_unit_line(line)):
@@ -239,7 +239,7 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
         samples.width = width = samples.width or header.count_cells(len(cells), source.columns)
         samples.has_last_break = line.endswith("\n")
         samples.lines.append(number)
-        if len(samples.lines) > MAX_SAMPLES:
+        if len(samples.lines) > most:
             raise TraceError(Issue(str(source.path), shape_message([len(samples.lines)]) or ""))
         if len(cells) != width:
             samples.uneven.append((number, len(cells)))

@@ -19,6 +19,7 @@ from fingertip.cli.console import Console, command
 from fingertip.cli.coupon import coupon
 from fingertip.cli.detect import detect
 from fingertip.cli.drawing import drawing
+from fingertip.cli.last_resort import FAULT, describe_fault
 from fingertip.cli.make import make
 from fingertip.cli.new import new
 from fingertip.cli.page import page
@@ -71,4 +72,8 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # The modules loaded so far stay until the end: the garbage collector need not search them again and again.
     gc.freeze()
-    app()
+    try:
+        app()
+    except Exception as error:  # outside of a command, such as in the parsing of its options
+        Console(False, False).print_issues(describe_fault(error))
+        raise SystemExit(FAULT) from None

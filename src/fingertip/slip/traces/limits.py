@@ -51,7 +51,12 @@ def _with_stream(message: str) -> str:
     return message.replace("make it smaller", _REMEDY)
 
 
-def bounded_lines(lines: Iterable[str], name: str) -> Iterator[str]:
+def max_lines() -> int:
+    """Return the maximum number of lines of a file, those without a sample included."""
+    return 2 * max_samples() + 10_000
+
+
+def bounded_lines(lines: Iterable[str], name: str, most: int | None = None) -> Iterator[str]:
     """Yield lines of a text file or stream, none of which is longer than `MAX_LINE`.
 
     Parameters
@@ -60,11 +65,13 @@ def bounded_lines(lines: Iterable[str], name: str) -> Iterator[str]:
         The file or stream; lines that are in memory already may be any others.
     name
         Name of the trace in messages.
+    most
+        Maximum number of lines; None for a stream, which may run for days.
 
     Raises
     ------
     TraceError
-        At a longer line.
+        At a longer line, or after too many.
     """
     readline = getattr(lines, "readline", None)
     pieces = iter(lambda: readline(MAX_LINE + 1), "") if readline else iter(lines)
@@ -72,6 +79,9 @@ def bounded_lines(lines: Iterable[str], name: str) -> Iterator[str]:
         if len(line) > MAX_LINE:
             message = f"is longer than {MAX_LINE} characters; a trace has one sample per line, so break the lines."
             raise TraceError(Issue(f"{name}, line {number}", message))
+        if most is not None and number > most:
+            message = f"has more than {most} lines; {_REMEDY}, or raise {SAMPLES_LIMIT.variable}."
+            raise TraceError(Issue(name, message))
         yield line
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
 import shlex
@@ -139,7 +140,10 @@ def test_tdms_file_written_by_nptdms_is_read(tmp_path):
 
 
 class FakeChannel:
-    name, properties = "AI0", {"wf_increment": 1 / 2000}
+    name, properties, dtype = "AI0", {"wf_increment": 1 / 2000}, np.dtype("f8")
+
+    def __len__(self):
+        return len(V)
 
     def __getitem__(self, _):
         return np.round(V, 6)
@@ -147,9 +151,11 @@ class FakeChannel:
 
 def test_tdms_file_is_read_with_a_fake_library(tmp_path, monkeypatch):
     group = types.SimpleNamespace(channels=lambda: [FakeChannel()])
-    file = types.SimpleNamespace(read=lambda path: types.SimpleNamespace(groups=lambda: [group]))
+    file = types.SimpleNamespace(
+        open=lambda path: contextlib.nullcontext(types.SimpleNamespace(groups=lambda: [group]))
+    )
     monkeypatch.setitem(sys.modules, "nptdms", types.SimpleNamespace(TdmsFile=file))
-    (tmp_path / "t.tdms").write_bytes(b"TDSm")
+    (tmp_path / "t.tdms").write_bytes(b"TDSm" + bytes(8 * len(V)))
     assert single_onset(run("detect", tmp_path / "t.tdms", "--json")) == ONSET
 
 

@@ -212,8 +212,8 @@ def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
         channel, size = by_name[name], path.stat().st_size
         width = getattr(channel.dtype, "itemsize", 1)
         _check_shape(path, name, (len(channel),), width)
-        if len(channel) * width > size:
-            raise ValueError(f"it states {len(channel)} values of {width} bytes in a file of {size} bytes")
+        if len(channel) > size:  # a value takes a byte at least
+            raise ValueError(f"it states {len(channel)} values in a file of {size} bytes")
         return channel[:]
 
     with path.open("rb") as file:

@@ -44,12 +44,12 @@ def quote_value(value: Any) -> str:
     return shorten(repr(value), MAX_VALUE_LENGTH)
 
 
-def _as_line(text: str) -> str:
-    """Write a text as one line of bounded length."""
+def _as_line(text: str, kept: str = "") -> str:
+    """Write a text as one line of bounded length, or as several if line breaks are kept."""
     if len(text) > _MAX_WORD_LENGTH:
         text = _LONG_WORD.sub(lambda found: shorten(found[0], _MAX_WORD_LENGTH), text)
         text = shorten(text, _MAX_MESSAGE_LENGTH)
-    return text if text.isprintable() else escape_control(text)
+    return text if text.isprintable() else escape_control(text, kept)
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,8 @@ class Issue:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "field", _as_line(self.field))
-        object.__setattr__(self, "message", _as_line(self.message))
+        # The lines of a difference are lines of the message. What a user wrote is quoted, and holds none.
+        object.__setattr__(self, "message", _as_line(self.message, kept="\n"))
 
     def __str__(self) -> str:
         return f"{self.field}: {self.message}" if self.field else self.message

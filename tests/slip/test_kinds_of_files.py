@@ -416,7 +416,7 @@ DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
     "encrypted.npz": (lambda: encrypted(SOUND), "password required"),
     "huge.npz": (
         lambda: npz_of(time_s=npy_header(HUGE), voltage_v=npy_header(HUGE)),
-        "claims to hold 1e+13 values; at most 33554432 are read",
+        "claims to hold 1e+13 values; at most 8388608 samples are read",
     ),
     "huge.npy": (lambda: npy_header(HUGE), "claims to hold 1e+13 values"),
     "negative.npy": (lambda: npy_header("(-5,)"), "claims to hold -5 values"),

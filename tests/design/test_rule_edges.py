@@ -97,7 +97,7 @@ def test_the_edge_of_a_rule(rule: Rule) -> None:
 
 
 def check_stated_values(rule: Rule, design: DesignTables, name: str, violation: Violation) -> None:
-    """Check that the ends of the intervals that a rule states pass it, and that the present value is not within them."""
+    """Check that the ends of the intervals that a rule states pass it, and that none holds the present value."""
     bounds, value = find_bounds(PARAMETERS[name]), design.value(name)
     for low, high in violation.passing:
         assert not low + ROUNDING <= value <= high - ROUNDING, (name, value, violation)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from fingertip.design import Design
 from fingertip.sim import ManipulationFile, SceneFile
 from fingertip.sweep.sweep_file import SweepFile
+from fingertip.toml_files import DESIGN, MANIPULATION, SCENE, SWEEP
 from tools.fuzz import originals
 from tools.fuzz.damage import damaged
 from tools.fuzz.values import (
@@ -63,7 +64,7 @@ def design_cases(draw: st.DrawFn) -> Case:
     if draw(st.booleans()):
         data = draw(toml_files(Design, draw(st.sampled_from((3, 8, 60)))))
         return Case("design", ("params", "a.toml", "--toml"), {"a.toml": data}, "design")
-    data = draw(damaged(draw(st.sampled_from(originals.DESIGNS()))))
+    data = draw(damaged(draw(st.sampled_from(originals.bundled(DESIGN)))))
     return Case("damaged design", ("params", "a.toml", "--toml"), {"a.toml": data}, "design")
 
 
@@ -71,7 +72,7 @@ def design_cases(draw: st.DrawFn) -> Case:
 def scene_cases(draw: st.DrawFn) -> Case:
     """Scenes and manipulations, from their declarations and damaged, and changes of bundled ones."""
     model, files = draw(
-        st.sampled_from(((SceneFile, originals.SCENES()), (ManipulationFile, originals.MANIPULATIONS())))
+        st.sampled_from(((SceneFile, originals.bundled(SCENE)), (ManipulationFile, originals.bundled(MANIPULATION))))
     )
     kind = draw(st.integers(0, 2))
     if kind == 0:
@@ -104,7 +105,7 @@ def sweep_cases(draw: st.DrawFn) -> Case:
     """Sweep files. No point is computed: the report of a folder without a sweep is asked for."""
     words = ("sweep", "a.toml", "--show", "--out", "none")
     if draw(st.booleans()):
-        return Case("damaged sweep", words, {"a.toml": draw(damaged(draw(st.sampled_from(originals.SWEEPS()))))})
+        return Case("damaged sweep", words, {"a.toml": draw(damaged(draw(st.sampled_from(originals.bundled(SWEEP)))))})
     lines = draw(parameter_lines(SweepFile, 3))
     outputs = draw(st.sampled_from(("[]", '["cutoff_3db_hz"]', '["delay_ms"]', '["checks_failed"]', '["odd"]')))
     sampling = draw(
@@ -153,16 +154,16 @@ def reading_cases(draw: st.DrawFn) -> Case:
     """Damaged files of readings: weighings, calipers, a board's voltages, a hand's sizes."""
     kind = draw(st.integers(0, 3))
     if kind == 0:
-        words = ("calibrate", "sensor", "fsr400", "a.csv", "--out", "b.toml")
-        return Case("weighings", words, {"a.csv": draw(damaged(originals.weighings()))}, may_fail=True)
+        command = ("calibrate", "sensor", "fsr400", "a.csv", "--out", "b.toml")
+        return Case("weighings", command, {"a.csv": draw(damaged(originals.weighings()))}, may_fail=True)
     if kind == 1:
-        words = ("new", "mine", "--hand", "a.toml", "--out", "b.toml")
-        return Case("hand", words, {"a.toml": draw(damaged(draw(st.sampled_from(originals.hands()))))})
+        command = ("new", "mine", "--hand", "a.toml", "--out", "b.toml")
+        return Case("hand", command, {"a.toml": draw(damaged(draw(st.sampled_from(originals.hands()))))})
     if kind == 2:
-        words = ("calibrate", "printer", "fsr400", "a.toml")
-        return Case("calipers", words, {"a.toml": draw(damaged(originals.caliper_readings(), 8))}, may_fail=True)
-    words = ("board", "fsr400", "--readings", "a.toml")
-    return Case("board readings", words, {"a.toml": draw(damaged(originals.board_readings(), 8))}, may_fail=True)
+        calipers = ("calibrate", "printer", "fsr400", "a.toml")
+        return Case("calipers", calipers, {"a.toml": draw(damaged(originals.caliper_readings(), 8))}, may_fail=True)
+    board = ("board", "fsr400", "--readings", "a.toml")
+    return Case("board readings", board, {"a.toml": draw(damaged(originals.board_readings(), 8))}, may_fail=True)
 
 
 @st.composite

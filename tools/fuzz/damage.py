@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 from tools.fuzz.values import ODD_NUMBERS, ODD_VALUES
 
 _NUMBER = re.compile(rb"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?", re.IGNORECASE)
-_TOKENS = tuple(
-    text.encode("utf-8", "replace")
-    for text in (*ODD_NUMBERS, *ODD_VALUES, "\0", "\x1b[2J", "\ufeff", "\r", "\n", ",", ";", "\t", '"', "#", "é")
-) + (b"\xff", b"\xfe\xff", b"\xff\xfe", bytes(64), b"A" * 3000)  # fmt: skip
+_MARKS = ("\0", "\x1b[2J", "\ufeff", "\r", "\n", ",", ";", "\t", '"', "#", "é")
+_TOKENS = (
+    *(text.encode("utf-8", "replace") for text in (*ODD_NUMBERS, *ODD_VALUES, *_MARKS)),
+    *(b"\xff", b"\xfe\xff", b"\xff\xfe", bytes(64), b"A" * 3000),
+)
 _HEADER_BYTES = 400
 """Length of the beginning and the end of a file that headers and directories take [bytes]."""
 

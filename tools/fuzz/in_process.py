@@ -87,5 +87,5 @@ def run(case: Case, folder: Path) -> Outcome:
     texts = []
     for stream in streams:
         stream.flush()
-        texts.append(stream.buffer.getvalue().decode("utf-8", "backslashreplace"))  # type: ignore[attr-defined]
+        texts.append(stream.buffer.getvalue().decode("utf-8", "backslashreplace"))
     return Outcome(code, texts[0], texts[1], _read_peak(), seconds)

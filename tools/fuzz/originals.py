@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from fingertip.bundled import PARAMS, list_bundled_files
-from fingertip.toml_files import DESIGN, MANIPULATION, SCENE, SWEEP, FileKind
+from fingertip.toml_files import FileKind
 
 RATE_HZ = 2000.0
 _SAMPLES = 600
@@ -98,11 +98,6 @@ def _parquet(time_s: np.ndarray, voltage_v: np.ndarray) -> bytes:
 def bundled(kind: FileKind) -> tuple[bytes, ...]:
     """Bundled files of a kind."""
     return tuple(path.read_bytes() for _, path in sorted(list_bundled_files(kind).items()))
-
-
-DESIGNS, SCENES, MANIPULATIONS, SWEEPS = (
-    lambda kind=kind: bundled(kind) for kind in (DESIGN, SCENE, MANIPULATION, SWEEP)
-)
 
 
 @cache

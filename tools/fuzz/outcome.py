@@ -49,9 +49,9 @@ def find_faults(case: Case, outcome: Outcome, folder: Path) -> Iterator[str]:
     for name, text in (("stdout", outcome.stdout), ("stderr", _ANSI_STYLE.sub("", outcome.stderr))):
         if found := _CONTROL.search(text):
             yield f"control: {found[0]!r} on {name}"
-    if longest := max(map(len, outcome.stderr.splitlines()), default=0):
-        if longest > MAX_LINE:
-            yield f"length: a line of {longest} characters on stderr"
+    longest = max(map(len, outcome.stderr.splitlines()), default=0)
+    if longest > MAX_LINE:
+        yield f"length: a line of {longest} characters on stderr"
     if outcome.code == 0 and case.promise:
         try:
             _PROMISES[case.promise](outcome, folder)

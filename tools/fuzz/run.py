@@ -63,7 +63,7 @@ def _run_piece(count: int, first_seed: int, kind: str) -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
     def report(case: Case, outcome: Outcome, faults: list[str]) -> None:
-        line = {
+        line: dict[str, object] = {
             "family": case.family, "code": outcome.code, "seconds": round(outcome.seconds, 3),
             "peak": outcome.peak_bytes, "faults": faults,
         }  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -12,15 +13,17 @@ from pathlib import Path
 
 from tools.fuzz.cases import Case
 from tools.fuzz.in_process import write_files
-from tools.fuzz.outcome import MEMORY_LIMIT_BYTES, TIME_LIMIT_S, Outcome
+from tools.fuzz.outcome import MEMORY_LIMIT_BYTES, TIME_LIMIT_S, WAIT_LIMIT_S, Outcome
 
 ADDRESS_SPACE_BYTES = 4 * MEMORY_LIMIT_BYTES
 """Limit of the address space, of which libraries take more than they use."""
-START_S = 20.0
-"""Time that a process may take beside that of the case: a loaded machine starts Python in seconds."""
+START_S = 5
+"""Processor time that the start of Python may take beside that of the case [s]."""
 
 
 def _limit() -> None:
+    seconds = int(TIME_LIMIT_S) + START_S
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     resource.setrlimit(resource.RLIMIT_AS, (ADDRESS_SPACE_BYTES, ADDRESS_SPACE_BYTES))
     resource.setrlimit(resource.RLIMIT_FSIZE, (MEMORY_LIMIT_BYTES, MEMORY_LIMIT_BYTES))
 
@@ -36,7 +39,7 @@ def run(case: Case, folder: Path) -> Outcome:
             command, stdin=subprocess.DEVNULL, stdout=out, stderr=err, cwd=folder, preexec_fn=_limit
         )
         status, used = None, None
-        while time.monotonic() - start_s < TIME_LIMIT_S + START_S:
+        while time.monotonic() - start_s < WAIT_LIMIT_S:
             pid, status, used = os.wait4(process.pid, os.WNOHANG)
             if pid:
                 break
@@ -46,10 +49,12 @@ def run(case: Case, folder: Path) -> Outcome:
             _, _, used = os.wait4(process.pid, 0)
             status = None
         process.returncode = 0  # it was waited for
-        seconds = time.monotonic() - start_s
         texts = []
         for stream in (out, err):
             stream.seek(0)
             texts.append(stream.read().decode("utf-8", "backslashreplace"))
     code = None if status is None else os.waitstatus_to_exitcode(status)
+    if code in (-signal.SIGXCPU, -signal.SIGKILL):
+        code = None
+    seconds = used.ru_utime + used.ru_stime
     return Outcome(code, texts[0], texts[1], 1024 * used.ru_maxrss, seconds)

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import FrameType
 
 from tools.fuzz.cases import Case
-from tools.fuzz.outcome import TIME_LIMIT_S, Outcome
+from tools.fuzz.outcome import TIME_LIMIT_S, WAIT_LIMIT_S, Outcome
 
 
 class TimeIsUpError(BaseException):
@@ -21,17 +21,21 @@ class TimeIsUpError(BaseException):
 
 
 @contextlib.contextmanager
-def _time_limit(seconds: float) -> Iterator[None]:
+def _time_limit() -> Iterator[None]:
     def stop(number: int, frame: FrameType | None) -> None:
         raise TimeIsUpError
 
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    timers = ((signal.ITIMER_PROF, signal.SIGPROF, TIME_LIMIT_S), (signal.ITIMER_REAL, signal.SIGALRM, WAIT_LIMIT_S))
+    before = [signal.signal(number, stop) for _, number, _ in timers]
+    for timer, _, seconds in timers:
+        signal.setitimer(timer, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+        for timer, _, _ in timers:
+            signal.setitimer(timer, 0)
+        for (_, number, _), handler in zip(timers, before, strict=True):
+            signal.signal(number, handler)
 
 
 def _forget_peak() -> None:
@@ -68,9 +72,9 @@ def run(case: Case, folder: Path) -> Outcome:
         sys.stdout, sys.stderr, sys.stdin = streams[0], streams[1], nothing
         os.chdir(folder)
         _forget_peak()
-        start_s = time.monotonic()
+        start_s = time.process_time()
         try:
-            with _time_limit(TIME_LIMIT_S):
+            with _time_limit():
                 app(list(case.words), prog_name="fingertip")
             code = 0
         except SystemExit as end:
@@ -81,7 +85,7 @@ def run(case: Case, folder: Path) -> Outcome:
             print(f"Traceback (most recent call last): {type(error).__name__}: {error}", file=streams[1])
             code = 70
         finally:
-            seconds = time.monotonic() - start_s
+            seconds = time.process_time() - start_s
             sys.stdout, sys.stderr, sys.stdin = before[:3]
             os.chdir(before[3])
     texts = []

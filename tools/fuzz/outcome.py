@@ -12,6 +12,9 @@ from pathlib import Path
 from tools.fuzz.cases import Case
 
 TIME_LIMIT_S = 10.0
+"""Processor time of a case, which does not depend on what else the machine does [s]."""
+WAIT_LIMIT_S = 120.0
+"""Time of a case that waits for something [s]."""
 MEMORY_LIMIT_BYTES = 2**30
 EXIT_CODES = frozenset({0, 1, 2})
 """Documented exit codes, but those of faults of the program and of interruptions."""

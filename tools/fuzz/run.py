@@ -10,6 +10,7 @@ a fault.
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import os
 import shutil
@@ -19,7 +20,9 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable
+from multiprocessing.pool import ThreadPool
 from pathlib import Path
+from typing import Any
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
@@ -30,6 +33,7 @@ from tools.fuzz.outcome import Outcome, find_faults
 PIECE = 250
 """Number of cases in a piece."""
 PIECE_LIMIT_S = 3600.0
+MAX_CRASHES = 20
 
 
 def run_cases(
@@ -74,6 +78,15 @@ def _run_piece(count: int, first_seed: int, kind: str) -> None:
     run_cases(count, first_seed, report, as_process.run if kind == "process" else in_process.run)
 
 
+def _start_piece(piece: tuple[str, int, int]) -> tuple[int, list[dict[str, Any]], str]:
+    """Run a piece in a process of its own: its seed, its lines, and what it said if it did not end well."""
+    kind, count, piece_seed = piece
+    command = [sys.executable, "-m", "tools.fuzz.run", "--piece", kind, str(count), str(piece_seed)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PIECE_LIMIT_S)
+    lines = [json.loads(line) for line in done.stdout.splitlines() if line.endswith("}")]
+    return piece_seed, lines, f"exit code {done.returncode}, {done.stderr[-2000:]}" if done.returncode else ""
+
+
 def _keep(found: Path, number: int, line: dict[str, object]) -> None:
     """Keep the files of a case with a fault, and its command."""
     folder = found / f"{number:05d}"
@@ -89,6 +102,7 @@ def main() -> int:
     parser.add_argument("--cases", type=int, default=20_000, help="cases in process")
     parser.add_argument("--processes", type=int, default=1_000, help="cases as processes")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--jobs", type=int, default=1, help="pieces at a time")
     parser.add_argument("--out", type=Path, default=Path("found"), help="folder for the cases with a fault")
     parser.add_argument("--piece", nargs=3, metavar=("KIND", "COUNT", "SEED"), help=argparse.SUPPRESS)
     options = parser.parse_args()
@@ -100,31 +114,30 @@ def main() -> int:
     totals: Counter[str] = Counter()
     kinds: Counter[str] = Counter()
     slowest, largest = 0.0, 0
-    piece_seed = options.seed * 10_000
+    seeds = itertools.count(options.seed * 10_000)
     for kind, wanted in (("case", options.cases), ("process", options.processes)):
         done = 0
-        while done < wanted:
-            count = min(PIECE, wanted - done)
-            command = [sys.executable, "-m", "tools.fuzz.run", "--piece", kind, str(count), str(piece_seed)]
-            piece = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PIECE_LIMIT_S)
-            piece_seed += 1
-            lines = [json.loads(line) for line in piece.stdout.splitlines()]
-            for line in lines:
-                totals[f"{line['family']}, exit code {line['code']}"] += 1
-                slowest, largest = max(slowest, line["seconds"]), max(largest, line["peak"])
-                for fault in line["faults"]:
-                    kinds[fault.partition(":")[0]] += 1
-                if line["faults"]:
-                    print(f"{' '.join(line['words'])[:150]!a}: {line['faults'][0][-300:]}", flush=True)
-                    _keep(options.out, sum(kinds.values()), line)
-            if piece.returncode:
-                kinds["crash"] += 1
-                print(f"crash with seed {piece_seed - 1}: {piece.stderr[-2000:]}", flush=True)
-            done += max(1, len(lines))
-            if not lines and piece.returncode:
-                print(piece.stderr[-2000:])
-                return 1
-        print(f"{done} as {kind} after {time.monotonic() - begun:.0f} s", flush=True)
+        with ThreadPool(options.jobs) as pool:
+            while done < wanted:  # a piece whose process dies is made up for by another
+                counts = [min(PIECE, wanted - done - start) for start in range(0, wanted - done, PIECE)]
+                pieces = [(kind, count, next(seeds)) for count in counts]
+                for piece_seed, lines, error in pool.imap(_start_piece, pieces):
+                    done += len(lines)
+                    for line in lines:
+                        totals[f"{line['family']}, exit code {line['code']}"] += 1
+                        slowest, largest = max(slowest, line["seconds"]), max(largest, line["peak"])
+                        for fault in line["faults"]:
+                            kinds[fault.partition(":")[0]] += 1
+                        if line["faults"]:
+                            print(f"{' '.join(line['words'])[:150]!a}: {line['faults'][0][-300:]!a}", flush=True)
+                            _keep(options.out, sum(kinds.values()), line)
+                    if error:
+                        kinds["crash"] += 1
+                        print(f"crash of the piece with seed {piece_seed}: {error}", flush=True)
+                    print(f"{done} as {kind} after {time.monotonic() - begun:.0f} s", flush=True)
+                if kinds["crash"] > MAX_CRASHES:
+                    print("too many pieces ended before their end", flush=True)
+                    return 1
     for name, number in sorted(totals.items()):
         print(f"{number:6d}  {name}")
     print(f"slowest {slowest:.1f} s, largest {largest / 2**20:.0f} MB")

@@ -108,7 +108,8 @@ def read_input(path: Path, limit: Limit, wanted: str = "a file", length: int | N
         If it cannot be read, is no regular file, or is too large.
     """
     try:
-        # Opening a pipe waits for its writer, but for this flag.
+        _check_status(path, os.stat(path), limit, wanted)
+        # Opening a pipe that took the file's place meanwhile would wait for its writer, but for this flag.
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
         with os.fdopen(handle, "rb") as file:
             _check_status(path, os.fstat(handle), limit, wanted)

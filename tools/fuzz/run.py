@@ -30,7 +30,7 @@ from tools.fuzz import as_process, in_process
 from tools.fuzz.cases import Case, cases
 from tools.fuzz.outcome import Outcome, find_faults
 
-PIECE = 250
+PIECE = 200
 """Number of cases in a piece."""
 PIECE_LIMIT_S = 3600.0
 MAX_CRASHES = 20
@@ -92,6 +92,7 @@ def _keep(found: Path, number: int, line: dict[str, object]) -> None:
     folder = found / f"{number:05d}"
     files = line.pop("files")
     assert isinstance(files, dict)
+    folder.mkdir(parents=True, exist_ok=True)
     in_process.write_files({name: bytes.fromhex(data) for name, data in files.items()}, folder)
     (folder / "case.json").write_text(json.dumps(line, indent=1) + "\n", encoding="utf-8")
 

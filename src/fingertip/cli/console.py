@@ -18,7 +18,7 @@ from typing import Annotated, Any, ParamSpec
 
 import typer
 
-from fingertip.cli.last_resort import FAULT, describe_fault
+from fingertip.cli.last_resort import FAULT, describe_fault, describe_path_error
 from fingertip.errors import FingertipError, Issue, OutputError, escape_control
 
 P = ParamSpec("P")
@@ -159,7 +159,8 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
         except (typer.Exit, typer.Abort, typer.BadParameter):
             raise
         except Exception as error:
-            Console(bool(kwargs.get("as_json")), False).print_issues(describe_fault(error))
-            raise typer.Exit(FAULT) from None
+            refusal = describe_path_error(error) if isinstance(error, OSError) else None
+            Console(bool(kwargs.get("as_json")), False).print_issues(refusal or describe_fault(error))
+            raise typer.Exit(BAD_INPUT if refusal else FAULT) from None
 
     return run

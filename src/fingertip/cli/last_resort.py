@@ -15,6 +15,8 @@ from fingertip.errors import FingertipError, Issue, shorten
 FAULT = 70
 """Exit code of a fault of the program (`EX_SOFTWARE` of sysexits.h)."""
 _MAX_REASON = 200
+_MACHINE_ERRORS = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOMEM})
+"""Errors that blame the machine, whatever path they meet."""
 _REPORT = "report it, with that file, by the form for bugs of the project's issue tracker"
 
 
@@ -32,6 +34,18 @@ def describe_fault(error: BaseException) -> FingertipError:
     else:
         message = f"stopped at a fault of its own, not at one of your input ({reason}); {where}; {_REPORT}."
     return FingertipError(Issue("fingertip", message))
+
+
+def describe_path_error(error: OSError) -> FingertipError | None:
+    """Describe an error of the operating system that blames a path; None if it is another one.
+
+    A path that is too long, or a folder that may not be read, is no fault of the program, wherever it is met.
+    """
+    if error.filename is None or error.errno in _MACHINE_ERRORS:
+        return None
+    path = os.fsdecode(error.filename) if isinstance(error.filename, str | bytes) else str(error.filename)
+    reason = error.strerror or type(error).__name__
+    return FingertipError(Issue(path, f"cannot be used ({reason}); give another path, or change its mode."))
 
 
 def _write_details(error: BaseException) -> str | None:

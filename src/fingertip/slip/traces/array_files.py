@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from fingertip import extras
 from fingertip.errors import FingertipError, Issue, TraceError, shorten
-from fingertip.input_files import check_archive, check_member
+from fingertip.input_files import RECORDING_LIMIT, check_archive, check_member
+from fingertip.slip.traces.claims import check_mat_variables, check_tdms_segments
 from fingertip.slip.traces.limits import shape_message
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap
 
@@ -149,6 +150,8 @@ def _load_mat(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     """Load variables of a MATLAB file (up to -v7) by scipy."""
     scipy_io = extras.load("scipy.io", str(path), alternative=AS_CSV)
     with _damage_reported(path, "a MATLAB file", "save it with -v7, or as CSV"):
+        with path.open("rb") as file:
+            check_mat_variables(file)
         shapes = {name: shape for name, shape, _ in scipy_io.whosmat(path)}
         needed = [name for name in shapes if name in _wanted(columns)]
         for name in needed:
@@ -162,6 +165,9 @@ def _load_parquet(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     parquet = extras.load("pyarrow.parquet", str(path), alternative=AS_CSV)
     with _damage_reported(path, "a Parquet file", "save it again, or as CSV"), parquet.ParquetFile(path) as file:
         _check_shape(path, "", (file.metadata.num_rows,))
+        groups = (file.metadata.row_group(number) for number in range(file.metadata.num_row_groups))
+        if (unpacked := sum(group.total_byte_size for group in groups)) > RECORDING_LIMIT.value:
+            raise ValueError(f"it unpacks to {unpacked / 2**20:.0f} MB")
         names = list(file.schema_arrow.names)
         needed = [name for name in names if name in _wanted(columns)]
         parts: dict[str, list[Any]] = {name: [] for name in needed}
@@ -219,6 +225,8 @@ def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     with path.open("rb") as file:
         if not _is_tdms(file):
             raise TraceError(Issue(str(path), "is not a TDMS file; export it again, or save it as CSV."))
+        with _damage_reported(path, "a TDMS file", "export it again, or save it as CSV"):
+            check_tdms_segments(file)
     with (
         _damage_reported(path, "a TDMS file", "export it again, or save it as CSV"),
         contextlib.ExitStack() as resources,

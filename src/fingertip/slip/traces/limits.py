@@ -29,6 +29,11 @@ def max_rows(columns: int) -> int:
     return max(1, min(max_samples(), _CELLS_PER_SAMPLE * max_samples() // max(1, columns)))
 
 
+def max_table_bytes() -> int:
+    """Return the maximum size of all numbers of a table [bytes]."""
+    return 8 * _CELLS_PER_SAMPLE * max_samples()
+
+
 def check_trace_file(path: Path) -> None:
     """Check that a trace is a regular file of at most the largest size.
 

@@ -60,6 +60,24 @@ def test_the_sentence_for_the_limits_of_the_machine(folder: Path, monkeypatch: p
     assert "ulimit -n 256" in done.stderr
 
 
+@pytest.mark.parametrize("words", [("calibrate", "sensor", "fsr400"), ("detect",), ("check",), ("sweep",), ("make",)])
+def test_a_path_that_is_too_long_is_refused(words: tuple[str, ...]) -> None:
+    for path in ("x" * 300, "9" * 5000):
+        done = run_fingertip(*words, path)
+        assert done.returncode == 2
+        assert done.stderr.count("error: ") == 1
+        assert len(done.stderr) < 2000
+
+
+def test_an_error_of_a_path_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    fail_with(PermissionError(errno.EACCES, "Permission denied", "folder/file"), monkeypatch)
+    done = run_fingertip("params")
+    assert done.returncode == 2
+    assert done.stderr == (
+        "error: folder/file: cannot be used (Permission denied); give another path, or change its mode.\n"
+    )
+
+
 def test_details_that_cannot_be_written_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tempfile.tempdir", "/nonexistent")
     fail_with(ValueError("x\x1b[31m\n" + "y" * 10_000), monkeypatch)

@@ -30,7 +30,7 @@ from tools.fuzz import as_process, in_process
 from tools.fuzz.cases import Case, cases
 from tools.fuzz.outcome import Outcome, find_faults
 
-PIECE = 200
+PIECE = 100
 """Number of cases in a piece."""
 PIECE_LIMIT_S = 3600.0
 MAX_CRASHES = 20

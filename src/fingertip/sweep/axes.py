@@ -98,7 +98,9 @@ def round_significant(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Round to `_DIGITS` significant digits; each result is the float nearest to its decimal."""
     with np.errstate(divide="ignore"):
         decimals = _DIGITS - 1 - np.floor(np.log10(np.abs(values)))
-    places = np.where(np.isfinite(decimals), decimals, 0.0).astype(np.int64)
+    # The smallest floats have more decimals than there are powers of ten.
+    most = len(_POWERS) - 1
+    places = np.clip(np.where(np.isfinite(decimals), decimals, 0.0), -most, most).astype(np.int64)
     up, down = _POWERS[np.maximum(places, 0)], _POWERS[np.maximum(-places, 0)]
     result: NDArray[np.float64] = np.round(values * up / down) * down / up
     return result

@@ -171,7 +171,7 @@ class SceneFile(SimulationFile):
     sensing: Sensing = Sensing()
     converter: ConverterInput = ConverterInput()
 
-    def __init__(self, **tables: Any) -> None:
+    def __init__(self, /, **tables: Any) -> None:
         super().__init__(**tables)
 
     def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:

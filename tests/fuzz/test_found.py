@@ -84,7 +84,7 @@ def test_axes_are_refused_before_their_values_are_made(tmp_path: Path) -> None:
 
 def test_taps_of_days_are_refused_with_a_value_that_passes() -> None:
     taps = {"force_n": 1.0, "count": 1000, "interval_s": 600.0}
-    with pytest.raises(TraceError, match=r"lets 1000 taps last more than 3600 s; at most 3\.6036?\d* s") as caught:
+    with pytest.raises(TraceError, match=r"lets 1000 taps last more than 3600 s; at most 3\.6 s") as caught:
         SceneFile(tap=taps)
     most = float(str(caught.value).rpartition("at most ")[2].removesuffix(" s."))
     SceneFile(tap=taps | {"interval_s": most})

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from tools.fuzz.cases import Case
 from tools.fuzz.in_process import write_files
-from tools.fuzz.outcome import MEMORY_LIMIT_BYTES, TIME_LIMIT_S, WAIT_LIMIT_S, Outcome
+from tools.fuzz.outcome import MEMORY_LIMIT_BYTES, TIME_LIMIT_S, WAIT_LIMIT_S, Outcome, read_delay_s
 
 ADDRESS_SPACE_BYTES = 4 * MEMORY_LIMIT_BYTES
 """Limit of the address space, of which libraries take more than they use."""
@@ -39,7 +39,7 @@ def run(case: Case, folder: Path) -> Outcome:
             command, stdin=subprocess.DEVNULL, stdout=out, stderr=err, cwd=folder, preexec_fn=_limit
         )
         status, used = None, None
-        while time.monotonic() - start_s < WAIT_LIMIT_S:
+        while time.monotonic() - start_s - read_delay_s(process.pid) < WAIT_LIMIT_S:
             pid, status, used = os.wait4(process.pid, os.WNOHANG)
             if pid:
                 break

@@ -35,7 +35,7 @@ class Case:
     files: Mapping[str, bytes] = field(default_factory=dict)
     """Files in the working folder by relative path."""
     promise: str = ""
-    """What exit code 0 promises: "design", "detection", "trace" or nothing."""
+    """Promise of exit code 0: "design", "detection" or nothing."""
     may_fail: bool = False
     """True if exit code 1 is documented for the command: it checks something."""
 

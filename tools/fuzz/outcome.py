@@ -33,7 +33,7 @@ def read_delay_s(process: int | str = "self") -> float:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run gave."""
+    """Result of a run."""
 
     code: int | None
     """Exit code; None if the run was ended at the time limit."""

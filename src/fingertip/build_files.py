@@ -35,9 +35,11 @@ from fingertip.design.export import to_toml
 from fingertip.design.issues import suggest_name
 from fingertip.design.silicone import replace_silicone, select_silicone
 from fingertip.display import Picture, html_table, to_dataframe
-from fingertip.errors import DesignError, Issue
+from fingertip.errors import DesignError, InputFileError, Issue
 from fingertip.files import round_for_output
+from fingertip.input_files import OUTPUT_LIMIT, read_input
 from fingertip.output_set import SetWriter, hash_parameters, read_manifest
+from fingertip.output_set.manifest import hash_file
 from fingertip.progress import Work
 
 if TYPE_CHECKING:
@@ -383,20 +385,20 @@ def _print_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -
 def _files_of_version_one(folder: Path) -> list[str]:
     """List the files of a folder without manifest that match the hashes in its report, and what stands beside them."""
     try:
-        report = json.loads((folder / REPORT).read_bytes())
+        report = json.loads(read_input(folder / REPORT, OUTPUT_LIMIT))
         hashes = {
             entry["files"][file_format]: digest
             for entry in report["parts"].values()
             for file_format, digest in entry["sha256"].items()
         }
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (InputFileError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return []
     own = [name for name, digest in hashes.items() if _matches(folder / name, digest)]
     return [*own, *(name for name in (ASSEMBLY, SHEET, REPORT, DESIGN) if (folder / name).is_file())]
 
 
 def _matches(path: Path, digest: str) -> bool:
-    return path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == digest
+    return path.is_file() and hash_file(path) == digest
 
 
 def default_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ The wheel holds `params/` within the package. In a checkout it stands at the top
 from __future__ import annotations
 
 import difflib
+import os
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -56,7 +57,7 @@ def find_file(given: str | Path, *kinds: FileKind, folder: Path | None = None) -
     if not _BARE_NAME.fullmatch(name):
         return path
     bundled = list_bundled_files().get(name)
-    if path.exists():
+    if os.path.exists(path):  # false for a name that is too long to be one, where Path.exists raises
         if bundled and path.is_dir():
             problem = "is a folder, which comes before the bundled file of the same name"
             remedy = f"run this in another folder, or give the path of {_join(kind.describe() for kind in kinds)}"
@@ -77,7 +78,7 @@ def _describe_unknown(name: str, path: Path, kinds: Sequence[FileKind], known: S
     """Describe a bare name that nothing has, with close names, or else with all of them."""
     close = difflib.get_close_matches(name, known, n=_MAX_SUGGESTIONS)
     similar = [other for other in known if other in close]
-    if path.with_name(f"{name}.toml").is_file():
+    if os.path.isfile(path.with_name(f"{name}.toml")):
         similar.insert(0, f"{name}.toml")
     remedy = f"known names: {', '.join(known)}; or give the path of a file." if known else "give the path of a file."
     if similar:

@@ -1,9 +1,55 @@
-"""Errors that name the field, its value, the bound it violates and a remedy."""
+"""Errors that name the field, its value, the bound it violates and a remedy.
+
+Input may be of any length and hold any character. What a message repeats of it is shortened, and control characters are
+escaped, so that a message stays one line that a terminal prints as it is.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
+
+MAX_VALUE_LENGTH = 80
+"""Maximum length of a value that a message repeats [characters]."""
+_MAX_WORD_LENGTH = 400
+"""Maximum length of a word in a message, such as a path [characters]."""
+_MAX_MESSAGE_LENGTH = 4000
+"""Maximum length of a message [characters]. The longest lists all names of a sweep's outputs."""
+_KEPT_END = 0.4
+"""Share of a shortened text that is kept of its end, where the remedy stands."""
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+"""Characters that move the cursor, change the colour or the direction of writing, or cannot be encoded."""
+_LONG_WORD = re.compile(rf"\S{{{_MAX_WORD_LENGTH + 1},}}")
+
+
+def escape_control(text: str, kept: str = "") -> str:
+    """Escape control characters as Python writes them, but for those in `kept`."""
+    return _CONTROL.sub(lambda found: found[0] if found[0] in kept else ascii(found[0])[1:-1], text)
+
+
+def shorten(text: str, length: int) -> str:
+    """Replace the middle of a text of more than `length` characters by a note of how many there are."""
+    if len(text) <= length:
+        return text
+    end = int(_KEPT_END * length)
+    return f"{text[: length - end]}...({len(text)} characters)...{text[len(text) - end :]}"
+
+
+def quote_value(value: Any) -> str:
+    """Write a value as Python does, shortened, for a message that repeats it."""
+    if isinstance(value, str | bytes) and len(value) > MAX_VALUE_LENGTH:
+        return f"{value[:MAX_VALUE_LENGTH]!r}... ({len(value)} characters)"
+    return shorten(repr(value), MAX_VALUE_LENGTH)
+
+
+def _as_line(text: str, kept: str = "") -> str:
+    """Write a text as one line of bounded length, or as several if line breaks are kept."""
+    if len(text) > _MAX_WORD_LENGTH:
+        text = _LONG_WORD.sub(lambda found: shorten(found[0], _MAX_WORD_LENGTH), text)
+        text = shorten(text, _MAX_MESSAGE_LENGTH)
+    return text if text.isprintable() else escape_control(text, kept)
 
 
 @dataclass(frozen=True)
@@ -14,6 +60,11 @@ class Issue:
     """Location of the problem: a parameter such as `skin.width_mm`, a file, an option or a CSV column."""
     message: str
     """The problem in one sentence: value, bound and remedy."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "field", _as_line(self.field))
+        # The lines of a difference are lines of the message. What a user wrote is quoted, and holds none.
+        object.__setattr__(self, "message", _as_line(self.message, kept="\n"))
 
     def __str__(self) -> str:
         return f"{self.field}: {self.message}" if self.field else self.message
@@ -27,6 +78,10 @@ class FingertipError(Exception):
             issues = Issue("", issues)
         self.issues: tuple[Issue, ...] = (issues,) if isinstance(issues, Issue) else tuple(issues)
         super().__init__("\n".join(str(issue) for issue in self.issues))
+
+
+class InputFileError(FingertipError):
+    """A file cannot be read: it is missing, no regular file, or too large."""
 
 
 class TomlFileError(FingertipError):

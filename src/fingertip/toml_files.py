@@ -14,7 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.errors import Issue, TomlFileError
+from fingertip.errors import MAX_VALUE_LENGTH, InputFileError, Issue, TomlFileError, shorten
+from fingertip.input_files import TOML_LIMIT, read_input
+
+MAX_DEPTH = 12
+"""Maximum depth of tables and lists in a file. A sweep of scenes needs five."""
+_NUMBER_REMEDY = "write whole numbers of at most 18 digits, and larger ones with an exponent, such as 1e30"
 
 
 @dataclass(frozen=True)
@@ -91,6 +96,43 @@ KINDS = (SWEEP, MANIPULATION, SCENE, DESIGN)
 """All kinds. A name that several kinds share counts for the last of them that has it, unless another name decides."""
 
 
+class UnusableTomlError(Exception):
+    """A text is valid TOML, but holds what no file of this program needs. The text completes a sentence."""
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """Parse TOML whose values and tables are nested little, and whose whole numbers have 64 bits, as TOML 1.0 asks.
+
+    Raises
+    ------
+    tomllib.TOMLDecodeError
+        If it is not valid TOML.
+    UnusableTomlError
+        If it is nested deeper, or holds a larger number.
+    """
+    too_deep = f"nests tables and lists more than {MAX_DEPTH} deep; write them side by side"
+    try:
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        raise
+    except RecursionError:
+        raise UnusableTomlError(too_deep) from None
+    except ValueError:  # Python converts no whole number of thousands of digits
+        raise UnusableTomlError(f"holds a number that is too long; {_NUMBER_REMEDY}") from None
+    level: list[Any] = [tables]
+    for _ in range(MAX_DEPTH):
+        for value in level:
+            if isinstance(value, int) and not -(2**63) <= value < 2**63:
+                digits = f"{value:.4g}" if abs(value) < 10**300 else "a number of over 300 digits"
+                raise UnusableTomlError(f"holds {digits}, which is too large; {_NUMBER_REMEDY}")
+        nested = (value.values() if isinstance(value, dict) else value for value in level)
+        level = [inner for values in nested if isinstance(values, Collection) and not isinstance(values, str)
+                 for inner in values]  # fmt: skip
+        if not level:
+            return tables
+    raise UnusableTomlError(too_deep)
+
+
 def read_toml(path: Path, kind: FileKind | None = None) -> dict[str, Any]:
     """Read a TOML file in UTF-8, with or without a byte order mark.
 
@@ -106,18 +148,18 @@ def read_toml(path: Path, kind: FileKind | None = None) -> dict[str, Any]:
     TomlFileError
         If the file cannot be read, is not valid TOML, or is of another kind.
     """
-    text = ""
     try:
-        text = path.read_text(encoding="utf-8-sig")
-        tables = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise TomlFileError(Issue(str(path), _describe_syntax_error(error, text))) from None
+        text = read_input(path, TOML_LIMIT, kind.describe() if kind else "a TOML file").decode("utf-8-sig")
+        text = text.replace("\r\n", "\n").replace("\r", "\n")  # the line breaks of any system
+        tables = parse_toml(text)
+    except InputFileError as error:
+        raise TomlFileError(error.issues) from None
     except UnicodeDecodeError:
         raise TomlFileError(Issue(str(path), "is not UTF-8 text; save it as a TOML file in UTF-8.")) from None
-    except OSError as error:
-        wanted = kind.describe() if kind else "a TOML file"
-        message = f"cannot be read ({error.strerror}); give the path of {wanted}."
-        raise TomlFileError(Issue(str(path), message)) from None
+    except tomllib.TOMLDecodeError as error:
+        raise TomlFileError(Issue(str(path), _describe_syntax_error(error, text))) from None
+    except UnusableTomlError as error:
+        raise TomlFileError(Issue(str(path), f"{error}.")) from None
     if kind is not None:
         _require_kind(path, tables, kind)
     return tables
@@ -170,11 +212,11 @@ def _describe_syntax_error(error: tomllib.TOMLDecodeError, text: str) -> str:
     lines = text.splitlines()
     number = int(found[1]) if found else len(lines)
     line = lines[number - 1].strip() if 0 < number <= len(lines) else ""
-    where = f"line {number}, `{line}`," if line else f"line {number}"
+    where = f"line {number}, `{shorten(line, MAX_VALUE_LENGTH)}`," if line else f"line {number}"
     if "Cannot overwrite a value" in reason:
         tables = [part.strip().strip("[]") for part in lines[:number] if part.strip().startswith("[")]
         name = ".".join([*tables[-1:], line.partition("=")[0].strip()])
-        return f"{where} sets {name} a second time; delete one of the two lines."
+        return f"{where} sets {shorten(name, MAX_VALUE_LENGTH)} a second time; delete one of the two lines."
     if "Cannot declare" in reason or "Cannot mutate immutable" in reason:
         return f"{where} begins a table that the file already has; move its parameters to the first one."
     if re.search(r"=\s*[-+]?\d+,\d+\s*(#.*)?$|=\s*\[[^]#]*\d,0\d", line):

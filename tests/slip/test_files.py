@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
 import re
 import shlex
+import struct
 import sys
 import types
+import zlib
 
 import numpy as np
 import pytest
@@ -139,7 +143,10 @@ def test_tdms_file_written_by_nptdms_is_read(tmp_path):
 
 
 class FakeChannel:
-    name, properties = "AI0", {"wf_increment": 1 / 2000}
+    name, properties, dtype = "AI0", {"wf_increment": 1 / 2000}, np.dtype("f8")
+
+    def __len__(self):
+        return len(V)
 
     def __getitem__(self, _):
         return np.round(V, 6)
@@ -147,9 +154,11 @@ class FakeChannel:
 
 def test_tdms_file_is_read_with_a_fake_library(tmp_path, monkeypatch):
     group = types.SimpleNamespace(channels=lambda: [FakeChannel()])
-    file = types.SimpleNamespace(read=lambda path: types.SimpleNamespace(groups=lambda: [group]))
+    file = types.SimpleNamespace(
+        open=lambda path: contextlib.nullcontext(types.SimpleNamespace(groups=lambda: [group]))
+    )
     monkeypatch.setitem(sys.modules, "nptdms", types.SimpleNamespace(TdmsFile=file))
-    (tmp_path / "t.tdms").write_bytes(b"TDSm")
+    (tmp_path / "t.tdms").write_bytes(b"TDSm" + bytes(8 * len(V)))
     assert single_onset(run("detect", tmp_path / "t.tdms", "--json")) == ONSET
 
 
@@ -336,3 +345,69 @@ def test_a_file_that_is_not_tdms_gives_an_error(tmp_path, monkeypatch):
     assert (
         "t.tdms: is not a TDMS file; export it again, or save it as CSV." in run("detect", tmp_path / "t.tdms").stderr
     )
+
+
+def bomb_mat(megabytes: int) -> bytes:
+    """MATLAB file whose compressed variable unpacks to zeros."""
+    packed = zlib.compress(bytes(megabytes * 2**20), 9)
+    return b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM" + struct.pack("<II", 15, len(packed)) + packed
+
+
+def test_a_matlab_file_that_unpacks_to_much_is_refused(tmp_path, monkeypatch):
+    pytest.importorskip("scipy")
+    monkeypatch.setenv("FINGERTIP_MAX_SAMPLES", "100000")
+    (tmp_path / "t.mat").write_bytes(bomb_mat(8))
+    done = run("detect", tmp_path / "t.mat")
+    assert done.exit_code == 2
+    assert "its variables unpack to more than 3 MB" in done.stderr
+    (tmp_path / "t.mat").write_bytes(bomb_mat(1))
+    assert "unpack to" not in run("detect", tmp_path / "t.mat").stderr
+
+
+def test_a_tdms_file_of_many_segments_is_refused(tmp_path):
+    pytest.importorskip("nptdms")
+    (tmp_path / "t.tdms").write_bytes(struct.pack("<4sIIQQ", b"TDSm", 0, 4713, 0, 0) * 100_001)
+    done = run("detect", tmp_path / "t.tdms")
+    assert done.exit_code == 2
+    assert "it has 100001 segments or more" in done.stderr
+    (tmp_path / "t.tdms").write_bytes(struct.pack("<4sIIQQ", b"TDSm", 0, 4713, 2**64 - 1, 2**63) + bytes(2**24 + 1))
+    assert "1 segments or more, with 16777245 bytes of names" in run("detect", tmp_path / "t.tdms").stderr
+
+
+def test_a_line_without_end_is_refused(tmp_path):
+    (tmp_path / "t.csv").write_bytes(b"time_s,voltage_v" + b" " * 2**20 + b"\n0,1\n")
+    message = "line 1: is longer than 1048576 characters; a trace has one sample per line, so break the lines."
+    assert message in run("detect", tmp_path / "t.csv").stderr
+    assert message in run("detect", "-", lines="x" * (2**20 + 1)).stderr
+    (tmp_path / "t.csv").write_bytes(b"time_s,voltage_v\n" + b"0.0,1\n" * 10 + b"1" * 2**21)
+    assert "line 12: is longer than" in run("detect", tmp_path / "t.csv").stderr
+
+
+def test_a_file_of_comments_is_bounded(tmp_path, monkeypatch):
+    monkeypatch.setenv("FINGERTIP_MAX_SAMPLES", "100")
+    (tmp_path / "t.csv").write_bytes(b"time_s,voltage_v\n" + b"#\n" * 20_000)
+    assert "has more than 10200 lines" in run("detect", tmp_path / "t.csv").stderr
+
+
+def test_faults_of_many_lines_are_counted(tmp_path):
+    rows = ["0.0,4", "0.0005,x", "0.001", "0.0015,y", "0.002,4,5", "0.0025,"]
+    (tmp_path / "t.csv").write_text("\n".join(["time_s,voltage_v", *rows]) + "\n")
+    done = run("detect", tmp_path / "t.csv")
+    assert "line 4: has 1 cells, but the header has 2 (and 1 more such lines)" in done.stderr
+    assert "voltage_v: 'x' in line 3 is not a number (and 2 more)" in done.stderr
+
+
+def test_a_pipe_is_refused_with_the_way_to_read_a_stream(tmp_path):
+    os.mkfifo(tmp_path / "t.csv")
+    assert (
+        "is a pipe, not a regular file; give the path of a trace, or - for" in run("detect", tmp_path / "t.csv").stderr
+    )
+
+
+@pytest.mark.parametrize("rate", ["1e308", "1e-308", "-1e308", "nan", "inf", "0"])
+def test_a_rate_far_out_of_bounds_is_refused(tmp_path, rate):
+    (tmp_path / "t.csv").write_text("voltage_v\n" + "4.0\n" * 500)
+    for more in ((), ("--set", "detector.window_samples=40")):
+        done = run("detect", tmp_path / "t.csv", "--rate-hz", rate, *more)
+        assert done.exit_code == 2, done.stderr
+        assert "Hz" in done.stderr

@@ -27,8 +27,8 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.errors import MissingLibraryError
+from fingertip.input_files import RECORDING_LIMIT, SAMPLES_LIMIT
 from fingertip.slip.converter_step import find_step_v, step_warnings
-from fingertip.slip.traces import csv_file, limits
 from fingertip.slip.traces.even_times import restore_even_times
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.trace import ColumnMap
@@ -416,7 +416,7 @@ DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
     "encrypted.npz": (lambda: encrypted(SOUND), "password required"),
     "huge.npz": (
         lambda: npz_of(time_s=npy_header(HUGE), voltage_v=npy_header(HUGE)),
-        "claims to hold 1e+13 values; at most 33554432 are read",
+        "claims to hold 1e+13 values; at most 8388608 samples are read",
     ),
     "huge.npy": (lambda: npy_header(HUGE), "claims to hold 1e+13 values"),
     "negative.npy": (lambda: npy_header("(-5,)"), "claims to hold -5 values"),
@@ -509,19 +509,22 @@ def test_an_archive_that_unpacks_to_much_is_refused_within_little_memory(tmp_pat
 
 def test_the_documentation_states_the_bounds_of_size() -> None:
     page = " ".join((ROOT / "docs/recordings.md").read_text(encoding="utf-8").split())
-    bound = f"{limits.MAX_SAMPLES:,}".replace(",", " ")
-    assert f"At most {limits.MAX_FILE_BYTES // 2**30} GB and {bound} samples are read" in page
+    bound = f"{SAMPLES_LIMIT.default:,}".replace(",", " ")
+    assert f"At most {RECORDING_LIMIT.default / 1024:g} GB and {bound} samples are read" in page
 
 
 def test_bounds_of_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "t.csv").write_text(PLAIN)
     np.save(tmp_path / "t.npy", np.column_stack((T, V)))
-    for module in (csv_file, limits):
-        monkeypatch.setattr(module, "MAX_SAMPLES", 1500)
-    assert "claims to hold 1.5e+03 values; at most 1500 are read" in run("detect", tmp_path / "t.csv").stderr
+    monkeypatch.setenv("FINGERTIP_MAX_SAMPLES", "1500")
+    assert "claims to hold 1.5e+03 values; at most 1500 samples are read" in run("detect", tmp_path / "t.csv").stderr
     assert "claims to hold 4e+03 values" in run("detect", tmp_path / "t.npy").stderr
-    monkeypatch.setattr(limits, "MAX_FILE_BYTES", 1000)
-    assert "has 0 MB; at most 0 MB are read; cut the recording into parts." in run("detect", tmp_path / "t.csv").stderr
+    monkeypatch.delenv("FINGERTIP_MAX_SAMPLES")
+    with (tmp_path / "t.csv").open("a") as file:
+        file.write("\n" * 2**20)
+    monkeypatch.setenv("FINGERTIP_MAX_RECORDING_MB", "1")
+    message = "at most 1 MB are read; cut the recording into parts, or raise FINGERTIP_MAX_RECORDING_MB."
+    assert message in run("detect", tmp_path / "t.csv").stderr
 
 
 @pytest.mark.parametrize("start_s", [0.0, 700.0, 3000.0, 5000.0, 10_000.0])

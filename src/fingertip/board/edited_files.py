@@ -7,14 +7,15 @@ the edited file cannot follow, and nothing is written.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.board.kicad.sexpr_editor import Node, Word, read_expression, replace_words
 from fingertip.errors import Issue, OutputError
+from fingertip.input_files import OUTPUT_LIMIT, read_input
 from fingertip.output_set import Manifest, Revision, read_manifest
+from fingertip.output_set.manifest import hash_file
 
 _REMEDY = "write this design to another folder with --out, or add --force to overwrite your edits."
 _MAX_NAMES = 6
@@ -100,7 +101,7 @@ def revise_edited(
         by both, or if a file cannot be read. All issues are raised at once.
     """
     manifest = read_manifest(folder)
-    present = {name: (folder / name).read_bytes() for name in find_edited(folder, names)}
+    present = {name: read_input(folder / name, OUTPUT_LIMIT) for name in find_edited(folder, names)}
     present = {name: data for name, data in present.items() if data != contents[name]}
     revisions, notes, issues = {}, [], []
     if names.project in present:
@@ -112,7 +113,7 @@ def revise_edited(
         if not old_path.is_file() or not _is_as_written(old_path, manifest):
             message = f"was edited, and {names.netlist}, which states its circuit, is missing or was changed; {_REMEDY}"
             raise OutputError([Issue(str(folder / name), message) for name in present])
-        old, new = (read_netlist(data) for data in (old_path.read_bytes(), contents[names.netlist]))
+        old, new = (read_netlist(data) for data in (read_input(old_path, OUTPUT_LIMIT), contents[names.netlist]))
         if found := list(describe_structure_changes(old, new)):
             message = f"was edited, and this design changes more than values ({'; '.join(found)}); {_REMEDY}"
             raise OutputError([Issue(str(folder / name), message) for name in present])
@@ -275,7 +276,7 @@ def _properties(item: Node) -> Iterator[tuple[str, list[Word]]]:
 
 
 def _is_as_written(path: Path, manifest: Manifest) -> bool:
-    return hashlib.sha256(path.read_bytes()).hexdigest() == manifest.files.get(path.name)
+    return hash_file(path) == manifest.files.get(path.name)
 
 
 def _join(names: list[str]) -> str:

@@ -25,7 +25,8 @@ from fingertip.board.spice import spice_deck
 from fingertip.board.variants import BoardConfiguration, find_configuration
 from fingertip.design import Design
 from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
-from fingertip.errors import Issue, OutputError
+from fingertip.errors import InputFileError, Issue, OutputError, escape_control, shorten
+from fingertip.input_files import OUTPUT_LIMIT, read_input
 from fingertip.output_set import SetWriter, hash_parameters
 
 NETLIST = "slip_filter.net"
@@ -45,6 +46,9 @@ BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS, WIRING)
 FAB_FOLDER = "fab"
 PROVENANCE = "made_from.sha256"
 _EDITABLE = EditableNames(LAYOUT, SCHEMATIC, PROJECT, NETLIST)
+_MAX_DIFF_LENGTH = 300
+"""Maximum length of a line of a difference [characters]."""
+_TAB = "\t"
 _MAX_DIFF_LINES = 12
 
 
@@ -255,9 +259,9 @@ def board_differences(design: Design, folder: str | Path) -> list[str]:
     for name, data in expected.items():
         path = Path(folder) / name
         try:
-            existing = path.read_bytes()
-        except OSError as error:
-            found.append(f"{path}: cannot be read ({error.strerror}).")
+            existing = read_input(path, OUTPUT_LIMIT, "a file of the board")
+        except InputFileError as error:
+            found += map(str, error.issues)
             continue
         if existing != data:
             found.append(f"{path}: differs from what this design gives.")
@@ -277,9 +281,16 @@ def fabrication_differences(design: Design, folder: str | Path, expected: bool =
 
 
 def _first_difference(existing: bytes, data: bytes) -> list[str]:
+    existing = existing[: 2 * len(data)]  # whatever somebody put there, the difference is not beyond
     old, new = (text.decode(errors="replace").splitlines() for text in (existing, data))
     # The files have thousands of lines. A few from the first difference on are enough.
     first = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), min(len(old), len(new)))
     window = slice(first, first + _MAX_DIFF_LINES)
     lines = difflib.unified_diff(old[window], new[window], "folder", "design", n=0, lineterm="")
-    return [f"    line {first + 1}:", *(f"    {line}" for line in list(lines)[3 : 3 + _MAX_DIFF_LINES])]
+    return [
+        f"    line {first + 1}:",
+        *(
+            f"    {escape_control(shorten(line, _MAX_DIFF_LENGTH), kept=_TAB)}"
+            for line in list(lines)[3 : 3 + _MAX_DIFF_LINES]
+        ),
+    ]

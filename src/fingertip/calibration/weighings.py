@@ -13,7 +13,8 @@ from pathlib import Path
 
 from fingertip.board.components.bridge import NEWTON_PER_GRAM
 from fingertip.design.issues import suggest_name
-from fingertip.errors import Issue, TraceError
+from fingertip.errors import InputFileError, Issue, TraceError, quote_value
+from fingertip.input_files import RECORDING_LIMIT, read_input
 from fingertip.slip.traces.cells import DELIMITERS, split_cells, unquote
 
 LOADS = {"weight_g": NEWTON_PER_GRAM, "force_n": 1.0}
@@ -63,11 +64,9 @@ def read_weighings(path: Path) -> Weighings:
         If the file cannot be read, or with all of its faults.
     """
     try:
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        message = f"cannot be read ({error.strerror}); give the path of a file of weighings."
-        raise TraceError(Issue(str(path), message)) from None
+        content = read_input(path, RECORDING_LIMIT, "a file of weighings", MAX_BYTES + 1)
+    except InputFileError as error:
+        raise TraceError(error.issues) from None
     if len(content) > MAX_BYTES or b"\0" in content:
         message = f"is not a text file of less than {MAX_BYTES // 2**20} MB; write weighings as CSV."
         raise TraceError(Issue(str(path), message))
@@ -107,7 +106,9 @@ def parse_weighings(text: str, source: str) -> Weighings:
         try:
             force, reading = (float(_plain(cells[place], delimiter)) for place in places)
         except (ValueError, IndexError):
-            issues.append(Issue(f"{source}, line {number}", f"{line.strip()!r} is not a weighing; write two numbers."))
+            issues.append(
+                Issue(f"{source}, line {number}", f"{quote_value(line.strip())} is not a weighing; write two numbers.")
+            )
             continue
         rows.append(Weighing(force * LOADS[load], reading, number))
     issues += (Issue(f"{source}, line {row.line}", problem) for row in rows for problem in _find_problems(row, kind))

@@ -22,6 +22,7 @@ from fingertip.cli.detect import detect
 from fingertip.cli.drawing import drawing
 from fingertip.cli.firmware import firmware
 from fingertip.cli.help_page import HelpGroup, group_commands
+from fingertip.cli.last_resort import FAULT, describe_fault
 from fingertip.cli.make import make
 from fingertip.cli.new import new
 from fingertip.cli.page import page
@@ -80,4 +81,8 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # The modules loaded so far stay until the end: the garbage collector need not search them again and again.
     gc.freeze()
-    app()
+    try:
+        app()
+    except Exception as error:  # outside of a command, such as in the parsing of its options
+        Console(False, False).print_issues(describe_fault(error))
+        raise SystemExit(FAULT) from None

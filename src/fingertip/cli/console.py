@@ -1,6 +1,7 @@
 """Output conventions of all commands: results on stdout; messages, progress and errors on stderr; exit codes.
 
-Exit codes: 0 for success, 1 for a failed check, 2 for bad input, 130 for an interrupted run with a partial result.
+Exit codes: 0 for success, 1 for a failed check, 2 for bad input, 70 for a fault of the program, 130 for an interrupted
+run with a partial result, 141 where the reader of the output has closed its pipe.
 """
 
 from __future__ import annotations
@@ -20,14 +21,18 @@ from typing import Annotated, Any, ParamSpec
 
 import typer
 
+from fingertip.cli.last_resort import FAULT, describe_fault, describe_path_error
 from fingertip.cli.progress import ProgressDisplay
-from fingertip.errors import FingertipError, Issue, OutputError
+from fingertip.errors import FingertipError, Issue, OutputError, escape_control
 
 P = ParamSpec("P")
 
 CHECK_FAILED = 1
 BAD_INPUT = 2
 INTERRUPTED = 130
+PIPE_CLOSED = 141
+_MAX_PRINTED = 200
+"""Maximum number of issues that are printed to stderr."""
 
 COMMON = "Options of all commands"
 """Heading of these options on the help pages."""
@@ -74,7 +79,7 @@ class Console:
     def progress(self, message: str) -> None:
         """Print a message or a step of progress to stderr; on a terminal a share of long work is a bar."""
         if not self.quiet:
-            self._display.show(message)
+            self._display.show(escape_control(message, kept="\n\t"))
 
     def end_progress(self) -> None:
         """Remove the bar of a terminal."""
@@ -103,7 +108,7 @@ class Console:
             If the reader has closed the pipe, which is not an error of the output.
         """
         try:
-            print(text, flush=True)
+            print(escape_control(text, kept="\n\t"), flush=True)
         except BrokenPipeError:
             raise
         except OSError as error:
@@ -119,8 +124,10 @@ class Console:
         With --json also print them to stdout as one object, together with the result found before the error.
         """
         self._display.clear()
-        for issue in error.issues:
+        for issue in error.issues[:_MAX_PRINTED]:
             print(f"error: {issue}", file=sys.stderr)
+        if len(error.issues) > _MAX_PRINTED:
+            print(f"error: and {len(error.issues) - _MAX_PRINTED} more; correct these first", file=sys.stderr)
         if self.as_json:
             issues = [{"field": issue.field, "message": issue.message} for issue in error.issues]
             with contextlib.suppress(OutputError):  # they are on stderr in any case
@@ -177,7 +184,10 @@ def _discard_stdout() -> None:
 
 
 def command(function: Callable[P, None]) -> Callable[P, None]:
-    """Decorate a command: print the issues of an error and exit with `BAD_INPUT`, or with `INTERRUPTED` at Ctrl-C."""
+    """Decorate a command: print the issues of an error and exit with `BAD_INPUT`, or with `INTERRUPTED` at Ctrl-C.
+
+    What no command expects ends with `FAULT`: never with the exit code of a failed check, as a traceback would.
+    """
 
     # The help page would keep the line breaks of the source within a paragraph.
     paragraphs = inspect.cleandoc(function.__doc__ or "").split("\n\n")
@@ -195,5 +205,14 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
             # Sets of files are swapped in whole, so an interrupted command leaves the former set or the new one.
             print("interrupted; no file is half-written", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
+        except BrokenPipeError:
+            _discard_stdout()
+            raise typer.Exit(PIPE_CLOSED) from None
+        except (typer.Exit, typer.Abort, typer.BadParameter):
+            raise
+        except Exception as error:
+            refusal = describe_path_error(error) if isinstance(error, OSError) else None
+            Console(bool(kwargs.get("as_json")), False).print_issues(refusal or describe_fault(error))
+            raise typer.Exit(BAD_INPUT if refusal else FAULT) from None
 
     return run

@@ -29,7 +29,7 @@ class ProgressDisplay:
     """Messages on stderr. The share of long work is a bar in the last line of a terminal, and a few lines of a log."""
 
     has_bar: ClassVar[bool] = False
-    """Whether the terminal, of which there is one, shows a bar: whoever prints next removes it."""
+    """True while the terminal, of which there is one, shows a bar: whoever prints next removes it."""
 
     def __init__(self) -> None:
         self._is_terminal = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"

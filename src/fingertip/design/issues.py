@@ -14,11 +14,15 @@ from pydantic.fields import FieldInfo
 
 from fingertip.amplifiers import AUTO, list_dual_amplifiers
 from fingertip.design.parameters.declaration import find_allowed, find_unit, format_unit, list_choices
-from fingertip.errors import Issue
+from fingertip.errors import MAX_VALUE_LENGTH, Issue, quote_value, shorten
 
 _MIN_SIMILARITY = 0.65
 """Ratio of `difflib.SequenceMatcher` from which a known name is suggested for an unknown one."""
 
+_MAX_DESCRIBED = 300
+"""Maximum number of problems that are described. A design has fewer parameters."""
+_MAX_COMPARED_LENGTH = 60
+"""Maximum length of a word that known names are compared with [characters]."""
 
 _DUALS = ", ".join(f"{a.name} ({a.bandwidth_hz / 1e6:g} MHz)" for a in list_dual_amplifiers())
 REPLACED_PARAMETERS = {
@@ -31,8 +35,16 @@ REPLACED_PARAMETERS = {
 
 
 def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:
-    """Return one issue for each problem that pydantic found in a `model`."""
-    return [_describe(details, model) for details in error.errors(include_url=False)]
+    """Return one issue for each problem that pydantic found in a `model`.
+
+    Only the first problems are described. A file of a hundred thousand unknown names would take hours otherwise.
+    """
+    found = error.errors(include_url=False, include_context=True)
+    rest = (".".join(map(str, details["loc"])) for details in found[_MAX_DESCRIBED:])
+    return [
+        *(_describe(details, model) for details in found[:_MAX_DESCRIBED]),
+        *(Issue(field, "is not valid either; correct what is listed above first.") for field in rest),
+    ]
 
 
 def suggest_name(word: str, known: Sequence[str]) -> str:
@@ -48,6 +60,7 @@ def find_similar_name(word: str, known: Sequence[str]) -> str | None:
         pairs = itertools.product(_list_forms(word), _list_forms(name))
         return max(difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
 
+    word = word[:_MAX_COMPARED_LENGTH]
     best = max(known, key=similarity, default=None)
     return best if best is not None and similarity(best) >= _MIN_SIMILARITY else None
 
@@ -62,6 +75,7 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
     location = [str(step) for step in details["loc"]]
     field = ".".join(location)
     value, kind, context = details["input"], details["type"], details.get("ctx", {})
+    shown = quote_value(value)
     if kind == "extra_forbidden" and field in REPLACED_PARAMETERS:
         return Issue(field, REPLACED_PARAMETERS[field])
     if kind == "extra_forbidden":
@@ -70,43 +84,45 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
     unit = format_unit(find_unit(info)) if isinstance(info, FieldInfo) else ""
     match kind:
         case "greater_than_equal":
-            return Issue(field, f"{value!r}{unit} is too small; at least {context['ge']:g}{unit}.")
+            return Issue(field, f"{shown}{unit} is too small; at least {context['ge']:g}{unit}.")
         case "greater_than":
-            return Issue(field, f"{value!r}{unit} is too small; it must be above {context['gt']:g}{unit}.")
+            return Issue(field, f"{shown}{unit} is too small; it must be above {context['gt']:g}{unit}.")
         case "less_than_equal":
-            return Issue(field, f"{value!r}{unit} is too large; at most {context['le']:g}{unit}.")
+            return Issue(field, f"{shown}{unit} is too large; at most {context['le']:g}{unit}.")
         case "finite_number":
-            return Issue(field, f"{value!r} is not a finite number; give one{unit and ' in' + unit}.")
+            return Issue(field, f"{shown} is not a finite number; give one{unit and ' in' + unit}.")
         case "literal_error":
             similar = find_similar_name(str(value), list_choices(info)) if isinstance(info, FieldInfo) else None
             suggestion = f" Did you mean {similar}?" if similar else ""
-            return Issue(field, f"{value!r} is not known; choose {context['expected']}.{suggestion}")
+            return Issue(field, f"{shown} is not known; choose {context['expected']}.{suggestion}")
         case "float_type" | "int_type" if isinstance(value, str) and "=" in value:
-            return Issue(field, f"{value!r} holds several changes; give --set once for each of them.")
+            return Issue(field, f"{shown} holds several changes; give --set once for each of them.")
         case "float_type" | "int_type" if isinstance(value, str) and _starts_with_number(value):
             number = f"the number{unit and ' in' + unit}"
-            return Issue(field, f"{value!r} is not a number; write {number}, without its unit.")
+            return Issue(field, f"{shown} is not a number; write {number}, without its unit.")
         case "float_type" | "int_type":
             number = "a whole number" if kind == "int_type" else "a number"
             quotes = ", without quotes" if isinstance(value, str) else ""
-            return Issue(field, f"{value!r} is not {number}; write {number}{unit and ' in' + unit}{quotes}.")
+            return Issue(field, f"{shown} is not {number}; write {number}{unit and ' in' + unit}{quotes}.")
         case "string_type":
-            return Issue(field, f'{value!r} is not text; write it in quotes, such as "{value}".')
+            return Issue(
+                field, f'{shown} is not text; write it in quotes, such as "{shorten(str(value), MAX_VALUE_LENGTH)}".'
+            )
         case "bool_type" | "bool_parsing":
-            return Issue(field, f"{value!r} is neither true nor false; write true or false, without quotes.")
+            return Issue(field, f"{shown} is neither true nor false; write true or false, without quotes.")
         case "list_type":
-            text = str(value).strip("[]").split(",")
+            text = shorten(str(value), MAX_VALUE_LENGTH).strip("[]").split(",")
             items = ",".join(_quote(item.strip()) for item in text)
-            return Issue(field, f"{value!r} is not a list; write '{field}=[{items}]', with both kinds of quotes.")
+            return Issue(field, f"{shown} is not a list; write '{field}=[{items}]', with both kinds of quotes.")
         case "dict_type":
-            return Issue(field, f"{value!r} is not a table; write [{field}] and its entries below it.")
+            return Issue(field, f"{shown} is not a table; write [{field}] and its entries below it.")
         case "model_type":
-            return Issue(field, f"{value!r} is not a table; {_show_parameter(location, model)}.")
+            return Issue(field, f"{shown} is not a table; {_show_parameter(location, model)}.")
         case "string_pattern_mismatch" if isinstance(info, FieldInfo) and find_allowed(info):
-            return Issue(field, f"{value!r} cannot stand here; {find_allowed(info)}.")
+            return Issue(field, f"{shown} cannot stand here; {find_allowed(info)}.")
         case "string_pattern_mismatch":
-            return Issue(field, f"{value!r} cannot name a folder; use up to 40 letters, digits, - and _.")
-    return Issue(field, f"{value!r} is not valid: {details['msg']}.")
+            return Issue(field, f"{shown} cannot name a folder; use up to 40 letters, digits, - and _.")
+    return Issue(field, f"{shown} is not valid: {details['msg']}.")
 
 
 def _find_table(location: Sequence[str], model: type[BaseModel]) -> type[BaseModel]:

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.bundled import find_file
-from fingertip.errors import DesignError, FingertipError, Issue
-from fingertip.toml_files import DESIGN, FileKind, read_toml
+from fingertip.errors import MAX_VALUE_LENGTH, DesignError, FingertipError, Issue, shorten
+from fingertip.toml_files import DESIGN, MAX_DEPTH, FileKind, UnusableTomlError, parse_toml, read_toml
 
 
 @dataclass(frozen=True)
@@ -75,12 +75,17 @@ def parse_change(change: str) -> dict[str, Any]:
     """
     key, equals, text = change.partition("=")
     steps = [step.strip() for step in key.split(".")]
+    field = f"--set {shorten(change, MAX_VALUE_LENGTH)}"
     if not equals or not all(steps):
-        raise DesignError(Issue(f"--set {change}", "is not of the form table.key=value, such as mold.draft_deg=2."))
+        raise DesignError(Issue(field, "is not of the form table.key=value, such as mold.draft_deg=2."))
+    if len(steps) > MAX_DEPTH:
+        raise DesignError(Issue(field, "names tables in too many tables; write table.key=value."))
     if re.search(r",\s*[a-z_]+\.[a-z0-9_.]+\s*=", text):
-        raise DesignError(Issue(f"--set {change}", "holds several changes; give --set once for each of them."))
+        raise DesignError(Issue(field, "holds several changes; give --set once for each of them."))
     try:
-        value: Any = tomllib.loads(f"v = {text}")["v"]
+        value: Any = parse_toml(f"v = {text}")["v"]
+    except UnusableTomlError as error:
+        raise DesignError(Issue(field, f"{error}.")) from None
     except tomllib.TOMLDecodeError:
         value = text.strip()
         if re.fullmatch(r"\[\s*\w+(\s*,\s*\w+)*\s*\]", value):

@@ -33,7 +33,7 @@ class Design(DesignTables):
         `fingertip.design.rules.remedies` states what the remedies in the messages promise.
     """
 
-    def __init__(self, **tables: Any) -> None:
+    def __init__(self, /, **tables: Any) -> None:
         self._validate(tables)
 
     @classmethod

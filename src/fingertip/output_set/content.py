@@ -30,4 +30,4 @@ def equals_file(content: Content, path: Path) -> bool:
     """Return whether a file has this content."""
     if isinstance(content, Path):
         return hash_file(content) == hash_file(path)
-    return path.read_bytes() == content
+    return path.stat().st_size == len(content) and path.read_bytes() == content

@@ -9,6 +9,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from fingertip.errors import InputFileError
+from fingertip.input_files import OUTPUT_LIMIT, read_input
+
 MANIFEST = "manifest.json"
 
 
@@ -35,13 +38,17 @@ class Manifest:
 def read_manifest(folder: Path) -> Manifest | None:
     """Read the manifest of a folder; None if it has none, or one that is not of this program."""
     try:
-        data = json.loads((folder / MANIFEST).read_bytes())
+        data = json.loads(read_input(folder / MANIFEST, OUTPUT_LIMIT, "a manifest"))
         manifest = Manifest(**{name: data[name] for name in ("fingertip", "kind", "design", "parameters", "files")})
         # A set is the files of one folder: a manifest that names a file elsewhere is not of this program.
-        is_own = all(name == os.path.basename(name) for name in manifest.files)
-    except (OSError, ValueError, KeyError, TypeError):
+        is_own = all(_is_file_name(name) and isinstance(digest, str) for name, digest in manifest.files.items())
+    except (InputFileError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
     return manifest if is_own else None
+
+
+def _is_file_name(name: str) -> bool:
+    return name == os.path.basename(name) and name not in ("", ".", "..") and "\0" not in name
 
 
 def hash_parameters(data: object) -> str:

@@ -15,6 +15,7 @@ from fingertip.build_files import REPORT, SHEET, STEPS_FOLDER
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
 from fingertip.errors import Issue, OutputError
+from fingertip.input_files import OUTPUT_LIMIT, read_input
 from fingertip.output_set import Manifest, hash_parameters, read_manifest
 from fingertip.output_set.content import hash_content
 from fingertip.sim.trace_export import SIGNAL_FOLDER
@@ -105,4 +106,4 @@ def _read_set(folder: Path, manifest: Manifest) -> Iterator[tuple[str, bytes]]:
     """Yield the files of a set that a page may show and that are there."""
     for name in sorted(manifest.files):
         if name.endswith(_SHOWN) and (folder / name).is_file():
-            yield name, (folder / name).read_bytes()
+            yield name, read_input(folder / name, OUTPUT_LIMIT)

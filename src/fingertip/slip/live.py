@@ -13,6 +13,7 @@ from fingertip.slip.converter_step import StepWatch
 from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.traces.cells import split_cells, unquote
 from fingertip.slip.traces.csv_header import Header, find_header
+from fingertip.slip.traces.limits import bounded_lines
 from fingertip.slip.traces.sampling import (
     RATE_TOLERANCE,
     STEP_TOLERANCE,
@@ -61,7 +62,7 @@ def open_stream(lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnM
     TraceError
         If there is no header.
     """
-    remaining = iter(lines)
+    remaining = bounded_lines(lines, NAME)
     header = find_header(NAME, remaining, columns, *alternatives)
     rows = ((n, line) for n, line in enumerate(remaining, start=header.line + 1) if line.strip())
     if (first := next(rows, None)) is None or header.is_unit_line(first[1]):

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from fingertip.design import Design
 from fingertip.slip.detectors.noise import noise_level
+from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ
 
 
 @dataclass(frozen=True)
@@ -45,14 +46,16 @@ def adapt_rate(design: Design, rate_hz: float, keep_threshold: bool = False, kee
     if rate_hz == old.sample_rate_hz:
         return design
     tables = design.model_dump()
+    # A rate out of bounds is refused below, as it is; its window might not even be a number.
+    within_hz = min(max(rate_hz, MIN_RATE_HZ), MAX_RATE_HZ)
     if keep_window:
         window = old.window_samples
         # Compare the noise in windows of the same duration. This design only serves the comparison, so its window is
         # not checked against the bounds.
-        same_duration = max(1, round(window * old.sample_rate_hz / rate_hz))
+        same_duration = max(1, round(window * old.sample_rate_hz / within_hz))
         design = design.model_copy(update={"detector": old.model_copy(update={"window_samples": same_duration})})
     else:
-        window = max(1, round(old.window_samples * rate_hz / old.sample_rate_hz))
+        window = max(1, round(old.window_samples * within_hz / old.sample_rate_hz))
     tables["detector"] |= {"sample_rate_hz": rate_hz, "window_samples": window}
     adapted = Design(**tables)
     if keep_threshold:

@@ -14,12 +14,14 @@ from pydantic import BaseModel, ValidationError
 
 from fingertip.design.issues import find_similar_name, issues_from_pydantic, suggest_name
 from fingertip.design.parameters import DesignTables, ParameterTable
-from fingertip.errors import Issue
+from fingertip.errors import Issue, quote_value
 
 Value: TypeAlias = float | int | bool | str
 Spacing: TypeAlias = Literal["linear", "logarithmic"]
 RANGE_KEYS = ("low", "high", "steps", "spacing")
 """Keys of a range in a sweep file."""
+MAX_STEPS = 100_000
+"""Maximum number of values of one axis. They are held in memory."""
 _DIGITS = 9
 """Significant digits of a computed value. The last bits of a logarithm differ between processors; nine digits do
 not."""
@@ -96,7 +98,9 @@ def round_significant(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Round to `_DIGITS` significant digits; each result is the float nearest to its decimal."""
     with np.errstate(divide="ignore"):
         decimals = _DIGITS - 1 - np.floor(np.log10(np.abs(values)))
-    places = np.where(np.isfinite(decimals), decimals, 0.0).astype(np.int64)
+    # The smallest floats have more decimals than there are powers of ten.
+    most = len(_POWERS) - 1
+    places = np.clip(np.where(np.isfinite(decimals), decimals, 0.0), -most, most).astype(np.int64)
     up, down = _POWERS[np.maximum(places, 0)], _POWERS[np.maximum(-places, 0)]
     result: NDArray[np.float64] = np.round(values * up / down) * down / up
     return result
@@ -160,7 +164,8 @@ def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis | None, list[I
     axis, issues = _parse_axis(name, field, entry, sampled, _get_annotation(model, path))
     if axis is None or issues:
         return None, issues
-    values = axis.values or (axis.low, axis.high)
+    # A parameter's own bounds hold between the ends of a range if they hold there.
+    values = axis.listed or (axis.low, axis.high)
     if axis.integer and not axis.listed:
         values = tuple(int(value) for value in values)
     # Many values break the same bound: each message is reported once.
@@ -172,15 +177,24 @@ def _parse_axis(name: str, field: str, entry: Any, sampled: bool, annotation: An
     if isinstance(entry, list):
         if not entry:
             return None, [Issue(field, "is an empty list; give at least one value.")]
-        repeated = next((value for i, value in enumerate(entry) if value in entry[:i]), None)
-        if repeated is not None:
-            return None, [Issue(field, f"{repeated!r} is listed more than once; list it once.")]
+        if len(entry) > MAX_STEPS:
+            return None, [Issue(field, f"lists {len(entry)} values; at most {MAX_STEPS}, or give a range.")]
+        if (nested := next((value for value in entry if not isinstance(value, get_args(Value))), None)) is not None:
+            return None, [Issue(field, f"{quote_value(nested)} is no value of a parameter; list numbers or texts.")]
+        seen = set[Value]()
+        for value in entry:
+            if value in seen:
+                return None, [Issue(field, f"{quote_value(value)} is listed more than once; list it once.")]
+            seen.add(value)
         # 1 and 1.0 are the same value; rows must not depend on how it was typed.
         values = tuple(float(v) if annotation is float and type(v) is int else v for v in entry)
         return Axis(name, values, integer=annotation is int), []
     if not isinstance(entry, Mapping):
         return None, [
-            Issue(field, f"{entry!r} is not an axis; write a list of values, or {{low = 1, high = 2, steps = 5}}.")
+            Issue(
+                field,
+                f"{quote_value(entry)} is not an axis; write a list of values, or {{low = 1, high = 2, steps = 5}}.",
+            )
         ]
     return _parse_range(name, field, entry, sampled, annotation)
 
@@ -202,7 +216,7 @@ def _parse_range(
         if key not in entry:
             issues.append(Issue(f"{field}.{key}", f"is missing; give the {key} end of the range."))
         elif type(value) not in (float, int) or not math.isfinite(value or 0):
-            problem = f"{value!r} is not a finite number; give the {key} end of the range."
+            problem = f"{quote_value(value)} is not a finite number; give the {key} end of the range."
             issues.append(Issue(f"{field}.{key}", problem))
     steps, spacing = entry.get("steps", 0), entry.get("spacing", "linear")
     if sampled and "steps" in entry:
@@ -210,10 +224,14 @@ def _parse_range(
             Issue(f"{field}.steps", 'is only for sampling = "grid"; a sampler draws `points` values, leave it out.')
         )
     if not sampled and not issues and (type(steps) is not int or steps < 2):
-        problem = f"{steps!r} is not a number of values" if "steps" in entry else "is missing"
+        problem = f"{quote_value(steps)} is not a number of values" if "steps" in entry else "is missing"
         issues.append(Issue(f"{field}.steps", f"{problem}; give a whole number of at least 2."))
+    if not sampled and type(steps) is int and steps > MAX_STEPS:
+        issues.append(Issue(f"{field}.steps", f"{steps} values are too many; at most {MAX_STEPS}, or use a sampler."))
     if spacing not in get_args(Spacing):
-        issues.append(Issue(f"{field}.spacing", f"{spacing!r} is unknown; choose {' or '.join(get_args(Spacing))}."))
+        issues.append(
+            Issue(f"{field}.spacing", f"{quote_value(spacing)} is unknown; choose {' or '.join(get_args(Spacing))}.")
+        )
     if issues:
         return None, issues
     assert low is not None

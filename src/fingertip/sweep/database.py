@@ -153,12 +153,15 @@ class SweepDatabase:
                     "again in another folder.",
                 )
             )
-        return str(meta["plan"])
+        return str(meta.get("plan"))
 
     @cached_property
     def plan(self) -> SweepPlan:
         """Plan of the sweep."""
-        return SweepPlan.from_toml(self.text)
+        try:
+            return SweepPlan.from_toml(self.text)
+        except (ValueError, RecursionError):  # no valid TOML
+            raise self._make_damage_error("the description of its sweep cannot be read") from None
 
     def add(self, rows: Sequence[StoredRow]) -> None:
         """Write rows in one transaction: all of them or none.
@@ -185,15 +188,33 @@ class SweepDatabase:
 
     def find_missing_points(self) -> NDArray[np.bool_]:
         """Find the points without a row: (size,) true where a point has none."""
-        missing = np.ones(self.plan.size, dtype=np.bool_)
+        size = self.plan.size
+        missing = np.ones(size, dtype=np.bool_)
         for page in self._read_pages("point"):
+            if not all(0 <= point < size for (point,) in page):
+                raise self._make_damage_error("a row is of no point")
             missing[[point for (point,) in page]] = False
         return missing
+
+    def _read_valid_rows(self) -> Iterator[StoredRow]:
+        """Read every row; a damaged file may hold any type in any column."""
+        size, outputs_at = self.plan.size, 4 + len(self.plan.axes)
+        for row in itertools.chain.from_iterable(self._read_pages("*")):
+            point, status, *texts = row[:4]
+            if not (0 <= point < size and status in STATUSES and all(isinstance(text, str) for text in texts)):
+                raise self._make_damage_error(f"row {point} is damaged")
+            if any(isinstance(value, str | bytes) for value in row[outputs_at:]) or None in row[4:outputs_at]:
+                raise self._make_damage_error(f"row {point} holds what is no number")
+            yield row
+
+    def _make_damage_error(self, what: str) -> SweepError:
+        remedy = "restore it from a copy, or run the sweep again in another folder"
+        return SweepError(Issue(str(self.folder / FILE), f"is damaged: {what}; {remedy}."))
 
     def rows(self) -> Iterator[SweepRow]:
         """Read every row in order of the points; few rows are in memory at a time."""
         outputs, axis_count = self.plan.outputs, len(self.plan.axes)
-        for point, status, field, reason, *values in itertools.chain.from_iterable(self._read_pages("*")):
+        for point, status, field, reason, *values in self._read_valid_rows():
             numbers = (math.nan if value is None else float(value) for value in values[axis_count:])
             pairs = zip(self.plan.axes, values[:axis_count], strict=True)
             axes = {axis.name: axis.restore_type(value) for axis, value in pairs}
@@ -207,7 +228,7 @@ class SweepDatabase:
         outputs = np.full((len(plan.outputs), count), np.nan)
         texts: list[tuple[str, str, str]] = []
         # A running sweep may add rows after they were counted; those are left out.
-        rows = itertools.islice(itertools.chain.from_iterable(self._read_pages("*")), count)
+        rows = itertools.islice(self._read_valid_rows(), count)
         interned: dict[str, str] = {}
         for i, (number, status, field, reason, *values) in enumerate(rows):
             point[i] = number

@@ -24,7 +24,7 @@ from fingertip.errors import FingertipError, Issue, SweepError
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Axis, Value, flatten_axes, read_axis
 from fingertip.sweep.outputs import OutputGroup, check_output_names, find_groups, find_shareable
-from fingertip.sweep.sweep_file import MAX_POINTS, SweepFile
+from fingertip.sweep.sweep_file import MAX_POINTS, MAX_SAMPLED_VALUES, SweepFile
 
 if TYPE_CHECKING:
     from fingertip.sim.scene.scene_file import SceneFile
@@ -211,6 +211,10 @@ def _check_point_count(file: SweepFile, axes: list[Axis]) -> list[Issue]:
         return []
     if not file.points:
         return [Issue("points", f"is missing; give the number that {file.sampling} draws, such as points = 1024.")]
+    if file.points * len(axes) > MAX_SAMPLED_VALUES:
+        most = MAX_SAMPLED_VALUES // len(axes)
+        most = 1 << (most.bit_length() - 1) if file.sampling == "sobol" else most
+        return [Issue("points", f"{file.points} points of {len(axes)} axes do not fit in memory; at most {most}.")]
     if file.sampling == "sobol" and file.points & (file.points - 1):
         below = 1 << (file.points.bit_length() - 1)
         problem = f"{file.points} is not a power of two, which a balanced Sobol sequence needs"

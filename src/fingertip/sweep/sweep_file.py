@@ -18,7 +18,7 @@ from fingertip.design.issues import issues_from_pydantic, suggest_name
 from fingertip.design.load import load_tables
 from fingertip.design.model import Design
 from fingertip.design.parameters import DesignTables, quantity
-from fingertip.errors import FingertipError, Issue, SweepError
+from fingertip.errors import FingertipError, Issue, SweepError, quote_value
 from fingertip.toml_files import DESIGN, SCENE, SWEEP
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 MAX_POINTS = 100_000_000
 """Maximum number of points. The report cannot read more rows."""
+MAX_SAMPLED_VALUES = 20_000_000
+"""Maximum number of values, points times axes, that a sampler draws. They are held in memory, several times."""
 
 
 class SweepFile(BaseModel):
@@ -177,7 +179,10 @@ def _load_base(folder: Path, name: str, entry: Any, changes: list[str]) -> dict[
         )
     if entry is not None and not isinstance(entry, Mapping):
         raise SweepError(
-            Issue(name, f"{entry!r} is neither a file nor a table; give the path of a file, or a table [{name}].")
+            Issue(
+                name,
+                f"{quote_value(entry)} is neither a file nor a table; give the path of a file, or a table [{name}].",
+            )
         )
     if entry is None:
         return None

@@ -9,6 +9,9 @@ import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 
+from fingertip.errors import InputFileError
+from fingertip.input_files import OUTPUT_LIMIT, read_input
+
 _SOURCES = (".kicad_pcb", ".kicad_sch", "bom.csv")
 """Endings of the names of the board files that the fabrication files depend on."""
 _PARENT = "../"
@@ -38,9 +41,9 @@ def find_outdated_files(folder: Path, record: str, board_files: Mapping[str, byt
     """
     remedy = "write it again with --fab"
     try:
-        lines = [line.split("  ", 1) for line in (folder / record).read_text("utf-8").splitlines()]
+        lines = [line.split("  ", 1) for line in read_input(folder / record, OUTPUT_LIMIT).decode().splitlines()]
         recorded = {name: digest for digest, name in lines}
-    except (OSError, UnicodeDecodeError, ValueError):
+    except (InputFileError, ValueError):  # a UnicodeDecodeError is a ValueError
         return [f"{folder}: has no valid {record} that names the board its files were made from; {remedy}."]
     sources = {f"{_PARENT}{name}": data for name, data in board_files.items() if name.endswith(_SOURCES)}
     differences = [
@@ -56,9 +59,9 @@ def find_outdated_files(folder: Path, record: str, board_files: Mapping[str, byt
 
 def _compare_file(path: Path, digest: str) -> list[str]:
     try:
-        is_unchanged = _sha256(path.read_bytes()) == digest
-    except OSError as error:
-        return [f"{path}: cannot be read ({error.strerror})."]
+        is_unchanged = _sha256(read_input(path, OUTPUT_LIMIT)) == digest
+    except InputFileError as error:
+        return [str(issue) for issue in error.issues]
     return [] if is_unchanged else [f"{path}: was changed after it was made."]
 
 

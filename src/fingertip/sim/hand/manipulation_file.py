@@ -188,7 +188,7 @@ class ManipulationFile(SimulationFile):
     sensing: Sensing = Sensing()
     converter: ConverterInput = ConverterInput()
 
-    def __init__(self, **tables: Any) -> None:
+    def __init__(self, /, **tables: Any) -> None:
         super().__init__(**tables)
 
     @property

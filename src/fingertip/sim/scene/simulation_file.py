@@ -34,7 +34,7 @@ class SimulationFile(BaseModel):
     scene: str = Field("scene", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the scene.")
     outputs: list[str] = Field(["voltage_v", "force_n", "slip"], description="Columns to record beside the time.")
 
-    def __init__(self, **tables: Any) -> None:
+    def __init__(self, /, **tables: Any) -> None:
         try:
             super().__init__(**tables)
         except ValidationError as error:

@@ -16,12 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip import extras
-from fingertip.errors import FingertipError, Issue, TraceError
-from fingertip.slip.traces.limits import shape_message, size_message
+from fingertip.errors import FingertipError, Issue, TraceError, shorten
+from fingertip.input_files import RECORDING_LIMIT, check_archive, check_member
+from fingertip.slip.traces.claims import check_mat_variables, check_tdms_segments
+from fingertip.slip.traces.limits import shape_message
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap
 
 RATE = "sample_rate_hz"
 """Name of a number in a file that replaces its times."""
+_MAX_REASON = 200
+"""Maximum length of the reason that a library gives, which may repeat bytes of the file [characters]."""
 AS_CSV = "save the recording as CSV"
 _WAV_FULL_SCALE = {1: 128.0, 2: 2.0**15, 3: 2.0**23, 4: 2.0**31}
 """Bytes of a sample -> its full scale."""
@@ -50,8 +54,6 @@ def load_arrays(path: Path, kind: str, columns: ColumnMap) -> Mapping[str, Any]:
     OSError
         If it cannot be opened.
     """
-    if message := size_message(path.stat().st_size):
-        raise TraceError(Issue(str(path), message))
     return _LOADERS[kind](path, columns)
 
 
@@ -63,8 +65,8 @@ def _damage_reported(path: Path, kind: str, remedy: str) -> Iterator[None]:
     except (FingertipError, FileNotFoundError, PermissionError):
         raise
     except Exception as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        message = f"is not {kind} that can be read ({reason[:200]}); {remedy}."
+        reason = shorten(" ".join(str(error).split()) or type(error).__name__, _MAX_REASON)
+        message = f"is not {kind} that can be read ({reason}); {remedy}."
         raise TraceError(Issue(str(path), message)) from None
 
 
@@ -117,6 +119,7 @@ def _name_columns(path: Path, array: NDArray[Any], columns: ColumnMap) -> Mappin
 
 def _load_npz(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     def load(name: str) -> Any:
+        check_member(archive.getinfo(members[name]))
         with archive.open(members[name]) as member:
             shape, dtype = _read_npy_header(member)
         _check_shape(path, name, shape, dtype.itemsize)
@@ -125,8 +128,10 @@ def _load_npz(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
 
     with (
         _damage_reported(path, "a NumPy archive", "save numbers with numpy.savez, without a password"),
-        zipfile.ZipFile(path) as archive,
+        path.open("rb") as file,
     ):
+        check_archive(file)
+        archive = zipfile.ZipFile(file)
         members = {name.removesuffix(".npy"): name for name in archive.namelist()}
         return _skip_others(members, load, columns)
 
@@ -145,6 +150,8 @@ def _load_mat(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     """Load variables of a MATLAB file (up to -v7) by scipy."""
     scipy_io = extras.load("scipy.io", str(path), alternative=AS_CSV)
     with _damage_reported(path, "a MATLAB file", "save it with -v7, or as CSV"):
+        with path.open("rb") as file:
+            check_mat_variables(file)
         shapes = {name: shape for name, shape, _ in scipy_io.whosmat(path)}
         needed = [name for name in shapes if name in _wanted(columns)]
         for name in needed:
@@ -158,6 +165,9 @@ def _load_parquet(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     parquet = extras.load("pyarrow.parquet", str(path), alternative=AS_CSV)
     with _damage_reported(path, "a Parquet file", "save it again, or as CSV"), parquet.ParquetFile(path) as file:
         _check_shape(path, "", (file.metadata.num_rows,))
+        groups = (file.metadata.row_group(number) for number in range(file.metadata.num_row_groups))
+        if (unpacked := sum(group.total_byte_size for group in groups)) > RECORDING_LIMIT.value:
+            raise ValueError(f"it unpacks to {unpacked / 2**20:.0f} MB")
         names = list(file.schema_arrow.names)
         needed = [name for name in names if name in _wanted(columns)]
         parts: dict[str, list[Any]] = {name: [] for name in needed}
@@ -203,15 +213,30 @@ def _decode_pcm(data: bytes, width: int) -> NDArray[Any]:
 def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     """Load channels by name. A single channel is the voltage, and the recording's increment gives the times."""
     nptdms = extras.load("nptdms", str(path), alternative=AS_CSV)
+
+    def load(name: str) -> Any:
+        channel, size = by_name[name], path.stat().st_size
+        width = getattr(channel.dtype, "itemsize", 1)
+        _check_shape(path, name, (len(channel),), width)
+        if len(channel) > size:  # a value takes a byte at least
+            raise ValueError(f"it states {len(channel)} values in a file of {size} bytes")
+        return channel[:]
+
     with path.open("rb") as file:
         if not _is_tdms(file):
             raise TraceError(Issue(str(path), "is not a TDMS file; export it again, or save it as CSV."))
-    with _damage_reported(path, "a TDMS file", "export it again, or save it as CSV"):
-        channels = [channel for group in nptdms.TdmsFile.read(path).groups() for channel in group.channels()]
+        with _damage_reported(path, "a TDMS file", "export it again, or save it as CSV"):
+            check_tdms_segments(file)
+    with (
+        _damage_reported(path, "a TDMS file", "export it again, or save it as CSV"),
+        contextlib.ExitStack() as resources,
+    ):
+        recording = resources.enter_context(nptdms.TdmsFile.open(path))
+        channels = [channel for group in recording.groups() for channel in group.channels()]
         by_name = {channel.name: channel for channel in channels}
         if len(channels) == 1 and "voltage_v" not in columns.names:
             by_name = {"voltage_v": channels[0]}
-        arrays = _skip_others(by_name, lambda name: by_name[name][:], columns)
+        arrays = _skip_others(by_name, load, columns)
         voltage = by_name.get(columns.name_in_file("voltage_v"))
         increment = voltage.properties.get("wf_increment") if voltage is not None else None
         if increment is not None:

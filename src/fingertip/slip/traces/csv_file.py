@@ -12,20 +12,29 @@ import codecs
 import datetime
 import itertools
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.errors import Issue, TraceError
+from fingertip.errors import Issue, TraceError, quote_value
 from fingertip.slip.traces import lvm
 from fingertip.slip.traces.cells import count_decimals, parse_instant, split_cells, unquote
 from fingertip.slip.traces.csv_header import NOT_TEXT, Header, find_header
-from fingertip.slip.traces.limits import MAX_SAMPLES, shape_message, size_message
+from fingertip.slip.traces.limits import (
+    bounded_lines,
+    check_trace_file,
+    max_lines,
+    max_rows,
+    max_samples,
+    shape_message,
+)
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace
 
+T = TypeVar("T")
 _TAIL_BYTES = 4096
 """Length of the end of a file that is examined for a number that was cut off [bytes]."""
 _TAIL_LINES = 10
@@ -67,14 +76,14 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
     """
     name = str(path)
     try:
-        if message := size_message(path.stat().st_size):
-            raise TraceError(Issue(name, message))
+        check_trace_file(path)
         encoding = _detect_encoding(path)
         with path.open(encoding=encoding) as file:
-            adapted = lvm.adapt_columns(name, itertools.islice(file, lvm.MAX_LINES), columns)
+            adapted = lvm.adapt_columns(name, itertools.islice(bounded_lines(file, name), lvm.MAX_LINES), columns)
         with path.open(encoding=encoding) as file:
-            header = find_header(name, file, adapted)
-            below = file.readline()
+            lines = bounded_lines(file, name)
+            header = find_header(name, lines, adapted)
+            below = next(lines, "")
     except UnicodeError:
         raise TraceError(Issue(name, NOT_TEXT)) from None
     except OSError as error:
@@ -139,14 +148,14 @@ def _read_valid(source: _Source) -> RawTrace | None:
     try:
         with source.path.open(encoding=source.encoding) as file, warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # of no data, which is reported as an issue
-            table = np.loadtxt(
-                file, delimiter=delimiter, skiprows=source.first_line - 1, comments=None, ndmin=2, max_rows=MAX_SAMPLES
-            )
+            rows = itertools.islice(bounded_lines(file, str(source.path), max_lines()), source.first_line - 1, None)
+            most = max_rows(len(header.names))
+            table = np.loadtxt(rows, delimiter=delimiter, comments=None, ndmin=2, max_rows=most)
     except ValueError:
         return None
     if not len(table) or table.shape[1] != header.count_cells(table.shape[1], columns):
         return None
-    if len(table) == MAX_SAMPLES or not np.isfinite(table[:, list(places.values())]).all() or source.is_cut_off():
+    if len(table) == most or not np.isfinite(table[:, list(places.values())]).all() or source.is_cut_off():
         return None
     values = {column: np.ascontiguousarray(table[:, place]) for column, place in places.items()}
     slip = values.get("slip")
@@ -160,17 +169,42 @@ def _read_valid(source: _Source) -> RawTrace | None:
 
 
 @dataclass
+class _Faults(Generic[T]):
+    """Lines that cannot be used: how many, with what is wrong in the first one and in the last one.
+
+    A file may hold millions of them.
+    """
+
+    count: int = 0
+    first: tuple[int, T] | None = None
+    last: tuple[int, T] | None = None
+
+    def add(self, line: int, what: T) -> None:
+        """Add a line by its number."""
+        self.count += 1
+        self.last = (line, what)
+        self.first = self.first or self.last
+
+    def drop_last(self, line: int) -> None:
+        """Remove the last line if it has this number."""
+        if self.last is not None and self.last[0] == line:
+            self.count -= 1
+            self.last = None  # the one before is not known, and nobody asks for it
+            self.first = self.first if self.count else None
+
+
+@dataclass
 class _Samples:
     """Samples of a file as they are read line by line, with what is wrong."""
 
     values: dict[str, array.array[float]]
     lines: array.array[int] = field(default_factory=lambda: array.array("q"))
-    uneven: list[tuple[int, int]] = field(default_factory=list)
+    uneven: _Faults[int] = field(default_factory=lambda: _Faults[int]())
     """Line number and number of cells of lines with another number of cells than the others."""
-    wrong: dict[str, list[tuple[int, str]]] = field(default_factory=dict)
+    wrong: dict[str, _Faults[str]] = field(default_factory=dict)
     """Line number and text of the cells of each column that cannot be read."""
-    passed_over: list[int] = field(default_factory=list)
-    """Line numbers of headers and comments among the samples."""
+    passed_over: lvm.PassedOver = field(default_factory=lvm.PassedOver)
+    """Lines of headers and comments among the samples."""
     width: int = 0
     """Number of cells that each line must have."""
     has_last_break: bool = True
@@ -183,17 +217,18 @@ class _Samples:
         number = self.lines.pop()
         for values in self.values.values():
             values.pop()
-        self.uneven = [entry for entry in self.uneven if entry[0] != number]
-        self.wrong = {column: [cell for cell in cells if cell[0] != number] for column, cells in self.wrong.items()}
+        self.uneven.drop_last(number)
+        for cells in self.wrong.values():
+            cells.drop_last(number)
 
     def is_last_cut_off(self) -> bool:
         """Return whether the last line has fewer cells than the others, or ends within one that cannot be read."""
         if not self.lines:
             return False
         number = self.lines[-1]
-        if self.uneven and self.uneven[-1][0] == number:
-            return self.uneven[-1][1] < self.width
-        return not self.has_last_break and any(cells and cells[-1][0] == number for cells in self.wrong.values())
+        if self.uneven.last and self.uneven.last[0] == number:
+            return self.uneven.last[1] < self.width
+        return not self.has_last_break and any(cells.last and cells.last[0] == number for cells in self.wrong.values())
 
 
 def _read_by_line(source: _Source) -> RawTrace:
@@ -201,21 +236,21 @@ def _read_by_line(source: _Source) -> RawTrace:
     name, columns = str(source.path), source.columns
     try:
         with source.path.open(encoding=source.encoding, errors="replace") as file:
-            samples = _collect(source, enumerate(file, 1))
+            samples = _collect(source, enumerate(bounded_lines(file, name, max_lines()), 1))
     except OSError as error:
         raise TraceError(Issue(name, f"cannot be read ({error.strerror}); give the path of a trace.")) from None
     notes = list[str]()
     if len(samples.lines) > 1 and (samples.is_last_cut_off() or source.is_cut_off()):
         notes.append(f"{name}, line {samples.lines[-1]}: is cut off, and passed over")
         samples.drop_last()
-    if samples.passed_over:
-        first, others = samples.passed_over[0], _count_others(samples.passed_over)
+    if samples.passed_over.count:
+        first, others = samples.passed_over.first, _count_others(samples.passed_over.count)
         notes.append(f"{name}, line {first}: is a header or a comment among the samples{others}, and passed over")
     if samples.start is not None:
         notes.append(f"{name}, time_s: dates are read as seconds since {samples.start.isoformat()}")
     issues = list(_find_issues(name, source, samples))
     values: dict[str, Array] = {column: np.array(cells) for column, cells in samples.values.items()}
-    has_all_times = not samples.uneven and not samples.wrong.get("time_s")
+    has_all_times = not samples.uneven.count and not samples.wrong.get("time_s", _Faults[str]()).count
     trace = columns.make_trace(values)
     return RawTrace(name, trace, tuple(issues), samples.lines, has_all_times, columns.in_volts, tuple(notes))
 
@@ -223,8 +258,10 @@ def _read_by_line(source: _Source) -> RawTrace:
 def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
     """Collect the samples of numbered lines. Cells that cannot be read become 0, so that the others are validated."""
     header, places = source.header, source.places
-    samples = _Samples({column: array.array("d") for column in places}, wrong={column: [] for column in places})
-    after_header = False
+    samples = _Samples(
+        {column: array.array("d") for column in places}, wrong={column: _Faults[str]() for column in places}
+    )
+    after_header, most = False, max_samples()
     below = (entry for entry in lines if entry[0] >= source.first_line and entry[1].strip())
     for number, line in lvm.without_headers(below, samples.passed_over) if header.is_loose else below:
         if header.is_repeated(line) or line.lstrip().startswith("#") or (after_header and header.is_unit_line(line)):
@@ -239,16 +276,16 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
         samples.width = width = samples.width or header.count_cells(len(cells), source.columns)
         samples.has_last_break = line.endswith("\n")
         samples.lines.append(number)
-        if len(samples.lines) > MAX_SAMPLES:
+        if len(samples.lines) > most:
             raise TraceError(Issue(str(source.path), shape_message([len(samples.lines)]) or ""))
         if len(cells) != width:
-            samples.uneven.append((number, len(cells)))
+            samples.uneven.add(number, len(cells))
         for column, place in places.items():
             value = 0.0
             if len(cells) == width:
                 parsed = _parse(cells[place], column, header.delimiter, samples)
                 if parsed is None:
-                    samples.wrong[column].append((number, cells[place]))
+                    samples.wrong[column].add(number, cells[place])
                 else:
                     value = parsed
             samples.values[column].append(value)
@@ -276,30 +313,34 @@ def _parse(cell: str, column: str, delimiter: str, samples: _Samples) -> float |
 
 def _find_issues(name: str, source: _Source, samples: _Samples) -> Iterator[Issue]:
     """Find lines and cells that cannot be read."""
-    if samples.uneven:
-        number, count = samples.uneven[0]
-        others = f" (and {len(samples.uneven) - 1} more such lines)" if len(samples.uneven) > 1 else ""
+    if samples.uneven.first:
+        number, count = samples.uneven.first
+        others = f" (and {samples.uneven.count - 1} more such lines)" if samples.uneven.count > 1 else ""
         message = f"has {count} cells, but the header has {len(source.header.names)}{others}"
         yield Issue(f"{name}, line {number}", f"{message}; each line must have one per column.")
     for column, wrong in samples.wrong.items():
-        if not wrong:
+        if not wrong.first:
             continue
-        number, cell = wrong[0]
+        number, cell = wrong.first
         if not unquote(cell):
-            message = f"is missing in line {number}{_count_others(wrong)}"
+            message = f"is missing in line {number}{_count_others(wrong.count)}"
             yield Issue(f"{name}, {column}", f"{message}; fill it in, such as with the value before it.")
         else:
-            value = f"{cell.strip()!r} in line {number}"
+            value = f"{quote_value(cell.strip())} in line {number}"
             form = ", or a date as 2024-05-31T12:00:00.0005" if column == "time_s" else ""
-            message = f"{value} is not a number{_count_others(wrong)}; write it with a decimal point{form}."
+            message = f"{value} is not a number{_count_others(wrong.count)}; write it with a decimal point{form}."
             yield Issue(f"{name}, {column}", message)
     if samples.start is not None and source.columns.time_scale != 1.0:
         yield Issue("--time-scale", f"does not apply to the dates in {name}; leave it out.")
     slip = samples.values.get("slip", ())
-    if neither := [(number, value) for number, value in zip(samples.lines, slip, strict=False) if value not in (0, 1)]:
-        value = f"{neither[0][1]:g} in line {neither[0][0]}"
-        yield Issue(f"{name}, slip", f"{value} is neither 0 nor 1{_count_others(neither)}; write 0 or 1.")
+    neither = _Faults[float]()
+    for number, flag in zip(samples.lines, slip, strict=False):
+        if flag not in (0, 1):
+            neither.add(number, flag)
+    if neither.first:
+        value = f"{neither.first[1]:g} in line {neither.first[0]}"
+        yield Issue(f"{name}, slip", f"{value} is neither 0 nor 1{_count_others(neither.count)}; write 0 or 1.")
 
 
-def _count_others(places: Sequence[object]) -> str:
-    return f" (and {len(places) - 1} more)" if len(places) > 1 else ""
+def _count_others(count: int) -> str:
+    return f" (and {count - 1} more)" if count > 1 else ""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import struct
 import zipfile
 from pathlib import Path
+
+from fingertip.input_files import check_archive
 
 _HDF5 = (
     "is an HDF5 file, as MATLAB saves with -v7.3; in MATLAB save it with -v7, or in Python with numpy.savez(file, "
@@ -80,9 +83,10 @@ def identify(path: Path) -> str:
 def _identify_zip(path: Path) -> str:
     """Return the kind of a ZIP archive, by the names in it; of a damaged one, by its own name."""
     try:
-        with zipfile.ZipFile(path) as archive:
-            names = archive.namelist()
-    except (zipfile.BadZipFile, ValueError, NotImplementedError):
+        with path.open("rb") as file:
+            check_archive(file)
+            names = zipfile.ZipFile(file).namelist()
+    except (zipfile.BadZipFile, ValueError, NotImplementedError, struct.error):
         return _ENDINGS.get(path.suffix.lower(), "npz")
     if any(name.startswith("xl/") or name == "content.xml" for name in names):
         return _WORKBOOK

@@ -8,7 +8,7 @@ segment another one; both end with `***End_of_Header***`. The names of the colum
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from fingertip.errors import Issue, TraceError
 from fingertip.slip.traces.cells import DELIMITERS, is_number
@@ -24,6 +24,19 @@ _SEGMENT_KEYS = (
 )  # fmt: skip
 """First cells of the lines in the header of a segment."""
 _TIMES, _COMMENT = "X_Value", "Comment"
+
+
+@dataclass
+class PassedOver:
+    """Lines that hold no sample: how many, and the number of the first one."""
+
+    count: int = 0
+    first: int = 0
+
+    def append(self, number: int) -> None:
+        """Add a line by its number."""
+        self.count += 1
+        self.first = self.first or number
 
 
 def adapt_columns(name: str, lines: Iterable[str], columns: ColumnMap) -> ColumnMap:
@@ -72,7 +85,7 @@ def adapt_columns(name: str, lines: Iterable[str], columns: ColumnMap) -> Column
     return replace(columns, names={**columns.names, **added}, rate_hz=rate_hz)
 
 
-def without_headers(rows: Iterable[tuple[int, str]], passed_over: list[int]) -> Iterator[tuple[int, str]]:
+def without_headers(rows: Iterable[tuple[int, str]], passed_over: PassedOver) -> Iterator[tuple[int, str]]:
     """Yield numbered lines but those of the headers of segments, whose first line is added to `passed_over`."""
     within = False
     for number, line in rows:

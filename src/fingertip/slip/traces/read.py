@@ -18,6 +18,7 @@ from fingertip.slip.traces.csv_file import read_csv
 from fingertip.slip.traces.even_times import restore_even_times
 from fingertip.slip.traces.file_kinds import READABLE, identify
 from fingertip.slip.traces.guess_columns import suggest_options
+from fingertip.slip.traces.limits import check_trace_file
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace
 from fingertip.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind
 
@@ -73,6 +74,7 @@ def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
     MissingLibraryError
         If the file needs a package that is not installed.
     """
+    check_trace_file(path)
     if path.suffix.lower() == ".toml":
         _refuse_known_toml(path)
     try:

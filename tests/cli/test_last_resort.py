@@ -1,0 +1,147 @@
+"""A crash never looks like a failed check: it has its own exit code, a sentence, and a file with the details."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from fingertip.cli import last_resort
+from fingertip.design import export
+from tests.conftest import ROOT, run_fingertip, run_python
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Folder for temporary files."""
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    return tmp_path
+
+
+def fail_with(error: BaseException, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let `fingertip params` meet an exception."""
+
+    def fail() -> None:
+        raise error
+
+    monkeypatch.setattr(export, "list_parameters", fail)
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError("float division"), EOFError(), KeyError("x"), RecursionError()])
+def test_an_unexpected_exception_has_its_own_exit_code(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    fail_with(error, monkeypatch)
+    done = run_fingertip("params", "--json")
+    assert done.returncode == last_resort.FAULT == 70
+    assert "Traceback" not in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert f"stopped at a fault of its own, not at one of your input ({type(error).__name__}" in done.stderr
+    assert '"issues"' in done.stdout
+    (details,) = folder.glob("fingertip-fault-*.txt")
+    assert f"details are in {details}; report it, with that file" in done.stderr
+    text = details.read_text()
+    assert "Traceback (most recent call last)" in text
+    assert re.match(r"fingertip \S+, Python 3\.\d+", text)
+
+
+def test_the_sentence_for_the_limits_of_the_machine(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fail_with(MemoryError("Unable to allocate 8 GiB"), monkeypatch)
+    assert "the memory did not suffice (MemoryError: Unable to allocate 8 GiB)" in run_fingertip("params").stderr
+    fail_with(OSError(errno.EMFILE, "Too many open files"), monkeypatch)
+    done = run_fingertip("params")
+    assert "no more files may be opened" in done.stderr
+    assert "ulimit -n 256" in done.stderr
+
+
+@pytest.mark.parametrize("words", [("calibrate", "sensor", "fsr400"), ("detect",), ("check",), ("sweep",), ("make",)])
+def test_a_path_that_is_too_long_is_refused(words: tuple[str, ...]) -> None:
+    for path in ("x" * 300, "9" * 5000):
+        done = run_fingertip(*words, path)
+        assert done.returncode == 2
+        assert done.stderr.count("error: ") == 1
+        assert len(done.stderr) < 2000
+
+
+def test_an_error_of_a_path_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    fail_with(PermissionError(errno.EACCES, "Permission denied", "folder/file"), monkeypatch)
+    done = run_fingertip("params")
+    assert done.returncode == 2
+    assert done.stderr == (
+        "error: folder/file: cannot be used (Permission denied); give another path, or change its mode.\n"
+    )
+
+
+def test_details_that_cannot_be_written_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tempfile.tempdir", "/nonexistent")
+    fail_with(ValueError("x\x1b[31m\n" + "y" * 10_000), monkeypatch)
+    done = run_fingertip("params")
+    assert done.returncode == 70
+    assert "no file of details could be written" in done.stderr
+    assert "\x1b" not in done.stderr
+    assert len(done.stderr) < 1000
+
+
+def test_a_program_that_cannot_be_loaded_is_a_fault_too(tmp_path: Path) -> None:
+    (tmp_path / "typer.py").write_text("raise OSError('broken')")
+    done = run_python("-m", "fingertip", "params", PYTHONPATH=f"{tmp_path}:{ROOT / 'src'}", PYTHONSAFEPATH="1")
+    assert done.returncode == 70
+    assert done.stderr == (
+        "error: fingertip cannot be loaded (OSError: broken); install it again, and see that files may be opened "
+        "(ulimit -n).\n"
+    )
+
+
+@pytest.mark.parametrize("limit", [6, 12])
+def test_few_open_files(limit: int, tmp_path: Path) -> None:
+    """The commands need few files; with too few of them there is a sentence."""
+    code = (
+        f"import resource, sys; resource.setrlimit(resource.RLIMIT_NOFILE, ({limit}, {limit})); "
+        "from fingertip.__main__ import main; sys.argv[1:] = ['params', 'fsr402']; main()"
+    )
+    done = run_python("-c", code, PWD=str(tmp_path))
+    assert done.returncode in (0, 2, 70), done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_closed_pipe_is_no_failed_check() -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "fingertip", "params"], stdout=writing, stderr=subprocess.PIPE, text=True,
+            check=False,
+        )  # fmt: skip
+    finally:
+        os.close(writing)
+    assert (done.returncode, done.stderr) == (141, "")
+
+
+def test_exit_codes_are_documented() -> None:
+    page = (ROOT / "docs/files.md").read_text(encoding="utf-8")
+    for code in (0, 1, 2, 70, 130, 141):
+        assert f"\n| {code} | " in page
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(resource, "RLIMIT_AS"), reason="the system does not bound the memory of a process")
+def test_too_little_memory_is_a_fault_with_a_sentence(tmp_path: Path) -> None:
+    code = (
+        "import resource, sys; from fingertip.cli import main; import numpy; from pathlib import Path\n"
+        "from fingertip import detect_trace\n"
+        "size = int(Path('/proc/self/statm').read_text().split()[0]) * 4096 + 40 * 2**20\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (size, size))\n"
+        "sys.argv[1:] = ['detect', 'a.npy', '--rate-hz', '2000']; main()"
+    )
+    import numpy as np
+
+    np.save(tmp_path / "a.npy", np.full(2**22, 4.0))
+    done = run_python("-c", code, PWD=str(tmp_path))
+    assert done.returncode in (2, 70)
+    assert "Traceback" not in done.stderr

@@ -1,0 +1,197 @@
+"""Rules at their edges: at equality of parameters, at every bound, at bounds in pairs, and at the last value that
+passes. Random numbers never meet these."""
+
+from __future__ import annotations
+
+import itertools
+import random
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import Any
+
+import pytest
+
+from fingertip.design import Design
+from fingertip.design.load import load_tables
+from fingertip.design.parameters import DesignTables
+from fingertip.design.parameters.declaration import find_bounds, find_unit
+from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.design.rules import ELECTRONIC_RULES, RULES
+from fingertip.design.rules.ruleset import BrokenRule, Rule, Violation, find_violations
+from fingertip.errors import DesignError, Issue
+from tests.design.edges import DEFAULTS, NUMERIC, find_edge, find_ends, list_levels, make_covering_array
+from tests.design.remedies import as_changes, read_remedy
+from tests.design.test_rules import CASES
+
+ROUNDING = 1e-5
+"""Twice the slack of the rules, and rounding errors beside."""
+MORE_CASES = (
+    ["board.capacitor_uf=0.11"],
+    ["board.envelope_capacitor_uf=0.11"],
+    ["mold.filling=gravity", "mold.funnel_diameter_mm=20", "mold.gate_diameter_mm=3", "mold.wall_mm=2.5"],
+)
+"""Changes that break rules which no other design here breaks."""
+MAX_EDGES = 3
+"""Parameters in which the edge of one rule is sought."""
+
+
+def check_rules(tables: DesignTables) -> list[BrokenRule]:
+    """Broken rules of a design. A rule that raises an exception is the fault these tests look for."""
+    return list(find_violations(RULES, tables))
+
+
+@cache
+def find_broken() -> Mapping[Rule, BrokenRule]:
+    """Each rule with a design that breaks it, and as little else as any that was tried."""
+    designs = [
+        DesignTables(**load_tables([], changes).tables) for changes in (*(case for _, case in CASES), *MORE_CASES)
+    ]
+    electronic = {name: levels for name, levels in list_levels().items() if name.startswith(("board.", "detector."))}
+    designs += (DEFAULTS.with_values({name: end}) for name in NUMERIC for end in find_ends(name))
+    designs += (DEFAULTS.with_values(row) for row in make_covering_array(electronic))
+    found: dict[Rule, tuple[int, BrokenRule]] = {}
+    for tables in designs:
+        broken = check_rules(tables)
+        for one in broken:
+            if one.rule not in found or len(broken) < found[one.rule][0]:
+                found[one.rule] = (len(broken), one)
+    return {rule: one for rule, (_, one) in found.items()}
+
+
+def list_edges(broken: BrokenRule) -> Iterator[tuple[str, float, float]]:
+    """Yield parameters of a broken rule with the last value that breaks it and the first one that passes it."""
+    names = [name for name in broken.own_reads if name in NUMERIC]
+    count = 0
+    for name in sorted(names, key=lambda each: (each != broken.rule.field, each)):
+        value = broken.design.value(name)
+        for target in dict.fromkeys((DEFAULTS.value(name), *find_ends(name))):
+            end = broken.design.with_values({name: target})
+            if any(one.check(end) for one in broken.rule.prerequisites) or broken.rule.check(end):
+                continue
+            if edge := find_edge(broken.rule, broken.design, name, value, target):
+                yield (name, *edge)
+                count += 1
+                break
+        if count == MAX_EDGES:
+            return
+
+
+def test_every_rule_is_broken_by_a_design() -> None:
+    assert not {rule.check.__name__ for rule in RULES if rule not in find_broken()}
+
+
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.check.__name__)
+def test_the_edge_of_a_rule(rule: Rule) -> None:
+    """Both neighbours of the edge are checked by all rules, and the bound that the rule states is the edge."""
+    edges = list(list_edges(find_broken()[rule]))
+    tables = find_broken()[rule].design
+    for name, broken, passing in edges:
+        for value in (broken, passing):
+            check_rules(tables.with_values({name: value}))
+        violation = rule.check(tables.with_values({name: broken}))
+        assert violation is not None
+        assert rule.check(tables.with_values({name: passing})) is None
+        if name == rule.field:
+            design = tables.with_values({name: broken})
+            check_stated_values(rule, design, name, violation)
+
+
+def check_stated_values(rule: Rule, design: DesignTables, name: str, violation: Violation) -> None:
+    """Check that the ends of the intervals that a rule states pass it, and that none holds the present value."""
+    bounds, value = find_bounds(PARAMETERS[name]), design.value(name)
+    for low, high in violation.passing:
+        assert not low + ROUNDING <= value <= high - ROUNDING, (name, value, violation)
+        for end in (low, high):
+            if bounds.contain(end) and not (PARAMETERS[name].annotation is int and end != round(end)):
+                assert rule.check(design.with_values({name: end})) is None, (name, end, violation)
+
+
+def list_equal_pairs() -> list[tuple[str, str]]:
+    """Pairs of parameters of which the first may have the default of the second."""
+    return [
+        (one, other)
+        for one, other in itertools.permutations(NUMERIC, 2)
+        if PARAMETERS[one].annotation is float and find_bounds(PARAMETERS[one]).contain(DEFAULTS.value(other))
+    ]
+
+
+def check_equal_pairs(pairs: Iterator[tuple[str, str]] | list[tuple[str, str]]) -> None:
+    for one, other in pairs:
+        check_rules(DEFAULTS.with_values({one: float(DEFAULTS.value(other))}))
+
+
+def test_equal_parameters_raise_no_exception() -> None:
+    pairs = list_equal_pairs()
+    same_unit = [pair for pair in pairs if find_unit(PARAMETERS[pair[0]]) == find_unit(PARAMETERS[pair[1]])]
+    check_equal_pairs([("skin.length_mm", "skin.tip_length_mm"), *random.Random(0).sample(same_unit, 60)])
+
+
+@pytest.mark.slow
+def test_all_equal_parameters_raise_no_exception() -> None:
+    check_equal_pairs(list_equal_pairs())
+
+
+def test_a_finger_as_long_as_its_tip_is_refused() -> None:
+    with pytest.raises(DesignError) as caught:
+        Design.load(changes=["skin.length_mm=10", "skin.tip_length_mm=10"])
+    assert all(map(read_remedy, caught.value.issues))
+
+
+def test_a_covering_array_holds_every_pair() -> None:
+    levels: dict[str, tuple[Any, ...]] = {"a": (1, 2, 3), "b": ("x", "y"), "c": (True, False), "d": (0.0, 1.0, 2.0)}
+    rows = list(make_covering_array(levels))
+    for one, other in itertools.combinations(levels, 2):
+        pairs = {(row[one], row[other]) for row in rows}
+        assert pairs == set(itertools.product(levels[one], levels[other]))
+    assert len(rows) <= 15
+
+
+def list_rule_rows(rule: Rule) -> Iterator[dict[str, Any]]:
+    """Yield rows with every pair of bounds and words of the parameters that a rule reads."""
+    read = {name: levels for name, levels in list_levels().items() if name in find_broken()[rule].own_reads}
+    if len(read) == 1:
+        yield from ({name: level} for name, levels in read.items() for level in levels)
+    else:
+        yield from make_covering_array(read)
+
+
+@pytest.mark.parametrize("rule", ELECTRONIC_RULES, ids=lambda rule: rule.check.__name__)
+def test_bounds_in_pairs_raise_no_exception(rule: Rule) -> None:
+    for row in list_rule_rows(rule):
+        check_rules(DEFAULTS.with_values(row))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.check.__name__)
+def test_bounds_in_pairs_have_remedies_that_pass(rule: Rule) -> None:
+    """The rows begin from a design that reaches the rule, so that its prerequisites pass in many of them."""
+    base = find_broken()[rule].design
+    for row in itertools.islice(list_rule_rows(rule), 12):
+        check_typed_remedies(base.with_values(row))
+
+
+@pytest.mark.slow
+def test_bounds_of_all_parameters_in_pairs_have_remedies_that_pass() -> None:
+    for row in make_covering_array(list_levels()):
+        check_typed_remedies(DEFAULTS.with_values(row))
+
+
+def check_typed_remedies(tables: DesignTables) -> None:
+    """Type in what a refusal asks for until the design passes, at most three times: a rule may await others."""
+    changes: list[str] = []
+    for _ in range(3):
+        issues = refuse(tables, changes)
+        assert all(map(read_remedy, issues)), issues
+        changes += as_changes(issues)
+    assert not refuse(tables, changes), changes
+
+
+def refuse(tables: DesignTables, changes: list[str]) -> tuple[Issue, ...]:
+    merged = tables.model_dump()
+    for table, values in load_tables([], changes).tables.items():
+        merged[table] = merged[table] | values if isinstance(values, Mapping) else values
+    try:
+        Design(**merged)
+    except DesignError as error:
+        return error.issues
+    return ()

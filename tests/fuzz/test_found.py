@@ -1,0 +1,90 @@
+"""What the fuzzer found, each case by name. It gave a traceback once, and is a sentence or a result now."""
+
+from __future__ import annotations
+
+import sqlite3
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.design import Design
+from fingertip.errors import DesignError, TraceError
+from fingertip.sim import ManipulationFile, SceneFile
+from fingertip.sweep.axes import round_significant
+from tests.conftest import run_fingertip
+from tools.fuzz import originals
+
+
+@pytest.mark.parametrize("refuse", [SceneFile, ManipulationFile])
+def test_a_scene_with_a_parameter_named_self(refuse: type[SceneFile], tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text("self = 1\n")
+    with pytest.raises(TraceError, match="self: there is no such parameter"):
+        refuse.load(tmp_path / "a.toml")
+    with pytest.raises(TraceError, match=r"tap\.self|grasp\.self"):
+        refuse(**{"tap" if refuse is SceneFile else "grasp": {"self": 1}})
+
+
+def test_a_design_with_a_parameter_named_self() -> None:
+    with pytest.raises(DesignError, match="self: there is no such parameter"):
+        Design(**{"self": 1})
+
+
+@pytest.mark.parametrize("least", [5e-324, 1e-320, 2.5e-308, 1e-300])
+def test_an_axis_of_the_smallest_numbers(least: float) -> None:
+    values = round_significant(np.array([least, -least, 0.0, 1.0]))
+    assert values == pytest.approx([least, -least, 0.0, 1.0], rel=1e-8, abs=1e-307)
+
+
+@pytest.mark.parametrize(
+    ("statement", "message"),
+    [
+        ("UPDATE meta SET value = '= 1' WHERE key = 'plan'", "the description of its sweep cannot be read"),
+        ("DELETE FROM meta WHERE key = 'plan'", "the description of its sweep cannot be read"),
+        ("UPDATE meta SET value = '[' || hex(zeroblob(3000)) WHERE key = 'plan'", "cannot be read"),
+        ("UPDATE rows SET point = 99 WHERE point = 2", "row 99 is damaged"),
+        ("UPDATE rows SET status = 'odd'", "row 0 is damaged"),
+        ("UPDATE rows SET reason = 5", ""),
+        ("UPDATE rows SET cutoff_3db_hz = 'x'", "row 0 holds what is no number"),
+        ('UPDATE rows SET "board.cutoff_hz" = NULL', "row 0 holds what is no number"),
+    ],
+)
+def test_a_damaged_database_of_a_sweep(tmp_path: Path, statement: str, message: str) -> None:
+    (tmp_path / "sweep.sqlite").write_bytes(originals.sweep_database())
+    with sqlite3.connect(tmp_path / "sweep.sqlite") as connection:
+        connection.execute(statement)
+    connection.close()
+    done = run_fingertip("sweep", "--show", "--out", tmp_path, "--csv", tmp_path / "a.csv")
+    assert done.returncode == (2 if message else 0), done.stderr
+    if message:
+        assert "is damaged: " in done.stderr
+        assert message in done.stderr
+        assert "restore it from a copy, or run the sweep again in another folder." in done.stderr
+
+
+def test_axes_are_refused_before_their_values_are_made(tmp_path: Path) -> None:
+    path = tmp_path / "s.toml"
+    for axis, message in (
+        ("skin.width_mm = { low = 14.0, high = 20.0, steps = 1000000000 }", "1000000000 values are too many"),
+        (f"skin.width_mm = {list(range(100_001))}", "lists 100001 values; at most 100000"),
+        ("skin.width_mm = [[1]]", "[1] is no value of a parameter; list numbers or texts"),
+        ("skin.width_mm = [{a = 1}]", "{'a': 1} is no value of a parameter"),
+        ("skin.width_mm = [17, 17.0]", "17.0 is listed more than once"),
+    ):
+        path.write_text(f"outputs = []\n[axes]\n{axis}\n")
+        done = run_fingertip("sweep", path, "--out", tmp_path / "out")
+        assert done.returncode == 2
+        assert message in done.stderr
+    path.write_text(
+        'outputs = []\nsampling = "sobol"\npoints = 67108864\n[axes]\nskin.width_mm = {low = 14, high = 20}\n'
+    )
+    done = run_fingertip("sweep", path, "--out", tmp_path / "out")
+    assert "points: 67108864 points of 1 axes do not fit in memory; at most 16777216." in done.stderr
+
+
+def test_taps_of_days_are_refused_with_a_value_that_passes() -> None:
+    taps = {"force_n": 1.0, "count": 1000, "interval_s": 600.0}
+    with pytest.raises(TraceError, match=r"lets 1000 taps last more than 3600 s; at most 3\.6 s") as caught:
+        SceneFile(tap=taps)
+    most = float(str(caught.value).rpartition("at most ")[2].removesuffix(" s."))
+    SceneFile(tap=taps | {"interval_s": most})

@@ -1,0 +1,223 @@
+"""The gate of all input: regular files within limits, archives within limits, and messages that stay one line."""
+
+from __future__ import annotations
+
+import io
+import os
+import socket
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from fingertip.errors import InputFileError, Issue, escape_control, quote_value, shorten
+from fingertip.input_files import (
+    MAX_MEMBERS,
+    MAX_RATIO,
+    OUTPUT_LIMIT,
+    RECORDING_LIMIT,
+    SAMPLES_LIMIT,
+    TOML_LIMIT,
+    check_archive,
+    check_member,
+    check_regular,
+    read_input,
+)
+from fingertip.output_set import read_manifest
+from tests.conftest import ROOT, run_fingertip
+
+MEGABYTE = 2**20
+
+
+def make_socket(path: Path) -> None:
+    with socket.socket(socket.AF_UNIX) as unix:
+        os.chdir(path.parent)  # its path may have 107 bytes only
+        unix.bind(path.name)
+
+
+ODD_FILES: dict[str, tuple[Callable[[Path], object], str]] = {
+    "pipe": (os.mkfifo, "is a pipe, not a regular file"),
+    "device": (lambda path: path.symlink_to("/dev/zero"), "is a device, not a regular file"),
+    "folder": (Path.mkdir, "is a folder, not a regular file"),
+    "socket": (make_socket, "is a socket, not a regular file"),
+    "missing": (lambda path: None, "cannot be read (No such file or directory)"),
+    "loop": (lambda path: path.symlink_to(path), "cannot be read (Too many levels of symbolic links)"),
+}
+
+
+@pytest.mark.parametrize("kind", ODD_FILES)
+def test_what_is_no_regular_file_is_refused(tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    make, message = ODD_FILES[kind]
+    path = tmp_path / "x.toml"
+    make(path)
+    for refuse in (lambda: read_input(path, TOML_LIMIT), lambda: check_regular(path)):
+        with pytest.raises(InputFileError) as caught:
+            refuse()
+        assert message in str(caught.value)
+        assert str(caught.value).endswith("; give the path of a file.")
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "loop", "missing"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("params", "x"), ("detect", "x"), ("sweep", "x"), ("simulate", "x"), ("build", "x"), ("check", "x"),
+        ("calibrate", "sensor", "fsr400", "x"), ("calibrate", "printer", "fsr400", "x"), ("new", "my", "--hand", "x"),
+        ("board", "fsr400", "--readings", "x"), ("params", "--set", "skin.width_mm=17", "x"), ("validate", "x"),
+        ("simulate", "hard_tap", "--design", "x"), ("detect", "y.csv", "--design", "x"), ("acceptance", "x"),
+    ],
+)  # fmt: skip
+def test_no_command_opens_a_device_or_a_pipe(tmp_path: Path, kind: str, words: tuple[str, ...]) -> None:
+    ODD_FILES[kind][0](tmp_path / "x.toml")
+    given = [str(tmp_path / "x.toml") if word == "x" else word for word in words]
+    done = run_fingertip(*given, PWD=str(tmp_path))
+    assert done.returncode == 2, done.stderr
+    assert ODD_FILES[kind][1] in done.stderr
+
+
+def test_limits_apply_and_may_be_raised(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.toml"
+    path.write_bytes(b"#" * MEGABYTE)
+    assert len(read_input(path, TOML_LIMIT)) == MEGABYTE
+    path.write_bytes(b"#" * (MEGABYTE + 1))
+    done = run_fingertip("params", path)
+    assert "has 1 MB or more; at most 1 MB are read; make it smaller, or raise FINGERTIP_MAX_TOML_MB." in done.stderr
+    monkeypatch.setenv("FINGERTIP_MAX_TOML_MB", "2")
+    assert run_fingertip("params", path).returncode == 0
+    for text in ("nan", "0", "-1", "1.5", "9" * 5000, "two"):
+        monkeypatch.setenv("FINGERTIP_MAX_TOML_MB", text)
+        done = run_fingertip("params", path)
+        assert done.returncode == 2
+        assert "FINGERTIP_MAX_TOML_MB: " in done.stderr
+        assert "is no limit; set it to a whole number of MB above 0, or unset it." in done.stderr
+
+
+def test_a_file_of_the_system_that_states_no_size_is_bounded() -> None:
+    path = Path("/proc/kallsyms")
+    if not path.exists() or path.stat().st_size:
+        pytest.skip("the system has no such file")
+    with pytest.raises(InputFileError, match="at most 1 MB are read"):
+        read_input(path, TOML_LIMIT)
+
+
+def test_the_documentation_states_every_limit() -> None:
+    page = (ROOT / "docs/usage.md").read_text(encoding="utf-8")
+    for limit in (TOML_LIMIT, RECORDING_LIMIT, SAMPLES_LIMIT, OUTPUT_LIMIT):
+        shown = f"{limit.default:,}".replace(",", " ") if limit.unit == 1 else f"{limit.default} MB"
+        assert f"| `{limit.variable}` | {shown} |" in page
+
+
+def archive_of(count: int, size: int = 0) -> io.BytesIO:
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        for number in range(count):
+            archive.writestr(f"{number}", bytes(size))
+    return file
+
+
+def test_archives_of_many_files_are_refused_by_their_directory() -> None:
+    check_archive(archive_of(3))
+    check_archive(io.BytesIO(b"no archive"))
+    check_archive(io.BytesIO(b""))
+    with pytest.raises(zipfile.BadZipFile, match=f"lists {MAX_MEMBERS + 1} files"):
+        check_archive(archive_of(MAX_MEMBERS + 1))
+    file = archive_of(70_000)  # more than a directory of 16 bits counts
+    with pytest.raises(zipfile.BadZipFile, match="lists 70000 files"):
+        check_archive(file)
+
+
+def test_large_files_in_archives_are_refused_by_their_ratio() -> None:
+    (small,) = zipfile.ZipFile(archive_of(1, MEGABYTE)).infolist()
+    check_member(small)
+    (large,) = zipfile.ZipFile(archive_of(1, 33 * MEGABYTE)).infolist()
+    assert large.file_size / large.compress_size > MAX_RATIO
+    with pytest.raises(zipfile.BadZipFile, match=r"'0' unpacks to 33 MB, .* times its size"):
+        check_member(large)
+
+
+def test_a_manifest_that_is_a_device_or_nested_is_none(tmp_path: Path) -> None:
+    (tmp_path / "manifest.json").symlink_to("/dev/zero")
+    assert read_manifest(tmp_path) is None
+    (tmp_path / "manifest.json").unlink()
+    for text in ("[" * 100_000, '{"fingertip": 1}', '"x"', "\0", '{"files": []}'):
+        (tmp_path / "manifest.json").write_text(text)
+        assert read_manifest(tmp_path) is None
+
+
+def test_a_link_to_a_device_in_the_folder_of_a_board_is_a_difference(tmp_path: Path) -> None:
+    assert run_fingertip("board", "--out", tmp_path / "b").returncode == 0
+    layout = tmp_path / "b" / "slip_filter.kicad_pcb"
+    layout.unlink()
+    layout.symlink_to("/dev/zero")
+    done = run_fingertip("board", "--check", "--out", tmp_path / "b")
+    assert done.returncode == 1
+    assert "slip_filter.kicad_pcb: is a device, not a regular file" in done.stdout
+
+
+def test_values_in_messages_are_short_and_on_one_line() -> None:
+    assert quote_value("x" * 100_000) == f"'{'x' * 80}'... (100000 characters)"
+    assert len(quote_value(list(range(10_000)))) < 130
+    assert quote_value(17.5) == "17.5"
+    assert shorten("abc", 3) == "abc"
+    issue = Issue("a\n\x1b[31m", "\x07" + "y" * 50_000 + " \u202e\udcff; keep the end.")
+    assert str(issue).isprintable()
+    assert len(str(issue)) < 5000
+    assert issue.field == "a\\n\\x1b[31m"
+    assert issue.message.endswith("\\u202e\\udcff; keep the end.")
+    assert escape_control("a\tb\n\r", kept="\n\t") == "a\tb\n\\r"
+    assert Issue("", "12 µm, 3 °C ± 1").message == "12 µm, 3 °C ± 1"
+
+
+def test_ten_thousand_unknown_names_are_refused_soon(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text("[skin]\n" + "".join(f"x{i} = {i}\n" for i in range(10_000)))
+    done = run_fingertip("params", tmp_path / "a.toml")
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 201
+    assert "error: and 9800 more; correct these first" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a = " + "[" * 3000 + "]" * 3000, "nests tables and lists more than 12 deep"),
+        ("a = " + "{a=" * 200 + "1" + "}" * 200, "nests tables and lists more than 12 deep"),
+        (".".join("a" * 5000) + " = 1", "nests tables and lists more than 12 deep"),
+        ("[skin]\nwidth_mm = " + "9" * 5000, "holds a number that is too long; write whole numbers of at most 18"),
+        ("[skin]\nwidth_mm = 0x" + "f" * 5000, "holds a number of over 300 digits, which is too large"),
+        ("[skin]\nwidth_mm = 9223372036854775808", "holds 9.223e+18, which is too large; write whole numbers"),
+        ("self = 1", "self: there is no such parameter"),
+        ("[skin]\nself = 1", "skin.self: there is no such parameter"),
+    ],
+)
+def test_odd_toml_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "a.toml").write_text(text)
+    done = run_fingertip("params", tmp_path / "a.toml")
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert len(done.stderr) < 2000
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "skin.width_mm=" + "9" * 5000, "skin.width_mm=" + "[" * 3000, "skin.width_mm=9223372036854775808",
+        ".".join("a" * 3000) + "=1", "skin.\udcff=1", "skin.width_mm=\udcff", "skin=1", "=", "self=1", "skin.self=1",
+        "skin.width_mm=\x1b[31m", "name=\x1b[31m", "skin.width_mm.x=1", "\x1b=1", "skin.width_mm=" + "x" * 100_000,
+    ],
+)  # fmt: skip
+def test_odd_changes_are_refused(change: str) -> None:
+    done = run_fingertip("params", "--set", change)
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: ")
+    assert done.stderr.removesuffix("\n").isprintable()
+    assert len(done.stderr) < 2000
+
+
+def test_a_path_with_nul_is_refused(tmp_path: Path) -> None:
+    for text in ('design = "a\\u0000b"', 'design = "a\\u0000b.toml"', f'design = "{"x" * 300}"', 'design = ""'):
+        (tmp_path / "s.toml").write_text(f"{text}\noutputs = []\n[axes]\nskin.width_mm = [17]\n")
+        done = run_fingertip("sweep", tmp_path / "s.toml", "--out", tmp_path / "out")
+        assert done.returncode == 2, text
+        assert done.stderr.startswith("error: ")

@@ -1,0 +1,102 @@
+"""Runs of cases in this process, each within a time limit and with its own peak of memory."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import signal
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import FrameType
+
+from tools.fuzz.cases import Case
+from tools.fuzz.outcome import TIME_LIMIT_S, WAIT_LIMIT_S, Outcome, read_delay_s
+
+
+class TimeIsUpError(BaseException):
+    """The time limit of a case was reached. No command catches it, as it is no Exception."""
+
+
+@contextlib.contextmanager
+def _time_limit() -> Iterator[None]:
+    start_s, delay_s = time.monotonic(), read_delay_s()
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        # On a loaded machine most of the time is spent in waiting for a processor, which is no fault of the case.
+        waited_s = time.monotonic() - start_s - (read_delay_s() - delay_s)
+        if number == signal.SIGALRM and waited_s < WAIT_LIMIT_S:
+            signal.setitimer(signal.ITIMER_REAL, WAIT_LIMIT_S - waited_s)
+        else:
+            raise TimeIsUpError
+
+    timers = ((signal.ITIMER_PROF, signal.SIGPROF, TIME_LIMIT_S), (signal.ITIMER_REAL, signal.SIGALRM, WAIT_LIMIT_S))
+    before = [signal.signal(number, stop) for _, number, _ in timers]
+    for timer, _, seconds in timers:
+        signal.setitimer(timer, seconds)
+    try:
+        yield
+    finally:
+        for timer, _, _ in timers:
+            signal.setitimer(timer, 0)
+        for (_, number, _), handler in zip(timers, before, strict=True):
+            signal.signal(number, handler)
+
+
+def _forget_peak() -> None:
+    """Let the system count the peak of memory anew, where it can."""
+    with contextlib.suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+
+
+def _read_peak() -> int:
+    with contextlib.suppress(OSError):
+        for line in Path("/proc/self/status").read_text().splitlines():
+            if line.startswith("VmHWM:"):
+                return 1024 * int(line.split()[1])
+    return 0
+
+
+def write_files(files: Mapping[str, bytes], folder: Path) -> None:
+    """Write the files of a case."""
+    for name, data in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(data)
+
+
+def run(case: Case, folder: Path) -> Outcome:
+    """Run a case in a folder."""
+    from fingertip.cli import app
+
+    write_files(case.files, folder)
+    streams = [io.TextIOWrapper(io.BytesIO(), "utf-8", errors=how) for how in ("strict", "backslashreplace")]
+    code: int | None = None
+    before = sys.stdout, sys.stderr, sys.stdin, os.getcwd()
+    with open(os.devnull, encoding="utf-8") as nothing:
+        sys.stdout, sys.stderr, sys.stdin = streams[0], streams[1], nothing
+        os.chdir(folder)
+        _forget_peak()
+        start_s = time.process_time()
+        try:
+            with _time_limit():
+                app(list(case.words), prog_name="fingertip")
+            code = 0
+        except SystemExit as end:
+            code = end.code if isinstance(end.code, int) else 0 if end.code is None else 1
+        except TimeIsUpError:
+            code = None
+        except Exception as error:  # what the last resort of the command line does not reach
+            print(f"Traceback (most recent call last): {type(error).__name__}: {error}", file=streams[1])
+            code = 70
+        finally:
+            seconds = time.process_time() - start_s
+            sys.stdout, sys.stderr, sys.stdin = before[:3]
+            os.chdir(before[3])
+    texts = []
+    for stream in streams:
+        stream.flush()
+        texts.append(stream.buffer.getvalue().decode("utf-8", "backslashreplace"))
+    return Outcome(code, texts[0], texts[1], _read_peak(), seconds)

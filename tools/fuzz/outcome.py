@@ -1,0 +1,91 @@
+"""Outcome of a case, and the faults it shows."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from tools.fuzz.cases import Case
+
+TIME_LIMIT_S = 10.0
+"""Processor time of a case, which does not depend on what else the machine does [s]."""
+WAIT_LIMIT_S = 60.0
+"""Time of a case that waits for something other than a processor [s]."""
+MEMORY_LIMIT_BYTES = 2**30
+EXIT_CODES = frozenset({0, 1, 2})
+"""Documented exit codes, but those of faults of the program and of interruptions."""
+MAX_LINE = 5000
+_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e]")
+_ANSI_STYLE = re.compile("\x1b\\[[0-9;]*m")
+
+
+def read_delay_s(process: int | str = "self") -> float:
+    """Return how long a process was ready and waited for a processor [s]; 0 where the system does not say."""
+    try:
+        return int(Path(f"/proc/{process}/schedstat").read_text().split()[1]) / 1e9
+    except (OSError, IndexError, ValueError):
+        return 0.0
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Result of a run."""
+
+    code: int | None
+    """Exit code; None if the run was ended at the time limit."""
+    stdout: str
+    stderr: str
+    peak_bytes: int
+    """Largest memory that was resident."""
+    seconds: float
+
+
+def find_faults(case: Case, outcome: Outcome, folder: Path) -> Iterator[str]:
+    """Yield the faults of a run: kind and detail."""
+    if outcome.code is None:
+        yield f"hang: no end after {outcome.seconds:.0f} s"
+        return
+    if outcome.peak_bytes > MEMORY_LIMIT_BYTES:
+        yield f"memory: {outcome.peak_bytes / 2**20:.0f} MB"
+    if outcome.code == 70 or "Traceback (most recent call last)" in outcome.stderr:
+        yield f"traceback: {outcome.stderr[-600:]}"
+    elif outcome.code not in EXIT_CODES or (outcome.code == 1 and not case.may_fail):
+        yield f"exit code: {outcome.code}"
+    if outcome.code == 2 and "rror" not in outcome.stderr:
+        yield "silent: refused without a message"
+    for name, text in (("stdout", outcome.stdout), ("stderr", _ANSI_STYLE.sub("", outcome.stderr))):
+        if found := _CONTROL.search(text):
+            yield f"control: {found[0]!r} on {name}"
+    longest = max(map(len, outcome.stderr.splitlines()), default=0)
+    if longest > MAX_LINE:
+        yield f"length: a line of {longest} characters on stderr"
+    if outcome.code == 0 and case.promise:
+        try:
+            _PROMISES[case.promise](outcome, folder)
+        except Exception as error:
+            yield f"invalid: {type(error).__name__}: {str(error)[:300]}"
+
+
+def _check_design(outcome: Outcome, folder: Path) -> None:
+    """Check that the design that was printed can be read, is valid and is printed again alike."""
+    from fingertip.design import Design
+    from fingertip.design.export import to_toml
+
+    path = folder / "printed.toml"
+    path.write_text(outcome.stdout, encoding="utf-8")
+    assert to_toml(Design.load(path)).strip() == outcome.stdout.strip()
+
+
+def _check_detection(outcome: Outcome, folder: Path) -> None:
+    """Check that the detection is JSON whose intervals are finite and in order."""
+    found = json.loads(outcome.stdout)
+    times = [interval[key] for interval in found["intervals"] for key in ("onset_s", "end_s")]
+    assert all(time is not None and math.isfinite(time) for time in times), times
+    assert times == sorted(times), times
+
+
+_PROMISES = {"design": _check_design, "detection": _check_detection}

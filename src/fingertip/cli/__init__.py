@@ -26,6 +26,7 @@ from fingertip.cli.params import params
 from fingertip.cli.picture import picture
 from fingertip.cli.sheet import sheet
 from fingertip.cli.simulate import simulate
+from fingertip.cli.studio import studio
 from fingertip.cli.sweep import sweep
 from fingertip.cli.validate import validate
 
@@ -49,6 +50,7 @@ app.command()(params)
 app.command()(picture)
 app.command()(drawing)
 app.command()(page)
+app.command()(studio)
 app.command()(board)
 app.command()(simulate)
 app.command()(detect)

@@ -16,14 +16,14 @@ _CLOSEST = 8
 """Number of checks that are listed as the closest to their limits."""
 
 
-def render_verdict(report: Mapping[str, Any]) -> Markup:
-    """Render in one line whether the parts passed their checks."""
+def render_verdict(report: Mapping[str, Any], passed: str = "of the parts passed") -> Markup:
+    """Render in one line whether the parts passed their checks; `passed` ends the sentence if they did."""
     checks = report["checks"]
     failed = [check for check in checks if not check["passed"]]
     if failed:
         text = f"✗ {len(failed)} of {len(checks)} checks failed: do not print these parts"
     else:
-        text = f"✓ All {len(checks)} checks of the parts passed"
+        text = f"✓ All {len(checks)} checks {passed}"
     return element("p", text, class_=f"verdict {'failed' if failed else 'passed'}")
 
 

@@ -15,7 +15,7 @@ from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.verify import check_parts, check_strength, verify
 from fingertip.design import Design
 from fingertip.errors import FingertipError
-from fingertip.page.checks_section import render_checks, render_verdict
+from fingertip.page.checks_section import EVERY_FILE, render_checks, render_verdict
 from fingertip.page.model_section import render_boxes
 from fingertip.page.moves import shapes_of_parameters
 from fingertip.page.scene import Item, place_items, scene_data
@@ -88,8 +88,11 @@ def answer_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
     checks += check_strength(design, strength)
     still_wanted()
     moved = shapes_of_parameters(design)
-    note = "of the shape passed, on coarse meshes; those of the files follow on demand"
-    return _describe_checks(checks, strength_data(strength), note) | {
+    basis = (
+        f"Checked on meshes within {VIEW_TOLERANCE_MM:g} mm of the exact surface, coarser than those of the files, "
+        "which have checks of their own. A check that fails names the parameters to change."
+    )
+    return _describe_checks(checks, strength_data(strength), "of the shape passed", basis) | {
         "moves": {path: [*items] for path, items in moved.items()}
     }
 
@@ -103,10 +106,12 @@ def answer_all_checks(design: Design, still_wanted: StillWanted) -> dict[str, An
     evaluator = MeshEvaluator(FILE_TOLERANCE_MM)
     found = verify(design, parts_by_name(design), ("stl", "3mf"), evaluator, go_on)
     strength = None if found.strength is None else strength_data(found.strength)
-    return _describe_checks(found.checks, strength, "of the shape and of the files passed")
+    return _describe_checks(found.checks, strength, "of shape and files passed", EVERY_FILE)
 
 
-def _describe_checks(checks: Sequence[Check], strength: Mapping[str, Any] | None, note: str) -> dict[str, Any]:
+def _describe_checks(
+    checks: Sequence[Check], strength: Mapping[str, Any] | None, passed: str, basis: str
+) -> dict[str, Any]:
     report: dict[str, Any] = {"checks": [check.to_dict() for check in checks]}
     if strength:
         report["strength"] = strength
@@ -115,8 +120,8 @@ def _describe_checks(checks: Sequence[Check], strength: Mapping[str, Any] | None
         "passed": not failed,
         "failed": failed,
         "count": len(checks),
-        "verdict": render_verdict(report, note),
-        "checks": render_checks(report),
+        "verdict": render_verdict(report, passed),
+        "checks": render_checks(report, basis),
     }
 
 

@@ -57,10 +57,10 @@ def download_resin_plate(design: Design, still_wanted: StillWanted) -> Download:
 
 
 DOWNLOADS: Mapping[str, tuple[str, Callable[[Design, StillWanted], Download]]] = {
-    "design": ("design (TOML)", download_design),
-    "stl": ("all parts (STL, zip)", download_parts),
-    "plate_fdm": ("plate for filament (3MF)", download_filament_plate),
-    "plate_sla": ("plate for resin (3MF)", download_resin_plate),
+    "design": ("design.toml", download_design),
+    "stl": ("parts.zip (STL)", download_parts),
+    "plate_fdm": ("filament plate (3MF)", download_filament_plate),
+    "plate_sla": ("resin plate (3MF)", download_resin_plate),
 }
 """Name in the address -> label of its button, and function that makes the file."""
 

@@ -42,9 +42,7 @@ def render_studio(design: Design, token: str) -> bytes:
         element("header", element("h1", f"Studio: {design.name}"), element("p", _LEAD, class_="lead")),
         _render_bar(),
         element("main", element("section", beside), _render_checks(), id="content"),
-        element(
-            "footer", element("p", "Served to this machine alone. Ctrl-C in the terminal ends it.")
-        ),
+        element("footer", element("p", "Served to this machine alone. Ctrl-C in the terminal ends it.")),
         element("script", scene_json(items), type="application/json", id="scene"),
     )
     style = read_asset("page.css") + read_asset("studio.css", __package__)
@@ -78,9 +76,8 @@ def _render_checks() -> Markup:
         "section",
         element("h2", "Checks", id="checks-title"),
         element(
-            "p", f"Each change is checked on meshes within {VIEW_TOLERANCE_MM:g} mm. ",
-            element("button", "make the files and check all", type="button", id="check-all"),
-            f" does what fingertip check does, at {FILE_TOLERANCE_MM:g} mm.",
+            "div", element("button", "make the files and check all", type="button", id="check-all"),
+            element("span", "as fingertip check does, in some seconds", class_="hint"), class_="row",
         ),
         element("div", "", id="checks"), aria_labelledby="checks-title",
     )  # fmt: skip

@@ -141,9 +141,9 @@ class _Handler(BaseHTTPRequestHandler):
             self.close_connection = True  # its body may not have been read
             self._send_json(refused.status, {"error": str(refused)})
         except SupersededError:
-            self._send_json(HTTPStatus.CONFLICT, {"error": "A newer request took the place of this one."})
-        except FingertipError as error:
-            self._send_json(HTTPStatus.UNPROCESSABLE_ENTITY, {"issues": describe_issues(error)})
+            self._send_json(HTTPStatus.OK, {"superseded": True})
+        except FingertipError as error:  # a result like any other: browsers log other statuses as errors
+            self._send_json(HTTPStatus.OK, {"issues": describe_issues(error)})
         except Exception:
             traceback.print_exc()
             message = "The studio failed at this request; its terminal shows where. This is a bug in fingertip."

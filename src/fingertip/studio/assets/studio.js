@@ -5,6 +5,8 @@
   const root = document.documentElement;
   const view = globalThis.fingertipView; // undefined in a browser without WebGL
   const client = crypto.randomUUID();
+  const MAX_LINKS = 3; // to refused parameters, beside their number
+  const SILENCE = '✗ The studio does not answer: start it again in its terminal, and open the address that it shows.';
   const byId = (id) => document.getElementById(id);
 
   const fields = [...document.querySelectorAll('.field')].map((element) => {
@@ -38,13 +40,12 @@
   const hasChanged = (field) => (isNumber(field) && field.input.value !== ''
     ? Number(field.input.value) !== Number(field.initial) : field.input.value !== field.initial);
 
-  async function ask(address) {
-    const response = await fetch(`/api/${address}`, {
+  function ask(address) {
+    return fetch(`/api/${address}`, {
       method: 'POST',
       headers: { 'Content-Type': 'application/json', 'X-Fingertip-Token': root.dataset.token },
       body: JSON.stringify({ client, tables: collect() }),
     });
-    return response;
   }
 
   function say(text, kind) {
@@ -96,15 +97,28 @@
     }
   }
 
-  const OLD_PARTS = 'the view shows the last design that passed';
-  async function fail(response) {
-    if (response.status === 409) return; // a newer request is under way
+  // The answer of a request; null if there is none to show, and the page then says why.
+  async function receive(response) {
     const answer = await response.json();
+    if (answer.superseded) return null; // by a newer request of this page
     if (answer.issues) {
       showRefusals(answer.issues);
-      say(`✗ ${answer.issues.length} refused: ${OLD_PARTS}`, 'failed');
-    } else say(`✗ ${answer.error}`, 'failed');
+      say(`✗ ${answer.issues.length} refused; the view shows the last design that passed: `, 'failed');
+      for (const { field } of answer.issues.filter((issue) => byId(`p-${issue.field}`)).slice(0, MAX_LINKS)) {
+        const link = document.createElement('a');
+        link.href = `#p-${field}`;
+        link.textContent = field;
+        byId('verdict').firstChild.append(link, ' ');
+      }
+      return null;
+    }
+    if (answer.error) {
+      say(`✗ ${answer.error}`, 'failed');
+      return null;
+    }
+    return answer;
   }
+  const isFile = (response) => response.headers.has('Content-Disposition');
 
   let isBusy = false;
   let changedAt = null; // when the oldest change that was not sent yet was made
@@ -116,20 +130,19 @@
       while (changedAt !== null) {
         const started = changedAt;
         changedAt = null;
-        const response = await ask('parts');
-        if (response.ok) {
-          const { scene, boxes } = await response.json();
+        const answer = await receive(await ask('parts'));
+        if (answer) {
           showRefusals([]);
-          view?.replace(scene, boxes);
+          view?.replace(answer.scene, answer.boxes);
           await view?.drawn();
           const taken = performance.now() - started;
           root.dataset.changeMs = String(Math.round(taken));
           byId('change-time').textContent = `drawn in ${(taken / 1000).toFixed(2)} s`;
           if (changedAt === null) await check('checks');
-        } else await fail(response);
+        }
       }
     } catch {
-      say('✗ The studio does not answer: start it again in its terminal, and open the address that it shows.', 'failed');
+      say(SILENCE, 'failed');
     } finally {
       isBusy = false;
       delete root.dataset.busy;
@@ -143,9 +156,12 @@
     const waiting = new Promise((resolve) => { interrupt = () => resolve(null); });
     const response = await Promise.race([asked, waiting]);
     interrupt = () => {};
-    if (response === null) return asked.catch(() => {}); // let go of its answer, in the background
-    if (!response.ok) return fail(response);
-    const answer = await response.json();
+    if (response === null) {
+      asked.catch(() => {}); // nobody waits for its answer any more
+      return undefined;
+    }
+    const answer = await receive(response);
+    if (!answer) return undefined;
     byId('verdict').innerHTML = answer.verdict;
     byId('checks').innerHTML = answer.checks;
     root.dataset.checked = String(answer.count);
@@ -221,7 +237,7 @@
 
   byId('check-all').addEventListener('click', async ({ target }) => {
     target.disabled = true;
-    await check('all-checks').catch(() => say('✗ The studio does not answer.', 'failed'));
+    await check('all-checks').catch(() => say(SILENCE, 'failed'));
     target.disabled = false;
   });
   for (const button of document.querySelectorAll('[data-download]')) {
@@ -229,7 +245,7 @@
       button.disabled = true;
       try {
         const response = await ask(`download/${button.dataset.download}`);
-        if (!response.ok) await fail(response);
+        if (!isFile(response)) await receive(response);
         else {
           const link = document.createElement('a');
           link.href = URL.createObjectURL(await response.blob());
@@ -238,7 +254,7 @@
           setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
         }
       } catch {
-        say('✗ The studio does not answer: start it again in its terminal, and open the address that it shows.', 'failed');
+        say(SILENCE, 'failed');
       }
       button.disabled = false;
     });

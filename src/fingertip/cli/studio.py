@@ -24,6 +24,7 @@ def studio(
     quiet: QuietOption = False,
 ) -> None:
     """Serve a page on this machine where sliders change a design: its parts and checks follow, files are downloaded."""
+    import contextlib
     import webbrowser
 
     from fingertip.cli.load import load_design
@@ -32,11 +33,10 @@ def studio(
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes, console.progress)
     with StudioServer(loaded, DEFAULT_PORT if port is None else port) as server:
-        console.result({"url": server.url, "port": server.server_port}, f"studio: {server.url}")
-        console.progress("Ctrl-C ends it")
-        if not no_browser and not webbrowser.open(server.url):
-            console.progress("no browser was found; open the address above in one of this machine")
-        try:
+        with contextlib.suppress(KeyboardInterrupt):  # the way to end it, no failure
+            console.result({"url": server.url, "port": server.server_port}, f"studio: {server.url}")
+            console.progress("Ctrl-C ends it")
+            if not no_browser and not webbrowser.open(server.url):
+                console.progress("no browser was found; open the address above in one of this machine")
             server.serve_forever()
-        except KeyboardInterrupt:  # the way to end it, no failure
-            console.progress("studio ended")
+        console.progress("studio ended")

@@ -62,7 +62,14 @@ def _render_field(field: Field, design: Design, items: tuple[str, ...]) -> Marku
         if slider := field.slider:
             controls.append(_render_slider(field.path, slider, value))
         controls.append(
-            element("input", type="number", id=name, value=f"{value:.12g}", step="any", aria_describedby=described)
+            element(
+                "input",
+                type="number",
+                id=name,
+                value=repr(value).removesuffix(".0"),
+                step="any",
+                aria_describedby=described,
+            )
         )
         controls.append(element("span", field.unit, class_="unit"))
     shapes = element(

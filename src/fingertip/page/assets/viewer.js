@@ -35,7 +35,10 @@
       else target.removeAttribute('tabindex');
     }
   });
-  for (const box of document.querySelectorAll('.scroll')) watcher.observe(box);
+  globalThis.fingertipWatch = (within) => {
+    for (const box of within.querySelectorAll('.scroll')) watcher.observe(box);
+  };
+  globalThis.fingertipWatch(document);
 
   const canvas = byId('canvas');
   if (!canvas) return;

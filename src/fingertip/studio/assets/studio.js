@@ -164,6 +164,7 @@
     if (!answer) return undefined;
     byId('verdict').innerHTML = answer.verdict;
     byId('checks').innerHTML = answer.checks;
+    globalThis.fingertipWatch(byId('checks'));
     root.dataset.checked = String(answer.count);
     for (const button of answer.moves ? document.querySelectorAll('[data-named]') : []) {
       const items = answer.moves[button.dataset.named] ?? [];

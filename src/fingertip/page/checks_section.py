@@ -15,7 +15,7 @@ _SIGNS = {"at most": "≤", "at least": "≥", "exactly": "="}
 _CLOSEST = 8
 """Number of checks that are listed as the closest to their limits."""
 EVERY_FILE = "Every file was read back and measured. A check that fails names the parameters to change."
-"""What was checked by a build."""
+"""Sentences on the checks of a build."""
 
 
 def render_verdict(report: Mapping[str, Any], passed: str = "of the parts passed") -> Markup:

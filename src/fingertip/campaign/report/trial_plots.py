@@ -20,7 +20,7 @@ from fingertip.campaign.run import scene_surface
 from fingertip.campaign.studies.article_figures import WINDOW_DETECTOR, WINDOWS_S, with_window
 from fingertip.design import Design
 from fingertip.jit import compiled
-from fingertip.plot_style import new_figure, style_axes, to_png
+from fingertip.plot_style import BLUE, ORANGE, REFERENCE, SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 from fingertip.slip import ChainSettings, SlipChain, Trace, make_detector
@@ -29,9 +29,8 @@ from fingertip.slip.intervals import intervals
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_VOLTAGE, _ENVELOPE, _TRUTH, _FORCE = "#1f4e79", "#d98c2b", "#7fb3a6", "#4a5157"
-_REFERENCE = "#b0b7bf"
-_FINGERS = {"thumb": "#1f4e79", "index": "#b03a2e", "middle": "#d98c2b", "ring": "#2e7d5b", "little": "#8a5aa0"}
+_VOLTAGE, _ENVELOPE, _FORCE = BLUE, ORANGE, TEXT_COLOUR
+_FINGERS = dict(zip(("thumb", "index", "middle", "ring", "little"), SERIES, strict=True))
 SHORT_WINDOW_S = 0.01
 """Window in which a contact is reported as slip in the article's figure 5 [s]."""
 DETECTORS_SHOWN = ("analog", "digital", "fast")
@@ -124,7 +123,7 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     touching = np.flatnonzero(np.asarray(trace.force_n) > 0.0)
     for axes in (force, voltage, envelope, on):
         for at in (touching[0], touching[-1]) if touching.size else ():
-            axes.axvline(float(t[at]), color="#9aa1a8", linestyle="--", linewidth=1)
+            axes.axvline(float(t[at]), color=REFERENCE, linestyle="--", linewidth=1)
     title = f"{example.title}; grey dashes: contact and release; green: slip ({NOTE})"
     force.set_title(title, loc="left", fontsize=10)
     on.set_xlabel("time [s]")
@@ -223,8 +222,8 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
     periods = np.array([decision.time_s for decision in trial.decisions])
     rows = (
         ("used", intervals(periods, flags[:, 0] & ~flags[:, 1]), COLOURS.get(trial.detector, OTHER_COLOUR)),
-        ("suppressed", intervals(periods, flags[:, 0] & flags[:, 1]), _REFERENCE),
-        ("true slip", intervals(t, any_finger_slips(manipulation)), _TRUTH),
+        ("suppressed", intervals(periods, flags[:, 0] & flags[:, 1]), REFERENCE),
+        ("true slip", intervals(t, any_finger_slips(manipulation)), TRUTH),
     )
     for row, (_, found, color) in enumerate(rows):
         spans = [(i.onset_s, max(i.end_s - i.onset_s, 0.01)) for i in found]
@@ -235,11 +234,11 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
     for decision in trial.decisions:
         if decision.tightened:
             for axes in panels:
-                axes.axvline(decision.time_s, color="#4a5157", linestyle=":", linewidth=1)
-    displacement.plot(t, 1000 * manipulation.signals.object_m, color="#1f4e79", label="with control")
+                axes.axvline(decision.time_s, color=TEXT_COLOUR, linestyle=":", linewidth=1)
+    displacement.plot(t, 1000 * manipulation.signals.object_m, color=BLUE, label="with control")
     other = uncontrolled.manipulation
     label = f"without control: {'held' if uncontrolled.held else 'lost'}"
-    displacement.plot(other.time_s, 1000 * other.signals.object_m, color=_REFERENCE, label=label)
+    displacement.plot(other.time_s, 1000 * other.signals.object_m, color=REFERENCE, label=label)
     displacement.set_ylabel("object [mm]")
     displacement.set_xlabel(f"time [s]; dotted: grip tightened ({NOTE})")
     displacement.legend(frameon=False, fontsize=9, loc="upper left")
@@ -263,7 +262,7 @@ def _draw_rows(
     named = [*rows, ("true slip", trace.slip)]
     for row, (name, flags) in enumerate(named):
         spans = [(i.onset_s, max(i.end_s - i.onset_s, 0.004)) for i in intervals(trace.time_s, flags)]
-        color = _TRUTH if name == "true slip" else COLOURS.get(name, "#1f4e79")
+        color = TRUTH if name == "true slip" else COLOURS.get(name, BLUE)
         axes.broken_barh(spans, (row - 0.35, 0.7), color=color, linewidth=0)
     axes.set_yticks(range(len(named)), [name for name, _ in named])
     axes.set_ylim(len(named) - 0.4, -0.6)
@@ -273,4 +272,4 @@ def _draw_rows(
 def _shade_slip(axes: Axes, trace: Trace) -> None:
     assert trace.slip is not None
     for slip in intervals(trace.time_s, trace.slip):
-        axes.axvspan(slip.onset_s, slip.end_s, color=_TRUTH, alpha=0.25, linewidth=0)
+        axes.axvspan(slip.onset_s, slip.end_s, color=TRUTH, alpha=0.25, linewidth=0)

@@ -16,6 +16,9 @@ Colour = tuple[float, float, float]
 _CREASE_COSINE = math.cos(math.radians(35.0))
 """Cosine of the angle between facets above which they are shaded as separate surfaces."""
 
+_FROM_BELOW = -0.2
+"""Dorsal component of the direction to the viewer below which the view is one from below."""
+
 
 @dataclass(frozen=True)
 class Camera:
@@ -120,8 +123,10 @@ def _shades(mesh: Mesh, camera: Camera) -> Array:
     length = np.linalg.norm(cross, axis=1, keepdims=True)
     facet = np.divide(cross, length, out=np.zeros_like(cross), where=length > 0)
     normal = _smooth_normals(mesh, cross, facet)
-    # Directional light from behind the viewer's left shoulder, plus ambient light.
-    lamp = camera.axes.T @ (np.array([-0.45, 0.6, 0.66]))
+    # Directional light from behind the viewer's left shoulder, plus ambient light. Who looks from below holds the lamp
+    # below, or the faces seen would lie in the shade, and what is engraved in them with them.
+    up = 0.6 if camera.axes[2, 1] >= _FROM_BELOW else -0.6
+    lamp = camera.axes.T @ (np.array([-0.45, up, 0.66]))
     light = 0.42 + 0.58 * np.clip(normal @ lamp, 0.0, 1.0)
     towards = np.repeat((facet @ camera.axes[2])[:, None], 3, axis=1)
     return np.stack((light, towards), axis=2)

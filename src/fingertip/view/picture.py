@@ -84,7 +84,7 @@ def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] =
         progress(f"drawing: {title}")
         marks = (mark,) if title == "dorsal view" else ()
         panels.append(_draw_panel(title, placed, camera, width, labels=_PART_LABELS, marks=marks))
-    for section in list_sections(design):
+    for section in list_sections(design, evaluator):
         progress(f"drawing: {section.title.partition(';')[0]}")
         panels.append(draw_section(section, evaluator, width_px))
     if design.dimensions.joint:
@@ -154,7 +154,8 @@ def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
     """Move the parts apart: mold halves above and below, and between them the bone with its sensor and the skin."""
     size = {name: np.ptp(mesh.vertices, axis=0) for name, mesh in parts.items()}
     gap = 6.0
-    spread = size["bone"][1] + size["mold_palmar"][1] / 2 + 2 * gap
+    # So far that no half hides the bone, from above or from the palm
+    spread = 1.25 * (size["bone"][1] + size["mold_palmar"][1] / 2) + 2 * gap
     shift = {
         "mold_dorsal": (0.0, spread, 0.0),
         "skin": (0.0, 0.0, size["skin"][2] * 0.55 + gap),

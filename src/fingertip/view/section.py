@@ -41,6 +41,9 @@ _CUT_SHADE = 0.88
 """Brightness of a cut, over that of the part's surface."""
 _INK, _NAME_INK = (40, 40, 40), (25, 45, 90)
 _FONT_PX, _ROW_PX, _GAP_PX, _LINE_PX = 17, 26, 14, 16
+_CHEEK_PLANES = 6
+_NEAR_MM = 1.3
+"""Distance from an outline within which a feature counts as shown [mm]."""
 _BESIDE_MM = 0.05
 """Distance of a dashed outline's plane from the axis of what it shows, whose facets end there [mm]."""
 
@@ -60,24 +63,40 @@ class Section:
     title: str
     parts: Mapping[str, Solid]
     dashed: Sequence[tuple[Solid, float]]
-    """Solids in front of or behind the plane, each with the x of the plane in which it is drawn."""
+    """Solids that are drawn dashed, each with the x of the plane in which it is cut."""
     features: Sequence[Feature]
 
 
-def list_sections(design: Design) -> list[Section]:
+def list_sections(design: Design, evaluator: MeshEvaluator) -> list[Section]:
     """List the sections of a design: of the closed mold, and of the bone where it does not lie in it."""
     solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
     finger = {name: solids[name] for name in ("bone", "lid") if name in solids} | {"sensor": sensor_body(design)}
     mold = {name: solids[name] for name in ("mold_dorsal", "mold_palmar", "skin")}
-    dashed, of_mold, of_bone = _list_ways(design), list(_list_mold_features(design)), list(_list_bone_features(design))
+    ways, of_mold, of_bone = _list_ways(design), list(_list_mold_features(design)), list(_list_bone_features(design))
     title = "longitudinal section of the closed mold; dashed: in front of or behind the plane of the section"
+    # The window of a folded tail leaves nothing of the base in the middle: a cheek beside it is shown.
+    dims = design.dimensions
+    cheeks = [(solids["bone"], _find_cheek(design, solids["bone"], evaluator))] if dims.fold else []
     if "core" in solids:
         mold["core"] = solids["core"]
+        beside = "; dashed: a cheek beside the window" if cheeks else ""
         return [
-            Section(title, mold, dashed, of_mold),
-            Section("longitudinal section of the bone with its sensor", finger, (), of_bone),
+            Section(title, mold, ways, of_mold),
+            Section(f"longitudinal section of the bone with its sensor{beside}", finger, cheeks, of_bone),
         ]
-    return [Section(title, mold | finger, dashed, [*of_mold, *of_bone])]
+    return [Section(title, mold | finger, [*ways, *cheeks], [*of_mold, *of_bone])]
+
+
+def _find_cheek(design: Design, bone: Solid, evaluator: MeshEvaluator) -> float:
+    """Find the plane x beside the window of a folded tail in which the bone is longest [mm]."""
+    low, high = design.dimensions.tail_half_width, design.dimensions.bone_outline.section.half_width
+    planes = [low + (high - low) * (i + 0.5) / _CHEEK_PLANES for i in range(_CHEEK_PLANES)]
+
+    def length(x: float) -> float:
+        corners = np.concatenate(slice_solid(evaluator, bone, x))[:, 0]
+        return round(float(np.ptp(corners)), 3)
+
+    return max(planes, key=length)
 
 
 def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> NDArray[np.uint8]:
@@ -87,12 +106,15 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
     font = ImageFont.load_default(size=_FONT_PX * _FINE)
     assert isinstance(font, ImageFont.FreeTypeFont)
     cuts = {name: slice_solid(evaluator, solid, _PLANE_MM) for name, solid in section.parts.items()}
-    corners = np.concatenate([ring for rings in cuts.values() for ring in rings])
+    dashed = [slice_solid(evaluator, solid, x) for solid, x in section.dashed]
+    corners = np.concatenate([ring for rings in (*cuts.values(), *dashed) for ring in rings])
     low, high = corners.min(axis=0), corners.max(axis=0)
     scale = 0.8 * width_px / (high[0] - low[0])
     size = (high - low) * scale
-    upper = [feature for feature in section.features if feature.at[1] >= 0]
-    lower = [feature for feature in section.features if feature.at[1] < 0]
+    outlines = [ring for rings in (*cuts.values(), *dashed) for ring in rings]
+    features = [one for one in dict.fromkeys(section.features) if is_near(one.at, outlines)]
+    upper = [feature for feature in features if feature.at[1] >= 0]
+    lower = [feature for feature in features if feature.at[1] < 0]
     above, below = (_place_names(names, font, low[0], scale, width_px, size[0]) for names in (upper, lower))
     head = _ROW_PX + 14
     top = head + _ROW_PX * _count_rows(above) + _LINE_PX
@@ -106,8 +128,8 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
 
     for name, rings in cuts.items():
         _fill(picture, [[to_pixel(corner) for corner in ring] for ring in rings], _colour_of(name))
-    for solid, x in section.dashed:
-        for ring in slice_solid(evaluator, solid, x):
+    for rings in dashed:
+        for ring in rings:
             _dash(pen, [to_pixel(corner) for corner in (*ring, ring[0])])
     for names, line_y, way in ((above, top - _LINE_PX, -1), (below, top + size[1] + _LINE_PX, 1)):
         for placed in names:
@@ -116,6 +138,23 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
     picture = picture.resize((width_px, height_px), Image.Resampling.BOX)
     draw_scale_bar(ImageDraw.Draw(picture), (16.0, height_px - 16.0), scale)
     return np.asarray(picture)
+
+
+def is_near(point: Point, outlines: Sequence[Array]) -> bool:
+    """Return whether a point lies within an outline or close to one: the section then shows what is there."""
+    at = np.array(point)
+    is_inside = False
+    for ring in outlines:
+        a, b = ring, np.roll(ring, -1, axis=0)
+        along = b - a
+        squares = np.maximum((along * along).sum(axis=1), 1e-12)
+        share = np.clip(((at - a) * along).sum(axis=1) / squares, 0.0, 1.0)
+        if np.hypot(*(a + share[:, None] * along - at).T).min() <= _NEAR_MM:
+            return True
+        crosses = (a[:, 1] > at[1]) != (b[:, 1] > at[1])
+        x = a[:, 0] + (at[1] - a[:, 1]) / np.where(crosses, along[:, 1], 1.0) * along[:, 0]
+        is_inside |= bool(np.count_nonzero(crosses & (x > at[0])) % 2)
+    return is_inside
 
 
 def slice_solid(evaluator: MeshEvaluator, solid: Solid, x: float) -> list[Array]:

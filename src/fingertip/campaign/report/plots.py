@@ -11,6 +11,7 @@ from fingertip.plot_style import BLUE, ORANGE, PURPLE, RED, SHADES, TEAL, TEXT_C
 
 COLOURS = {"analog": BLUE, "digital": TEAL, "fft": ORANGE, "fast": RED}
 """Colour of each detector."""
+MARKERS = {"analog": "s", "digital": "o", "fft": "^", "fast": "D"}
 OTHER_COLOUR = PURPLE
 """Colour of a detector that has none of its nominal."""
 NOTE = "simulated, held-out seeds"
@@ -71,7 +72,9 @@ def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
     top.set_title(f"{detector}: delay by surface and velocity ({NOTE})", loc="left", fontsize=10)
     for axes, label in ((top, "mean delay [ms]"), (bottom, "mean and standard deviation [ms]")):
         axes.set_ylabel(label)
-        axes.legend(frameon=False, ncols=3, fontsize=9)
+        axes.legend(
+            frameon=False, ncols=3, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2
+        )  # fmt: skip
         style_axes(axes)
     return to_png(figure)
 
@@ -99,7 +102,16 @@ def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
             values = [1000 * r.delay_s(fraction) for r in shown]
             kept = [(r, v) for r, v in zip(rates, values, strict=True) if math.isfinite(v)]
             label = f"{name}, {'median' if fraction == 0.5 else '90th percentile'}"
-            axes.plot([r for r, _ in kept], [v for _, v in kept], style, marker=".", color=colour, label=label)
+            marker = MARKERS.get(name, ".")
+            axes.plot(
+                [r for r, _ in kept],
+                [v for _, v in kept],
+                style,
+                marker=marker,
+                markersize=5,
+                color=colour,
+                label=label,
+            )
         nominal = result.at_nominal_threshold(name)
         if math.isfinite(nominal.delay_s(0.5)):
             at = (max(nominal.alarms_per_minute, no_alarms), 1000 * nominal.delay_s(0.5))

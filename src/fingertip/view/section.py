@@ -235,19 +235,23 @@ def _list_bone_features(design: Design) -> Iterable[Feature]:
         groove_z = bone.groove_distance_mm + bone.groove_width_mm / 2
         yield Feature("groove", (groove_z, section.dorsal - bone.groove_depth_mm / 2))
     yield Feature("sensor", (dims.sensor_z, -dims.flat_depth + dims.pocket_depth - dims.sensor.thickness_mm / 2))
-    yield Feature("hole for the cable tie", (dims.tie_hole_z, dims.tie_hole_y))
+    if not dims.window_opens_into_gap:
+        yield Feature("hole for the cable tie", (dims.tie_hole_z, dims.tie_hole_y))
     if dims.fold:
         fold = dims.fold
         yield Feature("window of the tail", ((fold.window_low_z + fold.nose_z) / 2, 0.0))
         yield Feature(
             "lid", ((fold.nose_z + fold.trough_end_z) / 2, fold.floor_y + 0.7 * (section.dorsal - fold.floor_y))
         )
-        yield Feature("cable groove", (dims.cable_groove_end_z + 1.0, section.dorsal - dims.cable_groove_depth / 2))
+        if not dims.window_opens_into_gap:
+            yield Feature("cable groove", (dims.cable_groove_end_z + 1.0, section.dorsal - dims.cable_groove_depth / 2))
     else:
         yield Feature("relief of the solder joints", (dims.tail_end_z, -dims.flat_depth + dims.pocket_depth + 0.6))
         yield Feature("cable channel", (dims.channel_exit_z, section.dorsal - bone.channel_diameter_mm / 2))
     if dims.joint:
         yield Feature("joint", (dims.joint.axis_z, dims.joint.axis_y))
+        if dims.anchor:
+            yield Feature("tendon's anchor", (dims.anchor.z, dims.anchor.y))
     elif bone.interface == "post":
         yield Feature("cross bolt", (dims.cross_bolt_z, (section.dorsal - dims.base_flat_depth) / 2))
 

@@ -91,6 +91,17 @@ class Canvas:
             light = (u * shade[0] + v * shade[1] + w * shade[2])[visible]
             self._colour[y0 : y1 + 1, x0 : x1 + 1][visible] = light[:, None] * base
 
+    @property
+    def depth_mm(self) -> Array:
+        """Depth of each fine pixel towards the viewer [mm]; minus infinity where nothing was drawn."""
+        return self._depth / self._scale
+
+    def tint(self, mask: NDArray[np.bool_], drawn: Colour, colour: Colour) -> None:
+        """Give fine pixels that were drawn in one colour another one; empty ones become pale."""
+        is_empty = ~np.isfinite(self._depth) & mask
+        self._colour[mask] *= np.array(colour) / np.array(drawn)
+        self._colour[is_empty] = 1.0 - 0.35 * (1.0 - np.array(colour))
+
     def image(self) -> NDArray[np.uint8]:
         """Return the picture (height, width, 3), outlined at steps in depth and averaged to its final resolution."""
         colour = self._colour.copy()

@@ -52,7 +52,7 @@ def test_lightness_is_that_of_known_greys() -> None:
     assert lightness("#777777") == pytest.approx(50.0, abs=0.2)
 
 
-@pytest.mark.parametrize(("one", "other"), itertools.combinations((*SERIES, TRUTH), 2))
+@pytest.mark.parametrize(("one", "other"), list(itertools.combinations((*SERIES, TRUTH), 2)))
 def test_colours_of_curves_differ_for_everybody(one: str, other: str) -> None:
     assert abs(lightness(one) - lightness(other)) >= 8.0, "the same in grey"
     for name, seen in VISION.items():
@@ -66,7 +66,7 @@ def test_curves_stand_out_from_the_paper(colour: str) -> None:
     assert 1.05 / ((XYZ @ to_linear(colour))[1] + 0.05) >= 3.0
 
 
-@pytest.mark.parametrize(("one", "other"), itertools.pairwise(AREAS))
+@pytest.mark.parametrize(("one", "other"), list(itertools.pairwise(AREAS)))
 def test_neighbouring_areas_differ_in_grey(one: str, other: str) -> None:
     assert abs(lightness(one) - lightness(other)) >= 15.0
 

@@ -77,9 +77,7 @@ def _render_entry(
         element("h3", code(one.path), class_="code", id=f"p-{one.path}"),
         element("p", *shown),
         element("p", one.description),
-        _render_picture(picture)
-        if picture
-        else element("p", describe_effect(one.path, moved.get(one.path, ()), linked=False)),
+        _render_picture(picture) if picture else element("p", effect),
     )
 
 

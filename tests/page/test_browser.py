@@ -14,9 +14,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fingertip import Design
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.page import PAGE
+from fingertip.page.atlas import draw_parameter
+from fingertip.page.atlas_page import render_atlas
 from tests.browser import HOW, click, drawn_ms, find_barriers, open_browser, picture, wait
 from tests.conftest import ROOT
 from tests.tools import require_tool
@@ -205,6 +208,19 @@ def count_sheets(pdf: bytes) -> int:
 @pytest.mark.parametrize("width", [1300, 390])
 def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
     assert find_barriers(opened, scheme, width) == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_atlas_is_accessible(driver: Any, scheme: str, tmp_path: Path) -> None:
+    design = Design.load("fsr400")
+    path = "bone.collar_length_mm"
+    picture = draw_parameter(design, path, ("bone",))
+    assert picture
+    page = tmp_path / "parameters.html"
+    page.write_bytes(render_atlas(design, {path: picture}))
+    driver.get(page.as_uri())
+    assert driver.execute_script("return document.querySelector('figure img').decode().then(() => true)")
+    assert find_barriers(driver, scheme, 390) == []
 
 
 def test_the_bundle_is_made_again_with_the_same_bytes(tmp_path: Path) -> None:

@@ -83,5 +83,5 @@ def _render_entry(
 
 def _render_picture(picture: AtlasPicture) -> Markup:
     source = f"data:image/png;base64,{base64.b64encode(picture.png).decode('ascii')}"
-    image = element("img", src=source, alt=f"{picture.path}: {picture.caption}", loading="lazy")
+    image = element("img", src=source, alt=f"{picture.path}: {picture.caption}")
     return element("figure", image, element("figcaption", picture.caption))

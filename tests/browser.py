@@ -41,7 +41,12 @@ def open_browser(folder: Path) -> Iterator[Any]:
     for flag in (*FLAGS, f"--user-data-dir={folder / 'profile'}"):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
+    # Without the second setting, Chromium asks before the second file that a script saves long after a click.
+    saving = {
+        "download.default_directory": str(downloads),
+        "profile.default_content_setting_values.automatic_downloads": 1,
+    }
+    options.add_experimental_option("prefs", saving)
     browser: Any = webdriver.Chrome(options=options, service=Service(str(chromedriver)))
     browser.downloads = downloads
     try:

@@ -231,8 +231,11 @@ def _list_bone_features(design: Design) -> Iterable[Feature]:
     dims, bone = design.dimensions, design.bone
     section, collar = dims.bone_outline.section, dims.collar
     dorsal, palmar = (section.dorsal + collar.section.dorsal) / 2, (dims.base_flat_depth + collar.section.palmar) / 2
-    # The trough of a folded tail cuts the collar's dorsal side.
-    yield Feature("collar", (-bone.collar_length_mm / 2, -palmar if dims.fold else dorsal))
+    # A folded tail takes the collar's dorsal side for its trough, and its proximal end for the window.
+    if dims.fold:
+        yield Feature("collar", (-bone.collar_length_mm / 4, -palmar))
+    else:
+        yield Feature("collar", (-bone.collar_length_mm / 2, dorsal))
     if bone.groove_depth_mm > 0 and bone.groove_width_mm > 0:
         groove_z = bone.groove_distance_mm + bone.groove_width_mm / 2
         yield Feature("groove", (groove_z, section.dorsal - bone.groove_depth_mm / 2))

@@ -68,7 +68,7 @@ class AtlasPicture:
 
     @property
     def caption(self) -> str:
-        """What the picture shows, in one sentence."""
+        """Sentence on what the picture shows."""
         unit = format_unit(find_unit(PARAMETERS[self.path]))
         change = f"{format_value(self.before)} to {format_value(self.after)}{unit}"
         where = f"; drawn on {self.drawn_on}" if self.drawn_on else ""

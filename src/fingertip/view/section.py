@@ -58,7 +58,7 @@ class Feature:
 
 @dataclass(frozen=True)
 class Section:
-    """What one section shows."""
+    """Contents of one section."""
 
     title: str
     parts: Mapping[str, Solid]

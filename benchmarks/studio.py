@@ -1,6 +1,6 @@
 """Time of the studio from a change of one slider to new meshes on the screen, in headless Chromium.
 
-    python benchmarks/studio.py [design ...]
+    python -m benchmarks.studio [design ...]
 
 Every number whose change shapes parts is moved in the page by a hundredth of its slider's range, and back where the
 design is refused there. The page measures from the event of the slider to the frame that shows the new meshes; the

@@ -242,6 +242,16 @@ def test_what_is_no_request_of_the_page_gets_one_sentence(
     assert said in reply.content["error"]
 
 
+def test_a_request_that_never_ends_is_let_go(
+    server: StudioServer, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(server.RequestHandlerClass, "timeout", 0.3)
+    reply = ask(server, "POST", "/api/parts", b"{", **{"Content-Length": "9"})
+    assert reply.status == 408
+    assert "did not come to its end" in reply.content["error"]
+    assert capfd.readouterr().err == ""
+
+
 def test_an_older_request_of_the_same_page_is_dropped(server: StudioServer, tables: dict[str, Any]) -> None:
     """Many changes at once: each is answered, the last one with its parts, and few others."""
     changes = [change(tables, skin__width_mm=18 + 0.1 * i) for i in range(12)]

@@ -193,7 +193,11 @@ class _Handler(BaseHTTPRequestHandler):
             message = f"The request is longer than {_MAX_BODY_BYTES} bytes."
             raise _RefusedRequestError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, message)
         try:
-            content = json.loads(self.rfile.read(int(text)))
+            data = self.rfile.read(int(text))
+        except OSError:  # time is up, or the page was closed
+            raise _RefusedRequestError(HTTPStatus.REQUEST_TIMEOUT, "The request did not come to its end.") from None
+        try:
+            content = json.loads(data)
         except (ValueError, RecursionError):
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request is not valid JSON.") from None
         if not isinstance(content, dict):

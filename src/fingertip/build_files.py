@@ -47,6 +47,7 @@ if TYPE_CHECKING:
 
 FORMATS = ("stl", "3mf", "step")
 DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
+DESIGN_HEADING = "Design from which these files were built. `fingertip build` accepts this file."
 STEPS_FOLDER = "steps"
 """Folder of the pictures of the casting steps, beside the casting sheet."""
 ALL_FILES = (*(f"{part}.{file_format}" for part in PARTS for file_format in FORMATS), ASSEMBLY, SHEET, REPORT, DESIGN)
@@ -302,13 +303,12 @@ def build(
         )
         for name in names
     )
-    heading = "Design from which these files were built. `fingertip build` accepts this file."
     if casting:
         contents[SHEET] = render_sheet(casting, [f"{STEPS_FOLDER}/{name}" for name in steps_drawn]).encode()
     prints = verified.prints
     result = Build(design, folder, tolerance_mm, built, contents, prints, tuple(checks), strength, casting)
     contents[REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
-    contents[DESIGN] = to_toml(design, heading).encode()
+    contents[DESIGN] = to_toml(design, DESIGN_HEADING).encode()
     picture_writer = steps_writer(design, folder, force)
     print_writer.check(prints.contents)
     picture_writer.check(steps_drawn)

@@ -112,5 +112,9 @@ class OutputError(FingertipError):
     """A result cannot be written."""
 
 
+class StudioError(FingertipError):
+    """The studio cannot be served."""
+
+
 class MissingLibraryError(FingertipError):
     """A library of the system, or an optional package, is needed and is not installed."""

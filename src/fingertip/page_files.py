@@ -1,12 +1,16 @@
-"""Writing of the page of a design into its folder."""
+"""Writing of the page of a design into its folder, and of the atlas of its parameters."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from fingertip.build_files import parts_writer
 from fingertip.design import Design
+from fingertip.files import open_atomic
 from fingertip.page import PAGE
+from fingertip.page.atlas import draw_atlas
+from fingertip.page.atlas_page import render_atlas
 from fingertip.page.render import render_page
 from fingertip.page.sources import read_sources
 
@@ -37,3 +41,17 @@ def write_page(
     data = render_page(sources)
     writer.add({PAGE: data})
     return folder / PAGE, len(data), tuple(sources.remarks.values())
+
+
+def write_atlas(design: Design, path: str | Path, progress: Callable[[str], None] = lambda message: None) -> int:
+    """Write the atlas of the parameters: each with a picture of what it changes. Returns the number of pictures.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    with open_atomic(Path(path), "--html") as file:  # a path that cannot be written is refused before the work
+        pictures = {picture.path: picture for picture in draw_atlas(design, progress)}
+        file.write(render_atlas(design, pictures))
+    return len(pictures)

@@ -21,7 +21,23 @@ TEXT_COLOUR = "#4a5157"
 """Colour of annotations and of reference lines."""
 GRID_COLOUR = "#e5e8eb"
 """Colour of grid lines."""
-BLUE, RED, ORANGE, GREEN = "#1f4e79", "#b03a2e", "#d98c2b", "#2e7d5b"
+BLUE, PURPLE, RED, TEAL, ORANGE = "#0f2f57", "#6a3590", "#b03a2e", "#1e8683", "#c9801f"
+"""Colours of lines and symbols. Each is lighter than the one before, so that they differ in grey and for every kind of
+colour blindness, and stands out from white by 3:1."""
+SERIES = (BLUE, RED, TEAL, PURPLE, ORANGE)
+"""Colours of curves without a meaning of their own; the first ones differ most."""
+SKY, YELLOW, BROWN, PINK = "#5fb0d3", "#e3c33c", "#7a4b26", "#d67fa8"
+"""Further colours of areas."""
+AREAS = (RED, ORANGE, BLUE, YELLOW, PURPLE, SKY, BROWN, PINK)
+"""Colours of areas side by side: neighbours in this order differ much in lightness."""
+SHADES = ("#9ecae1", "#4292c6", "#08519c")
+"""Colours of a quantity in ascending steps."""
+TRUTH = "#8fc1b5"
+"""Colour of true slip, an area: lighter than every line."""
+PALE_TEAL, PALE_RED, PALE_BLUE, PALE_GREY = "#cfe3d8", "#e2b6b1", "#a9bfd4", "#e9ebed"
+"""Colours of areas and points in the background."""
+REFERENCE = "#98a1aa"
+"""Colour of what others are compared with."""
 
 
 def new_figure(width_in: float, height_in: float, *, automatic_layout: bool = True) -> Figure:

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import base64
-import importlib.util
-import io
 import json
 import re
 import shutil
 import struct
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,43 +14,25 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fingertip import Design
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.page import PAGE
+from fingertip.page.atlas import draw_parameter
+from fingertip.page.atlas_page import render_atlas
+from tests.browser import HOW, click, drawn_ms, find_barriers, open_browser, picture, wait
 from tests.conftest import ROOT
 from tests.tools import require_tool
 
 pytestmark = pytest.mark.slow
 
-HOW = "as root on Debian, sh .ci/install-chromium"
-AXE = ROOT / "tools/page_libraries/node_modules/axe-core/axe.min.js"
-FLAGS = (
-    "--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader", "--force-device-scale-factor=1", "--window-size=1300,1000",
-)  # fmt: skip
 FIRST_PICTURE_MS = 2000
 
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    chromium, chromedriver = require_tool("chromium", HOW), require_tool("chromedriver", HOW)
-    if importlib.util.find_spec("selenium") is None:
-        require_tool("selenium", 'pip install "fingertip[test]"')
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-
-    options = webdriver.ChromeOptions()
-    options.binary_location = str(chromium)
-    downloads = tmp_path_factory.mktemp("downloads")
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
-    browser = webdriver.Chrome(options=options, service=Service(str(chromedriver)))
-    browser.downloads = downloads
-    yield browser
-    browser.quit()
+    with open_browser(tmp_path_factory.mktemp("browser")) as browser:
+        yield browser
 
 
 @pytest.fixture
@@ -76,35 +55,9 @@ def opened(driver: Any, folder: Path) -> Any:
     assert {url for url in asked if not url.startswith(("data:", "blob:", "chrome:"))} == {alone.as_uri()}
 
 
-def wait(condition: Any, seconds: float = 10.0) -> Any:
-    until = time.monotonic() + seconds
-    while not (found := condition()):
-        assert time.monotonic() < until, "waited in vain"
-        time.sleep(0.05)
-    return found
-
-
-def drawn_ms(driver: Any) -> str | None:
-    found: str | None = driver.execute_script("return document.documentElement.dataset.drawnMs")
-    return found
-
-
-def click(driver: Any, selector: str) -> None:
-    driver.execute_script("document.querySelector(arguments[0]).click()", selector)
-
-
 def put(driver: Any, name: str, value: object) -> None:
     script = "const e = document.getElementById(arguments[0]); e.value = arguments[1];"
     driver.execute_script(f"{script} e.dispatchEvent(new Event('input', {{bubbles: true}}))", name, str(value))
-
-
-def picture(driver: Any) -> Any:
-    """Pixels of the 3D view, red, green, blue and opacity."""
-    from PIL import Image
-
-    script = "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => "
-    data = driver.execute_async_script(f"{script}done(document.getElementById('canvas').toDataURL())))")
-    return np.asarray(Image.open(io.BytesIO(base64.b64decode(data.partition(",")[2]))).convert("RGBA")).astype(int)
 
 
 def drawn_share(driver: Any) -> float:
@@ -254,24 +207,20 @@ def count_sheets(pdf: bytes) -> int:
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [1300, 390])
 def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
-    axe = require_tool(str(AXE), HOW).read_text(encoding="utf-8")
-    features = [{"name": "prefers-color-scheme", "value": scheme}]
-    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
-    opened.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
-    opened.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-    try:
-        opened.execute_script("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
-        time.sleep(0.3)
-        assert opened.execute_script("return document.documentElement.scrollWidth <= innerWidth")
-        opened.execute_cdp_cmd("Runtime.evaluate", {"expression": axe})  # the page's policy would refuse a script
-        script = "const done = arguments[0]; axe.run(document).then((r) => done(r.violations.map((v) => "
-        found = opened.execute_async_script(f"{script}[v.id, v.impact, v.nodes[0].html])))")
-        assert [violation for violation in found if violation[1] in ("serious", "critical")] == []
-        background = opened.execute_script("return getComputedStyle(document.body).backgroundColor")
-        assert (background == "rgb(255, 255, 255)") == (scheme == "light")
-    finally:
-        opened.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-        opened.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+    assert find_barriers(opened, scheme, width) == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_atlas_is_accessible(driver: Any, scheme: str, tmp_path: Path) -> None:
+    design = Design.load("fsr400")
+    path = "bone.collar_length_mm"
+    picture = draw_parameter(design, path, ("bone",))
+    assert picture
+    page = tmp_path / "parameters.html"
+    page.write_bytes(render_atlas(design, {path: picture}))
+    driver.get(page.as_uri())
+    assert driver.execute_script("return document.querySelector('figure img').decode().then(() => true)")
+    assert find_barriers(driver, scheme, 390) == []
 
 
 def test_the_bundle_is_made_again_with_the_same_bytes(tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ from typer.testing import CliRunner
 from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.errors import MissingLibraryError, OutputError
+from fingertip.plot_style import PALE_TEAL, RED, TEXT_COLOUR
 from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import write_report
@@ -256,7 +257,7 @@ def test_areas_of_the_feasibility_map_equal_the_shares_of_the_rules() -> None:
     status[(x >= 12) & (y >= 30)] = "timeout"
     table = make_table({"a": x, "b": y}, {}, status, field, field)
     png = draw_feasibility(table.axes, classify_points(table), ["a", "b"])
-    feasible, refused, timeout = count_pixels(png, 0xCFE3D8, 0xB03A2E, 0x8A9199)
+    feasible, refused, timeout = count_pixels(png, *(int(name[1:], 16) for name in (PALE_TEAL, RED, TEXT_COLOUR)))
     total = feasible + refused + timeout
     assert (feasible / total, refused / total, timeout / total) == pytest.approx((0.525, 0.3, 0.175), abs=0.01)
     assert total > 500_000

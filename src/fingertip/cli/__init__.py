@@ -31,6 +31,7 @@ from fingertip.cli.picture import picture
 from fingertip.cli.schema import schema
 from fingertip.cli.sheet import sheet
 from fingertip.cli.simulate import simulate
+from fingertip.cli.studio import studio
 from fingertip.cli.sweep import sweep
 from fingertip.cli.validate import validate
 
@@ -55,6 +56,7 @@ app.command()(params)
 app.command()(picture)
 app.command()(drawing)
 app.command()(page)
+app.command()(studio)
 app.command()(board)
 app.command()(firmware)
 app.command()(simulate)

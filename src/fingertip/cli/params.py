@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_suffix_issues
 
 
 @command
@@ -21,6 +21,12 @@ def params(
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of design files, for editors.")
     ] = False,
+    html: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.html", help="Write them as a page with a picture of what each changes; takes minutes."
+        ),
+    ] = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -28,8 +34,11 @@ def params(
     from fingertip.cli.load import load_design
     from fingertip.design import export
     from fingertip.design.export import format_parameter_table, format_value
+    from fingertip.errors import OutputError
 
     console = Console(as_json, quiet)
+    if issues := list(find_suffix_issues("--html", html, ".html", "HTML")):
+        raise OutputError(issues)
     loaded, _ = load_design(design, changes, console.progress)
     if schema:  # The schema is JSON with and without --json.
         console.write(json.dumps(export.json_schema(), indent=2))
@@ -37,6 +46,13 @@ def params(
     if toml:
         text = export.to_toml(loaded)
         console.result({"toml": text}, text.removesuffix("\n"))
+        return
+    if html:
+        from fingertip.page_files import write_atlas
+
+        pictures = write_atlas(loaded, html, console.progress)
+        said = f"parameters: {html}, {pictures} pictures; open it in a browser, no network is needed"
+        console.result({"html": str(html), "pictures": pictures}, said)
         return
     parameters = [(parameter, loaded.value(parameter.path)) for parameter in export.list_parameters()]
     data = [

@@ -14,25 +14,35 @@ Check = Mapping[str, Any]
 _SIGNS = {"at most": "≤", "at least": "≥", "exactly": "="}
 _CLOSEST = 8
 """Number of checks that are listed as the closest to their limits."""
+EVERY_FILE = "Every file was read back and measured. A check that fails names the parameters to change."
+"""Sentences on the checks of a build."""
 
 
-def render_verdict(report: Mapping[str, Any]) -> Markup:
-    """Render in one line whether the parts passed their checks."""
+def render_verdict(report: Mapping[str, Any], passed: str = "of the parts passed") -> Markup:
+    """Render in one line whether the parts passed their checks; `passed` ends the sentence if they did."""
     checks = report["checks"]
     failed = [check for check in checks if not check["passed"]]
     if failed:
         text = f"✗ {len(failed)} of {len(checks)} checks failed: do not print these parts"
     else:
-        text = f"✓ All {len(checks)} checks of the parts passed"
+        text = f"✓ All {len(checks)} checks {passed}"
     return element("p", text, class_=f"verdict {'failed' if failed else 'passed'}")
 
 
-def render_checks(report: Mapping[str, Any]) -> Markup:
-    """Render all checks: failed ones first, then the closest to their limits, then all by their subject."""
+def render_checks(report: Mapping[str, Any], basis: str = EVERY_FILE) -> Markup:
+    """Render all checks: failed ones first, then the closest to their limits, then all by their subject.
+
+    Parameters
+    ----------
+    report
+        Content of report.json, of which checks and strength are read.
+    basis
+        What was checked, in sentences.
+    """
     checks: Sequence[Check] = report["checks"]
     failed = [check for check in checks if not check["passed"]]
     parts = [
-        element("p", "Every file was read back and measured. A check that fails names the parameters to change."),
+        element("p", basis),
         *([element("h3", "Failed"), _tabulate(failed, "failed checks")] if failed else []),
     ]
     if "strength" in report:

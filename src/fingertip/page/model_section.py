@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
-from fingertip.page.html import Markup, element
+from fingertip.page.html import Markup, element, join
 from fingertip.page.scene import Item, scene_data
 
 _PRESETS = (
@@ -19,16 +19,31 @@ _HELP = (
 )
 
 
-def render_model(items: Sequence[Item]) -> Markup:
-    """Render the 3D view with its controls."""
+_EXPORTED = (
+    "The parts are the meshes of the STL files, with every triangle; sensor, bolts and nuts are plain bodies without "
+    "threads."
+)
+
+
+def render_model(items: Sequence[Item], origin: str = _EXPORTED, *, saves_files: bool = True) -> Markup:
+    """Render the 3D view with its controls.
+
+    Parameters
+    ----------
+    items
+        What it shows.
+    origin
+        Sentence that says what the meshes are.
+    saves_files
+        Whether the meshes are those of files, and can be saved as such.
+    """
     return element(
         "div",
         element("canvas", id="canvas", tabindex="0", role="application", aria_label=_HELP),
         element("p", "", id="view-status", class_="status", role="status"),
-        element("div", *_rows(items), class_="controls"),
+        element("div", *_rows(items, saves_files), class_="controls"),
         element(
-            "p", "Drag to turn, wheel or two fingers to zoom, right button or two fingers to shift. The parts are the "
-            "meshes of the STL files, with every triangle; sensor, bolts and nuts are plain bodies without threads.",
+            "p", f"Drag to turn, wheel or two fingers to zoom, right button or two fingers to shift. {origin}",
             class_="status controls",
         ),
         id="view",
@@ -47,7 +62,13 @@ def scene_json(items: Sequence[Item]) -> Markup:
     return Markup(text.replace("<", "\\u003c"))
 
 
-def _rows(items: Sequence[Item]) -> list[Markup]:
+def render_boxes(items: Sequence[Item]) -> Markup:
+    """Render a box for each kind of item, which shows or hides it."""
+    labels = list(dict.fromkeys(item.label for item in items))
+    return join(_box(i, label, next(item for item in items if item.label == label)) for i, label in enumerate(labels))
+
+
+def _rows(items: Sequence[Item], saves_files: bool) -> list[Markup]:
     presets = [
         element("button", label, type="button", data_preset=name, aria_pressed="true" if name == "opened" else "false")
         for name, label in _PRESETS
@@ -56,10 +77,10 @@ def _rows(items: Sequence[Item]) -> list[Markup]:
         element("button", label, type="button", data_from=name, aria_label=f"seen from: {label}")
         for name, label in _VIEWS
     ]
-    labels = list(dict.fromkeys(item.label for item in items))
-    boxes = [_box(i, label, next(item for item in items if item.label == label)) for i, label in enumerate(labels)]
     stl = [
-        element("button", f"{item.name}.stl", type="button", data_stl=item.name) for item in items if not item.is_bought
+        element("button", f"{item.name}.stl", type="button", data_stl=item.name)
+        for item in items
+        if saves_files and not item.is_bought
     ]
     return [
         element("div", *presets, class_="row", role="group", aria_label="state of the mold"),
@@ -80,7 +101,7 @@ def _rows(items: Sequence[Item]) -> list[Markup]:
             ),
             element("output", "", id="cut-value", for_="cut-place"), class_="row",
         ),
-        element("fieldset", element("legend", "show"), element("div", *boxes, class_="row")),
+        element("fieldset", element("legend", "show"), element("div", render_boxes(items), class_="row", id="boxes")),
         element("div", element("span", "seen from"), *views, class_="row", role="group", aria_label="direction"),
         element(
             "div", element("label", element("input", type="checkbox", id="clear"), " see through skin and mold"),

@@ -23,7 +23,7 @@ _EFFECTS = {
 
 def render_parameters(design: Design) -> Markup:
     """Render all parameters by their tables. The name of one that shapes parts is a button that highlights them."""
-    moved, tables = shapes_of_parameters(design), _group_parameters()
+    moved, tables = shapes_of_parameters(design), group_parameters()
     parts = [
         element(
             "p",
@@ -41,7 +41,8 @@ def render_parameters(design: Design) -> Markup:
     return join(parts)
 
 
-def _group_parameters() -> dict[str, list[Parameter]]:
+def group_parameters() -> dict[str, list[Parameter]]:
+    """Group the parameters by their tables; the table "" holds those that stand in none."""
     tables: dict[str, list[Parameter]] = {}
     for parameter in list_parameters():
         tables.setdefault(parameter.path.rpartition(".")[0], []).append(parameter)
@@ -62,16 +63,16 @@ def _render_row(design: Design, parameter: Parameter, moved: Mapping[str, tuple[
     if value != parameter.default:
         shown = join((shown, element("br"), element("small", f"default {format_value(parameter.default)}")))
     description = element("div", parameter.description)
-    return join((name, description, _describe_effect(path, items))), shown, parameter.bounds
+    return join((name, description, describe_effect(path, items))), shown, parameter.bounds
 
 
-def _describe_effect(path: str, items: tuple[str, ...]) -> Markup:
-    """Say what a parameter decides."""
+def describe_effect(path: str, items: tuple[str, ...], *, linked: bool = True) -> Markup:
+    """Say what a parameter decides, with a link to the section of the page that shows it."""
     effect = _EFFECTS.get(path.partition(".")[0])
     if items:
         said: tuple[str, ...] = ("Shapes ", ", ".join(dict.fromkeys(label_item(item) for item in items)), ".")
     elif effect:
-        said = ("Decides ", element("a", effect[0], href=f"#{effect[1]}"), ".")
+        said = ("Decides ", element("a", effect[0], href=f"#{effect[1]}") if linked else effect[0], ".")
     else:
         said = ("Shapes no part of this design: a limit, or a choice that it does not use.",)
     return element("small", *said)

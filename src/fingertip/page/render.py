@@ -1,20 +1,13 @@
-"""Page of a design as one HTML file: every style, script, mesh and picture is within it, and it asks no network.
-
-The content security policy at its top allows nothing else: the browser itself refuses every request, and every script
-but the two whose hashes it states.
-"""
+"""Page of a design as one HTML file: every style, script, mesh and picture is within it, and it asks no network."""
 
 from __future__ import annotations
-
-import base64
-import hashlib
-from importlib.resources import files
 
 from fingertip._version import __version__
 from fingertip.page.basis_section import render_basis
 from fingertip.page.board_section import render_board
 from fingertip.page.casting_section import render_casting, render_drawing
 from fingertip.page.checks_section import render_checks, render_verdict
+from fingertip.page.document import read_asset, read_viewer_library, render_document
 from fingertip.page.html import Markup, element
 from fingertip.page.model_section import render_model, render_no_view, scene_json
 from fingertip.page.parameters_section import render_parameters
@@ -39,29 +32,16 @@ def render_page(sources: Sources) -> bytes:
         Files of the design, from `sources.read_sources`.
     """
     name, items = sources.design.name, list_items(sources.design, sources.files)
-    style = _read_asset("page.css")
-    library = f"/*\n{_read_asset('three.LICENSE')}*/\n{_read_asset('three.bundle.js')}"
-    scripts = (library, _read_asset("viewer.js"))
-    head = element(
-        "head",
-        element("meta", charset="utf-8"),
-        element("meta", http_equiv="Content-Security-Policy", content=_policy(style, scripts)),
-        element("meta", name="viewport", content="width=device-width, initial-scale=1"),
-        element("title", f"{name}: fingertip"),
-        element("style", Markup(style)),
-    )
-    body = element(
-        "body",
+    body = (
         element("a", "Skip to the content", href="#content", class_="skip"),
         _render_header(sources),
         _render_navigation(),
         element("main", *_render_sections(sources, items), id="content"),
         _render_footer(),
         element("script", scene_json(items), type="application/json", id="scene"),
-        *(element("script", Markup(script)) for script in scripts),
     )
-    page = element("html", head, body, lang="en", data_design=name)
-    return f"<!DOCTYPE html>\n{page}\n".encode()
+    scripts = (read_viewer_library(), read_asset("viewer.js"))
+    return render_document(f"{name}: fingertip", body, read_asset("page.css"), scripts, data_design=name)
 
 
 def _render_sections(sources: Sources, items: tuple[Item, ...]) -> list[Markup]:
@@ -126,19 +106,3 @@ def _render_footer() -> Markup:
             "this file. This page needs no network.",
         ),
     )  # fmt: skip
-
-
-def _policy(style: str, scripts: tuple[str, ...]) -> str:
-    hashes = " ".join(_hash(script) for script in scripts)
-    return (
-        f"default-src 'none'; script-src {hashes}; style-src {_hash(style)}; img-src data: blob:; base-uri 'none'; "
-        "form-action 'none'"
-    )
-
-
-def _hash(text: str) -> str:
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode('ascii')}'"
-
-
-def _read_asset(name: str) -> str:
-    return (files("fingertip.page") / "assets" / name).read_text(encoding="utf-8")

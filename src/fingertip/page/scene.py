@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,8 @@ import numpy as np
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.hardware import hardware
-from fingertip.cad.shapes.parts import parts_by_name, print_scale
+from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
+from fingertip.cad.solids import Solid
 from fingertip.design import Design
 
 Offset = tuple[float, float, float]
@@ -49,7 +50,7 @@ class Item:
 
 
 def list_items(design: Design, files: Mapping[str, bytes]) -> tuple[Item, ...]:
-    """List what the 3D view shows.
+    """List what the 3D view of exported files shows.
 
     Parameters
     ----------
@@ -58,20 +59,36 @@ def list_items(design: Design, files: Mapping[str, bytes]) -> tuple[Item, ...]:
     files
         Files of its folder by name, among them the STL file of each part.
     """
-    parts, evaluator = parts_by_name(design), MeshEvaluator(_TOLERANCE_MM)
+    parts = parts_by_name(design)
     meshes = {name: stl.from_bytes(files[f"{name}.stl"]) for name in parts}
-    sizes = {name: np.ptp(mesh.vertices, axis=0) for name, mesh in meshes.items()}
-    offsets = _find_offsets(sizes)
+    scales = {name: print_scale(design, part) for name, part in parts.items()}
+    return place_items(design, meshes, scales, MeshEvaluator(_TOLERANCE_MM).mesh)
+
+
+def place_items(
+    design: Design, meshes: Mapping[str, Mesh], scales: Mapping[str, float], make_mesh: Callable[[Solid], Mesh]
+) -> tuple[Item, ...]:
+    """Place the parts of a design and what is bought for them.
+
+    Parameters
+    ----------
+    design
+        The fingertip.
+    meshes
+        Mesh of each of its parts.
+    scales
+        Factor of a mesh's lengths over the part's.
+    make_mesh
+        Function that makes the meshes of bought items.
+    """
+    offsets = _find_offsets({name: np.ptp(mesh.vertices, axis=0) for name, mesh in meshes.items()})
     items = [
-        Item(
-            name, label_item(name), meshes[name], print_scale(design, part), part.colour, False,
-            *offsets.get(name, _STAY),
-        )
-        for name, part in parts.items()
-    ]  # fmt: skip
-    for bought in hardware(design, tuple(parts)):
+        Item(name, label_item(name), mesh, scales[name], PARTS[name].colour, False, *offsets.get(name, _STAY))
+        for name, mesh in meshes.items()
+    ]
+    for bought in hardware(design, tuple(meshes)):
         opened, apart = offsets.get(re.sub(r"_\d+$", "", bought.name), _STAY)
-        mesh = evaluator.mesh(bought.solid)
+        mesh = make_mesh(bought.solid)
         items.append(Item(bought.name, label_item(bought.name), mesh, 1.0, bought.colour, True, opened, apart))
     return tuple(items)
 

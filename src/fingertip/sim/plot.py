@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.plot_style import TEXT_COLOUR, new_figure, style_axes, to_png
+from fingertip.plot_style import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
 from fingertip.sim.hand.manipulation import ManipulationResult
 from fingertip.sim.scene.run import SceneResult
 from fingertip.slip.intervals import intervals
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 AnyArray = NDArray[Any]
 
-_COLOURS = ("#1f4e79", "#b03a2e", "#7d8f3a", "#c98a2b", "#6c5b9c")
-_TRUTH_COLOUR = "#7fb3a6"
 _LABELS = {
     "voltage_v": ("sampled\nvoltage [V]", 1),
     "force_n": ("normal\nforce [N]", 1),
@@ -66,7 +64,7 @@ def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
         else:
             _shade_slip(axes, result)
             for i, row in enumerate(rows):
-                axes.plot(result.time_s, factor * row, color=_COLOURS[i % 5], linewidth=0.8, zorder=3 - 0.1 * i)
+                axes.plot(result.time_s, factor * row, color=SERIES[i % len(SERIES)], linewidth=0.8, zorder=3 - 0.1 * i)
             axes.set_ylabel(label)
     if isinstance(result, ManipulationResult):
         _add_legend(panels, names, fingers)
@@ -81,7 +79,7 @@ def _draw_slip_bars(axes: Axes, time_s: AnyArray, rows: AnyArray, fingers: tuple
     for i, row in enumerate(rows):
         slips = intervals(time_s, row.astype(np.bool_))
         spans = [(slip.onset_s, slip.end_s - slip.onset_s) for slip in slips]
-        axes.broken_barh(spans, (i - 0.35, 0.7), color=_TRUTH_COLOUR, linewidth=0)
+        axes.broken_barh(spans, (i - 0.35, 0.7), color=TRUTH, linewidth=0)
     axes.set_yticks(range(len(rows)), [name or "true slip" for name in fingers])
     axes.set_ylim(-0.6, len(rows) - 0.4)
     axes.invert_yaxis()
@@ -94,7 +92,7 @@ def _shade_slip(axes: Axes, result: SceneResult | ManipulationResult) -> None:
     slip = result.columns.get("slip")
     if slip is not None:
         for part in intervals(result.time_s, slip.astype(np.bool_)):
-            axes.axvspan(part.onset_s, part.end_s, color=_TRUTH_COLOUR, alpha=0.25, linewidth=0)
+            axes.axvspan(part.onset_s, part.end_s, color=TRUTH, alpha=0.25, linewidth=0)
 
 
 def _add_legend(panels: AnyArray, names: list[str], fingers: tuple[str, ...]) -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fingertip.plot_style import GRID_COLOUR, TEXT_COLOUR, new_figure, to_png
+from fingertip.arrays import Array
+from fingertip.plot_style import BLUE, GRID_COLOUR, ORANGE, RED, REFERENCE, TEXT_COLOUR, TRUTH, new_figure, to_png
 from fingertip.slip.detection import Detection
 from fingertip.slip.detectors.digital import ChainOutput
 from fingertip.slip.detectors.registry import DETECTORS
@@ -18,49 +20,110 @@ from fingertip.slip.traces.trace import Trace
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_VOLTAGE_COLOUR = "#1f4e79"
-_FORCE_COLOUR = "#b0b7bf"
-_ENVELOPE_COLOUR = "#f0b27a"
-_STATISTIC_COLOUR = "#b03a2e"
-_DETECTED_COLOUR = "#c0392b"
-_SLIP_COLOUR = "#7fb3a6"
+
+_BEFORE_S, _AFTER_S = 0.06, 0.14
+"""Time before and after an onset that is drawn larger [s]."""
 
 
 def draw(trace: Trace, detection: Detection, title: str) -> bytes:
     """Draw the voltage, the statistic with its threshold, and ON/OFF over a common time axis.
 
+    Below them, the first onset is drawn again, so wide that its delay can be read.
+
     Returns
     -------
     bytes
-        PNG of 1500 x 1050 pixels. It contains no date and no version, so the same data gives the same bytes.
+        PNG, 1500 pixels wide. It contains no date and no version, so the same data gives the same bytes.
     """
-    figure = new_figure(10, 7)
-    top, middle, bottom = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 1))
     slips = None if trace.slip is None else intervals(trace.time_s, trace.slip)
+    onset = _find_onset(detection, slips)
+    figure = new_figure(10, 7 if onset is None else 9.6)
+    ratios = (3, 3, 1) if onset is None else (3, 3, 1, 3)
+    top, middle, bottom, *large = figure.subplots(len(ratios), 1, height_ratios=ratios)
     for axes in (top, middle):
+        axes.sharex(bottom)
+        axes.tick_params(labelbottom=False)
+    for axes in (top, middle, *large):
         for slip in slips or ():
-            axes.axvspan(slip.onset_s, slip.end_s, color=_SLIP_COLOUR, alpha=0.25, linewidth=0)
+            axes.axvspan(slip.onset_s, slip.end_s, color=TRUTH, alpha=0.3, linewidth=0)
         axes.grid(True, color=GRID_COLOUR, linewidth=0.7)
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
     _draw_voltage(top, trace)
     _draw_statistic(middle, trace, detection)
+    # Above the axes, where it covers no data
+    middle.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, frameon=False, ncols=3, fontsize=9)
     _draw_intervals(bottom, detection, slips)
-    bottom.set_xlabel("time [s]")
     bottom.set_xlim(float(trace.time_s[0]), float(trace.time_s[-1]))
+    if onset is not None:
+        _draw_onset(large[0], trace, detection, onset)
+    (large or [bottom])[-1].set_xlabel("time [s]")
     figure.align_ylabels()
-    for axes in (top, middle, bottom):
+    for axes in (top, middle, bottom, *large):
         axes.spines[["top", "right"]].set_visible(False)
     return to_png(figure)
 
 
+@dataclass(frozen=True)
+class _Onset:
+    """First slip that was detected, or the first detection where the truth is unknown."""
+
+    begin_s: float | None
+    """True onset; None if it is unknown."""
+    detected_s: float | None
+    """Time at which the detector turns ON; None if it does not."""
+
+
+def _find_onset(detection: Detection, slips: Sequence[Interval] | None) -> _Onset | None:
+    """Find the onset to draw larger; None if nothing slips and nothing is detected."""
+    if detection.score is None or not slips:
+        return _Onset(None, detection.intervals[0].onset_s) if detection.intervals else None
+    pairs = zip(detection.score.slips, detection.score.delays_s, strict=True)
+    found = next(((slip.onset_s, delay) for slip, delay in pairs if delay is not None), None)
+    return _Onset(slips[0].onset_s, None) if found is None else _Onset(found[0], found[0] + found[1])
+
+
+def _draw_onset(axes: Axes, trace: Trace, detection: Detection, onset: _Onset) -> None:
+    """Draw the statistic around an onset, with the delay as an arrow."""
+    _draw_statistic(axes, trace, detection)
+    at = onset.begin_s if onset.begin_s is not None else onset.detected_s
+    assert at is not None
+    low, high = at - _BEFORE_S, at + _AFTER_S
+    if onset.detected_s is not None and onset.detected_s > high:
+        high = onset.detected_s + _BEFORE_S
+    axes.set_xlim(max(low, float(trace.time_s[0])), min(high, float(trace.time_s[-1])))
+    inside = (trace.time_s >= low) & (trace.time_s <= high)
+    statistic, threshold = detection.output.statistic_v[inside], detection.output.threshold_v[inside]
+    top = 1000 * 1.9 * max(float(np.nanmax(threshold)), 0.6 * float(np.nanmax(statistic)))
+    axes.set_ylim(0.0, top)
+    for moment, style in ((onset.begin_s, "-"), (onset.detected_s, "--")):
+        if moment is not None:
+            axes.axvline(moment, color=BLUE, linewidth=1.2, linestyle=style)
+    said = "first detection, enlarged; true slip is unknown"
+    if onset.begin_s is not None and onset.detected_s is not None:
+        delay_ms = 1000 * (onset.detected_s - onset.begin_s)
+        said = f"first detected onset, enlarged: line at the onset, dashes at ON, {delay_ms:.1f} ms later"
+        axes.annotate(
+            "", (onset.begin_s, 0.86 * top), (onset.detected_s, 0.86 * top),
+            arrowprops={"arrowstyle": "<->", "color": BLUE, "shrinkA": 0, "shrinkB": 0},
+        )  # fmt: skip
+        axes.annotate(
+            f"{delay_ms:.1f} ms", (min(onset.begin_s, onset.detected_s), 0.86 * top), xytext=(-6, 0),
+            textcoords="offset points", ha="right", va="center", fontsize=10, fontweight="bold", color=BLUE,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
+        )  # fmt: skip
+    elif onset.begin_s is not None:
+        said = "first onset, enlarged: it is not detected"
+    axes.set_title(said, loc="left", fontsize=9, color=TEXT_COLOUR)
+
+
 def _draw_voltage(axes: Axes, trace: Trace) -> None:
-    axes.plot(trace.time_s, trace.voltage_v, color=_VOLTAGE_COLOUR, linewidth=0.8)
-    axes.set_ylabel("tactile voltage [V]", color=_VOLTAGE_COLOUR)
+    axes.plot(trace.time_s, trace.voltage_v, color=BLUE, linewidth=0.8)
+    axes.set_ylabel("tactile voltage [V]", color=BLUE)
     if trace.force_n is None:
         return
     twin = axes.twinx()
-    twin.plot(trace.time_s, trace.force_n, color=_FORCE_COLOUR, linewidth=0.8)
-    twin.set_ylabel("normal force [N]", color="#7b848d")
+    twin.plot(trace.time_s, trace.force_n, color=REFERENCE, linewidth=0.8)
+    twin.set_ylabel("normal force [N]", color=TEXT_COLOUR)
     twin.set_ylim(0.0, max(0.1, 1.15 * float(np.max(trace.force_n))))
     twin.spines["top"].set_visible(False)
     axes.set_zorder(twin.get_zorder() + 1)
@@ -74,23 +137,28 @@ def _draw_statistic(axes: Axes, trace: Trace, detection: Detection) -> None:
     elif DETECTORS[detection.detector].input_column == "envelope_v":
         envelope = trace.envelope_v
     if envelope is not None:
-        axes.plot(trace.time_s, 1000 * envelope, color=_ENVELOPE_COLOUR, linewidth=0.7, label="envelope")
+        axes.plot(trace.time_s, 1000 * envelope, color=ORANGE, linewidth=0.7, label="envelope")
         label = f"mean over {1000 * detection.memory_s:g} ms"
-    axes.plot(trace.time_s, 1000 * output.statistic_v, color=_STATISTIC_COLOUR, linewidth=1.4, label=label)
-    threshold_label = f"threshold {1000 * detection.threshold_v:.3g} mV"
+    axes.plot(trace.time_s, 1000 * output.statistic_v, color=RED, linewidth=1.4, label=label)
     axes.plot(
-        trace.time_s, 1000 * output.threshold_v, color="black", linestyle="--", linewidth=1, label=threshold_label
-    )
+        trace.time_s, 1000 * output.threshold_v, color="black", linestyle="--", linewidth=1,
+        label=_describe_threshold(output.threshold_v),
+    )  # fmt: skip
     # The envelope of contacts and releases is much larger than the statistic, so the axis is scaled to the statistic.
-    axes.set_ylim(0.0, max(2500 * detection.threshold_v, 1350 * float(np.max(output.statistic_v))))
+    axes.set_ylim(0.0, max(2500 * float(np.nanmax(output.threshold_v)), 1350 * float(np.max(output.statistic_v))))
     axes.set_ylabel(f"{detection.detector} [mV]" if envelope is None else "envelope [mV]")
-    axes.legend(loc="upper right", frameon=False, ncols=3, fontsize=9)
+
+
+def _describe_threshold(threshold_v: Array) -> str:
+    """Describe the threshold that is drawn: one level, or its range where the detector adapts it."""
+    low, high = 1000 * float(np.nanmin(threshold_v)), 1000 * float(np.nanmax(threshold_v))
+    return f"threshold {high:.3g} mV" if high - low <= 1e-9 * high else f"threshold {low:.3g} to {high:.3g} mV"
 
 
 def _draw_intervals(axes: Axes, detection: Detection, slips: Sequence[Interval] | None) -> None:
-    rows = [("detected", detection.intervals, _DETECTED_COLOUR)]
+    rows = [("detected", detection.intervals, RED)]
     if slips is not None:
-        rows.append(("true slip", tuple(slips), _SLIP_COLOUR))
+        rows.append(("true slip", tuple(slips), TRUTH))
     for row, (_, parts, color) in enumerate(rows):
         axes.broken_barh([(p.onset_s, p.end_s - p.onset_s) for p in parts], (row - 0.35, 0.7), color=color, linewidth=0)
     axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])

@@ -19,7 +19,7 @@ from fingertip.filling.mold_filling import build_grid, gate_opening, place_vents
 from fingertip.filling.predict import FillingPrediction, Opening, Point3
 from fingertip.filling.skin_grid import SkinGrid
 from fingertip.filling.surface_links import Layer
-from fingertip.plot_style import TEXT_COLOUR, new_figure, to_png
+from fingertip.plot_style import RED, REFERENCE, TEAL, TEXT_COLOUR, YELLOW, new_figure, to_png
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,7 +29,6 @@ _BANDS = 12
 _COLOURS = "YlGnBu"
 _LINE_MM = 1.7
 """Height of a line of text beside a mark, in the picture's mm."""
-_CLOSED_COLOUR = "#b9bec3"
 
 
 @dataclass(frozen=True)
@@ -42,10 +41,10 @@ class _Symbol:
     legend: str
 
 
-_GATE = _Symbol("^", "#2e7d5b", 150, "gate: silicone enters")
-_VENT = _Symbol("o", "#ffffff", 90, "vent: air leaves")
-_LAST = _Symbol("*", "#f2b134", 230, "last point: fills later than all around it")
-_AIR = _Symbol("X", "#c0271c", 130, "air pocket: a bubble stays here")
+_GATE = _Symbol("^", TEAL, 150, "gate: silicone enters")
+_VENT = _Symbol("o", "white", 90, "vent: air leaves")
+_LAST = _Symbol("*", YELLOW, 230, "last point: fills later than all around it")
+_AIR = _Symbol("X", RED, 130, "air pocket: a bubble stays here")
 
 
 @dataclass(frozen=True)
@@ -105,7 +104,7 @@ def draw_filling(
     ]
     if np.isnan(prediction.arrival_s).any():
         handles.append(
-            axes[0].scatter([], [], marker="s", color=_CLOSED_COLOUR, s=110, label="no silicone: insert and mold touch")
+            axes[0].scatter([], [], marker="s", color=REFERENCE, s=110, label="no silicone: insert and mold touch")
         )
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, fontsize=10)
     figure.suptitle(f"{title}\n", x=0.01, ha="left", fontweight="bold", fontsize=13)  # the second line is the summary
@@ -208,9 +207,9 @@ def _draw_map(axes: Axes, view: _View, seconds: Array, levels: Array) -> Any:
     from matplotlib.patheffects import withStroke
 
     if np.isnan(seconds).any():
-        axes.contourf(view.x, view.y, np.zeros_like(seconds), levels=[-1, 1], colors=[_CLOSED_COLOUR])
+        axes.contourf(view.x, view.y, np.zeros_like(seconds), levels=[-1, 1], colors=[REFERENCE])
     filled = axes.contourf(view.x, view.y, seconds, levels=levels, cmap=_COLOURS)
-    lines = axes.contour(view.x, view.y, seconds, levels=levels[1:-1], colors="#34495e", linewidths=0.7)
+    lines = axes.contour(view.x, view.y, seconds, levels=levels[1:-1], colors=TEXT_COLOUR, linewidths=0.7)
     for label in axes.clabel(lines, fmt="%g s", fontsize=8.5, inline_spacing=1, colors="black"):
         label.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
     border = [np.concatenate((v[0], v[1:, -1], v[-1, -2::-1], v[-2::-1, 0])) for v in (view.x, view.y)]

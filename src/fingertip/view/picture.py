@@ -6,25 +6,33 @@ An arrow points at the place where the bone breaks first.
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
+from fingertip.arrays import Array
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.strength.assess import assess_strength
 from fingertip.design import Design
 from fingertip.view.joint_view import HAND, place_on_hand
 from fingertip.view.raster import Camera, Canvas, Colour, bounds
+from fingertip.view.section import SENSOR_COLOUR, draw_scale_bar, draw_section, list_sections
+
+if TYPE_CHECKING:
+    from PIL.ImageDraw import ImageDraw
 
 _TOLERANCE_MM = 0.02
-_MARGIN_PX = 36
+_MARGIN_PX, _CAPTION_PX, _FONT_PX, _CLEAR_PX = 36, 24, 17, 5
+_INK, _MARK_INK = (40, 40, 40), (150, 30, 20)
+_PART_LABELS = (*PARTS, "sensor")
 _COLOURS: Mapping[str, Colour] = {
     **{name: part.colour for name, part in PARTS.items()},
-    "sensor": (0.86, 0.68, 0.24),
+    "sensor": SENSOR_COLOUR,
     HAND: (0.80, 0.80, 0.78),
 }
 """Colours of the parts and of what lies with them."""
@@ -69,17 +77,22 @@ def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] =
     half, mark = width_px // 2, _mark_weakest(design, evaluator, exploded)
     views: list[tuple[str, list[PlacedMesh], Camera, int]] = [
         ("dorsal view", exploded, Camera.from_angles(28, 24), half),
-        ("palmar view", exploded, Camera.from_angles(28, -26), width_px - half),
-        ("longitudinal section of the closed mold", _cut_open(design, evaluator), Camera.from_angles(0, 0), width_px),
+        ("palmar view", exploded, Camera.from_angles(28, -38), width_px - half),
     ]
-    if design.dimensions.joint:
-        title = f"finger on the hand: straight, and bent by {design.hand.travel_deg:g} degrees to its stop"
-        views.append((title, _place_joint(design, evaluator), Camera.from_angles(0, 0), width_px))
     panels = []
     for title, placed, camera, width in views:
         progress(f"drawing: {title}")
         marks = (mark,) if title == "dorsal view" else ()
-        panels.append(_draw_panel(title, placed, camera, width, labelled=placed is exploded, marks=marks))
+        panels.append(_draw_panel(title, placed, camera, width, labels=_PART_LABELS, marks=marks))
+    for section in list_sections(design, evaluator):
+        progress(f"drawing: {section.title.partition(';')[0]}")
+        panels.append(draw_section(section, evaluator, width_px))
+    if design.dimensions.joint:
+        title = f"finger on the hand: straight, and bent by {design.hand.travel_deg:g} degrees to its stop"
+        progress(f"drawing: {title}")
+        panels.append(
+            _draw_panel(title, _place_joint(design, evaluator), Camera.from_angles(0, 0), width_px, labels=(HAND,))
+        )
     top_height = max(panels[0].shape[0], panels[1].shape[0])
     below = panels[2:]
     picture = np.full((top_height + sum(panel.shape[0] for panel in below), width_px, 3), 255, dtype=np.uint8)
@@ -141,7 +154,8 @@ def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
     """Move the parts apart: mold halves above and below, and between them the bone with its sensor and the skin."""
     size = {name: np.ptp(mesh.vertices, axis=0) for name, mesh in parts.items()}
     gap = 6.0
-    spread = size["bone"][1] + size["mold_palmar"][1] / 2 + 2 * gap
+    # So far that no half hides the bone, from above or from the palm
+    spread = 1.25 * (size["bone"][1] + size["mold_palmar"][1] / 2) + 2 * gap
     shift = {
         "mold_dorsal": (0.0, spread, 0.0),
         "skin": (0.0, 0.0, size["skin"][2] * 0.55 + gap),
@@ -159,62 +173,102 @@ def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
     ]
 
 
-def _cut_open(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:
-    """Place what lies in the closed mold, without the half of each part on the viewer's side of the plane x = 0."""
-    solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
-    if "core" in solids:  # a sleeve is cast around the core, without bone and sensor
-        solids = {name: solid for name, solid in solids.items() if name not in ("bone", "lid")}
-    else:
-        solids["sensor"] = sensor_body(design)
-    return [
-        PlacedMesh(
-            name, to_canonical_mesh(evaluator.manifold(solid).trim_by_plane((1.0, 0.0, 0.0), 0.0)), _COLOURS[name]
-        )
-        for name, solid in solids.items()
-    ]
-
-
 def _draw_panel(
     title: str,
     placed: list[PlacedMesh],
     camera: Camera,
     width_px: int,
     *,
-    labelled: bool,
+    labels: Collection[str],
     marks: tuple[Mark, ...] = (),
 ) -> NDArray[np.uint8]:
+    """Draw meshes with their names, a scale bar and marks."""
     from PIL import Image, ImageDraw, ImageFont
 
-    font_px = 17
     centre, size = bounds([item.mesh for item in placed], camera)
-    scale = (width_px - 2 * _MARGIN_PX) / size[0]
-    if not labelled:
-        scale *= 0.62  # the section is long and flat, so it need not fill the width
-    height_px = int(size[1] * scale) + 2 * _MARGIN_PX + 24
+    # A long and flat picture need not fill the width; others leave room for the names.
+    scale = (width_px - 2 * _MARGIN_PX) / size[0] * (0.62 if HAND in labels else 0.9)
+    height_px = int(size[1] * scale) + 2 * _MARGIN_PX + 2 * _CAPTION_PX
     canvas = Canvas(width_px, height_px, scale, camera)
     for item in placed:
         canvas.draw(item.mesh, item.colour, centre)
-    picture = Image.fromarray(canvas.image())
-    pen, font = ImageDraw.Draw(picture), ImageFont.load_default(size=font_px)
-    pen.text((16, 10), title, fill=(40, 40, 40), font=font)
-    for item in placed if labelled else [item for item in placed if item.label == HAND]:
-        projected = (item.mesh.vertices - centre) @ camera.axes.T * scale
-        (left, low), (right, high) = projected.min(axis=0)[:2], projected.max(axis=0)[:2]
-        x, y, anchor = {
-            "mold_dorsal": (right, high, "rt"),
-            "skin": (right, low - 4, "rt"),
-            "lid": (right + 6, (low + high) / 2, "lm"),
-            HAND: (left + 4, high - 4, "lt"),
-        }.get(item.label, (left, low - 2, "lt"))
-        position = (width_px / 2 + x, height_px / 2 - y)
-        pen.text(position, item.label.replace("_", " "), fill=(40, 40, 40), font=font, anchor=anchor)
+    image = canvas.image()
+    picture = Image.fromarray(image)
+    pen, font = ImageDraw.Draw(picture), ImageFont.load_default(size=_FONT_PX)
+    taken: NDArray[np.bool_] = np.asarray((image < 255).any(axis=2))
+    _claim(taken, pen.textbbox((16, 10), title, font=font))
+    pen.text((16, 10), title, fill=_INK, font=font)
+    draw_scale_bar(pen, (16.0, height_px - 16.0), scale)
+    _claim(taken, (0, height_px - 34, 260, height_px))
+
+    def to_pixel(point: Array) -> tuple[float, float]:
+        u, v = ((point - centre) @ camera.axes.T * scale)[:2]
+        return width_px / 2 + u, height_px / 2 - v
+
     for mark in marks:
-        u, v = ((np.array(mark.point_mm) - centre) @ camera.axes.T * scale)[:2]
-        tip = (width_px / 2 + u, height_px / 2 - v)
-        # Above the mold's front corner the picture is empty.
-        text = (16, 0.24 * height_px)
-        pen.multiline_text(text, mark.text, fill=(150, 30, 20), font=font)
-        start = (text[0] + 40, text[1] + 4 * font_px)
-        pen.line([start, tip], fill=(150, 30, 20), width=2)
-        pen.ellipse([tip[0] - 5, tip[1] - 5, tip[0] + 5, tip[1] + 5], outline=(150, 30, 20), width=2)
+        _draw_mark(pen, font, mark, to_pixel(np.array(mark.point_mm)), taken)
+    for item in placed:
+        if item.label in labels:
+            corners = (item.mesh.vertices - centre) @ camera.axes.T * scale
+            (left, low), (right, high) = corners.min(axis=0)[:2], corners.max(axis=0)[:2]
+            box = (width_px / 2 + left, height_px / 2 - high, width_px / 2 + right, height_px / 2 - low)
+            text = item.label.replace("_", " ")
+            place = find_free_place(taken, pen.textbbox((0, 0), text, font=font), box)
+            pen.text(place, text, fill=_INK, font=font)
+            _claim(taken, pen.textbbox(place, text, font=font))
     return np.asarray(picture)
+
+
+def _draw_mark(pen: ImageDraw, font: Any, mark: Mark, tip: tuple[float, float], taken: NDArray[np.bool_]) -> None:
+    """Draw a text above the left end of the parts, with a line to the point that it marks."""
+    box = pen.multiline_textbbox((0, 0), mark.text, font=font)
+    place = find_free_place(taken, box, (16.0, tip[1] - 40.0, tip[0], tip[1]))
+    pen.multiline_text(place, mark.text, fill=_MARK_INK, font=font)
+    _claim(taken, pen.multiline_textbbox(place, mark.text, font=font))
+    start = (
+        min(max(tip[0], place[0] + 20), place[0] + box[2] - 20),
+        place[1] + (box[3] if place[1] < tip[1] else 0) + 4,
+    )
+    pen.line([start, tip], fill=_MARK_INK, width=2)
+    pen.ellipse([tip[0] - 5, tip[1] - 5, tip[0] + 5, tip[1] + 5], outline=_MARK_INK, width=2)
+
+
+def find_free_place(
+    taken: NDArray[np.bool_], text: tuple[float, float, float, float], part: tuple[float, float, float, float]
+) -> tuple[float, float]:
+    """Find the place nearest to a part where a text covers nothing.
+
+    Parameters
+    ----------
+    taken
+        Pixels that are not empty, shape (height, width).
+    text
+        Bounding box of the text at the origin: left, top, right, bottom [pixels].
+    part
+        Bounding box of the part.
+
+    Returns
+    -------
+    tuple
+        Origin of the text.
+    """
+    height, width = taken.shape
+    wide, high = int(text[2] - text[0]) + 2 * _CLEAR_PX, int(text[3] - text[1]) + 2 * _CLEAR_PX
+    filled = np.zeros((height + 1, width + 1), dtype=np.int64)
+    filled[1:, 1:] = taken.cumsum(axis=0).cumsum(axis=1)  # counts of any rectangle follow from its corners
+    counts = filled[high:, wide:] - filled[:-high, wide:] - filled[high:, :-wide] + filled[:-high, :-wide]
+    rows, columns = np.nonzero(counts == 0)
+    if not len(rows):
+        return part[0] - text[0], part[3] - text[1]
+    # Distance between the two rectangles, and then to the middle of the part
+    beside = np.maximum(0, np.maximum(part[0] - (columns + wide), columns - part[2]))
+    beyond = np.maximum(0, np.maximum(part[1] - (rows + high), rows - part[3]))
+    off = np.hypot(columns + wide / 2 - (part[0] + part[2]) / 2, rows + high / 2 - (part[1] + part[3]) / 2)
+    best = int(np.argmin(np.hypot(beside, beyond) + 0.2 * off))
+    return float(columns[best] + _CLEAR_PX - text[0]), float(rows[best] + _CLEAR_PX - text[1])
+
+
+def _claim(taken: NDArray[np.bool_], box: tuple[float, float, float, float]) -> None:
+    """Mark a rectangle as not empty."""
+    left, top, right, bottom = (max(0, int(side)) for side in box)
+    taken[top : bottom + 1, left : right + 1] = True

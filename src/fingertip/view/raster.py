@@ -16,6 +16,9 @@ Colour = tuple[float, float, float]
 _CREASE_COSINE = math.cos(math.radians(35.0))
 """Cosine of the angle between facets above which they are shaded as separate surfaces."""
 
+_FROM_BELOW = -0.2
+"""Dorsal component of the direction to the viewer below which the view is one from below."""
+
 
 @dataclass(frozen=True)
 class Camera:
@@ -88,6 +91,17 @@ class Canvas:
             light = (u * shade[0] + v * shade[1] + w * shade[2])[visible]
             self._colour[y0 : y1 + 1, x0 : x1 + 1][visible] = light[:, None] * base
 
+    @property
+    def depth_mm(self) -> Array:
+        """Depth of each fine pixel towards the viewer [mm]; minus infinity where nothing was drawn."""
+        return self._depth / self._scale
+
+    def tint(self, mask: NDArray[np.bool_], drawn: Colour, colour: Colour) -> None:
+        """Give fine pixels that were drawn in one colour another one; empty ones become pale."""
+        is_empty = ~np.isfinite(self._depth) & mask
+        self._colour[mask] *= np.array(colour) / np.array(drawn)
+        self._colour[is_empty] = 1.0 - 0.35 * (1.0 - np.array(colour))
+
     def image(self) -> NDArray[np.uint8]:
         """Return the picture (height, width, 3), outlined at steps in depth and averaged to its final resolution."""
         colour = self._colour.copy()
@@ -120,8 +134,10 @@ def _shades(mesh: Mesh, camera: Camera) -> Array:
     length = np.linalg.norm(cross, axis=1, keepdims=True)
     facet = np.divide(cross, length, out=np.zeros_like(cross), where=length > 0)
     normal = _smooth_normals(mesh, cross, facet)
-    # Directional light from behind the viewer's left shoulder, plus ambient light.
-    lamp = camera.axes.T @ (np.array([-0.45, 0.6, 0.66]))
+    # Directional light from behind the viewer's left shoulder, plus ambient light. Who looks from below holds the lamp
+    # below, or the faces seen would lie in the shade, and what is engraved in them with them.
+    up = 0.6 if camera.axes[2, 1] >= _FROM_BELOW else -0.6
+    lamp = camera.axes.T @ (np.array([-0.45, up, 0.66]))
     light = 0.42 + 0.58 * np.clip(normal @ lamp, 0.0, 1.0)
     towards = np.repeat((facet @ camera.axes[2])[:, None], 3, axis=1)
     return np.stack((light, towards), axis=2)

@@ -37,9 +37,11 @@ FIGURE_ASSUMPTIONS = {
         "force stands for the axis along Z."
     ),
     "closed_loop_power.png, closed_loop_pinch.png": (
-        "Figures 16 and 17: the first held-out manipulation of the object. Delay, lag and velocity of the hand, "
-        "stiffness and stroke of the pin, and the margin of the grip are assumptions of fingertip.sim; the object "
-        "neither rotates nor bends. The constants of the grip law were chosen on the tuning seeds."
+        "Figures 16 and 17. The manipulation is selected: it is the first one of the object, or else of another in "
+        "the same grasp, that is held with control and lost without. The table counts all of them. Delay, lag and "
+        "velocity of the hand, stiffness and stroke of the pin, and the margin of the grip are assumptions of "
+        "fingertip.sim; the object neither rotates nor bends. The constants of the grip law were chosen on the tuning "
+        "seeds."
     ),
     "table of board variants": (
         "One diode, 1N4148 at 27 degrees Celsius, and nominal values; `fingertip board --analysis` gives tolerances. "

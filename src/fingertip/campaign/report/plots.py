@@ -7,13 +7,13 @@ from collections.abc import Sequence
 
 from fingertip.campaign.run import CampaignResult, speed_m_s, surface
 from fingertip.campaign.studies.article_figures import Spectrum, WindowResult
-from fingertip.plot_style import BLUE, ORANGE, RED, TEXT_COLOUR, new_figure, style_axes, to_png
+from fingertip.plot_style import BLUE, ORANGE, PURPLE, RED, SHADES, TEAL, TEXT_COLOUR, new_figure, style_axes, to_png
 
-COLOURS = {"analog": BLUE, "digital": "#5b8fb9", "fft": ORANGE, "fast": RED}
+COLOURS = {"analog": BLUE, "digital": TEAL, "fft": ORANGE, "fast": RED}
 """Colour of each detector."""
-OTHER_COLOUR = "#555555"
+MARKERS = {"analog": "s", "digital": "o", "fft": "^", "fast": "D"}
+OTHER_COLOUR = PURPLE
 """Colour of a detector that has none of its nominal."""
-_SPEED_COLOURS = ("#9ecae1", "#4292c6", "#08519c")
 NOTE = "simulated, held-out seeds"
 """Note on every plot."""
 
@@ -57,7 +57,7 @@ def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
         values = [1000 * both[(name, speed)][0] if (name, speed) in both else math.nan for name in names]
         x = [n + 0.25 * (i - (len(speeds) - 1) / 2) for n in range(len(names))]
         label = f"{100 * speed:g} cm/s"
-        top.bar(x, [v if math.isfinite(v) else 0 for v in values], 0.22, label=label, color=_SPEED_COLOURS[i % 3])
+        top.bar(x, [v if math.isfinite(v) else 0 for v in values], 0.22, label=label, color=SHADES[i % len(SHADES)])
     found = [(n, 1000 * groups[name][0], 1000 * groups[name][1]) for n, name in enumerate(names) if groups[name][2]]
     means, deviations = [mean for _, mean, _ in found], [deviation for _, _, deviation in found]
     colour = COLOURS.get(detector, OTHER_COLOUR)
@@ -72,7 +72,9 @@ def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
     top.set_title(f"{detector}: delay by surface and velocity ({NOTE})", loc="left", fontsize=10)
     for axes, label in ((top, "mean delay [ms]"), (bottom, "mean and standard deviation [ms]")):
         axes.set_ylabel(label)
-        axes.legend(frameon=False, ncols=3, fontsize=9)
+        axes.legend(
+            frameon=False, ncols=3, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2
+        )  # fmt: skip
         style_axes(axes)
     return to_png(figure)
 
@@ -100,13 +102,28 @@ def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
             values = [1000 * r.delay_s(fraction) for r in shown]
             kept = [(r, v) for r, v in zip(rates, values, strict=True) if math.isfinite(v)]
             label = f"{name}, {'median' if fraction == 0.5 else '90th percentile'}"
-            axes.plot([r for r, _ in kept], [v for _, v in kept], style, marker=".", color=colour, label=label)
+            marker = MARKERS.get(name, ".")
+            axes.plot(
+                [r for r, _ in kept],
+                [v for _, v in kept],
+                style,
+                marker=marker,
+                markersize=5,
+                color=colour,
+                label=label,
+            )
         nominal = result.at_nominal_threshold(name)
         if math.isfinite(nominal.delay_s(0.5)):
             at = (max(nominal.alarms_per_minute, no_alarms), 1000 * nominal.delay_s(0.5))
             axes.plot(*at, "o", markersize=11, markerfacecolor="none", color=colour)
-    axes.axhline(1000 * bound_s, color="#2e7d5b", linewidth=1, label="estimate for one band's energy alone, median")
-    axes.axvline(0.1, color=TEXT_COLOUR, linewidth=1, linestyle=":")
+    axes.axhline(
+        1000 * bound_s,
+        color=TEXT_COLOUR,
+        linewidth=1,
+        linestyle="-.",
+        label="estimate for one band's energy alone, median",
+    )
+    axes.axvline(0.1, color=TEXT_COLOUR, linewidth=1, linestyle=":", label="0.1 false alarms per minute")
     axes.set_xscale("log")
     axes.set_ylim(0, 160)
     axes.set_xlabel(
@@ -115,7 +132,7 @@ def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
     axes.set_ylabel("delay over all slips [ms]")
     title = "Each line: one detector from low to high threshold; circle: the detector's own threshold"
     axes.set_title(title, loc="left", fontsize=10)
-    axes.legend(frameon=False, ncols=3, fontsize=9)
+    figure.legend(frameon=False, ncols=3, fontsize=9, loc="outside lower left")
     style_axes(axes)
     return to_png(figure)
 

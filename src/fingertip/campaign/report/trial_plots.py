@@ -20,7 +20,7 @@ from fingertip.campaign.run import scene_surface
 from fingertip.campaign.studies.article_figures import WINDOW_DETECTOR, WINDOWS_S, with_window
 from fingertip.design import Design
 from fingertip.jit import compiled
-from fingertip.plot_style import new_figure, style_axes, to_png
+from fingertip.plot_style import BLUE, ORANGE, REFERENCE, SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 from fingertip.slip import ChainSettings, SlipChain, Trace, make_detector
@@ -30,14 +30,13 @@ from fingertip.slip.intervals import intervals
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_VOLTAGE, _ENVELOPE, _TRUTH, _FORCE = "#1f4e79", "#d98c2b", "#7fb3a6", "#4a5157"
-_REFERENCE = "#b0b7bf"
-_FINGERS = {"thumb": "#1f4e79", "index": "#b03a2e", "middle": "#d98c2b", "ring": "#2e7d5b", "little": "#8a5aa0"}
+_VOLTAGE, _ENVELOPE, _FORCE = BLUE, ORANGE, TEXT_COLOUR
+_FINGERS = dict(zip(("thumb", "index", "middle", "ring", "little"), SERIES, strict=True))
 SHORT_WINDOW_S = 0.01
 """Window in which a contact is reported as slip in the article's figure 5 [s]."""
 DETECTORS_SHOWN = ("analog", "digital", "fast")
 CLOSED_LOOP_PLOTS = {"closed_loop_power.png": "parallelepiped", "closed_loop_pinch.png": "cylinder"}
-"""File -> object, as in the article's figures 16 and 17."""
+"""File -> object, as in the article's figures 16 and 17; `select_pair` may take another one of the same grasp."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +117,9 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     highest = max(float(np.max(mean_mv)), threshold_mv, float(np.quantile(1000 * sampled, 0.999)))
     envelope.set_ylim(0, 1.35 * highest)
     envelope.set_ylabel("envelope [mV]")
-    envelope.legend(frameon=False, ncols=3, fontsize=9, loc="upper left")
+    envelope.legend(
+        frameon=False, ncols=3, fontsize=9, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2
+    )  # fmt: skip
     rows = [(name, make_detector(name, design).process(*select_inputs(trace, name)).on) for name in DETECTORS_SHOWN]
     _draw_rows(on, trace, rows)
     for axes in (force, voltage, envelope):
@@ -127,8 +128,8 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     touching = np.flatnonzero(np.asarray(trace.force_n) > 0.0)
     for axes in (force, voltage, envelope, on):
         for at in (touching[0], touching[-1]) if touching.size else ():
-            axes.axvline(float(t[at]), color="#9aa1a8", linestyle="--", linewidth=1)
-    title = f"{example.title}; grey dashes: contact and release; green: slip ({NOTE})"
+            axes.axvline(float(t[at]), color=REFERENCE, linestyle="--", linewidth=1)
+    title = f"{example.title}; grey dashes: contact and release; shaded: slip ({NOTE})"
     force.set_title(title, loc="left", fontsize=10)
     on.set_xlabel("time [s]")
     on.set_xlim(float(t[0]), float(t[-1]))
@@ -167,7 +168,7 @@ def plot_panels(design: Design, examples: Sequence[ExampleTrial]) -> bytes:
     for axes in list(grid.flat)[len(examples) :]:
         axes.set_visible(False)
     for axes in grid[-1]:
-        axes.set_xlabel(f"time [s]; green: slip; digital chain ({NOTE})", fontsize=9)
+        axes.set_xlabel(f"time [s]; shaded: slip; digital chain ({NOTE})", fontsize=9)
     return to_png(figure)
 
 
@@ -193,15 +194,34 @@ def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
 
 
 def plot_closed_loop(trials: Sequence[ClosedLoopTrial], detector: str) -> dict[str, bytes]:
-    """Plot the first manipulation of each of `CLOSED_LOOP_PLOTS`, with and without control; returns name -> PNG."""
+    """Plot a manipulation for each of `CLOSED_LOOP_PLOTS`, with and without control; returns name -> PNG."""
     plots = {}
     for name, shown in CLOSED_LOOP_PLOTS.items():
-        shown_trials = [trial for trial in trials if trial.name == shown]
-        controlled = next((trial for trial in shown_trials if trial.detector == detector), None)
-        uncontrolled = next((trial for trial in shown_trials if trial.detector == NO_CONTROL), None)
-        if controlled and uncontrolled:
-            plots[name] = plot_manipulation(controlled, uncontrolled)
+        if pair := select_pair(trials, detector, shown):
+            plots[name] = plot_manipulation(*pair)
     return plots
+
+
+def select_pair(
+    trials: Sequence[ClosedLoopTrial], detector: str, shown: str
+) -> tuple[ClosedLoopTrial, ClosedLoopTrial] | None:
+    """Select the same manipulation with and without control, of an object or of another in the same grasp.
+
+    The first one is taken that is held with control and lost without: otherwise nothing is seen of what the detector
+    does. If there is none, it is the object's first manipulation; None if it has none with both.
+    """
+    without = {(trial.name, trial.seed): trial for trial in trials if trial.detector == NO_CONTROL}
+    pairs = [
+        (trial, without[trial.name, trial.seed])
+        for trial in trials
+        if trial.detector == detector and (trial.name, trial.seed) in without
+    ]
+    own = [pair for pair in pairs if pair[0].name == shown]
+    if not own:
+        return None
+    grasp = own[0][0].manipulation.scene.grasp.kind
+    others = [pair for pair in pairs if pair[0].name != shown and pair[0].manipulation.scene.grasp.kind == grasp]
+    return next((pair for pair in (*own, *others) if pair[0].held and not pair[1].held), own[0])
 
 
 def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> bytes:
@@ -216,7 +236,8 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
         force.plot(t, manipulation.output("force_n")[i], color=color, linewidth=0.8, label=finger)
         closing.plot(t, 1000 * manipulation.signals.closing_m[i], color=color, linewidth=1.1, label=finger)
     force.set_ylabel("normal force [N]")
-    force.legend(frameon=False, ncols=5, fontsize=9, loc="lower right")
+    # Above the axes, where it covers no data
+    force.legend(frameon=False, ncols=5, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
     closing.set_ylabel("closing [mm]")
     # Show the last millimetres, in which the hand reacts: the initial closing is the same in all manipulations.
     closed = np.searchsorted(t, manipulation.plan.closed_s)
@@ -226,8 +247,8 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
     periods = np.array([decision.time_s for decision in trial.decisions])
     rows = (
         ("used", intervals(periods, flags[:, 0] & ~flags[:, 1]), COLOURS.get(trial.detector, OTHER_COLOUR)),
-        ("suppressed", intervals(periods, flags[:, 0] & flags[:, 1]), _REFERENCE),
-        ("true slip", intervals(t, any_finger_slips(manipulation)), _TRUTH),
+        ("suppressed", intervals(periods, flags[:, 0] & flags[:, 1]), REFERENCE),
+        ("true slip", intervals(t, any_finger_slips(manipulation)), TRUTH),
     )
     for row, (_, found, color) in enumerate(rows):
         spans = [(i.onset_s, max(i.end_s - i.onset_s, 0.01)) for i in found]
@@ -238,14 +259,16 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
     for decision in trial.decisions:
         if decision.tightened:
             for axes in panels:
-                axes.axvline(decision.time_s, color="#4a5157", linestyle=":", linewidth=1)
-    displacement.plot(t, 1000 * manipulation.signals.object_m, color="#1f4e79", label="with control")
+                axes.axvline(decision.time_s, color=TEXT_COLOUR, linestyle=":", linewidth=1)
+    displacement.plot(t, 1000 * manipulation.signals.object_m, color=BLUE, label="with control")
     other = uncontrolled.manipulation
-    label = f"without control: {'held' if uncontrolled.held else 'lost'}"
-    displacement.plot(other.time_s, 1000 * other.signals.object_m, color=_REFERENCE, label=label)
+    label = f"without control: {'held too' if uncontrolled.held else 'lost'}"
+    displacement.plot(other.time_s, 1000 * other.signals.object_m, color=REFERENCE, label=label)
     displacement.set_ylabel("object [mm]")
     displacement.set_xlabel(f"time [s]; dotted: grip tightened ({NOTE})")
-    displacement.legend(frameon=False, fontsize=9, loc="upper left")
+    displacement.legend(
+        frameon=False, fontsize=9, ncols=2, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0
+    )
     for axes in panels:
         style_axes(axes)
     displacement.set_xlim(float(t[0]), float(t[-1]))
@@ -253,7 +276,7 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
     held = "held" if trial.held else "lost"
     scene = manipulation.scene
     grasp = f"{scene.grasp.kind} grasp of {trial.name.replace('_', ' ')}, {1000 * scene.object.mass_kg:g} g"
-    force.set_title(f"{grasp}, {trial.detector} in the loop: {held}, {reaction}", loc="left", fontsize=10)
+    figure.suptitle(f"{grasp}, {trial.detector} in the loop: {held}, {reaction}", x=0.01, ha="left", fontsize=10)
     figure.align_ylabels()
     return to_png(figure)
 
@@ -266,7 +289,7 @@ def _draw_rows(
     named = [*rows, ("true slip", trace.slip)]
     for row, (name, flags) in enumerate(named):
         spans = [(i.onset_s, max(i.end_s - i.onset_s, 0.004)) for i in intervals(trace.time_s, flags)]
-        color = _TRUTH if name == "true slip" else COLOURS.get(name, "#1f4e79")
+        color = TRUTH if name == "true slip" else COLOURS.get(name, BLUE)
         axes.broken_barh(spans, (row - 0.35, 0.7), color=color, linewidth=0)
     axes.set_yticks(range(len(named)), [name for name, _ in named])
     axes.set_ylim(len(named) - 0.4, -0.6)
@@ -276,4 +299,4 @@ def _draw_rows(
 def _shade_slip(axes: Axes, trace: Trace) -> None:
     assert trace.slip is not None
     for slip in intervals(trace.time_s, trace.slip):
-        axes.axvspan(slip.onset_s, slip.end_s, color=_TRUTH, alpha=0.25, linewidth=0)
+        axes.axvspan(slip.onset_s, slip.end_s, color=TRUTH, alpha=0.25, linewidth=0)

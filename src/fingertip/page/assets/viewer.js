@@ -35,7 +35,10 @@
       else target.removeAttribute('tabindex');
     }
   });
-  for (const box of document.querySelectorAll('.scroll')) watcher.observe(box);
+  globalThis.fingertipWatch = (within) => {
+    for (const box of within.querySelectorAll('.scroll')) watcher.observe(box);
+  };
+  globalThis.fingertipWatch(document);
 
   const canvas = byId('canvas');
   if (!canvas) return;
@@ -144,7 +147,7 @@
   const before = stencil(THREE.FrontSide, THREE.DecrementWrapStencilOp);
 
   // Each item: its mesh and creases, and for the section what counts the surfaces in front of the plane and fills the cut.
-  const items = JSON.parse(byId('scene').textContent).map((data, number) => {
+  const make = (data, number) => {
     const vertices = decode(data.vertices, Float32Array);
     const triangles = decode(data.triangles, data.wide ? Uint32Array : Uint16Array);
     const { points, normals, lines } = shade(vertices, triangles);
@@ -177,12 +180,18 @@
     cap.onAfterRender = (own) => own.clearStencil();
     scene.add(group, cap);
     return { ...data, vertices, triangles, group, mesh, creases, counters, cap, material, colour, shown: true };
-  });
-  const labels = [...new Set(items.map((item) => item.label))];
-  const hasCore = items.some((item) => item.name === 'core');
+  };
+  function discard({ group, cap, mesh, creases, material }) {
+    scene.remove(group, cap);
+    for (const owned of [mesh.geometry, material, creases.geometry, creases.material, cap.geometry, cap.material]) {
+      owned.dispose();
+    }
+  }
+  let items = JSON.parse(byId('scene').textContent).map(make);
+  const hasCore = () => items.some((item) => item.name === 'core');
   const OF_FINGER = ['bone', 'lid', 'skin', 'sensor', 'joint_pin'];
   const isInMold = ({ name }) =>
-    name !== 'joint_pin' && (!hasCore || !OF_FINGER.includes(name) || name === 'skin');
+    name !== 'joint_pin' && (!hasCore() || !OF_FINGER.includes(name) || name === 'skin');
   const PRESETS = {
     finger: { apart: 0, has: (item) => OF_FINGER.includes(item.name) },
     closed: { apart: 0, has: isInMold },
@@ -301,7 +310,10 @@
     cut();
   }
 
-  const boxes = new Map(labels.map((label) => [label, byId(`show-${labels.indexOf(label)}`)]));
+  const findBoxes = () => new Map(
+    [...new Set(items.map((item) => item.label))].map((label, number) => [label, byId(`show-${number}`)]),
+  );
+  let boxes = findBoxes();
   function show(has) {
     for (const [label, box] of boxes) {
       for (const item of items.filter((one) => one.label === label)) item.shown = has(item);
@@ -330,13 +342,12 @@
     cut();
     fit();
   });
-  for (const [label, box] of boxes) {
-    box.addEventListener('change', () => {
-      for (const item of items.filter((one) => one.label === label)) item.shown = box.checked;
-      choose('');
-      paint();
-    });
-  }
+  byId('boxes').addEventListener('change', ({ target }) => {
+    const [label] = [...boxes].find(([, box]) => box === target);
+    for (const item of items.filter((one) => one.label === label)) item.shown = target.checked;
+    choose('');
+    paint();
+  });
   byId('clear').addEventListener('change', paint);
   for (const id of ['cut', 'cut-axis', 'cut-place']) byId(id).addEventListener('input', cut);
   for (const button of document.querySelectorAll('[data-from]')) {
@@ -387,7 +398,7 @@
       paint();
       const said = [...new Set(items.filter((item) => highlighted.includes(item.name)).map((item) => item.label))];
       byId('view-status').textContent = isOff ? 'Nothing is highlighted.'
-        : `${button.textContent.trim()} shapes: ${said.join(', ')}.`;
+        : `${button.dataset.named ?? button.textContent.trim()} shapes: ${said.join(', ')}.`;
       const { bottom } = canvas.getBoundingClientRect();
       if (bottom < 80) canvas.scrollIntoView({ block: 'start' });
     });
@@ -435,4 +446,22 @@
   show(PRESETS.opened.has);
   place();
   paint();
+
+  // For the studio: other parts in place of these. What is hidden stays hidden, and the view stays as it is.
+  globalThis.fingertipView = {
+    replace(data, markup) {
+      const hidden = new Set(items.filter((item) => !item.shown).map((item) => item.label));
+      const known = new Set(items.map((item) => item.label));
+      const preset = presets.find((button) => button.getAttribute('aria-pressed') === 'true');
+      items.forEach(discard);
+      items = data.map(make);
+      byId('boxes').innerHTML = markup;
+      boxes = findBoxes();
+      const isShown = preset ? PRESETS[preset.dataset.preset].has : () => true;
+      show((item) => (known.has(item.label) ? !hidden.has(item.label) : isShown(item)));
+      place();
+      paint();
+    },
+    drawn: () => new Promise((resolve) => { requestAnimationFrame(() => requestAnimationFrame(resolve)); }),
+  };
 })();

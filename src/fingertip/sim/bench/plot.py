@@ -4,13 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fingertip.plot_style import new_figure, style_axes, to_png
+from fingertip.plot_style import (
+    BLUE,
+    BROWN,
+    ORANGE,
+    PINK,
+    PURPLE,
+    RED,
+    REFERENCE,
+    SKY,
+    TEAL,
+    TEXT_COLOUR,
+    new_figure,
+    style_axes,
+    to_png,
+)
 from fingertip.sim.bench.work_precision import WorkPrecision
 
-_STYLES = (
-    ("#b03a2e", "o"), ("#1f4e79", "s"), ("#2e8b57", "^"), ("#b8860b", "D"), ("#6c5b7b", "v"), ("#d35400", "P"),
-    ("#17a2b8", "X"), ("#7f8c8d", "<"), ("#34495e", ">"), ("#c2185b", "*"),
-)  # fmt: skip
+_COLOURS = (RED, BLUE, TEAL, ORANGE, PURPLE, BROWN, SKY, REFERENCE, PINK, TEXT_COLOUR)
+_STYLES = tuple(zip(_COLOURS, "os^DvPX<>*", strict=True))
 
 
 def draw(diagrams: Sequence[WorkPrecision], footnote: str) -> bytes:
@@ -38,12 +50,12 @@ def draw(diagrams: Sequence[WorkPrecision], footnote: str) -> bytes:
                 *zip(*best, strict=True), color=colour, marker=marker, markersize=5, linewidth=width, label=solver
             )
         for level in diagram.levels:
-            axes.axvline(level, color="#7f8c8d", linestyle="--", linewidth=0.8)
+            axes.axvline(level, color=REFERENCE, linestyle="--", linewidth=0.8)
         levels = ", ".join(f"{level:g}" for level in diagram.levels)
         axes.set_title(diagram.problem, loc="left", fontweight="bold")
         axes.set_xlabel(f"largest error [{diagram.unit}]; dashed: compared at {levels} {diagram.unit}")
         axes.set_ylabel("CPU time of the integration [s]")
         style_axes(axes, "both")
         axes.legend(frameon=False, fontsize=9, loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=3)
-    figure.supxlabel(footnote, x=0.01, ha="left", fontsize=8, color="#5d6d7e")
+    figure.supxlabel(footnote, x=0.01, ha="left", fontsize=8, color=TEXT_COLOUR)
     return to_png(figure)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from fingertip.plot_style import new_figure, style_axes, to_png
+from fingertip.plot_style import BLUE, RED, REFERENCE, TEAL, TEXT_COLOUR, new_figure, style_axes, to_png
 from fingertip.sim.bench.trial import QUANTITIES, TARGETS, VARIANTS, TrialAccuracy
 
-_STYLES = {"article": ("#b03a2e", "o"), "precision": ("#1f4e79", "s"), "comparator": ("#2e8b57", "x")}
+_STYLES = {"article": (RED, "o"), "precision": (BLUE, "s"), "comparator": (TEAL, "x")}
 _LABELS = {"force_n": "normal force [N]", "tactile_v": "tactile voltage [V]", "envelope_v": "envelope [V]"}
 
 
@@ -33,13 +33,13 @@ def draw_trials(found: TrialAccuracy, footnote: str) -> bytes:
         steps = np.array(sorted(1e6 * p.step_s for p in found.points if p.variant == VARIANTS[0]))
         largest = max(p.errors[name] for p in found.points)
         slope = largest * (steps / steps[-1]) ** 2
-        over_step.loglog(steps, 2 * slope, color="#7f8c8d", linestyle="--", linewidth=1, label="order 2")
+        over_step.loglog(steps, 2 * slope, color=REFERENCE, linestyle="--", linewidth=1, label="order 2")
         for axes in (over_step, over_time):
             if name in TARGETS:
-                axes.axhline(TARGETS[name], color="#7f8c8d", linestyle=":", linewidth=1.2)
+                axes.axhline(TARGETS[name], color=REFERENCE, linestyle=":", linewidth=1.2)
                 axes.annotate(
                     f"target {TARGETS[name]:g}", (0.02, TARGETS[name]), xycoords=("axes fraction", "data"),
-                    xytext=(0, 3), textcoords="offset points", fontsize=8, color="#5d6d7e",
+                    xytext=(0, 3), textcoords="offset points", fontsize=8, color=TEXT_COLOUR,
                 )  # fmt: skip
             axes.set_ylabel("largest error at a sample")
             style_axes(axes, "both")
@@ -50,5 +50,5 @@ def draw_trials(found: TrialAccuracy, footnote: str) -> bytes:
         over_step.set_title(_LABELS[name], loc="left", fontweight="bold")
         over_step.set_xlabel("step [us]")
         over_time.set_xlabel("CPU time of the whole trial [ms]")
-    figure.supxlabel(footnote, x=0.01, ha="left", fontsize=8, color="#5d6d7e")
+    figure.supxlabel(footnote, x=0.01, ha="left", fontsize=8, color=TEXT_COLOUR)
     return to_png(figure)

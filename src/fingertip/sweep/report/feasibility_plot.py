@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.plot_style import GRID_COLOUR, TEXT_COLOUR, new_figure, style_axes, to_png
+from fingertip.plot_style import (
+    AREAS,
+    GRID_COLOUR,
+    PALE_GREY,
+    PALE_TEAL,
+    REFERENCE,
+    TEXT_COLOUR,
+    new_figure,
+    style_axes,
+    to_png,
+)
 from fingertip.sweep.report.feasibility import FEASIBLE, PointClasses
 from fingertip.sweep.report.plot_scales import PlotScale, make_scale
 from fingertip.sweep.report.statistics import Column
@@ -18,9 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch
 
-_FEASIBLE_COLOUR, _OTHERS_COLOUR, _EMPTY_COLOUR = "#cfe3d8", "#b9bec4", "#f4f5f6"
-_RULE_COLOURS = ("#b03a2e", "#d98c2b", "#1f4e79", "#8e6bb0", "#d9c32b", "#4fa3c7", "#7a4b26", "#d67fa8")
-_STATUS_COLOURS = {"failed": "#20252a", "timeout": "#8a9199"}
+_STATUS_COLOURS = {"failed": "black", "timeout": TEXT_COLOUR}
 _MAX_CELLS = 80
 _MAX_MARKERS = 3000
 _MAX_BARS = 40
@@ -75,9 +83,9 @@ def _choose_colours(classes: PointClasses) -> tuple[list[str], NDArray[np.intp],
 
     counts, total = classes.count(), max(1, len(classes.indices))
     names = list(classes.names)
-    colours = [_FEASIBLE_COLOUR]
-    palette = iter(_RULE_COLOURS)
-    for name in names[1 : len(_RULE_COLOURS) + 1]:
+    colours = [PALE_TEAL]
+    palette = iter(AREAS)
+    for name in names[1 : len(AREAS) + 1]:
         colours.append(_STATUS_COLOURS.get(name) or next(palette))
     codes = classes.indices
     labels = [f"{name}  {_format_percent(counts[i] / total)}" for i, name in enumerate(names[: len(colours)])]
@@ -85,7 +93,7 @@ def _choose_colours(classes: PointClasses) -> tuple[list[str], NDArray[np.intp],
         others = len(names) - len(colours)
         codes = np.minimum(codes, len(colours))
         labels.append(f"others ({others})  {_format_percent(counts[len(colours) :].sum() / total)}")
-        colours.append(_OTHERS_COLOUR)
+        colours.append(REFERENCE)
     return colours, codes, [Patch(color=c, label=label) for c, label in zip(colours, labels, strict=True)]
 
 
@@ -136,7 +144,7 @@ def _draw_map(
     counts = np.bincount(flat, minlength=math.prod(shape)).reshape(shape)
     points = counts.sum(axis=2)
     most_frequent = np.where(points > 0, counts.argmax(axis=2), -1).astype(float)
-    plot.set_facecolor(_EMPTY_COLOUR)
+    plot.set_facecolor(PALE_GREY)
     plot.pcolormesh(
         x.edges,
         y.edges,

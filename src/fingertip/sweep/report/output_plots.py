@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.plot_style import RED, TEXT_COLOUR, new_figure, style_axes, to_png
+from fingertip.plot_style import PALE_BLUE, PALE_GREY, RED, TEXT_COLOUR, new_figure, style_axes, to_png
 from fingertip.sweep.report.best_design import Objective
 from fingertip.sweep.report.plot_scales import PlotScale, choose_points, make_scale, wrap_name
 from fingertip.sweep.report.sensitivity import OutputSensitivity
@@ -19,9 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_EMPTY_COLOUR = "#e9ebed"
 _MAX_CELLS = 40
-_CANDIDATE_COLOUR = "#a9bfd4"
 _MAX_CANDIDATES = 20000
 
 
@@ -142,7 +140,7 @@ def draw_pareto_front(
     x, y = values
     points = choose_points(len(x), _MAX_CANDIDATES)
     size = 3.5 if len(points) > 2000 else 6.0
-    plot.plot(x[points], y[points], ".", color=_CANDIDATE_COLOUR, markersize=size, markeredgewidth=0)
+    plot.plot(x[points], y[points], ".", color=PALE_BLUE, markersize=size, markeredgewidth=0)
     order = front[np.lexsort((y[front], x[front]))]
     label = f"Pareto front, {len(front)} designs"
     if len(objectives) == 2:
@@ -182,7 +180,7 @@ def _draw_cells(
     from matplotlib.colors import ListedColormap
 
     x, y = scales
-    plot.pcolormesh(x.edges, y.edges, np.ma.masked_equal(points, 0), cmap=ListedColormap([_EMPTY_COLOUR]))
+    plot.pcolormesh(x.edges, y.edges, np.ma.masked_equal(points, 0), cmap=ListedColormap([PALE_GREY]))
     mesh = plot.pcolormesh(x.edges, y.edges, np.ma.masked_invalid(values), cmap="viridis")
     bar = figure.colorbar(mesh, ax=plot, pad=0.01)
     bar.set_label(unit, fontsize=9)

@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+_VALUES_PER_BIN = 10
+"""Number of distinct values in a bin above which no comb can be seen."""
+
+
 @dataclass(frozen=True)
 class PlotScale:
     """Scale of one column along an axis of a plot."""
@@ -85,6 +89,29 @@ def make_scale(name: str, column: Column, max_cells: int) -> PlotScale:
         return PlotScale(name, bins, np.arange(len(categories) + 1, dtype=float) - 0.5, False, categories)
     log = suits_log_scale(column)
     return PlotScale(name, bins, _compute_edges(bins, log), log, ())
+
+
+def histogram_edges(positions: NDArray[np.float64], scale: PlotScale, max_bins: int) -> NDArray[np.float64]:
+    """Compute the edges of a histogram's bins on a numeric scale, ascending.
+
+    Bins of equal width show a comb where the values have a grid of their own, such as whole numbers or preferred
+    values: some hold more values than others. Where there are few distinct values, each bin therefore holds equally
+    many of them, and ends halfway between two.
+    """
+    if scale.bins.is_exact:
+        return scale.edges
+    distinct = np.unique(positions[np.isfinite(positions)])
+    spaced = np.geomspace if scale.log else np.linspace
+    if len(distinct) > _VALUES_PER_BIN * max_bins:
+        return np.asarray(spaced(scale.edges[0], scale.edges[-1], max_bins + 1), dtype=np.float64)
+    group = -(-len(distinct) // max_bins)
+    if scale.log:
+        distinct = np.log(distinct)
+    cuts = np.arange(group, len(distinct) - group // 2, group)  # a short last group joins the one before
+    inner = (distinct[cuts - 1] + distinct[cuts]) / 2
+    ends = np.array([1.5 * distinct[0] - 0.5 * distinct[1], 1.5 * distinct[-1] - 0.5 * distinct[-2]])
+    edges = np.concatenate([ends[:1], inner, ends[1:]])
+    return np.asarray(np.exp(edges) if scale.log else edges, dtype=np.float64)
 
 
 def wrap_name(name: str, max_length: int) -> str:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.plot_style import BLUE, TEXT_COLOUR, new_figure, to_png
-from fingertip.sweep.report.plot_scales import PlotScale, choose_points, make_scale
+from fingertip.plot_style import BLUE, PALE_RED, TEXT_COLOUR, new_figure, to_png
+from fingertip.sweep.report.plot_scales import PlotScale, choose_points, histogram_edges, make_scale
 from fingertip.sweep.report.statistics import Column, compute_correlation, compute_ranks, is_categorical
 
 if TYPE_CHECKING:
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
 MAX_COLUMNS = 8
 _MAX_POINTS = 2000
 _HISTOGRAM_BINS = 24
-_INFEASIBLE_COLOUR = "#e2b6b1"
+_CHARACTER_IN, _LINE_IN = 0.078, 0.15
+"""Largest mean width of a character, and height of a line, in the heading [inch]."""
 
 
 def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_], left_out: Sequence[str] = ()) -> bytes:
@@ -42,12 +44,15 @@ def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_],
     """
     size = len(columns)
     panel = 1.75 if size > 4 else 2.4
-    width, height = panel * size + 1.0, panel * size + 1.1
+    points = choose_points(len(feasible), _MAX_POINTS)
+    width = panel * size + 1.0
+    heading = _write_heading(len(points), len(feasible), left_out, width)
+    top = 0.15 + _LINE_IN * len(heading)
+    height = panel * size + 0.65 + top
     # Automatic layout would take seconds for so many panels.
     figure = new_figure(width, height, automatic_layout=False)
-    figure.subplots_adjust(0.95 / width, 0.6 / height, 1 - 0.1 / width, 1 - 0.45 / height, 0.12, 0.12)
+    figure.subplots_adjust(0.95 / width, 0.6 / height, 1 - 0.1 / width, 1 - top / height, 0.12, 0.12)
     panels = figure.subplots(size, size, squeeze=False)
-    points = choose_points(len(feasible), _MAX_POINTS)
     scales = [make_scale(name, _select_finite(column), _HISTOGRAM_BINS) for name, column in columns.items()]
     values = list(columns.values())
     for i, y in enumerate(scales):
@@ -78,14 +83,20 @@ def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_],
     panels[0, 0].set_ylabel("points", fontsize=8)
     for i in range(size):
         panels[i, 0].yaxis.set_label_coords(-0.58 / (panel * 0.9), 0.5)
-    shown = f"{len(points)} of {len(feasible)} points, chosen at random" if len(points) < len(feasible) else (
-        f"all {len(feasible)} points"
-    )  # fmt: skip
-    title = f"{shown}; blue: feasible, red: infeasible; above the diagonal: rank correlation of the feasible points"
-    if left_out:
-        title += f"\nnot shown for lack of space: {', '.join(left_out)}"
-    figure.suptitle(title, x=0.01, y=1 - 0.06 / height, ha="left", va="top", fontsize=9)
+    figure.suptitle("\n".join(heading), x=0.01, y=1 - 0.06 / height, ha="left", va="top", fontsize=9)
     return to_png(figure)
+
+
+def _write_heading(shown: int, count: int, left_out: Sequence[str], width_in: float) -> list[str]:
+    """Write the lines of the heading, none wider than the figure."""
+    points = f"all {count} points" if shown == count else f"{shown} of {count} points, chosen at random"
+    sentences = [
+        f"{points}; blue: feasible, red: infeasible; above the diagonal: rank correlation of the feasible points"
+    ]
+    if left_out:
+        sentences.append(f"not shown for lack of space: {', '.join(left_out)}")
+    characters = int(width_in / _CHARACTER_IN)
+    return [line for sentence in sentences for line in textwrap.wrap(sentence, characters, break_long_words=False)]
 
 
 def _locate_with_jitter(scale: PlotScale, column: Column) -> NDArray[np.float64]:
@@ -103,21 +114,20 @@ def _select_finite(column: Column) -> Column:
 
 def _draw_scatter(plot: Axes, x: NDArray[np.float64], y: NDArray[np.float64], feasible: NDArray[np.bool_]) -> None:
     size = min(5.0, max(2.4, 90 / math.sqrt(len(x))))
-    for selected, colour in ((~feasible, _INFEASIBLE_COLOUR), (feasible, BLUE)):
+    for selected, colour in ((~feasible, PALE_RED), (feasible, BLUE)):
         plot.plot(x[selected], y[selected], ".", color=colour, markersize=size, markeredgewidth=0)
 
 
 def _draw_histogram(plot: Axes, x: PlotScale, column: Column, feasible: NDArray[np.bool_]) -> None:
-    if x.categories:
-        edges = x.edges
-    else:
-        spaced = np.geomspace if x.log else np.linspace
-        edges = spaced(x.edges[0], x.edges[-1], _HISTOGRAM_BINS + 1)
+    """Draw how many points there are at each value; bars of unequal width show their number per mean width."""
     positions = x.locate(column)
-    feasible_counts = np.histogram(positions[feasible], edges)[0]
-    infeasible_counts = np.histogram(positions[~feasible], edges)[0]
-    plot.bar(edges[:-1], feasible_counts, np.diff(edges), align="edge", color=BLUE)
-    plot.bar(edges[:-1], infeasible_counts, np.diff(edges), feasible_counts, align="edge", color=_INFEASIBLE_COLOUR)
+    edges = x.edges if x.categories else histogram_edges(positions, x, _HISTOGRAM_BINS)
+    widths = np.diff(np.log(edges) if x.log else edges)
+    per_width = widths.mean() / widths if len(widths) > 1 and not x.bins.is_exact else np.ones(len(widths))
+    feasible_heights = per_width * np.histogram(positions[feasible], edges)[0]
+    infeasible_heights = per_width * np.histogram(positions[~feasible], edges)[0]
+    plot.bar(edges[:-1], feasible_heights, np.diff(edges), align="edge", color=BLUE)
+    plot.bar(edges[:-1], infeasible_heights, np.diff(edges), feasible_heights, align="edge", color=PALE_RED)
 
 
 def _draw_correlation(plot: Axes, a: Column, b: Column) -> None:

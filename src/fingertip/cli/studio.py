@@ -1,0 +1,42 @@
+"""Command `fingertip studio`: a local page with a form, whose parts follow each change."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
+
+
+@command
+def studio(
+    design: Annotated[
+        Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
+    ] = None,
+    port: Annotated[
+        int | None, typer.Option(metavar="N", help="Port to listen on; 8350 by default, 0 for any free one.")
+    ] = None,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the address and open no browser.")] = False,
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Serve a page on this machine where sliders change a design: its parts and checks follow, files are downloaded."""
+    import contextlib
+    import webbrowser
+
+    from fingertip.cli.load import load_design
+    from fingertip.studio.server import DEFAULT_PORT, StudioServer
+
+    console = Console(as_json, quiet)
+    loaded, _ = load_design(design, changes, console.progress)
+    with StudioServer(loaded, DEFAULT_PORT if port is None else port) as server:
+        with contextlib.suppress(KeyboardInterrupt):  # the way to end it, no failure
+            console.result({"url": server.url, "port": server.server_port}, f"studio: {server.url}")
+            console.progress("Ctrl-C ends it")
+            if not no_browser and not webbrowser.open(server.url):
+                console.progress("no browser was found; open the address above in one of this machine")
+            server.serve_forever()
+        console.progress("studio ended")

@@ -1,0 +1,145 @@
+"""Answers of the studio: what a design of the form gives, as plain data for its page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from typing import Any
+
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.cad.solids import Solid
+from fingertip.cad.strength.assess import assess_strength, strength_data
+from fingertip.cad.verification.assembly import check_assembly
+from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.verify import check_parts, check_strength, verify
+from fingertip.design import Design
+from fingertip.errors import FingertipError
+from fingertip.page.checks_section import EVERY_FILE, render_checks, render_verdict
+from fingertip.page.model_section import render_boxes
+from fingertip.page.moves import shapes_of_parameters
+from fingertip.page.scene import Item, place_items, scene_data
+from fingertip.studio.form import make_pointer
+from fingertip.studio.worker import StillWanted
+
+VIEW_TOLERANCE_MM = 0.05
+"""Tolerance of the meshes that are shown, and of the checks that follow each change [mm]: as fine as a screen shows."""
+FILE_TOLERANCE_MM = 0.01
+"""Tolerance of the files and of all checks [mm], that of `fingertip build`."""
+_MESHES_KEPT = 64
+"""Number of meshes that are kept, of solids that the next change may leave as they are."""
+
+
+def read_design(tables: Mapping[str, Any], before: Design) -> Design:
+    """Make the design of the form's values.
+
+    Parameters
+    ----------
+    tables
+        Contents of a design file.
+    before
+        Design that the studio was started with. The cause of a refusal is sought in what differs from it.
+
+    Raises
+    ------
+    DesignError
+        With all refusals at once.
+    """
+    old = before.model_dump(mode="json")
+    return Design.from_tables(tables, old, _list_changed(tables, old))
+
+
+def describe_issues(error: FingertipError) -> list[dict[str, str]]:
+    """Describe the issues of an error, each with the JSON pointer of its field."""
+    return [
+        {"field": issue.field, "pointer": make_pointer(issue.field), "message": issue.message} for issue in error.issues
+    ]
+
+
+def answer_parts(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
+    """Make what the 3D view shows of a design."""
+    items = make_items(design, still_wanted)
+    return {"scene": scene_data(items), "boxes": render_boxes(items)}
+
+
+def make_items(design: Design, still_wanted: StillWanted = lambda: None) -> tuple[Item, ...]:
+    """Make the meshes of parts and bought items, at the tolerance of the view."""
+    meshes = {}
+    for name, part in parts_by_name(design).items():
+        still_wanted()
+        meshes[name] = _make_mesh(part.solid(design))
+    still_wanted()
+    return place_items(design, meshes, dict.fromkeys(meshes, 1.0), _make_mesh)
+
+
+def answer_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
+    """Check the parts at the tolerance of the view, and find what each parameter shapes."""
+    evaluator, checks = MeshEvaluator(VIEW_TOLERANCE_MM), []
+    solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
+    meshes = {}
+    for name, solid in solids.items():
+        still_wanted()
+        meshes[name] = evaluator.mesh(solid)
+    for source in (check_assembly(design, evaluator, solids), check_parts(design, evaluator, meshes)):
+        for check in source:
+            still_wanted()
+            checks.append(check)
+    strength = assess_strength(design, evaluator)
+    checks += check_strength(design, strength)
+    still_wanted()
+    moved = shapes_of_parameters(design)
+    basis = (
+        f"Checked on meshes within {VIEW_TOLERANCE_MM:g} mm of the exact surface, coarser than those of the files, "
+        "which have checks of their own. A check that fails names the parameters to change."
+    )
+    return _describe_checks(checks, strength_data(strength), "of the shape passed", basis) | {
+        "moves": {path: [*items] for path, items in moved.items()}
+    }
+
+
+def answer_all_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
+    """Make the files in memory and run every check of `fingertip build` that needs no STEP file."""
+
+    def go_on(message: str) -> None:
+        still_wanted()
+
+    evaluator = MeshEvaluator(FILE_TOLERANCE_MM)
+    found = verify(design, parts_by_name(design), ("stl", "3mf"), evaluator, go_on)
+    strength = None if found.strength is None else strength_data(found.strength)
+    return _describe_checks(found.checks, strength, "of shape and files passed", EVERY_FILE)
+
+
+def _describe_checks(
+    checks: Sequence[Check], strength: Mapping[str, Any] | None, passed: str, basis: str
+) -> dict[str, Any]:
+    report: dict[str, Any] = {"checks": [check.to_dict() for check in checks]}
+    if strength:
+        report["strength"] = strength
+    failed = [check.name for check in checks if not check.passed]
+    return {
+        "passed": not failed,
+        "failed": failed,
+        "count": len(checks),
+        "verdict": render_verdict(report, passed),
+        "checks": render_checks(report, basis),
+    }
+
+
+@lru_cache(maxsize=_MESHES_KEPT)
+def _make_mesh(solid: Solid) -> Mesh:
+    return MeshEvaluator(VIEW_TOLERANCE_MM).mesh(solid)
+
+
+def _list_changed(tables: Mapping[str, Any], old: Mapping[str, Any]) -> tuple[str, ...]:
+    """List the parameters whose values differ."""
+    changed: list[str] = []
+    for name, value in tables.items():
+        known = old.get(name)
+        if isinstance(value, Mapping) and isinstance(known, Mapping):
+            changed += (f"{name}.{key}" for key, inner in value.items() if known.get(key, _MISSING) != inner)
+        elif known != value:
+            changed.append(name)
+    return tuple(changed)
+
+
+_MISSING = object()

@@ -1,0 +1,143 @@
+"""Atlas of the parameters: each on the part that it changes, where it changes, as one file."""
+
+from __future__ import annotations
+
+import base64
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fingertip import Design
+from fingertip.design.export import list_parameters
+from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.page.atlas import (
+    _FARTHER,
+    _NEARER,
+    AtlasPicture,
+    _find_parts,
+    draw_atlas,
+    draw_parameter,
+    find_depth_changes,
+    find_ring,
+    list_changes,
+)
+from fingertip.page.atlas_page import render_atlas
+from tests.conftest import run_fingertip
+from tests.page.conftest import Page
+
+
+def open_picture(png: bytes) -> Any:
+    from PIL import Image
+
+    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(float)
+
+
+def find_tinted(png: bytes, colour: tuple[float, float, float]) -> Any:
+    """Pixels of a hue, whatever their brightness."""
+    pixels = open_picture(png)
+    unit = pixels / np.maximum(np.linalg.norm(pixels, axis=2, keepdims=True), 1.0)
+    return (unit @ (np.array(colour) / np.linalg.norm(colour))) > 0.995
+
+
+def draw(design: Design, path: str) -> AtlasPicture:
+    picture = draw_parameter(design, path, _find_parts(design)[path])
+    assert picture
+    return picture
+
+
+@pytest.mark.parametrize(
+    ("path", "part", "z_mm"),
+    [
+        ("bone.collar_length_mm", "bone", (-4.0, 1.0)),
+        ("bone.post_length_mm", "bone", (-35.0, -25.0)),
+        ("bone.cross_bolt_diameter_mm", "bone", (-30.0, -22.0)),
+        ("skin.tip_length_mm", "skin", (18.0, 36.0)),
+    ],
+)
+def test_the_change_is_coloured_where_it_is(design: Design, path: str, part: str, z_mm: tuple[float, float]) -> None:
+    """Along the finger the pictures show the part from its first to its last z, between equal margins."""
+    picture = draw(design, path)
+    assert picture.part == part
+    assert picture.before == design.value(path) != picture.after
+    columns = np.flatnonzero((find_tinted(picture.png, _NEARER) | find_tinted(picture.png, _FARTHER)).any(axis=0))
+    assert len(columns)
+    filled = np.flatnonzero((open_picture(picture.png) < 250).any(axis=(0, 2)))
+    low, high = (-30.0, 34.0) if part == "bone" else (0.0, 34.0)
+    if part == "bone":
+        high = design.skin.length_mm - design.skin.thickness_tip_mm
+    middle = low + (high - low) * (np.median(columns) - filled[0]) / np.ptp(filled)
+    assert z_mm[0] - 3 <= middle <= z_mm[1] + 3
+
+
+def test_depth_changes_have_their_sign() -> None:
+    old = np.array([[0.0, 0.0, 0.0, -np.inf, 1.0, -np.inf]])
+    new = np.array([[0.5, -0.5, 0.05, 2.0, -np.inf, -np.inf]])
+    nearer, farther = find_depth_changes(old, new, 0.1)
+    assert nearer.tolist() == [[True, False, False, True, False, False]]
+    assert farther.tolist() == [[False, True, False, False, True, False]]
+
+
+def test_a_small_change_has_a_ring_around_it() -> None:
+    changed = np.zeros((400, 600), dtype=bool)
+    changed[100:108, 200:210] = True
+    ring = find_ring(changed, 200)
+    assert ring
+    left, top, right, bottom = ring
+    assert left < 100 < 105 < right
+    assert top < 50 < 54 < bottom
+    changed[:, :300] = True
+    assert find_ring(changed, 200) is None
+    assert find_ring(np.zeros((4, 4), dtype=bool), 2) is None
+
+
+def test_changes_leave_the_other_parameters(design: Design) -> None:
+    for path in ("skin.width_mm", "mold.method", "mold.chaplet_screw"):
+        for changed in list_changes(design, path):
+            others = [other for other in PARAMETERS if other != path]
+            assert [changed.value(one) for one in others] == [design.value(one) for one in others]
+            assert changed.value(path) != design.value(path)
+    assert list(list_changes(design, "name")) == []
+
+
+def test_page_shows_every_parameter_in_one_file(design: Design) -> None:
+    picture = draw(design, "bone.collar_length_mm")
+    data = render_atlas(design, {picture.path: picture})
+    assert data == render_atlas(design, {picture.path: picture})
+    page = Page(data.decode())
+    assert not page.faults
+    assert [tag for tag, _ in page.elements].count("h3") == len(PARAMETERS)
+    for parameter in list_parameters():
+        assert parameter.path in page.text
+        assert parameter.description in page.text
+    (source,) = page.attributes("src")
+    assert base64.b64decode(source.partition(",")[2]) == picture.png
+    assert picture.caption in page.text
+    assert not [link for link in page.attributes("href") if not link.startswith("#")]
+    assert "script" not in {tag for tag, _ in page.elements}
+
+
+def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
+    done = run_fingertip("params", "--html", tmp_path / "a.png")
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: --html: 'a.png' is not the name of a HTML file")
+    done = run_fingertip("params", "--html", tmp_path)
+    assert done.returncode == 2
+    assert "is a folder" in done.stderr
+
+
+@pytest.mark.slow
+def test_every_parameter_that_shapes_a_part_is_drawn(design: Design) -> None:
+    """All have a picture, on this design or another, but the one of which no bundled design takes both values."""
+    drawn = {picture.path: picture for picture in draw_atlas(design)}
+    shaping = {path for path in _find_parts(design) if path.partition(".")[0] in ("skin", "bone", "mold", "sensor")}
+    assert shaping - set(drawn) == {"sensor.tail"}
+    assert len(drawn) > 75
+    for picture in drawn.values():
+        tinted = find_tinted(picture.png, _NEARER) | find_tinted(picture.png, _FARTHER)
+        assert tinted.any(), picture.path
+    own = [picture for picture in drawn.values() if not picture.drawn_on]
+    assert len(own) > 45
+    assert sum(len(picture.png) for picture in drawn.values()) < 2_000_000

@@ -1,0 +1,211 @@
+"""Studio in a browser: sliders, refusals, downloads and accessibility, without an error or a request elsewhere."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fingertip import Design
+from fingertip.design.export import to_toml
+from fingertip.studio.server import StudioServer
+from tests.browser import click, drawn_ms, find_barriers, open_browser, picture, wait
+from tests.studio.test_server import list_bad_values
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    with open_browser(tmp_path_factory.mktemp("browser")) as browser:
+        yield browser
+
+
+@pytest.fixture
+def opened(driver: Any, server: StudioServer) -> Iterator[Any]:
+    driver.get("about:blank")
+    driver.get_log("performance")
+    driver.get_log("browser")
+    driver.get(server.url)
+    wait(lambda: drawn_ms(driver))
+    wait_for_checks(driver)
+    yield driver
+    assert [entry for entry in driver.get_log("browser") if entry["level"] != "INFO"] == []
+    asked = [
+        message["params"]["request"]["url"]
+        for entry in driver.get_log("performance")
+        if (message := json.loads(entry["message"])["message"])["method"] == "Network.requestWillBeSent"
+    ]
+    assert {url for url in asked if not url.startswith((f"http://{server.hosts[0]}/", "blob:", "chrome:"))} == set()
+
+
+def wait_for_checks(driver: Any) -> str:
+    """Verdict, once the studio is idle."""
+    is_idle = "const d = document.documentElement.dataset; return !d.busy && !!d.checked"
+    wait(lambda: driver.execute_script(is_idle), 20)
+    verdict: str = driver.find_element("id", "verdict").text
+    return verdict
+
+
+def put(driver: Any, path: str, value: object, *, by_slider: bool = False) -> str:
+    """Change a field as somebody types or slides, and wait for what follows; return the verdict."""
+    script = """
+    const input = document.getElementById(`f-${arguments[0]}`);
+    const used = arguments[2] ? input.closest('.field').querySelector('[type=range]') : input;
+    used.value = arguments[1];
+    used.dispatchEvent(new Event('input', {bubbles: true}));
+    """
+    driver.execute_script(script, path, str(value), by_slider)
+    return wait_for_checks(driver)
+
+
+def value_of(driver: Any, path: str) -> str:
+    found: str = driver.execute_script("return document.getElementById(arguments[0]).value", f"f-{path}")
+    return found
+
+
+def find_refusals(driver: Any) -> dict[str, str]:
+    """Refusals in sight, by the JSON pointer of the field that they stand in."""
+    script = """
+    return [...document.querySelectorAll('.field .refusal')].filter((text) => text.offsetHeight > 0)
+      .map((text) => [text.closest('.field').dataset.pointer, text.textContent]);
+    """
+    return dict(driver.execute_script(script))
+
+
+def test_parts_follow_a_slider(opened: Any, design: Design) -> None:
+    before = picture(opened)
+    assert put(opened, "skin.width_mm", 21, by_slider=True).startswith("✓ All")
+    assert value_of(opened, "skin.width_mm") == "21"
+    wider = picture(opened)
+    assert (np.abs(wider - before).max(axis=-1) > 50).mean() > 0.01
+    field = opened.find_element("id", "p-skin.width_mm")
+    assert "changed" in field.get_attribute("class")
+    field.find_element("css selector", ".reset").click()
+    wait_for_checks(opened)
+    assert float(value_of(opened, "skin.width_mm")) == design.skin.width_mm
+    assert np.array_equal(picture(opened), before)
+    assert "changed" not in field.get_attribute("class")
+
+
+def test_a_logarithmic_slider_and_a_whole_number(opened: Any) -> None:
+    script = "return [...document.querySelectorAll('[data-log]')].map((e) => e.closest('.field').dataset.path)"
+    (path, *_) = opened.execute_script(script)
+    put(opened, path, 2, by_slider=True)
+    assert float(value_of(opened, path)) == 100.0
+    put(opened, "detector.adc_bits", 12, by_slider=True)
+    assert value_of(opened, "detector.adc_bits") == "12"
+
+
+def test_a_choice_brings_other_parts(opened: Any) -> None:
+    assert "core" not in opened.find_element("id", "boxes").text
+    put(opened, "mold.method", "sleeve")
+    assert "core" in opened.find_element("id", "boxes").text
+    moved = opened.find_element("css selector", "[data-named='skin.width_mm']").get_attribute("data-moves")
+    assert "core" in moved.split()
+
+
+def test_what_is_hidden_stays_hidden(opened: Any) -> None:
+    boxes = opened.find_elements("css selector", "#boxes input")
+    for box in boxes:
+        opened.execute_script("arguments[0].click()", box)
+    assert (picture(opened)[..., 3] == 0).all()
+    put(opened, "skin.width_mm", 20)
+    assert (picture(opened)[..., 3] == 0).all()
+    assert not [box for box in opened.find_elements("css selector", "#boxes input") if box.is_selected()]
+
+
+def test_a_refusal_stands_beside_its_field(opened: Any) -> None:
+    before = picture(opened)
+    verdict = put(opened, "skin.width_mm", 8)
+    assert "refused" in verdict
+    assert "skin.width_mm" in verdict
+    refusals = find_refusals(opened)
+    assert refusals["/skin/width_mm"].endswith("at least 16.4 mm.")
+    field = opened.find_element("id", "f-skin.width_mm")
+    assert field.get_attribute("aria-invalid") == "true"
+    assert "e-skin.width_mm" in field.get_attribute("aria-describedby")
+    assert np.array_equal(picture(opened), before)
+    put(opened, "skin.width_mm", "")
+    assert "is not a number" in find_refusals(opened)["/skin/width_mm"]
+    assert put(opened, "skin.width_mm", 17).startswith("✓")
+    assert find_refusals(opened) == {}
+
+
+def test_fifty_refusals_stand_beside_their_fields(opened: Any) -> None:
+    bad = list_bad_values(50)
+    script = "for (const [path, value] of arguments[0]) document.getElementById(`f-${path}`).value = value"
+    opened.execute_script(script, [[path, str(value)] for path, value in bad.items()])
+    verdict = put(opened, "skin.width_mm", bad["skin.width_mm"])
+    assert verdict.startswith("✗ 50 refused")
+    assert sorted(find_refusals(opened)) == sorted("/" + path.replace(".", "/") for path in bad)
+
+
+def test_a_parameter_is_found_and_highlighted(opened: Any) -> None:
+    find = opened.find_element("id", "find")
+    find.send_keys("nut depth")
+    fields = [one for one in opened.find_elements("css selector", ".field") if one.is_displayed()]
+    assert [one.get_attribute("data-path") for one in fields] == ["mold.nut_depth_mm"]
+    before = picture(opened)
+    click(opened, "[data-named='mold.nut_depth_mm']")
+    assert opened.find_element("id", "view-status").text.startswith("mold.nut_depth_mm shapes: mold palmar")
+    assert not np.array_equal(picture(opened), before)
+
+
+def test_files_of_the_changed_design_are_downloaded(opened: Any, design: Design) -> None:
+    put(opened, "skin.width_mm", 18.5)
+    put(opened, "name", "mine")
+    toml = opened.downloads / "mine.toml"
+    click(opened, "[data-download=design]")
+    wait(toml.is_file)
+    saved = Design.load(toml)
+    assert to_toml(saved) == to_toml(design.with_values({"skin.width_mm": 18.5, "name": "mine"}))
+    click(opened, "[data-download=stl]")
+    packed = opened.downloads / "mine_stl.zip"
+    wait(packed.is_file, 30)
+    with zipfile.ZipFile(packed) as archive:
+        assert archive.testzip() is None
+        assert "bone.stl" in archive.namelist()
+
+
+def test_all_checks_come_on_demand(opened: Any) -> None:
+    before = int(opened.execute_script("return document.documentElement.dataset.checked"))
+    click(opened, "#check-all")
+    wait(lambda: "shape and files" in opened.find_element("id", "verdict").text, 60)
+    assert int(opened.execute_script("return document.documentElement.dataset.checked")) > before
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1300, 390])
+def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
+    put(opened, "skin.width_mm", 8)
+    assert find_refusals(opened)
+    assert find_barriers(opened, scheme, width) == []
+
+
+def test_a_server_that_ended_is_one_sentence(driver: Any, design: Design) -> None:
+    import threading
+
+    with StudioServer(design, 0) as short:
+        thread = threading.Thread(target=short.serve_forever, daemon=True)
+        thread.start()
+        driver.get(short.url)
+        wait_for_checks(driver)
+        short.shutdown()
+        thread.join()
+    driver.execute_cdp_cmd("Network.enable", {})
+    driver.execute_cdp_cmd(
+        "Network.emulateNetworkConditions",
+        {"offline": True, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1},
+    )
+    try:
+        assert "The studio does not answer" in put(driver, "skin.width_mm", 20)
+    finally:
+        driver.execute_cdp_cmd(
+            "Network.emulateNetworkConditions",
+            {"offline": False, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1},
+        )

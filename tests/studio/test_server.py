@@ -1,0 +1,331 @@
+"""Studio without a browser: parts, checks, refusals and downloads, and who is not let in."""
+
+from __future__ import annotations
+
+import base64
+import copy
+import io
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import zipfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fingertip import Design
+from fingertip.build_files import build
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.design.parameters.declaration import find_bounds
+from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.errors import DesignError, StudioError
+from fingertip.studio.answers import VIEW_TOLERANCE_MM
+from fingertip.studio.downloads import DOWNLOADS
+from fingertip.studio.server import StudioServer
+from tests.conftest import run_fingertip, run_python
+from tests.page.conftest import strip_elements
+from tests.studio.conftest import ask, post
+
+
+def change(tables: dict[str, Any], **values: object) -> dict[str, Any]:
+    """Tables with other values; two underscores stand for the dot."""
+    changed = copy.deepcopy(tables)
+    for path, value in values.items():
+        table, _, key = path.rpartition("__")
+        (changed[table] if table else changed)[key] = value
+    return changed
+
+
+def test_parts_are_those_of_the_changed_design(server: StudioServer, tables: dict[str, Any]) -> None:
+    wider = change(tables, skin__width_mm=20)
+    answer = post(server, "parts", wider).content
+    design = Design.from_tables(wider)
+    evaluator = MeshEvaluator(VIEW_TOLERANCE_MM)
+    parts = {name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()}
+    shown = {item["name"]: item for item in answer["scene"]}
+    assert [name for name, item in shown.items() if not item["bought"]] == list(parts)
+    for name, mesh in parts.items():
+        vertices = np.frombuffer(base64.b64decode(shown[name]["vertices"]), "<f4").reshape(-1, 3)
+        assert np.allclose(vertices, mesh.vertices, atol=1e-5)
+        assert shown[name]["scale"] == 1.0
+    assert "sensor" in shown
+    assert strip_elements(answer["boxes"]).startswith("boneskinmold palmarmold dorsalsensor")
+
+
+def test_a_core_appears_with_a_sleeve(server: StudioServer, tables: dict[str, Any]) -> None:
+    answer = post(server, "parts", change(tables, mold__method="sleeve")).content
+    assert "core" in {item["name"] for item in answer["scene"]}
+    assert "core" in strip_elements(answer["boxes"])
+
+
+def test_checks_are_those_of_the_design(server: StudioServer, tables: dict[str, Any]) -> None:
+    answer = post(server, "checks", tables).content
+    assert answer["passed"]
+    assert answer["count"] > 50
+    assert "mold.fill_time" in strip_elements(answer["checks"])
+    assert f"All {answer['count']} checks" in strip_elements(answer["verdict"])
+    assert "skin" in answer["moves"]["skin.width_mm"]
+    weak = post(server, "checks", change(tables, strength__grip_force_n=150)).content
+    assert weak["failed"] == ["bone.safety_factor.grip"]
+    assert "1 of" in strip_elements(weak["verdict"])
+
+
+def test_all_checks_are_those_of_check(server: StudioServer, tables: dict[str, Any], tmp_path: Path) -> None:
+    answer = post(server, "all-checks", tables).content
+    report = build(Design.from_tables(tables), tmp_path / "out", formats=["stl", "3mf"]).report()
+    assert answer["count"] == len(report["checks"])
+    assert answer["passed"]
+
+
+def list_bad_values(count: int) -> dict[str, float]:
+    """Values out of bounds for as many numbers of a design."""
+    bad = {}
+    for path, declared in PARAMETERS.items():
+        bounds = find_bounds(declared)
+        if "." in path and bounds.maximum is not None and len(bad) < count:
+            bad[path] = bounds.maximum * 10 + 1 if len(bad) % 2 else -1.0 - 10 * abs(bounds.minimum or 0.0)
+    return bad
+
+
+def test_fifty_refusals_name_their_fields_by_pointer(server: StudioServer, tables: dict[str, Any]) -> None:
+    bad = list_bad_values(50)
+    changed = change(tables, **{path.replace(".", "__"): value for path, value in bad.items()})
+    for name in ("parts", "checks", "all-checks", "download/design"):
+        reply = post(server, name, changed)
+        assert reply.status == 200
+        issues = reply.content["issues"]
+        assert [issue["pointer"] for issue in issues] == ["/" + path.replace(".", "/") for path in bad]
+        for issue in issues:
+            found: Any = changed
+            for step in issue["pointer"].split("/")[1:]:
+                found = found[step]
+            assert found == bad[issue["field"]]
+            assert re.search(r"at least|at most|must be above", issue["message"])
+
+
+def test_refusals_are_the_words_of_the_design(server: StudioServer, tables: dict[str, Any]) -> None:
+    narrow = change(tables, skin__width_mm=8)
+    with pytest.raises(DesignError) as refused:
+        Design.from_tables(narrow, tables, ("skin.width_mm",))
+    issues = post(server, "parts", narrow).content["issues"]
+    assert [(issue["field"], issue["message"]) for issue in issues] == [
+        (issue.field, issue.message) for issue in refused.value.issues
+    ]
+    assert issues[0]["pointer"] == "/skin/width_mm"
+    assert len(issues) > 2
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "said"),
+    [
+        ("skin__width_mm", "", "'' is not a number; write a number in mm"),
+        ("skin__width_mm", "17 mm", "without its unit"),
+        ("skin__width_mm", None, "is not a number"),
+        ("skin__width_mm", float("nan"), "not a finite number"),
+        ("detector__window_samples", 60.5, "60.5 is not a whole number"),
+        ("bone__interface", "<script>", "'<script>' is not known"),
+        ("name", "../../etc", "cannot name a folder"),
+        ("skin__colour", 3, "there is no such parameter"),
+        ("skin", [], "is not a table"),
+    ],
+)
+def test_a_wrong_value_is_refused_at_its_field(
+    server: StudioServer, tables: dict[str, Any], path: str, value: object, said: str
+) -> None:
+    issues = post(server, "parts", change(tables, **{path: value})).content["issues"]
+    assert issues[0]["pointer"] == "/" + path.replace("__", "/")
+    assert said in issues[0]["message"]
+
+
+def test_downloads_are_the_files_of_a_build(server: StudioServer, tables: dict[str, Any], tmp_path: Path) -> None:
+    changed = change(tables, name="mine", skin__width_mm=18, printer__scale_percent=100.5)
+    build(Design.from_tables(changed), tmp_path, formats=["stl", "3mf"])
+    replies = {name: post(server, f"download/{name}", changed) for name in DOWNLOADS}
+    names = {
+        name: reply.headers["Content-Disposition"].partition('filename="')[2][:-1] for name, reply in replies.items()
+    }
+    assert names == {
+        "design": "mine.toml", "stl": "mine_stl.zip", "plate_fdm": "mine_plate_fdm.3mf",
+        "plate_sla": "mine_plate_sla.3mf",
+    }  # fmt: skip
+    assert replies["design"].data == (tmp_path / "design.toml").read_bytes()
+    for kind in ("plate_fdm", "plate_sla"):
+        assert replies[kind].data == (tmp_path / "print" / f"{kind}.3mf").read_bytes()
+    with zipfile.ZipFile(io.BytesIO(replies["stl"].data)) as archive:
+        built = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.stl")} | {"design.toml"}
+        assert set(archive.namelist()) == built
+        for name in built:
+            assert archive.read(name) == (tmp_path / name).read_bytes()
+    assert post(server, "download/stl", changed).data == replies["stl"].data
+
+
+def test_several_plates_come_in_one_zip_file(server: StudioServer, tables: dict[str, Any]) -> None:
+    reply = post(server, "download/plate_fdm", change(tables, printer__bed_x_mm=70, printer__bed_y_mm=70))
+    assert reply.headers["Content-Type"] == "application/zip", reply.data[:200]
+    with zipfile.ZipFile(io.BytesIO(reply.data)) as archive:
+        assert archive.namelist()[:2] == ["plate_fdm_1.3mf", "plate_fdm_2.3mf"]
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Host": "evil.example"},
+        {"Host": "127.0.0.1"},
+        {"Host": "127.0.0.1:1"},
+        {"Host": None},
+        {"Origin": "http://evil.example"},
+        {"Origin": "null"},
+        {"X_Fingertip_Token": None},
+        {"X_Fingertip_Token": "wrong"},
+        {"X_Fingertip_Token": "\xe9"},
+    ],
+)
+def test_no_other_page_is_let_in(server: StudioServer, tables: dict[str, Any], headers: dict[str, str | None]) -> None:
+    body = json.dumps({"client": "test", "tables": tables}).encode()
+    reply = ask(server, "POST", "/api/parts", body, **headers)
+    assert reply.status == 403
+    assert set(reply.content) == {"error"}
+    assert "Access-Control-Allow-Origin" not in reply.headers
+
+
+def test_page_needs_the_token_and_the_host(server: StudioServer) -> None:
+    path = server.url.partition(str(server.server_port))[2]
+    page = ask(server, "GET", path)
+    assert page.status == 200
+    assert server.token in page.data.decode()
+    assert page.headers["Cache-Control"] == "no-store"
+    assert "frame-ancestors 'none'" in page.headers["Content-Security-Policy"]
+    assert ask(server, "GET", path, Host=server.hosts[1]).status == 200
+    for other in ("/", "/?token=", "/?token=wrong", f"/?token={server.token}x"):
+        locked = ask(server, "GET", other)
+        assert locked.status == 403
+        assert server.token not in locked.data.decode()
+        assert "terminal" in locked.data.decode()
+    assert ask(server, "GET", path, Host="evil.example").status == 403
+    assert ask(server, "GET", "/etc/passwd").status == 404
+    assert ask(server, "OPTIONS", "/api/parts").status == 501  # no other page may ask whether it may ask
+
+
+def test_listens_on_this_machine_alone(server: StudioServer) -> None:
+    assert server.socket.getsockname()[0] == "127.0.0.1"
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "headers", "status", "said"),
+    [
+        ("/api/parts", b"{", {}, 400, "not valid JSON"),
+        ("/api/parts", b"[" * 100_000, {}, 400, "not valid JSON"),
+        ("/api/parts", b"[]", {}, 400, "no JSON object"),
+        ("/api/parts", b"{}", {}, 400, "not both tables and a client"),
+        ("/api/parts", b'{"client": 3, "tables": {}}', {}, 400, "not both tables and a client"),
+        ("/api/nothing", b'{"client": "a", "tables": {}}', {}, 404, "nothing at this address"),
+        ("/api/download/step", b'{"client": "a", "tables": {}}', {}, 404, "nothing at this address"),
+        ("/parts", b'{"client": "a", "tables": {}}', {}, 404, "nothing at this address"),
+        ("/api/parts", b"{}", {"Content_Type": "text/plain"}, 415, "application/json"),
+        ("/api/parts", b"", {"Content-Length": "1000001"}, 413, "1000000 bytes"),
+        ("/api/parts", b"", {"Content-Length": "-1"}, 411, "length"),
+    ],
+)
+def test_what_is_no_request_of_the_page_gets_one_sentence(
+    server: StudioServer, path: str, body: bytes, headers: dict[str, str], status: int, said: str
+) -> None:
+    reply = ask(server, "POST", path, body, **headers)
+    assert reply.status == status
+    assert said in reply.content["error"]
+
+
+def test_a_request_that_never_ends_is_let_go(
+    server: StudioServer, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(server.RequestHandlerClass, "timeout", 0.3)
+    reply = ask(server, "POST", "/api/parts", b"{", **{"Content-Length": "9"})
+    assert reply.status == 408
+    assert "did not come to its end" in reply.content["error"]
+    assert capfd.readouterr().err == ""
+
+
+def test_an_older_request_of_the_same_page_is_dropped(server: StudioServer, tables: dict[str, Any]) -> None:
+    """Many changes at once: each is answered, the last one with its parts, and few others."""
+    changes = [change(tables, skin__width_mm=18 + 0.1 * i) for i in range(12)]
+    with ThreadPoolExecutor(len(changes)) as pool:
+        answers = list(pool.map(lambda changed: post(server, "all-checks", changed, "one page").content, changes))
+    assert all(("superseded" in answer) != ("checks" in answer) for answer in answers)
+    assert 1 <= sum("checks" in answer for answer in answers) < len(changes)
+
+
+def test_port_in_use_is_one_sentence(server: StudioServer) -> None:
+    done = run_fingertip("studio", "fsr400", "--port", server.server_port, "--no-browser")
+    assert done.returncode == 2
+    assert done.stderr == (
+        f"error: --port: {server.server_port} is in use, perhaps by another studio; choose another with --port, or "
+        "--port 0 for any free one.\n"
+    )
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        with pytest.raises(StudioError, match="is in use"):
+            StudioServer(server.design, other.getsockname()[1])
+
+
+@pytest.mark.parametrize("port", [-1, 65536])
+def test_a_number_that_is_no_port_is_one_sentence(port: int) -> None:
+    done = run_fingertip("studio", "--port", port, "--no-browser")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert f"{port} is no port" in done.stderr
+
+
+def test_a_refused_design_is_not_served() -> None:
+    done = run_fingertip("studio", "fsr400", "--set", "skin.width_mm=8", "--no-browser")
+    assert done.returncode == 2
+    assert "error: skin.width_mm: the FSR 400" in done.stderr
+
+
+@pytest.mark.parametrize("arguments", [["--no-browser"], []])
+def test_ends_cleanly_at_ctrl_c(arguments: list[str], tmp_path: Path) -> None:
+    """Without a browser on the machine, the command says so in one sentence and serves all the same."""
+    environment = {**os.environ, "PATH": str(tmp_path), "BROWSER": "none-of-these"}
+    environment.pop("DISPLAY", None)
+    environment.pop("WAYLAND_DISPLAY", None)
+    command = [sys.executable, "-m", "fingertip", "studio", "fsr400", "--port", "0", *arguments]
+    process = subprocess.Popen(
+        command, cwd=tmp_path, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    assert process.stdout
+    assert process.stderr
+    try:
+        url = process.stdout.readline()
+        assert re.fullmatch(r"studio: http://127\.0\.0\.1:\d+/\?token=[\w-]{32}\n", url)
+        said = [process.stderr.readline()]
+        if not arguments:
+            said.append(process.stderr.readline())
+            assert said[1] == "no browser was found; open the address above in one of this machine\n"
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=20)
+    finally:
+        process.kill()
+    assert process.returncode == 0
+    assert out == ""
+    assert err == "studio ended\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_needs_no_optional_package() -> None:
+    heavy = ("cadquery", "OCP", "trimesh", "matplotlib", "scipy", "numba", "reportlab")
+    script = (
+        "import sys\nfrom fingertip import Design\nfrom fingertip.studio.server import StudioServer, _ANSWERS\n"
+        "from fingertip.studio.downloads import DOWNLOADS\n"
+        "design = Design()\nStudioServer(design, 0).server_close()\n"
+        "for make in (*_ANSWERS.values(), *(make for _, make in DOWNLOADS.values())):\n"
+        "    make(design, lambda: None)\n"
+        f"print(sorted({{name.split('.')[0] for name in sys.modules}} & set({heavy!r})))"
+    )
+    done = run_python("-c", script)
+    assert done.stdout == "[]\n", done.stderr

@@ -1,0 +1,88 @@
+"""Style of the plots: colours that differ in grey and for colour-blind readers, and stand in one module."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fingertip
+from fingertip import plot_style
+from fingertip.campaign.report.plots import COLOURS, OTHER_COLOUR
+from fingertip.plot_style import AREAS, SERIES, TRUTH
+
+SOURCE = Path(fingertip.__file__).parent
+XYZ = np.array(
+    [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
+)
+"""Linear sRGB to CIE XYZ, IEC 61966-2-1."""
+VISION = {
+    "usual": np.eye(3),
+    "no red cones": np.array(
+        [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]
+    ),
+    "no green cones": np.array(
+        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]
+    ),
+}
+"""Linear sRGB as seen: G. M. Machado et al., IEEE Trans. Vis. Comput. Graph. 15 (2009) 1291, severity 1."""
+
+
+def to_linear(colour: str) -> np.ndarray:
+    encoded = np.array([int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)])
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def to_lab(linear: np.ndarray) -> np.ndarray:
+    """CIELAB under D65: lightness, green to red, blue to yellow."""
+    ratio = XYZ @ linear / np.array([0.95047, 1.0, 1.08883])
+    f = np.where(ratio > 216 / 24389, np.cbrt(np.clip(ratio, 0, None)), (24389 / 27 * ratio + 16) / 116)
+    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
+
+
+def lightness(colour: str) -> float:
+    return float(to_lab(to_linear(colour))[0])
+
+
+def test_lightness_is_that_of_known_greys() -> None:
+    assert lightness("#ffffff") == pytest.approx(100, abs=0.01)
+    assert lightness("#777777") == pytest.approx(50.0, abs=0.2)
+
+
+@pytest.mark.parametrize(("one", "other"), list(itertools.combinations((*SERIES, TRUTH), 2)))
+def test_colours_of_curves_differ_for_everybody(one: str, other: str) -> None:
+    assert abs(lightness(one) - lightness(other)) >= 8.0, "the same in grey"
+    for name, seen in VISION.items():
+        apart = [to_lab(np.clip(seen @ to_linear(colour), 0, 1)) for colour in (one, other)]
+        assert np.linalg.norm(apart[0] - apart[1]) >= 15.0, name
+
+
+@pytest.mark.parametrize("colour", SERIES)
+def test_curves_stand_out_from_the_paper(colour: str) -> None:
+    """Contrast of graphics by WCAG 2.1, criterion 1.4.11."""
+    assert 1.05 / ((XYZ @ to_linear(colour))[1] + 0.05) >= 3.0
+
+
+@pytest.mark.parametrize(("one", "other"), list(itertools.pairwise(AREAS)))
+def test_neighbouring_areas_differ_in_grey(one: str, other: str) -> None:
+    assert abs(lightness(one) - lightness(other)) >= 15.0
+
+
+def test_each_detector_has_a_colour_of_its_own() -> None:
+    assert set(COLOURS.values()) | {OTHER_COLOUR} == set(SERIES)
+    assert len(COLOURS) + 1 == len(SERIES)
+
+
+def test_colours_of_plots_stand_in_one_module() -> None:
+    found = {
+        f"{path.relative_to(SOURCE)}: {colour}"
+        for path in SOURCE.rglob("*.py")
+        if "plot_style import" in (text := path.read_text(encoding="utf-8"))
+        for colour in re.findall(r'"#[0-9a-fA-F]{6}"', text)
+    }
+    assert found == set()
+    assert len(set(re.findall(r"#[0-9a-f]{6}", (SOURCE / "plot_style.py").read_text()))) > 10
+    assert plot_style.BLUE in SERIES

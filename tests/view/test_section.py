@@ -1,0 +1,154 @@
+"""Section and exploded view: every name stands where the solids have what it names, and no name covers a part."""
+
+from __future__ import annotations
+
+import io
+import itertools
+from functools import cache
+
+import numpy as np
+import pytest
+
+from fingertip import Design
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes import bone
+from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.cad.shapes.runners import openings
+from fingertip.cad.solids import Box, Solid, cylinder, difference, intersection
+from fingertip.view.picture import draw, find_free_place
+from fingertip.view.section import Section, draw_section, is_near, list_sections, slice_solid, spread
+
+DESIGNS = {
+    "fsr400": ("fsr400", ()),
+    "gravity": ("fsr400", ("mold.filling=gravity",)),
+    "sleeve": ("fsr402", ("mold.method=sleeve",)),
+    "folded": ("adult_thumb", ()),
+    "fork": ("child_finger", ()),
+}
+EVALUATOR = MeshEvaluator(0.05)
+
+
+@cache
+def load(name: str) -> tuple[Design, tuple[Section, ...]]:
+    file, changes = DESIGNS[name]
+    design = Design.load(file, changes=changes)
+    return design, tuple(list_sections(design, EVALUATOR))
+
+
+def holds(solid: Solid, z: float, y: float, reach: float = 50.0) -> bool:
+    """Whether a solid has a point (x, y, z) for any x."""
+    probe = Box((-reach, y - 0.01, z - 0.01), (reach, y + 0.01, z + 0.01))
+    return EVALUATOR.manifold(intersection(solid, probe)).volume() > 1e-9
+
+
+def features(name: str) -> dict[str, list[tuple[float, float]]]:
+    found: dict[str, list[tuple[float, float]]] = {}
+    for section in load(name)[1]:
+        for feature in section.features:
+            found.setdefault(feature.name, []).append(feature.at)
+    return found
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_names_stand_in_what_they_name(name: str) -> None:
+    design, _ = load(name)
+    parts = {key: part.solid(design) for key, part in parts_by_name(design).items()}
+    inside = {
+        "collar": parts["bone"], "chaplet": parts["mold_dorsal"], "skin": parts["skin"],
+        "palmar half": parts["mold_palmar"], "dorsal half": parts["mold_dorsal"], "gate": openings(design),
+        "vent": openings(design), "funnel": openings(design), "inlet for the syringe": openings(design),
+        "cable channel": bone.cable_channel(design),
+        "cable groove": bone.cable_channel(design), "hole for the cable tie": bone.tie_hole(design),
+        "sensor": bone.sensor_body(design), "relief of the solder joints": bone.sensor_recess(design),
+    }  # fmt: skip
+    if "lid" in parts:
+        inside["lid"] = parts["lid"]
+    if "core" in parts:
+        inside["core"] = parts["core"]
+    checked = 0
+    for feature, points in features(name).items():
+        for z, y in points if feature in inside else ():
+            assert holds(inside[feature], z, y), (feature, z, y)
+            checked += 1
+    assert checked >= 8
+    for hollow in ("groove", "cross bolt", "joint", "tendon's anchor"):
+        for z, y in features(name).get(hollow, ()):
+            if hollow == "groove":  # the bone is cut away there, and is not beside it
+                assert not holds(parts["bone"], z, y, 0.05)
+                assert holds(parts["bone"], z, y - design.bone.groove_depth_mm, 0.05)
+            else:
+                around = cylinder("x", (y, z), -60.0, 60.0, 0.3)
+                assert EVALUATOR.manifold(intersection(parts["bone"], around)).volume() < 1e-6
+
+
+def test_every_feature_that_the_section_must_name_is_there() -> None:
+    named = set(features("fsr400"))
+    assert {"gate", "vent", "collar", "groove", "cable channel", "relief of the solder joints"} <= named
+    assert {"core", "gate", "vent", "collar", "groove"} <= set(features("sleeve"))
+    assert {"lid", "window of the tail", "joint"} <= set(features("folded"))
+
+
+def test_slices_have_the_area_of_the_solid() -> None:
+    ring = difference(Box((-1.0, -2.0, -3.0), (1.0, 4.0, 5.0)), Box((-2.0, -1.0, -1.0), (2.0, 1.0, 2.0)))
+    outlines = slice_solid(EVALUATOR, ring, 0.5)
+    area = sum(0.5 * float(np.sum(a[:, 0] * np.roll(a[:, 1], -1) - np.roll(a[:, 0], -1) * a[:, 1])) for a in outlines)
+    assert abs(area) == pytest.approx(8 * 6 - 3 * 2)
+    corners = np.concatenate(outlines)
+    assert corners.min(axis=0) == pytest.approx([-3.0, -2.0])  # along the finger, dorsal
+    assert corners.max(axis=0) == pytest.approx([5.0, 4.0])
+
+
+def test_a_section_has_no_speckles() -> None:
+    """Two blocks that meet in one face: each row of the cut changes its colour once, in one place."""
+    left, right = Box((-5.0, 0.0, 0.0), (5.0, 10.0, 10.0)), Box((-5.0, 0.0, 10.0), (5.0, 10.0, 20.0))
+    picture = draw_section(Section("", {"bone": left, "skin": right}, (), ()), MeshEvaluator(0.05), 800)
+    colours = {tuple(colour) for colour in picture.reshape(-1, 3)}
+    rows = [row for row in picture if len({tuple(pixel) for pixel in row[100:700:5]}) >= 2]
+    middle = rows[len(rows) // 2]
+    changes = np.flatnonzero((middle[1:] != middle[:-1]).any(axis=1))
+    assert len(changes) <= 9  # white, edge, bone, edge, skin, edge, white, with a blended pixel beside each edge
+    assert len(colours) < 400
+
+
+@pytest.mark.parametrize("total", [60.0, 100.0])
+def test_names_never_overlap(total: float) -> None:
+    random = np.random.default_rng(0)
+    for _ in range(200):
+        widths = list(random.uniform(2, 12, 5))
+        wanted = sorted(random.uniform(-10, total + 10, 5))
+        middles = spread(widths, wanted, total)
+        ends = [(m - w / 2, m + w / 2) for m, w in zip(middles, widths, strict=True)]
+        assert ends[0][0] >= -1e-9
+        assert ends[-1][1] <= total + 1e-9
+        assert all(a[1] <= b[0] + 1e-9 for a, b in itertools.pairwise(ends))
+    assert spread([2.0, 2.0], [10.0, 50.0], 60.0) == [10.0, 50.0]
+
+
+def test_a_free_place_is_free_and_near() -> None:
+    taken = np.zeros((200, 300), dtype=bool)
+    taken[80:120, 100:200] = True
+    x, y = find_free_place(taken, (0.0, 2.0, 60.0, 20.0), (100.0, 80.0, 200.0, 120.0))
+    left, top = int(x), int(y + 2)
+    assert not taken[top : top + 18, left : left + 60].any()
+    assert abs(y + 11 - 100) < 45
+    taken[:] = True
+    assert find_free_place(taken, (0.0, 0.0, 10.0, 10.0), (1.0, 2.0, 3.0, 4.0)) == (1.0, 4.0)
+
+
+def test_a_feature_far_from_all_outlines_is_not_named() -> None:
+    square = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
+    assert is_near((5.0, 5.0), [square])
+    assert is_near((11.0, 5.0), [square])
+    assert not is_near((14.0, 5.0), [square])
+    assert not is_near((-3.0, -3.0), [square])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", DESIGNS)
+def test_the_picture_is_drawn_and_reproducible(name: str) -> None:
+    from PIL import Image
+
+    design, _ = load(name)
+    data = draw(design, 800)
+    assert data == draw(design, 800)
+    assert Image.open(io.BytesIO(data)).size[0] == 800

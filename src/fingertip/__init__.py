@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from fingertip.design import Design
     from fingertip.detect_trace import FileDetection, StreamDetection, detect_file, detect_stream
     from fingertip.errors import FingertipError
+    from fingertip.firmware import write_firmware
     from fingertip.make_files import Made, make
     from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene, simulate
     from fingertip.slip import Detection, SlipChain, Trace, detect, read_trace
@@ -56,6 +57,7 @@ _MODULES = {
     "run_scene": "fingertip.sim",
     "simulate": "fingertip.sim",
     "write_board": "fingertip.board",
+    "write_firmware": "fingertip.firmware",
 }
 """Public name -> module that defines it."""
 
@@ -88,6 +90,7 @@ __all__ = [
     "run_scene",
     "simulate",
     "write_board",
+    "write_firmware",
 ]
 
 

@@ -78,10 +78,16 @@ static slip_real evaluate_trees(const slip_real *row) {
     return score;
 }
 
+/* Move a floor by a share towards an energy, which counts as no more than some times the floor. */
+static slip_real adapt_floor(slip_real level, slip_real energy, slip_real share) {
+    slip_real clipped = SLIP_CLIP_RATIO * level;
+    return level + share * ((energy < clipped ? energy : clipped) - level);
+}
+
 /* Decide at a tick: features, trees, ON or OFF, floors. `slope` is the squared slope of this sample [V^2]. */
 static void tick(slip_state *state, slip_real slope) {
     slip_real row[SLIP_COUNT];
-    slip_real wide_floor, upper_floor, greatest, peak, change, half_change, step_noise, lowest, score, share, clipped;
+    slip_real wide_floor, upper_floor, greatest, peak, change, half_change, step_noise, lowest, score, share;
     unsigned middle, i;
     bool is_strong;
 
@@ -194,10 +200,8 @@ static void tick(slip_state *state, slip_real slope) {
     } else {
         state->floor_ticks += R(1.0);
         share = R(1.0) / (state->floor_ticks < SLIP_MAX_FLOOR_TICKS ? state->floor_ticks : SLIP_MAX_FLOOR_TICKS);
-        clipped = SLIP_CLIP_RATIO * state->floor;
-        state->floor += share * ((state->wide_long < clipped ? state->wide_long : clipped) - state->floor);
-        clipped = SLIP_CLIP_RATIO * state->upper_floor;
-        state->upper_floor += share * ((state->upper_long < clipped ? state->upper_long : clipped) - state->upper_floor);
+        state->floor = adapt_floor(state->floor, state->wide_long, share);
+        state->upper_floor = adapt_floor(state->upper_floor, state->upper_long, share);
     }
     if (state->floor < SLIP_MIN_FLOOR) {
         state->floor = SLIP_MIN_FLOOR;

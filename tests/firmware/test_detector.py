@@ -123,14 +123,19 @@ def test_double_build_has_the_bits_of_python_over_ten_million_samples(library: L
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["library", "controller_library"])
 def test_float_finds_the_intervals_of_the_whole_campaign(kind: str, request: pytest.FixtureRequest) -> None:
-    """The campaign's traces, and a hundred slips in noise, so that one difference is less than the limit."""
+    """The campaign's traces, and a thousand slips in noise, so that one difference is less than the limit.
+
+    The library takes the codes of the converter, as on a controller.
+    """
     library: Library = request.getfixturevalue(kind)
     design, different, total = library.design, 0, 0
-    seconds = [slip_voltage(design, 4.0, seed) for seed in range(0, 2000, 2)]
+    slips = (slip_voltage(design, 4.0, seed) for seed in range(0, 2000, 2))
+    step = design.detector.adc_step_v
     with jit.compiled():
-        for volts in itertools.chain(campaign_voltages(design), seconds):
-            output = python_detector(design).process(volts)
-            *_, on = library.detector("float").process(volts)
+        for volts in itertools.chain(campaign_voltages(design), slips):
+            codes = np.round((volts - design.detector.adc_low_v) / step).astype(np.int32)
+            output = python_detector(design).process(codes * step + design.detector.adc_low_v)
+            on = library.detector("float").process_codes(codes)
             wrong, found = count_differences(output.on, on)
             different, total = different + wrong, total + found
     print(f"{kind}: {different} of {total} intervals differ")
@@ -214,6 +219,17 @@ def test_another_order_of_operations_is_noticed(library: Library, tmp_path: Path
 
 def test_state_is_small(library: Library) -> None:
     assert library.detector("float").state_bytes <= 4 * fast_loop.STATES
+
+
+def test_codes_are_volts_without_rounding(controller_library: Library) -> None:
+    """The same decisions, and the same ones whatever the code at which the signal begins."""
+    design = controller_library.design
+    codes = np.round(slip_voltage(design, 4.0) / design.detector.adc_step_v).astype(np.int32)
+    on = controller_library.detector("float").process_codes(codes)
+    assert on.any()
+    assert np.array_equal(on, python_detector(design).process(codes * design.detector.adc_step_v).on)
+    assert np.array_equal(on, controller_library.detector("double").process_codes(codes))
+    assert np.array_equal(on, controller_library.detector("float").process_codes(codes + 12_345_678))
 
 
 def test_incipient_slip_is_that_of_python(library: Library) -> None:

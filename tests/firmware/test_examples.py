@@ -59,11 +59,6 @@ def codes_of(design: Design, volts: np.ndarray) -> np.ndarray:
     return np.clip(np.round((volts - d.adc_low_v) / d.adc_step_v), 0, 2**d.adc_bits - 1).astype(int)
 
 
-def volts_of(design: Design, codes: np.ndarray) -> np.ndarray:
-    d = design.detector
-    return np.float32(d.adc_low_v) + np.float32(d.adc_step_v) * codes.astype(np.float32)
-
-
 @pytest.fixture(scope="session")
 def controller(tmp_path_factory: pytest.TempPathFactory) -> Library:
     return make_library(controller_design(), tmp_path_factory.mktemp("controller"))
@@ -93,7 +88,7 @@ def test_examples_switch_the_pin_as_the_detector_decides(arduino: Path, controll
     design = controller.design
     codes = codes_of(design, slip_voltage(design, 2.0))
     _, changes, period = run_example(arduino, example, codes)
-    *_, on = controller.detector("float").process(volts_of(design, codes))
+    on = controller.detector("float").process_codes(codes)
     expected = [(0, 0), *((int(i) + 1, int(on[i + 1])) for i in np.flatnonzero(np.diff(on.astype(int))))]
     assert changes == expected
     assert len(changes) > 1
@@ -160,7 +155,7 @@ def test_detect_reads_the_stream_from_a_serial_port(arduino: Path, controller: L
         sketch.stdin.write("".join(f"{code}\n" for code in codes).encode())
         sketch.stdin.close()
     out, err = detect.communicate(timeout=60)
-    *_, on = controller.detector("float").process(volts_of(design, codes))
+    on = controller.detector("float").process_codes(codes)
     changes = np.flatnonzero(np.diff(np.concatenate(([0], on.astype(int)))))
     expected = [(("OFF", "ON")[int(on[i])], round(i / design.detector.sample_rate_hz, 4)) for i in changes]
     found = [(line.split()[0], float(line.split()[1])) for line in out.splitlines()]

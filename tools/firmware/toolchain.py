@@ -169,6 +169,14 @@ class HostDetector:
         wide, confidence, floor = numbers
         return wide, confidence, floor, on > 0
 
+    def process_codes(self, codes: NDArray[np.int32]) -> NDArray[np.bool_]:
+        """Process codes of the converter; ON of each."""
+        on = np.zeros(len(codes), np.uint8)
+        given = np.ascontiguousarray(codes, np.int32)
+        pointers = (ctypes.c_void_p(given.ctypes.data), ctypes.c_size_t(len(given)), ctypes.c_void_p(on.ctypes.data))
+        self._library.probe_process_codes(self._state, *pointers)
+        return on > 0
+
 
 def _run(*command: str, folder: Path | None = None) -> str:
     """Run a program and return its output; raise with its messages if it fails."""

@@ -51,13 +51,15 @@ def _use(design: Design) -> list[str]:
                 "```c",
                 "slip_state slip;",
                 "slip_init(&slip);",
-                f"bool on = slip_step(&slip, tactile_v); /* {rate} times a second, with the voltage of T */",
+                f"bool on = slip_step_code(&slip, code); /* {rate} times a second, with the converter's code of T */",
                 "```",
             ]
         ),
         bullet_list(
             [
-                "`slip_process` takes many samples at once. `slip_is_incipient` tells where slip may begin.",
+                "`slip_step` takes volts instead, and `slip_process` many of them at once; codes are exact, volts in "
+                "single precision are rounded.",
+                "`slip_is_incipient` tells where slip may begin.",
                 "After a step, `slip.confidence` tells how sure the detector is: from 1 on, slip turns ON.",
                 "The detector is OFF for its first 0.2 s, in which it learns the noise: begin with a steady force.",
                 "One detector per finger: a `slip_state` each, all of them in the same interrupt.",
@@ -109,8 +111,8 @@ def _accuracy() -> list[str]:
         paragraph(
             "The operations and their order are those of the Python detector. With `-DSLIP_REAL=double` every number "
             "has the same bits. With float, the default, the filters take differences between samples, so that a "
-            "constant force costs no digits, and the intervals of slip are those of the Python detector within one "
-            "sample. For the same bits on every compiler, forbid it to contract a product and a sum "
+            "constant force costs no digits, and the intervals of slip found in codes are those of the Python detector "
+            "within one sample. For the same bits on every compiler, forbid it to contract a product and a sum "
             "(`-ffp-contract=off`); the source asks GCC and Clang for it."
         ),
     ]

@@ -221,17 +221,10 @@ void slip_init(slip_state *state) {
     state->floor_ticks = -SLIP_SETTLE_TICKS;
 }
 
-bool slip_step_voltage(slip_state *state, slip_real voltage_v) {
-    slip_real change, move, edge, driven, upper, wide, slope;
-    if (!state->started) {
-        /* The input was constant until now: there is no difference, and nothing in the bands. */
-        state->started = true;
-        state->last_input = voltage_v;
-    }
+bool slip_step_change(slip_state *state, slip_real change) {
+    slip_real move, edge, driven, upper, wide, slope;
 
     /* Smallest step of the converter: the smallest difference between two samples. */
-    change = voltage_v - state->last_input;
-    state->last_input = voltage_v;
     move = change < R(0.0) ? -change : change;
     if (R(0.0) < move && move < state->step) {
         state->step = move;
@@ -283,6 +276,21 @@ bool slip_step_voltage(slip_state *state, slip_real voltage_v) {
         tick(state, slope);
     }
     return state->on;
+}
+
+bool slip_step_voltage(slip_state *state, slip_real voltage_v) {
+    /* Until the first sample the input was constant: there is no difference, and nothing in the bands. */
+    slip_real change = state->started ? voltage_v - state->last_input : voltage_v - voltage_v;
+    state->started = true;
+    state->last_input = voltage_v;
+    return slip_step_change(state, change);
+}
+
+bool slip_step_code(slip_state *state, int32_t tactile_code) {
+    slip_real change = state->started ? SLIP_ADC_STEP_V * (slip_real)(tactile_code - state->last_code) : R(0.0);
+    state->started = true;
+    state->last_code = tactile_code;
+    return slip_step_change(state, change);
 }
 
 bool slip_step(slip_state *state, slip_real tactile_v) {

@@ -7,7 +7,7 @@
  *
  *     slip_state slip;
  *     slip_init(&slip);
- *     for (;;) { bool on = slip_step(&slip, next_voltage()); ... }
+ *     for (;;) { bool on = slip_step_code(&slip, next_code()); ... }
  */
 #ifndef SLIP_DETECTOR_H
 #define SLIP_DETECTOR_H
@@ -43,6 +43,7 @@ typedef struct slip_state {
     slip_real mean, mean_square;                             /* of the wide energy while ON */
     slip_real smooth_score, confidence;                      /* confidence: from 1 on, slip turns ON */
     slip_real ring[SLIP_RING];                               /* `slow` at every second tick [V] */
+    int32_t last_code;                                       /* input as a code of the converter */
     uint16_t settling;                                       /* ticks for which the detector stays OFF at the start */
     uint16_t phase, slot;                                    /* samples since the last tick, ticks of the slot */
     uint8_t ring_phase, ring_at;
@@ -55,11 +56,23 @@ void slip_init(slip_state *state);
 /* Process one sample of the tactile voltage T [V] and return whether slip is ON. */
 bool slip_step(slip_state *state, slip_real tactile_v);
 
+/* Process one sample of T as the code of the converter for which the library was made. Differences of codes are exact,
+ * those of volts in single precision are not. Use this or `slip_step` for all samples of a detector. */
+bool slip_step_code(slip_state *state, int32_t tactile_code);
+
 /* Process samples, any number of them, and write 1 for each at which slip is ON, else 0. */
 void slip_process(slip_state *state, const slip_real *tactile_v, size_t count, uint8_t *on);
 
 /* Process one sample of the voltage that the detector judges [V]. `slip_step` makes it of what the connector offers. */
 bool slip_step_voltage(slip_state *state, slip_real voltage_v);
+
+/* Process the change of that voltage since the last sample [V], which is all that the detector uses of it. */
+bool slip_step_change(slip_state *state, slip_real change);
+
+/* Return the voltage that a code of the converter stands for [V]. */
+static inline slip_real slip_volts(int32_t code) {
+    return SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * (slip_real)code;
+}
 
 /* Return whether slip may begin: the confidence exceeds a lower threshold, at some ten times the false alarms. */
 static inline bool slip_is_incipient(const slip_state *state) {

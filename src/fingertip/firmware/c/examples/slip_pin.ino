@@ -10,7 +10,7 @@ static const int SLIP_PIN = LED_BUILTIN;
 static slip_state slip;
 
 static void take_sample() {
-  digitalWrite(SLIP_PIN, slip_step(&slip, slip_read_volts(TACTILE_PIN)) ? HIGH : LOW);
+  digitalWrite(SLIP_PIN, slip_step_code(&slip, analogRead(TACTILE_PIN)) ? HIGH : LOW);
 }
 
 void setup() {

@@ -13,14 +13,14 @@ static const int SLIP_PIN = LED_BUILTIN;
 static const unsigned STORED = 1024;  // samples that wait for the computer, a power of two
 
 static slip_state slip;
-static volatile slip_real stored_v[STORED];
+static volatile uint16_t stored_codes[STORED];
 static volatile uint32_t taken;  // samples so far; the interrupt alone writes it
 
 static void take_sample() {
-  const slip_real tactile_v = slip_read_volts(TACTILE_PIN);
-  stored_v[taken % STORED] = tactile_v;
+  const uint16_t code = analogRead(TACTILE_PIN);
+  stored_codes[taken % STORED] = code;
   taken = taken + 1;
-  digitalWrite(SLIP_PIN, slip_step(&slip, tactile_v) ? HIGH : LOW);
+  digitalWrite(SLIP_PIN, slip_step_code(&slip, code) ? HIGH : LOW);
 }
 
 void setup() {
@@ -44,7 +44,7 @@ void loop() {
     written = taken;
   }
   if (written != taken) {
-    const size_t length = slip_format_line(line, written, stored_v[written % STORED]);
+    const size_t length = slip_format_line(line, written, slip_volts(stored_codes[written % STORED]));
     Serial.write(line, length);
     written++;
   }

@@ -20,7 +20,7 @@ from fingertip.slip.detection import Detection, detect
 from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.detectors.fast import min_noise_v
 from fingertip.slip.detectors.noise import NoiseLevel, measure_noise_level, settings_warnings, threshold_warnings
-from fingertip.slip.detectors.registry import find_detector_type, make_detector
+from fingertip.slip.detectors.registry import find_detector_type, find_second_column, make_detector
 from fingertip.slip.live import NAME as STREAM_NAME
 from fingertip.slip.live import CsvStream, Transition, follow, open_stream
 from fingertip.slip.noise_calibration import (
@@ -144,7 +144,9 @@ def detect_file(
     warnings = list(raw.notes)
     if column_map.in_volts:
         warnings += [*signal_warnings(trace, design.detector), *settings_warnings(design, detector)]
-        if calibrate_s is None:  # thresholds otherwise follow from the recording itself
+        reads_second = find_second_column(design, detector) is not None and trace.filtered_v is not None
+        # Thresholds follow from the recording itself after a calibration. A filtered signal has finer steps.
+        if calibrate_s is None and not reads_second:
             warnings += step_warnings(trace.voltage_v, design, detector)
 
     quiet = slice(0, 0) if calibrate_s is None else select_quiet_part(trace, calibrate_s, path.name)
@@ -228,7 +230,10 @@ def detect_stream(
     reads_envelope = find_detector_type(detector).input_column == "envelope_v"
     stream = open_stream(lines, voltage, *([envelope] if reads_envelope else []))
     instance, column_map = _select_stream_detector(stream, design, detector, voltage, envelope, report)
-    transitions = follow(stream, instance, design.detector, column_map, report, StepWatch(design, detector))
+    second = find_second_column(design, detector)
+    reads_second = second is not None and voltage.name_in_file(second) in stream.header.names
+    watch = None if reads_second else StepWatch(design, detector)
+    transitions = follow(stream, instance, design.detector, column_map, report, watch, second)
     return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)))
 
 

@@ -62,7 +62,7 @@ def test_bursts_have_their_strength_and_band():
     for seed in range(6):
         burst = bursts.abrupt_burst(DESIGN, seed, 0.006, 0.025)
         (slide,) = burst.slides
-        part = burst.volts[round(slide.onset_s * 2000) : round(slide.end_s * 2000)]
+        part = burst.voltage_v[round(slide.onset_s * 2000) : round(slide.end_s * 2000)]
         assert 0.006 <= burst.strength_v <= 0.025
         assert part.std() == pytest.approx(burst.strength_v, rel=0.03)
         above = scipy_signal.butter(8, 67.0, "high", fs=2000.0, output="sos")
@@ -85,18 +85,18 @@ def test_unstated_noise_is_in_the_signal_and_the_slip_is_the_same(name):
     noisy = scenes.in_noise(DESIGN, SLIP, 3, name)
     assert noisy.slides == plain.slides
     assert noisy.alarms_from_s == 1.0
-    difference = np.diff(noisy.volts[:2000], 2).std() / np.diff(plain.volts[:2000], 2).std()
+    difference = np.diff(noisy.voltage_v[:2000], 2).std() / np.diff(plain.voltage_v[:2000], 2).std()
     expected = {"noise x0.5": 0.5, "noise x2": 2.0, "noise x5": 5.0, "12 bits": 1.5}
     assert difference == pytest.approx(expected.get(name, 1.0), rel=0.3)
-    assert not np.array_equal(noisy.volts, plain.volts)
+    assert not np.array_equal(noisy.voltage_v, plain.voltage_v)
 
 
 def test_grip_steps_change_the_force_without_slip():
     for signal in scenes.grip_steps(DESIGN, 11):
         assert len(signal.events) == 2
         for event in signal.events:
-            before = signal.volts[round((event.onset_s - 0.05) * 2000)]
-            after = signal.volts[round((event.end_s + 0.1) * 2000)]
+            before = signal.voltage_v[round((event.onset_s - 0.05) * 2000)]
+            after = signal.voltage_v[round((event.end_s + 0.1) * 2000)]
             assert after < before - 0.02
 
 
@@ -124,7 +124,7 @@ def test_the_mix_is_the_same_for_the_same_seed_and_counts_what_it_was_asked_for(
     size = MixSize(1, 0.01, 3, 2)
     first, second = (list(generate_mix(DESIGN, size, 9_000_000)) for _ in range(2))
     assert [s.kind for s in first] == [s.kind for s in second]
-    assert all(np.array_equal(a.volts, b.volts) for a, b in zip(first, second, strict=True))
+    assert all(np.array_equal(a.voltage_v, b.voltage_v) for a, b in zip(first, second, strict=True))
     kinds = [s.kind for s in first]
     assert kinds.count("grip change") == kinds.count("fast closing") == 3
     assert kinds.count("slip") == 1

@@ -1,6 +1,6 @@
 """Fit the trees of the detector `fast` and write their table. Needs scikit-learn, which the package does not.
 
-    python -m tools.detector_training.fit [--trials 1300] [--events 900] [--out table.json]
+    python -m tools.detector_training.fit [--trials 900] [--events 600] [--out table.json]
 
 The first round labels features that were computed without trees. Each further round computes them with the trees of the
 round before, and gives more weight to its false alarms. The same versions of Python, numpy and scikit-learn give the
@@ -18,15 +18,14 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.campaign.wider_mix.labelled_signal import LabelledSignal
 from fingertip.slip.detectors import fast_model
 from fingertip.slip.detectors.fast_model import DEPTH, NODES, FastModel
 from tools.detector_training.rows import Rows, collect
-from tools.detector_training.signals import generate
+from tools.detector_training.signals import TrainingSignal, generate
 
-TREES = 120
+TREES = 160
 ROUNDS = 3
-THRESHOLD, INCIPIENT_THRESHOLD = 1.5, 0.9
+THRESHOLD, INCIPIENT_THRESHOLD = 1.6, 0.9
 """Scores above which slip is ON and may begin. They were chosen on tuning seeds by `benchmarks/slip_robustness.py`."""
 ROUND_THRESHOLD = 1.4
 """Score above which a row without slip counts as a false alarm of the round before."""
@@ -39,8 +38,8 @@ _ALWAYS_LEFT = 3e38
 def main() -> None:
     """Fit and write the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--trials", type=int, default=1300)
-    parser.add_argument("--events", type=int, default=900)
+    parser.add_argument("--trials", type=int, default=900)
+    parser.add_argument("--events", type=int, default=600)
     parser.add_argument("--trees", type=int, default=TREES)
     parser.add_argument("--rounds", type=int, default=ROUNDS)
     parser.add_argument("--cache", type=Path, help="file that keeps the signals from one fit to the next")
@@ -55,10 +54,10 @@ def main() -> None:
         arguments.out.write_text(as_json(model), encoding="utf-8")
 
 
-def load_signals(cache: Path | None, trials: int, events: int) -> list[LabelledSignal]:
+def load_signals(cache: Path | None, trials: int, events: int) -> list[TrainingSignal]:
     """Load the signals from the cache, or generate them."""
     if cache and cache.exists():
-        loaded: list[LabelledSignal] = pickle.loads(cache.read_bytes())
+        loaded: list[TrainingSignal] = pickle.loads(cache.read_bytes())
         return loaded
     signals = list(generate(trials, events))
     if cache:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.campaign.wider_mix.labelled_signal import LabelledSignal
-from fingertip.design import Design
 from fingertip.jit import compiled
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import LOWEST_SCORE, SETTLING_S, TICK_S, FastDetector, FastSettings
 from fingertip.slip.detectors.fast_model import FastModel
+from tools.detector_training.signals import TrainingSignal
 
 EARLY_S = 0.004
 """Time before gross slip from which a tick is labelled as slip [s]."""
@@ -25,6 +26,8 @@ ONSET_WEIGHT, SLIP_WEIGHT, EVENT_WEIGHT, QUIET_WEIGHT = 3.0, 0.3, 2.0, 0.25
 ALARM_WEIGHTS = ((-3.0, 3.0), (-1.0, 8.0))
 """Factors of the weight of rows without slip whose score, relative to the threshold, exceeds a value: the previous
 round's own false alarms."""
+CUTOFF_ERROR, GAIN_ERROR = 0.08, 0.03
+"""Largest deviations of a real board's cutoff and gain, with capacitors of 10 %."""
 KEPT_SHARE = 0.35
 """Share of the rows of low weight that are kept."""
 
@@ -54,14 +57,22 @@ def label(signal: LabelledSignal, ticks: int) -> tuple[Array, Array]:
     return labels, weights
 
 
-def collect(signals: Iterable[LabelledSignal], model: FastModel, seed: int) -> Rows:
-    """Run the detector with a model over signals and collect the rows."""
-    rng, settings = np.random.default_rng(seed), FastSettings.from_design(Design())
+def collect(signals: Iterable[TrainingSignal], model: FastModel, seed: int) -> Rows:
+    """Run the detector with a model over signals and collect the rows.
+
+    The detector assumes the cutoff and the gain of an ideal board; the real one deviates from them.
+    """
+    rng = np.random.default_rng(seed)
     low = fast_loop.UPPER_LOUD_20
     parts: list[tuple[Array, Array, Array]] = []
     with compiled():
-        for signal in signals:
-            output, found = FastDetector(settings, model).compute_features(signal.volts)
+        for item in signals:
+            signal, settings = item.signal, FastSettings.from_design(item.design)
+            if settings.filtered:
+                cutoff_hz = settings.cutoff_hz * (1 + rng.uniform(-CUTOFF_ERROR, CUTOFF_ERROR))
+                gain = settings.filtered.gain * (1 + rng.uniform(-GAIN_ERROR, GAIN_ERROR))
+                settings = replace(settings, cutoff_hz=cutoff_hz, filtered=replace(settings.filtered, gain=gain))
+            output, found = FastDetector(settings, model).compute_features(signal.voltage_v, signal.filtered_v)
             labels, weights = label(signal, len(found))
             every = round(TICK_S * signal.rate_hz)
             # The confidence is 1 at the threshold and 0 at the lowest score.

@@ -1,5 +1,8 @@
 """Signals to train on: slips and what is not slip, each in noise that the design states or does not.
 
+Half of them come from the article's board and converter. The others come from a board for a controller, which samples
+the filtered signal too; a part of these lacks it, as on a board where it is not wired.
+
 All seeds lie below those of a validation and of `benchmarks/slip_robustness.py`, so nothing reported was trained on.
 """
 
@@ -7,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -28,7 +31,28 @@ UNDECIDABLE = ("motor", "cable")
 """Causes that are not trained on: within 20 ms one force axis does not distinguish them from slip."""
 
 
-def draw_condition(rng: np.random.Generator) -> dict[str, Any]:
+ARTICLE = Design(
+    board={"variant": "article", "supply": "split", "supply_v": 5.0},
+    detector={"noise_v": 4e-4, "adc_bits": 16, "adc_range_v": 10.0, "adc_polarity": "bipolar"},
+)
+CONTROLLER = Design(
+    board={"variant": "precision", "supply": "single_3v3", "supply_v": 3.3},
+    detector={"noise_v": 4e-4, "adc_bits": 12, "adc_range_v": 3.3, "adc_polarity": "unipolar"},
+)
+DESIGNS = (ARTICLE, CONTROLLER)
+UNWIRED_SHARE = 0.2
+"""Share of the controller's signals without the filtered signal."""
+
+
+@dataclass(frozen=True)
+class TrainingSignal:
+    """Signal and the design that a detector of it assumes."""
+
+    signal: LabelledSignal
+    design: Design
+
+
+def draw_condition(rng: np.random.Generator, design: Design) -> dict[str, Any]:
     """Draw noise and converter: what the design states in almost half of the cases."""
     kind = rng.random()
     if kind < 0.42:
@@ -40,29 +64,42 @@ def draw_condition(rng: np.random.Generator) -> dict[str, Any]:
     if kind < 0.78:
         return {"noise": {"hum_v": float(rng.uniform(1e-4, 1e-3)), "hum_hz": float(rng.choice([50.0, 60.0]))}}
     if kind < 0.85:
-        return {"converter": {"bits": 12, "high_v": 5.0}}
+        return {"converter": {"bits": 12, "high_v": 5.0}} if design is ARTICLE else _TEN_BITS
     if kind < 0.88:
-        return {"converter": {"bits": 10, "high_v": 5.0}}
+        return {"converter": {"bits": 10, "high_v": 5.0}} if design is ARTICLE else _TEN_BITS
     if kind < 0.94:
         return {"background_v": float(rng.uniform(1e-4, 5e-4))}
     return {"noise": {"hand_v": float(rng.uniform(1e-4, 6e-4))}}
 
 
-def generate(trials: int, events: int) -> Iterator[LabelledSignal]:
+_TEN_BITS: dict[str, Any] = {"converter": {"bits": 10, "high_v": 3.3}}
+
+
+def generate(trials: int, events: int) -> Iterator[TrainingSignal]:
     """Simulate the training mix.
 
     Parameters
     ----------
     trials
-        Number of trials with slip; the scenes without slip last 12 s for each.
+        Number of trials with slip for each design; the scenes without slip last 12 s for each.
     events
         Number of changes of grip; other events are in proportion.
     """
-    design, seed = Design(), FIRST_SEED
-    rng = np.random.default_rng(FIRST_SEED)
+    for number, design in enumerate(DESIGNS):
+        rng = np.random.default_rng((FIRST_SEED, number, 1))
+        for signal in generate_for(design, FIRST_SEED + number * 50_000, trials, events):
+            if signal.filtered_v is not None and rng.random() < UNWIRED_SHARE:
+                signal = replace(signal, filtered_v=None)
+            yield TrainingSignal(signal, design)
+
+
+def generate_for(design: Design, seed: int, trials: int, events: int) -> Iterator[LabelledSignal]:
+    """Simulate the mix for one design, from a first seed on."""
+    rng = np.random.default_rng(seed)
+    first_seed = seed
     with compiled():
         for kind, scene in _plan(rng, trials, events):
-            signal = scenes.in_condition(design, scene, seed, kind, draw_condition(rng))
+            signal = scenes.in_condition(design, scene, seed, kind, draw_condition(rng, design))
             yield replace(signal, kind=kind)
             seed += 1
         for _ in range(events // 5):
@@ -77,12 +114,14 @@ def generate(trials: int, events: int) -> Iterator[LabelledSignal]:
         for _ in range(events // 20):
             yield bursts.long_slide(design, seed, float(rng.uniform(0.002, 0.02)))
             seed += 1
-        yield from generate_manipulations(events)
+        for _ in range(events // 2):
+            yield bursts.ringing_knock(design, seed)
+            seed += 1
+        yield from generate_manipulations(design, MANIPULATIONS_FROM + first_seed - FIRST_SEED, events)
 
 
-def generate_manipulations(events: int) -> Iterator[LabelledSignal]:
+def generate_manipulations(design: Design, seed: int, events: int) -> Iterator[LabelledSignal]:
     """Simulate hands that take over a weight; every third object is hit by a pin."""
-    design, seed = Design(), MANIPULATIONS_FROM
     with compiled():
         for i in range(events // 6):
             speed_m_s, max_margin = (0.08, 1.3) if i % 3 == 2 else (0.0, 2.0)

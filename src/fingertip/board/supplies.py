@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fingertip.board.nets import GND, VCC, VEE, VMID, VREF
-from fingertip.design.signal_ground import signal_ground_ratio
+from fingertip.design.signal_ground import CONTROLLER_SUPPLIES, signal_ground_ratio
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Supply:
     @property
     def is_for_controller(self) -> bool:
         """Return whether the board is made for a controller: protected, with the filtered signal at its output too."""
-        return self.bridge_supply == VREF
+        return self.name in CONTROLLER_SUPPLIES
 
     def signal_ground_v(self, supply_v: float) -> float:
         """Voltage of the signal ground above ground [V]."""

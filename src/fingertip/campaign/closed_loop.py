@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.campaign.evaluate import needs_board
+from fingertip.campaign.evaluate import select_board_outputs
 from fingertip.campaign.grip import GripController, GripDecision, GripSettings
 from fingertip.campaign.plan import HELD_OUT_FROM
 from fingertip.design import Design
@@ -71,8 +71,8 @@ def run_closed_loop(
             for scene, seed in plan_manipulations(repeats, first_seed):
                 controller = None
                 if detector != NO_CONTROL:
-                    if needs_board(detector):
-                        scene = scene.model_copy(update={"outputs": [*_OUTPUTS, "envelope_v"]})
+                    sampled = select_board_outputs(design, [detector])
+                    scene = scene.model_copy(update={"outputs": [*_OUTPUTS, *sampled]})
                     controller = GripController(design, GripSettings(detector), len(scene.fingers))
                 manipulation = run_manipulation(design, scene, controller, seed)
                 trials.append(evaluate_manipulation(detector, manipulation, controller.decisions if controller else ()))

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
 from fingertip.campaign.plan import Case
 from fingertip.design import Design
 from fingertip.sim import run_scene
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.scene.timeline import build_timeline
 from fingertip.slip import DETECTORS, Trace, make_detector
+from fingertip.slip.detectors.registry import find_second_column, select_inputs
 from fingertip.slip.intervals import INCIPIENT_S, Interval, intervals, score
 
 SAME_EVENT_S = 0.1
@@ -48,7 +48,7 @@ class TrialResult:
         return tuple(delay + self.creep_s for delay in self.delays_s)
 
 
-def simulate_trace(design: Design, case: Case, board: bool = True) -> tuple[Trace, float]:
+def simulate_trace(design: Design, case: Case, detectors: Sequence[str]) -> tuple[Trace, float]:
     """Simulate the recording of a case, through the ADC.
 
     Parameters
@@ -57,8 +57,8 @@ def simulate_trace(design: Design, case: Case, board: bool = True) -> tuple[Trac
         Its sensor, bridge, board and ADC.
     case
         Scene and seed.
-    board
-        Whether the trace contains the board's envelope.
+    detectors
+        Detectors that will read the recording. Signals that none of them reads are not simulated.
 
     Returns
     -------
@@ -67,21 +67,21 @@ def simulate_trace(design: Design, case: Case, board: bool = True) -> tuple[Trac
     force_n
         Holding force [N].
     """
-    outputs = ["voltage_v", "force_n", "slip", *(["sampled_envelope_v"] if board else [])]
+    outputs = ["voltage_v", "force_n", "slip", *select_board_outputs(design, detectors)]
     result = run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed)
     return result.trace, result.force_n
+
+
+def select_board_outputs(design: Design, detectors: Sequence[str]) -> list[str]:
+    """Select the sampled outputs of the board that detectors read, beside the tactile voltage."""
+    columns = {DETECTORS[name].input_column for name in detectors}
+    columns |= {find_second_column(design, name) or "voltage_v" for name in detectors}
+    return [f"sampled_{name}" for name in sorted(columns - {"voltage_v"})]
 
 
 def needs_board(*detectors: str) -> bool:
     """Return whether any of the detectors reads the board's envelope."""
     return any(DETECTORS[name].input_column == "envelope_v" for name in detectors)
-
-
-def select_input(trace: Trace, detector: str) -> Array:
-    """Select the column that a detector reads."""
-    column: Array | None = getattr(trace, DETECTORS[detector].input_column)
-    assert column is not None
-    return column
 
 
 def evaluate(
@@ -91,8 +91,8 @@ def evaluate(
 
     Where the threshold is constant, the test statistic is the same for every factor and is computed once.
     """
-    nominal, signal = make_detector(detector, design), select_input(trace, detector)
-    output = nominal.process(signal)
+    nominal, inputs = make_detector(detector, design), select_inputs(trace, detector)
+    output = nominal.process(*inputs)
     constant = float(np.ptp(output.threshold_v)) == 0.0
     results = []
     for scale in scales:
@@ -101,7 +101,7 @@ def evaluate(
         elif constant:
             on = output.statistic_v > scale * output.threshold_v
         else:
-            on = make_detector(detector, design, threshold_scale=scale).process(signal).on
+            on = make_detector(detector, design, threshold_scale=scale).process(*inputs).on
         results.append(_score_trial(case, trace, force_n, on, nominal.memory_s, _find_motion_s(design, case, force_n)))
     return results
 

@@ -18,13 +18,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.arrays import Array
+from fingertip.campaign.evaluate import select_board_outputs
 from fingertip.design import Design
 from fingertip.errors import FingertipError, Issue
 from fingertip.sim import ManipulationFile, ManipulationResult, Observation, Simulation, run_manipulation
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.signal.board_output import compute_bridge_v
 from fingertip.slip import DETECTORS, make_detector
-from fingertip.slip.detectors.registry import find_detector_type
+from fingertip.slip.detectors.registry import find_detector_type, select_inputs
 
 _MIN_PRESENT_N = 0.1
 """Smallest present force that the force ratio is applied to [N]: with a smaller one a finger would hardly close."""
@@ -74,7 +75,6 @@ class GripController:
         self.decisions: list[GripDecision] = []
         self._pad = Pad.from_design(design)
         self._detectors = [make_detector(settings.detector, design) for _ in range(fingers)]
-        self._input_column = DETECTORS[settings.detector].input_column
         volts = compute_bridge_v(design, _TABLE_N)
         self._volts, self._forces = volts[::-1], _TABLE_N[::-1]  # voltage falls with force
         self._history: deque[tuple[float, Array]] = deque()
@@ -85,8 +85,8 @@ class GripController:
     def step(self, observation: Observation) -> Array:
         """Return the commanded closing [m]: the planned closing, and what detections have added to it."""
         s, now = self.settings, observation.time_s
-        samples: Array | None = getattr(observation, self._input_column)
-        assert samples is not None, f"the scene's outputs do not include {self._input_column}"
+        samples = select_inputs(observation, s.detector)
+        assert samples, f"the scene's outputs do not include {DETECTORS[s.detector].input_column}"
         detected = self._detect(samples)
         # Growth of force and closing over the window.
         force = np.array([float(np.interp(v.mean(), self._volts, self._forces)) for v in observation.voltage_v])
@@ -112,10 +112,10 @@ class GripController:
         target_n = min(present_n * self.settings.force_ratio, self.settings.max_force_n)
         return self._pad.depth_m(target_n) - self._pad.depth_m(present_n)
 
-    def _detect(self, samples: Array) -> bool:
+    def _detect(self, samples: tuple[Array, ...]) -> bool:
         """Process the new samples of all fingers; return whether any detector was ON at any of them."""
         # Every detector must process every sample, even if the first one is already ON.
-        on = [bool(detector.process(row).on.any()) for detector, row in zip(self._detectors, samples, strict=True)]
+        on = [bool(detector.process(*rows).on.any()) for detector, *rows in zip(self._detectors, *samples, strict=True)]
         return any(on)
 
 
@@ -149,8 +149,8 @@ def run_with_grip(
     Parameters
     ----------
     simulation
-        Simulation of a manipulation, such as `fingertip.sim.load_simulation` returns. The signal that the detector
-        reads is added to its outputs.
+        Simulation of a manipulation, such as `fingertip.sim.load_simulation` returns. The signals that the detector
+        reads are added to its outputs.
     detector
         Name of the detector.
     progress
@@ -165,9 +165,9 @@ def run_with_grip(
     if issues := find_grip_issues(detector, simulation):
         raise FingertipError(issues)
     assert isinstance(scene, ManipulationFile)
-    column = DETECTORS[detector].input_column
-    if column not in scene.outputs:
-        scene = scene.model_copy(update={"outputs": [*scene.outputs, column]})
+    needed = ["voltage_v", *select_board_outputs(design, [detector])]
+    missing = [name for name in needed if name not in scene.outputs]
+    scene = scene.model_copy(update={"outputs": [*scene.outputs, *missing]})
     controller = GripController(design, GripSettings(detector), len(scene.fingers))
     result = run_manipulation(design, scene, controller, simulation.seed, progress)
     return GrippedResult(result, tuple(decision.time_s for decision in controller.decisions if decision.tightened))

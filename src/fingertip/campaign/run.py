@@ -186,7 +186,7 @@ def run_campaign(
             if case.cause != last:
                 progress(f"{case.cause}: simulating scenes and evaluating detectors")
                 last = case.cause
-            trace, force_n = simulate_trace(design, case, needs_board(*detectors))
+            trace, force_n = simulate_trace(design, case, detectors)
             for name in detectors:
                 results = evaluate(case, trace, force_n, name, design, factors[name])
                 for collected, result in zip(trials[name], results, strict=True):

@@ -16,6 +16,9 @@ With its capacitor the divider filters the supply's ripple above 3 Hz, or above 
 does: both then follow the supply alike, and their ratio stays.
 """
 
+CONTROLLER_SUPPLIES = frozenset({"single_3v3"})
+"""Supplies of boards for a controller, which give it their filtered signal beside the tactile voltage."""
+
 
 def signal_ground_ratio(supply: str) -> float:
     """Voltage of the signal ground above ground as a ratio of the supply voltage: 0 on a split supply."""
@@ -32,3 +35,24 @@ def smaller_headroom_v(board: Board) -> float:
     """Voltage from the signal ground to the nearer rail [V]."""
     ratio = signal_ground_ratio(board.supply)
     return board.supply_v * min(ratio, 1.0 - ratio) if ratio else board.supply_v
+
+
+def filtered_range_v(board: Board, adc_range_v: float) -> float | None:
+    """Largest deviation of the filtered signal from its rest that board and converter pass [V].
+
+    Parameters
+    ----------
+    board
+        Parameters of the board.
+    adc_range_v
+        Upper end of the converter's input range [V].
+
+    Returns
+    -------
+    float | None
+        None if the board does not give the filtered signal to a controller.
+    """
+    if board.supply not in CONTROLLER_SUPPLIES:
+        return None
+    rest_v = signal_ground_ratio(board.supply) * board.supply_v
+    return min(rest_v, min(board.supply_v, adc_range_v) - rest_v)

@@ -11,7 +11,7 @@ from fingertip.errors import Issue, TraceError
 from fingertip.slip.detectors.detector import DetectorOutput
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel, noise_level
-from fingertip.slip.detectors.registry import find_detector_type, make_detector
+from fingertip.slip.detectors.registry import make_detector, select_inputs
 from fingertip.slip.intervals import Interval, Score, intervals, score
 from fingertip.slip.traces.trace import Trace, find_issues
 
@@ -61,8 +61,8 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
         a detector that takes it.
     """
     issues = find_issues(trace, design.detector, in_volts=noise_v is None)
-    samples = getattr(trace, find_detector_type(detector).input_column)
-    if samples is None:
+    inputs = select_inputs(trace, detector)
+    if not inputs:
         remedy = "record it, or use --detector digital, which works without a board"
         message = f"is missing: the detector {detector} works on the board's output; {remedy}."
         issues.append(Issue("trace, envelope_v", message))
@@ -70,7 +70,7 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
         raise TraceError(issues)
     instance = make_detector(detector, design, noise_v)
     threshold_v = instance.threshold_v  # before the noise floor adapts
-    output = instance.process(samples)
+    output = instance.process(*inputs)
     detected = intervals(trace.time_s, output.on)
     scored = None
     if trace.slip is not None:

@@ -76,6 +76,7 @@ def follow(
     columns: ColumnMap,
     report: Callable[[str], None] = lambda message: None,
     watch: StepWatch | None = None,
+    second_column: str | None = None,
 ) -> Iterator[Transition]:
     """Process one sample per line and yield each transition as soon as it occurs.
 
@@ -93,6 +94,8 @@ def follow(
         Called with a sentence for each line that is passed over, and with the warning of `watch`.
     watch
         Watch for coarse steps of the converter.
+    second_column
+        Column of a trace that the detector reads too, where the lines have it.
 
     Raises
     ------
@@ -104,6 +107,8 @@ def follow(
     voltage_index = names.index(columns.name_in_file("voltage_v"))
     time_name = columns.name_in_file("time_s")
     time_index = names.index(time_name) if time_name in names else None
+    second_name = columns.name_in_file(second_column) if second_column else ""
+    second_index = names.index(second_name) if second_name in names else None
     clock, on, all_whole, width, sample = _SampleClock(parameters), False, True, 0, -1
     for number, line in stream.rows:
         if stream.header.is_repeated(line):
@@ -124,7 +129,10 @@ def follow(
         if time_index is not None:
             time_s = _parse_number(cells[time_index], delimiter, number) * columns.time_scale
             clock.check(time_s, number)
-        if detector.step(volts) != on:
+        values = [volts]
+        if second_index is not None:
+            values.append(_parse_number(cells[second_index], delimiter, number) * columns.scale)
+        if detector.step(*values) != on:
             on = not on
             yield Transition(on, time_s)
     if sample < 0:

@@ -129,7 +129,7 @@ def compute_noise(context: PointContext) -> OutputValues:
 
 def compute_detection(context: PointContext) -> OutputValues:
     """Compute delays and alarms of the detector on simulated trials of the scene, each with its own seed."""
-    from fingertip.campaign.evaluate import evaluate, needs_board, simulate_trace
+    from fingertip.campaign.evaluate import evaluate, simulate_trace
     from fingertip.campaign.plan import Case
     from fingertip.campaign.run import DetectorResult
     from fingertip.campaign.true_slip import find_onset_s, measure_vibration_n, median_of_known
@@ -141,7 +141,7 @@ def compute_detection(context: PointContext) -> OutputValues:
     with compiled():
         for seed in range(context.file.first_seed, context.file.first_seed + context.file.trials):
             case = Case("slip", context.scene, seed)
-            trace, force_n = context.load_trial(seed, partial(simulate_trace, design, case, needs_board(detector)))
+            trace, force_n = context.load_trial(seed, partial(simulate_trace, design, case, [detector]))
             results += evaluate(case, trace, force_n, detector, design, [1.0])
             if "slip_onset_ms" in context.file.outputs:
                 onsets_s.append(find_onset_s(design, case, trace))

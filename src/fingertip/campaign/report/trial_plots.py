@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fingertip.campaign.closed_loop import NO_CONTROL, ClosedLoopTrial, any_finger_slips
-from fingertip.campaign.evaluate import select_input, simulate_trace
+from fingertip.campaign.evaluate import simulate_trace
 from fingertip.campaign.plan import HELD_OUT_FROM, Case
 from fingertip.campaign.report.plots import COLOURS, NOTE, OTHER_COLOUR
 from fingertip.campaign.run import scene_surface
@@ -24,6 +24,7 @@ from fingertip.plot_style import new_figure, style_axes, to_png
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 from fingertip.slip import ChainSettings, SlipChain, Trace, make_detector
+from fingertip.slip.detectors.registry import select_inputs
 from fingertip.slip.intervals import intervals
 
 if TYPE_CHECKING:
@@ -65,7 +66,9 @@ def simulate_examples(design: Design, first_seed: int = HELD_OUT_FROM) -> list[E
     with compiled():
         for i, label in enumerate(labels):
             speed = speeds[i % len(speeds)]
-            trace, force_n = simulate_trace(design, Case("slip", scenes[(label, speed)], first_seed + i))
+            trace, force_n = simulate_trace(
+                design, Case("slip", scenes[(label, speed)], first_seed + i), ("analog", *DETECTORS_SHOWN)
+            )
             examples.append(ExampleTrial(label, speed, trace, force_n))
     return examples
 
@@ -107,7 +110,7 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     voltage.set_ylabel("tactile voltage [V]")
     mean_mv = 1000 * make_detector("digital", design).process(trace.voltage_v).statistic_v
     threshold_mv = 1000 * design.detector.threshold_v
-    sampled = select_input(trace, "analog")
+    (sampled,) = select_inputs(trace, "analog")
     envelope.plot(t, 1000 * sampled, color=_ENVELOPE, linewidth=0.7, label=f"board's output ({design.board.variant})")
     envelope.plot(t, mean_mv, color=COLOURS["digital"], linewidth=1.2, label="digital, mean over the window")
     label = f"threshold {threshold_mv:g} mV"
@@ -116,7 +119,7 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     envelope.set_ylim(0, 1.35 * highest)
     envelope.set_ylabel("envelope [mV]")
     envelope.legend(frameon=False, ncols=3, fontsize=9, loc="upper left")
-    rows = [(name, make_detector(name, design).process(select_input(trace, name)).on) for name in DETECTORS_SHOWN]
+    rows = [(name, make_detector(name, design).process(*select_inputs(trace, name)).on) for name in DETECTORS_SHOWN]
     _draw_rows(on, trace, rows)
     for axes in (force, voltage, envelope):
         _shade_slip(axes, trace)

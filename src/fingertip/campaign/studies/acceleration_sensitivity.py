@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from fingertip.campaign.evaluate import evaluate, needs_board, simulate_trace
+from fingertip.campaign.evaluate import evaluate, simulate_trace
 from fingertip.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.campaign.run import quantile_s
 from fingertip.campaign.studies.detection_bound import compute_bounds_s
@@ -60,7 +60,7 @@ def study_accelerations(
                 if case.cause != "slip":
                     break
                 changed = replace(case, scene=accelerate(case.scene))
-                trace, force_n = simulate_trace(design, changed, needs_board(*detectors))
+                trace, force_n = simulate_trace(design, changed, detectors)
                 for name in detectors:
                     (result,) = evaluate(changed, trace, force_n, name, design, [1.0])
                     delays[name] += result.delays_s

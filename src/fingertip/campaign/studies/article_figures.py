@@ -105,7 +105,7 @@ def study_windows(
         for case in generate_cases(CampaignPlan(trials, negative_minutes), first_seed):
             if case.cause not in ("slip", *CONTACTS):
                 continue
-            trace, force_n = simulate_trace(design, case, board=False)
+            trace, force_n = simulate_trace(design, case, [WINDOW_DETECTOR])
             for results, other in zip(collected, designs, strict=True):
                 results += evaluate(case, trace, force_n, WINDOW_DETECTOR, other, [1.0])
     pooled = [DetectorResult(1.0, tuple(results)) for results in collected]

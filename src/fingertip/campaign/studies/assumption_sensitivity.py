@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from fingertip.campaign.evaluate import TrialResult, evaluate, needs_board, simulate_trace
+from fingertip.campaign.evaluate import TrialResult, evaluate, simulate_trace
 from fingertip.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, generate_cases
 from fingertip.campaign.run import DetectorResult
 from fingertip.campaign.studies.assumption_variations import VARIATIONS, Variation
@@ -77,7 +77,7 @@ def _run_variation(design: Design, detector: str, variation: Variation, trials: 
             if case.cause in REPORTED_SEPARATELY:
                 continue
             changed_case = replace(case, scene=variation.vary_scene(case.scene))
-            trace, force_n = simulate_trace(changed_design, changed_case, needs_board(detector))
+            trace, force_n = simulate_trace(changed_design, changed_case, [detector])
             collected += evaluate(changed_case, trace, force_n, detector, changed_design, [1.0])
             if case.cause == "slip":
                 onsets_s.append(find_onset_s(changed_design, changed_case, trace))

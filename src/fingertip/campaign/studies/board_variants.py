@@ -72,7 +72,7 @@ def study_board_variants(
         collected: tuple[list[TrialResult], list[TrialResult]] = ([], [])
         with compiled():
             for case in generate_cases(CampaignPlan(trials, negative_minutes), first_seed):
-                trace, force_n = simulate_trace(changed, case)
+                trace, force_n = simulate_trace(changed, case, ["analog"])
                 pair = evaluate(case, trace, force_n, "analog", changed, [1.0, rule_v / design_v])
                 for trials_at_threshold, result in zip(collected, pair, strict=True):
                     trials_at_threshold.append(result)

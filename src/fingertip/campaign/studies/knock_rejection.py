@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fingertip.campaign.evaluate import evaluate, needs_board, simulate_trace
+from fingertip.campaign.evaluate import evaluate, simulate_trace
 from fingertip.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, Case
 from fingertip.design import Design
 from fingertip.jit import compiled
@@ -51,7 +51,7 @@ def study_knock_rejection(
                 alarms = dict.fromkeys(detectors, 0)
                 for _ in range(scenes):
                     case = Case("hard tap", scene.model_copy(update={"tap": tap}), seed)
-                    trace, held_n = simulate_trace(design, case, needs_board(*detectors))
+                    trace, held_n = simulate_trace(design, case, detectors)
                     for name in detectors:
                         (result,) = evaluate(case, trace, held_n, name, design, [1.0])
                         alarms[name] += len(result.alarms)

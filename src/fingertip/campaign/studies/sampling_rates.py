@@ -60,7 +60,7 @@ def study_sampling_rates(
         with compiled():
             for case in generate_cases(plan, first_seed):
                 if case.cause not in REPORTED_SEPARATELY:
-                    trace, force_n = simulate_trace(adapted, case, board=False)
+                    trace, force_n = simulate_trace(adapted, case, [DETECTOR])
                     collected += evaluate(case, trace, force_n, DETECTOR, adapted, [1.0])
         pooled, bounds = DetectorResult(1.0, tuple(collected)), compute_bounds_s(adapted, plan, first_seed)
         results.append(

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.campaign.evaluate import evaluate, needs_board
+from fingertip.campaign.evaluate import evaluate, select_board_outputs
 from fingertip.campaign.plan import HELD_OUT_FROM, CampaignPlan, Case, generate_cases
 from fingertip.campaign.run import quantile_s
 from fingertip.design import Design
@@ -47,7 +47,7 @@ def compare_grids(
     design: Design, case: Case, detectors: Sequence[str] = tuple(DETECTORS), refinement: int = REFINEMENT
 ) -> GridDifference:
     """Run one trial on the shipped grid and on a finer one, with the same noise."""
-    sampled = ["sampled_envelope_v"] if needs_board(*detectors) else []
+    sampled = select_board_outputs(design, detectors)
     scene = case.scene.model_copy(update={"outputs": ["slip", *SIGNALS, *sampled]})
     shipped = SceneRun(design, scene, case.seed).grid
     assert shipped

@@ -36,7 +36,8 @@ class LabelledSignal:
     kind: str
     """Name of the group that it belongs to."""
     rate_hz: float
-    volts: Array
+    voltage_v: Array
+    """Tactile voltage [V]."""
     slides: tuple[Slide, ...] = ()
     events: tuple[Interval, ...] = ()
     """Events that are not slip, such as changes of grip."""
@@ -44,11 +45,13 @@ class LabelledSignal:
     """Moment from which alarms count [s]: a detector may need time to learn the noise."""
     strength_v: float = 0.0
     """RMS voltage of the slip [V], where it is known."""
+    filtered_v: Array | None = None
+    """Filtered signal of the board, where it gives one [V]."""
 
     @property
     def duration_s(self) -> float:
         """Time in which alarms count [s]."""
-        return len(self.volts) / self.rate_hz - self.alarms_from_s
+        return len(self.voltage_v) / self.rate_hz - self.alarms_from_s
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from fingertip.jit import compiled
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 from fingertip.slip import make_detector
+from fingertip.slip.detectors.registry import select_inputs
 
 SLIP = "slip"
 """Kind of the article's trials."""
@@ -81,6 +82,8 @@ def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[Lab
             yield bursts.low_burst(design, next_seed(), *BURSTS_V)
         for i in range(math.ceil(size.events / 2)):
             yield bursts.long_slide(design, next_seed(), SLIDE_STRENGTHS_V[i % len(SLIDE_STRENGTHS_V)])
+        for _ in range(math.ceil(size.events / 3)):
+            yield bursts.ringing_knock(design, next_seed())
         yield from _noisy(design, size, trials, next_seed)
 
 
@@ -107,7 +110,7 @@ def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -
     with compiled():
         for signal in signals:
             detector = make_detector(name, design)
-            outcomes.append(assess(signal, detector.process(signal.volts).on, detector.memory_s))
+            outcomes.append(assess(signal, detector.process(*select_inputs(signal, name)).on, detector.memory_s))
     return outcomes
 
 

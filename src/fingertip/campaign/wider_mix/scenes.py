@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from fingertip.arrays import Array
+from fingertip.campaign.evaluate import select_board_outputs
 from fingertip.campaign.grip import GripController, GripSettings
-from fingertip.campaign.wider_mix.bursts import draw_band_noise, sample
+from fingertip.campaign.wider_mix.bursts import draw_band_noise, filter_as_board, sample
 from fingertip.campaign.wider_mix.labelled_signal import REACTION_S, LabelledSignal, Slide
 from fingertip.design import Design
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
@@ -19,7 +21,6 @@ from fingertip.sim.scene.timeline import build_timeline
 from fingertip.sim.signal.interference import HAND_BAND_HZ
 from fingertip.slip.intervals import STICK_S, Interval, intervals, merge
 
-_OUTPUTS = ["voltage_v", "slip"]
 _SHEAR_S = 0.1
 """Time before gross slip in which a hand's pads may creep [s]."""
 _EVENT_S = 0.3
@@ -30,7 +31,7 @@ def simulate_scene(
     design: Design, scene: SceneFile, seed: int, kind: str, alarms_from_s: float = 0.0
 ) -> LabelledSignal:
     """Simulate a scene through the ADC; its slips and events follow from its timeline."""
-    result = run_scene(design, scene.model_copy(update={"outputs": _OUTPUTS}), seed)
+    result = run_scene(design, scene.model_copy(update={"outputs": _select_outputs(design)}), seed)
     timeline = build_timeline(scene, Pad.from_design(design, scene.contact.resonance_hz), result.force_n)
     trace = result.trace
     assert trace.slip is not None
@@ -48,7 +49,10 @@ def simulate_scene(
         events += [Interval(start, start + 2 * tap.rise_s) for start in starts]
     if kind == "fast closing":
         events.append(Interval(held - scene.hold.close_s, held))
-    return LabelledSignal(kind, design.detector.sample_rate_hz, trace.voltage_v, slides, tuple(events), alarms_from_s)
+    return LabelledSignal(
+        kind, design.detector.sample_rate_hz, trace.voltage_v, slides, tuple(events), alarms_from_s,
+        filtered_v=trace.filtered_v,
+    )  # fmt: skip
 
 
 def grip_change(design: Design, seed: int, min_rise_s: float = 0.02, max_rise_s: float = 0.15) -> LabelledSignal:
@@ -95,7 +99,7 @@ class SteppedGrip(GripController):
         super().__init__(design, GripSettings("digital", max_growth_n_s=np.inf, max_closing_m_s=np.inf), fingers)
         self._moments_s, self._periods, self._design = moments_s, 0, design
 
-    def _detect(self, samples: np.ndarray[Any, Any]) -> bool:
+    def _detect(self, samples: tuple[Array, ...]) -> bool:
         self._periods += 1
         now = (self._periods - 1) * self._period_s
         return any(now - self._period_s < moment <= now for moment in self._moments_s)
@@ -112,21 +116,20 @@ def grip_steps(design: Design, seed: int) -> list[LabelledSignal]:
     force_n = float(rng.uniform(0.6, 1.6)) * (1 if kind == "pinch" else 2)
     scene = ManipulationFile(
         scene="grip_steps",
-        outputs=_OUTPUTS,
+        outputs=_select_outputs(design),
         object={"mass_kg": 0.02},
         grasp={"kind": kind, "force_n": force_n, "after_s": 1.0},
         knock={"speed_m_s": 0.0},
     )
     moments_s = (1.8, 2.5)
     result = run_manipulation(design, scene, SteppedGrip(design, len(scene.fingers), moments_s), seed)
-    volts, slip = result.output("voltage_v"), result.output("slip")
     settled_s = moments_s[0] - 0.3
     events = tuple(Interval(moment, moment + _EVENT_S) for moment in moments_s)
     rate = design.detector.sample_rate_hz
     return [
-        LabelledSignal("controller's step", rate, row, (), events, settled_s)
-        for row, slips in zip(volts, slip, strict=True)
-        if not slips[round(settled_s * rate) :].any()
+        LabelledSignal("controller's step", rate, trace.voltage_v, (), events, settled_s, filtered_v=trace.filtered_v)
+        for trace in map(result.trace, scene.fingers)
+        if trace.slip is not None and not trace.slip[round(settled_s * rate) :].any()
     ]
 
 
@@ -151,7 +154,7 @@ def manipulation(design: Design, seed: int, speed_m_s: float = 0.0, max_margin: 
     mass_kg, surface, kind = MANIPULATED_OBJECTS[names[int(rng.integers(len(names)))]]
     scene = ManipulationFile(
         scene="manipulation",
-        outputs=_OUTPUTS,
+        outputs=_select_outputs(design),
         object={"mass_kg": mass_kg, "surface": surface},
         grasp={
             "kind": kind,
@@ -166,13 +169,25 @@ def manipulation(design: Design, seed: int, speed_m_s: float = 0.0, max_margin: 
     rate, held_s = design.detector.sample_rate_hz, result.plan.released_s
     weight = Interval(held_s - scene.grasp.let_go_s, held_s)
     signals = []
-    for row, slips in zip(result.output("voltage_v"), result.output("slip"), strict=True):
-        found = merge(intervals(result.time_s, slips), STICK_S)
+    for trace in map(result.trace, scene.fingers):
+        assert trace.slip is not None
+        found = merge(intervals(result.time_s, trace.slip), STICK_S)
         slides = tuple(Slide(max(0.0, slip.onset_s - _SHEAR_S), slip.onset_s, slip.end_s) for slip in found)
         events = () if any(slide.motion_s < weight.end_s + REACTION_S for slide in slides) else (weight,)
         lost_s = result.lost_s or np.inf
-        kept = row[: int(min(len(row), lost_s * rate))]
-        signals.append(LabelledSignal("weight taken over", rate, kept, slides, events, weight.onset_s - _EVENT_S))
+        count = int(min(len(trace.time_s), lost_s * rate))
+        filtered_v = None if trace.filtered_v is None else trace.filtered_v[:count]
+        signals.append(
+            LabelledSignal(
+                "weight taken over",
+                rate,
+                trace.voltage_v[:count],
+                slides,
+                events,
+                weight.onset_s - _EVENT_S,
+                filtered_v=filtered_v,
+            )
+        )
     return signals
 
 
@@ -189,6 +204,10 @@ NOISES: Mapping[str, dict[str, Any]] = {
 
 Factor of the design's noise; tables ``noise`` and ``converter`` of a scene; RMS vibration from 30 to 90 Hz whether the
 finger touches or not [V]. Pink noise of 0.25 mV per decade is 0.2 mV between 40 and 170 Hz."""
+
+
+def _select_outputs(design: Design) -> list[str]:
+    return ["voltage_v", "slip", *select_board_outputs(design, ["fast"])]
 
 
 def in_noise(design: Design, scene: SceneFile, seed: int, name: str) -> LabelledSignal:
@@ -212,5 +231,8 @@ def in_condition(
     if not background_v:
         return signal
     rng = np.random.default_rng(seed)
-    background = background_v * draw_band_noise(rng, len(signal.volts), signal.rate_hz, *HAND_BAND_HZ)
-    return replace(signal, volts=sample(design, rng, signal.volts + background))
+    background = background_v * draw_band_noise(rng, len(signal.voltage_v), signal.rate_hz, *HAND_BAND_HZ)
+    filtered_v, added_v = signal.filtered_v, filter_as_board(design, background)
+    if filtered_v is not None and added_v is not None:
+        filtered_v = sample(design, rng, filtered_v + added_v)
+    return replace(signal, voltage_v=sample(design, rng, signal.voltage_v + background), filtered_v=filtered_v)

@@ -27,6 +27,9 @@ class Observation:
     envelope_v: Array | None = None
     """Sampled outputs of the filter boards [V], shaped like `voltage_v`. None unless ``envelope_v`` is among the
     outputs of the scene."""
+    filtered_v: Array | None = None
+    """Sampled filtered signals [V], shaped like `voltage_v`. None unless ``sampled_filtered_v`` is
+    among the outputs of the scene."""
 
 
 class Controller(Protocol):

@@ -32,6 +32,7 @@ from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.hand.motion_plan import MotionPlan, plan_motion, thumb_force_n
 from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.progress import ShareDone
+from fingertip.sim.scene.run import find_filtered_issues
 from fingertip.sim.signal.comparator import describe_missing_comparator
 from fingertip.sim.validation import check_type, raise_issues
 from fingertip.slip.intervals import Interval, intervals
@@ -127,7 +128,9 @@ class ManipulationResult:
         signals = self.signals.fingers[self.fingers.index(finger)]
         if signals.voltage_v is None:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
-        return Trace(self.time_s, signals.voltage_v, signals.force_n, signals.slip)
+        return Trace(
+            self.time_s, signals.voltage_v, signals.force_n, signals.slip, filtered_v=signals.sampled_filtered_v
+        )
 
 
 def run_manipulation(
@@ -199,12 +202,14 @@ def _observe(stepper: ManipulationStepper, time_s: float, planned_m: Array) -> O
     fingers = stepper.chunks[-1].fingers
     voltages = [finger.voltage_v for finger in fingers if finger.voltage_v is not None]
     envelopes = [finger.sampled_envelope_v for finger in fingers if finger.sampled_envelope_v is not None]
+    filtered = [finger.sampled_filtered_v for finger in fingers if finger.sampled_filtered_v is not None]
     return Observation(
         time_s,
         np.stack(voltages),
         stepper.motors.closing_m.copy(),
         planned_m,
         np.stack(envelopes) if envelopes else None,
+        np.stack(filtered) if filtered else None,
     )
 
 
@@ -250,4 +255,5 @@ def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Iss
         issues.append(Issue("hand.max_force_n", message))
     if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
         issues.append(Issue("outputs", describe_missing_comparator(design)))
+    issues.extend(find_filtered_issues(design, scene.outputs))
     return issues

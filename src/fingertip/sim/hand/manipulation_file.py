@@ -30,14 +30,15 @@ OUTPUTS = (
     "pin_n",
     "envelope_v",
     "sampled_envelope_v",
+    "sampled_filtered_v",
     "slip_pin_v",
 )
 """Signals that a manipulation can record.
 
 Of each finger: voltage_v, sampled by the ADC; force_n, true normal force; slip, true gross slip; velocity_m_s, velocity
 of the object over the pad (a scene records the opposite, that of the pad over the surface); closing_m, closing;
-command_m, commanded closing; envelope_v, sampled_envelope_v and slip_pin_v, outputs of its board as in a scene. Of the
-object: object_m, its position; pin_n, force of the pin.
+command_m, commanded closing; envelope_v, sampled_envelope_v, sampled_filtered_v and slip_pin_v, outputs of its board as
+in a scene. Of the object: object_m, its position; pin_n, force of the pin.
 """
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from fingertip import jit
 from fingertip.arrays import Array
-from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
+from fingertip.design.signal_ground import CONTROLLER_SUPPLIES
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import Pad
@@ -133,7 +133,9 @@ class SceneResult:
         found = self.signals
         if found.voltage_v is None:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
-        return Trace(found.time_s, found.voltage_v, found.force_n, found.slip, found.sampled_envelope_v)
+        return Trace(
+            found.time_s, found.voltage_v, found.force_n, found.slip, found.sampled_envelope_v, found.sampled_filtered_v
+        )
 
 
 def select_columns(signals: FingerSignals, scene: SceneFile) -> dict[str, NDArray[Any]]:
@@ -379,14 +381,18 @@ def find_scene_issues(design: Design, scene: SceneFile, seed: int) -> Iterator[I
         yield Issue("--seed", f"{seed} is negative; choose a whole number of at least 0.")
     if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
         yield Issue("outputs", describe_missing_comparator(design))
-    supply = SUPPLIES[design.board.supply]
-    if "sampled_filtered_v" in scene.outputs and not supply.is_for_controller:
-        message = (
-            "'sampled_filtered_v' exists on boards with the filtered signal at their connector, and this design's "
-            f"board.supply is {supply.name}; use --set board.supply=single_3v3 --set board.supply_v=3.3."
-        )
-        yield Issue("outputs", message)
+    yield from find_filtered_issues(design, scene.outputs)
     half = design.detector.sample_rate_hz / 2
     if scene.motor.force_n and scene.motor.frequency_hz >= half:
         message = f"{scene.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz; below {half:g} Hz."
         yield Issue("motor.frequency_hz", message)
+
+
+def find_filtered_issues(design: Design, outputs: Sequence[str]) -> Iterator[Issue]:
+    """Yield an issue if outputs name the filtered signal, and the design's board does not give it to a controller."""
+    if "sampled_filtered_v" in outputs and design.board.supply not in CONTROLLER_SUPPLIES:
+        message = (
+            "'sampled_filtered_v' exists on boards with the filtered signal at their connector, and this design's "
+            f"board.supply is {design.board.supply}; use --set board.supply=single_3v3 --set board.supply_v=3.3."
+        )
+        yield Issue("outputs", message)

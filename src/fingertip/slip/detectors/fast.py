@@ -6,6 +6,11 @@ detector computes fifteen ratios that express this (`fingertip.slip.detectors.fa
 decision trees weighs them. The trees were fitted to simulated slips and to a wider mix of what is not slip
 (`tools/detector_training/`).
 
+A board for a controller gives its filtered signal beside the tactile voltage. Ahead of the converter it is amplified,
+so that the converter's steps and noise hardly count in it. The energies then come from this signal, and the slow force
+from the tactile voltage. Where a stage of the board is at its limit, and on boards without that signal, the same filter
+is computed from the tactile voltage instead.
+
 Every feature is relative: to the noise floors, which the detector learns, or to another feature. So the unit of the
 input does not matter, and the stated noise hardly does. The floors are learned within 0.5 s from the start, and again
 after each change of force, because a hand that holds vibrates more than one that does not. They adapt slowly
@@ -27,9 +32,16 @@ from numpy.typing import NDArray
 
 from fingertip.arrays import Array
 from fingertip.design import Design
+from fingertip.design.signal_ground import filtered_range_v
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.detector import DetectorOutput, as_samples
-from fingertip.slip.detectors.fast_filters import HIGH_HZ, LOW_HZ, design_filters, noise_energies
+from fingertip.slip.detectors.fast_filters import (
+    HIGH_HZ,
+    LOW_HZ,
+    design_board_filter,
+    design_filters,
+    noise_energies,
+)
 from fingertip.slip.detectors.fast_loop import COUNT, LOOP, FastCoefficients
 from fingertip.slip.detectors.fast_model import FastModel, load_model
 from fingertip.slip.detectors.noise import input_noise_v
@@ -64,8 +76,28 @@ MIN_NOISE_SHARE = 0.5
 MIN_NOISE_V_RTHZ = 1.26e-5
 """Smallest noise density that is taken for stated [V/sqrt(Hz)]: 0.4 mV at 2 kHz, as in training. In less noise,
 features would exceed what was trained on: a slip would look like a contact."""
+LIMIT_SHARE = 0.9
+"""Share of the filtered signal's range that is used: a stage may be at its limit beyond it."""
+LIMITED_S = 0.03
+"""Time in which the board's filter recovers from a limit [s]."""
 STATISTIC_RATIO = 2.5
 """Threshold in volts over the RMS noise in the wide band. It only gives the statistic a scale in volts."""
+
+
+@dataclass(frozen=True)
+class FilteredSignal:
+    """The board's filtered signal, as a controller samples it."""
+
+    gain: float
+    """Gain of the board's filter in its passband."""
+    range_v: float
+    """Largest deviation from its rest that the board and the converter pass [V]."""
+
+    @classmethod
+    def from_design(cls, design: Design) -> FilteredSignal | None:
+        """Take the filtered signal from a design; None if its board does not give it to a controller."""
+        range_v = filtered_range_v(design.board, design.detector.adc_range_v)
+        return None if range_v is None else cls(design.board.passband_gain, range_v)
 
 
 @dataclass(frozen=True)
@@ -77,6 +109,10 @@ class FastSettings:
     """White RMS noise at the input, before the noise is learned [V]."""
     threshold_scale: float = 1.0
     """Factor of the threshold of the confidence, to trade delay for false alarms."""
+    cutoff_hz: float = 67.0
+    """Cutoff of the board's filter [Hz]. It matters only where the board's filtered signal is given."""
+    filtered: FilteredSignal | None = None
+    """Filtered signal of the board. None: the detector is given the tactile voltage alone."""
 
     @classmethod
     def from_design(cls, design: Design, noise_v: float | None = None) -> FastSettings:
@@ -90,7 +126,8 @@ class FastSettings:
             White RMS noise of the input; by default the design's [V]. The input may then have another unit than volts.
         """
         noise = max(input_noise_v(design), min_noise_v(design)) if noise_v is None else noise_v
-        return cls(design.detector.sample_rate_hz, noise)
+        filtered = FilteredSignal.from_design(design)
+        return cls(design.detector.sample_rate_hz, noise, cutoff_hz=design.board.cutoff_hz, filtered=filtered)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,19 +156,11 @@ class FastDetector:
     def __init__(self, settings: FastSettings, model: FastModel | None = None) -> None:
         self.settings = settings
         self._model = model = model or load_model()
-        self._coefficients = c = _compute_coefficients(settings, model)
+        self._coefficients = _compute_coefficients(settings, model, with_filtered=False)
         low, scale = LOWEST_SCORE, settings.threshold_scale
         self._incipient = (model.incipient_threshold - low) / (model.threshold - low) / scale
-        # Energies and floors start at those of the stated noise.
         self._state = [0.0] * fast_loop.STATES
-        wide, upper = noise_energies(settings.sample_rate_hz)
-        for index in (fast_loop.WIDE_SHORT, fast_loop.WIDE_LONG, fast_loop.FLOOR):
-            self._state[index] = wide * settings.noise_v**2
-        for index in (fast_loop.UPPER_SHORT, fast_loop.UPPER_LONG, fast_loop.UPPER_FLOOR):
-            self._state[index] = upper * settings.noise_v**2
-        ticks_per_s = settings.sample_rate_hz / c.tick_samples
-        self._state[fast_loop.SETTLING] = float(round(SETTLING_S * ticks_per_s))
-        self._state[fast_loop.FLOOR_TICKS] = -float(round(FILTERS_SETTLE_S * ticks_per_s))
+        self._state[fast_loop.FLOOR] = self._coefficients.wide_share * settings.noise_v**2
         self._started = False
 
     @property
@@ -183,63 +212,111 @@ class FastDetector:
             for h, energy in zip(responses, noise_energies(rate), strict=True)
         )
 
-    def process(self, voltage_v: Iterable[float]) -> FastOutput:
-        """Process the next samples [V], any number of them, and return one output per sample."""
-        samples = as_samples(voltage_v)
-        filtered, confidence, level, on = self._run(samples, np.zeros(COUNT), 0)
+    def process(self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None = None) -> FastOutput:
+        """Process the next samples, any number of them, and return one output per sample.
+
+        Parameters
+        ----------
+        voltage_v
+            Tactile voltage [V].
+        filtered_v
+            Filtered signal of the board, as sampled at the same instants [V]: with every chunk or with none.
+        """
+        filtered, confidence, level, on = self._run(voltage_v, filtered_v, np.zeros(COUNT), 0)
         return FastOutput(confidence * level, level, on > 0.0, filtered, confidence, confidence > self._incipient)
 
-    def compute_features(self, voltage_v: Array) -> tuple[FastOutput, Array]:
+    def compute_features(self, voltage_v: Array, filtered_v: Array | None = None) -> tuple[FastOutput, Array]:
         """Process samples and return the output and the features of every tick, (ticks, features)."""
         ticks = len(voltage_v) // int(self._coefficients.tick_samples)
         rows = np.zeros((ticks + 1) * COUNT)
-        filtered, confidence, level, on = self._run(voltage_v, rows, COUNT)
+        filtered, confidence, level, on = self._run(voltage_v, filtered_v, rows, COUNT)
         output = FastOutput(confidence * level, level, on > 0.0, filtered, confidence, confidence > self._incipient)
         return output, rows[: ticks * COUNT].reshape(ticks, COUNT)
 
-    def step(self, voltage_v: float) -> bool:
-        """Process one sample [V] and return whether slip is ON."""
-        self._start(voltage_v)
-        m = self._model
+    def step(self, voltage_v: float, filtered_v: float | None = None) -> bool:
+        """Process one sample of the tactile voltage, and of the filtered signal if given [V]; return if slip is ON."""
+        self._start(voltage_v, filtered_v)
+        m, filtered = self._model, (voltage_v if filtered_v is None else filtered_v,)
         LOOP.plain(
-            self._coefficients, *m.lists, 0, (voltage_v,), self._state, [0.0] * COUNT, [0.0], [0.0], [0.0], [0.0]
-        )
+            self._coefficients, *m.lists, 0, (voltage_v,), filtered, self._state, [0.0] * COUNT, [0.0], [0.0], [0.0],
+            [0.0],
+        )  # fmt: skip
         return self._state[fast_loop.ON] > 0.0
 
-    def _run(self, samples: list[float] | Array, rows: Array, stride: int) -> Array:
+    def _run(self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None, rows: Array, stride: int) -> Array:
+        samples = as_samples(voltage_v)
+        filtered = samples if filtered_v is None else as_samples(filtered_v)
         if len(samples):
-            self._start(float(samples[0]))
+            self._start(float(samples[0]), None if filtered_v is None else float(filtered[0]))
         out: Array = np.zeros((4, len(samples)))
         m = self._model
-        LOOP(self._coefficients, m.features, m.thresholds, m.leaves, stride, samples, self._state, rows, *out)
+        LOOP(self._coefficients, m.features, m.thresholds, m.leaves, stride, samples, filtered, self._state, rows, *out)
         return out
 
-    def _start(self, voltage_v: float) -> None:
-        """Take the first sample for a constant input until then: there is no difference, and nothing in the bands."""
-        if not self._started:
-            self._started = True
-            self._state[fast_loop.INPUT] = voltage_v
-            self._state[fast_loop.STEP] = math.inf
+    def _start(self, voltage_v: float, filtered_v: float | None) -> None:
+        """Take the first sample for constant inputs until then: there is no difference, and nothing in the bands."""
+        if self._started:
+            return
+        self._started = True
+        settings, state = self.settings, self._state
+        with_filtered = filtered_v is not None and settings.filtered is not None
+        self._coefficients = c = _compute_coefficients(settings, self._model, with_filtered)
+        state[fast_loop.INPUT] = voltage_v
+        state[fast_loop.STEP] = state[fast_loop.FILTERED_STEP] = math.inf
+        state[fast_loop.REST] = 0.0 if filtered_v is None else filtered_v
+        # Energies and floors start at those of the stated noise.
+        band_noise_v = _band_noise_v(settings, with_filtered)
+        wide, upper = c.wide_share * band_noise_v**2, c.upper_share * band_noise_v**2
+        for index in (fast_loop.WIDE_SHORT, fast_loop.WIDE_LONG, fast_loop.FLOOR):
+            state[index] = wide
+        for index in (fast_loop.UPPER_SHORT, fast_loop.UPPER_LONG, fast_loop.UPPER_FLOOR):
+            state[index] = upper
+        for index in (fast_loop.INPUT_LONG, fast_loop.INPUT_FLOOR):
+            state[index] = settings.noise_v**2
+        ticks_per_s = settings.sample_rate_hz / c.tick_samples
+        state[fast_loop.SETTLING] = float(round(SETTLING_S * ticks_per_s))
+        state[fast_loop.FLOOR_TICKS] = -float(round(FILTERS_SETTLE_S * ticks_per_s))
 
 
 def min_noise_v(design: Design) -> float:
     """Smallest noise that is taken for stated, where the input is in volts [V]."""
-    return MIN_NOISE_V_RTHZ * math.sqrt(design.detector.sample_rate_hz / 2)
+    return _min_noise_v(design.detector.sample_rate_hz)
 
 
-def _compute_coefficients(settings: FastSettings, model: FastModel) -> FastCoefficients:
+def _min_noise_v(sample_rate_hz: float) -> float:
+    return MIN_NOISE_V_RTHZ * math.sqrt(sample_rate_hz / 2)
+
+
+def _band_noise_v(settings: FastSettings, with_filtered: bool) -> float:
+    """Stated noise in the bands, as white noise at the input [V]: the filtered signal has less than any that counts."""
+    return _min_noise_v(settings.sample_rate_hz) if with_filtered else settings.noise_v
+
+
+def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtered: bool) -> FastCoefficients:
     rate, filters = settings.sample_rate_hz, design_filters(settings.sample_rate_hz)
+    board, restore = design_board_filter(rate, settings.cutoff_hz)
     wide, upper = noise_energies(rate)
     tick = max(1, round(TICK_S * rate))
     ticks_per_s = rate / tick
-    least = (MIN_NOISE_SHARE * settings.noise_v) ** 2
+    least = (MIN_NOISE_SHARE * _band_noise_v(settings, with_filtered)) ** 2
+    filtered_gain, filtered_limit = 0.0, math.inf
+    if with_filtered and settings.filtered:
+        filtered_gain = 1 / settings.filtered.gain
+        filtered_limit = LIMIT_SHARE * settings.filtered.range_v * filtered_gain
     threshold = LOWEST_SCORE + settings.threshold_scale * (model.threshold - LOWEST_SCORE)
     return FastCoefficients(
+        *(board[0].b0, board[0].a1),
+        *board[1],
+        *restore[0],
+        *restore[1],
         *filters.high_edge,
-        *(filters.upper.b0, *filters.upper[3:]),
-        *(filters.wide.b0, *filters.wide[3:]),
+        *filters.upper,
+        *filters.wide,
         *filters.slow,
         sample_rate_hz=rate,
+        filtered_gain=filtered_gain,
+        filtered_limit=filtered_limit,
+        limited_samples=float(round(LIMITED_S * rate)),
         short_smoothing=1 / (1 + rate * SHORT_S),
         long_smoothing=1 / (1 + rate * LONG_S),
         tick_samples=float(tick),
@@ -251,6 +328,7 @@ def _compute_coefficients(settings: FastSettings, model: FastModel) -> FastCoeff
         upper_share=upper,
         min_floor=wide * least,
         min_upper_floor=upper * least,
+        min_input_floor=(MIN_NOISE_SHARE * settings.noise_v) ** 2,
         offset=model.offset,
         lowest_score=LOWEST_SCORE,
         threshold=threshold,

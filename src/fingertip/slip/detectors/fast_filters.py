@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.arrays import Array
-from fingertip.slip.detectors.digital import SecondOrder
+from fingertip.slip.detectors.digital import FirstOrder, SecondOrder
 
 LOW_HZ, UPPER_HZ, HIGH_HZ = 40.0, 90.0, 170.0
 """Lower edges of the wide and of the upper band, and the upper edge of both [Hz].
@@ -21,11 +21,20 @@ not to the filter board, whose cutoff may differ."""
 SLOW_HZ = 28.0
 """Cutoff behind which the voltage follows the slow force [Hz]: just below contacts' highest frequency."""
 
+RESTORED_HZ = 15.0
+"""Cutoff to which that of the board's high-pass filter is moved in software [Hz]: well below the bands. With a lower
+one, offsets of the filtered signal and its recovery from a limit would count more."""
+
+ThirdOrder = tuple[FirstOrder, SecondOrder]
+"""Filter of third order: a section of first order, followed by one of second order."""
+
 
 @dataclass(frozen=True)
 class FastFilters:
-    """Second-order Butterworth sections. The output of `high_edge` feeds the two high-pass filters."""
+    """Butterworth filters. The output of `restored` feeds `high_edge`, whose output feeds the two other high-passes."""
 
+    restored: ThirdOrder
+    """High-pass filter of the board's order, with its cutoff moved to `RESTORED_HZ`."""
     high_edge: SecondOrder
     """Low-pass filter at the upper edge of the bands."""
     upper: SecondOrder
@@ -39,7 +48,9 @@ class FastFilters:
         """Compute the impulse responses of the wide and the upper band, `count` samples each."""
         impulse = np.zeros(count)
         impulse[0] = 1.0
-        edge = _filter(self.high_edge, impulse)
+        first, second = self.restored
+        restored = _filter(second, _filter(SecondOrder(first.b0, first.b1, 0.0, first.a1, 0.0), impulse))
+        edge = _filter(self.high_edge, restored)
         return _filter(self.wide, edge), _filter(self.upper, edge)
 
     def noise_energies(self, sample_rate_hz: float) -> tuple[float, float]:
@@ -52,6 +63,7 @@ class FastFilters:
 def design_filters(sample_rate_hz: float) -> FastFilters:
     """Design the filters for a sampling rate [Hz]."""
     return FastFilters(
+        restored=_third_order(sample_rate_hz, RESTORED_HZ),
         high_edge=_butterworth(sample_rate_hz, HIGH_HZ, 1),
         upper=_butterworth(sample_rate_hz, UPPER_HZ, -1),
         wide=_butterworth(sample_rate_hz, LOW_HZ, -1),
@@ -59,10 +71,42 @@ def design_filters(sample_rate_hz: float) -> FastFilters:
     )
 
 
+def design_board_filter(sample_rate_hz: float, cutoff_hz: float) -> tuple[ThirdOrder, ThirdOrder]:
+    """Design the board's high-pass filter for a gain of 1, and the filter that restores what it takes away.
+
+    The product of both is `FastFilters.restored`: their numerators and denominators cancel.
+
+    Parameters
+    ----------
+    sample_rate_hz
+        Sampling rate [Hz].
+    cutoff_hz
+        Cutoff of the board's filter [Hz].
+    """
+    first, second = board = _third_order(sample_rate_hz, cutoff_hz)
+    low_first, low_second = _third_order(sample_rate_hz, RESTORED_HZ)
+    gain_1, gain_2 = low_first.b0 / first.b0, low_second.b0 / second.b0
+    restore = (
+        FirstOrder(gain_1, gain_1 * first.a1, low_first.a1),
+        SecondOrder(gain_2, gain_2 * second.a1, gain_2 * second.a2, low_second.a1, low_second.a2),
+    )
+    return board, restore
+
+
 @functools.lru_cache(maxsize=16)
 def noise_energies(sample_rate_hz: float) -> tuple[float, float]:
     """Energies of `FastFilters.noise_energies` for a sampling rate [Hz]."""
     return design_filters(sample_rate_hz).noise_energies(sample_rate_hz)
+
+
+def _third_order(sample_rate_hz: float, cutoff_hz: float) -> ThirdOrder:
+    """Design a Butterworth high-pass filter of third order by the bilinear transform."""
+    K = math.tan(math.pi * cutoff_hz / sample_rate_hz)
+    b, norm = 1 / (1 + K), 1 / (1 + K + K * K)
+    return (
+        FirstOrder(b, -b, (K - 1) * b),
+        SecondOrder(norm, -2 * norm, norm, 2 * (K * K - 1) * norm, (1 - K + K * K) * norm),
+    )
 
 
 def _butterworth(sample_rate_hz: float, cutoff_hz: float, sign: int) -> SecondOrder:

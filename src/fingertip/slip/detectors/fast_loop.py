@@ -3,10 +3,11 @@
 A tick follows every few samples, 2 ms apart. The loop needs no buffer of samples: energies are exponential means, peaks
 are kept in three slots of 40 ms, and the slow voltage in a ring of one value for every second tick.
 
-The filters take the differences between samples, so they hold no voltage but its changes. The high-pass filters have
-two zeros at 0 Hz, of which the difference is one. The slow voltage is the sum of its filtered differences since the
-last revolution of the ring. The constant part of the input thus costs no digits, and single precision suffices
-(`fingertip.firmware`).
+The filters of the tactile voltage take the differences between samples, so they hold no voltage but its changes. A
+high-pass filter has a zero at 0 Hz, which the difference is. The slow voltage is the sum of its filtered differences
+since the last revolution of the ring, the rough voltage the sum of what the slow one lacks. The constant part of the
+input thus costs no digits, and single precision suffices (`fingertip.firmware`): rounding lets the rough voltage walk
+by less than 1 uV in an hour, and every leak against that would leave a trace of each contact in it.
 """
 
 from __future__ import annotations
@@ -28,11 +29,18 @@ MOVE_S = 0.0005
 UPPER_LOUD, UPPER_LOUD_20 = 2.0, 1.6
 """Ratios of the energies of 6 and 20 ms to the floors below which a signal is quiet, and no tree is evaluated."""
 MOVING_RATIO = 60.0
-"""Ratio of the squared slope to the wide floor above which the force changes, so that floors do not adapt."""
+"""Ratio of the squared slope to the slow force's floor above which the force changes, so that floors do not adapt."""
 CLIP_RATIO = 4.0
 """Ratio of an energy to its floor above which the floor takes it for no more: slip that is not found yet."""
 HELD_TICKS = 15.0
 """Ticks of averaging for which a floor stands after the force has changed: it is learned again within 0.5 s."""
+MOVED_TICKS = 25.0
+"""Ticks for which the force must have changed for an ON to count as begun with the change: 50 ms, later than slip of
+any strength is found."""
+MOVED_WITHIN_TICKS = 50.0
+"""Ticks after a change of force within which an ON counts as begun with it: 100 ms."""
+DOUBTED_TICKS = 150.0
+"""Ticks after which such an ON no longer holds the floors: 0.3 s. A hand vibrates more from the grasp on."""
 UNLEARNED_RATIO = 0.03
 """Squared coefficient of variation of the wide energy below which a long ON is a tone. Noise in a band of 100 Hz has
 0.25 behind 20 ms."""
@@ -43,20 +51,40 @@ TINY = 1e-30
 
 
 class FastCoefficients(NamedTuple):
-    """Constants of the loop. Each filter is a second-order section.
+    """Constants of the loop. Sections without an order in their name are of second order.
 
-    A high-pass section has the numerator ``b (1 - 1/z)^2``, and a difference ahead of it leaves ``b (1 - 1/z)``.
+    `board` is the board's high-pass filter as a digital filter; its first section has the numerator ``b (1 - 1/z)``.
+    `restore` moves its cutoff down to that of the bands.
     """
 
+    board_1_b: float
+    board_1_a1: float
+    board_b0: float
+    board_b1: float
+    board_b2: float
+    board_a1: float
+    board_a2: float
+    restore_1_b0: float
+    restore_1_b1: float
+    restore_1_a1: float
+    restore_b0: float
+    restore_b1: float
+    restore_b2: float
+    restore_a1: float
+    restore_a2: float
     edge_b0: float
     edge_b1: float
     edge_b2: float
     edge_a1: float
     edge_a2: float
-    upper_b: float
+    upper_b0: float
+    upper_b1: float
+    upper_b2: float
     upper_a1: float
     upper_a2: float
-    wide_b: float
+    wide_b0: float
+    wide_b1: float
+    wide_b2: float
     wide_a1: float
     wide_a2: float
     slow_b0: float
@@ -65,6 +93,12 @@ class FastCoefficients(NamedTuple):
     slow_a1: float
     slow_a2: float
     sample_rate_hz: float
+    filtered_gain: float
+    """Factor from the filtered signal to a voltage at the filter's input; 0 if the board gives no filtered signal."""
+    filtered_limit: float
+    """Voltage at the filter's input from which on a stage of the board may be at its limit [V]."""
+    limited_samples: float
+    """Samples for which the filtered signal is not used after that."""
     short_smoothing: float
     """Smoothing factor of 6 ms, per sample."""
     long_smoothing: float
@@ -86,6 +120,8 @@ class FastCoefficients(NamedTuple):
     """Lower bound of the wide band's floor [V^2]."""
     min_upper_floor: float
     """Lower bound of the upper band's floor [V^2]."""
+    min_input_floor: float
+    """Lower bound of the floor of the tactile voltage [V^2]."""
     offset: float
     """Score before the first tree."""
     lowest_score: float
@@ -103,13 +139,15 @@ class FastCoefficients(NamedTuple):
 
 
 # Indices into the loop's state.
-EDGE_1, EDGE_2, UPPER_1, UPPER_2, WIDE_1, WIDE_2, SLOW_1, SLOW_2 = range(8)
-UPPER_SHORT, UPPER_LONG, WIDE_SHORT, WIDE_LONG = range(8, 12)
-SLOW, INPUT, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = range(12, 18)
-SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(18, 25)
-STEP, FLOOR, UPPER_FLOOR, FLOOR_TICKS, SETTLING = range(25, 30)
-ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(30, 39)
-RING_START = 39
+BOARD_STAGE, BOARD_1, BOARD_2, RESTORE_1_1, RESTORE_1, RESTORE_2 = range(6)
+EDGE_1, EDGE_2, UPPER_1, UPPER_2, WIDE_1, WIDE_2, SLOW_1, SLOW_2 = range(6, 14)
+UPPER_SHORT, UPPER_LONG, WIDE_SHORT, WIDE_LONG, INPUT_LONG = range(14, 19)
+EDGE, SLOW, INPUT, FILTERED, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = range(19, 27)
+SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(27, 34)
+STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS, SETTLING = range(34, 43)
+ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
+MOVED, IS_DOUBTED, ROUGH = range(52, 55)
+RING_START = 55
 STATES = RING_START + RING
 
 
@@ -140,6 +178,7 @@ def _fast_loop(
     leaves: Sequence[float],
     stride: int,
     samples: Sequence[float],
+    filtered_samples: Sequence[float],
     state: MutableSequence[float],
     rows: MutableSequence[float],
     filtered: MutableSequence[float],
@@ -149,24 +188,32 @@ def _fast_loop(
 ) -> None:
     # In the order of the fields of FastCoefficients.
     (
-        e_b0, e_b1, e_b2, e_a1, e_a2, u_b, u_a1, u_a2, w_b, w_a1, w_a2,
-        s_b0, s_b1, s_b2, s_a1, s_a2, rate, short, long, tick_samples, slot_ticks, max_floor_ticks, tone_ticks,
-        unlearning, wide_share, upper_share, min_floor, min_upper_floor, offset, lowest_score, on_score, stay_score,
-        stay_ratio, score_smoothing, statistic_gain,
+        p_b, p_a1, h_b0, h_b1, h_b2, h_a1, h_a2, q_b0, q_b1, q_a1, r_b0, r_b1, r_b2, r_a1, r_a2, e_b0,
+        e_b1, e_b2, e_a1, e_a2, u_b0, u_b1, u_b2, u_a1, u_a2, w_b0, w_b1, w_b2, w_a1, w_a2, s_b0, s_b1, s_b2,
+        s_a1, s_a2, rate, filtered_gain, filtered_limit, limited_samples, short, long, tick_samples,
+        slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share, min_floor,
+        min_upper_floor, min_input_floor, offset, lowest_score, on_score, stay_score, stay_ratio,
+        score_smoothing, statistic_gain,
     ) = coefficients  # fmt: skip
+    p, h1, h2 = state[BOARD_STAGE], state[BOARD_1], state[BOARD_2]
+    q1, r1, r2 = state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2]
     e1, e2, u1, u2 = state[EDGE_1], state[EDGE_2], state[UPPER_1], state[UPPER_2]
     w1, w2, s1, s2 = state[WIDE_1], state[WIDE_2], state[SLOW_1], state[SLOW_2]
     upper_short, upper_long = state[UPPER_SHORT], state[UPPER_LONG]
     wide_short, wide_long = state[WIDE_SHORT], state[WIDE_LONG]
-    slow, last_input = state[SLOW], state[INPUT]
+    input_long = state[INPUT_LONG]
+    last_edge, last_input, last_filtered = state[EDGE], state[INPUT], state[FILTERED]
+    slow, rough = state[SLOW], state[ROUGH]
     net_short, total_short = state[NET_SHORT], state[TOTAL_SHORT]
     net_long, total_long = state[NET_LONG], state[TOTAL_LONG]
     slope_0, slope_1, slope_2 = state[SLOPE], state[SLOPE_1], state[SLOPE_2]
     peak_0, peak_1, peak_2, slot = state[PEAK], state[PEAK_1], state[PEAK_2], state[SLOT]
-    step, floor, upper_floor = state[STEP], state[FLOOR], state[UPPER_FLOOR]
+    step, filtered_step, rest, limited = state[STEP], state[FILTERED_STEP], state[REST], state[LIMITED]
+    floor, upper_floor, input_floor = state[FLOOR], state[UPPER_FLOOR], state[INPUT_FLOOR]
     floor_ticks, settling = state[FLOOR_TICKS], state[SETTLING]
     on, on_ticks, mean, mean_square = state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE]
     smooth_score, confidence = state[SMOOTH_SCORE], state[CONFIDENCE]
+    moved, is_doubted = state[MOVED], state[IS_DOUBTED]
     phase, ring_phase, ring_at = state[PHASE], state[RING_PHASE], int(state[RING_AT])
     slope_gain = SLOPE_S * SLOPE_S * rate * rate
     move_gain = MOVE_S * MOVE_S * rate * rate
@@ -181,19 +228,44 @@ def _fast_loop(
         if 0.0 < move < step:
             step = move
 
-        # Filters of the difference, each in transposed direct form II: e, difference below the upper edge; u, upper
-        # band; w, wide band; slope, difference of the slow voltage.
-        e = e_b0 * change + e1
-        e1 = e_b1 * change - e_a1 * e + e2
-        e2 = e_b2 * change - e_a2 * e
-        driven = u_b * e
-        u = driven + u1
-        u1 = u2 - driven - u_a1 * u
-        u2 = -u_a2 * u
-        driven = w_b * e
-        w = driven + w1
-        w1 = w2 - driven - w_a1 * w
-        w2 = -w_a2 * w
+        # Filters, in transposed direct form II. p and h are the stages of the board's filter, driven by the voltage.
+        p = p_b * change - p_a1 * p
+        h = h_b0 * p + h1
+        h1 = h_b1 * p - h_a1 * h + h2
+        h2 = h_b2 * p - h_a2 * h
+
+        # The board's own filtered signal has finer steps and less noise, unless one of its stages is at its limit.
+        if filtered_gain > 0.0:
+            y = filtered_gain * (filtered_samples[i] - rest)
+            if p > filtered_limit or -p > filtered_limit or y > filtered_limit or -y > filtered_limit:
+                limited = limited_samples
+            if limited > 0.0:
+                limited -= 1.0
+            else:
+                h = y
+            move = y - last_filtered
+            last_filtered = y
+            if move < 0.0:
+                move = -move
+            if 0.0 < move < filtered_step:
+                filtered_step = move
+
+        # r has the cutoff of the bands, e lies below their upper edge; u upper band, w wide band; slope is the
+        # difference of the slow voltage.
+        q = q_b0 * h + q1
+        q1 = q_b1 * h - q_a1 * q
+        r = r_b0 * q + r1
+        r1 = r_b1 * q - r_a1 * r + r2
+        r2 = r_b2 * q - r_a2 * r
+        e = e_b0 * r + e1
+        e1 = e_b1 * r - e_a1 * e + e2
+        e2 = e_b2 * r - e_a2 * e
+        u = u_b0 * e + u1
+        u1 = u_b1 * e - u_a1 * u + u2
+        u2 = u_b2 * e - u_a2 * u
+        w = w_b0 * e + w1
+        w1 = w_b1 * e - w_a1 * w + w2
+        w2 = w_b2 * e - w_a2 * w
         slope = s_b0 * change + s1
         s1 = s_b1 * change - s_a1 * slope + s2
         s2 = s_b2 * change - s_a2 * slope
@@ -204,11 +276,16 @@ def _fast_loop(
         upper_long += long * (u * u - upper_long)
         wide_short += short * (w * w - wide_short)
         wide_long += long * (w * w - wide_long)
+        rough += change - slope
+        input_long += long * (rough * rough - input_long)
 
         # Net and total movement, which are equal while the force goes one way.
-        net_short += short * (e - net_short)
-        net_long += long * (e - net_long)
-        move = -e if e < 0.0 else e
+        move = e - last_edge
+        last_edge = e
+        net_short += short * (move - net_short)
+        net_long += long * (move - net_long)
+        if move < 0.0:
+            move = -move
         total_short += short * (move - total_short)
         total_long += long * (move - total_long)
 
@@ -249,20 +326,22 @@ def _fast_loop(
             half_change = slow - state[RING_START + (middle if middle < RING else middle - RING)]
 
             # Floors are at least the noise of a converter halfway between two codes.
-            step_noise = 0.25 * step * step
+            input_noise = 0.25 * step * step
+            step_noise = 0.25 * filtered_step * filtered_step if filtered_gain > 0.0 else input_noise
             lowest = step_noise * wide_share
             wide_floor = floor if floor > lowest else lowest
             lowest = step_noise * upper_share
             high_floor = upper_floor if upper_floor > lowest else lowest
+            slow_floor = wide_share * (input_floor if input_floor > input_noise else input_noise)
             greatest *= slope_gain
             slope *= slope_gain
             rows[at] = upper_short / high_floor
             rows[at + 1] = upper_long / high_floor
             rows[at + 2] = wide_short / wide_floor
             rows[at + 3] = wide_long / wide_floor
-            rows[at + 4] = greatest / wide_floor
-            rows[at + 5] = change * change / wide_floor
-            rows[at + 6] = half_change * (half_change if half_change > 0.0 else -half_change) / wide_floor
+            rows[at + 4] = greatest / slow_floor
+            rows[at + 5] = change * change / slow_floor
+            rows[at + 6] = half_change * (half_change if half_change > 0.0 else -half_change) / slow_floor
             rows[at + 7] = net_short * net_short / (total_short * total_short + TINY)
             rows[at + 8] = upper_short / (peak + TINY)
             rows[at + 9] = wide_long / (greatest + TINY)
@@ -296,6 +375,10 @@ def _fast_loop(
             else:
                 on = 1.0 if score > on_score else 0.0
                 smooth_score = on_score
+                is_doubted = 1.0 if moved >= MOVED_TICKS else 0.0
+
+            is_moving = greatest > MOVING_RATIO * slow_floor and settling == 0.0
+            is_held = on > 0.0 and (is_doubted == 0.0 or on_ticks < DOUBTED_TICKS)
 
             if on > 0.0:
                 # A tone's energy is constant and that of slip is not: floors follow a tone.
@@ -308,12 +391,18 @@ def _fast_loop(
                     upper_floor += unlearning * (upper_long - upper_floor)
             else:
                 on_ticks = mean = mean_square = 0.0
-                if greatest > MOVING_RATIO * wide_floor and settling == 0.0:
+                if is_moving:
+                    moved += 1.0
+                elif floor_ticks > HELD_TICKS + MOVED_WITHIN_TICKS:
+                    moved = 0.0
+
+            if not is_held:
+                if is_moving:
                     floor_ticks = HELD_TICKS
                 elif floor_ticks < 0.0:
                     # Until the filters have settled, floors are what they show.
                     floor_ticks += 1.0
-                    floor, upper_floor = wide_long, upper_long
+                    floor, upper_floor, input_floor = wide_long, upper_long, input_long
                 else:
                     floor_ticks += 1.0
                     share = 1.0 / (floor_ticks if floor_ticks < max_floor_ticks else max_floor_ticks)
@@ -321,29 +410,39 @@ def _fast_loop(
                     floor += share * ((wide_long if wide_long < clipped else clipped) - floor)
                     clipped = CLIP_RATIO * upper_floor
                     upper_floor += share * ((upper_long if upper_long < clipped else clipped) - upper_floor)
+                    clipped = CLIP_RATIO * input_floor
+                    input_floor += share * ((input_long if input_long < clipped else clipped) - input_floor)
                 if floor < min_floor:
                     floor = min_floor
                 if upper_floor < min_upper_floor:
                     upper_floor = min_upper_floor
+                if input_floor < min_input_floor:
+                    input_floor = min_input_floor
             level = statistic_gain * math.sqrt(floor)
 
         filtered[i] = w
         confidences[i] = confidence
         levels[i] = level
         flags[i] = on
+    state[BOARD_STAGE], state[BOARD_1], state[BOARD_2] = p, h1, h2
+    state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2] = q1, r1, r2
     state[EDGE_1], state[EDGE_2], state[UPPER_1], state[UPPER_2] = e1, e2, u1, u2
     state[WIDE_1], state[WIDE_2], state[SLOW_1], state[SLOW_2] = w1, w2, s1, s2
     state[UPPER_SHORT], state[UPPER_LONG] = upper_short, upper_long
     state[WIDE_SHORT], state[WIDE_LONG] = wide_short, wide_long
-    state[SLOW], state[INPUT] = slow, last_input
+    state[INPUT_LONG] = input_long
+    state[EDGE], state[INPUT], state[FILTERED] = last_edge, last_input, last_filtered
+    state[SLOW], state[ROUGH] = slow, rough
     state[NET_SHORT], state[TOTAL_SHORT] = net_short, total_short
     state[NET_LONG], state[TOTAL_LONG] = net_long, total_long
     state[SLOPE], state[SLOPE_1], state[SLOPE_2] = slope_0, slope_1, slope_2
     state[PEAK], state[PEAK_1], state[PEAK_2], state[SLOT] = peak_0, peak_1, peak_2, slot
-    state[STEP], state[FLOOR], state[UPPER_FLOOR] = step, floor, upper_floor
+    state[STEP], state[FILTERED_STEP], state[REST], state[LIMITED] = step, filtered_step, rest, limited
+    state[FLOOR], state[UPPER_FLOOR], state[INPUT_FLOOR] = floor, upper_floor, input_floor
     state[FLOOR_TICKS], state[SETTLING] = floor_ticks, settling
     state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE] = on, on_ticks, mean, mean_square
     state[SMOOTH_SCORE], state[CONFIDENCE] = smooth_score, confidence
+    state[MOVED], state[IS_DOUBTED] = moved, is_doubted
     state[PHASE], state[RING_PHASE], state[RING_AT] = phase, ring_phase, float(ring_at)
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.design.issues import suggest_name
+from fingertip.design.signal_ground import filtered_range_v
 from fingertip.errors import Issue, TraceError
 from fingertip.slip.detectors.analog import AnalogDetector
 from fingertip.slip.detectors.detector import Detector
@@ -25,6 +27,8 @@ class DetectorType:
     """Column of the trace that the detector takes: ``voltage_v``, or the board's output ``envelope_v``."""
     make: Callable[[Design, float | None, float], Detector]
     """Factory. It takes a design, the noise of the input [V] (None: the design's), and a factor of the threshold."""
+    second_column: str | None = None
+    """Column that the detector takes beside it, where a recording has it."""
 
 
 def _make_analog(design: Design, noise_v: float | None, threshold_scale: float) -> AnalogDetector:
@@ -61,6 +65,7 @@ DETECTORS: dict[str, DetectorType] = {
         "energies of 6 and 20 ms over the learned noise, beside the slow force, judged by trees",
         "voltage_v",
         _make_fast,
+        second_column="filtered_v",
     ),
 }
 """Types of detector by name."""
@@ -86,6 +91,28 @@ def make_detector(name: str, design: Design, noise_v: float | None = None, thres
         If there is no detector of that name.
     """
     return find_detector_type(name).make(design, noise_v, threshold_scale)
+
+
+def select_inputs(source: object, name: str) -> tuple[Array, ...]:
+    """Select the columns that a detector processes, of a trace or an observation.
+
+    Returns
+    -------
+    tuple
+        The first column, and the second where it is there. Empty if the first is missing.
+    """
+    kind = find_detector_type(name)
+    first: Array | None = getattr(source, kind.input_column, None)
+    second: Array | None = getattr(source, kind.second_column, None) if kind.second_column else None
+    if first is None:
+        return ()
+    return (first,) if second is None else (first, second)
+
+
+def find_second_column(design: Design, name: str) -> str | None:
+    """Find the column that a detector takes beside its first for the board of a design; None if there is none."""
+    second = find_detector_type(name).second_column
+    return second if filtered_range_v(design.board, design.detector.adc_range_v) is not None else None
 
 
 def find_detector_type(name: str) -> DetectorType:

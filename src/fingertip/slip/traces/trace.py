@@ -14,7 +14,7 @@ from fingertip.design.parameters import Detector as DetectorParameters
 from fingertip.errors import Issue, TraceError
 from fingertip.slip.traces.sampling import TIME_UNITS_S, find_rounding, sample_location, time_issues
 
-COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v")
+COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v", "filtered_v")
 """Names of a trace's columns."""
 _FORCE = re.compile(r".*(_n|[\[(]N[\])]|force)$|force", re.IGNORECASE)
 
@@ -32,6 +32,8 @@ class Trace:
     """True gross slip."""
     envelope_v: Array | None = None
     """Output of the filter board [V], which the detector `analog` takes."""
+    filtered_v: Array | None = None
+    """Filtered signal of a board for a controller, ahead of its rectifier [V]; the detector `fast` takes it too."""
 
 
 def is_force(name: str) -> bool:
@@ -102,7 +104,10 @@ class ColumnMap:
         slip = columns.get("slip")
         volts = voltage if self.scale == 1.0 else voltage * self.scale
         flags = None if slip is None else slip == 1.0
-        return Trace(time, volts, columns.get("force_n"), flags, columns.get("envelope_v"))
+        filtered = columns.get("filtered_v")
+        if filtered is not None and self.scale != 1.0:
+            filtered = filtered * self.scale
+        return Trace(time, volts, columns.get("force_n"), flags, columns.get("envelope_v"), filtered)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,156 @@
+"""Detector `fast` with the board's filtered signal beside the tactile voltage."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import signal as scipy_signal
+
+from fingertip import jit
+from fingertip.design import Design
+from fingertip.slip import Trace, detect, make_detector
+from fingertip.slip.detectors import fast_loop
+from fingertip.slip.detectors.fast import LIMIT_SHARE, LIMITED_S, FastDetector, FastSettings, FilteredSignal
+from fingertip.slip.detectors.registry import find_second_column, select_inputs
+
+RATE = 2000.0
+GAIN = 67.0
+STEP_V = 3.3 / 4096
+CONTROLLER = Design(
+    board={"variant": "precision", "supply": "single_3v3", "supply_v": 3.3},
+    detector={"noise_v": 5e-4, "adc_bits": 12, "adc_range_v": 3.3, "adc_polarity": "unipolar"},
+)
+SETTINGS = FastSettings(RATE, 4e-4, filtered=FilteredSignal(GAIN, 1.4))
+
+
+def quantise(volts: np.ndarray, rng: np.random.Generator, noise_v: float = 4e-4) -> np.ndarray:
+    return np.asarray(np.round((volts + rng.normal(0.0, noise_v, len(volts))) / STEP_V) * STEP_V)
+
+
+def board(volts: np.ndarray, cutoff_hz: float = 67.0, gain: float = GAIN) -> np.ndarray:
+    """Filtered signal of an ideal board, around a rest of 1.47 V."""
+    sos = scipy_signal.butter(3, cutoff_hz, "high", fs=RATE, output="sos")
+    return np.asarray(1.47 + gain * scipy_signal.sosfilt(sos, volts - volts[0]))
+
+
+def slip_from(seconds: float, rms_v: float, at_s: float, seed: int) -> np.ndarray:
+    t = np.arange(round(seconds * RATE)) / RATE
+    sos = scipy_signal.butter(4, [60.0, 140.0], "band", fs=RATE, output="sos")
+    raw = scipy_signal.sosfilt(sos, np.random.default_rng(seed).normal(0.0, 1.0, len(t) + 2000))[2000:]
+    return np.asarray(2.3 + rms_v * raw / raw.std() * (t >= at_s))
+
+
+def test_an_exact_filtered_signal_gives_the_bands_of_the_voltage():
+    """Without noise and steps, both ways to the bands are one filter."""
+    volts = slip_from(1.0, 0.002, 0.3, 1)
+    alone = FastDetector(SETTINGS).process(volts)
+    both = FastDetector(SETTINGS).process(volts, board(volts))
+    assert both.filtered_v == pytest.approx(alone.filtered_v, abs=1e-9)
+
+
+def test_the_filtered_signal_keeps_the_converter_s_noise_out_of_the_bands():
+    rng = np.random.default_rng(2)
+    volts = np.full(8000, 2.3)
+    alone = FastDetector(SETTINGS).process(quantise(volts, rng))
+    both = FastDetector(SETTINGS).process(quantise(volts, rng), quantise(board(volts), rng))
+    assert both.filtered_v[2000:].std() < 0.15 * alone.filtered_v[2000:].std()
+    assert not both.on.any()
+
+
+def test_weak_slip_is_found_in_a_noisy_converter():
+    """Noise of two steps hides slip of 1 mV in the voltage, and not in the filtered signal."""
+    found = {"alone": 0, "both": 0}
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        volts = slip_from(2.0, 0.0015, 1.2, seed)
+        samples, filtered = quantise(volts, rng, 1.6e-3), quantise(board(volts), rng, 1.6e-3)
+        found["alone"] += bool(make_detector("fast", CONTROLLER).process(samples).on[2400:2600].any())
+        on = make_detector("fast", CONTROLLER).process(samples, filtered).on
+        assert not on[:2400].any()
+        found["both"] += bool(on[2400:2600].any())
+    assert found["both"] == 6
+    assert found["alone"] < 6
+
+
+@pytest.mark.parametrize(("cutoff_hz", "gain"), [(62.0, 1.03 * GAIN), (72.0, 0.97 * GAIN)])
+def test_a_real_board_s_tolerances_do_not_matter(cutoff_hz, gain):
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        volts = slip_from(2.0, 0.006, 1.2, seed)
+        t = np.arange(len(volts)) / RATE
+        x = np.clip((t - 0.6) / 0.1, 0.0, 1.0)
+        volts -= 0.2 * x * x * (3 - 2 * x)  # a change of grip
+        filtered = quantise(np.clip(board(volts, cutoff_hz, gain), 0.0, 3.3), rng)
+        on = make_detector("fast", CONTROLLER).process(quantise(volts, rng), filtered).on
+        assert not on[:2400].any()
+        assert 2400 <= np.flatnonzero(on)[0] < 2440
+
+
+def test_a_stage_at_its_limit_is_not_believed():
+    """After a hard knock the filtered signal sticks to a rail; the bands then follow the voltage."""
+    rng = np.random.default_rng(3)
+    t = np.arange(4000) / RATE
+    since = np.clip(t - 1.0, 0.0, None)
+    volts = 2.3 + 0.2 * np.sin(2 * np.pi * 90 * since) * np.exp(-since / 0.01)
+    samples = quantise(volts, rng)
+    stuck = np.where((t > 1.0) & (t < 1.0 + LIMITED_S), 3.3, 1.47)
+    detector = make_detector("fast", CONTROLLER)
+    output = detector.process(samples, quantise(stuck, rng))
+    assert not output.on.any()
+    alone = make_detector("fast", CONTROLLER).process(samples)
+    during = (t > 1.005) & (t < 1.02)
+    assert np.corrcoef(output.filtered_v[during], alone.filtered_v[during])[0, 1] > 0.99
+    limit_v = LIMIT_SHARE * FilteredSignal.from_design(CONTROLLER).range_v / CONTROLLER.board.passband_gain
+    assert detector._coefficients.filtered_limit == pytest.approx(limit_v)
+    assert 0.015 < limit_v < 0.022
+
+
+def test_the_rest_of_the_filtered_signal_does_not_matter():
+    """A controller may send the filtered signal above ground, or above signal ground."""
+    volts = slip_from(1.5, 0.01, 1.0, 4)
+    filtered = np.round(board(volts) * 2**20) / 2**20  # so that a shift by a power of two is exact
+    one = FastDetector(SETTINGS).process(volts, filtered)
+    other = FastDetector(SETTINGS).process(volts, filtered - 1.5)
+    assert one.on.any()
+    assert np.array_equal(one.on, other.on)
+
+
+def test_chunks_steps_and_both_forms_give_the_same_bits(monkeypatch):
+    rng = np.random.default_rng(5)
+    volts = slip_from(1.5, 0.01, 1.0, 5)
+    samples, filtered = quantise(volts, rng), quantise(board(volts), rng)
+    whole = FastDetector(SETTINGS).process(samples, filtered)
+    detector, parts = FastDetector(SETTINGS), []
+    for first in range(0, len(samples), 700):
+        parts.append(detector.process(samples[first : first + 700], filtered[first : first + 700]).confidence)
+    assert np.concatenate(parts).tobytes() == whole.confidence.tobytes()
+    stepped = FastDetector(SETTINGS)
+    pairs = zip(samples.tolist(), filtered.tolist(), strict=True)
+    assert [stepped.step(*pair) for pair in pairs] == whole.on.tolist()
+    monkeypatch.setattr(jit, "available", lambda: False)
+    plain = FastDetector(SETTINGS).process(samples, filtered)
+    assert plain.confidence.tobytes() == whole.confidence.tobytes()
+
+
+def test_a_board_without_a_filtered_output_ignores_the_column():
+    volts = slip_from(1.5, 0.01, 1.0, 6)
+    trace = Trace(np.arange(len(volts)) / RATE, volts, filtered_v=np.zeros(len(volts)))
+    assert len(select_inputs(trace, "fast")) == 2
+    assert len(select_inputs(trace, "digital")) == 1
+    article = Design(
+        board={"variant": "article", "supply": "split", "supply_v": 5.0},
+        detector={"noise_v": 4e-4, "adc_bits": 16, "adc_range_v": 10.0, "adc_polarity": "bipolar"},
+    )
+    assert find_second_column(article, "fast") is None
+    assert find_second_column(CONTROLLER, "fast") == "filtered_v"
+    assert find_second_column(CONTROLLER, "digital") is None
+    with_zeros = detect(trace, article, "fast").output
+    without = detect(replace(trace, filtered_v=None), article, "fast").output
+    assert with_zeros.on.any()
+    assert np.array_equal(with_zeros.on, without.on)
+
+
+def test_the_state_has_room_for_both():
+    assert 4 * fast_loop.STATES <= 512

@@ -1,0 +1,116 @@
+"""Column `filtered_v` of recordings and streams, which the detector `fast` reads on boards for a controller."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.campaign.evaluate import select_board_outputs
+from fingertip.design import Design
+from fingertip.detect_trace import detect_file, detect_stream
+from fingertip.errors import TraceError
+from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
+from fingertip.slip import make_detector
+from fingertip.slip.intervals import intervals
+from tests.slip.test_fast_filtered import CONTROLLER, board, quantise, slip_from
+
+ARTICLE = Design(
+    board={"variant": "article", "supply": "split", "supply_v": 5.0},
+    detector={"noise_v": 4e-4, "adc_bits": 16, "adc_range_v": 10.0, "adc_polarity": "bipolar"},
+)
+
+
+@pytest.fixture(scope="module")
+def recording() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(7)
+    volts = slip_from(2.0, 0.003, 1.2, 7)
+    return np.arange(len(volts)) / 2000, quantise(volts, rng, 1.2e-3), quantise(board(volts), rng, 1.2e-3)
+
+
+def as_lines(columns: tuple[np.ndarray, ...], names: str, factor: float = 1.0) -> Iterator[str]:
+    yield names
+    for time_s, *values in zip(*columns, strict=True):
+        yield ",".join([f"{time_s:.6f}", *(f"{factor * value:.9g}" for value in values)])
+
+
+@pytest.mark.parametrize(
+    ("names", "columns", "factor"),
+    [
+        ("time_s,voltage_v,filtered_v", {}, 1.0),
+        ("time_s,T,S", {"voltage_v": "T", "filtered_v": "S"}, 1.0),
+        ("time_s,T,S", {"voltage_v": "T", "filtered_v": "S"}, 1000.0),
+    ],
+)
+def test_files_and_streams_use_the_column(tmp_path: Path, recording, names, columns, factor):
+    """Both find what the detector finds on the arrays, in volts or in millivolts."""
+    time_s, samples, filtered = recording
+    expected = intervals(time_s, make_detector("fast", CONTROLLER).process(samples, filtered).on)
+    assert [round(i.onset_s, 1) for i in expected] == [1.2]
+    lines = list(as_lines(recording, names, factor))
+    path = tmp_path / "trace.csv"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    found = detect_file(path, CONTROLLER, "fast", scale=1 / factor, columns=columns)
+    assert found.detection.intervals == pytest.approx(expected)
+    assert not any("steps" in warning for warning in found.warnings)
+    stream = detect_stream(lines, CONTROLLER, "fast", scale=1 / factor, columns=columns)
+    first = next(iter(stream.transitions))
+    assert first.on
+    assert first.time_s == pytest.approx(expected[0].onset_s)
+
+
+def test_the_column_is_used_by_fast_alone_and_by_its_board_alone(tmp_path: Path, recording):
+    time_s, samples, _ = recording
+    paths = []
+    for name, filtered in (("zeros", np.zeros(len(samples))), ("other", recording[2])):
+        path = tmp_path / f"{name}.csv"
+        lines = as_lines((time_s, samples, filtered), "time_s,voltage_v,filtered_v")
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        paths.append(path)
+
+    def detect(design: Design, detector: str) -> list:
+        return [detect_file(path, design, detector).detection.intervals for path in paths]
+
+    for design, detector in ((ARTICLE, "fast"), (CONTROLLER, "digital"), (CONTROLLER, "fft")):
+        one, other = detect(design, detector)
+        assert one == other
+    one, other = detect(CONTROLLER, "fast")
+    assert one != other
+
+
+def test_a_wrong_value_in_the_column_is_named(tmp_path: Path, recording):
+    lines = list(as_lines(recording, "time_s,voltage_v,filtered_v"))
+    lines[20] = lines[20].rsplit(",", 1)[0] + ",abc"
+    with pytest.raises(TraceError, match="line 21"):
+        list(detect_stream(lines, CONTROLLER, "fast").transitions)
+    path = tmp_path / "trace.csv"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with pytest.raises(TraceError, match="line 21"):
+        detect_file(path, CONTROLLER, "fast")
+
+
+def test_only_signals_that_a_detector_reads_are_simulated():
+    assert select_board_outputs(CONTROLLER, ["digital", "fft"]) == []
+    assert select_board_outputs(CONTROLLER, ["analog", "fast"]) == ["sampled_envelope_v", "sampled_filtered_v"]
+    assert select_board_outputs(ARTICLE, ["analog", "fast"]) == ["sampled_envelope_v"]
+
+
+def test_simulated_traces_carry_the_filtered_signal():
+    """The board's simulated signal is the high-pass of the voltage, and every finger of a hand has its own."""
+    outputs = ["voltage_v", "slip", "sampled_filtered_v"]
+    scene = SceneFile(scene="sliding_finger", slide={"distance_m": 0.04, "speed_m_s": 0.04}, outputs=outputs)
+    trace = run_scene(CONTROLLER, scene, 1).trace
+    assert trace.filtered_v is not None
+    both = make_detector("fast", CONTROLLER).process(trace.voltage_v, trace.filtered_v)
+    alone = make_detector("fast", CONTROLLER).process(trace.voltage_v)
+    slipping = trace.slip
+    assert np.corrcoef(both.filtered_v[slipping], alone.filtered_v[slipping])[0, 1] > 0.9
+    hand = ManipulationFile(scene="hand", outputs=outputs)
+    result = run_manipulation(CONTROLLER, hand, None, 1)
+    signals = [result.trace(finger).filtered_v for finger in result.fingers]
+    assert all(signal is not None for signal in signals)
+    assert not np.array_equal(signals[0], signals[1])
+    with pytest.raises(TraceError, match="sampled_filtered_v"):
+        run_manipulation(ARTICLE, hand, None, 1)

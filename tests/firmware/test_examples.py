@@ -31,7 +31,7 @@ def arduino(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Library of a design for a controller, as Arduino takes it, with both examples as programs of this machine."""
     require_tool("g++", INSTALL)
     folder = tmp_path_factory.mktemp("arduino")
-    design = controller_design()
+    design = load_controller_design()
     write_firmware(design, folder)
     changes = design.detector.model_dump(exclude_unset=True)
     lines = [f"{key} = {value!r}".replace("'", '"') for key, value in changes.items()]
@@ -61,7 +61,7 @@ def codes_of(design: Design, volts: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="session")
 def controller(tmp_path_factory: pytest.TempPathFactory) -> Library:
-    return make_library(controller_design(), tmp_path_factory.mktemp("controller"))
+    return make_library(load_controller_design(), tmp_path_factory.mktemp("controller"))
 
 
 @pytest.mark.parametrize("example", EXAMPLES)

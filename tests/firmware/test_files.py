@@ -83,7 +83,7 @@ def test_library_is_one_header_and_one_source() -> None:
 
 
 def test_arduino_and_platformio_know_the_library() -> None:
-    design = controller_design()
+    design = load_controller_design()
     top = firmware_files(design)["."]
     fields = dict(line.split("=", 1) for line in top["library.properties"].decode().splitlines())
     required = {"name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url", "architectures"}
@@ -123,7 +123,7 @@ def test_warnings_name_changes_that_end_them() -> None:
 
 
 def test_readme_holds_wiring_costs_and_warnings() -> None:
-    design = controller_design()
+    design = load_controller_design()
     readme = firmware_files(design)["."]["README.md"].decode()
     assert wiring_table(design) in readme
     assert costs.cost_table() in readme

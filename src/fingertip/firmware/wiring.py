@@ -7,12 +7,13 @@ from collections.abc import Iterator
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import HOST_CONNECTOR, list_notes, list_pins, name_signals
 from fingertip.board.components.component_values import select_components
-from fingertip.board.nets import ADC_TACTILE, GND
+from fingertip.board.nets import ADC_FILTERED, ADC_TACTILE, GND
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
+from fingertip.design.load import load_tables
 
-READ_NETS = (ADC_TACTILE,)
+READ_NETS = (ADC_TACTILE, ADC_FILTERED)
 """Nets of the connector that the library reads."""
 _CONTROLLER_SUPPLY = next(supply for supply in SUPPLIES.values() if supply.is_for_controller)
 _CONTROLLER_BOARD = BOARD_CONFIGURATIONS[f"precision_{_CONTROLLER_SUPPLY.name}"]
@@ -60,6 +61,12 @@ def controller_changes() -> tuple[str, ...]:
         f"detector.adc_range_v={_CONTROLLER_SUPPLY.nominal_v:g}",
         "detector.adc_bits=12",
     )
+
+
+def load_controller_design() -> Design:
+    """Load the default design with these changes."""
+    loaded = load_tables([], controller_changes())
+    return Design.from_tables(loaded.tables, loaded.before, loaded.changed)
 
 
 def _describe_use(net: str) -> str:

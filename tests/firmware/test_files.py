@@ -15,12 +15,17 @@ from fingertip.design import Design
 from fingertip.design.load import load_tables
 from fingertip.firmware import costs, firmware_differences, firmware_files, write_firmware
 from fingertip.firmware.sources import HEADER, SOURCE, library_sources
-from fingertip.firmware.wiring import controller_changes, find_warnings, wiring_notes, wiring_table
+from fingertip.firmware.wiring import (
+    controller_changes,
+    find_warnings,
+    load_controller_design,
+    wiring_notes,
+    wiring_table,
+)
 from fingertip.output_set import verify_sets
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.fast_model import NODES, load_model
 from tests.conftest import run_fingertip
-from tests.firmware.conftest import controller_design
 
 PLACES = {".", "src", "examples/slip_pin", "examples/slip_stream"}
 
@@ -106,9 +111,10 @@ def test_wiring_is_that_of_the_board(name: str) -> None:
     pins = {pin: net for (reference, pin), net in circuit.net_by_pin.items() if reference == "J3" and pin.isdigit()}
     assert {row[0] for row in rows} == set(pins)
     for number, print_, _, use in rows:
-        assert (print_ == "T") == (pins[number] == "ADC_TACTILE") == ("reads" in use)
+        assert (print_ in ("T", "S")) >= ("reads" in use) == (pins[number] in ("ADC_TACTILE", "ADC_FILTERED"))
         assert (use == "ground") == (pins[number] == "GND")
-    assert len([row for row in rows if row[1] == "T"]) == 1
+    read = {row[1] for row in rows if "reads" in row[3]}
+    assert read == ({"T", "S"} if design.board.supply == "single_3v3" else {"T"})
     assert wiring_notes(design)
 
 

@@ -172,9 +172,7 @@ class HostDetector:
         wide, confidence, floor = numbers
         return wide, confidence, floor, on > 0
 
-    def process_codes(
-        self, tactile: NDArray[np.int32], filtered: NDArray[np.int32] | None = None
-    ) -> NDArray[np.bool_]:
+    def process_codes(self, tactile: NDArray[np.int32], filtered: NDArray[np.int32] | None = None) -> NDArray[np.bool_]:
         """Process codes of the converter; ON of each."""
         on = np.zeros(len(tactile), np.uint8)
         self._library.probe_process_codes(

@@ -51,7 +51,7 @@ def _use(design: Design) -> list[str]:
                 "```c",
                 "slip_state slip;",
                 "slip_init(&slip);",
-                f"bool on = slip_step_code(&slip, code); /* {rate} times a second, with the converter's code of T */",
+                f"bool on = slip_step_codes(&slip, t, s); /* {rate} times a second, with the converter's codes of T, S */",
                 "```",
             ]
         ),

@@ -9,18 +9,21 @@
 #include "slip_line.h"
 
 static const int TACTILE_PIN = A0;
+static const int FILTERED_PIN = A1;
 static const int SLIP_PIN = LED_BUILTIN;
 static const unsigned STORED = 1024;  // samples that wait for the computer, a power of two
 
 static slip_state slip;
-static volatile uint16_t stored_codes[STORED];
+static volatile uint16_t stored_tactile[STORED], stored_filtered[STORED];
 static volatile uint32_t taken;  // samples so far; the interrupt alone writes it
 
 static void take_sample() {
-  const uint16_t code = analogRead(TACTILE_PIN);
-  stored_codes[taken % STORED] = code;
+  const uint16_t tactile = analogRead(TACTILE_PIN);
+  const uint16_t filtered = analogRead(FILTERED_PIN);
+  stored_tactile[taken % STORED] = tactile;
+  stored_filtered[taken % STORED] = filtered;
   taken = taken + 1;
-  digitalWrite(SLIP_PIN, slip_step_code(&slip, code) ? HIGH : LOW);
+  digitalWrite(SLIP_PIN, slip_step_codes(&slip, tactile, filtered) ? HIGH : LOW);
 }
 
 void setup() {
@@ -44,7 +47,8 @@ void loop() {
     written = taken;
   }
   if (written != taken) {
-    const size_t length = slip_format_line(line, written, slip_volts(stored_codes[written % STORED]));
+    const uint32_t at = written % STORED;
+    const size_t length = slip_format_line(line, written, slip_volts(stored_tactile[at]), slip_volts(stored_filtered[at]));
     Serial.write(line, length);
     written++;
   }

@@ -49,8 +49,11 @@ class Recording:
     def quantised(self, design: Design) -> Recording:
         """Return the voltages of the codes."""
         low, step = design.detector.adc_low_v, design.detector.adc_step_v
-        tactile, filtered = self.codes(design)
-        return Recording(low + step * tactile, None if filtered is None else low + step * filtered)
+        tactile, filtered = (
+            None if codes is None else np.asarray(low + step * codes, np.float64) for codes in self.codes(design)
+        )
+        assert tactile is not None
+        return Recording(tactile, filtered)
 
 
 def campaign_recordings(design: Design, stride: int = 1) -> Iterator[Recording]:

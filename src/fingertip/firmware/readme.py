@@ -7,7 +7,7 @@ from fingertip.design import Design
 from fingertip.firmware import costs
 from fingertip.firmware.packaging import NAME
 from fingertip.firmware.wiring import find_warnings, wiring_notes, wiring_table
-from fingertip.slip.detectors.fast import TICK_S
+from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
 from fingertip.slip.detectors.fast_model import load_model
 
 
@@ -51,7 +51,7 @@ def _use(design: Design) -> list[str]:
                 "```c",
                 "slip_state slip;",
                 "slip_init(&slip);",
-                f"bool on = slip_step_codes(&slip, t, s); /* {rate} times a second, with the converter's codes of T, S */",
+                f"bool on = slip_step_codes(&slip, t, s); /* {rate} times a second: codes of T and S */",
                 "```",
             ]
         ),
@@ -59,6 +59,8 @@ def _use(design: Design) -> list[str]:
             [
                 "`slip_step` takes volts instead, and `slip_process` many of them at once; codes are exact, volts in "
                 "single precision are rounded.",
+                "T is the tactile voltage, from which the slow force follows; S is the filtered signal, in which slip "
+                f"is sought. Read S right after T. {_describe_second(design)}",
                 "`slip_is_incipient` tells where slip may begin.",
                 "After a step, `slip.confidence` tells how sure the detector is: from 1 on, slip turns ON.",
                 "The detector is OFF for its first 0.2 s, in which it learns the noise: begin with a steady force.",
@@ -67,8 +69,8 @@ def _use(design: Design) -> list[str]:
         ),
         paragraph(
             f"Arduino: copy this folder to `libraries/{NAME}` of the sketchbook. The examples take samples in a timer "
-            "interrupt: `slip_pin` switches a pin on while slip is detected; `slip_stream` writes time and voltage "
-            "over USB, for"
+            "interrupt: `slip_pin` switches a pin on while slip is detected; `slip_stream` writes time and both "
+            "voltages over USB, for"
         ),
         "```sh\nfingertip detect - --detector fast --design DESIGN < /dev/ttyACM0\n```",
         paragraph(
@@ -82,6 +84,12 @@ def _use(design: Design) -> list[str]:
             "-ffp-contract=off`."
         ),
     ]
+
+
+def _describe_second(design: Design) -> str:
+    if FilteredSignal.from_design(design) is None:
+        return "The board of this design gives no S at its connector: give 0, or use `slip_step_tactile_code`."
+    return "Where S is at its limit, T alone is judged until S has recovered."
 
 
 def _wiring(design: Design) -> list[str]:

@@ -30,7 +30,7 @@ typedef SLIP_REAL slip_real;
 
 /* State of a detector. It is read after a step: `on`, `confidence`, `wide`, `floor`. */
 typedef struct slip_state {
-    /* Filters of the differences between samples, in transposed direct form II. */
+    /* Filters, in transposed direct form II. */
     slip_real board_stage, board_1, board_2, restore_1_1, restore_1, restore_2;
     slip_real edge_1, edge_2, upper_1, upper_2, wide_1, wide_2, slow_1, slow_2;
     slip_real wide;                                          /* present output of the wide band [V] */

@@ -83,15 +83,15 @@ def test_only_a_single_word_is_a_name(given: str, folder: Path) -> None:
         (
             "wheel",
             "wheel: is neither a file nor the name of a bundled design; known names: adult_finger, adult_thumb, "
-            "child_finger, child_thumb, fsr400, fsr400_compact, fsr402, youth_finger, youth_thumb; or give the path of "
-            "a file.",
+            "article, child_finger, child_thumb, fsr400, fsr400_compact, fsr402, youth_finger, youth_thumb; or give "
+            "the path of a file.",
         ),
         ("mine", "mine: is neither a file nor the name of a bundled design; did you mean mine.toml?"),
         (
             "hard_tap",
-            "hard_tap: is a scene file, not a design file; known names: adult_finger, adult_thumb, child_finger, "
-            "child_thumb, fsr400, fsr400_compact, fsr402, youth_finger, youth_thumb (`fingertip simulate` takes a "
-            "scene file as its first argument).",
+            "hard_tap: is a scene file, not a design file; known names: adult_finger, adult_thumb, article, "
+            "child_finger, child_thumb, fsr400, fsr400_compact, fsr402, youth_finger, youth_thumb (`fingertip "
+            "simulate` takes a scene file as its first argument).",
         ),
     ],
 )

@@ -31,7 +31,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert result.parts.passed
     assert result.detection.detection.intervals
     assert {path.name for path in result.signal} >= {"trace.csv", "detection.json"}
-    assert board_values(design).variant == "article"
+    assert board_values(design).variant == "precision"
     return folder
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from fingertip.board import write_board
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
+from tests.designs import load_article
 
 BOARDS = {name: configuration.changes for name, configuration in BOARD_CONFIGURATIONS.items()} | {
     "other values": ("board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.series=E96"),
@@ -32,7 +32,7 @@ def board_folder(tmp_path_factory: pytest.TempPathFactory) -> BoardFolder:
     def folder(*changes: str) -> Path:
         if changes not in folders:
             folders[changes] = tmp_path_factory.mktemp("board") / "pcb"
-            write_board(Design.load(changes=changes), folders[changes])
+            write_board(load_article(changes), folders[changes])
         return folders[changes]
 
     return folder

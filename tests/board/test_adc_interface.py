@@ -11,9 +11,9 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.network import build_network
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
 from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
+from tests.designs import ARTICLE, load_article
 from tests.oracles.filter_formulas import tactile_pin_transfer
 
 SAMPLE_RATES_HZ = (1000.0, 2000.0, 5000.0, 20000.0)
@@ -22,7 +22,7 @@ SAMPLE_RATES_HZ = (1000.0, 2000.0, 5000.0, 20000.0)
 @pytest.mark.parametrize("rate", SAMPLE_RATES_HZ)
 @pytest.mark.parametrize("series", ["E12", "E96"])
 def test_anti_aliasing_poles_follow_the_sample_rate(rate: float, series: str) -> None:
-    design = Design.load(changes=[f"detector.sample_rate_hz={rate}", f"board.series={series}"])
+    design = load_article([f"detector.sample_rate_hz={rate}", f"board.series={series}"])
     values = board_values(design)
     f = np.array([1.0, 50.0, rate / 4, rate / 2, rate])
     network = build_network(board_circuit(values)).drive("TACTILE").restrict("ADC_TACTILE")
@@ -37,14 +37,14 @@ def test_anti_aliasing_poles_follow_the_sample_rate(rate: float, series: str) ->
 
 
 def test_alias_attenuation_of_the_default_board() -> None:
-    a = board_values(Design()).aliasing
+    a = board_values(ARTICLE).aliasing
     assert (a.band_hz, a.nyquist_hz, a.alias_hz) == (201.0, 1000.0, 1799.0)
     assert a.lsb_v == 20 / 65536
     # A swing of 3.5 V against a step of 0.305 mV.
     assert a.required_db == pytest.approx(20 * math.log10(3.5 * 65536 / 20), rel=1e-12)
     assert a.one_lsb_tone_v * 10 ** (a.tactile_alias_db / 20) == pytest.approx(a.lsb_v, rel=1e-12)
     assert -1.7 < a.tactile_band_db < -1.5  # slip ends below 100 Hz in the embedded finger: 0.4 dB
-    precision = board_values(Design.load(changes=["board.variant=precision"])).aliasing
+    precision = board_values(load_article(["board.variant=precision"])).aliasing
     envelope_pole_db = -10 * math.log10(1 + (1000 / 36.17) ** 2)
     assert precision.envelope_nyquist_db - a.envelope_nyquist_db == pytest.approx(envelope_pole_db, abs=0.01)
 
@@ -52,7 +52,7 @@ def test_alias_attenuation_of_the_default_board() -> None:
 @pytest.mark.parametrize("name", ["article_split", "comparator_single"])
 def test_anti_aliasing_poles_of_the_spice_deck_match(board_folder: BoardFolder, tmp_path: Path, name: str) -> None:
     folder = board_folder(*BOARD_CONFIGURATIONS[name].changes)
-    values = board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes))
+    values = board_values(load_article(BOARD_CONFIGURATIONS[name].changes))
     rows = run_ngspice(
         tmp_path, (folder / "slip_filter.cir").read_text("utf-8"),
         "ac dec 20 1 10k\nwrdata out vr(tactile) vi(tactile) vr(adc_tactile) vi(adc_tactile)",

@@ -32,6 +32,7 @@ from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
 from tests.conftest import run_fingertip
+from tests.designs import ARTICLE, load_article
 from tests.oracles.filter_formulas import (
     filter_transfer,
     ideal_cutoff_hz,
@@ -43,12 +44,12 @@ from tests.oracles.filter_formulas import (
     section_quality,
 )
 
-VALUES = board_values(Design())
+VALUES = board_values(ARTICLE)
 CIRCUIT = board_circuit(VALUES)
 
 
 def test_bode_table_agrees_with_the_formulas() -> None:
-    rows = list(csv.DictReader(io.StringIO(bode_table(Design()))))
+    rows = list(csv.DictReader(io.StringIO(bode_table(ARTICLE))))
     assert len(rows) == 201
     assert (float(rows[0]["frequency_hz"]), float(rows[-1]["frequency_hz"])) == (1.0, 1e5)
     for row in rows[::20]:
@@ -67,7 +68,7 @@ def test_bode_table_agrees_with_the_formulas() -> None:
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_nominal_quantities_are_the_achieved_response(name: str, changes: tuple[str, ...]) -> None:
     """The achieved response therefore lies within its spread."""
-    design = Design.load(changes=(*BOARD_CONFIGURATIONS[name].changes, *changes))
+    design = load_article((*BOARD_CONFIGURATIONS[name].changes, *changes))
     values = board_values(design)
     spreads = analyse(design, boards=500).spread
     for quantity in QUANTITIES:
@@ -82,12 +83,12 @@ def toleranced_filter(design: Design, bandwidth_hz: float | None = None) -> Tole
     return TolerancedFilter(model_filter(circuit, board.variant == "article"), network.values)
 
 
-ARTICLE = toleranced_filter(Design())
+FILTER = toleranced_filter(ARTICLE)
 TOLERANCE = {name: 1.0 if name.startswith("R") else 5.0 for name in COMPONENTS[:8]}
 
 
 def test_quantities_with_a_fast_amplifier_agree_with_the_formulas() -> None:
-    fast = toleranced_filter(Design(), 1e9)
+    fast = toleranced_filter(ARTICLE, 1e9)
     quantities, c = fast.quantities(np.zeros(8)), VALUES.preferred
     expected = {
         "cutoff_hz": ideal_cutoff_hz(c), "section_quality": section_quality(c), "passband_gain": passband_gain(c),
@@ -103,7 +104,7 @@ def test_quantities_with_a_fast_amplifier_agree_with_the_formulas() -> None:
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_quantities_of_random_boards_agree_with_the_circuits_equations(name: str) -> None:
     """Random values within 5 % are put into the circuit, whose equations give the gain."""
-    design = Design.load(changes=(*BOARD_CONFIGURATIONS[name].changes, "board.band_limit_hz=270"))
+    design = load_article((*BOARD_CONFIGURATIONS[name].changes, "board.band_limit_hz=270"))
     board, circuit = toleranced_filter(design), board_circuit(board_values(design))
     rng = np.random.default_rng(4)
     f = np.geomspace(20, 20e3, 6001)
@@ -133,13 +134,13 @@ def test_cutoff_with_unequal_capacitors_agrees_with_ngspice(tmp_path: Path) -> N
     level = max(g for _, g in gain) / math.sqrt(2)
     crossing = next(f for f, g in gain if g >= level)
     deviations = np.array([0, 0, 0, 0, 0, 0.05, -0.07, 0.08])
-    assert float(ARTICLE.quantities(deviations)["cutoff_hz"]) == pytest.approx(crossing, rel=1e-3)
+    assert float(FILTER.quantities(deviations)["cutoff_hz"]) == pytest.approx(crossing, rel=1e-3)
 
 
 def test_monte_carlo_agrees_with_scalar_formulas_board_by_board() -> None:
     """Both are estimates of the same spread, within their statistical errors."""
     rng = random.Random(5)
-    base = [VALUES.by_reference[name] for name in ARTICLE.names]
+    base = [VALUES.by_reference[name] for name in FILTER.names]
     cutoffs = []
     for _ in range(4000):
         r1, r2, r3, _, _, c1, c2, c3 = (
@@ -150,24 +151,24 @@ def test_monte_carlo_agrees_with_scalar_formulas_board_by_board() -> None:
         cutoffs.append(overall_cutoff_hz(1 / (2 * math.pi * r1 * c1), f0, q))
     mean = math.fsum(cutoffs) / len(cutoffs)
     deviation = math.sqrt(math.fsum((f - mean) ** 2 for f in cutoffs) / (len(cutoffs) - 1))
-    spread = monte_carlo(ARTICLE, TOLERANCE)["cutoff_hz"]
+    spread = monte_carlo(FILTER, TOLERANCE)["cutoff_hz"]
     assert spread.mean == pytest.approx(mean, abs=5 * deviation / math.sqrt(4000))
     assert spread.deviation == pytest.approx(deviation, rel=0.06)
     assert spread.worst_low < min(cutoffs) < spread.low_95 < spread.high_95 < max(cutoffs) < spread.worst_high
 
 
 def test_monte_carlo_is_reproducible_and_exact_without_tolerances() -> None:
-    first = monte_carlo(ARTICLE, TOLERANCE)
-    assert first == monte_carlo(ARTICLE, TOLERANCE)
-    assert first != monte_carlo(ARTICLE, TOLERANCE, seed=2)
-    exact = monte_carlo(ARTICLE, dict.fromkeys(COMPONENTS, 0.0), boards=10)["cutoff_hz"]
+    first = monte_carlo(FILTER, TOLERANCE)
+    assert first == monte_carlo(FILTER, TOLERANCE)
+    assert first != monte_carlo(FILTER, TOLERANCE, seed=2)
+    exact = monte_carlo(FILTER, dict.fromkeys(COMPONENTS, 0.0), boards=10)["cutoff_hz"]
     assert exact.deviation < 1e-9
     assert exact.low_95 == exact.worst_high == exact.nominal
 
 
 def test_sensitivities_satisfy_dimensional_analysis() -> None:
     """Raising all resistors, or all capacitors, by 1 % lowers all frequencies by 1 % for a fast amplifier."""
-    sensitivities = compute_sensitivities(toleranced_filter(Design(), 1e9))
+    sensitivities = compute_sensitivities(toleranced_filter(ARTICLE, 1e9))
     for name in ("cutoff_hz", "section_hz", "first_pole_hz"):
         assert sum(sensitivities[name][component] for component in ("R1", "R2", "R3")) == pytest.approx(-1, abs=2e-5)
         assert sum(sensitivities[name][component] for component in ("C1", "C2", "C3")) == pytest.approx(-1, abs=2e-5)
@@ -203,13 +204,13 @@ def test_analysis_command_prints_tables_and_writes_the_bode_table(tmp_path: Path
 def test_cutoffs_of_random_boards_agree_with_ngspice(tmp_path: Path) -> None:
     """ngspice sweeps each of forty random boards. The cutoffs agree one by one, and so does their spread."""
     rng = np.random.default_rng(3)
-    limits = np.array([TOLERANCE[name] / 100 for name in ARTICLE.names])
-    deviations = limits * rng.uniform(-1, 1, (40, len(ARTICLE.names)))
-    boards = np.array([VALUES.by_reference[name] for name in ARTICLE.names]) * (1 + deviations)
+    limits = np.array([TOLERANCE[name] / 100 for name in FILTER.names])
+    deviations = limits * rng.uniform(-1, 1, (40, len(FILTER.names)))
+    boards = np.array([VALUES.by_reference[name] for name in FILTER.names]) * (1 + deviations)
     _, deck = write_deck(tmp_path, [])
     commands = []
     for i, board in enumerate(boards):
-        commands += [f"alter {name} = {value:.12g}" for name, value in zip(ARTICLE.names, board, strict=True)]
+        commands += [f"alter {name} = {value:.12g}" for name, value in zip(FILTER.names, board, strict=True)]
         commands += ["ac dec 4000 60 3000", f"wrdata out{i} vr(tactile) vi(tactile) vr(filtered) vi(filtered)"]
     run_ngspice(tmp_path, deck, "\n".join([*commands, "wrdata out v(filtered)"]))
     simulated = []
@@ -217,7 +218,7 @@ def test_cutoffs_of_random_boards_agree_with_ngspice(tmp_path: Path) -> None:
         rows = [[float(word) for word in line.split()] for line in (tmp_path / f"out{i}").read_text().splitlines()]
         gain = [abs(complex(fr, fi) / complex(tr, ti)) for _, tr, ti, fr, fi in rows]
         simulated.append(next(row[0] for row, g in zip(rows, gain, strict=True) if g >= max(gain) / math.sqrt(2)))
-    computed = ARTICLE.quantities(deviations)["cutoff_hz"]
+    computed = FILTER.quantities(deviations)["cutoff_hz"]
     assert len(simulated) == len(computed)
     assert np.max(np.abs(computed / np.array(simulated) - 1)) < 1e-3
     assert float(computed.std()) == pytest.approx(float(np.std(simulated)), rel=0.01)
@@ -226,7 +227,7 @@ def test_cutoffs_of_random_boards_agree_with_ngspice(tmp_path: Path) -> None:
 
 def test_tolerances_are_those_of_the_parts_and_their_cost_is_stated() -> None:
     """With C1 to C3 of twice the article's tolerance the cutoff spreads almost twice as much."""
-    analysis = analyse(Design(), boards=2000)
+    analysis = analyse(ARTICLE, boards=2000)
     assert analysis.component_percent == {name: 1.0 if name[0] == "R" else 10.0 for name in COMPONENTS[:8]}
     own, article = (spread["cutoff_hz"] for spread in (analysis.spread, analysis.article_spread))
     assert 1.7 < own.deviation / article.deviation < 2.0
@@ -235,13 +236,13 @@ def test_tolerances_are_those_of_the_parts_and_their_cost_is_stated() -> None:
     assert "tolerances: filter resistors 1 %, capacitors 10 %, as in the bill of materials" in text
     assert f"from {own.low_95:.1f} to {own.high_95:.1f} Hz with C1 to C3 of 10 %" in text
     assert f"the article's 5 % it would be {article.low_95:.1f} to {article.high_95:.1f} Hz" in text
-    stated = analyse(Design.load(changes=["board.capacitor_tolerance_percent=5"]), boards=2000)
+    stated = analyse(load_article(["board.capacitor_tolerance_percent=5"]), boards=2000)
     assert stated.spread == stated.article_spread == analysis.article_spread
     assert "the article's" not in analysis_text(stated)
 
 
 def test_each_capacitor_has_its_own_tolerance() -> None:
-    design = Design.load(changes=["board.variant=precision", "board.capacitor_uf=0.1", "board.r5_ohm=20000"])
+    design = load_article(["board.variant=precision", "board.capacitor_uf=0.1", "board.r5_ohm=20000"])
     percent = component_tolerances(board_circuit(board_values(design)))
     assert (percent["C1"], percent["C14"], percent["C20"]) == (5.0, 20.0, 5.0)  # C0G, 100 uF, C0G
     assert "C1 C2 C3 C20 5 %, C14 20 %" in analysis_text(analyse(design, boards=100))

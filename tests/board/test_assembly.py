@@ -23,7 +23,7 @@ from fingertip.board.fabrication.fabrication_files import placement_file
 from fingertip.board.kicad import symbols
 from fingertip.board.kicad.footprints import FOOTPRINTS
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
+from tests.designs import ARTICLE, load_article
 
 MAX_ROW_CHARACTERS = 2048
 """Longest row of a bill of materials that the house accepts."""
@@ -85,7 +85,7 @@ def parse_placement(data: bytes) -> dict[str, Placed]:
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_independent_parser_accepts_both_files(name: str) -> None:
     configuration = BOARD_CONFIGURATIONS[name]
-    circuit = board_circuit(board_values(Design.load(changes=configuration.changes)))
+    circuit = board_circuit(board_values(load_article(configuration.changes)))
     bom, placed = (
         parse_bom(assembly_bom_file(circuit)),
         parse_placement(assembly_placement_file(circuit, configuration.placement)),
@@ -122,7 +122,7 @@ def test_parser_refuses_a_broken_bill_of_materials(data: bytes) -> None:
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_rotations_differ_from_kicads_by_the_table(name: str) -> None:
     configuration = BOARD_CONFIGURATIONS[name]
-    circuit = board_circuit(board_values(Design.load(changes=configuration.changes)))
+    circuit = board_circuit(board_values(load_article(configuration.changes)))
     house = parse_placement(assembly_placement_file(circuit, configuration.placement))
     kicad = parse_placement(placement_file(circuit, configuration.placement))
     assert set(house) == set(kicad)
@@ -146,7 +146,7 @@ def test_through_hole_connector_is_placed_by_its_middle() -> None:
     """The origin of KiCad's footprint is pin 1; both pins are 2 mm apart."""
     assert find_pad_centre(symbols.JST_PH_2) == (1.0, 0.0)
     configuration = BOARD_CONFIGURATIONS["precision_single_3v3"]
-    circuit = board_circuit(board_values(Design.load(changes=configuration.changes)))
+    circuit = board_circuit(board_values(load_article(configuration.changes)))
     house = parse_placement(assembly_placement_file(circuit, configuration.placement))["J2"]
     kicad = parse_placement(placement_file(circuit, configuration.placement))["J2"]
     turned = {0: (1, 0), 90: (0, 1), 180: (-1, 0), 270: (0, -1)}[int(kicad.rotation_deg)]  # y points up in both files
@@ -156,7 +156,7 @@ def test_through_hole_connector_is_placed_by_its_middle() -> None:
 def test_comments_state_ratings_and_values() -> None:
     rows = {
         d: row.comment
-        for row in parse_bom(assembly_bom_file(board_circuit(board_values(Design()))))
+        for row in parse_bom(assembly_bom_file(board_circuit(board_values(ARTICLE))))
         for d in row.designators
     }
     assert [r for r, comment in rows.items() if ", 0.1 %, " in comment] == ["R10", "R11", "R12", "R13", "R14"]
@@ -165,7 +165,7 @@ def test_comments_state_ratings_and_values() -> None:
     assert rows["U1"] == "TL082BC"
     # Components of different ratings are never merged.
     changes = ["board.variant=comparator", "detector.window_samples=6"]
-    board = board_circuit(board_values(Design.load(changes=changes)))
+    board = board_circuit(board_values(load_article(changes)))
     assert board.component("C17").value == board.component("C18").value == "100n"
     for row in parse_bom(assembly_bom_file(board)):
         assert len({board.component(r).rating for r in row.designators}) == 1

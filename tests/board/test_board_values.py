@@ -24,6 +24,7 @@ from fingertip.design.filter_components import MAX_OHM, MIN_OHM, FilterComponent
 from fingertip.design.preferred_series import find_preferred_neighbours
 from fingertip.design.rules.amplifiers import SUPPLY_RANGES_V
 from fingertip.errors import DesignError
+from tests.designs import ARTICLE, article_design, load_article
 from tests.oracles.filter_formulas import (
     ideal_cutoff_hz,
     passband_gain,
@@ -39,7 +40,7 @@ def resistances(c: FilterComponents) -> tuple[float, ...]:
 
 
 def test_default_values_are_the_articles() -> None:
-    values = board_values(Design())
+    values = board_values(ARTICLE)
     assert values.preferred == FilterComponents(2400.0, 1200.0, 4700.0, 1500.0, 100e3, 2000.0, 1e-6, 2.2e-6)
     c = values.preferred
     assert values.achieved_response.section_quality == pytest.approx(section_quality(c), rel=1e-12)
@@ -51,9 +52,7 @@ def test_default_values_are_the_articles() -> None:
 
 
 def test_finer_series_come_nearer() -> None:
-    cutoff = {
-        s: board_values(Design.load(changes=[f"board.series={s}"])).achieved_response for s in ("E12", "E24", "E96")
-    }
+    cutoff = {s: board_values(load_article([f"board.series={s}"])).achieved_response for s in ("E12", "E24", "E96")}
     assert round(cutoff["E96"].cutoff_hz, 2) == 67.07
     assert round(cutoff["E96"].section_quality, 3) == 1.003
     error = [abs(math.log(cutoff[s].cutoff_hz / 67)) for s in ("E12", "E24", "E96")]
@@ -61,7 +60,7 @@ def test_finer_series_come_nearer() -> None:
 
 
 def test_errata_agree_with_the_computed_figures() -> None:
-    values = board_values(Design())
+    values = board_values(ARTICLE)
     errata, limits = values.errata, values.voltage_limits
     assert errata == ERRATA  # all of them apply to the article's board
     assert len(errata) == len({erratum.subject for erratum in errata}) >= 7
@@ -85,7 +84,7 @@ def test_errata_agree_with_the_computed_figures() -> None:
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_errata_that_do_not_apply_to_a_board_say_so(name: str) -> None:
-    errata = board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes)).errata
+    errata = board_values(load_article(BOARD_CONFIGURATIONS[name].changes)).errata
     noted = {e.subject for e in errata if "does not apply to this board" in e.correction}
     expected = set() if name == "article_split" else {INPUT_RANGE}
     assert noted == expected | (set() if name.startswith("article") else {ENVELOPE, OFFSET, RECTIFIER})
@@ -94,7 +93,7 @@ def test_errata_that_do_not_apply_to_a_board_say_so(name: str) -> None:
 def validate(board: dict[str, object]) -> tuple[Design | None, set[str]]:
     """Return a design with this board, or the fields for which it is refused."""
     try:
-        return Design(board=board), set()
+        return article_design(board=board), set()
     except DesignError as error:
         return None, {issue.field for issue in error.issues}
 
@@ -150,7 +149,7 @@ def test_every_valid_design_has_a_board(
 @functools.cache
 def default_circuit(name: str) -> Circuit:
     """Circuit of a configuration with the other parameters at their defaults."""
-    return board_circuit(board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes)))
+    return board_circuit(board_values(load_article(BOARD_CONFIGURATIONS[name].changes)))
 
 
 # Change -> fields of the issues it causes, and a phrase of their messages.
@@ -186,7 +185,7 @@ REFUSED = {
 def test_invalid_parameters_are_refused_with_a_bound_and_a_remedy(change: str) -> None:
     fields, phrase = REFUSED[change]
     with pytest.raises(DesignError) as caught:
-        Design.load(changes=[change])
+        load_article([change])
     messages = {issue.field: issue.message for issue in caught.value.issues if issue.field.startswith("board.")}
     assert list(messages) == fields.split()
     assert phrase in " ".join(messages.values())
@@ -198,17 +197,17 @@ def test_invalid_parameters_are_refused_with_a_bound_and_a_remedy(change: str) -
      "board.passband_gain=300", "board.r5_ohm=2500"],
 )  # fmt: skip
 def test_printed_bounds_are_valid(change: str) -> None:
-    assert board_values(Design.load(changes=[change]))
+    assert board_values(load_article([change]))
 
 
 def test_r4_below_its_range_is_refused() -> None:
     with pytest.raises(DesignError, match=r"R4 of 0\.1 ohm, below 10 ohm; at most 101 with"):
-        Design.load(changes=["board.r5_ohm=1000", "board.passband_gain=1e4"])
+        load_article(["board.r5_ohm=1000", "board.passband_gain=1e4"])
 
 
 def test_issues_of_the_parts_and_of_the_board_are_reported_together() -> None:
     with pytest.raises(DesignError) as caught:
-        Design.load(changes=["board.capacitor_uf=1000", "skin.tip_length_mm=33", "board.series=E6"])
+        load_article(["board.capacitor_uf=1000", "skin.tip_length_mm=33", "board.series=E6"])
     fields = {issue.field for issue in caught.value.issues}
     assert {"board.capacitor_uf", "skin.tip_length_mm", "board.series"} <= fields
 
@@ -218,24 +217,24 @@ def test_precision_refuses_a_series_capacitor_above_the_largest() -> None:
     with pytest.raises(
         DesignError, match=r"above 100 uF; at least 1\.584e\+04 ohm, or board\.variant=article"
     ) as caught:
-        Design.load(changes=changes)
+        load_article(changes)
     assert [issue.field for issue in caught.value.issues] == ["board.r5_ohm"]
-    assert Design.load(changes=[changes[0], "board.r5_ohm=1.584e4"])
-    assert Design.load(changes=changes[1:])
+    assert load_article([changes[0], "board.r5_ohm=1.584e4"])
+    assert load_article(changes[1:])
 
 
 def test_threshold_beyond_a_split_supply_is_refused() -> None:
     with pytest.raises(DesignError, match=r"6 V is never reached by a board supplied with 5 V; at most 4\.95 V"):
-        Design.load(changes=["detector.threshold_v=6"])
+        load_article(["detector.threshold_v=6"])
 
 
 def test_threshold_beyond_a_single_supply_is_refused() -> None:
     with pytest.raises(DesignError, match=r"whose signals have a quiescent level of 2\.5 V; at most 2\.475 V"):
-        Design.load(changes=["detector.threshold_v=2.5", "board.supply=single"])
-    assert Design.load(changes=["detector.threshold_v=2.475", "board.supply=single"])
-    assert Design.load(changes=["detector.threshold_v=2.5"])
+        load_article(["detector.threshold_v=2.5", "board.supply=single"])
+    assert load_article(["detector.threshold_v=2.475", "board.supply=single"])
+    assert load_article(["detector.threshold_v=2.5"])
     with pytest.raises(DesignError, match=r"between 0\.011 and 0\.625 V with this supply"):
-        Design.load(changes=["detector.threshold_v=0.7", "board.supply=single", "board.variant=comparator"])
+        load_article(["detector.threshold_v=0.7", "board.supply=single", "board.variant=comparator"])
 
 
 @pytest.mark.parametrize("variant", ["precision", "comparator"])
@@ -257,12 +256,12 @@ def test_threshold_beyond_a_single_supply_is_refused() -> None:
 )
 def test_impossible_band_limits_are_refused(variant: str, changes: list[str], message: str, passing: str) -> None:
     with pytest.raises(DesignError) as caught:
-        Design.load(changes=[f"board.variant={variant}", *changes])
+        load_article([f"board.variant={variant}", *changes])
     assert [issue.field for issue in caught.value.issues] == ["board.band_limit_hz"]
     assert message in str(caught.value)
-    assert Design.load(changes=[f"board.variant={variant}", *changes, passing])
+    assert load_article([f"board.variant={variant}", *changes, passing])
     if "board.passband_gain=2" not in changes:
-        assert Design.load(changes=changes)  # variant article has no band limit
+        assert load_article(changes)  # variant article has no band limit
 
 
 @pytest.mark.parametrize(
@@ -275,10 +274,10 @@ def test_impossible_band_limits_are_refused(variant: str, changes: list[str], me
 )
 def test_bounds_of_the_comparator_apply_to_its_variant_only(change: str, message: str) -> None:
     with pytest.raises(DesignError) as caught:
-        Design.load(changes=["board.variant=comparator", "board.supply=single", change])
+        load_article(["board.variant=comparator", "board.supply=single", change])
     assert len(caught.value.issues) == 1
     assert message in str(caught.value)
-    assert Design.load(changes=[change, "board.supply=single", "board.variant=precision"])
+    assert load_article([change, "board.supply=single", "board.variant=precision"])
 
 
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
@@ -286,15 +285,15 @@ def test_split_supply_leaves_a_margin_below_the_bridge_amplifiers_maximum(varian
     """Both halves of 6 V would put 12 V across the AD623. The comparator limits a single supply too."""
     changes = [f"board.variant={variant}", "board.supply_v=6"]
     with pytest.raises(DesignError) as caught:
-        Design.load(changes=changes)
+        load_article(changes)
     message = str(caught.value)
     assert "board.supply_v: plus and minus 6 V put 12 V across the bridge's AD623" in message
     assert "at most 5.5 V" in message
     # Variant article would also need a smaller envelope capacitor there.
     assert ("or board.supply=single" in message) == (variant == "precision")
-    assert Design.load(changes=[*changes, "board.supply_v=5.5"])
+    assert load_article([*changes, "board.supply_v=5.5"])
     if variant != "comparator":
-        assert Design.load(changes=[*changes, "board.supply=single", "board.envelope_capacitor_uf=1.8"])
+        assert load_article([*changes, "board.supply=single", "board.envelope_capacitor_uf=1.8"])
 
 
 @pytest.mark.parametrize("threshold", ["0.011", "1.25"])
@@ -304,7 +303,7 @@ def test_comparator_thresholds_and_resistances_stay_within_range(threshold: str,
     if supply == "single" and threshold == "1.25":
         threshold = "0.625"
     changes = ["board.variant=comparator", f"detector.threshold_v={threshold}", f"board.series={series}"]
-    values = board_values(Design.load(changes=[*changes, f"board.supply={supply}"]))
+    values = board_values(load_article([*changes, f"board.supply={supply}"]))
     stage, levels = values.comparator_stage, values.comparator_levels
     assert stage is not None
     assert levels is not None
@@ -319,7 +318,7 @@ def test_comparator_thresholds_and_resistances_stay_within_range(threshold: str,
 @pytest.mark.parametrize("window", [1, 10, 60, 136])
 def test_averaging_low_pass_has_half_the_window_as_time_constant_and_limits_the_bias_error(window: int) -> None:
     changes = ["board.variant=comparator", f"detector.window_samples={window}"]
-    values = board_values(Design.load(changes=changes))
+    values = board_values(load_article(changes))
     stage, levels = values.comparator_stage, values.comparator_levels
     assert stage is not None
     assert levels is not None
@@ -334,10 +333,10 @@ def test_averaging_low_pass_has_half_the_window_as_time_constant_and_limits_the_
 def test_a_window_too_long_for_the_comparator_is_refused() -> None:
     changes = ["board.variant=comparator", "detector.window_samples=2000"]
     with pytest.raises(DesignError, match=r"resistor of 5e\+05 ohm, .* drops 125 mV, .* at most 136 samples") as caught:
-        Design.load(changes=changes)
+        load_article(changes)
     assert [issue.field for issue in caught.value.issues] == ["detector.window_samples"]
-    assert Design.load(changes=[changes[0], "detector.window_samples=136"])
+    assert load_article([changes[0], "detector.window_samples=136"])
     with pytest.raises(DesignError, match="at most 136 samples"):
-        Design.load(changes=[changes[0], "detector.window_samples=137"])
-    assert Design.load(changes=[changes[0], "detector.window_samples=137", "detector.threshold_v=0.018"])
-    assert Design.load(changes=changes[1:])
+        load_article([changes[0], "detector.window_samples=137"])
+    assert load_article([changes[0], "detector.window_samples=137", "detector.threshold_v=0.018"])
+    assert load_article(changes[1:])

@@ -18,7 +18,7 @@ from fingertip.board.components.bridge import (
     size_bridge,
 )
 from fingertip.board.components.preferred_values import mantissas
-from fingertip.design import Design
+from tests.designs import load_article
 from tests.oracles.netlist_nodal import number
 
 CASES = list(itertools.product((5.0, 6.0), ("E24", "E96"), (5.08, 12.7, 4.0), (0.0, 0.5)))
@@ -76,7 +76,7 @@ def test_resistors_of_the_bridge_are_preferred_values() -> None:
 @pytest.mark.parametrize("supply", ["split", "single"])
 def test_tactile_voltage_agrees_with_kirchhoffs_law_on_the_circuit(supply: str) -> None:
     """The voltage follows from values and nets of the circuit, and from the amplifier's gain by its data sheet."""
-    values = board_values(Design.load(changes=[f"board.supply={supply}"]))
+    values = board_values(load_article([f"board.supply={supply}"]))
     circuit = board_circuit(values)
     ohm = {c.reference: number(c.value) for c in circuit.components if c.symbol.name == "R"}
     net = {node: n.name for n in circuit.nets for node in n.nodes}

@@ -36,6 +36,7 @@ from fingertip.design import Design
 from fingertip.errors import BoardError
 from tests.board.ngspice import run_ngspice
 from tests.conftest import run_fingertip
+from tests.designs import load_article
 
 CONTROLLER = BOARD_CONFIGURATIONS["precision_single_3v3"].changes
 ARTICLE = BOARD_CONFIGURATIONS["article_split"].changes
@@ -44,7 +45,7 @@ TWO = pytest.mark.parametrize("changes", [ARTICLE, CONTROLLER], ids=["article", 
 
 @functools.cache
 def plan_of(changes: tuple[str, ...]) -> tuple[Design, BringUp]:
-    design = Design.load(changes=changes)
+    design = load_article(changes)
     values = board_values(design)
     return design, plan_bring_up(Board.of_design(design, board_circuit(values)), values)
 

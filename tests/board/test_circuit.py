@@ -25,12 +25,12 @@ from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.kicad import symbols
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import BOARD_CONFIGURATIONS, BOARD_VARIANTS
-from fingertip.design import Design
 from fingertip.design.parameters import Board
 from fingertip.errors import BoardError
+from tests.designs import ARTICLE, load_article
 from tests.oracles.netlist_nodal import number
 
-CIRCUIT = board_circuit(board_values(Design()))
+CIRCUIT = board_circuit(board_values(ARTICLE))
 
 
 def test_default_circuit_is_the_articles() -> None:
@@ -57,7 +57,7 @@ def test_configurations_are_those_that_the_design_file_accepts() -> None:
 def test_ratings_are_purchasable_and_have_the_designs_tolerances() -> None:
     changes = ["board.variant=precision", "board.capacitor_tolerance_percent=10", "board.capacitor_uf=0.1",
                "board.resistor_tolerance_percent=0.5", "board.r5_ohm=20000"]  # fmt: skip
-    circuit = board_circuit(board_values(Design.load(changes=changes)))
+    circuit = board_circuit(board_values(load_article(changes)))
     ratings = {reference: circuit.component(reference).rating for reference in ("C1", "C4", "C8", "C14", "R1", "R10")}
     assert ratings == {
         "C1": "C0G 25 V, 10 % or better",
@@ -77,7 +77,7 @@ def test_amplifiers_are_ordered_with_a_grade_whose_offset_is_known() -> None:
         ("precision_split", "TLV2372", "4.5 mV"),
         ("comparator_split", "OPA2197ID", "0.1 mV"),
     ):
-        circuit = board_circuit(board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes)))
+        circuit = board_circuit(board_values(load_article(BOARD_CONFIGURATIONS[name].changes)))
         duals = [c for c in circuit.components if c.footprint == symbols.SOIC_8]
         assert len(duals) == (1 if name.startswith("article") else 2)
         assert all(c.value == order_name and f"offset {offset} at most" in c.rating for c in duals)
@@ -87,7 +87,7 @@ def test_amplifiers_are_ordered_with_a_grade_whose_offset_is_known() -> None:
 def test_boards_on_a_single_supply_have_rail_to_rail_amplifiers() -> None:
     for variant in BOARD_VARIANTS:
         changes = BOARD_CONFIGURATIONS[f"{variant}_single"].changes
-        names = {c.symbol.name for c in board_circuit(board_values(Design.load(changes=changes))).components}
+        names = {c.symbol.name for c in board_circuit(board_values(load_article(changes))).components}
         dual = "LM2904" if variant == "comparator" else "TLV2372"
         assert {dual, "TLV2371DBV", "Conn_01x05"} <= names
         assert not {"TL082", "Conn_01x03"} & names
@@ -96,7 +96,7 @@ def test_boards_on_a_single_supply_have_rail_to_rail_amplifiers() -> None:
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_every_pin_is_in_one_net_and_every_net_has_two_pins(name: str) -> None:
     """The test does not use the package's own check."""
-    circuit = board_circuit(board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes)))
+    circuit = board_circuit(board_values(load_article(BOARD_CONFIGURATIONS[name].changes)))
     nodes = [node for net in circuit.nets for node in net.nodes]
     assert len(nodes) == len(set(nodes))
     assert set(nodes) == {(c.reference, pin.number) for c in circuit.components for pin in c.symbol.pins}
@@ -138,9 +138,9 @@ def test_build_circuit_refuses_inconsistent_wiring() -> None:
 
 def test_circuits_refuse_values_of_another_variant() -> None:
     with pytest.raises(BoardError, match="variant article"):
-        precision_circuit(board_values(Design()))
+        precision_circuit(board_values(ARTICLE))
     with pytest.raises(BoardError, match=r"board\.variant=comparator"):
-        comparator_circuit(board_values(Design.load(changes=["board.variant=precision"])))
+        comparator_circuit(board_values(load_article(["board.variant=precision"])))
 
 
 @pytest.mark.parametrize(

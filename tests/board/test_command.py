@@ -11,12 +11,13 @@ from fingertip.board.kicad.models import MODEL_FOLDER
 from fingertip.output_set import MANIFEST
 from tests.board.test_netlist import FILES
 from tests.conftest import run_fingertip, run_python
+from tests.designs import ARTICLE_OPTIONS
 
 HEAVY_MODULES = ("cadquery", "OCP", "trimesh", "vtk", "numba", "scipy", "matplotlib", "manifold3d")
 
 
 def test_command_prints_tables_and_writes_files(tmp_path: Path) -> None:
-    run = run_fingertip("board", "--out", tmp_path / "deep" / "pcb")
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path / "deep" / "pcb")
     assert run.returncode == 0
     for text in ("2375.4", "1187.7", "4750.9", "2.4k", "1.2k", "4.7k", "67.25", "0.9895", "67.67 (36.61 dB)"):
         assert text in run.stdout
@@ -27,7 +28,9 @@ def test_command_prints_tables_and_writes_files(tmp_path: Path) -> None:
 def test_json_output_equals_the_values_file_and_quiet_prints_no_messages(tmp_path: Path) -> None:
     design = tmp_path / "mine.toml"
     design.write_text('[board]\nseries = "E12"\n')
-    run = run_fingertip("board", design, "--out", tmp_path, "--json", "--quiet", "--set", "board.series=E96")
+    run = run_fingertip(
+        "board", design, "--out", tmp_path, "--json", "--quiet", *ARTICLE_OPTIONS, "--set", "board.series=E96"
+    )
     assert (run.returncode, run.stderr) == (0, "")
     data = json.loads(run.stdout)
     assert {"ideal", "preferred", "achieved_response", "errata", "files"} <= set(data)
@@ -108,7 +111,8 @@ SHORT_WINDOW = ("board.variant=comparator", "detector.sample_rate_hz=10000", "de
 def test_noisy_boards_and_short_windows_are_warned_of(
     tmp_path: Path, changes: tuple[str, ...], expected: list[str]
 ) -> None:
-    run = run_fingertip("board", "--out", tmp_path, "--json", *(a for c in changes for a in ("--set", c)))
+    words = [word for change in changes for word in ("--set", change)]
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path, "--json", *words)
     assert run.returncode == 0
     warnings = [line for line in run.stderr.splitlines() if line.startswith("warning: ")]
     assert len(warnings) == len(expected)

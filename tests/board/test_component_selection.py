@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from fingertip.board import board_values
 from fingertip.board.components.filter import filter_error, select_capacitors, select_filter_capacitor
 from fingertip.board.components.preferred_values import mantissas
-from fingertip.design import Design
 from fingertip.design.filter_components import MAX_OHM, MIN_OHM, FilterComponents
 from fingertip.design.parameters import Board
 from fingertip.errors import DesignError
+from tests.designs import ARTICLE, load_article
 
 capacitor_series = st.sampled_from(["E6", "E12"])
 resistor_series = st.sampled_from(["E12", "E24", "E96"])
@@ -63,14 +63,12 @@ def test_selected_capacitors_belong_to_the_series_and_give_resistors_in_range(
 
 def test_selecting_capacitors_reproduces_the_article_and_reduces_the_error_of_other_designs() -> None:
     article = FilterComponents(2400.0, 1200.0, 4700.0, 1500.0, 100e3, 2000.0, 1e-6, 2.2e-6)
-    assert board_values(Design()).preferred == article
+    assert board_values(ARTICLE).preferred == article
     # The article's own values are the best of E12 and E24 for 67 Hz and 36.17 Hz.
     for series in ("E6", "E12"):
-        assert board_values(Design.load(changes=[f"board.capacitor_series={series}"])).preferred == article
+        assert board_values(load_article([f"board.capacitor_series={series}"])).preferred == article
     changes = ["board.cutoff_hz=80", "board.series=E96", "board.envelope_cutoff_hz=30"]
-    default, selected = (
-        board_values(Design.load(changes=[*changes, *more])) for more in ([], ["board.capacitor_series=E12"])
-    )
+    default, selected = (board_values(load_article([*changes, *more])) for more in ([], ["board.capacitor_series=E12"]))
     assert filter_error(selected.preferred.c_f, 80.0, "E96") < 0.2 * filter_error(default.preferred.c_f, 80.0, "E96")
     board = Board(cutoff_hz=80, capacitor_series="E12", series="E96")
     assert selected.preferred.c_f == select_filter_capacitor(board) == 390e-9
@@ -82,9 +80,9 @@ def test_selecting_capacitors_reproduces_the_article_and_reduces_the_error_of_ot
 
 def test_given_capacitors_are_ignored_where_the_board_selects_its_own() -> None:
     changes = ["board.capacitor_series=E12", "board.capacitor_uf=1000", "board.envelope_capacitor_uf=1e-6"]
-    assert board_values(Design.load(changes=changes)) == board_values(Design.load(changes=changes[:1]))
+    assert board_values(load_article(changes)) == board_values(load_article(changes[:1]))
     with pytest.raises(DesignError, match=r"board\.capacitor_uf"):
-        Design.load(changes=changes[1:])
+        load_article(changes[1:])
 
 
 @pytest.mark.parametrize(
@@ -92,8 +90,8 @@ def test_given_capacitors_are_ignored_where_the_board_selects_its_own() -> None:
 )
 def test_cutoffs_without_a_suitable_capacitor_are_refused(change: str, minimum: str) -> None:
     with pytest.raises(DesignError) as caught:
-        Design.load(changes=["board.capacitor_series=E6", change])
+        load_article(["board.capacitor_series=E6", change])
     assert [issue.field for issue in caught.value.issues] == [change.split("=")[0]]
     assert f"at least {minimum}" in str(caught.value)
     passing = f"{change.split('=')[0]}={minimum.split()[0]}"
-    assert board_values(Design.load(changes=["board.capacitor_series=E6", passing]))
+    assert board_values(load_article(["board.capacitor_series=E6", passing]))

@@ -20,13 +20,14 @@ from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.errors import DesignError
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
+from tests.designs import load_article
 
 NAMES = [name for name, configuration in BOARD_CONFIGURATIONS.items() if configuration.supply.is_for_controller]
 PINS = {"1": "ADC_TACTILE", "3": "ADC_FILTERED", "5": "ADC_ENVELOPE", "7": "M_OUT"}
 
 
 def load(name: str, *changes: str) -> Design:
-    return Design.load(changes=(*BOARD_CONFIGURATIONS[name].changes, *changes))
+    return load_article((*BOARD_CONFIGURATIONS[name].changes, *changes))
 
 
 def circuit_of(name: str) -> Circuit:
@@ -225,7 +226,7 @@ def test_protection_costs_less_than_a_millivolt() -> None:
 )
 def test_voltage_outside_the_range_of_the_supply_is_refused(supply: str, supply_v: float, remedy: str) -> None:
     with pytest.raises(DesignError) as caught:
-        Design.load(changes=[f"board.supply={supply}", f"board.supply_v={supply_v}"])
+        load_article([f"board.supply={supply}", f"board.supply_v={supply_v}"])
     (issue,) = caught.value.issues
     assert issue.field == "board.supply_v"
     assert remedy in issue.message

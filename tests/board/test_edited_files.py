@@ -18,12 +18,12 @@ from fingertip.board.edited_files import CircuitRecord, Part, describe_structure
 from fingertip.board.kicad.sexpr_editor import Node, Word, read_expression, replace_words
 from fingertip.board.output import LAYOUT, NETLIST, PROJECT, SCHEMATIC
 from fingertip.board.variants import BoardConfiguration
-from fingertip.design import Design
 from fingertip.errors import OutputError
 from fingertip.output_set import read_manifest
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.board.test_layout import NO_VIOLATIONS, run_drc
 from tests.conftest import run_fingertip
+from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
 from tests.oracles.sexpressions import Expression, children, parse
 from tests.tools import require_tool
 
@@ -88,7 +88,7 @@ def without_fields(tree: Expression) -> Expression:
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """Folder with the board of the default design."""
-    write_board(Design(), tmp_path / "pcb")
+    write_board(ARTICLE, tmp_path / "pcb")
     return tmp_path / "pcb"
 
 
@@ -101,12 +101,12 @@ def test_values_are_entered_and_every_other_byte_stays(
     change(folder / name)
     before = (folder / name).read_bytes().decode()
     notes: list[str] = []
-    write_board(Design.load(changes=OTHER_VALUES), folder, progress=notes.append)
+    write_board(load_article(OTHER_VALUES), folder, progress=notes.append)
     after = (folder / name).read_bytes().decode()
     assert [note.partition("was edited; ")[2] for note in notes] == [
         "the values of R1, R2 and R3 are updated, and nothing else changes."
     ]
-    write_board(Design.load(changes=OTHER_VALUES), tmp_path / "new")
+    write_board(load_article(OTHER_VALUES), tmp_path / "new")
     wanted = fields(parse((tmp_path / "new" / name).read_text("utf-8")), kind)
     assert fields(parse(after), kind) == wanted != fields(parse(before), kind)
     assert without_fields(parse(after)) == without_fields(parse(before))
@@ -121,8 +121,8 @@ def test_values_are_entered_and_every_other_byte_stays(
 
 def test_all_other_files_follow_the_design(folder: Path, tmp_path: Path) -> None:
     edited = move_r1(folder)
-    write_board(Design.load(changes=OTHER_VALUES), folder)
-    write_board(Design.load(changes=OTHER_VALUES), tmp_path / "new")
+    write_board(load_article(OTHER_VALUES), folder)
+    write_board(load_article(OTHER_VALUES), tmp_path / "new")
     found, wanted = (
         {path.relative_to(top): data for path, data in files_in(top).items()} for top in (folder, tmp_path / "new")
     )
@@ -133,12 +133,12 @@ def test_all_other_files_follow_the_design(folder: Path, tmp_path: Path) -> None
 def test_edits_survive_several_designs_and_the_same_one_again(folder: Path) -> None:
     edited = move_r1(folder)
     for changes in (OTHER_VALUES, ("board.series=E96",), ()):
-        write_board(Design.load(changes=changes), folder)
+        write_board(load_article(changes), folder)
         assert b"(at 105 95 45)" in (folder / LAYOUT).read_bytes()
     assert (folder / LAYOUT).read_bytes() == edited  # back at the first design
     date = (folder / LAYOUT).stat().st_mtime_ns
     notes: list[str] = []
-    write_board(Design(), folder, progress=notes.append)
+    write_board(ARTICLE, folder, progress=notes.append)
     assert "it has the values of this design" in notes[0]
     assert (folder / LAYOUT).stat().st_mtime_ns == date
 
@@ -146,12 +146,14 @@ def test_edits_survive_several_designs_and_the_same_one_again(folder: Path) -> N
 @pytest.mark.parametrize("changes", [OTHER_PARTS, ("board.supply=single",), ("board.amplifier=OPA2197",)])
 def test_change_of_parts_or_nets_writes_nothing(folder: Path, changes: tuple[str, ...]) -> None:
     if "amplifier" in changes[0]:
-        write_board(Design.load(changes=OTHER_PARTS), folder)
+        write_board(load_article(OTHER_PARTS), folder)
         changes = (*OTHER_PARTS, *changes)
     move_label(folder / SCHEMATIC)
     move_r1(folder)
     before = files_in(folder)
-    run = run_fingertip("board", "--out", folder, *(word for change in changes for word in ("--set", change)))
+    run = run_fingertip(
+        "board", *ARTICLE_OPTIONS, "--out", folder, *(word for change in changes for word in ("--set", change))
+    )
     assert run.returncode == 2
     assert files_in(folder) == before
     lines = run.stderr.splitlines()
@@ -159,11 +161,16 @@ def test_change_of_parts_or_nets_writes_nothing(folder: Path, changes: tuple[str
     for name, line in zip((LAYOUT, SCHEMATIC), lines, strict=True):
         assert f"{name}: was edited, and this design changes more than values (it " in line
         assert "add --force to overwrite your edits" in line
-    run = run_fingertip("board", "--out", folder, "--force", *(w for c in changes for w in ("--set", c)))
+    run = run_fingertip(
+        "board", *ARTICLE_OPTIONS, "--out", folder, "--force", *(w for c in changes for w in ("--set", c))
+    )
     assert run.returncode == 0
     assert b"(at 105 95 45)" not in (folder / LAYOUT).read_bytes()
     assert (
-        run_fingertip("board", "--out", folder, "--check", *(w for c in changes for w in ("--set", c))).returncode == 0
+        run_fingertip(
+            "board", *ARTICLE_OPTIONS, "--out", folder, "--check", *(w for c in changes for w in ("--set", c))
+        ).returncode
+        == 0
     )
 
 
@@ -188,7 +195,7 @@ def test_every_change_of_structure_is_described() -> None:
 
 def test_value_changed_by_hand_stays_where_the_design_does_not_change_it(folder: Path) -> None:
     edit(folder / LAYOUT, r'"Value" "82"', '"Value" "81.6"')
-    write_board(Design.load(changes=OTHER_VALUES), folder)
+    write_board(load_article(OTHER_VALUES), folder)
     found = fields(parse((folder / LAYOUT).read_text("utf-8")), "footprint")
     assert found["R13"]["Value"] == "81.6"
     assert found["R1"]["Value"] == "2k"
@@ -198,7 +205,7 @@ def test_value_changed_by_hand_and_by_the_design_is_refused(folder: Path) -> Non
     edit(folder / LAYOUT, r'"Value" "2\.4k"', '"Value" "2.37k"')
     before = files_in(folder)
     with pytest.raises(OutputError, match=r"R1 has Value '2\.37k' by hand, and this design changes it from '2\.4k' to"):
-        write_board(Design.load(changes=OTHER_VALUES), folder)
+        write_board(load_article(OTHER_VALUES), folder)
     assert files_in(folder) == before
 
 
@@ -208,7 +215,7 @@ def test_renumbered_part_keeps_its_value(folder: Path) -> None:
         text = (folder / name).read_bytes().decode()
         swapped = re.sub(r'"R([16])"', lambda match: f'"R{7 - int(match[1])}"', text)
         (folder / name).write_bytes(swapped.encode())
-    write_board(Design.load(changes=OTHER_VALUES), folder)
+    write_board(load_article(OTHER_VALUES), folder)
     for name, kind in ((LAYOUT, "footprint"), (SCHEMATIC, "symbol")):
         found = fields(parse((folder / name).read_text("utf-8")), kind)
         assert found["R6"]["Value"] == found["R1"]["Value"] == "2k"
@@ -218,10 +225,10 @@ def test_renumbered_part_keeps_its_value(folder: Path) -> None:
 def test_removed_part_whose_value_changes_is_refused(folder: Path) -> None:
     edit(folder / LAYOUT, r'\n  \(footprint "Resistor_SMD.*?(?=\n  \(footprint)', "")
     assert "R1" not in fields(parse((folder / LAYOUT).read_text("utf-8")), "footprint")
-    write_board(Design(), folder)  # nothing changes, so nothing is missed
+    write_board(ARTICLE, folder)  # nothing changes, so nothing is missed
     before = files_in(folder)
     with pytest.raises(OutputError, match="lacks R1, whose LCSC, MPN and Value"):
-        write_board(Design.load(changes=OTHER_VALUES), folder)
+        write_board(load_article(OTHER_VALUES), folder)
     assert files_in(folder) == before
 
 
@@ -230,20 +237,20 @@ def test_without_the_netlist_it_cannot_be_told_what_changes(folder: Path) -> Non
     edit(folder / NETLIST, '"2k"', '"2.1k"')
     before = files_in(folder)
     with pytest.raises(OutputError, match=r"slip_filter\.net, which states its circuit, is missing or was changed"):
-        write_board(Design.load(changes=OTHER_VALUES), folder)
+        write_board(load_article(OTHER_VALUES), folder)
     assert files_in(folder) == before
 
 
 def test_damaged_layout_is_refused(folder: Path) -> None:
     (folder / LAYOUT).write_bytes((folder / LAYOUT).read_bytes()[:5000])
     with pytest.raises(OutputError, match=r"kicad_pcb: was edited and cannot be read \(it has no complete list\)"):
-        write_board(Design.load(changes=OTHER_VALUES), folder)
+        write_board(load_article(OTHER_VALUES), folder)
 
 
 def test_project_that_kicad_changed_is_kept(folder: Path) -> None:
     changed = edit(folder / PROJECT, r'"bus_width": 12', '"bus_width": 13')
     notes: list[str] = []
-    write_board(Design.load(changes=OTHER_PARTS), folder, progress=notes.append)
+    write_board(load_article(OTHER_PARTS), folder, progress=notes.append)
     assert notes == [f"{folder / PROJECT}: was changed in KiCad, and is kept as it is."]
     assert (folder / PROJECT).read_bytes() == changed
 
@@ -251,18 +258,18 @@ def test_project_that_kicad_changed_is_kept(folder: Path) -> None:
 def test_fabrication_files_of_an_edited_board_are_refused(folder: Path) -> None:
     move_r1(folder)
     before = files_in(folder)
-    run = run_fingertip("board", "--out", folder, "--fab", "--set", OTHER_VALUES[0])
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", folder, "--fab", "--set", OTHER_VALUES[0])
     assert run.returncode == 2
     assert "kicad_pcb: was edited, and --fab would export the board without your edits" in run.stderr
     assert files_in(folder) == before
-    write_board(Design.load(changes=OTHER_VALUES), folder)
+    write_board(load_article(OTHER_VALUES), folder)
     with pytest.raises(OutputError, match="without your edits"):
-        write_fabrication(Design.load(changes=OTHER_VALUES), folder)
+        write_fabrication(load_article(OTHER_VALUES), folder)
 
 
 def test_command_states_what_happened_to_the_edits(folder: Path) -> None:
     move_r1(folder)
-    run = run_fingertip("board", "--out", folder, "--set", OTHER_VALUES[0], "--json")
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", folder, "--set", OTHER_VALUES[0], "--json")
     assert run.returncode == 0
     (note,) = json.loads(run.stdout)["edited"]
     assert note in run.stderr.splitlines()
@@ -301,7 +308,7 @@ def test_layout_saved_by_kicad_keeps_its_positions_and_passes_the_checks(folder:
     move_label(folder / SCHEMATIC)
     saved = parse((folder / LAYOUT).read_text("utf-8"))
     assert run_drc(folder) == NO_VIOLATIONS
-    write_board(Design.load(changes=OTHER_VALUES), folder)
+    write_board(load_article(OTHER_VALUES), folder)
     now = parse((folder / LAYOUT).read_text("utf-8"))
     assert without_fields(now) == without_fields(saved)
     assert fields(now, "footprint")["R1"]["Value"] == "2k" != fields(saved, "footprint")["R1"]["Value"]
@@ -338,9 +345,9 @@ def test_values_printed_on_the_board_follow_in_an_edited_layout(folder: Path, mo
         return make_layout(circuit, configuration).removesuffix(b")\n") + text.encode()
 
     monkeypatch.setattr(output, "_make_layout", print_value)
-    write_board(Design(), folder)
+    write_board(ARTICLE, folder)
     move_r1(folder)
-    write_board(Design.load(changes=OTHER_VALUES), folder)
+    write_board(load_article(OTHER_VALUES), folder)
     layout = (folder / LAYOUT).read_bytes()
     assert b'(gr_text "R1 2k" (uuid "printed"))' in layout
     assert b"(at 105 95 45)" in layout

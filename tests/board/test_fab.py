@@ -16,30 +16,30 @@ from fingertip.board.fabrication.fabrication_files import export_gerbers, kicad_
 from fingertip.board.fabrication.provenance import find_outdated_files, provenance_record
 from fingertip.board.layout.placement import load_placement
 from fingertip.board.output import LAYOUT, PROVENANCE, README
-from fingertip.design import Design
 from fingertip.errors import OutputError
 from fingertip.output_set import MANIFEST
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.conftest import run_fingertip
+from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
 from tests.tools import require_tool
 
-CIRCUIT = board_circuit(board_values(Design()))
+CIRCUIT = board_circuit(board_values(ARTICLE))
 ARTICLE_PLACEMENT = load_placement("article_split")
 
 
 def test_check_passes_for_an_up_to_date_folder(tmp_path: Path) -> None:
-    write_board(Design(), tmp_path)
-    run = run_fingertip("board", "--check", "--out", tmp_path)
+    write_board(ARTICLE, tmp_path)
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--check", "--out", tmp_path)
     assert (run.returncode, run.stderr) == (0, "")
     assert "is up to date with this design" in run.stdout
 
 
 def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
-    write_board(Design(), tmp_path)
+    write_board(ARTICLE, tmp_path)
     (tmp_path / "slip_filter.net").write_bytes((tmp_path / "slip_filter.net").read_bytes().replace(b'"4.7k"', b'"47k"'))
     (tmp_path / "bom.csv").unlink()
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-    run = run_fingertip("board", "--check", "--json", "--out", tmp_path)
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--check", "--json", "--out", tmp_path)
     assert run.returncode == 1
     data = json.loads(run.stdout)
     assert data["current"] is False
@@ -53,19 +53,19 @@ def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
 
 
 def test_check_detects_files_of_another_design(tmp_path: Path) -> None:
-    write_board(Design(), tmp_path)
-    assert board_differences(Design.load(changes=["board.cutoff_hz=80"]), tmp_path)
+    write_board(ARTICLE, tmp_path)
+    assert board_differences(load_article(["board.cutoff_hz=80"]), tmp_path)
 
 
 def test_readme_of_somebody_else_is_kept(tmp_path: Path) -> None:
     (tmp_path / README).write_text("# Mine\n")
     with pytest.raises(OutputError, match=r"README\.md: was not written by fingertip"):
-        write_board(Design(), tmp_path)
+        write_board(ARTICLE, tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == [README]
-    write_board(Design(), tmp_path, force=True)
-    assert board_differences(Design(), tmp_path) == []
+    write_board(ARTICLE, tmp_path, force=True)
+    assert board_differences(ARTICLE, tmp_path) == []
     (tmp_path / README).write_text("# Mine\n")
-    assert any("README.md: differs" in line for line in board_differences(Design(), tmp_path))
+    assert any("README.md: differs" in line for line in board_differences(ARTICLE, tmp_path))
 
 
 def parse_csv(data: bytes) -> list[dict[str, str]]:
@@ -74,7 +74,7 @@ def parse_csv(data: bytes) -> list[dict[str, str]]:
 
 @pytest.mark.slow
 def test_placement_file_equals_kicads(tmp_path: Path) -> None:
-    write_board(Design(), tmp_path / "pcb")
+    write_board(ARTICLE, tmp_path / "pcb")
     run = kicad_cli(
         tmp_path / "pcb", "pcb", "export", "pos", LAYOUT, "--use-drill-file-origin", "--format", "csv", "--units", "mm",
         "-o", "pos.csv",
@@ -98,7 +98,7 @@ def test_fabrication_files_are_complete_and_reproducible(tmp_path: Path) -> None
     assert (run.returncode, run.stderr) == (0, "")
     fab = tmp_path / "fab"
     archive = zipfile.ZipFile(fab / "slip_filter_gerbers.zip")
-    with kicad_session(board_files(Design()), lambda message: None) as (folder, run_kicad):
+    with kicad_session(board_files(ARTICLE), lambda message: None) as (folder, run_kicad):
         assert export_gerbers(folder, run_kicad, "slip_filter") == (fab / "slip_filter_gerbers.zip").read_bytes()
     names = {name.removeprefix("slip_filter").split(".")[0] for name in archive.namelist()}
     assert {"-F_Cu", "-B_Cu", "-F_Mask", "-B_Mask", "-F_Silkscreen", "-F_Paste", "-Edge_Cuts", "-PTH", "-NPTH"} <= names
@@ -113,7 +113,7 @@ def test_fabrication_files_are_complete_and_reproducible(tmp_path: Path) -> None
     recorded = [line.split("  ")[1] for line in (fab / PROVENANCE).read_text().splitlines()]
     own = {PROVENANCE, MANIFEST}
     assert {path.name for path in fab.iterdir()} == {name for name in recorded if "/" not in name} | own
-    assert run_fingertip("board", "--check", "--fab", "--out", tmp_path).returncode == 0
+    assert run_fingertip("board", *ARTICLE_OPTIONS, "--check", "--fab", "--out", tmp_path).returncode == 0
 
 
 BOARD_FILES = {
@@ -152,7 +152,7 @@ def test_gerbers_of_an_earlier_board_are_reported(tmp_path: Path) -> None:
     (tmp_path / "fab").mkdir()
     (tmp_path / "fab" / "slip_filter_gerbers.zip").write_bytes(b"zip")
     (tmp_path / "fab" / PROVENANCE).write_bytes(
-        provenance_record(board_files(Design()), {"slip_filter_gerbers.zip": b"zip"})
+        provenance_record(board_files(ARTICLE), {"slip_filter_gerbers.zip": b"zip"})
     )
     assert run_fingertip("board", "--out", tmp_path, "--check", "--fab").returncode == 0
     assert "warning" not in run_fingertip("board", "--out", tmp_path).stderr

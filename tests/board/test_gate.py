@@ -50,12 +50,13 @@ from fingertip.design.amplifier_stages import (
 from fingertip.design.preferred_series import find_preferred_neighbours
 from fingertip.errors import DesignError
 from tests.board.ngspice import HOW_TO_INSTALL_NGSPICE, run_ngspice
+from tests.designs import load_article
 from tests.oracles.gate_in_ngspice import check_gate_in_ngspice
 from tests.tools import require_tool
 
 
 def load(name: str, *changes: str) -> Design:
-    return Design.load(changes=[*BOARD_CONFIGURATIONS[name].changes, *changes])
+    return load_article([*BOARD_CONFIGURATIONS[name].changes, *changes])
 
 
 # The catalogue
@@ -101,10 +102,10 @@ def test_board_for_a_controller_meets_every_condition_over_its_range(variant: st
 def test_a_board_for_a_controller_has_amplifiers_that_work_on_its_supply(name: str) -> None:
     changes = ["board.supply=single_3v3", "board.supply_v=3.3", "board.variant=precision", f"board.amplifier={name}"]
     if CATALOGUE[name].min_supply_v <= 3.3:
-        assert board_values(Design.load(changes=changes)).amplifier == name
+        assert board_values(load_article(changes)).amplifier == name
         return
     with pytest.raises(DesignError, match=r"this supply puts 3\.3 V across it; set board\.amplifier=auto"):
-        Design.load(changes=changes)
+        load_article(changes)
 
 
 # What was accepted in silence
@@ -126,7 +127,7 @@ ACCEPTED_IN_SILENCE = {
 @pytest.mark.parametrize("changes", ACCEPTED_IN_SILENCE, ids=" ".join)
 def test_boards_that_cannot_work_are_refused(changes: tuple[str, ...]) -> None:
     with pytest.raises(DesignError, match=ACCEPTED_IN_SILENCE[changes]):
-        Design.load(changes=list(changes))
+        load_article(list(changes))
 
 
 @pytest.mark.parametrize(
@@ -142,7 +143,7 @@ def test_boards_that_cannot_work_are_refused(changes: tuple[str, ...]) -> None:
     ids=" ".join,
 )  # fmt: skip
 def test_remedies_pass_and_their_boards_meet_every_required_condition(changes: tuple[str, ...]) -> None:
-    conditions = board_values(Design.load(changes=list(changes))).gate
+    conditions = board_values(load_article(list(changes))).gate
     assert [c for c in conditions if c.level == "required" and not c.passed] == []
 
 
@@ -225,7 +226,7 @@ def test_charging_current_agrees_with_a_simulated_peak_detector(f_hz: float, pea
 
 
 def test_a_converter_that_the_idle_level_saturates_is_warned_of() -> None:
-    conditions = board_values(Design.load(changes=["detector.adc_range_v=3.3"])).gate
+    conditions = board_values(load_article(["detector.adc_range_v=3.3"])).gate
     warning = next(gate_warnings(conditions))
     assert warning.startswith("tactile voltage at idle (TACTILE): 4.41 V, must be at most 3.30 V; the converter is")
     assert find_smallest_margin(conditions) == find_smallest_margin(conditions, IDLE) < 1
@@ -239,7 +240,7 @@ def test_margin_is_one_at_the_limit() -> None:
 
 
 def test_a_converter_of_less_than_the_clamps_rail_is_warned_of() -> None:
-    conditions = board_values(Design.load(changes=["detector.adc_range_v=4.6"])).gate
+    conditions = board_values(load_article(["detector.adc_range_v=4.6"])).gate
     assert {c.name: c.passed for c in conditions if c.name in (IDLE, CLAMP)} == {IDLE: True, CLAMP: False}
     (warning,) = gate_warnings(conditions)
     assert "clamp of the converter's pins (D2, D3): 5.00 V, should be at most 4.60 V; the clamps do not" in warning
@@ -323,7 +324,7 @@ RANDOM = random_changes(seed=2, count=24)
 def test_accepted_random_boards_hold_the_conditions_in_ngspice(tmp_path: Path, changes: list[str]) -> None:
     program = str(require_tool("ngspice", HOW_TO_INSTALL_NGSPICE))
     try:
-        design = Design.load(changes=changes)
+        design = load_article(changes)
     except DesignError:
         return
     assert [c for c in board_values(design).gate if c.level == "required" and not c.passed] == []
@@ -335,7 +336,7 @@ def test_most_random_boards_are_accepted() -> None:
     accepted = 0
     for changes in random_changes(seed=3):
         try:
-            Design.load(changes=changes)
+            load_article(changes)
         except DesignError:
             continue
         accepted += 1

@@ -14,9 +14,9 @@ from fingertip.board.components.component_values import select_components
 from fingertip.board.components.filter import select_filter_capacitor, select_filter_resistors
 from fingertip.board.components.joint_choice import DEVIATION_BAND, choose_jointly, compute_deviation_db
 from fingertip.board.components.preferred_values import values_in_range
-from fingertip.design import Design
 from fingertip.design.filter_components import FilterComponents, ideal_components
 from fingertip.design.parameters import Board
+from tests.designs import load_article
 
 
 def ideal_ohm(cutoff_hz: float, capacitor_uf: float = 1.0) -> tuple[tuple[float, float, float], FilterComponents]:
@@ -72,7 +72,7 @@ def test_deviations_fall_by_half(series: str) -> None:
 
 def test_the_articles_values_are_both_choices() -> None:
     for choice in ("joint", "apart"):
-        values = select_components(Design.load(changes=[f"board.resistor_choice={choice}"])).preferred
+        values = select_components(load_article([f"board.resistor_choice={choice}"])).preferred
         assert (values.r1_ohm, values.r2_ohm, values.r3_ohm) == (2400.0, 1200.0, 4700.0)
 
 

@@ -21,17 +21,17 @@ from fingertip.board.kicad.symbols import DUAL_AMPLIFIERS
 from fingertip.board.kicad.uuids import component_uuid
 from fingertip.board.output import LAYOUT, NETLIST, PROJECT, README, SCHEMATIC
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
+from tests.designs import ARTICLE, load_article
 from tests.oracles.sexpressions import Expression, children, descendants, parse
 from tests.tools import require_tool
 
-CIRCUIT = board_circuit(board_values(Design()))
+CIRCUIT = board_circuit(board_values(ARTICLE))
 # Distinct components of all boards. The same reference may be another component on another supply.
 COMPONENTS = {
     (component.reference, component.symbol.name, component.footprint): component
     for variant in BOARD_CONFIGURATIONS.values()
-    for component in board_circuit(board_values(Design.load(changes=variant.changes))).components
+    for component in board_circuit(board_values(load_article(variant.changes))).components
 }.values()
 SYMBOLS = sorted(
     {component.symbol for component in COMPONENTS} | set(DUAL_AMPLIFIERS.values()), key=lambda s: (s.library, s.name)
@@ -144,7 +144,7 @@ def import_netlist(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
 
 @pytest.mark.slow
 def test_pcb_editor_imports_the_netlist(import_netlist: Any, tmp_path: Path) -> None:
-    write_board(Design(), tmp_path)
+    write_board(ARTICLE, tmp_path)
     record = import_netlist(tmp_path / NETLIST)
     assert "failed" not in record, record
     assert "Total warnings: 0, errors: 0." in record["tested"]
@@ -177,7 +177,7 @@ def test_pcb_editor_detects_a_corrupted_netlist(
     import_netlist: Any, tmp_path: Path, original: str, corrupted: str
 ) -> None:
     """The test above can fail: each of these corruptions gives warnings, errors or another board."""
-    write_board(Design(), tmp_path)
+    write_board(ARTICLE, tmp_path)
     text = (tmp_path / NETLIST).read_text("utf-8")
     assert original in text
     (tmp_path / "corrupted.net").write_text(text.replace(original, corrupted), encoding="utf-8")
@@ -196,7 +196,7 @@ def test_checks_that_are_off_find_what_the_readme_says(tmp_path: Path) -> None:
     require_tool("kicad-cli", HOW_TO_INSTALL_KICAD)
     templates = require_tool("/usr/share/kicad/template", HOW_TO_INSTALL_KICAD)
     folder = tmp_path / "pcb"
-    write_board(Design(), folder)
+    write_board(ARTICLE, folder)
     project = json.loads((folder / PROJECT).read_text("utf-8"))
     off = project["board"]["design_settings"]["rule_severities"], project["erc"]["rule_severities"]
     assert [set(checks) for checks in off] == [set(IGNORED_ON_BOARD), set(IGNORED_IN_SCHEMATIC)]

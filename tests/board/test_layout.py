@@ -31,10 +31,10 @@ from fingertip.board.layout.silkscreen import silkscreen_conflicts
 from fingertip.board.layout.template import Tracks, load_template
 from fingertip.board.output import LAYOUT
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
 from fingertip.errors import BoardError
 from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
+from tests.designs import ARTICLE, load_article
 from tests.oracles.sexpressions import children, parse
 from tests.tools import require_tool
 from tools.routing.copper import list_copper, segment_gap
@@ -45,14 +45,14 @@ from tools.routing.router import route
 from tools.routing.stitch import is_inside
 from tools.routing.widen import RAILS, WIDTHS_MM, rail_share, widen_rails
 
-CIRCUIT = board_circuit(board_values(Design()))
+CIRCUIT = board_circuit(board_values(ARTICLE))
 ARTICLE_PLACEMENT = load_placement("article_split")
 
 
 def load_board(name: str) -> tuple[Circuit, Placement]:
     """Circuit and placement of a board."""
     configuration = BOARD_CONFIGURATIONS[name]
-    return board_circuit(board_values(Design.load(changes=configuration.changes))), configuration.placement
+    return board_circuit(board_values(load_article(configuration.changes))), configuration.placement
 
 
 DESIGN_RULES = DesignRules(TRACK_MM, CLEARANCE_MM, VIA_MM, EDGE_CLEARANCE_MM)
@@ -98,7 +98,7 @@ CORRUPTIONS = {
 @pytest.mark.slow
 @pytest.mark.parametrize(("original", "corrupted", "key"), CORRUPTIONS.values(), ids=CORRUPTIONS)
 def test_design_rules_check_detects_a_corrupted_board(tmp_path: Path, original: str, corrupted: str, key: str) -> None:
-    write_board(Design(), tmp_path / "pcb")
+    write_board(ARTICLE, tmp_path / "pcb")
     path = tmp_path / "pcb" / LAYOUT
     pattern = original if "\\" in original else re.escape(original)
     maximum = 1 if original.startswith(r"\(pad") else 0

@@ -24,10 +24,10 @@ from fingertip.board.kicad.step_boxes import Block
 from fingertip.board.layout.placement import Placement, rotate_offset
 from fingertip.board.output import LAYOUT
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
 from fingertip.errors import OutputError
 from tests.board.conftest import BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
+from tests.designs import ARTICLE, load_article
 from tests.oracles.sexpressions import children, parse
 from tests.tools import require_module, require_tool
 
@@ -39,7 +39,7 @@ Centre = tuple[float, float, float]
 
 def load_board(name: str) -> tuple[Circuit, Placement]:
     configuration = BOARD_CONFIGURATIONS[name]
-    return board_circuit(board_values(Design.load(changes=configuration.changes))), configuration.placement
+    return board_circuit(board_values(load_article(configuration.changes))), configuration.placement
 
 
 def volume(block: Block) -> float:
@@ -153,10 +153,10 @@ def test_variable_selects_another_folder_of_models(board_folder: BoardFolder, tm
 
 
 def test_changed_model_is_kept_and_reported(tmp_path: Path) -> None:
-    write_board(Design(), tmp_path)
+    write_board(ARTICLE, tmp_path)
     model = tmp_path / MODEL_FOLDER / model_path(MODELLED[0])
     model.write_bytes(b"mine")
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     with pytest.raises(OutputError, match="was changed since"):
-        write_board(Design.load(changes=["board.cutoff_hz=80"]), tmp_path)
+        write_board(load_article(["board.cutoff_hz=80"]), tmp_path)
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before

@@ -16,6 +16,7 @@ from fingertip.board.output import NETLIST
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from tests.conftest import ROOT, run_fingertip
+from tests.designs import load_article
 from tests.oracles.filter_formulas import filter_transfer, tactile_pin_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
 from tests.oracles.netlist_nodal import NetlistCircuit, parse
@@ -40,7 +41,7 @@ DESIGNS = {
 
 
 def write_netlist(folder: Path, changes: list[str]) -> tuple[Design, Path]:
-    design = Design.load(changes=changes)
+    design = load_article(changes)
     write_board(design, folder)
     return design, folder / NETLIST
 
@@ -191,7 +192,7 @@ def test_netlist_meets_the_requirements_of_kicads_reader(tmp_path: Path) -> None
 
 
 def test_uuids_do_not_depend_on_values() -> None:
-    first, second = (board_circuit(board_values(Design.load(changes=c))) for c in ([], ["board.series=E96"]))
+    first, second = (board_circuit(board_values(load_article(c))) for c in ([], ["board.series=E96"]))
     assert first != second
     assert component_uuid(first, "R1") == component_uuid(second, "R1") == "0954e7c3-2994-54f4-a8ff-12cb4395b0e6"
 
@@ -209,12 +210,13 @@ def test_two_processes_write_the_same_bytes(tmp_path: Path) -> None:
     assert sorted({path.parts[0] for path in digests[0]}) == FILES
 
 
-def test_bundled_board_files_are_up_to_date(tmp_path: Path) -> None:
-    """The folder pcb/ holds the files of the default design, with its bring-up sheet."""
-    write_board(Design(), tmp_path, bring_up=True)
+@pytest.mark.parametrize(("design", "folder"), [("fsr400", "pcb"), ("article", "pcb/article")])
+def test_bundled_board_files_are_up_to_date(tmp_path: Path, design: str, folder: str) -> None:
+    """The folder pcb/ holds the default board with its bring-up sheet, pcb/article/ that of the article."""
+    write_board(Design.load(design), tmp_path, bring_up=True)
     for name in (file.relative_to(tmp_path) for file in tmp_path.rglob("*") if file.is_file()):
-        assert (ROOT / "pcb" / name).read_bytes() == (tmp_path / name).read_bytes(), (
-            f"run: fingertip board --out pcb --bringup ({name})"
+        assert (ROOT / folder / name).read_bytes() == (tmp_path / name).read_bytes(), (
+            f"run: fingertip board {design} --out {folder} --bringup ({name})"
         )
 
 

@@ -36,6 +36,7 @@ from fingertip.design import Design
 from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.design.filter_components import FilterComponents, ideal_components
 from fingertip.design.parameters import Board
+from tests.designs import load_article
 from tests.oracles.filter_formulas import (
     comparator_threshold_v,
     envelope_offset_gains,
@@ -73,7 +74,7 @@ SLOW = replace(CATALOGUE["TL082"], bandwidth_hz=1.0)
 
 def load(name: str, *changes: str) -> tuple[Design, Circuit]:
     """Return the design of a configuration with changes, and its circuit."""
-    design = Design.load(changes=(*BOARD_CONFIGURATIONS[name].changes, *changes))
+    design = load_article((*BOARD_CONFIGURATIONS[name].changes, *changes))
     return design, board_circuit(board_values(design))
 
 

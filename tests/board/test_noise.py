@@ -12,19 +12,19 @@ from fingertip.board import board_circuit, board_files, board_values
 from fingertip.board.analysis.analyse import analyse
 from fingertip.board.analysis.noise import HALF_WAVE_MEAN, NETS, add_noise, noise_budget, noise_warning
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
 from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
+from tests.designs import ARTICLE, load_article
 
-VALUES = board_values(Design())
+VALUES = board_values(ARTICLE)
 CIRCUIT = board_circuit(VALUES)
 
 
 def test_noise_of_each_resistor_agrees_with_ngspice(tmp_path: Path) -> None:
     """The noise is integrated from 1 Hz to 100 kHz at the output of the filter."""
-    board = add_noise(CIRCUIT, find_gain_bandwidth_hz(Design().board))
+    board = add_noise(CIRCUIT, find_gain_bandwidth_hz(ARTICLE.board))
     square = board.squares("FILTERED", (1.0, 1e5))
     computed = {source.name: math.sqrt(v) for source, v in zip(board.sources, square, strict=True)}
     resistors = ["R1", "R2", "R3", "R4", "R5", "R10", "R11", "R12", "R13", "R14"]
@@ -39,7 +39,7 @@ def test_noise_of_each_resistor_agrees_with_ngspice(tmp_path: Path) -> None:
 def test_total_noise_agrees_with_ngspice(board_folder: BoardFolder, tmp_path: Path, name: str) -> None:
     """All amplifiers and resistors, 0.1 Hz to 1 MHz: 19 mV after the filters, of which C20 leaves 6 mV."""
     changes = BOARD_CONFIGURATIONS[name].changes
-    design = Design.load(changes=changes)
+    design = load_article(changes)
     rows, total = noise_budget(add_noise(board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board)))
     assert rows[0].cause == "U2"
     deck = (board_folder(*changes) / "slip_filter.cir").read_text("utf-8")
@@ -60,7 +60,7 @@ def test_noise_alternatives_agree_with_density_times_bandwidth() -> None:
     poles = 800e3 / VALUES.bridge.gain, 4e6 / VALUES.achieved_response.passband_gain
     bandwidth = math.pi / 2 * poles[0] * poles[1] / (poles[0] + poles[1])
     for variant in ("article", "precision"):
-        analysis = analyse(Design.load(changes=[f"board.variant={variant}", "board.amplifier=TL082"]), boards=10)
+        analysis = analyse(load_article([f"board.variant={variant}", "board.amplifier=TL082"]), boards=10)
         alternatives = {item.change: item for item in analysis.noise_alternatives}
         unlimited, limited = (
             ("this variant", "with C20 across R5")
@@ -82,7 +82,7 @@ def test_noise_alternatives_agree_with_density_times_bandwidth() -> None:
                 assert item.filtered_v < 0.25 * alternatives[change.split(",")[0]].filtered_v
     mean_envelope_v = alternatives["this variant"].mean_envelope_v
     assert mean_envelope_v is not None
-    assert mean_envelope_v < 0.15 * Design().detector.threshold_v
+    assert mean_envelope_v < 0.15 * ARTICLE.detector.threshold_v
 
 
 def test_mean_of_rectified_noise_agrees_with_random_samples() -> None:
@@ -91,7 +91,7 @@ def test_mean_of_rectified_noise_agrees_with_random_samples() -> None:
 
 
 def test_noise_and_offset_budgets_contain_the_dominant_contributions() -> None:
-    analysis = analyse(Design(), boards=100)
+    analysis = analyse(ARTICLE, boards=100)
     assert analysis.noise[0].cause == "U2"
     offsets = {item.cause: dict(zip(NETS, item.volts, strict=True)) for item in analysis.offset}
     # An erratum of the article: 3 mV become 203 mV ahead of C2, which blocks them.
@@ -105,10 +105,10 @@ def test_noise_and_offset_budgets_contain_the_dominant_contributions() -> None:
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_readme_of_the_folder_contains_the_noise(board_folder: BoardFolder, name: str) -> None:
     changes = BOARD_CONFIGURATIONS[name].changes
-    analysis = analyse(Design.load(changes=changes), boards=10)
+    analysis = analyse(load_article(changes), boards=10)
     text = " ".join((board_folder(*changes) / "README.md").read_text("utf-8").split())
     alternatives = {item.change: item for item in analysis.noise_alternatives}
-    first_stage = board_values(Design.load(changes=changes)).first_stage_capacitors
+    first_stage = board_values(load_article(changes)).first_stage_capacitors
     is_article = name.startswith("article")
     unlimited_v = alternatives["this variant" if is_article else "without C20 across R5"].filtered_v
     tactile_v = analysis.noise_total_v[NETS.index("TACTILE")]
@@ -128,7 +128,7 @@ HIGH_NOISE = ("board.passband_gain=300", "board.amplifier=OPA2197")
 
 @pytest.mark.parametrize(("threshold", "is_warned_of"), [("0.004", True), ("0.012", False), ("0.017", False)])
 def test_noise_above_the_threshold_is_warned_of(threshold: str, is_warned_of: bool) -> None:
-    design = Design.load(changes=("board.variant=precision", *HIGH_NOISE, f"detector.threshold_v={threshold}"))
+    design = load_article(("board.variant=precision", *HIGH_NOISE, f"detector.threshold_v={threshold}"))
     text = " ".join(board_files(design)["README.md"].decode().split())
     assert f"mean envelope due to noise is 10.9 mV; the threshold is {1e3 * float(threshold):g} mV" in text
     warning = noise_warning(board_values(design).noise, design.detector.threshold_v)
@@ -137,5 +137,5 @@ def test_noise_above_the_threshold_is_warned_of(threshold: str, is_warned_of: bo
 
 
 def test_variant_article_has_no_noise_warning() -> None:
-    design = Design.load(changes=(*HIGH_NOISE, "detector.threshold_v=0.004"))
+    design = load_article((*HIGH_NOISE, "detector.threshold_v=0.004"))
     assert noise_warning(board_values(design).noise, 0.004) == ""

@@ -14,10 +14,10 @@ from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.board.network import build_network
 from fingertip.board.supplies import SUPPLIES as SUPPLY_NETS
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
 from tests.conftest import run_fingertip
+from tests.designs import ARTICLE, load_article
 
 SUPPLIES = ["split", "single"]
 
@@ -66,7 +66,7 @@ def test_envelope_offset_agrees_with_ngspice(tmp_path: Path, supply: str) -> Non
 
 def test_variant_article_has_no_envelope_offset() -> None:
     """It is below the diode's threshold."""
-    assert board_values(Design()).output_offset is None
+    assert board_values(ARTICLE).output_offset is None
 
 
 @pytest.mark.slow
@@ -109,7 +109,7 @@ def test_supply_ripple_agrees_with_ngspice(tmp_path: Path, variant: str, supply:
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_supply_ripple_is_worst_at_the_stated_force(name: str) -> None:
-    design = Design.load(changes=BOARD_CONFIGURATIONS[name].changes)
+    design = load_article(BOARD_CONFIGURATIONS[name].changes)
     values = board_values(design)
     for force_n in {0.0, 0.3, 1.0, 5.0, 20.0} - {values.supply_ripple.force_n}:
         network = build_network(board_circuit(values), 3e6, sensor_s=sensor_conductance_s(force_n))
@@ -145,7 +145,7 @@ def test_clamps_shift_both_pins_by_at_most_the_stated_voltage(tmp_path: Path, va
 
 
 def test_ripple_is_searched_from_half_of_a_low_cutoff() -> None:
-    ripple = board_values(Design.load(changes=["board.cutoff_hz=5", "board.capacitor_uf=10"])).supply_ripple
+    ripple = board_values(load_article(["board.cutoff_hz=5", "board.capacitor_uf=10"])).supply_ripple
     assert (ripple.low_hz, ripple.high_hz) == (2.5, 100e3)
 
 

@@ -30,9 +30,10 @@ from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_board
 from tests.board.ngspice import run_ngspice
+from tests.designs import load_article
 
 TONE_HZ, STEP_S = 100.0, 1 / 16_000
-DESIGN = Design.load(changes=["board.variant=comparator"])
+DESIGN = load_article(["board.variant=comparator"])
 
 
 @pytest.fixture(autouse=True)

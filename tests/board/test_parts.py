@@ -27,8 +27,8 @@ from fingertip.board.parts.table import (
     read_rows,
 )
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
 from tests.board.conftest import BOARDS
+from tests.designs import ARTICLE, load_article
 
 CHANGES = {
     "as given": (),
@@ -170,7 +170,7 @@ def meets(component: Component, part: Part) -> bool:
 @pytest.mark.parametrize("extra", CHANGES.values(), ids=CHANGES)
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_every_line_has_a_number_or_an_empty_field_and_the_reason(name: str, extra: tuple[str, ...]) -> None:
-    circuit = board_circuit(board_values(Design.load(changes=(*BOARD_CONFIGURATIONS[name].changes, *extra))))
+    circuit = board_circuit(board_values(load_article((*BOARD_CONFIGURATIONS[name].changes, *extra))))
     rows = list(csv.DictReader(io.StringIO(bill_of_materials(circuit).decode())))
     assert tuple(rows[0]) == COLUMNS
     references = [reference for row in rows for reference in row["References"].split()]
@@ -191,13 +191,13 @@ def test_every_line_has_a_number_or_an_empty_field_and_the_reason(name: str, ext
 
 def test_default_board_lacks_few_numbers() -> None:
     """The lines of the default design without a part are its pin headers and the amplifier of a certain grade."""
-    lines = list_bom(board_circuit(board_values(Design())))
+    lines = list_bom(board_circuit(board_values(ARTICLE)))
     assert [line.references for line in lines if not line.selection.part] == [["J1"], ["J2"], ["J3"], ["U1"]]
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_readme_states_what_was_not_checked(name: str) -> None:
-    design = Design.load(changes=BOARD_CONFIGURATIONS[name].changes)
+    design = load_article(BOARD_CONFIGURATIONS[name].changes)
     text = " ".join(board_files(design)[README].decode().split())
     assert "nobody checked what is in stock" in text
     turned = [c.reference for c in board_circuit(board_values(design)).components if "SOD-123" in c.footprint]
@@ -205,11 +205,11 @@ def test_readme_states_what_was_not_checked(name: str) -> None:
 
 
 def test_capacitors_have_the_tolerance_that_is_sold() -> None:
-    circuit = board_circuit(board_values(Design.load(changes=["board.variant=precision"])))
+    circuit = board_circuit(board_values(load_article(["board.variant=precision"])))
     percent = {c.reference: c.requirement.tolerance_percent for c in circuit.components if c.requirement}
     assert [percent[name] for name in ("C1", "C4", "C8", "C14", "C20", "R1", "R10")] == [10, 10, 10, 10, 5, 1, 0.1]
     stated = board_circuit(
-        board_values(Design.load(changes=["board.variant=precision", "board.capacitor_tolerance_percent=5"]))
+        board_values(load_article(["board.variant=precision", "board.capacitor_tolerance_percent=5"]))
     )
     assert stated.component("C1").rating == "X7R 16 V, 5 % or better"
     selection = select_part(stated.component("C1"))
@@ -218,12 +218,12 @@ def test_capacitors_have_the_tolerance_that_is_sold() -> None:
         "the parts table has 1u X7R 16 V in 1206 with 10 %, not 5 %; board.capacitor_tolerance_percent=0 accepts the "
         "tolerance that is sold"
     )
-    remedied = Design.load(changes=["board.variant=precision", selection.reason.split("; ")[1].split()[0]])
+    remedied = load_article(["board.variant=precision", selection.reason.split("; ")[1].split()[0]])
     assert select_part(board_circuit(board_values(remedied)).component("C1")).part
 
 
 def test_value_that_is_not_in_the_table_still_makes_a_board() -> None:
-    circuit = board_circuit(board_values(Design.load(changes=["board.capacitor_uf=0.82"])))
+    circuit = board_circuit(board_values(load_article(["board.capacitor_uf=0.82"])))
     selection = select_part(circuit.component("C1"))
     assert (selection.part, selection.fields["MPN"]) == (None, "")
     assert selection.reason == (
@@ -237,15 +237,15 @@ def test_preferred_capacitors_are_sold_without_exception(cutoff: float) -> None:
     changes = [f"board.cutoff_hz={cutoff}", "board.capacitor_series=preferred", "detector.sample_rate_hz=4000",
                "board.band_limit_hz=4000"]  # fmt: skip
     for name in ("article_split", "comparator_single"):
-        design = Design.load(changes=[*BOARD_CONFIGURATIONS[name].changes, *changes])
+        design = load_article([*BOARD_CONFIGURATIONS[name].changes, *changes])
         for component in board_circuit(board_values(design)).components:
             if isinstance(component.requirement, CapacitorRequirement):
                 assert select_part(component).part, f"{component.reference} {component.value}"
 
 
 def test_preferred_capacitors_of_the_article_are_its_own() -> None:
-    article = board_values(Design()).preferred
-    assert board_values(Design.load(changes=["board.capacitor_series=preferred"])).preferred == article
+    article = board_values(ARTICLE).preferred
+    assert board_values(load_article(["board.capacitor_series=preferred"])).preferred == article
 
 
 def test_choice_of_sold_capacitors_is_the_nearest() -> None:
@@ -278,6 +278,6 @@ def test_requirements_select_the_dielectric() -> None:
 
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
 def test_equal_lines_have_equal_parts(changes: tuple[str, ...]) -> None:
-    for line in list_bom(board_circuit(board_values(Design.load(changes=changes)))):
+    for line in list_bom(board_circuit(board_values(load_article(changes)))):
         assert len({select_part(component) for component in line.components}) == 1
         assert len({component.requirement for component in line.components}) == 1

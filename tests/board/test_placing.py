@@ -11,11 +11,11 @@ from fingertip.board.kicad.project import VIA_MM
 from fingertip.board.layout.placement import PLACEMENTS, Position, load_placement
 from fingertip.board.layout.silkscreen import label_box, needs_label, silkscreen_conflicts
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
+from tests.designs import ARTICLE
 from tools.placing.label import add_labels
 from tools.placing.place import format_placement, list_problems, place
 
-CIRCUIT = board_circuit(board_values(Design()))
+CIRCUIT = board_circuit(board_values(ARTICLE))
 PLACEMENT = load_placement("article_split")
 
 

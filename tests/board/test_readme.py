@@ -7,19 +7,19 @@ import pytest
 from fingertip.board import board_files, board_values
 from fingertip.board.analysis.figures import format_figure
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
+from tests.designs import load_article
 
 
 def readme(*changes: str) -> str:
     """README of a board's folder, without line breaks."""
-    return " ".join(board_files(Design.load(changes=changes))["README.md"].decode().split())
+    return " ".join(board_files(load_article(changes))["README.md"].decode().split())
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_readme_states_the_requirements_on_the_supply(name: str) -> None:
     text, ripple = (
         readme(*BOARD_CONFIGURATIONS[name].changes),
-        board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes)).supply_ripple,
+        board_values(load_article(BOARD_CONFIGURATIONS[name].changes)).supply_ripple,
     )
     if "3v3" in name:
         assert "Q1 blocks a reversed supply. It costs 85 uV per mA at most" in text
@@ -38,7 +38,7 @@ def test_readme_states_the_requirements_on_the_supply(name: str) -> None:
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_readme_states_the_passband_of_the_board(name: str) -> None:
     changes = (*BOARD_CONFIGURATIONS[name].changes, "board.band_limit_hz=210")
-    achieved = board_values(Design.load(changes=changes)).achieved_response
+    achieved = board_values(load_article(changes)).achieved_response
     cutoffs = {
         "article_split": "67.25 Hz and 59390 Hz",
         "article_single": "67.25 Hz and 44490 Hz",
@@ -116,7 +116,7 @@ def test_readme_describes_the_trimming_procedure_of_the_comparator() -> None:
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_readme_states_the_load_of_each_amplifier(name: str) -> None:
     changes = BOARD_CONFIGURATIONS[name].changes
-    text, loads = readme(*changes), board_values(Design.load(changes=changes)).amplifier_loads
+    text, loads = readme(*changes), board_values(load_article(changes)).amplifier_loads
     is_article = name.startswith("article")
     assert [load.amplifier for load in loads] == ["U1a", "U1b", "U2", *(() if is_article else ("U3a", "U3b"))]
     for load in loads:

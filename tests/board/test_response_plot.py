@@ -19,6 +19,7 @@ from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from tests.conftest import run_fingertip
+from tests.designs import load_article
 from tests.tools import require_module
 
 NAMES = ("article_split", "precision_single_3v3")
@@ -26,7 +27,7 @@ NAMES = ("article_split", "precision_single_3v3")
 
 @pytest.fixture(scope="module", params=NAMES)
 def design(request: pytest.FixtureRequest) -> Design:
-    return Design.load(changes=BOARD_CONFIGURATIONS[request.param].changes)
+    return load_article(BOARD_CONFIGURATIONS[request.param].changes)
 
 
 @pytest.fixture(scope="module")

@@ -14,10 +14,10 @@ from fingertip.board.output import BOM, NETLIST, SCHEMATIC
 from fingertip.board.schematic.symbol_graphics import SYMBOL_GRAPHICS
 from fingertip.board.schematic.symbols import pin_position
 from fingertip.board.variants import BOARD_CONFIGURATIONS, BoardConfiguration
-from fingertip.design import Design
 from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli, read_netlist
 from tests.board.test_kicad_libraries import COMPONENTS, load_symbols
+from tests.designs import ARTICLE, load_article
 from tests.oracles.sexpressions import children, descendants
 from tests.tools import require_tool
 
@@ -71,7 +71,7 @@ def test_schematic_passes_electrical_rules_check(board_folder: BoardFolder, chan
 )
 def test_kicads_netlist_reveals_a_corrupted_drawing(tmp_path: Path, original: str, corrupted: str) -> None:
     """The comparison of netlists can fail."""
-    write_board(Design(), tmp_path / "pcb")
+    write_board(ARTICLE, tmp_path / "pcb")
     path = tmp_path / "pcb" / SCHEMATIC
     assert original in path.read_text("utf-8")
     path.write_text(path.read_text("utf-8").replace(original, corrupted), encoding="utf-8")
@@ -80,7 +80,7 @@ def test_kicads_netlist_reveals_a_corrupted_drawing(tmp_path: Path, original: st
 
 @pytest.mark.parametrize("variant", BOARD_CONFIGURATIONS.values(), ids=BOARD_CONFIGURATIONS)
 def test_every_unit_is_placed_once_and_on_the_grid(variant: BoardConfiguration) -> None:
-    circuit = board_circuit(board_values(Design.load(changes=variant.changes)))
+    circuit = board_circuit(board_values(load_article(variant.changes)))
     placed = [(p.reference, p.unit) for p in variant.sheet.symbols]
     expected = {
         (component.reference, unit)

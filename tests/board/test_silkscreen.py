@@ -20,8 +20,8 @@ from fingertip.board.layout.pcb_file import PAGE_OFFSET_MM, REVISION
 from fingertip.board.layout.placement import Placement
 from fingertip.board.output import LAYOUT
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
 from fingertip.errors import BoardError
+from tests.designs import load_article
 from tests.oracles.sexpressions import Expression, children, descendants, parse
 
 Box = tuple[float, float, float, float]
@@ -97,7 +97,7 @@ def turn(angle: float, x: float, y: float) -> tuple[float, float]:
 
 @functools.cache
 def read_board(name: str, changes: tuple[str, ...] = ()) -> Board:
-    design = Design.load(changes=(*BOARD_CONFIGURATIONS[name].changes, *changes))
+    design = load_article((*BOARD_CONFIGURATIONS[name].changes, *changes))
     return parse_board(board_files(design)[LAYOUT].decode())
 
 
@@ -239,7 +239,7 @@ def test_signs_at_the_supply_are_at_the_right_pins(name: str) -> None:
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_back_names_board_and_revision_and_lists_the_values(name: str) -> None:
     configuration = BOARD_CONFIGURATIONS[name]
-    circuit = board_circuit(board_values(Design.load(changes=configuration.changes)))
+    circuit = board_circuit(board_values(load_article(configuration.changes)))
     texts = [text.text for text in read_board(name).texts if text.side == "B"]
     assert texts[0] == f"fingertip {name.replace('_', ' ')}"
     assert texts[1] == f"rev {REVISION}"
@@ -251,7 +251,7 @@ def test_back_names_board_and_revision_and_lists_the_values(name: str) -> None:
 def long_values(name: str) -> tuple[Circuit, Placement, tuple[str, ...]]:
     """A board whose values are as long as the list prints them."""
     configuration = BOARD_CONFIGURATIONS[name]
-    circuit = board_circuit(board_values(Design.load(changes=configuration.changes)))
+    circuit = board_circuit(board_values(load_article(configuration.changes)))
     for component in circuit.components:
         if component.reference[0] in "RC" and component.reference != "RV1":
             circuit = circuit.replace(component.reference, "14.321987k")

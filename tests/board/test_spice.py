@@ -17,6 +17,7 @@ from fingertip.design import Design
 from fingertip.design.amplifier_choice import choose_amplifier
 from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
+from tests.designs import ARTICLE, load_article
 from tests.oracles.filter_formulas import filter_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
 
@@ -37,7 +38,7 @@ DESIGNS = {
 
 
 def write_deck(folder: Path, changes: list[str]) -> tuple[Design, str]:
-    design = Design.load(changes=changes)
+    design = load_article(changes)
     write_board(design, folder)
     return design, (folder / "slip_filter.cir").read_text(encoding="utf-8")
 
@@ -70,7 +71,7 @@ def test_error_of_one_percent_in_a_component_is_detected(tmp_path: Path, origina
 
 
 def test_nonideal_transfer_function_tends_to_the_formulas() -> None:
-    values = board_values(Design()).preferred
+    values = board_values(ARTICLE).preferred
     for f in (1.0, 67.0, 1e4):
         # The remaining difference is G / A0 = 3e-4 for G = 67.7.
         assert filter_transfer(f, values, 1e15, input_f=0.0) == pytest.approx(

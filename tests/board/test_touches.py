@@ -7,16 +7,16 @@ import pytest
 
 from fingertip.board import board_values
 from fingertip.board.analysis.touches import FAST_PRESSES, KNOCK, SLOW_PRESS, SimulatedTouch, describe_touches
-from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
 from tests.conftest import ROOT
+from tests.designs import ARTICLE
 
 
 def simulate_filtered_v(scene: str, **changes: object) -> tuple[np.ndarray, np.ndarray]:
     """Times [s] and filtered voltages [V] of a scene on the default board with ideal amplifiers."""
     settings = [f"{table}={value}" for table, value in changes.items()]
     path = ROOT / "params" / "scenes" / f"{scene}.toml"
-    result = run_scene(Design(), SceneFile.load(path, changes=[*settings, 'outputs=["filtered_v"]']))
+    result = run_scene(ARTICLE, SceneFile.load(path, changes=[*settings, 'outputs=["filtered_v"]']))
     return result.time_s, result.columns["filtered_v"]
 
 
@@ -29,7 +29,7 @@ def simulate_press(touch: SimulatedTouch) -> tuple[np.ndarray, np.ndarray]:
 def test_presses_drive_the_filter_as_far_down_as_stated(press: SimulatedTouch) -> None:
     time_s, volts = simulate_press(press)
     assert volts.min() == pytest.approx(press.min_filtered_v, abs=0.06)
-    limits = board_values(Design()).voltage_limits
+    limits = board_values(ARTICLE).voltage_limits
     # An ordinary press stays within what the data sheet guarantees.
     assert (volts.min() < -limits.filter_guaranteed_trough_v) == (press is not SLOW_PRESS)
     below_s = np.count_nonzero(volts < -limits.filter_trough_v) * float(np.diff(time_s).mean())
@@ -40,10 +40,10 @@ def test_knock_drives_the_filter_as_far_down_as_stated() -> None:
     held = {"hold.min_force_n": 1.0, "hold.max_force_n": 1.0}
     _, volts = simulate_filtered_v("hard_tap", **held, **{"tap.force_n": KNOCK.force_n, "tap.rise_s": KNOCK.rise_s})
     assert volts.min() == pytest.approx(KNOCK.min_filtered_v, abs=0.06)
-    assert volts.min() < -board_values(Design()).voltage_limits.filter_trough_v
+    assert volts.min() < -board_values(ARTICLE).voltage_limits.filter_trough_v
 
 
 def test_texts_describe_these_touches() -> None:
-    (erratum,) = (e for e in board_values(Design()).errata if "phase" in e.correction)
+    (erratum,) = (e for e in board_values(ARTICLE).errata if "phase" in e.correction)
     assert describe_touches() in erratum.correction
     assert "within 40 ms" in describe_touches()

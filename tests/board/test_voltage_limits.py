@@ -27,16 +27,14 @@ from fingertip.board.components.amplifiers import (
 )
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
 from fingertip.design.parameters import Detector
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
+from tests.designs import ARTICLE, load_article
 
 
 def test_voltage_limits_of_both_supplies() -> None:
-    split, single = (
-        board_values(Design.load(changes=[f"board.supply={s}"])).voltage_limits for s in ("split", "single")
-    )
+    split, single = (board_values(load_article([f"board.supply={s}"])).voltage_limits for s in ("split", "single"))
     assert (split.signal_ground_v, single.signal_ground_v) == (0.0, 2.5)
     assert (split.filter_peak_v, single.filter_peak_v) == pytest.approx((3.5, 2.4))
     assert (split.filter_trough_v, single.filter_trough_v) == pytest.approx((2.0, 2.4))
@@ -49,7 +47,7 @@ def test_voltage_limits_of_both_supplies() -> None:
 
 def test_an_adc_range_below_the_boards_signals_is_reported() -> None:
     """The rules refuse such a range, so it is put in here."""
-    sufficient = board_values(Design.load(changes=["board.supply=single"])).voltage_limits
+    sufficient = board_values(load_article(["board.supply=single"])).voltage_limits
     insufficient = replace(sufficient, adc_range_v=3.3)
     assert sufficient.adc_overrange_v == 0
     assert describe_adc_range(sufficient) == "an ADC with a range of plus and minus 10 V covers all signals"
@@ -65,7 +63,7 @@ def test_an_adc_range_below_the_boards_signals_is_reported() -> None:
 def test_only_the_articles_board_has_an_amplifier_with_phase_reversal() -> None:
     """The TL082's input range ends 3 V above the negative rail (typical) or 4 V (guaranteed)."""
     for name, configuration in BOARD_CONFIGURATIONS.items():
-        values = board_values(Design.load(changes=configuration.changes))
+        values = board_values(load_article(configuration.changes))
         limits, is_article = values.voltage_limits, name == "article_split"
         amplifier = RAIL_TO_RAIL_AMPLIFIER
         if name.startswith("comparator"):
@@ -80,7 +78,7 @@ def test_only_the_articles_board_has_an_amplifier_with_phase_reversal() -> None:
             assert limits.filter_trough_v == limits.filter_guaranteed_trough_v
             assert above_v - limits.filter_peak_v == pytest.approx(below_v - limits.filter_trough_v, rel=1e-3)
         assert f"{limits.filter_trough_v:.1f} V down" in describe_filter_swing(limits)
-    higher_supply = board_values(Design.load(changes=["board.supply_v=5.5"])).voltage_limits
+    higher_supply = board_values(load_article(["board.supply_v=5.5"])).voltage_limits
     assert (higher_supply.filter_peak_v, higher_supply.filter_trough_v) == (4.0, 2.5)
 
 
@@ -101,12 +99,12 @@ def test_only_the_articles_board_has_an_amplifier_with_phase_reversal() -> None:
 def test_bridge_amplifier_stays_within_its_limits(supply: str, supply_v: float, series: str) -> None:
     changes = [f"board.supply={supply}", f"board.supply_v={supply_v}", f"board.series={series}"]
     changes.append("board.variant=precision")
-    assert board_values(Design.load(changes=changes)).voltage_limits.bridge_amplifier_margin_v > 0
+    assert board_values(load_article(changes)).voltage_limits.bridge_amplifier_margin_v > 0
 
 
 def test_a_bridge_at_ground_violates_the_amplifiers_limits_on_a_single_supply() -> None:
     """The AD623's internal amplifiers would have to go below ground, so the bridge refers to VMID."""
-    circuit = board_circuit(board_values(Design()))  # of a split supply: its bridge refers to ground
+    circuit = board_circuit(board_values(ARTICLE))  # of a split supply: its bridge refers to ground
     for negative_rail, minimum, maximum in (("VEE", 0.0, 5.0), ("GND", -5.0, -1.0)):
         supply = replace(SUPPLIES["split"], negative_rail=negative_rail)
         swing = compute_output_swing(AMPLIFIERS[RAIL_TO_RAIL_AMPLIFIER], supply, 5.0)
@@ -171,7 +169,7 @@ def test_charging_current_through_the_diode_stays_below_its_bound(tmp_path: Path
 
 def test_fast_amplifier_does_not_change_the_loads() -> None:
     """Its resonance with the input capacitance, at 12 MHz, lies outside the band of the vibrations."""
-    design = Design()
+    design = ARTICLE
     values = board_values(design)
     vibration_v = values.voltage_limits.vibration_peak_v
     fast = compute_amplifier_loads(board_circuit(values), 1e9, design.board.cutoff_hz, vibration_v)
@@ -197,9 +195,9 @@ def test_envelope_ends_a_diode_drop_below_the_swing_of_the_rectifiers_amplifier(
 
 
 def test_filter_load_is_inverse_to_the_capacitors() -> None:
-    tenth = board_values(Design.load(changes=["board.capacitor_uf=0.1"])).filter_load_ohm
+    tenth = board_values(load_article(["board.capacitor_uf=0.1"])).filter_load_ohm
     # R5 is a part of the load that does not change.
-    parallel = 1 / (1 / (10 * board_values(Design()).filter_load_ohm) + 0.9 / 100e3)
+    parallel = 1 / (1 / (10 * board_values(ARTICLE).filter_load_ohm) + 0.9 / 100e3)
     assert tenth == pytest.approx(parallel, rel=0.05)
 
 
@@ -210,7 +208,7 @@ def test_load_below_that_of_the_data_sheets_is_warned_of_with_a_remedy(series: s
     changes.append("board.amplifier=OPA2197")  # others cannot drive the load at all
 
     def warnings(*more: str) -> list[str]:
-        design = Design.load(changes=[*changes, *more])
+        design = load_article([*changes, *more])
         values = board_values(design)
         return list(load_warnings(design.board, values.filter_load_ohm, values.preferred.c_f))
 

@@ -15,7 +15,7 @@ from fingertip.board.circuit import Circuit
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.output import BRING_UP, WIRING
 from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design import Design
+from tests.designs import ARTICLE, load_article
 from tests.oracles.sexpressions import children, parse
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -33,7 +33,7 @@ FAR_ENDS = {
 
 def draw(name: str) -> tuple[Circuit, ElementTree.Element, float]:
     """Circuit and diagram of a board, and its supply [V]."""
-    design = Design.load(changes=BOARD_CONFIGURATIONS[name].changes)
+    design = load_article(BOARD_CONFIGURATIONS[name].changes)
     circuit = board_circuit(board_values(design))
     data = wiring_diagram(circuit, design.board.supply_v, design.name)
     return circuit, ElementTree.fromstring(data), design.board.supply_v
@@ -105,11 +105,11 @@ def test_notes_fit_the_board(name: str) -> None:
 
 
 def test_sheet_shows_the_diagram_that_is_written_with_it(tmp_path: Path) -> None:
-    write_board(Design(), tmp_path, bring_up=True)
+    write_board(ARTICLE, tmp_path, bring_up=True)
     assert f"]({WIRING})" in (tmp_path / BRING_UP).read_text("utf-8")
-    design = Design()
+    design = ARTICLE
     expected = wiring_diagram(board_circuit(board_values(design)), design.board.supply_v, design.name)
     assert (tmp_path / WIRING).read_bytes() == expected
     assert WIRING in json.loads((tmp_path / "manifest.json").read_bytes())["files"]
-    write_board(Design.load(changes=["board.cutoff_hz=80"]), tmp_path)
+    write_board(load_article(["board.cutoff_hz=80"]), tmp_path)
     assert not (tmp_path / WIRING).exists()

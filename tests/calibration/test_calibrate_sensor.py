@@ -23,8 +23,9 @@ from fingertip.errors import DesignError, TraceError
 from fingertip.sim.signal.board_output import compute_bridge_v
 from fingertip.sim.signal.bridge import ConductanceCurve, fit_conductance_curve
 from tests.conftest import ROOT
+from tests.designs import ARTICLE
 
-DESIGN = Design()
+DESIGN = ARTICLE
 RESPONSE = board_values(DESIGN).tactile_response
 TURN_ON_N = DESIGN.force_curve.turn_on_n
 WEIGHTS_G = (50.0, 100.0, 200.0, 500.0, 1000.0)
@@ -216,7 +217,7 @@ FAULTS = {
 def test_weighings_that_cannot_be_used(name: str, tmp_path: Path) -> None:
     text, message = FAULTS[name]
     (tmp_path / "w.csv").write_text(text)
-    done = run("calibrate", "sensor", tmp_path / "w.csv", "fsr400")
+    done = run("calibrate", "sensor", tmp_path / "w.csv", "article")
     assert done.exit_code == 2
     assert message in done.stderr
     assert type(done.exception) is SystemExit
@@ -255,22 +256,22 @@ def test_the_command_writes_a_design_that_the_printed_changes_give_too(tmp_path:
     path = tmp_path / "w.csv"
     path.write_text(weighings_csv(fit_conductance_curve()) + "200,3.75\n")
     out = tmp_path / "mine.toml"
-    done = run("calibrate", "sensor", path, "fsr400", "--out", out)
+    done = run("calibrate", "sensor", path, "article", "--out", out)
     assert done.exit_code == 0, done.stderr
     (changes,) = (line for line in done.stdout.splitlines() if line.startswith("--set "))
     calibrated = Design.load(out)
-    assert calibrated == Design.load("fsr400", changes=[word for word in shlex.split(changes) if word != "--set"])
+    assert calibrated == Design.load("article", changes=[word for word in shlex.split(changes) if word != "--set"])
     assert str(tmp_path) not in out.read_text()
-    data = json.loads(run("calibrate", "sensor", path, "fsr400", "--json", "-q").stdout)
+    data = json.loads(run("calibrate", "sensor", path, "article", "--json", "-q").stdout)
     assert " ".join(f"--set {change}" for change in data["set"]) == changes
     assert data["fit"]["weighings"] == 6
     low, high = data["curve"][2]["interval_95_n"]
     assert low < data["curve"][2]["force_n"] < high
     assert describe_force_curve(calibrated) in done.stdout
     first = out.read_bytes()
-    assert run("calibrate", "sensor", path, "fsr400", "--out", out).exit_code == 0
+    assert run("calibrate", "sensor", path, "article", "--out", out).exit_code == 0
     assert out.read_bytes() == first
-    refused = run("calibrate", "sensor", out, "fsr400", "--out", out)
+    refused = run("calibrate", "sensor", out, "article", "--out", out)
     assert "is an input of this command; give another name." in refused.stderr
 
 
@@ -279,13 +280,13 @@ def test_forces_say_what_they_assume(tmp_path: Path) -> None:
         "forces hold for a typical sensor; the readings of real ones differ by a factor of 2 to 8 at the same force"
     )
     assert describe_force_curve(DESIGN).startswith(typical)
-    assert typical in run("board", "fsr400", "--out", tmp_path / "b").stdout
-    assert typical in run("simulate", "fsr400", "--out", tmp_path / "t.csv").stderr
+    assert typical in run("board", "article", "--out", tmp_path / "b").stdout
+    assert typical in run("simulate", "article", "--out", tmp_path / "t.csv").stderr
     changes = ("force_curve.curve=calibrated", "force_curve.interval_factor=1.4", "force_curve.conductance_us=60")
     words = [word for change in changes for word in ("--set", change)]
-    shown = run("board", "fsr400", *words, "--out", tmp_path / "c").stdout
+    shown = run("board", "article", *words, "--out", tmp_path / "c").stdout
     assert "forces hold for the calibrated sensor, within a factor of 1.4 (95 %) between 0.5 and 10 N" in shown
-    rows = [re.search(r"^ +3 N +(\d+) ohm", run("board", "fsr400", *w, "--out", tmp_path / "d").stdout, re.MULTILINE)
+    rows = [re.search(r"^ +3 N +(\d+) ohm", run("board", "article", *w, "--out", tmp_path / "d").stdout, re.MULTILINE)
             for w in ([], words)]  # fmt: skip
     assert int(rows[1][1]) > 2.5 * int(rows[0][1])
 

@@ -30,10 +30,10 @@ from fingertip.campaign.studies.knock_rejection import study_knock_rejection
 from fingertip.campaign.studies.motor_discrimination import study_motor_discrimination
 from fingertip.campaign.studies.sampling_rates import study_sampling_rates
 from fingertip.cli import app
-from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim.article import article_trials
 from fingertip.slip import DETECTORS, Trace
+from tests.designs import ARTICLE, article_design
 
 SLIDE = next(article_trials())[0]
 SLIP = Case("slip", SLIDE, 1)
@@ -84,25 +84,25 @@ def trace_with(slips, knocks, length=8000) -> Trace:
 @pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
 def test_alarms_have_causes_and_one_event_counts_once(detector):
     trace = trace_with([(1.5, 2.0)], [(0.5, 0.53), (0.6, 0.63), (3.0, 3.05), (3.5, 3.55)])
-    (found,) = evaluate(SLIP, trace, 1.0, detector, Design(), [1.0])
+    (found,) = evaluate(SLIP, trace, 1.0, detector, ARTICLE, [1.0])
     assert found.alarms == ("contact", "release", "release")
     assert found.slips == 1
     assert 0.0 < found.delays_s[0] < 0.06
     assert found.on_share == 1.0
-    (tap,) = evaluate(Case("hard tap", SLIDE, 1), trace_with([], [(1.0, 1.1)]), 1.0, detector, Design(), [1.0])
+    (tap,) = evaluate(Case("hard tap", SLIDE, 1), trace_with([], [(1.0, 1.1)]), 1.0, detector, ARTICLE, [1.0])
     assert tap.alarms == ("hard tap",)
     assert tap.slips == 0
 
 
 def test_on_before_the_slip_is_a_false_alarm():
     trace = trace_with([(1.5, 2.0)], [(1.0, 1.5)])
-    (found,) = evaluate(SLIP, trace, 1.0, "fast", Design(), [1.0])
+    (found,) = evaluate(SLIP, trace, 1.0, "fast", ARTICLE, [1.0])
     assert found.delays_s == ()
     assert found.alarms == ("before slip",)
 
 
 def test_detection_of_incipient_slip_has_a_delay_of_zero_and_is_no_alarm():
-    (found,) = evaluate(SLIP, trace_with([(1.5, 2.0)], [(1.4931, 1.5)]), 1.0, "digital", Design(), [1.0])
+    (found,) = evaluate(SLIP, trace_with([(1.5, 2.0)], [(1.4931, 1.5)]), 1.0, "digital", ARTICLE, [1.0])
     assert found.delays_s == (0.0,)
     assert found.alarms == ()
 
@@ -110,7 +110,7 @@ def test_detection_of_incipient_slip_has_a_delay_of_zero_and_is_no_alarm():
 @pytest.mark.slow
 @pytest.mark.parametrize("noise_v", [0.0, 1e-5, 1e-4])
 def test_fast_has_no_alarms_with_less_noise_than_the_default(noise_v):
-    design = Design(detector={"noise_v": noise_v, "adc_bits": 24})
+    design = article_design(detector={"noise_v": noise_v, "adc_bits": 24})
     found = run_campaign(design, CampaignPlan(6, 3.0), ("fast",), (1.0,)).at_nominal_threshold("fast")
     assert found.found_share == 1.0
     assert found.alarms_per_minute == 0.0
@@ -122,8 +122,8 @@ def test_scaled_threshold_equals_a_detector_made_with_that_scale(detector, scale
     from fingertip.slip.intervals import intervals
 
     trace = trace_with([(1.5, 2.0)], [])
-    (found,) = evaluate(SLIP, trace, 1.0, detector, Design(), [scale])
-    on = make_detector(detector, Design(), threshold_scale=scale).process(trace.voltage_v).on
+    (found,) = evaluate(SLIP, trace, 1.0, detector, ARTICLE, [scale])
+    on = make_detector(detector, ARTICLE, threshold_scale=scale).process(trace.voltage_v).on
     assert found.delays_s == (intervals(trace.time_s, on)[0].onset_s - 1.5,)
 
 
@@ -179,19 +179,19 @@ def test_matched_threshold_is_the_lowest_one_that_keeps_the_alarm_rate():
 @pytest.mark.slow
 def test_mean_delay_is_above_the_bound_and_less_noise_lowers_the_bound():
     plan = CampaignPlan(96, 0.5)
-    bounds = np.array(compute_bounds_s(Design(), plan))
+    bounds = np.array(compute_bounds_s(ARTICLE, plan))
     assert len(bounds) == 96
-    delays = np.array(run_campaign(Design(), plan, ("fast",), (1.0,)).at_nominal_threshold("fast").delays_s)
+    delays = np.array(run_campaign(ARTICLE, plan, ("fast",), (1.0,)).at_nominal_threshold("fast").delays_s)
     assert len(delays) == 96
     # The bound limits the average over the noise, not each delay, so chance may lower it by two standard errors.
     above = delays - bounds
     assert np.mean(above) >= -2 * np.std(above) / np.sqrt(len(above))
     assert np.mean(above) < 8e-3  # the price of not taking grip changes and contacts for slip
     assert np.median(delays) < 2.5 * np.median(bounds)
-    quieter = compute_bounds_s(Design(detector={"noise_v": 1e-4, "adc_bits": 20}), plan)
+    quieter = compute_bounds_s(article_design(detector={"noise_v": 1e-4, "adc_bits": 20}), plan)
     assert np.median(quieter) < np.median(bounds)
     # Without noise the creeping pad gives all information before gross slip; the bound is never negative.
-    noiseless = Design(detector={"noise_v": 1e-7, "adc_bits": 24})
+    noiseless = article_design(detector={"noise_v": 1e-7, "adc_bits": 24})
     assert set(compute_bounds_s(noiseless, CampaignPlan(4, 0.5))) == {0.0}
 
 
@@ -201,7 +201,7 @@ def test_designs_far_from_the_articles_can_be_validated(cutoff_hz):
     """The other board variant may break a rule, and the band may be narrower than a bin of the spectrum."""
     fast = {"capacitor_uf": 0.47, "envelope_capacitor_uf": 0.39, "band_limit_hz": 2000.0}  # what the amplifiers can do
     board = {"cutoff_hz": cutoff_hz, **(fast if cutoff_hz > 100 else {})}
-    design = Design(board=board, detector={"adc_bits": 8})
+    design = article_design(board=board, detector={"adc_bits": 8})
     result = run_campaign(design, CampaignPlan(1, 0.5), scales=(1.0,))
     assert set(result.detectors) == set(DETECTORS)
     variants = {board.variant for board in study_board_variants(design, 1, 0.5)}
@@ -211,16 +211,16 @@ def test_designs_far_from_the_articles_can_be_validated(cutoff_hz):
 
 @pytest.mark.slow
 def test_longer_window_is_later_and_has_fewer_contact_alarms():
-    short, long = study_windows(Design(), 4, 1.0, windows_s=(0.005, 0.1))
+    short, long = study_windows(ARTICLE, 4, 1.0, windows_s=(0.005, 0.1))
     assert short.threshold_v > long.threshold_v
     assert short.median_s < long.median_s
     assert short.contact_alarms_per_minute > 0.0
-    article = with_window(Design(), 0.03).detector
+    article = with_window(ARTICLE, 0.03).detector
     assert (article.window_samples, article.threshold_v) == (60, pytest.approx(0.017, rel=0.06))
 
 
 def test_skin_attenuates_high_frequencies():
-    embedded, bare = compute_spectra(Design())
+    embedded, bare = compute_spectra(ARTICLE)
     assert embedded.share_above(200.0) < 0.02 < bare.share_above(200.0)
     assert embedded.share_above(20.0) == pytest.approx(1.0)
     # above 600 Hz the density is that of the ADC's noise and quantisation
@@ -280,9 +280,9 @@ def test_missed_requirement_gives_exit_code_1(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_same_campaign_gives_the_same_delays():
-    first, second = (run_campaign(Design(), CampaignPlan(2, 0.5), ("fast",), (1.0,)) for _ in range(2))
+    first, second = (run_campaign(ARTICLE, CampaignPlan(2, 0.5), ("fast",), (1.0,)) for _ in range(2))
     assert first.at_nominal_threshold("fast").delays_s == second.at_nominal_threshold("fast").delays_s
-    other = run_campaign(Design(), CampaignPlan(2, 0.5), ("fast",), (1.0,), first_seed=77)
+    other = run_campaign(ARTICLE, CampaignPlan(2, 0.5), ("fast",), (1.0,), first_seed=77)
     assert other.at_nominal_threshold("fast").delays_s != first.at_nominal_threshold("fast").delays_s
 
 
@@ -330,7 +330,7 @@ def test_larger_acceleration_shortens_the_delay_of_every_detector():
     slow, fast = (
         {
             row.detector: row
-            for row in study_accelerations(Design(), 4, accelerations_m_s2=(a,), detectors=("digital", "fast"))
+            for row in study_accelerations(ARTICLE, 4, accelerations_m_s2=(a,), detectors=("digital", "fast"))
         }
         for a in (1.0, 10.0)
     )
@@ -340,19 +340,19 @@ def test_larger_acceleration_shortens_the_delay_of_every_detector():
 
 @pytest.mark.slow
 def test_a_higher_sampling_rate_lowers_the_bound_and_does_not_lengthen_the_delay():
-    slow, own, quick = study_sampling_rates(Design(), 12, 0.5, rates_hz=(1000.0, 10_000.0))
+    slow, own, quick = study_sampling_rates(ARTICLE, 12, 0.5, rates_hz=(1000.0, 10_000.0))
     assert (slow.sample_rate_hz, own.sample_rate_hz, quick.sample_rate_hz) == (1000.0, 2000.0, 10_000.0)
     assert slow.found_share == own.found_share == quick.found_share == 1.0
     assert slow.bound_median_s > own.bound_median_s > quick.bound_median_s
     assert slow.median_s >= own.median_s >= quick.median_s - 0.002
     assert slow.alarms_per_minute == own.alarms_per_minute == quick.alarms_per_minute == 0.0
-    wide = Design(detector={"window_samples": 1200})  # 12 000 at 20 kHz would be too many
+    wide = article_design(detector={"window_samples": 1200})  # 12 000 at 20 kHz would be too many
     assert [row.sample_rate_hz for row in study_sampling_rates(wide, 1, 0.5, rates_hz=(20_000.0,))] == [2000.0]
 
 
 @pytest.mark.slow
 def test_precision_rectifier_finds_slips_that_a_bare_diode_misses():
-    rows = {(row.variant, row.by_rule): row for row in study_board_variants(Design(), 8, 0.5)}
+    rows = {(row.variant, row.by_rule): row for row in study_board_variants(ARTICLE, 8, 0.5)}
     assert rows["precision", True].found_share == 1.0
     assert rows["article", True].found_share < 1.0
     assert rows["article", True].found_share >= rows["article", False].found_share
@@ -360,7 +360,7 @@ def test_precision_rectifier_finds_slips_that_a_bare_diode_misses():
 
 
 def test_motor_is_distinguished_from_slip_by_a_longer_segment_only():
-    short, long = study_motor_discrimination(Design(), 8, 6, segments_s=(0.02, 0.15))
+    short, long = study_motor_discrimination(ARTICLE, 8, 6, segments_s=(0.02, 0.15))
     assert short.distinguished_share <= 0.5 < long.distinguished_share
     assert short.slip_residual == pytest.approx(1.0, abs=0.3)  # a pair of tones fits so short a slip within the noise
     assert long.motor_residual < long.slip_residual
@@ -369,7 +369,7 @@ def test_motor_is_distinguished_from_slip_by_a_longer_segment_only():
 def test_fast_rejects_hard_knocks_but_not_weak_ones():
     rows = {
         (t.detector, t.force_n): t.false_alarm_share
-        for t in study_knock_rejection(Design(), scenes=1, forces_n=(0.05, 2.0))
+        for t in study_knock_rejection(ARTICLE, scenes=1, forces_n=(0.05, 2.0))
     }
     assert rows["fast", 0.05] == 1.0
     assert rows["fast", 2.0] == 0.0

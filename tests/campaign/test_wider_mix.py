@@ -14,12 +14,12 @@ from fingertip.campaign.report import wider_mix_table
 from fingertip.campaign.wider_mix import bursts, scenes
 from fingertip.campaign.wider_mix.labelled_signal import LabelledSignal, Slide, assess
 from fingertip.campaign.wider_mix.mix import MixSize, generate_mix, run_detector, summarise
-from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim.article import article_trials
 from fingertip.slip.intervals import Interval
+from tests.designs import ARTICLE
 
-DESIGN = Design()
+DESIGN = ARTICLE
 SLIP = next(article_trials())[0]
 
 

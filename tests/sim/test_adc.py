@@ -9,13 +9,14 @@ from fingertip.errors import TraceError
 from fingertip.sim.scene.run import run_scene
 from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter
+from tests.designs import ARTICLE, article_design
 from tests.oracles.filter_formulas import envelope_pin_transfer, tactile_pin_transfer
 
 CONTROLLER = Design(
     board={"variant": "precision", "supply": "single_3v3", "supply_v": 3.3},
     detector={"adc_bits": 12, "adc_range_v": 3.3, "adc_polarity": "unipolar"},
 )
-DESIGNS = [Design(), Design(detector={"sample_rate_hz": 20_000.0, "window_samples": 600})]
+DESIGNS = [ARTICLE, article_design(detector={"sample_rate_hz": 20_000.0, "window_samples": 600})]
 GROUND_V = 3.3 * 44.2 / 99.1
 """Signal ground of that board, by its divider."""
 
@@ -65,7 +66,7 @@ def test_ramp_is_delayed_by_the_sum_of_the_time_constants():
 def test_converter_from_zero_has_one_sided_range():
     d = CONTROLLER.detector
     assert (d.adc_low_v, d.adc_range_v, d.adc_step_v) == (0.0, 3.3, 3.3 / 4096)
-    assert Design().detector.adc_step_v == 20 / 65536
+    assert ARTICLE.detector.adc_step_v == 20 / 65536
     assert AdcRange.from_design(CONTROLLER) == AdcRange(12, 0.0, 3.3)
     shifted = AdcRange.from_design(CONTROLLER).above_signal_ground(CONTROLLER)
     assert (shifted.low_v, shifted.high_v) == pytest.approx((-GROUND_V, 3.3 - GROUND_V))
@@ -98,4 +99,4 @@ def test_filtered_signal_is_sampled_around_the_signal_ground():
 def test_filtered_signal_of_another_supply_is_refused():
     scene = SceneFile(outputs=["sampled_filtered_v"])
     with pytest.raises(TraceError, match=r"board\.supply is split; use --set board\.supply=single_3v3"):
-        run_scene(Design(), scene, 0)
+        run_scene(ARTICLE, scene, 0)

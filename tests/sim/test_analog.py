@@ -12,22 +12,22 @@ import pytest
 
 from fingertip.board import board_values
 from fingertip.board.nets import FILTERED
-from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.jit import compiled
 from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode, compute_state_space
 from fingertip.sim.signal.envelope_loop import wright_omega
 from fingertip.sim.signal.exact_steps import augment, exponentials
 from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
+from tests.designs import ARTICLE, article_design
 from tests.oracles.filter_formulas import OPEN_LOOP_GAIN, filter_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
 from tests.oracles.ngspice import simulate_with_ngspice
 from tests.tools import require_tool
 
-DESIGN = Design()
+DESIGN = ARTICLE
 BOARD = AnalogBoard.from_design(DESIGN)
 STEP_S = 1 / 2000
-PRECISION = AnalogBoard.from_design(Design(board={"variant": "precision"}))
+PRECISION = AnalogBoard.from_design(article_design(board={"variant": "precision"}))
 STIFF_BOARDS = {
     "as fitted": BOARD,
     "Is 1e-14": replace(BOARD, diode=Diode(1e-14, 1.0)),
@@ -154,9 +154,9 @@ def test_error_falls_with_the_fourth_power_of_the_step():
     """The diode conducts nearly all the time, so that the stages of SDIRK4 determine the error."""
     t = np.arange(400) / 2000
     tone = 0.03 * np.sin(2 * np.pi * 120 * t)
-    exact = simulate_board(AnalogBoard.from_design(Design()), 1 / 2000, tone, 1e-11).envelope_v
+    exact = simulate_board(AnalogBoard.from_design(ARTICLE), 1 / 2000, tone, 1e-11).envelope_v
     coarse, fine = (
-        simulate_board(AnalogBoard.from_design(Design()), 1 / 2000, tone, tolerance) for tolerance in (1e-4, 1e-7)
+        simulate_board(AnalogBoard.from_design(ARTICLE), 1 / 2000, tone, tolerance) for tolerance in (1e-4, 1e-7)
     )
     assert min(run.implicit / run.steps for run in (coarse, fine)) > 0.8
     errors = [np.abs(run.envelope_v - exact).max() for run in (coarse, fine)]
@@ -331,7 +331,7 @@ def test_limiting_capacitor_reduces_the_gain_above_its_corner(series_f):
 @pytest.mark.parametrize("variant", ["article", "precision"])
 def test_state_equations_have_the_transfer_function_of_the_formulas(variant, gain_bandwidth_hz):
     """At 1 MHz the inputs' capacitance and the amplifiers' bandwidth determine the transfer function."""
-    design = Design(board={"variant": variant})
+    design = article_design(board={"variant": variant})
     board, values = AnalogBoard.from_design(design, gain_bandwidth_hz), board_values(design)
     system = compute_state_space(board)
     A, b, row = system.A[0], system.b[0], system.rows[FILTERED][0]
@@ -359,7 +359,7 @@ def test_finite_gain_bandwidth_changes_the_output_by_a_bounded_amount():
 @pytest.mark.parametrize("variant", ["article", "precision"])
 def test_finite_gain_bandwidth_agrees_with_its_formula(variant, gain_bandwidth_hz):
     """Both stages have amplifiers of finite gain and inputs with a capacitance; variant precision has C14 and C20."""
-    design = Design(board={"variant": variant})
+    design = article_design(board={"variant": variant})
     board, values = AnalogBoard.from_design(design, gain_bandwidth_hz), board_values(design)
     step = 1 / 32_000
     time = np.arange(64_000) * step

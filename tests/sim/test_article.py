@@ -9,7 +9,6 @@ import sys
 import numpy as np
 import pytest
 
-from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import SURFACES, SceneFile, Trial, run_scene, simulate
 from fingertip.sim.contact.pad import Pad
@@ -18,8 +17,9 @@ from fingertip.sim.scene.timeline import build_timeline
 from fingertip.sim.signal.board_output import compute_bridge_v
 from fingertip.slip import detect
 from fingertip.slip.traces.csv_file import to_csv
+from tests.designs import ARTICLE, article_design
 
-DESIGN = Design()
+DESIGN = ARTICLE
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +111,7 @@ def test_same_seed_gives_the_same_bytes_in_fresh_processes(tmp_path):
     code = (
         "import hashlib; from fingertip.design import Design; from fingertip.sim import *\n"
         "from fingertip.slip.traces.csv_file import to_csv\n"
-        "print(hashlib.sha256(to_csv(simulate(Design(), Trial(seed=7)))).hexdigest())"
+        "print(hashlib.sha256(to_csv(simulate(ARTICLE, Trial(seed=7)))).hexdigest())"
     )
     runs = {
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout for _ in "ab"
@@ -123,7 +123,7 @@ def test_same_seed_gives_the_same_bytes_in_fresh_processes(tmp_path):
 
 @pytest.mark.parametrize("rate", [1000.0, 3000.0, 10000.0])
 def test_onset_does_not_depend_on_the_sampling_rate(rate):
-    trace = simulate(Design(detector={"sample_rate_hz": rate}), Trial("gross", 0.04, 1.0, 3))
+    trace = simulate(article_design(detector={"sample_rate_hz": rate}), Trial("gross", 0.04, 1.0, 3))
     assert trace.time_s[trace.slip][0] == pytest.approx(1.8831, abs=0.003)
 
 

@@ -12,7 +12,6 @@ import pytest
 from typer.testing import CliRunner
 
 from fingertip.cli import app
-from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.jit import compiled
 from fingertip.sim import run_scene
@@ -27,9 +26,10 @@ from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_board, simulate_boards
 from fingertip.sim.signal.monte_carlo import draw_boards
 from tests.conftest import run_fingertip
+from tests.designs import ARTICLE, article_design
 from tests.tools import require_tool
 
-DESIGN = Design()
+DESIGN = ARTICLE
 ZERO = np.zeros(3)
 
 
@@ -331,7 +331,7 @@ def test_compiled_trial_has_the_bits_of_the_plain_one():
 
 @pytest.mark.parametrize(("variant", "count"), [("article", 10), ("precision", 15)])
 def test_drawn_boards_lie_within_their_tolerances(variant, count):
-    nominal = AnalogBoard.from_design(Design(board={"variant": variant}))
+    nominal = AnalogBoard.from_design(article_design(board={"variant": variant}))
     many, few = draw_boards(nominal, 500, 3).components, draw_boards(nominal, 20, 3).components
     assert len(many) == count
     for name, value in nominal.components.items():

@@ -10,16 +10,16 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.spice import spice_deck
-from fingertip.design import Design
 from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.errors import TraceError
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.comparator import Comparator, simulate_comparator
 from fingertip.sim.signal.filter_board import simulate_board
+from tests.designs import ARTICLE, article_design
 from tests.tools import require_tool
 
-DESIGN = Design(board={"variant": "comparator"})
+DESIGN = article_design(board={"variant": "comparator"})
 BOARD = AnalogBoard.from_design(DESIGN)
 STEP_S = 1 / 2000
 PLAIN = Comparator(0.015, 0.02, 0.015)
@@ -81,7 +81,7 @@ def test_netlist_in_ngspice_switches_at_the_same_moments(supply, tmp_path):
     """The deck has real diodes, amplifiers of 3 MHz and a switch; a source replaces its bridge."""
     voltage = np.concatenate((np.full(700, 4.3), slip_voltage()))  # ngspice takes 0.35 s to settle
     program = require_tool("ngspice", "run `sh .ci/install-ngspice` as root on Debian, or install ngspice")
-    design = Design(board={"variant": "comparator", "supply": supply})
+    design = article_design(board={"variant": "comparator", "supply": supply})
     values = board_values(design)
     ground = "v(vmid)" if supply == "single" else "0"
     deck = spice_deck(board_circuit(values), find_gain_bandwidth_hz(design.board), 5.0).decode()
@@ -128,7 +128,7 @@ def test_scene_outputs_the_slip_pin_only_for_boards_that_have_one():
         with pytest.raises(
             TraceError, match=r"outputs: 'slip_pin_v' .* this design's variant is article; use --set board\.variant"
         ):
-            run(Design(), scene)
+            run(ARTICLE, scene)
 
 
 @pytest.mark.parametrize(
@@ -149,7 +149,7 @@ def test_impossible_comparators_are_refused(values, message):
 def test_invalid_input_is_reported():
     with pytest.raises(TraceError) as caught:
         simulate_comparator(
-            PLAIN, AnalogBoard.from_design(Design()), STEP_S, np.zeros(5), np.array([0.0, math.nan, 0, 0, 0])
+            PLAIN, AnalogBoard.from_design(ARTICLE), STEP_S, np.zeros(5), np.array([0.0, math.nan, 0, 0, 0])
         )
     assert "envelope_v: nan at sample 1" in str(caught.value)
     assert "board.rectifier: 'diode' has no comparator behind it" in str(caught.value)

@@ -12,11 +12,12 @@ from fingertip.sim.randomness import open_stream
 from fingertip.sim.signal.board_noise import compute_input_noise_v, compute_noise_gain
 from fingertip.sim.signal.board_output import simulate_quiescent_level, simulate_replay_level
 from fingertip.sim.signal.converter import AdcRange, sample_v
+from tests.designs import ARTICLE, article_design
 
 CONSTANT_FORCE = {"hold": {"mode": "grasp", "min_force_n": 1.0, "max_force_n": 1.0, "min_s": 20.0, "release": False}}
 SETTLED = 4000
 """Number of samples after which the grasp is closed and the filter settled."""
-DESIGN = Design()
+DESIGN = ARTICLE
 
 
 def simulate_hold(design: Design, *outputs: str, **sensing) -> dict[str, np.ndarray]:
@@ -29,7 +30,7 @@ def simulate_hold(design: Design, *outputs: str, **sensing) -> dict[str, np.ndar
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
 def test_simulated_board_is_as_noisy_as_its_noise_budget(variant, supply):
     """ngspice's noise analysis confirms the budget (tests/board/test_noise.py)."""
-    design = Design(board={"variant": variant, "supply": supply})
+    design = article_design(board={"variant": variant, "supply": supply})
     budget = add_noise(board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board)).total_v("FILTERED")
     assert budget == pytest.approx({"article": 18.6e-3, "precision": 5.65e-3, "comparator": 5.65e-3}[variant], rel=0.1)
     filtered = simulate_hold(design, "filtered_v")["filtered_v"]
@@ -40,7 +41,9 @@ def test_simulated_board_is_as_noisy_as_its_noise_budget(variant, supply):
     ("rate_hz", "cutoff_hz"), [(1000.0, 67.0), (2000.0, 30.0), pytest.param(20000.0, 150.0, marks=pytest.mark.slow)]
 )
 def test_noise_budget_holds_at_every_rate_and_cutoff(rate_hz, cutoff_hz):
-    design = Design(detector={"sample_rate_hz": rate_hz}, board={"variant": "precision", "cutoff_hz": cutoff_hz})
+    design = article_design(
+        detector={"sample_rate_hz": rate_hz}, board={"variant": "precision", "cutoff_hz": cutoff_hz}
+    )
     budget = add_noise(board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board)).total_v("FILTERED")
     filtered = simulate_hold(design, "filtered_v")["filtered_v"]
     assert np.std(filtered) == pytest.approx(budget, rel=0.05)
@@ -65,14 +68,16 @@ def test_adc_adds_its_noise_behind_the_gain():
 
 
 def test_signals_are_constant_without_noise():
-    quiet = simulate_hold(Design(board={"variant": "precision"}), "tactile_v", "filtered_v", "envelope_v", noise=False)
+    quiet = simulate_hold(
+        article_design(board={"variant": "precision"}), "tactile_v", "filtered_v", "envelope_v", noise=False
+    )
     for name, column in quiet.items():
         assert np.ptp(column) < 1e-6, name
 
 
 def test_adc_does_not_affect_the_board():
     """An ADC without noise does not change a bit of the board's output."""
-    better = Design(detector={"noise_v": 0.0})
+    better = article_design(detector={"noise_v": 0.0})
     assert np.array_equal(
         simulate_hold(DESIGN, "envelope_v")["envelope_v"],
         simulate_hold(better, "envelope_v")["envelope_v"],
@@ -81,7 +86,7 @@ def test_adc_does_not_affect_the_board():
 
 @pytest.mark.parametrize("variant", ["article", "precision"])
 def test_quiescent_level_is_that_of_a_scene_with_constant_force(variant):
-    design = Design(board={"variant": variant})
+    design = article_design(board={"variant": variant})
     level = simulate_quiescent_level(design)
     envelope_v = sample_v(design, simulate_hold(design, "envelope_v")["envelope_v"], open_stream(2, "test"))
     width = design.detector.window_samples
@@ -92,5 +97,5 @@ def test_quiescent_level_is_that_of_a_scene_with_constant_force(variant):
 
 def test_recorded_voltage_carries_the_adc_noise_into_the_board():
     """The board amplifies it 68 times, so that the threshold has to be higher than behind the board itself."""
-    design = Design(board={"variant": "precision"})
+    design = article_design(board={"variant": "precision"})
     assert simulate_replay_level(design).threshold_v > 3 * simulate_quiescent_level(design).threshold_v

@@ -9,7 +9,6 @@ import tomllib
 import numpy as np
 import pytest
 
-from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim import SceneFile, Trial, run_scene, simulate
 from fingertip.sim.scene.run import SceneRun
@@ -17,8 +16,9 @@ from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.slip import detect
 from tests.conftest import ROOT, run_fingertip
+from tests.designs import ARTICLE, article_design
 
-DESIGN = Design()
+DESIGN = ARTICLE
 ALL = sorted((ROOT / "params" / "scenes").glob("*.toml"))
 SCENES = [path for path in ALL if path.stem != "real_manipulation"]  # a manipulation: test_manipulation.py
 NOT_SLIP = {"contact", "release", "load_change", "hard_tap", "motor_vibration", "drift", "cable_touch"}
@@ -68,7 +68,7 @@ def test_bridge_of_the_design_gives_nearly_the_voltages_of_the_article():
     assert voltages["article"] == pytest.approx(4.0, abs=1e-3)
     assert voltages["board"] == pytest.approx(4.0, abs=0.02)
     other = run_scene(
-        Design(board={"series": "E12"}), scene.model_copy(update={"sensing": load_scene("contact").sensing})
+        article_design(board={"series": "E12"}), scene.model_copy(update={"sensing": load_scene("contact").sensing})
     )
     assert abs(other.columns["voltage_v"][-200:].mean() - voltages["board"]) > 1e-3  # other components, other voltage
 
@@ -130,7 +130,10 @@ def test_cable_touch_changes_the_voltage_only():
 def test_jitter_error_is_proportional_to_the_slope():
     steady = {"hold.min_force_n": 1.0, "hold.max_force_n": 1.0}
     runs = [
-        run_scene(Design(detector={"noise_v": 0.0}), load_scene("load_change", **steady | {"sensing.jitter_s": jitter}))
+        run_scene(
+            article_design(detector={"noise_v": 0.0}),
+            load_scene("load_change", **steady | {"sensing.jitter_s": jitter}),
+        )
         for jitter in (0.0, 1e-5)
     ]
     start = held_s(load_scene("load_change"))

@@ -22,6 +22,7 @@ from fingertip.sim import (
 from fingertip.sim.scene.run import SceneRecord
 from fingertip.slip.intervals import SlipCollector, intervals
 from tests.conftest import ROOT, design_file
+from tests.designs import ARTICLE
 
 SCENES = ROOT / "params" / "scenes"
 
@@ -143,16 +144,16 @@ def test_load_change_that_ends_the_contact_names_a_remedy_that_works():
     ],
 )
 def test_converter_that_clips_the_voltage_is_reported(changes, warning):
-    found = [*load_simulation("sliding_finger", "fsr400", changes=changes).find_warnings()]
+    found = [*load_simulation("sliding_finger", "article", changes=changes).find_warnings()]
     assert len(found) == (warning is not None)
     assert warning is None or warning in found[0]
 
 
 def test_range_up_to_the_named_voltage_does_not_clip():
-    simulation = load_simulation("sliding_finger", changes=["converter.bits=12", "converter.high_v=3.3"])
+    simulation = load_simulation("sliding_finger", "article", changes=["converter.bits=12", "converter.high_v=3.3"])
     (warning,) = simulation.find_warnings()
     named = re.search(r"converter\.high_v=([0-9.]+)\.$", warning).group(1)
-    wide = load_simulation("sliding_finger", changes=["converter.bits=12", f"converter.high_v={named}"])
+    wide = load_simulation("sliding_finger", "article", changes=["converter.bits=12", f"converter.high_v={named}"])
     assert not [*wide.find_warnings()]
     volts = wide.run().columns["voltage_v"]
     assert volts.max() < float(named) - 5 / 2**12
@@ -172,7 +173,7 @@ def test_list_of_words_needs_no_quotes():
 
 
 def test_values_of_a_wrong_type_are_refused_with_an_example():
-    design, scene, hand = Design(), SceneFile(), ManipulationFile()
+    design, scene, hand = ARTICLE, SceneFile(), ManipulationFile()
     with pytest.raises(TraceError, match=r"scene: is .*ManipulationFile; give a SceneFile, such as SceneFile\.load"):
         run_scene(design, hand)
     with pytest.raises(TraceError, match=r"scene: is .*SceneFile; give a ManipulationFile"):
@@ -191,4 +192,4 @@ def test_controller_that_commands_millimetres_is_refused():
             return observation.planned_m * 1000
 
     with pytest.raises(TraceError, match=r"return closings in metres, at most 0\.5 m"):
-        run_manipulation(Design(), ManipulationFile(grasp={"kind": "pinch"}), InMillimetres())
+        run_manipulation(ARTICLE, ManipulationFile(grasp={"kind": "pinch"}), InMillimetres())

@@ -20,7 +20,7 @@ def run(*words, lines=None):
 def burst(rate: float = 2000.0) -> tuple[np.ndarray, np.ndarray]:
     """One second with slip from 0.5 to 0.7 s."""
     t = np.arange(int(rate)) / rate
-    volts = 4.0 + np.random.default_rng(1).normal(0, 4e-4, len(t))
+    volts = 2.3 + np.random.default_rng(1).normal(0, 4e-4, len(t))
     return t, volts + 0.01 * np.sin(2 * np.pi * 90 * t) * ((t >= 0.5) & (t < 0.7))
 
 

@@ -16,16 +16,16 @@ from fingertip.sim.signal.board_output import SimulatedBoardDetector, simulate_e
 from fingertip.slip import Trace, detect, make_detector
 from tests.slip.recordings import ONSET, T, V, csv, run, single_onset
 
-PRECISION = ("--set", "board.variant=precision")
+ARTICLE_DESIGN = ("--design", "article")
 
 
 def test_the_board_is_simulated_for_a_recording_without_envelope(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
-    done = run("detect", tmp_path / "t.csv", "--detector", "analog", *PRECISION, "--json")
+    done = run("detect", tmp_path / "t.csv", "--detector", "analog", "--json")
     assert single_onset(done) == pytest.approx(ONSET, abs=0.006)
     assert "has no column envelope_v: simulating the design's board for the column voltage_v" in done.stderr
     # A burst of 10 mV hardly opens a diode without bias, and the noise does not open it.
-    closed = run("detect", tmp_path / "t.csv", "--detector", "analog", "--json")
+    closed = run("detect", tmp_path / "t.csv", "--detector", "analog", *ARTICLE_DESIGN, "--json")
     assert json.loads(closed.stdout)["noise_threshold_v"] == pytest.approx(20 / 65536, abs=1e-6)
     # No lower threshold is recommended: offsets and leakage raise a real board's quiescent output.
     assert "times the noise-derived threshold" not in closed.stderr
@@ -34,10 +34,10 @@ def test_the_board_is_simulated_for_a_recording_without_envelope(tmp_path):
 def test_a_recorded_envelope_is_used(tmp_path):
     envelope = np.where((T >= 0.5) & (T < 0.7), 0.2, 0.001)
     np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, envelope_v=envelope)
-    done = run("detect", tmp_path / "t.npz", "--detector", "analog", "--json")
+    done = run("detect", tmp_path / "t.npz", "--detector", "analog", *ARTICLE_DESIGN, "--json")
     assert "simulating" not in done.stderr
     assert single_onset(done) == 0.5 + 4 / 2000  # five of sixty samples of 0.2 V: 17.6 mV
-    quiet = run("detect", tmp_path / "t.npz", "--detector", "analog", "--calibrate", "0:0.4", "--json")
+    quiet = run("detect", tmp_path / "t.npz", "--detector", "analog", "--calibrate", "0:0.4", *ARTICLE_DESIGN, "--json")
     assert json.loads(quiet.stdout)["threshold_v"] == pytest.approx(0.001 + 20 / 65536, abs=1e-4)
     assert (
         "covers 600 samples" in run("detect", tmp_path / "t.npz", "--detector", "analog", "--calibrate", "0:0.3").stderr
@@ -45,17 +45,26 @@ def test_a_recorded_envelope_is_used(tmp_path):
     # A recording that contains only the board's output.
     (tmp_path / "e.csv").write_text(csv(T, envelope, header=("time_s", "AI1")))
     both = ("--column", "voltage_v=AI1", "--column", "envelope_v=AI1")
-    assert single_onset(run("detect", tmp_path / "e.csv", "--detector", "analog", *both, "--json")) == 0.502
+    assert (
+        single_onset(run("detect", tmp_path / "e.csv", "--detector", "analog", *both, *ARTICLE_DESIGN, "--json"))
+        == 0.502
+    )
     # The same recording as a stream.
     lines = run(
-        "detect", "-", "--detector", "analog", "--json", lines=csv(T, envelope, header=("time_s", "envelope_v"))
+        "detect",
+        "-",
+        "--detector",
+        "analog",
+        "--json",
+        *ARTICLE_DESIGN,
+        lines=csv(T, envelope, header=("time_s", "envelope_v")),
     )
     assert json.loads(lines.stdout)["transitions"][0] == {"on": True, "time_s": 0.502}
 
 
 def test_a_stream_on_a_simulated_board_gives_the_same_transitions_as_the_file(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
-    words = ("--detector", "analog", *PRECISION, "--json")
+    words = ("--detector", "analog", "--json")
     whole = json.loads(run("detect", tmp_path / "t.csv", *words).stdout)["intervals"]
     done = run("detect", "-", *words, lines=csv(T, V))
     assert "simulating the design's board" in done.stderr
@@ -86,7 +95,7 @@ def test_a_simulated_board_gives_the_same_bits_in_any_chunks_even_if_pickled(siz
 def test_a_force_passes_the_simulated_bridge(tmp_path):
     force = 1.0 + 0.05 * np.sin(2 * np.pi * 90 * T) * ((T >= 0.5) & (T < 0.7))
     (tmp_path / "t.csv").write_text(csv(T, force, header=("time_s", "force_n")))
-    words = ("--column", "voltage_v=force_n", "--detector", "analog", *PRECISION, "--json")
+    words = ("--column", "voltage_v=force_n", "--detector", "analog", "--json")
     assert 0.5 < single_onset(run("detect", tmp_path / "t.csv", *words)) < 0.52
 
 

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from fingertip.cli import app
 
-GOOD = [f"{i / 2000:.4f},4.0,0.8,0" for i in range(200)]
+GOOD = [f"{i / 2000:.4f},2.3,0.8,0" for i in range(200)]
 HEADER = "time_s,voltage_v,force_n,slip"
 
 
@@ -37,16 +37,20 @@ def edit(changes):
     return lines
 
 
+ARTICLE = ("--design", "article")
+
+
 @pytest.mark.parametrize("surface", ["smooth", "medium", "gross", "wood", "paper", "plastic"])
 def test_slip_of_a_simulated_trace_is_detected(tmp_path, surface):
     out = tmp_path / "new" / "trace.csv"
-    done = run("simulate", "--out", out, "--surface", surface, "--force-n", 1.0, "--seed", 5, "--json", "--quiet")
+    words = ("--surface", surface, "--force-n", 1.0, "--seed", 5, "--json", "--quiet")
+    done = run("simulate", "article", "--out", out, *words)
     assert done.exit_code == 0
     simulated = json.loads(done.stdout)
     lines = out.read_text().splitlines()
     assert lines[0] == HEADER
     assert len(lines) == simulated["samples"] + 1
-    found = run("detect", out, "--json", "--quiet")
+    found = run("detect", out, *ARTICLE, "--json", "--quiet")
     assert found.exit_code == 0
     data = json.loads(found.stdout)
     assert data["slips"] == simulated["slips"]
@@ -59,25 +63,25 @@ def test_slip_of_a_simulated_trace_is_detected(tmp_path, surface):
     assert data["missed_slips"] == []
 
 
-CLIPPED = ("--set", "detector.adc_range_v=3.3", "--set", "board.supply=single", "--set", "board.variant=precision")
+CLIPPED = ("--set", "detector.adc_range_v=3.3", "--set", "board.supply=single", "--set", "board.supply_v=5")
 
 
 def test_simulate_and_detect_warn_of_a_clipped_voltage(tmp_path):
     done = run("simulate", "--out", tmp_path / "t.csv", *CLIPPED)
-    message = "warning: the tactile voltage, up to 4.36 V, is clipped: an ADC with a range of plus and minus 3.3 V"
+    message = "warning: the tactile voltage, up to 4.36 V, is clipped: an ADC with a range of 0 to 3.3 V"
     assert message in done.stderr
     assert "set detector.adc_range_v to at least 4.36" in done.stderr
     wide = run("simulate", "--out", tmp_path / "w.csv", *CLIPPED, "--set", "detector.adc_range_v=4.9")
     assert "clipped" not in wide.stderr
     found = run("detect", tmp_path / "t.csv", *CLIPPED)
-    assert "samples are at the limits of the ADC range, +/-3.3 V" in found.stderr
+    assert "samples are at the limits of the ADC range, 0 to 3.3 V" in found.stderr
     assert "Attenuate the signal before the ADC" in found.stderr
     assert "is a sensor connected?" not in found.stderr
     assert "limits of the ADC range" not in run("detect", tmp_path / "w.csv", *CLIPPED[2:]).stderr
 
 
 def test_detect_warns_if_every_sample_is_clipped(trace):
-    top = 10 - 20 / 65536
+    top = 3.3 - 3.3 / 4096
     found = run("detect", trace([f"{i / 2000:.4f},{top:.6f},0.8,0" for i in range(200)]))
     assert "all 200 samples are at the limits of the ADC range" in found.stderr
     assert "is a sensor connected?" not in found.stderr
@@ -185,7 +189,7 @@ def test_outputs_that_cannot_be_written_give_an_error(tmp_path, trace):
 
 
 def test_the_rule_for_the_sampling_rate_states_the_remedy():
-    done = run("simulate", "--set", "board.cutoff_hz=700", "--set", "board.envelope_capacitor_uf=0.1")
+    done = run("simulate", "article", "--set", "board.cutoff_hz=700", "--set", "board.envelope_capacitor_uf=0.1")
     assert done.exit_code == 2
     assert "detector.sample_rate_hz: 2000 Hz is too slow for board.cutoff_hz of 700 Hz; at least 2800 Hz" in done.stderr
 

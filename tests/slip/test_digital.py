@@ -22,9 +22,10 @@ from fingertip.slip.detectors.noise import (
     settings_warnings,
     threshold_warnings,
 )
+from tests.designs import ARTICLE
 from tests.oracles.chain_response import analog_response, digital_response
 
-SETTINGS = ChainSettings.from_design(Design())
+SETTINGS = ChainSettings.from_design(ARTICLE)
 FIELDS = ("filtered_v", "envelope_v", "mean_v", "on")
 
 
@@ -123,21 +124,22 @@ def test_running_sum_does_not_accumulate_rounding_errors():
     assert abs(out.mean_v[-1]) < 1e-15
 
 
-def test_noise_level_matches_simulated_noise():
-    design = Design()
+@pytest.mark.parametrize("design", [ARTICLE, Design()])
+def test_noise_level_matches_simulated_noise(design):
     level = noise_level(design)
     rng = np.random.default_rng(3)
-    step = 20 / 65536
-    noise = np.round((4.3 + rng.normal(0, design.detector.noise_v, 200_000)) / step) * step
+    step = design.detector.adc_step_v
+    noise = np.round((2.5 * step + rng.normal(0, design.detector.noise_v, 200_000)) / step) * step
     means = SlipChain(ChainSettings.from_design(design)).process(noise).mean_v[200:]
     assert means.mean() == pytest.approx(level.mean_v, rel=0.03)
     assert means.std() == pytest.approx(level.deviation_v, rel=0.10)
     assert means.max() < level.threshold_v
 
 
-def test_default_threshold_is_the_rounded_noise_derived_threshold():
-    derived_v = noise_level(Design()).threshold_v
-    assert Design().detector.threshold_v == math.ceil(derived_v * 1000) / 1000
+@pytest.mark.parametrize("design", [ARTICLE, Design()])
+def test_default_threshold_is_the_rounded_noise_derived_threshold(design):
+    derived_v = noise_level(design).threshold_v
+    assert design.detector.threshold_v == math.ceil(derived_v * 1000) / 1000
 
 
 def test_threshold_within_the_noise_gives_a_warning():
@@ -168,9 +170,9 @@ def test_unsuitable_settings_give_a_warning():
     assert list(settings_warnings(Design())) == []
     (low,) = settings_warnings(Design(board={"cutoff_hz": 40.0}))
     assert "cutoff_hz of 40 Hz passes contacts and changes of grip" in low
-    (coarse,) = settings_warnings(Design(detector={"adc_bits": 12}))
-    assert "steps of 4.88 mV" in coarse
-    assert "noise of 0.4 mV" in coarse
+    (coarse,) = settings_warnings(Design(detector={"adc_bits": 10}))
+    assert "steps of 3.22 mV" in coarse
+    assert "noise of 0.5 mV" in coarse
     (short,) = settings_warnings(Design(detector={"sample_rate_hz": 10000.0}))
     assert list(settings_warnings(Design(detector={"sample_rate_hz": 10000.0}), "fast")) == []
     assert "is 6 ms" in short

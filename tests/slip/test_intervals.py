@@ -99,7 +99,7 @@ def test_number_of_slips_does_not_depend_on_the_detector():
 def make_burst(length: int = 4000, start: int = 2000, stop: int = 3000) -> Trace:
     time = np.arange(length) / 2000
     slip = (np.arange(length) >= start) & (np.arange(length) < stop)
-    voltage = 4.0 + np.where(slip, 0.01 * np.sin(2 * np.pi * 90 * time), 0.0)
+    voltage = 2.3 + np.where(slip, 0.01 * np.sin(2 * np.pi * 90 * time), 0.0)
     return Trace(time, voltage, None, slip)
 
 

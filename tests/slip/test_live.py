@@ -33,8 +33,8 @@ def test_an_invalid_line_ends_the_stream_after_the_transitions_before_it():
         ("1500", "line 1500: has 1 cells, but the header has 2"),
         ("0.749,nan", "line 1500: nan is not a finite number"),
         ("0.749,4 V", "line 1500: '4 V' is not a number"),
-        ("0.8,4.0", "line 1500: 0.8 s is 0.0515 s after the previous sample"),
-        ("0.7485,4.0", "line 1500: 0.7485 s is 0 s after the previous sample"),
+        ("0.8,2.3", "line 1500: 0.8 s is 0.0515 s after the previous sample"),
+        ("0.7485,2.3", "line 1500: 0.7485 s is 0 s after the previous sample"),
     ):
         edited = [*lines[:1499], invalid, *lines[1500:]]
         done = run("detect", "-", lines="\n".join(edited))
@@ -65,16 +65,16 @@ def test_jitter_is_accepted_and_a_change_of_rate_is_not():
     t, v = burst()
     jittered = t + np.random.default_rng(2).uniform(-1e-4, 1e-4, len(t))
     assert run("detect", "-", lines=csv(jittered, v)).exit_code == 0
-    t, v = np.concatenate((t, t[-1] + np.arange(1, 8000) / 2040)), np.full(9999, 4.0)
+    t, v = np.concatenate((t, t[-1] + np.arange(1, 8000) / 2040)), np.full(9999, 2.3)
     done = run("detect", "-", lines=csv(t, v))  # 2 % faster from the first second on
     assert "the detector is designed for 2000 Hz" in done.stderr
 
 
 def test_voltages_outside_the_adc_range_give_an_error():
     for v, message in (
-        (np.round(V / 20 * 65536), "line 2: 13108 exceeds the ADC range of +/-10 V; the values are whole numbers"),
-        (1000 * V, "exceeds the ADC range of +/-10 V; use --scale if the column is not in volts"),
-        (np.where(T < 0.1, V, 11.0), "line 202: 11 exceeds the ADC range of +/-10 V; use --scale"),
+        (np.round(V / 3.3 * 4096), "line 2: 2855 exceeds the ADC range of 0 to 3.3 V; the values are whole numbers"),
+        (1000 * V, "exceeds the ADC range of 0 to 3.3 V; use --scale if the column is not in volts"),
+        (np.where(T < 0.1, V, 11.0), "line 202: 11 exceeds the ADC range of 0 to 3.3 V; use --scale"),
     ):
         done = run("detect", "-", lines=csv(T, v))
         assert done.exit_code == 2

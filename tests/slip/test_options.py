@@ -37,10 +37,10 @@ def test_a_force_is_detected_with_thresholds_from_a_quiet_part(tmp_path):
 
 
 def test_adc_counts_are_converted_by_the_suggested_scale(tmp_path):
-    (tmp_path / "t.csv").write_text(csv(T, np.round(V / 20 * 65536)))
+    (tmp_path / "t.csv").write_text(csv(T, np.round(V / 3.3 * 4096)))
     words = ("detect", tmp_path / "t.csv", "--json")
-    assert "--scale 0.00030517578 converts counts to volts" in run(*words).stderr
-    assert single_onset(run(*words, "--scale", 0.00030517578)) == pytest.approx(ONSET, abs=0.003)
+    assert "--scale 0.00080566406 converts counts to volts" in run(*words).stderr
+    assert single_onset(run(*words, "--scale", 0.00080566406)) == pytest.approx(ONSET, abs=0.003)
 
 
 def test_a_quiet_part_in_which_something_happens(tmp_path):
@@ -96,10 +96,10 @@ def test_detect_file_in_python_gives_the_result_of_the_command(tmp_path):
 
 
 def test_detect_file_in_python_returns_warnings(tmp_path):
-    (tmp_path / "t.csv").write_text(csv(T, np.full(len(T), 4.0)))
+    (tmp_path / "t.csv").write_text(csv(T, np.full(len(T), 2.3)))
     design = Design(detector={"threshold_v": 0.001})
     constant, threshold = fingertip.detect_file(tmp_path / "t.csv", design).warnings
-    assert constant == "the voltage is constant at 4 V; is a sensor connected?"
+    assert constant == "the voltage is constant at 2.3 V; is a sensor connected?"
     assert "is below the mean noise level" in threshold
 
 
@@ -139,7 +139,7 @@ def test_calibration_on_any_interval(tmp_path):
     """Noise that begins with the grasp is calibrated there: an interval in the air gives a lower threshold."""
     rng = np.random.default_rng(8)
     t = np.arange(12_000) / 2000
-    volts = 4.3 + rng.normal(0, 4e-4, len(t)) + (t > 3.0) * (rng.normal(0, 1.2e-3, len(t)) - 0.3)
+    volts = 2.6 + rng.normal(0, 4e-4, len(t)) + (t > 3.0) * (rng.normal(0, 1.2e-3, len(t)) - 0.3)
     (tmp_path / "t.csv").write_text(csv(t, volts))
 
     def threshold_v(interval: str) -> float:

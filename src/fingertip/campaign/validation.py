@@ -14,6 +14,7 @@ from fingertip.campaign.report.tables import StudyResults
 from fingertip.campaign.requirements import Requirement, RequirementLimits, check_closed_loop, check_detection
 from fingertip.campaign.run import CampaignResult, run_campaign
 from fingertip.campaign.studies.acceleration_sensitivity import study_accelerations
+from fingertip.campaign.studies.article_board import study_article_board
 from fingertip.campaign.studies.article_figures import compute_spectra, study_windows
 from fingertip.campaign.studies.assumption_sensitivity import study_assumptions
 from fingertip.campaign.studies.board_variants import study_board_variants
@@ -162,6 +163,7 @@ def validate(
         accelerations=study_accelerations(design, trials),
         rates=study_sampling_rates(design, min(2 * STUDY_TRIALS, plan.trials)),
         boards=study_board_variants(design, trials),
+        article=study_article_board(design, plan, first_seed),
         motor=study_motor_discrimination(design, trials),
         knocks=study_knock_rejection(design),
         closed_loop=summaries,

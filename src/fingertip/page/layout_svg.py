@@ -10,6 +10,8 @@ from fingertip.page.kicad_text import first, is_hidden, lists, numbers, parse, p
 
 _MARGIN_MM = 1.0
 _ARC_STEPS = 8
+_SMALL_MM = 0.75
+"""Size of references that are not printed on the board [mm]."""
 _FRONT, _BACK, _PAD, _SILK = "var(--copper-front)", "var(--copper-back)", "var(--pad)", "var(--silk)"
 
 
@@ -166,11 +168,29 @@ def _reference(footprint: Expression) -> str:
 
 
 def _draw_names(footprint: Expression) -> list[Markup]:
+    """Draw the reference where it is printed, or small on the component itself if there was no room to print it."""
+    text = next((text for text in lists(footprint, "property") if words(text)[0] == "Reference"), None)
+    if text is None:
+        return []
+    x, y, angle = _place(footprint)
+    if word(text, "layer") == "F.SilkS" and not is_hidden(text):
+        return [_draw_text(words(text)[1], text, (x, y, angle))]
+    upright = _is_taller(footprint, angle)
+    at, transform = (_number(x), _number(y)), f"rotate(-90 {_number(x)} {_number(y)})" if upright else None
     return [
-        _draw_text(words(text)[1], text, _place(footprint))
-        for text in lists(footprint, "property")
-        if words(text)[0] == "Reference" and word(text, "layer") == "F.SilkS" and not is_hidden(text)
-    ]
+        element(
+            "text", words(text)[1], x=at[0], y=at[1], dy=_number(0.36 * _SMALL_MM), font_size=_number(_SMALL_MM),
+            text_anchor="middle", transform=transform,
+        )
+    ]  # fmt: skip
+
+
+def _is_taller(footprint: Expression, angle: float) -> bool:
+    """Return whether the pads of a footprint, as it is turned, stand above each other rather than side by side."""
+    centres = [numbers(first(pad, "at")) for pad in lists(footprint, "pad")]
+    spots = [turn(x, y, angle) for x, y, *_ in centres]
+    xs, ys = [x for x, _ in spots], [y for _, y in spots]
+    return bool(spots) and max(ys) - min(ys) > max(xs) - min(xs)
 
 
 def _draw_text(content: str, item: Expression, place: tuple[float, float, float]) -> Markup:

@@ -32,7 +32,7 @@ def describe_touches() -> str:
     """Describe which touches drive the filtered signal below the TL082's input range."""
     limit, beyond = FAST_PRESSES
     return (
-        f"in simulations of the default design a press to {limit.force_n:g} N takes the filtered signal to "
+        f"in simulations of the article's board a press to {limit.force_n:g} N takes the filtered signal to "
         f"{limit.min_filtered_v:.1f} V if the force rises within {1e3 * limit.rise_s:g} ms and to "
         f"{beyond.min_filtered_v:.1f} V within {1e3 * beyond.rise_s:g} ms, but only to "
         f"{SLOW_PRESS.min_filtered_v:.1f} V within {1e3 * SLOW_PRESS.rise_s:g} ms; a knock of {KNOCK.force_n:g} N "

@@ -13,6 +13,7 @@ from fingertip.campaign.report import robustness, wider_mix_table
 from fingertip.campaign.requirements import Requirement
 from fingertip.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
 from fingertip.campaign.studies.acceleration_sensitivity import ASSUMED_M_S2, AccelerationResult
+from fingertip.campaign.studies.article_board import ArticleBoardResult
 from fingertip.campaign.studies.article_figures import Spectrum, WindowResult
 from fingertip.campaign.studies.assumption_sensitivity import VariationResult
 from fingertip.campaign.studies.board_variants import BoardResult
@@ -68,6 +69,8 @@ class StudyResults:
     """Delays by sampling rate."""
     boards: Sequence[BoardResult]
     """Detector analog by board variant."""
+    article: Sequence[ArticleBoardResult]
+    """The same finger on the article's board and converter; empty if the design has them."""
     motor: Sequence[DiscriminationResult]
     """Discrimination of slip from a motor, by length of the segment."""
     knocks: Sequence[KnockResult]
@@ -129,6 +132,7 @@ def as_data(
         "acceleration_sensitivity": [_fields(row) for row in studies.accelerations],
         "sampling_rates": [_fields(row) for row in studies.rates],
         "board_variants": [_fields(row) for row in studies.boards],
+        "article_board": [_fields(row) for row in studies.article],
         "motor_discrimination": [_fields(row) for row in studies.motor],
         "knock_rejection": [_fields(row) for row in studies.knocks],
         "closed_loop": [
@@ -188,7 +192,12 @@ def _group(values: tuple[float, float, int]) -> dict[str, Any]:
 
 
 def _fields(
-    row: AccelerationResult | SamplingRateResult | BoardResult | DiscriminationResult | KnockResult,
+    row: AccelerationResult
+    | ArticleBoardResult
+    | BoardResult
+    | DiscriminationResult
+    | KnockResult
+    | SamplingRateResult,
 ) -> dict[str, Any]:
     """Fields of a row by name, rounded; an infinite delay is null."""
     return {k: _number(v) if isinstance(v, float) else v for k, v in asdict(row).items()}
@@ -268,6 +277,17 @@ def _study_tables(studies: StudyResults) -> list[str]:
         f"{100 * b.found_share:9.1f}% {_ms(b.median_s):>10} {_ms(b.p90_s):>10} {100 * b.below_30_ms:7.1f}% "
         f"{_ms(b.worst_mean_s):>12} {b.alarms_per_minute:12.2f}"
         for b in studies.boards
+    ]
+    if studies.article:
+        lines += [
+            "",
+            "the same finger on the article's board and converter (fingertip validate article has the details):",
+            f"{'detector':10} {'found':>8} {'median':>10} {'p90':>10} {'p90 from motion':>16} {'alarms/min':>12}",
+        ]
+    lines += [
+        f"{a.detector:10} {100 * a.found_share:7.1f}% {_ms(a.median_s):>10} {_ms(a.p90_s):>10} "
+        f"{_ms(a.motion_p90_s):>16} {a.alarms_per_minute:12.2f}"
+        for a in studies.article
     ]
     detectors = list(dict.fromkeys(row.detector for row in studies.accelerations))
     lines += ["", "median / 90th percentile of the delay [ms] by acceleration of the surface (* assumed);"]

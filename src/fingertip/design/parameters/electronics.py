@@ -1,4 +1,8 @@
-"""Parameters of the analog filter board and of slip detection. The defaults are the article's."""
+"""Parameters of the analog filter board and of slip detection.
+
+The defaults are a board for a controller of 3.3 V with the article's filter; the bundled design `article` has the
+article's own circuit, supply and converter.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +16,7 @@ class Board(ParameterTable):
     """Analog slip filter (article, eqs. 1 to 11 and figure 3)."""
 
     variant: Literal["article", "precision", "comparator"] = choice(
-        "article",
+        "precision",
         "article: the article's circuit; precision: no dead zone, one envelope pole; comparator: an ON/OFF output too.",
     )
     cutoff_hz: float = quantity(
@@ -64,12 +68,12 @@ class Board(ParameterTable):
         "joint: R1, R2, R3 that together deviate least from a Butterworth response; apart: each nearest to its ideal.",
     )
     supply: Literal["split", "single", "single_3v3"] = choice(
-        "split",
+        "single_3v3",
         "split: plus and minus supply_v; single: supply_v alone, with signals around a buffered half of it; "
         "single_3v3: the same for a controller, with all outputs from 0 to 3.3 V.",
     )
     supply_v: float = quantity(
-        5.0,
+        3.3,
         "V",
         "Supply voltage, or each half of a split supply: 5 to 6, or 3.1 to 3.6 with single_3v3.",
         minimum=3.1,
@@ -83,24 +87,24 @@ class Detector(ParameterTable):
     sample_rate_hz: float = quantity(2000.0, "Hz", "Sampling rate of the traces.", minimum=1000, maximum=20000)
     window_samples: int = quantity(60, "samples", "Length L of the averaging window.", minimum=1, maximum=10000)
     threshold_v: float = quantity(
-        0.017,
+        0.023,
         "V",
         "Threshold of the mean envelope above which slip is ON; default: its mean plus 6 standard deviations in noise.",
         above=0,
         maximum=10,
     )
     noise_v: float = quantity(
-        0.4e-3,
+        0.5e-3,
         "V",
-        "RMS noise of the sampled voltages without ADC quantisation; default: an NI 6002, as in the article.",
+        "RMS noise of the sampled voltages without ADC quantisation; default: 0.6 steps of 12 bits over 3.3 V.",
         minimum=0,
         maximum=1,
         verified=False,
     )
-    adc_bits: int = quantity(16, "bit", "Resolution of the ADC.", minimum=8, maximum=24)
-    adc_range_v: float = quantity(10.0, "V", "Upper end of the ADC's input range.", above=0, maximum=100)
+    adc_bits: int = quantity(12, "bit", "Resolution of the ADC.", minimum=8, maximum=24)
+    adc_range_v: float = quantity(3.3, "V", "Upper end of the ADC's input range.", above=0, maximum=100)
     adc_polarity: Literal["bipolar", "unipolar"] = choice(
-        "bipolar", "Input range of the ADC: plus and minus adc_range_v, or from 0 to it as in most microcontrollers."
+        "unipolar", "Input range of the ADC: plus and minus adc_range_v, or from 0 to it as in most microcontrollers."
     )
 
     @property
